@@ -1,0 +1,65 @@
+# One function, one target a folder.
+#
+#   oncollide_add_module(broadphase
+#       HEADERS kd_tree.hpp ...      public, installed, each compiled alone by the tests
+#       SOURCES kd_tree.cpp ...
+#       DEPENDS scenes               lower modules only
+#       LINK    Qhull::qhull_r)      private third-party libraries
+#
+# A module sees its own headers and those of the modules it depends on, as <oncollide/MODULE/x.hpp>, and no others:
+# each module's folder is linked into an include tree of its own, so including upward does not compile.
+
+set(ONCOLLIDE_LAYERS scenes broadphase narrowphase pipeline) # bottom first
+
+add_library(oncollide_flags INTERFACE)
+target_compile_features(oncollide_flags INTERFACE cxx_std_20)
+# No contraction: every path and every optimisation level must compute the same bits.
+target_compile_options(oncollide_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off
+                       $<$<CONFIG:Debug>:-DONCOLLIDE_ASSERTIONS>)
+
+function(oncollide_add_module name)
+  cmake_parse_arguments(arg "" "" "HEADERS;SOURCES;DEPENDS;LINK" ${ARGN})
+  list(FIND ONCOLLIDE_LAYERS ${name} layer)
+  foreach(dependency IN LISTS arg_DEPENDS)
+    list(FIND ONCOLLIDE_LAYERS ${dependency} below)
+    if(NOT below LESS layer)
+      message(FATAL_ERROR "${name} may not depend on ${dependency}: dependencies point down only (${ONCOLLIDE_LAYERS})")
+    endif()
+  endforeach()
+
+  set(include_tree ${PROJECT_BINARY_DIR}/include/${name})
+  file(MAKE_DIRECTORY ${include_tree}/oncollide)
+  file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${include_tree}/oncollide/${name} SYMBOLIC)
+
+  add_library(oncollide_${name} STATIC ${arg_SOURCES})
+  add_library(oncollide::${name} ALIAS oncollide_${name})
+  set_target_properties(oncollide_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  target_include_directories(oncollide_${name} PUBLIC
+    $<BUILD_INTERFACE:${include_tree}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(oncollide_${name} PUBLIC Eigen3::Eigen
+    PRIVATE $<BUILD_INTERFACE:oncollide_flags> OpenMP::OpenMP_CXX ${arg_LINK})
+  foreach(dependency IN LISTS arg_DEPENDS)
+    target_link_libraries(oncollide_${name} PUBLIC oncollide_${dependency})
+  endforeach()
+
+  set_property(TARGET oncollide_${name} PROPERTY ONCOLLIDE_PUBLIC_HEADERS ${arg_HEADERS})
+  install(TARGETS oncollide_${name} EXPORT oncollide ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(FILES ${arg_HEADERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/oncollide/${name})
+endfunction()
+
+# Compiles KERNEL once per instruction set: oncollide_add_kernel(TARGET kernel.cpp) builds it with ONCOLLIDE_ISA set to
+# baseline, avx2 and avx512. The kernel puts everything it defines in namespace ONCOLLIDE_ISA and shares no inline
+# function with the rest of the program: the linker must never hand AVX code to a machine without it.
+set(ONCOLLIDE_ISA_FLAGS_baseline)
+set(ONCOLLIDE_ISA_FLAGS_avx2 -mavx2 -mfma -mbmi -mbmi2 -mpopcnt)
+set(ONCOLLIDE_ISA_FLAGS_avx512 ${ONCOLLIDE_ISA_FLAGS_avx2} -mavx512f -mavx512vl -mavx512bw -mavx512dq)
+function(oncollide_add_kernel target source)
+  foreach(isa IN ITEMS baseline avx2 avx512)
+    get_filename_component(stem ${source} NAME_WE)
+    set(unit ${CMAKE_CURRENT_BINARY_DIR}/${stem}_${isa}.cpp)
+    file(CONFIGURE OUTPUT ${unit} CONTENT "#define ONCOLLIDE_ISA ${isa}\n#include \"${CMAKE_CURRENT_SOURCE_DIR}/${source}\"\n")
+    set_source_files_properties(${unit} PROPERTIES COMPILE_OPTIONS "-O2;${ONCOLLIDE_ISA_FLAGS_${isa}}"
+                                OBJECT_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${source})
+    target_sources(${target} PRIVATE ${unit})
+  endforeach()
+endfunction()

@@ -1,0 +1,55 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include <oncollide/scenes/aabb.hpp>
+
+namespace oncollide {
+
+// How a body moves. Time is counted in frames (a double), frame 0 being the scene's start.
+
+/// Stays at its pose.
+struct Still {};
+
+/// Passes through keys; before the first and after the last key it stands. Positions linear, rotations by slerp along
+/// the shorter arc. `time` ascends strictly.
+struct Keyed {
+    struct Key { double time; Eigen::Vector3d position; Eigen::Quaterniond rotation; };
+    std::vector<Key> keys;
+};
+
+/// Constant velocity (m a frame) and spin (rad a frame about a world axis through the body's origin, from its start
+/// pose), reflected at the walls: the body's origin stays inside them. Closed form: no drift over long runs.
+struct Drift {
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+    Eigen::Vector3d spin = Eigen::Vector3d::Zero(); ///< axis times rad a frame
+    Aabb walls;                                     ///< empty: no walls
+};
+
+/// Random walk: at frame f each coordinate gets step * (u01(seed + f, index, axis) - 0.5), then reflects at the walls.
+struct Jitter {
+    double step = 0;
+    std::uint64_t seed = 0, index = 0;
+    Aabb walls;
+};
+
+using Motion = std::variant<Still, Keyed, Drift, Jitter>;
+
+/// splitmix64 finaliser, and the uniform number in [0, 1) for (seed, index, k): the generator of every catalogue scene.
+std::uint64_t splitmix(std::uint64_t z);
+double u01(std::uint64_t seed, std::uint64_t index, std::uint64_t k);
+
+/// Reads a TUM trajectory: lines `t x y z qx qy qz qw`, t in seconds, `#` comments. Times become frames by
+/// `frames_per_second`, counted from the first line. Quaternions are normalised; `warnings` gets a line when one was off
+/// by more than 1e-6. Throws Error{no_input} or Error{bad_data} with path and line number.
+Keyed load_tum(const std::filesystem::path& path, double frames_per_second, std::vector<std::string>& warnings);
+
+/// The pose at frame `time` of a body that started at `start`. Jitter: use Mover, it needs its history.
+Eigen::Isometry3d pose_at(const Motion& motion, const Eigen::Isometry3d& start, double time);
+
+} // namespace oncollide

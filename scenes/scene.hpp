@@ -1,0 +1,88 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include <oncollide/scenes/aabb.hpp>
+#include <oncollide/scenes/mesh.hpp>
+#include <oncollide/scenes/motion.hpp>
+#include <oncollide/scenes/occupancy_map.hpp>
+#include <oncollide/scenes/shape.hpp>
+
+namespace oncollide {
+
+enum class BodyId : std::uint32_t {};
+enum class GeometryId : std::uint32_t {};
+constexpr std::uint32_t index(BodyId id) { return static_cast<std::uint32_t>(id); }
+constexpr std::uint32_t index(GeometryId id) { return static_cast<std::uint32_t>(id); }
+
+/// What a body is made of, in its own frame. Shared by its instances.
+struct Geometry {
+    std::string name;
+    std::variant<Mesh, Shape, OccupancyMap> data;
+    /// The entry of a scene file that makes this geometry again (JSON text: file, generator or shape); empty when made in code.
+    std::string recipe;
+};
+
+/// The exact box of a geometry in its own frame.
+Aabb bounds_of(const Geometry& geometry);
+
+/// What add_body needs to know of a body.
+struct BodyInit {
+    std::string name;
+    GeometryId geometry{};
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    Motion motion = Still{};
+    bool is_static = false;           ///< promises never to move; static-static pairs are never formed
+    std::uint32_t layer = 1;          ///< bits: the layers that the body is on
+    std::uint32_t mask = 0xffffffffu; ///< bits: the layers that the body collides with
+};
+
+/// Everything that exists: geometries, and bodies as columns indexed by BodyId.
+///
+/// Move a body by writing `poses` between frames. Bodies a and b may collide when
+/// (layer a & mask b) && (layer b & mask a) and not both are static.
+struct Scene {
+    std::string name;
+    int frames = 1; ///< how long the scene's motion is worth running
+    std::vector<Geometry> geometries;
+
+    std::vector<std::string> names;
+    std::vector<GeometryId> geometry;
+    std::vector<Eigen::Isometry3d> poses;       ///< current; rigid (rotation and translation), body frame to world
+    std::vector<Eigen::Isometry3d> start_poses; ///< at frame 0
+    std::vector<Motion> motions;
+    std::vector<std::uint8_t> is_static;
+    std::vector<std::uint32_t> layers, masks;
+
+    std::vector<std::string> warnings; ///< what loading put right (normalised quaternions, zero-area triangles)
+
+    std::size_t size() const { return names.size(); }
+
+    /// Throws Error{bad_data} when a geometry of that name exists.
+    GeometryId add(std::string geometry_name, std::variant<Mesh, Shape, OccupancyMap> data, std::string recipe = {});
+    /// Throws Error{bad_data} for a duplicate name, an unknown geometry, a pose that is not finite or not rigid, or a
+    /// static body with a motion.
+    BodyId add_body(BodyInit body);
+    /// The body of that name, if there is one.
+    std::optional<BodyId> find(std::string_view body) const;
+};
+
+/// Writes the poses of every moving body at frame `frame` (>= 0). Stateless but for Jitter, which walks on from the
+/// frame it was last asked for (and from the start when time runs backwards).
+class Mover {
+public:
+    void move(Scene& scene, int frame);
+
+private:
+    int last_frame_ = 0;
+    std::vector<std::uint32_t> moving_; ///< bodies with a motion, found on the first call
+    bool ready_ = false;
+};
+
+} // namespace oncollide

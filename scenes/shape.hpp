@@ -1,0 +1,34 @@
+#pragma once
+#include <variant>
+#include <vector>
+
+#include <oncollide/scenes/mesh.hpp>
+
+namespace oncollide {
+
+// Primitive shapes: solid, centred on their own origin, metres.
+struct Sphere { double radius; };
+struct Box { Eigen::Vector3d half; };
+struct Capsule { double radius, length; };  ///< along z; `length` is the cylinder's, without the caps; >= 0
+struct Cylinder { double radius, length; }; ///< along z
+struct ConvexHull { std::vector<Eigen::Vector3d> points; }; ///< at least four, not in a plane
+
+using Shape = std::variant<Sphere, Box, Capsule, Cylinder, ConvexHull>;
+
+/// Throws Error{bad_data} naming `name` and the wrong dimension: not finite, not positive, flat hull.
+void check_shape(const std::string& name, const Shape& shape);
+
+/// The exact box of the shape in its own frame.
+Aabb bounds_of(const Shape& shape);
+
+/// A convex closed mesh that encloses the shape.
+struct Enclosure {
+    Mesh mesh;             ///< outward orientation
+    double covering_error; ///< no point of `mesh` or its inside is farther than this from the shape (m)
+};
+
+/// Curved parts are tessellated so that the covering error is about 0.5 % of the radius; boxes and hulls are exact (0,
+/// or the hull's slack). Enclosing is certified with rounding included.
+Enclosure enclose(const Shape& shape);
+
+} // namespace oncollide
