@@ -51,14 +51,14 @@ endfunction()
 # baseline, avx2 and avx512. The kernel puts everything it defines in namespace ONCOLLIDE_ISA and shares no inline
 # function with the rest of the program: the linker must never hand AVX code to a machine without it.
 set(ONCOLLIDE_ISA_FLAGS_baseline)
-set(ONCOLLIDE_ISA_FLAGS_avx2 -mavx2 -mfma -mbmi -mbmi2 -mpopcnt)
+set(ONCOLLIDE_ISA_FLAGS_avx2 -mavx2 -mbmi -mbmi2 -mpopcnt)
 set(ONCOLLIDE_ISA_FLAGS_avx512 ${ONCOLLIDE_ISA_FLAGS_avx2} -mavx512f -mavx512vl -mavx512bw -mavx512dq)
 function(oncollide_add_kernel target source)
   foreach(isa IN ITEMS baseline avx2 avx512)
     get_filename_component(stem ${source} NAME_WE)
     set(unit ${CMAKE_CURRENT_BINARY_DIR}/${stem}_${isa}.cpp)
     file(CONFIGURE OUTPUT ${unit} CONTENT "#define ONCOLLIDE_ISA ${isa}\n#include \"${CMAKE_CURRENT_SOURCE_DIR}/${source}\"\n")
-    set_source_files_properties(${unit} PROPERTIES COMPILE_OPTIONS "-O2;${ONCOLLIDE_ISA_FLAGS_${isa}}"
+    set_source_files_properties(${unit} PROPERTIES COMPILE_OPTIONS "-O2;-Wno-psabi;${ONCOLLIDE_ISA_FLAGS_${isa}}"
                                 OBJECT_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${source})
     target_sources(${target} PRIVATE ${unit})
   endforeach()

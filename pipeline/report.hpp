@@ -1,18 +1,30 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <iosfwd>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <oncollide/pipeline/pipeline.hpp>
 
 namespace oncollide {
 
-/// Collects frames and writes them out as JSON, CSV, a Chrome trace and a stage table.
+/// The version that results carry; a test holds it equal to the project's version in CMakeLists.txt.
+inline constexpr std::string_view version = "0.1.0";
+
+/// Throws Error{cannot_write} with the reason if `path` could not be written now; leaves nothing behind. Ask before
+/// long work. "-" is standard output.
+void check_writable(const std::filesystem::path& path);
+
+class OutputFile;
+
+/// Collects frames and writes them out as JSON, CSV, a Chrome trace, a stage table and a picture.
 /// Formats: docs/results.md. Files are written to a temporary name and renamed: whole or not at all.
 class Report {
 public:
+    /// Keeps references to both. Make it before the first step, and add every step: totals and hash are the pipeline's.
     /// @param separate  also keep the pairs that were found separate
     Report(const Scene& scene, const Pipeline& pipeline, bool separate = false);
 
@@ -24,27 +36,42 @@ public:
     void write_json(const std::filesystem::path& path) const;
     void write_csv(const std::filesystem::path& path) const;
     void write_trace(const std::filesystem::path& path) const;
-    /// The stage table: in, out, culled, undecided, ms per frame; then verdict counts, trees, hash.
-    void print_table(std::ostream& out) const;
     /// One picture: the stage funnel, and time per frame by stage. SVG.
     void write_picture(const std::filesystem::path& path) const;
+    /// The stage table: in, out, culled, undecided, ms per frame; then verdict counts, trees, hash.
+    void print_table(std::ostream& out) const;
+
+    /// Pairs of each verdict, indexed by Verdict, over all frames.
+    std::array<std::uint64_t, 4> verdicts() const;
 
 private:
-    struct Row { std::uint32_t a, b; Verdict verdict; std::uint8_t stage; double bound; };
+    struct Row {
+        std::uint32_t a, b;
+        Verdict verdict;
+        std::uint8_t stage;
+        double bound;
+    };
     struct FrameRow {
         std::uint64_t frame;
         double ms;
-        std::size_t first_pair, pairs;
-        std::uint64_t verdicts[4];
+        std::uint64_t hash;
+        std::size_t first_pair, pairs; ///< its part of rows_
+        std::array<std::uint64_t, 4> verdicts;
         TreeStats trees;
-        std::size_t first_stage; ///< into stage_ms_
+        std::size_t first_stage; ///< its part of stage_ms_, as long as Pipeline::stages()
     };
+    std::string title() const;
+    int threads() const; ///< what --threads 0 came to
+    void print_header(OutputFile& file) const;
+    void print_stages(OutputFile& file) const;
+    void print_frames(OutputFile& file) const;
+
     const Scene& scene_;
     const Pipeline& pipeline_;
     bool separate_, interrupted_ = false;
     std::vector<Row> rows_;
     std::vector<FrameRow> frames_;
-    std::vector<double> stage_ms_; ///< frames x stages
+    std::vector<double> stage_ms_;                ///< frames x stages, CPU time
     std::vector<DelimitationLevel> delimitation_; ///< summed over frames
 };
 

@@ -14,12 +14,14 @@ struct Hull {
 };
 
 /// Convex hull of finite `points` (at least one) by Qhull. Points that lie in a plane, on a line or in one spot, or that
-/// Qhull gives up on, return every point as a vertex, no triangles and slack 0: still a superset of the hull's vertices.
+/// Qhull gives up on (thinner than about 1e-10 of their size), return every point as a vertex, no triangles and slack 0:
+/// still a superset of the hull's vertices.
 ///
-/// The slack is proved after the fact, whatever Qhull did: with every point at most e outside the planes of the facets
-/// and an interior point at depth d under all of them, scaling towards it by d/(d+e) brings each point into the hull,
-/// so no point is farther out than e/d times the diagonal.
-/// Cost: O(n log n) expected, plus O(points * facets) for the proof on points that Qhull left out.
+/// The slack is proved after the fact, whatever Qhull did: each point that is no vertex is written as a combination of an
+/// inner point and the corners of the facet that it lies under, with shares >= 0 and a sum <= 1, so of a point certainly
+/// in the hull; what is missing to the point is the slack (rounding included). Facets are found by walking from one to
+/// the next. With every point a vertex it is 0.
+/// Cost: O(n log n) expected, plus the walks: O(points * sqrt(facets)), less for points in a mesh's order.
 Hull convex_hull(std::span<const Eigen::Vector3d> points);
 
 } // namespace oncollide

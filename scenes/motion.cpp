@@ -1,1 +1,165 @@
-// being written
+#include <oncollide/scenes/motion.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <oncollide/scenes/error.hpp>
+
+namespace oncollide {
+
+std::uint64_t splitmix(std::uint64_t z)
+{
+    z += 0x9E3779B97F4A7C15u;
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+    return z ^ (z >> 31);
+}
+
+double u01(std::uint64_t seed, std::uint64_t index, std::uint64_t k)
+{
+    return static_cast<double>(splitmix(splitmix(splitmix(seed) + index) + k) >> 11) * 0x1p-53;
+}
+
+namespace {
+
+using Eigen::Isometry3d;
+
+Isometry3d rigid(const Eigen::Vector3d& position, const Eigen::Matrix3d& rotation)
+{
+    Isometry3d pose = Isometry3d::Identity();
+    pose.linear() = rotation;
+    pose.translation() = position;
+    return pose;
+}
+
+/// Where x is after bouncing between the walls lo and hi: a triangle wave of period 2 (hi - lo). Exactly x between
+/// them.
+double reflected(double x, double lo, double hi)
+{
+    if (x >= lo && x <= hi) return x;
+    const double width = hi - lo;
+    if (width <= 0) return lo;
+    double phase = std::fmod(x - lo, 2 * width);
+    if (phase < 0) phase += 2 * width;
+    return std::clamp(phase <= width ? lo + phase : hi - (phase - width), lo, hi);
+}
+
+[[noreturn]] void fail(const std::string& name, const std::string& what)
+{
+    throw Error(ErrorKind::bad_data, fmt::format("{}: {}", name, what));
+}
+
+void check_numbers(const std::string& name, std::string_view what, const Eigen::Vector3d& v)
+{
+    constexpr double most = 1e15;
+    if (!(v.cwiseAbs().maxCoeff() <= most) || !v.allFinite())
+        fail(name, fmt::format("{} ({}, {}, {}): numbers must be finite and at most {} in size", what, v.x(), v.y(),
+                               v.z(), most));
+}
+
+void check_walls(const std::string& name, const Aabb& walls)
+{
+    if (walls.empty()) return;
+    check_numbers(name, "walls", walls.min);
+    check_numbers(name, "walls", walls.max);
+}
+
+void check(const std::string&, const Still&) {}
+
+void check(const std::string& name, const Drift& motion)
+{
+    check_numbers(name, "velocity", motion.velocity);
+    check_numbers(name, "spin", motion.spin);
+    check_walls(name, motion.walls);
+}
+
+void check(const std::string& name, const Jitter& motion)
+{
+    check_numbers(name, "step", {motion.step, 0, 0});
+    if (motion.step < 0) fail(name, fmt::format("step {}: must not be negative", motion.step));
+    check_walls(name, motion.walls);
+}
+
+void check(const std::string& name, const Keyed& motion)
+{
+    if (motion.keys.empty()) fail(name, "the motion has no key; give at least one");
+    for (std::size_t i = 0; i < motion.keys.size(); ++i) {
+        const Keyed::Key& key = motion.keys[i];
+        check_numbers(name, fmt::format("key {}: time", i), {key.time, 0, 0});
+        check_numbers(name, fmt::format("key {}: position", i), key.position);
+        if (i > 0 && !(motion.keys[i - 1].time < key.time))
+            fail(name, fmt::format("key {}: time {} does not come after the time before it, {}", i, key.time,
+                                   motion.keys[i - 1].time));
+        if (!(std::abs(key.rotation.norm() - 1) <= 1e-6))
+            fail(name, fmt::format("key {}: the quaternion's length is {}, it must be 1", i, key.rotation.norm()));
+    }
+}
+
+Isometry3d pose_of(const Keyed::Key& key)
+{
+    return rigid(key.position, key.rotation.normalized().toRotationMatrix());
+}
+
+Isometry3d pose_at(const Still&, const Isometry3d& start, double)
+{
+    return start;
+}
+
+Isometry3d pose_at(const Jitter&, const Isometry3d& start, double)
+{
+    return start;
+}
+
+Isometry3d pose_at(const Keyed& motion, const Isometry3d& start, double time)
+{
+    if (motion.keys.empty()) return start;
+    const auto next = std::upper_bound(motion.keys.begin(), motion.keys.end(), time,
+                                       [](double t, const Keyed::Key& key) { return t < key.time; });
+    if (next == motion.keys.begin()) return pose_of(motion.keys.front());
+    const Keyed::Key& from = *std::prev(next);
+    if (next == motion.keys.end() || time == from.time) return pose_of(from);
+    const double share = (time - from.time) / (next->time - from.time);
+    // Eigen's slerp takes the shorter arc; the product with 1/|q| keeps the matrix rigid to the last bits.
+    return rigid(from.position + share * (next->position - from.position),
+                 from.rotation.slerp(share, next->rotation).normalized().toRotationMatrix());
+}
+
+Isometry3d pose_at(const Drift& motion, const Isometry3d& start, double time)
+{
+    Eigen::Vector3d position = start.translation() + time * motion.velocity;
+    if (!motion.walls.empty())
+        for (int axis = 0; axis < 3; ++axis)
+            position[axis] = reflected(position[axis], motion.walls.min[axis], motion.walls.max[axis]);
+    const double rate = motion.spin.norm();
+    if (rate == 0) return rigid(position, start.linear());
+    return rigid(position, Eigen::AngleAxisd(time * rate, motion.spin / rate).toRotationMatrix() * start.linear());
+}
+
+} // namespace
+
+void check_motion(const std::string& name, const Motion& motion)
+{
+    std::visit([&](const auto& m) { check(name, m); }, motion);
+}
+
+void jitter_step(const Jitter& motion, std::uint64_t frame, Eigen::Vector3d& position)
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        double& p = position[axis];
+        p += motion.step * (u01(motion.seed + frame, motion.index, static_cast<std::uint64_t>(axis)) - 0.5);
+        if (motion.walls.empty()) continue;
+        const double lo = motion.walls.min[axis], hi = motion.walls.max[axis];
+        if (p < lo) p = 2 * lo - p;
+        if (p > hi) p = 2 * hi - p;
+        p = std::clamp(p, lo, hi); // a step longer than the room could end behind the wall opposite
+    }
+}
+
+Isometry3d pose_at(const Motion& motion, const Isometry3d& start, double time)
+{
+    return std::visit([&](const auto& m) { return pose_at(m, start, time); }, motion);
+}
+
+} // namespace oncollide

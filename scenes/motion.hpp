@@ -31,16 +31,21 @@ struct Drift {
     Aabb walls;                                     ///< empty: no walls
 };
 
-/// Random walk: at frame f each coordinate gets step * (u01(seed + f, index, axis) - 0.5), then reflects at the walls.
+/// Random walk: at frame f each coordinate gets step * (u01(seed + f, index, axis) - 0.5), then reflects at the walls:
+/// p < min becomes 2 min - p, p > max becomes 2 max - p.
 struct Jitter {
     double step = 0;
     std::uint64_t seed = 0, index = 0;
-    Aabb walls;
+    Aabb walls; ///< empty: no walls
 };
 
 using Motion = std::variant<Still, Keyed, Drift, Jitter>;
 
-/// splitmix64 finaliser, and the uniform number in [0, 1) for (seed, index, k): the generator of every catalogue scene.
+/// Throws Error{bad_data} naming `name`: numbers that are not finite or exceed 1e15, walls with an infinite side, a
+/// negative step, no key, keys whose times do not ascend, a key's quaternion whose length is off 1 by more than 1e-6.
+void check_motion(const std::string& name, const Motion& motion);
+
+/// splitmix64 step, and the uniform number in [0, 1) for (seed, index, k): the generator of every catalogue scene.
 std::uint64_t splitmix(std::uint64_t z);
 double u01(std::uint64_t seed, std::uint64_t index, std::uint64_t k);
 
@@ -49,7 +54,10 @@ double u01(std::uint64_t seed, std::uint64_t index, std::uint64_t k);
 /// by more than 1e-6. Throws Error{no_input} or Error{bad_data} with path and line number.
 Keyed load_tum(const std::filesystem::path& path, double frames_per_second, std::vector<std::string>& warnings);
 
-/// The pose at frame `time` of a body that started at `start`. Jitter: use Mover, it needs its history.
+/// One step of a random walk: moves `position` from frame - 1 to `frame` (>= 1).
+void jitter_step(const Jitter& motion, std::uint64_t frame, Eigen::Vector3d& position);
+
+/// The pose at frame `time` of a body that started at `start`. Jitter gives `start`: use Mover, it needs its history.
 Eigen::Isometry3d pose_at(const Motion& motion, const Eigen::Isometry3d& start, double time);
 
 } // namespace oncollide

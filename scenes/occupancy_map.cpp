@@ -1,1 +1,98 @@
-// being written
+#include <oncollide/scenes/occupancy_map.hpp>
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <octomap/OcTree.h>
+#include <unistd.h>
+
+#include "file_bytes.hpp"
+#include "occupancy_cells.hpp"
+#include "octomap_scan.hpp"
+#include <oncollide/scenes/error.hpp>
+
+namespace oncollide {
+
+namespace {
+
+[[noreturn]] void fail(const std::string& name, const char* what)
+{
+    throw Error(ErrorKind::bad_data, fmt::format("{}: {}", name, what));
+}
+
+/// Boxes from the leaves' integer keys, in double: neighbours share their faces exactly. (OctoMap's own coordinates are
+/// floats.)
+Aabb cell_box(const octomap::OcTree::leaf_iterator& leaf, double resolution)
+{
+    const int side = 1 << (16 - leaf.getDepth()); // in smallest cells
+    Aabb box;
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        const int low = (leaf.getKey()[axis] & ~(side - 1)) - 32768;
+        box.min[axis] = low * resolution, box.max[axis] = (low + side) * resolution;
+    }
+    return box;
+}
+
+} // namespace
+
+OccupancyMap map_of(const std::string& name, std::shared_ptr<const octomap::OcTree> tree)
+{
+    OccupancyMap map;
+    map.resolution = tree->getResolution();
+    for (auto leaf = tree->begin_leafs(), end = tree->end_leafs(); leaf != end; ++leaf)
+        if (tree->isNodeOccupied(*leaf)) {
+            map.cells.push_back(cell_box(leaf, map.resolution));
+            map.bounds.add(map.cells.back());
+        }
+    if (map.cells.empty()) fail(name, "no cell of the map is occupied");
+    map.tree = std::move(tree);
+    return map;
+}
+
+OccupancyMap load_octomap(const std::filesystem::path& path)
+{
+    constexpr std::uintmax_t most = std::uintmax_t(256) << 20; // OctoMap needs up to a hundred times that
+    const std::string name = path.string();
+    std::string extension = path.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+    std::string bytes = read_file(path, most);
+    if (extension != ".bt" && extension != ".ot")
+        throw Error(ErrorKind::bad_data,
+                    fmt::format("{}: unknown kind of map file '{}'; known are bt, ot", name, extension));
+    const double resolution = scan_octomap(name, bytes, extension == ".bt");
+
+    std::istringstream in(std::move(bytes));
+    std::shared_ptr<const octomap::OcTree> tree;
+    if (extension == ".bt") {
+        auto read = std::make_shared<octomap::OcTree>(resolution);
+        if (read->readBinary(in)) tree = std::move(read);
+    } else {
+        std::unique_ptr<octomap::AbstractOcTree> read(octomap::AbstractOcTree::read(in));
+        if (auto* octree = dynamic_cast<octomap::OcTree*>(read.get())) {
+            tree.reset(octree);
+            read.release(); // now the tree's
+        }
+    }
+    if (!tree) fail(name, "OctoMap cannot read the file");
+    return map_of(name, std::move(tree));
+}
+
+void save_octomap(const OccupancyMap& map, const std::filesystem::path& path)
+{
+    const std::filesystem::path part = fmt::format("{}.{}.part", path.string(), getpid());
+    std::ofstream out(part, std::ios::binary);
+    const bool written = out && map.tree->writeBinaryConst(out) && out.flush();
+    out.close();
+    std::error_code error;
+    if (written && out) std::filesystem::rename(part, path, error);
+    if (written && out && !error) return;
+    std::error_code ignored;
+    std::filesystem::remove(part, ignored);
+    throw Error(ErrorKind::cannot_write,
+                fmt::format("{}: cannot be written{}; the folder must exist and have room", path.string(),
+                            error ? fmt::format(" ({})", error.message()) : ""));
+}
+
+} // namespace oncollide

@@ -1,8 +1,10 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <variant>
 #include <vector>
 
@@ -25,7 +27,8 @@ constexpr std::uint32_t index(GeometryId id) { return static_cast<std::uint32_t>
 struct Geometry {
     std::string name;
     std::variant<Mesh, Shape, OccupancyMap> data;
-    /// The entry of a scene file that makes this geometry again (JSON text: file, generator or shape); empty when made in code.
+    /// The entry of a scene file that makes this geometry again (JSON text: file or generator; paths absolute or relative
+    /// to the current folder). Empty when made in code, and for shapes: their data says it all.
     std::string recipe;
 };
 
@@ -43,10 +46,23 @@ struct BodyInit {
     std::uint32_t mask = 0xffffffffu; ///< bits: the layers that the body collides with
 };
 
+/// Finds an index by name in constant time.
+class NameIndex {
+public:
+    /// Takes `name` for the next index; false, changing nothing, when it is taken.
+    bool add(std::string_view name);
+    std::optional<std::uint32_t> find(std::string_view name) const;
+
+private:
+    struct Hash : std::hash<std::string_view> { using is_transparent = void; };
+    std::unordered_map<std::string, std::uint32_t, Hash, std::equal_to<>> indices_;
+};
+
 /// Everything that exists: geometries, and bodies as columns indexed by BodyId.
 ///
 /// Move a body by writing `poses` between frames. Bodies a and b may collide when
-/// (layer a & mask b) && (layer b & mask a) and not both are static.
+/// (layer a & mask b) && (layer b & mask a) and not both are static. Geometries and bodies are added by add and add_body,
+/// which keep the columns of one length; they are not renamed or removed afterwards.
 struct Scene {
     std::string name;
     int frames = 1; ///< how long the scene's motion is worth running
@@ -66,15 +82,25 @@ struct Scene {
 
     /// Throws Error{bad_data} when a geometry of that name exists.
     GeometryId add(std::string geometry_name, std::variant<Mesh, Shape, OccupancyMap> data, std::string recipe = {});
-    /// Throws Error{bad_data} for a duplicate name, an unknown geometry, a pose that is not finite or not rigid, or a
-    /// static body with a motion.
+    /// Throws Error{bad_data} for a duplicate name, an unknown geometry, a pose that is not finite or not rigid, a
+    /// static body with a motion, or a motion that check_motion refuses.
     BodyId add_body(BodyInit body);
     /// The body of that name, if there is one.
     std::optional<BodyId> find(std::string_view body) const;
+    /// The geometry of that name, if there is one.
+    std::optional<GeometryId> find_geometry(std::string_view geometry_name) const;
+
+private:
+    NameIndex geometry_index_, body_index_;
 };
 
+/// Why `pose` is not a rigid motion, or an empty text: entries not finite, or a linear part whose R^T R is off the
+/// identity by more than 1e-6 or that mirrors.
+std::string why_not_rigid(const Eigen::Isometry3d& pose);
+
 /// Writes the poses of every moving body at frame `frame` (>= 0). Stateless but for Jitter, which walks on from the
-/// frame it was last asked for (and from the start when time runs backwards).
+/// frame it was last asked for (and from the start when time runs backwards). One Mover serves one scene, whose bodies
+/// are all there on the first call; later calls allocate nothing.
 class Mover {
 public:
     void move(Scene& scene, int frame);

@@ -1,0 +1,52 @@
+// Compiled once per instruction set; see oncollide_add_kernel.
+#include <oncollide/broadphase/box_kernel.hpp>
+#include <oncollide/broadphase/simd.hpp>
+
+namespace oncollide::ONCOLLIDE_ISA {
+namespace {
+
+std::uint32_t overlap_range(const BoxColumnsView& c, std::uint32_t begin, std::uint32_t end, const float box[6],
+                            std::uint32_t* out)
+{
+    const F32x8 lo_x = splat(box[0]), lo_y = splat(box[1]), lo_z = splat(box[2]);
+    const F32x8 hi_x = splat(box[3]), hi_y = splat(box[4]), hi_z = splat(box[5]);
+    std::uint32_t found = 0;
+    for (std::uint32_t i = begin; i < end; i += 8) {
+        unsigned overlap = bits((load(c.lo[0] + i) <= hi_x) & (load(c.hi[0] + i) >= lo_x) & //
+                                (load(c.lo[1] + i) <= hi_y) & (load(c.hi[1] + i) >= lo_y) & //
+                                (load(c.lo[2] + i) <= hi_z) & (load(c.hi[2] + i) >= lo_z));
+        if (end - i < 8) overlap &= (1u << (end - i)) - 1;
+        for (; overlap; overlap &= overlap - 1) out[found++] = i + static_cast<std::uint32_t>(__builtin_ctz(overlap));
+    }
+    return found;
+}
+
+void support_box(const float* x, const float* y, const float* z, std::uint32_t count, const float rows[9], float lo[3],
+                 float hi[3])
+{
+    F32x8 low[3], high[3];
+    for (int axis = 0; axis < 3; ++axis) low[axis] = splat(__builtin_inff()), high[axis] = splat(-__builtin_inff());
+    for (std::uint32_t i = 0; i < count; i += 8) {
+        const F32x8 px = load(x + i), py = load(y + i), pz = load(z + i);
+        for (int axis = 0; axis < 3; ++axis) {
+            const F32x8 v = rows[3 * axis] * px + rows[3 * axis + 1] * py + rows[3 * axis + 2] * pz;
+            low[axis] = min(low[axis], v), high[axis] = max(high[axis], v);
+        }
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        lo[axis] = low[axis][0], hi[axis] = high[axis][0];
+        for (int lane = 1; lane < 8; ++lane) {
+            if (low[axis][lane] < lo[axis]) lo[axis] = low[axis][lane];
+            if (high[axis][lane] > hi[axis]) hi[axis] = high[axis][lane];
+        }
+    }
+}
+
+} // namespace
+
+BoxKernel box_kernel()
+{
+    return {overlap_range, support_box};
+}
+
+} // namespace oncollide::ONCOLLIDE_ISA

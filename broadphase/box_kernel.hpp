@@ -1,0 +1,34 @@
+// The broad phase's hot loops, one implementation an instruction set. Plain data in, plain data out.
+#pragma once
+#include <cstdint>
+
+namespace oncollide {
+
+/// Float boxes as columns, rounded outward. Readable for 8 boxes past the last one used.
+struct BoxColumnsView {
+    const float* lo[3];
+    const float* hi[3];
+};
+
+/// Positions in [begin, end) whose box overlaps `box` (lo x y z, hi x y z; closed), ascending, to `out` (room for
+/// end - begin + 8). Returns how many.
+using OverlapRange = std::uint32_t(const BoxColumnsView& columns, std::uint32_t begin, std::uint32_t end,
+                                   const float box[6], std::uint32_t* out);
+
+/// Smallest and largest of rows * point over `count` points (a multiple of 8; float columns x, y, z; rows 3x3 row-major).
+using SupportBox = void(const float* x, const float* y, const float* z, std::uint32_t count, const float rows[9],
+                        float lo[3], float hi[3]);
+
+struct BoxKernel {
+    OverlapRange* overlap_range;
+    SupportBox* support_box;
+};
+
+namespace baseline { BoxKernel box_kernel(); }
+namespace avx2 { BoxKernel box_kernel(); }
+namespace avx512 { BoxKernel box_kernel(); }
+
+/// The kernel of instruction_set().
+const BoxKernel& box_kernel();
+
+} // namespace oncollide

@@ -1,0 +1,61 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include <oncollide/scenes/scene.hpp>
+
+namespace oncollide {
+
+/// Two bodies that may collide; a < b.
+struct BodyPair {
+    std::uint32_t a, b;
+    friend bool operator==(BodyPair, BodyPair) = default;
+    friend auto operator<=>(BodyPair, BodyPair) = default;
+};
+
+/// What decides, before any box is compared, whether two bodies may form a pair. Columns by body.
+struct BodyFilter {
+    std::span<const std::uint8_t> is_static;
+    std::span<const std::uint32_t> layers, masks;
+
+    bool allows(std::uint32_t a, std::uint32_t b) const
+    {
+        return !(is_static[a] && is_static[b]) && (layers[a] & masks[b]) && (layers[b] & masks[a]);
+    }
+};
+
+/// An algorithm that finds the overlapping boxes among some bodies.
+class BroadPhase {
+public:
+    virtual ~BroadPhase() = default;
+    virtual std::string_view name() const = 0;
+
+    /// Pairs of `bodies` whose boxes, each grown by `margin` / 2 on all sides, overlap, and that `filter` allows; sorted,
+    /// each once. May hold pairs whose boxes miss each other by less than 2^-21 of the scene's extent (boxes are compared
+    /// in float, rounded outward); never lacks one.
+    ///
+    /// @param boxes   world boxes by body, metres, closed
+    /// @param bodies  which bodies take part, each once
+    /// @param margin  metres, >= 0
+    /// @param pairs   overwritten
+    /// The list is the same for any thread count. Allocates nothing once warm.
+    virtual void find_pairs(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies,
+                            const BodyFilter& filter, double margin, int threads, std::vector<BodyPair>& pairs) = 0;
+};
+
+/// kd-tree: split at the mean centre along the axis of largest variance; boxes that straddle stay at the inner node.
+/// Cost: O(n log n + pairs) for boxes of similar size.
+/// Source: Serpa and Rodrigues, "Flexible use of temporal and spatial reasoning for fast and scalable CPU broad-phase
+/// collision detection using KD-trees", Computer Graphics Forum 2019.
+std::unique_ptr<BroadPhase> make_kd_tree();
+
+/// Octree: split at the mean centre along all three axes at once; boxes that straddle any of them stay at the inner node.
+std::unique_ptr<BroadPhase> make_octree();
+
+/// Every pair of boxes. The reference. Cost: O(n^2).
+std::unique_ptr<BroadPhase> make_brute_force();
+
+} // namespace oncollide

@@ -1,0 +1,49 @@
+// Eight float lanes, for kernel files only (see oncollide_add_kernel): everything here is in the kernel's own namespace,
+// so that code compiled for AVX never stands in for the baseline's.
+#include <cstdint>
+#include <immintrin.h>
+
+namespace oncollide::ONCOLLIDE_ISA {
+namespace {
+
+using F32x8 = float __attribute__((vector_size(32), aligned(32)));
+using F32x8u = float __attribute__((vector_size(32), aligned(4)));
+using I32x8 = std::int32_t __attribute__((vector_size(32)));
+
+inline F32x8 load(const float* p)
+{
+    return *reinterpret_cast<const F32x8u*>(p);
+}
+inline void store(float* p, F32x8 v)
+{
+    *reinterpret_cast<F32x8u*>(p) = v;
+}
+inline F32x8 splat(float x)
+{
+    return F32x8{x, x, x, x, x, x, x, x};
+}
+inline F32x8 min(F32x8 a, F32x8 b)
+{
+    return a < b ? a : b;
+}
+inline F32x8 max(F32x8 a, F32x8 b)
+{
+    return a > b ? a : b;
+}
+
+/// One bit a lane of a comparison's result.
+inline unsigned bits(I32x8 mask)
+{
+#if defined(__AVX2__)
+    return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(mask)));
+#else
+    union {
+        I32x8 whole;
+        __m128 half[2];
+    } u{mask};
+    return static_cast<unsigned>(_mm_movemask_ps(u.half[0]) | _mm_movemask_ps(u.half[1]) << 4);
+#endif
+}
+
+} // namespace
+} // namespace oncollide::ONCOLLIDE_ISA

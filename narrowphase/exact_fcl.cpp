@@ -1,0 +1,111 @@
+#include <oncollide/narrowphase/exact_fcl.hpp>
+
+#include <fcl/fcl.h>
+
+#include <oncollide/scenes/convex_hull.hpp>
+#include <oncollide/scenes/error.hpp>
+
+namespace oncollide {
+
+namespace {
+
+using ModelPtr = std::shared_ptr<fcl::CollisionGeometryd>;
+
+template <class Volume>
+ModelPtr make_bvh(const Mesh& mesh)
+{
+    auto model = std::make_shared<fcl::BVHModel<Volume>>();
+    std::vector<fcl::Triangle> triangles;
+    triangles.reserve(mesh.triangles.size());
+    for (const Triangle& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
+    model->beginModel(static_cast<int>(triangles.size()), static_cast<int>(mesh.vertices.size()));
+    model->addSubModel(mesh.vertices, triangles);
+    model->endModel();
+    return model;
+}
+
+struct ShapeModel {
+    ModelPtr operator()(const Sphere& s) const { return std::make_shared<fcl::Sphered>(s.radius); }
+    ModelPtr operator()(const Box& b) const { return std::make_shared<fcl::Boxd>(fcl::Vector3d(2 * b.half)); }
+    ModelPtr operator()(const Capsule& c) const { return std::make_shared<fcl::Capsuled>(c.radius, c.length); }
+    ModelPtr operator()(const Cylinder& c) const { return std::make_shared<fcl::Cylinderd>(c.radius, c.length); }
+    ModelPtr operator()(const ConvexHull& h) const
+    {
+        const Hull hull = convex_hull(h.points);
+        std::vector<int> place(h.points.size(), -1);
+        auto points = std::make_shared<std::vector<fcl::Vector3d>>();
+        for (std::uint32_t v : hull.vertices) {
+            place[v] = static_cast<int>(points->size());
+            points->push_back(h.points[v]);
+        }
+        auto faces = std::make_shared<std::vector<int>>();
+        for (const Triangle& t : hull.triangles) {
+            faces->push_back(3);
+            for (std::uint32_t v : t) faces->push_back(place[v]);
+        }
+        return std::make_shared<fcl::Convexd>(points, static_cast<int>(hull.triangles.size()), faces);
+    }
+};
+
+std::size_t bytes_of(const ModelPtr& model)
+{
+    if (const auto* obb = dynamic_cast<const fcl::BVHModel<fcl::OBBd>*>(model.get()))
+        return static_cast<std::size_t>(obb->memUsage(0));
+    if (const auto* rss = dynamic_cast<const fcl::BVHModel<fcl::OBBRSSd>*>(model.get()))
+        return static_cast<std::size_t>(rss->memUsage(0));
+    return 0;
+}
+
+} // namespace
+
+struct ExactFcl::Impl {
+    const Scene* scene;
+    double clearance;
+    std::vector<ModelPtr> models; ///< by geometry; null until needed
+};
+
+ExactFcl::ExactFcl(const Scene& scene, double clearance)
+    : impl_(std::make_unique<Impl>(Impl{&scene, clearance, std::vector<ModelPtr>(scene.geometries.size())}))
+{
+}
+ExactFcl::~ExactFcl() = default;
+
+void ExactFcl::prepare(GeometryId geometry)
+{
+    ModelPtr& model = impl_->models[index(geometry)];
+    if (model) return;
+    const auto& data = impl_->scene->geometries[index(geometry)].data;
+    // OBBs alone answer faster; distances need the swept spheres of OBBRSS.
+    if (const auto* mesh = std::get_if<Mesh>(&data))
+        model = impl_->clearance > 0 ? make_bvh<fcl::OBBRSSd>(*mesh) : make_bvh<fcl::OBBd>(*mesh);
+    else if (const auto* shape = std::get_if<Shape>(&data))
+        model = std::visit(ShapeModel{}, *shape);
+    else
+        model = std::make_shared<fcl::OcTreed>(std::get<OccupancyMap>(data).tree);
+    model->computeLocalAABB();
+}
+
+ExactFcl::Answer ExactFcl::answer(const Scene& scene, std::uint32_t a, std::uint32_t b) const
+{
+    const ModelPtr &model_a = impl_->models[index(scene.geometry[a])], &model_b = impl_->models[index(scene.geometry[b])];
+    ONCOLLIDE_ASSERT(model_a && model_b);
+    fcl::CollisionRequestd request(1, false);
+    fcl::CollisionResultd result;
+    fcl::collide(model_a.get(), scene.poses[a], model_b.get(), scene.poses[b], request, result);
+    if (result.isCollision()) return {Verdict::colliding, 0};
+    if (impl_->clearance <= 0) return {Verdict::separate, 0};
+    fcl::DistanceRequestd distance_request;
+    fcl::DistanceResultd distance_result;
+    const double distance =
+        fcl::distance(model_a.get(), scene.poses[a], model_b.get(), scene.poses[b], distance_request, distance_result);
+    return {distance <= impl_->clearance ? Verdict::within : Verdict::separate, std::max(distance, 0.0)};
+}
+
+std::size_t ExactFcl::bytes() const
+{
+    std::size_t sum = 0;
+    for (const ModelPtr& model : impl_->models) sum += bytes_of(model);
+    return sum;
+}
+
+} // namespace oncollide

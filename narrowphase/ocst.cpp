@@ -1,0 +1,140 @@
+#include <oncollide/narrowphase/ocst.hpp>
+
+#include <bit>
+#include <cmath>
+
+#include <oncollide/scenes/error.hpp>
+
+namespace oncollide {
+
+namespace {
+
+/// Place of octant k's node among the packed grey children.
+unsigned rank(unsigned grey, unsigned octant)
+{
+    return static_cast<unsigned>(std::popcount(grey & ((1u << octant) - 1)));
+}
+
+std::uint32_t expanded_state(unsigned grey, std::uint32_t frame)
+{
+    return grey | OcstNode::expanded_bit | (frame & OcstNode::stamp_mask) << OcstNode::stamp_shift;
+}
+
+} // namespace
+
+Ocst::Ocst(const RootCell& root, int depth, double covering_error)
+    : root_(root), depth_(depth), covering_error_(covering_error), nodes_(1), lists_(1, all_triangles)
+{
+    ONCOLLIDE_ASSERT(depth >= 1 && depth <= deepest_level);
+}
+
+double Ocst::radius(int level) const
+{
+    return std::ldexp(root_.radius, -level);
+}
+
+double Ocst::reach(const OcclusionBackend& backend, int level) const
+{
+    return root_.false_reach() + covering_error_ + backend.reach(std::ldexp(root_.scale, -level));
+}
+
+std::uint32_t Ocst::find(CellKey cell) const
+{
+    std::uint32_t node = 0;
+    for (int level = 0, depth = level_of(cell); level < depth; ++level) {
+        const OcstNode& n = nodes_[node];
+        const unsigned octant = octant_at(cell, level);
+        ONCOLLIDE_ASSERT(n.expanded() && (n.grey() >> octant & 1));
+        node = n.first_child + rank(n.grey(), octant);
+    }
+    return node;
+}
+
+ListId Ocst::parent_list(CellKey cell) const
+{
+    return cell == root_cell ? all_triangles : lists_[find(parent_cell(cell))];
+}
+
+OctantRow Ocst::row(std::uint32_t tree, CellKey cell, bool keep_leaf_lists) const
+{
+    return {tree, cell, parent_list(cell), keep_leaf_lists || level_of(cell) + 1 < depth_};
+}
+
+std::uint32_t Ocst::add_block(unsigned count)
+{
+    stored_ += count;
+    auto& free = free_blocks_[count];
+    if (!free.empty()) {
+        const std::uint32_t block = free.back();
+        free.pop_back();
+        for (unsigned i = 0; i < count; ++i) nodes_[block + i] = {}, lists_[block + i] = all_triangles;
+        return block;
+    }
+    const auto block = static_cast<std::uint32_t>(nodes_.size());
+    nodes_.resize(block + count);
+    lists_.resize(block + count, all_triangles);
+    return block;
+}
+
+void Ocst::expand(CellKey cell, const OctantAnswer& answer, std::uint32_t frame)
+{
+    const std::uint32_t node = find(cell);
+    ONCOLLIDE_ASSERT(!nodes_[node].expanded());
+    const auto children = static_cast<unsigned>(std::popcount(answer.grey));
+    const bool stored = level_of(cell) + 1 < depth_ && children > 0;
+    const std::uint32_t first = stored ? add_block(children) : 0; // may move nodes_
+    nodes_[node] = {first, expanded_state(answer.grey, frame)};
+    lists_[node] = answer.list;
+}
+
+std::uint64_t Ocst::drop_children(std::uint32_t node, int level, std::uint32_t tree, OcclusionBackend& backend)
+{
+    OcstNode& n = nodes_[node];
+    if (!n.expanded()) return 0;
+    const auto children = static_cast<std::uint32_t>(std::popcount(n.grey()));
+    std::uint64_t dropped = 0;
+    if (level + 1 < depth_ && children > 0) {
+        dropped = children;
+        for (std::uint32_t c = 0; c < children; ++c)
+            dropped += drop_children(n.first_child + c, level + 1, tree, backend);
+        free_blocks_[children].push_back(n.first_child);
+        stored_ -= children;
+    }
+    if (lists_[node] != all_triangles) backend.release(tree, lists_[node]);
+    n = {}, lists_[node] = all_triangles;
+    return dropped;
+}
+
+std::uint64_t Ocst::collapse_below(std::uint32_t node, int level, std::uint32_t frame, std::uint32_t age,
+                                   std::uint32_t tree, OcclusionBackend& backend)
+{
+    const OcstNode n = nodes_[node];
+    if (!n.expanded()) return 0;
+    if (((frame - n.stamp()) & OcstNode::stamp_mask) >= age) return drop_children(node, level, tree, backend);
+    std::uint64_t dropped = 0;
+    if (level + 1 < depth_)
+        for (std::uint32_t c = 0; c < static_cast<std::uint32_t>(std::popcount(n.grey())); ++c)
+            dropped += collapse_below(n.first_child + c, level + 1, frame, age, tree, backend);
+    return dropped;
+}
+
+std::uint64_t Ocst::collapse(std::uint32_t frame, std::uint32_t age, std::uint32_t tree, OcclusionBackend& backend)
+{
+    const std::uint64_t dropped = collapse_below(0, 0, frame, age, tree, backend);
+    if (stored_ == 1 && nodes_.capacity() > 64) { // back to the root: give the memory back too
+        const OcstNode root = nodes_[0];
+        const ListId list = lists_[0];
+        nodes_ = {root}, lists_ = {list};
+        for (auto& free : free_blocks_) free = {};
+    }
+    return dropped;
+}
+
+std::size_t Ocst::bytes() const
+{
+    std::size_t sum = nodes_.capacity() * sizeof(OcstNode) + lists_.capacity() * sizeof(ListId);
+    for (const auto& free : free_blocks_) sum += free.capacity() * sizeof(std::uint32_t);
+    return sum;
+}
+
+} // namespace oncollide

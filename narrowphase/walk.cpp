@@ -1,0 +1,197 @@
+#include <oncollide/narrowphase/walk.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <oncollide/broadphase/cpu_features.hpp>
+#include <oncollide/narrowphase/walk_kernel.hpp>
+#include <oncollide/scenes/error.hpp>
+
+namespace oncollide {
+
+namespace {
+
+const WalkKernel& kernel()
+{
+    static const WalkKernel chosen = [] {
+        switch (instruction_set()) {
+        case InstructionSet::avx512: return avx512::walk_kernel();
+        case InstructionSet::avx2: return avx2::walk_kernel();
+        default: return baseline::walk_kernel();
+        }
+    }();
+    return chosen;
+}
+
+// Squares below this would leave float's normal range; 1e-18 m in distance.
+constexpr double tiny2 = 1e-36;
+constexpr float float_infinity = std::numeric_limits<float>::infinity();
+
+double side(unsigned octant, int axis)
+{
+    return octant >> axis & 1 ? 1.0 : -1.0;
+}
+
+/// The levels that step s goes to on each side; the larger sphere goes down, both when within a factor of sqrt 2.
+struct Descent {
+    double ra, rb;
+    int left_a, left_b, level_a = 0, level_b = 0;
+
+    Descent(const Ocst& a, const Ocst& b) : ra(a.radius(0)), rb(b.radius(0)), left_a(a.depth()), left_b(b.depth()) {}
+    bool done() const { return left_a == 0 && left_b == 0; }
+    void next(bool& open_a, bool& open_b)
+    {
+        open_a = left_a > 0 && (left_b == 0 || ra * ra * 2 >= rb * rb);
+        open_b = left_b > 0 && (left_a == 0 || rb * rb * 2 >= ra * ra);
+        if (open_a) ra *= 0.5, --left_a, ++level_a;
+        if (open_b) rb *= 0.5, --left_b, ++level_b;
+    }
+};
+
+/// Fills the plan; returns the rounding s: how far float distances may be from true ones.
+///
+/// Every component is at most m = |d| + |hA| + |hB|. A step adds two offsets, each rounded twice: 4 * 2^-24 m a step.
+/// The relative pose is computed in double; a pose may be 1e-6 from rigid (2^-20 a body). Squares and sums: 4 * 2^-24 d.
+double make_plan(const WalkPair& pair, std::uint32_t frame, WalkPlan& plan)
+{
+    const Ocst &a = *pair.a, &b = *pair.b;
+    const Eigen::Matrix3d to_a = pair.pose_a->linear().transpose();
+    const Eigen::Matrix3d turn = to_a * pair.pose_b->linear();
+    const Eigen::Vector3d between = pair.pose_b->translation() - pair.pose_a->translation();
+    const Eigen::Vector3d d = to_a * between + turn * b.root().centre - a.root().centre;
+    for (int axis = 0; axis < 3; ++axis) plan.d[axis] = static_cast<float>(d[axis]);
+    for (unsigned k = 0; k < 8; ++k) {
+        const auto &ha = a.root().half, &hb = b.root().half;
+        plan.ax[k] = static_cast<float>(side(k, 0)) * ha[0];
+        plan.ay[k] = static_cast<float>(side(k, 1)) * ha[1];
+        plan.az[k] = static_cast<float>(side(k, 2)) * ha[2];
+        const Eigen::Vector3d o = turn * Eigen::Vector3d(side(k, 0) * hb[0], side(k, 1) * hb[1], side(k, 2) * hb[2]);
+        plan.bx[k] = static_cast<float>(o.x()), plan.by[k] = static_cast<float>(o.y()), plan.bz[k] = static_cast<float>(o.z());
+    }
+    const double m = d.norm() + a.radius(0) + b.radius(0);
+    const int most = a.depth() + b.depth();
+    const double rounding = (4 * most + 80) * 0x1p-24 * m;
+
+    plan.count = 0;
+    plan.nodes_a = pair.a->nodes(), plan.nodes_b = pair.b->nodes();
+    plan.stamp = (frame & OcstNode::stamp_mask) << OcstNode::stamp_shift;
+    for (Descent down(a, b); !down.done();) {
+        bool open_a, open_b;
+        down.next(open_a, open_b);
+        const double reach = down.ra + down.rb + pair.clearance + rounding;
+        plan.steps[plan.count++] = {open_a ? static_cast<float>(std::ldexp(1.0, -down.level_a)) : 0.0f,
+                                    open_b ? static_cast<float>(std::ldexp(1.0, -down.level_b)) : 0.0f,
+                                    static_cast<float>(reach * reach * (1 + 0x1p-20) + tiny2)};
+    }
+    return rounding;
+}
+
+/// Distance at most this, when spheres of the levels reached after `steps` steps touch.
+double upper_bound(const WalkPair& pair, int steps, double rounding, const OcclusionBackend& backend)
+{
+    Descent down(*pair.a, *pair.b);
+    for (int i = 0; i < steps; ++i) {
+        bool open_a, open_b;
+        down.next(open_a, open_b);
+    }
+    const double spheres = 2 * (down.ra + down.rb) + pair.clearance + 2 * rounding;
+    return spheres * (1 + 0x1p-19) + pair.a->reach(backend, down.level_a) + pair.b->reach(backend, down.level_b) +
+           2 * std::sqrt(tiny2);
+}
+
+double lower_bound(const WalkPair& pair, const WalkPlan& plan, const WalkState& state, double rounding)
+{
+    double lower = std::numeric_limits<double>::infinity();
+    Descent down(*pair.a, *pair.b);
+    for (int i = 0; i < plan.count; ++i) {
+        bool open_a, open_b;
+        down.next(open_a, open_b);
+        if (state.nearest2[i] < float_infinity)
+            lower = std::min(lower, std::sqrt(double(state.nearest2[i])) * (1 - 0x1p-21) - down.ra - down.rb - rounding);
+    }
+    return lower;
+}
+
+constexpr std::uint32_t parked_chunk = 4096;
+
+} // namespace
+
+Walker::Walker() : stack_(walk_stack_room) {}
+Walker::~Walker() = default;
+Walker::Walker(Walker&&) noexcept = default;
+
+WalkResult Walker::run(const WalkPair& pair, const WalkPlan& plan, double rounding, const OcclusionBackend& backend,
+                       std::uint32_t top, double lower_so_far, bool give_up, std::size_t& first, std::size_t& count)
+{
+    WalkState state{};
+    state.stack = stack_.data(), state.top = top;
+    std::fill(state.nearest2, state.nearest2 + plan.count, float_infinity);
+    first = parked_used_;
+    WalkEnd end;
+    do { // parked work goes straight to the list, a chunk at a time
+        if (parked_.size() < parked_used_ + parked_chunk) parked_.resize(2 * (parked_used_ + parked_chunk));
+        state.parked = parked_.data() + parked_used_, state.parked_count = 0, state.parked_room = parked_chunk;
+        end = kernel().walk(plan, state);
+        parked_used_ += state.parked_count;
+    } while (end == WalkEnd::full);
+    count = parked_used_ - first;
+    node_pairs_ += state.node_pairs;
+
+    if (end == WalkEnd::hit) {
+        parked_used_ = first, count = 0;
+        return {WalkStatus::touching, upper_bound(pair, plan.count, rounding, backend), {state.hit_a, state.hit_b}};
+    }
+    const double lower = std::min(lower_so_far, lower_bound(pair, plan, state, rounding));
+    if (count == 0) return {WalkStatus::separate, std::max(lower, pair.clearance), {}};
+    if (!give_up) return {WalkStatus::parked, lower, {}};
+    int deepest = 0;
+    for (std::size_t i = first; i < parked_used_; ++i) deepest = std::max(deepest, parked_[i].step);
+    parked_used_ = first, count = 0;
+    return {WalkStatus::undecided, upper_bound(pair, deepest, rounding, backend), {}};
+}
+
+WalkResult Walker::start(const WalkPair& pair, std::uint32_t frame, const OcclusionBackend& backend,
+                         std::size_t& first, std::size_t& count)
+{
+    WalkPlan plan;
+    const double rounding = make_plan(pair, frame, plan);
+    first = parked_used_, count = 0;
+
+    const double root_reach = pair.a->radius(0) + pair.b->radius(0) + pair.clearance + rounding;
+    const double x = plan.d[0], y = plan.d[1], z = plan.d[2], apart2 = x * x + y * y + z * z;
+    if (apart2 > root_reach * root_reach)
+        return {WalkStatus::separate,
+                std::max(std::sqrt(apart2) - pair.a->radius(0) - pair.b->radius(0) - rounding, pair.clearance), {}};
+    if (pair.hint.a && kernel().replay(plan, pair.hint.a, pair.hint.b))
+        return {WalkStatus::touching, upper_bound(pair, plan.count, rounding, backend), pair.hint};
+
+    stack_.resize(std::max<std::size_t>(stack_.size(), walk_stack_room));
+    stack_[0] = {0, 0, {plan.d[0], plan.d[1], plan.d[2]}, 0, root_cell, root_cell};
+    return run(pair, plan, rounding, backend, 1, std::numeric_limits<double>::infinity(), false, first, count);
+}
+
+WalkResult Walker::resume(const WalkPair& pair, std::uint32_t frame, const OcclusionBackend& backend,
+                          const Walker& from, const WalkResult& so_far, bool give_up, std::size_t& first,
+                          std::size_t& count)
+{
+    WalkPlan plan;
+    const double rounding = make_plan(pair, frame, plan);
+    stack_.resize(std::max<std::size_t>(stack_.size(), count + walk_stack_room));
+    std::copy_n(from.parked_.begin() + static_cast<std::ptrdiff_t>(first), count, stack_.begin());
+    return run(pair, plan, rounding, backend, static_cast<std::uint32_t>(count), so_far.bound, give_up, first, count);
+}
+
+void Walker::requests(const WalkPair& pair, std::size_t first, std::size_t count, std::vector<CellRequest>& out) const
+{
+    for (std::size_t i = first; i < first + count; ++i) {
+        const WalkEntry& e = parked_[i];
+        Descent down(*pair.a, *pair.b);
+        bool open_a = false, open_b = false;
+        for (int step = 0; step <= e.step; ++step) down.next(open_a, open_b);
+        if (open_a && !pair.a->nodes()[e.a].expanded()) out.push_back({pair.tree_a, e.key_a});
+        if (open_b && !pair.b->nodes()[e.b].expanded()) out.push_back({pair.tree_b, e.key_b});
+    }
+}
+
+} // namespace oncollide

@@ -1,0 +1,100 @@
+#include <oncollide/pipeline/forest.hpp>
+
+#include <algorithm>
+
+namespace oncollide {
+
+Forest::Forest(const Scene& scene, const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
+    : scene_(scene), settings_(settings), backend_(std::move(backend)), trees_(scene.geometries.size())
+{
+}
+
+/// The smallest depth at which two such trees certify the error asked for.
+int Forest::depth_for(const RootCell& root, double covering_error) const
+{
+    if (!settings_.max_error) return settings_.depth.value_or(6);
+    for (int depth = 1; depth < deepest_level; ++depth) {
+        const Ocst tree(root, depth, covering_error);
+        // Rounding of the walk (see make_plan) is below 2^-15 of the two root radii for bodies that touch.
+        const double error = 4 * tree.radius(depth) + 2 * tree.reach(*backend_, depth) + 4 * root.radius * 0x1p-15;
+        if (error <= *settings_.max_error) return depth;
+    }
+    return deepest_level;
+}
+
+Ocst& Forest::tree(GeometryId geometry)
+{
+    auto& tree = trees_[index(geometry)];
+    if (!tree) {
+        const Geometry& g = scene_.geometries[index(geometry)];
+        const RootCell root = root_cell_of(g);
+        const double covering_error = covering_error_of(g);
+        tree = std::make_unique<Ocst>(root, depth_for(root, covering_error), covering_error);
+        live_.push_back(index(geometry));
+    }
+    return *tree;
+}
+
+std::uint64_t Forest::expand(std::span<const CellRequest> requests, std::uint32_t frame, int threads)
+{
+    std::uint64_t allowed = requests.size();
+    if (settings_.node_budget) {
+        const std::uint64_t held = nodes();
+        // An expansion stores up to eight cells.
+        allowed = settings_.node_budget > held ? std::min<std::uint64_t>(allowed, (settings_.node_budget - held) / 8) : 0;
+    }
+    if (settings_.memory_budget && bytes() >= settings_.memory_budget) allowed = 0;
+
+    rows_.clear();
+    for (const CellRequest& request : requests.first(allowed)) {
+        Ocst& tree = *trees_[request.tree];
+        if (!backend_->attached(request.tree))
+            backend_->attach(request.tree, make_surface(scene_.geometries[request.tree], tree.root()));
+        rows_.push_back(tree.row(request.tree, request.cell, false));
+    }
+    answers_.resize(rows_.size());
+    backend_->ask(rows_, threads, answers_);
+    for (std::size_t i = 0; i < rows_.size(); ++i) trees_[rows_[i].tree]->expand(rows_[i].cell, answers_[i], frame);
+    return requests.size() - allowed;
+}
+
+std::uint64_t Forest::collapse(std::uint32_t frame, std::uint32_t age)
+{
+    std::uint64_t dropped = 0;
+    for (std::uint32_t geometry : live_) {
+        Ocst& tree = *trees_[geometry];
+        if (!tree.nodes()[0].expanded()) continue;
+        dropped += tree.collapse(frame, age, geometry, *backend_);
+        if (!tree.nodes()[0].expanded()) backend_->detach(geometry);
+    }
+    return dropped;
+}
+
+std::uint64_t Forest::age(std::uint32_t frame)
+{
+    auto limit = static_cast<std::uint32_t>(settings_.age_limit);
+    std::uint64_t dropped = 0;
+    // Looking at every cell costs; a few looks an age are enough.
+    if (frame % std::max(1u, limit / 8) == 0) dropped = collapse(frame, limit);
+    while (settings_.memory_budget && limit > 0 && bytes() > settings_.memory_budget) {
+        limit /= 2;
+        dropped += collapse(frame, limit);
+    }
+    return dropped;
+}
+
+std::uint64_t Forest::nodes() const
+{
+    std::uint64_t sum = 0;
+    for (std::uint32_t geometry : live_) sum += trees_[geometry]->size();
+    return sum;
+}
+
+std::size_t Forest::bytes() const
+{
+    std::size_t sum = backend_->bytes();
+    for (std::uint32_t geometry : live_) sum += trees_[geometry]->bytes();
+    return sum;
+}
+
+} // namespace oncollide

@@ -1,0 +1,47 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <oncollide/narrowphase/ocst.hpp>
+#include <oncollide/narrowphase/walk.hpp>
+#include <oncollide/pipeline/pipeline.hpp>
+
+namespace oncollide {
+
+/// All sphere-trees of a scene, one a geometry, with the budgets and the ageing that they share.
+class Forest {
+public:
+    Forest(const Scene& scene, const Settings& settings, std::unique_ptr<OcclusionBackend> backend);
+
+    /// The tree of a geometry, made of its root alone when first asked for.
+    Ocst& tree(GeometryId geometry);
+    OcclusionBackend& backend() { return *backend_; }
+    const OcclusionBackend& backend() const { return *backend_; }
+
+    /// Expands the requested cells (sorted, each once) in one batch. Those over a budget are left; returns how many.
+    /// Surfaces are handed to the backend when their tree first grows.
+    std::uint64_t expand(std::span<const CellRequest> requests, std::uint32_t frame, int threads);
+
+    /// Drops cells that no test has reached for the age limit, the oldest sooner while memory is over its budget. A tree
+    /// that is back to its root gives its surface up too. Returns how many stored cells went.
+    std::uint64_t age(std::uint32_t frame);
+
+    std::uint64_t nodes() const; ///< stored cells of all trees
+    std::size_t bytes() const;   ///< trees, surfaces and lists
+
+private:
+    int depth_for(const RootCell& root, double covering_error) const;
+    std::uint64_t collapse(std::uint32_t frame, std::uint32_t age);
+
+    const Scene& scene_;
+    const Settings settings_;
+    std::unique_ptr<OcclusionBackend> backend_;
+    std::vector<std::unique_ptr<Ocst>> trees_; ///< by geometry; null until needed
+    std::vector<std::uint32_t> live_;          ///< geometries that have a tree
+    std::vector<OctantRow> rows_;
+    std::vector<OctantAnswer> answers_;
+};
+
+} // namespace oncollide

@@ -1,0 +1,34 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <oncollide/broadphase/broad_phase.hpp>
+#include <oncollide/broadphase/delimitation.hpp>
+#include <oncollide/narrowphase/walk.hpp>
+#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/pipeline/settings.hpp>
+
+namespace oncollide {
+
+/// What stages hand to each other: columns, kept from frame to frame so that a warm frame allocates nothing.
+/// Written by                     who reads it
+///   boxes          bounds        -> delimitation, broad
+///   survivors      delimitation  -> broad
+///   pairs          broad         -> ocst
+///   results        ocst, exact   -> the caller
+struct Frame {
+    const Settings* settings = nullptr;
+    BodyFilter filter;
+    std::uint32_t number = 0; ///< frames since the pipeline was made
+    int threads = 1;
+
+    std::vector<Aabb> boxes;                     ///< by body; world, metres
+    std::vector<std::uint32_t> survivors;        ///< bodies that may collide, ascending
+    std::vector<DelimitationLevel> delimitation; ///< by level; empty when skipped
+    std::vector<BodyPair> pairs;                 ///< candidates, sorted
+    std::vector<PairResult> results;             ///< one a pair, in the same order
+    TreeStats trees;
+};
+
+} // namespace oncollide

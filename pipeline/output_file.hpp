@@ -1,0 +1,44 @@
+#pragma once
+#include <cstdio>
+#include <filesystem>
+#include <iterator>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace oncollide {
+
+/// A text file that appears whole or not at all: written under a temporary name beside `path`, renamed by commit().
+/// "-" is standard output. Devices and pipes are written in place, and a symbolic link's target is what gets replaced.
+/// Not a public header.
+class OutputFile {
+public:
+    /// Throws Error{cannot_write}.
+    explicit OutputFile(const std::filesystem::path& path);
+    /// Removes the temporary file unless committed.
+    ~OutputFile();
+    OutputFile(const OutputFile&) = delete;
+    OutputFile& operator=(const OutputFile&) = delete;
+
+    template <class... Args>
+    void print(fmt::format_string<Args...> format, Args&&... args)
+    {
+        fmt::format_to(std::back_inserter(buffer_), format, std::forward<Args>(args)...);
+        if (buffer_.size() > 60'000) flush();
+    }
+    /// Writes what is left, closes and renames. Throws Error{cannot_write}, for instance when the disk is full.
+    void commit();
+
+private:
+    void flush();
+    [[noreturn]] void fail(int error) const;
+
+    std::filesystem::path path_;      ///< as the user named it, for errors
+    std::filesystem::path target_;    ///< links resolved
+    std::filesystem::path temporary_; ///< empty when written in place
+    std::FILE* file_ = nullptr;
+    fmt::memory_buffer buffer_;
+};
+
+} // namespace oncollide

@@ -1,0 +1,171 @@
+#include <oncollide/pipeline/pipeline.hpp>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <chrono>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <oncollide/pipeline/stage.hpp>
+#include <oncollide/scenes/error.hpp>
+#include <oncollide/scenes/parallel.hpp>
+
+namespace oncollide {
+
+namespace {
+
+constexpr std::array<std::string_view, 5> stage_names{"bounds", "delimitation", "broad", "ocst", "exact"};
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds(Clock::duration d)
+{
+    return std::chrono::duration<double, std::milli>(d).count();
+}
+
+void mix(std::uint64_t& hash, std::uint64_t value)
+{
+    hash = splitmix(hash ^ value);
+}
+
+std::uint64_t hash_of(std::span<const PairResult> results)
+{
+    std::uint64_t hash = 0;
+    for (const PairResult& r : results) {
+        if (r.verdict == Verdict::separate) continue;
+        mix(hash, static_cast<std::uint64_t>(index(r.a)) << 32 | index(r.b));
+        mix(hash, static_cast<std::uint64_t>(r.verdict) << 8 | r.stage);
+        mix(hash, std::bit_cast<std::uint64_t>(r.bound));
+    }
+    return hash;
+}
+
+/// Rigid within 1e-6: what the bounds allow for. Distances between far bodies must stay finite in float.
+bool usable(const Eigen::Isometry3d& pose)
+{
+    const Eigen::Matrix3d r = pose.linear();
+    return (r.transpose() * r - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <= 1e-6 && r.determinant() > 0 &&
+           pose.translation().cwiseAbs().maxCoeff() <= 1e15;
+}
+
+} // namespace
+
+struct Pipeline::Impl {
+    Settings settings;
+    Frame frame;
+    std::vector<std::unique_ptr<Stage>> stages;
+    std::vector<std::uint8_t> asked_to_skip;
+    std::vector<StageStats> stats, totals;
+    std::vector<std::uint32_t> moving;
+    std::string backend;
+    std::uint64_t hash = 0;
+    bool first = true;
+
+    void check_poses(const Scene& scene)
+    {
+        if (scene.size() != frame.filter.is_static.size())
+            throw Error(ErrorKind::usage, fmt::format("the pipeline was made for {} bodies, the scene has {}",
+                                                      frame.filter.is_static.size(), scene.size()));
+        const auto check_one = [&](std::uint32_t body) {
+            if (!usable(scene.poses[body]))
+                throw Error(ErrorKind::bad_data, fmt::format("body '{}': pose is not a finite rigid motion within 1e15 m",
+                                                             scene.names[body]));
+        };
+        if (first)
+            for (std::uint32_t body = 0; body < scene.size(); ++body) check_one(body);
+        else
+            for (std::uint32_t body : moving) check_one(body);
+        first = false;
+    }
+};
+
+Pipeline::Pipeline(const Scene& scene, const Settings& settings) : impl_(std::make_unique<Impl>())
+{
+    check(settings);
+    Impl& p = *impl_;
+    p.settings = settings;
+    p.frame.settings = &p.settings;
+    p.frame.threads = settings.threads ? settings.threads : hardware_threads();
+    p.frame.filter = {scene.is_static, scene.layers, scene.masks};
+    for (std::uint32_t body = 0; body < scene.size(); ++body)
+        if (!scene.is_static[body]) p.moving.push_back(body);
+
+    auto backend = make_cpu_backend();
+    p.backend = backend->name();
+    p.stages.push_back(make_bounds_stage(scene));
+    p.stages.push_back(make_delimitation_stage());
+    p.stages.push_back(make_broad_stage(settings.broad_phase));
+    p.stages.push_back(make_ocst_stage(scene, p.settings, std::move(backend)));
+    p.stages.push_back(make_exact_stage(scene, p.settings));
+    p.asked_to_skip.assign(p.stages.size(), 0);
+    for (const std::string& name : settings.skip) {
+        const auto found = std::find(stage_names.begin(), stage_names.end(), name);
+        if (found == stage_names.end())
+            throw Error(ErrorKind::usage,
+                        fmt::format("skip: no stage named '{}'; valid: {}", name, fmt::join(stage_names, ", ")));
+        p.asked_to_skip[static_cast<std::size_t>(found - stage_names.begin())] = 1;
+    }
+    p.stats.resize(p.stages.size()), p.totals.resize(p.stages.size());
+    for (std::size_t i = 0; i < p.stages.size(); ++i) {
+        p.totals[i].stage = p.stages[i]->name(), p.totals[i].unit = p.stages[i]->unit();
+        p.totals[i].skipped = true;
+    }
+}
+
+Pipeline::~Pipeline() = default;
+Pipeline::Pipeline(Pipeline&&) noexcept = default;
+
+FrameView Pipeline::step(const Scene& scene)
+{
+    Impl& p = *impl_;
+    const auto begin = Clock::now();
+    p.frame.filter = {scene.is_static, scene.layers, scene.masks};
+    p.check_poses(scene);
+    auto from = begin;
+    for (std::size_t i = 0; i < p.stages.size(); ++i) {
+        Stage& stage = *p.stages[i];
+        StageStats& stats = p.stats[i];
+        stats = {};
+        stats.stage = stage.name(), stats.unit = stage.unit(), stats.frames = 1;
+        stats.note = p.asked_to_skip[i] ? "asked to" : stage.reason_to_skip(scene, p.frame);
+        stats.skipped = !stats.note.empty();
+        if (stats.skipped) stage.skip(scene, p.frame, stats);
+        else stage.run(scene, p.frame, stats);
+        stats.culled = stats.in - stats.out;
+        const auto to = Clock::now();
+        stats.cpu_ms = milliseconds(to - from);
+        from = to;
+
+        StageStats& total = p.totals[i];
+        total.frames += 1, total.in += stats.in, total.out += stats.out, total.culled += stats.culled;
+        total.undecided += stats.undecided, total.cpu_ms += stats.cpu_ms, total.gpu_ms += stats.gpu_ms;
+        total.skipped &= stats.skipped, total.note = total.skipped ? stats.note : std::string_view{};
+    }
+    const std::uint64_t hash = hash_of(p.frame.results);
+    mix(p.hash, hash);
+    const FrameView view{p.frame.number, milliseconds(Clock::now() - begin), p.frame.results, p.stats,
+                         p.frame.delimitation, p.frame.trees, hash};
+    ++p.frame.number;
+    return view;
+}
+
+std::span<const std::string_view> Pipeline::stages() const { return stage_names; }
+std::span<const StageStats> Pipeline::totals() const { return impl_->totals; }
+std::uint64_t Pipeline::hash() const { return impl_->hash; }
+std::string Pipeline::backend() const { return impl_->backend; }
+const Settings& Pipeline::settings() const { return impl_->settings; }
+
+void Pipeline::replace(std::unique_ptr<Stage> stage)
+{
+    for (auto& mine : impl_->stages)
+        if (mine->name() == stage->name()) {
+            mine = std::move(stage);
+            return;
+        }
+    throw Error(ErrorKind::usage,
+                fmt::format("replace: no stage named '{}'; valid: {}", stage->name(), fmt::join(stage_names, ", ")));
+}
+
+} // namespace oncollide

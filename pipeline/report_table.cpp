@@ -1,0 +1,78 @@
+#include <oncollide/pipeline/report.hpp>
+
+#include <algorithm>
+#include <ostream>
+
+#include <fmt/format.h>
+
+namespace oncollide {
+namespace {
+
+std::string_view plain_words(std::string_view stage)
+{
+    if (stage == "bounds") return "boxes around the bodies, in the world";
+    if (stage == "delimitation") return "regions in which nothing can collide are dropped";
+    if (stage == "broad") return "pairs whose boxes overlap";
+    if (stage == "ocst") return "sphere-trees, grown only where they touch";
+    if (stage == "exact") return "triangle against triangle";
+    return "";
+}
+
+/// Digits in groups of three: 1,234,567.
+std::string grouped(std::uint64_t value)
+{
+    std::string text = fmt::format("{}", value);
+    for (int at = int(text.size()) - 3; at > 0; at -= 3) text.insert(std::size_t(at), ",");
+    return text;
+}
+
+/// A mean that stays readable: whole when it is whole or large, else one decimal.
+std::string mean(std::uint64_t sum, std::uint64_t frames)
+{
+    if (frames == 0) return "-";
+    if (sum % frames == 0 || sum / frames >= 1000) return grouped((sum + frames / 2) / frames);
+    return fmt::format("{:.1f}", double(sum) / double(frames));
+}
+
+std::string bytes_text(std::size_t bytes)
+{
+    if (bytes < 10'000) return fmt::format("{} bytes", bytes);
+    if (bytes < 10'000'000) return fmt::format("{:.1f} kB", double(bytes) / 1e3);
+    return fmt::format("{:.1f} MB", double(bytes) / 1e6);
+}
+
+} // namespace
+
+void Report::print_table(std::ostream& out) const
+{
+    std::string text = title() + "\n\n";
+    text += fmt::format("{:<13}{:<8}{:>11}{:>11}{:>11}{:>11}{:>11}   mean of a frame\n", "stage", "counts", "in", "out",
+                        "culled", "undecided", "ms");
+    for (const StageStats& s : pipeline_.totals()) {
+        const std::string_view words = plain_words(s.stage);
+        text += fmt::format("{:<13}{:<8}{:>11}{:>11}{:>11}{:>11}{:>11.3f}   {}\n", s.stage, s.unit,
+                            mean(s.in, s.frames), mean(s.out, s.frames), mean(s.culled, s.frames),
+                            mean(s.undecided, s.frames), s.frames ? s.cpu_ms / double(s.frames) : 0.0,
+                            s.skipped ? fmt::format("skipped: {}", s.note.empty() ? "as asked" : s.note) : words);
+    }
+    double ms = 0, slowest = 0;
+    std::uint64_t rounds = 0, rows = 0, refused = 0;
+    for (const FrameRow& frame : frames_) {
+        ms += frame.ms, slowest = std::max(slowest, frame.ms);
+        rounds += frame.trees.rounds, rows += frame.trees.rows, refused += frame.trees.refused;
+    }
+    const std::array<std::uint64_t, 4> counts = verdicts();
+    const TreeStats last = frames_.empty() ? TreeStats{} : frames_.back().trees;
+    text += fmt::format("\nframe      {:.3f} ms in the mean, {:.3f} ms the slowest\n",
+                        frames_.empty() ? 0.0 : ms / double(frames_.size()), slowest);
+    text += fmt::format("verdicts   {} colliding, {} within their bound, {} undecided, {} separate (over all frames)\n",
+                        grouped(counts[int(Verdict::colliding)]), grouped(counts[int(Verdict::within)]),
+                        grouped(counts[int(Verdict::undecided)]), grouped(counts[int(Verdict::separate)]));
+    text += fmt::format("trees      {} cells asked in {} rounds; at the end {} cells, {}", grouped(rows),
+                        grouped(rounds), grouped(last.nodes), bytes_text(last.bytes));
+    text += refused ? fmt::format("; {} cells refused by a budget\n", grouped(refused)) : "\n";
+    text += fmt::format("hash       {:016x}\n", pipeline_.hash());
+    out << text;
+}
+
+} // namespace oncollide

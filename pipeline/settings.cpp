@@ -1,0 +1,67 @@
+#include <oncollide/pipeline/settings.hpp>
+
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <oncollide/narrowphase/cell_key.hpp>
+#include <oncollide/scenes/error.hpp>
+
+namespace oncollide {
+
+namespace {
+
+constexpr std::array<std::string_view, 3> exact_names{"off", "predicates", "fcl"};
+constexpr std::array<std::string_view, 2> mode_names{"surface", "solid"};
+constexpr std::array<std::string_view, 5> backend_names{"auto", "cpu", "gl-compute", "gl-query", "gl-raster"};
+constexpr std::array<std::string_view, 3> broad_names{"kd", "octree", "brute"};
+
+template <class Enum, std::size_t n>
+Enum from_name(std::string_view what, const std::array<std::string_view, n>& names, std::string_view name)
+{
+    for (std::size_t i = 0; i < n; ++i)
+        if (names[i] == name) return static_cast<Enum>(i);
+    throw Error(ErrorKind::usage, fmt::format("{}: no '{}'; valid: {}", what, name, fmt::join(names, ", ")));
+}
+
+void require(bool condition, std::string_view setting, auto value, std::string_view valid)
+{
+    if (!condition) throw Error(ErrorKind::usage, fmt::format("{} = {}: must be {}", setting, value, valid));
+}
+
+} // namespace
+
+std::string_view name_of(ExactLevel v) { return exact_names[static_cast<std::size_t>(v)]; }
+std::string_view name_of(Mode v) { return mode_names[static_cast<std::size_t>(v)]; }
+std::string_view name_of(BackendKind v) { return backend_names[static_cast<std::size_t>(v)]; }
+std::string_view name_of(BroadPhaseKind v) { return broad_names[static_cast<std::size_t>(v)]; }
+ExactLevel exact_from_name(std::string_view name) { return from_name<ExactLevel>("exact", exact_names, name); }
+Mode mode_from_name(std::string_view name) { return from_name<Mode>("mode", mode_names, name); }
+BackendKind backend_from_name(std::string_view name) { return from_name<BackendKind>("backend", backend_names, name); }
+BroadPhaseKind broad_phase_from_name(std::string_view name)
+{
+    return from_name<BroadPhaseKind>("broad", broad_names, name);
+}
+
+void check(const Settings& s)
+{
+    if (s.depth && s.max_error)
+        throw Error(ErrorKind::usage, "depth and max-error: give one of them, they set the same dial");
+    if (s.depth)
+        require(*s.depth >= 1 && *s.depth <= deepest_level, "depth", *s.depth, fmt::format("1 to {}", deepest_level));
+    if (s.max_error)
+        require(std::isfinite(*s.max_error) && *s.max_error > 0, "max-error", *s.max_error, "a length in metres, above 0");
+    require(std::isfinite(s.clearance) && s.clearance >= 0 && s.clearance <= 1e15, "clearance", s.clearance,
+            "a length in metres, 0 to 1e15");
+    require(s.threads >= 0 && s.threads <= 1024, "threads", s.threads, "0 (all) to 1024");
+    require(s.age_limit >= 1 && s.age_limit <= 1'000'000, "age", s.age_limit, "1 to 1000000 frames");
+    if (s.exact == ExactLevel::predicates)
+        throw Error(ErrorKind::usage, "exact = predicates: not built yet in this version; valid: off, fcl");
+    if (s.backend != BackendKind::automatic && s.backend != BackendKind::cpu)
+        throw Error(ErrorKind::no_gpu,
+                    fmt::format("{}: this version has no GPU backend; use --backend cpu", name_of(s.backend)));
+}
+
+} // namespace oncollide

@@ -1,0 +1,34 @@
+#pragma once
+#include <memory>
+#include <string_view>
+
+#include <oncollide/pipeline/frame.hpp>
+
+namespace oncollide {
+
+/// One step of a frame. It may keep what does not collide; it must never lose what does.
+/// No timing inside: the pipeline's loop times every stage alike.
+class Stage {
+public:
+    virtual ~Stage() = default;
+    virtual std::string_view name() const = 0;
+    /// What its counts count: "bodies" or "pairs".
+    virtual std::string_view unit() const = 0;
+    /// Why it had better be skipped on this scene; empty: it should run.
+    virtual std::string_view reason_to_skip(const Scene&, const Frame&) const { return {}; }
+
+    /// Fills its columns of `frame` and the counts of `stats`.
+    virtual void run(const Scene& scene, Frame& frame, StageStats& stats) = 0;
+    /// The safe stand-in for run(): keeps everything.
+    virtual void skip(const Scene& scene, Frame& frame, StageStats& stats) = 0;
+};
+
+std::unique_ptr<Stage> make_bounds_stage(const Scene& scene);
+std::unique_ptr<Stage> make_delimitation_stage();
+std::unique_ptr<Stage> make_broad_stage(BroadPhaseKind kind);
+/// @param backend  who answers octant questions
+std::unique_ptr<Stage> make_ocst_stage(const Scene& scene, const Settings& settings,
+                                       std::unique_ptr<OcclusionBackend> backend);
+std::unique_ptr<Stage> make_exact_stage(const Scene& scene, const Settings& settings);
+
+} // namespace oncollide

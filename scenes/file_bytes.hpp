@@ -1,0 +1,12 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace oncollide {
+
+/// A whole file. Private to scenes. Throws Error{no_input} when it is missing, a folder or unreadable, Error{bad_data}
+/// when it is empty or larger than `most` bytes.
+std::string read_file(const std::filesystem::path& path, std::uintmax_t most);
+
+} // namespace oncollide

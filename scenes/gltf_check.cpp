@@ -1,0 +1,143 @@
+#include "gltf_check.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace oncollide {
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr int deepest_json = 100, deepest_node = 500;
+constexpr std::size_t most_triangles = 200'000'000;
+
+/// The JSON chunk of a GLB file, or the whole of a glTF file.
+std::string_view json_text(const MeshSource& source)
+{
+    const std::string_view bytes = source.bytes;
+    if (!bytes.starts_with("glTF")) return bytes;
+    constexpr std::size_t header_bytes = 20;
+    if (bytes.size() < header_bytes) source.fail("truncated: the file ends within the GLB header");
+    std::uint32_t version, length, chunk;
+    std::memcpy(&version, &bytes[4], 4), std::memcpy(&length, &bytes[8], 4), std::memcpy(&chunk, &bytes[12], 4);
+    if (version != 2) source.fail(fmt::format("the file is GLB version {}; only version 2 can be read", version));
+    if (length != bytes.size())
+        source.fail(fmt::format("the GLB header announces {} bytes, but the file has {}", length, bytes.size()));
+    if (bytes.substr(16, 4) != "JSON" || chunk > bytes.size() - header_bytes)
+        source.fail("the GLB file does not begin with a whole JSON chunk");
+    return bytes.substr(header_bytes, chunk);
+}
+
+/// Assimp's JSON reader calls itself for every level.
+void check_nesting(const MeshSource& source, std::string_view text)
+{
+    int depth = 0;
+    bool in_string = false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (in_string) {
+            if (c == '\\') ++i;
+            else if (c == '"') in_string = false;
+            continue;
+        }
+        in_string = c == '"';
+        depth += (c == '[' || c == '{') - (c == ']' || c == '}');
+        if (depth > deepest_json) source.fail(fmt::format("the JSON is nested deeper than {} levels", deepest_json));
+    }
+}
+
+/// Walks the nodes of the scene that a reader shows.
+class SceneCheck {
+public:
+    SceneCheck(const MeshSource& source, const Json& file) : source_(source), file_(file) {}
+
+    std::size_t count_triangles()
+    {
+        for (const Json& accessor : file_.value("accessors", Json::array()))
+            if (accessor.contains("sparse")) source_.fail("sparse accessors are not supported; expand them");
+        visited_.assign(file_.value("nodes", Json::array()).size(), false);
+        if (file_.contains("scenes"))
+            for (const Json& node : at("scenes", file_.value("scene", Json(0u))).value("nodes", Json::array()))
+                visit(node, 0);
+        return triangles_;
+    }
+
+private:
+    const Json& at(const char* array, const Json& index) const
+    {
+        const auto found = file_.find(array);
+        const std::size_t size = found == file_.end() ? 0 : found->size();
+        if (!index.is_number_unsigned() || index.get<std::size_t>() >= size)
+            source_.fail(fmt::format("{}[{}] is used, but the file has {} {}", array, index.dump(), size, array));
+        return (*found)[index.get<std::size_t>()];
+    }
+
+    void visit(const Json& index, int depth)
+    {
+        const Json& node = at("nodes", index);
+        if (depth > deepest_node) source_.fail(fmt::format("the nodes are nested deeper than {} levels", deepest_node));
+        if (visited_[index.get<std::size_t>()])
+            source_.fail(fmt::format("nodes[{}] has two parents; nodes must form a tree", index.dump()));
+        visited_[index.get<std::size_t>()] = true;
+        if (const auto mesh = node.find("mesh"); mesh != node.end())
+            for (const Json& primitive : at("meshes", *mesh).at("primitives")) add_primitive(primitive);
+        for (const Json& child : node.value("children", Json::array())) visit(child, depth + 1);
+    }
+
+    void add_primitive(const Json& primitive)
+    {
+        const Json& positions = at("accessors", primitive.at("attributes").at("POSITION"));
+        if (positions.value("type", "") != "VEC3" || positions.value("componentType", 0) != 5126)
+            source_.fail("an accessor of positions is not made of three floats (VEC3, 5126)");
+        if (const auto view = positions.find("bufferView"); view != positions.end())
+            if (const std::size_t stride = at("bufferViews", *view).value("byteStride", std::size_t(12)); stride < 12)
+                source_.fail(fmt::format("positions lie {} bytes apart, but take 12", stride));
+        const auto indices = primitive.find("indices");
+        const Json& corners = indices == primitive.end() ? positions : at("accessors", *indices);
+        const auto count = corners.at("count").get<std::size_t>();
+
+        const int mode = primitive.value("mode", 4);
+        if (mode < 0 || mode > 6) source_.fail(fmt::format("a primitive has mode {}; modes are 0 to 6", mode));
+        if (mode < 4) return; // points and lines
+        if (mode == 4 ? count % 3 != 0 : count < 3)
+            source_.fail(fmt::format("{} corners make no whole triangles", count));
+        triangles_ += mode == 4 ? count / 3 : count - 2;
+        if (triangles_ > most_triangles || count > most_triangles)
+            source_.fail(fmt::format("the scene has more than {} triangles", most_triangles));
+    }
+
+    const MeshSource& source_;
+    const Json& file_;
+    std::vector<bool> visited_;
+    std::size_t triangles_ = 0;
+};
+
+/// The first line of a library's message.
+std::string first_line(const char* message)
+{
+    std::string text = message;
+    return text.substr(0, text.find('\n'));
+}
+
+} // namespace
+
+std::size_t check_gltf(const MeshSource& source)
+{
+    const std::string_view text = json_text(source);
+    check_nesting(source, text);
+    try {
+        const Json file = Json::parse(text);
+        const std::string version = file.at("asset").at("version").get<std::string>();
+        if (!version.starts_with("2."))
+            source.fail(fmt::format("the file is glTF version {}; only version 2 can be read", oncollide::quoted(version)));
+        return SceneCheck(source, file).count_triangles();
+    } catch (const Json::exception& error) {
+        source.fail(fmt::format("not a valid glTF file: {}", first_line(error.what())));
+    }
+}
+
+} // namespace oncollide

@@ -1,0 +1,85 @@
+#pragma once
+#include <cstring>
+
+#include <gtest/gtest.h>
+
+#include <oncollide/scenes/scene.hpp>
+
+namespace oncollide::test {
+
+/// Equal in every bit, zeros' signs included.
+template <class Matrix>
+bool same_bits(const Matrix& a, const Matrix& b)
+{
+    return std::memcmp(a.data(), b.data(), sizeof(double) * std::size_t(a.size())) == 0;
+}
+
+inline bool same_points(const std::vector<Eigen::Vector3d>& a, const std::vector<Eigen::Vector3d>& b)
+{
+    if (a.size() != b.size()) return false;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        if (!same_bits(a[i], b[i])) return false;
+    return true;
+}
+
+inline bool same_box(const Aabb& a, const Aabb& b)
+{
+    return same_bits(a.min, b.min) && same_bits(a.max, b.max);
+}
+
+inline bool same(const Mesh& a, const Mesh& b)
+{
+    return same_points(a.vertices, b.vertices) && a.triangles == b.triangles && same_box(a.bounds, b.bounds);
+}
+inline bool same(const OccupancyMap& a, const OccupancyMap& b)
+{
+    if (a.cells.size() != b.cells.size() || a.resolution != b.resolution) return false;
+    for (std::size_t i = 0; i < a.cells.size(); ++i)
+        if (!same_box(a.cells[i], b.cells[i])) return false;
+    return true;
+}
+inline bool same(const Sphere& a, const Sphere& b) { return a.radius == b.radius; }
+inline bool same(const Box& a, const Box& b) { return same_bits(a.half, b.half); }
+inline bool same(const Capsule& a, const Capsule& b) { return a.radius == b.radius && a.length == b.length; }
+inline bool same(const Cylinder& a, const Cylinder& b) { return a.radius == b.radius && a.length == b.length; }
+inline bool same(const ConvexHull& a, const ConvexHull& b) { return same_points(a.points, b.points); }
+inline bool same(const Shape& a, const Shape& b)
+{
+    return a.index() == b.index() &&
+           std::visit([&](const auto& shape) { return same(shape, std::get<std::decay_t<decltype(shape)>>(b)); }, a);
+}
+
+inline void expect_same_poses(const Scene& a, const Scene& b, const char* when)
+{
+    for (std::size_t i = 0; i < a.size(); ++i)
+        ASSERT_TRUE(same_bits(a.poses[i].matrix(), b.poses[i].matrix())) << a.names[i] << " " << when;
+}
+
+/// The two scenes are the same in every bit, now and in later frames. Moves both.
+inline void expect_same_scene(Scene& a, Scene& b)
+{
+    EXPECT_EQ(a.name, b.name);
+    EXPECT_EQ(a.frames, b.frames);
+    ASSERT_EQ(a.geometries.size(), b.geometries.size());
+    for (std::size_t i = 0; i < a.geometries.size(); ++i) {
+        const Geometry &g = a.geometries[i], &h = b.geometries[i];
+        EXPECT_EQ(g.name, h.name);
+        ASSERT_EQ(g.data.index(), h.data.index()) << g.name;
+        EXPECT_TRUE(std::visit([&](const auto& d) { return same(d, std::get<std::decay_t<decltype(d)>>(h.data)); }, g.data))
+            << g.name;
+    }
+    ASSERT_EQ(a.names, b.names);
+    EXPECT_EQ(a.geometry, b.geometry);
+    EXPECT_EQ(a.is_static, b.is_static);
+    EXPECT_EQ(a.layers, b.layers);
+    EXPECT_EQ(a.masks, b.masks);
+    expect_same_poses(a, b, "as loaded");
+    Mover move_a, move_b;
+    for (const int frame : {0, 1, 7, 59, 1200, 3}) {
+        move_a.move(a, frame);
+        move_b.move(b, frame);
+        expect_same_poses(a, b, ("at frame " + std::to_string(frame)).c_str());
+    }
+}
+
+} // namespace oncollide::test

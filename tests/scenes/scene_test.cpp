@@ -1,0 +1,218 @@
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <new>
+
+#include <gtest/gtest.h>
+
+#include "scenes/same_scene.hpp"
+#include "scenes/test_files.hpp"
+#include <oncollide/scenes/mesh_generators.hpp>
+
+namespace {
+std::atomic<std::size_t> allocations{0};
+}
+
+// Counts what the tests of this program allocate.
+void* operator new(std::size_t size)
+{
+    ++allocations;
+    if (void* memory = std::malloc(size ? size : 1)) return memory;
+    throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace oncollide {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using test::expect_error;
+
+Isometry3d at(double x, double y, double z)
+{
+    Isometry3d pose = Isometry3d::Identity();
+    pose.translation() = Vector3d(x, y, z);
+    return pose;
+}
+
+Scene scene_with_ball()
+{
+    Scene scene;
+    scene.add("ball", Sphere{1});
+    return scene;
+}
+
+TEST(Scene, KeepsWhatWasAddedInColumnsOfOneLength)
+{
+    Scene scene;
+    const GeometryId ball = scene.add("ball", Sphere{1});
+    const GeometryId box = scene.add("box", make_box_mesh({1, 2, 3}), "recipe");
+    scene.add_body({.name = "a", .geometry = box, .pose = at(1, 2, 3), .is_static = true, .layer = 4, .mask = 8});
+    const BodyId b = scene.add_body({.name = "b", .geometry = ball, .motion = Drift{}});
+    EXPECT_EQ(scene.size(), 2u);
+    EXPECT_EQ(index(b), 1u);
+    for (const std::size_t length : {scene.geometry.size(), scene.poses.size(), scene.start_poses.size(),
+                                     scene.motions.size(), scene.is_static.size(), scene.layers.size(), scene.masks.size()})
+        EXPECT_EQ(length, 2u);
+    EXPECT_EQ(scene.geometries[1].recipe, "recipe");
+    EXPECT_EQ(scene.geometry[0], box);
+    EXPECT_EQ(scene.poses[0].translation(), Vector3d(1, 2, 3));
+    EXPECT_EQ(scene.start_poses[0].translation(), Vector3d(1, 2, 3));
+    EXPECT_TRUE(scene.is_static[0]);
+    EXPECT_EQ(scene.layers[0], 4u);
+    EXPECT_EQ(scene.masks[0], 8u);
+    EXPECT_EQ(scene.layers[1], 1u);
+    EXPECT_EQ(scene.masks[1], 0xffffffffu);
+    EXPECT_EQ(bounds_of(scene.geometries[1]).max, Vector3d(1, 2, 3));
+    EXPECT_EQ(bounds_of(scene.geometries[0]).min, Vector3d(-1, -1, -1));
+}
+
+TEST(Scene, FindsBodiesAndGeometriesByName)
+{
+    Scene scene = scene_with_ball();
+    for (int i = 0; i < 100; ++i) scene.add_body({.name = "body " + std::to_string(i)});
+    EXPECT_EQ(scene.find("body 42"), BodyId{42});
+    EXPECT_EQ(scene.find("body 100"), std::nullopt);
+    EXPECT_EQ(scene.find_geometry("ball"), GeometryId{0});
+    EXPECT_EQ(scene.find_geometry("body 42"), std::nullopt);
+    const Scene copy = scene;
+    scene = {};
+    EXPECT_EQ(copy.find("body 7"), BodyId{7});
+    EXPECT_EQ(scene.find("body 7"), std::nullopt);
+}
+
+TEST(Scene, RefusesASecondGeometryOrBodyOfTheSameName)
+{
+    Scene scene = scene_with_ball();
+    expect_error(ErrorKind::bad_data, [&] { scene.add("ball", Sphere{2}); }, "geometry 'ball'", "another one");
+    scene.add_body({.name = "a"});
+    expect_error(ErrorKind::bad_data, [&] { scene.add_body({.name = "a"}); }, "body 'a'", "another one");
+    EXPECT_EQ(scene.geometries.size(), 1u);
+    EXPECT_EQ(scene.size(), 1u);
+}
+
+TEST(Scene, TakesANameAgainAfterItWasRefusedForAnotherReason)
+{
+    Scene scene = scene_with_ball();
+    expect_error(ErrorKind::bad_data, [&] { scene.add_body({.name = "a", .pose = at(NAN, 0, 0)}); });
+    EXPECT_NO_THROW(scene.add_body({.name = "a"}));
+}
+
+TEST(Scene, RefusesAShapeWithoutSize)
+{
+    Scene scene;
+    expect_error(ErrorKind::bad_data, [&] { scene.add("dot", Sphere{0}); }, "dot");
+    EXPECT_TRUE(scene.geometries.empty());
+}
+
+TEST(Scene, RefusesAnUnknownGeometry)
+{
+    Scene scene = scene_with_ball();
+    expect_error(ErrorKind::bad_data, [&] { scene.add_body({.name = "a", .geometry = GeometryId{1}}); }, "body 'a'",
+                 "geometry number 1");
+}
+
+TEST(Scene, RefusesAStaticBodyThatMoves)
+{
+    Scene scene = scene_with_ball();
+    expect_error(ErrorKind::bad_data, [&] { scene.add_body({.name = "a", .motion = Drift{}, .is_static = true}); },
+                 "body 'a'", "static");
+}
+
+TEST(Scene, RefusesPosesThatAreNotRigid)
+{
+    Scene scene = scene_with_ball();
+    const auto refuses = [&](const Isometry3d& pose, const char* word) {
+        expect_error(ErrorKind::bad_data, [&] { scene.add_body({.name = "a", .pose = pose}); }, "body 'a'", word);
+    };
+    refuses(at(INFINITY, 0, 0), "not finite");
+    Isometry3d pose = at(0, 0, 0);
+    pose.matrix()(1, 1) = NAN;
+    refuses(pose, "not finite");
+    pose = at(0, 0, 0);
+    pose.linear() *= 1 + 1e-6;
+    refuses(pose, "not rigid");
+    pose = at(0, 0, 0);
+    pose.linear()(0, 1) = 1e-5;
+    refuses(pose, "not rigid");
+    pose = at(0, 0, 0);
+    pose.linear()(2, 2) = -1;
+    refuses(pose, "mirrors");
+    pose = at(0, 0, 0);
+    pose.matrix()(3, 0) = 1;
+    refuses(pose, "last row");
+    pose = at(0, 0, 0);
+    pose.linear() *= 1 + 1e-8; // rounding of a float pose
+    EXPECT_NO_THROW(scene.add_body({.name = "a", .pose = pose}));
+}
+
+TEST(Scene, RefusesAMotionWithoutMeaning)
+{
+    Scene scene = scene_with_ball();
+    expect_error(ErrorKind::bad_data, [&] { scene.add_body({.name = "a", .motion = Keyed{}}); }, "body 'a'", "no key");
+}
+
+Scene moving_scene()
+{
+    Scene scene = scene_with_ball();
+    const Aabb walls{{0, 0, 0}, {4, 4, 4}};
+    scene.add_body({.name = "still", .pose = at(1, 1, 1)});
+    scene.add_body({.name = "drift", .pose = at(1, 2, 3), .motion = Drift{{0.5, 0.25, -1}, {0, 0.1, 0}, walls}});
+    scene.add_body({.name = "walk", .pose = at(2, 2, 2), .motion = Jitter{0.5, 9, 1, walls}});
+    scene.add_body({.name = "walk 2", .pose = at(2, 2, 2), .motion = Jitter{0.5, 9, 2, walls}});
+    scene.add_body({.name = "keyed",
+                    .motion = Keyed{{{0, {0, 0, 0}, Eigen::Quaterniond::Identity()},
+                                     {50, {5, 0, 0}, Eigen::Quaterniond(0, 1, 0, 0)}}}});
+    return scene;
+}
+
+TEST(Mover, ReachesTheSamePosesInOneLeapAndStepByStep)
+{
+    Scene stepped = moving_scene(), leaping = moving_scene();
+    Mover step, leap;
+    for (int frame = 0; frame <= 40; ++frame) step.move(stepped, frame);
+    leap.move(leaping, 40);
+    test::expect_same_poses(stepped, leaping, "at frame 40");
+    EXPECT_NE(stepped.poses[2].translation(), stepped.start_poses[2].translation());
+    EXPECT_NE(stepped.poses[2].translation(), stepped.poses[3].translation()) << "two walks must not be one";
+    EXPECT_EQ(stepped.poses[0].matrix(), stepped.start_poses[0].matrix());
+}
+
+TEST(Mover, WalksAgainFromTheStartWhenTimeRunsBackwards)
+{
+    Scene there_and_back = moving_scene(), direct = moving_scene();
+    Mover mover, once;
+    for (const int frame : {30, 31, 12}) mover.move(there_and_back, frame);
+    once.move(direct, 12);
+    test::expect_same_poses(there_and_back, direct, "at frame 12");
+    mover.move(there_and_back, 12);
+    test::expect_same_poses(there_and_back, direct, "at frame 12 again");
+    mover.move(there_and_back, 0);
+    EXPECT_EQ(there_and_back.poses[2].matrix(), there_and_back.start_poses[2].matrix());
+}
+
+TEST(Mover, StartsFromTheStartPosesWhateverThePosesWere)
+{
+    Scene scene = moving_scene();
+    for (Isometry3d& pose : scene.poses) pose.translation() = Vector3d(3, 3, 3);
+    Mover().move(scene, 0);
+    for (std::size_t i = 1; i < scene.size(); ++i)
+        EXPECT_EQ(scene.poses[i].matrix(), scene.start_poses[i].matrix()) << scene.names[i];
+    EXPECT_EQ(scene.poses[0].translation(), Vector3d(3, 3, 3)) << "a body without motion belongs to the caller";
+}
+
+TEST(Mover, AllocatesNothingAfterTheFirstCall)
+{
+    Scene scene = moving_scene();
+    Mover mover;
+    mover.move(scene, 0);
+    const std::size_t before = allocations;
+    for (int frame = 1; frame < 100; ++frame) mover.move(scene, frame);
+    mover.move(scene, 3);
+    EXPECT_EQ(allocations - before, 0u);
+}
+
+} // namespace
+} // namespace oncollide

@@ -1,0 +1,194 @@
+#include <oncollide/scenes/shape.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "test_files.hpp"
+#include <oncollide/scenes/convex_hull.hpp>
+#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/scenes/motion.hpp>
+
+namespace oncollide {
+namespace {
+
+using Eigen::Vector3d;
+using test::expect_error;
+
+Vector3d random_vector(std::uint64_t index)
+{
+    return {2 * u01(5, index, 0) - 1, 2 * u01(5, index, 1) - 1, 2 * u01(5, index, 2) - 1};
+}
+
+/// How far the shape reaches along the unit vector d.
+double support(const Shape& shape, const Vector3d& d)
+{
+    if (const auto* s = std::get_if<Sphere>(&shape)) return s->radius;
+    if (const auto* b = std::get_if<Box>(&shape)) return d.cwiseAbs().dot(b->half);
+    if (const auto* c = std::get_if<Capsule>(&shape)) return c->radius + 0.5 * c->length * std::abs(d.z());
+    if (const auto* c = std::get_if<Cylinder>(&shape))
+        return c->radius * std::hypot(d.x(), d.y()) + 0.5 * c->length * std::abs(d.z());
+    double most = -1e300;
+    for (const Vector3d& p : std::get<ConvexHull>(shape).points) most = std::max(most, d.dot(p));
+    return most;
+}
+
+/// Distance of p to the solid; for a hull a lower bound (0), its vertices are tested otherwise.
+double distance(const Shape& shape, const Vector3d& p)
+{
+    const auto outside = [](double a, double b) { return std::hypot(std::max(a, 0.0), std::max(b, 0.0)); };
+    if (const auto* s = std::get_if<Sphere>(&shape)) return std::max(0.0, p.norm() - s->radius);
+    if (const auto* b = std::get_if<Box>(&shape)) return (p.cwiseAbs() - b->half).cwiseMax(0.0).norm();
+    if (const auto* c = std::get_if<Capsule>(&shape))
+        return std::max(0.0, Vector3d(p.x(), p.y(), std::max(0.0, std::abs(p.z()) - 0.5 * c->length)).norm() - c->radius);
+    if (const auto* c = std::get_if<Cylinder>(&shape))
+        return outside(std::hypot(p.x(), p.y()) - c->radius, std::abs(p.z()) - 0.5 * c->length);
+    return 0;
+}
+
+double size_of(const Shape& shape)
+{
+    return bounds_of(shape).diagonal() + bounds_of(shape).centre().norm();
+}
+
+ConvexHull random_hull(std::size_t count, double scale, double offset)
+{
+    ConvexHull hull;
+    for (std::size_t i = 0; i < count; ++i) hull.points.push_back(scale * random_vector(i) + Vector3d::Constant(offset));
+    return hull;
+}
+
+std::vector<Shape> shapes()
+{
+    std::vector<Shape> all = {Sphere{1}, Sphere{1e-6}, Sphere{1e6}, Box{{1, 2, 3}}, Box{{1e-3, 1, 1e3}}, Capsule{1, 2},
+                              Capsule{0.1, 100}, Capsule{5, 0.01}, Capsule{1, 0}, Capsule{1e-3, 1e6}, Cylinder{1, 2},
+                              Cylinder{0.01, 50}, Cylinder{50, 0.01}, random_hull(4, 1, 0), random_hull(20, 1, 0),
+                              random_hull(500, 1e-6, 0), random_hull(500, 1, 1e6), random_hull(500, 1e6, 0)};
+    ConvexHull cube, grid, slab, ball;
+    for (int i = 0; i < 8; ++i) cube.points.push_back({i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0});
+    for (int i = 0; i < 1000; ++i) grid.points.push_back(0.1 * Vector3d(i % 10, i / 10 % 10, i / 100));
+    const Eigen::Quaterniond turn = Eigen::Quaterniond(1, 2, 3, 4).normalized();
+    for (Vector3d& p : grid.points) p = turn * p; // many points near six planes, none exactly in them
+    for (std::uint64_t i = 0; i < 300; ++i) slab.points.push_back(random_vector(i).cwiseProduct(Vector3d(1, 1, 1e-5)));
+    ball.points = make_sphere_mesh(1, 2000).vertices;
+    for (const ConvexHull& hull : {cube, grid, slab, ball}) all.emplace_back(hull);
+    return all;
+}
+
+TEST(Shape, EnclosuresAreClosedConvexAndOutward)
+{
+    for (const Shape& shape : shapes()) {
+        const Mesh mesh = enclose(shape).mesh;
+        SCOPED_TRACE(testing::Message() << "kind " << shape.index() << ", size " << size_of(shape));
+        EXPECT_TRUE(is_closed(mesh));
+        const double rounding = 1e-9 * mesh.bounds.diagonal() + 1e-15 * size_of(shape);
+        for (const Triangle& t : mesh.triangles) {
+            const Vector3d& a = mesh.vertices[t[0]];
+            const Vector3d u = mesh.vertices[t[1]] - a, v = mesh.vertices[t[2]] - a, n = u.cross(v);
+            if (n.norm() < 1e-6 * u.norm() * v.norm()) continue; // its plane is not well known
+            const Vector3d normal = n.normalized();
+            for (const Vector3d& p : mesh.vertices) ASSERT_LE(normal.dot(p - a), rounding);
+        }
+    }
+}
+
+TEST(Shape, NoFacetOfAnEnclosureCutsIntoTheShape)
+{
+    for (const Shape& shape : shapes()) {
+        SCOPED_TRACE(testing::Message() << "kind " << shape.index() << ", size " << size_of(shape));
+        const Mesh mesh = enclose(shape).mesh;
+        Vector3d inner = Vector3d::Zero();
+        for (const Vector3d& p : mesh.vertices) inner += p / static_cast<double>(mesh.vertices.size());
+        for (const Triangle& t : mesh.triangles) {
+            const Vector3d& a = mesh.vertices[t[0]];
+            const Vector3d u = mesh.vertices[t[1]] - a, v = mesh.vertices[t[2]] - a, n = u.cross(v);
+            const Vector3d normal = n.normalized();
+            // What the check itself may be off by: the normal of a thin facet is worth less.
+            const double rounding = 1e-15 * size_of(shape) * (1 + u.norm() * v.norm() / n.norm());
+            ASSERT_LE(support(shape, normal), normal.dot(a) + rounding);
+            ASSERT_GT(normal.dot(a - inner), 0);
+        }
+    }
+}
+
+TEST(Shape, NoPointOfAnEnclosureIsFartherThanItsCoveringError)
+{
+    for (const Shape& shape : shapes()) {
+        SCOPED_TRACE(testing::Message() << "kind " << shape.index() << ", size " << size_of(shape));
+        const Enclosure enclosure = enclose(shape);
+        const double rounding = 1e-15 * size_of(shape);
+        for (const Triangle& t : enclosure.mesh.triangles)
+            for (int i = 0; i <= 4; ++i)
+                for (int j = 0; i + j <= 4; ++j) {
+                    const Vector3d p = 0.25 * (i * enclosure.mesh.vertices[t[0]] + j * enclosure.mesh.vertices[t[1]] +
+                                               (4 - i - j) * enclosure.mesh.vertices[t[2]]);
+                    ASSERT_LE(distance(shape, p), enclosure.covering_error + rounding);
+                }
+        // The other way round: support differs nowhere by more than the error.
+        for (std::uint64_t i = 0; i < 500; ++i) {
+            const Vector3d d = random_vector(i).normalized();
+            double reach = -1e300;
+            for (const Vector3d& p : enclosure.mesh.vertices) reach = std::max(reach, d.dot(p));
+            ASSERT_LE(reach, support(shape, d) + enclosure.covering_error + rounding);
+            ASSERT_GE(reach, support(shape, d) - rounding);
+        }
+    }
+}
+
+TEST(Shape, CurvedShapesErrByAboutHalfAPercentOfTheRadius)
+{
+    for (const Shape& shape : std::vector<Shape>{Sphere{2}, Capsule{2, 5}, Cylinder{2, 5}}) {
+        const Enclosure enclosure = enclose(shape);
+        EXPECT_GT(enclosure.covering_error, 0.002 * 2);
+        EXPECT_LT(enclosure.covering_error, 0.0055 * 2);
+        EXPECT_LE(enclosure.mesh.triangles.size(), 1700u);
+    }
+}
+
+TEST(Shape, BoxesAreExactAndHullsNearlySo)
+{
+    EXPECT_EQ(enclose(Box{{1, 2, 3}}).covering_error, 0);
+    EXPECT_LT(enclose(random_hull(200, 1, 0)).covering_error, 1e-11);
+    for (const Shape& shape : shapes())
+        if (std::holds_alternative<ConvexHull>(shape)) {
+            EXPECT_LT(enclose(shape).covering_error, 1e-7 * bounds_of(shape).diagonal() + 1e-8);
+        }
+}
+
+TEST(Shape, BoundsAreTight)
+{
+    for (const Shape& shape : shapes())
+        for (int axis = 0; axis < 3; ++axis) {
+            const Aabb box = bounds_of(shape);
+            EXPECT_EQ(box.max[axis], support(shape, Vector3d::Unit(axis)));
+            EXPECT_EQ(-box.min[axis], support(shape, -Vector3d::Unit(axis)));
+        }
+}
+
+TEST(Shape, ImpossibleDimensionsAreNamed)
+{
+    const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
+    const auto refused = [](const Shape& shape, const char* part) {
+        expect_error(ErrorKind::bad_data, [&] { check_shape("lamp", shape); }, "lamp: ", part);
+    };
+    refused(Sphere{0}, "radius is 0");
+    refused(Sphere{nan}, "radius is nan");
+    refused(Sphere{inf}, "radius is inf");
+    refused(Sphere{-1}, "radius is -1");
+    refused(Box{{1, -2, 3}}, "half-extent y is -2");
+    refused(Box{{1, 2, nan}}, "half-extent z is nan");
+    refused(Capsule{0, 1}, "radius is 0");
+    refused(Capsule{1, -0.5}, "length is -0.5");
+    refused(Cylinder{1, 0}, "length is 0");
+    refused(ConvexHull{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, "3 points");
+    refused(ConvexHull{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}}, "lie in a plane");
+    refused(ConvexHull{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, nan}}}, "point 3");
+    refused(ConvexHull{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1e16, 1}}}, "point 3");
+    for (const Shape& shape : shapes()) EXPECT_NO_THROW(check_shape("good", shape));
+}
+
+} // namespace
+} // namespace oncollide

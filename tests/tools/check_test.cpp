@@ -1,0 +1,102 @@
+#include "command_fixture.hpp"
+
+#include <cmath>
+
+namespace oncollide::test {
+namespace {
+
+/// Two cubes of side 1; the second stands where each test puts it.
+class Check : public CommandLine {
+protected:
+    void SetUp() override { write_cube("a.off"), write_cube("b.off"); }
+    Outcome check(const std::string& pose_b, std::vector<std::string> more = {})
+    {
+        std::vector<std::string> arguments{"check", "a.off", "b.off", "--pose-b", pose_b};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return run(arguments);
+    }
+};
+
+TEST_F(Check, AnswersSeparateWithACertifiedDistance)
+{
+    const Outcome outcome = check("1.5 0 0 0 0 0 1", {"--json", "-", "--exact", "fcl"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    const nlohmann::json pair = nlohmann::json::parse(outcome.out).at("frames").at(0).at("pairs").at(0);
+    EXPECT_EQ(pair.at(2), "separate");
+    EXPECT_GT(pair.at(3).get<double>(), 0);
+    EXPECT_LE(pair.at(3).get<double>(), 0.5);
+}
+
+TEST_F(Check, GivesADistanceEvenWhenTheBoxesAreFarApart)
+{
+    const Outcome outcome = check("100 0 0 0 0 0 1", {"--json", "-"});
+    EXPECT_EQ(outcome.code, 0);
+    const double bound = nlohmann::json::parse(outcome.out).at("frames").at(0).at("pairs").at(0).at(3);
+    EXPECT_GT(bound, 90);
+    EXPECT_LE(bound, 99);
+}
+
+TEST_F(Check, AnswersCollidingOnlyWhenTheExactLevelRan)
+{
+    const Outcome outcome = check("0.9 0.1 0 0 0 0 1", {"--exact", "fcl"});
+    EXPECT_EQ(outcome.code, 1) << outcome.err;
+    EXPECT_NE(outcome.out.find("colliding"), std::string::npos);
+    const Outcome within = check("0.9 0.1 0 0 0 0 1");
+    EXPECT_EQ(within.code, 2) << within.err;
+    EXPECT_NE(within.out.find("within"), std::string::npos);
+}
+
+TEST_F(Check, ASmallerMaxErrorNarrowsTheBound)
+{
+    const auto bound = [&](const char* max_error) {
+        const Outcome outcome = check("0.9 0.1 0 0 0 0 1", {"--max-error", max_error, "--json", "-", "--quiet"});
+        EXPECT_EQ(outcome.code, 2);
+        return nlohmann::json::parse(outcome.out).at("frames").at(0).at("pairs").at(0).at(3).get<double>();
+    };
+    EXPECT_LE(bound("0.5"), 0.5);
+    EXPECT_LE(bound("0.01"), 0.01);
+}
+
+TEST_F(Check, ClearanceCountsAsTouching)
+{
+    EXPECT_EQ(check("1.5 0 0 0 0 0 1", {"--clearance", "0.4"}).code, 0);
+    EXPECT_NE(check("1.5 0 0 0 0 0 1", {"--clearance", "0.6"}).code, 0);
+}
+
+TEST_F(Check, TheSameFileMayStandOnBothSides)
+{
+    EXPECT_EQ(run({"check", "a.off", "a.off", "--pose-b", "3 0 0 0 0 0 1"}).code, 0);
+    EXPECT_EQ(run({"check", "a.off", "a.off", "--exact", "fcl"}).code, 1);
+}
+
+TEST_F(Check, RotationsAreApplied)
+{
+    // Two cubes at 1.2 along x: apart when parallel, touching once the second is turned by 45 degrees around z.
+    EXPECT_EQ(check("1.2 0 0 0 0 0 1").code, 0);
+    const double s = std::sin(M_PI / 8), c = std::cos(M_PI / 8);
+    EXPECT_EQ(check(fmt::format("1.2 0 0 0 0 {} {}", s, c), {"--exact", "fcl"}).code, 1);
+    EXPECT_EQ(check(fmt::format("1.25 0 0 0 0 {} {}", s, c)).code, 0);
+}
+
+TEST_F(Check, QuaternionsThatAreNotUnitAreNormalisedWithAWarning)
+{
+    const Outcome outcome = check("1.5 0 0 0 0 0 2");
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_NE(outcome.err.find("warning: --pose-b"), std::string::npos) << outcome.err;
+    EXPECT_EQ(check("1.5, 0, 0, 0, 0, 0, 1").err, "");
+}
+
+TEST_F(Check, BadPosesAreUsageErrors)
+{
+    for (const char* pose : {"1 2 3", "1 2 3 0 0 0 1 9", "a b c d e f g", "nan 0 0 0 0 0 1", "0 0 0 0 0 0 inf",
+                             "1e999 0 0 0 0 0 1", "0 0 0 0 0 0 0", "1 2 3 0 0 0 1x"})
+        expect_error(64, {"check", "a.off", "b.off", "--pose-b", pose}, {"--pose-b", "x y z qx qy qz qw"});
+}
+
+TEST_F(Check, NeverWritesOverItsInputs)
+{
+    expect_error(64, {"check", "a.off", "b.off", "--json", "b.off"}, {"overwrite the input"});
+}
+
+} // namespace
+} // namespace oncollide::test

@@ -1,0 +1,61 @@
+#pragma once
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "run_command.hpp"
+
+namespace oncollide::test {
+
+/// Runs the built `oncollide` in an empty folder without any data.
+class CommandLine : public ::testing::Test {
+protected:
+    Outcome run(std::vector<std::string> arguments) { return run(std::move(arguments), Surroundings{}); }
+    Outcome run(std::vector<std::string> arguments, Surroundings around)
+    {
+        around.folder = folder_.path();
+        // An empty variable counts as not set, and ../shared/data is not found from a temporary folder.
+        around.environment.emplace_back("ONCOLLIDE_DATA", "");
+        return run_program(ONCOLLIDE_COMMAND, std::move(arguments), around);
+    }
+
+    /// Expects exit code `code` and one line on standard error that holds every word; nothing on standard output.
+    void expect_error(int code, std::vector<std::string> arguments, const std::vector<std::string>& words)
+    {
+        std::string line;
+        for (const std::string& argument : arguments) line += " " + argument;
+        SCOPED_TRACE("oncollide" + line);
+        const Outcome outcome = run(std::move(arguments));
+        EXPECT_EQ(outcome.code, code) << outcome.err;
+        EXPECT_EQ(outcome.out, "");
+        EXPECT_TRUE(outcome.err.starts_with("oncollide: ")) << outcome.err;
+        EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+        for (const std::string& word : words) EXPECT_NE(outcome.err.find(word), std::string::npos) << outcome.err;
+    }
+
+    nlohmann::json read_json(const std::string& name) { return nlohmann::json::parse(folder_.read(name)); }
+
+    /// A closed cube of side 1 around the origin.
+    void write_cube(const std::string& name)
+    {
+        folder_.write(name,
+                      "OFF\n8 12 0\n"
+                      "-.5 -.5 -.5\n.5 -.5 -.5\n.5 .5 -.5\n-.5 .5 -.5\n-.5 -.5 .5\n.5 -.5 .5\n.5 .5 .5\n-.5 .5 .5\n"
+                      "3 0 2 1\n3 0 3 2\n3 4 5 6\n3 4 6 7\n3 0 1 5\n3 0 5 4\n"
+                      "3 1 2 6\n3 1 6 5\n3 2 3 7\n3 2 7 6\n3 3 0 4\n3 3 4 7\n");
+    }
+
+    /// A scene file from the smallest useful catalogue scene.
+    std::string small_scene()
+    {
+        const Outcome outcome = run({"scene", "city", "--bodies", "40", "--frames", "5", "--out", "small.json"});
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        return "small.json";
+    }
+
+    TemporaryFolder folder_;
+};
+
+} // namespace oncollide::test

@@ -1,0 +1,124 @@
+// What the user types wrong must end in one clear line and the right exit code, before any work and without a trace.
+#include "command_fixture.hpp"
+
+namespace oncollide::test {
+namespace {
+
+TEST_F(CommandLine, HelpOfEveryCommandTeachesAndExitsWithZero)
+{
+    const Outcome help = run({"--help"});
+    EXPECT_EQ(help.code, 0);
+    for (const char* command : {"demo", "run", "check", "scene", "doctor"}) {
+        EXPECT_NE(help.out.find(command), std::string::npos) << command;
+        const Outcome sub = run({command, "--help"});
+        EXPECT_EQ(sub.code, 0) << command;
+        EXPECT_GT(sub.out.size(), 100u) << command;
+        EXPECT_EQ(sub.err, "");
+    }
+    EXPECT_NE(run({"check", "--help"}).out.find("0 separate, 1 colliding, 2 within"), std::string::npos);
+}
+
+TEST_F(CommandLine, VersionIsTheProjectVersion)
+{
+    const Outcome outcome = run({"--version"});
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_EQ(outcome.out, "oncollide " ONCOLLIDE_PROJECT_VERSION "\n");
+}
+
+TEST_F(CommandLine, UnknownCommandsAndOptionsAreUsageErrorsWithAHint)
+{
+    expect_error(64, {}, {"demo", "run"});
+    expect_error(64, {"rnu"}, {"unknown command 'rnu'", "did you mean 'run'?", "check"});
+    expect_error(64, {"--frobnicate"}, {"unknown option '--frobnicate'", "--help"});
+    expect_error(64, {"run", "city", "--dpeth", "5"}, {"unknown option '--dpeth'", "did you mean '--depth'?"});
+    expect_error(64, {"run", "city", "--zzzzzzzz"}, {"unknown option '--zzzzzzzz'", "valid: ", "--max-error"});
+    expect_error(64, {"run", "city", "--dpeth=5"}, {"did you mean '--depth'?"});
+    expect_error(64, {"run", "city", "town"}, {"unexpected argument 'town'"});
+    expect_error(64, {"run"}, {"scene"});
+    expect_error(64, {"check", "a.obj"}, {"B"});
+}
+
+TEST_F(CommandLine, ValuesThatAreNoNumbersAreRefused)
+{
+    expect_error(64, {"run", "city", "--depth", "deep"}, {"--depth"});
+    expect_error(64, {"run", "city", "--depth", "6.5"}, {"--depth"});
+    expect_error(64, {"run", "city", "--threads", "99999999999999999999"}, {"--threads"});
+    expect_error(64, {"run", "city", "--node-budget", "-1"}, {"--node-budget"});
+    expect_error(64, {"run", "city", "--memory-budget", "-1"}, {"--memory-budget"});
+    expect_error(64, {"run", "city", "--memory-budget", "5 apples"}, {"--memory-budget"});
+    expect_error(64, {"run", "city", "--memory-budget", "99999999999G"}, {"--memory-budget"});
+    expect_error(64, {"run", "city", "--max-error", "1cm"}, {"--max-error"});
+    expect_error(64, {"run", "city", "--depth"}, {"--depth needs a D"});
+    expect_error(64, {"run", "city", "--depth", "5", "--depth", "6"}, {"--depth is given more than once"});
+    expect_error(64, {"run", "city", "--json", ""}, {"--json", "empty"});
+}
+
+TEST_F(CommandLine, SettingsOutOfRangeAreRefused)
+{
+    for (const char* bad : {"nan", "inf", "-1", "1e999"})
+        expect_error(64, {"run", "city", "--clearance", bad}, {"clearance"});
+    for (const char* bad : {"nan", "inf", "-1", "0"}) expect_error(64, {"run", "city", "--max-error", bad}, {"error"});
+    for (const char* bad : {"0", "17", "-3"}) expect_error(64, {"run", "city", "--depth", bad}, {"depth", "1", "16"});
+    for (const char* bad : {"-1", "1000000"}) expect_error(64, {"run", "city", "--threads", bad}, {"threads"});
+    expect_error(64, {"run", "city", "--age", "0"}, {"age"});
+    expect_error(64, {"run", "city", "--depth", "5", "--max-error", "0.1"}, {"depth", "error"});
+    expect_error(64, {"run", "city", "--frames", "0"}, {"--frames 0"});
+    expect_error(64, {"run", "city", "--bodies", "-5"}, {"--bodies -5"});
+}
+
+TEST_F(CommandLine, UnknownNamesListTheValidOnes)
+{
+    expect_error(64, {"run", "city", "--exact", "maybe"}, {"maybe", "predicates", "fcl"});
+    expect_error(64, {"run", "city", "--mode", "gas"}, {"gas", "surface", "solid"});
+    expect_error(64, {"run", "city", "--backend", "abacus"}, {"abacus", "cpu", "gl-compute"});
+    expect_error(64, {"run", "city", "--broad", "narrow"}, {"narrow", "kd", "octree", "brute"});
+    expect_error(64, {"run", "city", "--skip", "lunch"}, {"lunch", "delimitation", "ocst"});
+    expect_error(64, {"run", "no-such-scene"}, {"no-such-scene", "city"});
+    expect_error(64, {"scene", "no-such-scene", "--out", "x.json"}, {"no-such-scene", "city"});
+    EXPECT_TRUE(folder_.list().empty());
+}
+
+TEST_F(CommandLine, MissingAndBrokenInputsAreToldApart)
+{
+    expect_error(66, {"run", "missing.json"}, {"missing.json"});
+    expect_error(66, {"run", "./city"}, {"./city"});
+    expect_error(66, {"run", "city", "--data", "no-folder"}, {"--data", "no-folder"});
+    folder_.write("broken.json", "{\"bodies\": [");
+    expect_error(65, {"run", "broken.json"}, {"broken.json"});
+    write_cube("cube.off");
+    expect_error(66, {"check", "cube.off", "none.off"}, {"none.off"});
+    folder_.write("noise.off", "OFF\nnot a mesh\n");
+    expect_error(65, {"check", "noise.off", "cube.off"}, {"noise.off"});
+    folder_.write("cube.xyz", "1 2 3");
+    expect_error(65, {"check", "cube.xyz", "cube.off"}, {"cube.xyz"});
+    folder_.write("empty.bt", "");
+    expect_error(65, {"check", "empty.bt", "cube.off"}, {"empty.bt"});
+}
+
+TEST_F(CommandLine, ANameThatIsBothASceneAndAFileIsAmbiguous)
+{
+    folder_.write("city", "{}");
+    expect_error(64, {"run", "city"}, {"./city"});
+}
+
+TEST_F(CommandLine, OptionsOfTheCatalogueAreRefusedForFiles)
+{
+    folder_.write("file.json", "{}");
+    expect_error(64, {"run", "file.json", "--bodies", "5"}, {"--bodies", "file.json"});
+    expect_error(64, {"run", "file.json", "--seed", "5"}, {"--seed", "file.json"});
+}
+
+TEST_F(CommandLine, AWrongDataVariableIsAnError)
+{
+    const Outcome outcome = run({"run", "city", "--frames", "1"}, {.folder = {}, .environment = {}});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    Surroundings around;
+    around.folder = folder_.path();
+    around.environment = {{"ONCOLLIDE_DATA", "/no/such/folder"}};
+    const Outcome wrong = run_program(ONCOLLIDE_COMMAND, {"run", "city", "--frames", "1"}, around);
+    EXPECT_EQ(wrong.code, 66);
+    EXPECT_NE(wrong.err.find("ONCOLLIDE_DATA"), std::string::npos) << wrong.err;
+}
+
+} // namespace
+} // namespace oncollide::test

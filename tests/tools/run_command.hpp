@@ -1,0 +1,88 @@
+#pragma once
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace oncollide::test {
+
+/// A folder of its own for one test, removed at the end.
+class TemporaryFolder {
+public:
+    TemporaryFolder()
+    {
+        std::string name = (std::filesystem::temp_directory_path() / "oncollide-test-XXXXXX").string();
+        path_ = ::mkdtemp(name.data());
+    }
+    ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+    TemporaryFolder(const TemporaryFolder&) = delete;
+
+    std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+    const std::filesystem::path& path() const { return path_; }
+    /// Names of what lies in it, hidden files too, sorted.
+    std::vector<std::string> list() const
+    {
+        std::vector<std::string> names;
+        for (const auto& entry : std::filesystem::directory_iterator(path_)) names.push_back(entry.path().filename());
+        std::sort(names.begin(), names.end());
+        return names;
+    }
+    void write(const std::string& name, const std::string& text) const { std::ofstream(path_ / name) << text; }
+    std::string read(const std::string& name) const
+    {
+        std::ifstream file(path_ / name);
+        return {std::istreambuf_iterator<char>(file), {}};
+    }
+
+private:
+    std::filesystem::path path_;
+};
+
+struct Outcome {
+    int code; ///< exit status; 1000 + signal when it was killed
+    std::string out, err;
+};
+
+struct Surroundings {
+    std::filesystem::path folder; ///< where it runs
+    std::string out = {};         ///< file that takes standard output instead of Outcome::out
+    std::vector<std::pair<std::string, std::string>> environment = {};
+    std::function<void(pid_t)> meanwhile = {}; ///< called while it runs
+};
+
+/// Runs a program with `arguments` and waits for it.
+inline Outcome run_program(const std::string& program, std::vector<std::string> arguments, const Surroundings& around)
+{
+    TemporaryFolder catcher;
+    const std::string out = around.out.empty() ? (catcher / "out").string() : around.out;
+    const std::string err = (catcher / "err").string();
+    arguments.insert(arguments.begin(), program);
+    const pid_t child = ::fork();
+    if (child == 0) {
+        for (const auto& [name, value] : around.environment) ::setenv(name.c_str(), value.c_str(), 1);
+        const int in_file = ::open("/dev/null", O_RDONLY);
+        const int out_file = ::open(out.c_str(), O_WRONLY | O_CREAT, 0600);
+        const int err_file = ::open(err.c_str(), O_WRONLY | O_CREAT, 0600);
+        ::dup2(in_file, 0), ::dup2(out_file, 1), ::dup2(err_file, 2);
+        std::vector<char*> argv;
+        for (std::string& argument : arguments) argv.push_back(argument.data());
+        argv.push_back(nullptr);
+        if (::chdir(around.folder.c_str()) == 0) ::execv(program.c_str(), argv.data());
+        ::_exit(127);
+    }
+    if (around.meanwhile) around.meanwhile(child);
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status),
+            around.out.empty() ? catcher.read("out") : "", catcher.read("err")};
+}
+
+} // namespace oncollide::test

@@ -1,0 +1,180 @@
+#include "command_fixture.hpp"
+
+#include <set>
+#include <thread>
+
+namespace oncollide::test {
+namespace {
+
+TEST_F(CommandLine, RunWritesResultsThatAgreeWithEachOther)
+{
+    const Outcome outcome = run({"run", "city", "--bodies", "60", "--frames", "4", "--exact", "fcl", "--separate",
+                                 "--json", "r.json", "--csv", "r.csv", "--trace", "t.json", "--picture", "p.svg"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const nlohmann::json results = read_json("r.json");
+    const nlohmann::json& header = results.at("header");
+    EXPECT_EQ(header.at("frames"), 4);
+    EXPECT_EQ(header.at("interrupted"), false);
+    EXPECT_TRUE(header.at("renderer").is_null());
+    EXPECT_EQ(header.at("hash").get<std::string>().size(), 16u);
+    EXPECT_EQ(results.at("stages").size(), 5u);
+    EXPECT_NE(outcome.out.find(header.at("hash").get<std::string>()), std::string::npos) << "the table shows the hash";
+
+    std::size_t pairs = 0, counted = 0;
+    for (const nlohmann::json& frame : results.at("frames")) pairs += frame.at("pairs").size();
+    for (const auto& [verdict, count] : header.at("verdicts").items()) counted += count.get<std::size_t>();
+    EXPECT_EQ(pairs, counted);
+    const std::string csv = folder_.read("r.csv");
+    EXPECT_EQ(std::size_t(std::count(csv.begin(), csv.end(), '\n')), pairs + 1);
+    EXPECT_GT(read_json("t.json").at("traceEvents").size(), 4u * 6u);
+    EXPECT_EQ(folder_.list(), (std::vector<std::string>{"p.svg", "r.csv", "r.json", "t.json"}));
+}
+
+TEST_F(CommandLine, QuietRunsPrintNothing)
+{
+    const Outcome outcome = run({"run", "city", "--bodies", "20", "--frames", "2", "--quiet"});
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_EQ(outcome.out + outcome.err, "");
+}
+
+TEST_F(CommandLine, JsonOnStandardOutputIsNothingButJson)
+{
+    const Outcome outcome = run({"run", "city", "--bodies", "20", "--frames", "2", "--json", "-"});
+    ASSERT_EQ(outcome.code, 0);
+    EXPECT_EQ(nlohmann::json::parse(outcome.out).at("frames").size(), 2u);
+    EXPECT_NE(outcome.err.find("delimitation"), std::string::npos) << "the table goes to standard error";
+}
+
+TEST_F(CommandLine, ThreadsAndCoherenceDoNotChangeTheHash)
+{
+    std::set<std::string> hashes;
+    for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{{},
+                                                                                      {"--threads", "4"},
+                                                                                      {"--threads", "0"},
+                                                                                      {"--no-coherence"},
+                                                                                      {"--broad", "brute"},
+                                                                                      {"--broad", "octree"}}) {
+        std::vector<std::string> arguments{"run", "city",    "--bodies", "80",    "--frames",
+                                           "6",   "--quiet", "--json",   "r.json"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        ASSERT_EQ(run(arguments).code, 0);
+        hashes.insert(read_json("r.json").at("header").at("hash").get<std::string>());
+    }
+    EXPECT_EQ(hashes.size(), 1u);
+}
+
+TEST_F(CommandLine, AWrittenSceneRunsLikeItsName)
+{
+    small_scene();
+    ASSERT_EQ(run({"run", "small.json", "--quiet", "--json", "file.json"}).code, 0);
+    ASSERT_EQ(run({"run", "city", "--bodies", "40", "--frames", "5", "--quiet", "--json", "name.json"}).code, 0);
+    EXPECT_EQ(read_json("file.json").at("header").at("hash"), read_json("name.json").at("header").at("hash"));
+    EXPECT_EQ(read_json("file.json").at("header").at("frames"), 5);
+    ASSERT_EQ(run({"run", "small.json", "--frames", "2", "--quiet", "--json", "file.json"}).code, 0);
+    EXPECT_EQ(read_json("file.json").at("header").at("frames"), 2);
+}
+
+TEST_F(CommandLine, UnwritableOutputsAreRefusedBeforeTheRun)
+{
+    // A run of this length would take far longer than the test may.
+    const std::vector<std::string> endless{"run", "city", "--frames", "100000000", "--quiet"};
+    for (const char* option : {"--json", "--csv", "--trace", "--picture"}) {
+        std::vector<std::string> arguments = endless;
+        arguments.insert(arguments.end(), {option, "no/such/folder/file"});
+        expect_error(73, arguments, {"no/such/folder/file", "no folder"});
+    }
+    std::vector<std::string> arguments = endless;
+    arguments.insert(arguments.end(), {"--json", folder_.path().string()});
+    expect_error(73, arguments, {"folder"});
+    expect_error(73, {"scene", "city", "--out", "no/such/folder/file.json"}, {"no/such/folder"});
+    EXPECT_TRUE(folder_.list().empty());
+}
+
+TEST_F(CommandLine, AFullDiskIsAnErrorAndLeavesNothing)
+{
+    for (const char* option : {"--json", "--csv", "--trace", "--picture"})
+        expect_error(73, {"run", "city", "--bodies", "20", "--frames", "2", "--quiet", option, "/dev/full"},
+                     {"/dev/full", "No space left"});
+    Surroundings around;
+    around.out = "/dev/full";
+    const Outcome outcome = run({"run", "city", "--bodies", "20", "--frames", "2"}, around);
+    EXPECT_EQ(outcome.code, 73) << outcome.err;
+    EXPECT_TRUE(folder_.list().empty());
+}
+
+TEST_F(CommandLine, AnOutputMayNotBeTheInputOrAnotherOutput)
+{
+    small_scene();
+    const std::string before = folder_.read("small.json");
+    expect_error(64, {"run", "small.json", "--json", "./small.json"}, {"overwrite the input"});
+    EXPECT_EQ(folder_.read("small.json"), before);
+    expect_error(64, {"run", "city", "--json", "x", "--csv", "./x"}, {"--json", "--csv"});
+    expect_error(64, {"run", "city", "--json", "-", "--csv", "-"}, {"--json", "--csv"});
+}
+
+TEST_F(CommandLine, ALinkedOutputIsReplacedAtItsTarget)
+{
+    folder_.write("target.json", "old");
+    std::filesystem::create_symlink("target.json", folder_ / "link.json");
+    ASSERT_EQ(run({"run", "city", "--bodies", "20", "--frames", "1", "--quiet", "--json", "link.json"}).code, 0);
+    EXPECT_TRUE(std::filesystem::is_symlink(folder_ / "link.json"));
+    EXPECT_EQ(read_json("target.json").at("frames").size(), 1u);
+}
+
+class Interrupted : public CommandLine, public ::testing::WithParamInterface<int> {};
+
+TEST_P(Interrupted, RunsWriteWhatTheyHave)
+{
+    Surroundings around;
+    around.meanwhile = [](pid_t child) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+        ::kill(child, GetParam());
+    };
+    const Outcome outcome =
+        run({"run", "city", "--bodies", "100", "--frames", "100000000", "--quiet", "--json", "r.json"}, around);
+    EXPECT_EQ(outcome.code, 130) << outcome.err;
+    EXPECT_NE(outcome.err.find("interrupted after"), std::string::npos) << outcome.err;
+    const nlohmann::json results = read_json("r.json");
+    EXPECT_EQ(results.at("header").at("interrupted"), true);
+    EXPECT_EQ(results.at("header").at("frames"), results.at("frames").size());
+    EXPECT_EQ(folder_.list(), std::vector<std::string>{"r.json"});
+}
+INSTANTIATE_TEST_SUITE_P(Signals, Interrupted, ::testing::Values(SIGINT, SIGTERM),
+                         [](const auto& signal) { return std::string(signal.param == SIGINT ? "SIGINT" : "SIGTERM"); });
+
+TEST_F(CommandLine, SceneListsTheCatalogue)
+{
+    const Outcome outcome = run({"scene", "--list"});
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_NE(outcome.out.find("city"), std::string::npos);
+    expect_error(64, {"scene", "city"}, {"--out"});
+    expect_error(64, {"scene"}, {"--list"});
+}
+
+TEST_F(CommandLine, DoctorAnswersAndWritesNothing)
+{
+    const Outcome outcome = run({"doctor"});
+    EXPECT_EQ(outcome.code, 0) << outcome.out;
+    for (const char* word : {"processor", "threads", "FCL 0.", "self-test", "passed", "CPU only"})
+        EXPECT_NE(outcome.out.find(word), std::string::npos) << word;
+    EXPECT_TRUE(folder_.list().empty());
+}
+
+TEST_F(CommandLine, TheDemoGivesEveryLevelSomethingToDo)
+{
+    const Outcome outcome = run({"demo", "--out", "a/b"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const nlohmann::json results = nlohmann::json::parse(folder_.read("a/b/results.json"));
+    for (const nlohmann::json& stage : results.at("stages")) {
+        EXPECT_EQ(stage.at("skipped"), false) << stage;
+        if (stage.at("stage") != "bounds") {
+            EXPECT_GT(stage.at("culled"), 0) << stage;
+        }
+    }
+    EXPECT_GT(results.at("header").at("verdicts").at("colliding"), 0);
+    for (const char* file : {"results.csv", "trace.json", "picture.svg"})
+        EXPECT_GT(folder_.read(std::string("a/b/") + file).size(), 500u) << file;
+}
+
+} // namespace
+} // namespace oncollide::test

@@ -1,0 +1,156 @@
+#include "command.hpp"
+#include "options.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include <oncollide/scenes/error.hpp>
+#include <oncollide/scenes/mesh_file.hpp>
+#include <oncollide/scenes/occupancy_map.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+struct CheckOptions {
+    std::string a, b, pose_a, pose_b;
+    SettingsOptions settings;
+    std::string json;
+    bool quiet = false;
+};
+
+/// Reads "x y z qx qy qz qw" (commas may stand for spaces). Empty text is the identity.
+Eigen::Isometry3d parse_pose(const std::string& option, const std::string& text, std::vector<std::string>& warnings)
+{
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    if (text.empty()) return pose;
+    const auto refuse = [&](const std::string& why) {
+        throw Error(ErrorKind::usage, fmt::format("{} \"{}\": {}; expected \"x y z qx qy qz qw\"", option, text, why));
+    };
+    std::vector<double> numbers;
+    const char *at = text.data(), *end = at + text.size();
+    while (true) {
+        while (at != end && (std::isspace(static_cast<unsigned char>(*at)) || *at == ',')) ++at;
+        if (at == end) break;
+        if (*at == '+') ++at; // from_chars takes no plus sign
+        double value = 0;
+        const auto [next, error] = std::from_chars(at, end, value);
+        const bool ends = next == end || *next == ',' || std::isspace(static_cast<unsigned char>(*next));
+        if (error == std::errc::result_out_of_range || (error == std::errc{} && !std::isfinite(value)))
+            refuse(fmt::format("number {} is not finite", numbers.size() + 1));
+        if (error != std::errc{} || !ends) refuse(fmt::format("number {} cannot be read", numbers.size() + 1));
+        numbers.push_back(value);
+        at = next;
+    }
+    if (numbers.size() != 7) refuse(fmt::format("{} numbers", numbers.size()));
+    Eigen::Quaterniond rotation(numbers[6], numbers[3], numbers[4], numbers[5]);
+    const double norm = rotation.coeffs().stableNorm();
+    if (!(norm > 1e-12) || !std::isfinite(norm)) refuse("the quaternion has no direction");
+    if (std::abs(norm - 1) > 1e-6)
+        warnings.push_back(fmt::format("{}: the quaternion has length {:.9g}; normalised", option, norm));
+    rotation.coeffs() /= norm;
+    pose.linear() = rotation.normalized().toRotationMatrix();
+    pose.translation() << numbers[0], numbers[1], numbers[2];
+    return pose;
+}
+
+GeometryId add_file(Scene& scene, const std::string& name, const std::string& path)
+{
+    std::string extension = std::filesystem::path(path).extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
+    if (extension == ".bt" || extension == ".ot") return scene.add(name, load_octomap(path));
+    return scene.add(name, load_mesh(path));
+}
+
+Scene load_pair(const CheckOptions& options)
+{
+    Scene scene;
+    scene.name = fmt::format("{} against {}", options.a, options.b);
+    const Eigen::Isometry3d pose_a = parse_pose("--pose-a", options.pose_a, scene.warnings);
+    const Eigen::Isometry3d pose_b = parse_pose("--pose-b", options.pose_b, scene.warnings);
+    const std::string name_b = options.a == options.b ? options.b + " (second)" : options.b;
+    const GeometryId a = add_file(scene, options.a, options.a);
+    const GeometryId b = options.a == options.b ? a : add_file(scene, options.b, options.b);
+    scene.add_body({.name = options.a, .geometry = a, .pose = pose_a});
+    scene.add_body({.name = name_b, .geometry = b, .pose = pose_b});
+    return scene;
+}
+
+std::string describe(const Scene& scene, const Settings& settings, const PairResult& pair)
+{
+    const std::string both = fmt::format("'{}' and '{}'", scene.names[0], scene.names[1]);
+    switch (pair.verdict) {
+    case Verdict::separate:
+        return fmt::format("separate: {} are at least {:.6g} m apart (certified).", both,
+                           std::max(pair.bound, settings.clearance));
+    case Verdict::colliding:
+        return settings.clearance > 0
+                   ? fmt::format("colliding: {} touch within the clearance of {:.6g} m (tested triangle by triangle).",
+                                 both, settings.clearance)
+                   : fmt::format("colliding: {} intersect (tested triangle by triangle).", both);
+    case Verdict::within:
+        return fmt::format("within {:.6g} m: {} are at most that far apart (certified), and may or may not collide. "
+                           "A smaller --max-error narrows the bound; --exact fcl decides.",
+                           pair.bound, both);
+    case Verdict::undecided:
+        return fmt::format(
+            "undecided: {} are at most {:.6g} m apart (certified); a budget stopped the refinement there.", both,
+            pair.bound);
+    }
+    return {};
+}
+
+int check_pair(const CheckOptions& options)
+{
+    Settings settings = settings_from(options.settings);
+    // Both cull without a bound on the distance, and one pair needs neither.
+    for (const char* stage : {"delimitation", "broad"}) settings.skip.push_back(stage);
+    OutputOptions outputs;
+    outputs.json = options.json;
+    for (const std::string& input : {options.a, options.b}) check_outputs(outputs, input);
+
+    const Scene scene = load_pair(options);
+    if (!options.quiet) print_warnings(scene);
+    Pipeline pipeline(scene, settings);
+    Report report(scene, pipeline, true);
+    const FrameView frame = pipeline.step(scene);
+    report.add(frame);
+    const PairResult pair = frame.pairs.empty()
+                                ? PairResult{BodyId{0}, BodyId{1}, Verdict::separate, 0, settings.clearance}
+                                : frame.pairs.front();
+    if (!options.quiet) (options.json == "-" ? std::cerr : std::cout) << describe(scene, settings, pair) << "\n";
+    if (!options.json.empty()) report.write_json(options.json);
+    return pair.verdict == Verdict::separate ? 0 : pair.verdict == Verdict::colliding ? 1 : 2;
+}
+
+} // namespace
+
+void add_check(CLI::App& app, Command& command)
+{
+    CLI::App* sub = app.add_subcommand("check", "Check two files against each other, once");
+    auto options = std::make_shared<CheckOptions>();
+    sub->add_option("A", options->a, "mesh (OBJ, STL, PLY, OFF, glTF) or OctoMap (.bt, .ot)")
+        ->required()
+        ->type_name("FILE");
+    sub->add_option("B", options->b, "the other one; may be the same file")->required()->type_name("FILE");
+    sub->add_option("--pose-a", options->pose_a, "pose of A, metres and unit quaternion (default: identity)")
+        ->type_name("\"x y z qx qy qz qw\"");
+    sub->add_option("--pose-b", options->pose_b, "pose of B")->type_name("\"x y z qx qy qz qw\"");
+    add_accuracy_options(*sub, options->settings);
+    sub->add_option("--json", options->json, "write the result as JSON; '-' is standard output")->type_name("FILE");
+    sub->add_flag("--quiet", options->quiet, "print nothing but errors; the exit code is the answer");
+    sub->footer("Exit codes: 0 separate, 1 colliding, 2 within or undecided, 64 and above: error.\n"
+                "Without --exact nothing is called colliding: bodies that may touch are 'within' a bound.\n"
+                "Examples:\n"
+                "  oncollide check bunny.obj cow.obj --pose-b \"0.4 0 0 0 0 0 1\"\n"
+                "  oncollide check part.stl fixture.stl --clearance 0.002 --exact fcl --json -");
+    sub->callback([options, &command] { command = [options] { return check_pair(*options); }; });
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,75 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include <oncollide/pipeline/report.hpp>
+#include <oncollide/pipeline/settings.hpp>
+#include <oncollide/scenes/scene.hpp>
+
+// Options that several subcommands share. Each struct has one function that adds its options to a subcommand; the
+// struct must live until the command has run.
+namespace oncollide::tools {
+
+/// How to answer; becomes Settings.
+struct SettingsOptions {
+    std::optional<int> depth;
+    std::optional<double> max_error;
+    double clearance = 0;
+    std::string exact = "off", mode = "surface", backend = "auto", broad = "kd";
+    int threads = 1;
+    std::vector<std::string> skip;
+    int age = Settings{}.age_limit;
+    std::string node_budget = "0", memory_budget = "0";
+    bool no_coherence = false;
+};
+
+void add_accuracy_options(CLI::App& command, SettingsOptions& options); ///< depth, max-error, clearance, exact, mode
+void add_pipeline_options(CLI::App& command, SettingsOptions& options); ///< the rest
+/// Throws Error{usage} for a name or number out of range.
+Settings settings_from(const SettingsOptions& options);
+
+/// A scene file, or a scene of the catalogue by name.
+struct SceneOptions {
+    std::string scene;
+    std::optional<int> bodies, frames;
+    std::optional<std::uint64_t> seed;
+    std::string data;
+};
+
+void add_catalogue_options(CLI::App& command, SceneOptions& options); ///< bodies, frames, seed, data
+/// Reads or makes the scene. Throws Error{no_input} for a missing file or data folder, Error{usage} for an unknown name
+/// or an option that has no meaning for a file.
+Scene open_scene(const SceneOptions& options);
+/// Makes a scene of the catalogue only.
+Scene make_catalogue_scene(const SceneOptions& options);
+/// True when `text` names a file rather than a scene of the catalogue: it holds a '/' or ends in .json, or is no known
+/// name but a file that exists. Throws Error{usage} when it could be both.
+bool is_scene_file(const std::string& text);
+
+/// The data folder: `option` if given, else $ONCOLLIDE_DATA, else ../shared/data if it is there, else empty.
+/// Throws Error{no_input} when the first two name something that is not a folder.
+std::filesystem::path data_folder(const std::string& option);
+
+/// Files that results go to; empty: not written.
+struct OutputOptions {
+    std::string json, csv, trace, picture;
+    bool quiet = false;
+    bool separate = false;
+};
+
+void add_output_options(CLI::App& command, OutputOptions& options);
+/// Finds out before any work that a file could not be written, or that two results (or a result and `input`) would go
+/// to the same place. Throws Error{cannot_write} or Error{usage}.
+void check_outputs(const OutputOptions& options, const std::string& input);
+/// The stage table to standard output (standard error when results go there), then every file asked for.
+void write_outputs(const Report& report, const OutputOptions& options);
+
+/// What loading put right, one line each on standard error; the first ten.
+void print_warnings(const Scene& scene);
+
+} // namespace oncollide::tools
