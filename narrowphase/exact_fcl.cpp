@@ -1,6 +1,7 @@
 #include <oncollide/narrowphase/exact_fcl.hpp>
 
 #include <fcl/fcl.h>
+#include <fcl/narrowphase/detail/traversal/collision/intersect.h>
 
 #include <oncollide/scenes/convex_hull.hpp>
 #include <oncollide/scenes/error.hpp>
@@ -56,6 +57,11 @@ std::size_t bytes_of(const ModelPtr& model)
     return 0;
 }
 
+const Mesh* mesh_of(const Scene& scene, std::uint32_t body)
+{
+    return std::get_if<Mesh>(&scene.geometries[index(scene.geometry[body])].data);
+}
+
 } // namespace
 
 struct ExactFcl::Impl {
@@ -92,13 +98,51 @@ ExactFcl::Answer ExactFcl::answer(const Scene& scene, std::uint32_t a, std::uint
     fcl::CollisionRequestd request(1, false);
     fcl::CollisionResultd result;
     fcl::collide(model_a.get(), scene.poses[a], model_b.get(), scene.poses[b], request, result);
-    if (result.isCollision()) return {Verdict::colliding, 0};
+    if (result.isCollision()) {
+        if (!both_meshes(scene, a, b)) return {Verdict::colliding, 0};
+        return {Verdict::colliding, 0, static_cast<int>(result.getContact(0).b1), static_cast<int>(result.getContact(0).b2)};
+    }
     if (impl_->clearance <= 0) return {Verdict::separate, 0};
     fcl::DistanceRequestd distance_request;
     fcl::DistanceResultd distance_result;
     const double distance =
         fcl::distance(model_a.get(), scene.poses[a], model_b.get(), scene.poses[b], distance_request, distance_result);
     return {distance <= impl_->clearance ? Verdict::within : Verdict::separate, std::max(distance, 0.0)};
+}
+
+bool ExactFcl::both_meshes(const Scene& scene, std::uint32_t a, std::uint32_t b) const
+{
+    return mesh_of(scene, a) && mesh_of(scene, b);
+}
+
+bool ExactFcl::triangles_meet(const Scene& scene, std::uint32_t a, std::uint32_t b, std::span<const std::uint32_t> of_a,
+                              std::span<const std::uint32_t> of_b, std::vector<Aabb>& scratch) const
+{
+    const Mesh *mesh_a = mesh_of(scene, a), *mesh_b = mesh_of(scene, b);
+    ONCOLLIDE_ASSERT(mesh_a && mesh_b);
+    // As FCL's own traversal does: b's triangles in a's frame.
+    const fcl::Matrix3d r = scene.poses[a].linear().transpose() * scene.poses[b].linear();
+    const fcl::Vector3d t = scene.poses[a].linear().transpose() * (scene.poses[b].translation() - scene.poses[a].translation());
+    scratch.clear();
+    for (std::uint32_t i : of_b) {
+        Aabb box;
+        for (std::uint32_t v : mesh_b->triangles[i]) box.add(fcl::Vector3d(r * mesh_b->vertices[v] + t));
+        scratch.push_back(box);
+    }
+    for (std::uint32_t i : of_a) {
+        const Triangle& p = mesh_a->triangles[i];
+        Aabb box;
+        for (std::uint32_t v : p) box.add(mesh_a->vertices[v]);
+        for (std::size_t j = 0; j < of_b.size(); ++j) {
+            if (!box.overlaps(scratch[j])) continue;
+            const Triangle& q = mesh_b->triangles[of_b[j]];
+            if (fcl::detail::Intersect<double>::intersect_Triangle(
+                    mesh_a->vertices[p[0]], mesh_a->vertices[p[1]], mesh_a->vertices[p[2]], mesh_b->vertices[q[0]],
+                    mesh_b->vertices[q[1]], mesh_b->vertices[q[2]], r, t))
+                return true;
+        }
+    }
+    return false;
 }
 
 std::size_t ExactFcl::bytes() const

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include <oncollide/narrowphase/verdict.hpp>
 #include <oncollide/scenes/scene.hpp>
@@ -22,9 +23,17 @@ public:
     struct Answer {
         Verdict verdict; ///< colliding, within (not colliding, distance <= clearance) or separate
         double bound;    ///< colliding: 0; else the distance when clearance > 0, else 0
+        int triangle_a = -1, triangle_b = -1; ///< two that meet, when both bodies are meshes and collide
     };
     /// Thread-safe once both geometries are prepared.
     Answer answer(const Scene& scene, std::uint32_t a, std::uint32_t b) const;
+
+    bool both_meshes(const Scene& scene, std::uint32_t a, std::uint32_t b) const;
+    /// True when FCL's triangle test finds one of these triangles of mesh a to meet one of these of mesh b. Thread-safe,
+    /// needs no preparation.
+    /// @param scratch  working memory, one a thread
+    bool triangles_meet(const Scene& scene, std::uint32_t a, std::uint32_t b, std::span<const std::uint32_t> of_a,
+                        std::span<const std::uint32_t> of_b, std::vector<Aabb>& scratch) const;
 
     /// Memory held by FCL's models, as it reports it.
     std::size_t bytes() const;

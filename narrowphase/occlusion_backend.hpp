@@ -20,7 +20,7 @@ struct OctantRow {
     std::uint32_t tree;  ///< a surface given to attach()
     CellKey cell;
     ListId list;         ///< the parent's answer, or all_triangles for the root
-    bool keep_list;      ///< the triangles will be asked for again, by deeper cells or the exact level
+    bool keep_list;      ///< the triangles will be asked for again, by deeper cells
 };
 
 struct OctantAnswer {

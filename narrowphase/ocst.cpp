@@ -50,14 +50,43 @@ std::uint32_t Ocst::find(CellKey cell) const
     return node;
 }
 
+CellKey Ocst::cell_at(const Eigen::Vector3d& point, int level) const
+{
+    CellKey cell = root_cell;
+    Eigen::Vector3d p = point - root_.centre, half(root_.half[0], root_.half[1], root_.half[2]);
+    for (int l = 0; l < level; ++l) {
+        half *= 0.5;
+        unsigned octant = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            const bool high = p[axis] > 0;
+            octant |= static_cast<unsigned>(high) << axis;
+            p[axis] += high ? -half[axis] : half[axis];
+        }
+        cell = child_cell(cell, octant);
+    }
+    return cell;
+}
+
+bool Ocst::knows(CellKey cell) const
+{
+    std::uint32_t node = 0;
+    for (int level = 0, depth = level_of(cell); level < depth; ++level) {
+        const OcstNode& n = nodes_[node];
+        const unsigned octant = octant_at(cell, level);
+        if (!n.expanded() || !(n.grey() >> octant & 1)) return false;
+        if (level + 1 < depth) node = n.first_child + rank(n.grey(), octant);
+    }
+    return true;
+}
+
 ListId Ocst::parent_list(CellKey cell) const
 {
     return cell == root_cell ? all_triangles : lists_[find(parent_cell(cell))];
 }
 
-OctantRow Ocst::row(std::uint32_t tree, CellKey cell, bool keep_leaf_lists) const
+OctantRow Ocst::row(std::uint32_t tree, CellKey cell) const
 {
-    return {tree, cell, parent_list(cell), keep_leaf_lists || level_of(cell) + 1 < depth_};
+    return {tree, cell, parent_list(cell), level_of(cell) + 1 < depth_};
 }
 
 std::uint32_t Ocst::add_block(unsigned count)

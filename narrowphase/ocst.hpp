@@ -27,8 +27,9 @@ public:
     /// Adds to 2 * radius in a bound: how far the geometry may be from a grey cell.
     double reach(const OcclusionBackend& backend, int level) const;
 
-    /// What a backend is asked to expand `cell`: finds its parent's list. The cell must be stored and not expanded.
-    OctantRow row(std::uint32_t tree, CellKey cell, bool keep_leaf_lists) const;
+    /// What a backend is asked to expand `cell`: finds its parent's list. The cell must be stored and not
+    /// expanded. The triangles of the last stored level are not kept: nothing below it asks for them.
+    OctantRow row(std::uint32_t tree, CellKey cell) const;
     /// Stores the answer for `cell` and stamps it.
     void expand(CellKey cell, const OctantAnswer& answer, std::uint32_t frame);
     /// Drops the children of every expanded cell that no test has reached for `age` frames, releasing lists.
@@ -37,6 +38,11 @@ public:
 
     /// The list of `cell`'s parent, which holds the triangles of `cell` under its octant; all_triangles for the root.
     ListId parent_list(CellKey cell) const;
+
+    /// The cell of that level that holds `point` (geometry frame; points outside the root go to the nearest cell).
+    CellKey cell_at(const Eigen::Vector3d& point, int level) const;
+    /// Is the cell's parent expanded and the cell grey, so that its triangles are known?
+    bool knows(CellKey cell) const;
 
     const OcstNode* nodes() const { return nodes_.data(); }
     OcstNode* nodes() { return nodes_.data(); }

@@ -113,7 +113,12 @@ double lower_bound(const WalkPair& pair, const WalkPlan& plan, const WalkState& 
     return lower;
 }
 
-constexpr std::uint32_t parked_chunk = 4096;
+/// How many pairs of cells a walk sets aside before it parks.
+std::uint32_t patience_in(int round, int steps)
+{
+    constexpr std::uint32_t least = 4;
+    return least << std::clamp(round - steps, 0, 20);
+}
 
 } // namespace
 
@@ -121,42 +126,53 @@ Walker::Walker() : stack_(walk_stack_room) {}
 Walker::~Walker() = default;
 Walker::Walker(Walker&&) noexcept = default;
 
-WalkResult Walker::run(const WalkPair& pair, const WalkPlan& plan, double rounding, const OcclusionBackend& backend,
-                       std::uint32_t top, double lower_so_far, bool give_up, std::size_t& first, std::size_t& count)
+void Walker::park(const WalkEntry* entries, std::size_t count)
 {
-    WalkState state{};
-    state.stack = stack_.data(), state.top = top;
-    std::fill(state.nearest2, state.nearest2 + plan.count, float_infinity);
-    first = parked_used_;
-    WalkEnd end;
-    do { // parked work goes straight to the list, a chunk at a time
-        if (parked_.size() < parked_used_ + parked_chunk) parked_.resize(2 * (parked_used_ + parked_chunk));
-        state.parked = parked_.data() + parked_used_, state.parked_count = 0, state.parked_room = parked_chunk;
-        end = kernel().walk(plan, state);
-        parked_used_ += state.parked_count;
-    } while (end == WalkEnd::full);
-    count = parked_used_ - first;
-    node_pairs_ += state.node_pairs;
-
-    if (end == WalkEnd::hit) {
-        parked_used_ = first, count = 0;
-        return {WalkStatus::touching, upper_bound(pair, plan.count, rounding, backend), {state.hit_a, state.hit_b}};
-    }
-    const double lower = std::min(lower_so_far, lower_bound(pair, plan, state, rounding));
-    if (count == 0) return {WalkStatus::separate, std::max(lower, pair.clearance), {}};
-    if (!give_up) return {WalkStatus::parked, lower, {}};
-    int deepest = 0;
-    for (std::size_t i = first; i < parked_used_; ++i) deepest = std::max(deepest, parked_[i].step);
-    parked_used_ = first, count = 0;
-    return {WalkStatus::undecided, upper_bound(pair, deepest, rounding, backend), {}};
+    if (parked_.size() < parked_used_ + count) parked_.resize(2 * (parked_used_ + count));
+    std::copy_n(entries, count, parked_.begin() + static_cast<std::ptrdiff_t>(parked_used_));
+    parked_used_ += count;
 }
 
-WalkResult Walker::start(const WalkPair& pair, std::uint32_t frame, const OcclusionBackend& backend,
-                         std::size_t& first, std::size_t& count)
+WalkResult Walker::run(const WalkPair& pair, const WalkPlan& plan, double rounding, const OcclusionBackend& backend,
+                       std::uint32_t top, double lower_so_far, std::uint32_t patience, bool give_up, ParkedWork& parked)
+{
+    if (aside_.size() < patience) aside_.resize(patience);
+    WalkState state{};
+    state.stack = stack_.data(), state.top = top;
+    state.parked = aside_.data(), state.parked_room = patience;
+    std::fill(state.nearest2, state.nearest2 + plan.count, float_infinity);
+
+    int deepest = -1; // of the entries given up
+    WalkEnd end = kernel().walk(plan, state);
+    while (give_up && end == WalkEnd::full) {
+        for (std::uint32_t i = 0; i < state.parked_count; ++i) deepest = std::max(deepest, aside_[i].step);
+        state.parked_count = 0;
+        end = kernel().walk(plan, state);
+    }
+    node_pairs_ += state.node_pairs;
+    parked = {parked_used_, 0, 0};
+
+    if (end == WalkEnd::hit)
+        return {WalkStatus::touching, upper_bound(pair, plan.count, rounding, backend), {state.hit_a, state.hit_b}};
+    const double lower = std::min(lower_so_far, lower_bound(pair, plan, state, rounding));
+    if (give_up)
+        for (std::uint32_t i = 0; i < state.parked_count; ++i) deepest = std::max(deepest, aside_[i].step);
+    if (deepest >= 0) return {WalkStatus::undecided, upper_bound(pair, deepest, rounding, backend), {}};
+    if (state.top == 0 && state.parked_count == 0) return {WalkStatus::separate, std::max(lower, pair.clearance), {}};
+
+    // Taken up from the end: what was set aside first comes next, then the rest of the stack.
+    std::reverse(aside_.begin(), aside_.begin() + state.parked_count);
+    park(stack_.data(), state.top);
+    park(aside_.data(), state.parked_count);
+    parked.count = state.top + state.parked_count, parked.wanted = state.parked_count;
+    return {WalkStatus::parked, lower, {}};
+}
+
+WalkResult Walker::start(const WalkPair& pair, std::uint32_t frame, const OcclusionBackend& backend, ParkedWork& parked)
 {
     WalkPlan plan;
     const double rounding = make_plan(pair, frame, plan);
-    first = parked_used_, count = 0;
+    parked = {parked_used_, 0, 0};
 
     const double root_reach = pair.a->radius(0) + pair.b->radius(0) + pair.clearance + rounding;
     const double x = plan.d[0], y = plan.d[1], z = plan.d[2], apart2 = x * x + y * y + z * z;
@@ -166,25 +182,26 @@ WalkResult Walker::start(const WalkPair& pair, std::uint32_t frame, const Occlus
     if (pair.hint.a && kernel().replay(plan, pair.hint.a, pair.hint.b))
         return {WalkStatus::touching, upper_bound(pair, plan.count, rounding, backend), pair.hint};
 
-    stack_.resize(std::max<std::size_t>(stack_.size(), walk_stack_room));
     stack_[0] = {0, 0, {plan.d[0], plan.d[1], plan.d[2]}, 0, root_cell, root_cell};
-    return run(pair, plan, rounding, backend, 1, std::numeric_limits<double>::infinity(), false, first, count);
+    return run(pair, plan, rounding, backend, 1, std::numeric_limits<double>::infinity(),
+               patience_in(0, plan.count), false, parked);
 }
 
 WalkResult Walker::resume(const WalkPair& pair, std::uint32_t frame, const OcclusionBackend& backend,
-                          const Walker& from, const WalkResult& so_far, bool give_up, std::size_t& first,
-                          std::size_t& count)
+                          const Walker& from, const WalkResult& so_far, int round, bool give_up, ParkedWork& parked)
 {
     WalkPlan plan;
     const double rounding = make_plan(pair, frame, plan);
-    stack_.resize(std::max<std::size_t>(stack_.size(), count + walk_stack_room));
-    std::copy_n(from.parked_.begin() + static_cast<std::ptrdiff_t>(first), count, stack_.begin());
-    return run(pair, plan, rounding, backend, static_cast<std::uint32_t>(count), so_far.bound, give_up, first, count);
+    if (stack_.size() < parked.count + walk_stack_room) stack_.resize(parked.count + walk_stack_room);
+    std::copy_n(from.parked_.begin() + static_cast<std::ptrdiff_t>(parked.first), parked.count, stack_.begin());
+    return run(pair, plan, rounding, backend, static_cast<std::uint32_t>(parked.count), so_far.bound,
+               patience_in(round, plan.count), give_up, parked);
 }
 
-void Walker::requests(const WalkPair& pair, std::size_t first, std::size_t count, std::vector<CellRequest>& out) const
+void Walker::requests(const WalkPair& pair, const ParkedWork& parked, std::vector<CellRequest>& out) const
 {
-    for (std::size_t i = first; i < first + count; ++i) {
+    const std::size_t end = parked.first + parked.count;
+    for (std::size_t i = end - parked.wanted; i < end; ++i) {
         const WalkEntry& e = parked_[i];
         Descent down(*pair.a, *pair.b);
         bool open_a = false, open_b = false;

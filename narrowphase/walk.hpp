@@ -39,6 +39,12 @@ struct WalkPair {
 struct WalkPlan;
 struct WalkEntry;
 
+/// What a walk left: entries [first, first + count) of its walker's list, to be taken up from the last; the last `wanted`
+/// of them wait for cells.
+struct ParkedWork {
+    std::size_t first = 0, count = 0, wanted = 0;
+};
+
 /// A cell to expand before walks can go on.
 struct CellRequest {
     std::uint32_t tree;
@@ -50,9 +56,11 @@ struct CellRequest {
 /// Walks pairs of sphere-trees, one thread's worth of state.
 ///
 /// A walk goes down both trees at once, the larger sphere first, both when they are of similar size, depth first and
-/// the closest pair first. Where it needs a cell that is not expanded it leaves that pair of cells parked and goes on
-/// with the rest; what is parked when nothing else is left becomes requests. So a round opens all it needs at once, and
-/// the rounds of a frame are at most the steps of the longest walk, however many pairs there are.
+/// the closest pair first. Where it needs a cell that is not expanded it sets that pair of cells aside and goes on with
+/// the next, until it holds `patience` of them: then it parks, and what it set aside becomes requests. A small patience
+/// asks for little that a touching pair does not need, a large one keeps rounds few; patience_in() starts small and doubles
+/// once a pair has had a round for each of its levels, so that the rounds of a frame depend on depth, not on the number of
+/// pairs.
 ///
 /// Bounds. With cells of radius rA, rB, reaches eA, eB (Ocst::reach), clearance c and rounding s, touching leaves mean
 /// distance <= |cA - cB| + rA + rB + eA + eB <= c + 2 (rA + rB) + eA + eB + 2 s: the same for every pair of leaves, so the
@@ -64,15 +72,15 @@ public:
     ~Walker();
     Walker(Walker&&) noexcept;
 
-    /// Starts a pair. Parked work is appended to this walker's list; its range goes to first and count.
-    WalkResult start(const WalkPair& pair, std::uint32_t frame, const OcclusionBackend& backend, std::size_t& first,
-                     std::size_t& count);
+    /// Starts a pair. What it leaves is appended to this walker's list of parked work.
+    WalkResult start(const WalkPair& pair, std::uint32_t frame, const OcclusionBackend& backend, ParkedWork& parked);
     /// Goes on with work parked in `from` (another walker or round), given the last result.
+    /// @param round    1 for the first resumption in a frame
     /// @param give_up  cells were refused: take what is not expanded as undecided instead of parking again
     WalkResult resume(const WalkPair& pair, std::uint32_t frame, const OcclusionBackend& backend, const Walker& from,
-                      const WalkResult& so_far, bool give_up, std::size_t& first, std::size_t& count);
-    /// Appends the cells that a range of parked work needs.
-    void requests(const WalkPair& pair, std::size_t first, std::size_t count, std::vector<CellRequest>& out) const;
+                      const WalkResult& so_far, int round, bool give_up, ParkedWork& parked);
+    /// Appends the cells that parked work waits for.
+    void requests(const WalkPair& pair, const ParkedWork& parked, std::vector<CellRequest>& out) const;
 
     /// Forgets parked work; keeps its memory.
     void clear() { parked_used_ = 0; }
@@ -81,9 +89,10 @@ public:
 
 private:
     WalkResult run(const WalkPair& pair, const WalkPlan& plan, double rounding, const OcclusionBackend& backend,
-                   std::uint32_t top, double lower_so_far, bool give_up, std::size_t& first, std::size_t& count);
+                   std::uint32_t top, double lower_so_far, std::uint32_t patience, bool give_up, ParkedWork& parked);
+    void park(const WalkEntry* entries, std::size_t count);
 
-    std::vector<WalkEntry> stack_, parked_; ///< parked_ is filled up to parked_used_
+    std::vector<WalkEntry> stack_, aside_, parked_; ///< parked_ is filled up to parked_used_
     std::size_t parked_used_ = 0;
     std::uint64_t node_pairs_ = 0;
 };

@@ -41,7 +41,7 @@ struct WalkState {
     std::uint32_t top;
     WalkEntry* parked; ///< out: entries that need a cell that is not expanded
     std::uint32_t parked_count, parked_room;
-    CellKey hit_a, hit_b;
+    CellKey hit_a, hit_b; ///< out
     std::uint64_t node_pairs;
     float nearest2[most_steps]; ///< in and out: smallest squared distance of the pairs cut at each step
 };

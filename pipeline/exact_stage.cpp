@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <optional>
+
 #include <oncollide/narrowphase/exact_fcl.hpp>
 #include <oncollide/narrowphase/solid.hpp>
 #include <oncollide/pipeline/stage.hpp>
@@ -8,9 +11,15 @@ namespace oncollide {
 namespace {
 
 /// Asks FCL about every pair that the sphere-trees left over.
+///
+/// Surfaces that cross in one frame mostly cross in the same place in the next. So the stage remembers the two cells of the
+/// trees in which two triangles met, and tries FCL's triangle test on the triangles of these cells first; only where
+/// that finds nothing does FCL get the bodies whole. Either way it is FCL's triangle test that says "colliding", and FCL's
+/// whole-body query that says "separate".
 class ExactStage final : public Stage {
 public:
-    ExactStage(const Scene& scene, const Settings& settings) : fcl_(scene, settings.clearance)
+    ExactStage(const Scene& scene, const Settings& settings, Forest& forest)
+        : forest_(forest), fcl_(scene, settings.clearance)
     {
         if (settings.mode == Mode::solid) solid_.emplace(scene);
     }
@@ -23,19 +32,22 @@ public:
 
     void run(const Scene& scene, Frame& frame, StageStats& stats) override
     {
-        open_.clear();
-        for (std::uint32_t i = 0; i < frame.results.size(); ++i) {
-            const PairResult& result = frame.results[i];
-            if (result.verdict == Verdict::separate || result.verdict == Verdict::colliding) continue;
-            open_.push_back(i);
-            fcl_.prepare(scene.geometry[index(result.a)]);
-            fcl_.prepare(scene.geometry[index(result.b)]);
-        }
-        parallel_chunks(open_.size(), 64, frame.threads, [&](std::size_t begin, std::size_t end, int) {
-            for (std::size_t i = begin; i < end; ++i) decide(scene, frame.results[open_[i]]);
+        find_open(frame);
+        workers_.resize(static_cast<std::size_t>(std::max(frame.threads, 1)));
+        for_each(frame, [&](Open& open, PairResult& result, Worker& worker) {
+            if (meets_again(scene, open, worker)) decide(result, Verdict::colliding, 0);
         });
+        for (const Open& open : open_)
+            if (frame.results[open.result].stage != stage_index)
+                fcl_.prepare(scene.geometry[open.pair.a]), fcl_.prepare(scene.geometry[open.pair.b]);
+        for_each(frame, [&](Open& open, PairResult& result, Worker&) {
+            if (result.stage != stage_index) ask_whole(scene, open, result);
+        });
+
         stats.in = open_.size();
-        for (std::uint32_t i : open_) stats.out += frame.results[i].verdict != Verdict::separate;
+        for (const Open& open : open_) stats.out += frame.results[open.result].verdict != Verdict::separate;
+        std::erase_if(open_, [](const Open& open) { return open.met.a == 0; });
+        met_.swap(open_);
     }
 
     void skip(const Scene&, Frame& frame, StageStats& stats) override
@@ -49,25 +61,99 @@ public:
 
 private:
     static constexpr std::uint8_t stage_index = 4;
+    static constexpr int levels_above_leaves = 2; ///< of the cells that are remembered: they hold some 20 triangles
 
-    void decide(const Scene& scene, PairResult& result) const
+    /// A pair without a verdict.
+    struct Open {
+        BodyPair pair;
+        std::uint32_t result; ///< in frame.results
+        LeafPair met;         ///< the cells in which triangles met last; 0: not known
+    };
+    struct Worker {
+        std::vector<std::uint32_t> of_a, of_b;
+        std::vector<Aabb> boxes;
+    };
+
+    /// Results and what was met last frame are sorted by pair: one pass.
+    void find_open(const Frame& frame)
     {
-        const std::uint32_t a = index(result.a), b = index(result.b);
-        auto [verdict, bound] = fcl_.answer(scene, a, b);
-        if (verdict == Verdict::separate && solid_ && solid_->encloses(scene, a, b)) verdict = Verdict::colliding, bound = 0;
+        open_.clear();
+        auto last = met_.begin();
+        for (std::uint32_t i = 0; i < frame.results.size(); ++i) {
+            const PairResult& result = frame.results[i];
+            if (result.verdict != Verdict::within && result.verdict != Verdict::undecided) continue;
+            const BodyPair pair{index(result.a), index(result.b)};
+            while (last != met_.end() && last->pair < pair) ++last;
+            const bool known = last != met_.end() && last->pair == pair;
+            open_.push_back({pair, i, known ? last->met : LeafPair{}});
+        }
+    }
+
+    template <class Work>
+    void for_each(Frame& frame, Work work)
+    {
+        parallel_chunks(open_.size(), 32, frame.threads, [&](std::size_t begin, std::size_t end, int thread) {
+            for (std::size_t i = begin; i < end; ++i)
+                work(open_[i], frame.results[open_[i].result], workers_[static_cast<std::size_t>(thread)]);
+        });
+    }
+
+    static void decide(PairResult& result, Verdict verdict, double bound)
+    {
         result.verdict = verdict, result.bound = bound, result.stage = stage_index;
     }
 
+    bool meets_again(const Scene& scene, Open& open, Worker& worker)
+    {
+        if (!open.met.a) return false;
+        const auto [a, b] = open.pair;
+        worker.of_a.clear(), worker.of_b.clear();
+        forest_.triangles(scene.geometry[a], open.met.a, worker.of_a);
+        forest_.triangles(scene.geometry[b], open.met.b, worker.of_b);
+        if (fcl_.triangles_meet(scene, a, b, worker.of_a, worker.of_b, worker.boxes)) return true;
+        open.met = {};
+        return false;
+    }
+
+    void ask_whole(const Scene& scene, Open& open, PairResult& result)
+    {
+        const auto [a, b] = open.pair;
+        const ExactFcl::Answer answer = fcl_.answer(scene, a, b);
+        if (answer.verdict == Verdict::separate && solid_ && solid_->encloses(scene, a, b))
+            return decide(result, Verdict::colliding, 0);
+        decide(result, answer.verdict, answer.bound);
+        if (answer.triangle_a >= 0) open.met = cells_of(scene, a, b, answer);
+    }
+
+    /// The cells around the middle of where the boxes of the two triangles overlap.
+    LeafPair cells_of(const Scene& scene, std::uint32_t a, std::uint32_t b, const ExactFcl::Answer& answer)
+    {
+        const Eigen::Isometry3d b_to_a = scene.poses[a].inverse(Eigen::Isometry) * scene.poses[b];
+        const auto box_of = [&](std::uint32_t body, int triangle, const Eigen::Isometry3d& to) {
+            const Mesh& mesh = std::get<Mesh>(scene.geometries[index(scene.geometry[body])].data);
+            Aabb box;
+            for (std::uint32_t v : mesh.triangles[static_cast<std::size_t>(triangle)]) box.add(to * mesh.vertices[v]);
+            return box;
+        };
+        const Aabb box_a = box_of(a, answer.triangle_a, Eigen::Isometry3d::Identity());
+        const Aabb box_b = box_of(b, answer.triangle_b, b_to_a);
+        const Eigen::Vector3d middle = 0.5 * (box_a.min.cwiseMax(box_b.min) + box_a.max.cwiseMin(box_b.max));
+        return {forest_.cell_at(scene.geometry[a], middle, levels_above_leaves),
+                forest_.cell_at(scene.geometry[b], b_to_a.inverse(Eigen::Isometry) * middle, levels_above_leaves)};
+    }
+
+    Forest& forest_;
     ExactFcl fcl_;
     std::optional<SolidTest> solid_;
-    std::vector<std::uint32_t> open_; ///< results that are still open
+    std::vector<Open> open_, met_; ///< this frame's open pairs; last frame's that met, sorted by pair
+    std::vector<Worker> workers_;
 };
 
 } // namespace
 
-std::unique_ptr<Stage> make_exact_stage(const Scene& scene, const Settings& settings)
+std::unique_ptr<Stage> make_exact_stage(const Scene& scene, const Settings& settings, Forest& forest)
 {
-    return std::make_unique<ExactStage>(scene, settings);
+    return std::make_unique<ExactStage>(scene, settings, forest);
 }
 
 } // namespace oncollide

@@ -35,6 +35,12 @@ Ocst& Forest::tree(GeometryId geometry)
     return *tree;
 }
 
+WalkPair Forest::walk_pair(const Scene& scene, std::uint32_t a, std::uint32_t b, LeafPair hint)
+{
+    const GeometryId ga = scene.geometry[a], gb = scene.geometry[b];
+    return {&tree(ga), &tree(gb), index(ga), index(gb), &scene.poses[a], &scene.poses[b], settings_.clearance, hint};
+}
+
 std::uint64_t Forest::expand(std::span<const CellRequest> requests, std::uint32_t frame, int threads)
 {
     std::uint64_t allowed = requests.size();
@@ -50,12 +56,26 @@ std::uint64_t Forest::expand(std::span<const CellRequest> requests, std::uint32_
         Ocst& tree = *trees_[request.tree];
         if (!backend_->attached(request.tree))
             backend_->attach(request.tree, make_surface(scene_.geometries[request.tree], tree.root()));
-        rows_.push_back(tree.row(request.tree, request.cell, false));
+        rows_.push_back(tree.row(request.tree, request.cell));
     }
     answers_.resize(rows_.size());
     backend_->ask(rows_, threads, answers_);
     for (std::size_t i = 0; i < rows_.size(); ++i) trees_[rows_[i].tree]->expand(rows_[i].cell, answers_[i], frame);
     return requests.size() - allowed;
+}
+
+void Forest::triangles(GeometryId geometry, CellKey cell, std::vector<std::uint32_t>& out) const
+{
+    const auto& tree = trees_[index(geometry)];
+    if (!tree || !tree->knows(cell)) return;
+    const ListId list = tree->parent_list(cell);
+    if (list != all_triangles) backend_->read(index(geometry), list, octant_of(cell), out);
+}
+
+CellKey Forest::cell_at(GeometryId geometry, const Eigen::Vector3d& point, int up) const
+{
+    const auto& tree = trees_[index(geometry)];
+    return tree ? tree->cell_at(point, std::max(tree->depth() - up, 1)) : CellKey{0};
 }
 
 std::uint64_t Forest::collapse(std::uint32_t frame, std::uint32_t age)

@@ -17,12 +17,19 @@ public:
 
     /// The tree of a geometry, made of its root alone when first asked for.
     Ocst& tree(GeometryId geometry);
+    /// Two bodies at their current poses; their trees are made if need be.
+    WalkPair walk_pair(const Scene& scene, std::uint32_t a, std::uint32_t b, LeafPair hint = {});
     OcclusionBackend& backend() { return *backend_; }
     const OcclusionBackend& backend() const { return *backend_; }
 
     /// Expands the requested cells (sorted, each once) in one batch. Those over a budget are left; returns how many.
     /// Surfaces are handed to the backend when their tree first grows.
     std::uint64_t expand(std::span<const CellRequest> requests, std::uint32_t frame, int threads);
+
+    /// Appends the triangles of a cell; none when the tree does not hold its list.
+    void triangles(GeometryId geometry, CellKey cell, std::vector<std::uint32_t>& out) const;
+    /// The cell that holds a point (geometry frame), `up` levels above the leaves but below the root.
+    CellKey cell_at(GeometryId geometry, const Eigen::Vector3d& point, int up) const;
 
     /// Drops cells that no test has reached for the age limit, the oldest sooner while memory is over its budget. A tree
     /// that is back to its root gives its surface up too. Returns how many stored cells went.

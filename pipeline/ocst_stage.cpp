@@ -16,8 +16,7 @@ namespace {
 /// until none is parked. Each walk opens all it can before it parks, so rounds do not grow with the number of pairs.
 class OcstStage final : public Stage {
 public:
-    OcstStage(const Scene& scene, const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
-        : forest_(scene, settings, std::move(backend))
+    OcstStage(const Scene& scene, const Settings& settings, Forest& forest) : forest_(forest)
     {
         if (settings.mode == Mode::solid) solid_.emplace(scene);
     }
@@ -75,7 +74,7 @@ private:
     };
     struct Parked {
         std::uint32_t pair, worker;
-        std::size_t first, count; ///< of the worker's parked work
+        ParkedWork work; ///< in the worker's walker
     };
     struct Worker {
         Walker walker;
@@ -88,10 +87,7 @@ private:
 
     WalkPair pair_of(const Scene& scene, const Frame& frame, std::size_t i)
     {
-        const auto [a, b] = frame.pairs[i];
-        const GeometryId ga = scene.geometry[a], gb = scene.geometry[b];
-        return {&forest_.tree(ga), &forest_.tree(gb), index(ga), index(gb),
-                &scene.poses[a], &scene.poses[b], frame.settings->clearance, walks_[i].hint};
+        return forest_.walk_pair(scene, frame.pairs[i].a, frame.pairs[i].b, walks_[i].hint);
     }
 
     /// Both lists are sorted by pair: one pass.
@@ -110,9 +106,9 @@ private:
         parallel_chunks(frame.pairs.size(), pairs_a_chunk, frame.threads, [&](std::size_t begin, std::size_t end, int t) {
             Worker& worker = workers_[static_cast<std::size_t>(t)];
             for (std::size_t i = begin; i < end; ++i) {
-                std::size_t first, count;
-                walks_[i].result = worker.walker.start(pair_of(scene, frame, i), frame.number, forest_.backend(), first, count);
-                if (count) worker.parked.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(t), first, count});
+                ParkedWork work;
+                walks_[i].result = worker.walker.start(pair_of(scene, frame, i), frame.number, forest_.backend(), work);
+                if (work.count) worker.parked.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(t), work});
             }
         });
     }
@@ -135,7 +131,7 @@ private:
     {
         requests_.clear();
         for (const Parked& p : parked_)
-            parked_workers_[p.worker].walker.requests(pair_of(scene, frame, p.pair), p.first, p.count, requests_);
+            parked_workers_[p.worker].walker.requests(pair_of(scene, frame, p.pair), p.work, requests_);
         std::sort(requests_.begin(), requests_.end());
         requests_.erase(std::unique(requests_.begin(), requests_.end()), requests_.end());
     }
@@ -146,11 +142,12 @@ private:
             Worker& worker = workers_[static_cast<std::size_t>(t)];
             for (std::size_t i = begin; i < end; ++i) {
                 const Parked& p = parked_[i];
-                std::size_t first = p.first, count = p.count;
+                ParkedWork work = p.work;
                 WalkResult& result = walks_[p.pair].result;
                 result = worker.walker.resume(pair_of(scene, frame, p.pair), frame.number, forest_.backend(),
-                                              parked_workers_[p.worker].walker, result, give_up_, first, count);
-                if (count) worker.parked.push_back({p.pair, static_cast<std::uint32_t>(t), first, count});
+                                              parked_workers_[p.worker].walker, result,
+                                              static_cast<int>(frame.trees.rounds), give_up_, work);
+                if (work.count) worker.parked.push_back({p.pair, static_cast<std::uint32_t>(t), work});
             }
         });
     }
@@ -181,14 +178,11 @@ private:
                 frame.trees.node_pairs += worker.walker.node_pairs();
                 worker.walker.reset_counters();
             }
-        frame.trees.collapsed = forest_.age(frame.number);
-        frame.trees.nodes = forest_.nodes();
-        frame.trees.bytes = forest_.bytes();
     }
 
     static constexpr std::size_t pairs_a_chunk = 256;
 
-    Forest forest_;
+    Forest& forest_;
     std::optional<SolidTest> solid_;
     std::vector<Walk> walks_; ///< by pair
     std::vector<Worker> workers_, parked_workers_;
@@ -200,10 +194,9 @@ private:
 
 } // namespace
 
-std::unique_ptr<Stage> make_ocst_stage(const Scene& scene, const Settings& settings,
-                                       std::unique_ptr<OcclusionBackend> backend)
+std::unique_ptr<Stage> make_ocst_stage(const Scene& scene, const Settings& settings, Forest& forest)
 {
-    return std::make_unique<OcstStage>(scene, settings, std::move(backend));
+    return std::make_unique<OcstStage>(scene, settings, forest);
 }
 
 } // namespace oncollide

@@ -59,7 +59,7 @@ struct Pipeline::Impl {
     std::vector<std::uint8_t> asked_to_skip;
     std::vector<StageStats> stats, totals;
     std::vector<std::uint32_t> moving;
-    std::string backend;
+    std::unique_ptr<Forest> forest;
     std::uint64_t hash = 0;
     bool first = true;
 
@@ -92,13 +92,12 @@ Pipeline::Pipeline(const Scene& scene, const Settings& settings) : impl_(std::ma
     for (std::uint32_t body = 0; body < scene.size(); ++body)
         if (!scene.is_static[body]) p.moving.push_back(body);
 
-    auto backend = make_cpu_backend();
-    p.backend = backend->name();
+    p.forest = std::make_unique<Forest>(scene, p.settings, make_cpu_backend());
     p.stages.push_back(make_bounds_stage(scene));
     p.stages.push_back(make_delimitation_stage());
     p.stages.push_back(make_broad_stage(settings.broad_phase));
-    p.stages.push_back(make_ocst_stage(scene, p.settings, std::move(backend)));
-    p.stages.push_back(make_exact_stage(scene, p.settings));
+    p.stages.push_back(make_ocst_stage(scene, p.settings, *p.forest));
+    p.stages.push_back(make_exact_stage(scene, p.settings, *p.forest));
     p.asked_to_skip.assign(p.stages.size(), 0);
     for (const std::string& name : settings.skip) {
         const auto found = std::find(stage_names.begin(), stage_names.end(), name);
@@ -143,6 +142,9 @@ FrameView Pipeline::step(const Scene& scene)
         total.undecided += stats.undecided, total.cpu_ms += stats.cpu_ms, total.gpu_ms += stats.gpu_ms;
         total.skipped &= stats.skipped, total.note = total.skipped ? stats.note : std::string_view{};
     }
+    p.frame.trees.collapsed = p.forest->age(p.frame.number);
+    p.frame.trees.nodes = p.forest->nodes();
+    p.frame.trees.bytes = p.forest->bytes();
     const std::uint64_t hash = hash_of(p.frame.results);
     mix(p.hash, hash);
     const FrameView view{p.frame.number, milliseconds(Clock::now() - begin), p.frame.results, p.stats,
@@ -154,7 +156,7 @@ FrameView Pipeline::step(const Scene& scene)
 std::span<const std::string_view> Pipeline::stages() const { return stage_names; }
 std::span<const StageStats> Pipeline::totals() const { return impl_->totals; }
 std::uint64_t Pipeline::hash() const { return impl_->hash; }
-std::string Pipeline::backend() const { return impl_->backend; }
+std::string Pipeline::backend() const { return impl_->forest->backend().name(); }
 const Settings& Pipeline::settings() const { return impl_->settings; }
 
 void Pipeline::replace(std::unique_ptr<Stage> stage)

@@ -21,9 +21,7 @@ std::string_view plain_words(std::string_view stage)
 /// Digits in groups of three: 1,234,567.
 std::string grouped(std::uint64_t value)
 {
-    std::string text = fmt::format("{}", value);
-    for (int at = int(text.size()) - 3; at > 0; at -= 3) text.insert(std::size_t(at), ",");
-    return text;
+    return fmt::format("{}", fmt::group_digits(value));
 }
 
 /// A mean that stays readable: whole when it is whole or large, else one decimal.

@@ -17,8 +17,8 @@ enum class BroadPhaseKind : std::uint8_t { kd_tree, octree, brute_force };
 struct Settings {
     /// The error dial. `max_error` (m, > 0): two bodies reported `within` are closer than clearance + max_error; the depth
     /// of each tree follows. `depth` (1 to 16) sets it directly, as in the paper. At most one; neither: depth 6.
-    std::optional<int> depth;
-    std::optional<double> max_error;
+    std::optional<int> depth{};
+    std::optional<double> max_error{};
     double clearance = 0; ///< metres, >= 0: pairs this close count as touching, in every stage
 
     ExactLevel exact = ExactLevel::off;
@@ -26,7 +26,7 @@ struct Settings {
     BackendKind backend = BackendKind::automatic;
     BroadPhaseKind broad_phase = BroadPhaseKind::kd_tree;
     int threads = 1;                    ///< 0: all hardware threads. Never changes the result
-    std::vector<std::string> skip;      ///< names of stages to leave out; the answer gets wider, never wrong
+    std::vector<std::string> skip{};     ///< names of stages to leave out; the answer gets wider, never wrong
     int age_limit = 60;                 ///< frames after which cells that no test reached are dropped; >= 1
     std::size_t node_budget = 0;        ///< cells that all trees together may hold; 0: no limit
     std::size_t memory_budget = 0;      ///< bytes that trees and triangle lists may hold; 0: no limit

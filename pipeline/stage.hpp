@@ -2,6 +2,7 @@
 #include <memory>
 #include <string_view>
 
+#include <oncollide/pipeline/forest.hpp>
 #include <oncollide/pipeline/frame.hpp>
 
 namespace oncollide {
@@ -26,9 +27,8 @@ public:
 std::unique_ptr<Stage> make_bounds_stage(const Scene& scene);
 std::unique_ptr<Stage> make_delimitation_stage();
 std::unique_ptr<Stage> make_broad_stage(BroadPhaseKind kind);
-/// @param backend  who answers octant questions
-std::unique_ptr<Stage> make_ocst_stage(const Scene& scene, const Settings& settings,
-                                       std::unique_ptr<OcclusionBackend> backend);
-std::unique_ptr<Stage> make_exact_stage(const Scene& scene, const Settings& settings);
+/// Both keep a reference to `forest`; the exact stage reads the leaves that the ocst stage found.
+std::unique_ptr<Stage> make_ocst_stage(const Scene& scene, const Settings& settings, Forest& forest);
+std::unique_ptr<Stage> make_exact_stage(const Scene& scene, const Settings& settings, Forest& forest);
 
 } // namespace oncollide

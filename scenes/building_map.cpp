@@ -65,8 +65,8 @@ OccupancyMap make_building_map(int rooms, double resolution, std::uint64_t seed)
         throw Error(ErrorKind::usage, fmt::format("building: {} rooms a side; it must be from 1 to 100", rooms));
     if (!(resolution > 0) || !std::isfinite(resolution) || resolution > 1 || rooms * room_side / resolution > 2000)
         throw Error(ErrorKind::usage,
-                    fmt::format("building: the resolution is {} m; with {} rooms a side it must be from {} to 1", resolution,
-                                rooms, rooms * room_side / 2000));
+                    fmt::format("building: the resolution is {} m; with {} rooms a side it must be from {} to 1",
+                                resolution, rooms, rooms * room_side / 2000));
     const int room = static_cast<int>(std::lround(room_side / resolution));
     const int height = std::max(2, static_cast<int>(std::lround(room_height / resolution)));
     const int side = rooms * room + 1, door = std::max(1, room / 4), lintel = std::max(2, 3 * height / 4);

@@ -32,6 +32,8 @@ constexpr Maker makers[] = {
     {"octomap", "shapes and meshes drift through a scanned building", 12, 100'000, 200, make_octomap_scene},
     {"hard", "touching, coplanar, nested, tiny, huge and far: what collision detection gets wrong", 0, 0, 60,
      make_hard_scene},
+    {"random", "every kind of geometry, drawn by lot: another seed is another scene", 20, 100'000, 20,
+     make_random_scene},
 };
 
 [[noreturn]] void refuse(const std::string& what)
@@ -90,7 +92,8 @@ Eigen::Vector3d Dice::within(const Eigen::Vector3d& half)
 
 Eigen::Vector3d Dice::direction()
 {
-    const double z = between(-1, 1), turn = between(0, 2 * std::numbers::pi), ring = std::sqrt(std::max(0.0, 1 - z * z));
+    const double z = between(-1, 1), turn = between(0, 2 * std::numbers::pi),
+                 ring = std::sqrt(std::max(0.0, 1 - z * z));
     return {ring * std::cos(turn), ring * std::sin(turn), z};
 }
 
@@ -120,8 +123,8 @@ GeometryId add_model(Scene& scene, const CatalogueOptions& options, const std::s
         mesh["file"] = path.string();
     } else {
         mesh["generate"] = generator;
-        scene.warnings.push_back(fmt::format("{}: no data folder with meshes/paper/{}; a generated mesh stands in", name,
-                                             file));
+        scene.warnings.push_back(
+            fmt::format("{}: no data folder with meshes/paper/{}; a generated mesh stands in", name, file));
     }
     return add_geometry(scene, name, {{"mesh", std::move(mesh)}});
 }

@@ -1,5 +1,5 @@
-// Arrangements in which something is exactly zero, nearly zero, or of a very different size. Groups of bodies stand 20 m
-// apart along x, each a case of its own.
+// Arrangements in which something is exactly zero, nearly zero, or of a very different size. Groups of bodies stand 20
+// m apart along x, each a case of its own.
 #include <fmt/format.h>
 
 #include "catalogue_scenes.hpp"
@@ -31,7 +31,8 @@ public:
 
     GeometryId listed(const char* name, Json vertices, Json triangles)
     {
-        return add_geometry(scene, name, {{"mesh", {{"vertices", std::move(vertices)}, {"triangles", std::move(triangles)}}}});
+        return add_geometry(scene, name,
+                            {{"mesh", {{"vertices", std::move(vertices)}, {"triangles", std::move(triangles)}}}});
     }
 
     void touching_boxes();
@@ -93,9 +94,9 @@ void HardScene::same_place()
 /// Slivers, triangles without area, and needles that slip between samples.
 void HardScene::thin_triangles()
 {
-    const GeometryId slivers = listed("slivers",
-                                      {{-1, 0, 0}, {1, 0, 0}, {0, 1e-9, 0}, {0, 0, 1e-12}, {0.5, 0, 0}, {0, 1, 1}},
-                                      {{0, 1, 2}, {0, 1, 3}, {0, 4, 1}, {5, 5, 5}, {0, 5, 2}});
+    const GeometryId slivers =
+        listed("slivers", {{-1, 0, 0}, {1, 0, 0}, {0, 1e-9, 0}, {0, 0, 1e-12}, {0.5, 0, 0}, {0, 1, 1}},
+               {{0, 1, 2}, {0, 1, 3}, {0, 4, 1}, {5, 5, 5}, {0, 5, 2}});
     put("slivers-a", slivers, {0, 0, 0});
     put("slivers-b", slivers, {0.25, 0, 0}, Eigen::Quaterniond(Eigen::AngleAxisd(1.0, Vector3d::UnitZ())));
     const GeometryId needles = generated(
@@ -155,8 +156,8 @@ void HardScene::tiny_and_huge()
 
 void HardScene::terrain_and_soup()
 {
-    const GeometryId terrain = generated(
-        "terrain", {{"kind", "terrain"}, {"size", 16}, {"height", 2}, {"cells", 48}, {"seed", seed_}});
+    const GeometryId terrain =
+        generated("terrain", {{"kind", "terrain"}, {"size", 16}, {"height", 2}, {"cells", 48}, {"seed", seed_}});
     const double top = bounds_of(scene.geometries[index(terrain)]).max.z();
     const auto& vertices = std::get<Mesh>(scene.geometries[index(terrain)].data).vertices;
     Vector3d peak = vertices.front();
@@ -165,8 +166,8 @@ void HardScene::terrain_and_soup()
     put("terrain", terrain, {0, 0, 0});
     put("cube-on-peak", cube_, peak + Vector3d(0, 0, 0.5));
     next_group();
-    const GeometryId soup = generated(
-        "soup", {{"kind", "soup"}, {"count", 400}, {"edge", 0.5}, {"size", 3}, {"seed", seed_}});
+    const GeometryId soup =
+        generated("soup", {{"kind", "soup"}, {"count", 400}, {"edge", 0.5}, {"size", 3}, {"seed", seed_}});
     put("soup-a", soup, {0, 0, 0});
     put("soup-b", soup, {1, 0.5, 0}, Dice(seed_, 2).rotation());
     next_group();

@@ -12,13 +12,19 @@ namespace oncollide {
 namespace {
 
 /// Stand-ins with as many triangles as the models.
-Json bunny_like(int triangles) { return {{"kind", "sphere"}, {"radius", 1}, {"triangles", triangles}}; }
+Json bunny_like(int triangles)
+{
+    return {{"kind", "sphere"}, {"radius", 1}, {"triangles", triangles}};
+}
 Json knot_like(int p, int q, int triangles)
 {
-    return {{"kind", "torus_knot"}, {"p", p},       {"q", q},     {"major", 1},
-            {"minor", 0.4},         {"tube", 0.18}, {"triangles", triangles}};
+    return {{"kind", "torus_knot"},  {"p", p}, {"q", q}, {"major", 1}, {"minor", 0.4}, {"tube", 0.18},
+            {"triangles", triangles}};
 }
-Json ring_like(int triangles) { return {{"kind", "torus"}, {"major", 1}, {"minor", 0.25}, {"triangles", triangles}}; }
+Json ring_like(int triangles)
+{
+    return {{"kind", "torus"}, {"major", 1}, {"minor", 0.25}, {"triangles", triangles}};
+}
 
 /// One key a frame, so that every frame has the pose of the formula.
 Keyed bunny_path()
@@ -97,13 +103,12 @@ Scene make_many_scene(const CatalogueOptions& options)
         const GeometryId kind = kinds[i % 3];
         const Eigen::Vector3d position = walls.centre() + dice.within(walls.half_extent());
         const Eigen::Quaterniond rotation = dice.rotation();
-        Drift drift{.velocity = dice.within(Eigen::Vector3d::Constant(0.02)), .spin = {}, .walls = walls};
+        const Eigen::Vector3d velocity = dice.within(Eigen::Vector3d::Constant(0.02));
         const double rate = dice.between(-0.05, 0.05);
-        drift.spin = rate * dice.direction();
         scene.add_body({.name = fmt::format("{}-{}", scene.geometries[index(kind)].name, i),
                         .geometry = kind,
                         .pose = placed(position, rotation),
-                        .motion = drift});
+                        .motion = Drift{velocity, rate * dice.direction(), walls}});
     }
     return scene;
 }

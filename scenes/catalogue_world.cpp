@@ -33,8 +33,9 @@ Eigen::Quaterniond facing(int quarters)
 std::vector<GeometryId> add_building_kinds(Scene& scene)
 {
     const auto generated = [&](const char* name, Json generator, double diagonal) {
-        return add_geometry(scene, name,
-                            {{"mesh", {{"generate", std::move(generator)}, {"fit_diagonal", diagonal}, {"centre", true}}}});
+        return add_geometry(
+            scene, name,
+            {{"mesh", {{"generate", std::move(generator)}, {"fit_diagonal", diagonal}, {"centre", true}}}});
     };
     return {
         scene.add("house", Box{{6, 7, 4}}),
@@ -47,7 +48,11 @@ std::vector<GeometryId> add_building_kinds(Scene& scene)
         generated("arena", {{"kind", "torus"}, {"major", 7}, {"minor", 2}, {"triangles", 1800}}, 26),
         scene.add("hall", Box{{12.5, 8, 5}}),
         generated("works",
-                  {{"kind", "gear"}, {"teeth", 12}, {"root_radius", 9}, {"tip_radius", 12}, {"thickness", 9},
+                  {{"kind", "gear"},
+                   {"teeth", 12},
+                   {"root_radius", 9},
+                   {"tip_radius", 12},
+                   {"thickness", 9},
                    {"bore_radius", 4}},
                   36),
     };
@@ -84,7 +89,8 @@ Keyed route(int blocks, int frames, double height, Dice& dice)
     Keyed path;
     const auto add_key = [&](double time, double ahead) {
         const auto& step = steps[static_cast<std::size_t>(heading)];
-        path.keys.push_back({time, {x * pitch + ahead * step[0], y * pitch + ahead * step[1], height}, facing(heading)});
+        path.keys.push_back(
+            {time, {x * pitch + ahead * step[0], y * pitch + ahead * step[1], height}, facing(heading)});
     };
     add_key(0, corner);
     for (double time = (pitch - 2 * corner) / speed; time < frames + 2 * pitch / speed; time += pitch / speed) {
@@ -114,14 +120,24 @@ MoverKinds add_mover_kinds(Scene& scene)
         add_geometry(scene, "roller",
                      {{"mesh",
                        {{"generate",
-                         {{"kind", "gear"}, {"teeth", 16}, {"root_radius", 1.6}, {"tip_radius", 2}, {"thickness", 1.2},
+                         {{"kind", "gear"},
+                          {"teeth", 16},
+                          {"root_radius", 1.6},
+                          {"tip_radius", 2},
+                          {"thickness", 1.2},
                           {"bore_radius", 0.5}}}}}}),
         add_geometry(scene, "drone",
                      {{"mesh",
                        {{"generate",
-                         {{"kind", "torus_knot"}, {"p", 2}, {"q", 3}, {"major", 1}, {"minor", 0.4}, {"tube", 0.2},
+                         {{"kind", "torus_knot"},
+                          {"p", 2},
+                          {"q", 3},
+                          {"major", 1},
+                          {"minor", 0.4},
+                          {"tube", 0.2},
                           {"triangles", 1200}}},
-                        {"fit_diagonal", 3}, {"centre", true}}}}),
+                        {"fit_diagonal", 3},
+                        {"centre", true}}}}),
     };
 }
 
@@ -188,9 +204,13 @@ Scene make_city_scene(const CatalogueOptions& options)
         const GeometryId terrain = add_geometry(
             scene, "terrain",
             {{"mesh",
-              {{"generate", {{"kind", "terrain"}, {"size", end + 200}, {"height", 6}, {"cells", 160}, {"seed", options.seed}}}}}});
+              {{"generate",
+                {{"kind", "terrain"}, {"size", end + 200}, {"height", 6}, {"cells", 160}, {"seed", options.seed}}}}}});
         // The ground swings around z = 0; its highest hills reach the traffic.
-        scene.add_body({.name = "terrain", .geometry = terrain, .pose = placed({end / 2, end / 2, -3.2}), .is_static = true,
+        scene.add_body({.name = "terrain",
+                        .geometry = terrain,
+                        .pose = placed({end / 2, end / 2, -3.2}),
+                        .is_static = true,
                         .layer = scenery});
     }
     add_buildings(scene, buildings, blocks, options.seed);
@@ -216,13 +236,19 @@ Scene make_octomap_scene(const CatalogueOptions& options)
         add_geometry(scene, "knot",
                      {{"mesh",
                        {{"generate",
-                         {{"kind", "torus_knot"}, {"p", 2}, {"q", 3}, {"major", 1}, {"minor", 0.4}, {"tube", 0.2},
+                         {{"kind", "torus_knot"},
+                          {"p", 2},
+                          {"q", 3},
+                          {"major", 1},
+                          {"minor", 0.4},
+                          {"tube", 0.2},
                           {"triangles", 1500}}},
-                        {"fit_diagonal", 1}, {"centre", true}}}}),
+                        {"fit_diagonal", 1},
+                        {"centre", true}}}}),
         scene.add("rod", Capsule{.radius = 0.1, .length = 0.8}),
-        add_geometry(scene, "ring",
-                     {{"mesh",
-                       {{"generate", {{"kind", "torus"}, {"major", 0.4}, {"minor", 0.1}, {"triangles", 600}}}}}}),
+        add_geometry(
+            scene, "ring",
+            {{"mesh", {{"generate", {{"kind", "torus"}, {"major", 0.4}, {"minor", 0.1}, {"triangles", 600}}}}}}),
     };
     const Aabb walls = bounds_of(scene.geometries[index(building)]);
     for (int i = 0; i < *options.bodies; ++i) {

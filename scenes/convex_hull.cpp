@@ -23,8 +23,7 @@ namespace {
 /// can fail. What it wants to print goes to /dev/null.
 class Qhull {
 public:
-    Qhull(std::vector<double>& coordinates, const char* options)
-        : quiet_(std::fopen("/dev/null", "w"), &std::fclose)
+    Qhull(std::vector<double>& coordinates, const char* options) : quiet_(std::fopen("/dev/null", "w"), &std::fclose)
     {
         if (!quiet_) return;
         std::string command = options; // Qhull keeps a copy
@@ -54,7 +53,8 @@ public:
         std::vector<Triangle> found;
         qhT* qh = &qh_; // Qhull's macros need this name
         facetT* facet;
-        FORALLfacets {
+        FORALLfacets
+        {
             if (!facet->simplicial || qh_setsize(qh, facet->vertices) != 3) return {};
             Triangle t;
             for (int k = 0; k < 3; ++k)
@@ -102,7 +102,9 @@ std::vector<std::uint32_t> used_vertices(std::span<const Triangle> triangles)
 /// Six times the volume inside the triangles.
 double signed_volume(std::span<const double> coordinates, std::span<const Triangle> triangles)
 {
-    const auto at = [&](std::uint32_t v) { return Eigen::Map<const Eigen::Vector3d>(&coordinates[3 * std::size_t(v)]); };
+    const auto at = [&](std::uint32_t v) {
+        return Eigen::Map<const Eigen::Vector3d>(&coordinates[3 * std::size_t(v)]);
+    };
     double volume = 0;
     for (const Triangle& t : triangles) volume += at(t[0]).dot(at(t[1]).cross(at(t[2])));
     return volume;

@@ -22,7 +22,8 @@ std::string read_file(const std::filesystem::path& path, std::uintmax_t most)
     std::ifstream in(path, std::ios::binary);
     if (error || !in) fail(ErrorKind::no_input, "cannot be read; check its permissions");
     if (size == 0) fail(ErrorKind::bad_data, "the file is empty");
-    if (size > most) fail(ErrorKind::bad_data, fmt::format("the file has {} bytes; at most {} are allowed", size, most));
+    if (size > most)
+        fail(ErrorKind::bad_data, fmt::format("the file has {} bytes; at most {} are allowed", size, most));
     std::string bytes(size, '\0');
     in.read(bytes.data(), static_cast<std::streamsize>(size));
     if (in.gcount() != static_cast<std::streamsize>(size)) fail(ErrorKind::no_input, "cannot be read to its end");

@@ -45,8 +45,8 @@ Mesh generate(const Node& node)
     }
     if (kind == "torus_knot") {
         node.only({"kind", "p", "q", "major", "minor", "tube", "triangles"});
-        return make_torus_knot_mesh(count(node, "p", 1000), count(node, "q", 1000), size(node, "major"), size(node, "minor"),
-                                    size(node, "tube"), count(node, "triangles"));
+        return make_torus_knot_mesh(count(node, "p", 1000), count(node, "q", 1000), size(node, "major"),
+                                    size(node, "minor"), size(node, "tube"), count(node, "triangles"));
     }
     if (kind == "gear") {
         node.only({"kind", "teeth", "root_radius", "tip_radius", "thickness", "bore_radius"});
@@ -66,8 +66,10 @@ Mesh generate(const Node& node)
         node.only({"kind", "count", "edge", "size", "seed"});
         return make_soup_mesh(count(node, "count"), size(node, "edge"), size(node, "size"), seed(node));
     }
-    node["kind"].fail(fmt::format("no generator named '{}'; valid: box, sphere, torus, torus_knot, gear, terrain, needles, "
-                                  "soup", kind));
+    node["kind"].fail(
+        fmt::format("no generator named '{}'; valid: box, sphere, torus, torus_knot, gear, terrain, needles, "
+                    "soup",
+                    kind));
 }
 
 Mesh listed_mesh(const Node& node, const std::string& name)
@@ -139,8 +141,7 @@ Shape read_shape(const Node& node)
         for (std::size_t i = 0; i < points.size(); ++i) hull.points.push_back(points[i].vector3());
         return hull;
     }
-    node["kind"].fail(
-        fmt::format("no shape named '{}'; valid: sphere, box, capsule, cylinder, convex_hull", kind));
+    node["kind"].fail(fmt::format("no shape named '{}'; valid: sphere, box, capsule, cylinder, convex_hull", kind));
 }
 
 OccupancyMap read_map(const Node& node, const fs::path& folder)
@@ -160,11 +161,26 @@ Json points_of(const std::vector<Eigen::Vector3d>& points)
     return list;
 }
 
-Json entry_of(const Sphere& s) { return {{"kind", "sphere"}, {"radius", s.radius}}; }
-Json entry_of(const Box& b) { return {{"kind", "box"}, {"half", {b.half.x(), b.half.y(), b.half.z()}}}; }
-Json entry_of(const Capsule& c) { return {{"kind", "capsule"}, {"radius", c.radius}, {"length", c.length}}; }
-Json entry_of(const Cylinder& c) { return {{"kind", "cylinder"}, {"radius", c.radius}, {"length", c.length}}; }
-Json entry_of(const ConvexHull& h) { return {{"kind", "convex_hull"}, {"points", points_of(h.points)}}; }
+Json entry_of(const Sphere& s)
+{
+    return {{"kind", "sphere"}, {"radius", s.radius}};
+}
+Json entry_of(const Box& b)
+{
+    return {{"kind", "box"}, {"half", {b.half.x(), b.half.y(), b.half.z()}}};
+}
+Json entry_of(const Capsule& c)
+{
+    return {{"kind", "capsule"}, {"radius", c.radius}, {"length", c.length}};
+}
+Json entry_of(const Cylinder& c)
+{
+    return {{"kind", "cylinder"}, {"radius", c.radius}, {"length", c.length}};
+}
+Json entry_of(const ConvexHull& h)
+{
+    return {{"kind", "convex_hull"}, {"points", points_of(h.points)}};
+}
 
 /// Gives the entry's file, if it has one, another path.
 template <class Change>
@@ -177,6 +193,18 @@ void change_file(Json& entry, Change change)
         }
 }
 
+/// Of an entry that has been read, so it has the right types.
+std::string recipe_of(const Node& entry, const fs::path& folder)
+{
+    Json recipe = entry.json();
+    change_file(recipe, [&](const fs::path& file) { return fs::absolute(folder / file); });
+    try {
+        return recipe.dump();
+    } catch (const Json::exception&) {
+        throw Error(ErrorKind::bad_data, "the path of its file is not UTF-8 text");
+    }
+}
+
 } // namespace
 
 GeometryId add_geometry(Scene& scene, const std::string& name, const Node& entry, const fs::path& folder)
@@ -185,23 +213,15 @@ GeometryId add_geometry(Scene& scene, const std::string& name, const Node& entry
     const Node node = entry[source];
     if (source == "shape") return at(node, [&] { return scene.add(name, read_shape(node)); });
 
-    Json recipe = entry.json();
-    change_file(recipe, [&](const fs::path& file) { return fs::absolute(folder / file); });
-    std::string text;
-    try {
-        text = recipe.dump();
-    } catch (const Json::exception&) {
-        node.fail("the path of its file is not UTF-8 text");
-    }
     if (source == "octomap") {
         OccupancyMap map = read_map(node, folder);
-        return at(entry, [&] { return scene.add(name, std::move(map), std::move(text)); });
+        return at(entry, [&] { return scene.add(name, std::move(map), recipe_of(entry, folder)); });
     }
     Mesh mesh = read_mesh(node, name, folder);
     if (mesh.zero_area > 0)
-        scene.warnings.push_back(fmt::format("{}: {} triangle{} without area (kept)", name, mesh.zero_area,
-                                             mesh.zero_area == 1 ? "" : "s"));
-    return at(entry, [&] { return scene.add(name, std::move(mesh), std::move(text)); });
+        scene.warnings.push_back(
+            fmt::format("{}: {} triangle{} without area (kept)", name, mesh.zero_area, mesh.zero_area == 1 ? "" : "s"));
+    return at(entry, [&] { return scene.add(name, std::move(mesh), recipe_of(entry, folder)); });
 }
 
 GeometryId add_geometry(Scene& scene, const std::string& name, const Json& entry)

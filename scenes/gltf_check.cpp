@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -13,7 +14,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr int deepest_json = 100, deepest_node = 500;
-constexpr std::size_t most_triangles = 200'000'000;
+constexpr std::size_t most_triangles = 50'000'000;
 
 /// The JSON chunk of a GLB file, or the whole of a glTF file.
 std::string_view json_text(const MeshSource& source)
@@ -40,8 +41,10 @@ void check_nesting(const MeshSource& source, std::string_view text)
     for (std::size_t i = 0; i < text.size(); ++i) {
         const char c = text[i];
         if (in_string) {
-            if (c == '\\') ++i;
-            else if (c == '"') in_string = false;
+            if (c == '\\')
+                ++i;
+            else if (c == '"')
+                in_string = false;
             continue;
         }
         in_string = c == '"';
@@ -54,6 +57,23 @@ void check_nesting(const MeshSource& source, std::string_view text)
 class SceneCheck {
 public:
     SceneCheck(const MeshSource& source, const Json& file) : source_(source), file_(file) {}
+
+    /// Buffers in files of their own are there and long enough: Assimp leaks the open file otherwise.
+    void check_buffers() const
+    {
+        const std::filesystem::path folder = std::filesystem::path(source_.name).parent_path();
+        for (const Json& buffer : file_.value("buffers", Json::array())) {
+            const std::string uri = buffer.value("uri", "");
+            if (uri.empty() || uri.starts_with("data:") || uri.find('%') != uri.npos) continue;
+            const auto needed = buffer.at("byteLength").get<std::uint64_t>();
+            std::error_code error;
+            const std::uintmax_t size = std::filesystem::file_size(folder / uri, error);
+            if (error) source_.fail(fmt::format("the file of its buffer, {}, cannot be read", oncollide::quoted(uri)));
+            if (size < needed)
+                source_.fail(fmt::format("truncated: the file of its buffer, {}, has {} of {} bytes",
+                                         oncollide::quoted(uri), size, needed));
+        }
+    }
 
     std::size_t count_triangles()
     {
@@ -133,8 +153,11 @@ std::size_t check_gltf(const MeshSource& source)
         const Json file = Json::parse(text);
         const std::string version = file.at("asset").at("version").get<std::string>();
         if (!version.starts_with("2."))
-            source.fail(fmt::format("the file is glTF version {}; only version 2 can be read", oncollide::quoted(version)));
-        return SceneCheck(source, file).count_triangles();
+            source.fail(
+                fmt::format("the file is glTF version {}; only version 2 can be read", oncollide::quoted(version)));
+        SceneCheck check(source, file);
+        check.check_buffers();
+        return check.count_triangles();
     } catch (const Json::exception& error) {
         source.fail(fmt::format("not a valid glTF file: {}", first_line(error.what())));
     }

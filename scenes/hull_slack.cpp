@@ -75,7 +75,11 @@ private:
 
 std::optional<std::vector<std::array<std::uint32_t, 3>>> neighbours_of(std::span<const Triangle> triangles)
 {
-    struct Edge { std::uint32_t low, high; bool forward; std::uint32_t triangle, opposite; };
+    struct Edge {
+        std::uint32_t low, high;
+        bool forward;
+        std::uint32_t triangle, opposite;
+    };
     std::vector<Edge> edges;
     edges.reserve(3 * triangles.size());
     for (std::uint32_t t = 0; t < triangles.size(); ++t)

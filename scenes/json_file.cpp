@@ -31,8 +31,12 @@ public:
             open_.push_back({.is_array = event == Event::array_start});
             break;
         case Event::object_end:
-        case Event::array_end: open_.pop_back(); break;
-        case Event::key: take_key(value.get_ref<const std::string&>()); break;
+        case Event::array_end:
+            open_.pop_back();
+            break;
+        case Event::key:
+            take_key(value.get_ref<const std::string&>());
+            break;
         case Event::value:
             if (!open_.empty()) ++open_.back().elements;
             break;
@@ -116,8 +120,9 @@ Node Node::child(const Json& value, std::string_view key) const
 
 void Node::must_be(bool right, std::string_view what) const
 {
-    if (!right) fail(fmt::format("is {} {}, must be {}", value_->is_array() || value_->is_object() ? "an" : "a",
-                                 value_->type_name(), what));
+    if (!right)
+        fail(fmt::format("is {} {}, must be {}", value_->is_array() || value_->is_object() ? "an" : "a",
+                         value_->type_name(), what));
 }
 
 void Node::only(std::initializer_list<std::string_view> keys) const

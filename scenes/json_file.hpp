@@ -20,11 +20,12 @@ struct JsonFile {
     std::vector<std::string> geometries; ///< the keys of the top member "geometries" in the file's order
 };
 
-/// Parses `text`. Throws Error{bad_data}, the message beginning with `file`: syntax errors with line and column, numbers
-/// too large for a double, a key given twice in one object, more than 32 levels of nesting.
+/// Parses `text`. Throws Error{bad_data}, the message beginning with `file`: syntax errors with line and column,
+/// numbers too large for a double, a key given twice in one object, more than 32 levels of nesting.
 JsonFile parse_json(const std::string& file, const std::string& text);
 
-/// A value and where it stands. The accessors throw Error{bad_data} `file: place: what is wrong and what would be right`.
+/// A value and where it stands. The accessors throw Error{bad_data} `file: place: what is wrong and what would be
+/// right`.
 class Node {
 public:
     /// The root. `value` and `file` must outlive every node.
@@ -55,7 +56,10 @@ public:
     void numbers(std::size_t count, double* out) const;
 
 private:
-    Node(const Json& value, std::string_view file, std::string path) : value_(&value), file_(file), path_(std::move(path)) {}
+    Node(const Json& value, std::string_view file, std::string path)
+        : value_(&value), file_(file), path_(std::move(path))
+    {
+    }
     Node child(const Json& value, std::string_view key) const;
     void must_be(bool right, std::string_view what) const;
 

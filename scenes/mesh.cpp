@@ -27,8 +27,8 @@ void check_vertices(const std::string& name, const std::vector<Eigen::Vector3d>&
         const Eigen::Vector3d& v = vertices[i];
         if (!v.allFinite()) fail(name, fmt::format("vertex {} is not finite: ({}, {}, {})", i, v.x(), v.y(), v.z()));
         if (v.cwiseAbs().maxCoeff() > largest_coordinate)
-            fail(name, fmt::format("vertex {} is too far from the origin: ({}, {}, {}), at most {} m are allowed", i, v.x(),
-                                   v.y(), v.z(), largest_coordinate));
+            fail(name, fmt::format("vertex {} is too far from the origin: ({}, {}, {}), at most {} m are allowed", i,
+                                   v.x(), v.y(), v.z(), largest_coordinate));
     }
 }
 

@@ -20,7 +20,8 @@ constexpr int most_triangles = 100'000'000;
 void check_size(const char* mesh, const char* what, double value)
 {
     if (!(value > 0 && value <= 1e15))
-        throw Error(ErrorKind::usage, fmt::format("{}: {} is {}; it must be above 0 and at most 1e15", mesh, what, value));
+        throw Error(ErrorKind::usage,
+                    fmt::format("{}: {} is {}; it must be above 0 and at most 1e15", mesh, what, value));
 }
 
 void check_order(const char* mesh, const char* small, double low, const char* large, double high)
@@ -32,7 +33,8 @@ void check_order(const char* mesh, const char* small, double low, const char* la
 void check_count(const char* mesh, const char* what, long long value, int least, int most)
 {
     if (value < least || value > most)
-        throw Error(ErrorKind::usage, fmt::format("{}: {} is {}; it must be from {} to {}", mesh, what, value, least, most));
+        throw Error(ErrorKind::usage,
+                    fmt::format("{}: {} is {}; it must be from {} to {}", mesh, what, value, least, most));
 }
 
 /// The octahedron's faces cut `levels` times into four, every vertex on the sphere.
@@ -150,11 +152,21 @@ Mesh make_box_mesh(const Eigen::Vector3d& half)
     for (int axis = 0; axis < 3; ++axis) check_size("box", "a half-extent", half[axis]);
     std::vector<Eigen::Vector3d> points;
     for (int corner = 0; corner < 8; ++corner)
-        points.push_back(half.cwiseProduct(
-            Eigen::Vector3d(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1)));
+        points.push_back(
+            half.cwiseProduct(Eigen::Vector3d(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1)));
     return make_mesh("box", std::move(points),
-                     {{0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}, {0, 1, 5}, {0, 5, 4},
-                      {2, 6, 7}, {2, 7, 3}, {0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}});
+                     {{0, 4, 6},
+                      {0, 6, 2},
+                      {1, 3, 7},
+                      {1, 7, 5},
+                      {0, 1, 5},
+                      {0, 5, 4},
+                      {2, 6, 7},
+                      {2, 7, 3},
+                      {0, 2, 3},
+                      {0, 3, 1},
+                      {4, 5, 7},
+                      {4, 7, 6}});
 }
 
 Mesh make_sphere_mesh(double radius, int triangles)
@@ -186,7 +198,8 @@ Mesh make_torus_knot_mesh(int p, int q, double major, double minor, double tube,
     check_count("torus knot", "p", p, 1, 1000);
     check_count("torus knot", "q", q, 1, 1000);
     if (std::gcd(p, q) != 1)
-        throw Error(ErrorKind::usage, fmt::format("torus knot: p and q must have no common divisor, not {} and {}", p, q));
+        throw Error(ErrorKind::usage,
+                    fmt::format("torus knot: p and q must have no common divisor, not {} and {}", p, q));
     check_size("torus knot", "the tube radius", tube);
     check_size("torus knot", "the minor radius", minor);
     check_size("torus knot", "the major radius", major);

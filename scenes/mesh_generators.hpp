@@ -10,11 +10,12 @@ namespace oncollide {
 
 /// 12 triangles; `half` are the half-extents. Closed.
 Mesh make_box_mesh(const Eigen::Vector3d& half);
-/// Subdivided octahedron on a sphere, about `triangles` of them (8 * 4^k or a lat-long grid of that count). Closed.
+/// On a sphere: a subdivided octahedron for 8 * 4^k triangles, else bands of latitude with as many as asked; one less
+/// when that is odd, as no closed mesh has an odd number (and 8 for 8 to 11). Closed.
 Mesh make_sphere_mesh(double radius, int triangles);
-/// Ring radius `major`, tube radius `minor`, around z. About `triangles`. Closed.
+/// Ring radius `major`, tube radius `minor`, around z. `triangles`, or one less when odd; at least 18. Closed.
 Mesh make_torus_mesh(double major, double minor, int triangles);
-/// (p, q) torus knot as a closed tube; p and q coprime. About `triangles`.
+/// (p, q) torus knot as a closed tube; p and q coprime. `triangles`, or one less when odd; at least 18.
 Mesh make_torus_knot_mesh(int p, int q, double major, double minor, double tube, int triangles);
 /// Spur gear around z with a bore: `teeth` trapezoid teeth between root and tip radius. Closed.
 Mesh make_gear_mesh(int teeth, double root_radius, double tip_radius, double thickness, double bore_radius);

@@ -41,12 +41,12 @@ void add_part(const MeshSource& source, const aiMesh& part, const aiMatrix4x4& p
     }
 }
 
-void add_node(const MeshSource& source, const aiScene& scene, const aiNode& node, const aiMatrix4x4& parent, RawMesh& mesh)
+void add_node(const MeshSource& source, const aiScene& scene, const aiNode& node, const aiMatrix4x4& parent,
+              RawMesh& mesh)
 {
     const aiMatrix4x4 pose = parent * node.mTransformation;
     for (unsigned i = 0; i < node.mNumMeshes; ++i) add_part(source, *scene.mMeshes[node.mMeshes[i]], pose, mesh);
-    for (unsigned i = 0; i < node.mNumChildren; ++i)
-        add_node(source, scene, *node.mChildren[i], pose, mesh);
+    for (unsigned i = 0; i < node.mNumChildren; ++i) add_node(source, scene, *node.mChildren[i], pose, mesh);
 }
 
 } // namespace
@@ -59,7 +59,8 @@ RawMesh read_gltf(const MeshSource& source)
     try {
         Assimp::Importer importer;
         const aiScene* scene = importer.ReadFile(source.name, 0);
-        if (scene == nullptr) source.fail(fmt::format("not a valid glTF file: {}", first_line(importer.GetErrorString())));
+        if (scene == nullptr)
+            source.fail(fmt::format("not a valid glTF file: {}", first_line(importer.GetErrorString())));
         if (scene->mRootNode != nullptr) add_node(source, *scene, *scene->mRootNode, aiMatrix4x4(), mesh);
     } catch (const std::bad_alloc&) {
         source.fail("not a valid glTF file: it asks for more memory than there is");

@@ -10,13 +10,14 @@ namespace oncollide {
 namespace {
 
 /// Statements of the OBJ format that say nothing about polygons.
-constexpr std::array ignored = {
-    "vt",   "vn",    "vp",    "o",      "g",       "s",        "mg",     "usemtl",     "mtllib",    "usemap",
-    "maplib", "l",   "p",     "cstype", "deg",     "bmat",     "step",   "curv",       "curv2",     "surf",
-    "parm", "trim",  "hole",  "scrv",   "sp",      "end",      "con",    "bevel",      "c_interp",  "d_interp",
-    "lod",  "shadow_obj", "trace_obj",  "ctech",   "stech",    "call",   "csh"};
+constexpr std::array ignored = {"vt",        "vn",     "vp",     "o",     "g",        "s",        "mg",   "usemtl",
+                                "mtllib",    "usemap", "maplib", "l",     "p",        "cstype",   "deg",  "bmat",
+                                "step",      "curv",   "curv2",  "surf",  "parm",     "trim",     "hole", "scrv",
+                                "sp",        "end",    "con",    "bevel", "c_interp", "d_interp", "lod",  "shadow_obj",
+                                "trace_obj", "ctech",  "stech",  "call",  "csh"};
 
-/// The vertex of a corner `7`, `7/1`, `7//2` or `7/1/2`, counted from 0. Negative numbers count back from the last vertex.
+/// The vertex of a corner `7`, `7/1`, `7//2` or `7/1/2`, counted from 0. Negative numbers count back from the last
+/// vertex.
 std::int64_t corner_vertex(const TextReader& text, std::string_view word, std::size_t vertices)
 {
     std::int64_t number = 0;

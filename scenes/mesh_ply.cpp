@@ -30,10 +30,7 @@ public:
     }
 
     /// Every type of PLY fits a double without rounding.
-    double next(Type type)
-    {
-        return encoding_ == Encoding::text ? next_word() : next_bytes(type);
-    }
+    double next(Type type) { return encoding_ == Encoding::text ? next_word() : next_bytes(type); }
     std::int64_t next_whole(Type type, const char* what)
     {
         const double value = next(type);
@@ -44,7 +41,8 @@ public:
     void check_end()
     {
         if (encoding_ == Encoding::text) skip_blank();
-        if (!rest_.empty()) fail(fmt::format("{} bytes follow after the last element that the header announces", rest_.size()));
+        if (!rest_.empty())
+            fail(fmt::format("{} bytes follow after the last element that the header announces", rest_.size()));
     }
     void within(const char* element, std::int64_t row, std::int64_t rows)
     {
@@ -85,16 +83,25 @@ private:
         std::array<char, 8> raw{};
         std::copy_n(rest_.begin(), size, raw.begin());
         rest_.remove_prefix(size);
-        if (encoding_ == Encoding::big_endian) std::reverse(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(size));
+        if (encoding_ == Encoding::big_endian)
+            std::reverse(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(size));
         switch (type) {
-        case Type::int8: return as<std::int8_t>(raw);
-        case Type::uint8: return as<std::uint8_t>(raw);
-        case Type::int16: return as<std::int16_t>(raw);
-        case Type::uint16: return as<std::uint16_t>(raw);
-        case Type::int32: return as<std::int32_t>(raw);
-        case Type::uint32: return as<std::uint32_t>(raw);
-        case Type::float32: return as<float>(raw);
-        case Type::float64: break;
+        case Type::int8:
+            return as<std::int8_t>(raw);
+        case Type::uint8:
+            return as<std::uint8_t>(raw);
+        case Type::int16:
+            return as<std::int16_t>(raw);
+        case Type::uint16:
+            return as<std::uint16_t>(raw);
+        case Type::int32:
+            return as<std::int32_t>(raw);
+        case Type::uint32:
+            return as<std::uint32_t>(raw);
+        case Type::float32:
+            return as<float>(raw);
+        case Type::float64:
+            break;
         }
         return as<double>(raw);
     }
@@ -118,7 +125,8 @@ private:
 int axis_of(const Property& property)
 {
     return !property.list && property.name.size() == 1 && property.name[0] >= 'x' && property.name[0] <= 'z'
-               ? property.name[0] - 'x' : -1;
+               ? property.name[0] - 'x'
+               : -1;
 }
 
 void skip(Values& values, const Property& property)

@@ -144,7 +144,8 @@ void weld(RawMesh& mesh)
     std::vector<Eigen::Vector3d> vertices;
     for (Triangle& t : mesh.triangles)
         for (std::uint32_t& v : t) {
-            const auto [place, added] = known.try_emplace(mesh.vertices[v], static_cast<std::uint32_t>(vertices.size()));
+            const auto [place, added] =
+                known.try_emplace(mesh.vertices[v], static_cast<std::uint32_t>(vertices.size()));
             if (added) vertices.push_back(mesh.vertices[v]);
             v = place->second;
         }

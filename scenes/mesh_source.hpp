@@ -77,7 +77,9 @@ public:
                                       std::int64_t first) const;
 
 private:
-    struct Face { std::size_t begin, line; };
+    struct Face {
+        std::size_t begin, line;
+    };
     std::vector<std::int64_t> corners_;
     std::vector<Face> faces_;
 };

@@ -1,6 +1,6 @@
+#include <algorithm>
 #include <bit>
 #include <cstring>
-#include <algorithm>
 
 #include <fmt/format.h>
 
@@ -92,8 +92,7 @@ RawMesh read_text(const MeshSource& source)
 RawMesh read_stl(const MeshSource& source)
 {
     const std::string_view bytes = source.bytes;
-    const bool binary =
-        bytes.size() >= header_bytes && bytes.size() == header_bytes + facet_bytes * announced(bytes);
+    const bool binary = bytes.size() >= header_bytes && bytes.size() == header_bytes + facet_bytes * announced(bytes);
     const std::size_t start = bytes.find_first_not_of(" \t\r\n");
     const bool text = start != bytes.npos && lower(bytes.substr(start, 5)) == "solid";
     if (!binary && !text) {

@@ -56,34 +56,36 @@ OccupancyMap load_octomap(const std::filesystem::path& path)
     constexpr std::uintmax_t most = std::uintmax_t(256) << 20; // OctoMap needs up to a hundred times that
     const std::string name = path.string();
     std::string extension = path.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
     std::string bytes = read_file(path, most);
     if (extension != ".bt" && extension != ".ot")
         throw Error(ErrorKind::bad_data,
                     fmt::format("{}: unknown kind of map file '{}'; known are bt, ot", name, extension));
-    const double resolution = scan_octomap(name, bytes, extension == ".bt");
+    const OctomapScan scan = scan_octomap(name, bytes, extension == ".bt");
 
+    // Not OctoMap's functions for whole files: they report their progress on the terminal.
     std::istringstream in(std::move(bytes));
-    std::shared_ptr<const octomap::OcTree> tree;
-    if (extension == ".bt") {
-        auto read = std::make_shared<octomap::OcTree>(resolution);
-        if (read->readBinary(in)) tree = std::move(read);
-    } else {
-        std::unique_ptr<octomap::AbstractOcTree> read(octomap::AbstractOcTree::read(in));
-        if (auto* octree = dynamic_cast<octomap::OcTree*>(read.get())) {
-            tree.reset(octree);
-            read.release(); // now the tree's
-        }
-    }
-    if (!tree) fail(name, "OctoMap cannot read the file");
-    return map_of(name, std::move(tree));
+    in.seekg(static_cast<std::streamoff>(scan.nodes_begin));
+    const auto tree = std::make_shared<octomap::OcTree>(scan.resolution);
+    if (extension == ".bt")
+        tree->readBinaryData(in);
+    else
+        tree->readData(in);
+    if (!in) fail(name, "OctoMap cannot read the file");
+    return map_of(name, tree);
 }
 
 void save_octomap(const OccupancyMap& map, const std::filesystem::path& path)
 {
     const std::filesystem::path part = fmt::format("{}.{}.part", path.string(), getpid());
     std::ofstream out(part, std::ios::binary);
-    const bool written = out && map.tree->writeBinaryConst(out) && out.flush();
+    // OctoMap's own header rounds the resolution to six digits.
+    out << fmt::format(
+        "# Octomap OcTree binary file\n# (feel free to add / change comments, but leave the first line as it "
+        "is!)\n#\nid OcTree\nsize {}\nres {}\ndata\n",
+        map.tree->calcNumNodes(), map.resolution);
+    const bool written = out && map.tree->writeBinaryData(out) && out.flush();
     out.close();
     std::error_code error;
     if (written && out) std::filesystem::rename(part, path, error);

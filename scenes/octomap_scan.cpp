@@ -28,7 +28,8 @@ struct Header {
 Header read_header(const MeshSource& source, bool binary)
 {
     const std::string_view first = binary ? "# Octomap OcTree binary file" : "# Octomap OcTree file";
-    if (!source.bytes.starts_with(first)) source.fail(fmt::format("not an OctoMap: the file must begin with '{}'", first));
+    if (!source.bytes.starts_with(first))
+        source.fail(fmt::format("not an OctoMap: the file must begin with '{}'", first));
     Header header;
     for (std::size_t line = 1;; ++line) {
         const std::size_t end = source.bytes.find('\n', header.bytes);
@@ -39,12 +40,17 @@ Header read_header(const MeshSource& source, bool binary)
         const std::string_view keyword = text.substr(0, space), value = text.substr(std::min(space + 1, text.size()));
         if (keyword == "data") break;
         if (text.starts_with('#') || text.empty()) continue;
-        if (keyword == "id") header.id = value;
-        else if (keyword == "size" && parse(value, header.nodes)) continue;
-        else if (keyword == "res" && parse(value, header.resolution)) continue;
-        else source.fail(fmt::format("invalid header line {}; known are id, size, res, data", quoted(text)), line);
+        if (keyword == "id")
+            header.id = value;
+        else if (keyword == "size" && parse(value, header.nodes))
+            continue;
+        else if (keyword == "res" && parse(value, header.resolution))
+            continue;
+        else
+            source.fail(fmt::format("invalid header line {}; known are id, size, res, data", quoted(text)), line);
     }
-    if (header.id != "OcTree") source.fail(fmt::format("the tree's id is {}; only OcTree can be read", quoted(header.id)));
+    if (header.id != "OcTree")
+        source.fail(fmt::format("the tree's id is {}; only OcTree can be read", quoted(header.id)));
     if (!(header.resolution >= 1e-6 && header.resolution <= 1e6))
         source.fail(fmt::format("the resolution is {}; it must be from 1e-6 to 1e6 m", header.resolution));
     if (header.nodes < 0) source.fail("the header gives no size");
@@ -54,10 +60,7 @@ Header read_header(const MeshSource& source, bool binary)
 /// The nodes, depth first: `levels_` holds the depth of each node whose record is still to come.
 class NodeWalk {
 public:
-    NodeWalk(const MeshSource& source, std::size_t start, bool binary)
-        : source_(source), at_(start), binary_(binary)
-    {
-    }
+    NodeWalk(const MeshSource& source, std::size_t start, bool binary) : source_(source), at_(start), binary_(binary) {}
 
     std::int64_t count()
     {
@@ -82,7 +85,9 @@ public:
     }
 
 private:
-    struct Children { int inner, leaves; }; ///< with and without a record of their own
+    struct Children {
+        int inner, leaves;
+    }; ///< with and without a record of their own
 
     void need(std::size_t bytes)
     {
@@ -117,7 +122,7 @@ private:
 
 } // namespace
 
-double scan_octomap(const std::string& name, std::string_view bytes, bool binary)
+OctomapScan scan_octomap(const std::string& name, std::string_view bytes, bool binary)
 {
     const MeshSource source{name, bytes};
     const Header header = read_header(source, binary);
@@ -125,7 +130,7 @@ double scan_octomap(const std::string& name, std::string_view bytes, bool binary
     const std::int64_t nodes = NodeWalk(source, header.bytes, binary).count();
     if (nodes != header.nodes)
         source.fail(fmt::format("damaged: the header announces {} nodes, but there are {}", header.nodes, nodes));
-    return header.resolution;
+    return {header.resolution, header.bytes};
 }
 
 } // namespace oncollide

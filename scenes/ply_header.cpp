@@ -9,9 +9,14 @@ namespace oncollide::ply {
 
 namespace {
 
-constexpr std::array<std::array<const char*, 2>, 8> type_names = {{{"char", "int8"}, {"uchar", "uint8"},
-    {"short", "int16"}, {"ushort", "uint16"}, {"int", "int32"}, {"uint", "uint32"}, {"float", "float32"},
-    {"double", "float64"}}};
+constexpr std::array<std::array<const char*, 2>, 8> type_names = {{{"char", "int8"},
+                                                                   {"uchar", "uint8"},
+                                                                   {"short", "int16"},
+                                                                   {"ushort", "uint16"},
+                                                                   {"int", "int32"},
+                                                                   {"uint", "uint32"},
+                                                                   {"float", "float32"},
+                                                                   {"double", "float64"}}};
 
 /// Takes the header apart line by line; PLY's comments are statements, so TextReader's do not fit.
 class HeaderParser {
@@ -70,10 +75,15 @@ private:
     void read_format()
     {
         const std::string_view name = word();
-        if (name == "ascii") header_.encoding = Encoding::text;
-        else if (name == "binary_little_endian") header_.encoding = Encoding::little_endian;
-        else if (name == "binary_big_endian") header_.encoding = Encoding::big_endian;
-        else fail(fmt::format("unknown format {}; known are ascii, binary_little_endian, binary_big_endian", quoted(name)));
+        if (name == "ascii")
+            header_.encoding = Encoding::text;
+        else if (name == "binary_little_endian")
+            header_.encoding = Encoding::little_endian;
+        else if (name == "binary_big_endian")
+            header_.encoding = Encoding::big_endian;
+        else
+            fail(fmt::format("unknown format {}; known are ascii, binary_little_endian, binary_big_endian",
+                             quoted(name)));
     }
 
     void read_element()
@@ -92,7 +102,8 @@ private:
     {
         for (std::size_t i = 0; i < type_names.size(); ++i)
             if (name == type_names[i][0] || name == type_names[i][1]) return static_cast<Type>(i);
-        fail(fmt::format("unknown type {}; known are char, uchar, short, ushort, int, uint, float, double", quoted(name)));
+        fail(fmt::format("unknown type {}; known are char, uchar, short, ushort, int, uint, float, double",
+                         quoted(name)));
     }
 
     void read_property()

@@ -32,8 +32,8 @@ struct Header {
     std::size_t lines = 0;
 };
 
-/// Throws Error{bad_data} with the line for a header that is cut short, names unknown types or formats, or announces more
-/// than the file can hold.
+/// Throws Error{bad_data} with the line for a header that is cut short, names unknown types or formats, or announces
+/// more than the file can hold.
 Header read_header(const MeshSource& source);
 
 } // namespace oncollide::ply

@@ -26,7 +26,8 @@ constexpr std::uintmax_t most_bytes = std::uintmax_t(2) << 30;
 void refuse_other_files(const fs::path& path)
 {
     std::string extension = path.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
     if (extension.empty()) return;
     extension.erase(0, 1);
     const auto& meshes = mesh_extensions();

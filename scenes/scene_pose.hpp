@@ -19,8 +19,8 @@ Eigen::Matrix3d read_rotation(const Node& node, std::vector<std::string>& warnin
 bool same_bits(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
 bool same_bits(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b);
 
-/// What read_rotation turns into exactly `rotation`: the quaternion where it does, else the matrix (a quaternion's matrix
-/// is rounded, so most matrices have no quaternion that gives them back bit for bit).
+/// What read_rotation turns into exactly `rotation`: the quaternion where it does, else the matrix (a quaternion's
+/// matrix is rounded, so most matrices have no quaternion that gives them back bit for bit).
 nlohmann::ordered_json rotation_entry(const Eigen::Matrix3d& rotation);
 
 } // namespace oncollide

@@ -87,8 +87,8 @@ struct Made {
 std::string text_of(const Scene& scene, const fs::path& path, const std::vector<std::string>& map_files)
 {
     fs::path folder = fs::absolute(path).parent_path();
-    std::string text = fmt::format("{{\n\"name\": {},\n\"frames\": {},\n\"geometries\": {{", Json(scene.name).dump(),
-                                   scene.frames);
+    std::string text =
+        fmt::format("{{\n\"name\": {},\n\"frames\": {},\n\"geometries\": {{", Json(scene.name).dump(), scene.frames);
     for (std::size_t i = 0; i < scene.geometries.size(); ++i)
         text += fmt::format("{}\n  {}: {}", i ? "," : "", Json(scene.geometries[i].name).dump(),
                             entry_of(scene.geometries[i], folder, map_files[i]).dump());
@@ -103,8 +103,7 @@ std::string text_of(const Scene& scene, const fs::path& path, const std::vector<
 void save_scene(const Scene& scene, const fs::path& path)
 {
     std::vector<std::string> map_files(scene.geometries.size());
-    for (std::size_t i = 0; i < map_files.size(); ++i)
-        map_files[i] = fmt::format("{}-{}.bt", path.stem().string(), i);
+    for (std::size_t i = 0; i < map_files.size(); ++i) map_files[i] = fmt::format("{}-{}.bt", path.stem().string(), i);
     std::string text;
     try {
         text = text_of(scene, path, map_files);

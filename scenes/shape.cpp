@@ -21,7 +21,9 @@ constexpr double epsilon = std::numeric_limits<double>::epsilon();
 constexpr double largest = 1e15;
 
 template <class... Cases>
-struct Match : Cases... { using Cases::operator()...; };
+struct Match : Cases... {
+    using Cases::operator()...;
+};
 
 [[noreturn]] void fail(const std::string& name, const std::string& what)
 {
@@ -127,7 +129,9 @@ Enclosure enclose_cylinder(const Cylinder& cylinder)
 }
 
 /// How well a closed surface stands around an inner point and how far points reach out of its facets' planes.
-struct Fit { double depth, overhang; };
+struct Fit {
+    double depth, overhang;
+};
 
 Fit fit_of(std::span<const Eigen::Vector3d> surface, std::span<const Triangle> triangles, const Eigen::Vector3d& inner,
            std::span<const Eigen::Vector3d> inside)
@@ -151,14 +155,15 @@ Fit fit_of(std::span<const Eigen::Vector3d> surface, std::span<const Triangle> t
     return fit;
 }
 
-/// The hull, pushed out from an inner point. A point at most e above the planes of all facets, which are at least d from
-/// the inner point, is inside the surface scaled by 1 + e / d: along its ray, the surface is met at height h >= d.
+/// The hull, pushed out from an inner point. A point at most e above the planes of all facets, which are at least d
+/// from the inner point, is inside the surface scaled by 1 + e / d: along its ray, the surface is met at height h >= d.
 /// When a facet is too thin for that (many points in one plane), each point is first moved out a little, by an amount
 /// of its own: the hull then has no near-flat spots, and the original points lie below its facets.
 Enclosure enclose_hull(const std::string& name, const std::vector<Eigen::Vector3d>& points)
 {
     const Hull hull = convex_hull(points);
-    if (hull.triangles.empty()) fail(name, fmt::format("the {} points of the convex hull lie in a plane", points.size()));
+    if (hull.triangles.empty())
+        fail(name, fmt::format("the {} points of the convex hull lie in a plane", points.size()));
     const Eigen::Vector3d inner = mean_of(points, hull.vertices);
     std::vector<Eigen::Vector3d> corners;
     double rounding = 0; // of a corner's coordinates
@@ -229,23 +234,28 @@ void check_shape(const std::string& name, const Shape& shape)
 Aabb bounds_of(const Shape& shape)
 {
     const auto around = [](const Eigen::Vector3d& half) { return Aabb{-half, half}; };
-    return std::visit(
-        Match{[&](const Sphere& s) { return around(Eigen::Vector3d::Constant(s.radius)); },
-              [&](const Box& b) { return around(b.half); },
-              [&](const Capsule& c) { return around({c.radius, c.radius, c.radius + 0.5 * c.length}); },
-              [&](const Cylinder& c) { return around({c.radius, c.radius, 0.5 * c.length}); },
-              [&](const ConvexHull& hull) {
-                  Aabb bounds;
-                  for (const Eigen::Vector3d& p : hull.points) bounds.add(p);
-                  return bounds;
-              }},
-        shape);
+    return std::visit(Match{[&](const Sphere& s) { return around(Eigen::Vector3d::Constant(s.radius)); },
+                            [&](const Box& b) { return around(b.half); },
+                            [&](const Capsule& c) {
+                                return around({c.radius, c.radius, c.radius + 0.5 * c.length});
+                            },
+                            [&](const Cylinder& c) {
+                                return around({c.radius, c.radius, 0.5 * c.length});
+                            },
+                            [&](const ConvexHull& hull) {
+                                Aabb bounds;
+                                for (const Eigen::Vector3d& p : hull.points) bounds.add(p);
+                                return bounds;
+                            }},
+                      shape);
 }
 
 Enclosure enclose(const Shape& shape)
 {
     return std::visit(Match{[](const Sphere& s) { return enclose_sphere(s.radius); },
-                            [](const Box& b) { return Enclosure{make_box_mesh(b.half), 0.0}; },
+                            [](const Box& b) {
+                                return Enclosure{make_box_mesh(b.half), 0.0};
+                            },
                             [](const Capsule& c) { return enclose_capsule(c); },
                             [](const Cylinder& c) { return enclose_cylinder(c); },
                             [](const ConvexHull& hull) { return enclose_hull("convex hull", hull.points); }},

@@ -41,7 +41,8 @@ void octasphere(int frequency, std::vector<Eigen::Vector3d>& points, std::vector
     std::map<std::array<int, 3>, std::uint32_t> known; // whole coordinates on |x| + |y| + |z| == n
     const auto vertex = [&](int x, int y, int z) {
         const auto [place, added] = known.try_emplace({x, y, z}, static_cast<std::uint32_t>(points.size()));
-        if (added) points.push_back(Eigen::Vector3d(x, y, z) / std::sqrt(double(x) * x + double(y) * y + double(z) * z));
+        if (added)
+            points.push_back(Eigen::Vector3d(x, y, z) / std::sqrt(double(x) * x + double(y) * y + double(z) * z));
         return place->second;
     };
     for (int face = 0; face < 8; ++face) {

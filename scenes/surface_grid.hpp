@@ -11,7 +11,9 @@ namespace oncollide {
 
 /// Cosine and sine of a full turn times `turns` (>= 0). Plain arithmetic: equal bits on every platform, which the C
 /// library does not promise; exact at the quarters and symmetric about them.
-struct Circle { double cosine, sine; };
+struct Circle {
+    double cosine, sine;
+};
 Circle circle(double turns);
 
 /// The octahedron's faces cut into frequency^2 triangles each, every vertex moved to the unit sphere. Vertices on the
@@ -66,7 +68,8 @@ private:
             return;
         }
         const auto centre = static_cast<std::uint32_t>(points.size() - 1);
-        for (const auto& [from, to] : {std::pair{a, b}, {b, c}, {c, d}, {d, a}}) triangles.push_back({from, to, centre});
+        for (const auto& [from, to] : {std::pair{a, b}, {b, c}, {c, d}, {d, a}})
+            triangles.push_back({from, to, centre});
     }
 
     int columns_, rows_, point_columns_, point_rows_;

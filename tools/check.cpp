@@ -90,14 +90,15 @@ std::string describe(const Scene& scene, const Settings& settings, const PairRes
         return fmt::format("separate: {} are at least {:.6g} m apart (certified).", both,
                            std::max(pair.bound, settings.clearance));
     case Verdict::colliding:
-        return settings.clearance > 0
-                   ? fmt::format("colliding: {} touch within the clearance of {:.6g} m (tested triangle by triangle).",
-                                 both, settings.clearance)
-                   : fmt::format("colliding: {} intersect (tested triangle by triangle).", both);
+        return fmt::format("colliding: {} intersect (tested triangle by triangle).", both);
     case Verdict::within:
+        if (settings.clearance > 0 && pair.bound <= settings.clearance)
+            return fmt::format(
+                "within {:.6g} m: {} are at most that far apart (certified), inside the clearance of {:.6g} m.",
+                pair.bound, both, settings.clearance);
         return fmt::format("within {:.6g} m: {} are at most that far apart (certified), and may or may not collide. "
-                           "A smaller --max-error narrows the bound; --exact fcl decides.",
-                           pair.bound, both);
+                           "A smaller --max-error narrows the bound{}.",
+                           pair.bound, both, settings.exact == ExactLevel::off ? "; --exact fcl decides" : "");
     case Verdict::undecided:
         return fmt::format(
             "undecided: {} are at most {:.6g} m apart (certified); a budget stopped the refinement there.", both,

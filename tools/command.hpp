@@ -14,6 +14,8 @@ void add_demo(CLI::App& app, Command& command);
 void add_run(CLI::App& app, Command& command);
 void add_check(CLI::App& app, Command& command);
 void add_scene(CLI::App& app, Command& command);
+void add_bench(CLI::App& app, Command& command);
+void add_accuracy(CLI::App& app, Command& command);
 void add_doctor(CLI::App& app, Command& command);
 
 } // namespace oncollide::tools

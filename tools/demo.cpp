@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::uint64_t seed = 2006;
 constexpr int frames = 60;
+constexpr double hall = 3.5, half_plain = 150; // half-extents, metres
 
 /// A vector of uniform numbers in [-1, 1), the k-th of body `index`.
 Eigen::Vector3d random_vector(std::uint64_t index, std::uint64_t k)
@@ -36,16 +37,37 @@ Eigen::Isometry3d random_pose(const Eigen::Vector3d& position, std::uint64_t ind
     return pose;
 }
 
-/// Workshops on a wide plain: in each, machine parts tumble in a closed hall; between them, single beacons stand and
-/// drift far apart. So every level has work: regions to reject, boxes to tell apart, trees to grow, triangles to test.
+/// Four pillars around `centre`, and between them machine parts that tumble and bounce off the walls.
+void add_hall(Scene& scene, int number, const Eigen::Vector3d& centre, GeometryId pillar,
+              const std::vector<GeometryId>& parts, std::uint64_t& index)
+{
+    const Aabb walls{centre.array() - hall, centre.array() + hall};
+    for (int corner = 0; corner < 4; ++corner) {
+        Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+        pose.translation() = centre + Eigen::Vector3d(corner & 1 ? hall : -hall, corner & 2 ? hall : -hall, 0);
+        scene.add_body(
+            {.name = fmt::format("pillar {}.{}", number, corner), .geometry = pillar, .pose = pose, .is_static = true});
+    }
+    for (int p = 0; p < 24; ++p) {
+        const GeometryId geometry = parts[std::size_t(p) % parts.size()];
+        const std::string& kind = scene.geometries[oncollide::index(geometry)].name;
+        const Eigen::Vector3d position = centre + hall * random_vector(++index, 1);
+        scene.add_body({.name = fmt::format("{} {}.{}", kind, number, p),
+                        .geometry = geometry,
+                        .pose = random_pose(position, index),
+                        .motion = Drift{0.06 * random_vector(index, 2), 0.05 * random_vector(index, 3), walls}});
+    }
+}
+
+/// Halls with tumbling machine parts on a wide plain of masts, between which drones fly. Every level has work: regions
+/// of nothing but masts to reject, boxes to tell apart, sphere-trees to grow, triangles to test.
 Scene make_demo_scene()
 {
-    constexpr int halls = 16, parts = 24, loners = 600;
-    constexpr double plain = 300, hall = 3.5; // half-extents, metres
+    constexpr int halls = 16, masts = 1500, drones = 40;
     Scene scene;
     scene.name = "demo";
     scene.frames = frames;
-    const std::vector<GeometryId> geometries{
+    const std::vector<GeometryId> parts{
         scene.add("gear", make_gear_mesh(16, 0.8, 1.0, 0.35, 0.3)),
         scene.add("knot", make_torus_knot_mesh(2, 3, 0.6, 0.25, 0.12, 3000)),
         scene.add("ring", make_torus_mesh(0.8, 0.2, 1600)),
@@ -53,35 +75,31 @@ Scene make_demo_scene()
         scene.add("rod", Capsule{.radius = 0.15, .length = 1.6}),
     };
     const GeometryId pillar = scene.add("pillar", Box{{0.4, 0.4, hall}});
+    const GeometryId mast = scene.add("mast", Cylinder{.radius = 0.3, .length = 2 * hall});
+    const GeometryId drone = scene.add("drone", make_torus_mesh(0.7, 0.15, 1000));
 
     std::uint64_t index = 0;
+    const Aabb plain{{-half_plain, -half_plain, 0}, {half_plain, half_plain, 2 * hall}};
+    const auto somewhere = [&] {
+        return Eigen::Vector3d(plain.centre() + plain.half_extent().cwiseProduct(random_vector(++index, 0)));
+    };
     for (int h = 0; h < halls; ++h) {
-        Eigen::Vector3d centre = plain * random_vector(++index, 0);
+        Eigen::Vector3d centre = somewhere();
         centre.z() = hall;
-        const Aabb walls{centre.array() - hall, centre.array() + hall};
-        for (int corner = 0; corner < 4; ++corner) {
-            Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-            pose.translation() = centre + Eigen::Vector3d(corner & 1 ? hall : -hall, corner & 2 ? hall : -hall, 0);
-            scene.add_body(
-                {.name = fmt::format("pillar {}.{}", h, corner), .geometry = pillar, .pose = pose, .is_static = true});
-        }
-        for (int p = 0; p < parts; ++p) {
-            const GeometryId geometry = geometries[std::size_t(p) % geometries.size()];
-            const std::string& kind = scene.geometries[oncollide::index(geometry)].name;
-            const Eigen::Vector3d position = centre + hall * random_vector(++index, 1);
-            scene.add_body({.name = fmt::format("{} {}.{}", kind, h, p),
-                            .geometry = geometry,
-                            .pose = random_pose(position, index),
-                            .motion = Drift{0.06 * random_vector(index, 2), 0.05 * random_vector(index, 3), walls}});
-        }
+        add_hall(scene, h, centre, pillar, parts, index);
     }
-    for (int k = 0; k < loners; ++k) {
-        Eigen::Vector3d position = plain * random_vector(++index, 0);
-        position.z() = 30 + 0.1 * position.z();
-        scene.add_body({.name = fmt::format("beacon {}", k),
-                        .geometry = geometries[3],
+    for (int k = 0; k < masts; ++k) {
+        Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+        pose.translation() = somewhere();
+        pose.translation().z() = hall;
+        scene.add_body({.name = fmt::format("mast {}", k), .geometry = mast, .pose = pose, .is_static = true});
+    }
+    for (int k = 0; k < drones; ++k) {
+        const Eigen::Vector3d position = somewhere();
+        scene.add_body({.name = fmt::format("drone {}", k),
+                        .geometry = drone,
                         .pose = random_pose(position, index),
-                        .motion = Drift{0.5 * random_vector(index, 2), Eigen::Vector3d::Zero(), {}}});
+                        .motion = Drift{random_vector(index, 2), 0.1 * random_vector(index, 3), plain}});
     }
     return scene;
 }
@@ -112,7 +130,8 @@ int demo(const DemoOptions& options)
     settings.exact = ExactLevel::fcl;
     settings.threads = 0;
     std::cout << fmt::format(
-        "Sixteen halls of tumbling machine parts on a wide plain: {} bodies, {} geometries, {} frames.\n"
+        "Halls of tumbling machine parts on a plain of masts, drones between them: {} bodies, {} geometries, {} "
+        "frames.\n"
         "Four levels tell which of them collide, each working on what the one before could not rule out.\n\n",
         scene.size(), scene.geometries.size(), frames);
     std::cout.flush();

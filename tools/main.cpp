@@ -123,6 +123,8 @@ int parse_and_run(int argc, char** argv)
     add_run(app, command);
     add_check(app, command);
     add_scene(app, command);
+    add_bench(app, command);
+    add_accuracy(app, command);
     add_doctor(app, command);
 
     const std::vector<std::string> names = command_names(app);

@@ -67,7 +67,8 @@ void add_accuracy_options(CLI::App& command, SettingsOptions& o)
         ->type_name("M");
     command.add_option("--clearance", o.clearance, "metres: bodies this close count as touching (default 0)")
         ->type_name("M");
-    command.add_option("--exact", o.exact, "exact level on triangles: off, predicates or fcl (default off)")
+    command
+        .add_option("--exact", o.exact, "exact level on triangles: off or fcl (default off); predicates comes later")
         ->type_name("HOW");
     command.add_option("--mode", o.mode, "surface, or solid: a closed mesh's inside belongs to it (default surface)")
         ->type_name("MODE");
@@ -75,8 +76,7 @@ void add_accuracy_options(CLI::App& command, SettingsOptions& o)
 
 void add_pipeline_options(CLI::App& command, SettingsOptions& o)
 {
-    command
-        .add_option("--backend", o.backend, "what answers: auto, cpu, gl-compute, gl-query, gl-raster (default auto)")
+    command.add_option("--backend", o.backend, "what answers: auto or cpu (default auto); the GPU backends come later")
         ->type_name("NAME");
     command.add_option("--broad", o.broad, "broad phase: kd, octree or brute (default kd)")->type_name("NAME");
     command.add_option("--threads", o.threads, "threads; 0: all. Never changes the result (default 1)")->type_name("N");

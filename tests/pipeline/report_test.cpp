@@ -162,7 +162,8 @@ TEST_F(ReportTest, TraceNestsStagesInFramesWithoutOverlap)
     double frame_end = 0, stage_end = 0;
     int frames = 0, stages = 0, counters = 0;
     constexpr double tolerance = 2e-3; // microseconds are written to three places
-    for (const json& event : json::parse(read("t.json")).at("traceEvents")) {
+    const json trace = json::parse(read("t.json"));
+    for (const json& event : trace.at("traceEvents")) {
         counters += event.at("ph") == "C";
         if (event.at("ph") != "X") continue;
         const double begin = event.at("ts"), end = begin + event.at("dur").get<double>();

@@ -43,8 +43,8 @@ double diagonal(const Points& points)
     return bounds.diagonal();
 }
 
-/// The contract, checked by brute force: no point reaches farther than the vertices do in any of many directions, but by
-/// the slack and the rounding of this very check.
+/// The contract, checked by brute force: no point reaches farther than the vertices do in any of many directions, but
+/// by the slack and the rounding of this very check.
 void expect_hull(const Points& points, const Hull& hull, double most_slack)
 {
     ASSERT_FALSE(hull.vertices.empty());
@@ -79,8 +79,7 @@ void expect_outward_and_closed(const Points& points, const Hull& hull)
         volume += (points[t[0]] - points[0]).dot((points[t[1]] - points[0]).cross(points[t[2]] - points[0]));
     EXPECT_GT(volume, 0);
     for (const Triangle& t : hull.triangles)
-        for (const std::uint32_t v : t)
-            EXPECT_TRUE(std::binary_search(hull.vertices.begin(), hull.vertices.end(), v));
+        for (const std::uint32_t v : t) EXPECT_TRUE(std::binary_search(hull.vertices.begin(), hull.vertices.end(), v));
 }
 
 void expect_all_points(const Points& points)
@@ -197,7 +196,8 @@ TEST(ConvexHull, CoversGeneratedAndRealMeshes)
         expect_outward_and_closed(mesh.vertices, hull);
     }
     if (test::data_folder().empty()) GTEST_SKIP() << "skipped: no data";
-    for (const char* name : {"poses/bunny_5110.obj", "meshes/bunny_69k.obj", "meshes/teapot.obj", "meshes/beetle.obj"}) {
+    for (const char* name :
+         {"poses/bunny_5110.obj", "meshes/bunny_69k.obj", "meshes/teapot.obj", "meshes/beetle.obj"}) {
         SCOPED_TRACE(name);
         const Mesh mesh = load_mesh(test::data_folder() / name);
         const Hull hull = convex_hull(mesh.vertices);

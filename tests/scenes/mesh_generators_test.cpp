@@ -11,8 +11,8 @@
 namespace oncollide {
 namespace {
 
-using test::expect_error;
 using Eigen::Vector3d;
+using test::expect_error;
 
 double volume(const Mesh& mesh)
 {

@@ -10,8 +10,8 @@
 namespace oncollide {
 namespace {
 
-using test::expect_error;
 using Eigen::Vector3d;
+using test::expect_error;
 
 std::size_t zero_areas(Vector3d a, Vector3d b, Vector3d c)
 {
@@ -20,13 +20,22 @@ std::size_t zero_areas(Vector3d a, Vector3d b, Vector3d c)
 
 TEST(Mesh, TellsTheFirstIndexThatIsOutOfRange)
 {
-    expect_error(ErrorKind::bad_data, [] { make_mesh("a.obj", std::vector<Vector3d>(3, Vector3d::Zero()), {{0, 1, 2}, {0, 3, 9}}); },
-                 "a.obj: triangle 1 uses vertex 3, but the mesh has 3 vertices");
+    expect_error(
+        ErrorKind::bad_data,
+        [] {
+            make_mesh("a.obj", std::vector<Vector3d>(3, Vector3d::Zero()), {{0, 1, 2}, {0, 3, 9}});
+        },
+        "a.obj: triangle 1 uses vertex 3, but the mesh has 3 vertices");
 }
 
 TEST(Mesh, RefusesNoTriangles)
 {
-    expect_error(ErrorKind::bad_data, [] { make_mesh("a.obj", {{0, 0, 0}}, {}); }, "a.obj: ", "no triangle");
+    expect_error(
+        ErrorKind::bad_data,
+        [] {
+            make_mesh("a.obj", {{0, 0, 0}}, {});
+        },
+        "a.obj: ", "no triangle");
 }
 
 TEST(Mesh, RefusesVerticesThatAreNotFiniteOrTooFar)
@@ -36,7 +45,12 @@ TEST(Mesh, RefusesVerticesThatAreNotFiniteOrTooFar)
         for (int axis = 0; axis < 3; ++axis) {
             std::vector<Vector3d> vertices(4, Vector3d::Zero());
             vertices[3][axis] = bad; // unused vertices count, too
-            expect_error(ErrorKind::bad_data, [&] { make_mesh("m", vertices, {{0, 1, 2}}); }, "m: vertex 3 ");
+            expect_error(
+                ErrorKind::bad_data,
+                [&] {
+                    make_mesh("m", vertices, {{0, 1, 2}});
+                },
+                "m: vertex 3 ");
         }
 }
 
@@ -76,9 +90,18 @@ TEST(Mesh, MovesThenScales)
 
 TEST(Mesh, RefusesATransformThatOverflows)
 {
-    expect_error(ErrorKind::bad_data, [] { transformed("m", make_box_mesh({1, 1, 1}), 1e300, {0, 0, 0}); }, "m: vertex 0");
-    expect_error(ErrorKind::bad_data, [] { transformed("m", make_box_mesh({1, 1, 1}), std::numeric_limits<double>::quiet_NaN(), {0, 0, 0}); },
-                 "m: vertex 0");
+    expect_error(
+        ErrorKind::bad_data,
+        [] {
+            transformed("m", make_box_mesh({1, 1, 1}), 1e300, {0, 0, 0});
+        },
+        "m: vertex 0");
+    expect_error(
+        ErrorKind::bad_data,
+        [] {
+            transformed("m", make_box_mesh({1, 1, 1}), std::numeric_limits<double>::quiet_NaN(), {0, 0, 0});
+        },
+        "m: vertex 0");
 }
 
 TEST(Mesh, ABoxIsClosedAndStaysSoAsSoup)

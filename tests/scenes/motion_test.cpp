@@ -66,7 +66,8 @@ TEST(Keyed, StandsBeforeTheFirstAndAfterTheLastKey)
 TEST(Keyed, RunsEvenlyBetweenKeysInPositionAndAngle)
 {
     const Vector3d axis(1, 2, -1);
-    const Motion motion = Keyed{{{0, {0, 0, 0}, turn(0.2, axis)}, {4, {4, 8, -4}, turn(1.4, axis)}, {6, {0, 0, 0}, turn(0, axis)}}};
+    const Motion motion =
+        Keyed{{{0, {0, 0, 0}, turn(0.2, axis)}, {4, {4, 8, -4}, turn(1.4, axis)}, {6, {0, 0, 0}, turn(0, axis)}}};
     for (const double time : {0.0, 0.5, 1.0, 2.25, 3.999, 4.0}) {
         const Isometry3d expected = pose(time * Vector3d(1, 2, -1), turn(0.2 + 0.3 * time, axis));
         EXPECT_TRUE(pose_at(motion, Isometry3d::Identity(), time).isApprox(expected, 1e-13)) << time;
@@ -79,13 +80,14 @@ TEST(Keyed, TurnsTheShorterWayRound)
     const Quaterniond target = turn(0.4, {0, 0, 1});
     for (const Quaterniond& end : {target, Quaterniond(-target.coeffs())}) {
         const Motion motion = Keyed{{{0, {0, 0, 0}, Quaterniond::Identity()}, {1, {0, 0, 0}, end}}};
-        EXPECT_TRUE(pose_at(motion, Isometry3d::Identity(), 0.5).isApprox(pose({0, 0, 0}, turn(0.2, {0, 0, 1})), 1e-14));
+        EXPECT_TRUE(
+            pose_at(motion, Isometry3d::Identity(), 0.5).isApprox(pose({0, 0, 0}, turn(0.2, {0, 0, 1})), 1e-14));
     }
 }
 
 TEST(Drift, BouncesLikeSmallStepsThatReflectAtTheWalls)
 {
-    const Drift drift{.velocity = {0.37, -0.11, 0.9}, .spin = {}, .walls = {{-1, 0, 2}, {1, 3, 2.5}}};
+    const Drift drift{.velocity = {0.37, -0.11, 0.9}, .spin = Vector3d::Zero(), .walls = {{-1, 0, 2}, {1, 3, 2.5}}};
     Vector3d position(0.5, 1, 2.25), velocity = drift.velocity;
     const Isometry3d start = pose(position);
     for (int frame = 0; frame < 500; ++frame) {
@@ -106,7 +108,8 @@ TEST(Drift, StaysInsideTheWallsForeverWhereverItStarts)
     const Aabb walls{{-1, -1, 5}, {1, 1, 5}}; // no room along z
     for (const Vector3d& from : {Vector3d(0, 0, 5), Vector3d(-7, 30, 0), Vector3d(1, -1, 9)})
         for (const double frame : {0.0, 1.0, 17.0, 1e6, 2e9}) {
-            const Vector3d p = pose_at(Drift{{0.3, -0.7, 0.1}, {}, walls}, pose(from), frame).translation();
+            const Vector3d p =
+                pose_at(Drift{{0.3, -0.7, 0.1}, Vector3d::Zero(), walls}, pose(from), frame).translation();
             EXPECT_TRUE((p.array() >= walls.min.array()).all() && (p.array() <= walls.max.array()).all())
                 << from.transpose() << " at " << frame << ": " << p.transpose();
         }
@@ -129,7 +132,7 @@ TEST(Drift, SpinsAboutTheWorldAxisThroughItsOrigin)
 
 TEST(Drift, StaysRigidOverAMillionFrames)
 {
-    const Drift drift{{}, {0.03, -0.04, 0.01}, {}};
+    const Drift drift{Vector3d::Zero(), {0.03, -0.04, 0.01}, {}};
     const Eigen::Matrix3d r = pose_at(drift, pose({0, 0, 0}, turn(0.7, {1, 5, 2})), 1e6).linear();
     EXPECT_TRUE((r.transpose() * r).isIdentity(1e-14));
 }
@@ -167,8 +170,10 @@ TEST(CheckMotion, RefusesWhatHasNoMeaning)
 {
     const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
     const Quaterniond one = Quaterniond::Identity();
+    const Vector3d zero = Vector3d::Zero();
     const auto refuses = [](const Motion& motion, const char* word) {
-        expect_error(ErrorKind::bad_data, [&] { check_motion("ball", motion); }, "ball: ", word);
+        expect_error(
+            ErrorKind::bad_data, [&] { check_motion("ball", motion); }, "ball: ", word);
     };
     refuses(Keyed{}, "no key");
     refuses(Keyed{{{0, {0, 0, 0}, one}, {0, {1, 0, 0}, one}}}, "key 1: time");
@@ -177,9 +182,9 @@ TEST(CheckMotion, RefusesWhatHasNoMeaning)
     refuses(Keyed{{{0, {0, inf, 0}, one}}}, "key 0: position");
     refuses(Keyed{{{0, {0, 0, 0}, Quaterniond(0, 0, 0, 0)}}}, "quaternion");
     refuses(Keyed{{{0, {0, 0, 0}, Quaterniond(nan, 0, 0, 0)}}}, "quaternion");
-    refuses(Drift{{nan, 0, 0}, {}, {}}, "velocity");
-    refuses(Drift{{}, {0, 1e16, 0}, {}}, "spin");
-    refuses(Drift{{}, {}, {{0, 0, 0}, {1, 1, inf}}}, "walls");
+    refuses(Drift{{nan, 0, 0}, zero, {}}, "velocity");
+    refuses(Drift{zero, {0, 1e16, 0}, {}}, "spin");
+    refuses(Drift{zero, zero, {{0, 0, 0}, {1, 1, inf}}}, "walls");
     refuses(Jitter{.step = -1, .walls = {}}, "step");
     refuses(Jitter{.step = nan, .walls = {}}, "step");
     EXPECT_NO_THROW(check_motion("ball", Still{}));
@@ -224,7 +229,8 @@ TEST(LoadTum, NamesTheLineOfEveryFault)
     std::vector<std::string> warnings;
     const auto refuses = [&](const char* content, const char* where, const char* what) {
         const auto path = folder.write("bad.tum", content);
-        expect_error(ErrorKind::bad_data, [&] { load_tum(path, 30, warnings); }, where, what);
+        expect_error(
+            ErrorKind::bad_data, [&] { load_tum(path, 30, warnings); }, where, what);
     };
     refuses("0 0 0 0 0 0 0 1\n1 0 0 0 0 0 0\n", "bad.tum:2: ", "7 numbers");
     refuses("0 0 0 0 0 0 0 1 5\n", "bad.tum:1: ", "more than eight");
@@ -236,11 +242,14 @@ TEST(LoadTum, NamesTheLineOfEveryFault)
     refuses("0 0 0 0 0 0 0 0\n", "bad.tum:1: ", "length 0");
     refuses("# only a comment\n", "bad.tum: ", "no pose");
     refuses("", "bad.tum: ", "empty");
-    expect_error(ErrorKind::no_input, [&] { load_tum(folder.path() / "none.tum", 30, warnings); }, "none.tum: ");
-    expect_error(ErrorKind::no_input, [&] { load_tum(folder.path(), 30, warnings); }, "folder");
+    expect_error(
+        ErrorKind::no_input, [&] { load_tum(folder.path() / "none.tum", 30, warnings); }, "none.tum: ");
+    expect_error(
+        ErrorKind::no_input, [&] { load_tum(folder.path(), 30, warnings); }, "folder");
     const auto good = folder.write("good.tum", "0 0 0 0 0 0 0 1\n");
     for (const double rate : {0.0, -1.0, std::nan("")})
-        expect_error(ErrorKind::usage, [&] { load_tum(good, rate, warnings); }, "frames per second");
+        expect_error(
+            ErrorKind::usage, [&] { load_tum(good, rate, warnings); }, "frames per second");
 }
 
 } // namespace

@@ -21,7 +21,8 @@ TEST(ParallelChunks, CoversEveryItemOnceForAnyCountGrainAndThreads)
                 });
                 EXPECT_TRUE(in_range) << count << " " << grain << " " << threads;
                 for (std::size_t i = 0; i < count; ++i)
-                    ASSERT_EQ(visits[i], 1) << "item " << i << " of " << count << ", grain " << grain << ", " << threads;
+                    ASSERT_EQ(visits[i], 1)
+                        << "item " << i << " of " << count << ", grain " << grain << ", " << threads;
             }
 }
 

@@ -38,11 +38,26 @@ inline bool same(const OccupancyMap& a, const OccupancyMap& b)
         if (!same_box(a.cells[i], b.cells[i])) return false;
     return true;
 }
-inline bool same(const Sphere& a, const Sphere& b) { return a.radius == b.radius; }
-inline bool same(const Box& a, const Box& b) { return same_bits(a.half, b.half); }
-inline bool same(const Capsule& a, const Capsule& b) { return a.radius == b.radius && a.length == b.length; }
-inline bool same(const Cylinder& a, const Cylinder& b) { return a.radius == b.radius && a.length == b.length; }
-inline bool same(const ConvexHull& a, const ConvexHull& b) { return same_points(a.points, b.points); }
+inline bool same(const Sphere& a, const Sphere& b)
+{
+    return a.radius == b.radius;
+}
+inline bool same(const Box& a, const Box& b)
+{
+    return same_bits(a.half, b.half);
+}
+inline bool same(const Capsule& a, const Capsule& b)
+{
+    return a.radius == b.radius && a.length == b.length;
+}
+inline bool same(const Cylinder& a, const Cylinder& b)
+{
+    return a.radius == b.radius && a.length == b.length;
+}
+inline bool same(const ConvexHull& a, const ConvexHull& b)
+{
+    return same_points(a.points, b.points);
+}
 inline bool same(const Shape& a, const Shape& b)
 {
     return a.index() == b.index() &&
@@ -65,7 +80,8 @@ inline void expect_same_scene(Scene& a, Scene& b)
         const Geometry &g = a.geometries[i], &h = b.geometries[i];
         EXPECT_EQ(g.name, h.name);
         ASSERT_EQ(g.data.index(), h.data.index()) << g.name;
-        EXPECT_TRUE(std::visit([&](const auto& d) { return same(d, std::get<std::decay_t<decltype(d)>>(h.data)); }, g.data))
+        EXPECT_TRUE(
+            std::visit([&](const auto& d) { return same(d, std::get<std::decay_t<decltype(d)>>(h.data)); }, g.data))
             << g.name;
     }
     ASSERT_EQ(a.names, b.names);

@@ -43,7 +43,8 @@ double distance(const Shape& shape, const Vector3d& p)
     if (const auto* s = std::get_if<Sphere>(&shape)) return std::max(0.0, p.norm() - s->radius);
     if (const auto* b = std::get_if<Box>(&shape)) return (p.cwiseAbs() - b->half).cwiseMax(0.0).norm();
     if (const auto* c = std::get_if<Capsule>(&shape))
-        return std::max(0.0, Vector3d(p.x(), p.y(), std::max(0.0, std::abs(p.z()) - 0.5 * c->length)).norm() - c->radius);
+        return std::max(0.0,
+                        Vector3d(p.x(), p.y(), std::max(0.0, std::abs(p.z()) - 0.5 * c->length)).norm() - c->radius);
     if (const auto* c = std::get_if<Cylinder>(&shape))
         return outside(std::hypot(p.x(), p.y()) - c->radius, std::abs(p.z()) - 0.5 * c->length);
     return 0;
@@ -57,16 +58,31 @@ double size_of(const Shape& shape)
 ConvexHull random_hull(std::size_t count, double scale, double offset)
 {
     ConvexHull hull;
-    for (std::size_t i = 0; i < count; ++i) hull.points.push_back(scale * random_vector(i) + Vector3d::Constant(offset));
+    for (std::size_t i = 0; i < count; ++i)
+        hull.points.push_back(scale * random_vector(i) + Vector3d::Constant(offset));
     return hull;
 }
 
 std::vector<Shape> shapes()
 {
-    std::vector<Shape> all = {Sphere{1}, Sphere{1e-6}, Sphere{1e6}, Box{{1, 2, 3}}, Box{{1e-3, 1, 1e3}}, Capsule{1, 2},
-                              Capsule{0.1, 100}, Capsule{5, 0.01}, Capsule{1, 0}, Capsule{1e-3, 1e6}, Cylinder{1, 2},
-                              Cylinder{0.01, 50}, Cylinder{50, 0.01}, random_hull(4, 1, 0), random_hull(20, 1, 0),
-                              random_hull(500, 1e-6, 0), random_hull(500, 1, 1e6), random_hull(500, 1e6, 0)};
+    std::vector<Shape> all = {Sphere{1},
+                              Sphere{1e-6},
+                              Sphere{1e6},
+                              Box{{1, 2, 3}},
+                              Box{{1e-3, 1, 1e3}},
+                              Capsule{1, 2},
+                              Capsule{0.1, 100},
+                              Capsule{5, 0.01},
+                              Capsule{1, 0},
+                              Capsule{1e-3, 1e6},
+                              Cylinder{1, 2},
+                              Cylinder{0.01, 50},
+                              Cylinder{50, 0.01},
+                              random_hull(4, 1, 0),
+                              random_hull(20, 1, 0),
+                              random_hull(500, 1e-6, 0),
+                              random_hull(500, 1, 1e6),
+                              random_hull(500, 1e6, 0)};
     ConvexHull cube, grid, slab, ball;
     for (int i = 0; i < 8; ++i) cube.points.push_back({i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0});
     for (int i = 0; i < 1000; ++i) grid.points.push_back(0.1 * Vector3d(i % 10, i / 10 % 10, i / 100));
@@ -172,7 +188,8 @@ TEST(Shape, ImpossibleDimensionsAreNamed)
 {
     const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
     const auto refused = [](const Shape& shape, const char* part) {
-        expect_error(ErrorKind::bad_data, [&] { check_shape("lamp", shape); }, "lamp: ", part);
+        expect_error(
+            ErrorKind::bad_data, [&] { check_shape("lamp", shape); }, "lamp: ", part);
     };
     refused(Sphere{0}, "radius is 0");
     refused(Sphere{nan}, "radius is nan");

@@ -1,0 +1,168 @@
+#include <gtest/gtest.h>
+
+#include <oncollide/broadphase/broad_phase.hpp>
+#include <oncollide/broadphase/delimitation.hpp>
+#include <oncollide/scenes/motion.hpp>
+
+namespace oncollide {
+namespace {
+
+/// Bodies as boxes alone.
+struct Boxes {
+    std::vector<Aabb> boxes;
+    std::vector<std::uint8_t> is_static;
+    std::vector<std::uint32_t> layers, masks, all;
+
+    void add(const Eigen::Vector3d& min, const Eigen::Vector3d& max, bool fixed = false, std::uint32_t layer = 1,
+             std::uint32_t mask = ~0u)
+    {
+        Aabb box;
+        box.min = min, box.max = max;
+        all.push_back(static_cast<std::uint32_t>(boxes.size()));
+        boxes.push_back(box), is_static.push_back(fixed), layers.push_back(layer), masks.push_back(mask);
+    }
+    BodyFilter filter() const { return {is_static, layers, masks}; }
+
+    std::vector<BodyPair> truth(double margin) const
+    {
+        std::vector<BodyPair> pairs;
+        for (std::uint32_t a = 0; a < boxes.size(); ++a)
+            for (std::uint32_t b = a + 1; b < boxes.size(); ++b) {
+                const bool apart = ((boxes[a].min - boxes[b].max).array() > margin).any() ||
+                                   ((boxes[b].min - boxes[a].max).array() > margin).any();
+                if (!apart && filter().allows(a, b)) pairs.push_back({a, b});
+            }
+        return pairs;
+    }
+};
+
+Boxes random_boxes(std::uint32_t count, double side, double static_share, std::uint64_t seed, const Eigen::Vector3d& at)
+{
+    Boxes scene;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        Eigen::Vector3d centre, half;
+        for (std::uint64_t k = 0; k < 3; ++k)
+            centre[static_cast<int>(k)] = side * u01(seed, i, k), half[static_cast<int>(k)] = 0.25 + 0.25 * u01(seed, i, 3 + k);
+        if (i % 50 == 0) half *= 8;
+        scene.add(at + centre - half, at + centre + half, u01(seed, i, 6) < static_share, 1u << (i % 3),
+                  i % 7 == 0 ? 0b011u : ~0u);
+    }
+    return scene;
+}
+
+struct Algorithm {
+    const char* name;
+    std::unique_ptr<BroadPhase> (*make)();
+};
+
+class EveryBroadPhase : public ::testing::TestWithParam<Algorithm> {
+protected:
+    std::vector<BodyPair> find(const Boxes& scene, double margin = 0, int threads = 1)
+    {
+        std::vector<BodyPair> pairs{{7, 7}};
+        algorithm_->find_pairs(scene.boxes, scene.all, scene.filter(), margin, threads, pairs);
+        return pairs;
+    }
+    std::unique_ptr<BroadPhase> algorithm_ = GetParam().make();
+};
+
+TEST_P(EveryBroadPhase, FindsThePairsOfBruteForceOnRandomBoxes)
+{
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        const Boxes scene = random_boxes(400 + 40 * static_cast<std::uint32_t>(seed), 12, seed % 3 * 0.4, seed, {0, 0, 0});
+        EXPECT_EQ(find(scene, seed % 2 * 0.1), scene.truth(seed % 2 * 0.1)) << "seed " << seed;
+    }
+}
+
+TEST_P(EveryBroadPhase, NeverLacksAPairFarFromTheOrigin)
+{
+    const Boxes scene = random_boxes(600, 12, 0.2, 5, {1e6, -2e6, 1e8});
+    const auto found = find(scene);
+    for (BodyPair pair : scene.truth(0)) EXPECT_TRUE(std::binary_search(found.begin(), found.end(), pair));
+    EXPECT_LE(found.size(), scene.truth(1e-4).size());
+}
+
+TEST_P(EveryBroadPhase, GivesTheSameListForAnyThreadCount)
+{
+    const Boxes scene = random_boxes(20000, 40, 0.3, 9, {0, 0, 0});
+    const auto one = find(scene, 0, 1);
+    EXPECT_GT(one.size(), 1000u);
+    EXPECT_EQ(find(scene, 0, 2), one);
+    EXPECT_EQ(find(scene, 0, 5), one);
+}
+
+TEST_P(EveryBroadPhase, HandlesNoneOneAndTwoBodies)
+{
+    Boxes scene;
+    EXPECT_TRUE(find(scene).empty());
+    scene.add({0, 0, 0}, {1, 1, 1});
+    EXPECT_TRUE(find(scene).empty());
+    scene.add({1, 1, 1}, {2, 2, 2});
+    EXPECT_EQ(find(scene), (std::vector<BodyPair>{{0, 1}})) << "touching boxes overlap";
+}
+
+TEST_P(EveryBroadPhase, HandlesIdenticalBoxesAndOneGiant)
+{
+    Boxes same;
+    for (int i = 0; i < 300; ++i) same.add({0, 0, 0}, {1, 1, 1});
+    EXPECT_EQ(find(same).size(), 300u * 299 / 2);
+
+    Boxes giant = random_boxes(500, 40, 0, 3, {0, 0, 0});
+    giant.add({-100, -100, -100}, {100, 100, 100});
+    EXPECT_EQ(find(giant), giant.truth(0));
+}
+
+TEST_P(EveryBroadPhase, FormsNoStaticPairsAndRespectsLayers)
+{
+    Boxes scene;
+    scene.add({0, 0, 0}, {1, 1, 1}, true);
+    scene.add({0, 0, 0}, {1, 1, 1}, true);
+    scene.add({0, 0, 0}, {1, 1, 1}, false, 2, 1);
+    scene.add({0, 0, 0}, {1, 1, 1}, false, 1, 1);
+    EXPECT_EQ(find(scene), (std::vector<BodyPair>{{0, 2}, {0, 3}, {1, 2}, {1, 3}}))
+        << "2 and 3: 3 does not collide with layer 2";
+}
+
+INSTANTIATE_TEST_SUITE_P(, EveryBroadPhase,
+                         ::testing::Values(Algorithm{"kd", make_kd_tree}, Algorithm{"octree", make_octree},
+                                           Algorithm{"brute", make_brute_force}),
+                         [](const auto& param) { return param.param.name; });
+
+TEST(Delimitation, KeepsEveryPairWhileMoversWander)
+{
+    Boxes scene = random_boxes(3000, 60, 0.97, 11, {0, 0, 0});
+    Delimitation delimitation;
+    std::vector<std::uint32_t> survivors;
+    for (int frame = 0; frame < 30; ++frame) {
+        delimitation.run(scene.boxes, scene.filter(), 0.05, survivors);
+        ASSERT_TRUE(std::is_sorted(survivors.begin(), survivors.end()));
+        for (BodyPair pair : scene.truth(0.05)) {
+            EXPECT_TRUE(std::binary_search(survivors.begin(), survivors.end(), pair.a)) << "frame " << frame;
+            EXPECT_TRUE(std::binary_search(survivors.begin(), survivors.end(), pair.b)) << "frame " << frame;
+        }
+        EXPECT_LT(survivors.size(), scene.boxes.size() * 3 / 4) << "rejects regions without movers";
+        for (std::uint32_t body : scene.all)
+            if (!scene.is_static[body]) { // all wander to one corner, and out of the built space
+                const Eigen::Vector3d step(-1.5, -1.0, 0.3 * (body % 5));
+                scene.boxes[body].min += step, scene.boxes[body].max += step;
+            }
+    }
+}
+
+TEST(Delimitation, RejectsALoneMoverAndForbiddenLayers)
+{
+    Boxes scene;
+    for (int i = 0; i < 40; ++i) scene.add({10.0 * i, 0, 0}, {10.0 * i + 1, 1, 1}, true, 1, 1);
+    scene.add({0, 50, 0}, {1, 51, 1}, false, 1, 1);
+    scene.add({200, 0, 0}, {201, 1, 1}, false, 2, 2);
+    Delimitation delimitation;
+    std::vector<std::uint32_t> survivors;
+    delimitation.run(scene.boxes, scene.filter(), 0, survivors);
+    EXPECT_FALSE(std::binary_search(survivors.begin(), survivors.end(), 41u)) << "collides with no layer around it";
+    std::uint64_t rejected = 0;
+    for (const DelimitationLevel& level : delimitation.levels()) rejected += level.regions_rejected;
+    EXPECT_GT(rejected, 0u);
+}
+
+} // namespace
+} // namespace oncollide

@@ -1,0 +1,74 @@
+#include <gtest/gtest.h>
+
+#include <oncollide/broadphase/world_boxes.hpp>
+#include <oncollide/scenes/mesh_generators.hpp>
+
+namespace oncollide {
+namespace {
+
+Eigen::Isometry3d random_pose(std::uint64_t seed, std::uint64_t i, double away)
+{
+    const Eigen::Vector3d axis(u01(seed, i, 0) - 0.5, u01(seed, i, 1) - 0.5, u01(seed, i, 2) - 0.5);
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.linear() = Eigen::AngleAxisd(6.28 * u01(seed, i, 3), axis.normalized()).toRotationMatrix();
+    pose.translation() = Eigen::Vector3d(u01(seed, i, 4), u01(seed, i, 5), u01(seed, i, 6)) * away;
+    return pose;
+}
+
+Aabb exact_box(const Mesh& mesh, const Eigen::Isometry3d& pose)
+{
+    Aabb box;
+    for (const Triangle& t : mesh.triangles)
+        for (std::uint32_t v : t) box.add(pose * mesh.vertices[v]);
+    return box;
+}
+
+TEST(WorldBoxes, EncloseRotatedMeshesTightlyBeforeAndAfterTheHullIsFound)
+{
+    const Mesh meshes[] = {make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 3000), make_terrain_mesh(10, 1, 20, 3),
+                           make_needles_mesh(300, 1, 1e4, 3, 5), make_box_mesh({1, 2, 3})};
+    for (const Mesh& mesh : meshes) {
+        Scene scene;
+        const GeometryId geometry = scene.add("mesh", mesh);
+        scene.add_body({.name = "body", .geometry = geometry, .motion = Drift{}});
+        WorldBoxes boxes(scene);
+        const std::uint32_t body = 0;
+        Aabb box;
+        for (std::uint64_t i = 0; i < 3000; ++i) {
+            scene.poses[0] = random_pose(1, i, i % 3 == 0 ? 1e6 : 10);
+            boxes.update(scene, {&body, 1}, 1, {&box, 1});
+            const Aabb exact = exact_box(mesh, scene.poses[0]);
+            ASSERT_TRUE(box.contains(exact)) << "pose " << i;
+            const double excess = std::max((exact.min - box.min).maxCoeff(), (box.max - exact.max).maxCoeff());
+            ASSERT_LT(excess, 1e-5 * mesh.bounds.diagonal() + 1e-8) << "pose " << i;
+            ASSERT_TRUE(boxes.sphere_box(scene, 0).contains(exact));
+        }
+    }
+}
+
+TEST(WorldBoxes, EncloseShapes)
+{
+    const Shape shapes[] = {Sphere{0.7}, Box{{1, 0.5, 2}}, Capsule{0.5, 2}, Cylinder{0.3, 1.5},
+                            ConvexHull{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 2}}}};
+    for (const Shape& shape : shapes) {
+        Scene scene;
+        const GeometryId geometry = scene.add("shape", shape);
+        scene.add_body({.name = "body", .geometry = geometry, .motion = Drift{}});
+        WorldBoxes boxes(scene);
+        const Mesh around = enclose(shape).mesh;
+        const std::uint32_t body = 0;
+        Aabb box;
+        for (std::uint64_t i = 0; i < 200; ++i) {
+            scene.poses[0] = random_pose(2, i, 5);
+            boxes.update(scene, {&body, 1}, 1, {&box, 1});
+            const Aabb outer = exact_box(around, scene.poses[0]);
+            // The enclosing mesh is larger than the shape by at most 1 % of its size.
+            EXPECT_TRUE(outer.contains(box) || (box.min - outer.min).cwiseAbs().maxCoeff() < 1e-5);
+            EXPECT_LT((box.min - outer.min).cwiseAbs().maxCoeff(), 0.02 * around.bounds.diagonal());
+            EXPECT_LT((box.max - outer.max).cwiseAbs().maxCoeff(), 0.02 * around.bounds.diagonal());
+        }
+    }
+}
+
+} // namespace
+} // namespace oncollide

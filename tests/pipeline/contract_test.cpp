@@ -1,0 +1,226 @@
+// The one contract: a stage may keep what does not collide; it must never lose what does. FCL judges whole pipelines, at
+// every depth and with each stage left out or replaced in turn.
+#include "accuracy_check.hpp"
+
+#include <gtest/gtest.h>
+
+#include <oncollide/scenes/catalogue.hpp>
+#include <oncollide/scenes/mesh_generators.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+struct Variant {
+    std::string name;
+    Settings settings;
+};
+
+Settings at_depth(int depth)
+{
+    Settings settings;
+    settings.depth = depth;
+    return settings;
+}
+
+std::vector<Variant> every_depth()
+{
+    std::vector<Variant> variants;
+    for (int depth = 1; depth <= 8; ++depth) variants.push_back({"depth " + std::to_string(depth), at_depth(depth)});
+    return variants;
+}
+
+/// The plain pipeline first, then one change at a time.
+std::vector<Variant> every_toggle(int depth)
+{
+    std::vector<Variant> variants{{"plain", at_depth(depth)}};
+    const auto add = [&](std::string name, auto change) {
+        variants.push_back({std::move(name), at_depth(depth)});
+        change(variants.back().settings);
+    };
+    for (const char* stage : {"bounds", "delimitation", "broad", "ocst", "exact"})
+        add(std::string("without ") + stage, [&](Settings& s) { s.skip.push_back(stage); });
+    add("octree", [](Settings& s) { s.broad_phase = BroadPhaseKind::octree; });
+    add("brute force", [](Settings& s) { s.broad_phase = BroadPhaseKind::brute_force; });
+    add("exact fcl", [](Settings& s) { s.exact = ExactLevel::fcl; });
+    add("exact fcl without ocst", [](Settings& s) { s.exact = ExactLevel::fcl, s.skip = {"ocst"}; });
+    add("clearance", [](Settings& s) { s.clearance = 0.05; });
+    add("a budget of 50 cells", [](Settings& s) { s.node_budget = 50; });
+    add("no memory", [](Settings& s) { s.memory_budget = 1; });
+    add("cells dropped at once", [](Settings& s) { s.age_limit = 1; });
+    add("solid", [](Settings& s) { s.mode = Mode::solid; });
+    add("everything skipped", [](Settings& s) { s.skip = {"bounds", "delimitation", "broad", "ocst", "exact"}; });
+    return variants;
+}
+
+struct Play {
+    int first = 0, frames = 3, every = 1;
+    int bounds = 4; ///< to check in each frame, per variant
+};
+
+/// FCL answers each frame once; every variant must keep what it found, and every bound must hold for its distance.
+void judge(Scene scene, const std::vector<Variant>& variants, Play play)
+{
+    Mover mover;
+    mover.move(scene, play.first);
+    FclWorld world(scene);
+    std::vector<Pipeline> pipelines;
+    for (const Variant& v : variants) pipelines.emplace_back(scene, v.settings);
+    for (int f = 0; f < play.frames; ++f) {
+        mover.move(scene, play.first + f * play.every);
+        const FclFrame fcl = world.step();
+        for (std::size_t k = 0; k < variants.size(); ++k) {
+            SCOPED_TRACE(scene.name + ", " + variants[k].name);
+            const Settings& settings = variants[k].settings;
+            const FrameView frame = pipelines[k].step(scene);
+            const Comparison counts = compare(scene, frame, settings, fcl, world);
+            EXPECT_EQ(counts.missed, 0u) << counts.first_missed;
+            EXPECT_EQ(counts.wrong_exact, 0u) << "frame " << frame.frame;
+            const std::size_t step = std::max<std::size_t>(1, frame.pairs.size() / std::size_t(play.bounds));
+            for (std::size_t i = (frame.frame + k) % step; i < frame.pairs.size(); i += step) {
+                const PairResult& pair = frame.pairs[i];
+                if (pair.verdict == Verdict::colliding) continue;
+                const BodyPair bodies{index(pair.a), index(pair.b)};
+                const BoundCheck check =
+                    check_bound(scene, pair, settings, world.distance(bodies), world.has_shape(bodies));
+                EXPECT_EQ(check.violations, 0u) << "frame " << frame.frame << ": " << check.first_violation;
+            }
+        }
+    }
+}
+
+Scene catalogue_scene(const char* name, int bodies = 0, std::uint64_t seed = 12345)
+{
+    CatalogueOptions options;
+    if (bodies) options.bodies = bodies;
+    options.seed = seed;
+    return make_scene(name, options);
+}
+
+BodyId put(Scene& scene, GeometryId geometry, const Eigen::Vector3d& position, double turn = 0)
+{
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.translation() = position;
+    pose.linear() = Eigen::AngleAxisd(turn, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+    return scene.add_body({.name = std::to_string(scene.size()), .geometry = geometry, .pose = pose});
+}
+
+TEST(Contract, NoCollisionOfThePapersAnimationIsLostAtAnyDepth)
+{
+    judge(catalogue_scene("paper"), every_depth(), {.frames = 60, .every = 40});
+}
+
+TEST(Contract, NoCollisionOfThePapersAnimationIsLostWithTheLargeMeshes)
+{
+    judge(catalogue_scene("paper-5k"), every_depth(), {.frames = 60, .every = 40, .bounds = 1});
+}
+
+TEST(Contract, NoCollisionOfThePapersAnimationIsLostWithAnyStageOff)
+{
+    judge(catalogue_scene("paper"), every_toggle(5), {.frames = 60, .every = 40});
+}
+
+TEST(Contract, NoCollisionAmongManyIsLostAtAnyDepth)
+{
+    judge(catalogue_scene("many", 100), every_depth(), {});
+}
+
+TEST(Contract, NoCollisionAmongManyIsLostWithAnyStageOff)
+{
+    judge(catalogue_scene("many", 100), every_toggle(6), {});
+}
+
+class RandomScenes : public testing::TestWithParam<int> {};
+
+TEST_P(RandomScenes, LoseNoCollisionAtAnyDepth)
+{
+    judge(catalogue_scene("random", 16, std::uint64_t(GetParam())), every_depth(), {.every = 3, .bounds = 3});
+}
+
+TEST_P(RandomScenes, LoseNoCollisionWithAnyStageOff)
+{
+    const int depth = 1 + GetParam() % 8;
+    judge(catalogue_scene("random", 16, std::uint64_t(GetParam())), every_toggle(depth), {.every = 3, .bounds = 2});
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, RandomScenes, testing::Range(1, 13));
+
+TEST(Contract, OneMeshTwiceAtOnePoseCollidesAtEveryDepth)
+{
+    for (double far : {0.0, 1e6}) {
+        Scene scene;
+        scene.name = far > 0 ? "twins far away" : "twins";
+        const Eigen::Vector3d origin = Eigen::Vector3d::Constant(far);
+        const GeometryId kinds[] = {scene.add("knot", make_torus_knot_mesh(2, 3, 1, 0.4, 0.2, 600)),
+                                    scene.add("needles", make_needles_mesh(50, 1, 1e5, 2, 7)),
+                                    scene.add("terrain", make_terrain_mesh(2, 0.3, 12, 7))};
+        for (int k = 0; k < 3; ++k)
+            for (int twin = 0; twin < 2; ++twin) put(scene, kinds[k], origin + Eigen::Vector3d(5 * k, 0, 0), 0.7 * k);
+        judge(scene, every_depth(), {.frames = 2});
+        judge(scene, every_toggle(7), {.frames = 2});
+    }
+}
+
+/// Coordinates are small multiples of powers of two: the boxes touch exactly, and FCL says so.
+TEST(Contract, BoxesThatOnlyTouchCollideAtEveryDepth)
+{
+    for (const bool as_shape : {false, true}) {
+        Scene scene;
+        scene.name = as_shape ? "touching box shapes" : "touching box meshes";
+        const Eigen::Vector3d half(0.5, 0.25, 0.5);
+        const GeometryId box = as_shape ? scene.add("box", Box{half}) : scene.add("box", make_box_mesh(half));
+        put(scene, box, {0, 0, 0});
+        put(scene, box, {1, 0, 0});     // face on face
+        put(scene, box, {0.25, 0.5, 0}); // face on part of a face
+        put(scene, box, {-1, 0.5, 0});  // edge on edge
+        put(scene, box, {-1, -0.5, 1}); // corner on corner
+        judge(scene, every_depth(), {.frames = 2});
+        judge(scene, every_toggle(6), {.frames = 2});
+        if (as_shape) continue; // libccd may call touching shapes apart
+        FclWorld world(scene);
+        EXPECT_GE(world.step().colliding.size(), 4u);
+    }
+}
+
+/// FCL sees surfaces only; the pipeline in solid mode must see the inside too, and say so with certainty.
+TEST(Contract, ABodyInsideAnotherCollidesInSolidModeOnly)
+{
+    Scene scene;
+    scene.name = "nested";
+    put(scene, scene.add("shell", make_sphere_mesh(2, 800)), {0, 0, 0});
+    put(scene, scene.add("core", make_sphere_mesh(0.5, 200)), {0.25, 0, 0});
+    Settings settings = at_depth(6);
+    EXPECT_EQ(Pipeline(scene, settings).step(scene).pairs.front().verdict, Verdict::separate);
+    settings.mode = Mode::solid;
+    EXPECT_EQ(Pipeline(scene, settings).step(scene).pairs.front().verdict, Verdict::colliding);
+}
+
+TEST(Contract, ThreadsCoherenceAgeingAndBroadPhaseDoNotChangeTheHash)
+{
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+        Scene scene = catalogue_scene("random", 40, seed);
+        std::vector<Variant> variants{{"plain", at_depth(6)}};
+        const auto add = [&](const char* name, auto change) {
+            variants.push_back({name, at_depth(6)});
+            change(variants.back().settings);
+        };
+        add("three threads", [](Settings& s) { s.threads = 3; });
+        add("no coherence", [](Settings& s) { s.coherence = false; });
+        add("octree", [](Settings& s) { s.broad_phase = BroadPhaseKind::octree; });
+        add("brute force", [](Settings& s) { s.broad_phase = BroadPhaseKind::brute_force; });
+        add("cells dropped at once", [](Settings& s) { s.age_limit = 1; });
+        std::vector<std::uint64_t> hashes;
+        for (const Variant& v : variants) {
+            Mover mover;
+            Pipeline pipeline(scene, v.settings);
+            for (int frame = 0; frame < 6; ++frame) {
+                mover.move(scene, frame);
+                pipeline.step(scene);
+            }
+            hashes.push_back(pipeline.hash());
+            EXPECT_EQ(hashes.back(), hashes.front()) << "seed " << seed << ", " << v.name;
+        }
+    }
+}
+
+} // namespace
+} // namespace oncollide::tools

@@ -1,0 +1,82 @@
+// oncollide bench: one subcommand a benchmark.
+#include "bench.hpp"
+#include "command.hpp"
+
+#include <memory>
+
+namespace oncollide::tools {
+namespace {
+
+void add_compare_options(CLI::App& sub, CompareOptions& o)
+{
+    add_catalogue_options(sub, o.scene);
+    add_accuracy_options(sub, o.settings);
+    add_pipeline_options(sub, o.settings);
+    sub.add_option("--warm-up", o.warm_up, "frames at the start that are not counted (default 3)")->type_name("N");
+    sub.add_option("--repeats", o.repeats, "runs from frame 0; of each frame the fastest counts")->type_name("N");
+    sub.add_option("--only", o.only, "run fcl or oncollide alone, to measure its memory")->type_name("WHO");
+    sub.add_option("--timeline", o.timeline, "a line every so many frames: cells alive, pairs, times")->type_name("N");
+    sub.add_option("--csv", o.csv, "write one row per frame")->type_name("FILE");
+}
+
+std::shared_ptr<CompareOptions> add_scene_bench(CLI::App& bench, Command& command, const char* name, const char* summary)
+{
+    CLI::App* sub = bench.add_subcommand(name, summary);
+    auto options = std::make_shared<CompareOptions>();
+    options->scene.scene = name;
+    add_compare_options(*sub, *options);
+    sub->callback([options, &command] { command = [options] { return bench_scene(*options); }; });
+    return options;
+}
+
+void add_paper(CLI::App& bench, Command& command)
+{
+    CLI::App* sub = bench.add_subcommand("paper", "The paper's animation: a bunny winds past a dragon, a cow and a lamp");
+    auto options = std::make_shared<CompareOptions>();
+    options->repeats = 3, options->timeline = 100;
+    auto large = std::make_shared<bool>(false);
+    sub->add_flag("--large", *large, "the models of 5,100 triangles instead of 1,500");
+    add_compare_options(*sub, *options);
+    sub->callback([options, large, &command] {
+        options->scene.scene = *large ? "paper-5k" : "paper";
+        command = [options] { return bench_scene(*options); };
+    });
+}
+
+void add_poses(CLI::App& bench, Command& command)
+{
+    CLI::App* sub = bench.add_subcommand("poses", "One pair of meshes in 1,000 poses with known answers (needs the data folder)");
+    auto options = std::make_shared<PosesOptions>();
+    sub->add_option("--data", options->data, "folder with poses/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
+        ->type_name("DIR");
+    sub->add_option("--depths", options->depths, "depths of the sphere-trees (default 4-8)")->type_name("LIST");
+    sub->add_option("--repeats", options->repeats, "of each query the fastest counts (default 5)")->type_name("N");
+    sub->add_option("--poses", options->poses, "only the first so many")->type_name("N");
+    sub->add_option("--csv", options->csv, "write one row per pose")->type_name("FILE");
+    sub->callback([options, &command] { command = [options] { return bench_poses(*options); }; });
+}
+
+} // namespace
+
+void add_bench(CLI::App& app, Command& command)
+{
+    CLI::App* bench = app.add_subcommand("bench", "Measure against FCL in one run, on the same work, turn about");
+    bench->require_subcommand(1);
+    add_scene_bench(*bench, command, "many", "Bunnies, dragons and cows in a cube");
+    add_paper(*bench, command);
+    add_poses(*bench, command);
+    CLI::App* scene = bench->add_subcommand("scene", "Any scene: a file, or a scene of the catalogue");
+    auto options = std::make_shared<CompareOptions>();
+    scene->add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
+        ->required()
+        ->type_name("SCENE.json|NAME");
+    add_compare_options(*scene, *options);
+    scene->callback([options, &command] { command = [options] { return bench_scene(*options); }; });
+    bench->footer("Examples:\n"
+                  "  oncollide bench many --bodies 1000 --exact fcl\n"
+                  "  oncollide bench paper --large --depth 5\n"
+                  "  oncollide bench poses --depths 5-7\n"
+                  "How to read and repeat the results: docs/benchmarks.md. Exit code 70: a collision was missed.");
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,59 @@
+#pragma once
+#include <iostream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "options.hpp"
+
+// What the benchmarks share. Each runs FCL and oncollide on the same work in one program, turn about, and reports ratios.
+namespace oncollide::tools {
+
+struct CompareOptions {
+    SceneOptions scene;
+    SettingsOptions settings;
+    int warm_up = 3;       ///< frames at the start that are not counted
+    int repeats = 1;       ///< runs from frame 0; of a frame's times the least counts
+    int cold_runs = 5;     ///< first frames measured from nothing
+    int timeline = 0;      ///< print a line every so many frames; 0: none
+    std::string only;      ///< "fcl" or "oncollide": measure that one alone
+    std::string csv;       ///< one row a frame
+};
+
+/// Plays a scene with both. Returns the exit code: 70 when oncollide missed a collision.
+int bench_scene(const CompareOptions& options);
+
+struct PosesOptions {
+    std::string data, depths = "4-8", csv;
+    int repeats = 5;
+    int poses = 0; ///< at most so many; 0: all
+};
+
+/// One pair of meshes in the poses of the data folder.
+int bench_poses(const PosesOptions& options);
+
+/// "4-8", "6" or "2,5-7" as ascending numbers; `option` names it in errors. Each 1 to 16.
+std::vector<int> parse_depths(const std::string& option, const std::string& text);
+
+/// Lines that say which program, compiler, peer and machine a result comes from.
+std::string describe_program(const std::string& backend);
+std::string describe(const Settings& settings);
+/// The most memory that this process has held, bytes.
+std::size_t peak_memory();
+
+template <class... Args>
+void say(fmt::format_string<Args...> format, Args&&... args)
+{
+    std::cout << fmt::format(format, std::forward<Args>(args)...);
+}
+
+double median(std::vector<double> values);
+double mean(const std::vector<double>& values);
+/// 1,234,567
+std::string grouped(std::uint64_t value);
+/// A count's mean over frames: one decimal when small.
+std::string mean_count(std::uint64_t sum, std::uint64_t frames);
+
+} // namespace oncollide::tools

@@ -1,0 +1,280 @@
+// FCL and oncollide on the same scene, frame by frame in turn.
+#include "accuracy_check.hpp"
+#include "bench.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <optional>
+
+#include <oncollide/pipeline/output_file.hpp>
+#include <oncollide/scenes/error.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::size_t stage_count = 5;
+
+double milliseconds_since(Clock::time_point from)
+{
+    return std::chrono::duration<double, std::milli>(Clock::now() - from).count();
+}
+
+struct Row {
+    double fcl_ms = 1e300, our_ms = 1e300;         ///< the least over repeats
+    std::array<double, 4> fcl_parts{};             ///< of that repeat: transforms, update, pairs, narrow
+    std::array<double, stage_count> our_parts{};
+    std::uint64_t fcl_candidates = 0;
+    Comparison counts;
+    TreeStats trees;
+    std::uint64_t hash = 0;
+};
+
+struct Runs {
+    std::vector<Row> rows; ///< by frame
+    std::vector<double> fcl_cold, our_cold; ///< building everything and the first frame, ms
+    std::uint64_t hash = 0;
+    std::size_t fcl_bytes = 0, our_bytes = 0; ///< models; trees at their largest
+    std::string backend = "not run";
+};
+
+class Bench {
+public:
+    explicit Bench(const CompareOptions& options)
+        : options_(options), settings_(settings_from(options.settings)), scene_(open_scene(options.scene)),
+          with_fcl_(options.only != "oncollide"), with_ours_(options.only != "fcl")
+    {
+        if (options_.warm_up >= scene_.frames) options_.warm_up = scene_.frames - 1;
+    }
+
+    int run()
+    {
+        print_warnings(scene_);
+        measure_cold_starts();
+        runs_.rows.resize(static_cast<std::size_t>(scene_.frames));
+        for (int repeat = 0; repeat < options_.repeats; ++repeat) play(repeat);
+        print_head();
+        print_times();
+        print_counts();
+        if (options_.timeline) print_timeline();
+        if (!options_.csv.empty()) write_csv();
+        return missed_ ? int(ErrorKind::internal) : 0;
+    }
+
+private:
+    /// From a scene in memory to the answer of its first frame, each time from nothing.
+    void measure_cold_starts()
+    {
+        for (int run = 0; run < options_.cold_runs; ++run) {
+            Mover mover;
+            mover.move(scene_, 0);
+            for (const bool fcl : {run % 2 == 0, run % 2 != 0}) {
+                if (!(fcl ? with_fcl_ : with_ours_)) continue;
+                const Clock::time_point from = Clock::now();
+                if (fcl) {
+                    FclWorld world(scene_);
+                    world.step();
+                    runs_.fcl_cold.push_back(milliseconds_since(from));
+                } else {
+                    Pipeline pipeline(scene_, settings_);
+                    pipeline.step(scene_);
+                    runs_.our_cold.push_back(milliseconds_since(from));
+                }
+            }
+        }
+    }
+
+    void play(int repeat)
+    {
+        Mover mover;
+        mover.move(scene_, 0);
+        std::optional<FclWorld> world;
+        std::optional<Pipeline> pipeline;
+        if (with_fcl_) world.emplace(scene_), runs_.fcl_bytes = world->model_bytes();
+        if (with_ours_) pipeline.emplace(scene_, settings_), runs_.backend = pipeline->backend();
+        for (int frame = 0; frame < scene_.frames; ++frame) {
+            mover.move(scene_, frame);
+            Row& row = runs_.rows[static_cast<std::size_t>(frame)];
+            FclFrame theirs;
+            std::optional<FrameView> ours;
+            const bool fcl_first = (frame + repeat) % 2 == 0;
+            for (const bool fcl : {fcl_first, !fcl_first}) {
+                if (fcl && world) theirs = world->step();
+                if (!fcl && pipeline) ours.emplace(pipeline->step(scene_));
+            }
+            if (world) take(row, theirs);
+            if (ours) take(row, *ours);
+            if (world && ours) row.counts = compare(scene_, *ours, settings_, theirs, *world);
+        }
+        if (!pipeline) return;
+        if (repeat > 0 && pipeline->hash() != runs_.hash)
+            throw Error(ErrorKind::internal, fmt::format("two runs of one scene differ: hash {:016x} and {:016x}",
+                                                         runs_.hash, pipeline->hash()));
+        runs_.hash = pipeline->hash();
+    }
+
+    static void take(Row& row, const FclFrame& frame)
+    {
+        row.fcl_candidates = frame.candidates, row.counts.fcl_colliding = frame.colliding.size();
+        if (frame.ms() >= row.fcl_ms) return;
+        row.fcl_ms = frame.ms();
+        row.fcl_parts = {frame.transforms_ms, frame.update_ms, frame.pairs_ms, frame.narrow_ms};
+    }
+
+    void take(Row& row, const FrameView& frame)
+    {
+        row.hash = frame.hash, row.trees = frame.trees, row.counts = {};
+        row.counts.pairs = frame.pairs.size();
+        for (const PairResult& pair : frame.pairs) {
+            row.counts.left_over += pair.verdict != Verdict::separate;
+            row.counts.colliding += pair.verdict == Verdict::colliding;
+            row.counts.undecided += pair.verdict == Verdict::undecided;
+        }
+        runs_.our_bytes = std::max(runs_.our_bytes, frame.trees.bytes);
+        if (frame.ms >= row.our_ms) return;
+        row.our_ms = frame.ms;
+        for (std::size_t i = 0; i < stage_count; ++i) row.our_parts[i] = frame.stages[i].cpu_ms;
+    }
+
+    void print_head() const
+    {
+        std::uint64_t triangles = 0;
+        for (const Geometry& geometry : scene_.geometries)
+            if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) triangles += mesh->triangles.size();
+        say("scene      {}, {} bodies, {} geometries of {} triangles together; frames {} to {}, {} before them to warm "
+                   "up, least of {} {}\n"
+                   "settings   {}\n{}\n",
+                   scene_.name, grouped(scene_.size()), scene_.geometries.size(), grouped(triangles), options_.warm_up,
+                   scene_.frames - 1, options_.warm_up, options_.repeats, options_.repeats == 1 ? "run" : "runs",
+                   describe(settings_), describe_program(runs_.backend));
+    }
+
+    std::span<const Row> counted() const { return std::span(runs_.rows).subspan(static_cast<std::size_t>(options_.warm_up)); }
+
+    void print_times() const
+    {
+        std::vector<double> fcl, ours, ratios;
+        std::array<double, 4> fcl_parts{};
+        std::array<double, stage_count> our_parts{};
+        for (const Row& row : counted()) {
+            fcl.push_back(row.fcl_ms), ours.push_back(row.our_ms), ratios.push_back(row.fcl_ms / row.our_ms);
+            for (std::size_t i = 0; i < fcl_parts.size(); ++i) fcl_parts[i] += row.fcl_parts[i];
+            for (std::size_t i = 0; i < stage_count; ++i) our_parts[i] += row.our_parts[i];
+        }
+        const double n = double(counted().size());
+        say("{:<17}{:>12}{:>12}{:>14}{:>24}\n", "ms a frame", "median", "mean", "frames/s", "first, from nothing");
+        const auto line = [](const char* who, const std::vector<double>& ms, const std::vector<double>& cold) {
+            say("{:<17}{:>12.4f}{:>12.4f}{:>14.1f}{:>24.3f}\n", who, median(ms), mean(ms), 1e3 / mean(ms), median(cold));
+        };
+        if (with_fcl_) line("FCL", fcl, runs_.fcl_cold);
+        if (with_ours_) line("oncollide", ours, runs_.our_cold);
+        if (with_fcl_ && with_ours_)
+            say("{:<17}{:>12.2f}{:>12.2f}{:>14}{:>24.2f}   (median of the frames' ratios; ratio of the totals)\n",
+                       "FCL / oncollide", median(ratios), mean(fcl) / mean(ours), "",
+                       median(runs_.fcl_cold) / median(runs_.our_cold));
+        say("\nwhere the time goes, mean ms\n");
+        if (with_fcl_)
+            say("  FCL        transforms {:.4f}, tree update {:.4f}, pairs {:.4f}, narrow {:.4f}\n",
+                       fcl_parts[0] / n, fcl_parts[1] / n, fcl_parts[2] / n, fcl_parts[3] / n);
+        if (with_ours_)
+            say("  oncollide  bounds {:.4f}, delimitation {:.4f}, broad {:.4f}, ocst {:.4f}, exact {:.4f}\n\n",
+                       our_parts[0] / n, our_parts[1] / n, our_parts[2] / n, our_parts[3] / n, our_parts[4] / n);
+    }
+
+    void print_counts()
+    {
+        Comparison sum;
+        std::uint64_t fcl_candidates = 0, node_pairs = 0, nodes = 0, rows = 0;
+        for (const Row& row : counted()) {
+            sum += row.counts, fcl_candidates += row.fcl_candidates;
+            node_pairs += row.trees.node_pairs, rows += row.trees.rows, nodes = std::max(nodes, row.trees.nodes);
+        }
+        const std::uint64_t n = counted().size();
+        say("pairs, mean of a frame\n");
+        if (with_fcl_)
+            say("  FCL        candidates {}, colliding {}\n", mean_count(fcl_candidates, n),
+                       mean_count(sum.fcl_colliding, n));
+        if (with_ours_)
+            say("  oncollide  candidates {}, left over {} (colliding {}, undecided {}); cell pairs compared {}, cells "
+                       "asked {}\n",
+                       mean_count(sum.pairs, n), mean_count(sum.left_over, n), mean_count(sum.colliding, n),
+                       mean_count(sum.undecided, n), mean_count(node_pairs, n), mean_count(rows, n));
+        if (with_fcl_ && with_ours_) {
+            Comparison all; // missed collisions count in every frame
+            for (const Row& row : runs_.rows) all += row.counts;
+            say("  oncollide  false alarms {} ({:.1f} % of what is left over), missed {}, within FCL's rounding {}, wrong "
+                       "exact answers {}\n",
+                       mean_count(sum.false_alarms, n),
+                       sum.left_over ? 100.0 * double(sum.false_alarms) / double(sum.left_over) : 0.0, all.missed,
+                       all.missed_by_rounding, all.wrong_exact);
+            if (all.missed) say("MISSED     {}\n", all.first_missed);
+            missed_ = all.missed + all.wrong_exact;
+        }
+        say("\nmemory     ");
+        if (with_ours_) say("trees {:.3f} MB at most ({} cells); ", double(runs_.our_bytes) / 1e6, grouped(nodes));
+        if (with_fcl_) say("FCL models {:.3f} MB; ", double(runs_.fcl_bytes) / 1e6);
+        say("process {:.1f} MB at its peak{}\n", double(peak_memory()) / 1e6,
+                   with_fcl_ && with_ours_ ? " (both; --only tells them apart)" : "");
+        if (with_ours_) say("hash       {:016x}\n", runs_.hash);
+    }
+
+    void print_timeline() const
+    {
+        say("\n{:>8}{:>14}{:>12}{:>14}{:>14}{:>12}{:>14}{:>14}\n", "frame", "cells alive", "left over",
+                   "FCL collides", "cells asked", "dropped", "oncollide ms", "FCL ms");
+        for (std::size_t from = 0; from < runs_.rows.size(); from += static_cast<std::size_t>(options_.timeline)) {
+            const std::size_t to = std::min(from + static_cast<std::size_t>(options_.timeline), runs_.rows.size());
+            std::uint64_t asked = 0, dropped = 0;
+            double ours = 0, fcl = 0;
+            for (std::size_t f = from; f < to; ++f) {
+                asked += runs_.rows[f].trees.rows, dropped += runs_.rows[f].trees.collapsed;
+                ours += runs_.rows[f].our_ms / double(to - from), fcl += runs_.rows[f].fcl_ms / double(to - from);
+            }
+            const Row& last = runs_.rows[to - 1];
+            say("{:>8}{:>14}{:>12}{:>14}{:>14}{:>12}{:>14.5f}{:>14.5f}\n", to - 1, last.trees.nodes,
+                       last.counts.left_over, last.counts.fcl_colliding, asked, dropped, ours, fcl);
+        }
+    }
+
+    void write_csv() const
+    {
+        OutputFile file(options_.csv);
+        file.print("frame,fcl_ms,fcl_transforms_ms,fcl_update_ms,fcl_pairs_ms,fcl_narrow_ms,fcl_candidates,fcl_colliding,"
+                   "ms,bounds_ms,delimitation_ms,broad_ms,ocst_ms,exact_ms,candidates,left_over,colliding,undecided,"
+                   "false_alarms,missed,cells,cells_asked,cell_pairs,bytes,hash\n");
+        for (std::size_t frame = 0; frame < runs_.rows.size(); ++frame) {
+            const Row& r = runs_.rows[frame];
+            file.print("{},{},{},{},{},{},{},{},", frame, with_fcl_ ? r.fcl_ms : 0, r.fcl_parts[0], r.fcl_parts[1],
+                       r.fcl_parts[2], r.fcl_parts[3], r.fcl_candidates, r.counts.fcl_colliding);
+            file.print("{},{},{},{},{},{},", with_ours_ ? r.our_ms : 0, r.our_parts[0], r.our_parts[1], r.our_parts[2],
+                       r.our_parts[3], r.our_parts[4]);
+            file.print("{},{},{},{},{},{},{},{},{},{},{:016x}\n", r.counts.pairs, r.counts.left_over, r.counts.colliding,
+                       r.counts.undecided, r.counts.false_alarms, r.counts.missed, r.trees.nodes, r.trees.rows,
+                       r.trees.node_pairs, r.trees.bytes, r.hash);
+        }
+        file.commit();
+    }
+
+    CompareOptions options_;
+    Settings settings_;
+    Scene scene_;
+    bool with_fcl_, with_ours_;
+    Runs runs_;
+    std::uint64_t missed_ = 0;
+};
+
+} // namespace
+
+int bench_scene(const CompareOptions& options)
+{
+    if (!options.only.empty() && options.only != "fcl" && options.only != "oncollide")
+        throw Error(ErrorKind::usage, fmt::format("--only {}: valid are fcl, oncollide", options.only));
+    if (options.warm_up < 0) throw Error(ErrorKind::usage, fmt::format("--warm-up {}: must be at least 0", options.warm_up));
+    if (options.repeats < 1 || options.repeats > 1000)
+        throw Error(ErrorKind::usage, fmt::format("--repeats {}: must be from 1 to 1000", options.repeats));
+    if (!options.csv.empty()) check_writable(options.csv);
+    return Bench(options).run();
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,115 @@
+#include "bench.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <numeric>
+#include <sys/resource.h>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <oncollide/scenes/error.hpp>
+#include <oncollide/scenes/parallel.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+std::string processor()
+{
+    std::ifstream file("/proc/cpuinfo");
+    for (std::string line; std::getline(file, line);)
+        if (line.starts_with("model name")) return line.substr(std::min(line.size(), line.find(':') + 2));
+    return "unknown processor";
+}
+
+} // namespace
+
+std::vector<int> parse_depths(const std::string& option, const std::string& text)
+{
+    constexpr int deepest = 16;
+    std::vector<int> depths;
+    const auto fail = [&] {
+        throw Error(ErrorKind::usage,
+                    fmt::format("{} {}: expected depths from 1 to {}, like 6, 4-8 or 2,5-7", option, text, deepest));
+    };
+    const char *at = text.data(), *const end = at + text.size();
+    const auto number = [&] {
+        int value = 0;
+        const auto [rest, error] = std::from_chars(at, end, value);
+        if (error != std::errc{} || value < 1 || value > deepest) fail();
+        at = rest;
+        return value;
+    };
+    while (true) {
+        const int first = number();
+        int last = first;
+        if (at != end && *at == '-') ++at, last = number();
+        for (int depth = first; depth <= last; ++depth) depths.push_back(depth);
+        if (at == end) break;
+        if (*at++ != ',') fail();
+    }
+    std::sort(depths.begin(), depths.end());
+    depths.erase(std::unique(depths.begin(), depths.end()), depths.end());
+    if (depths.empty()) fail();
+    return depths;
+}
+
+std::string describe(const Settings& s)
+{
+    const std::string accuracy = s.max_error ? fmt::format("max error {} m", *s.max_error)
+                                             : fmt::format("depth {}", s.depth.value_or(6));
+    std::string text = fmt::format("{}, exact {}, mode {}, broad {}, threads {}, age {}", accuracy, name_of(s.exact),
+                                   name_of(s.mode), name_of(s.broad_phase),
+                                   s.threads ? s.threads : hardware_threads(), s.age_limit);
+    if (s.clearance > 0) text += fmt::format(", clearance {} m", s.clearance);
+    if (!s.coherence) text += ", no coherence";
+    if (s.node_budget) text += fmt::format(", node budget {}", s.node_budget);
+    if (s.memory_budget) text += fmt::format(", memory budget {}", s.memory_budget);
+    if (!s.skip.empty()) text += fmt::format(", without {}", fmt::join(s.skip, ", "));
+    return text;
+}
+
+std::string describe_program(const std::string& backend)
+{
+    return fmt::format("program    oncollide {}, {}; {}, GCC-compatible {}, flags '{}'; FCL {} as installed, one thread\n"
+                       "machine    {}, {} hardware threads\n",
+                       version, backend, ONCOLLIDE_BUILD_TYPE, __VERSION__, ONCOLLIDE_BUILD_FLAGS, ONCOLLIDE_FCL_VERSION,
+                       processor(), hardware_threads());
+}
+
+std::size_t peak_memory()
+{
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+}
+
+double median(std::vector<double> values)
+{
+    if (values.empty()) return 0;
+    std::sort(values.begin(), values.end());
+    const std::size_t half = values.size() / 2;
+    return values.size() % 2 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+double mean(const std::vector<double>& values)
+{
+    return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
+}
+
+std::string grouped(std::uint64_t value)
+{
+    std::string text = fmt::format("{}", value);
+    for (int at = int(text.size()) - 3; at > 0; at -= 3) text.insert(std::size_t(at), ",");
+    return text;
+}
+
+std::string mean_count(std::uint64_t sum, std::uint64_t frames)
+{
+    if (frames == 0) return "-";
+    if (sum % frames == 0 || sum / frames >= 1000) return grouped((sum + frames / 2) / frames);
+    return fmt::format("{:.1f}", double(sum) / double(frames));
+}
+
+} // namespace oncollide::tools
