@@ -115,8 +115,10 @@ void Delimitation::visit(std::uint32_t index, std::size_t level, std::size_t fir
     std::uint32_t mover_layers = 0, mover_masks = 0;
     for (std::size_t i = first_mover; i < last; ++i)
         mover_layers |= filter.layers[movers_[i]], mover_masks |= filter.masks[movers_[i]];
-    const bool layers_meet =
-        ((mover_layers | region.layers) & mover_masks) && (mover_layers & (mover_masks | region.masks));
+    // A mover alone has only the static bodies to meet.
+    const std::uint32_t other_layers = region.layers | (count > 1 ? mover_layers : 0);
+    const std::uint32_t other_masks = region.masks | (count > 1 ? mover_masks : 0);
+    const bool layers_meet = (other_layers & mover_masks) && (mover_layers & other_masks);
     if (count == 0 || count + region.statics < 2 || !layers_meet) {
         ++levels_[level].regions_rejected;
         levels_[level].bodies_rejected += count + region.statics;

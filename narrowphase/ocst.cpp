@@ -150,11 +150,11 @@ std::uint64_t Ocst::collapse_below(std::uint32_t node, int level, std::uint32_t 
 std::uint64_t Ocst::collapse(std::uint32_t frame, std::uint32_t age, std::uint32_t tree, OcclusionBackend& backend)
 {
     const std::uint64_t dropped = collapse_below(0, 0, frame, age, tree, backend);
-    if (stored_ == 1 && nodes_.capacity() > 64) { // back to the root: give the memory back too
+    if (stored_ == 1 && nodes_.size() > 1) { // back to the root: give the memory back too
         const OcstNode root = nodes_[0];
         const ListId list = lists_[0];
-        nodes_ = {root}, lists_ = {list};
-        for (auto& free : free_blocks_) free = {};
+        nodes_ = std::vector<OcstNode>(1, root), lists_ = std::vector<ListId>(1, list);
+        for (auto& free : free_blocks_) free = std::vector<std::uint32_t>();
     }
     return dropped;
 }

@@ -12,15 +12,18 @@ class SolidTest {
 public:
     explicit SolidTest(const Scene& scene);
 
-    /// True when body a encloses b or b encloses a, given that their surfaces do not touch: then one vertex tells for all.
-    /// Cost: O(triangles) of the outer mesh, only when its box holds the other's.
+    /// True when a part of body a lies inside b, or of b inside a, given that their surfaces do not touch: then one vertex
+    /// tells for each connected part. Cost: O(triangles) of the outer mesh for each part that begins in its box.
     bool encloses(const Scene& scene, std::uint32_t a, std::uint32_t b) const;
 
     /// Has the geometry an inside?
     bool solid(GeometryId geometry) const { return solid_[static_cast<std::uint32_t>(geometry)]; }
 
 private:
-    std::vector<std::uint8_t> solid_; ///< by geometry
+    bool holds(const Scene& scene, std::uint32_t outer, std::uint32_t inner) const;
+
+    std::vector<std::uint8_t> solid_;                  ///< by geometry
+    std::vector<std::vector<Eigen::Vector3d>> parts_;  ///< by geometry: a point of each connected part
 };
 
 /// How often the closed mesh winds around `point` (mesh frame, not on the surface): 0 outside, 1 inside.

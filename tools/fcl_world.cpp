@@ -88,7 +88,7 @@ struct FclWorld::Impl {
         const auto number = [](const fcl::CollisionObjectd* object) {
             return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(object->getUserData()));
         };
-        const auto [a, b] = std::minmax(number(x), number(y));
+        const std::uint32_t a = std::min(number(x), number(y)), b = std::max(number(x), number(y));
         if ((me.scene.layers[a] & me.scene.masks[b]) && (me.scene.layers[b] & me.scene.masks[a]))
             me.candidates.push_back({a, b});
         return false; // go on

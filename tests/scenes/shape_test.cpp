@@ -130,6 +130,28 @@ TEST(Shape, NoFacetOfAnEnclosureCutsIntoTheShape)
     }
 }
 
+// In 113-bit arithmetic, without any tolerance: hulls are pushed out by amounts as small as rounding.
+TEST(Shape, HullPointsLieStrictlyInsideTheirEnclosures)
+{
+    __extension__ typedef __float128 Quad;
+    const auto height = [](const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& p) {
+        Quad u[3], v[3], w[3];
+        for (int k = 0; k < 3; ++k) u[k] = Quad(b[k]) - a[k], v[k] = Quad(c[k]) - a[k], w[k] = Quad(p[k]) - a[k];
+        return w[0] * (u[1] * v[2] - u[2] * v[1]) + w[1] * (u[2] * v[0] - u[0] * v[2]) +
+               w[2] * (u[0] * v[1] - u[1] * v[0]);
+    };
+    for (const Shape& shape : shapes()) {
+        if (!std::holds_alternative<ConvexHull>(shape)) continue;
+        SCOPED_TRACE(testing::Message() << "size " << size_of(shape));
+        const Mesh mesh = enclose(shape).mesh;
+        for (const Triangle& t : mesh.triangles) {
+            const Vector3d &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+            if ((b - a).cross(c - a).norm() < 1e-6 * (b - a).norm() * (c - a).norm()) continue; // tilted by rounding
+            for (const Vector3d& p : std::get<ConvexHull>(shape).points) ASSERT_TRUE(height(a, b, c, p) < 0);
+        }
+    }
+}
+
 TEST(Shape, NoPointOfAnEnclosureIsFartherThanItsCoveringError)
 {
     for (const Shape& shape : shapes()) {

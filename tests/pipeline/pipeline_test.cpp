@@ -1,0 +1,250 @@
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <limits>
+#include <new>
+
+#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/pipeline/stage.hpp>
+#include <oncollide/scenes/catalogue.hpp>
+#include <oncollide/scenes/error.hpp>
+#include <oncollide/scenes/mesh_generators.hpp>
+
+// Counts allocations, for the promise that a warm frame makes none. Sanitizers bring their own.
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define COUNT_ALLOCATIONS 1
+static std::atomic<std::size_t> allocations{0};
+void* operator new(std::size_t size)
+{
+    ++allocations;
+    if (void* p = std::malloc(size ? size : 1)) return p;
+    throw std::bad_alloc();
+}
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+#endif
+
+namespace oncollide {
+namespace {
+
+Scene many(int bodies)
+{
+    return make_scene("many", {.bodies = bodies, .frames = {}, .seed = 7, .data = {}});
+}
+
+std::uint64_t run(Scene scene, const Settings& settings, int frames)
+{
+    Pipeline pipeline(scene, settings);
+    Mover mover;
+    for (int frame = 0; frame < frames; ++frame) {
+        mover.move(scene, frame);
+        pipeline.step(scene);
+    }
+    return pipeline.hash();
+}
+
+/// Two knots on the x axis, `apart` metres between their centres.
+Scene two_knots(double apart)
+{
+    Scene scene;
+    const GeometryId knot = scene.add("knot", make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 1500));
+    scene.add_body({.name = "a", .geometry = knot, .motion = Drift{}});
+    scene.add_body({.name = "b", .geometry = knot, .motion = Drift{}});
+    scene.poses[1].translation().x() = apart;
+    return scene;
+}
+
+TEST(Pipeline, GivesTheSameHashForAnyThreadCountBroadPhaseAndCoherence)
+{
+    const Scene scene = many(600);
+    for (const ExactLevel exact : {ExactLevel::off, ExactLevel::fcl}) {
+        const auto settings = [&](auto change) {
+            Settings s{.depth = 5, .exact = exact};
+            change(s);
+            return s;
+        };
+        const std::uint64_t expected = run(scene, settings([](Settings&) {}), 4);
+        EXPECT_EQ(run(scene, settings([](Settings& s) { s.threads = 2; }), 4), expected);
+        EXPECT_EQ(run(scene, settings([](Settings& s) { s.threads = 4; }), 4), expected);
+        EXPECT_EQ(run(scene, settings([](Settings& s) { s.broad_phase = BroadPhaseKind::octree; }), 4), expected);
+        EXPECT_EQ(run(scene, settings([](Settings& s) { s.broad_phase = BroadPhaseKind::brute_force; }), 4), expected);
+        EXPECT_EQ(run(scene, settings([](Settings& s) { s.coherence = false; }), 4), expected);
+        EXPECT_EQ(run(scene, settings([](Settings& s) { s.age_limit = 1; }), 4), expected);
+        const std::uint64_t shallow = run(scene, settings([](Settings& s) { s.depth = 4; }), 4);
+        EXPECT_EQ(shallow == expected, exact == ExactLevel::fcl) << "the hash sees the bounds; exact answers have none";
+    }
+}
+
+#ifdef COUNT_ALLOCATIONS
+TEST(Pipeline, AllocatesNothingInAWarmFrame)
+{
+    Scene scene = many(300);
+    for (const ExactLevel exact : {ExactLevel::off}) {
+        Pipeline pipeline(scene, {.depth = 5, .exact = exact, .age_limit = 100000});
+        Mover mover;
+        for (int lap = 0; lap < 3; ++lap) // the third lap over the same frames finds everything in place
+            for (int frame = 0; frame < 12; ++frame) {
+                mover.move(scene, frame);
+                const std::size_t before = allocations;
+                pipeline.step(scene);
+                if (lap == 2) EXPECT_EQ(allocations - before, 0u) << "frame " << frame;
+            }
+    }
+}
+#endif
+
+TEST(Pipeline, GrowsTreesWhileBodiesTouchAndDropsThemAfter)
+{
+    Scene scene = two_knots(5);
+    Pipeline pipeline(scene, {.depth = 6, .age_limit = 10});
+    EXPECT_EQ(pipeline.step(scene).trees.nodes, 0u) << "no candidate, no tree";
+    scene.poses[1].translation().x() = 0.5;
+    const FrameView touching = pipeline.step(scene);
+    EXPECT_GT(touching.trees.nodes, 20u);
+    EXPECT_GT(touching.trees.rounds, 0u);
+    ASSERT_EQ(touching.pairs.size(), 1u);
+    EXPECT_EQ(touching.pairs[0].verdict, Verdict::within);
+    scene.poses[1].translation().x() = 5;
+    TreeStats last;
+    for (int frame = 0; frame < 15; ++frame) last = pipeline.step(scene).trees;
+    EXPECT_EQ(last.nodes, 1u) << "one mesh, one root";
+    EXPECT_LT(last.bytes, 4096u);
+}
+
+TEST(Pipeline, MeetsTheErrorAskedFor)
+{
+    Scene scene = two_knots(0.5);
+    for (const double error : {0.5, 0.1, 0.02}) {
+        Pipeline pipeline(scene, {.max_error = error});
+        const FrameView view = pipeline.step(scene);
+        ASSERT_EQ(view.pairs.size(), 1u);
+        EXPECT_EQ(view.pairs[0].verdict, Verdict::within);
+        EXPECT_LE(view.pairs[0].bound, error);
+        EXPECT_GT(view.pairs[0].bound, error / 2.5) << "no deeper than needed";
+    }
+}
+
+TEST(Pipeline, SaysUndecidedWhenABudgetStopsIt)
+{
+    Scene scene = two_knots(0.5);
+    for (const Settings& settings : {Settings{.depth = 8, .node_budget = 40}, Settings{.depth = 8, .memory_budget = 1}}) {
+        Pipeline pipeline(scene, settings);
+        for (int frame = 0; frame < 3; ++frame) {
+            const FrameView view = pipeline.step(scene);
+            ASSERT_EQ(view.pairs.size(), 1u);
+            EXPECT_EQ(view.pairs[0].verdict, Verdict::undecided);
+            EXPECT_GT(view.trees.refused, 0u);
+            EXPECT_GT(view.pairs[0].bound, 0);
+            EXPECT_LT(view.pairs[0].bound, 20);
+            if (settings.node_budget) EXPECT_LE(view.trees.nodes, settings.node_budget);
+        }
+    }
+}
+
+TEST(Pipeline, KeepsEveryPairWhenEveryStageIsSkipped)
+{
+    Scene scene = two_knots(50);
+    Pipeline pipeline(scene, {.skip = {"bounds", "delimitation", "broad", "ocst", "exact"}});
+    const FrameView view = pipeline.step(scene);
+    ASSERT_EQ(view.pairs.size(), 1u);
+    EXPECT_EQ(view.pairs[0].verdict, Verdict::undecided);
+    EXPECT_GE(view.pairs[0].bound, 47) << "the bound is certified whatever was skipped";
+    for (const StageStats& stage : view.stages) EXPECT_TRUE(stage.skipped);
+}
+
+TEST(Pipeline, FindsABodyInsideAnotherInSolidModeOnly)
+{
+    Scene scene;
+    const GeometryId ball = scene.add("ball", make_sphere_mesh(2, 1000)), box = scene.add("box", make_box_mesh({0.2, 0.2, 0.2}));
+    scene.add_body({.name = "ball", .geometry = ball, .motion = Drift{}});
+    scene.add_body({.name = "box", .geometry = box, .motion = Drift{}});
+    for (const ExactLevel exact : {ExactLevel::off, ExactLevel::fcl}) {
+        Pipeline surface(scene, {.exact = exact}), solid(scene, {.exact = exact, .mode = Mode::solid});
+        EXPECT_EQ(surface.step(scene).pairs[0].verdict, Verdict::separate);
+        EXPECT_EQ(solid.step(scene).pairs[0].verdict, Verdict::colliding);
+    }
+}
+
+TEST(Pipeline, AClearanceWidensEveryStage)
+{
+    Scene scene;
+    const GeometryId box = scene.add("box", Shape{Box{{1, 1, 1}}});
+    scene.add_body({.name = "a", .geometry = box, .motion = Drift{}});
+    scene.add_body({.name = "b", .geometry = box, .motion = Drift{}});
+    scene.poses[1].translation().x() = 2.5;
+    Pipeline without(scene, {.depth = 8}), with(scene, {.depth = 8, .clearance = 0.6}),
+        exact(scene, {.depth = 8, .clearance = 0.6, .exact = ExactLevel::fcl});
+    EXPECT_TRUE(without.step(scene).pairs.empty());
+    ASSERT_EQ(with.step(scene).pairs.size(), 1u);
+    EXPECT_EQ(with.step(scene).pairs[0].verdict, Verdict::within);
+    const PairResult result = exact.step(scene).pairs[0];
+    EXPECT_EQ(result.verdict, Verdict::within);
+    EXPECT_NEAR(result.bound, 0.5, 1e-5);
+}
+
+/// A stage that stands in for another and keeps everything.
+class KeepAll final : public Stage {
+public:
+    std::string_view name() const override { return "delimitation"; }
+    std::string_view unit() const override { return "bodies"; }
+    void run(const Scene& scene, Frame& frame, StageStats& stats) override
+    {
+        ++runs;
+        skip(scene, frame, stats);
+    }
+    void skip(const Scene& scene, Frame& frame, StageStats&) override
+    {
+        frame.survivors.clear();
+        for (std::uint32_t body = 0; body < scene.size(); ++body) frame.survivors.push_back(body);
+    }
+    static inline int runs = 0;
+};
+
+TEST(Pipeline, TakesAnotherStageInThePlaceOfItsOwn)
+{
+    Scene scene = two_knots(0.5);
+    Pipeline pipeline(scene);
+    pipeline.replace(std::make_unique<KeepAll>());
+    EXPECT_EQ(pipeline.step(scene).pairs.size(), 1u);
+    EXPECT_EQ(KeepAll::runs, 1);
+}
+
+TEST(Pipeline, RefusesPosesThatAreNotRigidAndNamesTheBody)
+{
+    const auto message = [](Eigen::Isometry3d pose) {
+        Scene scene = two_knots(3);
+        Pipeline pipeline(scene);
+        scene.poses[1] = pose;
+        try {
+            pipeline.step(scene);
+        } catch (const Error& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    EXPECT_EQ(message(pose), "");
+    pose.translation().x() = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_NE(message(pose).find("'b'"), std::string::npos);
+    pose.translation().x() = 1e300;
+    EXPECT_NE(message(pose), "");
+    pose = Eigen::Isometry3d::Identity();
+    pose.linear() *= 2;
+    EXPECT_NE(message(pose), "");
+    pose.linear() = -Eigen::Matrix3d::Identity();
+    EXPECT_NE(message(pose), "");
+}
+
+TEST(Pipeline, RefusesSettingsOutOfRange)
+{
+    const Scene scene = two_knots(3);
+    for (const Settings& settings :
+         {Settings{.depth = 0}, Settings{.depth = 99}, Settings{.depth = 3, .max_error = 1.0}, Settings{.max_error = -1.0},
+          Settings{.clearance = std::numeric_limits<double>::quiet_NaN()}, Settings{.exact = ExactLevel::predicates},
+          Settings{.backend = BackendKind::gl_compute}, Settings{.threads = -1}, Settings{.skip = {"borad"}}})
+        EXPECT_THROW(Pipeline(scene, settings), Error);
+}
+
+} // namespace
+} // namespace oncollide
