@@ -28,19 +28,24 @@ Json random_generator(Dice& dice, double size, std::uint64_t seed)
 {
     switch (whole(dice, 0, 7)) {
     case 0: {
-        const Vector3d half = 0.5 * size * Vector3d(dice.between(0.05, 1), dice.between(0.05, 1), dice.between(0.05, 1));
+        const Vector3d half =
+            0.5 * size * Vector3d(dice.between(0.05, 1), dice.between(0.05, 1), dice.between(0.05, 1));
         return {{"kind", "box"}, {"half", {half.x(), half.y(), half.z()}}};
     }
-    case 1: return {{"kind", "sphere"}, {"radius", 0.5 * size}, {"triangles", whole(dice, 8, 3000)}};
+    case 1:
+        return {{"kind", "sphere"}, {"radius", 0.5 * size}, {"triangles", whole(dice, 8, 3000)}};
     case 2:
         return {{"kind", "torus"},
                 {"major", 0.4 * size},
                 {"minor", size * dice.between(0.02, 0.2)},
                 {"triangles", whole(dice, 18, 3000)}};
     case 3:
-        return {{"kind", "torus_knot"},       {"p", 2},
-                {"q", 2 * whole(dice, 1, 4) + 1}, {"major", 0.4 * size},
-                {"minor", 0.15 * size},       {"tube", size * dice.between(0.02, 0.08)},
+        return {{"kind", "torus_knot"},
+                {"p", 2},
+                {"q", 2 * whole(dice, 1, 4) + 1},
+                {"major", 0.4 * size},
+                {"minor", 0.15 * size},
+                {"tube", size * dice.between(0.02, 0.08)},
                 {"triangles", whole(dice, 200, 3000)}};
     case 4:
         return {{"kind", "gear"},
@@ -56,12 +61,9 @@ Json random_generator(Dice& dice, double size, std::uint64_t seed)
                 {"cells", whole(dice, 2, 30)},
                 {"seed", seed}};
     case 6:
-        return {{"kind", "needles"},
-                {"count", whole(dice, 1, 300)},
-                {"length", 0.5 * size},
-                {"aspect", spread(dice, 3, 1e5)},
-                {"size", size},
-                {"seed", seed}};
+        return {{"kind", "needles"},    {"count", whole(dice, 1, 300)},
+                {"length", 0.5 * size}, {"aspect", spread(dice, 3, 1e5)},
+                {"size", size},         {"seed", seed}};
     default:
         return {{"kind", "soup"},
                 {"count", whole(dice, 1, 600)},
@@ -74,11 +76,16 @@ Json random_generator(Dice& dice, double size, std::uint64_t seed)
 Shape random_shape(Dice& dice, double size)
 {
     switch (whole(dice, 0, 4)) {
-    case 0: return Sphere{0.5 * size};
-    case 1: return Box{0.5 * size * Vector3d(dice.between(0.05, 1), dice.between(0.05, 1), dice.between(0.05, 1))};
-    case 2: return Capsule{size * dice.between(0.05, 0.4), size * dice.between(0.1, 1)};
-    case 3: return Cylinder{size * dice.between(0.05, 0.5), size * dice.between(0.1, 1)};
-    default: break;
+    case 0:
+        return Sphere{0.5 * size};
+    case 1:
+        return Box{0.5 * size * Vector3d(dice.between(0.05, 1), dice.between(0.05, 1), dice.between(0.05, 1))};
+    case 2:
+        return Capsule{size * dice.between(0.05, 0.4), size * dice.between(0.1, 1)};
+    case 3:
+        return Cylinder{size * dice.between(0.05, 0.5), size * dice.between(0.1, 1)};
+    default:
+        break;
     }
     ConvexHull hull;
     const int points = whole(dice, 6, 40);
@@ -125,7 +132,8 @@ Scene make_random_scene(const CatalogueOptions& options)
         body.pose = placed(origin + own.within(walls.half_extent()), own.rotation());
         body.is_static = own.next() < 0.25;
         if (!body.is_static)
-            body.motion = Drift{own.within(Vector3d::Constant(0.05 * scale)), own.within(Vector3d::Constant(0.2)), walls};
+            body.motion =
+                Drift{own.within(Vector3d::Constant(0.05 * scale)), own.within(Vector3d::Constant(0.2)), walls};
         if (layered) {
             body.layer = 1u << whole(own, 0, 2);
             body.mask = static_cast<std::uint32_t>(whole(own, 1, 7));

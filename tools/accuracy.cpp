@@ -134,14 +134,14 @@ std::string optional_length(double value, bool known)
 
 void print_table(const std::vector<Variant>& variants)
 {
-    say("{:>5}  {:<21}{:>8}{:>11}{:>11}{:>11}{:>9}{:>8}{:>9}{:>11}{:>9}{:>11}{:>11}{:>7}{:>10}\n", "depth", "variant", "frames",
-        "pairs", "left over", "colliding", "false", "missed", "rounding", "bounds", "broken", "margin m", "bound m", "hash",
-        "ms/frame");
+    say("{:>5}  {:<21}{:>8}{:>11}{:>11}{:>11}{:>9}{:>8}{:>9}{:>11}{:>9}{:>11}{:>11}{:>7}{:>10}\n", "depth", "variant",
+        "frames", "pairs", "left over", "colliding", "false", "missed", "rounding", "bounds", "broken", "margin m",
+        "bound m", "hash", "ms/frame");
     for (const Variant& v : variants)
-        say("{:>5}  {:<21}{:>8}{:>11}{:>11}{:>11}{:>9}{:>8}{:>9}{:>11}{:>9}{:>11}{:>11}{:>7}{:>10.3f}\n", *v.settings.depth,
-            v.name, v.frames, v.counts.pairs, v.counts.left_over, v.counts.fcl_colliding, v.counts.false_alarms,
-            v.counts.missed + v.counts.wrong_exact, v.counts.missed_by_rounding, v.bounds.checks, v.bounds.violations,
-            optional_length(v.bounds.least_margin, v.bounds.checks),
+        say("{:>5}  {:<21}{:>8}{:>11}{:>11}{:>11}{:>9}{:>8}{:>9}{:>11}{:>9}{:>11}{:>11}{:>7}{:>10.3f}\n",
+            *v.settings.depth, v.name, v.frames, v.counts.pairs, v.counts.left_over, v.counts.fcl_colliding,
+            v.counts.false_alarms, v.counts.missed + v.counts.wrong_exact, v.counts.missed_by_rounding, v.bounds.checks,
+            v.bounds.violations, optional_length(v.bounds.least_margin, v.bounds.checks),
             optional_length(v.bounds.largest_bound, v.bounds.largest_bound > 0),
             v.same_hash ? (v.other_hash ? "DIFF" : "same") : "", v.ms / double(std::max<std::uint64_t>(v.frames, 1)));
     for (const Variant& v : variants)
@@ -152,14 +152,15 @@ void print_table(const std::vector<Variant>& variants)
 void write_csv(const std::string& path, const std::vector<Variant>& variants)
 {
     OutputFile file(path);
-    file.print("depth,variant,frames,pairs,left_over,undecided,colliding,fcl_colliding,false_alarms,missed,missed_by_rounding,"
-               "wrong_exact,bound_checks,bound_violations,least_margin,largest_bound,other_hash,ms_per_frame\n");
+    file.print(
+        "depth,variant,frames,pairs,left_over,undecided,colliding,fcl_colliding,false_alarms,missed,missed_by_rounding,"
+        "wrong_exact,bound_checks,bound_violations,least_margin,largest_bound,other_hash,ms_per_frame\n");
     for (const Variant& v : variants)
         file.print("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", *v.settings.depth, v.name, v.frames,
                    v.counts.pairs, v.counts.left_over, v.counts.undecided, v.counts.colliding, v.counts.fcl_colliding,
-                   v.counts.false_alarms, v.counts.missed, v.counts.missed_by_rounding, v.counts.wrong_exact, v.bounds.checks,
-                   v.bounds.violations, v.bounds.checks ? v.bounds.least_margin : 0, v.bounds.largest_bound, v.other_hash,
-                   v.ms / double(std::max<std::uint64_t>(v.frames, 1)));
+                   v.counts.false_alarms, v.counts.missed, v.counts.missed_by_rounding, v.counts.wrong_exact,
+                   v.bounds.checks, v.bounds.violations, v.bounds.checks ? v.bounds.least_margin : 0,
+                   v.bounds.largest_bound, v.other_hash, v.ms / double(std::max<std::uint64_t>(v.frames, 1)));
     file.commit();
 }
 
@@ -168,13 +169,17 @@ void write_json(const std::string& path, const std::string& scene, const std::ve
     OutputFile file(path);
     file.print("{{\"header\": {{\"version\": \"{}\", \"scene\": \"{}\"}}, \"variants\": [", version, scene);
     for (const Variant& v : variants)
-        file.print("{}\n  {{\"depth\": {}, \"variant\": \"{}\", \"frames\": {}, \"pairs\": {}, \"left_over\": {}, \"undecided\": {}, "
-                   "\"colliding\": {}, \"fcl_colliding\": {}, \"false_alarms\": {}, \"missed\": {}, \"missed_by_rounding\": {}, "
-                   "\"wrong_exact\": {}, \"bound_checks\": {}, \"bound_violations\": {}, \"other_hash\": {}, \"ms_per_frame\": {}}}",
+        file.print("{}\n  {{\"depth\": {}, \"variant\": \"{}\", \"frames\": {}, \"pairs\": {}, \"left_over\": {}, "
+                   "\"undecided\": {}, "
+                   "\"colliding\": {}, \"fcl_colliding\": {}, \"false_alarms\": {}, \"missed\": {}, "
+                   "\"missed_by_rounding\": {}, "
+                   "\"wrong_exact\": {}, \"bound_checks\": {}, \"bound_violations\": {}, \"other_hash\": {}, "
+                   "\"ms_per_frame\": {}}}",
                    &v == &variants.front() ? "" : ",", *v.settings.depth, v.name, v.frames, v.counts.pairs,
-                   v.counts.left_over, v.counts.undecided, v.counts.colliding, v.counts.fcl_colliding, v.counts.false_alarms,
-                   v.counts.missed, v.counts.missed_by_rounding, v.counts.wrong_exact, v.bounds.checks, v.bounds.violations,
-                   v.other_hash, v.ms / double(std::max<std::uint64_t>(v.frames, 1)));
+                   v.counts.left_over, v.counts.undecided, v.counts.colliding, v.counts.fcl_colliding,
+                   v.counts.false_alarms, v.counts.missed, v.counts.missed_by_rounding, v.counts.wrong_exact,
+                   v.bounds.checks, v.bounds.violations, v.other_hash,
+                   v.ms / double(std::max<std::uint64_t>(v.frames, 1)));
     file.print("\n]}}\n");
     file.commit();
 }
@@ -182,9 +187,11 @@ void write_json(const std::string& path, const std::string& scene, const std::ve
 int accuracy(const AccuracyOptions& options)
 {
     const auto at_least = [](const char* option, int value, int least) {
-        if (value < least) throw Error(ErrorKind::usage, fmt::format("{} {}: must be at least {}", option, value, least));
+        if (value < least)
+            throw Error(ErrorKind::usage, fmt::format("{} {}: must be at least {}", option, value, least));
     };
-    at_least("--count", options.count, 1), at_least("--samples", options.samples, 0), at_least("--every", options.every, 1);
+    at_least("--count", options.count, 1), at_least("--samples", options.samples, 0),
+        at_least("--every", options.every, 1);
     if (options.count > 1 && is_scene_file(options.scene.scene))
         throw Error(ErrorKind::usage, "--count is for scenes of the catalogue: it counts seeds");
     for (const std::string* file : {&options.csv, &options.json})
@@ -210,7 +217,8 @@ int accuracy(const AccuracyOptions& options)
         "settings   {}\n{}\n",
         name, options.count > 1 ? fmt::format(", {} seeds", options.count) : "",
         options.every > 1 ? fmt::format("{}. ", options.every) : "", options.samples,
-        describe(settings_from(options.settings)), describe_program(make_cpu_backend()->name()));
+        describe(settings_from(options.settings), "depths " + options.depths),
+        describe_program(make_cpu_backend()->name()));
     print_table(variants);
     if (!options.csv.empty()) write_csv(options.csv, variants);
     if (!options.json.empty()) write_json(options.json, name, variants);
@@ -225,7 +233,8 @@ int accuracy(const AccuracyOptions& options)
 
 void add_accuracy(CLI::App& app, Command& command)
 {
-    CLI::App* sub = app.add_subcommand("accuracy", "Check a scene against FCL: collisions missed, false alarms, bounds");
+    CLI::App* sub =
+        app.add_subcommand("accuracy", "Check a scene against FCL: collisions missed, false alarms, bounds");
     auto options = std::make_shared<AccuracyOptions>();
     sub->add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
         ->required()

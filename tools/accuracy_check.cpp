@@ -19,8 +19,8 @@ double distance_rounding(const Scene& scene, const PairResult& pair, bool has_sh
     for (BodyId body : {pair.a, pair.b}) {
         const Aabb box = bounds_of(scene.geometries[index(scene.geometry[index(body)])]);
         size += box.diagonal();
-        far = std::max({far, scene.poses[index(body)].translation().cwiseAbs().maxCoeff(), box.min.cwiseAbs().maxCoeff(),
-                        box.max.cwiseAbs().maxCoeff()});
+        far = std::max({far, scene.poses[index(body)].translation().cwiseAbs().maxCoeff(),
+                        box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff()});
     }
     return 1e-9 * size + 4e-15 * far + (has_shape ? shape_rounding : 0);
 }

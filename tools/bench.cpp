@@ -19,7 +19,8 @@ void add_compare_options(CLI::App& sub, CompareOptions& o)
     sub.add_option("--csv", o.csv, "write one row per frame")->type_name("FILE");
 }
 
-std::shared_ptr<CompareOptions> add_scene_bench(CLI::App& bench, Command& command, const char* name, const char* summary)
+std::shared_ptr<CompareOptions> add_scene_bench(CLI::App& bench, Command& command, const char* name,
+                                                const char* summary)
 {
     CLI::App* sub = bench.add_subcommand(name, summary);
     auto options = std::make_shared<CompareOptions>();
@@ -31,7 +32,8 @@ std::shared_ptr<CompareOptions> add_scene_bench(CLI::App& bench, Command& comman
 
 void add_paper(CLI::App& bench, Command& command)
 {
-    CLI::App* sub = bench.add_subcommand("paper", "The paper's animation: a bunny winds past a dragon, a cow and a lamp");
+    CLI::App* sub =
+        bench.add_subcommand("paper", "The paper's animation: a bunny winds past a dragon, a cow and a lamp");
     auto options = std::make_shared<CompareOptions>();
     options->repeats = 3, options->timeline = 100;
     auto large = std::make_shared<bool>(false);
@@ -45,7 +47,8 @@ void add_paper(CLI::App& bench, Command& command)
 
 void add_poses(CLI::App& bench, Command& command)
 {
-    CLI::App* sub = bench.add_subcommand("poses", "One pair of meshes in 1,000 poses with known answers (needs the data folder)");
+    CLI::App* sub =
+        bench.add_subcommand("poses", "One pair of meshes in 1,000 poses with known answers (needs the data folder)");
     auto options = std::make_shared<PosesOptions>();
     sub->add_option("--data", options->data, "folder with poses/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
         ->type_name("DIR");

@@ -8,18 +8,19 @@
 
 #include "options.hpp"
 
-// What the benchmarks share. Each runs FCL and oncollide on the same work in one program, turn about, and reports ratios.
+// What the benchmarks share. Each runs FCL and oncollide on the same work in one program, turn about, and reports
+// ratios.
 namespace oncollide::tools {
 
 struct CompareOptions {
     SceneOptions scene;
     SettingsOptions settings;
-    int warm_up = 3;       ///< frames at the start that are not counted
-    int repeats = 1;       ///< runs from frame 0; of a frame's times the least counts
-    int cold_runs = 5;     ///< first frames measured from nothing
-    int timeline = 0;      ///< print a line every so many frames; 0: none
-    std::string only;      ///< "fcl" or "oncollide": measure that one alone
-    std::string csv;       ///< one row a frame
+    int warm_up = 3;   ///< frames at the start that are not counted
+    int repeats = 1;   ///< runs from frame 0; of a frame's times the least counts
+    int cold_runs = 5; ///< first frames measured from nothing
+    int timeline = 0;  ///< print a line every so many frames; 0: none
+    std::string only;  ///< "fcl" or "oncollide": measure that one alone
+    std::string csv;   ///< one row a frame
 };
 
 /// Plays a scene with both. Returns the exit code: 70 when oncollide missed a collision.
@@ -39,7 +40,8 @@ std::vector<int> parse_depths(const std::string& option, const std::string& text
 
 /// Lines that say which program, compiler, peer and machine a result comes from.
 std::string describe_program(const std::string& backend);
-std::string describe(const Settings& settings);
+/// The settings that shape a result, on one line; without the accuracy when `accuracy` stands in for it.
+std::string describe(const Settings& settings, const std::string& accuracy = {});
 /// The most memory that this process has held, bytes.
 std::size_t peak_memory();
 

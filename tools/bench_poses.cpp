@@ -64,11 +64,13 @@ void read_expected(const fs::path& path, std::vector<Pose>& poses)
     std::size_t index, count = 0;
     for (std::uint64_t colliding, pairs; file >> index >> colliding >> pairs; ++count) {
         if (index >= poses.size())
-            throw Error(ErrorKind::bad_data, fmt::format("{}: pose {}, but there are {}", path.string(), index, poses.size()));
+            throw Error(ErrorKind::bad_data,
+                        fmt::format("{}: pose {}, but there are {}", path.string(), index, poses.size()));
         poses[index].colliding = colliding, poses[index].triangle_pairs = pairs;
     }
     if (count != poses.size())
-        throw Error(ErrorKind::bad_data, fmt::format("{}: {} answers for {} poses", path.string(), count, poses.size()));
+        throw Error(ErrorKind::bad_data,
+                    fmt::format("{}: {} answers for {} poses", path.string(), count, poses.size()));
 }
 
 /// FCL's answer for one pair of models.
@@ -167,20 +169,24 @@ public:
         read_expected(folder / "bunny5110_cow5144_expected.txt", poses_);
         if (options.poses > 0 && std::size_t(options.poses) < poses_.size()) poses_.resize(std::size_t(options.poses));
         for (const char* name : {"bunny_5110", "cow_5144"})
-            scene_.add_body({.name = name, .geometry = scene_.add(name, load_mesh(folder / (std::string(name) + ".obj")))});
+            scene_.add_body(
+                {.name = name, .geometry = scene_.add(name, load_mesh(folder / (std::string(name) + ".obj")))});
         const Mesh &bunny = std::get<Mesh>(scene_.geometries[0].data), &cow = std::get<Mesh>(scene_.geometries[1].data);
         obb_ = std::make_unique<FclPair<fcl::OBBd>>(bunny, cow);
         rss_ = std::make_unique<FclPair<fcl::OBBRSSd>>(bunny, cow);
-        for (int depth : parse_depths("--depths", options.depths)) trees_.push_back(std::make_unique<TreePair>(scene_, depth));
+        for (int depth : parse_depths("--depths", options.depths))
+            trees_.push_back(std::make_unique<TreePair>(scene_, depth));
         add_contenders();
     }
 
     int run()
     {
-        say("poses      {} of a bunny (5,110 triangles) and a cow (5,144), {} colliding; least of {} repeats of each query\n"
+        say("poses      {} of a bunny (5,110 triangles) and a cow (5,144), {} colliding; least of {} repeats of each "
+            "query\n"
             "settings   trees grown by the same poses before, no coherence, one thread\n{}\n",
-            grouped(poses_.size()), std::count_if(poses_.begin(), poses_.end(), [](const Pose& p) { return p.colliding; }),
-            options_.repeats, describe_program(make_cpu_backend()->name()));
+            grouped(poses_.size()),
+            std::count_if(poses_.begin(), poses_.end(), [](const Pose& p) { return p.colliding; }), options_.repeats,
+            describe_program(make_cpu_backend()->name()));
         for (Contender& who : contenders_) who.us.assign(poses_.size(), 1e300);
         grow();
         for (std::size_t i = 0; i < poses_.size(); ++i) measure(i);
@@ -252,8 +258,8 @@ private:
                 mean(who.us), mean(part(who, true)), mean(part(who, false)), fcl_median / median(who.us),
                 fcl_mean / mean(who.us), who.false_alarms, who.missed);
         say("\nFCL builds OBB in {:.2f} ms, OBBRSS in {:.2f} ms\n\n", obb_->build_ms, rss_->build_ms);
-        say("{:<8}{:>14}{:>16}{:>18}{:>14}{:>20}{:>12}\n", "trees", "bound", "% of diagonal", "cell pairs/query", "cells",
-            "growing, ms in all", "MB");
+        say("{:<8}{:>14}{:>16}{:>18}{:>14}{:>20}{:>12}\n", "trees", "bound", "% of diagonal", "cell pairs/query",
+            "cells", "growing, ms in all", "MB");
         const double diagonal = bounds_of(scene_.geometries[0]).diagonal();
         for (std::size_t k = 0; k < trees_.size(); ++k) {
             double bound = 0;
@@ -261,8 +267,9 @@ private:
                 if (const WalkResult walk = trees_[k]->walk(pose.b); walk.status == WalkStatus::touching)
                     bound = std::max(bound, walk.bound);
             const Forest& forest = trees_[k]->forest();
-            say("{:<8}{:>14.6f}{:>16.2f}{:>18.1f}{:>14}{:>20.2f}{:>12.3f}\n", fmt::format("depth {}", trees_[k]->depth), bound,
-                100 * bound / diagonal, cell_pairs_[k], grouped(forest.nodes()), growth_[k], double(forest.bytes()) / 1e6);
+            say("{:<8}{:>14.6f}{:>16.2f}{:>18.1f}{:>14}{:>20.2f}{:>12.3f}\n", fmt::format("depth {}", trees_[k]->depth),
+                bound, 100 * bound / diagonal, cell_pairs_[k], grouped(forest.nodes()), growth_[k],
+                double(forest.bytes()) / 1e6);
         }
     }
 
@@ -275,7 +282,8 @@ private:
             sum += pairs, expected += pose.triangle_pairs;
             differing += pairs != pose.triangle_pairs, wrong += (pairs > 0) != pose.colliding;
         }
-        say("\nexact answers: {} triangle pairs expected, FCL finds {}; {} poses differ in number, {} in colliding or not\n",
+        say("\nexact answers: {} triangle pairs expected, FCL finds {}; {} poses differ in number, {} in colliding or "
+            "not\n",
             grouped(expected), grouped(sum), differing, wrong);
     }
 

@@ -22,8 +22,8 @@ double milliseconds_since(Clock::time_point from)
 }
 
 struct Row {
-    double fcl_ms = 1e300, our_ms = 1e300;         ///< the least over repeats
-    std::array<double, 4> fcl_parts{};             ///< of that repeat: transforms, update, pairs, narrow
+    double fcl_ms = 1e300, our_ms = 1e300; ///< the least over repeats
+    std::array<double, 4> fcl_parts{};     ///< of that repeat: transforms, update, pairs, narrow
     std::array<double, stage_count> our_parts{};
     std::uint64_t fcl_candidates = 0;
     Comparison counts;
@@ -32,7 +32,7 @@ struct Row {
 };
 
 struct Runs {
-    std::vector<Row> rows; ///< by frame
+    std::vector<Row> rows;                  ///< by frame
     std::vector<double> fcl_cold, our_cold; ///< building everything and the first frame, ms
     std::uint64_t hash = 0;
     std::size_t fcl_bytes = 0, our_bytes = 0; ///< models; trees at their largest
@@ -143,14 +143,17 @@ private:
         for (const Geometry& geometry : scene_.geometries)
             if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) triangles += mesh->triangles.size();
         say("scene      {}, {} bodies, {} geometries of {} triangles together; frames {} to {}, {} before them to warm "
-                   "up, least of {} {}\n"
-                   "settings   {}\n{}\n",
-                   scene_.name, grouped(scene_.size()), scene_.geometries.size(), grouped(triangles), options_.warm_up,
-                   scene_.frames - 1, options_.warm_up, options_.repeats, options_.repeats == 1 ? "run" : "runs",
-                   describe(settings_), describe_program(runs_.backend));
+            "up, least of {} {}\n"
+            "settings   {}\n{}\n",
+            scene_.name, grouped(scene_.size()), scene_.geometries.size(), grouped(triangles), options_.warm_up,
+            scene_.frames - 1, options_.warm_up, options_.repeats, options_.repeats == 1 ? "run" : "runs",
+            describe(settings_), describe_program(runs_.backend));
     }
 
-    std::span<const Row> counted() const { return std::span(runs_.rows).subspan(static_cast<std::size_t>(options_.warm_up)); }
+    std::span<const Row> counted() const
+    {
+        return std::span(runs_.rows).subspan(static_cast<std::size_t>(options_.warm_up));
+    }
 
     void print_times() const
     {
@@ -165,21 +168,22 @@ private:
         const double n = double(counted().size());
         say("{:<17}{:>12}{:>12}{:>14}{:>24}\n", "ms a frame", "median", "mean", "frames/s", "first, from nothing");
         const auto line = [](const char* who, const std::vector<double>& ms, const std::vector<double>& cold) {
-            say("{:<17}{:>12.4f}{:>12.4f}{:>14.1f}{:>24.3f}\n", who, median(ms), mean(ms), 1e3 / mean(ms), median(cold));
+            say("{:<17}{:>12.4f}{:>12.4f}{:>14.1f}{:>24.3f}\n", who, median(ms), mean(ms), 1e3 / mean(ms),
+                median(cold));
         };
         if (with_fcl_) line("FCL", fcl, runs_.fcl_cold);
         if (with_ours_) line("oncollide", ours, runs_.our_cold);
         if (with_fcl_ && with_ours_)
             say("{:<17}{:>12.2f}{:>12.2f}{:>14}{:>24.2f}   (median of the frames' ratios; ratio of the totals)\n",
-                       "FCL / oncollide", median(ratios), mean(fcl) / mean(ours), "",
-                       median(runs_.fcl_cold) / median(runs_.our_cold));
+                "FCL / oncollide", median(ratios), mean(fcl) / mean(ours), "",
+                median(runs_.fcl_cold) / median(runs_.our_cold));
         say("\nwhere the time goes, mean ms\n");
         if (with_fcl_)
-            say("  FCL        transforms {:.4f}, tree update {:.4f}, pairs {:.4f}, narrow {:.4f}\n",
-                       fcl_parts[0] / n, fcl_parts[1] / n, fcl_parts[2] / n, fcl_parts[3] / n);
+            say("  FCL        transforms {:.4f}, tree update {:.4f}, pairs {:.4f}, narrow {:.4f}\n", fcl_parts[0] / n,
+                fcl_parts[1] / n, fcl_parts[2] / n, fcl_parts[3] / n);
         if (with_ours_)
             say("  oncollide  bounds {:.4f}, delimitation {:.4f}, broad {:.4f}, ocst {:.4f}, exact {:.4f}\n\n",
-                       our_parts[0] / n, our_parts[1] / n, our_parts[2] / n, our_parts[3] / n, our_parts[4] / n);
+                our_parts[0] / n, our_parts[1] / n, our_parts[2] / n, our_parts[3] / n, our_parts[4] / n);
     }
 
     void print_counts()
@@ -194,20 +198,21 @@ private:
         say("pairs, mean of a frame\n");
         if (with_fcl_)
             say("  FCL        candidates {}, colliding {}\n", mean_count(fcl_candidates, n),
-                       mean_count(sum.fcl_colliding, n));
+                mean_count(sum.fcl_colliding, n));
         if (with_ours_)
             say("  oncollide  candidates {}, left over {} (colliding {}, undecided {}); cell pairs compared {}, cells "
-                       "asked {}\n",
-                       mean_count(sum.pairs, n), mean_count(sum.left_over, n), mean_count(sum.colliding, n),
-                       mean_count(sum.undecided, n), mean_count(node_pairs, n), mean_count(rows, n));
+                "asked {}\n",
+                mean_count(sum.pairs, n), mean_count(sum.left_over, n), mean_count(sum.colliding, n),
+                mean_count(sum.undecided, n), mean_count(node_pairs, n), mean_count(rows, n));
         if (with_fcl_ && with_ours_) {
             Comparison all; // missed collisions count in every frame
             for (const Row& row : runs_.rows) all += row.counts;
-            say("  oncollide  false alarms {} ({:.1f} % of what is left over), missed {}, within FCL's rounding {}, wrong "
-                       "exact answers {}\n",
-                       mean_count(sum.false_alarms, n),
-                       sum.left_over ? 100.0 * double(sum.false_alarms) / double(sum.left_over) : 0.0, all.missed,
-                       all.missed_by_rounding, all.wrong_exact);
+            say("  oncollide  false alarms {} ({:.1f} % of what is left over), missed {}, within FCL's rounding {}, "
+                "wrong "
+                "exact answers {}\n",
+                mean_count(sum.false_alarms, n),
+                sum.left_over ? 100.0 * double(sum.false_alarms) / double(sum.left_over) : 0.0, all.missed,
+                all.missed_by_rounding, all.wrong_exact);
             if (all.missed) say("MISSED     {}\n", all.first_missed);
             missed_ = all.missed + all.wrong_exact;
         }
@@ -215,14 +220,14 @@ private:
         if (with_ours_) say("trees {:.3f} MB at most ({} cells); ", double(runs_.our_bytes) / 1e6, grouped(nodes));
         if (with_fcl_) say("FCL models {:.3f} MB; ", double(runs_.fcl_bytes) / 1e6);
         say("process {:.1f} MB at its peak{}\n", double(peak_memory()) / 1e6,
-                   with_fcl_ && with_ours_ ? " (both; --only tells them apart)" : "");
+            with_fcl_ && with_ours_ ? " (both; --only tells them apart)" : "");
         if (with_ours_) say("hash       {:016x}\n", runs_.hash);
     }
 
     void print_timeline() const
     {
-        say("\n{:>8}{:>14}{:>12}{:>14}{:>14}{:>12}{:>14}{:>14}\n", "frame", "cells alive", "left over",
-                   "FCL collides", "cells asked", "dropped", "oncollide ms", "FCL ms");
+        say("\n{:>8}{:>14}{:>12}{:>14}{:>14}{:>12}{:>14}{:>14}\n", "frame", "cells alive", "left over", "FCL collides",
+            "cells asked", "dropped", "oncollide ms", "FCL ms");
         for (std::size_t from = 0; from < runs_.rows.size(); from += static_cast<std::size_t>(options_.timeline)) {
             const std::size_t to = std::min(from + static_cast<std::size_t>(options_.timeline), runs_.rows.size());
             std::uint64_t asked = 0, dropped = 0;
@@ -233,25 +238,26 @@ private:
             }
             const Row& last = runs_.rows[to - 1];
             say("{:>8}{:>14}{:>12}{:>14}{:>14}{:>12}{:>14.5f}{:>14.5f}\n", to - 1, last.trees.nodes,
-                       last.counts.left_over, last.counts.fcl_colliding, asked, dropped, ours, fcl);
+                last.counts.left_over, last.counts.fcl_colliding, asked, dropped, ours, fcl);
         }
     }
 
     void write_csv() const
     {
         OutputFile file(options_.csv);
-        file.print("frame,fcl_ms,fcl_transforms_ms,fcl_update_ms,fcl_pairs_ms,fcl_narrow_ms,fcl_candidates,fcl_colliding,"
-                   "ms,bounds_ms,delimitation_ms,broad_ms,ocst_ms,exact_ms,candidates,left_over,colliding,undecided,"
-                   "false_alarms,missed,cells,cells_asked,cell_pairs,bytes,hash\n");
+        file.print(
+            "frame,fcl_ms,fcl_transforms_ms,fcl_update_ms,fcl_pairs_ms,fcl_narrow_ms,fcl_candidates,fcl_colliding,"
+            "ms,bounds_ms,delimitation_ms,broad_ms,ocst_ms,exact_ms,candidates,left_over,colliding,undecided,"
+            "false_alarms,missed,cells,cells_asked,cell_pairs,bytes,hash\n");
         for (std::size_t frame = 0; frame < runs_.rows.size(); ++frame) {
             const Row& r = runs_.rows[frame];
             file.print("{},{},{},{},{},{},{},{},", frame, with_fcl_ ? r.fcl_ms : 0, r.fcl_parts[0], r.fcl_parts[1],
                        r.fcl_parts[2], r.fcl_parts[3], r.fcl_candidates, r.counts.fcl_colliding);
             file.print("{},{},{},{},{},{},", with_ours_ ? r.our_ms : 0, r.our_parts[0], r.our_parts[1], r.our_parts[2],
                        r.our_parts[3], r.our_parts[4]);
-            file.print("{},{},{},{},{},{},{},{},{},{},{:016x}\n", r.counts.pairs, r.counts.left_over, r.counts.colliding,
-                       r.counts.undecided, r.counts.false_alarms, r.counts.missed, r.trees.nodes, r.trees.rows,
-                       r.trees.node_pairs, r.trees.bytes, r.hash);
+            file.print("{},{},{},{},{},{},{},{},{},{},{:016x}\n", r.counts.pairs, r.counts.left_over,
+                       r.counts.colliding, r.counts.undecided, r.counts.false_alarms, r.counts.missed, r.trees.nodes,
+                       r.trees.rows, r.trees.node_pairs, r.trees.bytes, r.hash);
         }
         file.commit();
     }
@@ -270,7 +276,8 @@ int bench_scene(const CompareOptions& options)
 {
     if (!options.only.empty() && options.only != "fcl" && options.only != "oncollide")
         throw Error(ErrorKind::usage, fmt::format("--only {}: valid are fcl, oncollide", options.only));
-    if (options.warm_up < 0) throw Error(ErrorKind::usage, fmt::format("--warm-up {}: must be at least 0", options.warm_up));
+    if (options.warm_up < 0)
+        throw Error(ErrorKind::usage, fmt::format("--warm-up {}: must be at least 0", options.warm_up));
     if (options.repeats < 1 || options.repeats > 1000)
         throw Error(ErrorKind::usage, fmt::format("--repeats {}: must be from 1 to 1000", options.repeats));
     if (!options.csv.empty()) check_writable(options.csv);

@@ -55,13 +55,14 @@ std::vector<int> parse_depths(const std::string& option, const std::string& text
     return depths;
 }
 
-std::string describe(const Settings& s)
+std::string describe(const Settings& s, const std::string& stand_in)
 {
-    const std::string accuracy = s.max_error ? fmt::format("max error {} m", *s.max_error)
-                                             : fmt::format("depth {}", s.depth.value_or(6));
-    std::string text = fmt::format("{}, exact {}, mode {}, broad {}, threads {}, age {}", accuracy, name_of(s.exact),
-                                   name_of(s.mode), name_of(s.broad_phase),
-                                   s.threads ? s.threads : hardware_threads(), s.age_limit);
+    const std::string accuracy = !stand_in.empty() ? stand_in
+                                 : s.max_error     ? fmt::format("max error {} m", *s.max_error)
+                                                   : fmt::format("depth {}", s.depth.value_or(6));
+    std::string text =
+        fmt::format("{}, exact {}, mode {}, broad {}, threads {}, age {}", accuracy, name_of(s.exact), name_of(s.mode),
+                    name_of(s.broad_phase), s.threads ? s.threads : hardware_threads(), s.age_limit);
     if (s.clearance > 0) text += fmt::format(", clearance {} m", s.clearance);
     if (!s.coherence) text += ", no coherence";
     if (s.node_budget) text += fmt::format(", node budget {}", s.node_budget);
@@ -72,10 +73,10 @@ std::string describe(const Settings& s)
 
 std::string describe_program(const std::string& backend)
 {
-    return fmt::format("program    oncollide {}, {}; {}, GCC-compatible {}, flags '{}'; FCL {} as installed, one thread\n"
+    return fmt::format("program    oncollide {}, {}; {}, {}, flags '{}'; FCL {} as installed, one thread\n"
                        "machine    {}, {} hardware threads\n",
-                       version, backend, ONCOLLIDE_BUILD_TYPE, __VERSION__, ONCOLLIDE_BUILD_FLAGS, ONCOLLIDE_FCL_VERSION,
-                       processor(), hardware_threads());
+                       version, backend, ONCOLLIDE_BUILD_TYPE, ONCOLLIDE_COMPILER, ONCOLLIDE_BUILD_FLAGS,
+                       ONCOLLIDE_FCL_VERSION, processor(), hardware_threads());
 }
 
 std::size_t peak_memory()

@@ -21,9 +21,9 @@ struct FclFrame {
     double ms() const { return transforms_ms + update_ms + pairs_ms + narrow_ms; }
 };
 
-/// The same question asked of FCL, as well as FCL can be used: one model a geometry (oriented boxes, the fastest for yes
-/// and no), one tree of boxes over what moves and one over what does not, no contacts. The peer of the benchmarks and the
-/// judge of the tests; it shares no code with the exact level of the pipeline.
+/// The same question asked of FCL, as well as FCL can be used: one model a geometry (oriented boxes, the fastest for
+/// yes and no), one tree of boxes over what moves and one over what does not, no contacts. The peer of the benchmarks
+/// and the judge of the tests; it shares no code with the exact level of the pipeline.
 class FclWorld {
 public:
     /// Builds every model and object. Keeps a reference to `scene`.

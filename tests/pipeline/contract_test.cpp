@@ -1,5 +1,5 @@
-// The one contract: a stage may keep what does not collide; it must never lose what does. FCL judges whole pipelines, at
-// every depth and with each stage left out or replaced in turn.
+// The one contract: a stage may keep what does not collide; it must never lose what does. FCL judges whole pipelines,
+// at every depth and with each stage left out or replaced in turn.
 #include "accuracy_check.hpp"
 
 #include <gtest/gtest.h>
@@ -124,6 +124,39 @@ TEST(Contract, NoCollisionAmongManyIsLostAtAnyDepth)
     judge(catalogue_scene("many", 100), every_depth(), {});
 }
 
+/// Small bodies far apart: most regions have nothing in them, and those with something must survive.
+TEST(Contract, NoCollisionOfATownIsLostWithAnyStageOff)
+{
+    judge(catalogue_scene("city", 500), every_toggle(3), {.frames = 2, .every = 20, .bounds = 2});
+}
+
+/// Delimitation works where little moves: here it must keep pillars with a ring on them, in groups and alone.
+TEST(Contract, NoCollisionAmongPillarsIsLostWithAnyStageOff)
+{
+    Scene scene;
+    scene.name = "pillars";
+    const GeometryId pillar = scene.add("pillar", make_box_mesh({0.3, 0.3, 2}));
+    const GeometryId ring = scene.add("ring", make_torus_mesh(0.8, 0.15, 300));
+    const Eigen::Vector3d half(40, 40, 2);
+    for (std::uint64_t i = 0; i < 460; ++i) {
+        Eigen::Vector3d position, velocity;
+        for (int axis = 0; axis < 3; ++axis) {
+            position[axis] = half[axis] * (2 * u01(7, i, std::uint64_t(axis)) - 1);
+            velocity[axis] = 2 * u01(7, i, 3 + std::uint64_t(axis)) - 1;
+        }
+        BodyInit body{.name = "pillar " + std::to_string(i), .geometry = pillar};
+        body.pose.translation() << position.head<2>(), 0;
+        if (i % 5 == 0) { // bodies of both kinds are spread over all numbers
+            body.name = "ring " + std::to_string(i), body.geometry = ring;
+            body.pose.translation() = position;
+            body.motion = Drift{velocity, 0.2 * velocity, {-half, half}};
+        }
+        body.is_static = i % 5 != 0;
+        scene.add_body(std::move(body));
+    }
+    judge(scene, every_toggle(4), {.frames = 10});
+}
+
 TEST(Contract, NoCollisionAmongManyIsLostWithAnyStageOff)
 {
     judge(catalogue_scene("many", 100), every_toggle(6), {});
@@ -160,6 +193,57 @@ TEST(Contract, OneMeshTwiceAtOnePoseCollidesAtEveryDepth)
     }
 }
 
+/// Moves body 1 along a ray towards body 0 until FCL says that they collide, by the least it can tell. False when they
+/// never do.
+bool push_until_touching(Scene& scene, const Eigen::Vector3d& direction, double reach)
+{
+    FclWorld world(scene);
+    const Eigen::Vector3d origin = scene.poses[0].translation();
+    const auto collide = [&](double t) {
+        scene.poses[1].translation() = origin + t * direction;
+        return !world.step().colliding.empty();
+    };
+    constexpr int scan = 100;
+    int k = scan;
+    while (k >= 0 && !collide(reach * k / scan)) --k;
+    if (k < 0 || k == scan) return false;
+    double touching = reach * k / scan, apart = reach * (k + 1) / scan;
+    for (int i = 0; i < 40; ++i) {
+        const double middle = 0.5 * (touching + apart);
+        (collide(middle) ? touching : apart) = middle;
+    }
+    return collide(touching);
+}
+
+/// Contact in one point is what a hole in a tree loses.
+TEST(Contract, BodiesThatBarelyTouchCollideAtEveryDepth)
+{
+    const std::vector<Mesh> meshes{make_torus_knot_mesh(2, 3, 0.6, 0.25, 0.12, 900),
+                                   make_gear_mesh(9, 0.8, 1, 0.3, 0.3),
+                                   make_sphere_mesh(0.7, 500),
+                                   make_needles_mesh(60, 0.8, 1e4, 1.2, 3),
+                                   make_terrain_mesh(2, 0.5, 14, 5),
+                                   make_soup_mesh(80, 0.4, 1, 9),
+                                   make_box_mesh({0.9, 0.2, 0.5}),
+                                   make_torus_mesh(0.8, 0.15, 700)};
+    int touching = 0;
+    for (std::uint64_t seed = 1; seed <= 150; ++seed) {
+        const auto draw = [&](std::uint64_t k) { return u01(seed, 0, k); };
+        Scene scene;
+        scene.name = "barely touching " + std::to_string(seed);
+        for (std::uint64_t body = 0; body < 2; ++body) {
+            const auto kind = std::size_t(draw(body) * double(meshes.size()));
+            put(scene, scene.add("mesh " + std::to_string(body), meshes[kind]), {0, 0, 0}, 3 * draw(2 + body));
+        }
+        const Eigen::Vector3d direction =
+            Eigen::Vector3d(2 * draw(4) - 1, 2 * draw(5) - 1, 2 * draw(6) - 1).normalized();
+        if (!push_until_touching(scene, direction, 4)) continue;
+        ++touching;
+        judge(scene, every_depth(), {.frames = 1});
+    }
+    EXPECT_GT(touching, 100);
+}
+
 /// Coordinates are small multiples of powers of two: the boxes touch exactly, and FCL says so.
 TEST(Contract, BoxesThatOnlyTouchCollideAtEveryDepth)
 {
@@ -169,10 +253,10 @@ TEST(Contract, BoxesThatOnlyTouchCollideAtEveryDepth)
         const Eigen::Vector3d half(0.5, 0.25, 0.5);
         const GeometryId box = as_shape ? scene.add("box", Box{half}) : scene.add("box", make_box_mesh(half));
         put(scene, box, {0, 0, 0});
-        put(scene, box, {1, 0, 0});     // face on face
+        put(scene, box, {1, 0, 0});      // face on face
         put(scene, box, {0.25, 0.5, 0}); // face on part of a face
-        put(scene, box, {-1, 0.5, 0});  // edge on edge
-        put(scene, box, {-1, -0.5, 1}); // corner on corner
+        put(scene, box, {-1, 0.5, 0});   // edge on edge
+        put(scene, box, {-1, -0.5, 1});  // corner on corner
         judge(scene, every_depth(), {.frames = 2});
         judge(scene, every_toggle(6), {.frames = 2});
         if (as_shape) continue; // libccd may call touching shapes apart
