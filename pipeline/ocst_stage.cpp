@@ -36,17 +36,11 @@ public:
         for (BodyPair pair : frame.pairs) // trees are made here, in order: walks run side by side
             forest_.tree(scene.geometry[pair.a]), forest_.tree(scene.geometry[pair.b]);
         find_hints(frame);
-        walk_all(scene, frame);
-        while (gather_parked()) {
-            ++frame.trees.rounds;
-            gather_requests(scene, frame);
-            frame.trees.rows += requests_.size();
-            const std::uint64_t refused = forest_.expand(requests_, frame.number, frame.threads);
-            frame.trees.refused += refused;
-            frame.trees.rows -= refused;
-            give_up_ |= refused > 0;
-            resume_all(scene, frame);
-        }
+        // A first sixteenth of many pairs grows most of the cells that the others need too: these then park less, which
+        // keeps what is parked small. Two waves, so rounds still do not grow with the number of pairs.
+        const std::size_t first_wave = count >= pairs_worth_waves ? count / 16 : 0;
+        run_wave(scene, frame, 0, first_wave);
+        run_wave(scene, frame, first_wave, count);
         give_up_ = false;
         finish(scene, frame, stats);
     }
@@ -101,11 +95,25 @@ private:
         }
     }
 
-    void walk_all(const Scene& scene, const Frame& frame)
+    void run_wave(const Scene& scene, Frame& frame, std::size_t first, std::size_t last)
     {
-        parallel_chunks(frame.pairs.size(), pairs_a_chunk, frame.threads, [&](std::size_t begin, std::size_t end, int t) {
+        walk_all(scene, frame, first, last);
+        for (int round = 1; gather_parked(); ++round) {
+            ++frame.trees.rounds;
+            gather_requests(scene, frame);
+            const std::uint64_t refused = forest_.expand(requests_, frame.number, frame.threads);
+            frame.trees.rows += requests_.size() - refused;
+            frame.trees.refused += refused;
+            give_up_ |= refused > 0;
+            resume_all(scene, frame, round);
+        }
+    }
+
+    void walk_all(const Scene& scene, const Frame& frame, std::size_t first, std::size_t last)
+    {
+        parallel_chunks(last - first, pairs_a_chunk, frame.threads, [&](std::size_t begin, std::size_t end, int t) {
             Worker& worker = workers_[static_cast<std::size_t>(t)];
-            for (std::size_t i = begin; i < end; ++i) {
+            for (std::size_t i = first + begin; i < first + end; ++i) {
                 ParkedWork work;
                 walks_[i].result = worker.walker.start(pair_of(scene, frame, i), frame.number, forest_.backend(), work);
                 if (work.count) worker.parked.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(t), work});
@@ -136,7 +144,7 @@ private:
         requests_.erase(std::unique(requests_.begin(), requests_.end()), requests_.end());
     }
 
-    void resume_all(const Scene& scene, const Frame& frame)
+    void resume_all(const Scene& scene, const Frame& frame, int round)
     {
         parallel_chunks(parked_.size(), pairs_a_chunk, frame.threads, [&](std::size_t begin, std::size_t end, int t) {
             Worker& worker = workers_[static_cast<std::size_t>(t)];
@@ -146,7 +154,7 @@ private:
                 WalkResult& result = walks_[p.pair].result;
                 result = worker.walker.resume(pair_of(scene, frame, p.pair), frame.number, forest_.backend(),
                                               parked_workers_[p.worker].walker, result,
-                                              static_cast<int>(frame.trees.rounds), give_up_, work);
+                                              round, give_up_, work);
                 if (work.count) worker.parked.push_back({p.pair, static_cast<std::uint32_t>(t), work});
             }
         });
@@ -181,6 +189,7 @@ private:
     }
 
     static constexpr std::size_t pairs_a_chunk = 256;
+    static constexpr std::size_t pairs_worth_waves = 1024;
 
     Forest& forest_;
     std::optional<SolidTest> solid_;

@@ -4,6 +4,8 @@
 
 #include <memory>
 
+#include <oncollide/scenes/error.hpp>
+
 namespace oncollide::tools {
 namespace {
 
@@ -64,7 +66,13 @@ void add_poses(CLI::App& bench, Command& command)
 void add_bench(CLI::App& app, Command& command)
 {
     CLI::App* bench = app.add_subcommand("bench", "Measure against FCL in one run, on the same work, turn about");
-    bench->require_subcommand(1);
+    bench->require_subcommand(0, 1);
+    bench->callback([bench, &command] {
+        if (bench->get_subcommands().empty())
+            command = []() -> int {
+                throw Error(ErrorKind::usage, "bench: which one? many, paper, poses or scene (oncollide bench --help)");
+            };
+    });
     add_scene_bench(*bench, command, "many", "Bunnies, dragons and cows in a cube");
     add_paper(*bench, command);
     add_poses(*bench, command);

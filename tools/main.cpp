@@ -81,10 +81,15 @@ std::vector<std::string> option_names(const CLI::App& command)
 /// One line that says what is wrong with the command line.
 std::string explain(const CLI::App& app, const CLI::ParseError& error)
 {
-    const std::vector<CLI::App*> chosen = app.get_subcommands();
-    const CLI::App& command = chosen.empty() ? app : *chosen.front();
-    const std::string place = chosen.empty() ? "" : command.get_name() + ": ";
-    const std::string help = fmt::format("(oncollide {}--help)", chosen.empty() ? "" : command.get_name() + " ");
+    const CLI::App* chosen = &app;
+    std::string path; // "bench many "
+    while (!chosen->get_subcommands().empty()) {
+        chosen = chosen->get_subcommands().front();
+        path += chosen->get_name() + " ";
+    }
+    const CLI::App& command = *chosen;
+    const std::string place = path.empty() ? "" : path.substr(0, path.size() - 1) + ": ";
+    const std::string help = fmt::format("(oncollide {}--help)", path);
     const std::vector<std::string> extras = app.remaining(true);
     if (dynamic_cast<const CLI::ExtrasError*>(&error) && !extras.empty()) {
         const std::string word = extras.front().substr(0, extras.front().find('='));

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/broadphase/world_boxes.hpp>
+#include <oncollide/scenes/catalogue.hpp>
 #include <oncollide/scenes/mesh_generators.hpp>
 
 namespace oncollide {
@@ -44,6 +45,31 @@ TEST(WorldBoxes, EncloseRotatedMeshesTightlyBeforeAndAfterTheHullIsFound)
             ASSERT_TRUE(boxes.sphere_box(scene, 0).contains(exact));
         }
     }
+}
+
+TEST(WorldBoxes, GiveAtMostATenthMoreCandidatesThanExactBoxesOnMany)
+{
+    Scene scene = make_scene("many", {.bodies = 400, .frames = {}, .seed = 12345, .data = {}});
+    WorldBoxes boxes(scene);
+    std::vector<Aabb> tight(scene.size()), exact(scene.size());
+    std::vector<std::uint32_t> all;
+    for (std::uint32_t body = 0; body < scene.size(); ++body) all.push_back(body);
+    Mover mover;
+    std::size_t candidates = 0, least = 0;
+    for (int frame = 0; frame < 16; ++frame) { // long enough for the hulls to take over
+        mover.move(scene, frame);
+        boxes.update(scene, all, 1, tight);
+        if (frame % 5) continue;
+        for (std::uint32_t body : all)
+            exact[body] = exact_box(std::get<Mesh>(scene.geometries[index(scene.geometry[body])].data), scene.poses[body]);
+        for (std::uint32_t a : all)
+            for (std::uint32_t b = a + 1; b < scene.size(); ++b) {
+                candidates += tight[a].overlaps(tight[b]);
+                least += exact[a].overlaps(exact[b]);
+            }
+    }
+    EXPECT_GT(least, 100u);
+    EXPECT_LE(static_cast<double>(candidates), 1.1 * static_cast<double>(least));
 }
 
 TEST(WorldBoxes, EncloseShapes)
