@@ -48,15 +48,6 @@ struct ShapeModel {
     }
 };
 
-std::size_t bytes_of(const ModelPtr& model)
-{
-    if (const auto* obb = dynamic_cast<const fcl::BVHModel<fcl::OBBd>*>(model.get()))
-        return static_cast<std::size_t>(obb->memUsage(0));
-    if (const auto* rss = dynamic_cast<const fcl::BVHModel<fcl::OBBRSSd>*>(model.get()))
-        return static_cast<std::size_t>(rss->memUsage(0));
-    return 0;
-}
-
 const Mesh* mesh_of(const Scene& scene, std::uint32_t body)
 {
     return std::get_if<Mesh>(&scene.geometries[index(scene.geometry[body])].data);
@@ -123,16 +114,21 @@ bool ExactFcl::triangles_meet(const Scene& scene, std::uint32_t a, std::uint32_t
     // As FCL's own traversal does: b's triangles in a's frame.
     const fcl::Matrix3d r = scene.poses[a].linear().transpose() * scene.poses[b].linear();
     const fcl::Vector3d t = scene.poses[a].linear().transpose() * (scene.poses[b].translation() - scene.poses[a].translation());
-    scratch.clear();
-    for (std::uint32_t i : of_b) {
+    const auto box_of = [](const Mesh& mesh, std::uint32_t triangle, auto&& place) {
         Aabb box;
-        for (std::uint32_t v : mesh_b->triangles[i]) box.add(fcl::Vector3d(r * mesh_b->vertices[v] + t));
-        scratch.push_back(box);
+        for (std::uint32_t v : mesh.triangles[triangle]) box.add(fcl::Vector3d(place(mesh.vertices[v])));
+        return box;
+    };
+    scratch.clear();
+    Aabb all_b;
+    for (std::uint32_t i : of_b) {
+        scratch.push_back(box_of(*mesh_b, i, [&](const fcl::Vector3d& v) { return r * v + t; }));
+        all_b.add(scratch.back());
     }
     for (std::uint32_t i : of_a) {
+        const Aabb box = box_of(*mesh_a, i, [](const fcl::Vector3d& v) { return v; });
+        if (!box.overlaps(all_b)) continue;
         const Triangle& p = mesh_a->triangles[i];
-        Aabb box;
-        for (std::uint32_t v : p) box.add(mesh_a->vertices[v]);
         for (std::size_t j = 0; j < of_b.size(); ++j) {
             if (!box.overlaps(scratch[j])) continue;
             const Triangle& q = mesh_b->triangles[of_b[j]];
@@ -143,13 +139,6 @@ bool ExactFcl::triangles_meet(const Scene& scene, std::uint32_t a, std::uint32_t
         }
     }
     return false;
-}
-
-std::size_t ExactFcl::bytes() const
-{
-    std::size_t sum = 0;
-    for (const ModelPtr& model : impl_->models) sum += bytes_of(model);
-    return sum;
 }
 
 } // namespace oncollide

@@ -35,9 +35,6 @@ public:
     bool triangles_meet(const Scene& scene, std::uint32_t a, std::uint32_t b, std::span<const std::uint32_t> of_a,
                         std::span<const std::uint32_t> of_b, std::vector<Aabb>& scratch) const;
 
-    /// Memory held by FCL's models, as it reports it.
-    std::size_t bytes() const;
-
 private:
     struct Impl;
     std::unique_ptr<Impl> impl_;

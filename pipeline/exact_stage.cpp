@@ -61,7 +61,7 @@ public:
 
 private:
     static constexpr std::uint8_t stage_index = 4;
-    static constexpr int levels_above_leaves = 3; ///< of the cells that are remembered: they hold some 20 triangles
+    static constexpr int levels_above_leaves = 2; ///< of the cells that are remembered: they hold some 20 triangles
 
     /// A pair without a verdict.
     struct Open {
