@@ -15,7 +15,8 @@ struct BoxColumnsView {
 using OverlapRange = std::uint32_t(const BoxColumnsView& columns, std::uint32_t begin, std::uint32_t end,
                                    const float box[6], std::uint32_t* out);
 
-/// Smallest and largest of rows * point over `count` points (a multiple of 8; float columns x, y, z; rows 3x3 row-major).
+/// Smallest and largest of rows * point over `count` points (a multiple of 8; float columns x, y, z; rows 3x3
+/// row-major).
 using SupportBox = void(const float* x, const float* y, const float* z, std::uint32_t count, const float rows[9],
                         float lo[3], float hi[3]);
 
@@ -24,9 +25,15 @@ struct BoxKernel {
     SupportBox* support_box;
 };
 
-namespace baseline { BoxKernel box_kernel(); }
-namespace avx2 { BoxKernel box_kernel(); }
-namespace avx512 { BoxKernel box_kernel(); }
+namespace baseline {
+BoxKernel box_kernel();
+}
+namespace avx2 {
+BoxKernel box_kernel();
+}
+namespace avx512 {
+BoxKernel box_kernel();
+}
 
 /// The kernel of instruction_set().
 const BoxKernel& box_kernel();

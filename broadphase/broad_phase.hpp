@@ -33,9 +33,9 @@ public:
     virtual ~BroadPhase() = default;
     virtual std::string_view name() const = 0;
 
-    /// Pairs of `bodies` whose boxes, each grown by `margin` / 2 on all sides, overlap, and that `filter` allows; sorted,
-    /// each once. May hold pairs whose boxes miss each other by less than 2^-21 of the scene's extent (boxes are compared
-    /// in float, rounded outward); never lacks one.
+    /// Pairs of `bodies` whose boxes, each grown by `margin` / 2 on all sides, overlap, and that `filter` allows;
+    /// sorted, each once. May hold pairs whose boxes miss each other by less than 2^-21 of the scene's extent (boxes
+    /// are compared in float, rounded outward); never lacks one.
     ///
     /// @param boxes   world boxes by body, metres, closed
     /// @param bodies  which bodies take part, each once
@@ -52,7 +52,8 @@ public:
 /// collision detection using KD-trees", Computer Graphics Forum 2019.
 std::unique_ptr<BroadPhase> make_kd_tree();
 
-/// Octree: split at the mean centre along all three axes at once; boxes that straddle any of them stay at the inner node.
+/// Octree: split at the mean centre along all three axes at once; boxes that straddle any of them stay at the inner
+/// node.
 std::unique_ptr<BroadPhase> make_octree();
 
 /// Every pair of boxes. The reference. Cost: O(n^2).

@@ -15,9 +15,10 @@ struct DelimitationLevel {
     double volume_rejected = 0;         ///< share of the scene's volume that they cover, 0 to 1
 };
 
-/// Progressive delimitation: a hierarchy of regions that tile space, split by planes that cut as few bodies as possible,
-/// so that neighbouring regions overlap least. A region with no moving body, with one body alone, or in which the layers
-/// forbid every pair is rejected whole, at the highest level where that shows, and nothing below it is looked at.
+/// Progressive delimitation: a hierarchy of regions that tile space, split by planes that cut as few bodies as
+/// possible, so that neighbouring regions overlap least. A region with no moving body, with one body alone, or in which
+/// the layers forbid every pair is rejected whole, at the highest level where that shows, and nothing below it is
+/// looked at.
 ///
 /// The hierarchy and the static bodies in it stay from frame to frame; only movers are placed anew. It is built again
 /// when movers have gathered so much that regions no longer tell them apart.
@@ -30,7 +31,8 @@ public:
 
     /// @param boxes      world boxes by body
     /// @param margin     metres by which boxes are grown in all (half on each side); >= 0
-    /// @param survivors  overwritten: the bodies of the regions that are left, ascending, each once. Every allowed pair of
+    /// @param survivors  overwritten: the bodies of the regions that are left, ascending, each once. Every allowed pair
+    /// of
     ///                   bodies whose grown boxes overlap is among them.
     void run(std::span<const Aabb> boxes, const BodyFilter& filter, double margin,
              std::vector<std::uint32_t>& survivors);
@@ -41,12 +43,12 @@ public:
 private:
     struct Region {
         double plane = 0;
-        std::int32_t axis = -1;           ///< -1: a leaf
-        std::uint32_t children = 0;       ///< low side; the high side is the next one
-        std::uint32_t first = 0, count = 0; ///< leaf: its static bodies, in static_bodies_
-        std::uint32_t statics = 0;        ///< static bodies in it
+        std::int32_t axis = -1;              ///< -1: a leaf
+        std::uint32_t children = 0;          ///< low side; the high side is the next one
+        std::uint32_t first = 0, count = 0;  ///< leaf: its static bodies, in static_bodies_
+        std::uint32_t statics = 0;           ///< static bodies in it
         std::uint32_t layers = 0, masks = 0; ///< of its static bodies, or-ed
-        double volume = 0;                ///< share of the scene's
+        double volume = 0;                   ///< share of the scene's
     };
 
     void build(std::span<const Aabb> boxes, const BodyFilter& filter, double margin);
@@ -61,7 +63,7 @@ private:
     std::vector<std::uint32_t> mover_list_; ///< every mover of the scene
     std::vector<std::uint8_t> survives_;
     std::vector<DelimitationLevel> levels_;
-    std::vector<double> ends_;              ///< scratch of split
+    std::vector<double> ends_;                         ///< scratch of split
     std::uint64_t placed_ = 0, placed_when_built_ = 0; ///< movers in surviving leaves
     bool built_ = false;
 };

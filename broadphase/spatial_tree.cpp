@@ -80,8 +80,10 @@ public:
         filter_ = &filter;
         workers_.resize(static_cast<std::size_t>(std::max(threads, 1)));
         for (Worker& worker : workers_) worker.pairs.clear(), worker.active.clear();
-        // Subtrees small enough to balance the threads are left for later as tasks; what lies above them is searched now.
-        task_size_ = threads > 1 && boxes_.size() > 4096 ? static_cast<std::uint32_t>(boxes_.size() / (8 * threads)) : 0;
+        // Subtrees small enough to balance the threads are left for later as tasks; what lies above them is searched
+        // now.
+        task_size_ =
+            threads > 1 && boxes_.size() > 4096 ? static_cast<std::uint32_t>(boxes_.size() / (8 * threads)) : 0;
         tasks_.clear(), task_active_.clear();
         search(workers_[0], 0, 0, task_size_ > 0);
         parallel_chunks(tasks_.size(), 1, threads, [&](std::size_t begin, std::size_t end, int thread) {
@@ -180,8 +182,7 @@ private:
         }
         for (std::uint32_t i = node.begin; i < node.straddle_end; ++i) test(worker, i, i + 1, node.straddle_end);
         if (node.begin < node.straddle_end)
-            for (std::size_t i = first; i < last; ++i)
-                test(worker, worker.active[i], node.begin, node.straddle_end);
+            for (std::size_t i = first; i < last; ++i) test(worker, worker.active[i], node.begin, node.straddle_end);
         for (std::uint32_t c = node.first_child; c < node.first_child + node.children; ++c) {
             for (std::size_t i = first; i < last; ++i)
                 if (reaches(boxes_[worker.active[i]], nodes_[c])) worker.active.push_back(worker.active[i]);

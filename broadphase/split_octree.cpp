@@ -17,13 +17,16 @@ public:
         for (const FloatBox& box : boxes)
             for (int axis = 0; axis < 3; ++axis) sum[axis] += 0.5 * (double(box.lo[axis]) + box.hi[axis]);
         float middle[3];
-        for (int axis = 0; axis < 3; ++axis) middle[axis] = static_cast<float>(sum[axis] / static_cast<double>(boxes.size()));
+        for (int axis = 0; axis < 3; ++axis)
+            middle[axis] = static_cast<float>(sum[axis] / static_cast<double>(boxes.size()));
 
         const auto group = [&](const FloatBox& box) {
             unsigned octant = 0;
             for (int axis = 0; axis < 3; ++axis) {
-                if (box.lo[axis] > middle[axis]) octant |= 1u << axis;
-                else if (box.hi[axis] >= middle[axis]) return 0u;
+                if (box.lo[axis] > middle[axis])
+                    octant |= 1u << axis;
+                else if (box.hi[axis] >= middle[axis])
+                    return 0u;
             }
             return 1 + octant;
         };

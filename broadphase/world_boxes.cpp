@@ -13,9 +13,12 @@ const BoxKernel& box_kernel()
 {
     static const BoxKernel kernel = [] {
         switch (instruction_set()) {
-        case InstructionSet::avx512: return avx512::box_kernel();
-        case InstructionSet::avx2: return avx2::box_kernel();
-        default: return baseline::box_kernel();
+        case InstructionSet::avx512:
+            return avx512::box_kernel();
+        case InstructionSet::avx2:
+            return avx2::box_kernel();
+        default:
+            return baseline::box_kernel();
         }
     }();
     return kernel;

@@ -26,10 +26,10 @@ public:
 
 private:
     struct Source {
-        Eigen::Vector3d centre, half;   ///< of the geometry's own box, body frame
-        double radius = 0;              ///< of the sphere around that box
-        double slack = 0;               ///< added on every side
-        std::vector<float> x, y, z;     ///< support points relative to the centre, padded to 8 with copies
+        Eigen::Vector3d centre, half; ///< of the geometry's own box, body frame
+        double radius = 0;            ///< of the sphere around that box
+        double slack = 0;             ///< added on every side
+        std::vector<float> x, y, z;   ///< support points relative to the centre, padded to 8 with copies
         std::uint64_t boxes_asked = 0;
         bool hull_known = false;
     };

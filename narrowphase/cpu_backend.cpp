@@ -16,9 +16,12 @@ namespace {
 OctantTest* octant_test_for(InstructionSet set)
 {
     switch (set) {
-    case InstructionSet::avx512: return avx512::octant_test();
-    case InstructionSet::avx2: return avx2::octant_test();
-    default: return baseline::octant_test();
+    case InstructionSet::avx512:
+        return avx512::octant_test();
+    case InstructionSet::avx2:
+        return avx2::octant_test();
+    default:
+        return baseline::octant_test();
     }
 }
 
@@ -83,7 +86,9 @@ private:
         std::vector<std::uint32_t> ids;
         std::vector<std::uint8_t> masks;
     };
-    struct Found { std::uint32_t worker, offset, count; };
+    struct Found {
+        std::uint32_t worker, offset, count;
+    };
 
     TriangleSpan span_of(std::uint32_t tree, ListId list, unsigned octant) const
     {

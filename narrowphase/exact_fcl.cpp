@@ -84,14 +84,16 @@ void ExactFcl::prepare(GeometryId geometry)
 
 ExactFcl::Answer ExactFcl::answer(const Scene& scene, std::uint32_t a, std::uint32_t b) const
 {
-    const ModelPtr &model_a = impl_->models[index(scene.geometry[a])], &model_b = impl_->models[index(scene.geometry[b])];
+    const ModelPtr &model_a = impl_->models[index(scene.geometry[a])],
+                   &model_b = impl_->models[index(scene.geometry[b])];
     ONCOLLIDE_ASSERT(model_a && model_b);
     fcl::CollisionRequestd request(1, false);
     fcl::CollisionResultd result;
     fcl::collide(model_a.get(), scene.poses[a], model_b.get(), scene.poses[b], request, result);
     if (result.isCollision()) {
         if (!both_meshes(scene, a, b)) return {Verdict::colliding, 0};
-        return {Verdict::colliding, 0, static_cast<int>(result.getContact(0).b1), static_cast<int>(result.getContact(0).b2)};
+        return {Verdict::colliding, 0, static_cast<int>(result.getContact(0).b1),
+                static_cast<int>(result.getContact(0).b2)};
     }
     if (impl_->clearance <= 0) return {Verdict::separate, 0};
     fcl::DistanceRequestd distance_request;
@@ -113,7 +115,8 @@ bool ExactFcl::triangles_meet(const Scene& scene, std::uint32_t a, std::uint32_t
     ONCOLLIDE_ASSERT(mesh_a && mesh_b);
     // As FCL's own traversal does: b's triangles in a's frame.
     const fcl::Matrix3d r = scene.poses[a].linear().transpose() * scene.poses[b].linear();
-    const fcl::Vector3d t = scene.poses[a].linear().transpose() * (scene.poses[b].translation() - scene.poses[a].translation());
+    const fcl::Vector3d t =
+        scene.poses[a].linear().transpose() * (scene.poses[b].translation() - scene.poses[a].translation());
     const auto box_of = [](const Mesh& mesh, std::uint32_t triangle, auto&& place) {
         Aabb box;
         for (std::uint32_t v : mesh.triangles[triangle]) box.add(fcl::Vector3d(place(mesh.vertices[v])));

@@ -17,10 +17,10 @@ constexpr ListId all_triangles{std::numeric_limits<std::uint32_t>::max()}; ///< 
 
 /// One question: which of the eight octants of this cell does the surface enter?
 struct OctantRow {
-    std::uint32_t tree;  ///< a surface given to attach()
+    std::uint32_t tree; ///< a surface given to attach()
     CellKey cell;
-    ListId list;         ///< the parent's answer, or all_triangles for the root
-    bool keep_list;      ///< the triangles will be asked for again, by deeper cells
+    ListId list;    ///< the parent's answer, or all_triangles for the root
+    bool keep_list; ///< the triangles will be asked for again, by deeper cells
 };
 
 struct OctantAnswer {
@@ -28,9 +28,9 @@ struct OctantAnswer {
     ListId list = all_triangles; ///< the cell's triangles, when kept
 };
 
-/// Who answers. The one rule: *never clear the bit of an octant that the surface enters; a set bit may be false*, and then
-/// the surface is no farther from the octant than RootCell::false_reach() plus reach().
-/// Answers depend on the rows alone, not on their order or number, nor on what was asked before.
+/// Who answers. The one rule: *never clear the bit of an octant that the surface enters; a set bit may be false*, and
+/// then the surface is no farther from the octant than RootCell::false_reach() plus reach(). Answers depend on the rows
+/// alone, not on their order or number, nor on what was asked before.
 class OcclusionBackend {
 public:
     virtual ~OcclusionBackend() = default;
@@ -50,7 +50,8 @@ public:
     /// The cell of that list was dropped.
     virtual void release(std::uint32_t tree, ListId list) = 0;
     /// Appends the triangles of a list that enter `octant`, ascending.
-    virtual void read(std::uint32_t tree, ListId list, unsigned octant, std::vector<std::uint32_t>& triangles) const = 0;
+    virtual void read(std::uint32_t tree, ListId list, unsigned octant,
+                      std::vector<std::uint32_t>& triangles) const = 0;
     /// Memory held for surfaces and lists.
     virtual std::size_t bytes() const = 0;
 };

@@ -9,13 +9,13 @@
 
 namespace oncollide {
 
-/// The sphere-tree of one geometry, built while collisions are detected ("on-collide"): a cell is expanded only when a test
-/// reaches it, by asking a backend which of its octants are grey.
+/// The sphere-tree of one geometry, built while collisions are detected ("on-collide"): a cell is expanded only when a
+/// test reaches it, by asking a backend which of its octants are grey.
 ///
 /// Cells of level `depth` are the leaves. They are not stored: their parent's grey mask says which exist. All cells of
 /// level l share one half-extent and one sphere radius, root radius / 2^l.
-/// Source: Franquesa-Niubó and Rodríguez González, "Sphere-trees generation as needed in real time to speed up collision
-/// detection", GRAPP 2006.
+/// Source: Franquesa-Niubó and Rodríguez González, "Sphere-trees generation as needed in real time to speed up
+/// collision detection", GRAPP 2006.
 class Ocst {
 public:
     /// A tree of the root alone. depth in [1, deepest_level].
@@ -61,7 +61,7 @@ private:
     double covering_error_;
     std::uint64_t stored_ = 1;
     std::vector<OcstNode> nodes_;
-    std::vector<ListId> lists_; ///< by node: the triangles of an expanded cell
+    std::vector<ListId> lists_;                 ///< by node: the triangles of an expanded cell
     std::vector<std::uint32_t> free_blocks_[9]; ///< by size
 };
 

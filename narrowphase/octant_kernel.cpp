@@ -1,12 +1,13 @@
 // Compiled once per instruction set; see oncollide_add_kernel.
 //
-// Source of the test: Akenine-Möller, "Fast 3D triangle-box overlap testing", JGT 2001; here against eight boxes at once,
-// lane k being octant k.
+// Source of the test: Akenine-Möller, "Fast 3D triangle-box overlap testing", JGT 2001; here against eight boxes at
+// once, lane k being octant k.
 //
-// Why no octant is lost. With M the root's largest half-extent, every float below has magnitude at most 4 M, and the test
-// grows octants by slack = 2^-18 M on each axis.
+// Why no octant is lost. With M the root's largest half-extent, every float below has magnitude at most 4 M, and the
+// test grows octants by slack = 2^-18 M on each axis.
 //   - float copies of the vertices and the cell's centre: 2^-23 M each;
-//   - an edge axis a = u_k x e: its components come from e without further rounding, so both sides of the comparison err by at
+//   - an edge axis a = u_k x e: its components come from e without further rounding, so both sides of the comparison
+//   err by at
 //     most 24 * 2^-24 |a|_1 M, less than slack |a|_1, which is what growing the octant adds;
 //   - the face axis: the unit normal errs by 2^-24 a component, the comparison by 12 * 2^-24 M, less than slack.
 #include <oncollide/broadphase/simd.hpp>
@@ -41,8 +42,8 @@ inline float abs(float v)
     return v < 0 ? -v : v;
 }
 
-/// Lanes whose octant an axis separates: projections of the triangle in [p, q] or [q, p], of the octants' centres `shift`,
-/// radius `r`.
+/// Lanes whose octant an axis separates: projections of the triangle in [p, q] or [q, p], of the octants' centres
+/// `shift`, radius `r`.
 inline I32x8 apart(float p, float q, F32x8 shift, float r)
 {
     const float lo = p < q ? p : q, hi = p < q ? q : p;

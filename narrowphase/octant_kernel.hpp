@@ -24,8 +24,14 @@ struct TriangleSpan {
 using OctantTest = std::uint32_t(const Primitive* primitives, bool boxes, const TriangleSpan& triangles,
                                  const OctantCell& cell, std::uint32_t* ids, std::uint8_t* masks);
 
-namespace baseline { OctantTest* octant_test(); }
-namespace avx2 { OctantTest* octant_test(); }
-namespace avx512 { OctantTest* octant_test(); }
+namespace baseline {
+OctantTest* octant_test();
+}
+namespace avx2 {
+OctantTest* octant_test();
+}
+namespace avx512 {
+OctantTest* octant_test();
+}
 
 } // namespace oncollide

@@ -69,7 +69,8 @@ bool SolidTest::holds(const Scene& scene, std::uint32_t outer, std::uint32_t inn
     const Eigen::Isometry3d to_outer = scene.poses[outer].inverse(Eigen::Isometry) * scene.poses[inner];
     for (const Eigen::Vector3d& part : parts_[index(scene.geometry[inner])]) {
         const Eigen::Vector3d point = to_outer * part;
-        const bool in_box = (point.array() >= mesh->bounds.min.array()).all() && (point.array() <= mesh->bounds.max.array()).all();
+        const bool in_box =
+            (point.array() >= mesh->bounds.min.array()).all() && (point.array() <= mesh->bounds.max.array()).all();
         if (in_box && std::abs(winding_number(*mesh, point)) > 0.5) return true;
     }
     return false;

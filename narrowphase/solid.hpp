@@ -12,8 +12,8 @@ class SolidTest {
 public:
     explicit SolidTest(const Scene& scene);
 
-    /// True when a part of body a lies inside b, or of b inside a, given that their surfaces do not touch: then one vertex
-    /// tells for each connected part. Cost: O(triangles) of the outer mesh for each part that begins in its box.
+    /// True when a part of body a lies inside b, or of b inside a, given that their surfaces do not touch: then one
+    /// vertex tells for each connected part. Cost: O(triangles) of the outer mesh for each part that begins in its box.
     bool encloses(const Scene& scene, std::uint32_t a, std::uint32_t b) const;
 
     /// Has the geometry an inside?
@@ -22,8 +22,8 @@ public:
 private:
     bool holds(const Scene& scene, std::uint32_t outer, std::uint32_t inner) const;
 
-    std::vector<std::uint8_t> solid_;                  ///< by geometry
-    std::vector<std::vector<Eigen::Vector3d>> parts_;  ///< by geometry: a point of each connected part
+    std::vector<std::uint8_t> solid_;                 ///< by geometry
+    std::vector<std::vector<Eigen::Vector3d>> parts_; ///< by geometry: a point of each connected part
 };
 
 /// How often the closed mesh winds around `point` (mesh frame, not on the surface): 0 outside, 1 inside.

@@ -38,7 +38,8 @@ void put(Primitive& primitive, int point, const Eigen::Vector3d& p)
 }
 
 /// Unit normal from the float corners, so that it belongs to the triangle that the test sees; in double, so that thin
-/// triangles keep a good one. Zero when the area is below 2^-26 of the longest edge squared: the edges then decide alone.
+/// triangles keep a good one. Zero when the area is below 2^-26 of the longest edge squared: the edges then decide
+/// alone.
 Eigen::Vector3d normal_of(const Primitive& t)
 {
     Eigen::Vector3d p[3];
@@ -77,8 +78,8 @@ void add_inside(Surface& surface, const Mesh& convex)
 {
     for (const Triangle& t : convex.triangles) {
         const Eigen::Vector3d p = convex.vertices[t[0]] - surface.root.centre;
-        const Eigen::Vector3d n = (convex.vertices[t[1]] - convex.vertices[t[0]])
-                                      .cross(convex.vertices[t[2]] - convex.vertices[t[0]]);
+        const Eigen::Vector3d n =
+            (convex.vertices[t[1]] - convex.vertices[t[0]]).cross(convex.vertices[t[2]] - convex.vertices[t[0]]);
         surface.inside.push_back({n.x(), n.y(), n.z(), n.dot(p)});
     }
 }

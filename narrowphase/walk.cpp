@@ -16,9 +16,12 @@ const WalkKernel& kernel()
 {
     static const WalkKernel chosen = [] {
         switch (instruction_set()) {
-        case InstructionSet::avx512: return avx512::walk_kernel();
-        case InstructionSet::avx2: return avx2::walk_kernel();
-        default: return baseline::walk_kernel();
+        case InstructionSet::avx512:
+            return avx512::walk_kernel();
+        case InstructionSet::avx2:
+            return avx2::walk_kernel();
+        default:
+            return baseline::walk_kernel();
         }
     }();
     return chosen;
@@ -52,7 +55,8 @@ struct Descent {
 /// Fills the plan; returns the rounding s: how far float distances may be from true ones.
 ///
 /// Every component is at most m = |d| + |hA| + |hB|. A step adds two offsets, each rounded twice: 4 * 2^-24 m a step.
-/// The relative pose is computed in double; a pose may be 1e-6 from rigid (2^-20 a body). Squares and sums: 4 * 2^-24 d.
+/// The relative pose is computed in double; a pose may be 1e-6 from rigid (2^-20 a body). Squares and sums: 4 * 2^-24
+/// d.
 double make_plan(const WalkPair& pair, std::uint32_t frame, WalkPlan& plan)
 {
     const Ocst &a = *pair.a, &b = *pair.b;
@@ -67,7 +71,8 @@ double make_plan(const WalkPair& pair, std::uint32_t frame, WalkPlan& plan)
         plan.ay[k] = static_cast<float>(side(k, 1)) * ha[1];
         plan.az[k] = static_cast<float>(side(k, 2)) * ha[2];
         const Eigen::Vector3d o = turn * Eigen::Vector3d(side(k, 0) * hb[0], side(k, 1) * hb[1], side(k, 2) * hb[2]);
-        plan.bx[k] = static_cast<float>(o.x()), plan.by[k] = static_cast<float>(o.y()), plan.bz[k] = static_cast<float>(o.z());
+        plan.bx[k] = static_cast<float>(o.x()), plan.by[k] = static_cast<float>(o.y()),
+        plan.bz[k] = static_cast<float>(o.z());
     }
     const double m = d.norm() + a.radius(0) + b.radius(0);
     const int most = a.depth() + b.depth();
@@ -108,7 +113,8 @@ double lower_bound(const WalkPair& pair, const WalkPlan& plan, const WalkState& 
         bool open_a, open_b;
         down.next(open_a, open_b);
         if (state.nearest2[i] < float_infinity)
-            lower = std::min(lower, std::sqrt(double(state.nearest2[i])) * (1 - 0x1p-21) - down.ra - down.rb - rounding);
+            lower =
+                std::min(lower, std::sqrt(double(state.nearest2[i])) * (1 - 0x1p-21) - down.ra - down.rb - rounding);
     }
     return lower;
 }
@@ -178,13 +184,14 @@ WalkResult Walker::start(const WalkPair& pair, std::uint32_t frame, const Occlus
     const double x = plan.d[0], y = plan.d[1], z = plan.d[2], apart2 = x * x + y * y + z * z;
     if (apart2 > root_reach * root_reach)
         return {WalkStatus::separate,
-                std::max(std::sqrt(apart2) - pair.a->radius(0) - pair.b->radius(0) - rounding, pair.clearance), {}};
+                std::max(std::sqrt(apart2) - pair.a->radius(0) - pair.b->radius(0) - rounding, pair.clearance),
+                {}};
     if (pair.hint.a && kernel().replay(plan, pair.hint.a, pair.hint.b))
         return {WalkStatus::touching, upper_bound(pair, plan.count, rounding, backend), pair.hint};
 
     stack_[0] = {0, 0, {plan.d[0], plan.d[1], plan.d[2]}, 0, root_cell, root_cell};
-    return run(pair, plan, rounding, backend, 1, std::numeric_limits<double>::infinity(),
-               patience_in(0, plan.count), false, parked);
+    return run(pair, plan, rounding, backend, 1, std::numeric_limits<double>::infinity(), patience_in(0, plan.count),
+               false, parked);
 }
 
 WalkResult Walker::resume(const WalkPair& pair, std::uint32_t frame, const OcclusionBackend& backend,

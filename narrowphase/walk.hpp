@@ -39,8 +39,8 @@ struct WalkPair {
 struct WalkPlan;
 struct WalkEntry;
 
-/// What a walk left: entries [first, first + count) of its walker's list, to be taken up from the last; the last `wanted`
-/// of them wait for cells.
+/// What a walk left: entries [first, first + count) of its walker's list, to be taken up from the last; the last
+/// `wanted` of them wait for cells.
 struct ParkedWork {
     std::size_t first = 0, count = 0, wanted = 0;
 };
@@ -58,14 +58,14 @@ struct CellRequest {
 /// A walk goes down both trees at once, the larger sphere first, both when they are of similar size, depth first and
 /// the closest pair first. Where it needs a cell that is not expanded it sets that pair of cells aside and goes on with
 /// the next, until it holds `patience` of them: then it parks, and what it set aside becomes requests. A small patience
-/// asks for little that a touching pair does not need, a large one keeps rounds few; patience_in() starts small and doubles
-/// once a pair has had a round for each of its levels, so that the rounds of a frame depend on depth, not on the number of
-/// pairs.
+/// asks for little that a touching pair does not need, a large one keeps rounds few; patience_in() starts small and
+/// doubles once a pair has had a round for each of its levels, so that the rounds of a frame depend on depth, not on
+/// the number of pairs.
 ///
 /// Bounds. With cells of radius rA, rB, reaches eA, eB (Ocst::reach), clearance c and rounding s, touching leaves mean
-/// distance <= |cA - cB| + rA + rB + eA + eB <= c + 2 (rA + rB) + eA + eB + 2 s: the same for every pair of leaves, so the
-/// answer does not depend on the order of the walk. If no leaves touch, the smallest |cA - cB| - rA - rB - s over the
-/// pairs that were cut is a lower bound.
+/// distance <= |cA - cB| + rA + rB + eA + eB <= c + 2 (rA + rB) + eA + eB + 2 s: the same for every pair of leaves, so
+/// the answer does not depend on the order of the walk. If no leaves touch, the smallest |cA - cB| - rA - rB - s over
+/// the pairs that were cut is a lower bound.
 class Walker {
 public:
     Walker();

@@ -10,8 +10,7 @@ inline std::uint32_t visit(OcstNode& node, std::uint32_t stamp)
 {
     const std::uint32_t state = __atomic_load_n(&node.state, __ATOMIC_RELAXED);
     const std::uint32_t stamped = (state & ((1u << OcstNode::stamp_shift) - 1)) | stamp;
-    if (state & OcstNode::expanded_bit && stamped != state)
-        __atomic_store_n(&node.state, stamped, __ATOMIC_RELAXED);
+    if (state & OcstNode::expanded_bit && stamped != state) __atomic_store_n(&node.state, stamped, __ATOMIC_RELAXED);
     return state;
 }
 

@@ -23,7 +23,7 @@ struct WalkPlan {
     int count;                             ///< steps
     WalkStep steps[most_steps];
     OcstNode *nodes_a, *nodes_b;
-    std::uint32_t stamp;                   ///< this frame, shifted into place
+    std::uint32_t stamp; ///< this frame, shifted into place
 };
 
 /// Two cells whose spheres touch, still to be opened.
@@ -50,15 +50,21 @@ struct WalkState {
 constexpr std::uint32_t walk_stack_room = most_steps * 64 + 64;
 
 struct WalkKernel {
-    /// Depth first from the stack's entries until a pair of leaves touches (hit), nothing is left (empty), or `parked` has
-    /// no room (full: the stack holds the rest).
+    /// Depth first from the stack's entries until a pair of leaves touches (hit), nothing is left (empty), or `parked`
+    /// has no room (full: the stack holds the rest).
     WalkEnd (*walk)(const WalkPlan& plan, WalkState& state);
     /// True when the walk from the root to this pair of leaves meets every test: the same arithmetic, one path.
     bool (*replay)(const WalkPlan& plan, CellKey a, CellKey b);
 };
 
-namespace baseline { WalkKernel walk_kernel(); }
-namespace avx2 { WalkKernel walk_kernel(); }
-namespace avx512 { WalkKernel walk_kernel(); }
+namespace baseline {
+WalkKernel walk_kernel();
+}
+namespace avx2 {
+WalkKernel walk_kernel();
+}
+namespace avx512 {
+WalkKernel walk_kernel();
+}
 
 } // namespace oncollide

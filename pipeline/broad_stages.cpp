@@ -84,9 +84,15 @@ public:
     explicit BroadStage(BroadPhaseKind kind)
     {
         switch (kind) {
-        case BroadPhaseKind::kd_tree: algorithm_ = make_kd_tree(); break;
-        case BroadPhaseKind::octree: algorithm_ = make_octree(); break;
-        case BroadPhaseKind::brute_force: algorithm_ = make_brute_force(); break;
+        case BroadPhaseKind::kd_tree:
+            algorithm_ = make_kd_tree();
+            break;
+        case BroadPhaseKind::octree:
+            algorithm_ = make_octree();
+            break;
+        case BroadPhaseKind::brute_force:
+            algorithm_ = make_brute_force();
+            break;
         }
     }
     std::string_view name() const override { return "broad"; }

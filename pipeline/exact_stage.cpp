@@ -12,10 +12,10 @@ namespace {
 
 /// Asks FCL about every pair that the sphere-trees left over.
 ///
-/// Surfaces that cross in one frame mostly cross in the same place in the next. So the stage remembers the two cells of the
-/// trees in which two triangles met, and tries FCL's triangle test on the triangles of these cells first; only where
-/// that finds nothing does FCL get the bodies whole. Either way it is FCL's triangle test that says "colliding", and FCL's
-/// whole-body query that says "separate".
+/// Surfaces that cross in one frame mostly cross in the same place in the next. So the stage remembers the two cells of
+/// the trees in which two triangles met, and tries FCL's triangle test on the triangles of these cells first; only
+/// where that finds nothing does FCL get the bodies whole. Either way it is FCL's triangle test that says "colliding",
+/// and FCL's whole-body query that says "separate".
 class ExactStage final : public Stage {
 public:
     ExactStage(const Scene& scene, const Settings& settings, Forest& forest)

@@ -47,7 +47,8 @@ std::uint64_t Forest::expand(std::span<const CellRequest> requests, std::uint32_
     if (settings_.node_budget) {
         const std::uint64_t held = nodes();
         // An expansion stores up to eight cells.
-        allowed = settings_.node_budget > held ? std::min<std::uint64_t>(allowed, (settings_.node_budget - held) / 8) : 0;
+        allowed =
+            settings_.node_budget > held ? std::min<std::uint64_t>(allowed, (settings_.node_budget - held) / 8) : 0;
     }
     if (settings_.memory_budget && bytes() >= settings_.memory_budget) allowed = 0;
 

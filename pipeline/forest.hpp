@@ -31,8 +31,8 @@ public:
     /// The cell that holds a point (geometry frame), `up` levels above the leaves but below the root.
     CellKey cell_at(GeometryId geometry, const Eigen::Vector3d& point, int up) const;
 
-    /// Drops cells that no test has reached for the age limit, the oldest sooner while memory is over its budget. A tree
-    /// that is back to its root gives its surface up too. Returns how many stored cells went.
+    /// Drops cells that no test has reached for the age limit, the oldest sooner while memory is over its budget. A
+    /// tree that is back to its root gives its surface up too. Returns how many stored cells went.
     std::uint64_t age(std::uint32_t frame);
 
     std::uint64_t nodes() const; ///< stored cells of all trees

@@ -116,7 +116,8 @@ private:
             for (std::size_t i = first + begin; i < first + end; ++i) {
                 ParkedWork work;
                 walks_[i].result = worker.walker.start(pair_of(scene, frame, i), frame.number, forest_.backend(), work);
-                if (work.count) worker.parked.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(t), work});
+                if (work.count)
+                    worker.parked.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(t), work});
             }
         });
     }
@@ -153,8 +154,7 @@ private:
                 ParkedWork work = p.work;
                 WalkResult& result = walks_[p.pair].result;
                 result = worker.walker.resume(pair_of(scene, frame, p.pair), frame.number, forest_.backend(),
-                                              parked_workers_[p.worker].walker, result,
-                                              round, give_up_, work);
+                                              parked_workers_[p.worker].walker, result, round, give_up_, work);
                 if (work.count) worker.parked.push_back({p.pair, static_cast<std::uint32_t>(t), work});
             }
         });

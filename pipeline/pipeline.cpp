@@ -70,8 +70,9 @@ struct Pipeline::Impl {
                                                       frame.filter.is_static.size(), scene.size()));
         const auto check_one = [&](std::uint32_t body) {
             if (!usable(scene.poses[body]))
-                throw Error(ErrorKind::bad_data, fmt::format("body '{}': pose is not a finite rigid motion within 1e15 m",
-                                                             scene.names[body]));
+                throw Error(
+                    ErrorKind::bad_data,
+                    fmt::format("body '{}': pose is not a finite rigid motion within 1e15 m", scene.names[body]));
         };
         if (first)
             for (std::uint32_t body = 0; body < scene.size(); ++body) check_one(body);
@@ -130,8 +131,10 @@ FrameView Pipeline::step(const Scene& scene)
         stats.stage = stage.name(), stats.unit = stage.unit(), stats.frames = 1;
         stats.note = p.asked_to_skip[i] ? "asked to" : stage.reason_to_skip(scene, p.frame);
         stats.skipped = !stats.note.empty();
-        if (stats.skipped) stage.skip(scene, p.frame, stats);
-        else stage.run(scene, p.frame, stats);
+        if (stats.skipped)
+            stage.skip(scene, p.frame, stats);
+        else
+            stage.run(scene, p.frame, stats);
         stats.culled = stats.in - stats.out;
         const auto to = Clock::now();
         stats.cpu_ms = milliseconds(to - from);
@@ -147,17 +150,37 @@ FrameView Pipeline::step(const Scene& scene)
     p.frame.trees.bytes = p.forest->bytes();
     const std::uint64_t hash = hash_of(p.frame.results);
     mix(p.hash, hash);
-    const FrameView view{p.frame.number, milliseconds(Clock::now() - begin), p.frame.results, p.stats,
-                         p.frame.delimitation, p.frame.trees, hash};
+    const FrameView view{p.frame.number,
+                         milliseconds(Clock::now() - begin),
+                         p.frame.results,
+                         p.stats,
+                         p.frame.delimitation,
+                         p.frame.trees,
+                         hash};
     ++p.frame.number;
     return view;
 }
 
-std::span<const std::string_view> Pipeline::stages() const { return stage_names; }
-std::span<const StageStats> Pipeline::totals() const { return impl_->totals; }
-std::uint64_t Pipeline::hash() const { return impl_->hash; }
-std::string Pipeline::backend() const { return impl_->forest->backend().name(); }
-const Settings& Pipeline::settings() const { return impl_->settings; }
+std::span<const std::string_view> Pipeline::stages() const
+{
+    return stage_names;
+}
+std::span<const StageStats> Pipeline::totals() const
+{
+    return impl_->totals;
+}
+std::uint64_t Pipeline::hash() const
+{
+    return impl_->hash;
+}
+std::string Pipeline::backend() const
+{
+    return impl_->forest->backend().name();
+}
+const Settings& Pipeline::settings() const
+{
+    return impl_->settings;
+}
 
 void Pipeline::replace(std::unique_ptr<Stage> stage)
 {

@@ -18,37 +18,39 @@ struct PairResult {
     BodyId a, b; ///< a < b
     Verdict verdict;
     std::uint8_t stage; ///< index into Pipeline::stages() of the stage that decided
-    double bound;       ///< separate: certified lower bound on the distance; within, undecided: certified upper bound; colliding: 0
+    double bound;       ///< separate: certified lower bound on the distance; within, undecided: certified upper bound;
+                        ///< colliding: 0
 };
 
 /// Counts of one stage. Summed over frames by Pipeline::totals().
 struct StageStats {
     std::string_view stage;
-    std::string_view unit;           ///< what is counted: "bodies" or "pairs"
+    std::string_view unit; ///< what is counted: "bodies" or "pairs"
     std::uint64_t frames = 0;
     std::uint64_t in = 0, out = 0, culled = 0, undecided = 0;
     double cpu_ms = 0, gpu_ms = 0;
-    bool skipped = false;            ///< left out, by request or because it could not pay for itself
-    std::string_view note;           ///< why it was skipped; empty otherwise
+    bool skipped = false;  ///< left out, by request or because it could not pay for itself
+    std::string_view note; ///< why it was skipped; empty otherwise
 };
 
 /// What the sphere-trees did in one frame.
 struct TreeStats {
-    std::uint64_t rounds = 0;      ///< batches asked of the backend
-    std::uint64_t rows = 0;        ///< cells asked, all rounds
-    std::uint64_t node_pairs = 0;  ///< pairs of cells whose children were compared
-    std::uint64_t nodes = 0;       ///< cells stored at the end of the frame, roots included
-    std::uint64_t collapsed = 0;   ///< cells dropped by ageing or eviction
-    std::uint64_t refused = 0;     ///< cells that a budget kept from being asked
-    std::size_t bytes = 0;         ///< nodes and triangle lists, float copies of the surfaces
+    std::uint64_t rounds = 0;     ///< batches asked of the backend
+    std::uint64_t rows = 0;       ///< cells asked, all rounds
+    std::uint64_t node_pairs = 0; ///< pairs of cells whose children were compared
+    std::uint64_t nodes = 0;      ///< cells stored at the end of the frame, roots included
+    std::uint64_t collapsed = 0;  ///< cells dropped by ageing or eviction
+    std::uint64_t refused = 0;    ///< cells that a budget kept from being asked
+    std::size_t bytes = 0;        ///< nodes and triangle lists, float copies of the surfaces
 };
 
 /// The answer of one frame. Valid until the next step.
 struct FrameView {
-    std::uint64_t frame;                 ///< counted from 0 by the pipeline
-    double ms;                           ///< wall time of the frame, all stages
-    std::span<const PairResult> pairs;   ///< every pair that the broad phase kept, sorted by (a, b), separate ones included
-    std::span<const StageStats> stages;  ///< of this frame, in order
+    std::uint64_t frame; ///< counted from 0 by the pipeline
+    double ms;           ///< wall time of the frame, all stages
+    std::span<const PairResult>
+        pairs; ///< every pair that the broad phase kept, sorted by (a, b), separate ones included
+    std::span<const StageStats> stages;              ///< of this frame, in order
     std::span<const DelimitationLevel> delimitation; ///< per level of the region hierarchy
     const TreeStats& trees;
     std::uint64_t hash; ///< of the pairs of this frame that are not separate: names' indices, verdicts and bounds

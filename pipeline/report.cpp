@@ -1,6 +1,6 @@
 #include <oncollide/pipeline/report.hpp>
 
-#include <oncollide/pipeline/output_file.hpp>
+#include <oncollide/scenes/output_file.hpp>
 #include <oncollide/scenes/parallel.hpp>
 
 #include <algorithm>

@@ -14,10 +14,6 @@ namespace oncollide {
 /// The version that results carry; a test holds it equal to the project's version in CMakeLists.txt.
 inline constexpr std::string_view version = "0.1.0";
 
-/// Throws Error{cannot_write} with the reason if `path` could not be written now; leaves nothing behind. Ask before
-/// long work. "-" is standard output.
-void check_writable(const std::filesystem::path& path);
-
 class OutputFile;
 
 /// Collects frames and writes them out as JSON, CSV, a Chrome trace, a stage table and a picture.

@@ -33,13 +33,34 @@ void require(bool condition, std::string_view setting, auto value, std::string_v
 
 } // namespace
 
-std::string_view name_of(ExactLevel v) { return exact_names[static_cast<std::size_t>(v)]; }
-std::string_view name_of(Mode v) { return mode_names[static_cast<std::size_t>(v)]; }
-std::string_view name_of(BackendKind v) { return backend_names[static_cast<std::size_t>(v)]; }
-std::string_view name_of(BroadPhaseKind v) { return broad_names[static_cast<std::size_t>(v)]; }
-ExactLevel exact_from_name(std::string_view name) { return from_name<ExactLevel>("exact", exact_names, name); }
-Mode mode_from_name(std::string_view name) { return from_name<Mode>("mode", mode_names, name); }
-BackendKind backend_from_name(std::string_view name) { return from_name<BackendKind>("backend", backend_names, name); }
+std::string_view name_of(ExactLevel v)
+{
+    return exact_names[static_cast<std::size_t>(v)];
+}
+std::string_view name_of(Mode v)
+{
+    return mode_names[static_cast<std::size_t>(v)];
+}
+std::string_view name_of(BackendKind v)
+{
+    return backend_names[static_cast<std::size_t>(v)];
+}
+std::string_view name_of(BroadPhaseKind v)
+{
+    return broad_names[static_cast<std::size_t>(v)];
+}
+ExactLevel exact_from_name(std::string_view name)
+{
+    return from_name<ExactLevel>("exact", exact_names, name);
+}
+Mode mode_from_name(std::string_view name)
+{
+    return from_name<Mode>("mode", mode_names, name);
+}
+BackendKind backend_from_name(std::string_view name)
+{
+    return from_name<BackendKind>("backend", backend_names, name);
+}
 BroadPhaseKind broad_phase_from_name(std::string_view name)
 {
     return from_name<BroadPhaseKind>("broad", broad_names, name);
@@ -52,7 +73,8 @@ void check(const Settings& s)
     if (s.depth)
         require(*s.depth >= 1 && *s.depth <= deepest_level, "depth", *s.depth, fmt::format("1 to {}", deepest_level));
     if (s.max_error)
-        require(std::isfinite(*s.max_error) && *s.max_error > 0, "max-error", *s.max_error, "a length in metres, above 0");
+        require(std::isfinite(*s.max_error) && *s.max_error > 0, "max-error", *s.max_error,
+                "a length in metres, above 0");
     require(std::isfinite(s.clearance) && s.clearance >= 0 && s.clearance <= 1e15, "clearance", s.clearance,
             "a length in metres, 0 to 1e15");
     require(s.threads >= 0 && s.threads <= 1024, "threads", s.threads, "0 (all) to 1024");

@@ -15,8 +15,8 @@ enum class BroadPhaseKind : std::uint8_t { kd_tree, octree, brute_force };
 
 /// How a pipeline answers. The defaults suit most scenes.
 struct Settings {
-    /// The error dial. `max_error` (m, > 0): two bodies reported `within` are closer than clearance + max_error; the depth
-    /// of each tree follows. `depth` (1 to 16) sets it directly, as in the paper. At most one; neither: depth 6.
+    /// The error dial. `max_error` (m, > 0): two bodies reported `within` are closer than clearance + max_error; the
+    /// depth of each tree follows. `depth` (1 to 16) sets it directly, as in the paper. At most one; neither: depth 6.
     std::optional<int> depth{};
     std::optional<double> max_error{};
     double clearance = 0; ///< metres, >= 0: pairs this close count as touching, in every stage
@@ -25,12 +25,12 @@ struct Settings {
     Mode mode = Mode::surface; ///< solid: a closed mesh's inside belongs to it
     BackendKind backend = BackendKind::automatic;
     BroadPhaseKind broad_phase = BroadPhaseKind::kd_tree;
-    int threads = 1;                    ///< 0: all hardware threads. Never changes the result
-    std::vector<std::string> skip{};     ///< names of stages to leave out; the answer gets wider, never wrong
-    int age_limit = 60;                 ///< frames after which cells that no test reached are dropped; >= 1
-    std::size_t node_budget = 0;        ///< cells that all trees together may hold; 0: no limit
-    std::size_t memory_budget = 0;      ///< bytes that trees and triangle lists may hold; 0: no limit
-    bool coherence = true;              ///< try last frame's deciding cells first. Never changes the result
+    int threads = 1;                 ///< 0: all hardware threads. Never changes the result
+    std::vector<std::string> skip{}; ///< names of stages to leave out; the answer gets wider, never wrong
+    int age_limit = 60;              ///< frames after which cells that no test reached are dropped; >= 1
+    std::size_t node_budget = 0;     ///< cells that all trees together may hold; 0: no limit
+    std::size_t memory_budget = 0;   ///< bytes that trees and triangle lists may hold; 0: no limit
+    bool coherence = true;           ///< try last frame's deciding cells first. Never changes the result
 };
 
 /// Throws Error{usage} naming the setting, its value and the valid range.

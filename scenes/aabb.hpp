@@ -12,8 +12,14 @@ struct Aabb {
     void add(const Eigen::Vector3d& point) { min = min.cwiseMin(point), max = max.cwiseMax(point); }
     void add(const Aabb& box) { min = min.cwiseMin(box.min), max = max.cwiseMax(box.max); }
     bool empty() const { return (min.array() > max.array()).any(); }
-    bool overlaps(const Aabb& b) const { return (min.array() <= b.max.array()).all() && (b.min.array() <= max.array()).all(); }
-    bool contains(const Aabb& b) const { return (min.array() <= b.min.array()).all() && (b.max.array() <= max.array()).all(); }
+    bool overlaps(const Aabb& b) const
+    {
+        return (min.array() <= b.max.array()).all() && (b.min.array() <= max.array()).all();
+    }
+    bool contains(const Aabb& b) const
+    {
+        return (min.array() <= b.min.array()).all() && (b.max.array() <= max.array()).all();
+    }
     Eigen::Vector3d centre() const { return 0.5 * (min + max); }
     Eigen::Vector3d half_extent() const { return 0.5 * (max - min); }
     double diagonal() const { return (max - min).norm(); }

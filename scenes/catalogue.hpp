@@ -10,13 +10,15 @@
 namespace oncollide {
 
 struct CatalogueOptions {
-    std::optional<int> bodies;     ///< how many, where the scene lets one choose
+    std::optional<int> bodies; ///< how many, where the scene lets one choose
     std::optional<int> frames;
     std::uint64_t seed = 12345;
-    std::filesystem::path data;    ///< folder with meshes/ and octomap/; empty or missing: generated stand-ins
+    std::filesystem::path data; ///< folder with meshes/ and octomap/; empty or missing: generated stand-ins
 };
 
-struct CatalogueEntry { std::string name, summary; };
+struct CatalogueEntry {
+    std::string name, summary;
+};
 
 /// Every scene of the catalogue, in the order to show them.
 const std::vector<CatalogueEntry>& catalogue();

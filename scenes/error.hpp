@@ -6,11 +6,11 @@ namespace oncollide {
 
 /// What went wrong, as the process exit code that the command line gives for it (numbers after BSD sysexits).
 enum class ErrorKind : int {
-    usage = 64,      ///< the caller asked for something that does not exist or makes no sense
-    bad_data = 65,   ///< a file or an array was read and its content is invalid
-    no_input = 66,   ///< a file is missing or unreadable
-    internal = 70,   ///< a fault of oncollide itself
-    no_gpu = 71,     ///< the asked backend has no device to run on
+    usage = 64,        ///< the caller asked for something that does not exist or makes no sense
+    bad_data = 65,     ///< a file or an array was read and its content is invalid
+    no_input = 66,     ///< a file is missing or unreadable
+    internal = 70,     ///< a fault of oncollide itself
+    no_gpu = 71,       ///< the asked backend has no device to run on
     cannot_write = 73, ///< an output file cannot be created or written
 };
 
@@ -32,8 +32,9 @@ private:
 #include <cstdio>
 #include <cstdlib>
 #define ONCOLLIDE_ASSERT(condition)                                                                                    \
-    ((condition) ? void(0)                                                                                             \
-                 : (std::fprintf(stderr, "%s:%d: contract broken: %s\n", __FILE__, __LINE__, #condition), std::abort()))
+    ((condition)                                                                                                       \
+         ? void(0)                                                                                                     \
+         : (std::fprintf(stderr, "%s:%d: contract broken: %s\n", __FILE__, __LINE__, #condition), std::abort()))
 #else
 #define ONCOLLIDE_ASSERT(condition) void(0)
 #endif

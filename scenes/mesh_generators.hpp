@@ -21,7 +21,8 @@ Mesh make_torus_knot_mesh(int p, int q, double major, double minor, double tube,
 Mesh make_gear_mesh(int teeth, double root_radius, double tip_radius, double thickness, double bore_radius);
 /// Height field over [-size/2, size/2]^2, `cells` x `cells` squares, fractal noise of given height. Open.
 Mesh make_terrain_mesh(double size, double height, int cells, std::uint64_t seed);
-/// `count` isolated triangles of length `length` and width length / aspect, in random directions in a cube of side `size`.
+/// `count` isolated triangles of length `length` and width length / aspect, in random directions in a cube of side
+/// `size`.
 Mesh make_needles_mesh(int count, double length, double aspect, double size, std::uint64_t seed);
 /// `count` random triangles of edge about `edge` in a cube of side `size`: open, intersecting itself.
 Mesh make_soup_mesh(int count, double edge, double size, std::uint64_t seed);

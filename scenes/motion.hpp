@@ -19,7 +19,11 @@ struct Still {};
 /// Passes through keys; before the first and after the last key it stands. Positions linear, rotations by slerp along
 /// the shorter arc. `time` ascends strictly.
 struct Keyed {
-    struct Key { double time; Eigen::Vector3d position; Eigen::Quaterniond rotation; };
+    struct Key {
+        double time;
+        Eigen::Vector3d position;
+        Eigen::Quaterniond rotation;
+    };
     std::vector<Key> keys;
 };
 
@@ -50,8 +54,8 @@ std::uint64_t splitmix(std::uint64_t z);
 double u01(std::uint64_t seed, std::uint64_t index, std::uint64_t k);
 
 /// Reads a TUM trajectory: lines `t x y z qx qy qz qw`, t in seconds, `#` comments. Times become frames by
-/// `frames_per_second`, counted from the first line. Quaternions are normalised; `warnings` gets a line when one was off
-/// by more than 1e-6. Throws Error{no_input} or Error{bad_data} with path and line number.
+/// `frames_per_second`, counted from the first line. Quaternions are normalised; `warnings` gets a line when one was
+/// off by more than 1e-6. Throws Error{no_input} or Error{bad_data} with path and line number.
 Keyed load_tum(const std::filesystem::path& path, double frames_per_second, std::vector<std::string>& warnings);
 
 /// One step of a random walk: moves `position` from frame - 1 to `frame` (>= 1).

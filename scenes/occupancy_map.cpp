@@ -1,17 +1,16 @@
 #include <oncollide/scenes/occupancy_map.hpp>
 
 #include <algorithm>
-#include <fstream>
 #include <sstream>
 
 #include <fmt/format.h>
 #include <octomap/OcTree.h>
-#include <unistd.h>
 
 #include "file_bytes.hpp"
 #include "occupancy_cells.hpp"
 #include "octomap_scan.hpp"
 #include <oncollide/scenes/error.hpp>
+#include <oncollide/scenes/output_file.hpp>
 
 namespace oncollide {
 
@@ -78,23 +77,14 @@ OccupancyMap load_octomap(const std::filesystem::path& path)
 
 void save_octomap(const OccupancyMap& map, const std::filesystem::path& path)
 {
-    const std::filesystem::path part = fmt::format("{}.{}.part", path.string(), getpid());
-    std::ofstream out(part, std::ios::binary);
+    std::ostringstream nodes;
+    if (!map.tree->writeBinaryData(nodes)) throw Error(ErrorKind::internal, "OctoMap cannot write its map");
     // OctoMap's own header rounds the resolution to six digits.
-    out << fmt::format(
-        "# Octomap OcTree binary file\n# (feel free to add / change comments, but leave the first line as it "
-        "is!)\n#\nid OcTree\nsize {}\nres {}\ndata\n",
-        map.tree->calcNumNodes(), map.resolution);
-    const bool written = out && map.tree->writeBinaryData(out) && out.flush();
-    out.close();
-    std::error_code error;
-    if (written && out) std::filesystem::rename(part, path, error);
-    if (written && out && !error) return;
-    std::error_code ignored;
-    std::filesystem::remove(part, ignored);
-    throw Error(ErrorKind::cannot_write,
-                fmt::format("{}: cannot be written{}; the folder must exist and have room", path.string(),
-                            error ? fmt::format(" ({})", error.message()) : ""));
+    OutputFile file(path);
+    file.print("# Octomap OcTree binary file\n# (feel free to add / change comments, but leave the first line as it "
+               "is!)\n#\nid OcTree\nsize {}\nres {}\ndata\n{}",
+               map.tree->calcNumNodes(), map.resolution, nodes.view());
+    file.commit();
 }
 
 } // namespace oncollide

@@ -15,7 +15,8 @@ int hardware_threads()
 namespace {
 
 // Chunks are dealt by an atomic counter. The counter also orders memory: work done before it is released by every
-// fetch and acquired by the caller's last read, so the hand-over is visible to tools that do not know OpenMP's barriers.
+// fetch and acquired by the caller's last read, so the hand-over is visible to tools that do not know OpenMP's
+// barriers.
 struct Job {
     std::atomic<std::size_t> next{0};
     std::atomic<int> entered{0}, left{0};
@@ -51,7 +52,8 @@ void parallel_chunks(std::size_t count, std::size_t grain, int threads,
     }
     Job job{.count = count, .grain = grain, .work = work};
     job.entered.fetch_add(1, std::memory_order_acq_rel);
-    parallel_region(threads, [](void* j, int thread) { static_cast<Job*>(j)->serve(thread); }, &job);
+    parallel_region(
+        threads, [](void* j, int thread) { static_cast<Job*>(j)->serve(thread); }, &job);
     job.left.load(std::memory_order_acquire);
 }
 

@@ -20,15 +20,21 @@ namespace oncollide {
 
 enum class BodyId : std::uint32_t {};
 enum class GeometryId : std::uint32_t {};
-constexpr std::uint32_t index(BodyId id) { return static_cast<std::uint32_t>(id); }
-constexpr std::uint32_t index(GeometryId id) { return static_cast<std::uint32_t>(id); }
+constexpr std::uint32_t index(BodyId id)
+{
+    return static_cast<std::uint32_t>(id);
+}
+constexpr std::uint32_t index(GeometryId id)
+{
+    return static_cast<std::uint32_t>(id);
+}
 
 /// What a body is made of, in its own frame. Shared by its instances.
 struct Geometry {
     std::string name;
     std::variant<Mesh, Shape, OccupancyMap> data;
-    /// The entry of a scene file that makes this geometry again (JSON text: file or generator; paths absolute or relative
-    /// to the current folder). Empty when made in code, and for shapes: their data says it all.
+    /// The entry of a scene file that makes this geometry again (JSON text: file or generator; paths absolute or
+    /// relative to the current folder). Empty when made in code, and for shapes: their data says it all.
     std::string recipe;
 };
 
@@ -54,15 +60,17 @@ public:
     std::optional<std::uint32_t> find(std::string_view name) const;
 
 private:
-    struct Hash : std::hash<std::string_view> { using is_transparent = void; };
+    struct Hash : std::hash<std::string_view> {
+        using is_transparent = void;
+    };
     std::unordered_map<std::string, std::uint32_t, Hash, std::equal_to<>> indices_;
 };
 
 /// Everything that exists: geometries, and bodies as columns indexed by BodyId.
 ///
 /// Move a body by writing `poses` between frames. Bodies a and b may collide when
-/// (layer a & mask b) && (layer b & mask a) and not both are static. Geometries and bodies are added by add and add_body,
-/// which keep the columns of one length; they are not renamed or removed afterwards.
+/// (layer a & mask b) && (layer b & mask a) and not both are static. Geometries and bodies are added by add and
+/// add_body, which keep the columns of one length; they are not renamed or removed afterwards.
 struct Scene {
     std::string name;
     int frames = 1; ///< how long the scene's motion is worth running

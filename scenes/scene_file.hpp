@@ -10,10 +10,10 @@ namespace oncollide {
 /// for an unknown key or name list the valid ones.
 Scene load_scene(const std::filesystem::path& path);
 
-/// Writes `scene` as it stands at frame 0 (start_poses), so that load_scene gives it back bit for bit: every number in a
-/// form that reads back exactly. Files that the scene uses are named relative to `path`'s folder. Geometries made in code
-/// without a recipe are written into the scene file (meshes) or beside it as `.bt` files (maps). Temporary name, then
-/// renamed. Throws Error{cannot_write}.
+/// Writes `scene` as it stands at frame 0 (start_poses), so that load_scene gives it back bit for bit: every number in
+/// a form that reads back exactly. Files that the scene uses are named relative to `path`'s folder. Geometries made in
+/// code without a recipe are written into the scene file (meshes) or beside it as `.bt` files (maps). Temporary name,
+/// then renamed. Throws Error{cannot_write}.
 void save_scene(const Scene& scene, const std::filesystem::path& path);
 
 } // namespace oncollide

@@ -4,8 +4,8 @@
 
 #include "geometry_recipe.hpp"
 #include "scene_pose.hpp"
-#include "text_file.hpp"
 #include <oncollide/scenes/error.hpp>
+#include <oncollide/scenes/output_file.hpp>
 
 namespace oncollide {
 
@@ -122,7 +122,9 @@ void save_scene(const Scene& scene, const fs::path& path)
         save_octomap(*map, file);
         if (is_new) made.files.push_back(file);
     }
-    write_text(path, text);
+    OutputFile file(path);
+    file.print("{}", text);
+    file.commit();
     made.files.clear();
 }
 

@@ -7,11 +7,21 @@
 namespace oncollide {
 
 // Primitive shapes: solid, centred on their own origin, metres.
-struct Sphere { double radius; };
-struct Box { Eigen::Vector3d half; };
-struct Capsule { double radius, length; };  ///< along z; `length` is the cylinder's, without the caps; >= 0
-struct Cylinder { double radius, length; }; ///< along z
-struct ConvexHull { std::vector<Eigen::Vector3d> points; }; ///< at least four, not in a plane
+struct Sphere {
+    double radius;
+};
+struct Box {
+    Eigen::Vector3d half;
+};
+struct Capsule {
+    double radius, length;
+}; ///< along z; `length` is the cylinder's, without the caps; >= 0
+struct Cylinder {
+    double radius, length;
+}; ///< along z
+struct ConvexHull {
+    std::vector<Eigen::Vector3d> points;
+}; ///< at least four, not in a plane
 
 using Shape = std::variant<Sphere, Box, Capsule, Cylinder, ConvexHull>;
 
@@ -28,8 +38,8 @@ struct Enclosure {
 };
 
 /// Curved parts are tessellated so that the covering error is about 0.5 % of the radius (sphere 1,568 triangles). Boxes
-/// are exact (0). Hulls are pushed out by what rounding takes: about 1e-12 of their size, up to 1e-6 where many points lie
-/// all but in one plane. Enclosing is certified with rounding included. The shape must have passed check_shape.
+/// are exact (0). Hulls are pushed out by what rounding takes: about 1e-12 of their size, up to 1e-6 where many points
+/// lie all but in one plane. Enclosing is certified with rounding included. The shape must have passed check_shape.
 Enclosure enclose(const Shape& shape);
 
 } // namespace oncollide

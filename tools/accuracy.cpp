@@ -11,9 +11,9 @@
 #include <fmt/format.h>
 
 #include <oncollide/narrowphase/occlusion_backend.hpp>
-#include <oncollide/pipeline/output_file.hpp>
 #include <oncollide/scenes/catalogue.hpp>
 #include <oncollide/scenes/error.hpp>
+#include <oncollide/scenes/output_file.hpp>
 
 namespace oncollide::tools {
 namespace {

@@ -11,9 +11,9 @@
 #include <fcl/fcl.h>
 
 #include <oncollide/pipeline/forest.hpp>
-#include <oncollide/pipeline/output_file.hpp>
 #include <oncollide/scenes/error.hpp>
 #include <oncollide/scenes/mesh_file.hpp>
+#include <oncollide/scenes/output_file.hpp>
 
 namespace oncollide::tools {
 namespace {

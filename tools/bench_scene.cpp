@@ -7,8 +7,8 @@
 #include <chrono>
 #include <optional>
 
-#include <oncollide/pipeline/output_file.hpp>
 #include <oncollide/scenes/error.hpp>
+#include <oncollide/scenes/output_file.hpp>
 
 namespace oncollide::tools {
 namespace {

@@ -8,6 +8,7 @@
 
 #include <oncollide/scenes/catalogue.hpp>
 #include <oncollide/scenes/error.hpp>
+#include <oncollide/scenes/output_file.hpp>
 #include <oncollide/scenes/scene_file.hpp>
 
 namespace oncollide::tools {

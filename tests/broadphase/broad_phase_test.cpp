@@ -42,7 +42,8 @@ Boxes random_boxes(std::uint32_t count, double side, double static_share, std::u
     for (std::uint32_t i = 0; i < count; ++i) {
         Eigen::Vector3d centre, half;
         for (std::uint64_t k = 0; k < 3; ++k)
-            centre[static_cast<int>(k)] = side * u01(seed, i, k), half[static_cast<int>(k)] = 0.25 + 0.25 * u01(seed, i, 3 + k);
+            centre[static_cast<int>(k)] = side * u01(seed, i, k),
+            half[static_cast<int>(k)] = 0.25 + 0.25 * u01(seed, i, 3 + k);
         if (i % 50 == 0) half *= 8;
         scene.add(at + centre - half, at + centre + half, u01(seed, i, 6) < static_share, 1u << (i % 3),
                   i % 7 == 0 ? 0b011u : ~0u);
@@ -69,7 +70,8 @@ protected:
 TEST_P(EveryBroadPhase, FindsThePairsOfBruteForceOnRandomBoxes)
 {
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
-        const Boxes scene = random_boxes(400 + 40 * static_cast<std::uint32_t>(seed), 12, seed % 3 * 0.4, seed, {0, 0, 0});
+        const Boxes scene =
+            random_boxes(400 + 40 * static_cast<std::uint32_t>(seed), 12, seed % 3 * 0.4, seed, {0, 0, 0});
         EXPECT_EQ(find(scene, seed % 2 * 0.1), scene.truth(seed % 2 * 0.1)) << "seed " << seed;
     }
 }

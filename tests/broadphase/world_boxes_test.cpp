@@ -61,7 +61,8 @@ TEST(WorldBoxes, GiveAtMostATenthMoreCandidatesThanExactBoxesOnMany)
         boxes.update(scene, all, 1, tight);
         if (frame % 5) continue;
         for (std::uint32_t body : all)
-            exact[body] = exact_box(std::get<Mesh>(scene.geometries[index(scene.geometry[body])].data), scene.poses[body]);
+            exact[body] =
+                exact_box(std::get<Mesh>(scene.geometries[index(scene.geometry[body])].data), scene.poses[body]);
         for (std::uint32_t a : all)
             for (std::uint32_t b = a + 1; b < scene.size(); ++b) {
                 candidates += tight[a].overlaps(tight[b]);

@@ -22,7 +22,8 @@ Polygon clip(const Polygon& in, int axis, double sign, double d)
 }
 
 /// Does the triangle enter the box grown by `grow`? By clipping in double, independent of the test's separating axes.
-bool enters(const Mesh& mesh, const Triangle& t, const Eigen::Vector3d& centre, const Eigen::Vector3d& half, double grow)
+bool enters(const Mesh& mesh, const Triangle& t, const Eigen::Vector3d& centre, const Eigen::Vector3d& half,
+            double grow)
 {
     Polygon polygon{mesh.vertices[t[0]] - centre, mesh.vertices[t[1]] - centre, mesh.vertices[t[2]] - centre};
     for (int axis = 0; axis < 3 && !polygon.empty(); ++axis)
@@ -51,7 +52,8 @@ std::vector<Case> cases()
     all.push_back({"tiny triangles", make_soup_mesh(400, 1e-5, 3, 9)});
     all.push_back({"soup", make_soup_mesh(300, 0.7, 3, 10)});
     all.push_back({"box: axis-aligned faces on cell faces", make_box_mesh({1, 1, 1})});
-    all.push_back({"flat", make_mesh("flat", {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}})});
+    all.push_back(
+        {"flat", make_mesh("flat", {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}})});
     all.push_back({"one zero-area triangle", make_mesh("line", {{0, 0, 0}, {1, 2, 3}, {2, 4, 6}}, {{0, 1, 2}})});
     all.push_back({"knot at 1e6", moved(make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 800), 1, {1e6, -1e6, 1e6})});
     all.push_back({"soup of size 1e-6", moved(make_soup_mesh(200, 0.5, 3, 11), 1e-6, {0, 0, 0})});
@@ -82,7 +84,8 @@ protected:
                 tree.expand(level[i], answers[i], 1);
                 check(root, level[i], answers[i].grey);
                 for (unsigned k = 0; k < 8; ++k)
-                    if (answers[i].grey >> k & 1 && level_of(level[i]) + 1 < depth) next.push_back(child_cell(level[i], k));
+                    if (answers[i].grey >> k & 1 && level_of(level[i]) + 1 < depth)
+                        next.push_back(child_cell(level[i], k));
             }
             level = next;
         }

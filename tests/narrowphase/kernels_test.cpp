@@ -26,7 +26,8 @@ TEST(Kernels, TestOctantsAlikeOnEveryInstructionSet)
     const auto ask = [&](OctantTest* test, const OctantCell& cell) {
         std::vector<std::uint32_t> ids(n);
         std::vector<std::uint8_t> masks(n);
-        const std::uint32_t found = test(surface.primitives.data(), false, {nullptr, nullptr, n, 0}, cell, ids.data(), masks.data());
+        const std::uint32_t found =
+            test(surface.primitives.data(), false, {nullptr, nullptr, n, 0}, cell, ids.data(), masks.data());
         ids.resize(found), masks.resize(found);
         return std::pair(ids, masks);
     };
@@ -35,8 +36,8 @@ TEST(Kernels, TestOctantsAlikeOnEveryInstructionSet)
         OctantCell cell{{random_float(i, 0), random_float(i, 1), random_float(i, 2)}, {0.1f, 0.07f, 0.2f}, 1e-6f};
         const auto expected = ask(baseline::octant_test(), cell);
         grey += expected.first.size();
-        if (instruction_set() >= InstructionSet::avx2) EXPECT_EQ(ask(avx2::octant_test(), cell), expected);
-        if (instruction_set() >= InstructionSet::avx512) EXPECT_EQ(ask(avx512::octant_test(), cell), expected);
+        if (instruction_set() >= InstructionSet::avx2) { EXPECT_EQ(ask(avx2::octant_test(), cell), expected); }
+        if (instruction_set() >= InstructionSet::avx512) { EXPECT_EQ(ask(avx512::octant_test(), cell), expected); }
     }
     EXPECT_GT(grey, 1000u);
 }
@@ -49,7 +50,9 @@ TEST(Kernels, BoundPointsAlikeOnEveryInstructionSet)
     for (std::uint64_t i = 0; i < 100; ++i) {
         float rows[9], expected[6], got[6];
         for (std::uint64_t k = 0; k < 9; ++k) rows[k] = random_float(i, k);
-        const auto ask = [&](SupportBox* box, float out[6]) { box(x.data(), y.data(), z.data(), 1024, rows, out, out + 3); };
+        const auto ask = [&](SupportBox* box, float out[6]) {
+            box(x.data(), y.data(), z.data(), 1024, rows, out, out + 3);
+        };
         ask(baseline::box_kernel().support_box, expected);
         if (instruction_set() >= InstructionSet::avx2) {
             ask(avx2::box_kernel().support_box, got);

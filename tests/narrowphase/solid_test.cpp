@@ -17,14 +17,16 @@ TEST(WindingNumber, IsOneInsideAndZeroOutside)
 TEST(SolidTest, SeesOneBodyInsideAnother)
 {
     Scene scene;
-    const GeometryId big = scene.add("big", make_sphere_mesh(2, 500)), small = scene.add("small", make_box_mesh({0.1, 0.1, 0.1})),
+    const GeometryId big = scene.add("big", make_sphere_mesh(2, 500)),
+                     small = scene.add("small", make_box_mesh({0.1, 0.1, 0.1})),
                      open = scene.add("open", make_terrain_mesh(8, 1, 8, 1));
     const auto put = [&](const char* name, GeometryId g, double x) {
         Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
         pose.translation().x() = x;
         return index(scene.add_body({.name = name, .geometry = g, .pose = pose}));
     };
-    const auto ball = put("ball", big, 0), inner = put("inner", small, 1), outer = put("outer", small, 3), ground = put("ground", open, 0);
+    const auto ball = put("ball", big, 0), inner = put("inner", small, 1), outer = put("outer", small, 3),
+               ground = put("ground", open, 0);
     const SolidTest solid(scene);
     EXPECT_TRUE(solid.encloses(scene, ball, inner));
     EXPECT_TRUE(solid.encloses(scene, inner, ball));
@@ -42,7 +44,8 @@ TEST(SolidTest, SeesOneOfSeveralParts)
     for (const Eigen::Vector3d& v : two.vertices) vertices.push_back(v - Eigen::Vector3d(5, 0, 0));
     for (Triangle t : two.triangles) triangles.push_back({t[0] + n, t[1] + n, t[2] + n});
     Scene scene;
-    const GeometryId ball = scene.add("ball", make_sphere_mesh(2, 500)), pair = scene.add("pair", make_mesh("pair", vertices, triangles));
+    const GeometryId ball = scene.add("ball", make_sphere_mesh(2, 500)),
+                     pair = scene.add("pair", make_mesh("pair", vertices, triangles));
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     pose.translation().x() = 5;
     const auto a = index(scene.add_body({.name = "a", .geometry = ball})),

@@ -21,8 +21,14 @@ void* operator new(std::size_t size)
     if (void* p = std::malloc(size ? size : 1)) return p;
     throw std::bad_alloc();
 }
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+void operator delete(void* p) noexcept
+{
+    std::free(p);
+}
+void operator delete(void* p, std::size_t) noexcept
+{
+    std::free(p);
+}
 #endif
 
 namespace oncollide {
@@ -88,7 +94,7 @@ TEST(Pipeline, AllocatesNothingInAWarmFrame)
                 mover.move(scene, frame);
                 const std::size_t before = allocations;
                 pipeline.step(scene);
-                if (lap == 2) EXPECT_EQ(allocations - before, 0u) << "frame " << frame;
+                if (lap == 2) { EXPECT_EQ(allocations - before, 0u) << "frame " << frame; }
             }
     }
 }
@@ -128,7 +134,8 @@ TEST(Pipeline, MeetsTheErrorAskedFor)
 TEST(Pipeline, SaysUndecidedWhenABudgetStopsIt)
 {
     Scene scene = two_knots(0.5);
-    for (const Settings& settings : {Settings{.depth = 8, .node_budget = 40}, Settings{.depth = 8, .memory_budget = 1}}) {
+    for (const Settings& settings :
+         {Settings{.depth = 8, .node_budget = 40}, Settings{.depth = 8, .memory_budget = 1}}) {
         Pipeline pipeline(scene, settings);
         for (int frame = 0; frame < 3; ++frame) {
             const FrameView view = pipeline.step(scene);
@@ -137,7 +144,7 @@ TEST(Pipeline, SaysUndecidedWhenABudgetStopsIt)
             EXPECT_GT(view.trees.refused, 0u);
             EXPECT_GT(view.pairs[0].bound, 0);
             EXPECT_LT(view.pairs[0].bound, 20);
-            if (settings.node_budget) EXPECT_LE(view.trees.nodes, settings.node_budget);
+            if (settings.node_budget) { EXPECT_LE(view.trees.nodes, settings.node_budget); }
         }
     }
 }
@@ -156,7 +163,8 @@ TEST(Pipeline, KeepsEveryPairWhenEveryStageIsSkipped)
 TEST(Pipeline, FindsABodyInsideAnotherInSolidModeOnly)
 {
     Scene scene;
-    const GeometryId ball = scene.add("ball", make_sphere_mesh(2, 1000)), box = scene.add("box", make_box_mesh({0.2, 0.2, 0.2}));
+    const GeometryId ball = scene.add("ball", make_sphere_mesh(2, 1000)),
+                     box = scene.add("box", make_box_mesh({0.2, 0.2, 0.2}));
     scene.add_body({.name = "ball", .geometry = ball, .motion = Drift{}});
     scene.add_body({.name = "box", .geometry = box, .motion = Drift{}});
     for (const ExactLevel exact : {ExactLevel::off, ExactLevel::fcl}) {
@@ -240,9 +248,10 @@ TEST(Pipeline, RefusesSettingsOutOfRange)
 {
     const Scene scene = two_knots(3);
     for (const Settings& settings :
-         {Settings{.depth = 0}, Settings{.depth = 99}, Settings{.depth = 3, .max_error = 1.0}, Settings{.max_error = -1.0},
-          Settings{.clearance = std::numeric_limits<double>::quiet_NaN()}, Settings{.exact = ExactLevel::predicates},
-          Settings{.backend = BackendKind::gl_compute}, Settings{.threads = -1}, Settings{.skip = {"borad"}}})
+         {Settings{.depth = 0}, Settings{.depth = 99}, Settings{.depth = 3, .max_error = 1.0},
+          Settings{.max_error = -1.0}, Settings{.clearance = std::numeric_limits<double>::quiet_NaN()},
+          Settings{.exact = ExactLevel::predicates}, Settings{.backend = BackendKind::gl_compute},
+          Settings{.threads = -1}, Settings{.skip = {"borad"}}})
         EXPECT_THROW(Pipeline(scene, settings), Error);
 }
 

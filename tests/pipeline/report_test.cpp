@@ -1,5 +1,6 @@
 #include <oncollide/pipeline/report.hpp>
 #include <oncollide/scenes/error.hpp>
+#include <oncollide/scenes/output_file.hpp>
 
 #include <algorithm>
 #include <array>

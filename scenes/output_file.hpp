@@ -11,7 +11,6 @@ namespace oncollide {
 
 /// A text file that appears whole or not at all: written under a temporary name beside `path`, renamed by commit().
 /// "-" is standard output. Devices and pipes are written in place, and a symbolic link's target is what gets replaced.
-/// Not a public header.
 class OutputFile {
 public:
     /// Throws Error{cannot_write}.
@@ -40,5 +39,9 @@ private:
     std::FILE* file_ = nullptr;
     fmt::memory_buffer buffer_;
 };
+
+/// Throws Error{cannot_write} with the reason if `path` could not be written now; leaves nothing behind. Ask before
+/// long work. "-" is standard output.
+void check_writable(const std::filesystem::path& path);
 
 } // namespace oncollide

@@ -1,6 +1,5 @@
-#include <oncollide/pipeline/output_file.hpp>
-#include <oncollide/pipeline/report.hpp>
 #include <oncollide/scenes/error.hpp>
+#include <oncollide/scenes/output_file.hpp>
 
 #include <cerrno>
 #include <cstring>
