@@ -115,7 +115,7 @@ TEST(OccupancyMap, WhatCannotBeWrittenLeavesNothingBehind)
     const OccupancyMap map = make_building_map(1, 1, 5);
     expect_error(
         ErrorKind::cannot_write, [&] { save_octomap(map, folder.path() / "missing" / "a.bt"); },
-        "a.bt: cannot be written");
+        "a.bt: cannot write: there is no folder");
     std::filesystem::create_directories(folder.path() / "taken.bt" / "full");
     expect_error(
         ErrorKind::cannot_write, [&] { save_octomap(map, folder.path() / "taken.bt"); }, "taken.bt");
