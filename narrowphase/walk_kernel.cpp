@@ -102,18 +102,20 @@ WalkEnd walk(const WalkPlan& plan, WalkState& s)
             return false;
         };
 
+        const F32x8 x = e.d[0] + bx * step.scale_b, y = e.d[1] + by * step.scale_b, z = e.d[2] + bz * step.scale_b;
         if (open_a) {
             const F32x8 oax = ax * step.scale_a, oay = ay * step.scale_a, oaz = az * step.scale_a;
+            alignas(32) float child_x[8], child_y[8], child_z[8]; // of B's children, to broadcast one at a time
+            store(child_x, x), store(child_y, y), store(child_z, z);
             for (unsigned rest = open_b ? grey_b : 1; rest; rest &= rest - 1) {
                 const auto j = static_cast<unsigned>(__builtin_ctz(rest));
-                const float x = e.d[0] + plan.bx[j] * step.scale_b, y = e.d[1] + plan.by[j] * step.scale_b,
-                            z = e.d[2] + plan.bz[j] * step.scale_b;
-                if (take(measure(x - oax, y - oay, z - oaz, step.reach2, lanes, nearest2[e.step]), true, j))
+                if (take(measure(splat(child_x[j]) - oax, splat(child_y[j]) - oay, splat(child_z[j]) - oaz, step.reach2,
+                                 lanes, nearest2[e.step]),
+                         true, j))
                     return WalkEnd::hit;
             }
-        } else {
-            const F32x8 x = e.d[0] + bx * step.scale_b, y = e.d[1] + by * step.scale_b, z = e.d[2] + bz * step.scale_b;
-            if (take(measure(x, y, z, step.reach2, lanes, nearest2[e.step]), false, 0)) return WalkEnd::hit;
+        } else if (take(measure(x, y, z, step.reach2, lanes, nearest2[e.step]), false, 0)) {
+            return WalkEnd::hit;
         }
         if (s.top > first_pushed) { // the closest pair next: deep contacts end the walk soonest
             const WalkEntry t = s.stack[closest_at];
