@@ -58,6 +58,7 @@ struct Pipeline::Impl {
     std::vector<std::unique_ptr<Stage>> stages;
     std::vector<std::uint8_t> asked_to_skip;
     std::vector<StageStats> stats, totals;
+    std::size_t bodies = 0;
     std::vector<std::uint32_t> moving;
     std::unique_ptr<Forest> forest;
     std::uint64_t hash = 0;
@@ -65,9 +66,9 @@ struct Pipeline::Impl {
 
     void check_poses(const Scene& scene)
     {
-        if (scene.size() != frame.filter.is_static.size())
-            throw Error(ErrorKind::usage, fmt::format("the pipeline was made for {} bodies, the scene has {}",
-                                                      frame.filter.is_static.size(), scene.size()));
+        if (scene.size() != bodies)
+            throw Error(ErrorKind::usage,
+                        fmt::format("the pipeline was made for {} bodies, the scene has {}", bodies, scene.size()));
         const auto check_one = [&](std::uint32_t body) {
             if (!usable(scene.poses[body]))
                 throw Error(
@@ -89,7 +90,7 @@ Pipeline::Pipeline(const Scene& scene, const Settings& settings) : impl_(std::ma
     p.settings = settings;
     p.frame.settings = &p.settings;
     p.frame.threads = settings.threads ? settings.threads : hardware_threads();
-    p.frame.filter = {scene.is_static, scene.layers, scene.masks};
+    p.bodies = scene.size();
     for (std::uint32_t body = 0; body < scene.size(); ++body)
         if (!scene.is_static[body]) p.moving.push_back(body);
 
@@ -121,8 +122,8 @@ FrameView Pipeline::step(const Scene& scene)
 {
     Impl& p = *impl_;
     const auto begin = Clock::now();
-    p.frame.filter = {scene.is_static, scene.layers, scene.masks};
     p.check_poses(scene);
+    p.frame.filter = {scene.is_static, scene.layers, scene.masks};
     auto from = begin;
     for (std::size_t i = 0; i < p.stages.size(); ++i) {
         Stage& stage = *p.stages[i];

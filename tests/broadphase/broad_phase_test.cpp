@@ -151,6 +151,23 @@ TEST(Delimitation, KeepsEveryPairWhileMoversWander)
     }
 }
 
+TEST(Delimitation, GrowsEveryBoxByTheMargin)
+{
+    for (const double margin : {0.5, 3.0}) {
+        const Boxes scene = random_boxes(1500, 120, 0.97, 21, {0, 0, 0});
+        Delimitation delimitation;
+        std::vector<std::uint32_t> survivors;
+        delimitation.run(scene.boxes, scene.filter(), margin, survivors);
+        const auto pairs = scene.truth(margin);
+        EXPECT_GT(pairs.size(), scene.truth(0).size());
+        for (BodyPair pair : pairs) {
+            EXPECT_TRUE(std::binary_search(survivors.begin(), survivors.end(), pair.a)) << "margin " << margin;
+            EXPECT_TRUE(std::binary_search(survivors.begin(), survivors.end(), pair.b)) << "margin " << margin;
+        }
+        EXPECT_LT(survivors.size(), scene.boxes.size());
+    }
+}
+
 TEST(Delimitation, RejectsALoneMoverAndForbiddenLayers)
 {
     Boxes scene;

@@ -94,7 +94,9 @@ TEST(Pipeline, AllocatesNothingInAWarmFrame)
                 mover.move(scene, frame);
                 const std::size_t before = allocations;
                 pipeline.step(scene);
-                if (lap == 2) { EXPECT_EQ(allocations - before, 0u) << "frame " << frame; }
+                if (lap == 2) {
+                    EXPECT_EQ(allocations - before, 0u) << "frame " << frame;
+                }
             }
     }
 }
@@ -144,7 +146,9 @@ TEST(Pipeline, SaysUndecidedWhenABudgetStopsIt)
             EXPECT_GT(view.trees.refused, 0u);
             EXPECT_GT(view.pairs[0].bound, 0);
             EXPECT_LT(view.pairs[0].bound, 20);
-            if (settings.node_budget) { EXPECT_LE(view.trees.nodes, settings.node_budget); }
+            if (settings.node_budget) {
+                EXPECT_LE(view.trees.nodes, settings.node_budget);
+            }
         }
     }
 }
@@ -216,6 +220,17 @@ TEST(Pipeline, TakesAnotherStageInThePlaceOfItsOwn)
     pipeline.replace(std::make_unique<KeepAll>());
     EXPECT_EQ(pipeline.step(scene).pairs.size(), 1u);
     EXPECT_EQ(KeepAll::runs, 1);
+}
+
+TEST(Pipeline, AnswersForNoBodyAndForOne)
+{
+    Scene scene;
+    Pipeline empty(scene);
+    EXPECT_TRUE(empty.step(scene).pairs.empty());
+    scene.add_body({.name = "a", .geometry = scene.add("box", make_box_mesh({1, 1, 1})), .motion = Drift{}});
+    Pipeline one(scene, {.exact = ExactLevel::fcl, .skip = {"broad", "ocst"}});
+    EXPECT_TRUE(one.step(scene).pairs.empty());
+    EXPECT_THROW(empty.step(scene), Error) << "made for another set of bodies";
 }
 
 TEST(Pipeline, RefusesPosesThatAreNotRigidAndNamesTheBody)
