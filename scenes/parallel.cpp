@@ -14,18 +14,18 @@ int hardware_threads()
 
 namespace {
 
-// Chunks are dealt by an atomic counter. The counter also orders memory: work done before it is released by every
-// fetch and acquired by the caller's last read, so the hand-over is visible to tools that do not know OpenMP's
-// barriers.
+// Chunks are dealt by an atomic counter. Memory is ordered by atomics too, so that the hand-over is visible to tools
+// that do not know OpenMP's barriers: the gate publishes the job to its threads, `left` their work to the caller.
+std::atomic<unsigned> gate{0};
+
 struct Job {
     std::atomic<std::size_t> next{0};
-    std::atomic<int> entered{0}, left{0};
+    std::atomic<int> left{0};
     std::size_t count, grain;
     FunctionRef<void(std::size_t, std::size_t, int)> work;
 
     void serve(int thread)
     {
-        entered.fetch_add(1, std::memory_order_acq_rel);
         for (;;) {
             const std::size_t begin = next.fetch_add(grain, std::memory_order_acq_rel);
             if (begin >= count) break;
@@ -51,9 +51,14 @@ void parallel_chunks(std::size_t count, std::size_t grain, int threads,
         return;
     }
     Job job{.count = count, .grain = grain, .work = work};
-    job.entered.fetch_add(1, std::memory_order_acq_rel);
+    gate.fetch_add(1, std::memory_order_acq_rel);
     parallel_region(
-        threads, [](void* j, int thread) { static_cast<Job*>(j)->serve(thread); }, &job);
+        threads,
+        [](void* j, int thread) {
+            gate.load(std::memory_order_acquire);
+            static_cast<Job*>(j)->serve(thread);
+        },
+        &job);
     job.left.load(std::memory_order_acquire);
 }
 
