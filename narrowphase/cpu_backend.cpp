@@ -1,10 +1,10 @@
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include <oncollide/broadphase/cpu_features.hpp>
+#include <oncollide/narrowphase/octant_cell.hpp>
 #include <oncollide/narrowphase/triangle_lists.hpp>
 #include <oncollide/scenes/error.hpp>
 #include <oncollide/scenes/parallel.hpp>
@@ -41,32 +41,44 @@ public:
         if (attached(tree)) trees_[tree].reset();
     }
 
-    void ask(std::span<const OctantRow> rows, int threads, std::span<OctantAnswer> answers) override
+    /// Answers at once: there is nobody else to do the work.
+    void submit(std::span<const OctantRow> rows, int threads) override
     {
-        ONCOLLIDE_ASSERT(rows.size() == answers.size());
+        answers_.resize(rows.size());
         workers_.resize(static_cast<std::size_t>(std::max(threads, 1)));
         for (Worker& worker : workers_) worker.ids.clear(), worker.masks.clear();
         found_.resize(rows.size());
         parallel_chunks(rows.size(), 16, threads, [&](std::size_t begin, std::size_t end, int thread) {
             for (std::size_t i = begin; i < end; ++i)
-                answers[i] = {test(rows[i], static_cast<std::uint32_t>(thread), found_[i]), all_triangles};
+                answers_[i] = {test(rows[i], static_cast<std::uint32_t>(thread), found_[i]), all_triangles};
         });
         // Lists are stored in the order of the rows, so that threads leave no trace in them.
         for (std::size_t i = 0; i < rows.size(); ++i) {
             if (!rows[i].keep_list) continue;
             const Worker& worker = workers_[found_[i].worker];
-            answers[i].list = trees_[rows[i].tree]->lists.add(worker.ids.data() + found_[i].offset,
-                                                              worker.masks.data() + found_[i].offset, found_[i].count);
+            answers_[i].list = trees_[rows[i].tree]->lists.add(worker.ids.data() + found_[i].offset,
+                                                               worker.masks.data() + found_[i].offset, found_[i].count);
         }
+    }
+
+    BatchWork collect(std::span<OctantAnswer> answers) override
+    {
+        ONCOLLIDE_ASSERT(answers.size() == answers_.size());
+        std::copy(answers_.begin(), answers_.end(), answers.begin());
+        return {};
     }
 
     void release(std::uint32_t tree, ListId list) override { trees_[tree]->lists.release(list); }
 
-    void read(std::uint32_t tree, ListId list, unsigned octant, std::vector<std::uint32_t>& triangles) const override
+    void read(std::span<const ListRead> reads, std::vector<std::uint32_t>& triangles,
+              std::vector<std::size_t>& ends) override
     {
-        const TriangleSpan span = span_of(tree, list, octant);
-        for (std::uint32_t i = 0; i < span.count; ++i)
-            if (!span.ids || span.masks[i] >> octant & 1) triangles.push_back(span.ids ? span.ids[i] : i);
+        for (const ListRead& r : reads) {
+            const TriangleSpan span = span_of(r.tree, r.list, r.octant);
+            for (std::uint32_t i = 0; i < span.count; ++i)
+                if (!span.ids || span.masks[i] >> r.octant & 1) triangles.push_back(span.ids ? span.ids[i] : i);
+            ends.push_back(triangles.size());
+        }
     }
 
     std::size_t bytes() const override
@@ -100,14 +112,7 @@ private:
     std::uint8_t test(const OctantRow& row, std::uint32_t worker_index, Found& found)
     {
         const Surface& surface = trees_[row.tree]->surface;
-        const auto position = centre_of(row.cell);
-        OctantCell cell;
-        for (int axis = 0; axis < 3; ++axis) {
-            cell.half[axis] = std::ldexp(surface.root.half[axis], -level_of(row.cell));
-            cell.centre[axis] = static_cast<float>(position[axis]) * cell.half[axis];
-        }
-        cell.slack = static_cast<float>(surface.root.slack());
-
+        const OctantCell cell = octant_cell(surface.root, row.cell);
         Worker& worker = workers_[worker_index];
         const TriangleSpan span = span_of(row.tree, row.list, octant_of(row.cell));
         const std::size_t offset = worker.ids.size();
@@ -119,30 +124,14 @@ private:
         found = {worker_index, static_cast<std::uint32_t>(offset), count};
         const std::size_t kept = row.keep_list ? offset + count : offset;
         worker.ids.resize(kept), worker.masks.resize(kept);
-        return surface.inside.empty() ? grey : static_cast<std::uint8_t>(grey | black(surface, cell, grey));
-    }
-
-    /// Octants inside a solid: the surface does not enter them, so their centres tell.
-    static unsigned black(const Surface& surface, const OctantCell& cell, unsigned grey)
-    {
-        unsigned inside = 0;
-        for (unsigned k = 0; k < 8; ++k) {
-            if (grey >> k & 1) continue;
-            double p[3];
-            for (int axis = 0; axis < 3; ++axis)
-                p[axis] = double(cell.centre[axis]) + (k >> axis & 1 ? 0.5 : -0.5) * double(cell.half[axis]);
-            const bool in = std::all_of(surface.inside.begin(), surface.inside.end(), [&](const auto& plane) {
-                return plane[0] * p[0] + plane[1] * p[1] + plane[2] * p[2] <= plane[3];
-            });
-            if (in) inside |= 1u << k;
-        }
-        return inside;
+        return static_cast<std::uint8_t>(grey | octants_inside(surface.inside, cell, grey));
     }
 
     OctantTest* test_ = octant_test_for(instruction_set());
     std::vector<std::optional<Tree>> trees_;
     std::vector<Worker> workers_;
     std::vector<Found> found_;
+    std::vector<OctantAnswer> answers_;
 };
 
 } // namespace

@@ -116,6 +116,35 @@ void Ocst::expand(CellKey cell, const OctantAnswer& answer, std::uint32_t frame)
     lists_[node] = answer.list;
 }
 
+void Ocst::ask_lists_again(std::uint32_t tree, OcclusionBackend& backend, int threads)
+{
+    struct Place {
+        std::uint32_t node;
+        CellKey cell;
+        ListId parent;
+    };
+    std::vector<Place> level{{0, root_cell, all_triangles}}, next;
+    std::vector<OctantRow> rows;
+    std::vector<OctantAnswer> answers;
+    while (!level.empty()) {
+        std::erase_if(level, [&](const Place& p) { return !nodes_[p.node].expanded(); });
+        rows.clear(), next.clear();
+        for (const Place& p : level) rows.push_back({tree, p.cell, p.parent, level_of(p.cell) + 1 < depth_});
+        answers.resize(rows.size());
+        backend.ask(rows, threads, answers);
+        for (std::size_t i = 0; i < level.size(); ++i) {
+            const OcstNode& n = nodes_[level[i].node];
+            lists_[level[i].node] = answers[i].list;
+            if (level_of(level[i].cell) + 1 < depth_)
+                for (unsigned k = 0; k < 8; ++k)
+                    if (n.grey() >> k & 1)
+                        next.push_back(
+                            {n.first_child + rank(n.grey(), k), child_cell(level[i].cell, k), answers[i].list});
+        }
+        level.swap(next);
+    }
+}
+
 std::uint64_t Ocst::drop_children(std::uint32_t node, int level, std::uint32_t tree, OcclusionBackend& backend)
 {
     OcstNode& n = nodes_[node];

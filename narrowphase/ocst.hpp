@@ -32,6 +32,8 @@ public:
     OctantRow row(std::uint32_t tree, CellKey cell) const;
     /// Stores the answer for `cell` and stamps it.
     void expand(CellKey cell, const OctantAnswer& answer, std::uint32_t frame);
+    /// Asks `backend` for the lists of all cells again, after those of another were lost. Masks stay.
+    void ask_lists_again(std::uint32_t tree, OcclusionBackend& backend, int threads);
     /// Drops the children of every expanded cell that no test has reached for `age` frames, releasing lists.
     /// Returns how many stored cells went.
     std::uint64_t collapse(std::uint32_t frame, std::uint32_t age, std::uint32_t tree, OcclusionBackend& backend);

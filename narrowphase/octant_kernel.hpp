@@ -6,6 +6,7 @@
 
 namespace oncollide {
 
+/// A cell as the octant tests of all backends see it.
 struct OctantCell {
     float centre[3]; ///< relative to the root's centre
     float half[3];   ///< of the cell

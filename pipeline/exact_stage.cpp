@@ -34,6 +34,7 @@ public:
     {
         find_open(frame);
         workers_.resize(static_cast<std::size_t>(std::max(frame.threads, 1)));
+        read_triangles(scene);
         for_each(frame, [&](Open& open, PairResult& result, Worker& worker) {
             if (meets_again(scene, open, worker)) decide(result, Verdict::colliding, 0);
         });
@@ -68,9 +69,9 @@ private:
         BodyPair pair;
         std::uint32_t result; ///< in frame.results
         LeafPair met;         ///< the cells in which triangles met last; 0: not known
+        std::size_t cells;    ///< where these are in cells_, the one of a first
     };
     struct Worker {
-        std::vector<std::uint32_t> of_a, of_b;
         std::vector<Aabb> boxes;
     };
 
@@ -85,8 +86,21 @@ private:
             const BodyPair pair{index(result.a), index(result.b)};
             while (last != met_.end() && last->pair < pair) ++last;
             const bool known = last != met_.end() && last->pair == pair;
-            open_.push_back({pair, i, known ? last->met : LeafPair{}});
+            open_.push_back({pair, i, known ? last->met : LeafPair{}, 0});
         }
+    }
+
+    /// The triangles of all remembered cells, in one go: a GPU backend has them far away.
+    void read_triangles(const Scene& scene)
+    {
+        cells_.clear(), triangles_.clear(), ends_.clear();
+        for (Open& open : open_) {
+            if (!open.met.a) continue;
+            open.cells = cells_.size();
+            cells_.push_back({scene.geometry[open.pair.a], open.met.a});
+            cells_.push_back({scene.geometry[open.pair.b], open.met.b});
+        }
+        forest_.triangles(cells_, triangles_, ends_);
     }
 
     template <class Work>
@@ -107,10 +121,11 @@ private:
     {
         if (!open.met.a) return false;
         const auto [a, b] = open.pair;
-        worker.of_a.clear(), worker.of_b.clear();
-        forest_.triangles(scene.geometry[a], open.met.a, worker.of_a);
-        forest_.triangles(scene.geometry[b], open.met.b, worker.of_b);
-        if (fcl_.triangles_meet(scene, a, b, worker.of_a, worker.of_b, worker.boxes)) return true;
+        const auto list = [&](std::size_t cell) {
+            const std::size_t begin = cell ? ends_[cell - 1] : 0;
+            return std::span<const std::uint32_t>(triangles_).subspan(begin, ends_[cell] - begin);
+        };
+        if (fcl_.triangles_meet(scene, a, b, list(open.cells), list(open.cells + 1), worker.boxes)) return true;
         open.met = {};
         return false;
     }
@@ -147,6 +162,9 @@ private:
     std::optional<SolidTest> solid_;
     std::vector<Open> open_, met_; ///< this frame's open pairs; last frame's that met, sorted by pair
     std::vector<Worker> workers_;
+    std::vector<Forest::CellTriangles> cells_;
+    std::vector<std::uint32_t> triangles_; ///< of cells_, one after the other
+    std::vector<std::size_t> ends_;        ///< by cell: where its triangles end
 };
 
 } // namespace

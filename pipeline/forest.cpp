@@ -41,7 +41,48 @@ WalkPair Forest::walk_pair(const Scene& scene, std::uint32_t a, std::uint32_t b,
     return {&tree(ga), &tree(gb), index(ga), index(gb), &scene.poses[a], &scene.poses[b], settings_.clearance, hint};
 }
 
-std::uint64_t Forest::expand(std::span<const CellRequest> requests, std::uint32_t frame, int threads)
+void Forest::attach(std::uint32_t geometry)
+{
+    if (!backend_->attached(geometry))
+        backend_->attach(geometry, make_surface(scene_.geometries[geometry], trees_[geometry]->root()));
+}
+
+/// The CPU goes on where the GPU stopped. The trees keep their cells, so the answers stay the same; only the triangle
+/// lists, which the GPU held, are asked for again, level by level.
+void Forest::take_over(const GpuLost& why)
+{
+    lost_ = why.what();
+    backend_ = make_cpu_backend();
+    for (std::uint32_t geometry : live_) {
+        Ocst& tree = *trees_[geometry];
+        if (!tree.nodes()[0].expanded()) continue;
+        attach(geometry);
+        tree.ask_lists_again(geometry, *backend_, threads_);
+    }
+}
+
+/// Does `work`, which uses the backend; once more if the GPU is lost over it.
+template <class Work>
+void Forest::survive(Work work)
+{
+    try {
+        work();
+    } catch (const GpuLost& lost) {
+        take_over(lost);
+        work();
+    }
+}
+
+void Forest::make_rows(std::span<const CellRequest> requests)
+{
+    rows_.clear();
+    for (const CellRequest& request : requests) {
+        attach(request.tree);
+        rows_.push_back(trees_[request.tree]->row(request.tree, request.cell));
+    }
+}
+
+std::uint64_t Forest::submit(std::span<const CellRequest> requests, int threads)
 {
     std::uint64_t allowed = requests.size();
     if (settings_.node_budget) {
@@ -52,25 +93,52 @@ std::uint64_t Forest::expand(std::span<const CellRequest> requests, std::uint32_
     }
     if (settings_.memory_budget && bytes() >= settings_.memory_budget) allowed = 0;
 
-    rows_.clear();
-    for (const CellRequest& request : requests.first(allowed)) {
-        Ocst& tree = *trees_[request.tree];
-        if (!backend_->attached(request.tree))
-            backend_->attach(request.tree, make_surface(scene_.geometries[request.tree], tree.root()));
-        rows_.push_back(tree.row(request.tree, request.cell));
-    }
-    answers_.resize(rows_.size());
-    backend_->ask(rows_, threads, answers_);
-    for (std::size_t i = 0; i < rows_.size(); ++i) trees_[rows_[i].tree]->expand(rows_[i].cell, answers_[i], frame);
+    threads_ = threads;
+    survive([&] {
+        make_rows(requests.first(allowed));
+        backend_->submit(rows_, threads);
+    });
     return requests.size() - allowed;
 }
 
-void Forest::triangles(GeometryId geometry, CellKey cell, std::vector<std::uint32_t>& out) const
+BatchWork Forest::grow(std::uint32_t frame)
 {
-    const auto& tree = trees_[index(geometry)];
-    if (!tree || !tree->knows(cell)) return;
-    const ListId list = tree->parent_list(cell);
-    if (list != all_triangles) backend_->read(index(geometry), list, octant_of(cell), out);
+    answers_.resize(rows_.size());
+    BatchWork work;
+    try {
+        work = backend_->collect(answers_);
+    } catch (const GpuLost& lost) {
+        take_over(lost);
+        for (OctantRow& row : rows_) attach(row.tree), row = trees_[row.tree]->row(row.tree, row.cell);
+        work = backend_->ask(rows_, threads_, answers_);
+    }
+    for (std::size_t i = 0; i < rows_.size(); ++i) trees_[rows_[i].tree]->expand(rows_[i].cell, answers_[i], frame);
+    return work;
+}
+
+void Forest::triangles(std::span<const CellTriangles> cells, std::vector<std::uint32_t>& out,
+                       std::vector<std::size_t>& ends)
+{
+    const std::size_t first = out.size();
+    std::vector<std::size_t>& read_ends = read_ends_;
+    survive([&] {
+        out.resize(first), read_ends.clear(), reads_.clear();
+        for (const CellTriangles& c : cells)
+            if (const ListId list = list_of(c); list != all_triangles)
+                reads_.push_back({index(c.geometry), list, octant_of(c.cell)});
+        backend_->read(reads_, out, read_ends);
+    });
+    std::size_t end = first, read = 0;
+    for (const CellTriangles& c : cells) {
+        if (list_of(c) != all_triangles) end = read_ends[read++];
+        ends.push_back(end);
+    }
+}
+
+ListId Forest::list_of(const CellTriangles& cell) const
+{
+    const auto& tree = trees_[index(cell.geometry)];
+    return tree && cell.cell && tree->knows(cell.cell) ? tree->parent_list(cell.cell) : all_triangles;
 }
 
 CellKey Forest::cell_at(GeometryId geometry, const Eigen::Vector3d& point, int up) const

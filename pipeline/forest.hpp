@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <oncollide/narrowphase/ocst.hpp>
@@ -22,12 +23,20 @@ public:
     OcclusionBackend& backend() { return *backend_; }
     const OcclusionBackend& backend() const { return *backend_; }
 
-    /// Expands the requested cells (sorted, each once) in one batch. Those over a budget are left; returns how many.
-    /// Surfaces are handed to the backend when their tree first grows.
-    std::uint64_t expand(std::span<const CellRequest> requests, std::uint32_t frame, int threads);
+    /// Starts to expand the requested cells (sorted, each once) in one batch. Those over a budget are left; returns how
+    /// many. Surfaces are handed to the backend when their tree first grows. Trees do not change until grow().
+    std::uint64_t submit(std::span<const CellRequest> requests, int threads);
+    /// Waits for the batch and lets the trees grow.
+    BatchWork grow(std::uint32_t frame);
 
-    /// Appends the triangles of a cell; none when the tree does not hold its list.
-    void triangles(GeometryId geometry, CellKey cell, std::vector<std::uint32_t>& out) const;
+    /// A cell whose triangles are asked for.
+    struct CellTriangles {
+        GeometryId geometry;
+        CellKey cell;
+    };
+    /// Appends the triangles of each cell, none where the tree does not hold its list, and where they end.
+    void triangles(std::span<const CellTriangles> cells, std::vector<std::uint32_t>& out,
+                   std::vector<std::size_t>& ends);
     /// The cell that holds a point (geometry frame), `up` levels above the leaves but below the root.
     CellKey cell_at(GeometryId geometry, const Eigen::Vector3d& point, int up) const;
 
@@ -35,20 +44,33 @@ public:
     /// tree that is back to its root gives its surface up too. Returns how many stored cells went.
     std::uint64_t age(std::uint32_t frame);
 
+    /// Why the GPU no longer answers; empty while it does, or if it never did.
+    const std::string& lost() const { return lost_; }
+
     std::uint64_t nodes() const; ///< stored cells of all trees
     std::size_t bytes() const;   ///< trees, surfaces and lists
 
 private:
     int depth_for(const RootCell& root, double covering_error) const;
     std::uint64_t collapse(std::uint32_t frame, std::uint32_t age);
+    void attach(std::uint32_t geometry);
+    ListId list_of(const CellTriangles& cell) const; ///< all_triangles: not held
+    void make_rows(std::span<const CellRequest> requests);
+    void take_over(const GpuLost& why);
+    template <class Work>
+    void survive(Work work);
 
     const Scene& scene_;
     const Settings settings_;
     std::unique_ptr<OcclusionBackend> backend_;
     std::vector<std::unique_ptr<Ocst>> trees_; ///< by geometry; null until needed
     std::vector<std::uint32_t> live_;          ///< geometries that have a tree
-    std::vector<OctantRow> rows_;
+    std::vector<OctantRow> rows_;              ///< of the batch under way
     std::vector<OctantAnswer> answers_;
+    std::vector<ListRead> reads_;
+    std::vector<std::size_t> read_ends_;
+    int threads_ = 1;
+    std::string lost_;
 };
 
 } // namespace oncollide

@@ -1,4 +1,5 @@
 #pragma once
+#include <chrono>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -28,7 +29,15 @@ struct Frame {
     std::vector<DelimitationLevel> delimitation; ///< by level; empty when skipped
     std::vector<BodyPair> pairs;                 ///< candidates, sorted
     std::vector<PairResult> results;             ///< one a pair, in the same order
+    std::vector<Round> rounds;                   ///< batches asked of the backend, in order
     TreeStats trees;
+
+    std::chrono::steady_clock::time_point began;
+    /// Milliseconds since the frame began.
+    double clock_ms() const
+    {
+        return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
+    }
 };
 
 } // namespace oncollide

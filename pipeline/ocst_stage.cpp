@@ -11,9 +11,12 @@ namespace {
 
 /// Walks every candidate pair, in rounds:
 ///
-///     all pairs walk ──> parked ──> requests ──> one batch ──> trees grow ──> parked pairs walk on ──> ...
+///     pairs walk ──> parked ──> requests ──> one batch ──> trees grow ──> parked pairs walk on ──> ...
+///                                              └─ meanwhile the next pairs start to walk
 ///
-/// until none is parked. Each walk opens all it can before it parks, so rounds do not grow with the number of pairs.
+/// until none is parked. Many pairs start in slices, one a round: while a GPU answers, the CPU has walks to start, and
+/// later slices find most of their cells grown by earlier ones, which keeps what is parked small. The number of slices
+/// is bounded, so rounds do not grow with the number of pairs.
 class OcstStage final : public Stage {
 public:
     OcstStage(const Scene& scene, const Settings& settings, Forest& forest) : forest_(forest)
@@ -26,7 +29,7 @@ public:
     void run(const Scene& scene, Frame& frame, StageStats& stats) override
     {
         const std::size_t count = frame.pairs.size();
-        frame.trees = {};
+        frame.trees = {}, frame.rounds.clear();
         stats.in = count;
         walks_.resize(count);
         const auto threads = static_cast<std::size_t>(std::max(frame.threads, 1));
@@ -36,18 +39,20 @@ public:
         for (BodyPair pair : frame.pairs) // trees are made here, in order: walks run side by side
             forest_.tree(scene.geometry[pair.a]), forest_.tree(scene.geometry[pair.b]);
         find_hints(frame);
-        // A first sixteenth of many pairs grows most of the cells that the others need too: these then park less, which
-        // keeps what is parked small. Two waves, so rounds still do not grow with the number of pairs.
-        const std::size_t first_wave = count >= pairs_worth_waves ? count / 16 : 0;
-        run_wave(scene, frame, 0, first_wave);
-        run_wave(scene, frame, first_wave, count);
         give_up_ = false;
+        run_rounds(scene, frame);
         finish(scene, frame, stats);
+        for (const Round& round : frame.rounds) {
+            stats.gpu_ms += round.work.gpu_ms, stats.wait_ms += round.work.wait_ms;
+            frame.trees.rows += round.rows, frame.trees.queries += round.work.queries;
+            frame.trees.gpu_bytes += round.work.bytes, frame.trees.repeats += round.work.repeats;
+        }
+        frame.trees.rounds = frame.rounds.size();
     }
 
     void skip(const Scene&, Frame& frame, StageStats& stats) override
     {
-        frame.trees = {};
+        frame.trees = {}, frame.rounds.clear();
         frame.results.resize(frame.pairs.size());
         for (std::size_t i = 0; i < frame.pairs.size(); ++i) {
             const BodyPair pair = frame.pairs[i];
@@ -68,6 +73,7 @@ private:
     };
     struct Parked {
         std::uint32_t pair, worker;
+        int resumed;     ///< times that the pair was taken up again
         ParkedWork work; ///< in the worker's walker
     };
     struct Worker {
@@ -95,21 +101,40 @@ private:
         }
     }
 
-    void run_wave(const Scene& scene, Frame& frame, std::size_t first, std::size_t last)
+    void run_rounds(const Scene& scene, Frame& frame)
     {
-        walk_all(scene, frame, first, last);
-        for (int round = 1; gather_parked(); ++round) {
-            ++frame.trees.rounds;
+        const std::size_t count = frame.pairs.size();
+        std::size_t walked = 0, slice = count < pairs_worth_slices ? count : std::max<std::size_t>(count / slices, 1);
+        const auto walk_slice = [&] {
+            const std::size_t end = std::min(walked + slice, count);
+            walk(scene, frame, walked, end);
+            walked = end;
+        };
+        walk_slice();
+        bool grown = false; // the first slice has found all of its cells
+        while (true) {
+            if (!gather_parked()) {
+                if (walked == count) break;
+                grown = true;
+                walk_slice();
+                continue;
+            }
             gather_requests(scene, frame);
-            const std::uint64_t refused = forest_.expand(requests_, frame.number, frame.threads);
-            frame.trees.rows += requests_.size() - refused;
+            Round round{.submitted_ms = frame.clock_ms()};
+            const std::uint64_t refused = forest_.submit(requests_, frame.threads);
+            if (grown) walk_slice();
+            round.waited_ms = frame.clock_ms();
+            round.work = forest_.grow(frame.number);
+            round.done_ms = frame.clock_ms();
+            round.rows = requests_.size() - refused;
+            frame.rounds.push_back(round);
             frame.trees.refused += refused;
             give_up_ |= refused > 0;
-            resume_all(scene, frame, round);
+            resume_all(scene, frame);
         }
     }
 
-    void walk_all(const Scene& scene, const Frame& frame, std::size_t first, std::size_t last)
+    void walk(const Scene& scene, const Frame& frame, std::size_t first, std::size_t last)
     {
         parallel_chunks(last - first, pairs_a_chunk, frame.threads, [&](std::size_t begin, std::size_t end, int t) {
             Worker& worker = workers_[static_cast<std::size_t>(t)];
@@ -117,7 +142,7 @@ private:
                 ParkedWork work;
                 walks_[i].result = worker.walker.start(pair_of(scene, frame, i), frame.number, forest_.backend(), work);
                 if (work.count)
-                    worker.parked.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(t), work});
+                    worker.parked.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(t), 0, work});
             }
         });
     }
@@ -145,7 +170,7 @@ private:
         requests_.erase(std::unique(requests_.begin(), requests_.end()), requests_.end());
     }
 
-    void resume_all(const Scene& scene, const Frame& frame, int round)
+    void resume_all(const Scene& scene, const Frame& frame)
     {
         parallel_chunks(parked_.size(), pairs_a_chunk, frame.threads, [&](std::size_t begin, std::size_t end, int t) {
             Worker& worker = workers_[static_cast<std::size_t>(t)];
@@ -154,8 +179,8 @@ private:
                 ParkedWork work = p.work;
                 WalkResult& result = walks_[p.pair].result;
                 result = worker.walker.resume(pair_of(scene, frame, p.pair), frame.number, forest_.backend(),
-                                              parked_workers_[p.worker].walker, result, round, give_up_, work);
-                if (work.count) worker.parked.push_back({p.pair, static_cast<std::uint32_t>(t), work});
+                                              parked_workers_[p.worker].walker, result, p.resumed + 1, give_up_, work);
+                if (work.count) worker.parked.push_back({p.pair, static_cast<std::uint32_t>(t), p.resumed + 1, work});
             }
         });
     }
@@ -189,7 +214,7 @@ private:
     }
 
     static constexpr std::size_t pairs_a_chunk = 256;
-    static constexpr std::size_t pairs_worth_waves = 1024;
+    static constexpr std::size_t pairs_worth_slices = 1024, slices = 8;
 
     Forest& forest_;
     std::optional<SolidTest> solid_;

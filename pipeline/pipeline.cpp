@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <oncollide/narrowphase/gpu.hpp>
 #include <oncollide/pipeline/stage.hpp>
 #include <oncollide/scenes/error.hpp>
 #include <oncollide/scenes/parallel.hpp>
@@ -42,6 +43,40 @@ std::uint64_t hash_of(std::span<const PairResult> results)
     return hash;
 }
 
+/// `auto` takes a GPU only if it is one: software renderers are slower than the cpu backend.
+std::unique_ptr<OcclusionBackend> make_automatic_backend(int gpu, std::string& note)
+{
+    try {
+        const std::vector<GpuDevice> devices = gpu_devices();
+        const auto hardware = [](const GpuDevice& d) { return !d.software; };
+        if (gpu < 0 && std::none_of(devices.begin(), devices.end(), hardware)) {
+            note = "auto: the CPU answers, for only software renderers are here";
+            return make_cpu_backend();
+        }
+        const GpuInfo info = describe_gpu(gpu);
+        if (!info.software) return make_gl_compute_backend({.gpu = gpu});
+        note = fmt::format("auto: the CPU answers, for {} is a software renderer", info.renderer);
+    } catch (const Error& error) {
+        note = fmt::format("auto: the CPU answers, for there is no usable GPU: {}", error.what());
+    }
+    return make_cpu_backend();
+}
+
+/// @param note  why it is not a GPU, when that was left to us
+std::unique_ptr<OcclusionBackend> make_backend(const Settings& settings, std::string& note)
+{
+    switch (settings.backend) {
+    case BackendKind::automatic:
+        return make_automatic_backend(settings.gpu, note);
+    case BackendKind::gl_compute:
+        return make_gl_compute_backend({.gpu = settings.gpu});
+    case BackendKind::gl_query:
+        return make_gl_query_backend({.gpu = settings.gpu, .viewport = settings.viewport});
+    default:
+        return make_cpu_backend();
+    }
+}
+
 /// Rigid within 1e-6: what the bounds allow for. Distances between far bodies must stay finite in float.
 bool usable(const Eigen::Isometry3d& pose)
 {
@@ -61,6 +96,7 @@ struct Pipeline::Impl {
     std::size_t bodies = 0;
     std::vector<std::uint32_t> moving;
     std::unique_ptr<Forest> forest;
+    std::string backend_note;
     std::uint64_t hash = 0;
     bool first = true;
 
@@ -83,7 +119,8 @@ struct Pipeline::Impl {
     }
 };
 
-Pipeline::Pipeline(const Scene& scene, const Settings& settings) : impl_(std::make_unique<Impl>())
+Pipeline::Pipeline(const Scene& scene, const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
+    : impl_(std::make_unique<Impl>())
 {
     check(settings);
     Impl& p = *impl_;
@@ -94,7 +131,8 @@ Pipeline::Pipeline(const Scene& scene, const Settings& settings) : impl_(std::ma
     for (std::uint32_t body = 0; body < scene.size(); ++body)
         if (!scene.is_static[body]) p.moving.push_back(body);
 
-    p.forest = std::make_unique<Forest>(scene, p.settings, make_cpu_backend());
+    if (!backend) backend = make_backend(settings, p.backend_note);
+    p.forest = std::make_unique<Forest>(scene, p.settings, std::move(backend));
     p.stages.push_back(make_bounds_stage(scene));
     p.stages.push_back(make_delimitation_stage());
     p.stages.push_back(make_broad_stage(settings.broad_phase));
@@ -121,8 +159,12 @@ Pipeline::Pipeline(Pipeline&&) noexcept = default;
 FrameView Pipeline::step(const Scene& scene)
 {
     Impl& p = *impl_;
-    const auto begin = Clock::now();
+    const auto begin = p.frame.began = Clock::now();
     p.check_poses(scene);
+    if (!p.forest->lost().empty() && p.settings.backend != BackendKind::automatic)
+        throw Error(ErrorKind::no_gpu, fmt::format("frame {}: the GPU was lost in an earlier frame, which the CPU "
+                                                   "finished: {}; to go on without it use --backend auto or cpu",
+                                                   p.frame.number, p.forest->lost()));
     p.frame.filter = {scene.is_static, scene.layers, scene.masks};
     auto from = begin;
     for (std::size_t i = 0; i < p.stages.size(); ++i) {
@@ -144,6 +186,7 @@ FrameView Pipeline::step(const Scene& scene)
         StageStats& total = p.totals[i];
         total.frames += 1, total.in += stats.in, total.out += stats.out, total.culled += stats.culled;
         total.undecided += stats.undecided, total.cpu_ms += stats.cpu_ms, total.gpu_ms += stats.gpu_ms;
+        total.wait_ms += stats.wait_ms;
         total.skipped &= stats.skipped, total.note = total.skipped ? stats.note : std::string_view{};
     }
     p.frame.trees.collapsed = p.forest->age(p.frame.number);
@@ -151,13 +194,10 @@ FrameView Pipeline::step(const Scene& scene)
     p.frame.trees.bytes = p.forest->bytes();
     const std::uint64_t hash = hash_of(p.frame.results);
     mix(p.hash, hash);
-    const FrameView view{p.frame.number,
-                         milliseconds(Clock::now() - begin),
-                         p.frame.results,
-                         p.stats,
-                         p.frame.delimitation,
-                         p.frame.trees,
-                         hash};
+    const FrameView view{p.frame.number,       milliseconds(Clock::now() - begin),
+                         p.frame.results,      p.stats,
+                         p.frame.delimitation, p.frame.trees,
+                         p.frame.rounds,       hash};
     ++p.frame.number;
     return view;
 }
@@ -177,6 +217,15 @@ std::uint64_t Pipeline::hash() const
 std::string Pipeline::backend() const
 {
     return impl_->forest->backend().name();
+}
+std::string Pipeline::renderer() const
+{
+    return impl_->forest->backend().renderer();
+}
+std::string Pipeline::backend_note() const
+{
+    const std::string& lost = impl_->forest->lost();
+    return lost.empty() ? impl_->backend_note : "the CPU answers since the GPU was lost: " + lost;
 }
 const Settings& Pipeline::settings() const
 {

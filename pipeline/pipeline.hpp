@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <oncollide/broadphase/delimitation.hpp>
+#include <oncollide/narrowphase/occlusion_backend.hpp>
 #include <oncollide/narrowphase/verdict.hpp>
 #include <oncollide/pipeline/settings.hpp>
 #include <oncollide/scenes/scene.hpp>
@@ -28,7 +29,9 @@ struct StageStats {
     std::string_view unit; ///< what is counted: "bodies" or "pairs"
     std::uint64_t frames = 0;
     std::uint64_t in = 0, out = 0, culled = 0, undecided = 0;
-    double cpu_ms = 0, gpu_ms = 0;
+    double cpu_ms = 0;     ///< wall time, waiting included
+    double gpu_ms = 0;     ///< time of the GPU's own clock
+    double wait_ms = 0;    ///< part of cpu_ms in which the CPU did nothing but wait for the GPU
     bool skipped = false;  ///< left out, by request or because it could not pay for itself
     std::string_view note; ///< why it was skipped; empty otherwise
 };
@@ -41,7 +44,19 @@ struct TreeStats {
     std::uint64_t nodes = 0;      ///< cells stored at the end of the frame, roots included
     std::uint64_t collapsed = 0;  ///< cells dropped by ageing or eviction
     std::uint64_t refused = 0;    ///< cells that a budget kept from being asked
+    std::uint64_t queries = 0;    ///< occlusion queries (gl-query)
+    std::uint64_t gpu_bytes = 0;  ///< to the GPU and back
+    std::uint64_t repeats = 0;    ///< batches done again with larger buffers
     std::size_t bytes = 0;        ///< nodes and triangle lists, float copies of the surfaces
+};
+
+/// One batch of cells asked of the backend. Times are milliseconds since the frame began.
+struct Round {
+    double submitted_ms = 0; ///< handed over
+    double waited_ms = 0;    ///< the CPU had no other walks left, and waited
+    double done_ms = 0;      ///< answered, trees grown
+    std::uint64_t rows = 0;  ///< cells
+    BatchWork work{};
 };
 
 /// The answer of one frame. Valid until the next step.
@@ -53,6 +68,7 @@ struct FrameView {
     std::span<const StageStats> stages;              ///< of this frame, in order
     std::span<const DelimitationLevel> delimitation; ///< per level of the region hierarchy
     const TreeStats& trees;
+    std::span<const Round> rounds; ///< in order
     std::uint64_t hash; ///< of the pairs of this frame that are not separate: names' indices, verdicts and bounds
 };
 
@@ -70,11 +86,15 @@ class Pipeline {
 public:
     /// Throws Error{usage} for settings out of range, Error{no_gpu} for a backend that cannot run here.
     /// Keeps a reference to the geometries: `scene` must outlive the pipeline.
-    Pipeline(const Scene& scene, const Settings& settings = {});
+    /// @param backend  one of your own, in place of settings.backend
+    /// With a GPU backend the pipeline belongs to the thread that made it.
+    Pipeline(const Scene& scene, const Settings& settings = {}, std::unique_ptr<OcclusionBackend> backend = nullptr);
     ~Pipeline();
     Pipeline(Pipeline&&) noexcept;
 
-    /// One frame. Throws Error{bad_data} naming the body, before any work, if a pose is not finite or not rigid.
+    /// One frame. Throws, before any work, Error{bad_data} naming the body if a pose is not finite or not rigid, and
+    /// Error{no_gpu} if a GPU backend that was asked for by name was lost in the frame before. That frame is whole: the
+    /// CPU finished it. Under `auto` it goes on.
     FrameView step(const Scene& scene);
 
     /// Stage names in order: bounds, delimitation, broad, ocst, exact.
@@ -87,6 +107,10 @@ public:
     std::uint64_t hash() const;
     /// The backend that answers, e.g. "cpu (avx2)".
     std::string backend() const;
+    /// GL_RENDERER of a GPU backend; empty otherwise.
+    std::string renderer() const;
+    /// Under `auto`, why the CPU answers; or why a GPU stopped answering. Empty: nothing to say.
+    std::string backend_note() const;
     const Settings& settings() const;
 
 private:

@@ -57,10 +57,10 @@ std::string settings_json(const Settings& s)
     for (const std::string& stage : s.skip) skip += (skip.empty() ? "" : ", ") + json_string(stage);
     return fmt::format(
         R"({{"depth": {}, "max_error": {}, "clearance": {}, "exact": "{}", "mode": "{}", "backend": "{}", "broad": "{}", )"
-        R"("threads": {}, "skip": [{}], "age": {}, "node_budget": {}, "memory_budget": {}, "coherence": {}}})",
+        R"("gpu": {}, "viewport": {}, "threads": {}, "skip": [{}], "age": {}, "node_budget": {}, "memory_budget": {}, "coherence": {}}})",
         s.depth ? fmt::format("{}", *s.depth) : "null", s.max_error ? number(*s.max_error) : "null",
-        number(s.clearance), name_of(s.exact), name_of(s.mode), name_of(s.backend), name_of(s.broad_phase), s.threads,
-        skip, s.age_limit, s.node_budget, s.memory_budget, s.coherence);
+        number(s.clearance), name_of(s.exact), name_of(s.mode), name_of(s.backend), name_of(s.broad_phase), s.gpu,
+        s.viewport, s.threads, skip, s.age_limit, s.node_budget, s.memory_budget, s.coherence);
 }
 
 } // namespace
@@ -79,7 +79,9 @@ void Report::add(const FrameView& frame)
                  .pairs = 0,
                  .verdicts = {},
                  .trees = frame.trees,
-                 .first_stage = stage_ms_.size()};
+                 .first_stage = stage_ms_.size(),
+                 .first_round = rounds_.size()};
+    rounds_.insert(rounds_.end(), frame.rounds.begin(), frame.rounds.end());
     for (const PairResult& pair : frame.pairs) {
         ++row.verdicts[int(pair.verdict)];
         if (pair.verdict == Verdict::separate && !separate_) continue;
@@ -139,20 +141,25 @@ void Report::print_header(OutputFile& file) const
         trees.rounds += frame.trees.rounds, trees.rows += frame.trees.rows;
         trees.node_pairs += frame.trees.node_pairs;
         trees.collapsed += frame.trees.collapsed, trees.refused += frame.trees.refused;
+        trees.queries += frame.trees.queries, trees.gpu_bytes += frame.trees.gpu_bytes;
+        trees.repeats += frame.trees.repeats;
         trees.nodes = frame.trees.nodes, trees.bytes = frame.trees.bytes;
         peak_nodes = std::max<std::size_t>(peak_nodes, frame.trees.nodes);
         peak_bytes = std::max(peak_bytes, frame.trees.bytes);
     }
     file.print("{{\"version\": \"{}\", \"scene\": {}, \"bodies\": {},\n  \"settings\": {},\n", version,
                json_string(scene_.name), scene_.size(), settings_json(pipeline_.settings()));
-    file.print("  \"threads\": {}, \"backend\": {}, \"renderer\": null, \"hash\": \"{:016x}\", \"interrupted\": {}, "
+    file.print("  \"threads\": {}, \"backend\": {}, \"renderer\": {}, \"hash\": \"{:016x}\", \"interrupted\": {}, "
                "\"frames\": {},\n",
-               threads(), json_string(pipeline_.backend()), pipeline_.hash(), interrupted_, frames_.size());
+               threads(), json_string(pipeline_.backend()),
+               pipeline_.renderer().empty() ? "null" : json_string(pipeline_.renderer()), pipeline_.hash(),
+               interrupted_, frames_.size());
     file.print("  \"verdicts\": {},\n", verdicts_json(verdicts()));
     file.print("  \"trees\": {{\"rounds\": {}, \"rows\": {}, \"node_pairs\": {}, \"collapsed\": {}, \"refused\": {}, "
-               "\"nodes\": {}, \"bytes\": {}, \"peak_nodes\": {}, \"peak_bytes\": {}}}}}",
-               trees.rounds, trees.rows, trees.node_pairs, trees.collapsed, trees.refused, trees.nodes, trees.bytes,
-               peak_nodes, peak_bytes);
+               "\"queries\": {}, \"gpu_bytes\": {}, "
+               "\"repeats\": {}, \"nodes\": {}, \"bytes\": {}, \"peak_nodes\": {}, \"peak_bytes\": {}}}}}",
+               trees.rounds, trees.rows, trees.node_pairs, trees.collapsed, trees.refused, trees.queries,
+               trees.gpu_bytes, trees.repeats, trees.nodes, trees.bytes, peak_nodes, peak_bytes);
 }
 
 void Report::print_stages(OutputFile& file) const
@@ -160,9 +167,10 @@ void Report::print_stages(OutputFile& file) const
     const char* comma = "";
     for (const StageStats& s : pipeline_.totals()) {
         file.print("{}\n  {{\"stage\": {}, \"unit\": {}, \"frames\": {}, \"in\": {}, \"out\": {}, \"culled\": {}, "
-                   "\"undecided\": {}, \"cpu_ms\": {:.4f}, \"gpu_ms\": {:.4f}, \"skipped\": {}, \"note\": {}}}",
+                   "\"undecided\": {}, \"cpu_ms\": {:.4f}, \"gpu_ms\": {:.4f}, \"wait_ms\": {:.4f}, \"skipped\": {}, "
+                   "\"note\": {}}}",
                    std::exchange(comma, ","), json_string(s.stage), json_string(s.unit), s.frames, s.in, s.out,
-                   s.culled, s.undecided, s.cpu_ms, s.gpu_ms, s.skipped, json_string(s.note));
+                   s.culled, s.undecided, s.cpu_ms, s.gpu_ms, s.wait_ms, s.skipped, json_string(s.note));
     }
     file.print("],\n\"delimitation\": [");
     comma = "";
@@ -213,7 +221,9 @@ void Report::write_trace(const std::filesystem::path& path) const
     file.print(
         "{{\"displayTimeUnit\": \"ms\", \"traceEvents\": [\n"
         "{{\"ph\": \"M\", \"pid\": 1, \"name\": \"process_name\", \"args\": {{\"name\": {}}}}},\n"
-        "{{\"ph\": \"M\", \"pid\": 1, \"tid\": 1, \"name\": \"thread_name\", \"args\": {{\"name\": \"stages\"}}}}",
+        "{{\"ph\": \"M\", \"pid\": 1, \"tid\": 1, \"name\": \"thread_name\", \"args\": {{\"name\": \"stages\"}}}},\n"
+        "{{\"ph\": \"M\", \"pid\": 1, \"tid\": 2, \"name\": \"thread_name\", \"args\": {{\"name\": \"rounds\"}}}},\n"
+        "{{\"ph\": \"M\", \"pid\": 1, \"tid\": 3, \"name\": \"thread_name\", \"args\": {{\"name\": \"waiting\"}}}}",
         json_string("oncollide " + title()));
     const std::span<const std::string_view> stages = pipeline_.stages();
     double begin = 0; // microseconds; frames stand end to end, and so do the stages in a frame
@@ -226,6 +236,17 @@ void Report::write_trace(const std::filesystem::path& path) const
                 ",\n{{\"ph\": \"X\", \"pid\": 1, \"tid\": 1, \"name\": {}, \"ts\": {:.3f}, \"dur\": {:.3f}}}",
                 json_string(stages[k]), stage_begin, us);
             stage_begin += us;
+        }
+        for (std::size_t k = 0; k < f.trees.rounds; ++k) {
+            const Round& r = rounds_[f.first_round + k];
+            inner += fmt::format(",\n{{\"ph\": \"X\", \"pid\": 1, \"tid\": 2, \"name\": \"round {}\", \"ts\": {:.3f}, "
+                                 "\"dur\": {:.3f}, \"args\": {{\"rows\": {}, \"gpu_ms\": {:.4f}, \"bytes\": {}}}}}",
+                                 k, begin + 1000 * r.submitted_ms, 1000 * (r.done_ms - r.submitted_ms), r.rows,
+                                 r.work.gpu_ms, r.work.bytes);
+            if (r.work.wait_ms > 0)
+                inner += fmt::format(",\n{{\"ph\": \"X\", \"pid\": 1, \"tid\": 3, \"name\": \"wait\", \"ts\": {:.3f}, "
+                                     "\"dur\": {:.3f}}}",
+                                     begin + 1000 * r.waited_ms, 1000 * r.work.wait_ms);
         }
         // Viewers nest by time, so a frame must reach to the end of its last stage.
         const double end = std::max(begin + 1000 * f.ms, stage_begin);

@@ -55,6 +55,7 @@ private:
         std::array<std::uint64_t, 4> verdicts;
         TreeStats trees;
         std::size_t first_stage; ///< its part of stage_ms_, as long as Pipeline::stages()
+        std::size_t first_round; ///< its part of rounds_, trees.rounds long
     };
     std::string title() const;
     int threads() const; ///< what --threads 0 came to
@@ -67,7 +68,8 @@ private:
     bool separate_, interrupted_ = false;
     std::vector<Row> rows_;
     std::vector<FrameRow> frames_;
-    std::vector<double> stage_ms_;                ///< frames x stages, CPU time
+    std::vector<double> stage_ms_; ///< frames x stages, CPU time
+    std::vector<Round> rounds_;
     std::vector<DelimitationLevel> delimitation_; ///< summed over frames
 };
 

@@ -54,10 +54,11 @@ void Report::print_table(std::ostream& out) const
                             s.skipped ? fmt::format("skipped: {}", s.note.empty() ? "as asked" : s.note) : words);
     }
     double ms = 0, slowest = 0;
-    std::uint64_t rounds = 0, rows = 0, refused = 0;
+    std::uint64_t rounds = 0, rows = 0, refused = 0, queries = 0, gpu_bytes = 0, repeats = 0;
     for (const FrameRow& frame : frames_) {
         ms += frame.ms, slowest = std::max(slowest, frame.ms);
         rounds += frame.trees.rounds, rows += frame.trees.rows, refused += frame.trees.refused;
+        queries += frame.trees.queries, gpu_bytes += frame.trees.gpu_bytes, repeats += frame.trees.repeats;
     }
     const std::array<std::uint64_t, 4> counts = verdicts();
     const TreeStats last = frames_.empty() ? TreeStats{} : frames_.back().trees;
@@ -69,6 +70,16 @@ void Report::print_table(std::ostream& out) const
     text += fmt::format("trees      {} cells asked in {} rounds; at the end {} cells, {}", grouped(rows),
                         grouped(rounds), grouped(last.nodes), bytes_text(last.bytes));
     text += refused ? fmt::format("; {} cells refused by a budget\n", grouped(refused)) : "\n";
+    double gpu_ms = 0, wait_ms = 0;
+    for (const StageStats& s : pipeline_.totals()) gpu_ms += s.gpu_ms, wait_ms += s.wait_ms;
+    if (gpu_bytes) {
+        const double n = double(frames_.size());
+        text += fmt::format(
+            "gpu        {:.3f} ms of its time a frame, {:.3f} ms of the frame waiting for it; {} moved in all",
+            gpu_ms / n, wait_ms / n, bytes_text(gpu_bytes));
+        if (queries) text += fmt::format("; {} occlusion queries", grouped(queries));
+        text += repeats ? fmt::format("; {} batches done again with larger buffers\n", grouped(repeats)) : "\n";
+    }
     text += fmt::format("hash       {:016x}\n", pipeline_.hash());
     out << text;
 }

@@ -81,9 +81,11 @@ void check(const Settings& s)
     require(s.age_limit >= 1 && s.age_limit <= 1'000'000, "age", s.age_limit, "1 to 1000000 frames");
     if (s.exact == ExactLevel::predicates)
         throw Error(ErrorKind::usage, "exact = predicates: not built yet in this version; valid: off, fcl");
-    if (s.backend != BackendKind::automatic && s.backend != BackendKind::cpu)
-        throw Error(ErrorKind::no_gpu,
-                    fmt::format("{}: this version has no GPU backend; use --backend cpu", name_of(s.backend)));
+    if (s.backend == BackendKind::gl_raster)
+        throw Error(ErrorKind::usage,
+                    "backend = gl-raster: left out, gl-compute was faster wherever both ran; use gl-compute");
+    require(s.gpu >= -1 && s.gpu < 64, "gpu", s.gpu, "0 to 63, or -1 for the first that is one");
+    require(s.viewport >= 1 && s.viewport <= 1024, "viewport", s.viewport, "1 to 1024 pixels");
 }
 
 } // namespace oncollide

@@ -22,8 +22,10 @@ struct Settings {
     double clearance = 0; ///< metres, >= 0: pairs this close count as touching, in every stage
 
     ExactLevel exact = ExactLevel::off;
-    Mode mode = Mode::surface; ///< solid: a closed mesh's inside belongs to it
-    BackendKind backend = BackendKind::automatic;
+    Mode mode = Mode::surface;              ///< solid: a closed mesh's inside belongs to it
+    BackendKind backend = BackendKind::cpu; ///< automatic: a GPU where there is one
+    int gpu = -1;                           ///< number in gpu_devices(); -1: the first that is one. GPU backends only
+    int viewport = 16;                      ///< pixels a side that gl-query draws, 1 to 1024
     BroadPhaseKind broad_phase = BroadPhaseKind::kd_tree;
     int threads = 1;                 ///< 0: all hardware threads. Never changes the result
     std::vector<std::string> skip{}; ///< names of stages to leave out; the answer gets wider, never wrong

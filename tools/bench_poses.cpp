@@ -124,7 +124,8 @@ public:
             walker->requests(pair, parked, requests_);
             std::sort(requests_.begin(), requests_.end());
             requests_.erase(std::unique(requests_.begin(), requests_.end()), requests_.end());
-            forest_.expand(requests_, 0, 1);
+            forest_.submit(requests_, 1);
+            forest_.grow(0);
             std::swap(walker, last);
             walker->clear();
             result = walker->resume(pair, 0, forest_.backend(), *last, result, round, false, parked);

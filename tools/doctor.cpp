@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <omp.h>
 
+#include <oncollide/narrowphase/gpu.hpp>
 #include <oncollide/scenes/error.hpp>
 #include <oncollide/scenes/parallel.hpp>
 
@@ -84,6 +85,28 @@ std::string self_test(std::string& backend)
     }
 }
 
+/// Every device is opened: which renderer answers shows only then.
+void say_gpus()
+{
+    try {
+        const std::vector<GpuDevice> devices = gpu_devices();
+        for (std::size_t i = 0; i < devices.size(); ++i) {
+            std::string answer;
+            try {
+                const GpuInfo info = describe_gpu(int(i));
+                answer = fmt::format("{}{}; OpenGL {}; context in {:.0f} ms", info.renderer,
+                                     info.software ? " (software: slower than --backend cpu)" : "", info.version,
+                                     info.start_ms);
+            } catch (const Error& error) {
+                answer = fmt::format("cannot be used: {}", error.what());
+            }
+            say(fmt::format("GPU {}", i), fmt::format("{}: {}", devices[i].platform, answer));
+        }
+    } catch (const Error& error) {
+        say("GPU", error.what());
+    }
+}
+
 int doctor(const std::string& data_option)
 {
     std::string backend = "none";
@@ -91,7 +114,7 @@ int doctor(const std::string& data_option)
     say("oncollide", std::string(version));
     say("processor", processor());
     say("instructions", fmt::format("{}; in use: {}", instruction_sets(), backend));
-    say("GPU", "this build answers on the CPU only");
+    say_gpus();
     say("threads", fmt::format("{} usable; {}; {}; {}", hardware_threads(), variable("OMP_NUM_THREADS"),
                                variable("OMP_WAIT_POLICY"), variable("OMP_PROC_BIND")));
     say("data", data(data_option));

@@ -132,7 +132,8 @@ TEST_P(EveryBackend, GivesTheTrianglesOfEachOctant)
             const CellKey cell = (root_cell << 3 | a) << 3 | b;
             if (!tree.knows(cell)) continue;
             std::vector<std::uint32_t> triangles;
-            backend_->read(0, tree.parent_list(cell), octant_of(cell), triangles);
+            std::vector<std::size_t> ends;
+            backend_->read(std::vector<ListRead>{{0, tree.parent_list(cell), octant_of(cell)}}, triangles, ends);
             EXPECT_FALSE(triangles.empty()) << "a grey cell has triangles";
             EXPECT_TRUE(std::is_sorted(triangles.begin(), triangles.end()));
             seen.insert(seen.end(), triangles.begin(), triangles.end());

@@ -36,8 +36,12 @@ TEST(Kernels, TestOctantsAlikeOnEveryInstructionSet)
         OctantCell cell{{random_float(i, 0), random_float(i, 1), random_float(i, 2)}, {0.1f, 0.07f, 0.2f}, 1e-6f};
         const auto expected = ask(baseline::octant_test(), cell);
         grey += expected.first.size();
-        if (instruction_set() >= InstructionSet::avx2) { EXPECT_EQ(ask(avx2::octant_test(), cell), expected); }
-        if (instruction_set() >= InstructionSet::avx512) { EXPECT_EQ(ask(avx512::octant_test(), cell), expected); }
+        if (instruction_set() >= InstructionSet::avx2) {
+            EXPECT_EQ(ask(avx2::octant_test(), cell), expected);
+        }
+        if (instruction_set() >= InstructionSet::avx512) {
+            EXPECT_EQ(ask(avx512::octant_test(), cell), expected);
+        }
     }
     EXPECT_GT(grey, 1000u);
 }

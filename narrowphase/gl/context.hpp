@@ -1,0 +1,38 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <thread>
+
+#include <epoxy/egl.h>
+#include <epoxy/gl.h>
+
+#include <oncollide/narrowphase/gpu.hpp>
+
+namespace oncollide::gl {
+
+/// An OpenGL 4.5 core context without a display or a window. Belongs to the thread that made it.
+class Context {
+public:
+    /// As describe_gpu().
+    explicit Context(int gpu);
+    ~Context();
+    Context(const Context&) = delete;
+    Context& operator=(const Context&) = delete;
+
+    /// Makes it the thread's current context: each entry into GL code begins with this. Throws Error{usage} on another
+    /// thread.
+    void use() const;
+    /// Throws GpuLost when the device was lost or a command since the last check failed; `what` says which work it was.
+    void check(const char* what) const;
+    const GpuInfo& info() const { return info_; }
+
+private:
+    struct Display;
+    std::shared_ptr<Display> display_;
+    EGLContext context_ = EGL_NO_CONTEXT;
+    std::thread::id owner_ = std::this_thread::get_id();
+    bool robust_ = false;
+    GpuInfo info_;
+};
+
+} // namespace oncollide::gl
