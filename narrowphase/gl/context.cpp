@@ -203,6 +203,12 @@ void Context::use() const
         throw GpuLost(fmt::format("{}: the context cannot be used ({})", info_.platform, egl_error()));
 }
 
+void Context::use_at_end() const noexcept
+{
+    if (eglGetCurrentContext() != context_)
+        eglMakeCurrent(display_->handle, EGL_NO_SURFACE, EGL_NO_SURFACE, context_);
+}
+
 void Context::check(const char* what) const
 {
     if (robust_)
