@@ -57,7 +57,7 @@ std::unique_ptr<OcclusionBackend> make_automatic_backend(int gpu, std::string& n
         if (!info.software) return make_gl_compute_backend({.gpu = gpu});
         note = fmt::format("auto: the CPU answers, for {} is a software renderer", info.renderer);
     } catch (const Error& error) {
-        note = fmt::format("auto: the CPU answers, for there is no usable GPU: {}", error.what());
+        note = fmt::format("auto: the CPU answers; {}", error.what());
     }
     return make_cpu_backend();
 }

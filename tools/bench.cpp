@@ -61,6 +61,19 @@ void add_poses(CLI::App& bench, Command& command)
     sub->callback([options, &command] { command = [options] { return bench_poses(*options); }; });
 }
 
+void add_octants(CLI::App& bench, Command& command)
+{
+    CLI::App* sub =
+        bench.add_subcommand("octants", "Batches of the question \"which octants does the surface enter?\"");
+    auto options = std::make_shared<OctantsOptions>();
+    sub->add_option("--data", options->data, "folder with meshes/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
+        ->type_name("DIR");
+    sub->add_option("--gpu", options->gpu, "number of the GPU ('oncollide doctor' lists them)")->type_name("N");
+    sub->add_option("--repeats", options->repeats, "of each batch the fastest counts (default 5)")->type_name("N");
+    sub->add_option("--csv", options->csv, "write one row per batch")->type_name("FILE");
+    sub->callback([options, &command] { command = [options] { return bench_octants(*options); }; });
+}
+
 } // namespace
 
 void add_bench(CLI::App& app, Command& command)
@@ -76,6 +89,7 @@ void add_bench(CLI::App& app, Command& command)
     add_scene_bench(*bench, command, "many", "Bunnies, dragons and cows in a cube");
     add_paper(*bench, command);
     add_poses(*bench, command);
+    add_octants(*bench, command);
     CLI::App* scene = bench->add_subcommand("scene", "Any scene: a file, or a scene of the catalogue");
     auto options = std::make_shared<CompareOptions>();
     scene->add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")

@@ -35,6 +35,14 @@ struct PosesOptions {
 /// One pair of meshes in the poses of the data folder.
 int bench_poses(const PosesOptions& options);
 
+struct OctantsOptions {
+    std::string data, csv;
+    int gpu = -1, repeats = 5;
+};
+
+/// Batches of octant questions, asked of every backend.
+int bench_octants(const OctantsOptions& options);
+
 /// "4-8", "6" or "2,5-7" as ascending numbers; `option` names it in errors. Each 1 to 16.
 std::vector<int> parse_depths(const std::string& option, const std::string& text);
 

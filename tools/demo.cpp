@@ -137,7 +137,7 @@ int demo(const DemoOptions& options)
     std::cout.flush();
     Pipeline pipeline(scene, settings);
     Report report(scene, pipeline);
-    const bool complete = play(scene, pipeline, report, frames, false);
+    const int code = play(scene, pipeline, report, frames, false);
     write_outputs(report, outputs);
     std::cout << fmt::format("\nWritten to {}/:\n"
                              "  picture.svg   stages and times, for a browser\n"
@@ -145,7 +145,7 @@ int demo(const DemoOptions& options)
                              "  results.csv   the same pairs as a table\n"
                              "  trace.json    for https://ui.perfetto.dev or chrome://tracing\n",
                              folder.string());
-    return complete ? 0 : interrupted_code;
+    return code;
 }
 
 } // namespace

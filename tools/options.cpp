@@ -77,8 +77,15 @@ void add_accuracy_options(CLI::App& command, SettingsOptions& o)
 
 void add_pipeline_options(CLI::App& command, SettingsOptions& o)
 {
-    command.add_option("--backend", o.backend, "what answers: auto or cpu (default auto); the GPU backends come later")
+    command
+        .add_option("--backend", o.backend,
+                    "who finds the grey cells: cpu (default), gl-compute (a GPU, the same answers), gl-query (the "
+                    "paper's occlusion queries, which miss some), or auto: gl-compute on a real GPU, else cpu")
         ->type_name("NAME");
+    command.add_option("--gpu", o.gpu, "number of the GPU, as 'oncollide doctor' lists them (default: the first)")
+        ->type_name("N");
+    command.add_option("--viewport", o.viewport, "gl-query: pixels a side of a cell, 1 to 1024 (default 16)")
+        ->type_name("PX");
     command.add_option("--broad", o.broad, "broad phase: kd, octree or brute (default kd)")->type_name("NAME");
     command.add_option("--threads", o.threads, "threads; 0: all. Never changes the result (default 1)")->type_name("N");
     command.add_option("--skip", o.skip, "leave out a stage (repeatable); the answer gets wider, never wrong")
@@ -104,6 +111,8 @@ Settings settings_from(const SettingsOptions& o)
                       .exact = exact_from_name(o.exact),
                       .mode = mode_from_name(o.mode),
                       .backend = backend_from_name(o.backend),
+                      .gpu = o.gpu,
+                      .viewport = o.viewport,
                       .broad_phase = broad_phase_from_name(o.broad),
                       .threads = o.threads,
                       .skip = o.skip,

@@ -20,8 +20,9 @@ struct SettingsOptions {
     std::optional<int> depth;
     std::optional<double> max_error;
     double clearance = 0;
-    std::string exact = "off", mode = "surface", backend = "auto", broad = "kd";
+    std::string exact = "off", mode = "surface", backend = "cpu", broad = "kd";
     int threads = 1;
+    int gpu = Settings{}.gpu, viewport = Settings{}.viewport;
     std::vector<std::string> skip;
     int age = Settings{}.age_limit;
     std::string node_budget = "0", memory_budget = "0";

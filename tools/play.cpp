@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/scenes/error.hpp>
+
 namespace oncollide::tools {
 namespace {
 
@@ -54,24 +56,38 @@ private:
 
 } // namespace
 
-bool play(Scene& scene, Pipeline& pipeline, Report& report, int frames, bool quiet)
+int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, bool quiet)
 {
     listen(SIGINT);
     listen(SIGTERM);
     Mover mover;
+    std::string note, lost;
+    const auto say_note = [&] {
+        const std::string now = pipeline.backend_note();
+        if (now != note) std::cerr << "oncollide: note: " << now << "\n";
+        note = now;
+    };
+    if (!quiet) say_note();
     int done = 0;
     {
         Progress progress(frames, quiet);
-        for (; done < frames && !stop; progress.done(++done)) {
-            mover.move(scene, done);
-            report.add(pipeline.step(scene));
+        try {
+            for (; done < frames && !stop; progress.done(++done)) {
+                mover.move(scene, done);
+                report.add(pipeline.step(scene));
+            }
+        } catch (const Error& error) {
+            if (error.kind() != ErrorKind::no_gpu) throw;
+            lost = error.what();
         }
     }
-    if (done == frames) return true;
+    if (lost.empty() && !quiet) say_note();
+    if (done == frames) return 0;
     report.interrupted();
-    std::cerr << fmt::format("oncollide: interrupted after {} of {} frames; results up to there follow\n", done,
-                             frames);
-    return false;
+    std::cerr << fmt::format("oncollide: {} after {} of {} frames; results up to there follow\n",
+                             lost.empty() ? "interrupted" : lost, done, frames);
+    constexpr int interrupted_code = 130; // as shells have it for Ctrl-C
+    return lost.empty() ? interrupted_code : int(ErrorKind::no_gpu);
 }
 
 } // namespace oncollide::tools

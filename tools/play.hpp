@@ -8,11 +8,9 @@ namespace oncollide::tools {
 /// Moves the scene's bodies and steps the pipeline for `frames` frames, adding each to `report`; shows progress on
 /// standard error when that is a terminal and not `quiet`.
 ///
-/// Ctrl-C or SIGTERM ends it after the frame in hand: the report is marked interrupted and the answer is false. A
-/// second one ends the program at once.
-bool play(Scene& scene, Pipeline& pipeline, Report& report, int frames, bool quiet);
-
-/// Exit code of a run that was interrupted, as shells have it for Ctrl-C.
-inline constexpr int interrupted_code = 130;
+/// Returns the exit code of the run. Ctrl-C or SIGTERM ends it after the frame in hand; a second one ends the program
+/// at once. A GPU that was asked for by name and is lost ends it too. Either way the report is marked interrupted and
+/// is worth writing.
+int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, bool quiet);
 
 } // namespace oncollide::tools

@@ -23,9 +23,9 @@ int run(const RunOptions& options)
 
     Pipeline pipeline(scene, settings);
     Report report(scene, pipeline, options.outputs.separate);
-    const bool complete = play(scene, pipeline, report, scene.frames, options.outputs.quiet);
+    const int code = play(scene, pipeline, report, scene.frames, options.outputs.quiet);
     write_outputs(report, options.outputs);
-    return complete ? 0 : interrupted_code;
+    return code;
 }
 
 } // namespace

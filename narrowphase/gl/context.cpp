@@ -69,7 +69,9 @@ std::vector<Candidate> candidates()
             }
     }
     if (has(client, "EGL_MESA_platform_surfaceless")) found.push_back({{"EGL surfaceless", false}, nullptr});
-    if (found.empty()) fail("no GPU: EGL offers neither devices nor the surfaceless platform");
+    if (found.empty())
+        fail("no GPU: EGL offers neither devices nor the surfaceless platform; is a driver installed (Debian: "
+             "libgl1-mesa-dri)?");
     return found;
 }
 
@@ -205,8 +207,7 @@ void Context::use() const
 
 void Context::use_at_end() const noexcept
 {
-    if (eglGetCurrentContext() != context_)
-        eglMakeCurrent(display_->handle, EGL_NO_SURFACE, EGL_NO_SURFACE, context_);
+    if (eglGetCurrentContext() != context_) eglMakeCurrent(display_->handle, EGL_NO_SURFACE, EGL_NO_SURFACE, context_);
 }
 
 void Context::check(const char* what) const

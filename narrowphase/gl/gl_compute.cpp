@@ -48,11 +48,12 @@ std::size_t allowed_bytes(const GlComputeOptions& options)
 class GlComputeBackend final : public OcclusionBackend {
 public:
     explicit GlComputeBackend(const GlComputeOptions& options)
-        : context_(options.gpu), most_(allowed_bytes(options)), primitives_(most_), lists_(most_, options.first_entries),
-          plan_("gl-compute, plan", {{GL_COMPUTE_SHADER, OctantShaders::plan()}}),
+        : context_(options.gpu), most_(allowed_bytes(options)), primitives_(most_),
+          lists_(most_, options.first_entries), plan_("gl-compute, plan", {{GL_COMPUTE_SHADER, OctantShaders::plan()}}),
           test_("gl-compute, test", {{GL_COMPUTE_SHADER, OctantShaders::test()}}),
           place_("gl-compute, place", {{GL_COMPUTE_SHADER, OctantShaders::place()}}),
-          scatter_("gl-compute, scatter", {{GL_COMPUTE_SHADER, OctantShaders::scatter()}}), oversize_(make_cpu_backend())
+          scatter_("gl-compute, scatter", {{GL_COMPUTE_SHADER, OctantShaders::scatter()}}),
+          oversize_(make_cpu_backend())
     {
         context_.check("the making of gl-compute");
     }
@@ -72,8 +73,13 @@ public:
         if (trees_.size() <= tree) trees_.resize(tree + 1);
         const std::size_t first = primitives_.add(surface.primitives);
         context_.check("the upload of a surface");
-        trees_[tree].emplace(Tree{surface.root, surface.boxes, first != PrimitiveStore::no_room, first,
-                                  surface.primitives.size(), surface.inside, {}});
+        trees_[tree].emplace(Tree{surface.root,
+                                  surface.boxes,
+                                  first != PrimitiveStore::no_room,
+                                  first,
+                                  surface.primitives.size(),
+                                  surface.inside,
+                                  {}});
         if (!trees_[tree]->on_gpu) oversize_->attach(tree, std::move(surface));
     }
     bool attached(std::uint32_t tree) const override { return tree < trees_.size() && trees_[tree]; }
@@ -224,7 +230,7 @@ private:
         const std::size_t count = gpu_rows_.size();
         grow(rows_, count * sizeof(GpuRow), 0, most_, "rows");
         grow(cursors_, 4 * words::cursors * count, 0, most_, "rows");
-        grow(tiles_, 4 * words::tile * std::max<std::size_t>(4 * count, 16384), 0, most_, "tiles");
+        grow(tiles_, 4 * words::tile * std::max<std::size_t>(4 * count, 1024), 0, most_, "tiles");
         grow(out_, out_bytes(), 0, most_, "answers");
         if (answer_.bytes() < out_bytes()) make_answer_buffer();
 
@@ -274,7 +280,8 @@ private:
         answer_ = Buffer(std::bit_ceil(out_bytes()), flags);
         answer_data_ = static_cast<const std::byte*>(
             glMapNamedBufferRange(answer_.name(), 0, static_cast<GLsizeiptr>(answer_.bytes()), flags));
-        if (!answer_data_) context_.check("the mapping of answers"), throw GpuLost("gl-compute: answers cannot be mapped");
+        if (!answer_data_)
+            context_.check("the mapping of answers"), throw GpuLost("gl-compute: answers cannot be mapped");
     }
 
     /// Waits for the batch. False: a buffer was too small, and is larger now.
@@ -310,7 +317,7 @@ private:
     BatchClock clock_;
 
     std::vector<std::optional<Tree>> trees_;
-    std::vector<std::uint32_t> place_in_tree_; ///< by list: where it is in Tree::lists
+    std::vector<std::uint32_t> place_in_tree_;   ///< by list: where it is in Tree::lists
     std::unique_ptr<OcclusionBackend> oversize_; ///< has the surfaces that do not fit
     std::span<const OctantRow> asked_;
     std::vector<GpuRow> gpu_rows_;

@@ -24,7 +24,8 @@ void grow(Buffer& buffer, std::size_t bytes, std::size_t kept, std::size_t most,
 {
     if (buffer.bytes() >= bytes) return;
     if (bytes > most)
-        throw GpuLost(fmt::format("{} need {} MB, but a buffer may hold {} MB", what, bytes / 1'000'000, most / 1'000'000));
+        throw GpuLost(fmt::format("{} need {:.1f} MB, but a buffer may hold {:.1f} MB", what, double(bytes) / 1e6,
+                                  double(most) / 1e6));
     Buffer larger(std::min(std::bit_ceil(bytes), most), GL_DYNAMIC_STORAGE_BIT);
     if (kept) glCopyNamedBufferSubData(buffer.name(), larger.name(), 0, 0, static_cast<GLsizeiptr>(kept));
     buffer = std::move(larger);
@@ -128,8 +129,7 @@ void ListStore::read(std::span<const ListRead> reads, std::vector<std::uint32_t>
     }
     std::vector<std::uint32_t> all(counters[1]);
     glGetNamedBufferSubData(jobs_.name(), 0, static_cast<GLsizeiptr>(4 * jobs.size()), jobs.data());
-    if (!all.empty())
-        glGetNamedBufferSubData(packed_.name(), 0, static_cast<GLsizeiptr>(4 * all.size()), all.data());
+    if (!all.empty()) glGetNamedBufferSubData(packed_.name(), 0, static_cast<GLsizeiptr>(4 * all.size()), all.data());
     for (std::size_t i = 0; i < reads.size(); ++i) { // where each lies depends on which group came first
         const auto from = all.begin() + jobs[2 * i];
         const auto begin = static_cast<std::ptrdiff_t>(triangles.size());

@@ -8,8 +8,8 @@
 
 namespace oncollide::gl {
 
-/// Makes `buffer` at least `bytes` large, keeping its first `kept` bytes. Throws GpuLost when that is over `most`; `what`
-/// names the content.
+/// Makes `buffer` at least `bytes` large, keeping its first `kept` bytes. Throws GpuLost when that is over `most`;
+/// `what` names the content.
 void grow(Buffer& buffer, std::size_t bytes, std::size_t kept, std::size_t most, const char* what);
 
 /// Triangle lists on the GPU: entries (4 bytes a triangle and octant), and where each list's octants begin (36 bytes a

@@ -166,7 +166,7 @@ TEST_F(ReportTest, TraceNestsStagesInFramesWithoutOverlap)
     const json trace = json::parse(read("t.json"));
     for (const json& event : trace.at("traceEvents")) {
         counters += event.at("ph") == "C";
-        if (event.at("ph") != "X") continue;
+        if (event.at("ph") != "X" || event.at("tid") != 1) continue;
         const double begin = event.at("ts"), end = begin + event.at("dur").get<double>();
         if (event.at("name").get<std::string>().starts_with("frame")) {
             EXPECT_GE(begin, frame_end - tolerance);
@@ -180,6 +180,26 @@ TEST_F(ReportTest, TraceNestsStagesInFramesWithoutOverlap)
     EXPECT_EQ(frames, 4);
     EXPECT_EQ(stages, 4 * 5);
     EXPECT_EQ(counters, 4 * 2);
+}
+
+TEST_F(ReportTest, TraceHasATrackOfRounds)
+{
+    Pipeline pipeline(scene_, {.depth = 4, .backend = BackendKind::gl_compute});
+    Report report(scene_, pipeline);
+    play(pipeline, report);
+    report.write_trace(folder_ / "t.json");
+    std::size_t rounds = 0;
+    double end = 0;
+    const json trace = json::parse(read("t.json"));
+    for (const json& event : trace.at("traceEvents")) {
+        if (event.at("ph") != "X" || event.at("tid") != 2) continue;
+        EXPECT_GE(event.at("ts").get<double>(), end - 2e-3) << "one after the other";
+        end = event.at("ts").get<double>() + event.at("dur").get<double>();
+        EXPECT_GT(event.at("args").at("rows"), 0);
+        EXPECT_GT(event.at("args").at("gpu_ms"), 0);
+        ++rounds;
+    }
+    EXPECT_GT(rounds, 2u);
 }
 
 TEST_F(ReportTest, TableAndPictureNameEveryStageAndTheHash)

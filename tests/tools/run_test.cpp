@@ -77,6 +77,45 @@ TEST_F(CommandLine, EveryInstructionSetAndBuildTypeGivesTheKnownHash)
     }
 }
 
+TEST_F(CommandLine, GlComputeGivesTheKnownHash)
+{
+    const Outcome outcome = run({"run", "many", "--bodies", "60", "--frames", "3", "--depth", "5", "--json", "-",
+                                 "--quiet", "--backend", "gl-compute"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const nlohmann::json header = nlohmann::json::parse(outcome.out)["header"];
+    EXPECT_EQ(header["hash"], "497f79e29c3873c7");
+    EXPECT_FALSE(header["renderer"].get<std::string>().empty());
+    EXPECT_GT(header["trees"]["gpu_bytes"], 0);
+}
+
+TEST_F(CommandLine, ARunOnTheCpuNeverTouchesEgl)
+{
+    const auto loads_egl = [&](std::vector<std::string> options) {
+        std::vector<std::string> arguments{"run", "many", "--bodies", "10", "--frames", "2"};
+        arguments.insert(arguments.end(), options.begin(), options.end());
+        const Outcome outcome = run(arguments, {.folder = {}, .environment = {{"LD_DEBUG", "libs"}}});
+        EXPECT_EQ(outcome.code, 0);
+        return outcome.err.find("libEGL") != std::string::npos;
+    };
+    EXPECT_FALSE(loads_egl({}));
+    EXPECT_FALSE(loads_egl({"--backend", "cpu", "--exact", "fcl"}));
+    EXPECT_TRUE(loads_egl({"--backend", "gl-compute"}));
+}
+
+TEST_F(CommandLine, WithoutAGpuABackendByNameIsAnErrorAndAutoSaysWhyOnce)
+{
+    const Surroundings no_driver{.folder = {}, .environment = {{"__EGL_VENDOR_LIBRARY_FILENAMES", "/nowhere"}}};
+    const Outcome by_name = run({"run", "many", "--bodies", "10", "--backend", "gl-compute"}, no_driver);
+    EXPECT_EQ(by_name.code, 71);
+    EXPECT_NE(by_name.err.find("EGL"), std::string::npos) << by_name.err;
+    const Outcome any = run({"run", "many", "--bodies", "10", "--frames", "3", "--backend", "auto"}, no_driver);
+    EXPECT_EQ(any.code, 0);
+    const std::size_t note = any.err.find("auto: the CPU answers");
+    EXPECT_NE(note, std::string::npos) << any.err;
+    EXPECT_EQ(any.err.find("auto: the CPU answers", note + 1), std::string::npos) << "once";
+    expect_error(71, {"run", "city", "--backend", "gl-compute", "--gpu", "63"}, {"63", "doctor"});
+}
+
 TEST_F(CommandLine, AWrittenSceneRunsLikeItsName)
 {
     small_scene();
@@ -169,7 +208,7 @@ TEST_F(CommandLine, DoctorAnswersAndWritesNothing)
 {
     const Outcome outcome = run({"doctor"});
     EXPECT_EQ(outcome.code, 0) << outcome.out;
-    for (const char* word : {"processor", "threads", "FCL 0.", "self-test", "passed", "CPU only"})
+    for (const char* word : {"processor", "threads", "FCL 0.", "self-test", "passed", "GPU 0"})
         EXPECT_NE(outcome.out.find(word), std::string::npos) << word;
     EXPECT_TRUE(folder_.list().empty());
 }
