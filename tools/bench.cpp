@@ -35,16 +35,20 @@ std::shared_ptr<CompareOptions> add_scene_bench(CLI::App& bench, Command& comman
 void add_paper(CLI::App& bench, Command& command)
 {
     CLI::App* sub =
-        bench.add_subcommand("paper", "The paper's animation: a bunny winds past a dragon, a cow and a lamp");
-    auto options = std::make_shared<CompareOptions>();
-    options->repeats = 3, options->timeline = 100;
-    auto large = std::make_shared<bool>(false);
-    sub->add_flag("--large", *large, "the models of 5,100 triangles instead of 1,500");
-    add_compare_options(*sub, *options);
-    sub->callback([options, large, &command] {
-        options->scene.scene = *large ? "paper-5k" : "paper";
-        command = [options] { return bench_scene(*options); };
-    });
+        bench.add_subcommand("paper", "The paper's tables: its occlusion queries beside the other backends");
+    auto options = std::make_shared<PaperOptions>();
+    sub->add_flag("--large", options->large, "animate models of 5,100 triangles instead of 1,500");
+    sub->add_option("--frames", options->frames, "frames of the animation (default 2400, as in the paper)")
+        ->type_name("N");
+    sub->add_option("--depth", options->depth, "depth of the sphere-trees (default 5, as in the paper)")
+        ->type_name("D");
+    sub->add_option("--age", options->age, "frames after which unused cells are dropped (default 60)")->type_name("N");
+    sub->add_option("--viewport", options->viewport, "pixels a side of a cell (default 16)")->type_name("PX");
+    sub->add_option("--gpu", options->gpu, "number of the GPU ('oncollide doctor' lists them)")->type_name("N");
+    sub->add_option("--data", options->data, "folder with meshes/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
+        ->type_name("DIR");
+    sub->add_option("--csv", options->csv, "write one row per figure")->type_name("FILE");
+    sub->callback([options, &command] { command = [options] { return bench_paper(*options); }; });
 }
 
 void add_poses(CLI::App& bench, Command& command)
@@ -70,7 +74,10 @@ void add_octants(CLI::App& bench, Command& command)
         ->type_name("DIR");
     sub->add_option("--gpu", options->gpu, "number of the GPU ('oncollide doctor' lists them)")->type_name("N");
     sub->add_option("--repeats", options->repeats, "of each batch the fastest counts (default 5)")->type_name("N");
-    sub->add_option("--csv", options->csv, "write one row per batch")->type_name("FILE");
+    sub->add_option("--only", options->only, "one part: speed, trees or misses")->type_name("PART");
+    sub->add_option("--limit", options->limit_s, "leave out batches that would take longer (seconds, default 2)")
+        ->type_name("S");
+    sub->add_option("--csv", options->csv, "write one row per figure")->type_name("FILE");
     sub->callback([options, &command] { command = [options] { return bench_octants(*options); }; });
 }
 
@@ -83,7 +90,8 @@ void add_bench(CLI::App& app, Command& command)
     bench->callback([bench, &command] {
         if (bench->get_subcommands().empty())
             command = []() -> int {
-                throw Error(ErrorKind::usage, "bench: which one? many, paper, poses or scene (oncollide bench --help)");
+                throw Error(ErrorKind::usage,
+                            "bench: which one? many, octants, paper, poses or scene (oncollide bench --help)");
             };
     });
     add_scene_bench(*bench, command, "many", "Bunnies, dragons and cows in a cube");
@@ -99,7 +107,7 @@ void add_bench(CLI::App& app, Command& command)
     scene->callback([options, &command] { command = [options] { return bench_scene(*options); }; });
     bench->footer("Examples:\n"
                   "  oncollide bench many --bodies 1000 --exact fcl\n"
-                  "  oncollide bench paper --large --depth 5\n"
+                  "  oncollide bench scene paper-5k --depth 5 --repeats 3 --timeline 100\n"
                   "  oncollide bench poses --depths 5-7\n"
                   "How to read and repeat the results: docs/benchmarks.md. Exit code 70: a collision was missed.");
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include <iostream>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,9 +36,20 @@ struct PosesOptions {
 /// One pair of meshes in the poses of the data folder.
 int bench_poses(const PosesOptions& options);
 
-struct OctantsOptions {
+struct PaperOptions {
     std::string data, csv;
+    std::optional<int> frames;
+    int gpu = -1, viewport = 16, depth = 5, age = Settings{}.age_limit;
+    bool large = false;
+};
+
+/// The tables of the paper: one level of seven models, and its animation.
+int bench_paper(const PaperOptions& options);
+
+struct OctantsOptions {
+    std::string data, only, csv;
     int gpu = -1, repeats = 5;
+    double limit_s = 2; ///< batches that would take longer are left out
 };
 
 /// Batches of octant questions, asked of every backend.
