@@ -19,8 +19,8 @@
 #include <fmt/format.h>
 
 #include <oncollide/narrowphase/gl/context.hpp>
+#include <oncollide/narrowphase/gl/octant_queries.hpp>
 #include <oncollide/narrowphase/gl/query_mesh.hpp>
-#include <oncollide/narrowphase/gl/query_objects.hpp>
 #include <oncollide/narrowphase/listed_surfaces.hpp>
 
 namespace oncollide {
@@ -28,53 +28,32 @@ namespace oncollide {
 namespace {
 
 using Primitives = GlQueryOptions::Primitives;
-using Samples = GlQueryOptions::Samples;
 using Draw = GlQueryOptions::Draw;
 
-// An octant and its view volume have one centre, so the clip coordinates are those of the octant, and the view along an
-// axis is a permutation that puts this axis last. The mesh seen from the other side, or in a mirror, covers as much.
-constexpr const char* vertex_shader = R"(#version 450 core
-layout(location = 0) in vec3 position;
-layout(location = 0) uniform vec3 centre;
-layout(location = 1) uniform vec3 half_extents;
-layout(location = 2) uniform int axis;
-void main()
-{
-    vec3 p = (position - centre) / half_extents;
-    gl_Position = vec4(axis == 0 ? p.yzx : axis == 1 ? p.zxy : p, 1.0);
-}
-)";
-constexpr const char* fragment_shader = "#version 450 core\nvoid main() {}\n";
-
-constexpr std::size_t most_in_flight = 4096; ///< queries between two readbacks
+constexpr std::size_t most_in_flight = gl::OctantQueries::most_in_flight;
 
 template <std::size_t N>
 const char* name_in(const char* const (&names)[N], std::size_t value, const char* option)
 {
-    if (value >= N) throw Error(ErrorKind::usage, fmt::format("gl-query: no {} number {}", option, value));
+    if (value >= N) throw Error(ErrorKind::usage, fmt::format("gl-query: there is no {} number {}", option, value));
     return names[value];
 }
 
-const char* name_of(Primitives p)
+/// Throws Error{usage} for options that make no sense.
+std::string describe(const GlQueryOptions& o)
 {
-    return name_in({"soup", "indexed", "strips"}, static_cast<std::size_t>(p), "primitives");
-}
-const char* name_of(Samples s)
-{
-    return name_in({"passed", "any"}, static_cast<std::size_t>(s), "samples");
-}
-const char* name_of(Draw d)
-{
-    return name_in({"mesh", "inherited"}, static_cast<std::size_t>(d), "draw");
+    if (o.viewport < 1 || o.viewport > 1024)
+        throw Error(ErrorKind::usage, fmt::format("gl-query: viewport is {} pixels; 1 to 1024 are valid", o.viewport));
+    return fmt::format("gl-query ({} px, {}, {}, {}{})", o.viewport,
+                       name_in({"soup", "indexed", "strips"}, static_cast<std::size_t>(o.primitives), "primitives"),
+                       name_in({"passed", "any"}, static_cast<std::size_t>(o.samples), "samples"),
+                       name_in({"mesh", "inherited"}, static_cast<std::size_t>(o.draw), "draw"),
+                       o.inflated ? ", inflated" : "");
 }
 
-/// The options as they will be used; throws Error{usage} for those that make no sense.
+/// A part of a strip is no strip.
 GlQueryOptions usable(GlQueryOptions options)
 {
-    if (options.viewport < 1 || options.viewport > 1024)
-        throw Error(ErrorKind::usage,
-                    fmt::format("gl-query: viewport is {} pixels; 1 to 1024 are possible", options.viewport));
-    for (const char* name : {name_of(options.primitives), name_of(options.samples), name_of(options.draw)}) (void)name;
     if (options.primitives == Primitives::strips) options.draw = Draw::mesh;
     return options;
 }
@@ -82,25 +61,15 @@ GlQueryOptions usable(GlQueryOptions options)
 class GlQueryBackend final : public OcclusionBackend {
 public:
     explicit GlQueryBackend(const GlQueryOptions& options)
-        : options_(usable(options)), context_(options_.gpu),
-          program_("gl-query", {{GL_VERTEX_SHADER, vertex_shader}, {GL_FRAGMENT_SHADER, fragment_shader}}),
-          framebuffer_(options_.viewport), queries_(target(), most_in_flight), clock_(GL_TIMESTAMP, 2),
-          results_(most_in_flight * sizeof(GLuint), GL_DYNAMIC_STORAGE_BIT)
+        : options_(usable(options)), name_(describe(options_)), context_(options_.gpu),
+          queries_(options_.samples == GlQueryOptions::Samples::any ? GL_ANY_SAMPLES_PASSED : GL_SAMPLES_PASSED,
+                   options_.viewport, options_.inflated)
     {
-        // The context is ours alone, so this stays.
-        glUseProgram(program_.name());
-        glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
-        glViewport(0, 0, options_.viewport, options_.viewport);
-        glEnable(GL_PRIMITIVE_RESTART_FIXED_INDEX);
         context_.check("setting up gl-query");
     }
     ~GlQueryBackend() override { use_quietly(); }
 
-    std::string name() const override
-    {
-        return fmt::format("gl-query ({} px, {}, {}, {}{})", options_.viewport, name_of(options_.primitives),
-                           name_of(options_.samples), name_of(options_.draw), options_.inflated ? ", inflated" : "");
-    }
+    std::string name() const override { return name_; }
     std::string renderer() const override { return context_.info().renderer; }
 
     /// A fragment is the centre of a pixel within the triangle, clipped to the view volume and its corners snapped to
@@ -138,7 +107,7 @@ public:
         surfaces_.find(rows, {.boxes = true, .inflation = inflation, .all = options_.draw == Draw::inherited}, threads);
         answer_without_queries();
         if (open_.empty()) return;
-        glQueryCounter(clock_[0], GL_TIMESTAMP);
+        queries_.start_clock();
         issue();
         glFlush();
     }
@@ -150,8 +119,7 @@ public:
         if (!open_.empty()) {
             do read_back();
             while (issue_next());
-            glQueryCounter(clock_[1], GL_TIMESTAMP);
-            work_.gpu_ms = elapsed_ms();
+            work_.gpu_ms = queries_.stop_clock();
         }
         context_.check("a batch of occlusion queries");
         std::copy(answers_.begin(), answers_.end(), answers.begin());
@@ -166,7 +134,7 @@ public:
     }
     std::size_t bytes() const override
     {
-        std::size_t sum = surfaces_.bytes() + results_.bytes() + stream_.bytes();
+        std::size_t sum = surfaces_.bytes() + stream_.bytes();
         for (const auto& mesh : meshes_)
             if (mesh) sum += mesh->bytes();
         return sum;
@@ -177,11 +145,6 @@ private:
         std::uint32_t row;
         unsigned octant;
     };
-    struct Part { ///< of the streamed indices
-        std::size_t first, count;
-    };
-
-    GLenum target() const { return options_.samples == Samples::any ? GL_ANY_SAMPLES_PASSED : GL_SAMPLES_PASSED; }
 
     /// Where nothing may be thrown. Objects of a GPU that is lost are lost with it.
     void use_quietly() const noexcept
@@ -217,65 +180,40 @@ private:
 
     void issue()
     {
-        if (options_.draw == Draw::inherited) stream_indices();
-        glUniform1i(2, axis_);
+        if (options_.draw == Draw::inherited) stream_triangles();
+        queries_.look_along(axis_);
         const auto questions = in_flight();
         for (std::size_t i = 0; i < questions.size(); ++i) {
             const OctantRow& row = rows_[questions[i].row];
-            look_at(surfaces_.surface(row.tree).root, child_cell(row.cell, questions[i].octant));
-            const gl::QueryMesh& mesh = *meshes_[row.tree];
-            glBeginQuery(target(), queries_[i]);
-            if (options_.draw == Draw::mesh)
-                mesh.draw();
-            else
-                mesh.draw(stream_, parts_[i].first, parts_[i].count);
-            glEndQuery(target());
+            const CellKey octant = child_cell(row.cell, questions[i].octant);
+            queries_.ask(i, octant_cell(surfaces_.surface(row.tree).root, octant), [&] {
+                const gl::QueryMesh& mesh = *meshes_[row.tree];
+                if (options_.draw == Draw::mesh)
+                    mesh.draw();
+                else
+                    stream_.draw(mesh, i);
+            });
         }
         work_.queries += questions.size();
     }
 
-    void look_at(const RootCell& root, CellKey octant) const
+    /// The triangles whose boxes meet each octant in flight.
+    void stream_triangles()
     {
-        OctantCell volume = octant_cell(root, octant);
-        if (options_.inflated)
-            for (float& half : volume.half) half *= 1 + 1 / static_cast<float>(options_.viewport);
-        glUniform3fv(0, 1, volume.centre);
-        glUniform3fv(1, 1, volume.half);
+        stream_.clear();
+        for (const Question& q : in_flight())
+            stream_.add(*meshes_[rows_[q.row].tree], surfaces_.triangles(q.row, q.octant));
+        work_.bytes += stream_.upload();
     }
 
-    /// Gathers the triangles whose boxes meet each octant in flight.
-    void stream_indices()
-    {
-        indices_.clear(), parts_.clear();
-        for (const Question& q : in_flight()) {
-            const gl::QueryMesh& mesh = *meshes_[rows_[q.row].tree];
-            const TriangleSpan found = surfaces_.triangles(q.row, q.octant);
-            const std::size_t first = indices_.size();
-            for (std::uint32_t i = 0; i < found.count; ++i)
-                if (found.masks[i] >> q.octant & 1) mesh.add_corners(found.ids[i], indices_);
-            parts_.push_back({first, indices_.size() - first});
-        }
-        const std::size_t bytes = indices_.size() * sizeof(indices_[0]);
-        if (stream_.bytes() < bytes) stream_ = gl::Buffer(2 * bytes, GL_DYNAMIC_STORAGE_BIT);
-        if (bytes > 0) glNamedBufferSubData(stream_.name(), 0, static_cast<GLsizeiptr>(bytes), indices_.data());
-        work_.bytes += bytes;
-    }
-
-    /// Into a buffer first, so that there is one wait and not one a query.
     void read_back()
     {
         const auto from = std::chrono::steady_clock::now();
         const auto questions = in_flight();
+        const std::span<const GLuint> samples = queries_.read(questions.size());
         for (std::size_t i = 0; i < questions.size(); ++i)
-            glGetQueryBufferObjectuiv(queries_[i], results_.name(), GL_QUERY_RESULT,
-                                      static_cast<GLintptr>(i * sizeof(GLuint)));
-        samples_.resize(questions.size());
-        const std::size_t bytes = samples_.size() * sizeof(GLuint);
-        glGetNamedBufferSubData(results_.name(), 0, static_cast<GLsizeiptr>(bytes), samples_.data());
-        for (std::size_t i = 0; i < questions.size(); ++i)
-            if (samples_[i] != 0)
-                answers_[questions[i].row].grey |= static_cast<std::uint8_t>(1u << questions[i].octant);
-        work_.bytes += bytes;
+            answers_[questions[i].row].grey |= static_cast<std::uint8_t>((samples[i] != 0) << questions[i].octant);
+        work_.bytes += samples.size_bytes();
         work_.wait_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - from).count();
     }
 
@@ -292,19 +230,11 @@ private:
         return true;
     }
 
-    double elapsed_ms() const
-    {
-        GLuint64 ns[2];
-        for (int i = 0; i < 2; ++i) glGetQueryObjectui64v(clock_[i], GL_QUERY_RESULT, &ns[i]);
-        return static_cast<double>(ns[1] - ns[0]) * 1e-6;
-    }
-
     GlQueryOptions options_;
+    std::string name_;
     gl::Context context_; ///< before all that lives in it
-    gl::Program program_;
-    gl::BareFramebuffer framebuffer_;
-    gl::Queries queries_, clock_;
-    gl::Buffer results_, stream_;
+    gl::OctantQueries queries_;
+    gl::TriangleStream stream_;
     std::vector<std::optional<gl::QueryMesh>> meshes_; ///< by tree; none for maps
     ListedSurfaces surfaces_;
 
@@ -314,9 +244,6 @@ private:
     std::vector<Question> open_;
     std::size_t begin_ = 0; ///< of those in flight, within open_
     int axis_ = 0;
-    std::vector<std::uint32_t> indices_;
-    std::vector<Part> parts_; ///< by question in flight
-    std::vector<GLuint> samples_;
     BatchWork work_;
 };
 

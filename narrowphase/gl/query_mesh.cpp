@@ -58,11 +58,11 @@ QueryMesh::QueryMesh(std::span<const Primitive> triangles, GlQueryOptions::Primi
     std::vector<Corner> vertices = corners_of(triangles);
     count_ = static_cast<GLsizei>(vertices.size());
     if (primitives != GlQueryOptions::Primitives::soup) {
-        corners_ = weld(vertices);
         const bool strips = primitives == GlQueryOptions::Primitives::strips;
-        const std::vector<std::uint32_t> order = strips ? strips_of(corners_, vertices.size()) : corners_;
-        indices_ = upload(order);
-        count_ = static_cast<GLsizei>(order.size());
+        corners_ = weld(vertices);
+        if (strips) corners_ = strips_of(corners_, vertices.size());
+        indices_ = upload(corners_);
+        count_ = static_cast<GLsizei>(corners_.size());
         mode_ = strips ? GL_TRIANGLE_STRIP : GL_TRIANGLES;
     }
     vertices_ = upload(vertices);
@@ -97,6 +97,27 @@ void QueryMesh::draw(const Buffer& indices, std::size_t first, std::size_t count
 std::size_t QueryMesh::bytes() const
 {
     return vertices_.bytes() + indices_.bytes() + corners_.capacity() * sizeof(corners_[0]);
+}
+
+void TriangleStream::add(const QueryMesh& mesh, const TriangleSpan& triangles)
+{
+    const std::size_t first = indices_.size();
+    for (std::uint32_t i = 0; i < triangles.count; ++i)
+        if (triangles.masks[i] >> triangles.octant & 1) mesh.add_corners(triangles.ids[i], indices_);
+    parts_.push_back({first, indices_.size() - first});
+}
+
+std::size_t TriangleStream::upload()
+{
+    const std::size_t bytes = indices_.size() * sizeof(indices_[0]);
+    if (buffer_.bytes() < bytes) buffer_ = Buffer(2 * bytes, GL_DYNAMIC_STORAGE_BIT);
+    glNamedBufferSubData(buffer_.name(), 0, static_cast<GLsizeiptr>(bytes), indices_.data());
+    return bytes;
+}
+
+void TriangleStream::draw(const QueryMesh& mesh, std::size_t part) const
+{
+    mesh.draw(buffer_, parts_[part].first, parts_[part].count);
 }
 
 } // namespace oncollide::gl

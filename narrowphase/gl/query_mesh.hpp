@@ -5,7 +5,7 @@
 
 #include <oncollide/narrowphase/gl/resources.hpp>
 #include <oncollide/narrowphase/gpu.hpp>
-#include <oncollide/narrowphase/primitive.hpp>
+#include <oncollide/narrowphase/octant_kernel.hpp>
 
 namespace oncollide::gl {
 
@@ -42,6 +42,27 @@ private:
     std::vector<std::uint32_t> corners_; ///< vertex numbers, three a triangle; soup: vertices are in this order already
     GLenum mode_ = GL_TRIANGLES;
     GLsizei count_ = 0; ///< vertices or indices of the whole mesh
+};
+
+/// Some triangles of meshes, in parts, on their way to the GPU.
+class TriangleStream {
+public:
+    void clear() { indices_.clear(), parts_.clear(); }
+    /// Adds a part: those triangles of `mesh` that enter the span's octant.
+    void add(const QueryMesh& mesh, const TriangleSpan& triangles);
+    /// Returns how many bytes went.
+    std::size_t upload();
+    /// Draws part number `part`, which was uploaded, of its mesh.
+    void draw(const QueryMesh& mesh, std::size_t part) const;
+    std::size_t bytes() const { return buffer_.bytes(); }
+
+private:
+    struct Part {
+        std::size_t first, count;
+    };
+    std::vector<std::uint32_t> indices_;
+    std::vector<Part> parts_;
+    Buffer buffer_{1 << 16, GL_DYNAMIC_STORAGE_BIT}; ///< it grows
 };
 
 } // namespace oncollide::gl

@@ -141,6 +141,21 @@ TEST(GlQuery, LooksAlongEachAxisInTurnAndStopsAtTheFirstFragment)
     }
 }
 
+TEST(GlQuery, AsksThreeTimesInVainWhereNoSurfaceIs)
+{
+    const Geometry geometry{"knot", knot(600), {}};
+    for (const Draw draw : {Draw::mesh, Draw::inherited}) {
+        const auto backend = make_gl_query_backend({.draw = draw});
+        backend->attach(0, make_surface(geometry, root_cell_of(geometry)));
+        CellKey middle = root_cell;
+        for (unsigned octant : {0u, 7u, 7u, 7u}) middle = child_cell(middle, octant);
+        std::vector<OctantAnswer> answer(1);
+        const BatchWork work = backend->ask(std::vector<OctantRow>{{0, middle, all_triangles, true}}, 1, answer);
+        EXPECT_EQ(answer[0].grey, 0);
+        EXPECT_EQ(work.queries, 24u);
+    }
+}
+
 TEST(GlQuery, AsksAsOftenAsThePaperSays)
 {
     const auto backend = make_gl_query_backend();
