@@ -1,10 +1,257 @@
+// The paper's way to find the octants that a surface enters: make the octant the view volume, draw the mesh, and ask
+// the GPU whether any fragment came out.
+//
+//        camera      near          far          The camera stands one box length outside the octant and looks along
+//          o . . . . +--------------+           x, then y, then z; near = 1 and far = 2 box lengths, so what is left
+//          <- 1 ->   |    octant    |           after clipping is the part of the mesh within the octant. No depth
+//                    +--------------+           test, no culling: any fragment tells.
+//
+// A fragment is proof; none from three sides is not: triangles seen edge-on, or between pixel centres, leave none.
+//
+// Source: Franquesa-Niubó and Rodríguez González, "Sphere-trees generation as needed in real time to speed up collision
+// detection", GRAPP 2006, section 4.
 #include <oncollide/narrowphase/gpu.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include <oncollide/narrowphase/gl/context.hpp>
+#include <oncollide/narrowphase/gl/octant_queries.hpp>
+#include <oncollide/narrowphase/gl/query_mesh.hpp>
+#include <oncollide/narrowphase/listed_surfaces.hpp>
 
 namespace oncollide {
 
-std::unique_ptr<OcclusionBackend> make_gl_query_backend(const GlQueryOptions&)
+namespace {
+
+using Primitives = GlQueryOptions::Primitives;
+using Draw = GlQueryOptions::Draw;
+
+constexpr std::size_t most_in_flight = gl::OctantQueries::most_in_flight;
+
+template <std::size_t N>
+const char* name_in(const char* const (&names)[N], std::size_t value, const char* option)
 {
-    throw GpuLost("gl-query: not built yet");
+    if (value >= N) throw Error(ErrorKind::usage, fmt::format("gl-query: there is no {} number {}", option, value));
+    return names[value];
+}
+
+/// Throws Error{usage} for options that make no sense.
+std::string describe(const GlQueryOptions& o)
+{
+    if (o.viewport < 1 || o.viewport > 1024)
+        throw Error(ErrorKind::usage, fmt::format("gl-query: viewport is {} pixels; 1 to 1024 are valid", o.viewport));
+    return fmt::format("gl-query ({} px, {}, {}, {}{})", o.viewport,
+                       name_in({"soup", "indexed", "strips"}, static_cast<std::size_t>(o.primitives), "primitives"),
+                       name_in({"passed", "any"}, static_cast<std::size_t>(o.samples), "samples"),
+                       name_in({"mesh", "inherited"}, static_cast<std::size_t>(o.draw), "draw"),
+                       o.inflated ? ", inflated" : "");
+}
+
+/// A part of a strip is no strip.
+GlQueryOptions usable(GlQueryOptions options)
+{
+    if (options.primitives == Primitives::strips) options.draw = Draw::mesh;
+    return options;
+}
+
+class GlQueryBackend final : public OcclusionBackend {
+public:
+    explicit GlQueryBackend(const GlQueryOptions& options)
+        : options_(usable(options)), name_(describe(options_)), context_(options_.gpu),
+          queries_(options_.samples == GlQueryOptions::Samples::any ? GL_ANY_SAMPLES_PASSED : GL_SAMPLES_PASSED,
+                   options_.viewport, options_.inflated)
+    {
+        context_.check("setting up gl-query");
+    }
+    ~GlQueryBackend() override { use_quietly(); }
+
+    std::string name() const override { return name_; }
+    std::string renderer() const override { return context_.info().renderer; }
+
+    /// A fragment is the centre of a pixel within the triangle, clipped to the view volume and its corners snapped to
+    /// at most 1/16 of a pixel (GL_SUBPIXEL_BITS is at least 4). So the triangle has a point within the volume's depth
+    /// and 1/16 pixel beside that centre. Pixel centres lie half a texel inside the plain volume: that point is in the
+    /// octant, but for the rounding of float, which false_reach() covers. The inflated volume is half a texel deeper on
+    /// either side, and its outermost pixel centres are just inside the octant: at most 1.02 times half a texel. Half a
+    /// texel more allows for hardware that clips by a depth interpolated at the pixel's centre.
+    double reach(double half) const override { return (options_.inflated ? 2 : 1) * half / options_.viewport; }
+
+    void attach(std::uint32_t tree, Surface surface) override
+    {
+        context_.use();
+        if (meshes_.size() <= tree) meshes_.resize(tree + 1);
+        meshes_[tree].reset();
+        if (!surface.boxes) meshes_[tree].emplace(surface.primitives, options_.primitives);
+        surfaces_.attach(tree, std::move(surface));
+        context_.check("copying a mesh to the GPU");
+    }
+    bool attached(std::uint32_t tree) const override { return surfaces_.attached(tree); }
+    void detach(std::uint32_t tree) override
+    {
+        if (!attached(tree)) return;
+        use_quietly();
+        meshes_[tree].reset();
+        surfaces_.detach(tree);
+    }
+
+    void submit(std::span<const OctantRow> rows, int threads) override
+    {
+        context_.use();
+        rows_ = rows, work_ = {}, axis_ = 0, begin_ = 0;
+        // Half a texel of an octant is this part of its cell.
+        const float inflation = options_.inflated ? 0.5f / static_cast<float>(options_.viewport) : 0.0f;
+        surfaces_.find(rows, {.boxes = true, .inflation = inflation, .all = options_.draw == Draw::inherited}, threads);
+        answer_without_queries();
+        if (open_.empty()) return;
+        queries_.start_clock();
+        issue();
+        glFlush();
+    }
+
+    BatchWork collect(std::span<OctantAnswer> answers) override
+    {
+        ONCOLLIDE_ASSERT(answers.size() == answers_.size());
+        context_.use();
+        if (!open_.empty()) {
+            do read_back();
+            while (issue_next());
+            work_.gpu_ms = queries_.stop_clock();
+        }
+        context_.check("a batch of occlusion queries");
+        std::copy(answers_.begin(), answers_.end(), answers.begin());
+        return work_;
+    }
+
+    void release(std::uint32_t tree, ListId list) override { surfaces_.release(tree, list); }
+    void read(std::span<const ListRead> reads, std::vector<std::uint32_t>& triangles,
+              std::vector<std::size_t>& ends) override
+    {
+        surfaces_.read(reads, triangles, ends);
+    }
+    std::size_t bytes() const override
+    {
+        std::size_t sum = surfaces_.bytes() + stream_.bytes();
+        for (const auto& mesh : meshes_)
+            if (mesh) sum += mesh->bytes();
+        return sum;
+    }
+
+private:
+    struct Question { ///< an octant that no fragment was seen of yet
+        std::uint32_t row;
+        unsigned octant;
+    };
+
+    /// Where nothing may be thrown. Objects of a GPU that is lost are lost with it.
+    void use_quietly() const noexcept
+    {
+        try {
+            context_.use();
+        } catch (const Error&) {
+        }
+    }
+
+    /// Lists, insides of solid shapes, and maps, whose boxes are solid: a query would see their faces alone. All other
+    /// octants are asked for.
+    void answer_without_queries()
+    {
+        open_.clear(), answers_.resize(rows_.size());
+        for (std::uint32_t i = 0; i < rows_.size(); ++i) {
+            const OctantRow& row = rows_[i];
+            const bool boxes = surfaces_.surface(row.tree).boxes;
+            answers_[i].grey = boxes ? surfaces_.entered(i) : surfaces_.inside(i);
+            answers_[i].list = row.keep_list ? surfaces_.keep(row.tree, i) : all_triangles;
+            for (unsigned k = 0; k < 8 && !boxes; ++k)
+                if (!seen({i, k})) open_.push_back({i, k});
+        }
+    }
+
+    bool seen(const Question& q) const { return answers_[q.row].grey >> q.octant & 1; }
+
+    /// The open questions that are in flight together.
+    std::span<const Question> in_flight() const
+    {
+        return std::span(open_).subspan(begin_, std::min(most_in_flight, open_.size() - begin_));
+    }
+
+    void issue()
+    {
+        if (options_.draw == Draw::inherited) stream_triangles();
+        queries_.look_along(axis_);
+        const auto questions = in_flight();
+        for (std::size_t i = 0; i < questions.size(); ++i) {
+            const OctantRow& row = rows_[questions[i].row];
+            const CellKey octant = child_cell(row.cell, questions[i].octant);
+            queries_.ask(i, octant_cell(surfaces_.surface(row.tree).root, octant), [&] {
+                const gl::QueryMesh& mesh = *meshes_[row.tree];
+                if (options_.draw == Draw::mesh)
+                    mesh.draw();
+                else
+                    stream_.draw(mesh, i);
+            });
+        }
+        work_.queries += questions.size();
+    }
+
+    /// The triangles whose boxes meet each octant in flight.
+    void stream_triangles()
+    {
+        stream_.clear();
+        for (const Question& q : in_flight())
+            stream_.add(*meshes_[rows_[q.row].tree], surfaces_.triangles(q.row, q.octant));
+        work_.bytes += stream_.upload();
+    }
+
+    void read_back()
+    {
+        const auto from = std::chrono::steady_clock::now();
+        const auto questions = in_flight();
+        const std::span<const GLuint> samples = queries_.read(questions.size());
+        for (std::size_t i = 0; i < questions.size(); ++i)
+            answers_[questions[i].row].grey |= static_cast<std::uint8_t>((samples[i] != 0) << questions[i].octant);
+        work_.bytes += samples.size_bytes();
+        work_.wait_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - from).count();
+    }
+
+    /// The next questions along this axis, or else along the next one those that showed nothing. False: all is asked.
+    bool issue_next()
+    {
+        begin_ += in_flight().size();
+        if (begin_ == open_.size()) {
+            std::erase_if(open_, [&](const Question& q) { return seen(q); });
+            begin_ = 0;
+            if (++axis_ == 3 || open_.empty()) return false;
+        }
+        issue();
+        return true;
+    }
+
+    GlQueryOptions options_;
+    std::string name_;
+    gl::Context context_; ///< before all that lives in it
+    gl::OctantQueries queries_;
+    gl::TriangleStream stream_;
+    std::vector<std::optional<gl::QueryMesh>> meshes_; ///< by tree; none for maps
+    ListedSurfaces surfaces_;
+
+    // The batch under way.
+    std::span<const OctantRow> rows_;
+    std::vector<OctantAnswer> answers_;
+    std::vector<Question> open_;
+    std::size_t begin_ = 0; ///< of those in flight, within open_
+    int axis_ = 0;
+    BatchWork work_;
+};
+
+} // namespace
+
+std::unique_ptr<OcclusionBackend> make_gl_query_backend(const GlQueryOptions& options)
+{
+    return std::make_unique<GlQueryBackend>(options);
 }
 
 } // namespace oncollide

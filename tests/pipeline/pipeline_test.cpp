@@ -259,6 +259,18 @@ TEST(Pipeline, RefusesPosesThatAreNotRigidAndNamesTheBody)
     EXPECT_NE(message(pose), "");
 }
 
+TEST(Pipeline, CountsTheOcclusionQueriesOfThePaper)
+{
+    const Scene scene = two_knots(0.5);
+    Pipeline pipeline(scene, {.depth = 4, .backend = BackendKind::gl_query, .viewport = 32});
+    const FrameView frame = pipeline.step(scene);
+    EXPECT_NE(pipeline.renderer(), "");
+    EXPECT_GE(frame.trees.queries, 8 * frame.trees.rows);
+    EXPECT_LE(frame.trees.queries, 24 * frame.trees.rows);
+    ASSERT_EQ(frame.pairs.size(), 1u);
+    EXPECT_EQ(frame.pairs[0].verdict, Verdict::within);
+}
+
 TEST(Pipeline, RefusesSettingsOutOfRange)
 {
     const Scene scene = two_knots(3);

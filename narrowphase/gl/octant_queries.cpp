@@ -1,0 +1,78 @@
+#include <oncollide/narrowphase/gl/octant_queries.hpp>
+
+namespace oncollide::gl {
+
+namespace {
+
+// An octant and its view volume have one centre, so clip coordinates are those of the octant, and the view along an
+// axis is a permutation that puts this axis last. Seen from the other side or in a mirror, the mesh covers as much.
+constexpr const char* vertex_shader = R"(#version 450 core
+layout(location = 0) in vec3 position;
+layout(location = 0) uniform vec3 centre;
+layout(location = 1) uniform vec3 half_extents;
+layout(location = 2) uniform int axis;
+void main()
+{
+    vec3 p = (position - centre) / half_extents;
+    gl_Position = vec4(axis == 0 ? p.yzx : axis == 1 ? p.zxy : p, 1.0);
+}
+)";
+constexpr const char* fragment_shader = "#version 450 core\nvoid main() {}\n";
+
+} // namespace
+
+BareFramebuffer::BareFramebuffer(int pixels)
+{
+    glCreateFramebuffers(1, &name_);
+    glNamedFramebufferParameteri(name_, GL_FRAMEBUFFER_DEFAULT_WIDTH, pixels);
+    glNamedFramebufferParameteri(name_, GL_FRAMEBUFFER_DEFAULT_HEIGHT, pixels);
+}
+
+Queries::Queries(GLenum target, std::size_t count) : names_(count)
+{
+    glCreateQueries(target, static_cast<GLsizei>(count), names_.data());
+}
+
+OctantQueries::OctantQueries(GLenum target, int viewport, bool inflated)
+    : target_(target), growth_(inflated ? 1 + 1 / static_cast<float>(viewport) : 1),
+      program_("gl-query", {{GL_VERTEX_SHADER, vertex_shader}, {GL_FRAGMENT_SHADER, fragment_shader}}),
+      framebuffer_(viewport), queries_(target, most_in_flight), clock_(GL_TIMESTAMP, 2),
+      results_(most_in_flight * sizeof(GLuint), GL_DYNAMIC_STORAGE_BIT)
+{
+    glUseProgram(program_.name());
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+    glViewport(0, 0, viewport, viewport);
+    glEnable(GL_PRIMITIVE_RESTART_FIXED_INDEX);
+}
+
+void OctantQueries::look_along(int axis)
+{
+    glUniform1i(2, axis);
+}
+
+void OctantQueries::look_at(const OctantCell& octant)
+{
+    glUniform3fv(0, 1, octant.centre);
+    glUniform3f(1, octant.half[0] * growth_, octant.half[1] * growth_, octant.half[2] * growth_);
+}
+
+std::span<const GLuint> OctantQueries::read(std::size_t count)
+{
+    // Into a buffer first, so that there is one wait and not one a query.
+    for (std::size_t i = 0; i < count; ++i)
+        glGetQueryBufferObjectuiv(queries_[i], results_.name(), GL_QUERY_RESULT,
+                                  static_cast<GLintptr>(i * sizeof(GLuint)));
+    samples_.resize(count);
+    glGetNamedBufferSubData(results_.name(), 0, static_cast<GLsizeiptr>(count * sizeof(GLuint)), samples_.data());
+    return samples_;
+}
+
+double OctantQueries::stop_clock()
+{
+    glQueryCounter(clock_[1], GL_TIMESTAMP);
+    GLuint64 ns[2];
+    for (std::size_t i = 0; i < 2; ++i) glGetQueryObjectui64v(clock_[i], GL_QUERY_RESULT, &ns[i]);
+    return static_cast<double>(ns[1] - ns[0]) * 1e-6;
+}
+
+} // namespace oncollide::gl

@@ -1,0 +1,79 @@
+#pragma once
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include <oncollide/narrowphase/gl/resources.hpp>
+#include <oncollide/narrowphase/octant_kernel.hpp>
+
+namespace oncollide::gl {
+
+// Objects whose context must be current whenever they are used or die.
+
+/// A square framebuffer that stores nothing: fragments are only counted.
+class BareFramebuffer {
+public:
+    explicit BareFramebuffer(int pixels);
+    ~BareFramebuffer() { glDeleteFramebuffers(1, &name_); }
+    BareFramebuffer(const BareFramebuffer&) = delete;
+    BareFramebuffer& operator=(const BareFramebuffer&) = delete;
+    GLuint name() const { return name_; }
+
+private:
+    GLuint name_ = 0;
+};
+
+/// Query objects, all of one target: a query object cannot change it.
+class Queries {
+public:
+    Queries(GLenum target, std::size_t count);
+    ~Queries() { glDeleteQueries(static_cast<GLsizei>(names_.size()), names_.data()); }
+    Queries(const Queries&) = delete;
+    Queries& operator=(const Queries&) = delete;
+    GLuint operator[](std::size_t i) const { return names_[i]; }
+
+private:
+    std::vector<GLuint> names_;
+};
+
+/// Occlusion queries whose view volume is an octant, many in flight. Their context is for them alone: OpenGL's state is
+/// set once.
+class OctantQueries {
+public:
+    static constexpr std::size_t most_in_flight = 4096;
+
+    /// @param target    GL_SAMPLES_PASSED or GL_ANY_SAMPLES_PASSED
+    /// @param viewport  pixels a side
+    /// @param inflated  view volumes half a texel larger on every side
+    OctantQueries(GLenum target, int viewport, bool inflated);
+
+    void look_along(int axis);
+    /// Query number i, below most_in_flight: does draw() leave a fragment in the octant?
+    template <class Draw>
+    void ask(std::size_t i, const OctantCell& octant, Draw draw)
+    {
+        look_at(octant);
+        glBeginQuery(target_, queries_[i]);
+        draw();
+        glEndQuery(target_);
+    }
+    /// Waits for the first `count` queries. Their results, 0: no fragment; valid until the next read().
+    std::span<const GLuint> read(std::size_t count);
+
+    void start_clock() { glQueryCounter(clock_[0], GL_TIMESTAMP); }
+    /// Since start_clock(), by the GPU's clock (ms). Waits for all commands.
+    double stop_clock();
+
+private:
+    void look_at(const OctantCell& octant);
+
+    GLenum target_;
+    float growth_; ///< of view volumes
+    Program program_;
+    BareFramebuffer framebuffer_;
+    Queries queries_, clock_;
+    Buffer results_;
+    std::vector<GLuint> samples_;
+};
+
+} // namespace oncollide::gl

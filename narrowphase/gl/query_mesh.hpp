@@ -1,0 +1,68 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <oncollide/narrowphase/gl/resources.hpp>
+#include <oncollide/narrowphase/gpu.hpp>
+#include <oncollide/narrowphase/octant_kernel.hpp>
+
+namespace oncollide::gl {
+
+/// A vertex array object. Its context must be current when it is made and dies.
+class VertexArray {
+public:
+    VertexArray() { glCreateVertexArrays(1, &name_); }
+    ~VertexArray() { glDeleteVertexArrays(name_ != 0, &name_); }
+    VertexArray(VertexArray&& other) noexcept : name_(std::exchange(other.name_, 0)) {}
+    VertexArray& operator=(VertexArray&&) = delete;
+    GLuint name() const { return name_; }
+
+private:
+    GLuint name_ = 0;
+};
+
+/// The triangles of one surface on the GPU, as gl-query draws them: their corners are attribute 0.
+class QueryMesh {
+public:
+    QueryMesh(std::span<const Primitive> triangles, GlQueryOptions::Primitives primitives);
+
+    /// Draws every triangle.
+    void draw() const;
+    /// Appends the vertex numbers of a triangle's corners.
+    void add_corners(std::uint32_t triangle, std::vector<std::uint32_t>& indices) const;
+    /// Draws `count` of the vertex numbers in `indices`, from number `first` on.
+    void draw(const Buffer& indices, std::size_t first, std::size_t count) const;
+    std::size_t bytes() const;
+
+private:
+    VertexArray array_;
+    Buffer vertices_;
+    Buffer indices_;                     ///< of triangles or strips, for the whole mesh; soup: none
+    std::vector<std::uint32_t> corners_; ///< vertex numbers, three a triangle; soup: vertices are in this order already
+    GLenum mode_ = GL_TRIANGLES;
+    GLsizei count_ = 0; ///< vertices or indices of the whole mesh
+};
+
+/// Some triangles of meshes, in parts, on their way to the GPU.
+class TriangleStream {
+public:
+    void clear() { indices_.clear(), parts_.clear(); }
+    /// Adds a part: those triangles of `mesh` that enter the span's octant.
+    void add(const QueryMesh& mesh, const TriangleSpan& triangles);
+    /// Returns how many bytes went.
+    std::size_t upload();
+    /// Draws part number `part`, which was uploaded, of its mesh.
+    void draw(const QueryMesh& mesh, std::size_t part) const;
+    std::size_t bytes() const { return buffer_.bytes(); }
+
+private:
+    struct Part {
+        std::size_t first, count;
+    };
+    std::vector<std::uint32_t> indices_;
+    std::vector<Part> parts_;
+    Buffer buffer_{1 << 16, GL_DYNAMIC_STORAGE_BIT}; ///< it grows
+};
+
+} // namespace oncollide::gl
