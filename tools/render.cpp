@@ -10,6 +10,7 @@
 
 #include <oncollide/scenes/error.hpp>
 #include <oncollide/scenes/output_file.hpp>
+#include <oncollide/scenes/parallel.hpp>
 
 namespace oncollide::tools {
 namespace {
@@ -26,7 +27,7 @@ void play(Scene& scene, const RenderOptions& options, const Settings& settings, 
 {
     ScenePictures pictures(scene, shown_from(options, scene));
     Pipeline pipeline(scene, settings);
-    WholeTrees whole(scene, plan.deepest, std::max(settings.threads, 1));
+    WholeTrees whole(scene, plan.deepest, settings.threads ? settings.threads : hardware_threads());
     const TreeOf tree_of = [&](GeometryId id) { return options.whole ? whole.tree(id) : pipeline.tree(id); };
     Mover mover;
     int next = 0;
@@ -100,16 +101,18 @@ int render(const RenderOptions& options)
 void add_drawing_options(CLI::App& command, RenderOptions& o)
 {
     command.add_option("--frame", o.frames, "the frame to draw (default: the last); several, 10,20,30, side by side")
-        ->type_name("N")
-        ->delimiter(',');
+        ->type_name("N[,N...]")
+        ->delimiter(',')
+        ->allow_extra_args(false);
     command.add_option("--every", o.every, "draw every Kth frame up to --frame: FILE-0000.png, FILE-0010.png, ...")
         ->type_name("K");
     command.add_option("--out", o.out, "file to write (PNG); '-' is standard output")->type_name("FILE")->required();
     command.add_option("--size", o.size, "pixels (default 1280x720)")->type_name("WxH");
     command.add_option("--show", o.show, "meshes, spheres or both (default both)")->type_name("WHAT");
     command.add_option("--level", o.levels, "only spheres of that level; several, 2,4,6, side by side")
-        ->type_name("L")
-        ->delimiter(',');
+        ->type_name("L[,L...]")
+        ->delimiter(',')
+        ->allow_extra_args(false);
     command.add_flag("--whole", o.whole, "grow the whole trees, not only where bodies meet; needs --level");
     command.add_option("--body", o.bodies, "show only this body (repeatable)")
         ->type_name("NAME")

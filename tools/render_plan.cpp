@@ -59,6 +59,7 @@ std::string numbered(const std::string& file, int frame, int last)
 
 std::vector<ImagePlan> images_from(const RenderOptions& o, const Scene& scene)
 {
+    if (o.out.empty()) usage("--out: the file name is empty");
     check_frames(o.frames, scene);
     const std::vector<int> frames = o.frames.empty() ? std::vector<int>{scene.frames - 1} : o.frames;
     if (!o.every) return {{o.out, frames}};
