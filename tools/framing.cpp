@@ -43,6 +43,7 @@ void Framing::add(const Eigen::Vector3d& point, double radius)
 
 Camera Framing::camera() const
 {
+    if (bounds_.empty()) return {};
     // The top of the pyramid lies where the planes of each axis meet, at the farther of both.
     Eigen::Vector3d top;
     top.z() = -std::numeric_limits<double>::infinity();

@@ -12,9 +12,9 @@ class Framing {
 public:
     Framing();
     void add(const Picture& picture);
-    /// Whether there was anything in the pictures.
-    bool empty() const { return bounds_.empty(); }
+    /// What was seen; empty when nothing was.
     const Aabb& bounds() const { return bounds_; }
+    /// Any camera will do when nothing was seen.
     Camera camera() const;
 
 private:

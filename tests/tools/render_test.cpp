@@ -110,6 +110,11 @@ TEST_F(Render, TheLiveTreesShowTheDecidingSpheres)
     EXPECT_EQ(touching.out.find(" 0 of them red"), std::string::npos) << touching.out;
     EXPECT_EQ(render("apart.json", {"--out", "x.png"}).out, "x.png: 0 spheres, 0 of them red\n")
         << "no test has reached any tree";
+    for (const std::vector<std::string>& eye : std::vector<std::vector<std::string>>{{}, {"--eye", "0 -5 0"}}) {
+        std::vector<std::string> nothing{"--show", "spheres"};
+        nothing.insert(nothing.end(), eye.begin(), eye.end());
+        EXPECT_EQ(picture("apart.json", nothing).count(is_drawn), 0);
+    }
 }
 
 TEST_F(Render, SpheresTouchBodiesThatAreNotShown)
