@@ -188,6 +188,31 @@ std::uint64_t Ocst::collapse(std::uint32_t frame, std::uint32_t age, std::uint32
     return dropped;
 }
 
+Eigen::Vector3d Ocst::centre(CellKey cell) const
+{
+    const std::array<std::int32_t, 3> place = centre_of(cell);
+    Eigen::Vector3d centre = root_.centre;
+    for (int axis = 0; axis < 3; ++axis)
+        centre[axis] += place[std::size_t(axis)] * std::ldexp(double(root_.half[std::size_t(axis)]), -level_of(cell));
+    return centre;
+}
+
+void Ocst::for_each_cell(const std::function<void(CellKey, bool)>& visit) const
+{
+    const auto below = [&](const auto& self, std::uint32_t node, CellKey cell) -> void {
+        const OcstNode& n = nodes_[node];
+        visit(cell, n.expanded());
+        for (unsigned k = 0; n.expanded() && k < 8; ++k)
+            if (n.grey() >> k & 1) {
+                if (level_of(cell) + 1 < depth_)
+                    self(self, n.first_child + rank(n.grey(), k), child_cell(cell, k));
+                else
+                    visit(child_cell(cell, k), false);
+            }
+    };
+    below(below, 0, root_cell);
+}
+
 std::size_t Ocst::bytes() const
 {
     std::size_t sum = nodes_.capacity() * sizeof(OcstNode) + lists_.capacity() * sizeof(ListId);

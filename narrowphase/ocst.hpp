@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include <oncollide/narrowphase/cell_key.hpp>
@@ -45,6 +46,11 @@ public:
     CellKey cell_at(const Eigen::Vector3d& point, int level) const;
     /// Is the cell's parent expanded and the cell grey, so that its triangles are known?
     bool knows(CellKey cell) const;
+
+    /// Calls `visit` for every cell that is alive, parents first: stored ones, and the leaves under expanded parents.
+    /// The children of an expanded cell are alive too; of others nothing is known yet, and leaves have none.
+    void for_each_cell(const std::function<void(CellKey, bool expanded)>& visit) const;
+    Eigen::Vector3d centre(CellKey cell) const; ///< of its sphere, geometry frame
 
     const OcstNode* nodes() const { return nodes_.data(); }
     OcstNode* nodes() { return nodes_.data(); }

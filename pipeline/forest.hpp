@@ -18,6 +18,8 @@ public:
 
     /// The tree of a geometry, made of its root alone when first asked for.
     Ocst& tree(GeometryId geometry);
+    /// The tree of a geometry; null when nobody has asked for it yet.
+    const Ocst* grown(GeometryId geometry) const { return trees_[index(geometry)].get(); }
     /// Two bodies at their current poses; their trees are made if need be.
     WalkPair walk_pair(const Scene& scene, std::uint32_t a, std::uint32_t b, LeafPair hint = {});
     OcclusionBackend& backend() { return *backend_; }

@@ -231,6 +231,10 @@ const Settings& Pipeline::settings() const
 {
     return impl_->settings;
 }
+const Ocst* Pipeline::tree(GeometryId geometry) const
+{
+    return impl_->forest->grown(geometry);
+}
 
 void Pipeline::replace(std::unique_ptr<Stage> stage)
 {

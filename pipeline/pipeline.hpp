@@ -72,6 +72,7 @@ struct FrameView {
     std::uint64_t hash; ///< of the pairs of this frame that are not separate: names' indices, verdicts and bounds
 };
 
+class Ocst;
 class Stage;
 struct Frame;
 
@@ -112,6 +113,9 @@ public:
     /// Under `auto`, why the CPU answers; or why a GPU stopped answering. Empty: nothing to say.
     std::string backend_note() const;
     const Settings& settings() const;
+    /// The sphere-tree of a geometry as it is now, to look at: Ocst::for_each_cell(). Null until a test reaches it.
+    /// Valid until the next step.
+    const Ocst* tree(GeometryId geometry) const;
 
 private:
     struct Impl;

@@ -3,13 +3,14 @@
 #include <filesystem>
 #include <iterator>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
 namespace oncollide {
 
-/// A text file that appears whole or not at all: written under a temporary name beside `path`, renamed by commit().
+/// A file that appears whole or not at all: written under a temporary name beside `path`, renamed by commit().
 /// "-" is standard output. Devices and pipes are written in place, and a symbolic link's target is what gets replaced.
 class OutputFile {
 public:
@@ -24,6 +25,12 @@ public:
     void print(fmt::format_string<Args...> format, Args&&... args)
     {
         fmt::format_to(std::back_inserter(buffer_), format, std::forward<Args>(args)...);
+        if (buffer_.size() > 60'000) flush();
+    }
+    /// Bytes as they are.
+    void write(std::string_view bytes)
+    {
+        buffer_.append(bytes.data(), bytes.data() + bytes.size());
         if (buffer_.size() > 60'000) flush();
     }
     /// Writes what is left, closes and renames. Throws Error{cannot_write}, for instance when the disk is full.

@@ -1,8 +1,8 @@
 #include "command.hpp"
+#include "numbers.hpp"
 #include "options.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -29,28 +29,11 @@ Eigen::Isometry3d parse_pose(const std::string& option, const std::string& text,
 {
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     if (text.empty()) return pose;
-    const auto refuse = [&](const std::string& why) {
-        throw Error(ErrorKind::usage, fmt::format("{} \"{}\": {}; expected \"x y z qx qy qz qw\"", option, text, why));
-    };
-    std::vector<double> numbers;
-    const char *at = text.data(), *end = at + text.size();
-    while (true) {
-        while (at != end && (std::isspace(static_cast<unsigned char>(*at)) || *at == ',')) ++at;
-        if (at == end) break;
-        if (*at == '+') ++at; // from_chars takes no plus sign
-        double value = 0;
-        const auto [next, error] = std::from_chars(at, end, value);
-        const bool ends = next == end || *next == ',' || std::isspace(static_cast<unsigned char>(*next));
-        if (error == std::errc::result_out_of_range || (error == std::errc{} && !std::isfinite(value)))
-            refuse(fmt::format("number {} is not finite", numbers.size() + 1));
-        if (error != std::errc{} || !ends) refuse(fmt::format("number {} cannot be read", numbers.size() + 1));
-        numbers.push_back(value);
-        at = next;
-    }
-    if (numbers.size() != 7) refuse(fmt::format("{} numbers", numbers.size()));
+    constexpr const char* form = "x y z qx qy qz qw";
+    const std::vector<double> numbers = parse_numbers(option, text, 7, form);
     Eigen::Quaterniond rotation(numbers[6], numbers[3], numbers[4], numbers[5]);
     const double norm = rotation.coeffs().stableNorm();
-    if (!(norm > 1e-12) || !std::isfinite(norm)) refuse("the quaternion has no direction");
+    if (!(norm > 1e-12) || !std::isfinite(norm)) refuse_numbers(option, text, "the quaternion has no direction", form);
     if (std::abs(norm - 1) > 1e-6)
         warnings.push_back(fmt::format("{}: the quaternion has length {:.9g}; normalised", option, norm));
     rotation.coeffs() /= norm;

@@ -12,6 +12,7 @@ using Command = std::function<int()>;
 // Each adds one subcommand to `app`; when the command line picks it, `command` becomes its action.
 void add_demo(CLI::App& app, Command& command);
 void add_run(CLI::App& app, Command& command);
+void add_render(CLI::App& app, Command& command);
 void add_check(CLI::App& app, Command& command);
 void add_scene(CLI::App& app, Command& command);
 void add_bench(CLI::App& app, Command& command);

@@ -126,6 +126,7 @@ int parse_and_run(int argc, char** argv)
     Command command;
     add_demo(app, command);
     add_run(app, command);
+    add_render(app, command);
     add_check(app, command);
     add_scene(app, command);
     add_bench(app, command);

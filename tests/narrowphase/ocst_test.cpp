@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include <oncollide/narrowphase/ocst.hpp>
@@ -94,6 +96,27 @@ TEST_F(OcstTest, DropsWhatAgedAndRegrowsTheSame)
     expand(tree, child, 101), expand(tree, other, 101);
     EXPECT_EQ(tree.size(), full);
     EXPECT_LE(backend_->bytes(), 2 * bytes) << "released lists are used again";
+}
+
+TEST_F(OcstTest, EveryLiveCellIsVisitedOnceLeavesIncluded)
+{
+    Ocst tree(root_cell_of(geometry_), 2, 0);
+    expand(tree, root_cell, 1);
+    const CellKey child = first_grey(tree);
+    expand(tree, child, 1);
+    std::vector<CellKey> cells;
+    std::uint64_t leaves = 0;
+    tree.for_each_cell([&](CellKey cell, bool expanded) {
+        EXPECT_EQ(expanded, cell == root_cell || cell == child);
+        EXPECT_EQ(tree.cell_at(tree.centre(cell), level_of(cell)), cell);
+        EXPECT_TRUE(cell == root_cell || tree.knows(cell));
+        leaves += level_of(cell) == tree.depth();
+        cells.push_back(cell);
+    });
+    EXPECT_EQ(cells.size(), tree.size() + leaves);
+    EXPECT_GT(leaves, 0u);
+    std::sort(cells.begin(), cells.end());
+    EXPECT_EQ(std::unique(cells.begin(), cells.end()), cells.end());
 }
 
 TEST_F(OcstTest, LeavesAreNotStored)

@@ -1,0 +1,211 @@
+// Pictures are decoded and judged by colour: red is used for nothing but spheres that touch.
+#include "command_fixture.hpp"
+
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_ONLY_PNG
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#include <stb/stb_image.h>
+#pragma GCC diagnostic pop
+
+namespace oncollide::test {
+namespace {
+
+struct Decoded {
+    int width = 0, height = 0;
+    std::vector<std::uint8_t> pixels;
+
+    const std::uint8_t* at(int x, int y) const { return &pixels[std::size_t(3 * (y * width + x))]; }
+    /// Pixels in the columns from..to that are `wanted`.
+    template <class Wanted>
+    int count(Wanted wanted, int from = 0, int to = -1) const
+    {
+        int count = 0;
+        for (int y = 0; y < height; ++y)
+            for (int x = from; x < (to < 0 ? width : to); ++x) count += wanted(at(x, y));
+        return count;
+    }
+};
+
+bool is_red(const std::uint8_t* p)
+{
+    return p[0] > 2 * p[1] && p[0] > 2 * p[2];
+}
+bool is_drawn(const std::uint8_t* p)
+{
+    return p[0] < 250 || p[1] < 250 || p[2] < 250;
+}
+
+class Render : public CommandLine {
+protected:
+    void SetUp() override { write_scene("apart.json", 5), write_scene("touching.json", 1.02); }
+
+    /// Two balls of radius 0.5; at frame f the second is f / 100 m from where it starts.
+    void write_scene(const std::string& name, double distance)
+    {
+        folder_.write(name, fmt::format(R"({{"frames": 21, "geometries": {{"ball": {{"mesh": {{"generate":
+            {{"kind": "sphere", "radius": 0.5, "triangles": 512}}}}}}}},
+            "bodies": [{{"name": "one", "geometry": "ball"}}, {{"name": "other", "geometry": "ball",
+            "position": [{}, 0.1, 0.05], "motion": {{"drift": {{"velocity": [-0.01, 0, 0]}}}}}}]}})",
+                                        distance));
+    }
+
+    Outcome render(const std::string& scene, std::vector<std::string> more)
+    {
+        std::vector<std::string> arguments{"render", scene, "--size", "64x48", "--depth", "4"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return run(arguments);
+    }
+
+    /// Renders to x.png, which must work.
+    Decoded picture(const std::string& scene, std::vector<std::string> more = {})
+    {
+        more.insert(more.end(), {"--out", "x.png"});
+        const Outcome outcome = render(scene, more);
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        return decode(folder_.read("x.png"));
+    }
+
+    static Decoded decode(const std::string& file)
+    {
+        EXPECT_TRUE(file.starts_with("\x89PNG\r\n\x1a\n"));
+        Decoded image;
+        int channels = 0;
+        stbi_uc* pixels = stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(file.data()), int(file.size()),
+                                                &image.width, &image.height, &channels, 3);
+        if (!pixels) {
+            ADD_FAILURE() << "not a PNG file that can be read";
+            return image;
+        }
+        image.pixels.assign(pixels, pixels + 3 * image.width * image.height);
+        stbi_image_free(pixels);
+        return image;
+    }
+};
+
+TEST_F(Render, WritesAPictureOfTheSizeAskedFor)
+{
+    const Decoded image = picture("touching.json");
+    EXPECT_EQ(image.width, 64);
+    EXPECT_EQ(image.height, 48);
+    EXPECT_GT(image.count(is_drawn), 300);
+    EXPECT_FALSE(is_drawn(image.at(0, 0))) << "all that is shown fits";
+    EXPECT_EQ(folder_.list(), (std::vector<std::string>{"apart.json", "touching.json", "x.png"}));
+}
+
+TEST_F(Render, OnlyCollisionsAreRed)
+{
+    EXPECT_GT(picture("touching.json", {"--show", "spheres", "--whole", "--level", "4"}).count(is_red), 10);
+    EXPECT_EQ(picture("apart.json", {"--show", "spheres", "--whole", "--level", "4"}).count(is_red), 0);
+    EXPECT_EQ(picture("touching.json", {"--show", "meshes"}).count(is_red), 0);
+    // Spheres that touch make no collision where deeper ones told the bodies apart.
+    write_scene("near.json", 1.5);
+    EXPECT_EQ(picture("near.json", {"--show", "spheres", "--whole", "--level", "1"}).count(is_red), 0);
+}
+
+TEST_F(Render, TheLiveTreesShowTheDecidingSpheres)
+{
+    const Outcome touching = render("touching.json", {"--out", "x.png"});
+    EXPECT_EQ(touching.out.find(" 0 of them red"), std::string::npos) << touching.out;
+    EXPECT_EQ(render("apart.json", {"--out", "x.png"}).out, "x.png: 0 spheres, 0 of them red\n")
+        << "no test has reached any tree";
+    for (const std::vector<std::string>& eye : std::vector<std::vector<std::string>>{{}, {"--eye", "0 -5 0"}}) {
+        std::vector<std::string> nothing{"--show", "spheres"};
+        nothing.insert(nothing.end(), eye.begin(), eye.end());
+        EXPECT_EQ(picture("apart.json", nothing).count(is_drawn), 0);
+    }
+}
+
+TEST_F(Render, SpheresTouchBodiesThatAreNotShown)
+{
+    const std::vector<std::string> spheres{"--show", "spheres", "--whole", "--level", "4", "--body", "one"};
+    EXPECT_GT(picture("touching.json", spheres).count(is_red), 0);
+}
+
+TEST_F(Render, LevelsAndFramesStandSideBySide)
+{
+    const Decoded levels = picture("touching.json", {"--show", "spheres", "--whole", "--level", "0,4"});
+    EXPECT_EQ(levels.width, 64);
+    EXPECT_GT(levels.count(is_drawn, 0, 32), levels.count(is_drawn, 32, 64)) << "level 0 is larger";
+    const Decoded frames = picture("apart.json", {"--frame", "0,10,20"});
+    EXPECT_EQ(run({"render", "--frame", "0", "apart.json", "--level", "1", "--size", "64x48", "--out", "x.png"}).code,
+              0)
+        << "lists end where the word ends";
+    for (int k = 0; k < 3; ++k) EXPECT_GT(frames.count(is_drawn, 21 * k, 21 * (k + 1)), 5);
+    const Decoded one = picture("touching.json", {"--eye", "0 -9 0", "--look-at", "0 0 0", "--frame", "20"});
+    EXPECT_TRUE(is_drawn(one.at(32, 24))) << "the body at the origin";
+}
+
+TEST_F(Render, EverySoManyFramesMakesASequence)
+{
+    const Outcome outcome = render("apart.json", {"--every", "10", "--out", "film.png"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(folder_.list(), (std::vector<std::string>{"apart.json", "film-0000.png", "film-0010.png", "film-0020.png",
+                                                        "touching.json"}));
+    EXPECT_NE(folder_.read("film-0000.png"), folder_.read("film-0020.png"));
+}
+
+TEST_F(Render, StandardOutputTakesThePictureAlone)
+{
+    const Outcome outcome = render("touching.json", {"--out", "-"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(decode(outcome.out).width, 64);
+    EXPECT_EQ(picture("touching.json").pixels, decode(outcome.out).pixels) << "and the same one";
+}
+
+TEST_F(Render, EveryKindOfGeometryIsDrawn)
+{
+    folder_.write("kinds.json", R"({"geometries": {"pill": {"shape": {"kind": "capsule", "radius": 0.3, "length": 1}},
+        "house": {"octomap": {"building": {"rooms": 1, "resolution": 0.25, "seed": 7}}}},
+        "bodies": [{"name": "pill", "geometry": "pill"}, {"name": "house", "geometry": "house"}]})");
+    for (const char* body : {"pill", "house"}) EXPECT_GT(picture("kinds.json", {"--body", body}).count(is_drawn), 200);
+}
+
+TEST_F(Render, RefusesWhatMakesNoSense)
+{
+    const auto refuse = [&](std::vector<std::string> more, const std::vector<std::string>& words) {
+        std::vector<std::string> arguments{"render", "apart.json"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        if (std::find(more.begin(), more.end(), "--out") == more.end())
+            arguments.insert(arguments.end(), {"--out", "x.png"});
+        expect_error(64, arguments, words);
+    };
+    expect_error(64, {"render", "apart.json"}, {"--out"});
+    refuse({"--out", ""}, {"--out", "empty"});
+    refuse({"--frame", "21"}, {"--frame 21", "0 to 20"});
+    refuse({"--frame", "-1"}, {"--frame -1"});
+    refuse({"--frame", "5,3"}, {"--frame 3", "ascend"});
+    refuse({"--frame", "soon"}, {"--frame"});
+    refuse({"--every", "0"}, {"--every 0"});
+    refuse({"--every", "5", "--frame", "1,2"}, {"--every"});
+    refuse({"--every", "5", "--out", "-"}, {"--every", "standard output"});
+    for (const char* size : {"640", "640x", "0x0", "64x48x2", "-64x48", "100000x48", "axb"})
+        refuse({"--size", size}, {"--size", size, "16 to 4096"});
+    refuse({"--size", "64x48", "--level", "0,1,2,3,4"}, {"--size 64x48", "5 pictures"});
+    refuse({"--level", "7"}, {"--level 7", "0 to 6", "--depth"});
+    refuse({"--level", "17", "--whole"}, {"--level 17", "0 to 16"});
+    refuse({"--level", "16", "--whole"}, {"--whole", "'ball'", "smaller --level"});
+    refuse({"--whole"}, {"--whole", "--level"});
+    refuse({"--show", "nothing"}, {"nothing", "meshes, spheres or both"});
+    refuse({"--body", "three"}, {"--body three", "one, other"});
+    refuse({"--eye", "1 2"}, {"--eye", "x y z"});
+    refuse({"--look-at", "1 2 nan"}, {"--look-at", "not finite"});
+    refuse({"--eye", "1 2 3", "--look-at", "1,2,3"}, {"--eye", "same point"});
+    refuse({"--depth", "0"}, {"depth"});
+    refuse({"--gpu", "99"}, {"gpu", "0 to 63"});
+    refuse({"--out", "./apart.json"}, {"overwrite the input"});
+    EXPECT_EQ(folder_.list(), (std::vector<std::string>{"apart.json", "touching.json"}));
+}
+
+TEST_F(Render, FailuresHaveTheirExitCodesAndLeaveNothing)
+{
+    expect_error(71, {"render", "apart.json", "--out", "x.png", "--gpu", "63"}, {"no GPU 63", "doctor"});
+    expect_error(73, {"render", "apart.json", "--out", "no/folder/x.png"}, {"no/folder"});
+    expect_error(73, {"render", "apart.json", "--size", "64x48", "--quiet", "--out", "/dev/full"}, {"No space left"});
+    expect_error(66, {"render", "none.json", "--out", "x.png"}, {"none.json"});
+    EXPECT_EQ(folder_.list(), (std::vector<std::string>{"apart.json", "touching.json"}));
+}
+
+} // namespace
+} // namespace oncollide::test

@@ -1,0 +1,31 @@
+#include "png.hpp"
+
+#include <string_view>
+
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STB_IMAGE_WRITE_STATIC // so that programs which link stb themselves may be linked with this
+#define STBI_WRITE_NO_STDIO
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#include <stb/stb_image_write.h>
+#pragma GCC diagnostic pop
+
+#include <oncollide/scenes/error.hpp>
+#include <oncollide/scenes/output_file.hpp>
+
+namespace oncollide::tools {
+
+void save_png(const Image& image, const std::filesystem::path& path)
+{
+    OutputFile file(path);
+    // The writer calls once, with the whole file.
+    const auto write = [](void* to, void* data, int size) {
+        static_cast<OutputFile*>(to)->write({static_cast<const char*>(data), static_cast<std::size_t>(size)});
+    };
+    stbi_write_png_compression_level = 12; // its search is short: more costs little
+    if (!stbi_write_png_to_func(write, &file, image.width, image.height, 3, image.pixels.data(), 3 * image.width))
+        throw Error(ErrorKind::internal, path.string() + ": out of memory while packing the picture");
+    file.commit();
+}
+
+} // namespace oncollide::tools
