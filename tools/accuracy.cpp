@@ -102,7 +102,8 @@ BoundCheck check_bounds(const Scene& scene, const FrameView& frame, const Settin
     return sum;
 }
 
-void judge(Scene& scene, const AccuracyOptions& options, std::vector<Variant>& variants)
+/// Returns the backend that answered.
+std::string judge(Scene& scene, const AccuracyOptions& options, std::vector<Variant>& variants)
 {
     Mover mover;
     mover.move(scene, 0);
@@ -125,6 +126,7 @@ void judge(Scene& scene, const AccuracyOptions& options, std::vector<Variant>& v
             v.other_hash += v.same_hash && view.hash != hashes[v.plain];
         }
     }
+    return pipelines.front().backend();
 }
 
 std::string optional_length(double value, bool known)
@@ -197,7 +199,7 @@ int accuracy(const AccuracyOptions& options)
     for (const std::string* file : {&options.csv, &options.json})
         if (!file->empty()) check_writable(*file);
     std::vector<Variant> variants = make_variants(options);
-    std::string name;
+    std::string name, backend;
     for (int k = 0; k < options.count; ++k) {
         SceneOptions one = options.scene;
         if (options.count > 1) one.seed = one.seed.value_or(CatalogueOptions{}.seed) + std::uint64_t(k);
@@ -210,15 +212,14 @@ int accuracy(const AccuracyOptions& options)
             return sum;
         };
         const std::uint64_t faults = before();
-        judge(scene, options, variants);
+        backend = judge(scene, options, variants);
         if (options.count > 1 && before() > faults) say("FAULT      first seen with --seed {}\n", *one.seed);
     }
     say("scene      {}{}; FCL judges every {}frame, {} bounds a frame and variant against its distances\n"
         "settings   {}\n{}\n",
         name, options.count > 1 ? fmt::format(", {} seeds", options.count) : "",
         options.every > 1 ? fmt::format("{}. ", options.every) : "", options.samples,
-        describe(settings_from(options.settings), "depths " + options.depths),
-        describe_program(make_cpu_backend()->name()));
+        describe(settings_from(options.settings), "depths " + options.depths), describe_program(backend));
     print_table(variants);
     if (!options.csv.empty()) write_csv(options.csv, variants);
     if (!options.json.empty()) write_json(options.json, name, variants);

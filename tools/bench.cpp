@@ -21,15 +21,13 @@ void add_compare_options(CLI::App& sub, CompareOptions& o)
     sub.add_option("--csv", o.csv, "write one row per frame")->type_name("FILE");
 }
 
-std::shared_ptr<CompareOptions> add_scene_bench(CLI::App& bench, Command& command, const char* name,
-                                                const char* summary)
+void add_scene_bench(CLI::App& bench, Command& command, const char* name, const char* summary)
 {
     CLI::App* sub = bench.add_subcommand(name, summary);
     auto options = std::make_shared<CompareOptions>();
     options->scene.scene = name;
     add_compare_options(*sub, *options);
     sub->callback([options, &command] { command = [options] { return bench_scene(*options); }; });
-    return options;
 }
 
 void add_paper(CLI::App& bench, Command& command)

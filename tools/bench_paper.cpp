@@ -116,8 +116,8 @@ private:
     {
         say("Table 1: one level of the tree (the paper: 9 to 13 queries)\n{:<16}{:>10}{:>9}", "model", "triangles",
             "queries");
-        for (const Method& method : methods_) say("{:>22}", method.name + ", ms");
-        say("\n");
+        for (const Method& method : methods_) say("{:>21}", method.name);
+        say("   ms\n");
         const std::filesystem::path data = data_folder(options_.data);
         for (const auto& [file, triangles] :
              std::initializer_list<std::pair<const char*, int>>{{"paper/lamp.obj", 600},
@@ -134,7 +134,7 @@ private:
             for (const Method& method : methods_) {
                 const auto [ms, work] = one_level(levels, *method.make());
                 queries = std::max(queries, work.queries);
-                times += fmt::format("{:>22.4f}", ms);
+                times += fmt::format("{:>21.4f}", ms);
                 if (csv_) csv_->print("1,{},\"{}\",,{},{},1\n", mesh.name, method.name, ms, work.queries);
             }
             say("{:<16}{:>10}{:>9}{}\n", mesh.name, grouped(mesh.mesh.triangles.size()), queries, times);

@@ -28,6 +28,7 @@ struct Row {
     std::uint64_t fcl_candidates = 0;
     Comparison counts;
     TreeStats trees;
+    double gpu_ms = 0, wait_ms = 0;
     std::uint64_t hash = 0;
 };
 
@@ -134,6 +135,7 @@ private:
         runs_.our_bytes = std::max(runs_.our_bytes, frame.trees.bytes);
         if (frame.ms >= row.our_ms) return;
         row.our_ms = frame.ms;
+        row.gpu_ms = frame.stages[3].gpu_ms, row.wait_ms = frame.stages[3].wait_ms;
         for (std::size_t i = 0; i < stage_count; ++i) row.our_parts[i] = frame.stages[i].cpu_ms;
     }
 
@@ -204,6 +206,7 @@ private:
                 "asked {}\n",
                 mean_count(sum.pairs, n), mean_count(sum.left_over, n), mean_count(sum.colliding, n),
                 mean_count(sum.undecided, n), mean_count(node_pairs, n), mean_count(rows, n));
+        if (with_ours_) print_rounds();
         if (with_fcl_ && with_ours_) {
             Comparison all; // missed collisions count in every frame
             for (const Row& row : runs_.rows) all += row.counts;
@@ -222,6 +225,28 @@ private:
         say("process {:.1f} MB at its peak{}\n", double(peak_memory()) / 1e6,
             with_fcl_ && with_ours_ ? " (both; --only tells them apart)" : "");
         if (with_ours_) say("hash       {:016x}\n", runs_.hash);
+    }
+
+    /// What the sphere-trees asked of the backend, warm and in the first frame.
+    void print_rounds() const
+    {
+        std::uint64_t rounds = 0, rows = 0, bytes = 0, queries = 0;
+        double gpu_ms = 0, wait_ms = 0;
+        for (const Row& row : counted()) {
+            rounds += row.trees.rounds, rows += row.trees.rows;
+            bytes += row.trees.gpu_bytes, queries += row.trees.queries, gpu_ms += row.gpu_ms, wait_ms += row.wait_ms;
+        }
+        const std::uint64_t n = counted().size();
+        const Row& first = runs_.rows.front();
+        say("  rounds     {} a frame, {} cells a round; the first frame: {} rounds of {} cells\n",
+            mean_count(rounds, n), mean_count(rows, rounds), first.trees.rounds,
+            mean_count(first.trees.rows, first.trees.rounds));
+        if (first.trees.gpu_bytes)
+            say("  GPU        {:.3f} ms of its time a frame, {:.3f} ms waiting for it, {} bytes moved, {} queries; the "
+                "first "
+                "frame: {:.3f}, {:.3f}, {}, {}\n",
+                gpu_ms / double(n), wait_ms / double(n), mean_count(bytes, n), mean_count(queries, n), first.gpu_ms,
+                first.wait_ms, grouped(first.trees.gpu_bytes), grouped(first.trees.queries));
     }
 
     void print_timeline() const

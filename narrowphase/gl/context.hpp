@@ -22,7 +22,7 @@ public:
     /// Makes it the thread's current context: each entry into GL code begins with this. Throws Error{usage} on another
     /// thread.
     void use() const;
-    /// For destructors of what lives in it: never throws.
+    /// Where nothing may be thrown: destructors of what lives in it. Objects of a GPU that is lost are lost with it.
     void use_at_end() const noexcept;
     /// Throws GpuLost when the device was lost or a command since the last check failed; `what` says which work it was.
     void check(const char* what) const;

@@ -1,11 +1,11 @@
-// A batch is four steps, each a dispatch; nothing comes back between them:
+// A batch is three steps, each a dispatch; nothing comes back between them:
 //
-//     rows ── plan ──> tiles ── test ──> a byte a row, masks and counts ── place ──> room ── scatter ──> lists
+//     rows ── plan ──> tiles ── test ──> a byte a row, masks of triangles, room for lists ── scatter ──> lists
 //
 // A tile is at most eight triangles of one row, tested by one invocation: short lists fill the machine as well as long
-// ones. A list keeps a run of entries for each octant, so that a child's row reads exactly the triangles that enter it.
-// Tiles and lists are given out by atomic counters; when one passes its buffer's end the batch did nothing that lasts,
-// and is done again with a larger buffer.
+// ones. Whoever does a row's last tile takes the room for its list. A list keeps a run of entries for each octant, so
+// that a child's row reads exactly the triangles that enter it. Tiles and lists are given out by atomic counters; when
+// one passes its buffer's end the batch did nothing that lasts, and is done again with a larger buffer.
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -51,7 +51,6 @@ public:
         : context_(options.gpu), most_(allowed_bytes(options)), primitives_(most_),
           lists_(most_, options.first_entries), plan_("gl-compute, plan", {{GL_COMPUTE_SHADER, OctantShaders::plan()}}),
           test_("gl-compute, test", {{GL_COMPUTE_SHADER, OctantShaders::test()}}),
-          place_("gl-compute, place", {{GL_COMPUTE_SHADER, OctantShaders::place()}}),
           scatter_("gl-compute, scatter", {{GL_COMPUTE_SHADER, OctantShaders::scatter()}}),
           oversize_(make_cpu_backend())
     {
@@ -253,7 +252,7 @@ private:
         const bool keep = std::any_of(gpu_rows_.begin(), gpu_rows_.end(), [](auto& r) { return r.own_list != none; });
         run(plan_, for_rows);
         run(test_, for_tiles);
-        if (keep) run(place_, for_rows), run(scatter_, for_tiles);
+        if (keep) run(scatter_, for_tiles);
         glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
         glCopyNamedBufferSubData(out_.name(), answer_.name(), 0, 0, static_cast<GLsizeiptr>(out_bytes()));
         clock_.stop();
@@ -310,7 +309,7 @@ private:
     std::size_t most_;
     PrimitiveStore primitives_;
     ListStore lists_;
-    Program plan_, test_, place_, scatter_;
+    Program plan_, test_, scatter_;
     Buffer rows_, cursors_, tiles_, out_, answer_;
     const std::byte* answer_data_ = nullptr; ///< answer_, mapped for good
     GLsync fence_ = nullptr;

@@ -18,6 +18,7 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/narrowphase/gl/batch_clock.hpp>
 #include <oncollide/narrowphase/gl/context.hpp>
 #include <oncollide/narrowphase/gl/octant_queries.hpp>
 #include <oncollide/narrowphase/gl/query_mesh.hpp>
@@ -67,7 +68,7 @@ public:
     {
         context_.check("setting up gl-query");
     }
-    ~GlQueryBackend() override { use_quietly(); }
+    ~GlQueryBackend() override { context_.use_at_end(); }
 
     std::string name() const override { return name_; }
     std::string renderer() const override { return context_.info().renderer; }
@@ -93,7 +94,7 @@ public:
     void detach(std::uint32_t tree) override
     {
         if (!attached(tree)) return;
-        use_quietly();
+        context_.use_at_end();
         meshes_[tree].reset();
         surfaces_.detach(tree);
     }
@@ -107,7 +108,7 @@ public:
         surfaces_.find(rows, {.boxes = true, .inflation = inflation, .all = options_.draw == Draw::inherited}, threads);
         answer_without_queries();
         if (open_.empty()) return;
-        queries_.start_clock();
+        clock_.start();
         issue();
         glFlush();
     }
@@ -119,7 +120,8 @@ public:
         if (!open_.empty()) {
             do read_back();
             while (issue_next());
-            work_.gpu_ms = queries_.stop_clock();
+            clock_.stop();
+            work_.gpu_ms = clock_.ms();
         }
         context_.check("a batch of occlusion queries");
         std::copy(answers_.begin(), answers_.end(), answers.begin());
@@ -145,15 +147,6 @@ private:
         std::uint32_t row;
         unsigned octant;
     };
-
-    /// Where nothing may be thrown. Objects of a GPU that is lost are lost with it.
-    void use_quietly() const noexcept
-    {
-        try {
-            context_.use();
-        } catch (const Error&) {
-        }
-    }
 
     /// Lists, insides of solid shapes, and maps, whose boxes are solid: a query would see their faces alone. All other
     /// octants are asked for.
@@ -234,6 +227,7 @@ private:
     std::string name_;
     gl::Context context_; ///< before all that lives in it
     gl::OctantQueries queries_;
+    gl::BatchClock clock_;
     gl::TriangleStream stream_;
     std::vector<std::optional<gl::QueryMesh>> meshes_; ///< by tree; none for maps
     ListedSurfaces surfaces_;

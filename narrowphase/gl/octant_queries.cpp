@@ -36,7 +36,7 @@ Queries::Queries(GLenum target, std::size_t count) : names_(count)
 OctantQueries::OctantQueries(GLenum target, int viewport, bool inflated)
     : target_(target), growth_(inflated ? 1 + 1 / static_cast<float>(viewport) : 1),
       program_("gl-query", {{GL_VERTEX_SHADER, vertex_shader}, {GL_FRAGMENT_SHADER, fragment_shader}}),
-      framebuffer_(viewport), queries_(target, most_in_flight), clock_(GL_TIMESTAMP, 2),
+      framebuffer_(viewport), queries_(target, most_in_flight),
       results_(most_in_flight * sizeof(GLuint), GL_DYNAMIC_STORAGE_BIT)
 {
     glUseProgram(program_.name());
@@ -65,14 +65,6 @@ std::span<const GLuint> OctantQueries::read(std::size_t count)
     samples_.resize(count);
     glGetNamedBufferSubData(results_.name(), 0, static_cast<GLsizeiptr>(count * sizeof(GLuint)), samples_.data());
     return samples_;
-}
-
-double OctantQueries::stop_clock()
-{
-    glQueryCounter(clock_[1], GL_TIMESTAMP);
-    GLuint64 ns[2];
-    for (std::size_t i = 0; i < 2; ++i) glGetQueryObjectui64v(clock_[i], GL_QUERY_RESULT, &ns[i]);
-    return static_cast<double>(ns[1] - ns[0]) * 1e-6;
 }
 
 } // namespace oncollide::gl

@@ -60,10 +60,6 @@ public:
     /// Waits for the first `count` queries. Their results, 0: no fragment; valid until the next read().
     std::span<const GLuint> read(std::size_t count);
 
-    void start_clock() { glQueryCounter(clock_[0], GL_TIMESTAMP); }
-    /// Since start_clock(), by the GPU's clock (ms). Waits for all commands.
-    double stop_clock();
-
 private:
     void look_at(const OctantCell& octant);
 
@@ -71,7 +67,7 @@ private:
     float growth_; ///< of view volumes
     Program program_;
     BareFramebuffer framebuffer_;
-    Queries queries_, clock_;
+    Queries queries_;
     Buffer results_;
     std::vector<GLuint> samples_;
 };

@@ -17,7 +17,8 @@ uint stride() { return gl_NumWorkGroups.x * gl_WorkGroupSize.x; }
 
 constexpr const char* batch = R"(
 layout(std430, binding = 3) readonly buffer Rows { uvec4 rows[]; };
-layout(std430, binding = 4) buffer Cursors { uint cursors[]; };  // 8 a row: entries an octant, then where the next goes
+layout(std430, binding = 4) coherent buffer Cursors { uint cursors[]; }; // 9 a row: entries an octant, then where the
+                                                                         // next goes; and tiles that are not done
 layout(std430, binding = 5) buffer Tiles { uint tiles[]; };      // 5 a tile: row, first, count, masks of 8 triangles
 layout(location = 0) uniform uint row_count;
 layout(location = 1) uniform uint tile_room;
@@ -35,7 +36,7 @@ constexpr const char* plan_main = R"(
 void main()
 {
     for (uint row = lane(); row < row_count; row += stride()) {
-        for (uint k = 0; k < 8; ++k) cursors[8 * row + k] = 0;
+        for (uint k = 0; k < 8; ++k) cursors[9 * row + k] = 0;
         uint list = parent_list(row), first = 0, count = octant_or_count(row);
         if (list != none) {
             uint at = 9 * list + octant_or_count(row);
@@ -43,6 +44,9 @@ void main()
             count = lists[at + 1] - first;
         }
         uint n = (count + 7) / 8, base = atomicAdd(tiles_wanted, n);
+        cursors[9 * row + 8] = n;
+        if (n == 0 && own_list(row) != none)
+            for (uint k = 0; k < 9; ++k) lists[9 * own_list(row) + k] = 0;
         if (base + n > tile_room) continue; // the batch is repeated with more room
         for (uint i = 0; i < n; ++i) {
             uint tile = 5 * (base + i);
@@ -117,6 +121,21 @@ uint octants(uint id, vec3 centre, vec3 half_size, float slack, bool boxes)
                     separated_by_edge(b, c, a, o, grown) | separated_by_edge(c, a, b, o, grown));
 }
 
+// Room for a row's list, once its last tile is done.
+void place(uint row)
+{
+    memoryBarrierBuffer();
+    uint counts[8], count = 0;
+    for (uint k = 0; k < 8; ++k) count += counts[k] = cursors[9 * row + k];
+    uint at = atomicAdd(entries_wanted, count), list = own_list(row);
+    for (uint k = 0; k < 8; ++k) {
+        lists[9 * list + k] = at;
+        cursors[9 * row + k] = at;
+        at += counts[k];
+    }
+    lists[9 * list + 8] = at;
+}
+
 void main()
 {
     if (tiles_wanted > tile_room) return;
@@ -139,32 +158,12 @@ void main()
         }
         tiles[5 * tile + 3] = found[0];
         tiles[5 * tile + 4] = found[1];
-        if (grey == 0u) continue;
-        atomicOr(masks[row >> 2], grey << 8 * (row & 3));
+        if (grey != 0u) atomicOr(masks[row >> 2], grey << 8 * (row & 3));
         if (own_list(row) == none) continue;
         for (uint k = 0; k < 8; ++k)
-            if ((grey >> k & 1u) != 0u) atomicAdd(cursors[8 * row + k], counts >> 4 * k & 15u);
-    }
-}
-)";
-
-constexpr const char* place_main = R"(
-void main()
-{
-    if (tiles_wanted > tile_room) return;
-    for (uint row = lane(); row < row_count; row += stride()) {
-        uint list = own_list(row);
-        if (list == none) continue;
-        uint count = 0;
-        for (uint k = 0; k < 8; ++k) count += cursors[8 * row + k];
-        uint at = atomicAdd(entries_wanted, count);
-        for (uint k = 0; k < 8; ++k) {
-            uint next = at + cursors[8 * row + k];
-            lists[9 * list + k] = at;
-            cursors[8 * row + k] = at;
-            at = next;
-        }
-        lists[9 * list + 8] = at;
+            if ((grey >> k & 1u) != 0u) atomicAdd(cursors[9 * row + k], counts >> 4 * k & 15u);
+        memoryBarrierBuffer();
+        if (atomicAdd(cursors[9 * row + 8], none) == 1u) place(row);
     }
 }
 )";
@@ -181,7 +180,7 @@ void main()
         for (uint k = 0; k < 8; ++k) {
             uint lo = found[0] >> k & 0x01010101u, hi = found[1] >> k & 0x01010101u;
             if ((lo | hi) == 0u) continue;
-            uint at = atomicAdd(cursors[8 * row + k], uint(bitCount(lo) + bitCount(hi)));
+            uint at = atomicAdd(cursors[9 * row + k], uint(bitCount(lo) + bitCount(hi)));
             for (uint i = 0; i < count; ++i)
                 if ((found[i >> 2] >> 8 * (i & 3) >> k & 1u) != 0u)
                     entries[at++] = every ? first + i : entries[first + i];
@@ -246,10 +245,6 @@ std::string OctantShaders::plan()
 std::string OctantShaders::test()
 {
     return std::string(prelude) + batch + test_main;
-}
-std::string OctantShaders::place()
-{
-    return std::string(prelude) + batch + place_main;
 }
 std::string OctantShaders::scatter()
 {

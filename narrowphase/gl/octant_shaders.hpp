@@ -6,8 +6,7 @@ namespace oncollide::gl {
 /// One compute shader a step of a batch; see gl_compute.cpp. 64 invocations a group, each loops over its share.
 struct OctantShaders {
     static std::string plan();    ///< rows -> tiles: at most eight triangles of one row each
-    static std::string test();    ///< tiles -> masks of rows and triangles, counts of lists
-    static std::string place();   ///< rows -> room for their lists
+    static std::string test();    ///< tiles -> masks of rows and triangles, room for lists
     static std::string scatter(); ///< tiles -> entries of lists
     static std::string pack();    ///< live lists -> the same, without holes
     static std::string read();    ///< reads -> triangles, packed
@@ -21,7 +20,7 @@ constexpr unsigned packed = 3, jobs = 4; ///< of pack and read, which use neithe
 
 /// Words of one thing in its buffer, and what the words of a row are.
 namespace words {
-constexpr unsigned primitive = 12, list = 9, row = 12, cursors = 8, tile = 5;
+constexpr unsigned primitive = 12, list = 9, row = 12, cursors = 9, tile = 5;
 constexpr unsigned header = 4; ///< of the out buffer: tiles wanted, entries wanted; then a byte a row
 } // namespace words
 

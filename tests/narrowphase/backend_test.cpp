@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <oncollide/narrowphase/gpu.hpp>
+
 #include <algorithm>
 #include <bit>
 
@@ -7,6 +9,11 @@
 
 namespace oncollide {
 namespace {
+
+std::unique_ptr<OcclusionBackend> make_default_gl_compute()
+{
+    return make_gl_compute_backend();
+}
 
 class EveryBackend : public ::testing::TestWithParam<std::unique_ptr<OcclusionBackend> (*)()> {
 protected:
@@ -64,7 +71,8 @@ TEST_P(EveryBackend, FillsTheInsideOfSolidShapes)
     EXPECT_EQ(answer[0].grey, 0xff);
 }
 
-INSTANTIATE_TEST_SUITE_P(, EveryBackend, ::testing::Values(&make_cpu_backend), [](const auto&) { return "cpu"; });
+INSTANTIATE_TEST_SUITE_P(, EveryBackend, ::testing::Values(&make_cpu_backend, &make_default_gl_compute),
+                         [](const auto& info) { return info.index ? "gl_compute" : "cpu"; });
 
 } // namespace
 } // namespace oncollide

@@ -88,6 +88,34 @@ TEST_F(CommandLine, GlComputeGivesTheKnownHash)
     EXPECT_GT(header["trees"]["gpu_bytes"], 0);
 }
 
+TEST_F(CommandLine, AccuracyShowsWhatOcclusionQueriesMiss)
+{
+    const Outcome cpu = run({"accuracy", "hard", "--depths", "6"});
+    EXPECT_EQ(cpu.code, 0) << cpu.out;
+    const Outcome query = run({"accuracy", "hard", "--depths", "6", "--backend", "gl-query"});
+    EXPECT_EQ(query.code, 70) << query.out; // needles and slivers leave no fragment
+    EXPECT_NE(query.out.find("gl-query (16 px"), std::string::npos) << query.out;
+    EXPECT_NE(query.out.find("VIOLATIONS"), std::string::npos) << query.out;
+}
+
+TEST_F(CommandLine, BenchesOfTheGpuRunAndRefuseNonsense)
+{
+    const Outcome paper =
+        run({"bench", "paper", "--frames", "24", "--data", folder_.path().string(), "--csv", "p.csv"});
+    EXPECT_EQ(paper.code, 0) << paper.err;
+    for (const char* word : {"Table 1", "Tables 2 and 3", "contacts lost", "gl-compute"})
+        EXPECT_NE(paper.out.find(word), std::string::npos) << word;
+    EXPECT_GT(folder_.read("p.csv").size(), 1000u);
+    const Outcome octants =
+        run({"bench", "octants", "--only", "trees", "--repeats", "1", "--data", folder_.path().string()});
+    EXPECT_EQ(octants.code, 0) << octants.err;
+    EXPECT_NE(octants.out.find("whole tree"), std::string::npos);
+    expect_error(64, {"bench", "octants", "--only", "half"}, {"half", "speed, trees, misses"});
+    expect_error(64, {"bench", "octants", "--repeats", "0"}, {"--repeats 0"});
+    expect_error(64, {"bench", "paper", "--frames", "3"}, {"--frames 3", "12"});
+    expect_error(64, {"bench", "paper", "--viewport", "0"}, {"viewport", "1024"});
+}
+
 TEST_F(CommandLine, ARunOnTheCpuNeverTouchesEgl)
 {
     const auto loads_egl = [&](std::vector<std::string> options) {
