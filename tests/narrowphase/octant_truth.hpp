@@ -1,10 +1,13 @@
 // What is true of octants, by clipping in double, and the inputs and the growing of trees that tests of backends share.
 #pragma once
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include <oncollide/narrowphase/ocst.hpp>
+#include <oncollide/scenes/mesh_file.hpp>
 #include <oncollide/scenes/mesh_generators.hpp>
 
 namespace oncollide {
@@ -47,6 +50,11 @@ inline Mesh moved(Mesh mesh, double scale, const Eigen::Vector3d& by)
 inline std::vector<Case> cases()
 {
     std::vector<Case> all;
+    // Real ones where there is a data folder beside the sources.
+    const char* data = std::getenv("ONCOLLIDE_DATA");
+    const std::filesystem::path folder = data ? data : ONCOLLIDE_SOURCE_DIR "/../shared/data";
+    for (const char* file : {"meshes/paper/lamp.obj", "meshes/woody.obj"})
+        if (std::filesystem::exists(folder / file)) all.push_back({file, load_mesh(folder / file)});
     all.push_back({"knot", make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 1500)});
     all.push_back({"gear", make_gear_mesh(12, 1, 1.3, 0.4, 0.3)});
     all.push_back({"terrain", make_terrain_mesh(10, 2, 16, 3)});
