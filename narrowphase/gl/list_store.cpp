@@ -100,6 +100,7 @@ void ListStore::pack()
     run_jobs(pack_, jobs, packed);
     std::uint32_t counters[4];
     glGetNamedBufferSubData(counters_.name(), 0, sizeof counters, counters);
+    ONCOLLIDE_ASSERT(counters[1] <= used_);
     entries_ = std::move(packed);
     used_ = counters[1], holes_ = false;
 }

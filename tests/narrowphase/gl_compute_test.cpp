@@ -1,3 +1,4 @@
+#include <cmath>
 #include <random>
 #include <thread>
 
@@ -106,9 +107,22 @@ Mesh knot(int triangles)
     return make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, triangles);
 }
 
+/// Vertices on the faces of cells, but for a hair less or more than the slack of the test.
+Mesh almost_on_cell_faces()
+{
+    Mesh mesh = make_soup_mesh(400, 0.7, 1.6, 21);
+    std::mt19937 random(5);
+    for (Eigen::Vector3d& v : mesh.vertices)
+        for (int axis = 0; axis < 3; ++axis)
+            v[axis] = std::round(8 * v[axis]) / 8 + (int(random() % 9) - 4) * 0x1p-20;
+    mesh.vertices[0] = {-1, -1, -1}, mesh.vertices[1] = {1, 1, 1}; // the root cell reaches from -1 to 1
+    return make_mesh("almost", mesh.vertices, mesh.triangles);
+}
+
 TEST(GlCompute, GivesTheMasksOfTheCpuBitForBit)
 {
     std::vector<Geometry> geometries;
+    geometries.push_back(geometry_of(almost_on_cell_faces()));
     geometries.push_back(geometry_of(knot(3000)));
     geometries.push_back(geometry_of(make_gear_mesh(12, 1, 1.3, 0.4, 0.3)));
     geometries.push_back(geometry_of(make_needles_mesh(300, 1, 1e12, 3, 8)));
