@@ -2,41 +2,72 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <utility>
+
+#include <oncollide/scenes/parallel.hpp>
 
 namespace oncollide {
 
 namespace {
 
-constexpr int digit_bits = 11;
+/// Few enough that each has its own place in the caches while pairs are dealt out.
+constexpr std::size_t most_buckets = 512;
 
-template <class Key>
-void sort_by(std::vector<BodyPair>& pairs, std::vector<BodyPair>& scratch, int key_bits, Key key)
+/// Sorts [first, last) by b; all have one a.
+void sort_by_b(BodyPair* first, BodyPair* last)
 {
-    for (int shift = 0; shift < key_bits; shift += digit_bits) {
-        std::array<std::uint32_t, (1u << digit_bits)> starts{};
-        const auto digit = [&](BodyPair p) { return key(p) >> shift & ((1u << digit_bits) - 1); };
-        for (BodyPair p : pairs) ++starts[digit(p)];
-        std::uint32_t sum = 0;
-        for (std::uint32_t& start : starts) sum += std::exchange(start, sum);
-        for (BodyPair p : pairs) scratch[starts[digit(p)]++] = p;
-        pairs.swap(scratch);
+    if (last - first > 32) return std::sort(first, last);
+    for (BodyPair* i = first + 1; i < last; ++i) {
+        const BodyPair pair = *i;
+        BodyPair* at = i;
+        for (; at > first && pair.b < at[-1].b; --at) *at = at[-1];
+        *at = pair;
+    }
+}
+
+/// Moves a bucket, whose a are in [low, low + range), sorted from `from` to `to`.
+void sort_bucket(std::span<const BodyPair> from, BodyPair* to, std::size_t low, std::size_t range,
+                 std::vector<std::uint32_t>& ends)
+{
+    if (from.size() * 4 < range) {
+        std::copy(from.begin(), from.end(), to);
+        return std::sort(to, to + from.size());
+    }
+    ends.assign(range, 0);
+    for (BodyPair p : from) ++ends[p.a - low];
+    std::uint32_t sum = 0;
+    for (std::uint32_t& end : ends) sum += std::exchange(end, sum);
+    for (BodyPair p : from) to[ends[p.a - low]++] = p; // from here on an end
+    std::uint32_t begin = 0;
+    for (std::uint32_t end : ends) {
+        if (end - begin > 1) sort_by_b(to + begin, to + end);
+        begin = end;
     }
 }
 
 } // namespace
 
-void sort_pairs(std::vector<BodyPair>& pairs, std::vector<BodyPair>& scratch, std::size_t bodies)
+void sort_pairs(std::vector<BodyPair>& pairs, std::vector<BodyPair>& scratch, std::size_t bodies, int threads)
 {
     if (pairs.size() < 512) {
         std::sort(pairs.begin(), pairs.end());
         return;
     }
+    int shift = 0;
+    while ((bodies >> shift) >= most_buckets) ++shift;
+    std::array<std::uint32_t, most_buckets + 1> begins{};
+    for (BodyPair p : pairs) ++begins[(p.a >> shift) + 1];
+    for (std::size_t i = 0; i < most_buckets; ++i) begins[i + 1] += begins[i];
     scratch.resize(pairs.size());
-    const int key_bits = std::bit_width(bodies);
-    sort_by(pairs, scratch, key_bits, [](BodyPair p) { return p.b; });
-    sort_by(pairs, scratch, key_bits, [](BodyPair p) { return p.a; });
+    std::array<std::uint32_t, most_buckets + 1> next = begins;
+    for (BodyPair p : pairs) scratch[next[p.a >> shift]++] = p;
+    parallel_chunks(most_buckets, 16, threads, [&](std::size_t first, std::size_t last, int) {
+        thread_local std::vector<std::uint32_t> ends;
+        for (std::size_t i = first; i < last; ++i)
+            if (begins[i] < begins[i + 1])
+                sort_bucket(std::span(scratch).subspan(begins[i], begins[i + 1] - begins[i]), pairs.data() + begins[i],
+                            i << shift, std::size_t{1} << shift, ends);
+    });
 }
 
 } // namespace oncollide

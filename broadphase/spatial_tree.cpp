@@ -208,11 +208,6 @@ private:
 
 } // namespace
 
-std::unique_ptr<BroadPhase> make_kd_tree()
-{
-    return std::make_unique<SpatialTree>("kd", make_kd_splitter());
-}
-
 std::unique_ptr<BroadPhase> make_octree()
 {
     return std::make_unique<SpatialTree>("octree", make_octree_splitter());

@@ -1,4 +1,4 @@
-// What the kd-tree and the octree share: boxes in tree order, and the search for pairs.
+// The octree: boxes in tree order, and the search for pairs.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -33,7 +33,6 @@ public:
     virtual std::span<const std::uint32_t> split(std::span<FloatBox> boxes) = 0;
 };
 
-std::unique_ptr<NodeSplitter> make_kd_splitter();
 std::unique_ptr<NodeSplitter> make_octree_splitter();
 
 /// Boxes as float columns, padded so that the kernel may read past the end.

@@ -1,0 +1,137 @@
+// Compiled once per instruction set; see oncollide_add_kernel.
+#include <oncollide/broadphase/box_tree_kernel.hpp>
+#include <oncollide/broadphase/simd.hpp>
+
+namespace oncollide::ONCOLLIDE_ISA {
+namespace {
+
+constexpr std::uint32_t width = 16;
+
+struct Query {
+    float lo[3], hi[3];
+};
+
+inline Query query_of(const BoxLevelView& level, std::uint32_t i)
+{
+    return {{level.lo[0][i], level.lo[1][i], level.lo[2][i]}, {level.hi[0][i], level.hi[1][i], level.hi[2][i]}};
+}
+
+/// Which of the 16 boxes from `base` on overlap the query.
+inline unsigned hits(const BoxLevelView& v, std::uint32_t base, const Query& q)
+{
+#if defined(__AVX512F__)
+    __mmask16 m = 0xffff;
+    for (int axis = 0; axis < 3; ++axis) {
+        m = _mm512_mask_cmp_ps_mask(m, _mm512_loadu_ps(v.lo[axis] + base), _mm512_set1_ps(q.hi[axis]), _CMP_LE_OQ);
+        m = _mm512_mask_cmp_ps_mask(m, _mm512_loadu_ps(v.hi[axis] + base), _mm512_set1_ps(q.lo[axis]), _CMP_GE_OQ);
+    }
+    return m;
+#else
+    const auto half = [&](std::uint32_t at) {
+        return bits((load(v.lo[0] + at) <= splat(q.hi[0])) & (load(v.hi[0] + at) >= splat(q.lo[0])) &
+                    (load(v.lo[1] + at) <= splat(q.hi[1])) & (load(v.hi[1] + at) >= splat(q.lo[1])) &
+                    (load(v.lo[2] + at) <= splat(q.hi[2])) & (load(v.hi[2] + at) >= splat(q.lo[2])));
+    };
+    return half(base) | half(base + 8) << 8;
+#endif
+}
+
+inline void emit(PairSink& sink, std::uint32_t i, std::uint32_t j)
+{
+    sink.pairs[sink.count++] = {i, j};
+}
+
+inline void make_room(PairSink& sink)
+{
+    if (sink.count + width > sink.room) sink.more(sink);
+}
+
+/// Pairs of boxes of level `stop`, one below node a and one below node b of level `level` > stop.
+void between_nodes(const BoxTreeView& tree, int level, int stop, std::uint32_t a, std::uint32_t b, PairSink& sink)
+{
+    const BoxLevelView& below = tree.level[level - 1];
+    const std::uint32_t first_a = a * width, first_b = b * width;
+    const unsigned moving_a = below.moving[a], moving_b = below.moving[b];
+    unsigned of_a = hits(below, first_a, query_of(tree.level[level], b));
+    if (!moving_b) of_a &= moving_a;
+    for (; of_a; of_a &= of_a - 1) {
+        const auto k = static_cast<unsigned>(__builtin_ctz(of_a));
+        unsigned of_b = hits(below, first_b, query_of(below, first_a + k));
+        if (!(moving_a >> k & 1)) of_b &= moving_b;
+        make_room(sink);
+        for (; of_b; of_b &= of_b - 1) {
+            const std::uint32_t j = first_b + static_cast<std::uint32_t>(__builtin_ctz(of_b));
+            if (level - 1 == stop)
+                emit(sink, first_a + k, j);
+            else
+                between_nodes(tree, level - 1, stop, first_a + k, j, sink);
+        }
+    }
+}
+
+void within_node(const BoxTreeView& tree, int level, int stop, std::uint32_t node, PairSink& sink)
+{
+    const BoxLevelView& below = tree.level[level - 1];
+    const std::uint32_t first = node * width;
+    const std::uint32_t count = below.count - first < width ? below.count - first : width;
+    const unsigned moving = below.moving[node];
+    for (std::uint32_t k = 0; k < count; ++k) {
+        const bool moves = moving >> k & 1;
+        if (level - 1 > stop && moves) within_node(tree, level - 1, stop, first + k, sink);
+        unsigned others = hits(below, first, query_of(below, first + k)) & ~((2u << k) - 1);
+        if (!moves) others &= moving;
+        make_room(sink);
+        for (; others; others &= others - 1) {
+            const std::uint32_t j = first + static_cast<std::uint32_t>(__builtin_ctz(others));
+            if (level - 1 == stop)
+                emit(sink, first + k, j);
+            else
+                between_nodes(tree, level - 1, stop, first + k, j, sink);
+        }
+    }
+}
+
+void around_node(const BoxTreeView& tree, int level, std::uint32_t node, const Query& query, std::uint32_t tag,
+                 PairSink& sink)
+{
+    unsigned found = hits(tree.level[level - 1], node * width, query);
+    make_room(sink);
+    for (; found; found &= found - 1) {
+        const std::uint32_t child = node * width + static_cast<std::uint32_t>(__builtin_ctz(found));
+        if (level == 1)
+            emit(sink, child, tag);
+        else
+            around_node(tree, level - 1, child, query, tag, sink);
+    }
+}
+
+// The top level is the children of a root of its own, node 0 of level `levels`.
+
+void all(const BoxTreeView& tree, int stop, PairSink& sink)
+{
+    within_node(tree, tree.levels, stop, 0, sink);
+}
+
+void within(const BoxTreeView& tree, int level, std::uint32_t node, PairSink& sink)
+{
+    if (tree.level[level].moving[node / width] >> node % width & 1) within_node(tree, level, 0, node, sink);
+}
+
+void between(const BoxTreeView& tree, int level, std::uint32_t a, std::uint32_t b, PairSink& sink)
+{
+    between_nodes(tree, level, 0, a, b, sink);
+}
+
+void around(const BoxTreeView& tree, const float box[6], std::uint32_t tag, PairSink& sink)
+{
+    around_node(tree, tree.levels, 0, {{box[0], box[1], box[2]}, {box[3], box[4], box[5]}}, tag, sink);
+}
+
+} // namespace
+
+BoxTreeKernel box_tree_kernel()
+{
+    return {all, within, between, around};
+}
+
+} // namespace oncollide::ONCOLLIDE_ISA

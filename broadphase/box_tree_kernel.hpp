@@ -1,0 +1,58 @@
+// The search for overlapping boxes in an implicit 16-ary tree, one implementation an instruction set. Plain data.
+#pragma once
+#include <cstdint>
+
+namespace oncollide {
+
+/// One level of boxes as columns, padded with empty boxes to a multiple of 16. Node n of the level above holds the
+/// boxes [16 n, 16 n + 16).
+struct BoxLevelView {
+    const float* lo[3];
+    const float* hi[3];
+    std::uint32_t count;         ///< boxes, padding not counted
+    const std::uint16_t* moving; ///< by node of the level above: which of its 16 boxes are or hold moving ones
+};
+
+/// Levels from the boxes themselves (0) up to the first of at most 16.
+struct BoxTreeView {
+    static constexpr int most_levels = 8; ///< 16^8 boxes
+    BoxLevelView level[most_levels];
+    int levels;
+};
+
+/// Two boxes of one level.
+struct PlacePair {
+    std::uint32_t i, j;
+};
+
+/// Where found pairs go; `more` makes room for at least 16 and may move `pairs`.
+struct PairSink {
+    PlacePair* pairs;
+    std::uint64_t count, room;
+    void (*more)(PairSink& sink);
+    void* owner;
+};
+
+/// Overlapping pairs of boxes, i < j, not both still, each once.
+struct BoxTreeKernel {
+    /// Of level `stop`, over the whole tree.
+    void (*all)(const BoxTreeView& tree, int stop, PairSink& sink);
+    /// Of level 0, both below node `node` of level `level` (>= 1).
+    void (*within)(const BoxTreeView& tree, int level, std::uint32_t node, PairSink& sink);
+    /// Of level 0, one below node `a` and one below node `b` of level `level`; level 0: the two themselves.
+    void (*between)(const BoxTreeView& tree, int level, std::uint32_t a, std::uint32_t b, PairSink& sink);
+    /// Places of level-0 boxes that overlap `box` (lo x y z, hi x y z), as pairs (place, tag).
+    void (*around)(const BoxTreeView& tree, const float box[6], std::uint32_t tag, PairSink& sink);
+};
+
+namespace baseline {
+BoxTreeKernel box_tree_kernel();
+}
+namespace avx2 {
+BoxTreeKernel box_tree_kernel();
+}
+namespace avx512 {
+BoxTreeKernel box_tree_kernel();
+}
+
+} // namespace oncollide

@@ -1,0 +1,126 @@
+#include <algorithm>
+#include <cstring>
+
+#include <oncollide/broadphase/box_tree.hpp>
+#include <oncollide/broadphase/broad_phase.hpp>
+#include <oncollide/broadphase/pair_sort.hpp>
+#include <oncollide/scenes/parallel.hpp>
+
+namespace oncollide {
+
+namespace {
+
+/// Pairs of places that one thread found.
+class FoundPairs {
+public:
+    PairSink& sink() { return sink_; }
+    void clear() { sink_.count = 0; }
+    std::span<const PlacePair> pairs() const { return {pairs_.data(), static_cast<std::size_t>(sink_.count)}; }
+
+private:
+    static void grow(PairSink& sink)
+    {
+        auto& pairs = *static_cast<std::vector<PlacePair>*>(sink.owner);
+        pairs.resize(std::max<std::size_t>(1024, 2 * pairs.size()));
+        sink.pairs = pairs.data(), sink.room = pairs.size();
+    }
+
+    std::vector<PlacePair> pairs_;
+    PairSink sink_{nullptr, 0, 0, grow, &pairs_};
+};
+
+class KdTree final : public BroadPhase {
+public:
+    std::string_view name() const override { return "kd"; }
+
+    void find_pairs(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, const BodyFilter& filter,
+                    double margin, int threads, std::vector<BodyPair>& pairs) override
+    {
+        take_in(boxes, bodies, filter, margin, threads);
+        search(threads);
+        allows_all_ = allows_all(filter);
+        pairs.clear();
+        for (const auto& worker : workers_) translate(worker->pairs(), filter, pairs);
+        sort_pairs(pairs, scratch_, filter.is_static.size(), threads);
+    }
+
+private:
+    void take_in(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, const BodyFilter& filter,
+                 double margin, int threads)
+    {
+        const bool same = tree_.view().levels > 0 && std::ranges::equal(bodies, bodies_);
+        if (same) tree_.refit(boxes, margin, threads);
+        if (!same || tree_.worn()) {
+            bodies_.assign(bodies.begin(), bodies.end());
+            tree_.build(boxes, bodies, margin, threads);
+            is_static_.clear();
+        }
+        if (!std::ranges::equal(filter.is_static, is_static_)) {
+            is_static_.assign(filter.is_static.begin(), filter.is_static.end());
+            tree_.set_moving(is_static_);
+        }
+    }
+
+    void search(int threads)
+    {
+        while (workers_.size() < static_cast<std::size_t>(std::max(threads, 1)))
+            workers_.push_back(std::make_unique<FoundPairs>());
+        for (const auto& worker : workers_) worker->clear();
+        const BoxTreeView& view = tree_.view();
+        if (threads <= 1 || view.levels < 3) return box_tree_kernel().all(view, 0, workers_[0]->sink());
+
+        // Nodes two levels up, and the pairs of them that overlap, are the threads' tasks.
+        constexpr int level = 2;
+        tasks_.clear();
+        box_tree_kernel().all(view, level, tasks_.sink());
+        const std::size_t nodes = view.level[level].count, all = nodes + tasks_.pairs().size();
+        parallel_chunks(all, 16, threads, [&](std::size_t begin, std::size_t end, int thread) {
+            PairSink& sink = workers_[static_cast<std::size_t>(thread)]->sink();
+            for (std::size_t i = begin; i < end; ++i)
+                if (i < nodes)
+                    box_tree_kernel().within(view, level, static_cast<std::uint32_t>(i), sink);
+                else
+                    box_tree_kernel().between(view, level, tasks_.pairs()[i - nodes].i, tasks_.pairs()[i - nodes].j,
+                                              sink);
+        });
+    }
+
+    /// Can layers and masks be left alone? Static pairs the search leaves out by itself.
+    static bool allows_all(const BodyFilter& filter)
+    {
+        std::uint32_t some = 0, least = ~0u, mask = ~0u;
+        for (std::uint32_t layer : filter.layers) some |= layer, least = std::min(least, layer);
+        for (std::uint32_t m : filter.masks) mask &= m;
+        return least > 0 && (some & ~mask) == 0;
+    }
+
+    void translate(std::span<const PlacePair> found, const BodyFilter& filter, std::vector<BodyPair>& pairs) const
+    {
+        const std::size_t first = pairs.size();
+        pairs.resize(first + found.size());
+        BodyPair* out = pairs.data() + first;
+        for (PlacePair p : found) {
+            const std::uint32_t a = tree_.body_at(p.i), b = tree_.body_at(p.j);
+            *out = {std::min(a, b), std::max(a, b)};
+            out += allows_all_ || filter.allows(a, b);
+        }
+        pairs.resize(static_cast<std::size_t>(out - pairs.data()));
+    }
+
+    BoxTree tree_;
+    std::vector<std::uint32_t> bodies_;   ///< in the tree
+    std::vector<std::uint8_t> is_static_; ///< as the tree knows it
+    bool allows_all_ = false;
+    std::vector<std::unique_ptr<FoundPairs>> workers_;
+    FoundPairs tasks_;
+    std::vector<BodyPair> scratch_;
+};
+
+} // namespace
+
+std::unique_ptr<BroadPhase> make_kd_tree()
+{
+    return std::make_unique<KdTree>();
+}
+
+} // namespace oncollide
