@@ -3,7 +3,6 @@
 #include <array>
 #include <chrono>
 #include <dlfcn.h>
-#include <mutex>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -99,34 +98,21 @@ GpuInfo describe_gpu(int gpu)
 
 namespace gl {
 
-/// EGL has one display a device in a process; it is closed with its last context.
-struct Context::Display {
-    EGLDisplay handle;
-    ~Display() { eglTerminate(handle); }
-
-    static std::shared_ptr<Display> open(const Candidate& candidate)
-    {
-        static std::mutex mutex;
-        static std::vector<std::pair<EGLDisplay, std::weak_ptr<Display>>> known;
-        const EGLDisplay handle =
-            candidate.handle ? eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, candidate.handle, nullptr)
-                             : eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
-        if (handle == EGL_NO_DISPLAY) fail(fmt::format("{}: no display ({})", candidate.device.platform, egl_error()));
-        const std::lock_guard lock(mutex);
-        for (auto& [display, weak] : known)
-            if (display == handle)
-                if (auto alive = weak.lock()) return alive;
-        if (!eglInitialize(handle, nullptr, nullptr))
-            fail(fmt::format("{}: cannot be initialised ({}); is a driver installed (Debian: libgl1-mesa-dri)?",
-                             candidate.device.platform, egl_error()));
-        auto display = std::make_shared<Display>(handle);
-        std::erase_if(known, [&](const auto& entry) { return entry.first == handle; });
-        known.emplace_back(handle, display);
-        return display;
-    }
-};
-
 namespace {
+
+/// EGL has one display a device in a process, and it stays open: a driver takes tens of milliseconds to load, and
+/// Mesa's leaves memory behind when it is unloaded.
+EGLDisplay open_display(const Candidate& candidate)
+{
+    const EGLDisplay display =
+        candidate.handle ? eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, candidate.handle, nullptr)
+                         : eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
+    if (display == EGL_NO_DISPLAY) fail(fmt::format("{}: no display ({})", candidate.device.platform, egl_error()));
+    if (!eglInitialize(display, nullptr, nullptr)) // nothing, if it was done before
+        fail(fmt::format("{}: cannot be initialised ({}); is a driver installed (Debian: libgl1-mesa-dri)?",
+                         candidate.device.platform, egl_error()));
+    return display;
+}
 
 EGLContext create(EGLDisplay display, const std::string& platform, bool& robust)
 {
@@ -180,8 +166,8 @@ Context::Context(int gpu)
     if (gpu >= int(all.size()) || gpu < -1)
         fail(fmt::format("no GPU {}: this machine has 0 to {} ('oncollide doctor' lists them)", gpu, all.size() - 1));
     const Candidate& chosen = all[gpu < 0 ? best_of(all) : std::size_t(gpu)];
-    display_ = Display::open(chosen);
-    context_ = create(display_->handle, chosen.device.platform, robust_);
+    display_ = open_display(chosen);
+    context_ = create(display_, chosen.device.platform, robust_);
     use();
     info_.renderer = text(GL_RENDERER), info_.vendor = text(GL_VENDOR), info_.version = text(GL_VERSION);
     info_.platform = chosen.device.platform;
@@ -191,9 +177,8 @@ Context::Context(int gpu)
 
 Context::~Context()
 {
-    if (eglGetCurrentContext() == context_)
-        eglMakeCurrent(display_->handle, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-    eglDestroyContext(display_->handle, context_);
+    if (eglGetCurrentContext() == context_) eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    eglDestroyContext(display_, context_);
 }
 
 void Context::use() const
@@ -201,13 +186,13 @@ void Context::use() const
     if (std::this_thread::get_id() != owner_)
         throw Error(ErrorKind::usage, "a GPU backend is used by another thread than the one that made it");
     if (eglGetCurrentContext() == context_) return;
-    if (!eglMakeCurrent(display_->handle, EGL_NO_SURFACE, EGL_NO_SURFACE, context_))
+    if (!eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_))
         throw GpuLost(fmt::format("{}: the context cannot be used ({})", info_.platform, egl_error()));
 }
 
 void Context::use_at_end() const noexcept
 {
-    if (eglGetCurrentContext() != context_) eglMakeCurrent(display_->handle, EGL_NO_SURFACE, EGL_NO_SURFACE, context_);
+    if (eglGetCurrentContext() != context_) eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_);
 }
 
 void Context::check(const char* what) const

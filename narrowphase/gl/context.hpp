@@ -1,5 +1,4 @@
 #pragma once
-#include <memory>
 #include <string>
 #include <thread>
 
@@ -29,8 +28,7 @@ public:
     const GpuInfo& info() const { return info_; }
 
 private:
-    struct Display;
-    std::shared_ptr<Display> display_;
+    EGLDisplay display_ = EGL_NO_DISPLAY;
     EGLContext context_ = EGL_NO_CONTEXT;
     std::thread::id owner_ = std::this_thread::get_id();
     bool robust_ = false;
