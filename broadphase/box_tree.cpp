@@ -125,7 +125,11 @@ void BoxTree::order_bodies(std::span<const Aabb> boxes, std::span<const std::uin
         for (std::size_t i = first; i < last; ++i) split(runs[i].begin, runs[i].end);
     });
     order_.resize(places);
-    for (std::size_t i = 0; i < places; ++i) order_[i] = items_[i].body;
+    places_.resize(boxes.size());
+    for (std::size_t i = 0; i < places; ++i) {
+        order_[i] = items_[i].body;
+        if (order_[i] != nobody) places_[order_[i]] = static_cast<std::uint32_t>(i);
+    }
     items_ = {};
 }
 
@@ -230,12 +234,26 @@ void BoxTree::refit(std::span<const Aabb> boxes, double margin, int threads)
     leaf_extent_ = extent_of_leaves();
 }
 
-void BoxTree::refit_places(std::span<const Aabb> boxes, double margin, std::span<const std::uint32_t> places)
+void BoxTree::refit_bodies(std::span<const Aabb> boxes, double margin, std::span<const std::uint32_t> bodies)
 {
-    for (std::uint32_t place : places) {
+    for (std::uint32_t body : bodies) {
+        std::uint32_t place = places_[body];
         take(boxes, 0.5 * margin, place);
-        std::uint32_t node = place;
-        for (int level = 1; level < view_.levels; ++level) bound(level, node /= width);
+        float box[6];
+        box_at(place, box);
+        for (std::size_t level = 1; level < levels_.size(); ++level) {
+            place /= width;
+            bool wider = false;
+            for (std::size_t c = 0; c < 3; ++c) {
+                float &lo = levels_[level].columns[c][place], &hi = levels_[level].columns[3 + c][place];
+                const float by = std::max(lo - box[c], 0.0f) + std::max(box[3 + c] - hi, 0.0f);
+                if (!(by > 0)) continue;
+                lo = std::min(lo, box[c]), hi = std::max(hi, box[3 + c]);
+                wider = true;
+                if (level == 1) leaf_extent_ += by;
+            }
+            if (!wider) break;
+        }
     }
 }
 
@@ -275,7 +293,7 @@ void BoxTree::box_at(std::uint32_t place, float box[6]) const
 
 std::size_t BoxTree::bytes() const
 {
-    std::size_t sum = order_.capacity() * sizeof(order_[0]) + items_.capacity() * sizeof(Item);
+    std::size_t sum = (order_.capacity() + places_.capacity()) * sizeof(order_[0]) + items_.capacity() * sizeof(Item);
     for (const Level& l : levels_) {
         for (const auto& column : l.columns) sum += column.capacity() * sizeof(float);
         sum += l.moving.capacity() * sizeof(l.moving[0]);

@@ -27,7 +27,7 @@ struct BodyFilter {
     }
 };
 
-/// An algorithm that finds the overlapping boxes among some bodies.
+/// An algorithm that finds the overlapping boxes among some bodies. It may keep what it knows from call to call.
 class BroadPhase {
 public:
     virtual ~BroadPhase() = default;
@@ -44,12 +44,25 @@ public:
     /// The list is the same for any thread count. Allocates nothing once warm.
     virtual void find_pairs(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies,
                             const BodyFilter& filter, double margin, int threads, std::vector<BodyPair>& pairs) = 0;
+
+    /// Does update_pairs() cost less than find_pairs() when few bodies move?
+    virtual bool follows_movers() const { return false; }
+    /// The same, when only the boxes of `moved` differ from the last call, which had the same bodies, filter and margin
+    /// and gave `pairs`.
+    /// @param asked  those of `moved` that may be in a pair now
+    virtual void update_pairs(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies,
+                              [[maybe_unused]] std::span<const std::uint32_t> moved,
+                              [[maybe_unused]] std::span<const std::uint32_t> asked, const BodyFilter& filter,
+                              double margin, int threads, std::vector<BodyPair>& pairs)
+    {
+        find_pairs(boxes, bodies, filter, margin, threads, pairs);
+    }
+    virtual std::size_t bytes() const { return 0; } ///< held from call to call
 };
 
-/// kd-tree: split at the mean centre along the axis of largest variance; boxes that straddle stay at the inner node.
-/// Cost: O(n log n + pairs) for boxes of similar size.
-/// Source: Serpa and Rodrigues, "Flexible use of temporal and spatial reasoning for fast and scalable CPU broad-phase
-/// collision detection using KD-trees", Computer Graphics Forum 2019.
+/// kd-tree: boxes in kd order under an implicit 16-ary tree of bounds (BoxTree), searched against itself. The order
+/// stays from call to call while bodies move little. Cost: O(n + pairs) a call, O(n log n) where the order is made
+/// anew; update_pairs() of few bodies O(moved + pairs).
 std::unique_ptr<BroadPhase> make_kd_tree();
 
 /// Octree: split at the mean centre along all three axes at once; boxes that straddle any of them stay at the inner

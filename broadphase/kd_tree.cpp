@@ -15,6 +15,7 @@ class FoundPairs {
 public:
     PairSink& sink() { return sink_; }
     void clear() { sink_.count = 0; }
+    std::size_t bytes() const { return pairs_.capacity() * sizeof(PlacePair); }
     std::span<const PlacePair> pairs() const { return {pairs_.data(), static_cast<std::size_t>(sink_.count)}; }
 
 private:
@@ -44,6 +45,39 @@ public:
         sort_pairs(pairs, scratch_, filter.is_static.size(), threads);
     }
 
+    bool follows_movers() const override { return true; }
+
+    void update_pairs(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies,
+                      std::span<const std::uint32_t> moved, std::span<const std::uint32_t> asked,
+                      const BodyFilter& filter, double margin, int threads, std::vector<BodyPair>& pairs) override
+    {
+        // A query costs a few times its share of a search of the whole tree.
+        if (tree_.view().levels == 0 || 4 * moved.size() > bodies_.size())
+            return find_pairs(boxes, bodies, filter, margin, threads, pairs);
+        tree_.refit_bodies(boxes, margin, moved);
+        if (tree_.worn()) take_in(boxes, bodies_, filter, margin, threads);
+        has_moved_.resize(filter.is_static.size());
+        for (std::uint32_t body : moved) has_moved_[body] = 1;
+        query(asked, threads);
+        found_.clear();
+        for (const auto& worker : workers_) translate_queries(worker->pairs(), filter);
+        sort_pairs(found_, scratch_, filter.is_static.size(), threads);
+        // What was known of bodies that moved is out of date; both lists are sorted.
+        std::erase_if(pairs, [&](BodyPair p) { return has_moved_[p.a] | has_moved_[p.b]; });
+        scratch_.resize(pairs.size() + found_.size());
+        std::ranges::merge(pairs, found_, scratch_.begin());
+        pairs.swap(scratch_);
+        for (std::uint32_t body : moved) has_moved_[body] = 0;
+    }
+
+    std::size_t bytes() const override
+    {
+        std::size_t sum = tree_.bytes() + bodies_.capacity() * sizeof(bodies_[0]) + is_static_.capacity() +
+                          has_moved_.capacity() + (scratch_.capacity() + found_.capacity()) * sizeof(BodyPair);
+        for (const auto& worker : workers_) sum += worker->bytes();
+        return sum;
+    }
+
 private:
     void take_in(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, const BodyFilter& filter,
                  double margin, int threads)
@@ -51,7 +85,7 @@ private:
         const bool same = tree_.view().levels > 0 && std::ranges::equal(bodies, bodies_);
         if (same) tree_.refit(boxes, margin, threads);
         if (!same || tree_.worn()) {
-            bodies_.assign(bodies.begin(), bodies.end());
+            if (!same) bodies_.assign(bodies.begin(), bodies.end());
             tree_.build(boxes, bodies, margin, threads);
             is_static_.clear();
         }
@@ -61,11 +95,39 @@ private:
         }
     }
 
-    void search(int threads)
+    void make_workers(int threads)
     {
         while (workers_.size() < static_cast<std::size_t>(std::max(threads, 1)))
             workers_.push_back(std::make_unique<FoundPairs>());
         for (const auto& worker : workers_) worker->clear();
+    }
+
+    /// Places around each of these bodies, with the body as tag.
+    void query(std::span<const std::uint32_t> bodies, int threads)
+    {
+        make_workers(threads);
+        parallel_chunks(bodies.size(), 256, threads, [&](std::size_t begin, std::size_t end, int thread) {
+            PairSink& sink = workers_[static_cast<std::size_t>(thread)]->sink();
+            for (std::size_t i = begin; i < end; ++i) {
+                float box[6];
+                tree_.box_at(tree_.place_of(bodies[i]), box);
+                box_tree_kernel().around(tree_.view(), box, bodies[i], sink);
+            }
+        });
+    }
+
+    void translate_queries(std::span<const PlacePair> found, const BodyFilter& filter)
+    {
+        for (const auto [place, body] : found) {
+            const std::uint32_t other = tree_.body_at(place);
+            if (other == body || (has_moved_[other] && other < body)) continue; // that one finds the pair
+            if (filter.allows(body, other)) found_.push_back({std::min(body, other), std::max(body, other)});
+        }
+    }
+
+    void search(int threads)
+    {
+        make_workers(threads);
         const BoxTreeView& view = tree_.view();
         if (threads <= 1 || view.levels < 3) return box_tree_kernel().all(view, 0, workers_[0]->sink());
 
@@ -110,6 +172,8 @@ private:
     BoxTree tree_;
     std::vector<std::uint32_t> bodies_;   ///< in the tree
     std::vector<std::uint8_t> is_static_; ///< as the tree knows it
+    std::vector<std::uint8_t> has_moved_; ///< by body, all 0 between calls
+    std::vector<BodyPair> found_;         ///< of bodies that moved
     bool allows_all_ = false;
     std::vector<std::unique_ptr<FoundPairs>> workers_;
     FoundPairs tasks_;

@@ -1,6 +1,7 @@
 // The stages above the sphere-trees: bounds, delimitation, broad.
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include <oncollide/broadphase/world_boxes.hpp>
 #include <oncollide/pipeline/stage.hpp>
@@ -81,8 +82,12 @@ private:
 
 class BroadStage final : public Stage {
 public:
-    explicit BroadStage(BroadPhaseKind kind)
+    BroadStage(const Scene& scene, BroadPhaseKind kind)
     {
+        for (std::uint32_t body = 0; body < scene.size(); ++body) {
+            all_.push_back(body);
+            if (!scene.is_static[body]) moving_.push_back(body);
+        }
         switch (kind) {
         case BroadPhaseKind::kd_tree:
             algorithm_ = make_kd_tree();
@@ -100,8 +105,14 @@ public:
 
     void run(const Scene&, Frame& frame, StageStats& stats) override
     {
-        algorithm_->find_pairs(frame.boxes, frame.survivors, frame.filter, frame.settings->clearance, frame.threads,
-                               frame.pairs);
+        const double margin = frame.settings->clearance;
+        if (!algorithm_->follows_movers())
+            algorithm_->find_pairs(frame.boxes, frame.survivors, frame.filter, margin, frame.threads, frame.pairs);
+        else if (std::exchange(first_, false))
+            algorithm_->find_pairs(frame.boxes, all_, frame.filter, margin, frame.threads, frame.pairs);
+        else
+            algorithm_->update_pairs(frame.boxes, all_, moving_, surviving_movers(frame), frame.filter, margin,
+                                     frame.threads, frame.pairs);
         stats.in = pairs_of(frame);
         stats.out = frame.pairs.size();
     }
@@ -118,6 +129,16 @@ public:
     }
 
 private:
+    /// Delimitation found that the others can be in no pair.
+    std::span<const std::uint32_t> surviving_movers(const Frame& frame)
+    {
+        if (frame.survivors.size() == all_.size()) return moving_;
+        asked_.clear();
+        for (std::uint32_t body : frame.survivors)
+            if (!frame.filter.is_static[body]) asked_.push_back(body);
+        return asked_;
+    }
+
     /// Pairs of survivors that are not both static.
     static std::uint64_t pairs_of(const Frame& frame)
     {
@@ -128,6 +149,8 @@ private:
     }
 
     std::unique_ptr<BroadPhase> algorithm_;
+    std::vector<std::uint32_t> all_, moving_, asked_;
+    bool first_ = true;
 };
 
 } // namespace
@@ -140,9 +163,9 @@ std::unique_ptr<Stage> make_delimitation_stage()
 {
     return std::make_unique<DelimitationStage>();
 }
-std::unique_ptr<Stage> make_broad_stage(BroadPhaseKind kind)
+std::unique_ptr<Stage> make_broad_stage(const Scene& scene, BroadPhaseKind kind)
 {
-    return std::make_unique<BroadStage>(kind);
+    return std::make_unique<BroadStage>(scene, kind);
 }
 
 } // namespace oncollide

@@ -135,7 +135,7 @@ Pipeline::Pipeline(const Scene& scene, const Settings& settings, std::unique_ptr
     p.forest = std::make_unique<Forest>(scene, p.settings, std::move(backend));
     p.stages.push_back(make_bounds_stage(scene));
     p.stages.push_back(make_delimitation_stage());
-    p.stages.push_back(make_broad_stage(settings.broad_phase));
+    p.stages.push_back(make_broad_stage(scene, settings.broad_phase));
     p.stages.push_back(make_ocst_stage(scene, p.settings, *p.forest));
     p.stages.push_back(make_exact_stage(scene, p.settings, *p.forest));
     p.asked_to_skip.assign(p.stages.size(), 0);

@@ -26,7 +26,7 @@ public:
 
 std::unique_ptr<Stage> make_bounds_stage(const Scene& scene);
 std::unique_ptr<Stage> make_delimitation_stage();
-std::unique_ptr<Stage> make_broad_stage(BroadPhaseKind kind);
+std::unique_ptr<Stage> make_broad_stage(const Scene& scene, BroadPhaseKind kind);
 /// Both keep a reference to `forest`; the exact stage reads the leaves that the ocst stage found.
 std::unique_ptr<Stage> make_ocst_stage(const Scene& scene, const Settings& settings, Forest& forest);
 std::unique_ptr<Stage> make_exact_stage(const Scene& scene, const Settings& settings, Forest& forest);
