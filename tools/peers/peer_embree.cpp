@@ -1,0 +1,158 @@
+// Embree's rtcCollide over boxes as user geometry: static boxes in a scene of their own, built once.
+#include "peer.hpp"
+
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include <embree3/rtcore.h>
+
+namespace oncollide::tools {
+namespace {
+
+/// Embree calls back from several threads: each collects for itself. Threads are few, they live as long as the program.
+constexpr std::size_t most_threads = 256;
+std::size_t thread_slot()
+{
+    static std::atomic<std::size_t> seen = 0;
+    thread_local const std::size_t slot = seen++;
+    return slot % most_threads;
+}
+
+float below(double x)
+{
+    const float f = static_cast<float>(x);
+    return f <= x ? f : std::nextafter(f, -std::numeric_limits<float>::infinity());
+}
+float above(double x)
+{
+    return -below(-x);
+}
+
+/// Some of the boxes as one Embree scene. Only in a scene of low quality does Embree heed a geometry's own: there
+/// "refit" builds a good tree once, "low" a Morton tree every time; otherwise all is built anew and well.
+class BoxGeometry {
+public:
+    BoxGeometry(RTCDevice device, RTCBuildQuality scene_quality, RTCBuildQuality quality,
+                std::vector<std::uint32_t> numbers)
+        : members(std::move(numbers)), scene(rtcNewScene(device)),
+          geometry_(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER))
+    {
+        rtcSetSceneFlags(scene, RTC_SCENE_FLAG_DYNAMIC);
+        rtcSetSceneBuildQuality(scene, scene_quality);
+        rtcSetGeometryBuildQuality(geometry_, quality);
+        rtcSetGeometryUserPrimitiveCount(geometry_, unsigned(members.size()));
+        rtcSetGeometryUserData(geometry_, this);
+        rtcSetGeometryBoundsFunction(geometry_, bounds, nullptr);
+        rtcAttachGeometry(scene, geometry_);
+    }
+    ~BoxGeometry() { rtcReleaseGeometry(geometry_), rtcReleaseScene(scene); }
+    BoxGeometry(const BoxGeometry&) = delete;
+    BoxGeometry& operator=(const BoxGeometry&) = delete;
+
+    void take_in(std::span<const Aabb> boxes)
+    {
+        boxes_ = boxes;
+        rtcCommitGeometry(geometry_);
+        rtcCommitScene(scene);
+    }
+
+    const std::vector<std::uint32_t> members; ///< numbers of the boxes
+    const RTCScene scene;
+
+private:
+    static void bounds(const RTCBoundsFunctionArguments* arguments)
+    {
+        const auto& me = *static_cast<const BoxGeometry*>(arguments->geometryUserPtr);
+        const Aabb& box = me.boxes_[me.members[arguments->primID]];
+        RTCBounds& out = *arguments->bounds_o;
+        out.lower_x = below(box.min.x()), out.lower_y = below(box.min.y()), out.lower_z = below(box.min.z());
+        out.upper_x = above(box.max.x()), out.upper_y = above(box.max.y()), out.upper_z = above(box.max.z());
+    }
+
+    RTCGeometry geometry_;
+    std::span<const Aabb> boxes_;
+};
+
+class EmbreePeer final : public BroadPeer {
+public:
+    EmbreePeer(RTCBuildQuality quality, int threads)
+        : quality_(quality), device_(rtcNewDevice(("threads=" + std::to_string(threads)).c_str()))
+    {
+    }
+    ~EmbreePeer() override
+    {
+        movers_.reset(), statics_.reset();
+        rtcReleaseDevice(device_);
+    }
+
+    void start(const BoxFrame& frame) override
+    {
+        std::vector<std::uint32_t> movers, statics;
+        for (std::uint32_t i = 0; i < frame.boxes.size(); ++i) (frame.is_static[i] ? statics : movers).push_back(i);
+        movers_ = std::make_unique<BoxGeometry>(device_, RTC_BUILD_QUALITY_LOW, quality_, std::move(movers));
+        movers_->take_in(frame.boxes);
+        if (statics.empty()) return;
+        statics_ = std::make_unique<BoxGeometry>(device_, RTC_BUILD_QUALITY_MEDIUM, RTC_BUILD_QUALITY_MEDIUM,
+                                                 std::move(statics));
+        statics_->take_in(frame.boxes);
+    }
+
+    void step(const BoxFrame& frame, std::vector<BodyPair>& pairs) override
+    {
+        movers_->take_in(frame.boxes);
+        for (auto& part : parts_) part.clear();
+        collide(frame, *movers_, *movers_);
+        if (statics_) collide(frame, *movers_, *statics_);
+        pairs.clear();
+        for (const auto& part : parts_) pairs.insert(pairs.end(), part.begin(), part.end());
+    }
+
+private:
+    struct Question {
+        EmbreePeer& peer;
+        const BoxFrame& frame;
+        const BoxGeometry &a, &b;
+    };
+
+    void collide(const BoxFrame& frame, const BoxGeometry& a, const BoxGeometry& b)
+    {
+        Question question{*this, frame, a, b};
+        rtcCollide(a.scene, b.scene, take, &question);
+    }
+
+    /// Embree reports the contents of leaves that overlap, within one scene each pair in both orders.
+    static void take(void* data, RTCCollision* collisions, unsigned count)
+    {
+        const Question& q = *static_cast<const Question*>(data);
+        std::vector<BodyPair>& pairs = q.peer.parts_[thread_slot()];
+        for (const RTCCollision& c : std::span(collisions, count)) {
+            const std::uint32_t a = q.a.members[c.primID0], b = q.b.members[c.primID1];
+            if ((&q.a != &q.b || a < b) && q.frame.boxes[a].overlaps(q.frame.boxes[b])) pairs.push_back({a, b});
+        }
+    }
+
+    RTCBuildQuality quality_;
+    RTCDevice device_;
+    std::unique_ptr<BoxGeometry> movers_, statics_;
+    std::array<std::vector<BodyPair>, most_threads> parts_;
+};
+
+Contender contender(const char* name, const char* what, RTCBuildQuality quality)
+{
+    return {.name = name, .what = what, .threaded = true, .make = [quality](int threads) {
+                return std::make_unique<EmbreePeer>(quality, threads);
+            }};
+}
+
+} // namespace
+
+void add_embree(std::vector<Contender>& all)
+{
+    all.push_back(contender("embree-rebuild", "Embree rtcCollide, Morton tree made anew", RTC_BUILD_QUALITY_LOW));
+    all.push_back(contender("embree-refit", "Embree rtcCollide, tree refitted", RTC_BUILD_QUALITY_REFIT));
+}
+
+} // namespace oncollide::tools
