@@ -8,6 +8,7 @@
 #include <string>
 
 #include <embree3/rtcore.h>
+#include <tbb/task_arena.h>
 
 namespace oncollide::tools {
 namespace {
@@ -38,23 +39,29 @@ public:
     BoxGeometry(RTCDevice device, RTCBuildQuality scene_quality, RTCBuildQuality quality,
                 std::vector<std::uint32_t> numbers)
         : members(std::move(numbers)), scene(rtcNewScene(device)),
-          geometry_(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER))
+          geometry_(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER)), bounds_(members.size())
     {
         rtcSetSceneFlags(scene, RTC_SCENE_FLAG_DYNAMIC);
         rtcSetSceneBuildQuality(scene, scene_quality);
         rtcSetGeometryBuildQuality(geometry_, quality);
         rtcSetGeometryUserPrimitiveCount(geometry_, unsigned(members.size()));
         rtcSetGeometryUserData(geometry_, this);
-        rtcSetGeometryBoundsFunction(geometry_, bounds, nullptr);
+        rtcSetGeometryBoundsFunction(geometry_, give_bounds, nullptr);
         rtcAttachGeometry(scene, geometry_);
     }
     ~BoxGeometry() { rtcReleaseGeometry(geometry_), rtcReleaseScene(scene); }
     BoxGeometry(const BoxGeometry&) = delete;
     BoxGeometry& operator=(const BoxGeometry&) = delete;
 
-    void take_in(std::span<const Aabb> boxes)
+    void set(std::uint32_t member, const Aabb& box)
     {
-        boxes_ = boxes;
+        RTCBounds& b = bounds_[member];
+        b.lower_x = below(box.min.x()), b.lower_y = below(box.min.y()), b.lower_z = below(box.min.z());
+        b.upper_x = above(box.max.x()), b.upper_y = above(box.max.y()), b.upper_z = above(box.max.z());
+    }
+
+    void commit()
+    {
         rtcCommitGeometry(geometry_);
         rtcCommitScene(scene);
     }
@@ -63,23 +70,19 @@ public:
     const RTCScene scene;
 
 private:
-    static void bounds(const RTCBoundsFunctionArguments* arguments)
+    static void give_bounds(const RTCBoundsFunctionArguments* arguments)
     {
-        const auto& me = *static_cast<const BoxGeometry*>(arguments->geometryUserPtr);
-        const Aabb& box = me.boxes_[me.members[arguments->primID]];
-        RTCBounds& out = *arguments->bounds_o;
-        out.lower_x = below(box.min.x()), out.lower_y = below(box.min.y()), out.lower_z = below(box.min.z());
-        out.upper_x = above(box.max.x()), out.upper_y = above(box.max.y()), out.upper_z = above(box.max.z());
+        *arguments->bounds_o = static_cast<const BoxGeometry*>(arguments->geometryUserPtr)->bounds_[arguments->primID];
     }
 
     RTCGeometry geometry_;
-    std::span<const Aabb> boxes_;
+    std::vector<RTCBounds> bounds_; ///< by member
 };
 
 class EmbreePeer final : public BroadPeer {
 public:
     EmbreePeer(RTCBuildQuality quality, int threads)
-        : quality_(quality), device_(rtcNewDevice(("threads=" + std::to_string(threads)).c_str()))
+        : quality_(quality), device_(rtcNewDevice(("threads=" + std::to_string(threads)).c_str())), arena_(threads)
     {
     }
     ~EmbreePeer() override
@@ -90,36 +93,55 @@ public:
 
     void start(const BoxFrame& frame) override
     {
-        std::vector<std::uint32_t> movers, statics;
-        for (std::uint32_t i = 0; i < frame.boxes.size(); ++i) (frame.is_static[i] ? statics : movers).push_back(i);
-        movers_ = std::make_unique<BoxGeometry>(device_, RTC_BUILD_QUALITY_LOW, quality_, std::move(movers));
-        movers_->take_in(frame.boxes);
-        if (statics.empty()) return;
-        statics_ = std::make_unique<BoxGeometry>(device_, RTC_BUILD_QUALITY_MEDIUM, RTC_BUILD_QUALITY_MEDIUM,
-                                                 std::move(statics));
-        statics_->take_in(frame.boxes);
+        arena_.execute([&] { build(frame); });
     }
 
     void step(const BoxFrame& frame, std::vector<BodyPair>& pairs) override
     {
-        movers_->take_in(frame.boxes);
         for (auto& part : parts_) part.clear();
-        collide(frame, *movers_, *movers_);
-        if (statics_) collide(frame, *movers_, *statics_);
+        arena_.execute([&] {
+            for (std::uint32_t i : frame.moved) movers_->set(member_[i], frame.boxes[i]);
+            movers_->commit();
+            collide(frame, *movers_, *movers_);
+            if (statics_) collide(frame, *movers_, *statics_);
+        });
         pairs.clear();
         for (const auto& part : parts_) pairs.insert(pairs.end(), part.begin(), part.end());
     }
 
 private:
+    void build(const BoxFrame& frame)
+    {
+        std::vector<std::uint32_t> movers, statics;
+        for (std::uint32_t i = 0; i < frame.boxes.size(); ++i) {
+            std::vector<std::uint32_t>& members = frame.is_static[i] ? statics : movers;
+            member_.push_back(std::uint32_t(members.size()));
+            members.push_back(i);
+        }
+        movers_ = make(frame, RTC_BUILD_QUALITY_LOW, quality_, std::move(movers));
+        if (!statics.empty())
+            statics_ = make(frame, RTC_BUILD_QUALITY_MEDIUM, RTC_BUILD_QUALITY_MEDIUM, std::move(statics));
+    }
+
+    std::unique_ptr<BoxGeometry> make(const BoxFrame& frame, RTCBuildQuality scene_quality, RTCBuildQuality quality,
+                                      std::vector<std::uint32_t> members) const
+    {
+        auto made = std::make_unique<BoxGeometry>(device_, scene_quality, quality, std::move(members));
+        for (std::uint32_t i : made->members) made->set(member_[i], frame.boxes[i]);
+        made->commit();
+        return made;
+    }
+
     struct Question {
         EmbreePeer& peer;
         const BoxFrame& frame;
         const BoxGeometry &a, &b;
+        bool exact; ///< leaves hold one box each: what Embree reports overlaps
     };
 
     void collide(const BoxFrame& frame, const BoxGeometry& a, const BoxGeometry& b)
     {
-        Question question{*this, frame, a, b};
+        Question question{*this, frame, a, b, &a == &b && quality_ == RTC_BUILD_QUALITY_LOW};
         rtcCollide(a.scene, b.scene, take, &question);
     }
 
@@ -130,13 +152,16 @@ private:
         std::vector<BodyPair>& pairs = q.peer.parts_[thread_slot()];
         for (const RTCCollision& c : std::span(collisions, count)) {
             const std::uint32_t a = q.a.members[c.primID0], b = q.b.members[c.primID1];
-            if ((&q.a != &q.b || a < b) && q.frame.boxes[a].overlaps(q.frame.boxes[b])) pairs.push_back({a, b});
+            if ((&q.a != &q.b || a < b) && (q.exact || q.frame.boxes[a].overlaps(q.frame.boxes[b])))
+                pairs.push_back({a, b});
         }
     }
 
     RTCBuildQuality quality_;
     RTCDevice device_;
+    tbb::task_arena arena_; ///< a device's limit gives way to that of any other device in the program; this one stays
     std::unique_ptr<BoxGeometry> movers_, statics_;
+    std::vector<std::uint32_t> member_; ///< by box, its number among the movers or the static ones
     std::array<std::vector<BodyPair>, most_threads> parts_;
 };
 
