@@ -6,7 +6,7 @@
 namespace oncollide::tools {
 namespace {
 
-constexpr double width = 960, left = 76, right = 640, label_left = 668;
+constexpr double width = 960, left = 76, right = 690, label_gap = 28;
 constexpr double panel_height = 480, plot_top = 46, plot_bottom = 420;
 // Okabe and Ito's palette: told apart with any colour vision.
 constexpr std::string_view colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
@@ -83,8 +83,13 @@ void draw_axes(OutputFile& file, const Axis& x, const Axis& y)
                0.5 * (y.from + y.to));
 }
 
-/// Where the labels go: beside the ends of their lines where there is room, else pushed apart.
-std::vector<double> label_places(const std::vector<const PlotLine*>& lines, const Axis& y)
+std::string time_text(double ms)
+{
+    return ms >= 1000 ? fmt::format("{:.3g} s", ms / 1e3) : fmt::format("{:.3g} ms", ms);
+}
+
+/// Heights for the labels of lines that end at the same size: beside their ends where there is room, else pushed apart.
+std::vector<double> label_places(std::span<const PlotLine* const> lines, const Axis& y)
 {
     constexpr double pitch = 15;
     std::vector<double> places;
@@ -97,30 +102,28 @@ std::vector<double> label_places(const std::vector<const PlotLine*>& lines, cons
 
 void draw_line(OutputFile& file, const PlotLine& line, double label_y, const Axis& x, const Axis& y)
 {
+    const bool main = line.weight == PlotLine::Weight::main;
     const std::string_view colour = colours[line.style % std::size(colours)];
-    const std::string_view dash =
-        line.weight == PlotLine::Weight::main ? "none" : dashes[line.style % std::size(dashes)];
-    const double stroke = line.weight == PlotLine::Weight::main ? 2.6 : line.weight == PlotLine::Weight::peer ? 1.5 : 1;
+    const std::string_view marker = markers[line.style % std::size(markers)], fill = main ? colour : "#ffffff";
+    const std::string_view dash = main ? "none" : dashes[line.style % std::size(dashes)];
+    const double stroke = main ? 2.6 : line.weight == PlotLine::Weight::peer ? 1.5 : 1;
+    const auto mark = [&](double at_x, double at_y) {
+        file.print("<path fill=\"{}\" transform=\"translate({:.1f} {:.1f})\" d=\"{}\"/>\n", fill, at_x, at_y, marker);
+    };
     file.print("<g stroke=\"{}\" fill=\"none\"><path stroke-width=\"{}\" stroke-dasharray=\"{}\" d=\"", colour, stroke,
                dash);
-    char command = 'M';
-    for (const PlotLine::Point& p : line.points) {
-        file.print("{}{:.1f} {:.1f}", command, x.at(p.boxes), y.at(p.ms));
-        command = 'L';
-    }
-    file.print("\"/>\n");
     for (const PlotLine::Point& p : line.points)
-        file.print("<path fill=\"{}\" transform=\"translate({:.1f} {:.1f})\" d=\"{}\"/>\n",
-                   line.weight == PlotLine::Weight::main ? colour : "#ffffff", x.at(p.boxes), y.at(p.ms),
-                   markers[line.style % std::size(markers)]);
+        file.print("{}{:.1f} {:.1f}", &p == line.points.data() ? 'M' : 'L', x.at(p.boxes), y.at(p.ms));
+    file.print("\"/>\n");
+    for (const PlotLine::Point& p : line.points) mark(x.at(p.boxes), y.at(p.ms));
     const PlotLine::Point& last = line.points.back();
-    file.print("<path stroke-width=\"0.6\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>\n", x.at(last.boxes) + 7, y.at(last.ms),
-               label_left - 16, label_y);
-    file.print("<path fill=\"{}\" transform=\"translate({:.1f} {:.1f})\" d=\"{}\"/></g>\n",
-               line.weight == PlotLine::Weight::main ? colour : "#ffffff", label_left - 9, label_y,
-               markers[line.style % std::size(markers)]);
-    text(file, label_left, label_y + 4, "start", line.weight == PlotLine::Weight::main ? "main" : "value",
-         fmt::format("{}  {:.3g} ms at {}", line.label, last.ms, tick_text(last.boxes)));
+    const double label_x = x.at(last.boxes) + label_gap;
+    file.print("<path stroke-width=\"0.6\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>\n", x.at(last.boxes) + 6, y.at(last.ms),
+               label_x - 16, label_y);
+    mark(label_x - 9, label_y);
+    file.print("</g>\n");
+    text(file, label_x, label_y + 4, "start", main ? "main" : "value",
+         fmt::format("{}  {}", line.label, time_text(last.ms)));
 }
 
 void draw_panel(OutputFile& file, const PlotPanel& panel, double top)
@@ -136,11 +139,18 @@ void draw_panel(OutputFile& file, const PlotPanel& panel, double top)
     if (lines.empty()) return;
     x.high = std::max(x.high, x.low + 1), y.high = std::max(y.high, y.low + 1);
     draw_axes(file, x, y);
-    std::stable_sort(lines.begin(), lines.end(), [&](const PlotLine* a, const PlotLine* b) {
-        return y.at(a->points.back().ms) < y.at(b->points.back().ms);
+    // Lines that end at the same size lie together, the slowest first.
+    std::stable_sort(lines.begin(), lines.end(), [](const PlotLine* a, const PlotLine* b) {
+        const PlotLine::Point &p = a->points.back(), &q = b->points.back();
+        return p.boxes != q.boxes ? p.boxes < q.boxes : p.ms > q.ms;
     });
-    const std::vector<double> places = label_places(lines, y);
-    for (std::size_t k = 0; k < lines.size(); ++k) draw_line(file, *lines[k], places[k], x, y);
+    for (std::size_t begin = 0, end = 0; begin < lines.size(); begin = end) {
+        const double boxes = lines[begin]->points.back().boxes;
+        while (end < lines.size() && lines[end]->points.back().boxes == boxes) ++end;
+        const auto group = std::span(lines).subspan(begin, end - begin);
+        const std::vector<double> places = label_places(group, y);
+        for (std::size_t k = 0; k < group.size(); ++k) draw_line(file, *group[k], places[k], x, y);
+    }
 }
 
 } // namespace
@@ -154,7 +164,8 @@ void draw_broad_plot(OutputFile& file, std::span<const PlotPanel> panels)
     file.print("<style>text{{font-family:'DejaVu Sans',Verdana,Helvetica,Arial,sans-serif;font-size:12px;fill:#222}}"
                ".heading{{font-size:15px;font-weight:bold}}.main{{font-weight:bold}}"
                ".tick{{font-size:11px;fill:#555}}.label{{fill:#333}}"
-               ".grid{{stroke:#e2e2e2}}.axis{{stroke:#666}}</style>\n"
+               ".grid{{stroke:#e2e2e2}}.axis{{stroke:#666}}"
+               ".main,.value{{paint-order:stroke;stroke:#ffffff;stroke-width:3px}}</style>\n"
                "<rect width=\"{}\" height=\"{:.0f}\" fill=\"#ffffff\"/>\n",
                width, height);
     for (std::size_t k = 0; k < panels.size(); ++k) draw_panel(file, panels[k], panel_height * double(k));
