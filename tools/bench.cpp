@@ -79,19 +79,41 @@ void add_octants(CLI::App& bench, Command& command)
     sub->callback([options, &command] { command = [options] { return bench_octants(*options); }; });
 }
 
+void add_broad(CLI::App& bench, Command& command)
+{
+    CLI::App* sub = bench.add_subcommand("broad", "The broad phase alone, on boxes, beside those of other libraries");
+    auto options = std::make_shared<BroadOptions>();
+    sub->add_option("--scene", options->scene,
+                    "scenes, or one recording: brown (default), large, mixed, flat, clustered, static, and "
+                    "freefall, brownian, gravity with -cubes or -assorted")
+        ->type_name("LIST|FILE.aabbs");
+    sub->add_option("--sizes", options->sizes, "numbers of boxes, like 2500,10k,1M (default 1k,10k,100k)")
+        ->type_name("LIST");
+    sub->add_option("--frames", options->frames, "frames to play, the first third not counted (default 60 to 8)")
+        ->type_name("N");
+    sub->add_option("--threads", options->threads, "numbers of threads (default 1)")->type_name("LIST");
+    sub->add_option("--only", options->only, "these contenders alone")->type_name("LIST");
+    sub->add_option("--csv", options->csv, "write one row per contender and size")->type_name("FILE");
+    sub->add_option("--plot", options->plot, "draw time against size, one panel a scene")->type_name("FILE.svg");
+    sub->add_option("--seed", options->seed, "seed of the scene (default 12345)")->type_name("S");
+    sub->callback([options, &command] { command = [options] { return bench_broad(*options); }; });
+}
+
 } // namespace
 
 void add_bench(CLI::App& app, Command& command)
 {
-    CLI::App* bench = app.add_subcommand("bench", "Measure against FCL in one run, on the same work, turn about");
+    CLI::App* bench =
+        app.add_subcommand("bench", "Measure against other libraries in one run, on the same work, turn about");
     bench->require_subcommand(0, 1);
     bench->callback([bench, &command] {
         if (bench->get_subcommands().empty())
             command = []() -> int {
                 throw Error(ErrorKind::usage,
-                            "bench: which one? many, octants, paper, poses or scene (oncollide bench --help)");
+                            "bench: which one? broad, many, octants, paper, poses or scene (oncollide bench --help)");
             };
     });
+    add_broad(*bench, command);
     add_scene_bench(*bench, command, "many", "Bunnies, dragons and cows in a cube");
     add_paper(*bench, command);
     add_poses(*bench, command);
@@ -107,6 +129,7 @@ void add_bench(CLI::App& app, Command& command)
                   "  oncollide bench many --bodies 1000 --exact fcl\n"
                   "  oncollide bench scene paper-5k --depth 5 --repeats 3 --timeline 100\n"
                   "  oncollide bench poses --depths 5-7\n"
+                  "  oncollide bench broad --scene brown,static --sizes 1k,10k,100k --threads 1,2 --plot broad.svg\n"
                   "How to read and repeat the results: docs/benchmarks.md. Exit code 70: a collision was missed.");
 }
 

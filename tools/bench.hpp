@@ -55,6 +55,16 @@ struct OctantsOptions {
 /// Batches of octant questions, asked of every backend.
 int bench_octants(const OctantsOptions& options);
 
+struct BroadOptions {
+    std::string scene = "brown", sizes, threads, only, csv, plot;
+    std::optional<int> frames;
+    std::uint64_t seed = 12345;
+};
+
+/// The broad phase alone, on boxes, beside those of other libraries. Returns the exit code: 70 when oncollide missed a
+/// pair or a scene did not give its published pairs.
+int bench_broad(const BroadOptions& options);
+
 /// "4-8", "6" or "2,5-7" as ascending numbers; `option` names it in errors. Each 1 to 16.
 std::vector<int> parse_depths(const std::string& option, const std::string& text);
 

@@ -1,0 +1,175 @@
+#include "broad_plot.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace oncollide::tools {
+namespace {
+
+constexpr double width = 960, left = 76, right = 690, label_gap = 28;
+constexpr double panel_height = 480, plot_top = 46, plot_bottom = 420;
+// Okabe and Ito's palette: told apart with any colour vision.
+constexpr std::string_view colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
+constexpr std::string_view dashes[] = {"none", "7 3", "2 3", "10 3 2 3", "14 4"};
+// Around (0, 0), about 8 wide.
+constexpr std::string_view markers[] = {"M-4 0A4 4 0 1 0 4 0A4 4 0 1 0-4 0Z",
+                                        "M-4-4H4V4H-4Z",
+                                        "M0-5L5 4H-5Z",
+                                        "M0-5L5 0L0 5L-5 0Z",
+                                        "M0 5L5-4H-5Z",
+                                        "M-4-4L4 4M-4 4L4-4",
+                                        "M0-5V5M-5 0H5",
+                                        "M-5-2H5V2H-5Z"};
+
+std::string escaped(std::string_view text)
+{
+    std::string result;
+    for (char c : text) {
+        if (c == '<' || c == '&')
+            result += c == '<' ? "&lt;" : "&amp;";
+        else
+            result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c; // XML allows no control characters
+    }
+    return result;
+}
+
+void text(OutputFile& file, double x, double y, std::string_view anchor, std::string_view style, std::string_view words)
+{
+    file.print("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" class=\"{}\">{}</text>\n", x, y, anchor, style,
+               escaped(words));
+}
+
+void segment(OutputFile& file, double x1, double y1, double x2, double y2, std::string_view style)
+{
+    file.print("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" class=\"{}\"/>\n", x1, y1, x2, y2, style);
+}
+
+/// A logarithmic axis over whole decades.
+struct Axis {
+    double low = 1e300, high = -1e300; ///< log10
+    double from = 0, to = 0;           ///< pixels
+
+    void add(double value)
+    {
+        low = std::min(low, std::floor(std::log10(value)));
+        high = std::max(high, std::ceil(std::log10(value) - 1e-9));
+    }
+    double at(double value) const { return from + (to - from) * (std::log10(value) - low) / (high - low); }
+};
+
+/// 1,000 as 1k, 0.01 as 0.01.
+std::string tick_text(double value)
+{
+    if (value >= 1e6) return fmt::format("{:g}M", value / 1e6);
+    if (value >= 1e3) return fmt::format("{:g}k", value / 1e3);
+    return fmt::format("{:g}", value);
+}
+
+void draw_axes(OutputFile& file, const Axis& x, const Axis& y)
+{
+    for (double decade = x.low; decade <= x.high; ++decade) {
+        const double value = std::pow(10, decade);
+        segment(file, x.at(value), y.from, x.at(value), y.to, decade == x.low ? "axis" : "grid");
+        text(file, x.at(value), y.from + 17, "middle", "tick", tick_text(value));
+    }
+    for (double decade = y.low; decade <= y.high; ++decade) {
+        const double value = std::pow(10, decade);
+        segment(file, x.from, y.at(value), x.to, y.at(value), decade == y.low ? "axis" : "grid");
+        text(file, x.from - 8, y.at(value) + 4, "end", "tick", fmt::format("{:g}", value));
+    }
+    text(file, 0.5 * (x.from + x.to), y.from + 36, "middle", "label", "boxes");
+    file.print("<text transform=\"translate(18 {:.1f}) rotate(-90)\" text-anchor=\"middle\" class=\"label\">ms per "
+               "frame</text>\n",
+               0.5 * (y.from + y.to));
+}
+
+std::string time_text(double ms)
+{
+    return ms >= 1000 ? fmt::format("{:.3g} s", ms / 1e3) : fmt::format("{:.3g} ms", ms);
+}
+
+/// Heights for the labels of lines that end at the same size: beside their ends where there is room, else pushed apart.
+std::vector<double> label_places(std::span<const PlotLine* const> lines, const Axis& y)
+{
+    constexpr double pitch = 15;
+    std::vector<double> places;
+    for (const PlotLine* line : lines)
+        places.push_back(std::max(y.at(line->points.back().ms), places.empty() ? y.to : places.back() + pitch));
+    double limit = std::max(y.from, y.to + pitch * double(lines.size() - 1));
+    for (std::size_t k = places.size(); k-- > 0; limit = places[k] - pitch) places[k] = std::min(places[k], limit);
+    return places;
+}
+
+void draw_line(OutputFile& file, const PlotLine& line, double label_y, const Axis& x, const Axis& y)
+{
+    const bool main = line.weight == PlotLine::Weight::main;
+    const std::string_view colour = colours[line.style % std::size(colours)];
+    const std::string_view marker = markers[line.style % std::size(markers)], fill = main ? colour : "#ffffff";
+    const std::string_view dash = main ? "none" : dashes[line.style % std::size(dashes)];
+    const double stroke = main ? 2.6 : line.weight == PlotLine::Weight::peer ? 1.5 : 1;
+    const auto mark = [&](double at_x, double at_y) {
+        file.print("<path fill=\"{}\" transform=\"translate({:.1f} {:.1f})\" d=\"{}\"/>\n", fill, at_x, at_y, marker);
+    };
+    file.print("<g stroke=\"{}\" fill=\"none\"><path stroke-width=\"{}\" stroke-dasharray=\"{}\" d=\"", colour, stroke,
+               dash);
+    for (const PlotLine::Point& p : line.points)
+        file.print("{}{:.1f} {:.1f}", &p == line.points.data() ? 'M' : 'L', x.at(p.boxes), y.at(p.ms));
+    file.print("\"/>\n");
+    for (const PlotLine::Point& p : line.points) mark(x.at(p.boxes), y.at(p.ms));
+    const PlotLine::Point& last = line.points.back();
+    const double label_x = x.at(last.boxes) + label_gap;
+    file.print("<path stroke-width=\"0.6\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>\n", x.at(last.boxes) + 6, y.at(last.ms),
+               label_x - 16, label_y);
+    mark(label_x - 9, label_y);
+    file.print("</g>\n");
+    text(file, label_x, label_y + 4, "start", main ? "main" : "value",
+         fmt::format("{}  {}", line.label, time_text(last.ms)));
+}
+
+void draw_panel(OutputFile& file, const PlotPanel& panel, double top)
+{
+    text(file, 20, top + 24, "start", "heading", panel.title);
+    Axis x{.from = left, .to = right}, y{.from = top + plot_bottom, .to = top + plot_top};
+    std::vector<const PlotLine*> lines;
+    for (const PlotLine& line : panel.lines) {
+        if (line.points.empty()) continue;
+        lines.push_back(&line);
+        for (const PlotLine::Point& p : line.points) x.add(p.boxes), y.add(p.ms);
+    }
+    if (lines.empty()) return;
+    x.high = std::max(x.high, x.low + 1), y.high = std::max(y.high, y.low + 1);
+    draw_axes(file, x, y);
+    // Lines that end at the same size lie together, the slowest first.
+    std::stable_sort(lines.begin(), lines.end(), [](const PlotLine* a, const PlotLine* b) {
+        const PlotLine::Point &p = a->points.back(), &q = b->points.back();
+        return p.boxes != q.boxes ? p.boxes < q.boxes : p.ms > q.ms;
+    });
+    for (std::size_t begin = 0, end = 0; begin < lines.size(); begin = end) {
+        const double boxes = lines[begin]->points.back().boxes;
+        while (end < lines.size() && lines[end]->points.back().boxes == boxes) ++end;
+        const auto group = std::span(lines).subspan(begin, end - begin);
+        const std::vector<double> places = label_places(group, y);
+        for (std::size_t k = 0; k < group.size(); ++k) draw_line(file, *group[k], places[k], x, y);
+    }
+}
+
+} // namespace
+
+void draw_broad_plot(OutputFile& file, std::span<const PlotPanel> panels)
+{
+    const double height = panel_height * double(panels.size());
+    file.print(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1:.0f}\" viewBox=\"0 0 {0} {1:.0f}\">\n",
+        width, height);
+    file.print("<style>text{{font-family:'DejaVu Sans',Verdana,Helvetica,Arial,sans-serif;font-size:12px;fill:#222}}"
+               ".heading{{font-size:15px;font-weight:bold}}.main{{font-weight:bold}}"
+               ".tick{{font-size:11px;fill:#555}}.label{{fill:#333}}"
+               ".grid{{stroke:#e2e2e2}}.axis{{stroke:#666}}"
+               ".main,.value{{paint-order:stroke;stroke:#ffffff;stroke-width:3px}}</style>\n"
+               "<rect width=\"{}\" height=\"{:.0f}\" fill=\"#ffffff\"/>\n",
+               width, height);
+    for (std::size_t k = 0; k < panels.size(); ++k) draw_panel(file, panels[k], panel_height * double(k));
+    file.print("</svg>\n");
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,183 @@
+// Embree's rtcCollide over boxes as user geometry: static boxes in a scene of their own, built once.
+#include "peer.hpp"
+
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include <embree3/rtcore.h>
+#include <tbb/task_arena.h>
+
+namespace oncollide::tools {
+namespace {
+
+/// Embree calls back from several threads: each collects for itself. Threads are few, they live as long as the program.
+constexpr std::size_t most_threads = 256;
+std::size_t thread_slot()
+{
+    static std::atomic<std::size_t> seen = 0;
+    thread_local const std::size_t slot = seen++;
+    return slot % most_threads;
+}
+
+float below(double x)
+{
+    const float f = static_cast<float>(x);
+    return f <= x ? f : std::nextafter(f, -std::numeric_limits<float>::infinity());
+}
+float above(double x)
+{
+    return -below(-x);
+}
+
+/// Some of the boxes as one Embree scene. Only in a scene of low quality does Embree heed a geometry's own: there
+/// "refit" builds a good tree once, "low" a Morton tree every time; otherwise all is built anew and well.
+class BoxGeometry {
+public:
+    BoxGeometry(RTCDevice device, RTCBuildQuality scene_quality, RTCBuildQuality quality,
+                std::vector<std::uint32_t> numbers)
+        : members(std::move(numbers)), scene(rtcNewScene(device)),
+          geometry_(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER)), bounds_(members.size())
+    {
+        rtcSetSceneFlags(scene, RTC_SCENE_FLAG_DYNAMIC);
+        rtcSetSceneBuildQuality(scene, scene_quality);
+        rtcSetGeometryBuildQuality(geometry_, quality);
+        rtcSetGeometryUserPrimitiveCount(geometry_, unsigned(members.size()));
+        rtcSetGeometryUserData(geometry_, this);
+        rtcSetGeometryBoundsFunction(geometry_, give_bounds, nullptr);
+        rtcAttachGeometry(scene, geometry_);
+    }
+    ~BoxGeometry() { rtcReleaseGeometry(geometry_), rtcReleaseScene(scene); }
+    BoxGeometry(const BoxGeometry&) = delete;
+    BoxGeometry& operator=(const BoxGeometry&) = delete;
+
+    void set(std::uint32_t member, const Aabb& box)
+    {
+        RTCBounds& b = bounds_[member];
+        b.lower_x = below(box.min.x()), b.lower_y = below(box.min.y()), b.lower_z = below(box.min.z());
+        b.upper_x = above(box.max.x()), b.upper_y = above(box.max.y()), b.upper_z = above(box.max.z());
+    }
+
+    void commit()
+    {
+        rtcCommitGeometry(geometry_);
+        rtcCommitScene(scene);
+    }
+
+    const std::vector<std::uint32_t> members; ///< numbers of the boxes
+    const RTCScene scene;
+
+private:
+    static void give_bounds(const RTCBoundsFunctionArguments* arguments)
+    {
+        *arguments->bounds_o = static_cast<const BoxGeometry*>(arguments->geometryUserPtr)->bounds_[arguments->primID];
+    }
+
+    RTCGeometry geometry_;
+    std::vector<RTCBounds> bounds_; ///< by member
+};
+
+class EmbreePeer final : public BroadPeer {
+public:
+    EmbreePeer(RTCBuildQuality quality, int threads)
+        : quality_(quality), device_(rtcNewDevice(("threads=" + std::to_string(threads)).c_str())), arena_(threads)
+    {
+    }
+    ~EmbreePeer() override
+    {
+        movers_.reset(), statics_.reset();
+        rtcReleaseDevice(device_);
+    }
+
+    void start(const BoxFrame& frame) override
+    {
+        arena_.execute([&] { build(frame); });
+    }
+
+    void step(const BoxFrame& frame, std::vector<BodyPair>& pairs) override
+    {
+        for (auto& part : parts_) part.clear();
+        arena_.execute([&] {
+            for (std::uint32_t i : frame.moved) movers_->set(member_[i], frame.boxes[i]);
+            movers_->commit();
+            collide(frame, *movers_, *movers_);
+            if (statics_) collide(frame, *movers_, *statics_);
+        });
+        pairs.clear();
+        for (const auto& part : parts_) pairs.insert(pairs.end(), part.begin(), part.end());
+    }
+
+private:
+    void build(const BoxFrame& frame)
+    {
+        std::vector<std::uint32_t> movers, statics;
+        for (std::uint32_t i = 0; i < frame.boxes.size(); ++i) {
+            std::vector<std::uint32_t>& members = frame.is_static[i] ? statics : movers;
+            member_.push_back(std::uint32_t(members.size()));
+            members.push_back(i);
+        }
+        movers_ = make(frame, RTC_BUILD_QUALITY_LOW, quality_, std::move(movers));
+        if (!statics.empty())
+            statics_ = make(frame, RTC_BUILD_QUALITY_MEDIUM, RTC_BUILD_QUALITY_MEDIUM, std::move(statics));
+    }
+
+    std::unique_ptr<BoxGeometry> make(const BoxFrame& frame, RTCBuildQuality scene_quality, RTCBuildQuality quality,
+                                      std::vector<std::uint32_t> members) const
+    {
+        auto made = std::make_unique<BoxGeometry>(device_, scene_quality, quality, std::move(members));
+        for (std::uint32_t i : made->members) made->set(member_[i], frame.boxes[i]);
+        made->commit();
+        return made;
+    }
+
+    struct Question {
+        EmbreePeer& peer;
+        const BoxFrame& frame;
+        const BoxGeometry &a, &b;
+        bool exact; ///< leaves hold one box each: what Embree reports overlaps
+    };
+
+    void collide(const BoxFrame& frame, const BoxGeometry& a, const BoxGeometry& b)
+    {
+        Question question{*this, frame, a, b, &a == &b && quality_ == RTC_BUILD_QUALITY_LOW};
+        rtcCollide(a.scene, b.scene, take, &question);
+    }
+
+    /// Embree reports the contents of leaves that overlap, within one scene each pair in both orders.
+    static void take(void* data, RTCCollision* collisions, unsigned count)
+    {
+        const Question& q = *static_cast<const Question*>(data);
+        std::vector<BodyPair>& pairs = q.peer.parts_[thread_slot()];
+        for (const RTCCollision& c : std::span(collisions, count)) {
+            const std::uint32_t a = q.a.members[c.primID0], b = q.b.members[c.primID1];
+            if ((&q.a != &q.b || a < b) && (q.exact || q.frame.boxes[a].overlaps(q.frame.boxes[b])))
+                pairs.push_back({a, b});
+        }
+    }
+
+    RTCBuildQuality quality_;
+    RTCDevice device_;
+    tbb::task_arena arena_; ///< a device's limit gives way to that of any other device in the program; this one stays
+    std::unique_ptr<BoxGeometry> movers_, statics_;
+    std::vector<std::uint32_t> member_; ///< by box, its number among the movers or the static ones
+    std::array<std::vector<BodyPair>, most_threads> parts_;
+};
+
+Contender contender(const char* name, const char* what, RTCBuildQuality quality)
+{
+    return {.name = name, .what = what, .threaded = true, .make = [quality](int threads) {
+                return std::make_unique<EmbreePeer>(quality, threads);
+            }};
+}
+
+} // namespace
+
+void add_embree(std::vector<Contender>& all)
+{
+    all.push_back(contender("embree-rebuild", "Embree rtcCollide, Morton tree made anew", RTC_BUILD_QUALITY_LOW));
+    all.push_back(contender("embree-refit", "Embree rtcCollide, tree refitted", RTC_BUILD_QUALITY_REFIT));
+}
+
+} // namespace oncollide::tools

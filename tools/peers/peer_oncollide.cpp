@@ -1,0 +1,62 @@
+#include "peer.hpp"
+
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include <oncollide/broadphase/delimitation.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+/// The broad stages of the pipeline without the pipeline.
+class OncollidePeer final : public BroadPeer {
+public:
+    OncollidePeer(std::unique_ptr<BroadPhase> algorithm, bool delimited, int threads)
+        : algorithm_(std::move(algorithm)), delimited_(delimited), threads_(threads)
+    {
+    }
+
+    void start(const BoxFrame& frame) override
+    {
+        bodies_.resize(frame.boxes.size());
+        std::iota(bodies_.begin(), bodies_.end(), 0u);
+        everything_.assign(frame.boxes.size(), ~0u);
+    }
+
+    void step(const BoxFrame& frame, std::vector<BodyPair>& pairs) override
+    {
+        const BodyFilter filter{frame.is_static, everything_, everything_};
+        if (delimited_) delimitation_.run(frame.boxes, filter, 0, bodies_);
+        algorithm_->find_pairs(frame.boxes, bodies_, filter, 0, threads_, pairs);
+    }
+
+private:
+    std::unique_ptr<BroadPhase> algorithm_;
+    Delimitation delimitation_;
+    bool delimited_;
+    int threads_;
+    std::vector<std::uint32_t> bodies_, everything_;
+};
+
+} // namespace
+
+void add_oncollide(std::vector<Contender>& all)
+{
+    struct Algorithm {
+        const char* name;
+        std::unique_ptr<BroadPhase> (*make)();
+    };
+    for (Algorithm a : {Algorithm{"kd", make_kd_tree}, Algorithm{"octree", make_octree}})
+        for (bool delimited : {false, true})
+            all.push_back({.name = fmt::format("{}{}", a.name, delimited ? "-delimited" : ""),
+                           .what = fmt::format("oncollide {}{}", a.name, delimited ? " after delimitation" : ""),
+                           .group = Contender::Group::oncollide,
+                           .threaded = true,
+                           .needs_statics = delimited,
+                           .make = [a, delimited](int threads) -> std::unique_ptr<BroadPeer> {
+                               return std::make_unique<OncollidePeer>(a.make(), delimited, threads);
+                           }});
+}
+
+} // namespace oncollide::tools
