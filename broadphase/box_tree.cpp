@@ -189,33 +189,42 @@ void BoxTree::make_levels()
     }
 }
 
-inline void BoxTree::take(std::span<const Aabb> boxes, double half_margin, std::uint32_t place)
-{
-    const std::uint32_t body = order_[place];
-    if (body == nobody) return;
-    const Aabb& box = boxes[body];
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto a = static_cast<Eigen::Index>(axis);
-        levels_[0].columns[axis][place] = below(box.min[a] - half_margin - origin_[a]);
-        levels_[0].columns[3 + axis][place] = above(box.max[a] + half_margin - origin_[a]);
+/// Rounds boxes outward into the columns of level 0.
+class BoxTree::Taker {
+public:
+    Taker(BoxTree& tree, std::span<const Aabb> boxes, double margin)
+        : boxes_(boxes), half_margin_(0.5 * margin), origin_{tree.origin_[0], tree.origin_[1], tree.origin_[2]}
+    {
+        for (std::size_t c = 0; c < 6; ++c) columns_[c] = tree.levels_[0].columns[c].data();
     }
-}
+    void operator()(std::uint32_t place, std::uint32_t body) const
+    {
+        const Aabb& box = boxes_[body];
+        for (int axis = 0; axis < 3; ++axis) {
+            columns_[axis][place] = below(box.min[axis] - half_margin_ - origin_[axis]);
+            columns_[3 + axis][place] = above(box.max[axis] + half_margin_ - origin_[axis]);
+        }
+    }
+
+private:
+    std::span<const Aabb> boxes_;
+    double half_margin_, origin_[3];
+    float* columns_[6];
+};
 
 /// The bounds of a node, from the level below it.
-inline void BoxTree::bound(int level, std::uint32_t node)
+void BoxTree::bound(int level, std::uint32_t node)
 {
-    Level &l = levels_[static_cast<std::size_t>(level)], &below_it = levels_[static_cast<std::size_t>(level) - 1];
-    for (std::size_t c = 0; c < 3; ++c) {
-        const float *lo = &below_it.columns[c][node * width], *hi = &below_it.columns[3 + c][node * width];
-        float low = lo[0], high = hi[0];
-        for (std::uint32_t i = 1; i < width; ++i) low = lo[i] < low ? lo[i] : low, high = hi[i] > high ? hi[i] : high;
-        l.columns[c][node] = low, l.columns[3 + c][node] = high;
-    }
+    float box[6];
+    box_tree_kernel().bound(view_.level[level - 1], node, box);
+    for (std::size_t c = 0; c < 6; ++c) levels_[static_cast<std::size_t>(level)].columns[c][node] = box[c];
 }
 
 void BoxTree::refit(std::span<const Aabb> boxes, double margin, int threads)
 {
     constexpr std::size_t grain = 1024; // nodes a chunk
+    if (levels_.empty()) return;
+    const Taker take(*this, boxes, margin);
     parallel_chunks(nodes_over(size()), grain, threads, [&](std::size_t first, std::size_t last, int) {
         const auto end = std::min(static_cast<std::uint32_t>(last * width), size());
         for (auto place = static_cast<std::uint32_t>(first * width); place < end; ++place) {
@@ -224,7 +233,7 @@ void BoxTree::refit(std::span<const Aabb> boxes, double margin, int threads)
                 const auto* next = reinterpret_cast<const char*>(&boxes[order_[place + ahead]]);
                 __builtin_prefetch(next), __builtin_prefetch(next + sizeof(Aabb) - 1);
             }
-            take(boxes, 0.5 * margin, place);
+            if (order_[place] != nobody) take(place, order_[place]);
         }
         if (view_.levels > 1)
             for (auto node = static_cast<std::uint32_t>(first); node < last; ++node) bound(1, node);
@@ -236,9 +245,10 @@ void BoxTree::refit(std::span<const Aabb> boxes, double margin, int threads)
 
 void BoxTree::refit_bodies(std::span<const Aabb> boxes, double margin, std::span<const std::uint32_t> bodies)
 {
+    const Taker take(*this, boxes, margin);
     for (std::uint32_t body : bodies) {
         std::uint32_t place = places_[body];
-        take(boxes, 0.5 * margin, place);
+        take(place, body);
         float box[6];
         box_at(place, box);
         for (std::size_t level = 1; level < levels_.size(); ++level) {

@@ -54,7 +54,7 @@ private:
     std::size_t split_once(std::size_t begin, std::size_t end);
     void split(std::size_t begin, std::size_t end);
     void make_levels();
-    void take(std::span<const Aabb> boxes, double half_margin, std::uint32_t place);
+    class Taker;
     void bound(int level, std::uint32_t node);
     double extent_of_leaves() const;
 

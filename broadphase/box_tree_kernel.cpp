@@ -36,18 +36,39 @@ inline unsigned hits(const BoxLevelView& v, std::uint32_t base, const Query& q)
 #endif
 }
 
-inline void emit(PairSink& sink, std::uint32_t i, std::uint32_t j)
+/// Pairs on the way down, of two nodes at most.
+struct Found {
+    std::uint32_t i[width * width + width], j[width * width + width], count = 0;
+};
+
+/// Appends (i, first + k) for each bit k. Room for 16 is needed, whatever the bits.
+template <class List>
+inline void append(List& list, std::uint32_t i, std::uint32_t first, unsigned bits)
 {
-    sink.pairs[sink.count++] = {i, j};
+#if defined(__AVX512F__)
+    // No branch on how many: that is what a search of boxes cannot foretell.
+    const __m512i places = _mm512_add_epi32(_mm512_set1_epi32(static_cast<int>(first)),
+                                            _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
+    _mm512_storeu_si512(list.i + list.count, _mm512_set1_epi32(static_cast<int>(i)));
+    _mm512_storeu_si512(list.j + list.count, _mm512_maskz_compress_epi32(static_cast<__mmask16>(bits), places));
+    list.count += static_cast<unsigned>(__builtin_popcount(bits));
+#else
+    for (; bits; bits &= bits - 1) {
+        list.i[list.count] = i;
+        list.j[list.count++] = first + static_cast<std::uint32_t>(__builtin_ctz(bits));
+    }
+#endif
 }
 
 inline void make_room(PairSink& sink)
 {
-    if (sink.count + width > sink.room) sink.more(sink);
+    if (sink.count + 2 * width > sink.room) sink.more(sink);
 }
+inline void make_room(Found&) {} // has it
 
-/// Pairs of boxes of level `stop`, one below node a and one below node b of level `level` > stop.
-void between_nodes(const BoxTreeView& tree, int level, int stop, std::uint32_t a, std::uint32_t b, PairSink& sink)
+/// Pairs of children, one of node a and one of node b of level `level`.
+template <class List>
+inline void expand(const BoxTreeView& tree, int level, std::uint32_t a, std::uint32_t b, List& list)
 {
     const BoxLevelView& below = tree.level[level - 1];
     const std::uint32_t first_a = a * width, first_b = b * width;
@@ -58,50 +79,68 @@ void between_nodes(const BoxTreeView& tree, int level, int stop, std::uint32_t a
         const auto k = static_cast<unsigned>(__builtin_ctz(of_a));
         unsigned of_b = hits(below, first_b, query_of(below, first_a + k));
         if (!(moving_a >> k & 1)) of_b &= moving_b;
-        make_room(sink);
-        for (; of_b; of_b &= of_b - 1) {
-            const std::uint32_t j = first_b + static_cast<std::uint32_t>(__builtin_ctz(of_b));
-            if (level - 1 == stop)
-                emit(sink, first_a + k, j);
-            else
-                between_nodes(tree, level - 1, stop, first_a + k, j, sink);
-        }
+        make_room(list);
+        append(list, first_a + k, first_b, of_b);
+    }
+}
+
+/// Pairs of boxes of level `stop`, one below node a and one below node b of level `level` > stop.
+void between_nodes(const BoxTreeView& tree, int level, int stop, std::uint32_t a, std::uint32_t b, PairSink& sink)
+{
+    if (level - 1 == stop) return expand(tree, level, a, b, sink);
+    Found found;
+    expand(tree, level, a, b, found);
+    for (std::uint32_t k = 0; k < found.count; ++k) between_nodes(tree, level - 1, stop, found.i[k], found.j[k], sink);
+}
+
+/// Pairs of children of one node.
+template <class List>
+inline void expand_within(const BoxLevelView& below, std::uint32_t node, List& list)
+{
+    const std::uint32_t first = node * width;
+    const std::uint32_t count = below.count - first < width ? below.count - first : width;
+    const unsigned moving = below.moving[node];
+    for (std::uint32_t k = 0; k < count; ++k) {
+        unsigned others = hits(below, first, query_of(below, first + k)) & ~((2u << k) - 1);
+        if (!(moving >> k & 1)) others &= moving;
+        make_room(list);
+        append(list, first + k, first, others);
     }
 }
 
 void within_node(const BoxTreeView& tree, int level, int stop, std::uint32_t node, PairSink& sink)
 {
     const BoxLevelView& below = tree.level[level - 1];
-    const std::uint32_t first = node * width;
-    const std::uint32_t count = below.count - first < width ? below.count - first : width;
-    const unsigned moving = below.moving[node];
-    for (std::uint32_t k = 0; k < count; ++k) {
-        const bool moves = moving >> k & 1;
-        if (level - 1 > stop && moves) within_node(tree, level - 1, stop, first + k, sink);
-        unsigned others = hits(below, first, query_of(below, first + k)) & ~((2u << k) - 1);
-        if (!moves) others &= moving;
-        make_room(sink);
-        for (; others; others &= others - 1) {
-            const std::uint32_t j = first + static_cast<std::uint32_t>(__builtin_ctz(others));
-            if (level - 1 == stop)
-                emit(sink, first + k, j);
-            else
-                between_nodes(tree, level - 1, stop, first + k, j, sink);
-        }
-    }
+    if (level - 1 == stop) return expand_within(below, node, sink);
+    for (unsigned moving = below.moving[node]; moving; moving &= moving - 1)
+        within_node(tree, level - 1, stop, node * width + static_cast<std::uint32_t>(__builtin_ctz(moving)), sink);
+    Found found;
+    expand_within(below, node, found);
+    for (std::uint32_t k = 0; k < found.count; ++k) between_nodes(tree, level - 1, stop, found.i[k], found.j[k], sink);
 }
 
 void around_node(const BoxTreeView& tree, int level, std::uint32_t node, const Query& query, std::uint32_t tag,
                  PairSink& sink)
 {
     unsigned found = hits(tree.level[level - 1], node * width, query);
-    make_room(sink);
-    for (; found; found &= found - 1) {
-        const std::uint32_t child = node * width + static_cast<std::uint32_t>(__builtin_ctz(found));
-        if (level == 1)
-            emit(sink, child, tag);
-        else
-            around_node(tree, level - 1, child, query, tag, sink);
+    if (level == 1) {
+        make_room(sink);
+        return append(sink, tag, node * width, found);
+    }
+    for (; found; found &= found - 1)
+        around_node(tree, level - 1, node * width + static_cast<std::uint32_t>(__builtin_ctz(found)), query, tag, sink);
+}
+
+void bound(const BoxLevelView& below, std::uint32_t node, float box[6])
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        const float *lo = below.lo[axis] + node * width, *hi = below.hi[axis] + node * width;
+        const F32x8 low = min(load(lo), load(lo + 8)), high = max(load(hi), load(hi + 8));
+        box[axis] = low[0], box[3 + axis] = high[0];
+        for (int lane = 1; lane < 8; ++lane) {
+            if (low[lane] < box[axis]) box[axis] = low[lane];
+            if (high[lane] > box[3 + axis]) box[3 + axis] = high[lane];
+        }
     }
 }
 
@@ -131,7 +170,7 @@ void around(const BoxTreeView& tree, const float box[6], std::uint32_t tag, Pair
 
 BoxTreeKernel box_tree_kernel()
 {
-    return {all, within, between, around};
+    return {all, within, between, around, bound};
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

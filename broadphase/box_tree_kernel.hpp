@@ -20,14 +20,9 @@ struct BoxTreeView {
     int levels;
 };
 
-/// Two boxes of one level.
-struct PlacePair {
-    std::uint32_t i, j;
-};
-
-/// Where found pairs go; `more` makes room for at least 16 and may move `pairs`.
+/// Where found pairs (i[k], j[k]) of places go, as columns; `more` makes room for at least 32 and may move them.
 struct PairSink {
-    PlacePair* pairs;
+    std::uint32_t *i, *j;
     std::uint64_t count, room;
     void (*more)(PairSink& sink);
     void* owner;
@@ -41,8 +36,10 @@ struct BoxTreeKernel {
     void (*within)(const BoxTreeView& tree, int level, std::uint32_t node, PairSink& sink);
     /// Of level 0, one below node `a` and one below node `b` of level `level`; level 0: the two themselves.
     void (*between)(const BoxTreeView& tree, int level, std::uint32_t a, std::uint32_t b, PairSink& sink);
-    /// Places of level-0 boxes that overlap `box` (lo x y z, hi x y z), as pairs (place, tag).
+    /// Places of level-0 boxes that overlap `box` (lo x y z, hi x y z), as pairs (tag, place).
     void (*around)(const BoxTreeView& tree, const float box[6], std::uint32_t tag, PairSink& sink);
+    /// The box around the 16 of a node: lo x y z, hi x y z.
+    void (*bound)(const BoxLevelView& below, std::uint32_t node, float box[6]);
 };
 
 namespace baseline {

@@ -10,24 +10,27 @@ namespace oncollide {
 
 namespace {
 
-/// Pairs of places that one thread found.
+/// Pairs of places that one thread found, as columns.
 class FoundPairs {
 public:
     PairSink& sink() { return sink_; }
     void clear() { sink_.count = 0; }
-    std::size_t bytes() const { return pairs_.capacity() * sizeof(PlacePair); }
-    std::span<const PlacePair> pairs() const { return {pairs_.data(), static_cast<std::size_t>(sink_.count)}; }
+    std::size_t size() const { return static_cast<std::size_t>(sink_.count); }
+    std::uint32_t i(std::size_t k) const { return i_[k]; }
+    std::uint32_t j(std::size_t k) const { return j_[k]; }
+    std::size_t bytes() const { return (i_.capacity() + j_.capacity()) * sizeof(std::uint32_t); }
 
 private:
     static void grow(PairSink& sink)
     {
-        auto& pairs = *static_cast<std::vector<PlacePair>*>(sink.owner);
-        pairs.resize(std::max<std::size_t>(1024, 2 * pairs.size()));
-        sink.pairs = pairs.data(), sink.room = pairs.size();
+        auto& mine = *static_cast<FoundPairs*>(sink.owner);
+        const std::size_t room = std::max<std::size_t>(1024, 2 * mine.i_.size());
+        mine.i_.resize(room), mine.j_.resize(room);
+        sink.i = mine.i_.data(), sink.j = mine.j_.data(), sink.room = room;
     }
 
-    std::vector<PlacePair> pairs_;
-    PairSink sink_{nullptr, 0, 0, grow, &pairs_};
+    std::vector<std::uint32_t> i_, j_;
+    PairSink sink_{nullptr, nullptr, 0, 0, grow, this};
 };
 
 class KdTree final : public BroadPhase {
@@ -41,7 +44,7 @@ public:
         search(threads);
         allows_all_ = allows_all(filter);
         pairs.clear();
-        for (const auto& worker : workers_) translate(worker->pairs(), filter, pairs);
+        for (const auto& worker : workers_) translate(*worker, filter, pairs);
         sort_pairs(pairs, scratch_, filter.is_static.size(), threads);
     }
 
@@ -60,7 +63,7 @@ public:
         for (std::uint32_t body : moved) has_moved_[body] = 1;
         query(asked, threads);
         found_.clear();
-        for (const auto& worker : workers_) translate_queries(worker->pairs(), filter);
+        for (const auto& worker : workers_) translate_queries(*worker, filter);
         sort_pairs(found_, scratch_, filter.is_static.size(), threads);
         // What was known of bodies that moved is out of date; both lists are sorted.
         std::erase_if(pairs, [&](BodyPair p) { return has_moved_[p.a] | has_moved_[p.b]; });
@@ -116,10 +119,10 @@ private:
         });
     }
 
-    void translate_queries(std::span<const PlacePair> found, const BodyFilter& filter)
+    void translate_queries(const FoundPairs& found, const BodyFilter& filter)
     {
-        for (const auto [place, body] : found) {
-            const std::uint32_t other = tree_.body_at(place);
+        for (std::size_t k = 0; k < found.size(); ++k) {
+            const std::uint32_t body = found.i(k), other = tree_.body_at(found.j(k));
             if (other == body || (has_moved_[other] && other < body)) continue; // that one finds the pair
             if (filter.allows(body, other)) found_.push_back({std::min(body, other), std::max(body, other)});
         }
@@ -135,15 +138,14 @@ private:
         constexpr int level = 2;
         tasks_.clear();
         box_tree_kernel().all(view, level, tasks_.sink());
-        const std::size_t nodes = view.level[level].count, all = nodes + tasks_.pairs().size();
+        const std::size_t nodes = view.level[level].count, all = nodes + tasks_.size();
         parallel_chunks(all, 16, threads, [&](std::size_t begin, std::size_t end, int thread) {
             PairSink& sink = workers_[static_cast<std::size_t>(thread)]->sink();
             for (std::size_t i = begin; i < end; ++i)
                 if (i < nodes)
                     box_tree_kernel().within(view, level, static_cast<std::uint32_t>(i), sink);
                 else
-                    box_tree_kernel().between(view, level, tasks_.pairs()[i - nodes].i, tasks_.pairs()[i - nodes].j,
-                                              sink);
+                    box_tree_kernel().between(view, level, tasks_.i(i - nodes), tasks_.j(i - nodes), sink);
         });
     }
 
@@ -156,13 +158,13 @@ private:
         return least > 0 && (some & ~mask) == 0;
     }
 
-    void translate(std::span<const PlacePair> found, const BodyFilter& filter, std::vector<BodyPair>& pairs) const
+    void translate(const FoundPairs& found, const BodyFilter& filter, std::vector<BodyPair>& pairs) const
     {
         const std::size_t first = pairs.size();
         pairs.resize(first + found.size());
         BodyPair* out = pairs.data() + first;
-        for (PlacePair p : found) {
-            const std::uint32_t a = tree_.body_at(p.i), b = tree_.body_at(p.j);
+        for (std::size_t k = 0; k < found.size(); ++k) {
+            const std::uint32_t a = tree_.body_at(found.i(k)), b = tree_.body_at(found.j(k));
             *out = {std::min(a, b), std::max(a, b)};
             out += allows_all_ || filter.allows(a, b);
         }
