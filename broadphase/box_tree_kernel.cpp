@@ -20,12 +20,14 @@ inline Query query_of(const BoxLevelView& level, std::uint32_t i)
 inline unsigned hits(const BoxLevelView& v, std::uint32_t base, const Query& q)
 {
 #if defined(__AVX512F__)
-    __mmask16 m = 0xffff;
-    for (int axis = 0; axis < 3; ++axis) {
-        m = _mm512_mask_cmp_ps_mask(m, _mm512_loadu_ps(v.lo[axis] + base), _mm512_set1_ps(q.hi[axis]), _CMP_LE_OQ);
-        m = _mm512_mask_cmp_ps_mask(m, _mm512_loadu_ps(v.hi[axis] + base), _mm512_set1_ps(q.lo[axis]), _CMP_GE_OQ);
-    }
-    return m;
+    const auto low = [&](int axis, __mmask16 m) {
+        return _mm512_mask_cmp_ps_mask(m, _mm512_loadu_ps(v.lo[axis] + base), _mm512_set1_ps(q.hi[axis]), _CMP_LE_OQ);
+    };
+    const auto high = [&](int axis, __mmask16 m) {
+        return _mm512_mask_cmp_ps_mask(m, _mm512_loadu_ps(v.hi[axis] + base), _mm512_set1_ps(q.lo[axis]), _CMP_GE_OQ);
+    };
+    // Two chains, so that one comparison need not wait for all before it.
+    return static_cast<__mmask16>(low(0, low(1, low(2, 0xffff))) & high(0, high(1, high(2, 0xffff))));
 #else
     const auto half = [&](std::uint32_t at) {
         return bits((load(v.lo[0] + at) <= splat(q.hi[0])) & (load(v.hi[0] + at) >= splat(q.lo[0])) &
@@ -131,16 +133,20 @@ void around_node(const BoxTreeView& tree, int level, std::uint32_t node, const Q
         around_node(tree, level - 1, node * width + static_cast<std::uint32_t>(__builtin_ctz(found)), query, tag, sink);
 }
 
+float least(F32x8 v)
+{
+    v = min(v, __builtin_shuffle(v, I32x8{4, 5, 6, 7, 0, 1, 2, 3}));
+    v = min(v, __builtin_shuffle(v, I32x8{2, 3, 0, 1, 6, 7, 4, 5}));
+    v = min(v, __builtin_shuffle(v, I32x8{1, 0, 3, 2, 5, 4, 7, 6}));
+    return v[0];
+}
+
 void bound(const BoxLevelView& below, std::uint32_t node, float box[6])
 {
     for (int axis = 0; axis < 3; ++axis) {
         const float *lo = below.lo[axis] + node * width, *hi = below.hi[axis] + node * width;
         const F32x8 low = min(load(lo), load(lo + 8)), high = max(load(hi), load(hi + 8));
-        box[axis] = low[0], box[3 + axis] = high[0];
-        for (int lane = 1; lane < 8; ++lane) {
-            if (low[lane] < box[axis]) box[axis] = low[lane];
-            if (high[lane] > box[3 + axis]) box[3 + axis] = high[lane];
-        }
+        box[axis] = least(low), box[3 + axis] = -least(-high);
     }
 }
 
