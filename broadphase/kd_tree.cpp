@@ -40,11 +40,11 @@ public:
     void find_pairs(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, const BodyFilter& filter,
                     double margin, int threads, std::vector<BodyPair>& pairs) override
     {
+        if (bodies.size() < worth_threads) threads = 1;
         take_in(boxes, bodies, filter, margin, threads);
         search(threads);
         allows_all_ = allows_all(filter);
-        pairs.clear();
-        for (const auto& worker : workers_) translate(*worker, filter, pairs);
+        translate(filter, threads, pairs);
         sort_pairs(pairs, scratch_, filter.is_static.size(), threads);
     }
 
@@ -57,6 +57,7 @@ public:
         // A query costs a few times its share of a search of the whole tree.
         if (tree_.view().levels == 0 || 4 * moved.size() > bodies_.size())
             return find_pairs(boxes, bodies, filter, margin, threads, pairs);
+        if (moved.size() < worth_threads / 8) threads = 1;
         tree_.refit_bodies(boxes, margin, moved);
         if (tree_.worn()) take_in(boxes, bodies_, filter, margin, threads);
         has_moved_.resize(filter.is_static.size());
@@ -82,6 +83,8 @@ public:
     }
 
 private:
+    static constexpr std::size_t worth_threads = 32768; ///< bodies: fewer are done before threads have woken
+
     void take_in(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, const BodyFilter& filter,
                  double margin, int threads)
     {
@@ -158,17 +161,33 @@ private:
         return least > 0 && (some & ~mask) == 0;
     }
 
-    void translate(const FoundPairs& found, const BodyFilter& filter, std::vector<BodyPair>& pairs) const
+    /// What the threads found, as pairs of bodies, one thread's after the other.
+    void translate(const BodyFilter& filter, int threads, std::vector<BodyPair>& pairs)
     {
-        const std::size_t first = pairs.size();
-        pairs.resize(first + found.size());
-        BodyPair* out = pairs.data() + first;
+        starts_.assign(workers_.size() + 1, 0), counts_.assign(workers_.size(), 0);
+        for (std::size_t w = 0; w < workers_.size(); ++w) starts_[w + 1] = starts_[w] + workers_[w]->size();
+        pairs.resize(starts_.back());
+        parallel_chunks(workers_.size(), 1, threads, [&](std::size_t first, std::size_t last, int) {
+            for (std::size_t w = first; w < last; ++w)
+                counts_[w] = translate(*workers_[w], filter, pairs.data() + starts_[w]);
+        });
+        std::size_t end = 0;
+        for (std::size_t w = 0; w < workers_.size(); ++w) {
+            if (end != starts_[w]) std::copy_n(pairs.data() + starts_[w], counts_[w], pairs.data() + end);
+            end += counts_[w];
+        }
+        pairs.resize(end);
+    }
+
+    std::size_t translate(const FoundPairs& found, const BodyFilter& filter, BodyPair* out) const
+    {
+        const BodyPair* const begin = out;
         for (std::size_t k = 0; k < found.size(); ++k) {
             const std::uint32_t a = tree_.body_at(found.i(k)), b = tree_.body_at(found.j(k));
             *out = {std::min(a, b), std::max(a, b)};
             out += allows_all_ || filter.allows(a, b);
         }
-        pairs.resize(static_cast<std::size_t>(out - pairs.data()));
+        return static_cast<std::size_t>(out - begin);
     }
 
     BoxTree tree_;
@@ -179,6 +198,7 @@ private:
     bool allows_all_ = false;
     std::vector<std::unique_ptr<FoundPairs>> workers_;
     FoundPairs tasks_;
+    std::vector<std::size_t> starts_, counts_; ///< of the workers' pairs
     std::vector<BodyPair> scratch_;
 };
 

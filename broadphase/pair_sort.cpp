@@ -55,12 +55,32 @@ void sort_pairs(std::vector<BodyPair>& pairs, std::vector<BodyPair>& scratch, st
     }
     int shift = 0;
     while ((bodies >> shift) >= most_buckets) ++shift;
+    // Each thread deals out a share of the pairs: of each bucket, the first share's come first.
+    constexpr std::size_t most_shares = 16;
+    const std::size_t shares = std::clamp<std::size_t>(static_cast<std::size_t>(threads), 1, most_shares);
+    std::array<std::array<std::uint32_t, most_buckets>, most_shares> next;
+    const auto share_of = [&](std::size_t s) {
+        const std::size_t begin = pairs.size() * s / shares, end = pairs.size() * (s + 1) / shares;
+        return std::span<const BodyPair>(pairs).subspan(begin, end - begin);
+    };
+    parallel_chunks(shares, 1, threads, [&](std::size_t first, std::size_t last, int) {
+        for (std::size_t s = first; s < last; ++s) {
+            next[s].fill(0);
+            for (BodyPair p : share_of(s)) ++next[s][p.a >> shift];
+        }
+    });
     std::array<std::uint32_t, most_buckets + 1> begins{};
-    for (BodyPair p : pairs) ++begins[(p.a >> shift) + 1];
-    for (std::size_t i = 0; i < most_buckets; ++i) begins[i + 1] += begins[i];
+    std::uint32_t sum = 0;
+    for (std::size_t i = 0; i < most_buckets; ++i) {
+        begins[i] = sum;
+        for (std::size_t s = 0; s < shares; ++s) sum += std::exchange(next[s][i], sum);
+    }
+    begins[most_buckets] = sum;
     scratch.resize(pairs.size());
-    std::array<std::uint32_t, most_buckets + 1> next = begins;
-    for (BodyPair p : pairs) scratch[next[p.a >> shift]++] = p;
+    parallel_chunks(shares, 1, threads, [&](std::size_t first, std::size_t last, int) {
+        for (std::size_t s = first; s < last; ++s)
+            for (BodyPair p : share_of(s)) scratch[next[s][p.a >> shift]++] = p;
+    });
     parallel_chunks(most_buckets, 16, threads, [&](std::size_t first, std::size_t last, int) {
         thread_local std::vector<std::uint32_t> ends;
         for (std::size_t i = first; i < last; ++i)

@@ -1,3 +1,6 @@
+#include <array>
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include <oncollide/broadphase/broad_phase.hpp>
@@ -129,6 +132,80 @@ INSTANTIATE_TEST_SUITE_P(, EveryBroadPhase,
                          ::testing::Values(Algorithm{"kd", make_kd_tree}, Algorithm{"octree", make_octree},
                                            Algorithm{"brute", make_brute_force}),
                          [](const auto& param) { return param.param.name; });
+
+TEST(KdTree, FollowsWhatMovesFrameByFrame)
+{
+    for (const double margin : {0.0, 0.3}) {
+        Boxes scene = random_boxes(3000, 30, 0.3, 13, {5, -3, 1e3});
+        const auto kd = make_kd_tree(), brute = make_brute_force();
+        std::vector<BodyPair> pairs, expected;
+        kd->find_pairs(scene.boxes, scene.all, scene.filter(), margin, 1, pairs);
+        std::vector<std::uint32_t> moved;
+        for (std::uint64_t frame = 0; frame < 40; ++frame) {
+            // None, one, some, most; a little, and now and then to the other end of the world.
+            const double share = std::array{0.0, 0.0004, 0.05, 0.2, 0.6}[frame % 5];
+            moved.clear();
+            for (std::uint32_t body : scene.all) {
+                if (scene.is_static[body] || u01(frame, body, 0) >= share) continue;
+                moved.push_back(body);
+                const double reach = frame % 7 == 6 ? 60 : 0.4;
+                const Eigen::Vector3d step =
+                    reach *
+                    (Eigen::Vector3d(u01(frame, body, 1), u01(frame, body, 2), u01(frame, body, 3)).array() - 0.5);
+                scene.boxes[body].min += step, scene.boxes[body].max += step;
+            }
+            kd->update_pairs(scene.boxes, scene.all, moved, moved, scene.filter(), margin, 1 + int(frame % 2), pairs);
+            brute->find_pairs(scene.boxes, scene.all, scene.filter(), margin, 1, expected);
+            ASSERT_EQ(pairs, expected) << "frame " << frame << ", " << moved.size() << " moved";
+        }
+    }
+}
+
+TEST(KdTree, TakesOtherBodiesAndOtherStaticsFromCallToCall)
+{
+    Boxes scene = random_boxes(1200, 15, 0.2, 17, {0, 0, 0});
+    const auto kd = make_kd_tree(), brute = make_brute_force();
+    std::vector<BodyPair> pairs, expected;
+    for (std::uint32_t call = 0; call < 6; ++call) {
+        std::vector<std::uint32_t> bodies;
+        for (std::uint32_t body : scene.all) {
+            if ((body + call) % 4) bodies.push_back(body);
+            if (call % 2) scene.is_static[body] = u01(call, body, 9) < 0.5;
+        }
+        kd->find_pairs(scene.boxes, call % 3 == 2 ? scene.all : bodies, scene.filter(), 0.1 * call, 1, pairs);
+        brute->find_pairs(scene.boxes, call % 3 == 2 ? scene.all : bodies, scene.filter(), 0.1 * call, 1, expected);
+        EXPECT_EQ(pairs, expected) << "call " << call;
+    }
+}
+
+TEST(KdTree, FindsThePairsOfBoxesOfEverySizeTogether)
+{
+    Boxes scene;
+    for (std::uint32_t i = 0; i < 4000; ++i) {
+        const double half = std::pow(10.0, -3 + 4.5 * std::pow(u01(3, i, 0), 4)); // 1 mm to 30 m, mostly small
+        const Eigen::Vector3d at(40 * u01(3, i, 1), 40 * u01(3, i, 2), i % 3 ? 40 * u01(3, i, 3) : 0);
+        scene.add(at.array() - half, at.array() + half);
+    }
+    std::vector<BodyPair> pairs, expected;
+    make_kd_tree()->find_pairs(scene.boxes, scene.all, scene.filter(), 0, 1, pairs);
+    make_brute_force()->find_pairs(scene.boxes, scene.all, scene.filter(), 0, 1, expected);
+    EXPECT_GT(expected.size(), 1000u);
+    EXPECT_EQ(pairs, expected);
+}
+
+TEST(KdTree, GivesTheSameListOnManyThreads)
+{
+    Boxes scene = random_boxes(60000, 70, 0.3, 19, {0, 0, 0});
+    std::vector<BodyPair> octree, kd;
+    make_octree()->find_pairs(scene.boxes, scene.all, scene.filter(), 0, 1, octree);
+    for (int threads : {1, 2, 5, 40}) {
+        make_kd_tree()->find_pairs(scene.boxes, scene.all, scene.filter(), 0, threads, kd);
+        EXPECT_EQ(kd, octree) << threads;
+    }
+    const auto tree = make_kd_tree();
+    tree->find_pairs(scene.boxes, scene.all, scene.filter(), 0, 4, kd);
+    EXPECT_LT(tree->bytes(), 120 * scene.boxes.size());
+}
 
 TEST(Delimitation, KeepsEveryPairWhileMoversWander)
 {
