@@ -175,7 +175,9 @@ void BoxTree::make_levels()
         Level& l = levels_[level];
         l.count = count;
         const std::uint32_t nodes = std::max(nodes_over(count), 1u);
-        for (std::size_t c = 0; c < 6; ++c) l.columns[c].assign(nodes * width, c < 3 ? far_away : -far_away);
+        l.blocks.resize(std::size_t{nodes} * box_block);
+        for (std::size_t i = 0; i < l.blocks.size(); ++i)
+            l.blocks[i] = i % box_block < box_block / 2 ? far_away : -far_away;
         l.moving.assign(nodes, 0xffff);
         count = nodes;
     }
@@ -183,33 +185,37 @@ void BoxTree::make_levels()
     view_.levels = static_cast<int>(level);
     for (std::size_t i = 0; i < level; ++i) {
         const Level& l = levels_[i];
-        const auto& c = l.columns;
-        view_.level[i] = {
-            {c[0].data(), c[1].data(), c[2].data()}, {c[3].data(), c[4].data(), c[5].data()}, l.count, l.moving.data()};
+        view_.level[i] = {l.blocks.data(), l.count, l.moving.data()};
     }
 }
 
-/// Rounds boxes outward into the columns of level 0.
+inline float& BoxTree::coordinate(Level& level, std::uint32_t place, std::size_t c)
+{
+    return level.blocks[std::size_t{place / width} * box_block + c * width + place % width];
+}
+
+/// Rounds boxes outward into level 0.
 class BoxTree::Taker {
 public:
     Taker(BoxTree& tree, std::span<const Aabb> boxes, double margin)
-        : boxes_(boxes), half_margin_(0.5 * margin), origin_{tree.origin_[0], tree.origin_[1], tree.origin_[2]}
+        : boxes_(boxes), half_margin_(0.5 * margin), origin_{tree.origin_[0], tree.origin_[1], tree.origin_[2]},
+          blocks_(tree.levels_[0].blocks.data())
     {
-        for (std::size_t c = 0; c < 6; ++c) columns_[c] = tree.levels_[0].columns[c].data();
     }
     void operator()(std::uint32_t place, std::uint32_t body) const
     {
         const Aabb& box = boxes_[body];
-        for (int axis = 0; axis < 3; ++axis) {
-            columns_[axis][place] = below(box.min[axis] - half_margin_ - origin_[axis]);
-            columns_[3 + axis][place] = above(box.max[axis] + half_margin_ - origin_[axis]);
+        float* p = blocks_ + std::size_t{place / width} * box_block + place % width;
+        for (int axis = 0; axis < 3; ++axis, p += width) {
+            p[0] = below(box.min[axis] - half_margin_ - origin_[axis]);
+            p[3 * width] = above(box.max[axis] + half_margin_ - origin_[axis]);
         }
     }
 
 private:
     std::span<const Aabb> boxes_;
     double half_margin_, origin_[3];
-    float* columns_[6];
+    float* blocks_;
 };
 
 /// The bounds of a node, from the level below it.
@@ -217,7 +223,7 @@ void BoxTree::bound(int level, std::uint32_t node)
 {
     float box[6];
     box_tree_kernel().bound(view_.level[level - 1], node, box);
-    for (std::size_t c = 0; c < 6; ++c) levels_[static_cast<std::size_t>(level)].columns[c][node] = box[c];
+    for (std::size_t c = 0; c < 6; ++c) coordinate(levels_[static_cast<std::size_t>(level)], node, c) = box[c];
 }
 
 void BoxTree::refit(std::span<const Aabb> boxes, double margin, int threads)
@@ -255,7 +261,7 @@ void BoxTree::refit_bodies(std::span<const Aabb> boxes, double margin, std::span
             place /= width;
             bool wider = false;
             for (std::size_t c = 0; c < 3; ++c) {
-                float &lo = levels_[level].columns[c][place], &hi = levels_[level].columns[3 + c][place];
+                float &lo = coordinate(levels_[level], place, c), &hi = coordinate(levels_[level], place, 3 + c);
                 const float by = std::max(lo - box[c], 0.0f) + std::max(box[3 + c] - hi, 0.0f);
                 if (!(by > 0)) continue;
                 lo = std::min(lo, box[c]), hi = std::max(hi, box[3 + c]);
@@ -272,9 +278,9 @@ double BoxTree::extent_of_leaves() const
     if (view_.levels < 2) return 0;
     double sum = 0;
     const Level& leaves = levels_[1];
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        for (std::uint32_t i = 0; i < leaves.count; ++i) {
-            const float extent = leaves.columns[3 + axis][i] - leaves.columns[axis][i];
+    for (std::size_t i = 0; i < leaves.blocks.size(); i += box_block)
+        for (std::size_t k = i; k < i + box_block / 2; ++k) {
+            const float extent = leaves.blocks[k + box_block / 2] - leaves.blocks[k];
             if (extent > 0) sum += extent; // not of padding
         }
     return sum;
@@ -298,15 +304,15 @@ void BoxTree::set_moving(std::span<const std::uint8_t> is_static)
 
 void BoxTree::box_at(std::uint32_t place, float box[6]) const
 {
-    for (std::size_t c = 0; c < 6; ++c) box[c] = levels_[0].columns[c][place];
+    const float* p = view_.level[0].blocks + std::size_t{place / width} * box_block + place % width;
+    for (std::size_t c = 0; c < 6; ++c) box[c] = p[c * width];
 }
 
 std::size_t BoxTree::bytes() const
 {
     std::size_t sum = (order_.capacity() + places_.capacity()) * sizeof(order_[0]) + items_.capacity() * sizeof(Item);
     for (const Level& l : levels_) {
-        for (const auto& column : l.columns) sum += column.capacity() * sizeof(float);
-        sum += l.moving.capacity() * sizeof(l.moving[0]);
+        sum += l.blocks.capacity() * sizeof(float) + l.moving.capacity() * sizeof(l.moving[0]);
     }
     return sum;
 }

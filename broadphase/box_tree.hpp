@@ -1,5 +1,4 @@
 #pragma once
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -41,8 +40,8 @@ public:
 
 private:
     struct Level {
-        std::array<std::vector<float>, 6> columns; ///< lo x y z, hi x y z
-        std::vector<std::uint16_t> moving;         ///< by node of the level above
+        std::vector<float> blocks;         ///< see BoxLevelView
+        std::vector<std::uint16_t> moving; ///< by node of the level above
         std::uint32_t count = 0;
     };
     struct Item { ///< a body while it is put in order
@@ -55,6 +54,7 @@ private:
     void split(std::size_t begin, std::size_t end);
     void make_levels();
     class Taker;
+    static float& coordinate(Level& level, std::uint32_t place, std::size_t c); ///< c: lo x y z, hi x y z
     void bound(int level, std::uint32_t node);
     double extent_of_leaves() const;
 

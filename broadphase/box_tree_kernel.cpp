@@ -1,4 +1,6 @@
 // Compiled once per instruction set; see oncollide_add_kernel.
+#include <cstddef>
+
 #include <oncollide/broadphase/box_tree_kernel.hpp>
 #include <oncollide/broadphase/simd.hpp>
 
@@ -13,28 +15,30 @@ struct Query {
 
 inline Query query_of(const BoxLevelView& level, std::uint32_t i)
 {
-    return {{level.lo[0][i], level.lo[1][i], level.lo[2][i]}, {level.hi[0][i], level.hi[1][i], level.hi[2][i]}};
+    const float* p = level.blocks + std::size_t{i / width} * box_block + i % width;
+    return {{p[0], p[16], p[32]}, {p[48], p[64], p[80]}};
 }
 
-/// Which of the 16 boxes from `base` on overlap the query.
-inline unsigned hits(const BoxLevelView& v, std::uint32_t base, const Query& q)
+/// Which of the 16 boxes of a block overlap the query.
+inline unsigned hits(const BoxLevelView& level, std::uint32_t block, const Query& q)
 {
+    const float* p = level.blocks + std::size_t{block} * box_block;
 #if defined(__AVX512F__)
     const auto low = [&](int axis, __mmask16 m) {
-        return _mm512_mask_cmp_ps_mask(m, _mm512_loadu_ps(v.lo[axis] + base), _mm512_set1_ps(q.hi[axis]), _CMP_LE_OQ);
+        return _mm512_mask_cmp_ps_mask(m, _mm512_loadu_ps(p + 16 * axis), _mm512_set1_ps(q.hi[axis]), _CMP_LE_OQ);
     };
     const auto high = [&](int axis, __mmask16 m) {
-        return _mm512_mask_cmp_ps_mask(m, _mm512_loadu_ps(v.hi[axis] + base), _mm512_set1_ps(q.lo[axis]), _CMP_GE_OQ);
+        return _mm512_mask_cmp_ps_mask(m, _mm512_loadu_ps(p + 48 + 16 * axis), _mm512_set1_ps(q.lo[axis]), _CMP_GE_OQ);
     };
     // Two chains, so that one comparison need not wait for all before it.
     return static_cast<__mmask16>(low(0, low(1, low(2, 0xffff))) & high(0, high(1, high(2, 0xffff))));
 #else
-    const auto half = [&](std::uint32_t at) {
-        return bits((load(v.lo[0] + at) <= splat(q.hi[0])) & (load(v.hi[0] + at) >= splat(q.lo[0])) &
-                    (load(v.lo[1] + at) <= splat(q.hi[1])) & (load(v.hi[1] + at) >= splat(q.lo[1])) &
-                    (load(v.lo[2] + at) <= splat(q.hi[2])) & (load(v.hi[2] + at) >= splat(q.lo[2])));
+    const auto half = [&](const float* v) {
+        return bits((load(v) <= splat(q.hi[0])) & (load(v + 48) >= splat(q.lo[0])) & (load(v + 16) <= splat(q.hi[1])) &
+                    (load(v + 64) >= splat(q.lo[1])) & (load(v + 32) <= splat(q.hi[2])) &
+                    (load(v + 80) >= splat(q.lo[2])));
     };
-    return half(base) | half(base + 8) << 8;
+    return half(p) | half(p + 8) << 8;
 #endif
 }
 
@@ -75,11 +79,11 @@ inline void expand(const BoxTreeView& tree, int level, std::uint32_t a, std::uin
     const BoxLevelView& below = tree.level[level - 1];
     const std::uint32_t first_a = a * width, first_b = b * width;
     const unsigned moving_a = below.moving[a], moving_b = below.moving[b];
-    unsigned of_a = hits(below, first_a, query_of(tree.level[level], b));
+    unsigned of_a = hits(below, a, query_of(tree.level[level], b));
     if (!moving_b) of_a &= moving_a;
     for (; of_a; of_a &= of_a - 1) {
         const auto k = static_cast<unsigned>(__builtin_ctz(of_a));
-        unsigned of_b = hits(below, first_b, query_of(below, first_a + k));
+        unsigned of_b = hits(below, b, query_of(below, first_a + k));
         if (!(moving_a >> k & 1)) of_b &= moving_b;
         make_room(list);
         append(list, first_a + k, first_b, of_b);
@@ -103,7 +107,7 @@ inline void expand_within(const BoxLevelView& below, std::uint32_t node, List& l
     const std::uint32_t count = below.count - first < width ? below.count - first : width;
     const unsigned moving = below.moving[node];
     for (std::uint32_t k = 0; k < count; ++k) {
-        unsigned others = hits(below, first, query_of(below, first + k)) & ~((2u << k) - 1);
+        unsigned others = hits(below, node, query_of(below, first + k)) & ~((2u << k) - 1);
         if (!(moving >> k & 1)) others &= moving;
         make_room(list);
         append(list, first + k, first, others);
@@ -124,7 +128,7 @@ void within_node(const BoxTreeView& tree, int level, int stop, std::uint32_t nod
 void around_node(const BoxTreeView& tree, int level, std::uint32_t node, const Query& query, std::uint32_t tag,
                  PairSink& sink)
 {
-    unsigned found = hits(tree.level[level - 1], node * width, query);
+    unsigned found = hits(tree.level[level - 1], node, query);
     if (level == 1) {
         make_room(sink);
         return append(sink, tag, node * width, found);
@@ -143,10 +147,11 @@ float least(F32x8 v)
 
 void bound(const BoxLevelView& below, std::uint32_t node, float box[6])
 {
+    const float* p = below.blocks + std::size_t{node} * box_block;
     for (int axis = 0; axis < 3; ++axis) {
-        const float *lo = below.lo[axis] + node * width, *hi = below.hi[axis] + node * width;
-        const F32x8 low = min(load(lo), load(lo + 8)), high = max(load(hi), load(hi + 8));
-        box[axis] = least(low), box[3 + axis] = -least(-high);
+        const float *lo = p + 16 * axis, *hi = lo + 48;
+        box[axis] = least(min(load(lo), load(lo + 8)));
+        box[3 + axis] = -least(-max(load(hi), load(hi + 8)));
     }
 }
 

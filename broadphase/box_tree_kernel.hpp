@@ -4,14 +4,15 @@
 
 namespace oncollide {
 
-/// One level of boxes as columns, padded with empty boxes to a multiple of 16. Node n of the level above holds the
-/// boxes [16 n, 16 n + 16).
+/// One level of boxes, 16 and 16 together: a block of 96 floats, lo x of all 16, lo y, lo z, hi x, hi y, hi z. The last
+/// block is padded with empty boxes. Block n is what node n of the level above holds, so a node is six lines of memory
+/// one after the other.
 struct BoxLevelView {
-    const float* lo[3];
-    const float* hi[3];
+    const float* blocks;
     std::uint32_t count;         ///< boxes, padding not counted
-    const std::uint16_t* moving; ///< by node of the level above: which of its 16 boxes are or hold moving ones
+    const std::uint16_t* moving; ///< by block: which of its boxes are or hold moving ones
 };
+constexpr std::uint32_t box_block = 96;
 
 /// Levels from the boxes themselves (0) up to the first of at most 16.
 struct BoxTreeView {
