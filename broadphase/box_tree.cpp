@@ -247,6 +247,9 @@ void BoxTree::refit(std::span<const Aabb> boxes, double margin, int threads)
     for (int level = 2; level < view_.levels; ++level)
         for (std::uint32_t node = 0; node < view_.level[level].count; ++node) bound(level, node);
     leaf_extent_ = extent_of_leaves();
+    farthest_ = 0;
+    for (float x : levels_.back().blocks)
+        if (std::isfinite(x)) farthest_ = std::max(farthest_, std::abs(x)); // infinite: padding
 }
 
 void BoxTree::refit_bodies(std::span<const Aabb> boxes, double margin, std::span<const std::uint32_t> bodies)
@@ -257,6 +260,7 @@ void BoxTree::refit_bodies(std::span<const Aabb> boxes, double margin, std::span
         take(place, body);
         float box[6];
         box_at(place, box);
+        for (float x : box) farthest_ = std::max(farthest_, std::abs(x));
         for (std::size_t level = 1; level < levels_.size(); ++level) {
             place /= width;
             bool wider = false;
@@ -300,6 +304,16 @@ void BoxTree::set_moving(std::span<const std::uint8_t> is_static)
             l.moving[node] = static_cast<std::uint16_t>(mask);
         }
     }
+}
+
+/// A coordinate is rounded by at most 2^-22 of the largest; two of them, and their comparison, by less than 2^-20.
+bool BoxTree::surely_overlap(std::uint32_t i, std::uint32_t j) const
+{
+    const float slack = farthest_ * 0x1p-20f;
+    float a[6], b[6];
+    box_at(i, a), box_at(j, b);
+    return a[0] + slack <= b[3] && b[0] + slack <= a[3] && a[1] + slack <= b[4] && b[1] + slack <= a[4] &&
+           a[2] + slack <= b[5] && b[2] + slack <= a[5];
 }
 
 void BoxTree::box_at(std::uint32_t place, float box[6]) const

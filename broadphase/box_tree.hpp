@@ -34,6 +34,8 @@ public:
     std::uint32_t place_of(std::uint32_t body) const { return places_[body]; }
     static constexpr std::uint32_t nobody = ~0u; ///< at places of padding
     const BoxTreeView& view() const { return view_; }
+    /// Do the boxes at two places overlap by more than rounding could account for?
+    bool surely_overlap(std::uint32_t i, std::uint32_t j) const;
     /// The box at a place, as the search sees it.
     void box_at(std::uint32_t place, float box[6]) const;
     std::size_t bytes() const;
@@ -65,6 +67,7 @@ private:
     std::vector<Level> levels_;
     BoxTreeView view_{};
     double leaf_extent_ = 0, built_extent_ = 0; ///< sum of the leaves' edges
+    float farthest_ = 0;                        ///< largest coordinate, at least
 };
 
 /// The kernel of instruction_set().

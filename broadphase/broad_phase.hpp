@@ -34,8 +34,8 @@ public:
     virtual std::string_view name() const = 0;
 
     /// Pairs of `bodies` whose boxes, each grown by `margin` / 2 on all sides, overlap, and that `filter` allows;
-    /// sorted, each once. May hold pairs whose boxes miss each other by less than 2^-21 of the scene's extent (boxes
-    /// are compared in float, rounded outward); never lacks one.
+    /// sorted, each once. Octree and brute force may hold pairs whose boxes miss each other by less than 2^-21 of the
+    /// scene's extent (boxes are compared in float, rounded outward); none ever lacks one.
     ///
     /// @param boxes   world boxes by body, metres, closed
     /// @param bodies  which bodies take part, each once

@@ -44,7 +44,7 @@ public:
         take_in(boxes, bodies, filter, margin, threads);
         search(threads);
         allows_all_ = allows_all(filter);
-        translate(filter, threads, pairs);
+        translate(boxes, margin, filter, threads, pairs);
         sort_pairs(pairs, scratch_, filter.is_static.size(), threads);
     }
 
@@ -64,7 +64,7 @@ public:
         for (std::uint32_t body : moved) has_moved_[body] = 1;
         query(asked, threads);
         found_.clear();
-        for (const auto& worker : workers_) translate_queries(*worker, filter);
+        for (const auto& worker : workers_) translate_queries(*worker, boxes, margin, filter);
         sort_pairs(found_, scratch_, filter.is_static.size(), threads);
         // What was known of bodies that moved is out of date; both lists are sorted.
         std::erase_if(pairs, [&](BodyPair p) { return has_moved_[p.a] | has_moved_[p.b]; });
@@ -122,12 +122,15 @@ private:
         });
     }
 
-    void translate_queries(const FoundPairs& found, const BodyFilter& filter)
+    void translate_queries(const FoundPairs& found, std::span<const Aabb> boxes, double margin,
+                           const BodyFilter& filter)
     {
         for (std::size_t k = 0; k < found.size(); ++k) {
             const std::uint32_t body = found.i(k), other = tree_.body_at(found.j(k));
             if (other == body || (has_moved_[other] && other < body)) continue; // that one finds the pair
-            if (filter.allows(body, other)) found_.push_back({std::min(body, other), std::max(body, other)});
+            if (filter.allows(body, other) &&
+                overlap(tree_.place_of(body), found.j(k), boxes[body], boxes[other], margin))
+                found_.push_back({std::min(body, other), std::max(body, other)});
         }
     }
 
@@ -162,14 +165,15 @@ private:
     }
 
     /// What the threads found, as pairs of bodies, one thread's after the other.
-    void translate(const BodyFilter& filter, int threads, std::vector<BodyPair>& pairs)
+    void translate(std::span<const Aabb> boxes, double margin, const BodyFilter& filter, int threads,
+                   std::vector<BodyPair>& pairs)
     {
         starts_.assign(workers_.size() + 1, 0), counts_.assign(workers_.size(), 0);
         for (std::size_t w = 0; w < workers_.size(); ++w) starts_[w + 1] = starts_[w] + workers_[w]->size();
         pairs.resize(starts_.back());
         parallel_chunks(workers_.size(), 1, threads, [&](std::size_t first, std::size_t last, int) {
             for (std::size_t w = first; w < last; ++w)
-                counts_[w] = translate(*workers_[w], filter, pairs.data() + starts_[w]);
+                counts_[w] = translate(*workers_[w], boxes, margin, filter, pairs.data() + starts_[w]);
         });
         std::size_t end = 0;
         for (std::size_t w = 0; w < workers_.size(); ++w) {
@@ -179,13 +183,21 @@ private:
         pairs.resize(end);
     }
 
-    std::size_t translate(const FoundPairs& found, const BodyFilter& filter, BodyPair* out) const
+    /// The search compares in float, rounded outward; where that leaves a doubt, the boxes themselves decide.
+    bool overlap(std::uint32_t i, std::uint32_t j, const Aabb& a, const Aabb& b, double margin) const
+    {
+        return tree_.surely_overlap(i, j) ||
+               !(((a.min - b.max).array() > margin).any() || ((b.min - a.max).array() > margin).any());
+    }
+
+    std::size_t translate(const FoundPairs& found, std::span<const Aabb> boxes, double margin, const BodyFilter& filter,
+                          BodyPair* out) const
     {
         const BodyPair* const begin = out;
         for (std::size_t k = 0; k < found.size(); ++k) {
             const std::uint32_t a = tree_.body_at(found.i(k)), b = tree_.body_at(found.j(k));
             *out = {std::min(a, b), std::max(a, b)};
-            out += allows_all_ || filter.allows(a, b);
+            out += (allows_all_ || filter.allows(a, b)) && overlap(found.i(k), found.j(k), boxes[a], boxes[b], margin);
         }
         return static_cast<std::size_t>(out - begin);
     }

@@ -102,7 +102,7 @@ double mean(const std::vector<double>& values)
 std::string grouped(std::uint64_t value)
 {
     std::string text = fmt::format("{}", value);
-    for (int at = int(text.size()) - 3; at > 0; at -= 3) text.insert(std::size_t(at), ",");
+    for (int at = int(text.size()) - 3; at > 0; at -= 3) text.insert(std::size_t(at), 1, ',');
     return text;
 }
 
