@@ -306,22 +306,6 @@ void BoxTree::set_moving(std::span<const std::uint8_t> is_static)
     }
 }
 
-/// A coordinate is rounded by at most 2^-22 of the largest; two of them, and their comparison, by less than 2^-20.
-bool BoxTree::surely_overlap(std::uint32_t i, std::uint32_t j) const
-{
-    const float slack = farthest_ * 0x1p-20f;
-    float a[6], b[6];
-    box_at(i, a), box_at(j, b);
-    return a[0] + slack <= b[3] && b[0] + slack <= a[3] && a[1] + slack <= b[4] && b[1] + slack <= a[4] &&
-           a[2] + slack <= b[5] && b[2] + slack <= a[5];
-}
-
-void BoxTree::box_at(std::uint32_t place, float box[6]) const
-{
-    const float* p = view_.level[0].blocks + std::size_t{place / width} * box_block + place % width;
-    for (std::size_t c = 0; c < 6; ++c) box[c] = p[c * width];
-}
-
 std::size_t BoxTree::bytes() const
 {
     std::size_t sum = (order_.capacity() + places_.capacity()) * sizeof(order_[0]) + items_.capacity() * sizeof(Item);

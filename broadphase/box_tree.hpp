@@ -34,10 +34,19 @@ public:
     std::uint32_t place_of(std::uint32_t body) const { return places_[body]; }
     static constexpr std::uint32_t nobody = ~0u; ///< at places of padding
     const BoxTreeView& view() const { return view_; }
-    /// Do the boxes at two places overlap by more than rounding could account for?
-    bool surely_overlap(std::uint32_t i, std::uint32_t j) const;
-    /// The box at a place, as the search sees it.
-    void box_at(std::uint32_t place, float box[6]) const;
+    /// Do the boxes at two places overlap by more than rounding could account for? A coordinate is rounded by at most
+    /// 2^-22 of the largest; two of them, and their comparison, by less than 2^-20.
+    bool surely_overlap(std::uint32_t i, std::uint32_t j) const
+    {
+        const float slack = farthest_ * 0x1p-20f, *a = corner(i), *b = corner(j);
+        return (a[0] + slack <= b[48]) & (b[0] + slack <= a[48]) & (a[16] + slack <= b[64]) & (b[16] + slack <= a[64]) &
+               (a[32] + slack <= b[80]) & (b[32] + slack <= a[80]);
+    }
+    /// The box at a place, as the search sees it: lo x y z, hi x y z.
+    void box_at(std::uint32_t place, float box[6]) const
+    {
+        for (std::size_t c = 0; c < 6; ++c) box[c] = corner(place)[16 * c];
+    }
     std::size_t bytes() const;
 
 private:
@@ -56,6 +65,11 @@ private:
     void split(std::size_t begin, std::size_t end);
     void make_levels();
     class Taker;
+    /// The first coordinate of the box at a place; the other five follow 16 apart.
+    const float* corner(std::uint32_t place) const
+    {
+        return view_.level[0].blocks + std::size_t{place / 16} * box_block + place % 16;
+    }
     static float& coordinate(Level& level, std::uint32_t place, std::size_t c); ///< c: lo x y z, hi x y z
     void bound(int level, std::uint32_t node);
     double extent_of_leaves() const;
