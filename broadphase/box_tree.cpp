@@ -255,9 +255,14 @@ void BoxTree::refit(std::span<const Aabb> boxes, double margin, int threads)
 void BoxTree::refit_bodies(std::span<const Aabb> boxes, double margin, std::span<const std::uint32_t> bodies)
 {
     const Taker take(*this, boxes, margin);
-    for (std::uint32_t body : bodies) {
-        std::uint32_t place = places_[body];
-        take(place, body);
+    constexpr std::size_t ahead = 8;
+    for (std::size_t k = 0; k < bodies.size(); ++k) {
+        if (k + ahead < bodies.size()) {
+            const float* next = corner(places_[bodies[k + ahead]]);
+            for (std::size_t c = 0; c < 6; ++c) __builtin_prefetch(next + c * width);
+        }
+        std::uint32_t place = places_[bodies[k]];
+        take(place, bodies[k]);
         float box[6];
         box_at(place, box);
         for (float x : box) farthest_ = std::max(farthest_, std::abs(x));

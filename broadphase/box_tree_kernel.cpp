@@ -125,16 +125,36 @@ void within_node(const BoxTreeView& tree, int level, int stop, std::uint32_t nod
     for (std::uint32_t k = 0; k < found.count; ++k) between_nodes(tree, level - 1, stop, found.i[k], found.j[k], sink);
 }
 
-void around_node(const BoxTreeView& tree, int level, std::uint32_t node, const Query& query, std::uint32_t tag,
-                 PairSink& sink)
+void blocks_around_node(const BoxTreeView& tree, int level, std::uint32_t node, const Query& query, std::uint32_t tag,
+                        PairSink& sink)
 {
     unsigned found = hits(tree.level[level - 1], node, query);
-    if (level == 1) {
+    if (level == 2) {
         make_room(sink);
         return append(sink, tag, node * width, found);
     }
     for (; found; found &= found - 1)
-        around_node(tree, level - 1, node * width + static_cast<std::uint32_t>(__builtin_ctz(found)), query, tag, sink);
+        blocks_around_node(tree, level - 1, node * width + static_cast<std::uint32_t>(__builtin_ctz(found)), query, tag,
+                           sink);
+}
+
+inline Query query_at(const float box[6])
+{
+    return {{box[0], box[1], box[2]}, {box[3], box[4], box[5]}};
+}
+
+void in_blocks(const BoxTreeView& tree, const std::uint32_t* queries, const std::uint32_t* blocks, std::uint64_t count,
+               const float* boxes, PairSink& sink)
+{
+    constexpr std::uint64_t ahead = 6; // blocks on their way from memory while one is compared
+    for (std::uint64_t k = 0; k < count; ++k) {
+        if (k + ahead < count) {
+            const float* next = tree.level[0].blocks + std::size_t{blocks[k + ahead]} * box_block;
+            for (std::uint32_t line = 0; line < box_block; line += width) __builtin_prefetch(next + line);
+        }
+        make_room(sink);
+        append(sink, queries[k], blocks[k] * width, hits(tree.level[0], blocks[k], query_at(boxes + 6 * queries[k])));
+    }
 }
 
 float least(F32x8 v)
@@ -172,16 +192,18 @@ void between(const BoxTreeView& tree, int level, std::uint32_t a, std::uint32_t 
     between_nodes(tree, level, 0, a, b, sink);
 }
 
-void around(const BoxTreeView& tree, const float box[6], std::uint32_t tag, PairSink& sink)
+void blocks_around(const BoxTreeView& tree, const float box[6], std::uint32_t tag, PairSink& sink)
 {
-    around_node(tree, tree.levels, 0, {{box[0], box[1], box[2]}, {box[3], box[4], box[5]}}, tag, sink);
+    make_room(sink);
+    if (tree.levels == 1) return append(sink, tag, 0, 1); // the only block
+    blocks_around_node(tree, tree.levels, 0, query_at(box), tag, sink);
 }
 
 } // namespace
 
 BoxTreeKernel box_tree_kernel()
 {
-    return {all, within, between, around, bound};
+    return {all, within, between, blocks_around, in_blocks, bound};
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

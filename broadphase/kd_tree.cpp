@@ -64,7 +64,7 @@ public:
         for (std::uint32_t body : moved) has_moved_[body] = 1;
         query(asked, threads);
         found_.clear();
-        for (const auto& worker : workers_) translate_queries(*worker, boxes, margin, filter);
+        for (const auto& worker : workers_) translate_queries(worker->found, asked, boxes, margin, filter);
         sort_pairs(found_, scratch_, filter.is_static.size(), threads);
         // What was known of bodies that moved is out of date; both lists are sorted.
         std::erase_if(pairs, [&](BodyPair p) { return has_moved_[p.a] | has_moved_[p.b]; });
@@ -78,11 +78,15 @@ public:
     {
         std::size_t sum = tree_.bytes() + bodies_.capacity() * sizeof(bodies_[0]) + is_static_.capacity() +
                           has_moved_.capacity() + (scratch_.capacity() + found_.capacity()) * sizeof(BodyPair);
-        for (const auto& worker : workers_) sum += worker->bytes();
+        for (const auto& worker : workers_) sum += worker->found.bytes() + worker->blocks.bytes();
         return sum;
     }
 
 private:
+    struct Worker {
+        FoundPairs found, blocks;
+    };
+
     static constexpr std::size_t worth_threads = 32768; ///< bodies: fewer are done before threads have woken
 
     void take_in(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, const BodyFilter& filter,
@@ -104,29 +108,35 @@ private:
     void make_workers(int threads)
     {
         while (workers_.size() < static_cast<std::size_t>(std::max(threads, 1)))
-            workers_.push_back(std::make_unique<FoundPairs>());
-        for (const auto& worker : workers_) worker->clear();
+            workers_.push_back(std::make_unique<Worker>());
+        for (const auto& worker : workers_) worker->found.clear();
     }
 
-    /// Places around each of these bodies, with the body as tag.
+    /// Places around each of these bodies, as pairs (number of the body in the list, place). First the blocks that they
+    /// lie in, then these: so that many blocks can be on their way from memory at a time.
     void query(std::span<const std::uint32_t> bodies, int threads)
     {
         make_workers(threads);
+        queries_.resize(6 * bodies.size());
         parallel_chunks(bodies.size(), 256, threads, [&](std::size_t begin, std::size_t end, int thread) {
-            PairSink& sink = workers_[static_cast<std::size_t>(thread)]->sink();
+            Worker& worker = *workers_[static_cast<std::size_t>(thread)];
+            worker.blocks.clear();
             for (std::size_t i = begin; i < end; ++i) {
-                float box[6];
-                tree_.box_at(tree_.place_of(bodies[i]), box);
-                box_tree_kernel().around(tree_.view(), box, bodies[i], sink);
+                tree_.box_at(tree_.place_of(bodies[i]), &queries_[6 * i]);
+                box_tree_kernel().blocks_around(tree_.view(), &queries_[6 * i], static_cast<std::uint32_t>(i),
+                                                worker.blocks.sink());
             }
+            const PairSink& blocks = worker.blocks.sink();
+            box_tree_kernel().in_blocks(tree_.view(), blocks.i, blocks.j, blocks.count, queries_.data(),
+                                        worker.found.sink());
         });
     }
 
-    void translate_queries(const FoundPairs& found, std::span<const Aabb> boxes, double margin,
-                           const BodyFilter& filter)
+    void translate_queries(const FoundPairs& found, std::span<const std::uint32_t> bodies, std::span<const Aabb> boxes,
+                           double margin, const BodyFilter& filter)
     {
         for (std::size_t k = 0; k < found.size(); ++k) {
-            const std::uint32_t body = found.i(k), other = tree_.body_at(found.j(k));
+            const std::uint32_t body = bodies[found.i(k)], other = tree_.body_at(found.j(k));
             if (other == body || (has_moved_[other] && other < body)) continue; // that one finds the pair
             if (filter.allows(body, other) &&
                 overlap(tree_.place_of(body), found.j(k), boxes[body], boxes[other], margin))
@@ -138,7 +148,7 @@ private:
     {
         make_workers(threads);
         const BoxTreeView& view = tree_.view();
-        if (threads <= 1 || view.levels < 3) return box_tree_kernel().all(view, 0, workers_[0]->sink());
+        if (threads <= 1 || view.levels < 3) return box_tree_kernel().all(view, 0, workers_[0]->found.sink());
 
         // Nodes two levels up, and the pairs of them that overlap, are the threads' tasks.
         constexpr int level = 2;
@@ -146,7 +156,7 @@ private:
         box_tree_kernel().all(view, level, tasks_.sink());
         const std::size_t nodes = view.level[level].count, all = nodes + tasks_.size();
         parallel_chunks(all, 16, threads, [&](std::size_t begin, std::size_t end, int thread) {
-            PairSink& sink = workers_[static_cast<std::size_t>(thread)]->sink();
+            PairSink& sink = workers_[static_cast<std::size_t>(thread)]->found.sink();
             for (std::size_t i = begin; i < end; ++i)
                 if (i < nodes)
                     box_tree_kernel().within(view, level, static_cast<std::uint32_t>(i), sink);
@@ -169,11 +179,11 @@ private:
                    std::vector<BodyPair>& pairs)
     {
         starts_.assign(workers_.size() + 1, 0), counts_.assign(workers_.size(), 0);
-        for (std::size_t w = 0; w < workers_.size(); ++w) starts_[w + 1] = starts_[w] + workers_[w]->size();
+        for (std::size_t w = 0; w < workers_.size(); ++w) starts_[w + 1] = starts_[w] + workers_[w]->found.size();
         pairs.resize(starts_.back());
         parallel_chunks(workers_.size(), 1, threads, [&](std::size_t first, std::size_t last, int) {
             for (std::size_t w = first; w < last; ++w)
-                counts_[w] = translate(*workers_[w], boxes, margin, filter, pairs.data() + starts_[w]);
+                counts_[w] = translate(workers_[w]->found, boxes, margin, filter, pairs.data() + starts_[w]);
         });
         std::size_t end = 0;
         for (std::size_t w = 0; w < workers_.size(); ++w) {
@@ -208,7 +218,8 @@ private:
     std::vector<std::uint8_t> has_moved_; ///< by body, all 0 between calls
     std::vector<BodyPair> found_;         ///< of bodies that moved
     bool allows_all_ = false;
-    std::vector<std::unique_ptr<FoundPairs>> workers_;
+    std::vector<std::unique_ptr<Worker>> workers_;
+    std::vector<float> queries_; ///< 6 a body that is asked for
     FoundPairs tasks_;
     std::vector<std::size_t> starts_, counts_; ///< of the workers' pairs
     std::vector<BodyPair> scratch_;
