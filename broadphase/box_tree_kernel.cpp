@@ -32,13 +32,23 @@ inline unsigned hits(const BoxLevelView& level, std::uint32_t block, const Query
     };
     // Two chains, so that one comparison need not wait for all before it.
     return static_cast<__mmask16>(low(0, low(1, low(2, 0xffff))) & high(0, high(1, high(2, 0xffff))));
-#else
+#elif defined(__AVX2__)
     const auto half = [&](const float* v) {
         return bits((load(v) <= splat(q.hi[0])) & (load(v + 48) >= splat(q.lo[0])) & (load(v + 16) <= splat(q.hi[1])) &
                     (load(v + 64) >= splat(q.lo[1])) & (load(v + 32) <= splat(q.hi[2])) &
                     (load(v + 80) >= splat(q.lo[2])));
     };
     return half(p) | half(p + 8) << 8;
+#else
+    const auto quarter = [&](const float* v) {
+        const auto low = [&](int axis) { return _mm_cmple_ps(_mm_loadu_ps(v + 16 * axis), _mm_set1_ps(q.hi[axis])); };
+        const auto high = [&](int axis) {
+            return _mm_cmpge_ps(_mm_loadu_ps(v + 48 + 16 * axis), _mm_set1_ps(q.lo[axis]));
+        };
+        return static_cast<unsigned>(_mm_movemask_ps(_mm_and_ps(
+            _mm_and_ps(_mm_and_ps(low(0), high(0)), _mm_and_ps(low(1), high(1))), _mm_and_ps(low(2), high(2)))));
+    };
+    return quarter(p) | quarter(p + 4) << 4 | quarter(p + 8) << 8 | quarter(p + 12) << 12;
 #endif
 }
 
