@@ -193,6 +193,32 @@ TEST(KdTree, FindsThePairsOfBoxesOfEverySizeTogether)
     EXPECT_EQ(pairs, expected);
 }
 
+TEST(KdTree, CountsATouchingGridAndAGiantFarFromTheOrigin)
+{
+    constexpr int side = 30;
+    Boxes scene;
+    const Eigen::Vector3d at(1e8, -1e8, 3e7);
+    for (int x = 0; x < side; ++x)
+        for (int y = 0; y < side; ++y)
+            for (int z = 0; z < side; ++z) {
+                const Eigen::Vector3d corner = at + Eigen::Vector3d(x, y, z);
+                scene.add(corner, corner.array() + 1);
+            }
+    // Each box touches the 26 around it: (3 side - 2)^3 ordered pairs of neighbours, themselves included.
+    constexpr std::size_t boxes = side * side * side,
+                          neighbours = std::size_t{3 * side - 2} * (3 * side - 2) * (3 * side - 2);
+    std::vector<BodyPair> pairs;
+    const auto kd = make_kd_tree();
+    kd->find_pairs(scene.boxes, scene.all, scene.filter(), 0, 1, pairs);
+    EXPECT_EQ(pairs.size(), (neighbours - boxes) / 2);
+    scene.add(at.array() - 1e6, at.array() + 1e6);
+    kd->find_pairs(scene.boxes, scene.all, scene.filter(), 0, 1, pairs);
+    EXPECT_EQ(pairs.size(), (neighbours - boxes) / 2 + boxes);
+    for (Aabb& box : scene.boxes) box.max.array() -= 1e-3; // nothing touches any more, but for the giant
+    kd->find_pairs(scene.boxes, scene.all, scene.filter(), 0, 1, pairs);
+    EXPECT_EQ(pairs.size(), boxes);
+}
+
 TEST(KdTree, GivesTheSameListOnManyThreads)
 {
     Boxes scene = random_boxes(60000, 70, 0.3, 19, {0, 0, 0});
