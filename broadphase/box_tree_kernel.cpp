@@ -100,9 +100,16 @@ inline void expand(const BoxTreeView& tree, int level, std::uint32_t a, std::uin
     }
 }
 
+/// May some body below node a of a level collide with one below node b?
+inline bool layers_meet(const BoxLevelView& level, std::uint32_t a, std::uint32_t b)
+{
+    return !level.layers || ((level.layers[a] & level.masks[b]) && (level.layers[b] & level.masks[a]));
+}
+
 /// Pairs of boxes of level `stop`, one below node a and one below node b of level `level` > stop.
 void between_nodes(const BoxTreeView& tree, int level, int stop, std::uint32_t a, std::uint32_t b, PairSink& sink)
 {
+    if (!layers_meet(tree.level[level], a, b)) return;
     if (level - 1 == stop) return expand(tree, level, a, b, sink);
     Found found;
     expand(tree, level, a, b, found);
@@ -126,6 +133,7 @@ inline void expand_within(const BoxLevelView& below, std::uint32_t node, List& l
 
 void within_node(const BoxTreeView& tree, int level, int stop, std::uint32_t node, PairSink& sink)
 {
+    if (level < tree.levels && !layers_meet(tree.level[level], node, node)) return;
     const BoxLevelView& below = tree.level[level - 1];
     if (level - 1 == stop) return expand_within(below, node, sink);
     for (unsigned moving = below.moving[node]; moving; moving &= moving - 1)
@@ -135,35 +143,22 @@ void within_node(const BoxTreeView& tree, int level, int stop, std::uint32_t nod
     for (std::uint32_t k = 0; k < found.count; ++k) between_nodes(tree, level - 1, stop, found.i[k], found.j[k], sink);
 }
 
-void blocks_around_node(const BoxTreeView& tree, int level, std::uint32_t node, const Query& query, std::uint32_t tag,
-                        PairSink& sink)
-{
-    unsigned found = hits(tree.level[level - 1], node, query);
-    if (level == 2) {
-        make_room(sink);
-        return append(sink, tag, node * width, found);
-    }
-    for (; found; found &= found - 1)
-        blocks_around_node(tree, level - 1, node * width + static_cast<std::uint32_t>(__builtin_ctz(found)), query, tag,
-                           sink);
-}
-
 inline Query query_at(const float box[6])
 {
     return {{box[0], box[1], box[2]}, {box[3], box[4], box[5]}};
 }
 
-void in_blocks(const BoxTreeView& tree, const std::uint32_t* queries, const std::uint32_t* blocks, std::uint64_t count,
-               const float* boxes, PairSink& sink)
+void in_blocks(const BoxLevelView& level, const std::uint32_t* queries, const std::uint32_t* blocks,
+               std::uint64_t count, const float* boxes, PairSink& sink)
 {
-    constexpr std::uint64_t ahead = 6; // blocks on their way from memory while one is compared
+    constexpr std::uint64_t ahead = 3; // blocks on their way from memory while one is compared
     for (std::uint64_t k = 0; k < count; ++k) {
         if (k + ahead < count) {
-            const float* next = tree.level[0].blocks + std::size_t{blocks[k + ahead]} * box_block;
+            const float* next = level.blocks + std::size_t{blocks[k + ahead]} * box_block;
             for (std::uint32_t line = 0; line < box_block; line += width) __builtin_prefetch(next + line);
         }
         make_room(sink);
-        append(sink, queries[k], blocks[k] * width, hits(tree.level[0], blocks[k], query_at(boxes + 6 * queries[k])));
+        append(sink, queries[k], blocks[k] * width, hits(level, blocks[k], query_at(boxes + 6 * queries[k])));
     }
 }
 
@@ -202,18 +197,11 @@ void between(const BoxTreeView& tree, int level, std::uint32_t a, std::uint32_t 
     between_nodes(tree, level, 0, a, b, sink);
 }
 
-void blocks_around(const BoxTreeView& tree, const float box[6], std::uint32_t tag, PairSink& sink)
-{
-    make_room(sink);
-    if (tree.levels == 1) return append(sink, tag, 0, 1); // the only block
-    blocks_around_node(tree, tree.levels, 0, query_at(box), tag, sink);
-}
-
 } // namespace
 
 BoxTreeKernel box_tree_kernel()
 {
-    return {all, within, between, blocks_around, in_blocks, bound};
+    return {all, within, between, in_blocks, bound};
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

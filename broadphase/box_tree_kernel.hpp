@@ -11,6 +11,8 @@ struct BoxLevelView {
     const float* blocks;
     std::uint32_t count;         ///< boxes, padding not counted
     const std::uint16_t* moving; ///< by block: which of its boxes are or hold moving ones
+    const std::uint32_t* layers; ///< by box, above level 0: of all bodies below, or-ed; null: they need not be asked
+    const std::uint32_t* masks;
 };
 constexpr std::uint32_t box_block = 96;
 
@@ -37,10 +39,9 @@ struct BoxTreeKernel {
     void (*within)(const BoxTreeView& tree, int level, std::uint32_t node, PairSink& sink);
     /// Of level 0, one below node `a` and one below node `b` of level `level`; level 0: the two themselves.
     void (*between)(const BoxTreeView& tree, int level, std::uint32_t a, std::uint32_t b, PairSink& sink);
-    /// Blocks of level 0 whose bounds overlap `box` (lo x y z, hi x y z), as pairs (tag, block).
-    void (*blocks_around)(const BoxTreeView& tree, const float box[6], std::uint32_t tag, PairSink& sink);
-    /// Of `count` pairs (query, block): the places in the block that overlap boxes[6 * query], as pairs (query, place).
-    void (*in_blocks)(const BoxTreeView& tree, const std::uint32_t* queries, const std::uint32_t* blocks,
+    /// Of `count` pairs (query, block): the boxes of the block that overlap boxes[6 * query] (lo x y z, hi x y z), as
+    /// pairs (query, number in the level).
+    void (*in_blocks)(const BoxLevelView& level, const std::uint32_t* queries, const std::uint32_t* blocks,
                       std::uint64_t count, const float* boxes, PairSink& sink);
     /// The box around the 16 of a node: lo x y z, hi x y z.
     void (*bound)(const BoxLevelView& below, std::uint32_t node, float box[6]);

@@ -12,4 +12,12 @@ InstructionSet instruction_set();
 
 std::string_view name_of(InstructionSet set);
 
+/// Of three builds of one kernel, the one of instruction_set().
+template <class Kernel>
+Kernel choose(Kernel baseline, Kernel avx2, Kernel avx512)
+{
+    const Kernel kernels[] = {baseline, avx2, avx512};
+    return kernels[static_cast<int>(instruction_set())];
+}
+
 } // namespace oncollide

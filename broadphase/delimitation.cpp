@@ -1,165 +1,170 @@
 #include <oncollide/broadphase/delimitation.hpp>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
+#include <chrono>
+#include <numeric>
+#include <utility>
+
+#include <oncollide/scenes/parallel.hpp>
 
 namespace oncollide {
 
 namespace {
 
-constexpr std::size_t leaf_bodies = 16;
-constexpr int deepest = 20;
+using Clock = std::chrono::steady_clock;
+constexpr std::size_t width = 16; // children a node
+constexpr std::size_t boxes_worth_threads = 4096;
 
-/// Where to cut, and how many bodies the cut leaves on both sides.
-struct Cut {
-    int axis = -1;
-    double plane = 0;
-    double cost = std::numeric_limits<double>::infinity();
-};
+double ms_since(Clock::time_point from)
+{
+    return std::chrono::duration<double, std::milli>(Clock::now() - from).count();
+}
 
 } // namespace
 
-std::string_view Delimitation::reason_to_skip(const BodyFilter& filter)
+void Delimitation::clear()
 {
-    const std::size_t n = filter.is_static.size();
-    if (n < 64) return "fewer than 64 bodies";
-    const auto statics = static_cast<std::size_t>(std::count(filter.is_static.begin(), filter.is_static.end(), 1));
-    if (statics * 4 < n * 3) return "over a quarter of the bodies may move";
-    return {};
+    boxes_.clear(), layers_.clear(), masks_.clear(), levels_.clear();
+    bodies_left_ = 0;
 }
 
-void Delimitation::split(std::uint32_t region, std::vector<std::uint32_t>& bodies, const Aabb& space, int depth,
-                         std::span<const Aabb> boxes, const BodyFilter& filter, double margin)
+void Delimitation::ask(const float box[6], std::uint32_t layers, std::uint32_t mask)
 {
-    Region made;
-    made.volume = space.volume();
-    for (std::uint32_t body : bodies)
-        if (filter.is_static[body]) {
-            ++made.statics, made.layers |= filter.layers[body], made.masks |= filter.masks[body];
-        }
+    boxes_.insert(boxes_.end(), box, box + 6);
+    layers_.push_back(layers), masks_.push_back(mask);
+}
 
-    // The plane through a body's low face that balances best and cuts least. Faces are sampled at the 1/16 quantiles.
-    Cut best;
-    if (bodies.size() > leaf_bodies && depth < deepest) {
-        for (int axis = 0; axis < 3; ++axis) {
-            ends_.clear();
-            for (std::uint32_t body : bodies) ends_.push_back(boxes[body].min[axis] - 0.5 * margin);
-            std::sort(ends_.begin(), ends_.end());
-            for (int k = 4; k <= 12; ++k) {
-                const double face = ends_[ends_.size() * static_cast<std::size_t>(k) / 16];
-                const double plane = std::nextafter(face, -std::numeric_limits<double>::infinity());
-                double low = 0, high = 0;
-                for (std::uint32_t body : bodies) {
-                    low += boxes[body].min[axis] - 0.5 * margin <= plane;
-                    high += boxes[body].max[axis] + 0.5 * margin >= plane;
-                }
-                const double n = static_cast<double>(bodies.size());
-                const double cost = low * low + high * high;
-                if (cost < best.cost && low < n && high < n && low + high < 1.5 * n) best = {axis, plane, cost};
+/// From nodes of the level above, as blocks, to those of `level` that the boxes reach.
+void Delimitation::descend(const BoxTree& tree, int level, FoundPairs& from, FoundPairs& to) const
+{
+    to.clear();
+    const PairSink& sink = from.sink();
+    box_tree_kernel().in_blocks(tree.view().level[level], sink.i, sink.j, sink.count, boxes_.data(), to.sink());
+}
+
+void Delimitation::drop_forbidden(const BoxLevelView& level, PairSink& found) const
+{
+    std::uint64_t kept = 0;
+    for (std::uint64_t k = 0; k < found.count; ++k) {
+        const std::uint32_t box = found.i[k], node = found.j[k];
+        found.i[kept] = box, found.j[kept] = node;
+        kept += (layers_[box] & level.masks[node]) && (level.layers[node] & masks_[box]);
+    }
+    found.count = kept;
+}
+
+void Delimitation::run(const BoxTree& tree, bool layers, int threads)
+{
+    const auto begin = Clock::now();
+    const std::size_t workers = layers_.size() < boxes_worth_threads ? 1 : static_cast<std::size_t>(threads);
+    while (reached_.size() < workers)
+        reached_.push_back(std::make_unique<FoundPairs>()), next_.push_back(std::make_unique<FoundPairs>());
+    for (const auto& list : reached_) list->clear();
+    for (const auto& list : next_) list->clear();
+    const int top = tree.view().levels - 1;
+    levels_.assign(static_cast<std::size_t>(std::max(top, 0)) + 1, {});
+    if (tree.empty()) return;
+
+    const auto each_worker = [&](auto&& work) {
+        parallel_chunks(workers, 1, threads, [&](std::size_t first, std::size_t last, int) {
+            for (std::size_t w = first; w < last; ++w) work(w);
+        });
+    };
+    each_worker([&](std::size_t w) { reached_[w]->assign_all(share(w, workers), share(w + 1, workers), 0); });
+    levels_[0].ms = ms_since(begin);
+    for (int level = top; level > 0; --level) {
+        const auto from = Clock::now();
+        each_worker([&](std::size_t w) {
+            descend(tree, level, *reached_[w], *next_[w]);
+            if (layers && tree.view().level[level].layers) drop_forbidden(tree.view().level[level], next_[w]->sink());
+        });
+        reached_.swap(next_);
+        levels_[static_cast<std::size_t>(top - level) + 1].ms = ms_since(from);
+    }
+    const auto from = Clock::now();
+    mark(tree);
+    count_rejected(tree);
+    levels_[0].ms += ms_since(from);
+}
+
+std::span<const std::unique_ptr<FoundPairs>> Delimitation::compare(const BoxTree& tree, int threads)
+{
+    if (!tree.empty())
+        parallel_chunks(reached_.size(), 1, threads, [&](std::size_t first, std::size_t last, int) {
+            for (std::size_t w = first; w < last; ++w) descend(tree, 0, *reached_[w], *next_[w]);
+        });
+    return next_;
+}
+
+/// A node is left if a leaf region below it is reached.
+void Delimitation::mark(const BoxTree& tree)
+{
+    const auto levels = static_cast<std::size_t>(tree.view().levels);
+    is_left_.resize(levels + 1), left_.resize(levels + 1);
+    for (std::size_t level = 1; level <= levels; ++level) {
+        for (std::uint32_t node : left_[level])
+            if (node < is_left_[level].size()) is_left_[level][node] = 0;
+        left_[level].clear();
+        is_left_[level].resize(level == levels ? 1 : tree.view().level[level].count, 0);
+    }
+    for (const auto& reached : reached_)
+        for (std::size_t k = 0; k < reached->size(); ++k) {
+            std::uint32_t node = reached->j(k);
+            for (std::size_t level = 1; level <= levels && !std::exchange(is_left_[level][node], 1); ++level) {
+                left_[level].push_back(node);
+                node /= width;
             }
         }
-    }
-    if (best.axis < 0) {
-        made.first = static_cast<std::uint32_t>(static_bodies_.size());
-        for (std::uint32_t body : bodies)
-            if (filter.is_static[body]) static_bodies_.push_back(body);
-        made.count = static_cast<std::uint32_t>(static_bodies_.size()) - made.first;
-        regions_[region] = made;
-        return;
-    }
-    made.axis = best.axis, made.plane = best.plane;
-    made.children = static_cast<std::uint32_t>(regions_.size());
-    regions_.resize(regions_.size() + 2);
-    regions_[region] = made;
-    for (int side = 0; side < 2; ++side) {
-        std::vector<std::uint32_t> part;
-        for (std::uint32_t body : bodies)
-            if (side == 0 ? boxes[body].min[best.axis] - 0.5 * margin <= best.plane
-                          : boxes[body].max[best.axis] + 0.5 * margin >= best.plane)
-                part.push_back(body);
-        Aabb half = space;
-        (side == 0 ? half.max : half.min)[best.axis] = best.plane;
-        split(made.children + static_cast<std::uint32_t>(side), part, half, depth + 1, boxes, filter, margin);
-    }
 }
 
-void Delimitation::build(std::span<const Aabb> boxes, const BodyFilter& filter, double margin)
+void Delimitation::count_rejected(const BoxTree& tree)
 {
-    regions_.assign(1, {});
-    static_bodies_.clear();
-    std::vector<std::uint32_t> all(boxes.size());
-    Aabb space;
-    mover_list_.clear();
-    for (std::uint32_t body = 0; body < all.size(); ++body) {
-        all[body] = body;
-        space.add(boxes[body]);
-        if (!filter.is_static[body]) mover_list_.push_back(body);
-    }
-    split(0, all, space, 0, boxes, filter, margin);
-    const double whole = regions_[0].volume;
-    for (Region& region : regions_) region.volume = whole > 0 ? region.volume / whole : 0;
-    survives_.assign(boxes.size(), 0);
-    built_ = true;
-    placed_when_built_ = 0;
-}
-
-void Delimitation::visit(std::uint32_t index, std::size_t level, std::size_t first_mover, std::span<const Aabb> boxes,
-                         const BodyFilter& filter, double half_margin, std::vector<std::uint32_t>& survivors)
-{
-    const Region& region = regions_[index];
-    const std::size_t last = movers_.size(), count = last - first_mover;
-    if (levels_.size() <= level) levels_.resize(level + 1);
-    ++levels_[level].regions;
-
-    std::uint32_t mover_layers = 0, mover_masks = 0;
-    for (std::size_t i = first_mover; i < last; ++i)
-        mover_layers |= filter.layers[movers_[i]], mover_masks |= filter.masks[movers_[i]];
-    // A mover alone has only the static bodies to meet.
-    const std::uint32_t other_layers = region.layers | (count > 1 ? mover_layers : 0);
-    const std::uint32_t other_masks = region.masks | (count > 1 ? mover_masks : 0);
-    const bool layers_meet = (other_layers & mover_masks) && (mover_layers & other_masks);
-    if (count == 0 || count + region.statics < 2 || !layers_meet) {
-        ++levels_[level].regions_rejected;
-        levels_[level].bodies_rejected += count + region.statics;
-        levels_[level].volume_rejected += region.volume;
+    const int top = tree.view().levels; // the whole scene is its only node
+    const auto at = [](int level) { return static_cast<std::size_t>(level); };
+    const auto level_of = [&](int level) -> DelimitationLevel& { return levels_[at(top - level)]; };
+    level_of(top).regions = 1;
+    if (left_[at(top)].empty()) {
+        level_of(top).regions_rejected = 1, level_of(top).volume_rejected = 1;
+        level_of(top).bodies_rejected = tree.bodies();
         return;
     }
-    const auto keep = [&](std::uint32_t body) {
-        if (!survives_[body]) survives_[body] = 1, survivors.push_back(body);
-    };
-    if (region.axis < 0) {
-        placed_ += count;
-        for (std::uint32_t i = 0; i < region.count; ++i) keep(static_bodies_[region.first + i]);
-        for (std::size_t i = first_mover; i < last; ++i) keep(movers_[i]);
-        return;
+    std::uint64_t bodies = tree.bodies(); // in the regions that are left one level up
+    for (int level = top - 1; level > 0; --level) {
+        DelimitationLevel& counts = level_of(level);
+        const std::uint32_t nodes = tree.view().level[level].count;
+        for (std::uint32_t parent : left_[at(level + 1)])
+            counts.regions += std::min<std::uint64_t>(width, nodes - parent * width);
+        counts.regions_rejected = counts.regions - left_[at(level)].size();
+        counts.bodies_rejected = bodies;
+        bodies = 0;
+        double volume = 0;
+        for (std::uint32_t node : left_[at(level)])
+            bodies += tree.bodies_below(level, node), volume += tree.volume(level, node);
+        counts.bodies_rejected -= bodies;
+        counts.volume_rejected = tree.volume(level) > 0 ? std::max(0.0, 1 - volume / tree.volume(level)) : 0;
     }
-    for (int side = 0; side < 2; ++side) {
-        for (std::size_t i = first_mover; i < last; ++i) {
-            const Aabb& box = boxes[movers_[i]];
-            if (side == 0 ? box.min[region.axis] - half_margin <= region.plane
-                          : box.max[region.axis] + half_margin >= region.plane)
-                movers_.push_back(movers_[i]);
-        }
-        visit(region.children + static_cast<std::uint32_t>(side), level + 1, last, boxes, filter, half_margin,
-              survivors);
-        movers_.resize(last);
-    }
+    bodies_left_ = bodies;
 }
 
-void Delimitation::run(std::span<const Aabb> boxes, const BodyFilter& filter, double margin,
-                       std::vector<std::uint32_t>& survivors)
+void Delimitation::survivors(const BoxTree& tree, std::vector<std::uint32_t>& bodies) const
 {
-    // Movers that gathered make leaves long; a fresh hierarchy tells them apart again.
-    if (!built_ || (placed_when_built_ && placed_ > 2 * placed_when_built_ + 64)) build(boxes, filter, margin);
-    survivors.clear();
-    levels_.clear();
-    placed_ = 0;
-    movers_ = mover_list_;
-    visit(0, 0, 0, boxes, filter, 0.5 * margin, survivors);
-    if (!placed_when_built_) placed_when_built_ = std::max<std::uint64_t>(placed_, 1);
-    std::sort(survivors.begin(), survivors.end());
-    for (std::uint32_t body : survivors) survives_[body] = 0;
+    bodies.clear();
+    if (left_.size() < 2) return;
+    for (std::uint32_t leaf : left_[1])
+        for (std::uint32_t place = leaf * width; place < std::min<std::size_t>(tree.size(), (leaf + 1) * width);
+             ++place)
+            if (tree.body_at(place) != nobody) bodies.push_back(tree.body_at(place));
+    std::sort(bodies.begin(), bodies.end());
+}
+
+std::size_t Delimitation::bytes() const
+{
+    std::size_t sum = boxes_.capacity() * sizeof(float) + (layers_.capacity() + masks_.capacity()) * sizeof(layers_[0]);
+    for (const auto& list : reached_) sum += list->bytes();
+    for (const auto& list : next_) sum += list->bytes();
+    for (const auto& list : left_) sum += list.capacity() * sizeof(list[0]);
+    for (const auto& list : is_left_) sum += list.capacity();
+    return sum;
 }
 
 } // namespace oncollide

@@ -11,16 +11,7 @@ namespace oncollide {
 
 const BoxKernel& box_kernel()
 {
-    static const BoxKernel kernel = [] {
-        switch (instruction_set()) {
-        case InstructionSet::avx512:
-            return avx512::box_kernel();
-        case InstructionSet::avx2:
-            return avx2::box_kernel();
-        default:
-            return baseline::box_kernel();
-        }
-    }();
+    static const BoxKernel kernel = choose(baseline::box_kernel(), avx2::box_kernel(), avx512::box_kernel());
     return kernel;
 }
 

@@ -7,22 +7,6 @@
 
 namespace oncollide {
 
-namespace {
-
-OctantTest* octant_test_for(InstructionSet set)
-{
-    switch (set) {
-    case InstructionSet::avx512:
-        return avx512::octant_test();
-    case InstructionSet::avx2:
-        return avx2::octant_test();
-    default:
-        return baseline::octant_test();
-    }
-}
-
-} // namespace
-
 void ListedSurfaces::attach(std::uint32_t tree, Surface surface)
 {
     if (trees_.size() <= tree) trees_.resize(tree + 1);
@@ -46,7 +30,7 @@ void ListedSurfaces::find(std::span<const OctantRow> rows, const Find& how, int 
 
 ListedSurfaces::Found ListedSurfaces::test(const OctantRow& row, const Find& how, std::uint32_t worker_index)
 {
-    static OctantTest* const octant_test = octant_test_for(instruction_set());
+    static OctantTest* const octant_test = choose(baseline::octant_test(), avx2::octant_test(), avx512::octant_test());
     const Surface& surface = trees_[row.tree]->surface;
     OctantCell cell = octant_cell(surface.root, row.cell);
     cell.slack += how.inflation * *std::max_element(cell.half, cell.half + 3);

@@ -14,17 +14,8 @@ namespace {
 
 const WalkKernel& kernel()
 {
-    static const WalkKernel chosen = [] {
-        switch (instruction_set()) {
-        case InstructionSet::avx512:
-            return avx512::walk_kernel();
-        case InstructionSet::avx2:
-            return avx2::walk_kernel();
-        default:
-            return baseline::walk_kernel();
-        }
-    }();
-    return chosen;
+    static const WalkKernel kernel = choose(baseline::walk_kernel(), avx2::walk_kernel(), avx512::walk_kernel());
+    return kernel;
 }
 
 // Squares below this would leave float's normal range; 1e-18 m in distance.

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include <oncollide/broadphase/broad_phase.hpp>
-#include <oncollide/broadphase/delimitation.hpp>
 #include <oncollide/narrowphase/walk.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
 #include <oncollide/pipeline/settings.hpp>
@@ -25,7 +24,8 @@ struct Frame {
     int threads = 1;
 
     std::vector<Aabb> boxes;                     ///< by body; world, metres
-    std::vector<std::uint32_t> survivors;        ///< bodies that may collide, ascending
+    bool delimited = false;                      ///< what survives is in the tree that the stages share
+    std::vector<std::uint32_t> survivors;        ///< bodies that may collide, ascending; unless the tree has them
     std::vector<DelimitationLevel> delimitation; ///< by level; empty when skipped
     std::vector<BodyPair> pairs;                 ///< candidates, sorted
     std::vector<PairResult> results;             ///< one a pair, in the same order

@@ -95,6 +95,7 @@ struct Pipeline::Impl {
     std::vector<StageStats> stats, totals;
     std::size_t bodies = 0;
     std::vector<std::uint32_t> moving;
+    std::unique_ptr<DynamicTree> boxes;
     std::unique_ptr<Forest> forest;
     std::string backend_note;
     std::uint64_t hash = 0;
@@ -133,9 +134,11 @@ Pipeline::Pipeline(const Scene& scene, const Settings& settings, std::unique_ptr
 
     if (!backend) backend = make_backend(settings, p.backend_note);
     p.forest = std::make_unique<Forest>(scene, p.settings, std::move(backend));
+    p.boxes = std::make_unique<DynamicTree>(
+        DynamicTree::Options{.margin = settings.clearance, .threads = p.frame.threads});
     p.stages.push_back(make_bounds_stage(scene));
-    p.stages.push_back(make_delimitation_stage());
-    p.stages.push_back(make_broad_stage(scene, settings.broad_phase));
+    p.stages.push_back(make_delimitation_stage(scene, p.settings, *p.boxes));
+    p.stages.push_back(make_broad_stage(scene, settings.broad_phase, *p.boxes));
     p.stages.push_back(make_ocst_stage(scene, p.settings, *p.forest));
     p.stages.push_back(make_exact_stage(scene, p.settings, *p.forest));
     p.asked_to_skip.assign(p.stages.size(), 0);

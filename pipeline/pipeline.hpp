@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include <oncollide/broadphase/delimitation.hpp>
+#include <oncollide/broadphase/broad_phase.hpp>
 #include <oncollide/narrowphase/occlusion_backend.hpp>
 #include <oncollide/narrowphase/verdict.hpp>
 #include <oncollide/pipeline/settings.hpp>

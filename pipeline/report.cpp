@@ -96,6 +96,7 @@ void Report::add(const FrameView& frame)
         delimitation_[level].regions_rejected += frame.delimitation[level].regions_rejected;
         delimitation_[level].bodies_rejected += frame.delimitation[level].bodies_rejected;
         delimitation_[level].volume_rejected += frame.delimitation[level].volume_rejected;
+        delimitation_[level].ms += frame.delimitation[level].ms;
     }
     frames_.push_back(row);
 }
@@ -177,9 +178,9 @@ void Report::print_stages(OutputFile& file) const
     for (std::size_t level = 0; level < delimitation_.size(); ++level) {
         const DelimitationLevel& d = delimitation_[level];
         file.print("{}\n  {{\"level\": {}, \"regions\": {}, \"regions_rejected\": {}, \"bodies_rejected\": {}, "
-                   "\"volume_rejected\": {}}}",
+                   "\"volume_rejected\": {}, \"ms\": {:.4f}}}",
                    std::exchange(comma, ","), level, d.regions, d.regions_rejected, d.bodies_rejected,
-                   number(d.volume_rejected / double(frames_.size())));
+                   number(d.volume_rejected / double(frames_.size())), d.ms);
     }
 }
 

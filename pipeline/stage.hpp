@@ -2,6 +2,7 @@
 #include <memory>
 #include <string_view>
 
+#include <oncollide/broadphase/dynamic_tree.hpp>
 #include <oncollide/pipeline/forest.hpp>
 #include <oncollide/pipeline/frame.hpp>
 
@@ -25,8 +26,9 @@ public:
 };
 
 std::unique_ptr<Stage> make_bounds_stage(const Scene& scene);
-std::unique_ptr<Stage> make_delimitation_stage();
-std::unique_ptr<Stage> make_broad_stage(const Scene& scene, BroadPhaseKind kind);
+/// Both keep a reference to `tree`: the kd-tree goes on with what delimitation left in it.
+std::unique_ptr<Stage> make_delimitation_stage(const Scene& scene, const Settings& settings, DynamicTree& tree);
+std::unique_ptr<Stage> make_broad_stage(const Scene& scene, BroadPhaseKind kind, DynamicTree& tree);
 /// Both keep a reference to `forest`; the exact stage reads the leaves that the ocst stage found.
 std::unique_ptr<Stage> make_ocst_stage(const Scene& scene, const Settings& settings, Forest& forest);
 std::unique_ptr<Stage> make_exact_stage(const Scene& scene, const Settings& settings, Forest& forest);

@@ -83,9 +83,10 @@ void add_broad(CLI::App& bench, Command& command)
 {
     CLI::App* sub = bench.add_subcommand("broad", "The broad phase alone, on boxes, beside those of other libraries");
     auto options = std::make_shared<BroadOptions>();
-    sub->add_option("--scene", options->scene,
-                    "scenes, or one recording: brown (default), large, mixed, flat, clustered, static, and "
-                    "freefall, brownian, gravity with -cubes or -assorted")
+    sub->add_option(
+           "--scene", options->scene,
+           "scenes, or one recording: brown (default), large, mixed, flat, clustered, static, giant, jump, and "
+           "freefall, brownian, gravity with -cubes or -assorted")
         ->type_name("LIST|FILE.aabbs");
     sub->add_option("--sizes", options->sizes, "numbers of boxes, like 2500,10k,1M (default 1k,10k,100k)")
         ->type_name("LIST");
@@ -94,7 +95,9 @@ void add_broad(CLI::App& bench, Command& command)
     sub->add_option("--threads", options->threads, "numbers of threads (default 1)")->type_name("LIST");
     sub->add_option("--only", options->only, "these contenders alone")->type_name("LIST");
     sub->add_option("--csv", options->csv, "write one row per contender and size")->type_name("FILE");
-    sub->add_option("--plot", options->plot, "draw time against size, one panel a scene")->type_name("FILE.svg");
+    auto* plot = sub->add_option("--plot", options->plot, "draw time against size, one panel a scene");
+    plot->type_name("FILE.svg");
+    sub->add_flag("--per-box", options->per_box, "let the plot show nanoseconds a box, to see growth")->needs(plot);
     sub->add_option("--seed", options->seed, "seed of the scene (default 12345)")->type_name("S");
     sub->callback([options, &command] { command = [options] { return bench_broad(*options); }; });
 }

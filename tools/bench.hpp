@@ -57,6 +57,7 @@ int bench_octants(const OctantsOptions& options);
 
 struct BroadOptions {
     std::string scene = "brown", sizes, threads, only, csv, plot;
+    bool per_box = false; ///< the plot shows nanoseconds a box
     std::optional<int> frames;
     std::uint64_t seed = 12345;
 };

@@ -101,7 +101,7 @@ public:
                 for (std::size_t size : sizes_) run(make_box_scene(scene, size, options_.seed));
         }
         if (csv_) csv_->commit();
-        if (plot_) draw_broad_plot(*plot_, panels_), plot_->commit();
+        if (plot_) draw_broad_plot(*plot_, panels_, options_.per_box), plot_->commit();
         return wrong_ ? 70 : 0;
     }
 
@@ -193,7 +193,8 @@ private:
             lines.push_back({weights[int(row.contender->group)], label, {}, style->second});
             line = std::prev(lines.end());
         }
-        line->points.push_back({double(scene.boxes.size()), std::max(row.ms, 1e-4)});
+        const double boxes = double(scene.boxes.size()), ms = std::max(row.ms, 1e-4);
+        line->points.push_back({boxes, options_.per_box ? 1e6 * ms / boxes : ms});
     }
 
     BroadOptions options_;

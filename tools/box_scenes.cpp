@@ -20,6 +20,7 @@ constexpr double grid = 0x1p-13; // metres
 constexpr std::string_view names[] = {"brown",          "large",
                                       "mixed",          "flat",
                                       "clustered",      "static",
+                                      "giant",          "jump",
                                       "freefall-cubes", "freefall-assorted",
                                       "brownian-cubes", "brownian-assorted",
                                       "gravity-cubes",  "gravity-assorted"};
@@ -159,6 +160,28 @@ BoxScene mostly_static(Swarm&& swarm)
     return scene;
 }
 
+/// All boxes are somewhere else in every frame.
+BoxScene jumping(Swarm&& made)
+{
+    const auto swarm = std::make_shared<Swarm>(std::move(made));
+    BoxScene scene = scene_of(*swarm);
+    scene.moved.resize(scene.boxes.size());
+    std::iota(scene.moved.begin(), scene.moved.end(), 0u);
+    scene.next = [swarm](BoxScene& s) {
+        for (std::uint64_t i = 0; i < swarm->position.size(); ++i)
+            swarm->position[i] = swarm->side * uniform(swarm->seed + 1000 + s.frame, i, 0);
+        place(s, *swarm);
+    };
+    return scene;
+}
+
+/// The first box is as large as the room.
+Swarm one_giant(Swarm swarm)
+{
+    swarm.position[0] = Vector3d::Constant(0.5 * swarm.side), swarm.half[0] = swarm.position[0];
+    return swarm;
+}
+
 BoxScene make(std::string_view name, std::size_t count, std::uint64_t seed)
 {
     const auto swarm = [&](double room) {
@@ -169,6 +192,8 @@ BoxScene make(std::string_view name, std::size_t count, std::uint64_t seed)
     if (name == "mixed") return walking(mixed_sizes(swarm(40)));
     if (name == "flat") return walking(in_one_plane(make_swarm(count, seed, std::sqrt(2.0 * double(count)))), 2);
     if (name == "clustered") return walking(clustered(swarm(40)));
+    if (name == "giant") return walking(one_giant(swarm(4)));
+    if (name == "jump") return jumping(swarm(4));
     if (name == "static") return mostly_static(swarm(4));
     const std::size_t dash = name.find('-');
     return make_broadmark_scene(name.substr(0, dash), name.substr(dash + 1) == "assorted", count, seed);

@@ -65,7 +65,7 @@ std::string tick_text(double value)
     return fmt::format("{:g}", value);
 }
 
-void draw_axes(OutputFile& file, const Axis& x, const Axis& y)
+void draw_axes(OutputFile& file, const Axis& x, const Axis& y, bool per_box)
 {
     for (double decade = x.low; decade <= x.high; ++decade) {
         const double value = std::pow(10, decade);
@@ -78,13 +78,14 @@ void draw_axes(OutputFile& file, const Axis& x, const Axis& y)
         text(file, x.from - 8, y.at(value) + 4, "end", "tick", fmt::format("{:g}", value));
     }
     text(file, 0.5 * (x.from + x.to), y.from + 36, "middle", "label", "boxes");
-    file.print("<text transform=\"translate(18 {:.1f}) rotate(-90)\" text-anchor=\"middle\" class=\"label\">ms per "
-               "frame</text>\n",
-               0.5 * (y.from + y.to));
+    file.print(
+        "<text transform=\"translate(18 {:.1f}) rotate(-90)\" text-anchor=\"middle\" class=\"label\">{}</text>\n",
+        0.5 * (y.from + y.to), per_box ? "ns per box and frame" : "ms per frame");
 }
 
-std::string time_text(double ms)
+std::string time_text(double ms, bool per_box)
 {
+    if (per_box) return fmt::format("{:.3g} ns", ms);
     return ms >= 1000 ? fmt::format("{:.3g} s", ms / 1e3) : fmt::format("{:.3g} ms", ms);
 }
 
@@ -94,13 +95,13 @@ std::vector<double> label_places(std::span<const PlotLine* const> lines, const A
     constexpr double pitch = 15;
     std::vector<double> places;
     for (const PlotLine* line : lines)
-        places.push_back(std::max(y.at(line->points.back().ms), places.empty() ? y.to : places.back() + pitch));
+        places.push_back(std::max(y.at(line->points.back().time), places.empty() ? y.to : places.back() + pitch));
     double limit = std::max(y.from, y.to + pitch * double(lines.size() - 1));
     for (std::size_t k = places.size(); k-- > 0; limit = places[k] - pitch) places[k] = std::min(places[k], limit);
     return places;
 }
 
-void draw_line(OutputFile& file, const PlotLine& line, double label_y, const Axis& x, const Axis& y)
+void draw_line(OutputFile& file, const PlotLine& line, double label_y, const Axis& x, const Axis& y, bool per_box)
 {
     const bool main = line.weight == PlotLine::Weight::main;
     const std::string_view colour = colours[line.style % std::size(colours)];
@@ -113,20 +114,20 @@ void draw_line(OutputFile& file, const PlotLine& line, double label_y, const Axi
     file.print("<g stroke=\"{}\" fill=\"none\"><path stroke-width=\"{}\" stroke-dasharray=\"{}\" d=\"", colour, stroke,
                dash);
     for (const PlotLine::Point& p : line.points)
-        file.print("{}{:.1f} {:.1f}", &p == line.points.data() ? 'M' : 'L', x.at(p.boxes), y.at(p.ms));
+        file.print("{}{:.1f} {:.1f}", &p == line.points.data() ? 'M' : 'L', x.at(p.boxes), y.at(p.time));
     file.print("\"/>\n");
-    for (const PlotLine::Point& p : line.points) mark(x.at(p.boxes), y.at(p.ms));
+    for (const PlotLine::Point& p : line.points) mark(x.at(p.boxes), y.at(p.time));
     const PlotLine::Point& last = line.points.back();
     const double label_x = x.at(last.boxes) + label_gap;
-    file.print("<path stroke-width=\"0.6\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>\n", x.at(last.boxes) + 6, y.at(last.ms),
-               label_x - 16, label_y);
+    file.print("<path stroke-width=\"0.6\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>\n", x.at(last.boxes) + 6,
+               y.at(last.time), label_x - 16, label_y);
     mark(label_x - 9, label_y);
     file.print("</g>\n");
     text(file, label_x, label_y + 4, "start", main ? "main" : "value",
-         fmt::format("{}  {}", line.label, time_text(last.ms)));
+         fmt::format("{}  {}", line.label, time_text(last.time, per_box)));
 }
 
-void draw_panel(OutputFile& file, const PlotPanel& panel, double top)
+void draw_panel(OutputFile& file, const PlotPanel& panel, double top, bool per_box)
 {
     text(file, 20, top + 24, "start", "heading", panel.title);
     Axis x{.from = left, .to = right}, y{.from = top + plot_bottom, .to = top + plot_top};
@@ -134,28 +135,28 @@ void draw_panel(OutputFile& file, const PlotPanel& panel, double top)
     for (const PlotLine& line : panel.lines) {
         if (line.points.empty()) continue;
         lines.push_back(&line);
-        for (const PlotLine::Point& p : line.points) x.add(p.boxes), y.add(p.ms);
+        for (const PlotLine::Point& p : line.points) x.add(p.boxes), y.add(p.time);
     }
     if (lines.empty()) return;
     x.high = std::max(x.high, x.low + 1), y.high = std::max(y.high, y.low + 1);
-    draw_axes(file, x, y);
+    draw_axes(file, x, y, per_box);
     // Lines that end at the same size lie together, the slowest first.
     std::stable_sort(lines.begin(), lines.end(), [](const PlotLine* a, const PlotLine* b) {
         const PlotLine::Point &p = a->points.back(), &q = b->points.back();
-        return p.boxes != q.boxes ? p.boxes < q.boxes : p.ms > q.ms;
+        return p.boxes != q.boxes ? p.boxes < q.boxes : p.time > q.time;
     });
     for (std::size_t begin = 0, end = 0; begin < lines.size(); begin = end) {
         const double boxes = lines[begin]->points.back().boxes;
         while (end < lines.size() && lines[end]->points.back().boxes == boxes) ++end;
         const auto group = std::span(lines).subspan(begin, end - begin);
         const std::vector<double> places = label_places(group, y);
-        for (std::size_t k = 0; k < group.size(); ++k) draw_line(file, *group[k], places[k], x, y);
+        for (std::size_t k = 0; k < group.size(); ++k) draw_line(file, *group[k], places[k], x, y, per_box);
     }
 }
 
 } // namespace
 
-void draw_broad_plot(OutputFile& file, std::span<const PlotPanel> panels)
+void draw_broad_plot(OutputFile& file, std::span<const PlotPanel> panels, bool per_box)
 {
     const double height = panel_height * double(panels.size());
     file.print(
@@ -168,7 +169,7 @@ void draw_broad_plot(OutputFile& file, std::span<const PlotPanel> panels)
                ".main,.value{{paint-order:stroke;stroke:#ffffff;stroke-width:3px}}</style>\n"
                "<rect width=\"{}\" height=\"{:.0f}\" fill=\"#ffffff\"/>\n",
                width, height);
-    for (std::size_t k = 0; k < panels.size(); ++k) draw_panel(file, panels[k], panel_height * double(k));
+    for (std::size_t k = 0; k < panels.size(); ++k) draw_panel(file, panels[k], panel_height * double(k), per_box);
     file.print("</svg>\n");
 }
 

@@ -12,7 +12,7 @@ struct PlotLine {
     enum class Weight { main, peer, baseline } weight = Weight::peer;
     std::string label;
     struct Point {
-        double boxes, ms;
+        double boxes, time;
     };
     std::vector<Point> points; ///< ascending
     std::size_t style = 0;     ///< the same contender has the same one in every panel
@@ -25,6 +25,7 @@ struct PlotPanel {
 
 /// Time against size, both logarithmic, one panel a scene. Lines differ in colour, dash and marker, and are labelled at
 /// their ends.
-void draw_broad_plot(OutputFile& file, std::span<const PlotPanel> panels);
+/// @param per_box  times are nanoseconds a box, not milliseconds a frame
+void draw_broad_plot(OutputFile& file, std::span<const PlotPanel> panels, bool per_box);
 
 } // namespace oncollide::tools

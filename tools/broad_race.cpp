@@ -175,10 +175,8 @@ RaceResult race(BoxScene& scene, const std::vector<Contender>& contenders, const
                 std::uint64_t frames, std::uint64_t warm_up)
 {
     Race race(scene, warm_up);
-    const bool any_static = std::find(scene.is_static.begin(), scene.is_static.end(), 1) != scene.is_static.end();
     std::vector<std::string> left;
     for (const Contender& contender : contenders) {
-        if (contender.needs_statics && !any_static) continue;
         if (scene.boxes.size() > contender.most) {
             left.push_back(fmt::format("{}: not above {} boxes", contender.name, grouped(contender.most)));
             continue;

@@ -27,10 +27,17 @@ TEST_F(CommandLine, BenchBroadComparesEverybodyOnTheSameBoxes)
         << outcome.out;
     EXPECT_EQ(outcome.out.find("MISSED"), std::string::npos) << outcome.out;
     const std::string csv = folder_.read("b.csv"), svg = folder_.read("b.svg");
-    for (const char* name : {"kd", "octree", "kd-delimited", "fcl-tree", "grid", "brute"})
+    for (const char* name : {"kd", "octree", "dynamic", "fcl-tree", "grid", "brute"})
         EXPECT_NE(csv.find(fmt::format("12345,{},", name)), std::string::npos) << name;
     EXPECT_TRUE(svg.starts_with("<svg") && svg.ends_with("</svg>\n"));
     EXPECT_NE(svg.find("kd, 2 threads"), std::string::npos);
+    EXPECT_NE(svg.find("ms per frame"), std::string::npos);
+
+    const Outcome growth = run({"bench", "broad", "--scene", "giant,jump", "--sizes", "300,900", "--frames", "6",
+                                "--only", "kd,octree,dynamic-fat,grid", "--plot", "g.svg", "--per-box"});
+    EXPECT_EQ(growth.code, 0) << growth.err;
+    EXPECT_NE(folder_.read("g.svg").find("ns per box"), std::string::npos);
+    expect_error(64, {"bench", "broad", "--per-box"}, {"--plot"});
 }
 
 } // namespace

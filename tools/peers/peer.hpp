@@ -34,7 +34,6 @@ struct Contender {
     std::string what; ///< library and class
     enum class Group { oncollide, baseline, debian } group = Group::debian;
     bool threaded = false;              ///< can use several threads
-    bool needs_statics = false;         ///< makes sense only where some boxes never move
     std::size_t most = ~std::size_t{0}; ///< boxes above which it would take too long
     std::function<std::unique_ptr<BroadPeer>(int threads)> make;
 };

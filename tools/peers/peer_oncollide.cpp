@@ -1,22 +1,17 @@
 #include "peer.hpp"
 
-#include <algorithm>
-#include <iterator>
 #include <numeric>
 #include <utility>
 
-#include <fmt/format.h>
-
-#include <oncollide/broadphase/delimitation.hpp>
+#include <oncollide/broadphase/dynamic_tree.hpp>
 
 namespace oncollide::tools {
 namespace {
 
-/// The broad stages of the pipeline without the pipeline.
-class OncollidePeer final : public BroadPeer {
+/// All boxes taken in and all searched, frame by frame.
+class SearchPeer final : public BroadPeer {
 public:
-    OncollidePeer(std::unique_ptr<BroadPhase> algorithm, bool delimited, int threads)
-        : algorithm_(std::move(algorithm)), delimited_(delimited), threads_(threads)
+    SearchPeer(std::unique_ptr<BroadPhase> algorithm, int threads) : algorithm_(std::move(algorithm)), threads_(threads)
     {
     }
 
@@ -25,38 +20,41 @@ public:
         bodies_.resize(frame.boxes.size());
         std::iota(bodies_.begin(), bodies_.end(), 0u);
         everything_.assign(frame.boxes.size(), ~0u);
-        first_ = true;
     }
 
     void step(const BoxFrame& frame, std::vector<BodyPair>& pairs) override
     {
-        const BodyFilter filter{frame.is_static, everything_, everything_};
-        if (delimited_) delimitation_.run(frame.boxes, filter, 0, survivors_);
-        if (!algorithm_->follows_movers())
-            algorithm_->find_pairs(frame.boxes, delimited_ ? survivors_ : bodies_, filter, 0, threads_, kept_);
-        else if (std::exchange(first_, false))
-            algorithm_->find_pairs(frame.boxes, bodies_, filter, 0, threads_, kept_);
-        else
-            algorithm_->update_pairs(frame.boxes, bodies_, frame.moved,
-                                     delimited_ ? surviving_movers(frame) : frame.moved, filter, 0, threads_, kept_);
-        pairs = kept_;
+        algorithm_->find_pairs(frame.boxes, bodies_, {frame.is_static, everything_, everything_}, 0, threads_, pairs);
     }
 
 private:
-    std::span<const std::uint32_t> surviving_movers(const BoxFrame& frame)
+    std::unique_ptr<BroadPhase> algorithm_;
+    int threads_;
+    std::vector<std::uint32_t> bodies_, everything_;
+};
+
+/// Delimitation and the accurate level on what moved; pairs kept from frame to frame.
+class DynamicPeer final : public BroadPeer {
+public:
+    DynamicPeer(double fat, int threads) : tree_({.fat = fat, .threads = threads}) {}
+
+    void start(const BoxFrame& frame) override
     {
-        asked_.clear();
-        std::ranges::set_intersection(frame.moved, survivors_, std::back_inserter(asked_));
-        return asked_;
+        std::vector<std::uint32_t> resting, moving;
+        for (std::uint32_t body = 0; body < frame.boxes.size(); ++body)
+            (frame.is_static[body] ? resting : moving).push_back(body);
+        tree_.add(resting, true), tree_.add(moving);
     }
 
-    std::unique_ptr<BroadPhase> algorithm_;
-    Delimitation delimitation_;
-    bool delimited_;
-    int threads_;
-    bool first_ = true;
-    std::vector<std::uint32_t> bodies_, everything_, survivors_, asked_;
-    std::vector<BodyPair> kept_; ///< the last frame's pairs
+    void step(const BoxFrame& frame, std::vector<BodyPair>& pairs) override
+    {
+        tree_.move(frame.moved);
+        const std::span<const BodyPair> found = tree_.find_pairs({frame.boxes});
+        pairs.assign(found.begin(), found.end());
+    }
+
+private:
+    DynamicTree tree_;
 };
 
 } // namespace
@@ -64,19 +62,31 @@ private:
 void add_oncollide(std::vector<Contender>& all)
 {
     struct Algorithm {
-        const char* name;
+        const char *name, *what;
         std::unique_ptr<BroadPhase> (*make)();
     };
-    for (Algorithm a : {Algorithm{"kd", make_kd_tree}, Algorithm{"octree", make_octree}})
-        for (bool delimited : {false, true})
-            all.push_back({.name = fmt::format("{}{}", a.name, delimited ? "-delimited" : ""),
-                           .what = fmt::format("oncollide {}{}", a.name, delimited ? " after delimitation" : ""),
-                           .group = Contender::Group::oncollide,
-                           .threaded = true,
-                           .needs_statics = delimited,
-                           .make = [a, delimited](int threads) -> std::unique_ptr<BroadPeer> {
-                               return std::make_unique<OncollidePeer>(a.make(), delimited, threads);
-                           }});
+    for (Algorithm a :
+         {Algorithm{"kd", "oncollide kd-tree", make_kd_tree}, Algorithm{"octree", "oncollide octree", make_octree}})
+        all.push_back({.name = a.name,
+                       .what = a.what,
+                       .group = Contender::Group::oncollide,
+                       .threaded = true,
+                       .make = [a](int threads) -> std::unique_ptr<BroadPeer> {
+                           return std::make_unique<SearchPeer>(a.make(), threads);
+                       }});
+    struct Dynamic {
+        const char *name, *what;
+        double fat;
+    };
+    for (Dynamic d : {Dynamic{"dynamic", "oncollide kd-tree, delimited", 0},
+                      Dynamic{"dynamic-fat", "the same, boxes 0.3 m fat", 0.3}})
+        all.push_back({.name = d.name,
+                       .what = d.what,
+                       .group = Contender::Group::oncollide,
+                       .threaded = true,
+                       .make = [d](int threads) -> std::unique_ptr<BroadPeer> {
+                           return std::make_unique<DynamicPeer>(d.fat, threads);
+                       }});
 }
 
 } // namespace oncollide::tools

@@ -1,0 +1,56 @@
+#pragma once
+#include <cstddef>
+#include <new>
+#include <vector>
+
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
+
+namespace oncollide {
+
+/// Memory that is walked at random: where it is large, on huge pages if the system grants them, so that fewer
+/// addresses need translation.
+template <class T>
+struct LargeAllocator {
+    using value_type = T;
+    static constexpr std::size_t huge_page = std::size_t{2} << 20;
+
+    LargeAllocator() = default;
+    template <class U>
+    LargeAllocator(const LargeAllocator<U>&) // NOLINT: allocators convert
+    {
+    }
+    T* allocate(std::size_t count)
+    {
+        const std::size_t bytes = count * sizeof(T);
+        if (!large(count)) return static_cast<T*>(::operator new(bytes));
+        void* memory = ::operator new (bytes, std::align_val_t{huge_page});
+#if defined(__linux__)
+        madvise(memory, bytes, MADV_HUGEPAGE); // a wish: it may be refused
+#endif
+        return static_cast<T*>(memory);
+    }
+    void deallocate(T* memory, std::size_t count)
+    {
+        if (large(count))
+            ::operator delete (memory, std::align_val_t{huge_page});
+        else
+            ::operator delete(memory);
+    }
+    friend bool operator==(const LargeAllocator&, const LargeAllocator&)
+    {
+        return true;
+    }
+
+private:
+    static bool large(std::size_t count)
+    {
+        return count * sizeof(T) >= 2 * huge_page;
+    }
+};
+
+template <class T>
+using LargeVector = std::vector<T, LargeAllocator<T>>;
+
+} // namespace oncollide
