@@ -67,6 +67,21 @@ TEST_P(Dynamic, FollowsWhatMovesFrameByFrame)
     }
 }
 
+/// Everybody drifts inside a fat box for a while; now and then enough jump for all boxes to be taken in again.
+TEST_P(Dynamic, FollowsDriftBetweenJumps)
+{
+    Boxes scene = random_boxes(1200, 20, 0, 41, {0, 0, 0});
+    DynamicTree tree = tree_of(scene, GetParam());
+    for (std::uint64_t frame = 0; frame < 60; ++frame) {
+        for (std::uint32_t body : scene.all) {
+            step(scene, body, random_step(1, body, 0.08));
+            if (frame % 5 == 3 && body % 8 == frame % 8) step(scene, body, random_step(frame, body, 30));
+        }
+        tree.move(scene.all);
+        ASSERT_EQ(find(tree, scene), scene.truth(GetParam().margin)) << "frame " << frame;
+    }
+}
+
 /// All changes at random, against brute force on who is there and who is awake.
 TEST_P(Dynamic, FollowsBodiesThatComeGoMoveSleepAndWake)
 {
