@@ -1,0 +1,167 @@
+#include <gtest/gtest.h>
+
+#include <oncollide/narrowphase/triangle_test.hpp>
+
+#include "exact_oracle.hpp"
+#include "triangle_families.hpp"
+
+namespace oncollide {
+namespace {
+
+std::string shown(const TrianglePair& pair)
+{
+    std::ostringstream out;
+    out << std::hexfloat;
+    for (const TrianglePoints* t : {&pair.first, &pair.second})
+        for (const Eigen::Vector3d& p : *t) out << "(" << p.transpose() << ") ";
+    return out.str();
+}
+
+/// Counts by TriangleContact; a failure for each answer that is not the oracle's.
+std::array<int, 3> check(const std::vector<TrianglePair>& pairs)
+{
+    std::array<int, 3> count{};
+    for (const TrianglePair& pair : pairs) {
+        const TriangleContact truth = oracle::contact(pair.first, pair.second);
+        EXPECT_EQ(static_cast<int>(triangle_contact(pair.first, pair.second)), static_cast<int>(truth)) << shown(pair);
+        EXPECT_EQ(triangles_meet(pair.first, pair.second), truth != TriangleContact::separate) << shown(pair);
+        ++count[static_cast<int>(truth)];
+    }
+    return count;
+}
+
+class EveryFamily : public testing::TestWithParam<TriangleFamily> {
+protected:
+    std::vector<TrianglePair> pairs(int count, std::uint64_t seed) const
+    {
+        GridPoints random(seed);
+        std::vector<TrianglePair> all;
+        for (int i = 0; i < count; ++i) all.push_back(GetParam().make(random));
+        return all;
+    }
+};
+
+std::vector<TrianglePair> all_moved(std::vector<TrianglePair> pairs, double scale, double offset)
+{
+    GridPoints random(5);
+    for (TrianglePair& pair : pairs) pair = moved(pair, scale * random.rotation(), offset * random.rotation().col(0));
+    return pairs;
+}
+
+TEST_P(EveryFamily, IsAnsweredAsByTheOracle)
+{
+    const std::array<int, 3> count = check(pairs(3000, 1));
+    EXPECT_GT(count[0] + count[1], 100);
+    RecordProperty("separate", count[0]), RecordProperty("touching", count[1]), RecordProperty("crossing", count[2]);
+}
+
+TEST_P(EveryFamily, IsAnsweredAsByTheOracleWhenTurnedAndRounded)
+{
+    check(all_moved(pairs(1500, 2), 1, 0));
+}
+
+TEST_P(EveryFamily, IsAnsweredAsByTheOracleAtEveryScaleAndOffset)
+{
+    const std::vector<TrianglePair> some = pairs(150, 3);
+    for (double scale : {1e-15, 1e-9, 1e-3, 1e3})
+        for (double offset : {0.0, 1.0, 1e8}) check(all_moved(some, scale, offset));
+}
+
+TEST_P(EveryFamily, DoesNotDependOnOrder)
+{
+    std::vector<TrianglePair> some = pairs(60, 4);
+    for (const TrianglePair& pair : all_moved(some, 1, 0)) some.push_back(pair);
+    constexpr int orders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
+    const auto reordered = [&](const TrianglePoints& t, const int o[3]) {
+        return TrianglePoints{t[o[0]], t[o[1]], t[o[2]]};
+    };
+    for (const auto& [a, b] : some)
+        for (const auto& o : orders)
+            for (const auto& q : orders) {
+                const TrianglePoints x = reordered(a, o), y = reordered(b, q);
+                ASSERT_EQ(triangle_contact(x, y), triangle_contact(a, b)) << shown({x, y});
+                ASSERT_EQ(triangle_contact(y, x), triangle_contact(a, b)) << shown({y, x});
+            }
+}
+
+INSTANTIATE_TEST_SUITE_P(TriangleTest, EveryFamily, testing::ValuesIn(triangle_families()), [](const auto& info) {
+    std::string name = info.param.name;
+    std::erase_if(name, [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); });
+    return name;
+});
+
+// On a grid of 3 x 3 x 3 points triangles share corners and edges, lie in one plane, are segments and points.
+TEST(TriangleTest, IsExactOnATinyGrid)
+{
+    GridPoints random(6);
+    std::vector<TrianglePair> pairs;
+    for (int i = 0; i < 20000; ++i) pairs.emplace_back(random.triangle(1), random.triangle(1));
+    const std::array<int, 3> count = check(pairs);
+    for (int n : count) EXPECT_GT(n, 500);
+}
+
+/// Point, segment or triangle through small integers.
+TrianglePoints degenerate(int corners, GridPoints& random)
+{
+    const Eigen::Vector3d p = random.point(8), q = random.point(8);
+    if (corners == 1) return {p, p, p};
+    if (corners == 2) return {p, Eigen::Vector3d(p + random.number(-2, 3) * (q - p)), q};
+    return {p, q, random.point(8)};
+}
+
+TEST(TriangleTest, TakesSegmentsAndPointsAsWhatTheyAre)
+{
+    GridPoints random(7);
+    for (int of_a = 1; of_a <= 3; ++of_a)
+        for (int of_b = 1; of_b <= 3; ++of_b) {
+            std::vector<TrianglePair> pairs;
+            for (int i = 0; i < 600; ++i) {
+                const TrianglePoints a = degenerate(of_a, random);
+                TrianglePoints b = degenerate(of_b, random);
+                const Eigen::Vector3d shift = a[random.number(0, 2)] - b[random.number(0, 2)];
+                if (i % 2) // let them touch, or cross with luck
+                    for (Eigen::Vector3d& p : b) p += shift;
+                if (i % 3 == 2)
+                    for (TrianglePoints* t : {&pairs.emplace_back(a, b).first, &pairs.back().second})
+                        for (Eigen::Vector3d& p : *t) p.z() = 0;
+                else
+                    pairs.emplace_back(a, b);
+            }
+            const std::array<int, 3> count = check(pairs);
+            EXPECT_GT(count[0], 50) << of_a << " " << of_b;
+            EXPECT_GT(count[1], 50) << of_a << " " << of_b;
+        }
+}
+
+TEST(TriangleTest, IsExactForSubnormalAndHugeCoordinates)
+{
+    GridPoints random(8);
+    for (double scale : {0x1p-1074, 0x1p-1060, 0x1p-1000, 0x1p-400, 0x1p400, 0x1p1000, 0x1.8p1022}) {
+        std::vector<TrianglePair> pairs;
+        for (int i = 0; i < 300; ++i) {
+            pairs.emplace_back(random.triangle(1), random.triangle(1));
+            for (TrianglePoints* t : {&pairs.back().first, &pairs.back().second})
+                for (Eigen::Vector3d& p : *t) p *= scale;
+        }
+        check(pairs);
+    }
+}
+
+TEST(TriangleTest, IsExactWhereMagnitudesAreFarApart)
+{
+    GridPoints random(9);
+    const auto any = [&](int spread) { return std::ldexp(random.number(-3, 3), random.number(-spread, spread)); };
+    for (int spread : {50, 300, 1000}) {
+        std::vector<TrianglePair> pairs;
+        for (int i = 0; i < (spread == 1000 ? 8 : 500); ++i) {
+            auto& [a, b] = pairs.emplace_back();
+            for (TrianglePoints* t : {&a, &b})
+                for (Eigen::Vector3d& p : *t) p = {any(spread), any(spread), any(spread)};
+            if (i % 2) b[0] = a[0];
+        }
+        check(pairs);
+    }
+}
+
+} // namespace
+} // namespace oncollide
