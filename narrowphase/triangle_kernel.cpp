@@ -1,8 +1,13 @@
 // Compiled once per instruction set; see oncollide_add_kernel.
 //
-// Guigue and Devillers' test for triangle_contact's generic case, a lane a pair. A sign counts only where the filter of
-// exact_predicates.hpp certifies it; the bound is the same, term by term. A pair with an uncertain sign is left to the
-// scalar test unless another sign shows that it is separate.
+// Guigue and Devillers' test for triangle_contact's generic case, a lane a pair. A pair with a sign that is not certain
+// is left to the scalar test, unless another sign shows that it is separate.
+//
+// When a sign is certain. Let X, Y, Z be the sides of the pair's common box, each plus 2^-300. A determinant has six
+// terms, each the product of a difference in x, one in y and one in z, so with u = 2^-53 the bound of
+// exact_predicates.hpp, 8 u (1 + 8 u) P, has P <= 6 X Y Z; rounding of the sides and of their product included, 56 u X
+// Y Z bounds the error. Products of two that underflow, times the third side, err by at most 2^-1072 X, and so on: the
+// 2^-300 in the others cover that. Sides above 2^300 might overflow; there the bound is infinite.
 #include <oncollide/broadphase/simd.hpp>
 #include <oncollide/narrowphase/triangle_kernel.hpp>
 
@@ -19,196 +24,257 @@ constexpr int width = 2;
 using F64 = double __attribute__((vector_size(8 * width)));
 using I64 = long long __attribute__((vector_size(8 * width)));
 
-constexpr double bound_factor = 9 * 0x1p-53, tiny = 0x1p-900; // filter_bound_3d, filter_tiny
-
-inline F64 splat(double x)
+#if defined(__AVX512F__)
+inline F64 min(F64 a, F64 b)
 {
-    return F64{} + x;
+    return _mm512_maskz_min_pd(0xff, a, b);
 }
-inline F64 abs(F64 x)
+inline F64 max(F64 a, F64 b)
 {
-    return reinterpret_cast<F64>(reinterpret_cast<I64>(x) & 0x7fffffffffffffff);
+    return _mm512_maskz_max_pd(0xff, a, b);
 }
 /// One bit a lane.
 inline unsigned bits(I64 mask)
 {
-#if defined(__AVX512F__)
     return _mm512_movepi64_mask(reinterpret_cast<__m512i>(mask));
-#elif defined(__AVX2__)
-    return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(mask)));
-#else
-    return static_cast<unsigned>(_mm_movemask_pd(reinterpret_cast<__m128d>(mask)));
-#endif
 }
+#elif defined(__AVX2__)
+inline F64 min(F64 a, F64 b)
+{
+    return _mm256_min_pd(a, b);
+}
+inline F64 max(F64 a, F64 b)
+{
+    return _mm256_max_pd(a, b);
+}
+inline unsigned bits(I64 mask)
+{
+    return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(mask)));
+}
+#else
+inline F64 min(F64 a, F64 b)
+{
+    return _mm_min_pd(a, b);
+}
+inline F64 max(F64 a, F64 b)
+{
+    return _mm_max_pd(a, b);
+}
+inline unsigned bits(I64 mask)
+{
+    return static_cast<unsigned>(_mm_movemask_pd(reinterpret_cast<__m128d>(mask)));
+}
+#endif
 
 struct Vec {
     F64 x, y, z;
 };
-inline Vec operator-(Vec a, Vec b)
+inline Vec operator-(const Vec& a, const Vec& b)
 {
     return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
-inline Vec select(I64 mask, Vec a, Vec b)
+inline Vec min(const Vec& a, const Vec& b)
+{
+    return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)};
+}
+inline Vec max(const Vec& a, const Vec& b)
+{
+    return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)};
+}
+inline Vec select(I64 mask, const Vec& a, const Vec& b)
 {
     return {mask ? a.x : b.x, mask ? a.y : b.y, mask ? a.z : b.z};
 }
+inline Vec cross(const Vec& u, const Vec& v)
+{
+    return {u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
+}
+inline F64 dot(const Vec& u, const Vec& v)
+{
+    return u.x * v.x + u.y * v.y + u.z * v.z;
+}
 
-/// Lanes in which a determinant is certainly positive, and certainly negative.
-struct Sign {
-    I64 above, below;
-
-    I64 known() const { return above | below; }
-};
-
-/// u x v, and the same with magnitudes.
-struct Cross {
-    Vec value, magnitude;
-
-    Cross(Vec u, Vec v)
-    {
-        const auto set = [](F64 left, F64 right, F64& difference, F64& sum) {
-            difference = left - right, sum = abs(left) + abs(right) + tiny;
-        };
-        set(u.y * v.z, u.z * v.y, value.x, magnitude.x);
-        set(u.z * v.x, u.x * v.z, value.y, magnitude.y);
-        set(u.x * v.y, u.y * v.x, value.z, magnitude.z);
-    }
-    Sign side(Vec w) const
-    {
-        const F64 x = value.x * w.x + value.y * w.y + value.z * w.z;
-        const F64 bound =
-            bound_factor * (magnitude.x * abs(w.x) + magnitude.y * abs(w.y) + magnitude.z * abs(w.z)) + tiny;
-        return {x > bound, x < -bound};
-    }
-};
-
-/// A lane's triangle, or the same one in all lanes.
 struct Corners {
-    Vec corner[3];
+    Vec p, q, r;
 };
 
-inline Corners same_in_all(const double* c)
+inline F64 error_bound(const Corners& a, const Corners& b)
 {
-    Corners t;
-    for (int k = 0; k < 3; ++k) t.corner[k] = {splat(c[3 * k]), splat(c[3 * k + 1]), splat(c[3 * k + 2])};
-    return t;
+    const Vec lo = min(min(min(a.p, a.q), a.r), min(min(b.p, b.q), b.r));
+    const Vec hi = max(max(max(a.p, a.q), a.r), max(max(b.p, b.q), b.r));
+    const Vec side = hi - lo;
+    const F64 x = side.x + 0x1p-300, y = side.y + 0x1p-300, z = side.z + 0x1p-300;
+    const F64 bound = x * y * z * (56 * 0x1p-53);
+    return max(max(x, y), z) < 0x1p300 ? bound : F64{} + __builtin_inf();
 }
 
-/// The lone corner and the two edges that leave it, in cyclic order.
-struct Wedge {
-    Vec apex, first, second;
-    I64 above; ///< is the apex above the other's plane?
+/// Of a triangle's corners against a plane: lanes in which p, q, r are certainly above, or below.
+struct Sides {
+    I64 p_above, q_above, r_above, p_below, q_below, r_below;
+
+    Sides(const Corners& corners, const Corners& plane, F64 bound)
+    {
+        const Vec normal = cross(plane.q - plane.p, plane.r - plane.p);
+        const F64 p = dot(normal, corners.p - plane.p), q = dot(normal, corners.q - plane.p),
+                  r = dot(normal, corners.r - plane.p);
+        p_above = p > bound, q_above = q > bound, r_above = r > bound;
+        p_below = p < -bound, q_below = q < -bound, r_below = r < -bound;
+    }
+    I64 apart() const { return (p_above & q_above & r_above) | (p_below & q_below & r_below); }
+    I64 known() const { return (p_above | p_below) & (q_above | q_below) & (r_above | r_below); }
 };
 
-inline Wedge wedge_of(const Corners& t, const Sign sides[3])
+/// Turns the triangle so that p is alone on its side; sets where p is above. For lanes whose sides are known.
+inline I64 turn(Corners& t, const Sides& s)
 {
-    const I64 a = sides[0].above, b = sides[1].above, c = sides[2].above;
-    const I64 two = ~(a ^ b), one = ~two & ~(a ^ c); // else corner 0 is alone
-    const Vec e0 = t.corner[1] - t.corner[0], e1 = t.corner[2] - t.corner[1], e2 = t.corner[0] - t.corner[2];
-    const Vec b0 = t.corner[2] - t.corner[0], b1 = t.corner[0] - t.corner[1], b2 = t.corner[1] - t.corner[2];
-    const auto pick = [&](Vec at_0, Vec at_1, Vec at_2) { return select(two, at_2, select(one, at_1, at_0)); };
-    return {pick(t.corner[0], t.corner[1], t.corner[2]), pick(e0, e1, e2), pick(b0, b1, b2),
-            (two & c) | (one & b) | (~(two | one) & a)};
+    const I64 r_alone = ~(s.p_above ^ s.q_above), q_alone = ~(s.p_above ^ s.r_above) & ~r_alone;
+    const Corners old = t;
+    t.p = select(r_alone, old.r, select(q_alone, old.q, old.p));
+    t.q = select(r_alone, old.p, select(q_alone, old.r, old.q));
+    t.r = select(r_alone, old.q, select(q_alone, old.p, old.r));
+    return (r_alone & s.r_above) | (q_alone & s.q_above) | (~(r_alone | q_alone) & s.p_above);
 }
 
+/// Lanes that are certainly separate, and lanes about which nothing is uncertain.
 struct Verdicts {
     I64 separate, known;
 };
 
-/// `normal` is the query's.
-inline Verdicts judge(const Corners& query, const Cross& normal, const Corners& other)
+inline Verdicts judge(Corners a, Corners b)
 {
-    Sign of_other[3], of_query[3];
-    for (int k = 0; k < 3; ++k) of_other[k] = normal.side(other.corner[k] - query.corner[0]);
-    I64 separate = (of_other[0].above & of_other[1].above & of_other[2].above) |
-                   (of_other[0].below & of_other[1].below & of_other[2].below);
+    const F64 bound = error_bound(a, b);
+    const Sides of_b(b, a, bound);
+    I64 separate = of_b.apart();
     if (bits(~separate) == 0) return {separate, separate};
-
-    const Cross other_normal(other.corner[1] - other.corner[0], other.corner[2] - other.corner[0]);
-    for (int k = 0; k < 3; ++k) of_query[k] = other_normal.side(query.corner[k] - other.corner[0]);
-    separate |= (of_query[0].above & of_query[1].above & of_query[2].above) |
-                (of_query[0].below & of_query[1].below & of_query[2].below);
+    const Sides of_a(a, b, bound);
+    separate |= of_a.apart();
     if (bits(~separate) == 0) return {separate, separate};
-    I64 known = ~separate;
-    for (int k = 0; k < 3; ++k) known &= of_other[k].known() & of_query[k].known();
+    const I64 known = of_a.known() & of_b.known() & ~separate;
 
-    // As in triangle_contact: q and r beside p are the query's, t and u beside s the other's.
-    const Wedge a = wedge_of(query, of_query), b = wedge_of(other, of_other);
-    const I64 alike = ~(a.above ^ b.above);
-    const Vec w = b.apex - a.apex;
-    const Sign first = Cross(a.first, select(alike, b.first, b.second)).side(w);
-    const Sign second = Cross(a.second, select(alike, b.second, b.first)).side(w);
-    const I64 wrong_first = b.above ? first.below : first.above, wrong_second = b.above ? second.above : second.below;
-    separate |= known & (wrong_first | wrong_second);
-    return {separate, separate | (known & first.known() & second.known())};
+    // As in triangle_contact: the edges that leave the lone corners, in the order that the sides of these ask for.
+    const I64 a_above = turn(a, of_a), b_above = turn(b, of_b), alike = ~(a_above ^ b_above);
+    const Vec w = b.p - a.p, t = b.q - b.p, u = b.r - b.p;
+    const F64 first = dot(cross(a.q - a.p, select(alike, t, u)), w);
+    const F64 second = dot(cross(a.r - a.p, select(alike, u, t)), w);
+    const I64 first_above = first > bound, first_below = first < -bound;
+    const I64 second_above = second > bound, second_below = second < -bound;
+    separate |= known & ((b_above & (first_below | second_above)) | (~b_above & (first_above | second_below)));
+    return {separate, separate | (known & (first_above | first_below) & (second_above | second_below))};
 }
 
-/// Up to eight triangles whose boxes overlap the query's, by coordinate.
+/// Lane i holds v[i][k].
+inline F64 gather(const double* const* v, int k)
+{
+#if defined(__AVX512F__)
+    return F64{v[0][k], v[1][k], v[2][k], v[3][k], v[4][k], v[5][k], v[6][k], v[7][k]};
+#elif defined(__AVX2__)
+    return F64{v[0][k], v[1][k], v[2][k], v[3][k]};
+#else
+    return F64{v[0][k], v[1][k]};
+#endif
+}
+
+inline Corners gather(const double* const* v)
+{
+    return {{gather(v, 0), gather(v, 1), gather(v, 2)},
+            {gather(v, 3), gather(v, 4), gather(v, 5)},
+            {gather(v, 6), gather(v, 7), gather(v, 8)}};
+}
+
+/// Pairs whose boxes overlap. Lanes past the count hold some earlier pair.
 struct Batch {
-    alignas(64) double at[9][8];
-    std::uint32_t number[8];
+    std::uint32_t a[8], b[8];
+    const double *corners_a[8], *corners_b[8];
     int count = 0;
 
-    void add(std::uint32_t i, const double* corners)
+    explicit Batch(const TriangleLists& lists)
     {
-        for (int k = 0; k < 9; ++k) at[k][count] = corners[9 * std::size_t(i) + k];
-        number[count++] = i;
+        for (int lane = 0; lane < 8; ++lane) corners_a[lane] = lists.corners_a, corners_b[lane] = lists.corners_b;
+    }
+    void add(const TriangleLists& lists, std::uint32_t i, std::uint32_t j)
+    {
+        a[count] = i, corners_a[count] = lists.corners_a + 9 * std::size_t(i);
+        b[count] = j, corners_b[count] = lists.corners_b + 9 * std::size_t(j);
+        ++count;
     }
 };
 
-std::uint32_t meeting(const TriangleQuery& query, const BoxBlock* blocks, const double* corners, std::uint32_t begin,
-                      std::uint32_t end, bool first_only, std::uint32_t* out)
-{
-    const Corners mine = same_in_all(query.corners);
-    const Cross normal(mine.corner[1] - mine.corner[0], mine.corner[2] - mine.corner[0]);
-    std::uint32_t found = 0;
-    bool sure = false;
-    Batch batch;
-    for (auto& row : batch.at)
-        for (double& x : row) x = 0;
+struct Output {
+    FoundPair* pairs;
+    std::uint32_t count = 0;
+    bool sure = false; ///< holds a pair that certainly meets
 
-    const auto flush = [&] {
+    void take(Batch& batch)
+    {
         for (int first = 0; first < batch.count; first += width) {
-            Corners other;
-            for (int k = 0; k < 3; ++k) {
-                const auto row = [&](int axis) {
-                    return *reinterpret_cast<const F64*>(&batch.at[3 * k + axis][first]);
-                };
-                other.corner[k] = {row(0), row(1), row(2)};
-            }
-            const Verdicts verdicts = judge(mine, normal, other);
+            const Verdicts verdicts = judge(gather(batch.corners_a + first), gather(batch.corners_b + first));
             const unsigned known = bits(verdicts.known);
             const int left = batch.count - first;
             unsigned rest = bits(~verdicts.separate) & (left < width ? (1u << left) - 1 : ~0u);
             for (; rest; rest &= rest - 1) {
                 const int lane = __builtin_ctz(rest);
-                const unsigned unknown = ~known >> lane & 1;
-                out[found++] = batch.number[first + lane] << 1 | unknown;
-                sure |= !unknown;
+                const bool certain = known >> lane & 1;
+                pairs[count++] = {batch.a[first + lane], batch.b[first + lane], certain};
+                sure |= certain;
             }
         }
         batch.count = 0;
-    };
+    }
+};
 
-    for (std::uint32_t block = begin; block < end && !(first_only && sure); ++block) {
-        I32x8 overlap = I32x8{} == 0;
-        for (int axis = 0; axis < 3; ++axis)
-            overlap &= (load(blocks[block].lo[axis]) <= splat(query.hi[axis])) &
-                       (load(blocks[block].hi[axis]) >= splat(query.lo[axis]));
-        for (unsigned mask = bits(overlap); mask; mask &= mask - 1) {
-            batch.add(8 * block + static_cast<unsigned>(__builtin_ctz(mask)), corners);
-            if (batch.count == 8) flush();
+/// One bit a lane whose box overlaps.
+inline unsigned overlaps(const BoxBlock& block, const FloatBox& box)
+{
+#if defined(__AVX2__)
+    I32x8 low[3], high[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        low[axis] = load(block.lo[axis]) <= splat(box.hi[axis]);
+        high[axis] = load(block.hi[axis]) >= splat(box.lo[axis]);
+    }
+    return bits((low[0] & low[1] & low[2]) & (high[0] & high[1] & high[2]));
+#else
+    unsigned mask = 0;
+    for (int half = 0; half < 2; ++half) {
+        __m128 all = _mm_cmpeq_ps(_mm_setzero_ps(), _mm_setzero_ps());
+        for (int axis = 0; axis < 3; ++axis) {
+            const __m128 low = _mm_cmple_ps(_mm_load_ps(block.lo[axis] + 4 * half), _mm_set1_ps(box.hi[axis]));
+            const __m128 high = _mm_cmpge_ps(_mm_load_ps(block.hi[axis] + 4 * half), _mm_set1_ps(box.lo[axis]));
+            all = _mm_and_ps(all, _mm_and_ps(low, high));
+        }
+        mask |= static_cast<unsigned>(_mm_movemask_ps(all)) << 4 * half;
+    }
+    return mask;
+#endif
+}
+
+std::uint32_t find(const TriangleLists& lists, PairCursor& cursor, bool first_only, FoundPair* out, std::uint32_t room)
+{
+    Output output{out};
+    Batch batch(lists);
+    for (; cursor.a < lists.count_a; ++cursor.a, cursor.block = 0) {
+        const FloatBox box = lists.boxes_a[cursor.a];
+        for (; cursor.block < lists.blocks; ++cursor.block) {
+            unsigned mask = overlaps(lists.blocks_b[cursor.block], box);
+            if (!mask) continue;
+            if (output.count + 16 > room || (first_only && output.sure)) { // this block's and those of the batch
+                output.take(batch);
+                return output.count;
+            }
+            for (; mask; mask &= mask - 1) {
+                batch.add(lists, cursor.a, 8 * cursor.block + static_cast<unsigned>(__builtin_ctz(mask)));
+                if (batch.count == 8) output.take(batch);
+            }
         }
     }
-    flush();
-    return found;
+    output.take(batch);
+    return output.count;
 }
 
 } // namespace
 
-MeetingTriangles* meeting_triangles()
+FindPairs* find_pairs()
 {
-    return meeting;
+    return find;
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

@@ -1,4 +1,4 @@
-// One triangle against many, one implementation an instruction set. Plain data in, plain data out.
+// Triangles against triangles, one implementation an instruction set. Plain data in, plain data out.
 #pragma once
 #include <cstdint>
 
@@ -9,27 +9,47 @@ struct BoxBlock {
     alignas(32) float lo[3][8], hi[3][8];
 };
 
-struct TriangleQuery {
-    const double* corners; ///< 9 coordinates
-    float lo[3], hi[3];    ///< its box, rounded outward, in the blocks' frame
+/// The box of one triangle, rounded outward.
+struct FloatBox {
+    float lo[3], hi[3];
 };
 
-/// Triangles of blocks [begin, end) that meet the query certainly, or may meet it, ascending, to `out` (room for 8 a
-/// block): twice the number of the triangle, plus 1 when the filter could not tell. All others are certainly separate.
-/// Triangle i is lane i % 8 of block i / 8; its 9 coordinates are at corners + 9 i.
-/// @param first_only  stop soon after a triangle that certainly meets
-/// Returns how many were written.
-using MeetingTriangles = std::uint32_t(const TriangleQuery& query, const BoxBlock* blocks, const double* corners,
-                                       std::uint32_t begin, std::uint32_t end, bool first_only, std::uint32_t* out);
+/// Triangles a against triangles b. Boxes of both are in one frame. Triangle i has its 9 coordinates at corners + 9 i;
+/// the box of b's triangle i is lane i % 8 of block i / 8.
+struct TriangleLists {
+    const FloatBox* boxes_a;
+    const double* corners_a;
+    std::uint32_t count_a;
+    const BoxBlock* blocks_b;
+    const double* corners_b;
+    std::uint32_t blocks;
+};
+
+/// Two triangles that meet: certainly, or possibly when the filter could not tell.
+struct FoundPair {
+    std::uint32_t a, b;
+    bool certain;
+};
+
+/// Where to go on: block `block` of b against triangle `a`.
+struct PairCursor {
+    std::uint32_t a = 0, block = 0;
+};
+
+/// Pairs that meet or may meet, ascending, from `cursor` on, to `out`; all others are certainly separate. Stops, and
+/// sets the cursor, when fewer than 16 of the `room` places are left, or, with `first_only`, soon after a pair that
+/// certainly meets. Returns how many were written; cursor.a is count_a when all is done.
+using FindPairs = std::uint32_t(const TriangleLists& lists, PairCursor& cursor, bool first_only, FoundPair* out,
+                                std::uint32_t room);
 
 namespace baseline {
-MeetingTriangles* meeting_triangles();
+FindPairs* find_pairs();
 }
 namespace avx2 {
-MeetingTriangles* meeting_triangles();
+FindPairs* find_pairs();
 }
 namespace avx512 {
-MeetingTriangles* meeting_triangles();
+FindPairs* find_pairs();
 }
 
 } // namespace oncollide

@@ -9,16 +9,16 @@ namespace oncollide {
 
 namespace {
 
-MeetingTriangles* kernel()
+FindPairs* kernel()
 {
-    static MeetingTriangles* const chosen = [] {
+    static FindPairs* const chosen = [] {
         switch (instruction_set()) {
         case InstructionSet::avx512:
-            return avx512::meeting_triangles();
+            return avx512::find_pairs();
         case InstructionSet::avx2:
-            return avx2::meeting_triangles();
+            return avx2::find_pairs();
         default:
-            return baseline::meeting_triangles();
+            return baseline::find_pairs();
         }
     }();
     return chosen;
@@ -27,12 +27,11 @@ MeetingTriangles* kernel()
 constexpr double most = std::numeric_limits<float>::max();
 constexpr float least = std::numeric_limits<float>::min();
 
-/// A float not above the exact difference that rounded to x: the cast errs by 2^-24 of the magnitude or less than
-/// `least`, the difference by 2^-53 of it.
+/// A float not above the exact difference that rounded to x: the difference errs by 2^-53 of the magnitude, the cast by
+/// 2^-24 of it or by less than `least`. Below the lowest float this overflows, rightly, to minus infinity.
 float below(double x)
 {
-    if (x < -most) return -std::numeric_limits<float>::infinity();
-    const auto f = static_cast<float>(std::min(x, most));
+    const auto f = static_cast<float>(std::clamp(x, -most, most));
     return f - std::abs(f) * 0x1p-22f - least;
 }
 float above(double x)
@@ -40,37 +39,19 @@ float above(double x)
     return -below(-x);
 }
 
-/// The triangle's box relative to the origin, rounded outward: set(axis, lo, hi).
-template <class Set>
-void bound(const TrianglePoints& t, const Eigen::Vector3d& origin, Set set)
+/// The triangle's box relative to the origin, rounded outward.
+FloatBox box_of(const TrianglePoints& t, const Eigen::Vector3d& origin)
 {
+    FloatBox box;
     for (int axis = 0; axis < 3; ++axis) {
         const double x = t[0][axis], y = t[1][axis], z = t[2][axis];
-        set(axis, below(std::min({x, y, z}) - origin[axis]), above(std::max({x, y, z}) - origin[axis]));
+        box.lo[axis] = below(std::min(std::min(x, y), z) - origin[axis]);
+        box.hi[axis] = above(std::max(std::max(x, y), z) - origin[axis]);
     }
+    return box;
 }
 
-constexpr std::uint32_t blocks_a_call = 32;
-
-/// visit(i) for triangles that meet the query, ascending, while it returns true.
-template <class Visit>
-void visit_meeting(const TriangleQuery& query, const TrianglePoints& triangle, std::span<const BoxBlock> blocks,
-                   std::span<const TrianglePoints> triangles, bool first_only, Visit visit)
-{
-    static_assert(sizeof(TrianglePoints) == 9 * sizeof(double));
-    const auto count = static_cast<std::uint32_t>(blocks.size());
-    std::uint32_t entries[8 * blocks_a_call];
-    for (std::uint32_t begin = 0; begin < count; begin += blocks_a_call) {
-        const std::uint32_t end = std::min(count, begin + blocks_a_call);
-        const std::uint32_t found =
-            kernel()(query, blocks.data(), triangles.front()[0].data(), begin, end, first_only, entries);
-        for (std::uint32_t k = 0; k < found; ++k) {
-            const std::uint32_t i = entries[k] >> 1;
-            const bool certain = !(entries[k] & 1);
-            if ((certain || triangles_meet(triangle, triangles[i])) && !visit(i)) return;
-        }
-    }
-}
+constexpr std::size_t list_part = 64; ///< triangles of the list a call
 
 } // namespace
 
@@ -82,34 +63,51 @@ void TriangleSet::assign(std::span<const TrianglePoints> triangles)
     origin_ = triangles.front()[0];
     constexpr float none = std::numeric_limits<float>::quiet_NaN();
     for (auto& row : blocks_.back().lo) std::fill(std::begin(row), std::end(row), none);
-    for (std::size_t i = 0; i < triangles.size(); ++i)
-        bound(triangles[i], origin_, [&](int axis, float lo, float hi) {
-            blocks_[i / 8].lo[axis][i % 8] = lo, blocks_[i / 8].hi[axis][i % 8] = hi;
-        });
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+        const FloatBox box = box_of(triangles[i], origin_);
+        for (int axis = 0; axis < 3; ++axis)
+            blocks_[i / 8].lo[axis][i % 8] = box.lo[axis], blocks_[i / 8].hi[axis][i % 8] = box.hi[axis];
+    }
 }
 
-TriangleQuery TriangleSet::query_of(const TrianglePoints& triangle) const
+/// visit(pair) for pairs that meet, in order, while it returns true.
+template <class Visit>
+void TriangleSet::visit_meeting(std::span<const TrianglePoints> list, bool first_only, Visit visit) const
 {
-    TriangleQuery query{triangle[0].data(), {}, {}};
-    bound(triangle, origin_, [&](int axis, float lo, float hi) { query.lo[axis] = lo, query.hi[axis] = hi; });
-    return query;
+    static_assert(sizeof(TrianglePoints) == 9 * sizeof(double));
+    if (triangles_.empty()) return;
+    FloatBox boxes[list_part];
+    FoundPair found[256];
+    for (std::size_t begin = 0; begin < list.size(); begin += list_part) {
+        const auto part = list.subspan(begin, std::min(list_part, list.size() - begin));
+        for (std::size_t i = 0; i < part.size(); ++i) boxes[i] = box_of(part[i], origin_);
+        const TriangleLists lists{
+            boxes,          part.front()[0].data(),       static_cast<std::uint32_t>(part.size()),
+            blocks_.data(), triangles_.front()[0].data(), static_cast<std::uint32_t>(blocks_.size())};
+        for (PairCursor cursor; cursor.a < lists.count_a;) {
+            const std::uint32_t count = kernel()(lists, cursor, first_only, found, std::size(found));
+            for (const FoundPair& pair : std::span(found, count))
+                if (pair.certain || triangles_meet(part[pair.a], triangles_[pair.b]))
+                    if (!visit(TriangleMeeting{static_cast<std::uint32_t>(begin) + pair.a, pair.b})) return;
+        }
+    }
 }
 
-std::optional<std::uint32_t> TriangleSet::first_meeting(const TrianglePoints& triangle) const
+std::optional<TriangleMeeting> TriangleSet::first_meeting(std::span<const TrianglePoints> list) const
 {
-    std::optional<std::uint32_t> first;
-    visit_meeting(query_of(triangle), triangle, blocks_, triangles_, true, [&](std::uint32_t i) {
-        first = i;
+    std::optional<TriangleMeeting> first;
+    visit_meeting(list, true, [&](const TriangleMeeting& pair) {
+        first = pair;
         return false;
     });
     return first;
 }
 
-void TriangleSet::all_meeting(const TrianglePoints& triangle, std::vector<std::uint32_t>& out) const
+void TriangleSet::all_meeting(std::span<const TrianglePoints> list, std::vector<TriangleMeeting>& out) const
 {
     out.clear();
-    visit_meeting(query_of(triangle), triangle, blocks_, triangles_, false, [&](std::uint32_t i) {
-        out.push_back(i);
+    visit_meeting(list, false, [&](const TriangleMeeting& pair) {
+        out.push_back(pair);
         return true;
     });
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -8,27 +9,35 @@
 
 namespace oncollide {
 
-/// Triangles to ask one after another whether they meet single ones. Answers equal those of triangles_meet, one by one,
-/// on every instruction set: boxes and certified signs decide eight at a time, what they leave open is tested alone.
+/// Triangle `a` of a list and triangle `b` of a set, by number.
+struct TriangleMeeting {
+    std::uint32_t a, b;
+
+    bool operator==(const TriangleMeeting&) const = default;
+};
+
+/// Triangles to be asked which of a list of others they meet. Answers equal those of triangles_meet, pair by pair, on
+/// every instruction set: boxes and certified signs decide eight pairs at a time, what they leave open is tested alone.
+/// Thread-safe but for assign().
 class TriangleSet {
 public:
     TriangleSet() = default;
-    /// Cost: about 10 ns a triangle.
     explicit TriangleSet(std::span<const TrianglePoints> triangles) { assign(triangles); }
-    /// Allocates nothing once the set has held as many.
+    /// Allocates nothing once the set has held as many. Cost: about 10 ns a triangle.
     void assign(std::span<const TrianglePoints> triangles);
 
     std::span<const TrianglePoints> triangles() const { return triangles_; }
 
-    /// The lowest number of a triangle that meets `triangle`. Cost: below 1 ns a triangle whose box is apart, about 10
-    /// ns each of the others, until it is found.
-    std::optional<std::uint32_t> first_meeting(const TrianglePoints& triangle) const;
+    /// The first pair that meets, in the order of (a, b). One triangle alone is a list of one.
+    /// Cost: 10 ns a triangle of the list, below 1 ns a pair whose boxes are apart, about 15 ns each of the others.
+    std::optional<TriangleMeeting> first_meeting(std::span<const TrianglePoints> list) const;
 
-    /// The numbers of all that meet `triangle`, ascending, to `out`, overwritten.
-    void all_meeting(const TrianglePoints& triangle, std::vector<std::uint32_t>& out) const;
+    /// All pairs that meet, sorted, to `out`, overwritten. Cost: as first_meeting.
+    void all_meeting(std::span<const TrianglePoints> list, std::vector<TriangleMeeting>& out) const;
 
 private:
-    TriangleQuery query_of(const TrianglePoints& triangle) const;
+    template <class Visit>
+    void visit_meeting(std::span<const TrianglePoints> list, bool first_only, Visit visit) const;
 
     std::vector<TrianglePoints> triangles_;
     std::vector<BoxBlock> blocks_;

@@ -1,7 +1,9 @@
 // Pairs of triangles that are hard for rounded arithmetic, on grids where their touching is exact.
 #pragma once
+#include <cctype>
 #include <cmath>
 #include <functional>
+#include <ostream>
 #include <random>
 #include <string>
 #include <utility>
@@ -42,6 +44,19 @@ struct TriangleFamily {
     std::string name;
     std::function<TrianglePair(GridPoints&)> make; ///< in units
 };
+
+inline std::ostream& operator<<(std::ostream& out, const TriangleFamily& family)
+{
+    return out << family.name;
+}
+
+/// Its name as gtest wants it.
+inline std::string test_name(const TriangleFamily& family)
+{
+    std::string name = family.name;
+    std::erase_if(name, [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); });
+    return name;
+}
 
 /// Corner + sums of the triangle's edges in sixteenths: in the triangle, on its border now and then. Exact when the
 /// edges are multiples of 16.

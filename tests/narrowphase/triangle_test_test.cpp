@@ -84,11 +84,8 @@ TEST_P(EveryFamily, DoesNotDependOnOrder)
             }
 }
 
-INSTANTIATE_TEST_SUITE_P(TriangleTest, EveryFamily, testing::ValuesIn(triangle_families()), [](const auto& info) {
-    std::string name = info.param.name;
-    std::erase_if(name, [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); });
-    return name;
-});
+INSTANTIATE_TEST_SUITE_P(TriangleTest, EveryFamily, testing::ValuesIn(triangle_families()),
+                         [](const auto& family) { return test_name(family.param); });
 
 // On a grid of 3 x 3 x 3 points triangles share corners and edges, lie in one plane, are segments and points.
 TEST(TriangleTest, IsExactOnATinyGrid)
@@ -161,6 +158,120 @@ TEST(TriangleTest, IsExactWhereMagnitudesAreFarApart)
         }
         check(pairs);
     }
+}
+
+/// How far a point is from a triangle, for triangles that are no slivers.
+double distance(const TrianglePoints& t, const Eigen::Vector3d& p)
+{
+    const Eigen::Vector3d normal = (t[1] - t[0]).cross(t[2] - t[0]).normalized();
+    double inside = 0, nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Eigen::Vector3d &a = t[k], edge = t[(k + 1) % 3] - a;
+        inside = std::max(inside, edge.normalized().cross(normal).dot(p - a));
+        const double along = std::clamp(edge.dot(p - a) / edge.squaredNorm(), 0.0, 1.0);
+        nearest = std::min(nearest, (a + along * edge - p).norm());
+    }
+    return inside > 0 ? nearest : std::abs(normal.dot(p - t[0]));
+}
+
+/// The length that two triangles in different planes cut from the common line.
+double length_of_contact(const TrianglePoints& a, const TrianglePoints& b)
+{
+    const Eigen::Vector3d m = (a[1] - a[0]).cross(a[2] - a[0]), n = (b[1] - b[0]).cross(b[2] - b[0]);
+    const Eigen::Vector3d line = m.cross(n).normalized();
+    double low = -std::numeric_limits<double>::infinity(), high = -low;
+    const auto cut = [&](const TrianglePoints& t, const Eigen::Vector3d& normal, const Eigen::Vector3d& origin) {
+        double first = std::numeric_limits<double>::infinity(), last = -first;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Eigen::Vector3d &p = t[k], &q = t[(k + 1) % 3];
+            const double x = normal.dot(p - origin), y = normal.dot(q - origin);
+            if ((x > 0) == (y > 0)) continue;
+            const double at = line.dot(p + x / (x - y) * (q - p) - a[0]);
+            first = std::min(first, at), last = std::max(last, at);
+        }
+        low = std::max(low, first), high = std::min(high, last);
+    };
+    cut(a, n, b[0]), cut(b, m, a[0]);
+    return std::max(high - low, 0.0); // rounding can miss a short one
+}
+
+TEST_P(EveryFamily, HasContactsInBothTriangles)
+{
+    int met = 0;
+    std::vector<TrianglePair> some = pairs(1000, 10);
+    for (const TrianglePair& pair : all_moved(some, 1e-6, 0)) some.push_back(pair);
+    for (const auto& [a, b] : some) {
+        const TriangleContact contact = triangle_contact(a, b);
+        if (contact == TriangleContact::separate) continue;
+        const TriangleIntersection at = intersection(a, b);
+        double largest = 0, thinnest = 1;
+        for (const TrianglePoints* t : {&a, &b}) {
+            for (const Eigen::Vector3d& p : *t) largest = std::max(largest, p.cwiseAbs().maxCoeff());
+            const Eigen::Vector3d u = (*t)[1] - (*t)[0], v = (*t)[2] - (*t)[0];
+            thinnest = std::min(thinnest, u.cross(v).norm() / std::max(u.squaredNorm(), v.squaredNorm()));
+        }
+        if (thinnest < 1e-2) continue; // distance() is too inaccurate for these
+        ++met;
+        for (const Eigen::Vector3d& p : at.ends) {
+            EXPECT_LE(distance(a, p), 0x1p-43 * largest) << shown({a, b});
+            EXPECT_LE(distance(b, p), 0x1p-43 * largest) << shown({a, b});
+        }
+        EXPECT_NEAR(at.normal_a.norm(), 1, 1e-15);
+        EXPECT_LE(at.normal_a.cross((a[1] - a[0]).cross(a[2] - a[0]).normalized()).norm(), 1e-11);
+        if (contact == TriangleContact::crossing && at.normal_a.cross(at.normal_b).norm() > 1e-2) {
+            EXPECT_NEAR((at.ends[1] - at.ends[0]).norm(), length_of_contact(a, b), 1e-9 * largest) << shown({a, b});
+        }
+    }
+    if (GetParam().name != "slivers") {
+        EXPECT_GT(met, 50);
+    }
+}
+
+TEST(Intersection, IsThePointWhereACornerTouches)
+{
+    GridPoints random(13);
+    for (int i = 0; i < 500; ++i) {
+        const TrianglePoints a = of_sixteenths(random, 1 << 20);
+        const Eigen::Vector3d at = inside(a, random), normal = (a[1] - a[0]).cross(a[2] - a[0]).normalized();
+        const TrianglePoints b{at, at + normal * 100 + random.point(50), at + normal * 100 + random.point(50)};
+        if (triangle_contact(a, b) != TriangleContact::touching) continue;
+        const TriangleIntersection found = intersection(a, b);
+        EXPECT_LE((found.ends[0] - at).cwiseAbs().maxCoeff(), 0x1p-48 * 0x1p20);
+        EXPECT_LE((found.ends[1] - at).cwiseAbs().maxCoeff(), 0x1p-48 * 0x1p20);
+    }
+}
+
+TEST(Intersection, IsTheLongestSegmentOfAnOverlapInOnePlane)
+{
+    const TrianglePoints a{Eigen::Vector3d(0, 0, 5), Eigen::Vector3d(4, 0, 5), Eigen::Vector3d(0, 4, 5)};
+    const TrianglePoints b{Eigen::Vector3d(1, 1, 5), Eigen::Vector3d(5, 1, 5), Eigen::Vector3d(1, 5, 5)};
+    const TriangleIntersection found = intersection(a, b);
+    EXPECT_NEAR((found.ends[0] - found.ends[1]).norm(), std::sqrt(8), 1e-14); // from (3, 1) to (1, 3)
+    EXPECT_EQ(found.normal_a, Eigen::Vector3d::UnitZ());
+}
+
+TEST(Intersection, IsFoundForSegmentsAndPoints)
+{
+    GridPoints random(14);
+    int met = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const TrianglePoints a = random.triangle(1), b = random.triangle(1);
+        if (!triangles_meet(a, b)) continue;
+        ++met;
+        const TriangleIntersection found = intersection(a, b);
+        for (const Eigen::Vector3d& p : found.ends) {
+            // Coordinates here are simple fractions: the point, times their denominator, is on the grid.
+            int n = 1;
+            while (((n * p).array().round() - (n * p).array()).abs().maxCoeff() > 1e-12 && n < 1000) ++n;
+            ASSERT_LT(n, 1000) << shown({a, b}) << p.transpose();
+            const Eigen::Vector3d on_grid = (n * p).array().round();
+            for (TrianglePoints t : {a, b}) {
+                for (Eigen::Vector3d& q : t) q *= n;
+                EXPECT_TRUE(triangles_meet(t, {on_grid, on_grid, on_grid})) << shown({a, b}) << p.transpose();
+            }
+        }
+    }
+    EXPECT_GT(met, 1000);
 }
 
 } // namespace
