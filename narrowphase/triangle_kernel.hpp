@@ -4,18 +4,18 @@
 
 namespace oncollide {
 
-/// Boxes of eight triangles, rounded outward. Lanes without a triangle hold NaN and overlap nothing.
+/// Boxes of eight triangles, closed. Lanes without a triangle hold NaN and overlap nothing.
 struct BoxBlock {
     alignas(32) float lo[3][8], hi[3][8];
 };
 
-/// The box of one triangle, rounded outward.
+/// The box of one triangle, closed.
 struct FloatBox {
     float lo[3], hi[3];
 };
 
-/// Triangles a against triangles b. Boxes of both are in one frame. Triangle i has its 9 coordinates at corners + 9 i;
-/// the box of b's triangle i is lane i % 8 of block i / 8.
+/// Triangles a against triangles b. Boxes of both are rounded alike, so that none that touch are apart. Triangle i has
+/// its 9 coordinates at corners + 9 i; the box of b's triangle i is lane i % 8 of block i / 8.
 struct TriangleLists {
     const FloatBox* boxes_a;
     const double* corners_a;

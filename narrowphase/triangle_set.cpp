@@ -24,29 +24,17 @@ FindPairs* kernel()
     return chosen;
 }
 
-constexpr double most = std::numeric_limits<float>::max();
-constexpr float least = std::numeric_limits<float>::min();
-
-/// A float not above the exact difference that rounded to x: the difference errs by 2^-53 of the magnitude, the cast by
-/// 2^-24 of it or by less than `least`. Below the lowest float this overflows, rightly, to minus infinity.
-float below(double x)
-{
-    const auto f = static_cast<float>(std::clamp(x, -most, most));
-    return f - std::abs(f) * 0x1p-22f - least;
-}
-float above(double x)
-{
-    return -below(-x);
-}
-
-/// The triangle's box relative to the origin, rounded outward.
+/// A box relative to an origin, to the nearest float. Rounding keeps the order of numbers, so boxes that touch still
+/// do.
 FloatBox box_of(const TrianglePoints& t, const Eigen::Vector3d& origin)
 {
+    static constexpr double most = std::numeric_limits<float>::max();
+    const auto rounded = [](double x) { return static_cast<float>(std::clamp(x, -most, most)); };
     FloatBox box;
     for (int axis = 0; axis < 3; ++axis) {
         const double x = t[0][axis], y = t[1][axis], z = t[2][axis];
-        box.lo[axis] = below(std::min(std::min(x, y), z) - origin[axis]);
-        box.hi[axis] = above(std::max(std::max(x, y), z) - origin[axis]);
+        box.lo[axis] = rounded(std::min(std::min(x, y), z) - origin[axis]);
+        box.hi[axis] = rounded(std::max(std::max(x, y), z) - origin[axis]);
     }
     return box;
 }

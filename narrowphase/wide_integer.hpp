@@ -149,6 +149,7 @@ auto with_limbs(const BinaryGrid& grid, F f)
     if (needed <= 64) return f(std::integral_constant<int, 1>{});
     if (needed <= 128) return f(std::integral_constant<int, 2>{});
     if (needed <= 256) return f(std::integral_constant<int, 4>{});
+    if (needed <= 1024) return f(std::integral_constant<int, 16>{});
     return f(std::integral_constant<int, 33>{}); // 2,098 bits span all doubles
 }
 

@@ -113,6 +113,23 @@ TEST(Orient3d, IsExactWhereMagnitudesAreFarApart)
     }
 }
 
+TEST(Orient3d, IsExactWhereOnlySomeProductsUnderflowOrOverflow)
+{
+    GridPoints random(6);
+    for (const auto& [one, two] : {std::pair(900, -540), std::pair(290, -540), std::pair(-340, 600)})
+        for (int axis = 0; axis < 3; ++axis) {
+            Vector3d scale = Vector3d::Constant(std::ldexp(1, two));
+            scale[axis] = std::ldexp(1, one);
+            for (int i = 0; i < 500; ++i) {
+                std::array<Vector3d, 4> at;
+                for (Vector3d& p : at) p = random.point(5);
+                const int truth = true_orientation<2>(at, 0);
+                for (Vector3d& p : at) p = p.cwiseProduct(scale);
+                EXPECT_EQ(orientation_of(at), truth);
+            }
+        }
+}
+
 TEST(Orient3d, SeesSharedPointsAndPlanesSquareToAnAxis)
 {
     const Vector3d a(0.1, 0.7, 3), b(0.3, 1e-9, 3), c(1e9, 0.2, 3), d(7, 8, 3), e(0, 0, 4);
