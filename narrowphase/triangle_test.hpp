@@ -18,8 +18,8 @@ using TrianglePoints = std::array<Eigen::Vector3d, 3>;
 enum class TriangleContact { separate, touching, crossing };
 
 /// Exact for the coordinates as stored, so independent of the order of the triangles and of their corners.
-/// Cost: about 20 ns; up to some microseconds where rounding hides a sign (wholly coplanar, shared corners, and alike).
-/// No box test inside.
+/// Cost: about 25 ns, 11 when a plane parts them; 40 to 200 with a shared corner or a corner on a face, 1,000 in one
+/// plane. No box test inside.
 /// Source: Guigue and Devillers, "Fast and robust triangle-triangle overlap test using orientation predicates", JGT
 /// 2003, with exact signs.
 TriangleContact triangle_contact(const TrianglePoints& a, const TrianglePoints& b);
@@ -36,7 +36,7 @@ struct TriangleIntersection {
     Eigen::Vector3d normal_a, normal_b;
 };
 
-/// For triangles that meet. Cost: 2 to 10 microseconds.
+/// For triangles that meet. Cost: 1 to 4 microseconds.
 TriangleIntersection intersection(const TrianglePoints& a, const TrianglePoints& b);
 
 } // namespace oncollide
