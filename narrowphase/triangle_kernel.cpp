@@ -1,0 +1,280 @@
+// Compiled once per instruction set; see oncollide_add_kernel.
+//
+// Guigue and Devillers' test for triangle_contact's generic case, a lane a pair. A pair with a sign that is not certain
+// is left to the scalar test, unless another sign shows that it is separate.
+//
+// When a sign is certain. Let X, Y, Z be the sides of the pair's common box, each plus 2^-300. A determinant has six
+// terms, each the product of a difference in x, one in y and one in z, so with u = 2^-53 the bound of
+// exact_predicates.hpp, 8 u (1 + 8 u) P, has P <= 6 X Y Z; rounding of the sides and of their product included, 56 u X
+// Y Z bounds the error. Products of two that underflow, times the third side, err by at most 2^-1072 X, and so on: the
+// 2^-300 in the others cover that. Sides above 2^300 might overflow; there the bound is infinite.
+#include <oncollide/broadphase/simd.hpp>
+#include <oncollide/narrowphase/triangle_kernel.hpp>
+
+namespace oncollide::ONCOLLIDE_ISA {
+namespace {
+
+#if defined(__AVX512F__)
+constexpr int width = 8;
+#elif defined(__AVX2__)
+constexpr int width = 4;
+#else
+constexpr int width = 2;
+#endif
+using F64 = double __attribute__((vector_size(8 * width)));
+using I64 = long long __attribute__((vector_size(8 * width)));
+
+#if defined(__AVX512F__)
+inline F64 min(F64 a, F64 b)
+{
+    return _mm512_maskz_min_pd(0xff, a, b);
+}
+inline F64 max(F64 a, F64 b)
+{
+    return _mm512_maskz_max_pd(0xff, a, b);
+}
+/// One bit a lane.
+inline unsigned bits(I64 mask)
+{
+    return _mm512_movepi64_mask(reinterpret_cast<__m512i>(mask));
+}
+#elif defined(__AVX2__)
+inline F64 min(F64 a, F64 b)
+{
+    return _mm256_min_pd(a, b);
+}
+inline F64 max(F64 a, F64 b)
+{
+    return _mm256_max_pd(a, b);
+}
+inline unsigned bits(I64 mask)
+{
+    return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(mask)));
+}
+#else
+inline F64 min(F64 a, F64 b)
+{
+    return _mm_min_pd(a, b);
+}
+inline F64 max(F64 a, F64 b)
+{
+    return _mm_max_pd(a, b);
+}
+inline unsigned bits(I64 mask)
+{
+    return static_cast<unsigned>(_mm_movemask_pd(reinterpret_cast<__m128d>(mask)));
+}
+#endif
+
+struct Vec {
+    F64 x, y, z;
+};
+inline Vec operator-(const Vec& a, const Vec& b)
+{
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+inline Vec min(const Vec& a, const Vec& b)
+{
+    return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)};
+}
+inline Vec max(const Vec& a, const Vec& b)
+{
+    return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)};
+}
+inline Vec select(I64 mask, const Vec& a, const Vec& b)
+{
+    return {mask ? a.x : b.x, mask ? a.y : b.y, mask ? a.z : b.z};
+}
+inline Vec cross(const Vec& u, const Vec& v)
+{
+    return {u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
+}
+inline F64 dot(const Vec& u, const Vec& v)
+{
+    return u.x * v.x + u.y * v.y + u.z * v.z;
+}
+
+struct Corners {
+    Vec p, q, r;
+};
+
+inline F64 error_bound(const Corners& a, const Corners& b)
+{
+    const Vec lo = min(min(min(a.p, a.q), a.r), min(min(b.p, b.q), b.r));
+    const Vec hi = max(max(max(a.p, a.q), a.r), max(max(b.p, b.q), b.r));
+    const Vec side = hi - lo;
+    const F64 x = side.x + 0x1p-300, y = side.y + 0x1p-300, z = side.z + 0x1p-300;
+    const F64 bound = x * y * z * (56 * 0x1p-53);
+    return max(max(x, y), z) < 0x1p300 ? bound : F64{} + __builtin_inf();
+}
+
+/// Of a triangle's corners against a plane: lanes in which p, q, r are certainly above, or below.
+struct Sides {
+    I64 p_above, q_above, r_above, p_below, q_below, r_below;
+
+    Sides(const Corners& corners, const Corners& plane, F64 bound)
+    {
+        const Vec normal = cross(plane.q - plane.p, plane.r - plane.p);
+        const F64 p = dot(normal, corners.p - plane.p), q = dot(normal, corners.q - plane.p),
+                  r = dot(normal, corners.r - plane.p);
+        p_above = p > bound, q_above = q > bound, r_above = r > bound;
+        p_below = p < -bound, q_below = q < -bound, r_below = r < -bound;
+    }
+    I64 apart() const { return (p_above & q_above & r_above) | (p_below & q_below & r_below); }
+    I64 known() const { return (p_above | p_below) & (q_above | q_below) & (r_above | r_below); }
+};
+
+/// Turns the triangle so that p is alone on its side; sets where p is above. For lanes whose sides are known.
+inline I64 turn(Corners& t, const Sides& s)
+{
+    const I64 r_alone = ~(s.p_above ^ s.q_above), q_alone = ~(s.p_above ^ s.r_above) & ~r_alone;
+    const Corners old = t;
+    t.p = select(r_alone, old.r, select(q_alone, old.q, old.p));
+    t.q = select(r_alone, old.p, select(q_alone, old.r, old.q));
+    t.r = select(r_alone, old.q, select(q_alone, old.p, old.r));
+    return (r_alone & s.r_above) | (q_alone & s.q_above) | (~(r_alone | q_alone) & s.p_above);
+}
+
+/// Lanes that are certainly separate, and lanes about which nothing is uncertain.
+struct Verdicts {
+    I64 separate, known;
+};
+
+inline Verdicts judge(Corners a, Corners b)
+{
+    const F64 bound = error_bound(a, b);
+    const Sides of_b(b, a, bound);
+    I64 separate = of_b.apart();
+    if (bits(~separate) == 0) return {separate, separate};
+    const Sides of_a(a, b, bound);
+    separate |= of_a.apart();
+    if (bits(~separate) == 0) return {separate, separate};
+    const I64 known = of_a.known() & of_b.known() & ~separate;
+
+    // As in triangle_contact: the edges that leave the lone corners, in the order that the sides of these ask for.
+    const I64 a_above = turn(a, of_a), b_above = turn(b, of_b), alike = ~(a_above ^ b_above);
+    const Vec w = b.p - a.p, t = b.q - b.p, u = b.r - b.p;
+    const F64 first = dot(cross(a.q - a.p, select(alike, t, u)), w);
+    const F64 second = dot(cross(a.r - a.p, select(alike, u, t)), w);
+    const I64 first_above = first > bound, first_below = first < -bound;
+    const I64 second_above = second > bound, second_below = second < -bound;
+    separate |= known & ((b_above & (first_below | second_above)) | (~b_above & (first_above | second_below)));
+    return {separate, separate | (known & (first_above | first_below) & (second_above | second_below))};
+}
+
+/// Lane i holds v[i][k].
+inline F64 gather(const double* const* v, int k)
+{
+#if defined(__AVX512F__)
+    return F64{v[0][k], v[1][k], v[2][k], v[3][k], v[4][k], v[5][k], v[6][k], v[7][k]};
+#elif defined(__AVX2__)
+    return F64{v[0][k], v[1][k], v[2][k], v[3][k]};
+#else
+    return F64{v[0][k], v[1][k]};
+#endif
+}
+
+inline Corners gather(const double* const* v)
+{
+    return {{gather(v, 0), gather(v, 1), gather(v, 2)},
+            {gather(v, 3), gather(v, 4), gather(v, 5)},
+            {gather(v, 6), gather(v, 7), gather(v, 8)}};
+}
+
+/// Pairs whose boxes overlap. Lanes past the count hold some earlier pair.
+struct Batch {
+    std::uint32_t a[8], b[8];
+    const double *corners_a[8], *corners_b[8];
+    int count = 0;
+
+    explicit Batch(const TriangleLists& lists)
+    {
+        for (int lane = 0; lane < 8; ++lane) corners_a[lane] = lists.corners_a, corners_b[lane] = lists.corners_b;
+    }
+    void add(const TriangleLists& lists, std::uint32_t i, std::uint32_t j)
+    {
+        a[count] = i, corners_a[count] = lists.corners_a + 9 * std::size_t(i);
+        b[count] = j, corners_b[count] = lists.corners_b + 9 * std::size_t(j);
+        ++count;
+    }
+};
+
+struct Output {
+    FoundPair* pairs;
+    std::uint32_t count = 0;
+    bool sure = false; ///< holds a pair that certainly meets
+
+    void take(Batch& batch)
+    {
+        for (int first = 0; first < batch.count; first += width) {
+            const Verdicts verdicts = judge(gather(batch.corners_a + first), gather(batch.corners_b + first));
+            const unsigned known = bits(verdicts.known);
+            const int left = batch.count - first;
+            unsigned rest = bits(~verdicts.separate) & (left < width ? (1u << left) - 1 : ~0u);
+            for (; rest; rest &= rest - 1) {
+                const int lane = __builtin_ctz(rest);
+                const bool certain = known >> lane & 1;
+                pairs[count++] = {batch.a[first + lane], batch.b[first + lane], certain};
+                sure |= certain;
+            }
+        }
+        batch.count = 0;
+    }
+};
+
+/// One bit a lane whose box overlaps.
+inline unsigned overlaps(const BoxBlock& block, const FloatBox& box)
+{
+#if defined(__AVX2__)
+    I32x8 low[3], high[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        low[axis] = load(block.lo[axis]) <= splat(box.hi[axis]);
+        high[axis] = load(block.hi[axis]) >= splat(box.lo[axis]);
+    }
+    return bits((low[0] & low[1] & low[2]) & (high[0] & high[1] & high[2]));
+#else
+    unsigned mask = 0;
+    for (int half = 0; half < 2; ++half) {
+        __m128 all = _mm_cmpeq_ps(_mm_setzero_ps(), _mm_setzero_ps());
+        for (int axis = 0; axis < 3; ++axis) {
+            const __m128 low = _mm_cmple_ps(_mm_load_ps(block.lo[axis] + 4 * half), _mm_set1_ps(box.hi[axis]));
+            const __m128 high = _mm_cmpge_ps(_mm_load_ps(block.hi[axis] + 4 * half), _mm_set1_ps(box.lo[axis]));
+            all = _mm_and_ps(all, _mm_and_ps(low, high));
+        }
+        mask |= static_cast<unsigned>(_mm_movemask_ps(all)) << 4 * half;
+    }
+    return mask;
+#endif
+}
+
+std::uint32_t find(const TriangleLists& lists, PairCursor& cursor, bool first_only, FoundPair* out, std::uint32_t room)
+{
+    Output output{out};
+    Batch batch(lists);
+    for (; cursor.a < lists.count_a; ++cursor.a, cursor.block = 0) {
+        const FloatBox box = lists.boxes_a[cursor.a];
+        for (; cursor.block < lists.blocks; ++cursor.block) {
+            unsigned mask = overlaps(lists.blocks_b[cursor.block], box);
+            if (!mask) continue;
+            if (output.count + 16 > room || (first_only && output.sure)) { // this block's and those of the batch
+                output.take(batch);
+                return output.count;
+            }
+            for (; mask; mask &= mask - 1) {
+                batch.add(lists, cursor.a, 8 * cursor.block + static_cast<unsigned>(__builtin_ctz(mask)));
+                if (batch.count == 8) output.take(batch);
+            }
+        }
+    }
+    output.take(batch);
+    return output.count;
+}
+
+} // namespace
+
+FindPairs* find_pairs()
+{
+    return find;
+}
+
+} // namespace oncollide::ONCOLLIDE_ISA

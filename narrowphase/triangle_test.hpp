@@ -1,0 +1,42 @@
+#pragma once
+#include <array>
+
+#include <Eigen/Core>
+
+namespace oncollide {
+
+/// The corners of a triangle, metres, finite. Corners on one line or at one point make it the segment or the point that
+/// it is.
+using TrianglePoints = std::array<Eigen::Vector3d, 3>;
+
+/// How two triangles lie, exactly, both taken as closed sets.
+///
+/// crossing: they meet and no small enough translation of either parts them, that is, 0 is inside the interior of their
+///   Minkowski difference. For two triangles with area: their relative interiors meet and their planes differ. A
+///   segment that pierces the inside of a triangle crosses it; two segments, or a point and anything, never cross.
+/// touching: they meet, but do not cross: a corner or an edge on the other, or overlap in one plane.
+enum class TriangleContact { separate, touching, crossing };
+
+/// Exact for the coordinates as stored, so independent of the order of the triangles and of their corners.
+/// Cost: about 25 ns, 11 when a plane parts them; 40 to 200 with a shared corner or a corner on a face, 1,000 in one
+/// plane. No box test inside.
+/// Source: Guigue and Devillers, "Fast and robust triangle-triangle overlap test using orientation predicates", JGT
+/// 2003, with exact signs.
+TriangleContact triangle_contact(const TrianglePoints& a, const TrianglePoints& b);
+
+/// True when they have a point in common: touching counts.
+bool triangles_meet(const TrianglePoints& a, const TrianglePoints& b);
+
+/// Where two triangles meet.
+struct TriangleIntersection {
+    /// Of the common segment; equal when it is a point. When the triangles overlap in one plane, the two points of the
+    /// overlap that are farthest apart. Each coordinate errs by at most 2^-48 times the largest coordinate.
+    std::array<Eigen::Vector3d, 2> ends;
+    /// Unit normals, by (q - p) x (r - p); 0 for a triangle without area. Each component errs by at most 2^-49.
+    Eigen::Vector3d normal_a, normal_b;
+};
+
+/// For triangles that meet. Cost: 1 to 4 microseconds.
+TriangleIntersection intersection(const TrianglePoints& a, const TrianglePoints& b);
+
+} // namespace oncollide
