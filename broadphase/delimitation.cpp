@@ -25,7 +25,10 @@ double ms_since(Clock::time_point from)
 void Delimitation::clear()
 {
     boxes_.clear(), layers_.clear(), masks_.clear(), levels_.clear();
+    for (const auto& list : reached_) list->clear();
+    for (const auto& list : next_) list->clear();
     bodies_left_ = 0;
+    counted_ = true;
 }
 
 void Delimitation::ask(const float box[6], std::uint32_t layers, std::uint32_t mask)
@@ -59,8 +62,6 @@ void Delimitation::run(const BoxTree& tree, bool layers, int threads)
     const std::size_t workers = layers_.size() < boxes_worth_threads ? 1 : static_cast<std::size_t>(threads);
     while (reached_.size() < workers)
         reached_.push_back(std::make_unique<FoundPairs>()), next_.push_back(std::make_unique<FoundPairs>());
-    for (const auto& list : reached_) list->clear();
-    for (const auto& list : next_) list->clear();
     const int top = tree.view().levels - 1;
     levels_.assign(static_cast<std::size_t>(std::max(top, 0)) + 1, {});
     if (tree.empty()) return;
@@ -81,10 +82,7 @@ void Delimitation::run(const BoxTree& tree, bool layers, int threads)
         reached_.swap(next_);
         levels_[static_cast<std::size_t>(top - level) + 1].ms = ms_since(from);
     }
-    const auto from = Clock::now();
-    mark(tree);
-    count_rejected(tree);
-    levels_[0].ms += ms_since(from);
+    counted_ = false;
 }
 
 std::span<const std::unique_ptr<FoundPairs>> Delimitation::compare(const BoxTree& tree, int threads)
@@ -94,6 +92,28 @@ std::span<const std::unique_ptr<FoundPairs>> Delimitation::compare(const BoxTree
             for (std::size_t w = first; w < last; ++w) descend(tree, 0, *reached_[w], *next_[w]);
         });
     return next_;
+}
+
+void Delimitation::count(const BoxTree& tree)
+{
+    if (counted_) return;
+    const auto from = Clock::now();
+    mark(tree);
+    count_rejected(tree);
+    levels_[0].ms += ms_since(from);
+    counted_ = true;
+}
+
+std::span<const DelimitationLevel> Delimitation::levels(const BoxTree& tree)
+{
+    count(tree);
+    return levels_;
+}
+
+std::uint64_t Delimitation::bodies_left(const BoxTree& tree)
+{
+    count(tree);
+    return bodies_left_;
 }
 
 /// A node is left if a leaf region below it is reached.
@@ -146,10 +166,11 @@ void Delimitation::count_rejected(const BoxTree& tree)
     bodies_left_ = bodies;
 }
 
-void Delimitation::survivors(const BoxTree& tree, std::vector<std::uint32_t>& bodies) const
+void Delimitation::survivors(const BoxTree& tree, std::vector<std::uint32_t>& bodies)
 {
+    count(tree);
     bodies.clear();
-    if (left_.size() < 2) return;
+    if (left_.size() < 2 || levels_.empty()) return;
     for (std::uint32_t leaf : left_[1])
         for (std::uint32_t place = leaf * width; place < std::min<std::size_t>(tree.size(), (leaf + 1) * width);
              ++place)

@@ -30,16 +30,18 @@ public:
     std::span<const std::unique_ptr<FoundPairs>> compare(const BoxTree& tree, int threads);
 
     const float* box(std::size_t k) const { return &boxes_[6 * k]; }
-    std::span<const DelimitationLevel> levels() const { return levels_; }
+    // What was rejected, counted when first asked for after run(), on the same tree.
+    std::span<const DelimitationLevel> levels(const BoxTree& tree);
     /// Bodies in the leaf regions that are left.
-    std::uint64_t bodies_left() const { return bodies_left_; }
+    std::uint64_t bodies_left(const BoxTree& tree);
     /// Overwrites `bodies` with them, ascending.
-    void survivors(const BoxTree& tree, std::vector<std::uint32_t>& bodies) const;
+    void survivors(const BoxTree& tree, std::vector<std::uint32_t>& bodies);
     std::size_t bytes() const;
 
 private:
     void descend(const BoxTree& tree, int level, FoundPairs& from, FoundPairs& to) const;
     void drop_forbidden(const BoxLevelView& level, PairSink& found) const;
+    void count(const BoxTree& tree);
     void mark(const BoxTree& tree);
     void count_rejected(const BoxTree& tree);
 
@@ -52,6 +54,7 @@ private:
     std::vector<std::vector<std::uint8_t>> is_left_;          ///< by level and node
     std::vector<DelimitationLevel> levels_;
     std::uint64_t bodies_left_ = 0;
+    bool counted_ = true;
 };
 
 } // namespace oncollide

@@ -37,12 +37,13 @@ struct DynamicTree::Impl {
     BoxTree tree{BoxOrder::kd};
     TreeSearch search;
     Delimitation delimitation, question;
-    std::vector<std::uint8_t> state;    ///< by body
-    std::vector<std::uint8_t> asleep;   ///< by body, for the filter
-    std::vector<std::uint32_t> changes; ///< bodies with state `moved` or `changed`, each once
-    std::vector<std::uint32_t> asked;   ///< of the changed ones, those to be asked for
-    std::vector<BodyPair> kept;         ///< pairs of the boxes as the tree holds them
-    std::vector<BodyPair> exact;        ///< of these, pairs of the boxes themselves; only where they may differ
+    std::vector<std::uint8_t> state;                       ///< by body
+    std::vector<std::uint8_t> asleep;                      ///< by body, for the filter
+    std::vector<std::uint32_t> gone, come, gone_elsewhere; ///< scratch: bodies for the tree to change
+    std::vector<std::uint32_t> changes;                    ///< bodies with state `moved` or `changed`, each once
+    std::vector<std::uint32_t> asked;                      ///< of the changed ones, those to be asked for
+    std::vector<BodyPair> kept;                            ///< pairs of the boxes as the tree holds them
+    std::vector<BodyPair> exact; ///< of these, pairs of the boxes themselves; only where they may differ
     std::vector<BodyPair> found, scratch;
     std::vector<std::uint32_t> any; ///< layers and masks, where there are none
     std::size_t size = 0, awake_count = 0;
@@ -191,7 +192,8 @@ void DynamicTree::Impl::refit(const BodyColumns& columns)
 void DynamicTree::Impl::take_in(const BodyColumns& columns, const BodyFilter& filter)
 {
     if (taken_in) return;
-    std::vector<std::uint32_t> gone, come, gone_elsewhere;
+    delimitation.clear();
+    gone.clear(), come.clear(), gone_elsewhere.clear();
     for (std::uint32_t body : changes) {
         const std::uint8_t s = state[body];
         if (!(s & present)) {
@@ -268,7 +270,6 @@ void DynamicTree::Impl::delimit(const BodyColumns& columns)
     take_in(columns, allowed);
     if (delimited) return;
     collect_asked();
-    delimitation.clear();
     search_all = kept_stale || asked.size() * everything > size;
     if (!search_all) {
         for (std::uint32_t body : asked) {
@@ -335,16 +336,16 @@ std::span<const BodyPair> DynamicTree::find_pairs(const BodyColumns& columns)
 {
     return impl_->find_pairs(columns);
 }
-std::span<const DelimitationLevel> DynamicTree::levels() const
+std::span<const DelimitationLevel> DynamicTree::levels()
 {
     if (impl_->search_all) return {};
-    return impl_->delimitation.levels();
+    return impl_->delimitation.levels(impl_->tree);
 }
-std::uint64_t DynamicTree::bodies_left() const
+std::uint64_t DynamicTree::bodies_left()
 {
-    return impl_->search_all ? impl_->size : impl_->delimitation.bodies_left();
+    return impl_->search_all ? impl_->size : impl_->delimitation.bodies_left(impl_->tree);
 }
-void DynamicTree::survivors(std::vector<std::uint32_t>& bodies) const
+void DynamicTree::survivors(std::vector<std::uint32_t>& bodies)
 {
     if (!impl_->search_all) return impl_->delimitation.survivors(impl_->tree, bodies);
     bodies.clear();
@@ -389,7 +390,9 @@ std::size_t DynamicTree::bytes() const
     const Impl& p = *impl_;
     return p.tree.bytes() + p.search.bytes() + p.delimitation.bytes() + p.question.bytes() + p.state.capacity() +
            p.asleep.capacity() +
-           (p.changes.capacity() + p.asked.capacity() + p.any.capacity()) * sizeof(std::uint32_t) +
+           (p.changes.capacity() + p.asked.capacity() + p.any.capacity() + p.gone.capacity() + p.come.capacity() +
+            p.gone_elsewhere.capacity()) *
+               sizeof(std::uint32_t) +
            (p.kept.capacity() + p.exact.capacity() + p.found.capacity() + p.scratch.capacity()) * sizeof(BodyPair);
 }
 

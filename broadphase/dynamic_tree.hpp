@@ -65,12 +65,13 @@ public:
     /// The first half of find_pairs(), which does it if need be: takes in the changes and finds the regions in which
     /// something may collide (progressive delimitation).
     void delimit(const BodyColumns& columns);
-    /// What delimit() did, level by level. Empty where so much had changed that all was searched.
-    std::span<const DelimitationLevel> levels() const;
+    /// What delimit() did, level by level, counted when asked for. Empty where so much had changed that all was
+    /// searched, and after the next question or change taken in.
+    std::span<const DelimitationLevel> levels();
     /// Bodies that it left: all, or those of the regions that the changed bodies reach. Every pair that a changed body
     /// is in is among them.
-    std::uint64_t bodies_left() const;
-    void survivors(std::vector<std::uint32_t>& bodies) const; ///< overwrites `bodies` with them, ascending
+    std::uint64_t bodies_left();
+    void survivors(std::vector<std::uint32_t>& bodies); ///< overwrites `bodies` with them, ascending
 
     /// Bodies whose boxes, grown by `margin` in all, overlap each of `boxes`, whatever their layers and sleep; sorted.
     /// Cost: about a microsecond a box. Takes in changes like find_pairs(), which will still report their pairs.
