@@ -31,6 +31,20 @@ inline F32x8 max(F32x8 a, F32x8 b)
     return a > b ? a : b;
 }
 
+inline F32x8 sqrt(F32x8 v)
+{
+#if defined(__AVX2__)
+    return reinterpret_cast<F32x8>(_mm256_sqrt_ps(reinterpret_cast<__m256>(v)));
+#else
+    union {
+        F32x8 whole;
+        __m128 half[2];
+    } u{v};
+    u.half[0] = _mm_sqrt_ps(u.half[0]), u.half[1] = _mm_sqrt_ps(u.half[1]);
+    return u.whole;
+#endif
+}
+
 /// One bit a lane of a comparison's result.
 inline unsigned bits(I32x8 mask)
 {

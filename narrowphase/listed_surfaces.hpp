@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <oncollide/narrowphase/octant_cell.hpp>
+#include <oncollide/narrowphase/tight_block.hpp>
 #include <oncollide/narrowphase/triangle_lists.hpp>
 
 namespace oncollide {
@@ -32,6 +33,7 @@ public:
     std::uint8_t entered(std::size_t row) const { return found_[row].entered; }
     std::uint8_t inside(std::size_t row) const { return found_[row].inside; }
     TriangleSpan triangles(std::size_t row, unsigned octant) const;
+    const TightBlock& tight(std::size_t row) const { return tight_[row]; } ///< where asked for
 
     /// Keeps the triangles that were found for a row.
     ListId keep(std::uint32_t tree, std::size_t row);
@@ -55,11 +57,12 @@ private:
     };
 
     TriangleSpan span_of(std::uint32_t tree, ListId list, unsigned octant) const;
-    Found test(const OctantRow& row, const Find& how, std::uint32_t worker_index);
+    Found test(std::size_t index, const OctantRow& row, const Find& how, std::uint32_t worker_index);
 
     std::vector<std::optional<Tree>> trees_;
     std::vector<Worker> workers_;
     std::vector<Found> found_;
+    std::vector<TightBlock> tight_;
 };
 
 } // namespace oncollide

@@ -8,6 +8,7 @@
 
 #include <oncollide/narrowphase/cell_key.hpp>
 #include <oncollide/narrowphase/surface.hpp>
+#include <oncollide/narrowphase/tight_block.hpp>
 #include <oncollide/scenes/error.hpp>
 
 namespace oncollide {
@@ -22,11 +23,13 @@ struct OctantRow {
     CellKey cell;
     ListId list;    ///< the parent's answer, or all_triangles for the root
     bool keep_list; ///< the triangles will be asked for again, by deeper cells
+    bool tight;     ///< tight bounds are asked for: of backends that give them
 };
 
 struct OctantAnswer {
     std::uint8_t grey = 0;       ///< bit k: octant k
     ListId list = all_triangles; ///< the cell's triangles, when kept
+    TightBlock tight;            ///< of the octants, when asked for
 };
 
 /// The triangles of one octant of a cell that was answered.
@@ -65,6 +68,8 @@ public:
     virtual std::string renderer() const { return {}; }
     /// What a grey octant may be wrong by beyond RootCell::false_reach() (m), for cells of half-extent `half`.
     virtual double reach(double half) const = 0;
+    /// Does it give tight bounds? Then they depend on the triangles in the cell alone.
+    virtual bool gives_tight() const { return false; }
 
     /// Gives the surface of a tree before its first row.
     virtual void attach(std::uint32_t tree, Surface surface) = 0;

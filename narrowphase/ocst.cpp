@@ -22,8 +22,9 @@ std::uint32_t expanded_state(unsigned grey, std::uint32_t frame)
 
 } // namespace
 
-Ocst::Ocst(const RootCell& root, int depth, double covering_error)
-    : root_(root), depth_(depth), covering_error_(covering_error), nodes_(1), lists_(1, all_triangles)
+Ocst::Ocst(const RootCell& root, int depth, double covering_error, bool tight)
+    : root_(root), depth_(depth), covering_error_(covering_error), is_tight_(tight), nodes_(1),
+      lists_(1, all_triangles), tight_(tight ? 1 : 0)
 {
     ONCOLLIDE_ASSERT(depth >= 1 && depth <= deepest_level);
 }
@@ -86,7 +87,7 @@ ListId Ocst::parent_list(CellKey cell) const
 
 OctantRow Ocst::row(std::uint32_t tree, CellKey cell) const
 {
-    return {tree, cell, parent_list(cell), level_of(cell) + 1 < depth_};
+    return {tree, cell, parent_list(cell), level_of(cell) + 1 < depth_, is_tight_};
 }
 
 std::uint32_t Ocst::add_block(unsigned count)
@@ -102,6 +103,7 @@ std::uint32_t Ocst::add_block(unsigned count)
     const auto block = static_cast<std::uint32_t>(nodes_.size());
     nodes_.resize(block + count);
     lists_.resize(block + count, all_triangles);
+    if (is_tight_) tight_.resize(block + count);
     return block;
 }
 
@@ -114,6 +116,7 @@ void Ocst::expand(CellKey cell, const OctantAnswer& answer, std::uint32_t frame)
     const std::uint32_t first = stored ? add_block(children) : 0; // may move nodes_
     nodes_[node] = {first, expanded_state(answer.grey, frame)};
     lists_[node] = answer.list;
+    if (is_tight_) tight_[node] = answer.tight;
 }
 
 void Ocst::ask_lists_again(std::uint32_t tree, OcclusionBackend& backend, int threads)
@@ -129,7 +132,7 @@ void Ocst::ask_lists_again(std::uint32_t tree, OcclusionBackend& backend, int th
     while (!level.empty()) {
         std::erase_if(level, [&](const Place& p) { return !nodes_[p.node].expanded(); });
         rows.clear(), next.clear();
-        for (const Place& p : level) rows.push_back({tree, p.cell, p.parent, level_of(p.cell) + 1 < depth_});
+        for (const Place& p : level) rows.push_back({tree, p.cell, p.parent, level_of(p.cell) + 1 < depth_, false});
         answers.resize(rows.size());
         backend.ask(rows, threads, answers);
         for (std::size_t i = 0; i < level.size(); ++i) {
@@ -183,6 +186,7 @@ std::uint64_t Ocst::collapse(std::uint32_t frame, std::uint32_t age, std::uint32
         const OcstNode root = nodes_[0];
         const ListId list = lists_[0];
         nodes_ = std::vector<OcstNode>(1, root), lists_ = std::vector<ListId>(1, list);
+        if (is_tight_) tight_ = std::vector<TightBlock>(1, tight_[0]);
         for (auto& free : free_blocks_) free = std::vector<std::uint32_t>();
     }
     return dropped;
@@ -215,7 +219,8 @@ void Ocst::for_each_cell(const std::function<void(CellKey, bool)>& visit) const
 
 std::size_t Ocst::bytes() const
 {
-    std::size_t sum = nodes_.capacity() * sizeof(OcstNode) + lists_.capacity() * sizeof(ListId);
+    std::size_t sum = nodes_.capacity() * sizeof(OcstNode) + lists_.capacity() * sizeof(ListId) +
+                      tight_.capacity() * sizeof(TightBlock);
     for (const auto& free : free_blocks_) sum += free.capacity() * sizeof(std::uint32_t);
     return sum;
 }

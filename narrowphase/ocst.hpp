@@ -20,7 +20,8 @@ namespace oncollide {
 class Ocst {
 public:
     /// A tree of the root alone. depth in [1, deepest_level].
-    Ocst(const RootCell& root, int depth, double covering_error);
+    /// @param tight  cells know tight bounds of the surface in their octants
+    Ocst(const RootCell& root, int depth, double covering_error, bool tight = false);
 
     const RootCell& root() const { return root_; }
     int depth() const { return depth_; }
@@ -54,6 +55,8 @@ public:
 
     const OcstNode* nodes() const { return nodes_.data(); }
     OcstNode* nodes() { return nodes_.data(); }
+    /// By node, of the octants of an expanded cell. Null: all cells have plain spheres.
+    const TightBlock* tight() const { return is_tight_ ? tight_.data() : nullptr; }
     std::uint64_t size() const { return stored_; } ///< stored cells
     std::size_t bytes() const;
 
@@ -67,9 +70,11 @@ private:
     RootCell root_;
     int depth_;
     double covering_error_;
+    bool is_tight_;
     std::uint64_t stored_ = 1;
     std::vector<OcstNode> nodes_;
     std::vector<ListId> lists_;                 ///< by node: the triangles of an expanded cell
+    std::vector<TightBlock> tight_;             ///< by node
     std::vector<std::uint32_t> free_blocks_[9]; ///< by size
 };
 

@@ -67,17 +67,28 @@ double make_plan(const WalkPair& pair, std::uint32_t frame, WalkPlan& plan)
     }
     const double m = d.norm() + a.radius(0) + b.radius(0);
     const int most = a.depth() + b.depth();
-    const double rounding = (4 * most + 80) * 0x1p-24 * m;
+    const bool tight = a.tight() && b.tight();
+    const double rounding = (4 * most + 80 + (tight ? 48 : 0)) * 0x1p-24 * m;
 
     plan.count = 0;
     plan.nodes_a = pair.a->nodes(), plan.nodes_b = pair.b->nodes();
     plan.stamp = (frame & OcstNode::stamp_mask) << OcstNode::stamp_shift;
+    plan.tight_a = tight ? a.tight() : nullptr, plan.tight_b = tight ? b.tight() : nullptr;
+    if (tight) {
+        for (int i = 0; i < 9; ++i) plan.turn[i] = static_cast<float>(turn(i / 3, i % 3));
+        for (const auto& [unit, root] : {std::pair(plan.unit_a, &a.root()), std::pair(plan.unit_b, &b.root())}) {
+            for (std::size_t axis = 0; axis < 3; ++axis) unit[axis] = root->half[axis] / 127;
+            unit[3] = static_cast<float>(root->radius / 255);
+        }
+        plan.reach = static_cast<float>((pair.clearance + rounding) * (1 + 0x1p-20));
+    }
     for (Descent down(a, b); !down.done();) {
         bool open_a, open_b;
         down.next(open_a, open_b);
         const double reach = down.ra + down.rb + pair.clearance + rounding;
-        plan.steps[plan.count++] = {open_a ? static_cast<float>(std::ldexp(1.0, -down.level_a)) : 0.0f,
-                                    open_b ? static_cast<float>(std::ldexp(1.0, -down.level_b)) : 0.0f,
+        const auto size_a = static_cast<float>(std::ldexp(1.0, -down.level_a));
+        const auto size_b = static_cast<float>(std::ldexp(1.0, -down.level_b));
+        plan.steps[plan.count++] = {open_a ? size_a : 0.0f, open_b ? size_b : 0.0f, size_a, size_b,
                                     static_cast<float>(reach * reach * (1 + 0x1p-20) + tiny2)};
     }
     return rounding;
@@ -103,9 +114,10 @@ double lower_bound(const WalkPair& pair, const WalkPlan& plan, const WalkState& 
     for (int i = 0; i < plan.count; ++i) {
         bool open_a, open_b;
         down.next(open_a, open_b);
-        if (state.nearest2[i] < float_infinity)
-            lower =
-                std::min(lower, std::sqrt(double(state.nearest2[i])) * (1 - 0x1p-21) - down.ra - down.rb - rounding);
+        if (state.nearest[i] == float_infinity) continue;
+        const double nearest = state.nearest[i];
+        const double gap = plan.tight_a ? nearest : std::sqrt(nearest) * (1 - 0x1p-21) - down.ra - down.rb;
+        lower = std::min(lower, gap - rounding);
     }
     return lower;
 }
@@ -137,7 +149,7 @@ WalkResult Walker::run(const WalkPair& pair, const WalkPlan& plan, double roundi
     WalkState state{};
     state.stack = stack_.data(), state.top = top;
     state.parked = aside_.data(), state.parked_room = patience;
-    std::fill(state.nearest2, state.nearest2 + plan.count, float_infinity);
+    std::fill(state.nearest, state.nearest + plan.count, float_infinity);
 
     int deepest = -1; // of the entries given up
     WalkEnd end = kernel().walk(plan, state);
@@ -180,7 +192,7 @@ WalkResult Walker::start(const WalkPair& pair, std::uint32_t frame, const Occlus
     if (pair.hint.a && kernel().replay(plan, pair.hint.a, pair.hint.b))
         return {WalkStatus::touching, upper_bound(pair, plan.count, rounding, backend), pair.hint};
 
-    stack_[0] = {0, 0, {plan.d[0], plan.d[1], plan.d[2]}, 0, root_cell, root_cell};
+    stack_[0] = {0, 0, {plan.d[0], plan.d[1], plan.d[2]}, 0, root_cell, root_cell, plain_cell, plain_cell};
     return run(pair, plan, rounding, backend, 1, std::numeric_limits<double>::infinity(), patience_in(0, plan.count),
                false, parked);
 }

@@ -4,6 +4,7 @@
 
 #include <oncollide/narrowphase/cell_key.hpp>
 #include <oncollide/narrowphase/ocst_node.hpp>
+#include <oncollide/narrowphase/tight_block.hpp>
 
 namespace oncollide {
 
@@ -12,6 +13,7 @@ constexpr int most_steps = 2 * deepest_level;
 /// What one step down does. All pairs of cells at step s have the same two levels.
 struct WalkStep {
     float scale_a, scale_b; ///< of the child offsets; 0: that side is not descended
+    float size_a, size_b;   ///< of the cells that it leads to, the root being 1
     float reach2;           ///< squared distance up to which the children's spheres touch, widened for rounding
 };
 
@@ -24,6 +26,12 @@ struct WalkPlan {
     WalkStep steps[most_steps];
     OcstNode *nodes_a, *nodes_b;
     std::uint32_t stamp; ///< this frame, shifted into place
+
+    // Of tight cells alone:
+    const TightBlock *tight_a, *tight_b; ///< by node, of its octants; null: plain spheres
+    float turn[9];                       ///< from B's frame to A's, row-major
+    float unit_a[4], unit_b[4];          ///< what a step of x, y, z and r is at the root, metres
+    float reach;                         ///< distance up to which tight cells touch, widened for rounding
 };
 
 /// Two cells whose spheres touch, still to be opened.
@@ -32,6 +40,7 @@ struct WalkEntry {
     float d[3];         ///< from a's centre to b's
     std::int32_t step;
     CellKey key_a, key_b;
+    TightCell tight_a, tight_b; ///< of these cells, on a side that the next step does not descend
 };
 
 enum class WalkEnd : int { empty, hit, full };
@@ -43,7 +52,8 @@ struct WalkState {
     std::uint32_t parked_count, parked_room;
     CellKey hit_a, hit_b; ///< out
     std::uint64_t node_pairs;
-    float nearest2[most_steps]; ///< in and out: smallest squared distance of the pairs cut at each step
+    float nearest[most_steps]; ///< in and out, of the pairs cut at each step: smallest squared distance of their
+                               ///< centres; of tight cells, smallest gap between them
 };
 
 /// Entries that a walk may push above what it starts with.

@@ -5,7 +5,8 @@
 namespace oncollide {
 
 Forest::Forest(const Scene& scene, const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
-    : scene_(scene), settings_(settings), backend_(std::move(backend)), trees_(scene.geometries.size())
+    : scene_(scene), settings_(settings), backend_(std::move(backend)),
+      tight_(settings.spheres != Spheres::paper && backend_->gives_tight()), trees_(scene.geometries.size())
 {
 }
 
@@ -29,7 +30,7 @@ Ocst& Forest::tree(GeometryId geometry)
         const Geometry& g = scene_.geometries[index(geometry)];
         const RootCell root = root_cell_of(g);
         const double covering_error = covering_error_of(g);
-        tree = std::make_unique<Ocst>(root, depth_for(root, covering_error), covering_error);
+        tree = std::make_unique<Ocst>(root, depth_for(root, covering_error), covering_error, tight_);
         live_.push_back(index(geometry));
     }
     return *tree;

@@ -17,6 +17,7 @@ constexpr std::array<std::string_view, 3> exact_names{"off", "predicates", "fcl"
 constexpr std::array<std::string_view, 2> mode_names{"surface", "solid"};
 constexpr std::array<std::string_view, 5> backend_names{"auto", "cpu", "gl-compute", "gl-query", "gl-raster"};
 constexpr std::array<std::string_view, 3> broad_names{"kd", "octree", "brute"};
+constexpr std::array<std::string_view, 3> spheres_names{"auto", "paper", "tight"};
 
 template <class Enum, std::size_t n>
 Enum from_name(std::string_view what, const std::array<std::string_view, n>& names, std::string_view name)
@@ -49,6 +50,10 @@ std::string_view name_of(BroadPhaseKind v)
 {
     return broad_names[static_cast<std::size_t>(v)];
 }
+std::string_view name_of(Spheres v)
+{
+    return spheres_names[static_cast<std::size_t>(v)];
+}
 ExactLevel exact_from_name(std::string_view name)
 {
     return from_name<ExactLevel>("exact", exact_names, name);
@@ -64,6 +69,10 @@ BackendKind backend_from_name(std::string_view name)
 BroadPhaseKind broad_phase_from_name(std::string_view name)
 {
     return from_name<BroadPhaseKind>("broad", broad_names, name);
+}
+Spheres spheres_from_name(std::string_view name)
+{
+    return from_name<Spheres>("spheres", spheres_names, name);
 }
 
 void check(const Settings& s)
@@ -84,6 +93,10 @@ void check(const Settings& s)
     if (s.backend == BackendKind::gl_raster)
         throw Error(ErrorKind::usage,
                     "backend = gl-raster: left out, gl-compute was faster wherever both ran; use gl-compute");
+    if (s.spheres == Spheres::tight && s.backend != BackendKind::cpu)
+        throw Error(ErrorKind::usage, fmt::format("spheres = tight: only the cpu backend gives them, not {}; use "
+                                                  "--spheres paper, or --backend cpu",
+                                                  name_of(s.backend)));
     require(s.gpu >= -1 && s.gpu < 64, "gpu", s.gpu, "0 to 63, or -1 for the first that is one");
     require(s.viewport >= 1 && s.viewport <= 1024, "viewport", s.viewport, "1 to 1024 pixels");
 }

@@ -13,6 +13,10 @@ enum class Mode : std::uint8_t { surface, solid };
 enum class BackendKind : std::uint8_t { automatic, cpu, gl_compute, gl_query, gl_raster };
 enum class BroadPhaseKind : std::uint8_t { kd_tree, octree, brute_force };
 
+/// Spheres of the sphere-trees: around the cells, as in the paper, or tight ones around the surface in them, with a
+/// slab where it is flat. Automatic: tight with the `cpu` backend, which alone gives them; else the paper's.
+enum class Spheres : std::uint8_t { automatic, paper, tight };
+
 /// How a pipeline answers. The defaults suit most scenes.
 struct Settings {
     /// The error dial. `max_error` (m, > 0): two bodies reported `within` are closer than clearance + max_error; the
@@ -24,8 +28,9 @@ struct Settings {
     ExactLevel exact = ExactLevel::off;
     Mode mode = Mode::surface;              ///< solid: a closed mesh's inside belongs to it
     BackendKind backend = BackendKind::cpu; ///< automatic: a GPU where there is one
-    int gpu = -1;                           ///< number in gpu_devices(); -1: the first that is one. GPU backends only
-    int viewport = 16;                      ///< pixels a side that gl-query draws, 1 to 1024
+    Spheres spheres = Spheres::automatic;
+    int gpu = -1;      ///< number in gpu_devices(); -1: the first that is one. GPU backends only
+    int viewport = 16; ///< pixels a side that gl-query draws, 1 to 1024
     BroadPhaseKind broad_phase = BroadPhaseKind::kd_tree;
     int threads = 1;                 ///< 0: all hardware threads. Never changes the result
     std::vector<std::string> skip{}; ///< names of stages to leave out; the answer gets wider, never wrong
@@ -43,9 +48,11 @@ std::string_view name_of(ExactLevel);
 std::string_view name_of(Mode);
 std::string_view name_of(BackendKind);
 std::string_view name_of(BroadPhaseKind);
+std::string_view name_of(Spheres);
 ExactLevel exact_from_name(std::string_view);
 Mode mode_from_name(std::string_view);
 BackendKind backend_from_name(std::string_view);
 BroadPhaseKind broad_phase_from_name(std::string_view);
+Spheres spheres_from_name(std::string_view);
 
 } // namespace oncollide

@@ -86,6 +86,10 @@ void add_pipeline_options(CLI::App& command, SettingsOptions& o)
         ->type_name("N");
     command.add_option("--viewport", o.viewport, "gl-query: pixels a side of a cell, 1 to 1024 (default 16)")
         ->type_name("PX");
+    command
+        .add_option("--spheres", o.spheres,
+                    "paper: around the cells; tight: around the surface in them (default: tight with the cpu backend)")
+        ->type_name("NAME");
     command.add_option("--broad", o.broad, "broad phase: kd, octree or brute (default kd)")->type_name("NAME");
     command.add_option("--threads", o.threads, "threads; 0: all. Never changes the result (default 1)")->type_name("N");
     command.add_option("--skip", o.skip, "leave out a stage (repeatable); the answer gets wider, never wrong")
@@ -111,6 +115,7 @@ Settings settings_from(const SettingsOptions& o)
                       .exact = exact_from_name(o.exact),
                       .mode = mode_from_name(o.mode),
                       .backend = backend_from_name(o.backend),
+                      .spheres = spheres_from_name(o.spheres),
                       .gpu = o.gpu,
                       .viewport = o.viewport,
                       .broad_phase = broad_phase_from_name(o.broad),

@@ -20,7 +20,7 @@ struct SettingsOptions {
     std::optional<int> depth;
     std::optional<double> max_error;
     double clearance = 0;
-    std::string exact = "off", mode = "surface", backend = "cpu", broad = "kd";
+    std::string exact = "off", mode = "surface", backend = "cpu", broad = "kd", spheres = "auto";
     int threads = 1;
     int gpu = Settings{}.gpu, viewport = Settings{}.viewport;
     std::vector<std::string> skip;
