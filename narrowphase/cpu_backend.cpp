@@ -42,6 +42,7 @@ public:
     {
         surfaces_.read(reads, triangles, ends);
     }
+    const ListedSurfaces* lists() const override { return &surfaces_; }
     std::size_t bytes() const override { return surfaces_.bytes(); }
 
 private:

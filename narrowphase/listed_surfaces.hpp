@@ -38,6 +38,8 @@ public:
     /// Keeps the triangles that were found for a row.
     ListId keep(std::uint32_t tree, std::size_t row);
     void release(std::uint32_t tree, ListId list) { trees_[tree]->lists.release(list); }
+    /// The triangles of a kept list: those with bit `octant` of their mask.
+    TriangleSpan span_of(std::uint32_t tree, ListId list, unsigned octant) const;
     /// As OcclusionBackend::read().
     void read(std::span<const ListRead> reads, std::vector<std::uint32_t>& triangles,
               std::vector<std::size_t>& ends) const;
@@ -56,7 +58,6 @@ private:
         std::uint8_t entered, inside;
     };
 
-    TriangleSpan span_of(std::uint32_t tree, ListId list, unsigned octant) const;
     Found test(std::size_t index, const OctantRow& row, const Find& how, std::uint32_t worker_index);
 
     std::vector<std::optional<Tree>> trees_;

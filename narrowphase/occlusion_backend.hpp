@@ -13,6 +13,8 @@
 
 namespace oncollide {
 
+class ListedSurfaces;
+
 /// Where a backend keeps the triangles that it found in a cell, each with the octants that it enters. Opaque above.
 enum class ListId : std::uint32_t {};
 constexpr ListId all_triangles{std::numeric_limits<std::uint32_t>::max()}; ///< the whole surface: the root's list
@@ -95,6 +97,8 @@ public:
     /// lists may be far away.
     virtual void read(std::span<const ListRead> reads, std::vector<std::uint32_t>& triangles,
                       std::vector<std::size_t>& ends) = 0;
+    /// Where its lists are, when they are in main memory; else null.
+    virtual const ListedSurfaces* lists() const { return nullptr; }
     /// Memory held for surfaces and lists.
     virtual std::size_t bytes() const = 0;
 };

@@ -22,9 +22,9 @@ std::uint32_t expanded_state(unsigned grey, std::uint32_t frame)
 
 } // namespace
 
-Ocst::Ocst(const RootCell& root, int depth, double covering_error, bool tight)
-    : root_(root), depth_(depth), covering_error_(covering_error), is_tight_(tight), nodes_(1),
-      lists_(1, all_triangles), tight_(tight ? 1 : 0)
+Ocst::Ocst(const RootCell& root, int depth, double covering_error, const Options& options)
+    : root_(root), depth_(depth), covering_error_(covering_error), is_tight_(options.tight),
+      leaf_lists_(options.leaf_lists), nodes_(1), lists_(1, all_triangles), tight_(options.tight ? 1 : 0)
 {
     ONCOLLIDE_ASSERT(depth >= 1 && depth <= deepest_level);
 }
@@ -87,7 +87,7 @@ ListId Ocst::parent_list(CellKey cell) const
 
 OctantRow Ocst::row(std::uint32_t tree, CellKey cell) const
 {
-    return {tree, cell, parent_list(cell), level_of(cell) + 1 < depth_, is_tight_};
+    return {tree, cell, parent_list(cell), keeps_list(cell), is_tight_};
 }
 
 std::uint32_t Ocst::add_block(unsigned count)
@@ -132,7 +132,7 @@ void Ocst::ask_lists_again(std::uint32_t tree, OcclusionBackend& backend, int th
     while (!level.empty()) {
         std::erase_if(level, [&](const Place& p) { return !nodes_[p.node].expanded(); });
         rows.clear(), next.clear();
-        for (const Place& p : level) rows.push_back({tree, p.cell, p.parent, level_of(p.cell) + 1 < depth_, false});
+        for (const Place& p : level) rows.push_back({tree, p.cell, p.parent, keeps_list(p.cell), false});
         answers.resize(rows.size());
         backend.ask(rows, threads, answers);
         for (std::size_t i = 0; i < level.size(); ++i) {

@@ -20,8 +20,12 @@ namespace oncollide {
 class Ocst {
 public:
     /// A tree of the root alone. depth in [1, deepest_level].
-    /// @param tight  cells know tight bounds of the surface in their octants
-    Ocst(const RootCell& root, int depth, double covering_error, bool tight = false);
+    struct Options {
+        bool tight = false;      ///< cells know tight bounds of the surface in their octants
+        bool leaf_lists = false; ///< the triangles of leaves are kept too
+    };
+    Ocst(const RootCell& root, int depth, double covering_error, const Options& options);
+    Ocst(const RootCell& root, int depth, double covering_error) : Ocst(root, depth, covering_error, Options()) {}
 
     const RootCell& root() const { return root_; }
     int depth() const { return depth_; }
@@ -30,7 +34,7 @@ public:
     double reach(const OcclusionBackend& backend, int level) const;
 
     /// What a backend is asked to expand `cell`: finds its parent's list. The cell must be stored and not
-    /// expanded. The triangles of the last stored level are not kept: nothing below it asks for them.
+    /// expanded. The triangles of the last stored level are kept if leaves are to have lists.
     OctantRow row(std::uint32_t tree, CellKey cell) const;
     /// Stores the answer for `cell` and stamps it.
     void expand(CellKey cell, const OctantAnswer& answer, std::uint32_t frame);
@@ -42,6 +46,9 @@ public:
 
     /// The list of `cell`'s parent, which holds the triangles of `cell` under its octant; all_triangles for the root.
     ListId parent_list(CellKey cell) const;
+
+    std::uint32_t parent_node(CellKey cell) const { return find(parent_cell(cell)); } ///< of a cell below the root
+    ListId list(std::uint32_t node) const { return lists_[node]; } ///< of an expanded cell
 
     /// The cell of that level that holds `point` (geometry frame; points outside the root go to the nearest cell).
     CellKey cell_at(const Eigen::Vector3d& point, int level) const;
@@ -62,6 +69,7 @@ public:
 
 private:
     std::uint32_t find(CellKey cell) const; ///< index of a stored cell
+    bool keeps_list(CellKey cell) const { return leaf_lists_ || level_of(cell) + 1 < depth_; }
     std::uint32_t add_block(unsigned count);
     std::uint64_t drop_children(std::uint32_t node, int level, std::uint32_t tree, OcclusionBackend& backend);
     std::uint64_t collapse_below(std::uint32_t node, int level, std::uint32_t frame, std::uint32_t age,
@@ -70,7 +78,7 @@ private:
     RootCell root_;
     int depth_;
     double covering_error_;
-    bool is_tight_;
+    bool is_tight_, leaf_lists_;
     std::uint64_t stored_ = 1;
     std::vector<OcstNode> nodes_;
     std::vector<ListId> lists_;                 ///< by node: the triangles of an expanded cell

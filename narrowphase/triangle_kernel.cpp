@@ -187,11 +187,11 @@ struct Batch {
     const double *corners_a[8], *corners_b[8];
     int count = 0;
 
-    explicit Batch(const TriangleLists& lists)
+    explicit Batch(const TrianglesToPair& lists)
     {
         for (int lane = 0; lane < 8; ++lane) corners_a[lane] = lists.corners_a, corners_b[lane] = lists.corners_b;
     }
-    void add(const TriangleLists& lists, std::uint32_t i, std::uint32_t j)
+    void add(const TrianglesToPair& lists, std::uint32_t i, std::uint32_t j)
     {
         a[count] = i, corners_a[count] = lists.corners_a + 9 * std::size_t(i);
         b[count] = j, corners_b[count] = lists.corners_b + 9 * std::size_t(j);
@@ -247,7 +247,7 @@ inline unsigned overlaps(const BoxBlock& block, const FloatBox& box)
 #endif
 }
 
-std::uint32_t find(const TriangleLists& lists, PairCursor& cursor, bool first_only, FoundPair* out, std::uint32_t room)
+std::uint32_t find(const TrianglesToPair& lists, PairCursor& cursor, bool first_only, FoundPair* out, std::uint32_t room)
 {
     Output output{out};
     Batch batch(lists);

@@ -16,7 +16,7 @@ struct FloatBox {
 
 /// Triangles a against triangles b. Boxes of both are rounded alike, so that none that touch are apart. Triangle i has
 /// its 9 coordinates at corners + 9 i; the box of b's triangle i is lane i % 8 of block i / 8.
-struct TriangleLists {
+struct TrianglesToPair {
     const FloatBox* boxes_a;
     const double* corners_a;
     std::uint32_t count_a;
@@ -39,7 +39,7 @@ struct PairCursor {
 /// Pairs that meet or may meet, ascending, from `cursor` on, to `out`; all others are certainly separate. Stops, and
 /// sets the cursor, when fewer than 16 of the `room` places are left, or, with `first_only`, soon after a pair that
 /// certainly meets. Returns how many were written; cursor.a is count_a when all is done.
-using FindPairs = std::uint32_t(const TriangleLists& lists, PairCursor& cursor, bool first_only, FoundPair* out,
+using FindPairs = std::uint32_t(const TrianglesToPair& lists, PairCursor& cursor, bool first_only, FoundPair* out,
                                 std::uint32_t room);
 
 namespace baseline {

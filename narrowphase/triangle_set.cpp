@@ -69,7 +69,7 @@ void TriangleSet::visit_meeting(std::span<const TrianglePoints> list, bool first
     for (std::size_t begin = 0; begin < list.size(); begin += list_part) {
         const auto part = list.subspan(begin, std::min(list_part, list.size() - begin));
         for (std::size_t i = 0; i < part.size(); ++i) boxes[i] = box_of(part[i], origin_);
-        const TriangleLists lists{
+        const TrianglesToPair lists{
             boxes,          part.front()[0].data(),       static_cast<std::uint32_t>(part.size()),
             blocks_.data(), triangles_.front()[0].data(), static_cast<std::uint32_t>(blocks_.size())};
         for (PairCursor cursor; cursor.a < lists.count_a;) {

@@ -32,7 +32,10 @@ struct Descent {
     double ra, rb;
     int left_a, left_b, level_a = 0, level_b = 0;
 
-    Descent(const Ocst& a, const Ocst& b) : ra(a.radius(0)), rb(b.radius(0)), left_a(a.depth()), left_b(b.depth()) {}
+    explicit Descent(const WalkPair& pair)
+        : ra(pair.a->radius(0)), rb(pair.b->radius(0)), left_a(pair.depth_a), left_b(pair.depth_b)
+    {
+    }
     bool done() const { return left_a == 0 && left_b == 0; }
     void next(bool& open_a, bool& open_b)
     {
@@ -66,8 +69,8 @@ double make_plan(const WalkPair& pair, std::uint32_t frame, WalkPlan& plan)
         plan.bz[k] = static_cast<float>(o.z());
     }
     const double m = d.norm() + a.radius(0) + b.radius(0);
-    const int most = a.depth() + b.depth();
-    const bool tight = a.tight() && b.tight();
+    const int most = pair.depth_a + pair.depth_b;
+    const bool tight = pair.tight && a.tight() && b.tight();
     const double rounding = (4 * most + 80 + (tight ? 48 : 0)) * 0x1p-24 * m;
 
     plan.count = 0;
@@ -82,13 +85,14 @@ double make_plan(const WalkPair& pair, std::uint32_t frame, WalkPlan& plan)
         }
         plan.reach = static_cast<float>((pair.clearance + rounding) * (1 + 0x1p-20));
     }
-    for (Descent down(a, b); !down.done();) {
+    for (Descent down(pair); !down.done();) {
         bool open_a, open_b;
         down.next(open_a, open_b);
         const double reach = down.ra + down.rb + pair.clearance + rounding;
         const auto size_a = static_cast<float>(std::ldexp(1.0, -down.level_a));
         const auto size_b = static_cast<float>(std::ldexp(1.0, -down.level_b));
         plan.steps[plan.count++] = {open_a ? size_a : 0.0f, open_b ? size_b : 0.0f, size_a, size_b,
+                                    down.left_a == 0, down.left_b == 0,
                                     static_cast<float>(reach * reach * (1 + 0x1p-20) + tiny2)};
     }
     return rounding;
@@ -97,7 +101,7 @@ double make_plan(const WalkPair& pair, std::uint32_t frame, WalkPlan& plan)
 /// Distance at most this, when spheres of the levels reached after `steps` steps touch.
 double upper_bound(const WalkPair& pair, int steps, double rounding, const OcclusionBackend& backend)
 {
-    Descent down(*pair.a, *pair.b);
+    Descent down(pair);
     for (int i = 0; i < steps; ++i) {
         bool open_a, open_b;
         down.next(open_a, open_b);
@@ -110,7 +114,7 @@ double upper_bound(const WalkPair& pair, int steps, double rounding, const Occlu
 double lower_bound(const WalkPair& pair, const WalkPlan& plan, const WalkState& state, double rounding)
 {
     double lower = std::numeric_limits<double>::infinity();
-    Descent down(*pair.a, *pair.b);
+    Descent down(pair);
     for (int i = 0; i < plan.count; ++i) {
         bool open_a, open_b;
         down.next(open_a, open_b);
@@ -151,16 +155,26 @@ WalkResult Walker::run(const WalkPair& pair, const WalkPlan& plan, double roundi
     state.parked = aside_.data(), state.parked_room = patience;
     std::fill(state.nearest, state.nearest + plan.count, float_infinity);
 
+    LeafPair meeting;
+    if (pair.leaf_test) leaves_.resize(most_leaves + 64), state.leaves = leaves_.data();
+    state.enough_leaves = first_leaves; // the closest, for surfaces that cross deeply
+
     int deepest = -1; // of the entries given up
-    WalkEnd end = kernel().walk(plan, state);
-    while (give_up && end == WalkEnd::full) {
-        for (std::uint32_t i = 0; i < state.parked_count; ++i) deepest = std::max(deepest, aside_[i].step);
-        state.parked_count = 0;
+    WalkEnd end;
+    bool meet = false;
+    do {
         end = kernel().walk(plan, state);
-    }
+        if (state.leaf_count) meet = decide_leaves(pair, {state.leaves, state.leaf_count}, meeting);
+        state.leaf_count = 0, state.enough_leaves = std::min(4 * state.enough_leaves, most_leaves);
+        if (give_up && end == WalkEnd::full) {
+            for (std::uint32_t i = 0; i < state.parked_count; ++i) deepest = std::max(deepest, aside_[i].step);
+            state.parked_count = 0;
+        }
+    } while (!meet && (end == WalkEnd::leaves || (give_up && end == WalkEnd::full)));
     node_pairs_ += state.node_pairs;
     parked = {parked_used_, 0, 0};
 
+    if (meet) return {WalkStatus::touching, 0, meeting};
     if (end == WalkEnd::hit)
         return {WalkStatus::touching, upper_bound(pair, plan.count, rounding, backend), {state.hit_a, state.hit_b}};
     const double lower = std::min(lower_so_far, lower_bound(pair, plan, state, rounding));
@@ -177,6 +191,25 @@ WalkResult Walker::run(const WalkPair& pair, const WalkPlan& plan, double roundi
     return {WalkStatus::parked, lower, {}};
 }
 
+bool Walker::decide_leaves(const WalkPair& pair, std::span<const LeafKeys> leaves, LeafPair& meeting)
+{
+    if (!scratch_) scratch_ = pair.leaf_test->make_scratch();
+    const std::size_t first = pair.leaf_test->first_meeting(pair, leaves, *scratch_);
+    if (first == leaves.size()) return false;
+    meeting = {leaves[first].a, leaves[first].b};
+    return true;
+}
+
+/// Do the surfaces meet in the cells in which they met last?
+bool Walker::meet_again(const WalkPair& pair)
+{
+    const auto [a, b] = pair.hint;
+    if (level_of(a) != pair.depth_a || level_of(b) != pair.depth_b || !pair.a->knows(a) || !pair.b->knows(b)) return false;
+    LeafPair meeting;
+    const LeafKeys keys{a, b, pair.a->parent_node(a), pair.b->parent_node(b)};
+    return decide_leaves(pair, {&keys, 1}, meeting);
+}
+
 WalkResult Walker::start(const WalkPair& pair, std::uint32_t frame, const OcclusionBackend& backend, ParkedWork& parked)
 {
     WalkPlan plan;
@@ -189,8 +222,11 @@ WalkResult Walker::start(const WalkPair& pair, std::uint32_t frame, const Occlus
         return {WalkStatus::separate,
                 std::max(std::sqrt(apart2) - pair.a->radius(0) - pair.b->radius(0) - rounding, pair.clearance),
                 {}};
-    if (pair.hint.a && kernel().replay(plan, pair.hint.a, pair.hint.b))
+    if (pair.hint.a && pair.leaf_test) {
+        if (meet_again(pair)) return {WalkStatus::touching, 0, pair.hint};
+    } else if (pair.hint.a && kernel().replay(plan, pair.hint.a, pair.hint.b)) {
         return {WalkStatus::touching, upper_bound(pair, plan.count, rounding, backend), pair.hint};
+    }
 
     stack_[0] = {0, 0, {plan.d[0], plan.d[1], plan.d[2]}, 0, root_cell, root_cell, plain_cell, plain_cell};
     return run(pair, plan, rounding, backend, 1, std::numeric_limits<double>::infinity(), patience_in(0, plan.count),
@@ -213,7 +249,7 @@ void Walker::requests(const WalkPair& pair, const ParkedWork& parked, std::vecto
     const std::size_t end = parked.first + parked.count;
     for (std::size_t i = end - parked.wanted; i < end; ++i) {
         const WalkEntry& e = parked_[i];
-        Descent down(*pair.a, *pair.b);
+        Descent down(pair);
         bool open_a = false, open_b = false;
         for (int step = 0; step <= e.step; ++step) down.next(open_a, open_b);
         if (open_a && !pair.a->nodes()[e.a].expanded()) out.push_back({pair.tree_a, e.key_a});

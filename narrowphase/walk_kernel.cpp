@@ -75,8 +75,8 @@ inline Cells decode(const TightBlock& block, const float (&unit)[4], float size)
             widen(block.ny),
             widen(block.nz),
             widen(block.h) * (unit[3] * size)};
-    const F32x8 length = sqrt(c.nx * c.nx + c.ny * c.ny + c.nz * c.nz);
-    c.nx = c.nx / length, c.ny = c.ny / length, c.nz = c.nz / length;
+    const F32x8 inverse = 1 / sqrt(c.nx * c.nx + c.ny * c.ny + c.nz * c.nz);
+    c.nx = c.nx * inverse, c.ny = c.ny * inverse, c.nz = c.nz * inverse;
     return c;
 }
 
@@ -179,6 +179,7 @@ WalkEnd walk(const WalkPlan& plan, WalkState& s)
         return how;
     };
     while (s.top) {
+        if (s.leaves && s.leaf_count >= s.enough_leaves) return end(WalkEnd::leaves);
         const WalkEntry e = s.stack[--s.top];
         const WalkStep& step = plan.steps[e.step];
         const bool open_a = step.scale_a != 0, open_b = step.scale_b != 0;
@@ -211,10 +212,12 @@ WalkEnd walk(const WalkPlan& plan, WalkState& s)
                 out.key_b = open_b ? below(e.key_b, ob) : e.key_b;
                 if (last) {
                     s.hit_a = out.key_a, s.hit_b = out.key_b;
-                    return true;
+                    if (!s.leaves) return true;
+                    s.leaves[s.leaf_count++] = {out.key_a, out.key_b, e.a, e.b};
+                    continue;
                 }
-                out.a = open_a ? child(plan.nodes_a[e.a], grey_a, oa) : e.a;
-                out.b = open_b ? child(plan.nodes_b[e.b], grey_b, ob) : e.b;
+                out.a = open_a && !step.last_a ? child(plan.nodes_a[e.a], grey_a, oa) : e.a;
+                out.b = open_b && !step.last_b ? child(plan.nodes_b[e.b], grey_b, ob) : e.b;
                 out.d[0] = e.d[0] + plan.bx[ob] * step.scale_b - plan.ax[oa] * step.scale_a;
                 out.d[1] = e.d[1] + plan.by[ob] * step.scale_b - plan.ay[oa] * step.scale_a;
                 out.d[2] = e.d[2] + plan.bz[ob] * step.scale_b - plan.az[oa] * step.scale_a;

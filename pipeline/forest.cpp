@@ -4,9 +4,29 @@
 
 namespace oncollide {
 
+namespace {
+
+/// The exact level gains most by them, for what it does with a leaf costs most.
+bool wants_tight(const Settings& settings)
+{
+    if (settings.spheres == Spheres::automatic) return settings.exact == ExactLevel::predicates;
+    return settings.spheres == Spheres::tight;
+}
+
+/// Leaves of the exact level hold some dozen triangles: the surface fills about 3 * 4^depth cells.
+int exact_depth(const Mesh& mesh)
+{
+    int depth = 1;
+    for (double cells = 12; 8 * cells < double(mesh.triangles.size()) && depth < deepest_level; cells *= 4) ++depth;
+    return depth;
+}
+
+} // namespace
+
 Forest::Forest(const Scene& scene, const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
     : scene_(scene), settings_(settings), backend_(std::move(backend)),
-      tight_(settings.spheres != Spheres::paper && backend_->gives_tight()), trees_(scene.geometries.size())
+      tight_(wants_tight(settings) && backend_->gives_tight()), trees_(scene.geometries.size()),
+      depths_(scene.geometries.size())
 {
 }
 
@@ -30,16 +50,33 @@ Ocst& Forest::tree(GeometryId geometry)
         const Geometry& g = scene_.geometries[index(geometry)];
         const RootCell root = root_cell_of(g);
         const double covering_error = covering_error_of(g);
-        tree = std::make_unique<Ocst>(root, depth_for(root, covering_error), covering_error, tight_);
+        const bool exact = settings_.exact == ExactLevel::predicates && std::holds_alternative<Mesh>(g.data);
+        Depths& depths = depths_[index(geometry)];
+        depths = {depth_for(root, covering_error), exact ? exact_depth(std::get<Mesh>(g.data)) : 0};
+        tree = std::make_unique<Ocst>(root, std::max(depths.conservative, depths.exact), covering_error,
+                                      Ocst::Options{.tight = tight_, .leaf_lists = exact});
         live_.push_back(index(geometry));
     }
     return *tree;
 }
 
-WalkPair Forest::walk_pair(const Scene& scene, std::uint32_t a, std::uint32_t b, LeafPair hint)
+WalkPair Forest::walk_pair(const Scene& scene, std::uint32_t a, std::uint32_t b, LeafPair hint, const LeafTest* exact)
 {
     const GeometryId ga = scene.geometry[a], gb = scene.geometry[b];
-    return {&tree(ga), &tree(gb), index(ga), index(gb), &scene.poses[a], &scene.poses[b], settings_.clearance, hint};
+    Ocst &tree_a = tree(ga), &tree_b = tree(gb);
+    const Depths depth_a = depths_[index(ga)], depth_b = depths_[index(gb)];
+    return {.a = &tree_a,
+            .b = &tree_b,
+            .depth_a = exact ? depth_a.exact : depth_a.conservative,
+            .depth_b = exact ? depth_b.exact : depth_b.conservative,
+            .tree_a = index(ga),
+            .tree_b = index(gb),
+            .pose_a = &scene.poses[a],
+            .pose_b = &scene.poses[b],
+            .clearance = exact ? 0 : settings_.clearance,
+            .hint = hint,
+            .tight = exact || settings_.spheres == Spheres::tight,
+            .leaf_test = exact};
 }
 
 void Forest::attach(std::uint32_t geometry)

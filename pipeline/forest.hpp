@@ -21,7 +21,9 @@ public:
     /// The tree of a geometry; null when nobody has asked for it yet.
     const Ocst* grown(GeometryId geometry) const { return trees_[index(geometry)].get(); }
     /// Two bodies at their current poses; their trees are made if need be.
-    WalkPair walk_pair(const Scene& scene, std::uint32_t a, std::uint32_t b, LeafPair hint = {});
+    /// @param exact  decides leaves: those of the exact level
+    WalkPair walk_pair(const Scene& scene, std::uint32_t a, std::uint32_t b, LeafPair hint = {},
+                       const LeafTest* exact = nullptr);
     OcclusionBackend& backend() { return *backend_; }
     const OcclusionBackend& backend() const { return *backend_; }
 
@@ -53,6 +55,10 @@ public:
     std::size_t bytes() const;   ///< trees, surfaces and lists
 
 private:
+    /// Levels that a tree is walked: by the conservative level and by the exact one.
+    struct Depths {
+        int conservative = 0, exact = 0;
+    };
     int depth_for(const RootCell& root, double covering_error) const;
     std::uint64_t collapse(std::uint32_t frame, std::uint32_t age);
     void attach(std::uint32_t geometry);
@@ -67,6 +73,7 @@ private:
     std::unique_ptr<OcclusionBackend> backend_;
     const bool tight_; ///< do cells have tight bounds?
     std::vector<std::unique_ptr<Ocst>> trees_; ///< by geometry; null until needed
+    std::vector<Depths> depths_;               ///< by geometry
     std::vector<std::uint32_t> live_;          ///< geometries that have a tree
     std::vector<OctantRow> rows_;              ///< of the batch under way
     std::vector<OctantAnswer> answers_;

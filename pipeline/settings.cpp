@@ -88,8 +88,6 @@ void check(const Settings& s)
             "a length in metres, 0 to 1e15");
     require(s.threads >= 0 && s.threads <= 1024, "threads", s.threads, "0 (all) to 1024");
     require(s.age_limit >= 1 && s.age_limit <= 1'000'000, "age", s.age_limit, "1 to 1000000 frames");
-    if (s.exact == ExactLevel::predicates)
-        throw Error(ErrorKind::usage, "exact = predicates: not built yet in this version; valid: off, fcl");
     if (s.backend == BackendKind::gl_raster)
         throw Error(ErrorKind::usage,
                     "backend = gl-raster: left out, gl-compute was faster wherever both ran; use gl-compute");

@@ -88,7 +88,7 @@ void add_pipeline_options(CLI::App& command, SettingsOptions& o)
         ->type_name("PX");
     command
         .add_option("--spheres", o.spheres,
-                    "paper: around the cells; tight: around the surface in them (default: tight with the cpu backend)")
+                    "paper: around the cells; tight: around the surface in them (default auto: tight where predicates decide)")
         ->type_name("NAME");
     command.add_option("--broad", o.broad, "broad phase: kd, octree or brute (default kd)")->type_name("NAME");
     command.add_option("--threads", o.threads, "threads; 0: all. Never changes the result (default 1)")->type_name("N");
