@@ -69,12 +69,16 @@ int bench_broad(const BroadOptions& options);
 /// "4-8", "6" or "2,5-7" as ascending numbers; `option` names it in errors. Each 1 to 16.
 std::vector<int> parse_depths(const std::string& option, const std::string& text);
 
+/// The parts of a list separated by commas, empty ones too.
+std::vector<std::string> split(const std::string& list);
+
 /// Lines that say which program, compiler, peer and machine a result comes from.
 std::string describe_program(const std::string& backend);
 /// The settings that shape a result, on one line; without the accuracy when `accuracy` stands in for it.
 std::string describe(const Settings& settings, const std::string& accuracy = {});
-/// The most memory that this process has held, bytes.
+/// The most memory that this process has held, and what it holds now, bytes.
 std::size_t peak_memory();
+std::size_t resident_memory();
 
 template <class... Args>
 void say(fmt::format_string<Args...> format, Args&&... args)
