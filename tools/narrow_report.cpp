@@ -78,8 +78,8 @@ void print_ask(const NarrowResult& result, Ask ask)
         widths.push_back(std::max<std::size_t>(9, group.size() + 2));
         say("{:>{}}", group, widths.back());
     }
-    say("  |{:>9}{:>9}{:>11}{:>10}{:>12}{:>10}  {:<14}{}\n", "median", "mean", "colliding", "separate", "ratio",
-        "mean r.", "answers", "hash");
+    say("  |{:>9}{:>9}{:>11}{:>10}{:>12}{:>10}  {:<14}{}\n", "median", "mean", "colliding", "separate", "RSS/median",
+        "RSS/mean", "answers", "hash");
     for (const NarrowRow& row : result.rows) {
         if (!asked(row, ask)) continue;
         say("  {:<16}", row.contender->name);
