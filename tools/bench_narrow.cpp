@@ -78,10 +78,23 @@ struct NamedMesh {
     Mesh mesh;
 };
 
+/// The mesh without its triangles that have no area: whether these meet anything, the peers cannot agree.
+NamedMesh with_area(NamedMesh named)
+{
+    const Mesh& mesh = named.mesh;
+    if (mesh.zero_area == 0) return named;
+    std::vector<Triangle> kept;
+    for (const Triangle& t : mesh.triangles) {
+        const std::vector<Eigen::Vector3d> corners{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
+        if (make_mesh(named.name, corners, {{0, 1, 2}}).zero_area == 0) kept.push_back(t);
+    }
+    return {named.name, make_mesh(named.name + ", without triangles of no area", mesh.vertices, std::move(kept))};
+}
+
 /// Two files, the pair of the pose set, or generated.
 std::array<NamedMesh, 2> open_meshes(const NarrowOptions& options)
 {
-    const auto load = [](const fs::path& path) { return NamedMesh{path.stem().string(), load_mesh(path)}; };
+    const auto load = [](const fs::path& path) { return with_area({path.stem().string(), load_mesh(path)}); };
     if (options.meshes.size() == 2) return {load(options.meshes[0]), load(options.meshes[1])};
     if (options.use_poses) {
         const PoseSet set = pose_set(data_folder(options.data));
@@ -140,6 +153,16 @@ void print_settings(const NarrowOptions& options, const NarrowResult& result, co
     std::cout.flush();
 }
 
+/// Takes out those that would crash on meshes of so few triangles, and says so.
+void leave_out_fragile(std::vector<NarrowContender>& contenders, std::size_t triangles)
+{
+    std::erase_if(contenders, [&](const NarrowContender& contender) {
+        if (triangles < contender.least)
+            say("left out   {}: crashes on meshes of fewer than {} triangles\n", contender.name, contender.least);
+        return triangles < contender.least;
+    });
+}
+
 } // namespace
 
 int bench_narrow(const NarrowOptions& options)
@@ -170,6 +193,7 @@ int bench_narrow(const NarrowOptions& options)
                         : make_course(a, b, percents, std::size_t(options.count.value_or(100)), options.seed);
     result.truth = judge(a, b, result.course, result.asks);
     print_settings(options, result, contenders);
+    leave_out_fragile(contenders.all, std::min(result.triangles_a, result.triangles_b));
     result.rows = race(a, b, result.course, result.truth, contenders.all, result.asks, options.repeats);
     print_narrow(result);
     if (csv) write_narrow_csv(*csv, result), csv->commit();

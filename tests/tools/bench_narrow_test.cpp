@@ -94,6 +94,17 @@ TEST_F(CommandLine, BenchNarrowComparesEverybodyOnGeneratedMeshes)
         EXPECT_NE(svg.find(word), std::string::npos) << word;
 }
 
+TEST_F(CommandLine, BenchNarrowTakesSingleTrianglesAndLeavesOutThoseWithoutArea)
+{
+    folder_.write("one.off", "OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 .3\n2 0 0\n3 0 1 2\n3 0 1 3\n");
+    const Outcome outcome = run({"bench", "narrow", "one.off", "one.off", "--count", "20", "--distances=-1,0,10"});
+    EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+    EXPECT_NE(outcome.out.find("one (1 triangle"), std::string::npos) << outcome.out;
+
+    folder_.write("none.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n2 0 0\n3 0 1 2\n");
+    expect_error(65, {"bench", "narrow", "one.off", "none.off"}, {"none", "no area", "no triangle"});
+}
+
 TEST_F(CommandLine, BenchNarrowReadsMeshesPosesAndTheirAnswers)
 {
     write_cube("cube.off");

@@ -67,6 +67,7 @@ void add_narrow_ode(std::vector<NarrowContender>& all)
     all.push_back({.name = "ode",
                    .what = "ODE dCollide of two meshes, one contact",
                    .promise = NarrowContender::Promise::approximate,
+                   .least = 2,
                    .make = [](const Mesh& a, const Mesh& b) { return std::make_unique<OdeNarrowPeer>(a, b); }});
 }
 
