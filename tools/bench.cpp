@@ -102,6 +102,46 @@ void add_broad(CLI::App& bench, Command& command)
     sub->callback([options, &command] { command = [options] { return bench_broad(*options); }; });
 }
 
+void add_narrow(CLI::App& bench, Command& command)
+{
+    CLI::App* sub = bench.add_subcommand("narrow", "The narrow phase alone, on two meshes, beside other libraries");
+    auto options = std::make_shared<NarrowOptions>();
+    sub->add_option("meshes", options->meshes, "two mesh files; the second is moved (default: two generated knots)")
+        ->expected(0, 2)
+        ->type_name("MESH_A MESH_B");
+    auto* distances = sub->add_option("--distances", options->distances,
+                                      "how far apart the surfaces are, in percent of the diagonal of MESH_A's box "
+                                      "(default 0,0.1,1,5,10,20,40); 0 just touches, negative collides");
+    distances->type_name("LIST");
+    auto* poses = sub->add_option("--poses", options->poses,
+                                  "poses from a file for these meshes, with its exact answers if FILE_expected lies "
+                                  "beside it; without FILE the data folder's set with its own meshes");
+    poses->type_name("FILE")->expected(0, 1);
+    sub->add_option("--count", options->count, "poses a distance (default 100), or of the file (default: all)")
+        ->type_name("N");
+    sub->add_option("--ask", options->ask,
+                    "questions: boolean (do they collide?), all (which triangles meet?), distance (default: all three)")
+        ->type_name("LIST");
+    sub->add_option("--only", options->only, "these contenders alone")->type_name("LIST");
+    sub->add_option("--repeats", options->repeats, "of each query the fastest counts (default 3)")->type_name("N");
+    sub->add_option("--csv", options->csv, "write one row per contender, question and distance")->type_name("FILE");
+    sub->add_option("--plot", options->plot, "draw time against distance, one panel a question")->type_name("FILE.svg");
+    sub->add_option("--seed", options->seed, "seed of the poses (default 12345)")->type_name("S");
+    sub->add_option("--data", options->data, "folder with poses/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
+        ->type_name("DIR");
+    sub->footer("Examples:\n"
+                "  oncollide bench narrow                                     two generated knots, no files needed\n"
+                "  oncollide bench narrow cup.obj spoon.stl --distances 0,1,10 --plot narrow.svg\n"
+                "  oncollide bench narrow --poses --ask boolean --only walk-6,fcl-obb,fcl-obbrss\n"
+                "Every answer is checked, by CGAL where this build has it. In 'answers', +k are false alarms and\n"
+                "MISSED k collisions lost (of 'all': pairs of triangles). Exit code 70: oncollide lost one, or an\n"
+                "exact answer of it is wrong. What each contender counts: docs/benchmarks.md.");
+    sub->callback([options, poses, &command] {
+        options->use_poses = poses->count() > 0;
+        command = [options] { return bench_narrow(*options); };
+    });
+}
+
 } // namespace
 
 void add_bench(CLI::App& app, Command& command)
@@ -112,11 +152,13 @@ void add_bench(CLI::App& app, Command& command)
     bench->callback([bench, &command] {
         if (bench->get_subcommands().empty())
             command = []() -> int {
-                throw Error(ErrorKind::usage,
-                            "bench: which one? broad, many, octants, paper, poses or scene (oncollide bench --help)");
+                throw Error(
+                    ErrorKind::usage,
+                    "bench: which one? broad, narrow, many, octants, paper, poses or scene (oncollide bench --help)");
             };
     });
     add_broad(*bench, command);
+    add_narrow(*bench, command);
     add_scene_bench(*bench, command, "many", "Bunnies, dragons and cows in a cube");
     add_paper(*bench, command);
     add_poses(*bench, command);
@@ -133,6 +175,7 @@ void add_bench(CLI::App& app, Command& command)
                   "  oncollide bench scene paper-5k --depth 5 --repeats 3 --timeline 100\n"
                   "  oncollide bench poses --depths 5-7\n"
                   "  oncollide bench broad --scene brown,static --sizes 1k,10k,100k --threads 1,2 --plot broad.svg\n"
+                  "  oncollide bench narrow cup.obj spoon.stl --distances 0,1,10 --plot narrow.svg\n"
                   "How to read and repeat the results: docs/benchmarks.md. Exit code 70: a collision was missed.");
 }
 

@@ -66,15 +66,33 @@ struct BroadOptions {
 /// pair or a scene did not give its published pairs.
 int bench_broad(const BroadOptions& options);
 
+struct NarrowOptions {
+    std::vector<std::string> meshes; ///< none or two files
+    bool use_poses = false;          ///< a pose file instead of generated poses
+    std::string poses;               ///< that file; empty: the data folder's, with its own meshes
+    std::string distances, ask, only, csv, plot, data;
+    std::optional<int> count; ///< poses a distance, or of the file
+    int repeats = 3;
+    std::uint64_t seed = 12345;
+};
+
+/// The narrow phase alone, one pair of meshes in many poses, beside those of other libraries. Returns the exit code: 70
+/// when oncollide missed a collision or an exact answer of it is wrong.
+int bench_narrow(const NarrowOptions& options);
+
 /// "4-8", "6" or "2,5-7" as ascending numbers; `option` names it in errors. Each 1 to 16.
 std::vector<int> parse_depths(const std::string& option, const std::string& text);
+
+/// The parts of a list separated by commas, empty ones too.
+std::vector<std::string> split(const std::string& list);
 
 /// Lines that say which program, compiler, peer and machine a result comes from.
 std::string describe_program(const std::string& backend);
 /// The settings that shape a result, on one line; without the accuracy when `accuracy` stands in for it.
 std::string describe(const Settings& settings, const std::string& accuracy = {});
-/// The most memory that this process has held, bytes.
+/// The most memory that this process has held, and what it holds now, bytes.
 std::size_t peak_memory();
+std::size_t resident_memory();
 
 template <class... Args>
 void say(fmt::format_string<Args...> format, Args&&... args)

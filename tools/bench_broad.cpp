@@ -1,8 +1,8 @@
 // Who finds all overlapping boxes how fast? oncollide beside the broad phases of other libraries.
 #include "aabbs_file.hpp"
 #include "bench.hpp"
-#include "broad_plot.hpp"
 #include "broad_race.hpp"
+#include "line_plot.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -16,17 +16,6 @@
 
 namespace oncollide::tools {
 namespace {
-
-std::vector<std::string> split(const std::string& list)
-{
-    std::vector<std::string> parts;
-    for (std::size_t at = 0; at <= list.size();) {
-        const std::size_t comma = std::min(list.find(',', at), list.size());
-        parts.push_back(list.substr(at, comma - at));
-        at = comma + 1;
-    }
-    return parts;
-}
 
 /// "2500", "10k" or "1M", from 1 to `most`.
 std::size_t parse_count(const char* option, const std::string& text, std::size_t most)
@@ -73,6 +62,13 @@ std::string answer_text(const RaceRow& row)
     return row.extra ? fmt::format("+{}", row.extra) : "ok";
 }
 
+PlotAxes axes(bool per_box)
+{
+    if (per_box) return {"boxes", "ns per box and frame", [](double ns) { return fmt::format("{:.3g} ns", ns); }};
+    return {"boxes", "ms per frame",
+            [](double ms) { return ms >= 1000 ? fmt::format("{:.3g} s", ms / 1e3) : fmt::format("{:.3g} ms", ms); }};
+}
+
 class BroadBench {
 public:
     explicit BroadBench(const BroadOptions& options)
@@ -101,7 +97,7 @@ public:
                 for (std::size_t size : sizes_) run(make_box_scene(scene, size, options_.seed));
         }
         if (csv_) csv_->commit();
-        if (plot_) draw_broad_plot(*plot_, panels_, options_.per_box), plot_->commit();
+        if (plot_) draw_line_plot(*plot_, panels_, axes(options_.per_box)), plot_->commit();
         return wrong_ ? 70 : 0;
     }
 

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <numeric>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -80,11 +81,30 @@ std::string describe_program(const std::string& backend)
                        ONCOLLIDE_FCL_VERSION, processor(), hardware_threads());
 }
 
+std::vector<std::string> split(const std::string& list)
+{
+    std::vector<std::string> parts;
+    for (std::size_t at = 0; at <= list.size();) {
+        const std::size_t comma = std::min(list.find(',', at), list.size());
+        parts.push_back(list.substr(at, comma - at));
+        at = comma + 1;
+    }
+    return parts;
+}
+
 std::size_t peak_memory()
 {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
     return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+}
+
+std::size_t resident_memory()
+{
+    std::ifstream file("/proc/self/statm");
+    std::size_t pages = 0;
+    file >> pages >> pages;
+    return pages * std::size_t(sysconf(_SC_PAGESIZE));
 }
 
 double median(std::vector<double> values)

@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 #include <limits>
 #include <malloc.h>
-#include <unistd.h>
 
 namespace oncollide::tools {
 namespace {
@@ -15,15 +13,6 @@ using Clock = std::chrono::steady_clock;
 using Group = Contender::Group;
 
 constexpr double longest_ms = 20'000; // to take in a scene with its first frame
-
-/// Bytes of memory that the process holds now.
-double resident_bytes()
-{
-    std::ifstream file("/proc/self/statm");
-    double pages = 0;
-    file >> pages >> pages;
-    return pages * double(sysconf(_SC_PAGESIZE));
-}
 
 struct Difference {
     std::uint64_t missed = 0, extra = 0, twice = 0;
@@ -111,11 +100,11 @@ private:
     double measured(Entrant& entrant, Work work)
     {
         malloc_trim(0);
-        const double before = resident_bytes();
+        const double before = double(resident_memory());
         const Clock::time_point from = Clock::now();
         work();
         const double ms = std::chrono::duration<double, std::milli>(Clock::now() - from).count();
-        entrant.row.bytes += std::max(0.0, resident_bytes() - before);
+        entrant.row.bytes += std::max(0.0, double(resident_memory()) - before);
         return ms;
     }
 

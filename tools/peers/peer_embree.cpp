@@ -1,13 +1,11 @@
 // Embree's rtcCollide over boxes as user geometry: static boxes in a scene of their own, built once.
+#include "embree_boxes.hpp"
 #include "peer.hpp"
 
 #include <array>
 #include <atomic>
-#include <cmath>
-#include <limits>
 #include <string>
 
-#include <embree3/rtcore.h>
 #include <tbb/task_arena.h>
 
 namespace oncollide::tools {
@@ -21,63 +19,6 @@ std::size_t thread_slot()
     thread_local const std::size_t slot = seen++;
     return slot % most_threads;
 }
-
-float below(double x)
-{
-    const float f = static_cast<float>(x);
-    return f <= x ? f : std::nextafter(f, -std::numeric_limits<float>::infinity());
-}
-float above(double x)
-{
-    return -below(-x);
-}
-
-/// Some of the boxes as one Embree scene. Only in a scene of low quality does Embree heed a geometry's own: there
-/// "refit" builds a good tree once, "low" a Morton tree every time; otherwise all is built anew and well.
-class BoxGeometry {
-public:
-    BoxGeometry(RTCDevice device, RTCBuildQuality scene_quality, RTCBuildQuality quality,
-                std::vector<std::uint32_t> numbers)
-        : members(std::move(numbers)), scene(rtcNewScene(device)),
-          geometry_(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER)), bounds_(members.size())
-    {
-        rtcSetSceneFlags(scene, RTC_SCENE_FLAG_DYNAMIC);
-        rtcSetSceneBuildQuality(scene, scene_quality);
-        rtcSetGeometryBuildQuality(geometry_, quality);
-        rtcSetGeometryUserPrimitiveCount(geometry_, unsigned(members.size()));
-        rtcSetGeometryUserData(geometry_, this);
-        rtcSetGeometryBoundsFunction(geometry_, give_bounds, nullptr);
-        rtcAttachGeometry(scene, geometry_);
-    }
-    ~BoxGeometry() { rtcReleaseGeometry(geometry_), rtcReleaseScene(scene); }
-    BoxGeometry(const BoxGeometry&) = delete;
-    BoxGeometry& operator=(const BoxGeometry&) = delete;
-
-    void set(std::uint32_t member, const Aabb& box)
-    {
-        RTCBounds& b = bounds_[member];
-        b.lower_x = below(box.min.x()), b.lower_y = below(box.min.y()), b.lower_z = below(box.min.z());
-        b.upper_x = above(box.max.x()), b.upper_y = above(box.max.y()), b.upper_z = above(box.max.z());
-    }
-
-    void commit()
-    {
-        rtcCommitGeometry(geometry_);
-        rtcCommitScene(scene);
-    }
-
-    const std::vector<std::uint32_t> members; ///< numbers of the boxes
-    const RTCScene scene;
-
-private:
-    static void give_bounds(const RTCBoundsFunctionArguments* arguments)
-    {
-        *arguments->bounds_o = static_cast<const BoxGeometry*>(arguments->geometryUserPtr)->bounds_[arguments->primID];
-    }
-
-    RTCGeometry geometry_;
-    std::vector<RTCBounds> bounds_; ///< by member
-};
 
 class EmbreePeer final : public BroadPeer {
 public:
@@ -123,10 +64,10 @@ private:
             statics_ = make(frame, RTC_BUILD_QUALITY_MEDIUM, RTC_BUILD_QUALITY_MEDIUM, std::move(statics));
     }
 
-    std::unique_ptr<BoxGeometry> make(const BoxFrame& frame, RTCBuildQuality scene_quality, RTCBuildQuality quality,
+    std::unique_ptr<EmbreeBoxes> make(const BoxFrame& frame, RTCBuildQuality scene_quality, RTCBuildQuality quality,
                                       std::vector<std::uint32_t> members) const
     {
-        auto made = std::make_unique<BoxGeometry>(device_, scene_quality, quality, std::move(members));
+        auto made = std::make_unique<EmbreeBoxes>(device_, scene_quality, quality, std::move(members));
         for (std::uint32_t i : made->members) made->set(member_[i], frame.boxes[i]);
         made->commit();
         return made;
@@ -135,11 +76,11 @@ private:
     struct Question {
         EmbreePeer& peer;
         const BoxFrame& frame;
-        const BoxGeometry &a, &b;
+        const EmbreeBoxes &a, &b;
         bool exact; ///< leaves hold one box each: what Embree reports overlaps
     };
 
-    void collide(const BoxFrame& frame, const BoxGeometry& a, const BoxGeometry& b)
+    void collide(const BoxFrame& frame, const EmbreeBoxes& a, const EmbreeBoxes& b)
     {
         Question question{*this, frame, a, b, &a == &b && quality_ == RTC_BUILD_QUALITY_LOW};
         rtcCollide(a.scene, b.scene, take, &question);
@@ -160,7 +101,7 @@ private:
     RTCBuildQuality quality_;
     RTCDevice device_;
     tbb::task_arena arena_; ///< a device's limit gives way to that of any other device in the program; this one stays
-    std::unique_ptr<BoxGeometry> movers_, statics_;
+    std::unique_ptr<EmbreeBoxes> movers_, statics_;
     std::vector<std::uint32_t> member_; ///< by box, its number among the movers or the static ones
     std::array<std::vector<BodyPair>, most_threads> parts_;
 };

@@ -1,4 +1,4 @@
-#include "broad_plot.hpp"
+#include "line_plot.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -44,17 +44,19 @@ void segment(OutputFile& file, double x1, double y1, double x2, double y2, std::
     file.print("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" class=\"{}\"/>\n", x1, y1, x2, y2, style);
 }
 
-/// A logarithmic axis over whole decades.
+/// A logarithmic axis over whole decades, or, with names, one that counts them.
 struct Axis {
-    double low = 1e300, high = -1e300; ///< log10
-    double from = 0, to = 0;           ///< pixels
+    double from = 0, to = 0;                 ///< pixels
+    std::span<const std::string> names = {}; ///< of 0, 1, 2, ...
+    double low = 1e300, high = -1e300;       ///< log10; of names, their numbers
 
     void add(double value)
     {
-        low = std::min(low, std::floor(std::log10(value)));
-        high = std::max(high, std::ceil(std::log10(value) - 1e-9));
+        low = std::min(low, names.empty() ? std::floor(std::log10(value)) : 0);
+        high = std::max(high, names.empty() ? std::ceil(std::log10(value) - 1e-9) : double(names.size() - 1));
     }
-    double at(double value) const { return from + (to - from) * (std::log10(value) - low) / (high - low); }
+    double at(double value) const { return at_tick(names.empty() ? std::log10(value) : value); }
+    double at_tick(double tick) const { return from + (to - from) * (tick - low) / (high - low); }
 };
 
 /// 1,000 as 1k, 0.01 as 0.01.
@@ -65,43 +67,41 @@ std::string tick_text(double value)
     return fmt::format("{:g}", value);
 }
 
-void draw_axes(OutputFile& file, const Axis& x, const Axis& y, bool per_box)
+void draw_axes(OutputFile& file, const Axis& x, const Axis& y, const PlotAxes& axes)
 {
-    for (double decade = x.low; decade <= x.high; ++decade) {
-        const double value = std::pow(10, decade);
-        segment(file, x.at(value), y.from, x.at(value), y.to, decade == x.low ? "axis" : "grid");
-        text(file, x.at(value), y.from + 17, "middle", "tick", tick_text(value));
+    for (double tick = x.low; tick <= x.high; ++tick) {
+        segment(file, x.at_tick(tick), y.from, x.at_tick(tick), y.to, tick == x.low ? "axis" : "grid");
+        const bool named = tick < double(x.names.size());
+        if (x.names.empty() || named)
+            text(file, x.at_tick(tick), y.from + 17, "middle", "tick",
+                 named ? x.names[std::size_t(tick)] : tick_text(std::pow(10, tick)));
     }
     for (double decade = y.low; decade <= y.high; ++decade) {
         const double value = std::pow(10, decade);
         segment(file, x.from, y.at(value), x.to, y.at(value), decade == y.low ? "axis" : "grid");
         text(file, x.from - 8, y.at(value) + 4, "end", "tick", fmt::format("{:g}", value));
     }
-    text(file, 0.5 * (x.from + x.to), y.from + 36, "middle", "label", "boxes");
+    text(file, 0.5 * (x.from + x.to), y.from + 36, "middle", "label", axes.x_label);
     file.print(
         "<text transform=\"translate(18 {:.1f}) rotate(-90)\" text-anchor=\"middle\" class=\"label\">{}</text>\n",
-        0.5 * (y.from + y.to), per_box ? "ns per box and frame" : "ms per frame");
+        0.5 * (y.from + y.to), escaped(axes.y_label));
 }
 
-std::string time_text(double ms, bool per_box)
-{
-    if (per_box) return fmt::format("{:.3g} ns", ms);
-    return ms >= 1000 ? fmt::format("{:.3g} s", ms / 1e3) : fmt::format("{:.3g} ms", ms);
-}
-
-/// Heights for the labels of lines that end at the same size: beside their ends where there is room, else pushed apart.
+/// Heights for the labels of lines that end at the same place: beside their ends where there is room, else pushed
+/// apart.
 std::vector<double> label_places(std::span<const PlotLine* const> lines, const Axis& y)
 {
     constexpr double pitch = 15;
     std::vector<double> places;
     for (const PlotLine* line : lines)
-        places.push_back(std::max(y.at(line->points.back().time), places.empty() ? y.to : places.back() + pitch));
+        places.push_back(std::max(y.at(line->points.back().y), places.empty() ? y.to : places.back() + pitch));
     double limit = std::max(y.from, y.to + pitch * double(lines.size() - 1));
     for (std::size_t k = places.size(); k-- > 0; limit = places[k] - pitch) places[k] = std::min(places[k], limit);
     return places;
 }
 
-void draw_line(OutputFile& file, const PlotLine& line, double label_y, const Axis& x, const Axis& y, bool per_box)
+void draw_line(OutputFile& file, const PlotLine& line, double label_y, const Axis& x, const Axis& y,
+               const PlotAxes& axes)
 {
     const bool main = line.weight == PlotLine::Weight::main;
     const std::string_view colour = colours[line.style % std::size(colours)];
@@ -114,49 +114,49 @@ void draw_line(OutputFile& file, const PlotLine& line, double label_y, const Axi
     file.print("<g stroke=\"{}\" fill=\"none\"><path stroke-width=\"{}\" stroke-dasharray=\"{}\" d=\"", colour, stroke,
                dash);
     for (const PlotLine::Point& p : line.points)
-        file.print("{}{:.1f} {:.1f}", &p == line.points.data() ? 'M' : 'L', x.at(p.boxes), y.at(p.time));
+        file.print("{}{:.1f} {:.1f}", &p == line.points.data() ? 'M' : 'L', x.at(p.x), y.at(p.y));
     file.print("\"/>\n");
-    for (const PlotLine::Point& p : line.points) mark(x.at(p.boxes), y.at(p.time));
+    for (const PlotLine::Point& p : line.points) mark(x.at(p.x), y.at(p.y));
     const PlotLine::Point& last = line.points.back();
-    const double label_x = x.at(last.boxes) + label_gap;
-    file.print("<path stroke-width=\"0.6\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>\n", x.at(last.boxes) + 6,
-               y.at(last.time), label_x - 16, label_y);
+    const double label_x = x.at(last.x) + label_gap;
+    file.print("<path stroke-width=\"0.6\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>\n", x.at(last.x) + 6, y.at(last.y),
+               label_x - 16, label_y);
     mark(label_x - 9, label_y);
     file.print("</g>\n");
     text(file, label_x, label_y + 4, "start", main ? "main" : "value",
-         fmt::format("{}  {}", line.label, time_text(last.time, per_box)));
+         fmt::format("{}  {}", line.label, axes.value_text(last.y)));
 }
 
-void draw_panel(OutputFile& file, const PlotPanel& panel, double top, bool per_box)
+void draw_panel(OutputFile& file, const PlotPanel& panel, double top, const PlotAxes& axes)
 {
     text(file, 20, top + 24, "start", "heading", panel.title);
-    Axis x{.from = left, .to = right}, y{.from = top + plot_bottom, .to = top + plot_top};
+    Axis x{.from = left, .to = right, .names = axes.x_names}, y{.from = top + plot_bottom, .to = top + plot_top};
     std::vector<const PlotLine*> lines;
     for (const PlotLine& line : panel.lines) {
         if (line.points.empty()) continue;
         lines.push_back(&line);
-        for (const PlotLine::Point& p : line.points) x.add(p.boxes), y.add(p.time);
+        for (const PlotLine::Point& p : line.points) x.add(p.x), y.add(p.y);
     }
     if (lines.empty()) return;
     x.high = std::max(x.high, x.low + 1), y.high = std::max(y.high, y.low + 1);
-    draw_axes(file, x, y, per_box);
-    // Lines that end at the same size lie together, the slowest first.
+    draw_axes(file, x, y, axes);
+    // Lines that end at the same place lie together, the slowest first.
     std::stable_sort(lines.begin(), lines.end(), [](const PlotLine* a, const PlotLine* b) {
         const PlotLine::Point &p = a->points.back(), &q = b->points.back();
-        return p.boxes != q.boxes ? p.boxes < q.boxes : p.time > q.time;
+        return p.x != q.x ? p.x < q.x : p.y > q.y;
     });
     for (std::size_t begin = 0, end = 0; begin < lines.size(); begin = end) {
-        const double boxes = lines[begin]->points.back().boxes;
-        while (end < lines.size() && lines[end]->points.back().boxes == boxes) ++end;
+        const double end_x = lines[begin]->points.back().x;
+        while (end < lines.size() && lines[end]->points.back().x == end_x) ++end;
         const auto group = std::span(lines).subspan(begin, end - begin);
         const std::vector<double> places = label_places(group, y);
-        for (std::size_t k = 0; k < group.size(); ++k) draw_line(file, *group[k], places[k], x, y, per_box);
+        for (std::size_t k = 0; k < group.size(); ++k) draw_line(file, *group[k], places[k], x, y, axes);
     }
 }
 
 } // namespace
 
-void draw_broad_plot(OutputFile& file, std::span<const PlotPanel> panels, bool per_box)
+void draw_line_plot(OutputFile& file, std::span<const PlotPanel> panels, const PlotAxes& axes)
 {
     const double height = panel_height * double(panels.size());
     file.print(
@@ -169,7 +169,7 @@ void draw_broad_plot(OutputFile& file, std::span<const PlotPanel> panels, bool p
                ".main,.value{{paint-order:stroke;stroke:#ffffff;stroke-width:3px}}</style>\n"
                "<rect width=\"{}\" height=\"{:.0f}\" fill=\"#ffffff\"/>\n",
                width, height);
-    for (std::size_t k = 0; k < panels.size(); ++k) draw_panel(file, panels[k], panel_height * double(k), per_box);
+    for (std::size_t k = 0; k < panels.size(); ++k) draw_panel(file, panels[k], panel_height * double(k), axes);
     file.print("</svg>\n");
 }
 
