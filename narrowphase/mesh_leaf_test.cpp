@@ -118,8 +118,8 @@ struct LeafBall {
         const std::int8_t moved[3] = {tight ? tight[parent].x[k] : plain[0], tight ? tight[parent].y[k] : plain[1],
                                       tight ? tight[parent].z[k] : plain[2]};
         for (int axis = 0; axis < 3; ++axis)
-            centre[axis] = (place[std::size_t(axis)] + moved[axis] / 127.0) * size *
-                           double(tree.root().half[std::size_t(axis)]);
+            centre[axis] =
+                (place[std::size_t(axis)] + moved[axis] / 127.0) * size * double(tree.root().half[std::size_t(axis)]);
         radius = tree.root().radius * size * (tight ? tight[parent].r[k] / 255.0 : 1.0);
     }
 };
@@ -141,7 +141,9 @@ std::unique_ptr<LeafTest::Scratch> MeshLeafTest::make_scratch() const
 /// The triangles of each leaf that reach the leaves it touches. False when there are none on one side.
 bool MeshLeafTest::gather(const WalkPair& pair, std::span<const LeafKeys> leaves, Memory& memory) const
 {
-    const auto mesh_of = [&](std::uint32_t tree) -> const Mesh& { return std::get<Mesh>(scene_.geometries[tree].data); };
+    const auto mesh_of = [&](std::uint32_t tree) -> const Mesh& {
+        return std::get<Mesh>(scene_.geometries[tree].data);
+    };
     const Mesh &mesh_a = mesh_of(pair.tree_a), &mesh_b = mesh_of(pair.tree_b);
     const Surface &surface_a = lists_.surface(pair.tree_a), &surface_b = lists_.surface(pair.tree_b);
     const Ocst &tree_a = *pair.a, &tree_b = *pair.b;
@@ -198,6 +200,13 @@ void MeshLeafTest::all_meeting(const WalkPair& pair, std::span<const LeafKeys> l
     if (!gather(pair, leaves, memory)) return;
     memory.set.all_meeting(memory.b.points, memory.found);
     for (TriangleMeeting m : memory.found) out.push_back({memory.a.ids[m.b], memory.b.ids[m.a]});
+}
+
+void AllMeeting::finish() const
+{
+    const auto order = [](TriangleMeeting x, TriangleMeeting y) { return x.a < y.a || (x.a == y.a && x.b < y.b); };
+    std::sort(pairs_.begin(), pairs_.end(), order);
+    pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
 }
 
 } // namespace oncollide

@@ -29,4 +29,23 @@ private:
     const ListedSurfaces& lists_;
 };
 
+/// Finds every two triangles that meet: lets no pair of leaves end the walk.
+class AllMeeting final : public LeafTest {
+public:
+    /// Keeps both references. For one walk on one thread.
+    AllMeeting(const MeshLeafTest& test, std::vector<TriangleMeeting>& pairs) : test_(test), pairs_(pairs) {}
+
+    std::unique_ptr<Scratch> make_scratch() const override { return test_.make_scratch(); }
+    std::size_t first_meeting(const WalkPair& pair, std::span<const LeafKeys> leaves, Scratch& scratch) const override
+    {
+        test_.all_meeting(pair, leaves, scratch, pairs_);
+        return leaves.size();
+    }
+    void finish() const; ///< after the walk: sorts the pairs, each once
+
+private:
+    const MeshLeafTest& test_;
+    std::vector<TriangleMeeting>& pairs_;
+};
+
 } // namespace oncollide

@@ -25,13 +25,13 @@ struct OctantRow {
     CellKey cell;
     ListId list;    ///< the parent's answer, or all_triangles for the root
     bool keep_list; ///< the triangles will be asked for again, by deeper cells
-    bool tight;     ///< tight bounds are asked for: of backends that give them
+    bool tight = false; ///< tight bounds are asked for: of backends that give them
 };
 
 struct OctantAnswer {
     std::uint8_t grey = 0;       ///< bit k: octant k
     ListId list = all_triangles; ///< the cell's triangles, when kept
-    TightBlock tight;            ///< of the octants, when asked for
+    TightBlock tight{};          ///< of the octants, when asked for
 };
 
 /// The triangles of one octant of a cell that was answered.

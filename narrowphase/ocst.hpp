@@ -48,7 +48,7 @@ public:
     ListId parent_list(CellKey cell) const;
 
     std::uint32_t parent_node(CellKey cell) const { return find(parent_cell(cell)); } ///< of a cell below the root
-    ListId list(std::uint32_t node) const { return lists_[node]; } ///< of an expanded cell
+    ListId list(std::uint32_t node) const { return lists_[node]; }                    ///< of an expanded cell
 
     /// The cell of that level that holds `point` (geometry frame; points outside the root go to the nearest cell).
     CellKey cell_at(const Eigen::Vector3d& point, int level) const;

@@ -91,8 +91,12 @@ double make_plan(const WalkPair& pair, std::uint32_t frame, WalkPlan& plan)
         const double reach = down.ra + down.rb + pair.clearance + rounding;
         const auto size_a = static_cast<float>(std::ldexp(1.0, -down.level_a));
         const auto size_b = static_cast<float>(std::ldexp(1.0, -down.level_b));
-        plan.steps[plan.count++] = {open_a ? size_a : 0.0f, open_b ? size_b : 0.0f, size_a, size_b,
-                                    down.left_a == 0, down.left_b == 0,
+        plan.steps[plan.count++] = {open_a ? size_a : 0.0f,
+                                    open_b ? size_b : 0.0f,
+                                    size_a,
+                                    size_b,
+                                    down.left_a == 0,
+                                    down.left_b == 0,
                                     static_cast<float>(reach * reach * (1 + 0x1p-20) + tiny2)};
     }
     return rounding;
@@ -204,7 +208,8 @@ bool Walker::decide_leaves(const WalkPair& pair, std::span<const LeafKeys> leave
 bool Walker::meet_again(const WalkPair& pair)
 {
     const auto [a, b] = pair.hint;
-    if (level_of(a) != pair.depth_a || level_of(b) != pair.depth_b || !pair.a->knows(a) || !pair.b->knows(b)) return false;
+    if (level_of(a) != pair.depth_a || level_of(b) != pair.depth_b || !pair.a->knows(a) || !pair.b->knows(b))
+        return false;
     LeafPair meeting;
     const LeafKeys keys{a, b, pair.a->parent_node(a), pair.b->parent_node(b)};
     return decide_leaves(pair, {&keys, 1}, meeting);

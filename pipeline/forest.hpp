@@ -71,7 +71,7 @@ private:
     const Scene& scene_;
     const Settings settings_;
     std::unique_ptr<OcclusionBackend> backend_;
-    const bool tight_; ///< do cells have tight bounds?
+    const bool tight_;                         ///< do cells have tight bounds?
     std::vector<std::unique_ptr<Ocst>> trees_; ///< by geometry; null until needed
     std::vector<Depths> depths_;               ///< by geometry
     std::vector<std::uint32_t> live_;          ///< geometries that have a tree

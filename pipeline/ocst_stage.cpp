@@ -92,7 +92,7 @@ private:
     PairWalks pair_walks_;
     std::optional<SolidTest> solid_;
     std::vector<PairWalks::Walk> walks_; ///< by pair
-    std::vector<Decided> decided_; ///< last frame's touching pairs and the leaves that showed it
+    std::vector<Decided> decided_;       ///< last frame's touching pairs and the leaves that showed it
 };
 
 } // namespace

@@ -134,8 +134,8 @@ Pipeline::Pipeline(const Scene& scene, const Settings& settings, std::unique_ptr
 
     if (!backend) backend = make_backend(settings, p.backend_note);
     p.forest = std::make_unique<Forest>(scene, p.settings, std::move(backend));
-    p.boxes = std::make_unique<DynamicTree>(
-        DynamicTree::Options{.margin = settings.clearance, .threads = p.frame.threads});
+    p.boxes =
+        std::make_unique<DynamicTree>(DynamicTree::Options{.margin = settings.clearance, .threads = p.frame.threads});
     p.stages.push_back(make_bounds_stage(scene));
     p.stages.push_back(make_delimitation_stage(scene, p.settings, *p.boxes));
     p.stages.push_back(make_broad_stage(scene, settings.broad_phase, *p.boxes));

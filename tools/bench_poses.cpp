@@ -33,6 +33,13 @@ struct Contender {
     std::uint64_t false_alarms = 0, missed = 0;
 };
 
+Settings at_depth(int depth)
+{
+    Settings settings;
+    settings.depth = depth;
+    return settings;
+}
+
 class PosesBench {
 public:
     explicit PosesBench(const PosesOptions& options) : options_(options)
@@ -49,7 +56,7 @@ public:
         obb_ms_ = milliseconds([&] { obb_ = std::make_unique<FclPair<fcl::OBBd>>(bunny, cow); });
         rss_ms_ = milliseconds([&] { rss_ = std::make_unique<FclPair<fcl::OBBRSSd>>(bunny, cow); });
         for (int depth : parse_depths("--depths", options.depths))
-            trees_.push_back(std::make_unique<TreePair>(scene_, depth));
+            trees_.push_back(std::make_unique<TreePair>(scene_, at_depth(depth)));
         add_contenders();
     }
 

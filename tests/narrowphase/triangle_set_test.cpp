@@ -42,7 +42,7 @@ std::vector<FoundPair> found_by(FindPairs* find, const Triangles& a, const Trian
     const std::vector<FloatBox> boxes(a.size(), everywhere);
     std::vector<BoxBlock> blocks((b.size() + 7) / 8, block);
     blocks.back() = last;
-    const TriangleLists lists{boxes.data(),  a.front()[0].data(), static_cast<std::uint32_t>(a.size()),
+    const TrianglesToPair lists{boxes.data(),  a.front()[0].data(), static_cast<std::uint32_t>(a.size()),
                               blocks.data(), b.front()[0].data(), static_cast<std::uint32_t>(blocks.size())};
     std::vector<FoundPair> all;
     FoundPair part[20];
