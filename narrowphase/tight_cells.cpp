@@ -63,8 +63,10 @@ public:
         // Half way between the planes: what the disc has on both sides of its middle is then least.
         centre = set_centre(cell, centre + 0.5 * (at_first.low + at_first.high) * direction_);
         const double radius = radius_around(centre);
-        if (radius > radius_) return plain_cell;
-        cell.r = part(radius);
+        if (radius <= radius_)
+            cell.r = part(radius);
+        else // the plain sphere, but with its slab
+            centre = set_centre(cell, centre_.matrix());
         const Interval extent_now = extent(centre);
         cell.h = std::min(cell.r, part(std::max(-extent_now.low, extent_now.high) + margin_));
         return cell;

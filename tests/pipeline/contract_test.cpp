@@ -43,6 +43,16 @@ std::vector<Variant> every_toggle(int depth)
     add("brute force", [](Settings& s) { s.broad_phase = BroadPhaseKind::brute_force; });
     add("exact fcl", [](Settings& s) { s.exact = ExactLevel::fcl; });
     add("exact fcl without ocst", [](Settings& s) { s.exact = ExactLevel::fcl, s.skip = {"ocst"}; });
+    add("predicates", [](Settings& s) { s.exact = ExactLevel::predicates; });
+    add("predicates without ocst", [](Settings& s) { s.exact = ExactLevel::predicates, s.skip = {"ocst"}; });
+    add("predicates on plain spheres",
+        [](Settings& s) { s.exact = ExactLevel::predicates, s.spheres = Spheres::paper; });
+    add("predicates with a clearance", [](Settings& s) { s.exact = ExactLevel::predicates, s.clearance = 0.05; });
+    add("predicates with a budget", [](Settings& s) { s.exact = ExactLevel::predicates, s.node_budget = 50; });
+    add("predicates, solid", [](Settings& s) { s.exact = ExactLevel::predicates, s.mode = Mode::solid; });
+    add("predicates, cells dropped at once", [](Settings& s) { s.exact = ExactLevel::predicates, s.age_limit = 1; });
+    add("tight cells", [](Settings& s) { s.spheres = Spheres::tight; });
+    add("tight cells, dropped at once", [](Settings& s) { s.spheres = Spheres::tight, s.age_limit = 1; });
     add("clearance", [](Settings& s) { s.clearance = 0.05; });
     add("a budget of 50 cells", [](Settings& s) { s.node_budget = 50; });
     add("no memory", [](Settings& s) { s.memory_budget = 1; });

@@ -1,0 +1,154 @@
+// The exact level by predicates against brute force over all pairs of triangles.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include <oncollide/narrowphase/triangle_test.hpp>
+#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/scenes/motion.hpp>
+
+#include "tree_pair.hpp"
+
+namespace oncollide {
+namespace {
+
+using tools::TreePair;
+
+Eigen::Isometry3d random_pose(std::uint64_t seed, double reach)
+{
+    Eigen::Vector4d q;
+    for (std::uint64_t k = 0; k < 4; ++k) q[int(k)] = u01(seed, 1, k) - 0.5;
+    Eigen::Isometry3d pose(Eigen::Quaterniond(q.normalized()));
+    for (std::uint64_t k = 0; k < 3; ++k) pose.translation()[int(k)] = reach * (2 * u01(seed, 2, k) - 1);
+    return pose;
+}
+
+std::vector<TriangleMeeting> brute_force(const Mesh& a, const Mesh& b, const Eigen::Isometry3d& pose_a,
+                                         const Eigen::Isometry3d& pose_b)
+{
+    const Eigen::Matrix3d to_a = pose_a.linear().transpose(), turn = to_a * pose_b.linear();
+    const Eigen::Vector3d shift = to_a * (pose_b.translation() - pose_a.translation());
+    const auto corners = [](const Mesh& mesh, std::uint32_t t, auto place) {
+        TrianglePoints points;
+        for (std::size_t k = 0; k < 3; ++k) points[k] = place(mesh.vertices[mesh.triangles[t][k]]);
+        return points;
+    };
+    std::vector<TriangleMeeting> pairs;
+    for (std::uint32_t i = 0; i < a.triangles.size(); ++i)
+        for (std::uint32_t j = 0; j < b.triangles.size(); ++j)
+            if (triangles_meet(
+                    corners(a, i, [](const Eigen::Vector3d& p) { return p; }),
+                    corners(b, j, [&](const Eigen::Vector3d& p) { return Eigen::Vector3d(turn * p + shift); })))
+                pairs.push_back({i, j});
+    return pairs;
+}
+
+Scene two(const Mesh& a, const Mesh& b)
+{
+    Scene scene;
+    scene.add_body({.name = "a", .geometry = scene.add("a", a), .motion = Drift{}});
+    scene.add_body({.name = "b", .geometry = scene.add("b", b), .motion = Drift{}});
+    return scene;
+}
+
+Mesh scaled(const Mesh& mesh, double scale, const Eigen::Vector3d& by)
+{
+    return transformed("scaled", mesh, scale, -by / scale);
+}
+
+struct Case {
+    const char* name;
+    Mesh a, b;
+    double reach; ///< of the poses
+};
+
+std::vector<Case> cases()
+{
+    const Mesh knot = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 300), box = make_box_mesh({0.5, 0.5, 0.5});
+    const Mesh needles = make_needles_mesh(60, 1, 1e4, 2, 5), soup = make_soup_mesh(120, 0.5, 1.5, 6);
+    return {{"knots", knot, knot, 1.6},
+            {"boxes", box, box, 1.3},
+            {"needles and soup", needles, soup, 2.2},
+            {"large and small", scaled(box, 8, {0, 0, 0}), scaled(soup, 0.2, {0, 0, 0}), 4.3},
+            {"tiny", scaled(knot, 1e-7, {0, 0, 0}), scaled(soup, 1e-7, {0, 0, 0}), 1.4e-7},
+            {"a file far from its origin", scaled(knot, 1, {1e4, -1e4, 1e3}), soup, 1.4}};
+}
+
+TEST(Predicates, FindEveryPairOfTrianglesOfBruteForce)
+{
+    for (const Case& c : cases())
+        for (const Spheres spheres : {Spheres::paper, Spheres::automatic}) {
+            Scene scene = two(c.a, c.b);
+            Settings settings;
+            settings.exact = ExactLevel::predicates, settings.spheres = spheres;
+            TreePair trees(scene, settings);
+            const Eigen::Vector3d middle = bounds_of(scene.geometries[0]).centre();
+            std::uint64_t meeting = 0;
+            for (std::uint64_t seed = 0; seed < 12; ++seed) {
+                Eigen::Isometry3d pose = random_pose(seed, c.reach);
+                pose.translation() += middle;
+                const auto expected = brute_force(c.a, c.b, Eigen::Isometry3d::Identity(), pose);
+                std::vector<TriangleMeeting> pairs;
+                trees.all_meeting(pose, pairs);
+                EXPECT_EQ(pairs, expected) << c.name << ", pose " << seed;
+                const WalkResult walk = trees.walk(pose);
+                EXPECT_EQ(walk.status, expected.empty() ? WalkStatus::separate : WalkStatus::touching) << c.name;
+                meeting += !expected.empty();
+            }
+            EXPECT_GT(meeting, 1u) << c.name;
+            EXPECT_LT(meeting, 12u) << c.name;
+        }
+}
+
+/// Boxes that touch in a face, an edge, a corner, or a part of a face; and that miss each other by an ulp.
+TEST(Predicates, CallTouchingCollidingToTheLastBit)
+{
+    Scene scene = two(make_box_mesh({0.5, 0.5, 0.5}), make_box_mesh({0.5, 0.5, 0.5}));
+    Pipeline pipeline(scene, {.exact = ExactLevel::predicates});
+    const auto collide = [&](double x, double y, double z) {
+        scene.poses[1].translation() = Eigen::Vector3d(x, y, z);
+        const FrameView frame = pipeline.step(scene);
+        return !frame.pairs.empty() && frame.pairs[0].verdict == Verdict::colliding;
+    };
+    for (const double y : {0.0, 0.05, 1.0})
+        for (const double z : {0.0, 0.3, 1.0}) {
+            EXPECT_TRUE(collide(1, y, z)) << y << ' ' << z;
+            EXPECT_FALSE(collide(std::nextafter(1, 2), y, z)) << y << ' ' << z;
+        }
+    EXPECT_TRUE(collide(0, 0, 0)) << "the same mesh in the same pose";
+    EXPECT_TRUE(collide(0.05, 0, 0)) << "walls overlap in their own planes";
+}
+
+TEST(Predicates, GiveOneHashForThreadsBackendsAndCoherence)
+{
+    const auto hash = [](Settings settings, int* colliding = nullptr) {
+        settings.exact = ExactLevel::predicates;
+        Scene scene;
+        const GeometryId knot = scene.add("knot", make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 600));
+        const GeometryId soup = scene.add("soup", make_soup_mesh(300, 0.3, 1.5, 6));
+        for (std::uint32_t i = 0; i < 24; ++i) {
+            scene.add_body({.name = std::to_string(i), .geometry = i % 2 ? knot : soup, .motion = Drift{}});
+            scene.poses[i] = random_pose(i, 3);
+        }
+        Pipeline pipeline(scene, settings);
+        for (int frame = 0; frame < 8; ++frame) {
+            for (Eigen::Isometry3d& pose : scene.poses)
+                pose.rotate(Eigen::AngleAxisd(0.05, Eigen::Vector3d::UnitZ())), pose.translation().x() *= 0.95;
+            for (const PairResult& pair : pipeline.step(scene).pairs)
+                if (colliding) *colliding += pair.verdict == Verdict::colliding;
+        }
+        return pipeline.hash();
+    };
+    int colliding = 0;
+    const std::uint64_t plain = hash({}, &colliding);
+    EXPECT_GT(colliding, 100);
+    EXPECT_EQ(plain, hash({.threads = 3}));
+    EXPECT_EQ(plain, hash({.coherence = false}));
+    EXPECT_EQ(plain, hash({.spheres = Spheres::paper}));
+    EXPECT_EQ(plain, hash({.age_limit = 1}));
+    EXPECT_EQ(plain, hash({.backend = BackendKind::gl_compute})) << "the triangles are on the CPU all the same";
+}
+
+} // namespace
+} // namespace oncollide
