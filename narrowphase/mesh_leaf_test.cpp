@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include <immintrin.h>
 
@@ -32,12 +33,13 @@ Region around(const Eigen::Vector3d& centre, double radius)
     return {_mm_sub_ps(middle, reach), _mm_add_ps(middle, reach)};
 }
 
-/// The leaves of one side that take part in a batch, each once, with the box around what they touch.
+/// The leaves of one side that take part in a batch, each once.
 class Cells {
 public:
     struct Cell {
         std::uint32_t parent, octant;
-        Region touched;
+        Region own;     ///< around it, in the frame of the other side
+        Region touched; ///< around the leaves of the other side that it touches, in its own frame
     };
 
     void start()
@@ -45,16 +47,20 @@ public:
         cells_.clear();
         if (++batch_ == 0) slots_.fill({}), batch_ = 1;
     }
-    void add(std::uint32_t parent, unsigned octant, const Region& touched)
+    /// @param region_of  makes the cell's own region when it is new
+    template <class RegionOf>
+    Cell& get(std::uint32_t parent, CellKey key, RegionOf region_of)
     {
+        const unsigned octant = octant_of(key);
         for (std::uint32_t at = (parent * 8 + octant) * 0x9e3779b1u >> 22;; at = (at + 1) % slots_.size()) {
             Slot& slot = slots_[at];
             if (slot.batch != batch_) {
                 slot = {batch_, static_cast<std::uint32_t>(cells_.size())};
-                return cells_.push_back({parent, octant, touched});
+                cells_.push_back({parent, octant, region_of(key, parent), nowhere()});
+                return cells_.back();
             }
             Cell& cell = cells_[slot.cell];
-            if (cell.parent == parent && cell.octant == octant) return cell.touched.add(touched);
+            if (cell.parent == parent && cell.octant == octant) return cell;
         }
     }
     std::span<const Cell> all() const { return cells_; }
@@ -63,6 +69,11 @@ private:
     struct Slot {
         std::uint32_t batch = 0, cell = 0;
     };
+    static Region nowhere()
+    {
+        const __m128 far = _mm_set1_ps(std::numeric_limits<float>::infinity());
+        return {far, _mm_sub_ps(_mm_setzero_ps(), far)};
+    }
     std::array<Slot, 1024> slots_{}; ///< three times as many as there can be cells
     std::uint32_t batch_ = 0;
     std::vector<Cell> cells_;
@@ -112,7 +123,7 @@ struct LeafBall {
     {
         const double size = 1.0 / double(1ull << level_of(cell));
         const auto place = centre_of(cell);
-        const TightBlock* const tight = tree.tight();
+        const TightBlock* const tight = level_of(cell) <= tree.tight_levels() ? tree.tight() : nullptr;
         const unsigned k = octant_of(cell);
         const std::int8_t plain[3] = {0, 0, 0};
         const std::int8_t moved[3] = {tight ? tight[parent].x[k] : plain[0], tight ? tight[parent].y[k] : plain[1],
@@ -153,13 +164,19 @@ bool MeshLeafTest::gather(const WalkPair& pair, std::span<const LeafKeys> leaves
     // As in the walk: poses may be 2^-20 from rigid; and the surfaces' floats.
     const double rounding = 0x1p-17 * (between.norm() + tree_a.radius(0) + tree_b.radius(0));
 
+    const auto region_of_a = [&](CellKey key, std::uint32_t parent) {
+        const LeafBall ball(tree_a, key, parent);
+        return around(turn.transpose() * (ball.centre - between), ball.radius + rounding);
+    };
+    const auto region_of_b = [&](CellKey key, std::uint32_t parent) {
+        const LeafBall ball(tree_b, key, parent);
+        return around(turn * ball.centre + between, ball.radius + rounding);
+    };
     memory.cells_a.start(), memory.cells_b.start();
     for (const LeafKeys& leaf : leaves) {
-        const LeafBall in_a(tree_a, leaf.a, leaf.parent_a), in_b(tree_b, leaf.b, leaf.parent_b);
-        memory.cells_a.add(leaf.parent_a, octant_of(leaf.a),
-                           around(turn * in_b.centre + between, in_b.radius + rounding));
-        memory.cells_b.add(leaf.parent_b, octant_of(leaf.b),
-                           around(turn.transpose() * (in_a.centre - between), in_a.radius + rounding));
+        Cells::Cell& a = memory.cells_a.get(leaf.parent_a, leaf.a, region_of_a);
+        Cells::Cell& b = memory.cells_b.get(leaf.parent_b, leaf.b, region_of_b);
+        a.touched.add(b.own), b.touched.add(a.own);
     }
     memory.a.start(mesh_a.triangles.size()), memory.b.start(mesh_b.triangles.size());
     for (const Cells::Cell& cell : memory.cells_a.all())

@@ -23,8 +23,8 @@ std::uint32_t expanded_state(unsigned grey, std::uint32_t frame)
 } // namespace
 
 Ocst::Ocst(const RootCell& root, int depth, double covering_error, const Options& options)
-    : root_(root), depth_(depth), covering_error_(covering_error), is_tight_(options.tight),
-      leaf_lists_(options.leaf_lists), nodes_(1), lists_(1, all_triangles), tight_(options.tight ? 1 : 0)
+    : root_(root), depth_(depth), covering_error_(covering_error), tight_levels_(options.tight_levels),
+      leaf_lists_(options.leaf_lists), nodes_(1), lists_(1, all_triangles), tight_(options.tight_levels ? 1 : 0)
 {
     ONCOLLIDE_ASSERT(depth >= 1 && depth <= deepest_level);
 }
@@ -87,7 +87,7 @@ ListId Ocst::parent_list(CellKey cell) const
 
 OctantRow Ocst::row(std::uint32_t tree, CellKey cell) const
 {
-    return {tree, cell, parent_list(cell), keeps_list(cell), is_tight_};
+    return {tree, cell, parent_list(cell), keeps_list(cell), level_of(cell) < tight_levels_};
 }
 
 std::uint32_t Ocst::add_block(unsigned count)
@@ -103,7 +103,7 @@ std::uint32_t Ocst::add_block(unsigned count)
     const auto block = static_cast<std::uint32_t>(nodes_.size());
     nodes_.resize(block + count);
     lists_.resize(block + count, all_triangles);
-    if (is_tight_) tight_.resize(block + count);
+    if (tight_levels_) tight_.resize(block + count);
     return block;
 }
 
@@ -116,7 +116,7 @@ void Ocst::expand(CellKey cell, const OctantAnswer& answer, std::uint32_t frame)
     const std::uint32_t first = stored ? add_block(children) : 0; // may move nodes_
     nodes_[node] = {first, expanded_state(answer.grey, frame)};
     lists_[node] = answer.list;
-    if (is_tight_) tight_[node] = answer.tight;
+    if (tight_levels_) tight_[node] = answer.tight;
 }
 
 void Ocst::ask_lists_again(std::uint32_t tree, OcclusionBackend& backend, int threads)
@@ -186,7 +186,7 @@ std::uint64_t Ocst::collapse(std::uint32_t frame, std::uint32_t age, std::uint32
         const OcstNode root = nodes_[0];
         const ListId list = lists_[0];
         nodes_ = std::vector<OcstNode>(1, root), lists_ = std::vector<ListId>(1, list);
-        if (is_tight_) tight_ = std::vector<TightBlock>(1, tight_[0]);
+        if (tight_levels_) tight_ = std::vector<TightBlock>(1, tight_[0]);
         for (auto& free : free_blocks_) free = std::vector<std::uint32_t>();
     }
     return dropped;

@@ -21,7 +21,7 @@ class Ocst {
 public:
     /// A tree of the root alone. depth in [1, deepest_level].
     struct Options {
-        bool tight = false;      ///< cells know tight bounds of the surface in their octants
+        int tight_levels = 0;    ///< so many levels of cells, from the root, know tight bounds of their octants
         bool leaf_lists = false; ///< the triangles of leaves are kept too
     };
     Ocst(const RootCell& root, int depth, double covering_error, const Options& options);
@@ -62,8 +62,9 @@ public:
 
     const OcstNode* nodes() const { return nodes_.data(); }
     OcstNode* nodes() { return nodes_.data(); }
-    /// By node, of the octants of an expanded cell. Null: all cells have plain spheres.
-    const TightBlock* tight() const { return is_tight_ ? tight_.data() : nullptr; }
+    /// By node, of the octants of an expanded cell. Null: cells have plain spheres, as those below tight_levels() do.
+    const TightBlock* tight() const { return tight_levels_ ? tight_.data() : nullptr; }
+    int tight_levels() const { return tight_levels_; }
     std::uint64_t size() const { return stored_; } ///< stored cells
     std::size_t bytes() const;
 
@@ -78,7 +79,8 @@ private:
     RootCell root_;
     int depth_;
     double covering_error_;
-    bool is_tight_, leaf_lists_;
+    int tight_levels_;
+    bool leaf_lists_;
     std::uint64_t stored_ = 1;
     std::vector<OcstNode> nodes_;
     std::vector<ListId> lists_;                 ///< by node: the triangles of an expanded cell

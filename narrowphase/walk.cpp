@@ -70,7 +70,7 @@ double make_plan(const WalkPair& pair, std::uint32_t frame, WalkPlan& plan)
     }
     const double m = d.norm() + a.radius(0) + b.radius(0);
     const int most = pair.depth_a + pair.depth_b;
-    const bool tight = pair.tight && a.tight() && b.tight();
+    const bool tight = pair.tight && a.tight_levels() >= pair.depth_a && b.tight_levels() >= pair.depth_b;
     const double rounding = (4 * most + 80 + (tight ? 48 : 0)) * 0x1p-24 * m;
 
     plan.count = 0;
@@ -204,15 +204,22 @@ bool Walker::decide_leaves(const WalkPair& pair, std::span<const LeafKeys> leave
     return true;
 }
 
-/// Do the surfaces meet in the cells in which they met last?
-bool Walker::meet_again(const WalkPair& pair)
+/// Do the surfaces meet in the cells in which they met last, or in those beside them under the same parents?
+bool Walker::meet_again(const WalkPair& pair, LeafPair& meeting)
 {
     const auto [a, b] = pair.hint;
     if (level_of(a) != pair.depth_a || level_of(b) != pair.depth_b || !pair.a->knows(a) || !pair.b->knows(b))
         return false;
-    LeafPair meeting;
-    const LeafKeys keys{a, b, pair.a->parent_node(a), pair.b->parent_node(b)};
-    return decide_leaves(pair, {&keys, 1}, meeting);
+    LeafKeys keys{a, b, pair.a->parent_node(a), pair.b->parent_node(b)};
+    if (decide_leaves(pair, {&keys, 1}, meeting)) return true;
+    leaves_.clear();
+    const unsigned grey_a = pair.a->nodes()[keys.parent_a].grey(), grey_b = pair.b->nodes()[keys.parent_b].grey();
+    for (unsigned i = 0; i < 8; ++i)
+        for (unsigned j = 0; j < 8; ++j)
+            if (grey_a >> i & grey_b >> j & 1)
+                leaves_.push_back(
+                    {child_cell(parent_cell(a), i), child_cell(parent_cell(b), j), keys.parent_a, keys.parent_b});
+    return decide_leaves(pair, leaves_, meeting);
 }
 
 WalkResult Walker::start(const WalkPair& pair, std::uint32_t frame, const OcclusionBackend& backend, ParkedWork& parked)
@@ -228,7 +235,7 @@ WalkResult Walker::start(const WalkPair& pair, std::uint32_t frame, const Occlus
                 std::max(std::sqrt(apart2) - pair.a->radius(0) - pair.b->radius(0) - rounding, pair.clearance),
                 {}};
     if (pair.hint.a && pair.leaf_test) {
-        if (meet_again(pair)) return {WalkStatus::touching, 0, pair.hint};
+        if (LeafPair meeting; meet_again(pair, meeting)) return {WalkStatus::touching, 0, meeting};
     } else if (pair.hint.a && kernel().replay(plan, pair.hint.a, pair.hint.b)) {
         return {WalkStatus::touching, upper_bound(pair, plan.count, rounding, backend), pair.hint};
     }

@@ -114,7 +114,7 @@ private:
                    std::uint32_t top, double lower_so_far, std::uint32_t patience, bool give_up, ParkedWork& parked);
     void park(const WalkEntry* entries, std::size_t count);
     bool decide_leaves(const WalkPair& pair, std::span<const LeafKeys> leaves, LeafPair& meeting);
-    bool meet_again(const WalkPair& pair);
+    bool meet_again(const WalkPair& pair, LeafPair& meeting);
 
     std::vector<WalkEntry> stack_, aside_, parked_; ///< parked_ is filled up to parked_used_
     std::vector<LeafKeys> leaves_;

@@ -53,8 +53,10 @@ Ocst& Forest::tree(GeometryId geometry)
         const bool exact = settings_.exact == ExactLevel::predicates && std::holds_alternative<Mesh>(g.data);
         Depths& depths = depths_[index(geometry)];
         depths = {depth_for(root, covering_error), exact ? exact_depth(std::get<Mesh>(g.data)) : 0};
-        tree = std::make_unique<Ocst>(root, std::max(depths.conservative, depths.exact), covering_error,
-                                      Ocst::Options{.tight = tight_, .leaf_lists = exact});
+        const int depth = std::max(depths.conservative, depths.exact);
+        const int tight_levels = !tight_ ? 0 : settings_.spheres == Spheres::tight ? depth : depths.exact;
+        tree = std::make_unique<Ocst>(root, depth, covering_error,
+                                      Ocst::Options{.tight_levels = tight_levels, .leaf_lists = exact});
         live_.push_back(index(geometry));
     }
     return *tree;
