@@ -159,6 +159,9 @@ private:
         for (const RaceRow& row : result.rows)
             say("  {:<18}{:>8}{:>12.4f}{:>8.2f}{:>9}  {:<12}{}\n", row.contender->name, row.threads, row.ms, row.ratio,
                 memory_text(row.bytes), answer_text(row), row.contender->what);
+        for (const RaceRow& row : result.rows)
+            if (!row.remark.empty() && row.threads == threads_.front())
+                say("  {:<18}{}\n", row.contender->name, row.remark);
         for (const std::string& reason : result.left) say("  left out  {}\n", reason);
         say("  result    {} pairs, hash {:016x}", grouped(result.pairs.count), result.pairs.hash);
         if (const auto published = published_result(scene.name, scene.boxes.size(), scene.frame);

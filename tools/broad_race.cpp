@@ -82,9 +82,10 @@ public:
     {
         RaceResult result{{}, {}, right_set_};
         for (const Entrant& entrant : entrants_) {
-            if (entrant.trouble.empty())
+            if (entrant.trouble.empty()) {
                 result.rows.push_back(entrant.row), result.rows.back().ms = median(entrant.times);
-            else
+                result.rows.back().remark = entrant.peer->remark();
+            } else
                 result.left.push_back(fmt::format("{}: {}", entrant.row.contender->name, entrant.trouble));
         }
         std::sort(result.rows.begin(), result.rows.end(),

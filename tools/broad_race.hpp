@@ -17,6 +17,7 @@ struct RaceRow {
     double bytes = 0; ///< by which the process grew while this contender took in the scene and its first frame
     PairSet pairs;    ///< of the last frame
     std::uint64_t missed = 0, extra = 0; ///< pairs, the most in any frame
+    std::string remark;                  ///< of the contender, on the last frame
 };
 
 struct RaceResult {

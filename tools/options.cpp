@@ -69,7 +69,7 @@ void add_accuracy_options(CLI::App& command, SettingsOptions& o)
     command.add_option("--clearance", o.clearance, "metres: bodies this close count as touching (default 0)")
         ->type_name("M");
     command
-        .add_option("--exact", o.exact, "exact level on triangles: off or fcl (default off); predicates comes later")
+        .add_option("--exact", o.exact, "exact level on triangles: off, predicates or fcl (default off)")
         ->type_name("HOW");
     command.add_option("--mode", o.mode, "surface, or solid: a closed mesh's inside belongs to it (default surface)")
         ->type_name("MODE");

@@ -27,6 +27,8 @@ public:
     /// Takes in the next frame. `pairs` is overwritten: every two boxes that overlap and are not both static, each
     /// once, in any order.
     virtual void step(const BoxFrame& frame, std::vector<BodyPair>& pairs) = 0;
+    /// What it did in the last frame, for people; not timed.
+    virtual std::string remark() { return {}; }
 };
 
 struct Contender {

@@ -1,7 +1,10 @@
 #include "peer.hpp"
 
+#include <algorithm>
 #include <numeric>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include <oncollide/broadphase/dynamic_tree.hpp>
 
@@ -51,6 +54,18 @@ public:
         tree_.move(frame.moved);
         const std::span<const BodyPair> found = tree_.find_pairs({frame.boxes});
         pairs.assign(found.begin(), found.end());
+    }
+
+    std::string remark() override
+    {
+        const std::span<const DelimitationLevel> levels = tree_.levels();
+        if (levels.empty()) return "delimitation off: over a quarter of the boxes changed";
+        std::string text = "delimitation by level, rejected:";
+        for (const DelimitationLevel& level : levels.subspan(std::min<std::size_t>(1, levels.size())))
+            text += fmt::format(" {} of {} regions with {} boxes, {:.0f} % of the volume out of play, {:.4f} ms;",
+                                level.regions_rejected, level.regions, level.bodies_rejected,
+                                100 * level.volume_rejected, level.ms);
+        return text += fmt::format(" {} boxes left", tree_.bodies_left());
     }
 
 private:
