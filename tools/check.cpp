@@ -7,12 +7,15 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
+#include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/scenes/error.hpp>
 #include <oncollide/scenes/mesh_file.hpp>
 #include <oncollide/scenes/occupancy_map.hpp>
+#include <oncollide/scenes/output_file.hpp>
 
 namespace oncollide::tools {
 namespace {
@@ -20,7 +23,7 @@ namespace {
 struct CheckOptions {
     std::string a, b, pose_a, pose_b;
     SettingsOptions settings;
-    std::string json;
+    std::string json, contacts;
     bool quiet = false;
 };
 
@@ -81,7 +84,7 @@ std::string describe(const Scene& scene, const Settings& settings, const PairRes
                 pair.bound, both, settings.clearance);
         return fmt::format("within {:.6g} m: {} are at most that far apart (certified), and may or may not collide. "
                            "A smaller --max-error narrows the bound{}.",
-                           pair.bound, both, settings.exact == ExactLevel::off ? "; --exact fcl decides" : "");
+                           pair.bound, both, settings.exact == ExactLevel::off ? "; --exact predicates decides" : "");
     case Verdict::undecided:
         return fmt::format(
             "undecided: {} are at most {:.6g} m apart (certified); a budget stopped the refinement there.", both,
@@ -90,16 +93,39 @@ std::string describe(const Scene& scene, const Settings& settings, const PairRes
     return {};
 }
 
+/// One row for each two triangles that meet.
+void write_contacts(const Scene& scene, OutputFile& file)
+{
+    ContactFinder finder(scene);
+    file.print("triangle_a,triangle_b,kind,x0,y0,z0,x1,y1,z1,normal_a_x,normal_a_y,normal_a_z,normal_b_x,normal_b_y,"
+               "normal_b_z\n");
+    for (const Contact& c : finder.find(scene, BodyId{0}, BodyId{1})) {
+        file.print("{},{},{}", c.triangle_a, c.triangle_b,
+                   c.kind == TriangleContact::crossing ? "crossing" : "touching");
+        for (const Eigen::Vector3d& v : {c.ends[0], c.ends[1], c.normal_a, c.normal_b})
+            file.print(",{:.17g},{:.17g},{:.17g}", v.x(), v.y(), v.z());
+        file.print("\n");
+    }
+    file.commit();
+}
+
 int check_pair(const CheckOptions& options)
 {
     Settings settings = settings_from(options.settings);
+    if (!options.contacts.empty() && settings.exact != ExactLevel::predicates)
+        throw Error(ErrorKind::usage, "--contacts: needs --exact predicates");
     // Both cull without a bound on the distance, and one pair needs neither.
     for (const char* stage : {"delimitation", "broad"}) settings.skip.push_back(stage);
     OutputOptions outputs;
     outputs.json = options.json;
     for (const std::string& input : {options.a, options.b}) check_outputs(outputs, input);
 
+    std::optional<OutputFile> contacts;
+    if (!options.contacts.empty()) contacts.emplace(options.contacts);
     const Scene scene = load_pair(options);
+    for (std::size_t body = 0; contacts && body < scene.size(); ++body)
+        if (!std::holds_alternative<Mesh>(scene.geometries[index(scene.geometry[body])].data))
+            throw Error(ErrorKind::usage, fmt::format("--contacts: '{}' is no mesh", scene.names[body]));
     if (!options.quiet) print_warnings(scene);
     Pipeline pipeline(scene, settings);
     Report report(scene, pipeline, true);
@@ -110,6 +136,7 @@ int check_pair(const CheckOptions& options)
                                 : frame.pairs.front();
     if (!options.quiet) (options.json == "-" ? std::cerr : std::cout) << describe(scene, settings, pair) << "\n";
     if (!options.json.empty()) report.write_json(options.json);
+    if (contacts) write_contacts(scene, *contacts);
     return pair.verdict == Verdict::separate ? 0 : pair.verdict == Verdict::colliding ? 1 : 2;
 }
 
@@ -128,12 +155,15 @@ void add_check(CLI::App& app, Command& command)
     sub->add_option("--pose-b", options->pose_b, "pose of B")->type_name("\"x y z qx qy qz qw\"");
     add_accuracy_options(*sub, options->settings);
     sub->add_option("--json", options->json, "write the result as JSON; '-' is standard output")->type_name("FILE");
+    sub->add_option("--contacts", options->contacts,
+                    "write all pairs of triangles that meet, where, and their normals as CSV; needs --exact predicates")
+        ->type_name("FILE.csv");
     sub->add_flag("--quiet", options->quiet, "print nothing but errors; the exit code is the answer");
     sub->footer("Exit codes: 0 separate, 1 colliding, 2 within or undecided, 64 and above: error.\n"
                 "Without --exact nothing is called colliding: bodies that may touch are 'within' a bound.\n"
                 "Examples:\n"
                 "  oncollide check bunny.obj cow.obj --pose-b \"0.4 0 0 0 0 0 1\"\n"
-                "  oncollide check part.stl fixture.stl --clearance 0.002 --exact fcl --json -");
+                "  oncollide check part.stl fixture.stl --clearance 0.002 --exact predicates --json -");
     sub->callback([options, &command] { command = [options] { return check_pair(*options); }; });
 }
 

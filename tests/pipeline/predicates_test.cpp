@@ -1,10 +1,13 @@
 // The exact level by predicates against brute force over all pairs of triangles.
 #include <cmath>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
 #include <oncollide/narrowphase/triangle_test.hpp>
+#include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/scenes/error.hpp>
 #include <oncollide/scenes/mesh_generators.hpp>
 #include <oncollide/scenes/motion.hpp>
 
@@ -148,6 +151,37 @@ TEST(Predicates, GiveOneHashForThreadsBackendsAndCoherence)
     EXPECT_EQ(plain, hash({.spheres = Spheres::paper}));
     EXPECT_EQ(plain, hash({.age_limit = 1}));
     EXPECT_EQ(plain, hash({.backend = BackendKind::gl_compute})) << "the triangles are on the CPU all the same";
+}
+
+TEST(Contacts, AreAllPairsOfBruteForceWithPointsOnBothTriangles)
+{
+    const Mesh knot = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 300);
+    Scene scene = two(knot, knot);
+    ContactFinder finder(scene);
+    std::size_t found = 0;
+    for (std::uint64_t seed = 20; seed < 26; ++seed) {
+        scene.poses[0] = random_pose(seed, 100), scene.poses[1] = scene.poses[0] * random_pose(seed + 50, 0.7);
+        const auto expected = brute_force(knot, knot, scene.poses[0], scene.poses[1]);
+        const std::vector<Contact>& contacts = finder.find(scene, BodyId{0}, BodyId{1});
+        ASSERT_EQ(contacts.size(), expected.size());
+        found += contacts.size();
+        for (std::size_t k = 0; k < contacts.size(); ++k) {
+            const Contact& c = contacts[k];
+            EXPECT_EQ((TriangleMeeting{c.triangle_a, c.triangle_b}), expected[k]);
+            EXPECT_EQ(c.kind, TriangleContact::crossing);
+            for (const auto& [body, triangle, normal] :
+                 {std::tuple(0, c.triangle_a, c.normal_a), std::tuple(1, c.triangle_b, c.normal_b)}) {
+                const Eigen::Vector3d corner =
+                    scene.poses[std::size_t(body)] * knot.vertices[knot.triangles[triangle][0]];
+                EXPECT_NEAR(normal.norm(), 1, 1e-12);
+                for (const Eigen::Vector3d& end : c.ends) EXPECT_NEAR(normal.dot(end - corner), 0, 1e-12);
+            }
+        }
+    }
+    EXPECT_GT(found, 50u);
+    EXPECT_THROW(finder.find(scene, BodyId{0}, BodyId{7}), Error);
+    scene.poses[1].translation().x() += 50;
+    EXPECT_TRUE(finder.find(scene, BodyId{0}, BodyId{1}).empty());
 }
 
 } // namespace

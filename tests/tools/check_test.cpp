@@ -1,6 +1,7 @@
 #include "command_fixture.hpp"
 
 #include <cmath>
+#include <sstream>
 
 namespace oncollide::test {
 namespace {
@@ -34,6 +35,22 @@ TEST_F(Check, GivesADistanceEvenWhenTheBoxesAreFarApart)
     const double bound = nlohmann::json::parse(outcome.out).at("frames").at(0).at("pairs").at(0).at(3);
     EXPECT_GT(bound, 90);
     EXPECT_LE(bound, 99);
+}
+
+TEST_F(Check, WritesTheTrianglesThatMeet)
+{
+    const Outcome touching = check("1 0 0 0 0 0 1", {"--exact", "predicates", "--contacts", "c.csv"});
+    EXPECT_EQ(touching.code, 1) << touching.err;
+    std::istringstream rows(folder_.read("c.csv"));
+    std::string row;
+    std::getline(rows, row);
+    EXPECT_TRUE(row.starts_with("triangle_a,triangle_b,kind,x0")) << row;
+    int count = 0;
+    for (; std::getline(rows, row); ++count) EXPECT_NE(row.find(",touching,0.5,"), std::string::npos) << row;
+    EXPECT_GE(count, 4) << "the two of a face meet the two of the other, and more their edges";
+    EXPECT_EQ(check("1.0000001 0 0 0 0 0 1", {"--exact", "predicates"}).code, 0);
+    expect_error(64, {"check", "a.off", "b.off", "--contacts", "c.csv"}, {"--exact predicates"});
+    expect_error(73, {"check", "a.off", "b.off", "--exact", "predicates", "--contacts", "no/c.csv"}, {"no/c.csv"});
 }
 
 TEST_F(Check, AnswersCollidingOnlyWhenTheExactLevelRan)

@@ -1,0 +1,45 @@
+#pragma once
+#include <array>
+#include <memory>
+#include <vector>
+
+#include <oncollide/narrowphase/triangle_test.hpp>
+#include <oncollide/scenes/scene.hpp>
+
+namespace oncollide {
+
+/// Two triangles that meet, of bodies a and b, by number in their meshes.
+struct Contact {
+    std::uint32_t triangle_a, triangle_b;
+    TriangleContact kind;                ///< touching or crossing
+    std::array<Eigen::Vector3d, 2> ends; ///< of the segment that both share; world, metres; equal for a point
+    Eigen::Vector3d normal_a, normal_b;  ///< unit, world; 0 for a triangle without area
+};
+
+/// All contacts of pairs of meshes, asked for one pair at a time: for the pairs that a Pipeline called colliding, or
+/// any others. Sphere-trees are grown where they are needed, and kept.
+///
+///     ContactFinder contacts(scene);
+///     for (const Contact& c : contacts.find(scene, BodyId{0}, BodyId{1})) ...
+///
+/// Exact, as the pipeline with exact predicates: b's triangles are moved into a's frame in double, and for the
+/// coordinates so rounded every two triangles with a common point are found, touching included. Not thread-safe.
+class ContactFinder {
+public:
+    /// Keeps a reference to the geometries: `scene` must outlive it.
+    explicit ContactFinder(const Scene& scene);
+    ~ContactFinder();
+    ContactFinder(ContactFinder&&) noexcept;
+
+    /// Sorted by (triangle_a, triangle_b), each pair once; valid until the next call. Throws Error{usage} naming a body
+    /// that is no mesh or does not exist.
+    /// Cost: about 60 microseconds for two meshes of 5,000 triangles once their trees have grown there, and 2 a
+    /// contact.
+    const std::vector<Contact>& find(const Scene& scene, BodyId a, BodyId b);
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace oncollide
