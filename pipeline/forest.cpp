@@ -1,6 +1,7 @@
 #include <oncollide/pipeline/forest.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 namespace oncollide {
 
@@ -21,6 +22,14 @@ int exact_depth(const Mesh& mesh)
     return depth;
 }
 
+/// A body much larger than the other goes on until its leaves are of the other's size: else every cell of the smaller
+/// one would touch one leaf.
+int matching_depth(double radius, int depth, double other_leaf)
+{
+    while (depth < deepest_level && std::ldexp(radius, -depth) > 2 * other_leaf) ++depth;
+    return depth;
+}
+
 } // namespace
 
 Forest::Forest(const Scene& scene, const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
@@ -28,6 +37,10 @@ Forest::Forest(const Scene& scene, const Settings& settings, std::unique_ptr<Occ
       tight_(wants_tight(settings) && backend_->gives_tight()), trees_(scene.geometries.size()),
       depths_(scene.geometries.size())
 {
+    if (settings.exact != ExactLevel::predicates) return;
+    for (const Geometry& g : scene.geometries)
+        if (const auto* mesh = std::get_if<Mesh>(&g.data))
+            finest_leaf_ = std::min(finest_leaf_, std::ldexp(root_cell_of(g).radius, -exact_depth(*mesh)));
 }
 
 /// The smallest depth at which two such trees certify the error asked for.
@@ -53,8 +66,9 @@ Ocst& Forest::tree(GeometryId geometry)
         const bool exact = settings_.exact == ExactLevel::predicates && std::holds_alternative<Mesh>(g.data);
         Depths& depths = depths_[index(geometry)];
         depths = {depth_for(root, covering_error), exact ? exact_depth(std::get<Mesh>(g.data)) : 0};
-        const int depth = std::max(depths.conservative, depths.exact);
-        const int tight_levels = !tight_ ? 0 : settings_.spheres == Spheres::tight ? depth : depths.exact;
+        const int exact_levels = exact ? matching_depth(root.radius, depths.exact, finest_leaf_) : 0;
+        const int depth = std::max(depths.conservative, exact_levels);
+        const int tight_levels = !tight_ ? 0 : settings_.spheres == Spheres::tight ? depth : exact_levels;
         tree = std::make_unique<Ocst>(root, depth, covering_error,
                                       Ocst::Options{.tight_levels = tight_levels, .leaf_lists = exact});
         live_.push_back(index(geometry));
@@ -66,7 +80,12 @@ WalkPair Forest::walk_pair(const Scene& scene, std::uint32_t a, std::uint32_t b,
 {
     const GeometryId ga = scene.geometry[a], gb = scene.geometry[b];
     Ocst &tree_a = tree(ga), &tree_b = tree(gb);
-    const Depths depth_a = depths_[index(ga)], depth_b = depths_[index(gb)];
+    Depths depth_a = depths_[index(ga)], depth_b = depths_[index(gb)];
+    if (exact) {
+        const double leaf_a = tree_a.radius(depth_a.exact), leaf_b = tree_b.radius(depth_b.exact);
+        depth_a.exact = matching_depth(tree_a.radius(0), depth_a.exact, leaf_b);
+        depth_b.exact = matching_depth(tree_b.radius(0), depth_b.exact, leaf_a);
+    }
     return {.a = &tree_a,
             .b = &tree_b,
             .depth_a = exact ? depth_a.exact : depth_a.conservative,

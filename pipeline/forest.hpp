@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -71,11 +72,12 @@ private:
     const Scene& scene_;
     const Settings settings_;
     std::unique_ptr<OcclusionBackend> backend_;
-    const bool tight_;                         ///< do cells have tight bounds?
-    std::vector<std::unique_ptr<Ocst>> trees_; ///< by geometry; null until needed
-    std::vector<Depths> depths_;               ///< by geometry
-    std::vector<std::uint32_t> live_;          ///< geometries that have a tree
-    std::vector<OctantRow> rows_;              ///< of the batch under way
+    const bool tight_;                                             ///< do cells have tight bounds?
+    std::vector<std::unique_ptr<Ocst>> trees_;                     ///< by geometry; null until needed
+    double finest_leaf_ = std::numeric_limits<double>::infinity(); ///< smallest radius of an exact level's leaves
+    std::vector<Depths> depths_;                                   ///< by geometry
+    std::vector<std::uint32_t> live_;                              ///< geometries that have a tree
+    std::vector<OctantRow> rows_;                                  ///< of the batch under way
     std::vector<OctantAnswer> answers_;
     std::vector<ListRead> reads_;
     std::vector<std::size_t> read_ends_;

@@ -142,6 +142,20 @@ void add_narrow(CLI::App& bench, Command& command)
     });
 }
 
+void add_planner(CLI::App& bench, Command& command)
+{
+    CLI::App* sub = bench.add_subcommand("planner", "Many sampled poses of one mesh against another, in one call");
+    auto options = std::make_shared<PlannerOptions>();
+    sub->add_option("meshes", options->meshes, "two mesh files; the second is moved (default: terrain and knot)")
+        ->expected(0, 2)
+        ->type_name("FIXED MOVING");
+    sub->add_option("--poses", options->poses, "poses to sample (default 100000)")->type_name("N");
+    sub->add_option("--seed", options->seed, "seed of the poses (default 12345)")->type_name("S");
+    sub->footer("The first call starts from nothing: FCL's models, oncollide's trees. Ratios are of second calls.\n"
+                "'false' are poses that oncollide leaves over and FCL finds separate.");
+    sub->callback([options, &command] { command = [options] { return bench_planner(*options); }; });
+}
+
 } // namespace
 
 void add_bench(CLI::App& app, Command& command)
@@ -152,13 +166,13 @@ void add_bench(CLI::App& app, Command& command)
     bench->callback([bench, &command] {
         if (bench->get_subcommands().empty())
             command = []() -> int {
-                throw Error(
-                    ErrorKind::usage,
-                    "bench: which one? broad, narrow, many, octants, paper, poses or scene (oncollide bench --help)");
+                throw Error(ErrorKind::usage, "bench: which one? broad, narrow, planner, many, octants, paper, poses "
+                                              "or scene (oncollide bench --help)");
             };
     });
     add_broad(*bench, command);
     add_narrow(*bench, command);
+    add_planner(*bench, command);
     add_scene_bench(*bench, command, "many", "Bunnies, dragons and cows in a cube");
     add_paper(*bench, command);
     add_poses(*bench, command);

@@ -80,6 +80,16 @@ struct NarrowOptions {
 /// when oncollide missed a collision or an exact answer of it is wrong.
 int bench_narrow(const NarrowOptions& options);
 
+struct PlannerOptions {
+    std::vector<std::string> meshes; ///< none, or the fixed and the moving one
+    int poses = 100'000;
+    std::uint64_t seed = 12345;
+};
+
+/// Many poses of one mesh against another at once, beside FCL in a loop. Returns the exit code: 70 when FCL contradicts
+/// an answer.
+int bench_planner(const PlannerOptions& options);
+
 /// "4-8", "6" or "2,5-7" as ascending numbers; `option` names it in errors. Each 1 to 16.
 std::vector<int> parse_depths(const std::string& option, const std::string& text);
 

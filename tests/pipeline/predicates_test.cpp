@@ -6,6 +6,7 @@
 
 #include <oncollide/narrowphase/triangle_test.hpp>
 #include <oncollide/pipeline/contacts.hpp>
+#include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
 #include <oncollide/scenes/error.hpp>
 #include <oncollide/scenes/mesh_generators.hpp>
@@ -182,6 +183,56 @@ TEST(Contacts, AreAllPairsOfBruteForceWithPointsOnBothTriangles)
     EXPECT_THROW(finder.find(scene, BodyId{0}, BodyId{7}), Error);
     scene.poses[1].translation().x() += 50;
     EXPECT_TRUE(finder.find(scene, BodyId{0}, BodyId{1}).empty());
+}
+
+TEST(MeshQueries, AnswerAsBruteForceForManyPosesAndSizes)
+{
+    const Mesh knot = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 300);
+    const std::vector<Mesh> meshes{knot, scaled(knot, 0.04, {0, 0, 0}), make_soup_mesh(120, 0.5, 1.5, 6)};
+    std::vector<MeshQuery> queries;
+    for (std::uint32_t i = 0; i < 60; ++i) {
+        const Eigen::Isometry3d at = random_pose(i, 100);
+        queries.push_back({i % 3, (i / 3) % 3, at, at * random_pose(i + 500, i % 3 == 1 ? 0.6 : 1.3)});
+    }
+    MeshQueries conservative(meshes), exact(meshes, {.exact = ExactLevel::predicates}),
+        threaded(meshes, {.exact = ExactLevel::predicates, .threads = 3});
+    std::vector<MeshAnswer> wide(queries.size()), sharp(queries.size()), same(queries.size());
+    for (int call = 0; call < 2; ++call) {
+        conservative.ask(queries, wide), exact.ask(queries, sharp), threaded.ask(queries, same);
+        int colliding = 0;
+        for (std::size_t i = 0; i < queries.size(); ++i) {
+            const MeshQuery& q = queries[i];
+            const bool meet = !brute_force(meshes[q.a], meshes[q.b], q.pose_a, q.pose_b).empty();
+            EXPECT_EQ(sharp[i].verdict, meet ? Verdict::colliding : Verdict::separate) << i;
+            EXPECT_EQ(same[i].verdict, sharp[i].verdict) << i;
+            if (meet) {
+                EXPECT_EQ(wide[i].verdict, Verdict::within) << i;
+            }
+            colliding += meet;
+        }
+        EXPECT_GT(colliding, 15);
+        EXPECT_LT(colliding, 50);
+    }
+}
+
+TEST(MeshQueries, RefuseWhatMakesNoSense)
+{
+    const std::vector<Mesh> meshes{make_box_mesh({1, 1, 1})};
+    MeshQueries queries(meshes);
+    const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+    std::vector<MeshQuery> asked{{0, 1, here, here}};
+    std::vector<MeshAnswer> answers(1);
+    EXPECT_THROW(queries.ask(asked, answers), Error) << "no such mesh";
+    asked = {{0, 0, here, here}};
+    EXPECT_THROW(queries.ask(asked, {}), Error) << "no room";
+    asked[0].pose_b.linear()(0, 0) = std::nan("");
+    EXPECT_THROW(queries.ask(asked, answers), Error) << "not rigid";
+    asked[0].pose_b = here;
+    queries.ask(asked, answers);
+    EXPECT_EQ(answers[0].verdict, Verdict::within) << "and none of it did harm";
+    EXPECT_THROW(MeshQueries(meshes, {.exact = ExactLevel::fcl}), Error);
+    EXPECT_THROW(MeshQueries(meshes, {.clearance = 0.1, .exact = ExactLevel::predicates}), Error);
+    queries.ask({}, {});
 }
 
 } // namespace

@@ -133,5 +133,15 @@ TEST_F(CommandLine, BenchNarrowReadsMeshesPosesAndTheirAnswers)
     expect_error(65, {"bench", "narrow", "cube.off", "cube.off", "--poses", "p.txt"}, {"p.txt:1", "must have 14"});
 }
 
+TEST_F(CommandLine, BenchPlannerAgreesWithFcl)
+{
+    const Outcome outcome = run({"bench", "planner", "--poses", "400"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("exact predicates"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("FCL contradicts: 0"), std::string::npos) << outcome.out;
+    expect_error(64, {"bench", "planner", "--poses", "0"}, {"--poses 0"});
+    expect_error(66, {"bench", "planner", "none.obj", "none.obj"}, {"none.obj"});
+}
+
 } // namespace
 } // namespace oncollide::test
