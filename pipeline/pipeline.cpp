@@ -9,7 +9,7 @@
 #include <fmt/ranges.h>
 
 #include <oncollide/narrowphase/gpu.hpp>
-#include <oncollide/pipeline/stage.hpp>
+#include <oncollide/pipeline/exact_stages.hpp>
 #include <oncollide/scenes/error.hpp>
 #include <oncollide/scenes/parallel.hpp>
 
@@ -140,7 +140,8 @@ Pipeline::Pipeline(const Scene& scene, const Settings& settings, std::unique_ptr
     p.stages.push_back(make_delimitation_stage(scene, p.settings, *p.boxes));
     p.stages.push_back(make_broad_stage(scene, settings.broad_phase, *p.boxes));
     p.stages.push_back(make_ocst_stage(scene, p.settings, *p.forest));
-    p.stages.push_back(make_exact_stage(scene, p.settings, *p.forest));
+    p.stages.push_back(settings.exact == ExactLevel::predicates ? make_predicates_stage(scene, p.settings, *p.forest)
+                                                                : make_fcl_stage(scene, p.settings, *p.forest));
     p.asked_to_skip.assign(p.stages.size(), 0);
     for (const std::string& name : settings.skip) {
         const auto found = std::find(stage_names.begin(), stage_names.end(), name);

@@ -29,8 +29,7 @@ std::unique_ptr<Stage> make_bounds_stage(const Scene& scene);
 /// Both keep a reference to `tree`: the kd-tree goes on with what delimitation left in it.
 std::unique_ptr<Stage> make_delimitation_stage(const Scene& scene, const Settings& settings, DynamicTree& tree);
 std::unique_ptr<Stage> make_broad_stage(const Scene& scene, BroadPhaseKind kind, DynamicTree& tree);
-/// Both keep a reference to `forest`; the exact stage reads the leaves that the ocst stage found.
+/// Keeps a reference to `forest`. The exact stages: exact_stages.hpp.
 std::unique_ptr<Stage> make_ocst_stage(const Scene& scene, const Settings& settings, Forest& forest);
-std::unique_ptr<Stage> make_exact_stage(const Scene& scene, const Settings& settings, Forest& forest);
 
 } // namespace oncollide
