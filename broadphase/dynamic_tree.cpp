@@ -51,6 +51,7 @@ struct DynamicTree::Impl {
     bool delimited = false;    ///< has delimit() run since?
     bool search_all = true;    ///< must the whole tree be searched?
     bool moving_known = false; ///< are the tree's moving marks up to date?
+    bool layers_known = false; ///< does the tree know all layers, where they forbid anything?
     bool kept_stale = false;   ///< are all kept pairs out of date, not those of changed bodies alone?
     LayerSummary layers;       ///< of all bodies, at least
 
@@ -99,7 +100,7 @@ struct DynamicTree::Impl {
     void rebuild(const BodyColumns& columns);
     void refit(const BodyColumns& columns);
     bool stays_inside(std::uint32_t body, const Aabb& box) const;
-    void learn_layers(const BodyFilter& filter, bool all);
+    void learn_layers(const BodyFilter& filter);
     void collect_asked();
     void delimit(const BodyColumns& columns);
     void update(const BodyColumns& columns, const BodyFilter& filter);
@@ -177,7 +178,7 @@ void DynamicTree::Impl::rebuild(const BodyColumns& columns)
         if (state[body] & present) bodies.push_back(body);
     tree.build(columns.boxes, bodies, tree_margin(), bodies.size() < TreeSearch::worth_threads ? 1 : options.threads);
     for (std::uint8_t& s : state) s = static_cast<std::uint8_t>(s & present ? s | in_tree : s & ~in_tree);
-    moving_known = false;
+    moving_known = layers_known = false;
     kept_stale = options.fat > 0;
 }
 
@@ -209,15 +210,13 @@ void DynamicTree::Impl::take_in(const BodyColumns& columns, const BodyFilter& fi
     const std::size_t places = tree.size() + come.size() + 16;
     const bool fresh = come.size() * 4 > size; // what is appended lies apart from its neighbours
     const bool sparse = places > worth_compacting && places > 2 * size;
-    bool layers_stale = tree.empty();
     if (fresh || sparse || tree.empty()) {
         rebuild(columns);
-        layers_stale = true;
     } else {
         tree.erase(gone);
         if (!come.empty()) {
             tree.append(columns.boxes, come, tree_margin(), options.threads);
-            moving_known = false, layers_stale = true;
+            moving_known = layers_known = false;
         }
         for (std::uint32_t body : gone) state[body] &= static_cast<std::uint8_t>(~in_tree);
         for (std::uint32_t body : come) state[body] |= in_tree;
@@ -226,27 +225,28 @@ void DynamicTree::Impl::take_in(const BodyColumns& columns, const BodyFilter& fi
         else
             tree.refit_bodies(columns.boxes, tree_margin(), gone_elsewhere);
         if (tree.worn()) refit(columns);
-        if (tree.worn()) rebuild(columns), layers_stale = true;
+        if (tree.worn()) rebuild(columns);
     }
     std::erase_if(changes, [&](std::uint32_t body) {
         state[body] &= static_cast<std::uint8_t>(~moved);
         return !(state[body] & changed);
     });
-    learn_layers(filter, layers_stale);
+    learn_layers(filter);
     taken_in = true;
 }
 
 /// The tree knows layers only where they forbid something; it forgets them when it is built.
-void DynamicTree::Impl::learn_layers(const BodyFilter& filter, bool all)
+void DynamicTree::Impl::learn_layers(const BodyFilter& filter)
 {
-    if (all) layers = LayerSummary(filter);
-    const bool knew = !all && !layers.allow_all();
+    if (!layers_known) layers = LayerSummary(filter);
+    const bool knew = layers_known && !layers.allow_all();
     for (std::uint32_t body : changes)
         if (state[body] & present) {
             layers.add(filter.layers[body], filter.masks[body]);
             if (knew) tree.add_layers(body, filter);
         }
     if (!knew && !layers.allow_all()) tree.set_layers(filter);
+    layers_known = true;
 }
 
 /// Bodies to be asked for: those that changed. A pair of a sleeper with one that is awake is found from that one, if it

@@ -37,8 +37,8 @@ private:
         const bool same = tree_.view().levels > 0 && std::ranges::equal(bodies, bodies_);
         if (same) tree_.refit(boxes, margin, threads);
         if (!same || tree_.worn()) {
+            tree_.build(boxes, bodies, margin, threads); // first: it may refuse a box, and then nothing has changed
             if (!same) bodies_.assign(bodies.begin(), bodies.end());
-            tree_.build(boxes, bodies, margin, threads);
             is_static_.clear();
         }
         if (!std::ranges::equal(filter.is_static, is_static_)) {

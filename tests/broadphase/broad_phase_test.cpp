@@ -103,6 +103,19 @@ TEST_P(EveryBroadPhase, RefusesBoxesThatAreNotFiniteAndNamesTheBody)
     }
 }
 
+TEST_P(EveryBroadPhase, FindsAllAfterItRefusedAnotherSetOfBodies)
+{
+    Boxes scene = random_boxes(300, 8, 0, 1, {0, 0, 0});
+    std::vector<BodyPair> pairs;
+    const auto half = std::span(scene.all).first(150);
+    algorithm_->find_pairs(scene.boxes, half, scene.filter(), 0, 1, pairs);
+    const Aabb good = scene.boxes[200];
+    scene.boxes[200].min.x() = std::nan("");
+    EXPECT_THROW(find(scene), Error);
+    scene.boxes[200] = good;
+    EXPECT_EQ(find(scene), scene.truth(0));
+}
+
 TEST_P(EveryBroadPhase, AgreesOnFlatAndClusteredAndStackedBoxes)
 {
     Boxes scene;

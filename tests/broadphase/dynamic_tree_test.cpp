@@ -268,6 +268,20 @@ TEST(DynamicTree, RefusesWhatMakesNoSense)
     names("body 9", [&] { find(tree, scene); });
     scene.boxes[9] = good;
     EXPECT_EQ(find(tree, scene), pairs) << "nothing was lost";
+
+    // New bodies and a bad box at once, where layers forbid pairs.
+    Boxes more = random_boxes(900, 20, 0.5, 3, {0, 0, 0});
+    DynamicTree grown;
+    grown.add(std::span(more.all).first(800));
+    grown.find_pairs(columns(more));
+    grown.add(std::span(more.all).subspan(800));
+    const Aabb kept = more.boxes[5];
+    more.boxes[5].max.x() = std::nan("");
+    grown.move(Bodies{5});
+    names("body 5", [&] { find(grown, more); });
+    more.boxes[5] = kept;
+    std::fill(more.is_static.begin(), more.is_static.end(), 0); // all were added awake
+    EXPECT_EQ(find(grown, more), more.truth(0));
 }
 
 TEST(DynamicTree, HandlesNoneOneAndAllGone)
