@@ -158,9 +158,9 @@ bool MeshLeafTest::gather(const WalkPair& pair, std::span<const LeafKeys> leaves
     const Mesh &mesh_a = mesh_of(pair.tree_a), &mesh_b = mesh_of(pair.tree_b);
     const Surface &surface_a = lists_.surface(pair.tree_a), &surface_b = lists_.surface(pair.tree_b);
     const Ocst &tree_a = *pair.a, &tree_b = *pair.b;
-    const Eigen::Matrix3d to_a = pair.pose_a->linear().transpose(), turn = to_a * pair.pose_b->linear();
-    const Eigen::Vector3d shift = to_a * (pair.pose_b->translation() - pair.pose_a->translation());
-    const Eigen::Vector3d between = shift + turn * tree_b.root().centre - tree_a.root().centre;
+    const IntoA into_a(*pair.pose_a, *pair.pose_b);
+    const Eigen::Matrix3d& turn = into_a.turn;
+    const Eigen::Vector3d between = into_a(tree_b.root().centre) - tree_a.root().centre;
     // As in the walk: poses may be 2^-20 from rigid; and the surfaces' floats.
     const double rounding = 0x1p-17 * (between.norm() + tree_a.radius(0) + tree_b.radius(0));
 
@@ -185,7 +185,7 @@ bool MeshLeafTest::gather(const WalkPair& pair, std::span<const LeafKeys> leaves
         memory.b.add(lists_.span_of(pair.tree_b, tree_b.list(cell.parent), cell.octant), surface_b, cell.touched);
     if (memory.a.ids.empty() || memory.b.ids.empty()) return false;
     memory.a.take(mesh_a, [](const Eigen::Vector3d& p) -> const Eigen::Vector3d& { return p; });
-    memory.b.take(mesh_b, [&](const Eigen::Vector3d& p) -> Eigen::Vector3d { return turn * p + shift; });
+    memory.b.take(mesh_b, into_a);
     memory.set.assign(memory.a.points);
     return true;
 }

@@ -6,6 +6,19 @@
 
 namespace oncollide {
 
+/// Moves points of B into A's frame, in double: what the exact level calls their coordinates. One place, for all who
+/// ask must get the same bits.
+struct IntoA {
+    Eigen::Matrix3d turn;
+    Eigen::Vector3d shift;
+
+    IntoA(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b)
+        : turn(a.linear().transpose() * b.linear()), shift(a.linear().transpose() * (b.translation() - a.translation()))
+    {
+    }
+    Eigen::Vector3d operator()(const Eigen::Vector3d& p) const { return turn * p + shift; }
+};
+
 /// Two meshes' triangles in the leaves of their trees, by exact predicates on the file's own coordinates: those of B
 /// are moved into A's frame in double, and for the coordinates so rounded the answer is exact. Touching counts.
 class MeshLeafTest final : public LeafTest {

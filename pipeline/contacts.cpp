@@ -62,17 +62,15 @@ const std::vector<Contact>& ContactFinder::find(const Scene& scene, BodyId a, Bo
     all.finish();
     ++p.frame.number;
 
-    const Eigen::Isometry3d &pose_a = scene.poses[index(a)], &pose_b = scene.poses[index(b)];
-    const Eigen::Matrix3d to_a = pose_a.linear().transpose(), turn = to_a * pose_b.linear();
-    const Eigen::Vector3d shift = to_a * (pose_b.translation() - pose_a.translation());
+    const Eigen::Isometry3d& pose_a = scene.poses[index(a)];
+    const IntoA into_a(pose_a, scene.poses[index(b)]);
     const auto corners = [](const Mesh& mesh, std::uint32_t triangle, auto place) {
         const Triangle& t = mesh.triangles[triangle];
         return TrianglePoints{place(mesh.vertices[t[0]]), place(mesh.vertices[t[1]]), place(mesh.vertices[t[2]])};
     };
     for (const TriangleMeeting& pair : p.pairs) {
         const TrianglePoints of_a = corners(mesh_a, pair.a, [](const Eigen::Vector3d& v) { return v; });
-        const TrianglePoints of_b =
-            corners(mesh_b, pair.b, [&](const Eigen::Vector3d& v) -> Eigen::Vector3d { return turn * v + shift; });
+        const TrianglePoints of_b = corners(mesh_b, pair.b, into_a);
         const TriangleIntersection where = intersection(of_a, of_b);
         p.contacts.push_back({pair.a,
                               pair.b,
