@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/narrowphase/mesh_leaf_test.hpp>
+#include <oncollide/pipeline/mesh_pairs.hpp>
 #include <oncollide/pipeline/pair_walks.hpp>
 #include <oncollide/scenes/error.hpp>
 #include <oncollide/scenes/parallel.hpp>
@@ -41,14 +41,16 @@ struct MeshQueries::Impl {
     Settings settings;
     Forest forest;
     PairWalks pair_walks{forest};
-    MeshLeafTest test;
+    MeshPairs mesh_pairs{forest};
     Frame frame;
-    std::vector<PairWalks::Walk> walks, open;
+    std::vector<PairWalks::Walk> walks;
+    std::vector<MeshPairs::Ask> asks;
+    std::vector<std::uint32_t> of_walks, of_asks; ///< their queries
 
     Impl(std::vector<Mesh> meshes, const Settings& s)
-        : scene(scene_of(std::move(meshes))), settings(checked(s)), forest(scene, settings, make_cpu_backend()),
-          test(scene, *forest.backend().lists())
+        : scene(scene_of(std::move(meshes))), settings(checked(s)), forest(scene, settings, make_cpu_backend())
     {
+        settings.coherence = false; // a query's number says nothing about it
         frame.settings = &settings;
         frame.threads = settings.threads ? settings.threads : hardware_threads();
     }
@@ -63,30 +65,34 @@ struct MeshQueries::Impl {
             scene.geometry.push_back(GeometryId{mesh}), scene.poses.push_back(*pose);
         }
         const auto first = static_cast<std::uint32_t>(scene.poses.size() - 2);
-        walks.push_back({{first, first + 1}, {}, {}});
+        const BodyPair pair{first, first + 1};
+        if (wants_tight(settings) && mesh_pairs.admit(scene, frame, pair))
+            asks.push_back({pair}), of_asks.push_back(first / 2);
+        else
+            walks.push_back({pair, {}, {}}), of_walks.push_back(first / 2);
     }
 
     void answer_batch(std::span<MeshAnswer> answers)
     {
+        const bool exact = settings.exact == ExactLevel::predicates;
         frame.trees = {}, frame.rounds.clear();
-        pair_walks.run(scene, frame, walks, nullptr);
-        open.clear();
+        if (exact)
+            mesh_pairs.meet(scene, frame, asks);
+        else
+            mesh_pairs.near(scene, frame, asks);
+        for (std::size_t i = 0; i < asks.size(); ++i) {
+            const TriangleWalk::Nearness& answer = asks[i].answer;
+            const Verdict yes = exact ? Verdict::colliding : Verdict::within;
+            answers[of_asks[i]] = {answer.near ? yes : Verdict::separate, answer.bound};
+        }
+        pair_walks.run(scene, frame, walks);
         for (std::size_t i = 0; i < walks.size(); ++i) {
             const WalkResult& walk = walks[i].result;
-            answers[i] = {walk.status == WalkStatus::separate   ? Verdict::separate
-                          : walk.status == WalkStatus::touching ? Verdict::within
-                                                                : Verdict::undecided,
-                          walk.bound};
-            if (walk.status != WalkStatus::separate) open.push_back({walks[i].pair, {}, {}});
-        }
-        if (settings.exact == ExactLevel::off) return;
-        pair_walks.run(scene, frame, open, &test);
-        for (const PairWalks::Walk& walk : open) {
-            MeshAnswer& answer = answers[walk.pair.a / 2];
-            if (walk.result.status == WalkStatus::undecided) // a budget
-                answer.verdict = Verdict::undecided;
-            else
-                answer = {walk.result.status == WalkStatus::touching ? Verdict::colliding : Verdict::separate, 0};
+            // Touching spheres do not say that the surfaces meet.
+            answers[of_walks[i]] = {walk.status == WalkStatus::separate             ? Verdict::separate
+                                    : walk.status == WalkStatus::touching && !exact ? Verdict::within
+                                                                                    : Verdict::undecided,
+                                    walk.bound};
         }
     }
 };
@@ -106,7 +112,8 @@ void MeshQueries::ask(std::span<const MeshQuery> queries, std::span<MeshAnswer> 
                     fmt::format("MeshQueries: {} queries, room for {} answers", queries.size(), answers.size()));
     for (std::size_t first = 0; first < queries.size(); first += batch) {
         const std::size_t count = std::min(batch, queries.size() - first);
-        p.scene.geometry.clear(), p.scene.poses.clear(), p.walks.clear();
+        p.scene.geometry.clear(), p.scene.poses.clear();
+        p.walks.clear(), p.of_walks.clear(), p.asks.clear(), p.of_asks.clear();
         for (std::size_t i = first; i < first + count; ++i) p.take(queries[i], i);
         p.answer_batch(answers.subspan(first, count));
     }

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/narrowphase/triangle_test.hpp>
+#include <oncollide/narrowphase/triangle_walk.hpp>
 #include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
@@ -12,12 +12,8 @@
 #include <oncollide/scenes/mesh_generators.hpp>
 #include <oncollide/scenes/motion.hpp>
 
-#include "tree_pair.hpp"
-
 namespace oncollide {
 namespace {
-
-using tools::TreePair;
 
 Eigen::Isometry3d random_pose(std::uint64_t seed, double reach)
 {
@@ -59,50 +55,6 @@ Scene two(const Mesh& a, const Mesh& b)
 Mesh scaled(const Mesh& mesh, double scale, const Eigen::Vector3d& by)
 {
     return transformed("scaled", mesh, scale, -by / scale);
-}
-
-struct Case {
-    const char* name;
-    Mesh a, b;
-    double reach; ///< of the poses
-};
-
-std::vector<Case> cases()
-{
-    const Mesh knot = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 300), box = make_box_mesh({0.5, 0.5, 0.5});
-    const Mesh needles = make_needles_mesh(60, 1, 1e4, 2, 5), soup = make_soup_mesh(120, 0.5, 1.5, 6);
-    return {{"knots", knot, knot, 1.6},
-            {"boxes", box, box, 1.3},
-            {"needles and soup", needles, soup, 2.2},
-            {"large and small", scaled(box, 8, {0, 0, 0}), scaled(soup, 0.2, {0, 0, 0}), 4.3},
-            {"tiny", scaled(knot, 1e-7, {0, 0, 0}), scaled(soup, 1e-7, {0, 0, 0}), 1.4e-7},
-            {"a file far from its origin", scaled(knot, 1, {1e4, -1e4, 1e3}), soup, 1.4}};
-}
-
-TEST(Predicates, FindEveryPairOfTrianglesOfBruteForce)
-{
-    for (const Case& c : cases())
-        for (const Spheres spheres : {Spheres::paper, Spheres::automatic}) {
-            Scene scene = two(c.a, c.b);
-            Settings settings;
-            settings.exact = ExactLevel::predicates, settings.spheres = spheres;
-            TreePair trees(scene, settings);
-            const Eigen::Vector3d middle = bounds_of(scene.geometries[0]).centre();
-            std::uint64_t meeting = 0;
-            for (std::uint64_t seed = 0; seed < 12; ++seed) {
-                Eigen::Isometry3d pose = random_pose(seed, c.reach);
-                pose.translation() += middle;
-                const auto expected = brute_force(c.a, c.b, Eigen::Isometry3d::Identity(), pose);
-                std::vector<TriangleMeeting> pairs;
-                trees.all_meeting(pose, pairs);
-                EXPECT_EQ(pairs, expected) << c.name << ", pose " << seed;
-                const WalkResult walk = trees.walk(pose);
-                EXPECT_EQ(walk.status, expected.empty() ? WalkStatus::separate : WalkStatus::touching) << c.name;
-                meeting += !expected.empty();
-            }
-            EXPECT_GT(meeting, 1u) << c.name;
-            EXPECT_LT(meeting, 12u) << c.name;
-        }
 }
 
 /// Boxes that touch in a face, an edge, a corner, or a part of a face; and that miss each other by an ulp.
