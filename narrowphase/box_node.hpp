@@ -17,6 +17,7 @@ struct alignas(16) BoxNode {
     std::uint32_t count[8];
     std::uint32_t child[8]; ///< node of box k's parts; 0: not grown yet, or a leaf. Other threads may set it
     std::uint32_t lanes;    ///< boxes here
+    std::uint32_t leaves;   ///< a bit for each box that has no parts
 };
 
 /// Eight boxes of one node as the box test reads them: in A's frame, metres. Box k is the points c + u a1 + v a2 + w a3
@@ -25,6 +26,7 @@ struct alignas(32) OpenBoxes {
     float c[3][8];
     float axis[3][3][8]; ///< [which axis][component]
     float h[3][8];
+    float size[8]; ///< squared radii
 };
 
 } // namespace oncollide

@@ -20,12 +20,11 @@ class OpenedTree {
 public:
     struct Node {
         OpenBoxes boxes;
-        float size[8]; ///< squared radii
         const BoxNode* node;
-        std::uint32_t index;
-        std::uint32_t leaves; ///< a bit for each box that is one
+        std::uint32_t index, leaves;
 
         bool leaf(unsigned k) const { return leaves >> k & 1; }
+        float size(unsigned k) const { return boxes.size[k]; }
     };
 
     /// Starts a query: slot 0 is the root. Keeps both.
@@ -58,13 +57,8 @@ private:
         if (used_ == nodes_.size()) nodes_.resize(2 * std::size_t(used_) + 16);
         slots_[index] = {query_, used_};
         Node& open = nodes_[used_];
-        open.node = &tree_->node(index), open.index = index;
+        open.node = &tree_->node(index), open.index = index, open.leaves = open.node->leaves;
         oriented_box_kernel().open(*open.node, placement_, open.boxes);
-        const auto& h = open.boxes.h;
-        open.leaves = 0;
-        for (unsigned k = 0; k < 8; ++k)
-            open.leaves |= unsigned(open.node->count[k] <= TriangleTree::leaf_triangles) << k;
-        for (int k = 0; k < 8; ++k) open.size[k] = h[0][k] * h[0][k] + h[1][k] * h[1][k] + h[2][k] * h[2][k];
         return used_++;
     }
 

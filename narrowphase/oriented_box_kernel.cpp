@@ -67,8 +67,9 @@ void open(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out)
     centre.x = I32x8{0, 1, 2, 3, 4, 5, 6, 7} < last ? centre.x : splat(out_of_reach);
     store(out.c, centre);
     for (int i = 0; i < 3; ++i) store(out.axis[i], axes[i]);
-    store(out.h[0], widen(node.hx) * unit), store(out.h[1], widen(node.hy) * unit);
-    store(out.h[2], widen(node.hz) * unit);
+    const Vec half{widen(node.hx) * unit, widen(node.hy) * unit, widen(node.hz) * unit};
+    store(out.h, half);
+    store(out.size, half.x * half.x + half.y * half.y + half.z * half.z);
 }
 
 unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, float reach, float (&gaps)[8],

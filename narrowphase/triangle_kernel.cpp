@@ -175,23 +175,27 @@ inline F64 gather(const double* const* v, int k)
 #endif
 }
 
-inline Corners gather(const double* const* v)
+inline Vec gather(const double* const* v)
 {
-    return {{gather(v, 0), gather(v, 1), gather(v, 2)},
-            {gather(v, 3), gather(v, 4), gather(v, 5)},
-            {gather(v, 6), gather(v, 7), gather(v, 8)}};
+    return {gather(v, 0), gather(v, 1), gather(v, 2)};
 }
 
-PairVerdicts judge_all(const double (*corners_a)[9], const double (*corners_b)[9], unsigned count)
+/// As IntoA does, operation by operation.
+inline Vec moved(const Vec& p, const double* turn, const double* shift)
+{
+    const auto row = [&](int i) { return turn[i] * p.x + (turn[3 + i] * p.y + turn[6 + i] * p.z) + shift[i]; };
+    return {row(0), row(1), row(2)};
+}
+
+PairVerdicts judge_all(const CornersOfPairs& corners, const double* turn, const double* shift)
 {
     PairVerdicts all{0, 0};
-    for (unsigned first = 0; first < count; first += width) {
-        const double *a[width], *b[width];
-        for (unsigned i = 0; i < width; ++i) { // lanes past the last pair hold it once more
-            a[i] = corners_a[first + i < count ? first + i : count - 1];
-            b[i] = corners_b[first + i < count ? first + i : count - 1];
-        }
-        const Verdicts verdicts = judge(gather(a), gather(b));
+    for (unsigned first = 0; first < 8; first += width) {
+        const Corners a{gather(corners.a[0] + first), gather(corners.a[1] + first), gather(corners.a[2] + first)};
+        const Corners b{moved(gather(corners.b[0] + first), turn, shift),
+                        moved(gather(corners.b[1] + first), turn, shift),
+                        moved(gather(corners.b[2] + first), turn, shift)};
+        const Verdicts verdicts = judge(a, b);
         all.separate |= bits(verdicts.separate) << first, all.known |= bits(verdicts.known) << first;
     }
     return all;

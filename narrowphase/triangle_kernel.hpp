@@ -4,13 +4,18 @@
 
 namespace oncollide {
 
+/// Where the corners of eight pairs of triangles are: [corner][pair], three doubles each.
+struct CornersOfPairs {
+    const double *a[3][8], *b[3][8];
+};
+
 /// Bits by pair: those that are certainly separate, and those of which it is certain whether they are.
 struct PairVerdicts {
     unsigned separate, known;
 };
 
-/// Triangle i of a, its 9 coordinates, against triangle i of b, for 1 to 8.
-using JudgePairs = PairVerdicts(const double (*corners_a)[9], const double (*corners_b)[9], unsigned count);
+/// Triangles of A against triangles of B, moved as IntoA does. `turn` is column-major.
+using JudgePairs = PairVerdicts(const CornersOfPairs& corners, const double* turn, const double* shift);
 
 namespace baseline {
 JudgePairs* judge_pairs();

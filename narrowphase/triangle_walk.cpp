@@ -26,6 +26,8 @@ JudgePairs* judge()
 struct TriangleWalk::Query {
     TriangleTree &a, &b;
     const IntoA& into_a;
+    const Eigen::Vector3d *vertices_a, *vertices_b;
+    const Triangle *triangles_a, *triangles_b;
     BoxPlacement place_b;
     double rounding;          ///< of gaps between boxes
     double triangle_rounding; ///< of distances of triangles
@@ -36,7 +38,10 @@ struct TriangleWalk::Query {
     /// 32 u from a rotation (two poses, each 2^-20), by which a box's own axes are not square: 4 * 32 u of its
     /// half-extents, summed to at most sqrt 2 r. Together below 256 u m. IntoA rounds in double, relative to the files'
     /// origins and to the bodies' distance.
-    Query(TriangleTree& tree_a, TriangleTree& tree_b, const IntoA& into) : a(tree_a), b(tree_b), into_a(into)
+    Query(TriangleTree& tree_a, TriangleTree& tree_b, const IntoA& into)
+        : a(tree_a), b(tree_b), into_a(into), vertices_a(a.mesh().vertices.data()),
+          vertices_b(b.mesh().vertices.data()), triangles_a(a.mesh().triangles.data()),
+          triangles_b(b.mesh().triangles.data())
     {
         const Eigen::Vector3d d = into_a(b.centre()) - a.centre();
         for (int i = 0; i < 9; ++i) place_b.turn[i] = static_cast<float>(into_a.turn(i / 3, i % 3));
@@ -50,15 +55,13 @@ struct TriangleWalk::Query {
 
     TrianglePoints points_a(std::uint32_t triangle) const
     {
-        const Triangle& t = a.mesh().triangles[triangle];
-        const auto& v = a.mesh().vertices;
-        return {v[t[0]], v[t[1]], v[t[2]]};
+        const Triangle& t = triangles_a[triangle];
+        return {vertices_a[t[0]], vertices_a[t[1]], vertices_a[t[2]]};
     }
     TrianglePoints points_b(std::uint32_t triangle) const
     {
-        const Triangle& t = b.mesh().triangles[triangle];
-        const auto& v = b.mesh().vertices;
-        return {into_a(v[t[0]]), into_a(v[t[1]]), into_a(v[t[2]])};
+        const Triangle& t = triangles_b[triangle];
+        return {into_a(vertices_b[t[0]]), into_a(vertices_b[t[1]]), into_a(vertices_b[t[2]])};
     }
 };
 
@@ -92,29 +95,28 @@ bool TriangleWalk::each_pair(const Entry& e, Visit visit) const
 inline unsigned TriangleWalk::open(const Entry& e, float reach)
 {
     const bool leaf_a = a_[e.a].leaf(e.lane_a), leaf_b = b_[e.b].leaf(e.lane_b);
-    const bool down_a = leaf_b || (!leaf_a && a_[e.a].size[e.lane_a] >= b_[e.b].size[e.lane_b]);
+    const bool down_a = leaf_b || (!leaf_a && a_[e.a].size(e.lane_a) >= b_[e.b].size(e.lane_b));
     const std::uint32_t slot = down_a ? a_.descend(e.a, e.lane_a) : b_.descend(e.b, e.lane_b);
     const OpenBoxes &boxes = (down_a ? a_[slot] : b_[slot]).boxes, &other = (down_a ? b_[e.b] : a_[e.a]).boxes;
     ++counts_.box_rows;
     float gaps[8];
     unsigned near = oriented_box_kernel().compare(boxes, other, down_a ? e.lane_b : e.lane_a, reach, gaps, nearest_);
-    const auto count = static_cast<unsigned>(__builtin_popcount(near));
-    if (count == 0) return 0;
+    if (!near) return 0;
     const std::size_t first = stack_.size();
-    stack_.resize(first + count);
+    stack_.resize(first + 8); // lets go of what is too much below
     Entry *out = &stack_[first], *nearest = out;
     Entry child = e;
     for (; near; near &= near - 1, ++out) {
         const auto k = static_cast<std::uint8_t>(__builtin_ctz(near));
-        if (down_a)
-            child.a = slot, child.lane_a = k;
-        else
-            child.b = slot, child.lane_b = k;
+        (down_a ? child.a : child.b) = slot;
+        (down_a ? child.lane_a : child.lane_b) = k;
         child.gap = gaps[k];
         *out = child;
         if (child.gap < nearest->gap) nearest = out;
     }
-    std::swap(*nearest, stack_.back());
+    std::swap(*nearest, out[-1]);
+    const auto count = static_cast<unsigned>(out - &stack_[first]);
+    stack_.resize(first + count);
     return count;
 }
 
@@ -137,17 +139,18 @@ void TriangleWalk::walk(const Query& query, float reach, TakeLeaves take_leaves)
 template <class Found>
 bool TriangleWalk::test_waiting(const Query& query, Found found)
 {
-    double corners_a[8][9], corners_b[8][9];
-    const auto put = [](const TrianglePoints& points, double(&corners)[9]) {
-        for (std::size_t k = 0; k < 3; ++k) Eigen::Map<Eigen::Vector3d>(corners + 3 * k) = points[k];
-    };
     bool go_on = true;
     for (std::size_t first = 0; first < waiting_.size() && go_on; first += 8) {
         const auto count = static_cast<unsigned>(std::min<std::size_t>(8, waiting_.size() - first));
-        for (unsigned i = 0; i < count; ++i)
-            put(query.points_a(waiting_[first + i].a), corners_a[i]),
-                put(query.points_b(waiting_[first + i].b), corners_b[i]);
-        const PairVerdicts verdicts = judge()(corners_a, corners_b, count);
+        CornersOfPairs corners;
+        for (unsigned i = 0; i < 8; ++i) { // places past the last pair hold it once more
+            const TriangleMeeting& pair = waiting_[first + std::min(i, count - 1)];
+            for (std::size_t k = 0; k < 3; ++k) {
+                corners.a[k][i] = query.vertices_a[query.triangles_a[pair.a][k]].data();
+                corners.b[k][i] = query.vertices_b[query.triangles_b[pair.b][k]].data();
+            }
+        }
+        const PairVerdicts verdicts = judge()(corners, query.into_a.turn.data(), query.into_a.shift.data());
         counts_.triangles += count;
         for (unsigned rest = ~verdicts.separate & ((1u << count) - 1); rest && go_on; rest &= rest - 1) {
             const auto i = static_cast<unsigned>(__builtin_ctz(rest));
@@ -250,7 +253,7 @@ TriangleWalk::Nearness TriangleWalk::near(TriangleTree& a, TriangleTree& b, cons
     std::size_t batch = first_batch;
     const double reach = (clearance + query.rounding) * (1 + 0x1p-20);
     walk(query, static_cast<float>(reach), [&](const Entry& e) {
-        const float size2 = a_[e.a].size[e.lane_a] + b_[e.b].size[e.lane_b];
+        const float size2 = a_[e.a].size(e.lane_a) + b_[e.b].size(e.lane_b);
         const bool small = double(size2) <= 16 * enough * enough; // else their corners are hardly so near
         if (!each_pair(e, [&](TriangleMeeting pair) { return take_pair(pair, small); })) return false;
         if (waiting_.size() < batch) return true;

@@ -5,25 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/Geometry>
-
+#include <oncollide/narrowphase/into_a.hpp>
 #include <oncollide/narrowphase/opened_tree.hpp>
 #include <oncollide/narrowphase/triangle_test.hpp>
 
 namespace oncollide {
-
-/// Moves points of B into A's frame, in double: what the exact level calls their coordinates. One place, for all who
-/// ask must get the same bits.
-struct IntoA {
-    Eigen::Matrix3d turn;
-    Eigen::Vector3d shift;
-
-    IntoA(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b)
-        : turn(a.linear().transpose() * b.linear()), shift(a.linear().transpose() * (b.translation() - a.translation()))
-    {
-    }
-    Eigen::Vector3d operator()(const Eigen::Vector3d& p) const { return turn * p + shift; }
-};
 
 /// Triangles a and b of two meshes, by number.
 struct TriangleMeeting {

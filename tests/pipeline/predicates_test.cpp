@@ -27,8 +27,7 @@ Eigen::Isometry3d random_pose(std::uint64_t seed, double reach)
 std::vector<TriangleMeeting> brute_force(const Mesh& a, const Mesh& b, const Eigen::Isometry3d& pose_a,
                                          const Eigen::Isometry3d& pose_b)
 {
-    const Eigen::Matrix3d to_a = pose_a.linear().transpose(), turn = to_a * pose_b.linear();
-    const Eigen::Vector3d shift = to_a * (pose_b.translation() - pose_a.translation());
+    const IntoA into_a(pose_a, pose_b);
     const auto corners = [](const Mesh& mesh, std::uint32_t t, auto place) {
         TrianglePoints points;
         for (std::size_t k = 0; k < 3; ++k) points[k] = place(mesh.vertices[mesh.triangles[t][k]]);
@@ -37,9 +36,7 @@ std::vector<TriangleMeeting> brute_force(const Mesh& a, const Mesh& b, const Eig
     std::vector<TriangleMeeting> pairs;
     for (std::uint32_t i = 0; i < a.triangles.size(); ++i)
         for (std::uint32_t j = 0; j < b.triangles.size(); ++j)
-            if (triangles_meet(
-                    corners(a, i, [](const Eigen::Vector3d& p) { return p; }),
-                    corners(b, j, [&](const Eigen::Vector3d& p) { return Eigen::Vector3d(turn * p + shift); })))
+            if (triangles_meet(corners(a, i, [](const Eigen::Vector3d& p) { return p; }), corners(b, j, into_a)))
                 pairs.push_back({i, j});
     return pairs;
 }
