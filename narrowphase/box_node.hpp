@@ -17,7 +17,8 @@ struct alignas(16) BoxNode {
     std::uint32_t count[8];
     std::uint32_t child[8]; ///< node of box k's parts; 0: not grown yet, or a leaf. Other threads may set it
     std::uint32_t lanes;    ///< boxes here
-    std::uint32_t leaves;   ///< a bit for each box that has no parts
+    std::uint32_t leaves;   ///< a bit for each box that counts as a leaf
+    std::uint32_t singles;  ///< and for each of one triangle
 };
 
 /// Eight boxes of one node as the box test reads them: in A's frame, metres. Box k is the points c + u a1 + v a2 + w a3

@@ -21,9 +21,10 @@ public:
     struct Node {
         OpenBoxes boxes;
         const BoxNode* node;
-        std::uint32_t index, leaves;
+        std::uint32_t index, leaves, singles;
 
         bool leaf(unsigned k) const { return leaves >> k & 1; }
+        bool single(unsigned k) const { return singles >> k & 1; }
         float size(unsigned k) const { return boxes.size[k]; }
     };
 
@@ -57,7 +58,8 @@ private:
         if (used_ == nodes_.size()) nodes_.resize(2 * std::size_t(used_) + 16);
         slots_[index] = {query_, used_};
         Node& open = nodes_[used_];
-        open.node = &tree_->node(index), open.index = index, open.leaves = open.node->leaves;
+        open.node = &tree_->node(index), open.index = index, open.leaves = open.node->leaves,
+        open.singles = open.node->singles;
         oriented_box_kernel().open(*open.node, placement_, open.boxes);
         return used_++;
     }

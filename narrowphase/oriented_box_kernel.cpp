@@ -72,6 +72,7 @@ void open(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out)
     store(out.size, half.x * half.x + half.y * half.y + half.z * half.z);
 }
 
+template <bool far>
 unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, float reach, float (&gaps)[8],
                  float (&nearest)[8])
 {
@@ -81,6 +82,7 @@ unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, flo
     const float oh[3] = {other.h[0][k], other.h[1][k], other.h[2][k]};
     F32x8 axis[3][3], c[3][3], a[3][3], t[3]; // c: cosines [of the other's axis][of the lane's axis]; a: without sign
     F32x8 gap = splat(-__builtin_inff());
+    F32x8 radii_by_length = splat(0); // along the line of centres
 #pragma GCC unroll 3
     for (int j = 0; j < 3; ++j)
 #pragma GCC unroll 3
@@ -100,6 +102,13 @@ unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, flo
     for (int j = 0; j < 3; ++j) {
         const F32x8 along = axis[j][0] * dx + axis[j][1] * dy + axis[j][2] * dz;
         gap = max(gap, abs(along) - h[j] - (oh[0] * a[0][j] + oh[1] * a[1][j] + oh[2] * a[2][j]));
+        if constexpr (far) radii_by_length = radii_by_length + h[j] * abs(along);
+    }
+    if constexpr (far) {
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i) radii_by_length = radii_by_length + oh[i] * abs(t[i]);
+        const F32x8 length = sqrt(dx * dx + dy * dy + dz * dz);
+        gap = max(gap, length > splat(0) ? length - radii_by_length / length : gap);
     }
     if (bits(gap <= splat(reach))) {
         // Cross products are at most of length 1: what they show, the distance is at least.
@@ -126,7 +135,7 @@ unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, flo
 
 OrientedBoxKernel oriented_box_kernel()
 {
-    return {open, compare};
+    return {open, compare<false>, compare<true>};
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

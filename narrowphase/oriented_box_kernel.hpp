@@ -22,8 +22,12 @@ struct OrientedBoxKernel {
     /// @param nearest  in and out, by lane: the smallest gap above `reach`
     /// Source: Gottschalk, Lin and Manocha, "OBBTree: a hierarchical structure for rapid interference detection",
     /// SIGGRAPH 1996.
-    unsigned (*compare)(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, float reach, float (&gaps)[8],
-                        float (&nearest)[8]);
+    using Compare = unsigned(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, float reach, float (&gaps)[8],
+                             float (&nearest)[8]);
+    Compare* compare;
+    /// The same, with the line of centres for one axis more: for boxes far apart the gaps come much nearer to the
+    /// distances.
+    Compare* compare_far;
 };
 
 namespace baseline {

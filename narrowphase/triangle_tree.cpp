@@ -25,7 +25,7 @@ TriangleTree::TriangleTree(const Mesh& mesh)
     const TrianglePoints diagonal{half, -half, half};
     quantise(node, 0, box, {&diagonal, 1});
     node.lanes = 1, node.begin[0] = 0, node.count[0] = static_cast<std::uint32_t>(mesh.triangles.size());
-    node.leaves = node.count[0] <= leaf_triangles;
+    node.leaves = node.count[0] <= leaf_triangles, node.singles = node.count[0] == 1;
 }
 
 std::uint32_t TriangleTree::add_node()
@@ -95,6 +95,7 @@ void TriangleTree::add_lane(BoxNode& node, std::span<const Item> items, std::uin
     const unsigned k = node.lanes++;
     node.begin[k] = begin, node.count[k] = static_cast<std::uint32_t>(items.size());
     node.leaves |= unsigned(items.size() <= leaf_triangles) << k;
+    node.singles |= unsigned(items.size() == 1) << k;
     quantise(node, k, fit_box(points_), points_);
 }
 

@@ -30,21 +30,23 @@ public:
     /// A node that holds the box of the whole mesh alone.
     static constexpr std::uint32_t root = 0;
     const BoxNode& node(std::uint32_t index) const { return chunks_[index / chunk][index % chunk]; }
-    /// The node of the parts of box k, grown when it is not there yet. The box must not be a leaf.
+    /// The node of the parts of box k, grown when it is not there yet. The box must hold more than one triangle.
     std::uint32_t child(std::uint32_t index, unsigned k)
     {
         const std::uint32_t child = std::atomic_ref(at(index).child[k]).load(std::memory_order_acquire);
         return child ? child : grow(index, k);
     }
-    static constexpr std::uint32_t leaf_triangles = 2; ///< a box of so many or fewer is a leaf
+    /// A box of so many triangles or fewer counts as a leaf. Where it is much larger than what it is compared with, its
+    /// triangles can still get boxes of their own.
+    static constexpr std::uint32_t leaf_triangles = 2;
 
     /// The triangle at a place of the tree's order, by number in the mesh.
     std::uint32_t triangle(std::uint32_t place) const { return order_[place]; }
     const Mesh& mesh() const { return mesh_; }
 
     std::uint32_t nodes() const { return used_; }
-    std::size_t bytes() const; ///< with what growing needs
-    static std::uint64_t most_nodes(const Mesh& mesh) { return mesh.triangles.size() / 2 + 2; } ///< when all is grown
+    std::size_t bytes() const;                                                              ///< with what growing needs
+    static std::uint64_t most_nodes(const Mesh& mesh) { return mesh.triangles.size() + 1; } ///< when all is grown
     static std::size_t most_bytes(const Mesh& mesh);
 
 private:

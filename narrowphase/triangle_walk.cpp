@@ -92,15 +92,17 @@ bool TriangleWalk::each_pair(const Entry& e, Visit visit) const
 }
 
 /// Opens the larger box; pushes its parts within `reach` of the other, the nearest last. Returns how many.
+template <bool far>
 inline unsigned TriangleWalk::open(const Entry& e, float reach)
 {
-    const bool leaf_a = a_[e.a].leaf(e.lane_a), leaf_b = b_[e.b].leaf(e.lane_b);
-    const bool down_a = leaf_b || (!leaf_a && a_[e.a].size(e.lane_a) >= b_[e.b].size(e.lane_b));
+    const bool down_a =
+        b_[e.b].single(e.lane_b) || (!a_[e.a].single(e.lane_a) && a_[e.a].size(e.lane_a) >= b_[e.b].size(e.lane_b));
     const std::uint32_t slot = down_a ? a_.descend(e.a, e.lane_a) : b_.descend(e.b, e.lane_b);
     const OpenBoxes &boxes = (down_a ? a_[slot] : b_[slot]).boxes, &other = (down_a ? b_[e.b] : a_[e.a]).boxes;
     ++counts_.box_rows;
     float gaps[8];
-    unsigned near = oriented_box_kernel().compare(boxes, other, down_a ? e.lane_b : e.lane_a, reach, gaps, nearest_);
+    const auto compare = far ? oriented_box_kernel().compare_far : oriented_box_kernel().compare;
+    unsigned near = compare(boxes, other, down_a ? e.lane_b : e.lane_a, reach, gaps, nearest_);
     if (!near) return 0;
     const std::size_t first = stack_.size();
     stack_.resize(first + 8); // lets go of what is too much below
@@ -129,7 +131,7 @@ void TriangleWalk::walk(const Query& query, float reach, TakeLeaves take_leaves)
         const Entry e = stack_.back();
         stack_.pop_back();
         if (!both_leaves(e))
-            open(e, reach);
+            open<false>(e, reach);
         else if (!take_leaves(e))
             return;
     }
@@ -298,7 +300,7 @@ TriangleWalk::Distance TriangleWalk::distance(TriangleTree& a, TriangleTree& b, 
             if (!each_pair(e, take_pair)) return best;
             continue;
         }
-        for (unsigned added = open(e, static_cast<float>(reach)); added-- > 0;)
+        for (unsigned added = open<true>(e, static_cast<float>(reach)); added-- > 0;)
             std::push_heap(stack_.begin(), stack_.end() - static_cast<std::ptrdiff_t>(added), farther);
     }
     for (float gap : nearest_) best.lower = std::min(best.lower, double(gap) - query.rounding);

@@ -74,6 +74,7 @@ private:
     bool both_leaves(const Entry& e) const;
     template <class Visit>
     bool each_pair(const Entry& e, Visit visit) const;
+    template <bool far>
     unsigned open(const Entry& e, float reach);
     template <class TakeLeaves>
     void walk(const Query& query, float reach, TakeLeaves take_leaves);

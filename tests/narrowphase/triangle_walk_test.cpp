@@ -293,32 +293,34 @@ TEST(OrientedBoxKernel, NeverShowsAGapLargerThanTheDistance)
             const Vector3d by = point_in(other, k, seed + lane) - point_in(boxes, lane, seed + 31);
             for (int i = 0; i < 3; ++i) boxes.c[i][lane] += static_cast<float>(by[i]);
         }
-        float first_gaps[8];
-        for (const Kernel& kernel : kernels()) {
-            float gaps[8], nearest[8];
-            std::fill(std::begin(nearest), std::end(nearest), std::numeric_limits<float>::infinity());
-            const unsigned near = kernel.kernel.compare(boxes, other, k, 1e-5f, gaps, nearest);
-            for (unsigned lane = 0; lane < 8; ++lane) {
-                EXPECT_EQ(near >> lane & 1, unsigned(gaps[lane] <= 1e-5f));
-                if (!(near >> lane & 1)) {
-                    EXPECT_EQ(nearest[lane], gaps[lane]);
-                } else {
-                    EXPECT_EQ(nearest[lane], std::numeric_limits<float>::infinity());
+        for (const bool far : {false, true}) {
+            float first_gaps[8];
+            for (const Kernel& kernel : kernels()) {
+                const auto compare = far ? kernel.kernel.compare_far : kernel.kernel.compare;
+                float gaps[8], nearest[8];
+                std::fill(std::begin(nearest), std::end(nearest), std::numeric_limits<float>::infinity());
+                const unsigned near = compare(boxes, other, k, 1e-5f, gaps, nearest);
+                for (unsigned lane = 0; lane < 8; ++lane) {
+                    EXPECT_EQ(near >> lane & 1, unsigned(gaps[lane] <= 1e-5f));
+                    if (!(near >> lane & 1)) {
+                        EXPECT_EQ(nearest[lane], gaps[lane]);
+                    } else {
+                        EXPECT_EQ(nearest[lane], std::numeric_limits<float>::infinity());
+                    }
+                    if (lane % 2 == 0) {
+                        EXPECT_TRUE(near >> lane & 1) << kernel.name << ", they share a point";
+                    }
+                    (near >> lane & 1 ? touching : apart) += 1;
+                    for (std::uint64_t sample = 0; sample < 20; ++sample) {
+                        const double distance =
+                            (point_in(boxes, lane, 77 * seed + sample) - point_in(other, k, 99 * seed + 5 * sample + 3))
+                                .norm();
+                        EXPECT_LE(gaps[lane], distance + 1e-5) << kernel.name;
+                    }
                 }
-                if (lane % 2 == 0) {
-                    EXPECT_TRUE(near >> lane & 1) << kernel.name << ", they share a point";
-                }
-                (near >> lane & 1 ? touching : apart) += 1;
-                for (std::uint64_t sample = 0; sample < 20; ++sample) {
-                    const double distance =
-                        (point_in(boxes, lane, 77 * seed + sample) - point_in(other, k, 99 * seed + 5 * sample + 3))
-                            .norm();
-                    EXPECT_LE(gaps[lane], distance + 1e-5) << kernel.name;
-                }
-                if (&kernel == &kernels().front()) continue;
+                if (kernel.name == "baseline") std::copy(std::begin(gaps), std::end(gaps), first_gaps);
+                EXPECT_TRUE(std::equal(std::begin(gaps), std::end(gaps), first_gaps)) << kernel.name << ": other bits";
             }
-            if (kernel.name == "baseline") std::copy(std::begin(gaps), std::end(gaps), first_gaps);
-            EXPECT_TRUE(std::equal(std::begin(gaps), std::end(gaps), first_gaps)) << kernel.name << ": other bits";
         }
     }
     EXPECT_GT(touching, 1000);
