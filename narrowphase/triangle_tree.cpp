@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <numeric>
 
 #include <oncollide/narrowphase/oriented_box.hpp>
 
@@ -26,6 +27,13 @@ TriangleTree::TriangleTree(const Mesh& mesh)
     quantise(node, 0, box, {&diagonal, 1});
     node.lanes = 1, node.begin[0] = 0, node.count[0] = static_cast<std::uint32_t>(mesh.triangles.size());
     node.leaves = node.count[0] <= leaf_triangles, node.singles = node.count[0] == 1;
+    if (node.leaves) number_triangles();
+}
+
+void TriangleTree::number_triangles()
+{
+    order_.resize(mesh_.triangles.size());
+    std::iota(order_.begin(), order_.end(), 0u);
 }
 
 std::uint32_t TriangleTree::add_node()
@@ -40,10 +48,7 @@ std::uint32_t TriangleTree::grow(std::uint32_t parent, unsigned k)
     const std::lock_guard lock(growing_);
     BoxNode& above = at(parent);
     if (above.child[k]) return above.child[k]; // another walk was first
-    if (order_.empty()) {
-        order_.resize(mesh_.triangles.size());
-        for (std::uint32_t i = 0; i < order_.size(); ++i) order_[i] = i;
-    }
+    if (order_.empty()) number_triangles();
     const std::uint32_t begin = above.begin[k], count = above.count[k];
     items_.clear();
     for (std::uint32_t id : std::span(order_).subspan(begin, count)) {
@@ -58,6 +63,20 @@ std::uint32_t TriangleTree::grow(std::uint32_t parent, unsigned k)
     split(node, items_, std::min(most_lanes, count), begin);
     std::atomic_ref(above.child[k]).store(index, std::memory_order_release);
     return index;
+}
+
+/// Along the axis; of triangles with one centre, by their corners: so the parts do not depend on the order in the file.
+bool TriangleTree::before(const Item& x, const Item& y, int axis) const
+{
+    for (int k = 0; k < 3; ++k, axis = (axis + 1) % 3)
+        if (x.place[axis] != y.place[axis]) return x.place[axis] < y.place[axis];
+    const Triangle &s = mesh_.triangles[x.triangle], &t = mesh_.triangles[y.triangle];
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Eigen::Vector3d &p = mesh_.vertices[s[k]], &q = mesh_.vertices[t[k]];
+        for (int i = 0; i < 3; ++i)
+            if (p[i] != q[i]) return p[i] < q[i];
+    }
+    return x.triangle < y.triangle;
 }
 
 /// Halves the items, across the axis along which they spread most, until there is a part for each lane.
@@ -75,10 +94,7 @@ void TriangleTree::split(BoxNode& node, std::span<Item> items, unsigned lanes, s
         if (high[other] - low[other] > high[axis] - low[axis]) axis = other;
     const std::size_t half = items.size() * (lanes / 2) / lanes;
     std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(half), items.end(),
-                     [axis](const Item& x, const Item& y) {
-                         return x.place[axis] < y.place[axis] ||
-                                (x.place[axis] == y.place[axis] && x.triangle < y.triangle);
-                     });
+                     [this, axis](const Item& x, const Item& y) { return before(x, y, axis); });
     split(node, items.first(half), lanes / 2, begin);
     split(node, items.subspan(half), lanes - lanes / 2, begin + static_cast<std::uint32_t>(half));
 }

@@ -53,6 +53,7 @@ private:
     static constexpr std::uint32_t chunk = 64;
 
     BoxNode& at(std::uint32_t index) { return chunks_[index / chunk][index % chunk]; }
+    void number_triangles();
     std::uint32_t grow(std::uint32_t parent, unsigned k);
     std::uint32_t add_node();
 
@@ -68,6 +69,7 @@ private:
         float place[3]; ///< thrice the triangle's centre, from the tree's
         std::uint32_t triangle;
     };
+    bool before(const Item& x, const Item& y, int axis) const;
     void split(BoxNode& node, std::span<Item> items, unsigned lanes, std::uint32_t begin);
     void add_lane(BoxNode& node, std::span<const Item> items, std::uint32_t begin);
     std::vector<Item> items_; ///< of the box that grows

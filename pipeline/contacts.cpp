@@ -16,6 +16,13 @@ struct ContactFinder::Impl {
 
     explicit Impl(const Scene& scene) : trees(scene) {}
 
+    TriangleTree& tree_of(const Scene& scene, BodyId body)
+    {
+        const GeometryId geometry = scene.geometry[index(body)];
+        trees.admit(geometry, 0, {~std::uint64_t(0), ~std::size_t(0)});
+        return trees[geometry];
+    }
+
     static const Mesh& mesh_of(const Scene& scene, BodyId body)
     {
         if (index(body) >= scene.size())
@@ -35,12 +42,9 @@ const std::vector<Contact>& ContactFinder::find(const Scene& scene, BodyId a, Bo
 {
     Impl& p = *impl_;
     const Mesh &mesh_a = Impl::mesh_of(scene, a), &mesh_b = Impl::mesh_of(scene, b);
-    const GeometryId of_a = scene.geometry[index(a)], of_b = scene.geometry[index(b)];
-    constexpr TriangleTrees::Room boundless{~std::uint64_t(0), ~std::size_t(0)};
-    p.trees.admit(of_a, 0, boundless), p.trees.admit(of_b, 0, boundless);
     const Eigen::Isometry3d& pose_a = scene.poses[index(a)];
     const IntoA into_a(pose_a, scene.poses[index(b)]);
-    p.walk.all_meeting(p.trees[of_a], p.trees[of_b], into_a, p.pairs);
+    p.walk.all_meeting(p.tree_of(scene, a), p.tree_of(scene, b), into_a, p.pairs);
 
     p.contacts.clear();
     const auto corners = [](const Mesh& mesh, std::uint32_t triangle, auto place) {
@@ -59,6 +63,28 @@ const std::vector<Contact>& ContactFinder::find(const Scene& scene, BodyId a, Bo
                               pose_a.linear() * where.normal_b});
     }
     return p.contacts;
+}
+
+void check_distance(double tolerance, double farthest)
+{
+    for (const auto& [what, value] : {std::pair("tolerance", tolerance), std::pair("limit", farthest)})
+        if (!(value >= 0))
+            throw Error(ErrorKind::usage, fmt::format("distance: a {} of {}; must be 0 or more", what, value));
+}
+
+MeshDistance mesh_distance(const TriangleWalk::Distance& found)
+{
+    const TriangleMeeting pair = found.nearest.value_or(TriangleMeeting{0, 0});
+    return {found.lower, found.upper, pair.a, pair.b};
+}
+
+MeshDistance ContactFinder::distance(const Scene& scene, BodyId a, BodyId b, double tolerance, double farthest)
+{
+    Impl& p = *impl_;
+    for (BodyId body : {a, b}) Impl::mesh_of(scene, body);
+    check_distance(tolerance, farthest);
+    const IntoA into_a(scene.poses[index(a)], scene.poses[index(b)]);
+    return mesh_distance(p.walk.distance(p.tree_of(scene, a), p.tree_of(scene, b), into_a, tolerance, farthest));
 }
 
 } // namespace oncollide

@@ -33,11 +33,16 @@ bool MeshPairs::admit(const Scene& scene, const Frame& frame, BodyPair pair)
            forest_.admit_triangles(scene.geometry[pair.b], frame.number);
 }
 
+void MeshPairs::make_walks(int threads)
+{
+    while (walks_.size() < static_cast<std::size_t>(std::max(threads, 1))) walks_.emplace_back();
+}
+
 /// answer(ask, walk, tree a, tree b, pose, hint), on all threads. Asks are sorted by pair, as what met last.
 template <class Answer>
 void MeshPairs::run(const Scene& scene, Frame& frame, std::span<Ask> asks, Answer answer)
 {
-    walks_.resize(std::max<std::size_t>(walks_.size(), static_cast<std::size_t>(std::max(frame.threads, 1))));
+    make_walks(frame.threads);
     parallel_chunks(asks.size(), pairs_a_chunk, frame.threads, [&](std::size_t begin, std::size_t end, int thread) {
         auto last = std::lower_bound(met_.begin(), met_.end(), asks[begin].pair,
                                      [](const Met& met, BodyPair pair) { return met.pair < pair; });
@@ -73,6 +78,22 @@ void MeshPairs::meet(const Scene& scene, Frame& frame, std::span<Ask> asks)
     run(scene, frame, asks, [&](TriangleWalk& walk, GeometryId a, GeometryId b, const IntoA& into_a, const auto& hint) {
         TriangleTrees& trees = forest_.triangle_trees();
         return oncollide::meet(walk, trees[a], trees[b], into_a, frame.settings->clearance, hint);
+    });
+}
+
+void MeshPairs::distances(const Scene& scene, const Frame& frame, std::span<const Ask> asks, double tolerance,
+                          double farthest, std::vector<TriangleWalk::Distance>& found)
+{
+    make_walks(frame.threads);
+    found.resize(asks.size());
+    TriangleTrees& trees = forest_.triangle_trees();
+    parallel_chunks(asks.size(), pairs_a_chunk, frame.threads, [&](std::size_t begin, std::size_t end, int thread) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const auto [a, b] = asks[i].pair;
+            found[i] = walks_[static_cast<std::size_t>(thread)].distance(
+                trees[scene.geometry[a]], trees[scene.geometry[b]], IntoA(scene.poses[a], scene.poses[b]), tolerance,
+                farthest);
+        }
     });
 }
 

@@ -26,12 +26,16 @@ public:
     /// Do they meet, exactly? With a clearance, those that do not but are within it are near, bounded by their
     /// distance.
     void meet(const Scene& scene, Frame& frame, std::span<Ask> asks);
+    /// How far apart are they? As TriangleWalk::distance(); found[i] for asks[i].
+    void distances(const Scene& scene, const Frame& frame, std::span<const Ask> asks, double tolerance, double farthest,
+                   std::vector<TriangleWalk::Distance>& found);
 
 private:
     struct Met {
         BodyPair pair;
         TriangleMeeting triangles;
     };
+    void make_walks(int threads);
     template <class Answer>
     void run(const Scene& scene, Frame& frame, std::span<Ask> asks, Answer answer);
 

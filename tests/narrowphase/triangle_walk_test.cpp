@@ -56,6 +56,7 @@ std::vector<Case> cases()
             {"large and small", scaled(box, 8), scaled(soup, 0.2), 4.3},
             {"tiny", scaled(knot, 1e-7), scaled(soup, 1e-7), 1.4e-7},
             {"huge", scaled(knot, 1e9), scaled(soup, 1e9), 1.4e9},
+            {"a triangle and a quad", make_soup_mesh(1, 1, 0.5, 3), make_soup_mesh(2, 1, 0.2, 4), 0.8},
             {"duplicates and triangles without area", flat_copies(), soup, 1.2},
             {"a file far from its origin", scaled(knot, 1, {1e4, -1e4, 1e3}), soup, 1.4}};
 }

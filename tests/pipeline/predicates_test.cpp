@@ -2,6 +2,7 @@
 #include <cmath>
 #include <tuple>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <oncollide/narrowphase/triangle_walk.hpp>
@@ -162,6 +163,41 @@ TEST(MeshQueries, AnswerAsBruteForceForManyPosesAndSizes)
         EXPECT_GT(colliding, 15);
         EXPECT_LT(colliding, 50);
     }
+}
+
+TEST(MeshQueries, BoundDistancesForAnyNumberOfThreads)
+{
+    const Mesh knot = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 300);
+    const std::vector<Mesh> meshes{knot, scaled(knot, 0.04, {0, 0, 0})};
+    Scene scene;
+    for (std::size_t i = 0; i < 2; ++i) scene.add(std::to_string(i), meshes[i]);
+    std::vector<MeshQuery> queries;
+    for (std::uint32_t i = 0; i < 40; ++i) {
+        const Eigen::Isometry3d at = random_pose(i, 100);
+        queries.push_back({i % 2, 1, at, at * random_pose(i + 700, 0.8)});
+        scene.add_body({.name = fmt::format("a{}", i), .geometry = GeometryId{i % 2}, .pose = queries[i].pose_a});
+        scene.add_body({.name = fmt::format("b{}", i), .geometry = GeometryId{1}, .pose = queries[i].pose_b});
+    }
+    MeshQueries one(meshes), three(meshes, {.threads = 3});
+    std::vector<MeshDistance> distances(queries.size()), same(queries.size()), near(queries.size());
+    one.distances(queries, 1e-3, distances), three.distances(queries, 1e-3, same), one.distances(queries, 0, near, 0.1);
+    ContactFinder finder(scene);
+    int apart = 0;
+    for (std::uint32_t i = 0; i < queries.size(); ++i) {
+        const MeshDistance exact = finder.distance(scene, BodyId{2 * i}, BodyId{2 * i + 1});
+        EXPECT_LE(distances[i].lower, exact.upper);
+        EXPECT_GE(distances[i].upper, exact.lower);
+        EXPECT_LE(distances[i].upper - distances[i].lower, 1e-3 + 1e-8);
+        EXPECT_EQ(distances[i].lower, same[i].lower);
+        EXPECT_EQ(distances[i].upper, same[i].upper);
+        EXPECT_EQ(exact.upper == 0, !finder.find(scene, BodyId{2 * i}, BodyId{2 * i + 1}).empty());
+        EXPECT_EQ(std::isinf(near[i].upper), exact.lower > 0.1) << exact.lower;
+        apart += exact.lower > 0.1;
+    }
+    EXPECT_GT(apart, 5);
+    EXPECT_LT(apart, 35);
+    EXPECT_THROW(one.distances(queries, -1, distances), Error);
+    EXPECT_THROW(one.distances(queries, 0, {}), Error);
 }
 
 TEST(MeshQueries, RefuseWhatMakesNoSense)
