@@ -78,18 +78,35 @@ private:
         return static_cast<std::uint8_t>(std::clamp(std::ceil(255 * length / radius_), 1.0, 255.0));
     }
 
-    /// Of the boxes of the triangles, cut to the octant; and of their normals, whichever side they are on.
+    /// Of the boxes of the triangles, cut to the octant; and of their normals, whichever side they are on: all as if on
+    /// the one side of the axis that most of them are along, so that the order of the triangles does not count.
     void find_box_and_normal()
     {
         low_.setConstant(1e300), high_.setConstant(-1e300);
+        Array3d along = Array3d::Zero();
         for (std::uint32_t i = 0; i < found_.count; ++i) {
             if (!(found_.masks[i] & bit_)) continue;
             const Primitive& p = surface_.primitives[found_.ids[i]];
-            const Vector3d a = point(p, 0), b = point(p, 1), c = point(p, 2), n = normal(p);
+            const Vector3d a = point(p, 0), b = point(p, 1), c = point(p, 2);
             low_ = low_.min(a.cwiseMin(b).cwiseMin(c).array()), high_ = high_.max(a.cwiseMax(b).cwiseMax(c).array());
-            direction_ += direction_.dot(n) < 0 ? -n : n;
+            along += normal(p).array().abs();
         }
         low_ = low_.max(centre_ - half_) - margin_, high_ = high_.min(centre_ + half_) + margin_;
+        int axis = 0;
+        along.maxCoeff(&axis);
+        for (std::uint32_t i = 0; i < found_.count; ++i) {
+            if (!(found_.masks[i] & bit_)) continue;
+            const Vector3d n = normal(surface_.primitives[found_.ids[i]]);
+            direction_ += faces_back(n, axis) ? -n : n;
+        }
+    }
+
+    /// By the first of its coordinates, from `axis` on, that is not 0.
+    static bool faces_back(const Vector3d& n, int axis)
+    {
+        for (int k = axis; k < axis + 3; ++k)
+            if (n[k % 3] != 0) return n[k % 3] < 0;
+        return false;
     }
 
     void set_direction(TightCell& cell)

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include <gtest/gtest.h>
 
@@ -115,6 +117,32 @@ TEST_F(TightCells, HoldLargeAndThinTriangles)
     worst_ = -1;
     check(make_mesh("far", points, triangles), 5);
     EXPECT_LE(worst_, 0);
+}
+
+/// Of all the octants of the root.
+TightBlock bounds_of_root(const Mesh& mesh)
+{
+    const Geometry geometry{"mesh", mesh, {}};
+    const auto backend = make_cpu_backend();
+    backend->attach(0, make_surface(geometry, root_cell_of(geometry)));
+    const OctantRow row{0, root_cell, all_triangles, true, true};
+    OctantAnswer answer;
+    backend->ask({&row, 1}, 1, {&answer, 1});
+    return answer.tight;
+}
+
+/// Faces at right angles in one octant: which of them comes first must not choose the slab.
+TEST(TightCell, DoesNotDependOnTheOrderOfTheTriangles)
+{
+    for (Mesh mesh :
+         {make_box_mesh({0.5, 0.5, 0.5}), make_gear_mesh(9, 0.8, 1, 0.3, 0.3), make_soup_mesh(80, 0.4, 1, 9)}) {
+        const TightBlock bounds = bounds_of_root(mesh);
+        for (std::size_t turn = 1; turn < mesh.triangles.size(); ++turn) {
+            std::rotate(mesh.triangles.begin(), mesh.triangles.begin() + 1, mesh.triangles.end());
+            const TightBlock again = bounds_of_root(mesh);
+            EXPECT_EQ(std::memcmp(&again, &bounds, sizeof bounds), 0) << mesh.triangles.size() << ", by " << turn;
+        }
+    }
 }
 
 } // namespace
