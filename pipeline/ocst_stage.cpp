@@ -42,8 +42,9 @@ public:
             const BodyPair pair = frame.pairs[i];
             Aabb both = frame.boxes[pair.a];
             both.add(frame.boxes[pair.b]);
-            // Both bodies have points in the box around the two.
-            frame.results[i] = {BodyId{pair.a}, BodyId{pair.b}, Verdict::undecided, stage_index, both.diagonal()};
+            // Both bodies have points in the box around the two. Its squared edges may underflow.
+            const double diagonal = (both.max - both.min).stableNorm();
+            frame.results[i] = {BodyId{pair.a}, BodyId{pair.b}, Verdict::undecided, stage_index, diagonal};
         }
         stats.in = stats.out = stats.undecided = frame.pairs.size();
     }
