@@ -61,14 +61,20 @@ Asked reordered(Asked asked)
     return asked;
 }
 
+/// Of b in a's frame, as FCL and the library compute it whatever the distance from the origin.
+Isometry3d between(const Isometry3d& a, const Isometry3d& b)
+{
+    return at(a.linear().transpose() * (b.translation() - a.translation()), a.linear().transpose() * b.linear());
+}
+
 Asked moved(Asked asked, const char* form, const Isometry3d& motion)
 {
     asked.form = form, asked.exact = true;
     for (std::size_t k = 0; k < asked.poses_b.size(); ++k) {
-        const auto between = [&] { return Vector3d(asked.poses_b[k].translation() - asked.poses_a[k].translation()); };
-        const Vector3d before = motion.linear() * between();
-        asked.poses_a[k] = motion * asked.poses_a[k], asked.poses_b[k] = motion * asked.poses_b[k];
-        asked.exact &= between() == before;
+        Isometry3d &a = asked.poses_a[k], &b = asked.poses_b[k];
+        const Isometry3d before = between(a, b);
+        a = motion * a, b = motion * b;
+        asked.exact &= between(a, b).matrix() == before.matrix();
     }
     return asked;
 }
@@ -97,10 +103,7 @@ void find_truth(Asked& asked)
     for (std::size_t k = 0; k < asked.poses_b.size(); ++k) {
         const Isometry3d &a = asked.poses_a[k], &b = asked.poses_b[k];
         asked.truths.push_back(truth_of(asked.a, a, asked.b, b));
-        Isometry3d relative = Isometry3d::Identity(); // as FCL itself does, whatever the distance from the origin
-        relative.linear() = a.linear().transpose() * b.linear();
-        relative.translation() = a.linear().transpose() * (b.translation() - a.translation());
-        asked.fcl.push_back(fcl.collide(relative) > 0);
+        asked.fcl.push_back(fcl.collide(between(a, b)) > 0);
     }
 }
 

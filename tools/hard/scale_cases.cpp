@@ -88,6 +88,31 @@ void offsets(std::vector<BodyCase>& cases)
     }
 }
 
+/// Two spikes tip to tip: no box around them overlaps by more than the tips do. In files far from their origins that
+/// the poses take back, sums of large numbers leave small ones.
+void spikes(std::vector<BodyCase>& cases)
+{
+    const Mesh spike = mesh_of({{0, 0, 0}, {1, 0x1p-6, 0}, {1, -0x1p-6, 0x1p-6}, {1, 0, -0x1p-6}},
+                               {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}});
+    const Eigen::Matrix3d none = Eigen::Matrix3d::Identity();
+    for (double offset : {0.0, 1e6, 1e8})
+        for (double size : {1.0, 0x1p-10})
+            for (int k = 0; k < 4; ++k) {
+                const Vector3d far(offset, -offset, offset / 2);
+                const Mesh a = turned(spike, size * none, far), b = turned(spike, -size * none, far);
+                const Eigen::Matrix3d turn = turn_by(0.9 + k, {1, 2, 3.0 - k});
+                const Eigen::Isometry3d back = at(turn * -far, turn);
+                cases.push_back(
+                    {"offsets to 1e8",
+                     fmt::format("spikes of {} m tip to tip, {} from their origins, turn {}", size, offset, k),
+                     a,
+                     b,
+                     back,
+                     {back},
+                     {}});
+            }
+}
+
 void mixed_sizes(std::vector<BodyCase>& cases)
 {
     const double s = 0x1p-10, l = 0x1p17; // about 1e-3 and 1e5
@@ -141,7 +166,7 @@ void grazing(std::vector<BodyCase>& cases)
 std::vector<BodyCase> scale_cases()
 {
     std::vector<BodyCase> cases;
-    nested(cases), scales(cases), offsets(cases), mixed_sizes(cases), grazing(cases);
+    nested(cases), scales(cases), offsets(cases), spikes(cases), mixed_sizes(cases), grazing(cases);
     return cases;
 }
 
