@@ -101,6 +101,9 @@ void degenerate_triangles(std::vector<BodyCase>& cases)
     add(no_area, "a point off a face", cube, point, at(0.25, 0.125, std::nextafter(0.5, 1)), false);
     add(no_area, "a point inside", cube, point, at(0.25, 0.125, 0), false);
     add(no_area, "a point on a point", point, point, at(0, 0, 0), true);
+    const Mesh two = mesh_of({{-5, 0, 0}, {-5, 0, 0}, {-5, 0, 0}, {5, 0, 0}, {5, 0, 0}, {5, 0, 0}});
+    add(no_area, "two points beside two points", two, two,
+        at({0.3, 0.2, 0.1}, turn_by(2 * std::atan(1.0), Vector3d::UnitZ())), false);
     add(no_area, "a point off a point", point, point, at(0, 0x1p-1060, 0), false);
     add(no_area, "a segment through a face", cube, segment, at(0.5, 0.125, 0.25), true);
     add(no_area, "a segment on a face", cube, segment, at(0.125, 0.125, 0.5), true);
