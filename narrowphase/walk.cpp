@@ -46,7 +46,8 @@ struct Descent {
 /// Fills the plan; returns the rounding s: how far float distances may be from true ones.
 ///
 /// Every component is at most m = |d| + |hA| + |hB|. A step adds two offsets, each rounded twice: 4 * 2^-24 m a step.
-/// The relative pose is computed in double; a pose may be 1e-6 from rigid (2^-20 a body). Squares and sums: 4 * 2^-24
+/// The relative pose is computed in double, from the bodies' distance and the files' places, which may be large and cancel:
+/// 2^-48 of these. A pose may be 1e-6 from rigid (2^-20 a body). Squares and sums: 4 * 2^-24
 /// d.
 double make_plan(const WalkPair& pair, std::uint32_t frame, WalkPlan& plan)
 {
@@ -67,7 +68,8 @@ double make_plan(const WalkPair& pair, std::uint32_t frame, WalkPlan& plan)
     }
     const double m = d.norm() + a.radius(0) + b.radius(0);
     const int most = a.depth() + b.depth();
-    const double rounding = (4 * most + 80) * 0x1p-24 * m;
+    const double far = between.norm() + a.root().centre.norm() + b.root().centre.norm();
+    const double rounding = (4 * most + 80) * 0x1p-24 * m + 0x1p-48 * far;
 
     plan.count = 0;
     plan.nodes_a = pair.a->nodes(), plan.nodes_b = pair.b->nodes();

@@ -65,8 +65,9 @@ private:
     {
         Aabb both = frame.boxes[pair.a];
         both.add(frame.boxes[pair.b]);
-        // Both bodies have points in the box around the two.
-        return {BodyId{pair.a}, BodyId{pair.b}, Verdict::undecided, stage_index, both.diagonal()};
+        // Both bodies have points in the box around the two. Its squared edges may underflow.
+        const double diagonal = (both.max - both.min).stableNorm();
+        return {BodyId{pair.a}, BodyId{pair.b}, Verdict::undecided, stage_index, diagonal};
     }
 
     /// Who answers which pair?

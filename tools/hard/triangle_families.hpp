@@ -103,6 +103,20 @@ inline TrianglePair near_parallel(GridPoints& random)
     return {a, b};
 }
 
+/// A corner on an edge, in a plane across z and turned in it: what the signs of two dimensions decide.
+inline TrianglePair corner_on_edge(GridPoints& random)
+{
+    TrianglePoints a = of_sixteenths(random, 1 << 20);
+    const Eigen::Vector3d at = a[0] + random.number(0, 16) * (a[1] - a[0]) / 16;
+    TrianglePair pair{a, {at, random.point(1 << 20), random.point(1 << 20)}};
+    const double angle = random.number(1, 1 << 20) * 0x1p-18;
+    for (TrianglePoints* t : {&pair.first, &pair.second})
+        for (Eigen::Vector3d& p : *t)
+            p = {std::cos(angle) * p.x() - std::sin(angle) * p.y(), std::sin(angle) * p.x() + std::cos(angle) * p.y(),
+                 7};
+    return pair;
+}
+
 inline std::vector<TriangleFamily> triangle_families()
 {
     constexpr int reach = 1 << 20;
@@ -141,6 +155,7 @@ inline std::vector<TriangleFamily> triangle_families()
              return pair;
          }},
         {"near-parallel planes", near_parallel},
+        {"corner on edge in a plane", corner_on_edge},
     };
 }
 
