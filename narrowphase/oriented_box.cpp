@@ -17,25 +17,54 @@ using Eigen::Vector3d;
 constexpr double quaternion_steps = 32767;
 constexpr double most_centre = 32767, most_half = 65535;
 
-/// Of the surface; of the corners when it has no area.
+struct Extent {
+    Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+
+    void add(const Vector3d& p) { low = low.cwiseMin(p), high = high.cwiseMax(p); }
+    void add(std::span<const TrianglePoints> triangles)
+    {
+        for (const TrianglePoints& t : triangles)
+            for (const Vector3d& p : t) add(p);
+    }
+    Vector3d middle() const { return low + 0.5 * (high - low); }
+};
+
+/// Second moments of the surface; of the corners when it has no area. On a grid of 2^15 steps and in integers, so that
+/// the order of triangles and corners does not show, not even where all directions are alike.
 Matrix3d spread_of(std::span<const TrianglePoints> triangles)
 {
-    Matrix3d sum = Matrix3d::Zero();
-    Vector3d mean = Vector3d::Zero();
-    double area = 0;
-    const Vector3d origin = triangles[0][0];
-    const auto add = [&](const TrianglePoints& t, double weight) {
-        const Vector3d p = t[0] - origin, q = t[1] - origin, r = t[2] - origin, s = p + q + r;
-        // Integral of x x' over a triangle of that area.
-        sum += weight / 12 * (s * s.transpose() + p * p.transpose() + q * q.transpose() + r * r.transpose());
-        mean += weight / 3 * s, area += weight;
+    using Vector = Eigen::Matrix<std::int64_t, 3, 1>;
+    using Matrix = Eigen::Matrix<std::int64_t, 3, 3>;
+    Extent extent;
+    extent.add(triangles);
+    const double half = 0.5 * (extent.high - extent.low).maxCoeff();
+    if (!(half > 0)) return Matrix3d::Zero();
+    const Vector3d middle = extent.middle();
+    const auto on_grid = [&](const Vector3d& p) {
+        return Vector(((p - middle) / half * 0x1p14).array().round().matrix().cast<std::int64_t>());
     };
-    for (const TrianglePoints& t : triangles) add(t, (t[1] - t[0]).cross(t[2] - t[0]).norm());
-    if (!(area > 0) || !std::isfinite(area)) {
-        sum.setZero(), mean.setZero(), area = 0;
-        for (const TrianglePoints& t : triangles) add(t, 1);
+    const auto area_of = [](const Vector& p, const Vector& q, const Vector& r) {
+        const Vector u = q - p, v = r - p;
+        return Vector(u.cross(v)).cast<double>().norm();
+    };
+    double largest = 0;
+    for (const TrianglePoints& t : triangles)
+        largest = std::max(largest, area_of(on_grid(t[0]), on_grid(t[1]), on_grid(t[2])));
+    // A term of the sum is below 2^32 times its weight.
+    const double heaviest = triangles.size() < std::size_t(1) << 20 ? 1024 : 1;
+    Matrix squares = Matrix::Zero();
+    Vector sum = Vector::Zero();
+    std::int64_t weights = 0;
+    for (const TrianglePoints& t : triangles) {
+        const Vector p = on_grid(t[0]), q = on_grid(t[1]), r = on_grid(t[2]), s = p + q + r;
+        const auto weight = largest > 0 ? std::int64_t(std::ceil(heaviest * area_of(p, q, r) / largest)) : 1;
+        // Twelve times the integral of x x' over a triangle of area 1.
+        squares += weight * (s * s.transpose() + p * p.transpose() + q * q.transpose() + r * r.transpose());
+        sum += weight * s, weights += weight;
     }
-    return sum - mean * mean.transpose() / area;
+    const double w = double(weights);
+    const Vector3d mean = sum.cast<double>() / (3 * w);
+    return squares.cast<double>() / (12 * w) - mean * mean.transpose();
 }
 
 /// Right-handed, the first axis along u, the last along n as far as that is square to u.
@@ -48,8 +77,11 @@ Matrix3d frame_of(const Vector3d& u, const Vector3d& n)
     return axes;
 }
 
-Matrix3d axes_of_triangle(const TrianglePoints& t)
+Matrix3d axes_of_triangle(TrianglePoints t)
 {
+    std::sort(t.begin(), t.end(), [](const Vector3d& p, const Vector3d& q) {
+        return std::lexicographical_compare(p.data(), p.data() + 3, q.data(), q.data() + 3);
+    });
     Vector3d longest = t[1] - t[0];
     for (const Vector3d& side : {Vector3d(t[2] - t[1]), Vector3d(t[0] - t[2])})
         if (side.squaredNorm() > longest.squaredNorm()) longest = side;
@@ -64,21 +96,13 @@ Matrix3d axes_of_triangle(const TrianglePoints& t)
 
 Matrix3d axes_of_many(std::span<const TrianglePoints> triangles)
 {
-    Matrix3d spread = spread_of(triangles);
-    const double largest = spread.cwiseAbs().maxCoeff();
-    if (!(largest > 0) || !std::isfinite(largest)) return Matrix3d::Identity();
-    spread /= largest;
+    const Matrix3d spread = spread_of(triangles);
+    if (!(spread.cwiseAbs().maxCoeff() > 0)) return Matrix3d::Identity();
     Eigen::SelfAdjointEigenSolver<Matrix3d> solver;
     solver.computeDirect(spread);
     const Matrix3d axes = frame_of(solver.eigenvectors().col(2), solver.eigenvectors().col(0));
     return axes.allFinite() ? axes : Matrix3d::Identity();
 }
-
-struct Extent {
-    Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-
-    void add(const Vector3d& p) { low = low.cwiseMin(p), high = high.cwiseMax(p); }
-};
 
 /// The axes of box k as the box test reads them: the same operations in the same order.
 Matrix3d axes_of(const BoxNode& node, unsigned k)
@@ -106,7 +130,7 @@ OrientedBox fit_box(std::span<const TrianglePoints> triangles)
     Extent extent;
     for (const TrianglePoints& t : triangles)
         for (const Vector3d& p : t) extent.add(box.axes.transpose() * p);
-    box.centre = box.axes * (0.5 * (extent.low + extent.high));
+    box.centre = box.axes * extent.middle();
     box.half = 0.5 * (extent.high - extent.low);
     return box;
 }

@@ -52,9 +52,9 @@ std::uint32_t TriangleTree::grow(std::uint32_t parent, unsigned k)
     const std::uint32_t begin = above.begin[k], count = above.count[k];
     items_.clear();
     for (std::uint32_t id : std::span(order_).subspan(begin, count)) {
-        const Triangle& t = mesh_.triangles[id];
-        const auto &p = mesh_.vertices[t[0]], &q = mesh_.vertices[t[1]], &r = mesh_.vertices[t[2]];
-        const Eigen::Vector3f place = (p + q + r - 3 * centre_).cast<float>();
+        Eigen::Vector3d sum = Eigen::Vector3d::Zero(); // of floats: exact, whatever the order of the corners
+        for (std::uint32_t v : mesh_.triangles[id]) sum += (mesh_.vertices[v] - centre_).cast<float>().cast<double>();
+        const Eigen::Vector3f place = sum.cast<float>();
         items_.push_back({{place.x(), place.y(), place.z()}, id});
     }
     const std::uint32_t index = add_node();
@@ -70,13 +70,15 @@ bool TriangleTree::before(const Item& x, const Item& y, int axis) const
 {
     for (int k = 0; k < 3; ++k, axis = (axis + 1) % 3)
         if (x.place[axis] != y.place[axis]) return x.place[axis] < y.place[axis];
-    const Triangle &s = mesh_.triangles[x.triangle], &t = mesh_.triangles[y.triangle];
-    for (std::size_t k = 0; k < 3; ++k) {
-        const Eigen::Vector3d &p = mesh_.vertices[s[k]], &q = mesh_.vertices[t[k]];
-        for (int i = 0; i < 3; ++i)
-            if (p[i] != q[i]) return p[i] < q[i];
-    }
-    return x.triangle < y.triangle;
+    const auto sorted = [this](std::uint32_t triangle) {
+        std::array<std::array<double, 3>, 3> corners;
+        for (std::size_t k = 0; k < 3; ++k)
+            Eigen::Map<Eigen::Vector3d>(corners[k].data()) = mesh_.vertices[mesh_.triangles[triangle][k]];
+        std::sort(corners.begin(), corners.end());
+        return corners;
+    };
+    const auto corners_x = sorted(x.triangle), corners_y = sorted(y.triangle);
+    return corners_x != corners_y ? corners_x < corners_y : x.triangle < y.triangle;
 }
 
 /// Halves the items, across the axis along which they spread most, until there is a part for each lane.

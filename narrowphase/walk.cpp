@@ -46,9 +46,8 @@ struct Descent {
 /// Fills the plan; returns the rounding s: how far float distances may be from true ones.
 ///
 /// Every component is at most m = |d| + |hA| + |hB|. A step adds two offsets, each rounded twice: 4 * 2^-24 m a step.
-/// The relative pose is computed in double, from the bodies' distance and the files' places, which may be large and cancel:
-/// 2^-48 of these. A pose may be 1e-6 from rigid (2^-20 a body). Squares and sums: 4 * 2^-24
-/// d.
+/// The relative pose is computed in double, from the bodies' distance and the files' places, which may be large and
+/// cancel: 2^-48 of these. A pose may be 1e-6 from rigid (2^-20 a body). Squares and sums: 4 * 2^-24 d.
 double make_plan(const WalkPair& pair, std::uint32_t frame, WalkPlan& plan)
 {
     const Ocst &a = *pair.a, &b = *pair.b;

@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include <oncollide/narrowphase/into_a.hpp>
+
 #include "exact_oracle.hpp"
 #include "triangle_distance.hpp"
 
@@ -88,10 +90,7 @@ void find_distance(const Placed<long double>& a, const Placed<long double>& b, B
 BodyTruth truth_of(const Mesh& a, const Eigen::Isometry3d& pose_a, const Mesh& b, const Eigen::Isometry3d& pose_b)
 {
     BodyTruth truth;
-    const Eigen::Matrix3d turn = pose_a.linear().transpose() * pose_b.linear();
-    const Eigen::Vector3d shift = pose_a.linear().transpose() * (pose_b.translation() - pose_a.translation());
-    find_contact({a, [](const Eigen::Vector3d& v) { return v; }},
-                 {b, [&](const Eigen::Vector3d& v) { return Eigen::Vector3d(turn * v + shift); }}, truth);
+    find_contact({a, [](const Eigen::Vector3d& v) { return v; }}, {b, IntoA(pose_a, pose_b)}, truth);
 
     using Matrix3l = Eigen::Matrix<long double, 3, 3>;
     const Matrix3l turn_a = pose_a.linear().cast<long double>(), turn_b = pose_b.linear().cast<long double>();

@@ -96,7 +96,7 @@ void spikes(std::vector<BodyCase>& cases)
                                {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}});
     const Eigen::Matrix3d none = Eigen::Matrix3d::Identity();
     for (double offset : {0.0, 1e6, 1e8})
-        for (double size : {1.0, 0x1p-10})
+        for (double size : {1.0, 0x1p-10, 1e-5})
             for (int k : {1, 31, 35, 40, 43}) {
                 const Vector3d far(offset, -offset, offset / 2);
                 const Mesh a = turned(spike, size * none, far), b = turned(spike, -size * none, far);
