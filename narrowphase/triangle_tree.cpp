@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -16,11 +17,14 @@ constexpr unsigned most_lanes = 8;
 } // namespace
 
 TriangleTree::TriangleTree(const Mesh& mesh)
-    : mesh_(mesh), centre_(mesh.bounds.centre()), radius_(0.5 * (mesh.bounds.max - mesh.bounds.min).norm()),
-      chunks_(most_nodes(mesh) / chunk + 1)
+    : mesh_(mesh), centre_(mesh.bounds.centre()), radius_(0), chunks_(most_nodes(mesh) / chunk + 1)
 {
+    for (const Triangle& t : mesh.triangles)
+        for (std::uint32_t v : t) radius_ = std::max(radius_, (mesh.vertices[v] - centre_).squaredNorm());
+    radius_ = std::sqrt(radius_) * (1 + 0x1p-50) + 1e-150;
+
     BoxNode& node = at(add_node());
-    set_frame(node, Eigen::Vector3d::Zero(), radius_);
+    set_frame(node, Eigen::Vector3d::Zero(), 2 * radius_); // the box's corners reach farther
     const Eigen::Vector3d half = 0.5 * (mesh.bounds.max - mesh.bounds.min);
     const OrientedBox box{Eigen::Vector3d::Zero(), half, Eigen::Matrix3d::Identity()};
     const TrianglePoints diagonal{half, -half, half};

@@ -59,8 +59,8 @@ bool Forest::admit_triangles(GeometryId geometry, std::uint32_t frame)
 double Forest::tolerance(GeometryId a, GeometryId b)
 {
     if (settings_.max_error) return *settings_.max_error;
-    const double radii = triangle_trees_[a].radius() + triangle_trees_[b].radius();
-    return std::ldexp(2 * radii, -settings_.depth.value_or(6));
+    const double diagonals = triangle_trees_[a].mesh().bounds.diagonal() + triangle_trees_[b].mesh().bounds.diagonal();
+    return std::ldexp(diagonals, -settings_.depth.value_or(6));
 }
 
 void Forest::attach(std::uint32_t geometry)

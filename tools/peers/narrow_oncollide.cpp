@@ -83,7 +83,7 @@ NarrowContender exact()
 class NearPeer final : public BoxesPeer {
 public:
     NearPeer(const Mesh& a, const Mesh& b, double error)
-        : BoxesPeer(a, b), error_(error * 2 * std::max(a_.radius(), b_.radius()))
+        : BoxesPeer(a, b), error_(error * std::max(a.bounds.diagonal(), b.bounds.diagonal()))
     {
     }
     bool collides(const Eigen::Isometry3d& b) override { return walk_.near(a_, b_, at(b), 0, error_).near; }
