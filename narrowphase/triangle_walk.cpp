@@ -68,9 +68,10 @@ struct TriangleWalk::Query {
 void TriangleWalk::start(const Query& query)
 {
     a_.start(query.a, nullptr), b_.start(query.b, &query.place_b);
-    stack_.clear(), waiting_.clear();
+    waiting_.clear();
     std::fill(std::begin(nearest_), std::end(nearest_), std::numeric_limits<float>::infinity());
-    stack_.push_back({0, 0, 0, 0, 0});
+    if (stack_.empty()) stack_.resize(64);
+    stack_[0] = {0, 0, 0, 0, 0}, top_ = 1;
 }
 
 inline bool TriangleWalk::both_leaves(const Entry& e) const
@@ -104,21 +105,26 @@ inline unsigned TriangleWalk::open(const Entry& e, float reach)
     const auto compare = far ? oriented_box_kernel().compare_far : oriented_box_kernel().compare;
     unsigned near = compare(boxes, other, down_a ? e.lane_b : e.lane_a, reach, gaps, nearest_);
     if (!near) return 0;
-    const std::size_t first = stack_.size();
-    stack_.resize(first + 8); // lets go of what is too much below
-    Entry *out = &stack_[first], *nearest = out;
-    Entry child = e;
-    for (; near; near &= near - 1, ++out) {
+    if (stack_.size() < top_ + 8) stack_.resize(2 * (top_ + 8));
+    Entry* const first = &stack_[top_];
+    Entry *out = first, child = e, nearest;
+    for (bool any = false; near; near &= near - 1, any = true) {
         const auto k = static_cast<std::uint8_t>(__builtin_ctz(near));
         (down_a ? child.a : child.b) = slot;
         (down_a ? child.lane_a : child.lane_b) = k;
         child.gap = gaps[k];
-        *out = child;
-        if (child.gap < nearest->gap) nearest = out;
+        if (!any) {
+            nearest = child;
+        } else if (child.gap < nearest.gap) {
+            *out++ = nearest;
+            nearest = child;
+        } else {
+            *out++ = child;
+        }
     }
-    std::swap(*nearest, out[-1]);
-    const auto count = static_cast<unsigned>(out - &stack_[first]);
-    stack_.resize(first + count);
+    *out++ = nearest;
+    const auto count = static_cast<unsigned>(out - first);
+    top_ += count;
     return count;
 }
 
@@ -127,9 +133,8 @@ template <class TakeLeaves>
 void TriangleWalk::walk(const Query& query, float reach, TakeLeaves take_leaves)
 {
     start(query);
-    while (!stack_.empty()) {
-        const Entry e = stack_.back();
-        stack_.pop_back();
+    while (top_) {
+        const Entry e = stack_[--top_];
         if (!both_leaves(e))
             open<false>(e, reach);
         else if (!take_leaves(e))
@@ -287,21 +292,20 @@ TriangleWalk::Distance TriangleWalk::distance(TriangleTree& a, TriangleTree& b, 
     };
     const auto farther = [](const Entry& x, const Entry& y) { return x.gap > y.gap; };
     start(query);
-    while (!stack_.empty()) {
-        const Entry e = stack_.front(); // of a heap: the least gap
+    while (top_) {
+        const Entry e = stack_[0]; // of a heap: the least gap
         const double reach = std::min(std::min(best.upper - tolerance, farthest) + query.rounding, 0x1p90);
         if (e.gap > reach) {
             best.lower = std::min(best.lower, e.gap - query.rounding);
             break;
         }
-        std::pop_heap(stack_.begin(), stack_.end(), farther);
-        stack_.pop_back();
+        std::pop_heap(stack_.data(), stack_.data() + top_--, farther);
         if (both_leaves(e)) {
             if (!each_pair(e, take_pair)) return best;
             continue;
         }
         for (unsigned added = open<true>(e, static_cast<float>(reach)); added-- > 0;)
-            std::push_heap(stack_.begin(), stack_.end() - static_cast<std::ptrdiff_t>(added), farther);
+            std::push_heap(stack_.data(), stack_.data() + top_ - added, farther);
     }
     for (float gap : nearest_) best.lower = std::min(best.lower, double(gap) - query.rounding);
     best.lower = std::max(best.lower, 0.0);

@@ -82,7 +82,8 @@ private:
     bool test_waiting(const Query& query, Found found);
 
     OpenedTree a_, b_;
-    std::vector<Entry> stack_;
+    std::vector<Entry> stack_; ///< its first top_ are in use
+    std::size_t top_ = 0;
     std::vector<TriangleMeeting> waiting_; ///< pairs of triangles to be tested together
     alignas(32) float nearest_[8];         ///< least gaps of boxes that were left
     Counts counts_;
