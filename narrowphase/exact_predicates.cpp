@@ -1,6 +1,9 @@
 #include <oncollide/narrowphase/exact_predicates.hpp>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
 
 #include <oncollide/narrowphase/wide_integer.hpp>
 
@@ -132,7 +135,53 @@ bool collinear(const Vector3d& a, const Vector3d& b, const Vector3d& c)
     return true;
 }
 
+namespace {
+
+// Extended precision for rounded results: 64 bits, and exponents that no product of these coordinates leaves.
+using Extended = long double;
+static_assert(std::numeric_limits<Extended>::digits == 64);
+using VectorX = Eigen::Matrix<Extended, 3, 1>;
+constexpr Extended extended_unit = 0x1p-64L;
+
+/// A value, and by how much it may be off.
+struct Estimate {
+    Extended value, error;
+};
+
+/// orient3d's determinant, with the bound that its filter uses.
+Estimate volume(const VectorX& u, const VectorX& v, const VectorX& w)
+{
+    Estimate sum{0, 0};
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        const Extended x = u[j] * v[k], y = u[k] * v[j];
+        sum.value += (x - y) * w[i], sum.error += (std::abs(x) + std::abs(y)) * std::abs(w[i]);
+    }
+    sum.error *= 9 * extended_unit;
+    return sum;
+}
+
+/// p / (p - q) of numbers with different signs, if it is certain to 2^-50 of its magnitude.
+std::optional<double> certain_ratio(const Estimate& p, const Estimate& q)
+{
+    const Extended apart = p.value - q.value, size = std::abs(p.value) * std::abs(apart);
+    const Extended error = p.error * std::abs(apart) + (p.error + q.error) * std::abs(p.value);
+    if (!(error < 0x1p-51L * size) || (p.value > 0) == (q.value > 0)) return {};
+    return static_cast<double>(p.value / apart);
+}
+
+} // namespace
+
 double crossing_parameter(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& p, const Vector3d& q)
+{
+    const VectorX from = a.cast<Extended>(), u = b.cast<Extended>() - from, v = c.cast<Extended>() - from;
+    if (const auto t = certain_ratio(volume(u, v, p.cast<Extended>() - from), volume(u, v, q.cast<Extended>() - from)))
+        return *t;
+    return crossing_parameter_exact(a, b, c, p, q);
+}
+
+double crossing_parameter_exact(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& p,
+                                const Vector3d& q)
 {
     const BinaryGrid grid = grid_of_points(a, b, c, p, q);
     return with_limbs(grid, [&](auto limbs) {
@@ -157,6 +206,21 @@ double crossing_parameter(const Vector2d& a, const Vector2d& b, const Vector2d& 
 }
 
 Vector3d unit_normal(const Vector3d& a, const Vector3d& b, const Vector3d& c)
+{
+    const VectorX from = a.cast<Extended>(), u = b.cast<Extended>() - from, v = c.cast<Extended>() - from;
+    VectorX n;
+    Extended error = 0;
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        const Extended x = u[j] * v[k], y = u[k] * v[j];
+        n[i] = x - y, error = std::max(error, 5 * extended_unit * (std::abs(x) + std::abs(y)));
+    }
+    const Extended length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    if (error < 0x1p-53L * length) return (n / length).cast<double>();
+    return unit_normal_exact(a, b, c);
+}
+
+Vector3d unit_normal_exact(const Vector3d& a, const Vector3d& b, const Vector3d& c)
 {
     const BinaryGrid grid = grid_of_points(a, b, c);
     return with_limbs(grid, [&](auto limbs) -> Vector3d {

@@ -41,12 +41,14 @@ int orient3d_exact(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eig
 /// True when the three points are on one line, exactly.
 bool collinear(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
 
-// Rounded results of exact evaluations.
+// Rounded results: from extended precision where that is certain to suffice, else of the exact evaluations alone.
 
 /// The t for which p + t (q - p) is on the plane abc, within 2^-49 of its magnitude. a, b, c are not on one line; p and
 /// q are not both on the plane and not strictly on one side.
 double crossing_parameter(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
                           const Eigen::Vector3d& p, const Eigen::Vector3d& q);
+double crossing_parameter_exact(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
+                                const Eigen::Vector3d& p, const Eigen::Vector3d& q);
 
 /// The same for the line ab in the plane.
 double crossing_parameter(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& p,
@@ -54,5 +56,6 @@ double crossing_parameter(const Eigen::Vector2d& a, const Eigen::Vector2d& b, co
 
 /// (b - a) x (c - a) at unit length, each component within 2^-49; 0 when the points are on one line.
 Eigen::Vector3d unit_normal(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
+Eigen::Vector3d unit_normal_exact(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
 
 } // namespace oncollide

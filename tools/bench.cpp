@@ -17,6 +17,8 @@ void add_compare_options(CLI::App& sub, CompareOptions& o)
     sub.add_option("--warm-up", o.warm_up, "frames at the start that are not counted (default 3)")->type_name("N");
     sub.add_option("--repeats", o.repeats, "runs from frame 0; of each frame the fastest counts")->type_name("N");
     sub.add_option("--only", o.only, "run fcl or oncollide alone, to measure its memory")->type_name("WHO");
+    sub.add_flag("--contacts", o.contacts,
+                 "ask for every contact of every pair that collides, instead of yes or no; needs --exact predicates");
     sub.add_option("--timeline", o.timeline, "a line every so many frames: cells alive, pairs, times")->type_name("N");
     sub.add_option("--csv", o.csv, "write one row per frame")->type_name("FILE");
 }

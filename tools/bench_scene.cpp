@@ -7,6 +7,7 @@
 #include <chrono>
 #include <optional>
 
+#include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/scenes/error.hpp>
 #include <oncollide/scenes/output_file.hpp>
 
@@ -25,7 +26,8 @@ struct Row {
     double fcl_ms = 1e300, our_ms = 1e300; ///< the least over repeats
     std::array<double, 4> fcl_parts{};     ///< of that repeat: transforms, update, pairs, narrow
     std::array<double, stage_count> our_parts{};
-    std::uint64_t fcl_candidates = 0;
+    std::uint64_t fcl_candidates = 0, fcl_contacts = 0, our_contacts = 0;
+    double contacts_ms = 0; ///< ours, of our_ms
     Comparison counts;
     TreeStats trees;
     double gpu_ms = 0, wait_ms = 0;
@@ -47,6 +49,8 @@ public:
         : options_(options), settings_(settings_from(options.settings)), scene_(open_scene(options.scene)),
           with_fcl_(options.only != "oncollide"), with_ours_(options.only != "fcl")
     {
+        if (options_.contacts && settings_.exact != ExactLevel::predicates)
+            throw Error(ErrorKind::usage, "--contacts: needs --exact predicates");
         if (options_.warm_up >= scene_.frames) options_.warm_up = scene_.frames - 1;
     }
 
@@ -76,11 +80,13 @@ private:
                 const Clock::time_point from = Clock::now();
                 if (fcl) {
                     FclWorld world(scene_);
-                    world.step();
+                    world.step(options_.contacts);
                     runs_.fcl_cold.push_back(milliseconds_since(from));
                 } else {
                     Pipeline pipeline(scene_, settings_);
-                    pipeline.step(scene_);
+                    const FrameView view = pipeline.step(scene_);
+                    ContactFinder finder(scene_);
+                    if (options_.contacts) finder.find_all(scene_, colliding(view), settings_.threads);
                     runs_.our_cold.push_back(milliseconds_since(from));
                 }
             }
@@ -93,6 +99,7 @@ private:
         mover.move(scene_, 0);
         std::optional<FclWorld> world;
         std::optional<Pipeline> pipeline;
+        ContactFinder finder(scene_);
         if (with_fcl_) world.emplace(scene_), runs_.fcl_bytes = world->model_bytes();
         if (with_ours_) pipeline.emplace(scene_, settings_), runs_.backend = pipeline->backend();
         for (int frame = 0; frame < scene_.frames; ++frame) {
@@ -102,8 +109,11 @@ private:
             std::optional<FrameView> ours;
             const bool fcl_first = (frame + repeat) % 2 == 0;
             for (const bool fcl : {fcl_first, !fcl_first}) {
-                if (fcl && world) theirs = world->step();
-                if (!fcl && pipeline) ours.emplace(pipeline->step(scene_));
+                if (fcl && world) theirs = world->step(options_.contacts);
+                if (!fcl && pipeline) {
+                    ours.emplace(pipeline->step(scene_));
+                    if (options_.contacts) find_contacts(row, finder, *ours);
+                }
             }
             if (world) take(row, theirs);
             if (ours) take(row, *ours);
@@ -116,8 +126,26 @@ private:
         runs_.hash = pipeline->hash();
     }
 
+    static std::vector<BodyPair> colliding(const FrameView& frame)
+    {
+        std::vector<BodyPair> pairs;
+        for (const PairResult& pair : frame.pairs)
+            if (pair.verdict == Verdict::colliding) pairs.push_back({index(pair.a), index(pair.b)});
+        return pairs;
+    }
+
+    /// What this takes counts as the exact level's.
+    void find_contacts(Row& row, ContactFinder& finder, FrameView& frame) const
+    {
+        const Clock::time_point from = Clock::now();
+        row.our_contacts = finder.find_all(scene_, colliding(frame), settings_.threads).contacts.size();
+        row.contacts_ms = milliseconds_since(from);
+        frame.ms += row.contacts_ms;
+    }
+
     static void take(Row& row, const FclFrame& frame)
     {
+        row.fcl_contacts = frame.contacts;
         row.fcl_candidates = frame.candidates, row.counts.fcl_colliding = frame.colliding.size();
         if (frame.ms() >= row.fcl_ms) return;
         row.fcl_ms = frame.ms();
@@ -161,10 +189,12 @@ private:
         std::vector<double> fcl, ours, ratios;
         std::array<double, 4> fcl_parts{};
         std::array<double, stage_count> our_parts{};
+        double contacts = 0;
         for (const Row& row : counted()) {
             fcl.push_back(row.fcl_ms), ours.push_back(row.our_ms), ratios.push_back(row.fcl_ms / row.our_ms);
             for (std::size_t i = 0; i < fcl_parts.size(); ++i) fcl_parts[i] += row.fcl_parts[i];
             for (std::size_t i = 0; i < stage_count; ++i) our_parts[i] += row.our_parts[i];
+            contacts += row.contacts_ms;
         }
         const double n = double(counted().size());
         say("{:<17}{:>12}{:>12}{:>14}{:>24}\n", "ms a frame", "median", "mean", "frames/s", "first, from nothing");
@@ -183,8 +213,10 @@ private:
             say("  FCL        transforms {:.4f}, tree update {:.4f}, pairs {:.4f}, narrow {:.4f}\n", fcl_parts[0] / n,
                 fcl_parts[1] / n, fcl_parts[2] / n, fcl_parts[3] / n);
         if (with_ours_)
-            say("  oncollide  bounds {:.4f}, delimitation {:.4f}, broad {:.4f}, ocst {:.4f}, exact {:.4f}\n\n",
+            say("  oncollide  bounds {:.4f}, delimitation {:.4f}, broad {:.4f}, ocst {:.4f}, exact {:.4f}",
                 our_parts[0] / n, our_parts[1] / n, our_parts[2] / n, our_parts[3] / n, our_parts[4] / n);
+        if (with_ours_ && options_.contacts) say(", contacts {:.4f}", contacts / n);
+        say("\n\n");
     }
 
     void print_counts()
@@ -205,6 +237,11 @@ private:
                 "asked {}\n",
                 mean_count(sum.pairs, n), mean_count(sum.left_over, n), mean_count(sum.colliding, n),
                 mean_count(sum.undecided, n), mean_count(node_pairs, n), mean_count(rows, n));
+        if (options_.contacts) {
+            std::uint64_t theirs = 0, ours = 0;
+            for (const Row& row : counted()) theirs += row.fcl_contacts, ours += row.our_contacts;
+            say("  contacts   FCL {}, oncollide {} pairs of triangles\n", mean_count(theirs, n), mean_count(ours, n));
+        }
         if (with_ours_) print_rounds();
         if (with_fcl_ && with_ours_) {
             Comparison all; // missed collisions count in every frame

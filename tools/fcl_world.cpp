@@ -101,6 +101,14 @@ struct FclWorld::Impl {
         return fcl::collide(objects[pair.a].get(), objects[pair.b].get(), request, result) > 0;
     }
 
+    std::size_t contacts(BodyPair pair) const
+    {
+        const fcl::CollisionRequestd request(1'000'000, true);
+        fcl::CollisionResultd result;
+        fcl::collide(objects[pair.a].get(), objects[pair.b].get(), request, result);
+        return result.numContacts();
+    }
+
     const fcl::CollisionGeometryd* distance_model(std::uint32_t body)
     {
         const std::uint32_t geometry = index(scene.geometry[body]);
@@ -130,7 +138,7 @@ FclWorld::FclWorld(const Scene& scene) : impl_(std::make_unique<Impl>(scene))
 
 FclWorld::~FclWorld() = default;
 
-FclFrame FclWorld::step()
+FclFrame FclWorld::step(bool contacts)
 {
     Impl& w = *impl_;
     FclFrame frame;
@@ -147,8 +155,11 @@ FclFrame FclWorld::step()
     if (!w.moving.empty() && !w.static_tree.empty()) w.moving_tree.collide(&w.static_tree, &w, &Impl::take);
     frame.pairs_ms = milliseconds_since(from);
     w.colliding.clear();
-    for (BodyPair pair : w.candidates)
-        if (w.collide(pair)) w.colliding.push_back(pair);
+    for (BodyPair pair : w.candidates) {
+        const std::size_t found = contacts ? w.contacts(pair) : w.collide(pair);
+        if (found) w.colliding.push_back(pair);
+        if (contacts) frame.contacts += found;
+    }
     std::sort(w.colliding.begin(), w.colliding.end());
     frame.narrow_ms = milliseconds_since(from);
     frame.candidates = w.candidates.size(), frame.colliding = w.colliding;

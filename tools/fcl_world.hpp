@@ -13,6 +13,7 @@ namespace oncollide::tools {
 /// What FCL answers for one frame. Valid until the next step.
 struct FclFrame {
     std::span<const BodyPair> colliding; ///< sorted
+    std::uint64_t contacts = 0;          ///< where they were asked for
     std::uint64_t candidates = 0;        ///< pairs whose boxes overlap and whose layers allow it
     double transforms_ms = 0;            ///< poses and world boxes
     double update_ms = 0;                ///< the trees of boxes
@@ -30,7 +31,8 @@ public:
     explicit FclWorld(const Scene& scene);
     ~FclWorld();
 
-    FclFrame step();
+    /// @param contacts  ask for every contact of each pair, instead of for a yes or no
+    FclFrame step(bool contacts = false);
 
     /// Distance of two bodies at the scene's poses, 0 when they touch (m). Models for it are made when first asked; FCL
     /// rounds it by about 1e-9 of the bodies' size between meshes, and by 1e-6 where a primitive shape takes part.

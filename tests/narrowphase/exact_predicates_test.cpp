@@ -201,5 +201,29 @@ TEST(UnitNormal, IsAccurateForNeedles)
     EXPECT_EQ(unit_normal(a, b, a), Vector3d::Zero());
 }
 
+TEST(ExactPredicates, RoundAlikeFromExtendedPrecisionAndFromIntegers)
+{
+    GridPoints random(31);
+    int crossings = 0, flat = 0;
+    for (int turn = 0; turn < 4000; ++turn) {
+        // From ordinary triangles to slivers 2^-40 wide, also far away and on scales of all kinds.
+        const Eigen::Matrix3d map = std::ldexp(1.0, random.number(-60, 60)) * random.rotation();
+        const Vector3d far = turn % 3 ? Vector3d::Zero().eval() : Vector3d(map * random.point(1 << 30));
+        TrianglePoints t = random.triangle(1 << 20);
+        if (turn % 2) t[2] = t[0] + (t[1] - t[0]) * 0.375 + std::ldexp(1.0, -random.number(0, 40)) * random.point(99);
+        for (Vector3d& p : t) p = map * p + far;
+        const Vector3d p = map * random.point(1 << 20) + far, q = map * random.point(1 << 20) + far;
+        const Vector3d normal = unit_normal_exact(t[0], t[1], t[2]);
+        EXPECT_LE((unit_normal(t[0], t[1], t[2]) - normal).cwiseAbs().maxCoeff(), 0x1p-48);
+        flat += normal.isZero();
+        if (orient3d(t[0], t[1], t[2], p) * orient3d(t[0], t[1], t[2], q) >= 0) continue;
+        ++crossings;
+        const double exact = crossing_parameter_exact(t[0], t[1], t[2], p, q);
+        EXPECT_NEAR(crossing_parameter(t[0], t[1], t[2], p, q), exact, 0x1p-48 * exact);
+    }
+    EXPECT_GT(crossings, 500);
+    EXPECT_LT(flat, 100);
+}
+
 } // namespace
 } // namespace oncollide

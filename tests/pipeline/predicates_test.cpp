@@ -130,6 +130,29 @@ TEST(Contacts, AreAllPairsOfBruteForceWithPointsOnBothTriangles)
         }
     }
     EXPECT_GT(found, 50u);
+
+    Scene crowd;
+    const GeometryId shape = crowd.add("knot", knot);
+    std::vector<BodyPair> pairs;
+    for (std::uint32_t i = 0; i < 30; ++i) {
+        crowd.add_body({.name = std::to_string(i), .geometry = shape, .pose = random_pose(i, 1.2)});
+        for (std::uint32_t j = 0; j < i; ++j) pairs.push_back({j, i});
+    }
+    ContactFinder many(crowd), one(crowd);
+    const ContactLists& lists = many.find_all(crowd, pairs, 3);
+    ASSERT_EQ(lists.ends.size(), pairs.size());
+    std::size_t begin = 0;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        const auto& alone = one.find(crowd, BodyId{pairs[i].a}, BodyId{pairs[i].b});
+        ASSERT_EQ(lists.ends[i] - begin, alone.size());
+        for (std::size_t k = 0; k < alone.size(); ++k) {
+            EXPECT_EQ(lists.contacts[begin + k].triangle_a, alone[k].triangle_a);
+            EXPECT_EQ(lists.contacts[begin + k].ends, alone[k].ends);
+        }
+        begin = lists.ends[i];
+    }
+    EXPECT_GT(begin, 1000u);
+
     EXPECT_THROW(finder.find(scene, BodyId{0}, BodyId{7}), Error);
     scene.poses[1].translation().x() += 50;
     EXPECT_TRUE(finder.find(scene, BodyId{0}, BodyId{1}).empty());
