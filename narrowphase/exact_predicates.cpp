@@ -148,18 +148,25 @@ struct Estimate {
     Extended value, error;
 };
 
-/// orient3d's determinant, with the bound that its filter uses.
-Estimate volume(const VectorX& u, const VectorX& v, const VectorX& w)
-{
-    Estimate sum{0, 0};
-    for (int i = 0; i < 3; ++i) {
-        const int j = (i + 1) % 3, k = (i + 2) % 3;
-        const Extended x = u[j] * v[k], y = u[k] * v[j];
-        sum.value += (x - y) * w[i], sum.error += (std::abs(x) + std::abs(y)) * std::abs(w[i]);
+/// u x v, and the same with magnitudes: orient3d's determinant, with the bound that its filter uses.
+struct ExtendedCross {
+    VectorX value, magnitude;
+
+    ExtendedCross(const VectorX& u, const VectorX& v)
+    {
+        for (int i = 0; i < 3; ++i) {
+            const int j = (i + 1) % 3, k = (i + 2) % 3;
+            const Extended x = u[j] * v[k], y = u[k] * v[j];
+            value[i] = x - y, magnitude[i] = std::abs(x) + std::abs(y);
+        }
     }
-    sum.error *= 9 * extended_unit;
-    return sum;
-}
+    Estimate along(const VectorX& w) const
+    {
+        return {value[0] * w[0] + value[1] * w[1] + value[2] * w[2],
+                9 * extended_unit *
+                    (magnitude[0] * std::abs(w[0]) + magnitude[1] * std::abs(w[1]) + magnitude[2] * std::abs(w[2]))};
+    }
+};
 
 /// p / (p - q) of numbers with different signs, if it is certain to 2^-50 of its magnitude.
 std::optional<double> certain_ratio(const Estimate& p, const Estimate& q)
@@ -174,8 +181,9 @@ std::optional<double> certain_ratio(const Estimate& p, const Estimate& q)
 
 double crossing_parameter(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& p, const Vector3d& q)
 {
-    const VectorX from = a.cast<Extended>(), u = b.cast<Extended>() - from, v = c.cast<Extended>() - from;
-    if (const auto t = certain_ratio(volume(u, v, p.cast<Extended>() - from), volume(u, v, q.cast<Extended>() - from)))
+    const VectorX from = a.cast<Extended>();
+    const ExtendedCross normal(b.cast<Extended>() - from, c.cast<Extended>() - from);
+    if (const auto t = certain_ratio(normal.along(p.cast<Extended>() - from), normal.along(q.cast<Extended>() - from)))
         return *t;
     return crossing_parameter_exact(a, b, c, p, q);
 }
@@ -207,16 +215,11 @@ double crossing_parameter(const Vector2d& a, const Vector2d& b, const Vector2d& 
 
 Vector3d unit_normal(const Vector3d& a, const Vector3d& b, const Vector3d& c)
 {
-    const VectorX from = a.cast<Extended>(), u = b.cast<Extended>() - from, v = c.cast<Extended>() - from;
-    VectorX n;
-    Extended error = 0;
-    for (int i = 0; i < 3; ++i) {
-        const int j = (i + 1) % 3, k = (i + 2) % 3;
-        const Extended x = u[j] * v[k], y = u[k] * v[j];
-        n[i] = x - y, error = std::max(error, 5 * extended_unit * (std::abs(x) + std::abs(y)));
-    }
+    const VectorX from = a.cast<Extended>();
+    const ExtendedCross normal(b.cast<Extended>() - from, c.cast<Extended>() - from);
+    const VectorX& n = normal.value;
     const Extended length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    if (error < 0x1p-53L * length) return (n / length).cast<double>();
+    if (5 * extended_unit * normal.magnitude.maxCoeff() < 0x1p-53L * length) return (n / length).cast<double>();
     return unit_normal_exact(a, b, c);
 }
 

@@ -65,7 +65,7 @@ TriangleContact against_face(const Simplex& face, const Simplex& thin)
     const Vector3d &p = thin.corner[0], &q = thin.corner[thin.count - 1];
     const int of_p = orient3d(f[0], f[1], f[2], p), of_q = orient3d(f[0], f[1], f[2], q);
     if (of_p && of_p == of_q) return TriangleContact::separate;
-    return of_p || of_q ? pierce(f, p, q) : touching_if(coplanar_meet(face, thin));
+    return of_p || of_q ? pierce(f, p, q, of_p, of_q) : touching_if(coplanar_meet(face, thin));
 }
 
 } // namespace
@@ -98,10 +98,8 @@ bool holds(const Simplex& s, const Vector3d& p, int axis)
     return std::min({x, y, z}) >= 0 || std::max({x, y, z}) <= 0;
 }
 
-TriangleContact pierce(const TrianglePoints& f, const Vector3d& p, const Vector3d& q)
+TriangleContact pierce(const TrianglePoints& f, const Vector3d& p, const Vector3d& q, int of_p, int of_q)
 {
-    const int of_p = orient3d(f[0], f[1], f[2], p), of_q = orient3d(f[0], f[1], f[2], q);
-    if (of_p == of_q) return TriangleContact::separate;
     const int x = orient3d(p, q, f[0], f[1]), y = orient3d(p, q, f[1], f[2]), z = orient3d(p, q, f[2], f[0]);
     const int low = std::min({x, y, z}), high = std::max({x, y, z});
     if (low < 0 && high > 0) return TriangleContact::separate;

@@ -24,9 +24,10 @@ int projection_axis(const Simplex& a, const Simplex& b);
 /// Is p, a point of the common plane, in the simplex? `axis` from projection_axis.
 bool holds(const Simplex& simplex, const Eigen::Vector3d& p, int axis);
 
-/// Does the segment pq meet the triangle, which has area? crossing: strictly through the inside of both. The segment is
-/// not in the triangle's plane.
-TriangleContact pierce(const TrianglePoints& triangle, const Eigen::Vector3d& p, const Eigen::Vector3d& q);
+/// Does the segment pq meet the triangle, which has area? crossing: strictly through the inside of both.
+/// @param of_p, of_q  on which sides of the triangle's plane the ends are, as orient3d says: different ones
+TriangleContact pierce(const TrianglePoints& triangle, const Eigen::Vector3d& p, const Eigen::Vector3d& q, int of_p,
+                       int of_q);
 
 /// triangle_contact for triangles of which one has its corners in the plane of the other, or has no area.
 TriangleContact flat_contact(const TrianglePoints& a, const TrianglePoints& b);

@@ -18,6 +18,7 @@ using Eigen::Vector3d;
 struct Candidates {
     std::array<Vector3d, 18> point;
     int count = 0;
+    int crossings = 0; ///< strictly through the inside of an edge and of a face: two of them are the ends
 
     void add(const Vector3d& p) { point[count++] = p; }
 };
@@ -33,15 +34,27 @@ int edges(const Simplex& s)
     return s.count == 3 ? 3 : s.count - 1;
 }
 
-/// Where edges of `thin` that are not in the plane of `face` meet it.
-void add_piercing(const Simplex& face, const Simplex& thin, Candidates& out)
+/// On which sides of the plane of `face` the corners of `s` are; none if it has no area.
+std::array<int, 3> sides_of(const Simplex& face, const Simplex& s)
 {
-    if (face.count != 3) return;
+    std::array<int, 3> sides{};
+    for (int i = 0; face.count == 3 && i < s.count; ++i)
+        sides[i] = orient3d(face.corner[0], face.corner[1], face.corner[2], s.corner[i]);
+    return sides;
+}
+
+/// Where edges of `thin` that are not in the plane of `face` meet it.
+void add_piercing(const Simplex& face, const Simplex& thin, const std::array<int, 3>& sides, Candidates& out)
+{
     const TrianglePoints& f = face.corner;
-    for (int i = 0; i < edges(thin); ++i) {
-        const Vector3d &p = thin.corner[i], &q = thin.corner[(i + 1) % thin.count];
-        if (pierce(f, p, q) != TriangleContact::separate)
-            out.add(between(p, q, crossing_parameter(f[0], f[1], f[2], p, q)));
+    for (int i = 0; i < edges(thin) && out.crossings < 2; ++i) {
+        const int j = (i + 1) % thin.count;
+        if (sides[i] == sides[j]) continue;
+        const Vector3d &p = thin.corner[i], &q = thin.corner[j];
+        const TriangleContact contact = pierce(f, p, q, sides[i], sides[j]);
+        if (contact == TriangleContact::separate) continue;
+        out.add(between(p, q, crossing_parameter(f[0], f[1], f[2], p, q)));
+        out.crossings += contact == TriangleContact::crossing;
     }
 }
 
@@ -65,15 +78,6 @@ void add_crossings(const Simplex& s, const Simplex& t, int axis, Candidates& out
         }
 }
 
-bool in_one_plane(const Simplex& s, const Simplex& t)
-{
-    if (s.count < t.count) return in_one_plane(t, s);
-    if (s.count < 3) return true; // they meet
-    for (int i = 0; i < t.count; ++i)
-        if (orient3d(s.corner[0], s.corner[1], s.corner[2], t.corner[i])) return false;
-    return true;
-}
-
 std::array<Vector3d, 2> farthest(const Candidates& c)
 {
     std::array<Vector3d, 2> best{c.point[0], c.point[0]};
@@ -87,20 +91,22 @@ std::array<Vector3d, 2> farthest(const Candidates& c)
 
 } // namespace
 
-TriangleIntersection intersection(const TrianglePoints& a, const TrianglePoints& b)
+CommonSegment common_segment(const TrianglePoints& a, const TrianglePoints& b)
 {
     const Simplex s = simplex_of(a), t = simplex_of(b);
     Candidates found;
-    if (in_one_plane(s, t)) {
+    const std::array<int, 3> of_s = sides_of(t, s), of_t = sides_of(s, t), in_plane{};
+    if (of_s == in_plane && of_t == in_plane) { // as they meet: also two without area
         const int axis = projection_axis(s, t);
         add_corners(s, t, axis, found), add_corners(t, s, axis, found);
         if (axis >= 0) add_crossings(s, t, axis, found);
     } else {
-        add_piercing(s, t, found), add_piercing(t, s, found);
+        add_piercing(s, t, of_t, found), add_piercing(t, s, of_s, found);
         if (s.count == 1 || t.count == 1) found.add(s.count == 1 ? s.corner[0] : t.corner[0]);
     }
     ONCOLLIDE_ASSERT(found.count > 0); // they meet
-    return {farthest(found), unit_normal(a[0], a[1], a[2]), unit_normal(b[0], b[1], b[2])};
+    // What an edge goes strictly through inside the face, the insides meet beside the edge.
+    return {farthest(found), found.crossings ? TriangleContact::crossing : triangle_contact(a, b)};
 }
 
 } // namespace oncollide

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/narrowphase/exact_predicates.hpp>
 #include <oncollide/narrowphase/triangle_walk.hpp>
 #include <oncollide/pipeline/triangle_trees.hpp>
 #include <oncollide/scenes/error.hpp>
@@ -11,27 +12,54 @@ namespace oncollide {
 
 namespace {
 
+/// Unit normals of the triangles of one body, of which most have several contacts.
+class Normals {
+public:
+    void forget() { kept_.fill({}); }
+    /// @param place  the triangle's number in its mesh, which is in one pose until forget()
+    const Eigen::Vector3d& of(std::uint32_t place, const TrianglePoints& t)
+    {
+        Kept& kept = kept_[place % kept_.size()];
+        if (kept.place != place) kept = {place, unit_normal(t[0], t[1], t[2])};
+        return kept.normal;
+    }
+
+private:
+    struct Kept {
+        std::uint32_t place = ~0u;
+        Eigen::Vector3d normal{};
+    };
+    std::array<Kept, 256> kept_;
+};
+
 /// One thread's working memory.
 struct Worker {
     TriangleWalk walk;
     std::vector<TriangleMeeting> pairs;
+    Normals normals_a, normals_b;
     std::vector<Contact> contacts;
-};
 
-Contact contact_of(TriangleMeeting pair, const Mesh& mesh_a, const Mesh& mesh_b, const Eigen::Isometry3d& pose_a,
-                   const IntoA& into_a)
-{
-    const Triangle &s = mesh_a.triangles[pair.a], &t = mesh_b.triangles[pair.b];
-    const auto &v = mesh_a.vertices, &w = mesh_b.vertices;
-    const TrianglePoints of_a{v[s[0]], v[s[1]], v[s[2]]}, of_b{into_a(w[t[0]]), into_a(w[t[1]]), into_a(w[t[2]])};
-    const TriangleIntersection where = intersection(of_a, of_b);
-    return {pair.a,
-            pair.b,
-            triangle_contact(of_a, of_b),
-            {pose_a * where.ends[0], pose_a * where.ends[1]},
-            pose_a.linear() * where.normal_a,
-            pose_a.linear() * where.normal_b};
-}
+    /// Appends.
+    void find(TriangleTree& a, TriangleTree& b, const Eigen::Isometry3d& pose_a, const Eigen::Isometry3d& pose_b)
+    {
+        const IntoA into_a(pose_a, pose_b);
+        walk.all_meeting(a, b, into_a, pairs);
+        normals_a.forget(), normals_b.forget();
+        const auto &v = a.mesh().vertices, &w = b.mesh().vertices;
+        for (const TriangleMeeting& pair : pairs) {
+            const Triangle &s = a.mesh().triangles[pair.a], &t = b.mesh().triangles[pair.b];
+            const TrianglePoints of_a{v[s[0]], v[s[1]], v[s[2]]},
+                of_b{into_a(w[t[0]]), into_a(w[t[1]]), into_a(w[t[2]])};
+            const auto [ends, kind] = common_segment(of_a, of_b);
+            contacts.push_back({pair.a,
+                                pair.b,
+                                kind,
+                                {pose_a * ends[0], pose_a * ends[1]},
+                                pose_a.linear() * normals_a.of(pair.a, of_a),
+                                pose_a.linear() * normals_b.of(pair.b, of_b)});
+        }
+    }
+};
 
 } // namespace
 
@@ -60,14 +88,9 @@ struct ContactFinder::Impl {
         trees.admit(scene.geometry[index(body)], 0, {~std::uint64_t(0), ~std::size_t(0)});
     }
 
-    /// Appends.
     void find(const Scene& scene, BodyId a, BodyId b, Worker& worker)
     {
-        const Eigen::Isometry3d& pose_a = scene.poses[index(a)];
-        const IntoA into_a(pose_a, scene.poses[index(b)]);
-        worker.walk.all_meeting(tree_of(scene, a), tree_of(scene, b), into_a, worker.pairs);
-        for (const TriangleMeeting& pair : worker.pairs)
-            worker.contacts.push_back(contact_of(pair, mesh_of(scene, a), mesh_of(scene, b), pose_a, into_a));
+        worker.find(tree_of(scene, a), tree_of(scene, b), scene.poses[index(a)], scene.poses[index(b)]);
     }
 };
 
@@ -107,6 +130,11 @@ const ContactLists& ContactFinder::find_all(const Scene& scene, std::span<const 
         }
     });
     p.lists.contacts.clear(), p.lists.ends.clear();
+    if (threads == 1) {
+        p.lists.contacts.swap(p.workers.front().contacts);
+        for (const Part& part : parts) p.lists.ends.push_back(part.end);
+        return p.lists;
+    }
     for (const Part& part : parts) {
         const auto from = p.workers[part.worker].contacts.begin();
         p.lists.contacts.insert(p.lists.contacts.end(), from + static_cast<std::ptrdiff_t>(part.begin),
@@ -135,7 +163,8 @@ MeshDistance ContactFinder::distance(const Scene& scene, BodyId a, BodyId b, dou
     check_distance(tolerance, farthest);
     p.admit(scene, a), p.admit(scene, b);
     const IntoA into_a(scene.poses[index(a)], scene.poses[index(b)]);
-    return mesh_distance(p.workers.front().walk.distance(p.tree_of(scene, a), p.tree_of(scene, b), into_a, tolerance, farthest));
+    return mesh_distance(
+        p.workers.front().walk.distance(p.tree_of(scene, a), p.tree_of(scene, b), into_a, tolerance, farthest));
 }
 
 } // namespace oncollide

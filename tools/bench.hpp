@@ -16,13 +16,13 @@ namespace oncollide::tools {
 struct CompareOptions {
     SceneOptions scene;
     SettingsOptions settings;
-    int warm_up = 3;   ///< frames at the start that are not counted
-    int repeats = 1;   ///< runs from frame 0; of a frame's times the least counts
-    int cold_runs = 5; ///< first frames measured from nothing
+    int warm_up = 3;       ///< frames at the start that are not counted
+    int repeats = 1;       ///< runs from frame 0; of a frame's times the least counts
+    int cold_runs = 5;     ///< first frames measured from nothing
     bool contacts = false; ///< every contact of every pair, instead of yes or no; with exact predicates
-    int timeline = 0;  ///< print a line every so many frames; 0: none
-    std::string only;  ///< "fcl" or "oncollide": measure that one alone
-    std::string csv;   ///< one row a frame
+    int timeline = 0;      ///< print a line every so many frames; 0: none
+    std::string only;      ///< "fcl" or "oncollide": measure that one alone
+    std::string csv;       ///< one row a frame
 };
 
 /// Plays a scene with both. Returns the exit code: 70 when oncollide missed a collision.

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <oncollide/narrowphase/exact_predicates.hpp>
 #include <oncollide/narrowphase/triangle_test.hpp>
 
 #include "exact_oracle.hpp"
@@ -203,7 +204,9 @@ TEST_P(EveryFamily, HasContactsInBothTriangles)
     for (const auto& [a, b] : some) {
         const TriangleContact contact = triangle_contact(a, b);
         if (contact == TriangleContact::separate) continue;
-        const TriangleIntersection at = intersection(a, b);
+        const auto [ends, kind] = common_segment(a, b);
+        EXPECT_EQ(kind, contact) << shown({a, b});
+        const Eigen::Vector3d normal_a = unit_normal(a[0], a[1], a[2]), normal_b = unit_normal(b[0], b[1], b[2]);
         double largest = 0, thinnest = 1;
         for (const TrianglePoints* t : {&a, &b}) {
             for (const Eigen::Vector3d& p : *t) largest = std::max(largest, p.cwiseAbs().maxCoeff());
@@ -212,14 +215,14 @@ TEST_P(EveryFamily, HasContactsInBothTriangles)
         }
         if (thinnest < 1e-2) continue; // distance() is too inaccurate for these
         ++met;
-        for (const Eigen::Vector3d& p : at.ends) {
+        for (const Eigen::Vector3d& p : ends) {
             EXPECT_LE(distance(a, p), 0x1p-43 * largest) << shown({a, b});
             EXPECT_LE(distance(b, p), 0x1p-43 * largest) << shown({a, b});
         }
-        EXPECT_NEAR(at.normal_a.norm(), 1, 1e-15);
-        EXPECT_LE(at.normal_a.cross((a[1] - a[0]).cross(a[2] - a[0]).normalized()).norm(), 1e-11);
-        if (contact == TriangleContact::crossing && at.normal_a.cross(at.normal_b).norm() > 1e-2) {
-            EXPECT_NEAR((at.ends[1] - at.ends[0]).norm(), length_of_contact(a, b), 1e-9 * largest) << shown({a, b});
+        EXPECT_NEAR(normal_a.norm(), 1, 1e-15);
+        EXPECT_LE(normal_a.cross((a[1] - a[0]).cross(a[2] - a[0]).normalized()).norm(), 1e-11);
+        if (contact == TriangleContact::crossing && normal_a.cross(normal_b).norm() > 1e-2) {
+            EXPECT_NEAR((ends[1] - ends[0]).norm(), length_of_contact(a, b), 1e-9 * largest) << shown({a, b});
         }
     }
     if (GetParam().name != "slivers") {
@@ -227,7 +230,7 @@ TEST_P(EveryFamily, HasContactsInBothTriangles)
     }
 }
 
-TEST(Intersection, IsThePointWhereACornerTouches)
+TEST(CommonSegment, IsThePointWhereACornerTouches)
 {
     GridPoints random(13);
     for (int i = 0; i < 500; ++i) {
@@ -235,22 +238,22 @@ TEST(Intersection, IsThePointWhereACornerTouches)
         const Eigen::Vector3d at = inside(a, random), normal = (a[1] - a[0]).cross(a[2] - a[0]).normalized();
         const TrianglePoints b{at, at + normal * 100 + random.point(50), at + normal * 100 + random.point(50)};
         if (triangle_contact(a, b) != TriangleContact::touching) continue;
-        const TriangleIntersection found = intersection(a, b);
-        EXPECT_LE((found.ends[0] - at).cwiseAbs().maxCoeff(), 0x1p-48 * 0x1p20);
-        EXPECT_LE((found.ends[1] - at).cwiseAbs().maxCoeff(), 0x1p-48 * 0x1p20);
+        const auto found = common_segment(a, b).ends;
+        EXPECT_LE((found[0] - at).cwiseAbs().maxCoeff(), 0x1p-48 * 0x1p20);
+        EXPECT_LE((found[1] - at).cwiseAbs().maxCoeff(), 0x1p-48 * 0x1p20);
     }
 }
 
-TEST(Intersection, IsTheLongestSegmentOfAnOverlapInOnePlane)
+TEST(CommonSegment, IsTheLongestSegmentOfAnOverlapInOnePlane)
 {
     const TrianglePoints a{Eigen::Vector3d(0, 0, 5), Eigen::Vector3d(4, 0, 5), Eigen::Vector3d(0, 4, 5)};
     const TrianglePoints b{Eigen::Vector3d(1, 1, 5), Eigen::Vector3d(5, 1, 5), Eigen::Vector3d(1, 5, 5)};
-    const TriangleIntersection found = intersection(a, b);
-    EXPECT_NEAR((found.ends[0] - found.ends[1]).norm(), std::sqrt(8), 1e-14); // from (3, 1) to (1, 3)
-    EXPECT_EQ(found.normal_a, Eigen::Vector3d::UnitZ());
+    const auto found = common_segment(a, b).ends;
+    EXPECT_NEAR((found[0] - found[1]).norm(), std::sqrt(8), 1e-14); // from (3, 1) to (1, 3)
+    EXPECT_EQ(unit_normal(a[0], a[1], a[2]), Eigen::Vector3d::UnitZ());
 }
 
-TEST(Intersection, IsFoundForSegmentsAndPoints)
+TEST(CommonSegment, IsFoundForSegmentsAndPoints)
 {
     GridPoints random(14);
     int met = 0;
@@ -258,8 +261,8 @@ TEST(Intersection, IsFoundForSegmentsAndPoints)
         const TrianglePoints a = random.triangle(1), b = random.triangle(1);
         if (!triangles_meet(a, b)) continue;
         ++met;
-        const TriangleIntersection found = intersection(a, b);
-        for (const Eigen::Vector3d& p : found.ends) {
+        const auto found = common_segment(a, b).ends;
+        for (const Eigen::Vector3d& p : found) {
             // Coordinates here are simple fractions: the point, times their denominator, is on the grid.
             int n = 1;
             while (((n * p).array().round() - (n * p).array()).abs().maxCoeff() > 1e-12 && n < 1000) ++n;
