@@ -22,6 +22,17 @@ inline F32x8 splat(float x)
 {
     return F32x8{x, x, x, x, x, x, x, x};
 }
+// Of equal numbers, and where one is none, the second: as the instructions do it, so on every instruction set.
+#if defined(__AVX2__)
+inline F32x8 min(F32x8 a, F32x8 b)
+{
+    return reinterpret_cast<F32x8>(_mm256_min_ps(reinterpret_cast<__m256>(a), reinterpret_cast<__m256>(b)));
+}
+inline F32x8 max(F32x8 a, F32x8 b)
+{
+    return reinterpret_cast<F32x8>(_mm256_max_ps(reinterpret_cast<__m256>(a), reinterpret_cast<__m256>(b)));
+}
+#else
 inline F32x8 min(F32x8 a, F32x8 b)
 {
     return a < b ? a : b;
@@ -30,6 +41,7 @@ inline F32x8 max(F32x8 a, F32x8 b)
 {
     return a > b ? a : b;
 }
+#endif
 
 inline F32x8 sqrt(F32x8 v)
 {

@@ -30,6 +30,13 @@ Aabb around(const Eigen::Vector3d& centre, const Eigen::Vector3d& half)
     return box;
 }
 
+/// By how much a centre in the world and the frames of other bodies may be off: a rotation and a shift of large numbers
+/// may leave a small one, and matrices in double are 2^-52 from rotations.
+double rounding_of(const Eigen::Isometry3d& pose, const Eigen::Vector3d& centre)
+{
+    return 0x1p-49 * (centre.lpNorm<1>() + pose.translation().lpNorm<Eigen::Infinity>());
+}
+
 /// Half-extents of the box of a shape whose axis-aligned frame is turned by `r`.
 struct TurnedHalf {
     const Eigen::Matrix3d& r;
@@ -113,7 +120,7 @@ Aabb WorldBoxes::box_of(const Scene& scene, std::uint32_t body) const
     const Eigen::Isometry3d& pose = scene.poses[body];
     const Eigen::Matrix3d r = pose.linear();
     const Eigen::Vector3d centre = pose * source.centre;
-    const Eigen::Vector3d slack = Eigen::Vector3d::Constant(source.slack);
+    const Eigen::Vector3d slack = Eigen::Vector3d::Constant(source.slack + rounding_of(pose, source.centre));
 
     if (!source.x.empty()) {
         float rows[9], lo[3], hi[3];
@@ -131,7 +138,9 @@ Aabb WorldBoxes::box_of(const Scene& scene, std::uint32_t body) const
 Aabb WorldBoxes::sphere_box(const Scene& scene, std::uint32_t body) const
 {
     const Source& source = sources_[index(scene.geometry[body])];
-    return around(scene.poses[body] * source.centre, Eigen::Vector3d::Constant(source.radius + source.slack));
+    const Eigen::Isometry3d& pose = scene.poses[body];
+    const double reach = source.radius + source.slack + rounding_of(pose, source.centre);
+    return around(pose * source.centre, Eigen::Vector3d::Constant(reach));
 }
 
 void WorldBoxes::update(const Scene& scene, std::span<const std::uint32_t> bodies, int threads, std::span<Aabb> boxes)

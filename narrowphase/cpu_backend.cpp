@@ -14,7 +14,6 @@ class CpuBackend final : public OcclusionBackend {
 public:
     std::string name() const override { return fmt::format("cpu ({})", name_of(instruction_set())); }
     double reach(double) const override { return 0; }
-    bool gives_tight() const override { return true; }
 
     void attach(std::uint32_t tree, Surface surface) override { surfaces_.attach(tree, std::move(surface)); }
     bool attached(std::uint32_t tree) const override { return surfaces_.attached(tree); }
@@ -42,14 +41,13 @@ public:
     {
         surfaces_.read(reads, triangles, ends);
     }
-    const ListedSurfaces* lists() const override { return &surfaces_; }
     std::size_t bytes() const override { return surfaces_.bytes(); }
 
 private:
     OctantAnswer answer(const OctantRow& row, std::size_t i)
     {
         const auto grey = static_cast<std::uint8_t>(surfaces_.entered(i) | surfaces_.inside(i));
-        return {grey, row.keep_list ? surfaces_.keep(row.tree, i) : all_triangles, surfaces_.tight(i)};
+        return {grey, row.keep_list ? surfaces_.keep(row.tree, i) : all_triangles};
     }
 
     ListedSurfaces surfaces_;

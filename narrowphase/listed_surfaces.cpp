@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include <oncollide/broadphase/cpu_features.hpp>
-#include <oncollide/narrowphase/tight_cells.hpp>
 #include <oncollide/scenes/parallel.hpp>
 
 namespace oncollide {
@@ -23,14 +22,13 @@ void ListedSurfaces::find(std::span<const OctantRow> rows, const Find& how, int 
 {
     workers_.resize(static_cast<std::size_t>(std::max(threads, 1)));
     for (Worker& worker : workers_) worker.ids.clear(), worker.masks.clear();
-    found_.resize(rows.size()), tight_.resize(rows.size());
+    found_.resize(rows.size());
     parallel_chunks(rows.size(), 16, threads, [&](std::size_t begin, std::size_t end, int thread) {
-        for (std::size_t i = begin; i < end; ++i) found_[i] = test(i, rows[i], how, static_cast<std::uint32_t>(thread));
+        for (std::size_t i = begin; i < end; ++i) found_[i] = test(rows[i], how, static_cast<std::uint32_t>(thread));
     });
 }
 
-ListedSurfaces::Found ListedSurfaces::test(std::size_t index, const OctantRow& row, const Find& how,
-                                           std::uint32_t worker_index)
+ListedSurfaces::Found ListedSurfaces::test(const OctantRow& row, const Find& how, std::uint32_t worker_index)
 {
     static OctantTest* const octant_test = choose(baseline::octant_test(), avx2::octant_test(), avx512::octant_test());
     const Surface& surface = trees_[row.tree]->surface;
@@ -46,9 +44,6 @@ ListedSurfaces::Found ListedSurfaces::test(std::size_t index, const OctantRow& r
     for (std::size_t i = offset; i < offset + count; ++i) entered |= worker.masks[i];
     // A triangle's box may reach into an octant that the triangle leaves wholly inside.
     const unsigned inside = octants_inside(surface.inside, cell, how.boxes ? 0 : entered);
-    if (row.tight)
-        tight_[index] =
-            bound_octants(surface, cell, {worker.ids.data() + offset, worker.masks.data() + offset, count, 0}, entered);
     const std::uint32_t kept = row.keep_list || how.all ? count : 0;
     worker.ids.resize(offset + kept), worker.masks.resize(offset + kept);
     return {worker_index, static_cast<std::uint32_t>(offset), kept, entered, static_cast<std::uint8_t>(inside)};

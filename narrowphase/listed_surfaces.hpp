@@ -5,7 +5,6 @@
 #include <vector>
 
 #include <oncollide/narrowphase/octant_cell.hpp>
-#include <oncollide/narrowphase/tight_block.hpp>
 #include <oncollide/narrowphase/triangle_lists.hpp>
 
 namespace oncollide {
@@ -33,13 +32,10 @@ public:
     std::uint8_t entered(std::size_t row) const { return found_[row].entered; }
     std::uint8_t inside(std::size_t row) const { return found_[row].inside; }
     TriangleSpan triangles(std::size_t row, unsigned octant) const;
-    const TightBlock& tight(std::size_t row) const { return tight_[row]; } ///< where asked for
 
     /// Keeps the triangles that were found for a row.
     ListId keep(std::uint32_t tree, std::size_t row);
     void release(std::uint32_t tree, ListId list) { trees_[tree]->lists.release(list); }
-    /// The triangles of a kept list: those with bit `octant` of their mask.
-    TriangleSpan span_of(std::uint32_t tree, ListId list, unsigned octant) const;
     /// As OcclusionBackend::read().
     void read(std::span<const ListRead> reads, std::vector<std::uint32_t>& triangles,
               std::vector<std::size_t>& ends) const;
@@ -58,12 +54,12 @@ private:
         std::uint8_t entered, inside;
     };
 
-    Found test(std::size_t index, const OctantRow& row, const Find& how, std::uint32_t worker_index);
+    TriangleSpan span_of(std::uint32_t tree, ListId list, unsigned octant) const;
+    Found test(const OctantRow& row, const Find& how, std::uint32_t worker_index);
 
     std::vector<std::optional<Tree>> trees_;
     std::vector<Worker> workers_;
     std::vector<Found> found_;
-    std::vector<TightBlock> tight_;
 };
 
 } // namespace oncollide

@@ -8,12 +8,9 @@
 
 #include <oncollide/narrowphase/cell_key.hpp>
 #include <oncollide/narrowphase/surface.hpp>
-#include <oncollide/narrowphase/tight_block.hpp>
 #include <oncollide/scenes/error.hpp>
 
 namespace oncollide {
-
-class ListedSurfaces;
 
 /// Where a backend keeps the triangles that it found in a cell, each with the octants that it enters. Opaque above.
 enum class ListId : std::uint32_t {};
@@ -25,13 +22,11 @@ struct OctantRow {
     CellKey cell;
     ListId list;    ///< the parent's answer, or all_triangles for the root
     bool keep_list; ///< the triangles will be asked for again, by deeper cells
-    bool tight = false; ///< tight bounds are asked for: of backends that give them
 };
 
 struct OctantAnswer {
     std::uint8_t grey = 0;       ///< bit k: octant k
     ListId list = all_triangles; ///< the cell's triangles, when kept
-    TightBlock tight{};          ///< of the octants, when asked for
 };
 
 /// The triangles of one octant of a cell that was answered.
@@ -70,8 +65,6 @@ public:
     virtual std::string renderer() const { return {}; }
     /// What a grey octant may be wrong by beyond RootCell::false_reach() (m), for cells of half-extent `half`.
     virtual double reach(double half) const = 0;
-    /// Does it give tight bounds? Then they depend on the triangles in the cell alone.
-    virtual bool gives_tight() const { return false; }
 
     /// Gives the surface of a tree before its first row.
     virtual void attach(std::uint32_t tree, Surface surface) = 0;
@@ -97,8 +90,6 @@ public:
     /// lists may be far away.
     virtual void read(std::span<const ListRead> reads, std::vector<std::uint32_t>& triangles,
                       std::vector<std::size_t>& ends) = 0;
-    /// Where its lists are, when they are in main memory; else null.
-    virtual const ListedSurfaces* lists() const { return nullptr; }
     /// Memory held for surfaces and lists.
     virtual std::size_t bytes() const = 0;
 };

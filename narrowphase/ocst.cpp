@@ -22,9 +22,8 @@ std::uint32_t expanded_state(unsigned grey, std::uint32_t frame)
 
 } // namespace
 
-Ocst::Ocst(const RootCell& root, int depth, double covering_error, const Options& options)
-    : root_(root), depth_(depth), covering_error_(covering_error), tight_levels_(options.tight_levels),
-      leaf_lists_(options.leaf_lists), nodes_(1), lists_(1, all_triangles), tight_(options.tight_levels ? 1 : 0)
+Ocst::Ocst(const RootCell& root, int depth, double covering_error)
+    : root_(root), depth_(depth), covering_error_(covering_error), nodes_(1), lists_(1, all_triangles)
 {
     ONCOLLIDE_ASSERT(depth >= 1 && depth <= deepest_level);
 }
@@ -87,7 +86,7 @@ ListId Ocst::parent_list(CellKey cell) const
 
 OctantRow Ocst::row(std::uint32_t tree, CellKey cell) const
 {
-    return {tree, cell, parent_list(cell), keeps_list(cell), level_of(cell) < tight_levels_};
+    return {tree, cell, parent_list(cell), level_of(cell) + 1 < depth_};
 }
 
 std::uint32_t Ocst::add_block(unsigned count)
@@ -103,7 +102,6 @@ std::uint32_t Ocst::add_block(unsigned count)
     const auto block = static_cast<std::uint32_t>(nodes_.size());
     nodes_.resize(block + count);
     lists_.resize(block + count, all_triangles);
-    if (tight_levels_) tight_.resize(block + count);
     return block;
 }
 
@@ -116,7 +114,6 @@ void Ocst::expand(CellKey cell, const OctantAnswer& answer, std::uint32_t frame)
     const std::uint32_t first = stored ? add_block(children) : 0; // may move nodes_
     nodes_[node] = {first, expanded_state(answer.grey, frame)};
     lists_[node] = answer.list;
-    if (tight_levels_) tight_[node] = answer.tight;
 }
 
 void Ocst::ask_lists_again(std::uint32_t tree, OcclusionBackend& backend, int threads)
@@ -132,7 +129,7 @@ void Ocst::ask_lists_again(std::uint32_t tree, OcclusionBackend& backend, int th
     while (!level.empty()) {
         std::erase_if(level, [&](const Place& p) { return !nodes_[p.node].expanded(); });
         rows.clear(), next.clear();
-        for (const Place& p : level) rows.push_back({tree, p.cell, p.parent, keeps_list(p.cell), false});
+        for (const Place& p : level) rows.push_back({tree, p.cell, p.parent, level_of(p.cell) + 1 < depth_});
         answers.resize(rows.size());
         backend.ask(rows, threads, answers);
         for (std::size_t i = 0; i < level.size(); ++i) {
@@ -186,7 +183,6 @@ std::uint64_t Ocst::collapse(std::uint32_t frame, std::uint32_t age, std::uint32
         const OcstNode root = nodes_[0];
         const ListId list = lists_[0];
         nodes_ = std::vector<OcstNode>(1, root), lists_ = std::vector<ListId>(1, list);
-        if (tight_levels_) tight_ = std::vector<TightBlock>(1, tight_[0]);
         for (auto& free : free_blocks_) free = std::vector<std::uint32_t>();
     }
     return dropped;
@@ -219,8 +215,7 @@ void Ocst::for_each_cell(const std::function<void(CellKey, bool)>& visit) const
 
 std::size_t Ocst::bytes() const
 {
-    std::size_t sum = nodes_.capacity() * sizeof(OcstNode) + lists_.capacity() * sizeof(ListId) +
-                      tight_.capacity() * sizeof(TightBlock);
+    std::size_t sum = nodes_.capacity() * sizeof(OcstNode) + lists_.capacity() * sizeof(ListId);
     for (const auto& free : free_blocks_) sum += free.capacity() * sizeof(std::uint32_t);
     return sum;
 }

@@ -20,12 +20,7 @@ namespace oncollide {
 class Ocst {
 public:
     /// A tree of the root alone. depth in [1, deepest_level].
-    struct Options {
-        int tight_levels = 0;    ///< so many levels of cells, from the root, know tight bounds of their octants
-        bool leaf_lists = false; ///< the triangles of leaves are kept too
-    };
-    Ocst(const RootCell& root, int depth, double covering_error, const Options& options);
-    Ocst(const RootCell& root, int depth, double covering_error) : Ocst(root, depth, covering_error, Options()) {}
+    Ocst(const RootCell& root, int depth, double covering_error);
 
     const RootCell& root() const { return root_; }
     int depth() const { return depth_; }
@@ -34,7 +29,7 @@ public:
     double reach(const OcclusionBackend& backend, int level) const;
 
     /// What a backend is asked to expand `cell`: finds its parent's list. The cell must be stored and not
-    /// expanded. The triangles of the last stored level are kept if leaves are to have lists.
+    /// expanded. The triangles of the last stored level are not kept: nothing below it asks for them.
     OctantRow row(std::uint32_t tree, CellKey cell) const;
     /// Stores the answer for `cell` and stamps it.
     void expand(CellKey cell, const OctantAnswer& answer, std::uint32_t frame);
@@ -46,9 +41,6 @@ public:
 
     /// The list of `cell`'s parent, which holds the triangles of `cell` under its octant; all_triangles for the root.
     ListId parent_list(CellKey cell) const;
-
-    std::uint32_t parent_node(CellKey cell) const { return find(parent_cell(cell)); } ///< of a cell below the root
-    ListId list(std::uint32_t node) const { return lists_[node]; }                    ///< of an expanded cell
 
     /// The cell of that level that holds `point` (geometry frame; points outside the root go to the nearest cell).
     CellKey cell_at(const Eigen::Vector3d& point, int level) const;
@@ -62,15 +54,11 @@ public:
 
     const OcstNode* nodes() const { return nodes_.data(); }
     OcstNode* nodes() { return nodes_.data(); }
-    /// By node, of the octants of an expanded cell. Null: cells have plain spheres, as those below tight_levels() do.
-    const TightBlock* tight() const { return tight_levels_ ? tight_.data() : nullptr; }
-    int tight_levels() const { return tight_levels_; }
     std::uint64_t size() const { return stored_; } ///< stored cells
     std::size_t bytes() const;
 
 private:
     std::uint32_t find(CellKey cell) const; ///< index of a stored cell
-    bool keeps_list(CellKey cell) const { return leaf_lists_ || level_of(cell) + 1 < depth_; }
     std::uint32_t add_block(unsigned count);
     std::uint64_t drop_children(std::uint32_t node, int level, std::uint32_t tree, OcclusionBackend& backend);
     std::uint64_t collapse_below(std::uint32_t node, int level, std::uint32_t frame, std::uint32_t age,
@@ -79,12 +67,9 @@ private:
     RootCell root_;
     int depth_;
     double covering_error_;
-    int tight_levels_;
-    bool leaf_lists_;
     std::uint64_t stored_ = 1;
     std::vector<OcstNode> nodes_;
     std::vector<ListId> lists_;                 ///< by node: the triangles of an expanded cell
-    std::vector<TightBlock> tight_;             ///< by node
     std::vector<std::uint32_t> free_blocks_[9]; ///< by size
 };
 

@@ -8,7 +8,8 @@
 // exact_predicates.hpp, 8 u (1 + 8 u) P, has P <= 6 X Y Z; rounding of the sides and of their product included, 56 u X
 // Y Z bounds the error. Products of two that underflow, times the third side, err by at most 2^-1072 X, and so on: the
 // 2^-300 in the others cover that. Sides above 2^300 might overflow; there the bound is infinite.
-#include <oncollide/broadphase/simd.hpp>
+#include <immintrin.h>
+
 #include <oncollide/narrowphase/triangle_kernel.hpp>
 
 namespace oncollide::ONCOLLIDE_ISA {
@@ -174,107 +175,37 @@ inline F64 gather(const double* const* v, int k)
 #endif
 }
 
-inline Corners gather(const double* const* v)
+inline Vec gather(const double* const* v)
 {
-    return {{gather(v, 0), gather(v, 1), gather(v, 2)},
-            {gather(v, 3), gather(v, 4), gather(v, 5)},
-            {gather(v, 6), gather(v, 7), gather(v, 8)}};
+    return {gather(v, 0), gather(v, 1), gather(v, 2)};
 }
 
-/// Pairs whose boxes overlap. Lanes past the count hold some earlier pair.
-struct Batch {
-    std::uint32_t a[8], b[8];
-    const double *corners_a[8], *corners_b[8];
-    int count = 0;
-
-    explicit Batch(const TrianglesToPair& lists)
-    {
-        for (int lane = 0; lane < 8; ++lane) corners_a[lane] = lists.corners_a, corners_b[lane] = lists.corners_b;
-    }
-    void add(const TrianglesToPair& lists, std::uint32_t i, std::uint32_t j)
-    {
-        a[count] = i, corners_a[count] = lists.corners_a + 9 * std::size_t(i);
-        b[count] = j, corners_b[count] = lists.corners_b + 9 * std::size_t(j);
-        ++count;
-    }
-};
-
-struct Output {
-    FoundPair* pairs;
-    std::uint32_t count = 0;
-    bool sure = false; ///< holds a pair that certainly meets
-
-    void take(Batch& batch)
-    {
-        for (int first = 0; first < batch.count; first += width) {
-            const Verdicts verdicts = judge(gather(batch.corners_a + first), gather(batch.corners_b + first));
-            const unsigned known = bits(verdicts.known);
-            const int left = batch.count - first;
-            unsigned rest = bits(~verdicts.separate) & (left < width ? (1u << left) - 1 : ~0u);
-            for (; rest; rest &= rest - 1) {
-                const int lane = __builtin_ctz(rest);
-                const bool certain = known >> lane & 1;
-                pairs[count++] = {batch.a[first + lane], batch.b[first + lane], certain};
-                sure |= certain;
-            }
-        }
-        batch.count = 0;
-    }
-};
-
-/// One bit a lane whose box overlaps.
-inline unsigned overlaps(const BoxBlock& block, const FloatBox& box)
+/// As IntoA does, operation by operation.
+inline Vec moved(const Vec& p, const double* turn, const double* shift)
 {
-#if defined(__AVX2__)
-    I32x8 low[3], high[3];
-    for (int axis = 0; axis < 3; ++axis) {
-        low[axis] = load(block.lo[axis]) <= splat(box.hi[axis]);
-        high[axis] = load(block.hi[axis]) >= splat(box.lo[axis]);
-    }
-    return bits((low[0] & low[1] & low[2]) & (high[0] & high[1] & high[2]));
-#else
-    unsigned mask = 0;
-    for (int half = 0; half < 2; ++half) {
-        __m128 all = _mm_cmpeq_ps(_mm_setzero_ps(), _mm_setzero_ps());
-        for (int axis = 0; axis < 3; ++axis) {
-            const __m128 low = _mm_cmple_ps(_mm_load_ps(block.lo[axis] + 4 * half), _mm_set1_ps(box.hi[axis]));
-            const __m128 high = _mm_cmpge_ps(_mm_load_ps(block.hi[axis] + 4 * half), _mm_set1_ps(box.lo[axis]));
-            all = _mm_and_ps(all, _mm_and_ps(low, high));
-        }
-        mask |= static_cast<unsigned>(_mm_movemask_ps(all)) << 4 * half;
-    }
-    return mask;
-#endif
+    const auto row = [&](int i) { return turn[i] * p.x + (turn[3 + i] * p.y + turn[6 + i] * p.z) + shift[i]; };
+    return {row(0), row(1), row(2)};
 }
 
-std::uint32_t find(const TrianglesToPair& lists, PairCursor& cursor, bool first_only, FoundPair* out, std::uint32_t room)
+PairVerdicts judge_all(const CornersOfPairs& corners, const double* turn, const double* shift)
 {
-    Output output{out};
-    Batch batch(lists);
-    for (; cursor.a < lists.count_a; ++cursor.a, cursor.block = 0) {
-        const FloatBox box = lists.boxes_a[cursor.a];
-        for (; cursor.block < lists.blocks; ++cursor.block) {
-            unsigned mask = overlaps(lists.blocks_b[cursor.block], box);
-            if (!mask) continue;
-            if (output.count + 16 > room || (first_only && output.sure)) { // this block's and those of the batch
-                output.take(batch);
-                return output.count;
-            }
-            for (; mask; mask &= mask - 1) {
-                batch.add(lists, cursor.a, 8 * cursor.block + static_cast<unsigned>(__builtin_ctz(mask)));
-                if (batch.count == 8) output.take(batch);
-            }
-        }
+    PairVerdicts all{0, 0};
+    for (unsigned first = 0; first < 8; first += width) {
+        const Corners a{gather(corners.a[0] + first), gather(corners.a[1] + first), gather(corners.a[2] + first)};
+        const Corners b{moved(gather(corners.b[0] + first), turn, shift),
+                        moved(gather(corners.b[1] + first), turn, shift),
+                        moved(gather(corners.b[2] + first), turn, shift)};
+        const Verdicts verdicts = judge(a, b);
+        all.separate |= bits(verdicts.separate) << first, all.known |= bits(verdicts.known) << first;
     }
-    output.take(batch);
-    return output.count;
+    return all;
 }
 
 } // namespace
 
-FindPairs* find_pairs()
+JudgePairs* judge_pairs()
 {
-    return find;
+    return judge_all;
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

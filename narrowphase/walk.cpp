@@ -32,10 +32,7 @@ struct Descent {
     double ra, rb;
     int left_a, left_b, level_a = 0, level_b = 0;
 
-    explicit Descent(const WalkPair& pair)
-        : ra(pair.a->radius(0)), rb(pair.b->radius(0)), left_a(pair.depth_a), left_b(pair.depth_b)
-    {
-    }
+    Descent(const Ocst& a, const Ocst& b) : ra(a.radius(0)), rb(b.radius(0)), left_a(a.depth()), left_b(b.depth()) {}
     bool done() const { return left_a == 0 && left_b == 0; }
     void next(bool& open_a, bool& open_b)
     {
@@ -49,8 +46,8 @@ struct Descent {
 /// Fills the plan; returns the rounding s: how far float distances may be from true ones.
 ///
 /// Every component is at most m = |d| + |hA| + |hB|. A step adds two offsets, each rounded twice: 4 * 2^-24 m a step.
-/// The relative pose is computed in double; a pose may be 1e-6 from rigid (2^-20 a body). Squares and sums: 4 * 2^-24
-/// d.
+/// The relative pose is computed in double, from the bodies' distance and the files' places, which may be large and
+/// cancel: 2^-48 of these. A pose may be 1e-6 from rigid (2^-20 a body). Squares and sums: 4 * 2^-24 d.
 double make_plan(const WalkPair& pair, std::uint32_t frame, WalkPlan& plan)
 {
     const Ocst &a = *pair.a, &b = *pair.b;
@@ -69,34 +66,19 @@ double make_plan(const WalkPair& pair, std::uint32_t frame, WalkPlan& plan)
         plan.bz[k] = static_cast<float>(o.z());
     }
     const double m = d.norm() + a.radius(0) + b.radius(0);
-    const int most = pair.depth_a + pair.depth_b;
-    const bool tight = pair.tight && a.tight_levels() >= pair.depth_a && b.tight_levels() >= pair.depth_b;
-    const double rounding = (4 * most + 80 + (tight ? 48 : 0)) * 0x1p-24 * m;
+    const int most = a.depth() + b.depth();
+    const double far = between.norm() + a.root().centre.norm() + b.root().centre.norm();
+    const double rounding = (4 * most + 80) * 0x1p-24 * m + 0x1p-48 * far;
 
     plan.count = 0;
     plan.nodes_a = pair.a->nodes(), plan.nodes_b = pair.b->nodes();
     plan.stamp = (frame & OcstNode::stamp_mask) << OcstNode::stamp_shift;
-    plan.tight_a = tight ? a.tight() : nullptr, plan.tight_b = tight ? b.tight() : nullptr;
-    if (tight) {
-        for (int i = 0; i < 9; ++i) plan.turn[i] = static_cast<float>(turn(i / 3, i % 3));
-        for (const auto& [unit, root] : {std::pair(plan.unit_a, &a.root()), std::pair(plan.unit_b, &b.root())}) {
-            for (std::size_t axis = 0; axis < 3; ++axis) unit[axis] = root->half[axis] / 127;
-            unit[3] = static_cast<float>(root->radius / 255);
-        }
-        plan.reach = static_cast<float>((pair.clearance + rounding) * (1 + 0x1p-20));
-    }
-    for (Descent down(pair); !down.done();) {
+    for (Descent down(a, b); !down.done();) {
         bool open_a, open_b;
         down.next(open_a, open_b);
         const double reach = down.ra + down.rb + pair.clearance + rounding;
-        const auto size_a = static_cast<float>(std::ldexp(1.0, -down.level_a));
-        const auto size_b = static_cast<float>(std::ldexp(1.0, -down.level_b));
-        plan.steps[plan.count++] = {open_a ? size_a : 0.0f,
-                                    open_b ? size_b : 0.0f,
-                                    size_a,
-                                    size_b,
-                                    down.left_a == 0,
-                                    down.left_b == 0,
+        plan.steps[plan.count++] = {open_a ? static_cast<float>(std::ldexp(1.0, -down.level_a)) : 0.0f,
+                                    open_b ? static_cast<float>(std::ldexp(1.0, -down.level_b)) : 0.0f,
                                     static_cast<float>(reach * reach * (1 + 0x1p-20) + tiny2)};
     }
     return rounding;
@@ -105,7 +87,7 @@ double make_plan(const WalkPair& pair, std::uint32_t frame, WalkPlan& plan)
 /// Distance at most this, when spheres of the levels reached after `steps` steps touch.
 double upper_bound(const WalkPair& pair, int steps, double rounding, const OcclusionBackend& backend)
 {
-    Descent down(pair);
+    Descent down(*pair.a, *pair.b);
     for (int i = 0; i < steps; ++i) {
         bool open_a, open_b;
         down.next(open_a, open_b);
@@ -118,14 +100,13 @@ double upper_bound(const WalkPair& pair, int steps, double rounding, const Occlu
 double lower_bound(const WalkPair& pair, const WalkPlan& plan, const WalkState& state, double rounding)
 {
     double lower = std::numeric_limits<double>::infinity();
-    Descent down(pair);
+    Descent down(*pair.a, *pair.b);
     for (int i = 0; i < plan.count; ++i) {
         bool open_a, open_b;
         down.next(open_a, open_b);
-        if (state.nearest[i] == float_infinity) continue;
-        const double nearest = state.nearest[i];
-        const double gap = plan.tight_a ? nearest : std::sqrt(nearest) * (1 - 0x1p-21) - down.ra - down.rb;
-        lower = std::min(lower, gap - rounding);
+        if (state.nearest2[i] < float_infinity)
+            lower =
+                std::min(lower, std::sqrt(double(state.nearest2[i])) * (1 - 0x1p-21) - down.ra - down.rb - rounding);
     }
     return lower;
 }
@@ -157,28 +138,18 @@ WalkResult Walker::run(const WalkPair& pair, const WalkPlan& plan, double roundi
     WalkState state{};
     state.stack = stack_.data(), state.top = top;
     state.parked = aside_.data(), state.parked_room = patience;
-    std::fill(state.nearest, state.nearest + plan.count, float_infinity);
-
-    LeafPair meeting;
-    if (pair.leaf_test) leaves_.resize(most_leaves + 64), state.leaves = leaves_.data();
-    state.enough_leaves = first_leaves; // the closest, for surfaces that cross deeply
+    std::fill(state.nearest2, state.nearest2 + plan.count, float_infinity);
 
     int deepest = -1; // of the entries given up
-    WalkEnd end;
-    bool meet = false;
-    do {
+    WalkEnd end = kernel().walk(plan, state);
+    while (give_up && end == WalkEnd::full) {
+        for (std::uint32_t i = 0; i < state.parked_count; ++i) deepest = std::max(deepest, aside_[i].step);
+        state.parked_count = 0;
         end = kernel().walk(plan, state);
-        if (state.leaf_count) meet = decide_leaves(pair, {state.leaves, state.leaf_count}, meeting);
-        state.leaf_count = 0, state.enough_leaves = std::min(4 * state.enough_leaves, most_leaves);
-        if (give_up && end == WalkEnd::full) {
-            for (std::uint32_t i = 0; i < state.parked_count; ++i) deepest = std::max(deepest, aside_[i].step);
-            state.parked_count = 0;
-        }
-    } while (!meet && (end == WalkEnd::leaves || (give_up && end == WalkEnd::full)));
+    }
     node_pairs_ += state.node_pairs;
     parked = {parked_used_, 0, 0};
 
-    if (meet) return {WalkStatus::touching, 0, meeting};
     if (end == WalkEnd::hit)
         return {WalkStatus::touching, upper_bound(pair, plan.count, rounding, backend), {state.hit_a, state.hit_b}};
     const double lower = std::min(lower_so_far, lower_bound(pair, plan, state, rounding));
@@ -195,33 +166,6 @@ WalkResult Walker::run(const WalkPair& pair, const WalkPlan& plan, double roundi
     return {WalkStatus::parked, lower, {}};
 }
 
-bool Walker::decide_leaves(const WalkPair& pair, std::span<const LeafKeys> leaves, LeafPair& meeting)
-{
-    if (!scratch_) scratch_ = pair.leaf_test->make_scratch();
-    const std::size_t first = pair.leaf_test->first_meeting(pair, leaves, *scratch_);
-    if (first == leaves.size()) return false;
-    meeting = {leaves[first].a, leaves[first].b};
-    return true;
-}
-
-/// Do the surfaces meet in the cells in which they met last, or in those beside them under the same parents?
-bool Walker::meet_again(const WalkPair& pair, LeafPair& meeting)
-{
-    const auto [a, b] = pair.hint;
-    if (level_of(a) != pair.depth_a || level_of(b) != pair.depth_b || !pair.a->knows(a) || !pair.b->knows(b))
-        return false;
-    LeafKeys keys{a, b, pair.a->parent_node(a), pair.b->parent_node(b)};
-    if (decide_leaves(pair, {&keys, 1}, meeting)) return true;
-    leaves_.clear();
-    const unsigned grey_a = pair.a->nodes()[keys.parent_a].grey(), grey_b = pair.b->nodes()[keys.parent_b].grey();
-    for (unsigned i = 0; i < 8; ++i)
-        for (unsigned j = 0; j < 8; ++j)
-            if (grey_a >> i & grey_b >> j & 1)
-                leaves_.push_back(
-                    {child_cell(parent_cell(a), i), child_cell(parent_cell(b), j), keys.parent_a, keys.parent_b});
-    return decide_leaves(pair, leaves_, meeting);
-}
-
 WalkResult Walker::start(const WalkPair& pair, std::uint32_t frame, const OcclusionBackend& backend, ParkedWork& parked)
 {
     WalkPlan plan;
@@ -234,13 +178,10 @@ WalkResult Walker::start(const WalkPair& pair, std::uint32_t frame, const Occlus
         return {WalkStatus::separate,
                 std::max(std::sqrt(apart2) - pair.a->radius(0) - pair.b->radius(0) - rounding, pair.clearance),
                 {}};
-    if (pair.hint.a && pair.leaf_test) {
-        if (LeafPair meeting; meet_again(pair, meeting)) return {WalkStatus::touching, 0, meeting};
-    } else if (pair.hint.a && kernel().replay(plan, pair.hint.a, pair.hint.b)) {
+    if (pair.hint.a && kernel().replay(plan, pair.hint.a, pair.hint.b))
         return {WalkStatus::touching, upper_bound(pair, plan.count, rounding, backend), pair.hint};
-    }
 
-    stack_[0] = {0, 0, {plan.d[0], plan.d[1], plan.d[2]}, 0, root_cell, root_cell, plain_cell, plain_cell};
+    stack_[0] = {0, 0, {plan.d[0], plan.d[1], plan.d[2]}, 0, root_cell, root_cell};
     return run(pair, plan, rounding, backend, 1, std::numeric_limits<double>::infinity(), patience_in(0, plan.count),
                false, parked);
 }
@@ -261,7 +202,7 @@ void Walker::requests(const WalkPair& pair, const ParkedWork& parked, std::vecto
     const std::size_t end = parked.first + parked.count;
     for (std::size_t i = end - parked.wanted; i < end; ++i) {
         const WalkEntry& e = parked_[i];
-        Descent down(pair);
+        Descent down(*pair.a, *pair.b);
         bool open_a = false, open_b = false;
         for (int step = 0; step <= e.step; ++step) down.next(open_a, open_b);
         if (open_a && !pair.a->nodes()[e.a].expanded()) out.push_back({pair.tree_a, e.key_a});

@@ -1,7 +1,5 @@
 #pragma once
 #include <cstdint>
-#include <memory>
-#include <span>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -18,7 +16,7 @@ struct LeafPair {
 /// How a pair's walk stands.
 enum class WalkStatus : std::uint8_t {
     separate,  ///< no leaves touch; bound: certified lower bound on the distance
-    touching,  ///< two leaves touch; bound: certified upper bound on the distance, 0 where a LeafTest said so
+    touching,  ///< two leaves touch; bound: certified upper bound on the distance
     parked,    ///< needs cells that are not expanded
     undecided, ///< such a cell was refused and no leaves are known to touch; bound: certified upper bound so far
 };
@@ -29,33 +27,13 @@ struct WalkResult {
     LeafPair leaves;
 };
 
-struct WalkPair;
-struct LeafKeys;
-
-/// Decides pairs of leaf cells that touch. Called by many threads at once, with a Scratch of each thread's own.
-class LeafTest {
-public:
-    /// Working memory of a test; kept by the Walker.
-    struct Scratch {
-        virtual ~Scratch() = default;
-    };
-    virtual ~LeafTest() = default;
-    virtual std::unique_ptr<Scratch> make_scratch() const = 0;
-    /// The number of the first pair in which the surfaces meet; leaves.size() when they meet in none.
-    virtual std::size_t first_meeting(const WalkPair& pair, std::span<const LeafKeys> leaves,
-                                      Scratch& scratch) const = 0;
-};
-
 /// Two bodies at one frame, as the walk sees them.
 struct WalkPair {
     Ocst *a, *b;
-    int depth_a, depth_b; ///< levels to walk, 1 to the trees' depths: cells there are the leaves
     std::uint32_t tree_a, tree_b;
     const Eigen::Isometry3d *pose_a, *pose_b;
-    double clearance;                    ///< metres, >= 0
-    LeafPair hint;                       ///< what decided the pair last frame
-    bool tight = false;                  ///< compare tight cells, where both trees know them
-    const LeafTest* leaf_test = nullptr; ///< with it, only leaves in which it finds the surfaces to meet count as touching
+    double clearance; ///< metres, >= 0
+    LeafPair hint;    ///< what decided the pair last frame
 };
 
 struct WalkPlan;
@@ -113,12 +91,8 @@ private:
     WalkResult run(const WalkPair& pair, const WalkPlan& plan, double rounding, const OcclusionBackend& backend,
                    std::uint32_t top, double lower_so_far, std::uint32_t patience, bool give_up, ParkedWork& parked);
     void park(const WalkEntry* entries, std::size_t count);
-    bool decide_leaves(const WalkPair& pair, std::span<const LeafKeys> leaves, LeafPair& meeting);
-    bool meet_again(const WalkPair& pair, LeafPair& meeting);
 
     std::vector<WalkEntry> stack_, aside_, parked_; ///< parked_ is filled up to parked_used_
-    std::vector<LeafKeys> leaves_;
-    std::unique_ptr<LeafTest::Scratch> scratch_;
     std::size_t parked_used_ = 0;
     std::uint64_t node_pairs_ = 0;
 };

@@ -2,37 +2,25 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/narrowphase/mesh_leaf_test.hpp>
-#include <oncollide/pipeline/pair_walks.hpp>
+#include <oncollide/narrowphase/triangle_walk.hpp>
+#include <oncollide/pipeline/triangle_trees.hpp>
 #include <oncollide/scenes/error.hpp>
 
 namespace oncollide {
 
-namespace {
-
-Settings exact_settings()
-{
-    Settings settings;
-    settings.depth = 1; // the exact level goes to a depth of its own
-    settings.exact = ExactLevel::predicates;
-    return settings;
-}
-
-} // namespace
-
 struct ContactFinder::Impl {
-    Settings settings = exact_settings();
-    Forest forest;
-    PairWalks walks{forest};
-    MeshLeafTest test;
-    Frame frame;
+    TriangleTrees trees;
+    TriangleWalk walk;
     std::vector<TriangleMeeting> pairs;
     std::vector<Contact> contacts;
 
-    explicit Impl(const Scene& scene)
-        : forest(scene, settings, make_cpu_backend()), test(scene, *forest.backend().lists())
+    explicit Impl(const Scene& scene) : trees(scene) {}
+
+    TriangleTree& tree_of(const Scene& scene, BodyId body)
     {
-        frame.settings = &settings;
+        const GeometryId geometry = scene.geometry[index(body)];
+        trees.admit(geometry, 0, {~std::uint64_t(0), ~std::size_t(0)});
+        return trees[geometry];
     }
 
     static const Mesh& mesh_of(const Scene& scene, BodyId body)
@@ -54,32 +42,49 @@ const std::vector<Contact>& ContactFinder::find(const Scene& scene, BodyId a, Bo
 {
     Impl& p = *impl_;
     const Mesh &mesh_a = Impl::mesh_of(scene, a), &mesh_b = Impl::mesh_of(scene, b);
-    p.pairs.clear(), p.contacts.clear();
-    const AllMeeting all(p.test, p.pairs);
-    PairWalks::Walk walk{{index(a), index(b)}, {}, {}};
-    p.frame.trees = {}, p.frame.rounds.clear();
-    p.walks.run(scene, p.frame, {&walk, 1}, &all);
-    all.finish();
-    ++p.frame.number;
-
     const Eigen::Isometry3d& pose_a = scene.poses[index(a)];
     const IntoA into_a(pose_a, scene.poses[index(b)]);
+    p.walk.all_meeting(p.tree_of(scene, a), p.tree_of(scene, b), into_a, p.pairs);
+
+    p.contacts.clear();
     const auto corners = [](const Mesh& mesh, std::uint32_t triangle, auto place) {
         const Triangle& t = mesh.triangles[triangle];
         return TrianglePoints{place(mesh.vertices[t[0]]), place(mesh.vertices[t[1]]), place(mesh.vertices[t[2]])};
     };
     for (const TriangleMeeting& pair : p.pairs) {
-        const TrianglePoints of_a = corners(mesh_a, pair.a, [](const Eigen::Vector3d& v) { return v; });
-        const TrianglePoints of_b = corners(mesh_b, pair.b, into_a);
-        const TriangleIntersection where = intersection(of_a, of_b);
+        const TrianglePoints in_a = corners(mesh_a, pair.a, [](const Eigen::Vector3d& v) { return v; });
+        const TrianglePoints in_b = corners(mesh_b, pair.b, into_a);
+        const TriangleIntersection where = intersection(in_a, in_b);
         p.contacts.push_back({pair.a,
                               pair.b,
-                              triangle_contact(of_a, of_b),
+                              triangle_contact(in_a, in_b),
                               {pose_a * where.ends[0], pose_a * where.ends[1]},
                               pose_a.linear() * where.normal_a,
                               pose_a.linear() * where.normal_b});
     }
     return p.contacts;
+}
+
+void check_distance(double tolerance, double farthest)
+{
+    for (const auto& [what, value] : {std::pair("tolerance", tolerance), std::pair("limit", farthest)})
+        if (!(value >= 0))
+            throw Error(ErrorKind::usage, fmt::format("distance: a {} of {}; must be 0 or more", what, value));
+}
+
+MeshDistance mesh_distance(const TriangleWalk::Distance& found)
+{
+    const TriangleMeeting pair = found.nearest.value_or(TriangleMeeting{0, 0});
+    return {found.lower, found.upper, pair.a, pair.b};
+}
+
+MeshDistance ContactFinder::distance(const Scene& scene, BodyId a, BodyId b, double tolerance, double farthest)
+{
+    Impl& p = *impl_;
+    for (BodyId body : {a, b}) Impl::mesh_of(scene, body);
+    check_distance(tolerance, farthest);
+    const IntoA into_a(scene.poses[index(a)], scene.poses[index(b)]);
+    return mesh_distance(p.walk.distance(p.tree_of(scene, a), p.tree_of(scene, b), into_a, tolerance, farthest));
 }
 
 } // namespace oncollide

@@ -1,9 +1,10 @@
 #pragma once
 #include <array>
+#include <limits>
 #include <memory>
 #include <vector>
 
-#include <oncollide/narrowphase/triangle_test.hpp>
+#include <oncollide/narrowphase/triangle_walk.hpp>
 #include <oncollide/scenes/scene.hpp>
 
 namespace oncollide {
@@ -16,8 +17,19 @@ struct Contact {
     Eigen::Vector3d normal_a, normal_b;  ///< unit, world; 0 for a triangle without area
 };
 
-/// All contacts of pairs of meshes, asked for one pair at a time: for the pairs that a Pipeline called colliding, or
-/// any others. Sphere-trees are grown where they are needed, and kept.
+/// How far apart two meshes are.
+struct MeshDistance {
+    double lower,
+        upper; ///< certified bounds, metres; both 0 where they were seen to meet; upper infinite if not asked for
+    std::uint32_t triangle_a = 0, triangle_b = 0; ///< a pair that is at most `upper` apart, where that is finite
+};
+
+/// Throws Error{usage} for a tolerance or a limit that is negative or no number.
+void check_distance(double tolerance, double farthest);
+MeshDistance mesh_distance(const TriangleWalk::Distance& found);
+
+/// All contacts and the distances of pairs of meshes, asked for one pair at a time: for the pairs that a Pipeline
+/// called colliding, or any others. Trees of oriented boxes are grown where they are needed, and kept.
 ///
 ///     ContactFinder contacts(scene);
 ///     for (const Contact& c : contacts.find(scene, BodyId{0}, BodyId{1})) ...
@@ -33,9 +45,16 @@ public:
 
     /// Sorted by (triangle_a, triangle_b), each pair once; valid until the next call. Throws Error{usage} naming a body
     /// that is no mesh or does not exist.
-    /// Cost: about 60 microseconds for two meshes of 5,000 triangles once their trees have grown there, and 2 a
+    /// Cost: about 15 microseconds for two meshes of 5,000 triangles once their trees have grown there, and 2 a
     /// contact.
     const std::vector<Contact>& find(const Scene& scene, BodyId a, BodyId b);
+
+    /// The distance, to `tolerance` (metres, >= 0; rounding adds to it 2^-36 of the bodies' sizes and distance). Bodies
+    /// farther apart than `farthest` get only a lower bound above that: quicker, for those who ask about a clearance.
+    /// Throws as find(), and Error{usage} for a tolerance or a limit that is negative or no number.
+    /// Cost: 20 to 400 microseconds for two meshes of 5,000 triangles, least where they meet, most where they are far.
+    MeshDistance distance(const Scene& scene, BodyId a, BodyId b, double tolerance = 0,
+                          double farthest = std::numeric_limits<double>::infinity());
 
 private:
     struct Impl;

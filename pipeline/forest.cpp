@@ -2,45 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace oncollide {
 
-namespace {
-
-/// The exact level gains most by them, for what it does with a leaf costs most.
-bool wants_tight(const Settings& settings)
-{
-    if (settings.spheres == Spheres::automatic) return settings.exact == ExactLevel::predicates;
-    return settings.spheres == Spheres::tight;
-}
-
-/// Leaves of the exact level hold some dozen triangles: the surface fills about 3 * 4^depth cells.
-int exact_depth(const Mesh& mesh)
-{
-    int depth = 1;
-    for (double cells = 12; 8 * cells < double(mesh.triangles.size()) && depth < deepest_level; cells *= 4) ++depth;
-    return depth;
-}
-
-/// A body much larger than the other goes on until its leaves are of the other's size: else every cell of the smaller
-/// one would touch one leaf.
-int matching_depth(double radius, int depth, double other_leaf)
-{
-    while (depth < deepest_level && std::ldexp(radius, -depth) > 2 * other_leaf) ++depth;
-    return depth;
-}
-
-} // namespace
-
 Forest::Forest(const Scene& scene, const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
-    : scene_(scene), settings_(settings), backend_(std::move(backend)),
-      tight_(wants_tight(settings) && backend_->gives_tight()), trees_(scene.geometries.size()),
-      depths_(scene.geometries.size())
+    : scene_(scene), settings_(settings), backend_(std::move(backend)), triangle_trees_(scene),
+      trees_(scene.geometries.size())
 {
-    if (settings.exact != ExactLevel::predicates) return;
-    for (const Geometry& g : scene.geometries)
-        if (const auto* mesh = std::get_if<Mesh>(&g.data))
-            finest_leaf_ = std::min(finest_leaf_, std::ldexp(root_cell_of(g).radius, -exact_depth(*mesh)));
 }
 
 /// The smallest depth at which two such trees certify the error asked for.
@@ -63,41 +32,35 @@ Ocst& Forest::tree(GeometryId geometry)
         const Geometry& g = scene_.geometries[index(geometry)];
         const RootCell root = root_cell_of(g);
         const double covering_error = covering_error_of(g);
-        const bool exact = settings_.exact == ExactLevel::predicates && std::holds_alternative<Mesh>(g.data);
-        Depths& depths = depths_[index(geometry)];
-        depths = {depth_for(root, covering_error), exact ? exact_depth(std::get<Mesh>(g.data)) : 0};
-        const int exact_levels = exact ? matching_depth(root.radius, depths.exact, finest_leaf_) : 0;
-        const int depth = std::max(depths.conservative, exact_levels);
-        const int tight_levels = !tight_ ? 0 : settings_.spheres == Spheres::tight ? depth : exact_levels;
-        tree = std::make_unique<Ocst>(root, depth, covering_error,
-                                      Ocst::Options{.tight_levels = tight_levels, .leaf_lists = exact});
+        tree = std::make_unique<Ocst>(root, depth_for(root, covering_error), covering_error);
         live_.push_back(index(geometry));
     }
     return *tree;
 }
 
-WalkPair Forest::walk_pair(const Scene& scene, std::uint32_t a, std::uint32_t b, LeafPair hint, const LeafTest* exact)
+WalkPair Forest::walk_pair(const Scene& scene, std::uint32_t a, std::uint32_t b, LeafPair hint)
 {
     const GeometryId ga = scene.geometry[a], gb = scene.geometry[b];
-    Ocst &tree_a = tree(ga), &tree_b = tree(gb);
-    Depths depth_a = depths_[index(ga)], depth_b = depths_[index(gb)];
-    if (exact) {
-        const double leaf_a = tree_a.radius(depth_a.exact), leaf_b = tree_b.radius(depth_b.exact);
-        depth_a.exact = matching_depth(tree_a.radius(0), depth_a.exact, leaf_b);
-        depth_b.exact = matching_depth(tree_b.radius(0), depth_b.exact, leaf_a);
-    }
-    return {.a = &tree_a,
-            .b = &tree_b,
-            .depth_a = exact ? depth_a.exact : depth_a.conservative,
-            .depth_b = exact ? depth_b.exact : depth_b.conservative,
-            .tree_a = index(ga),
-            .tree_b = index(gb),
-            .pose_a = &scene.poses[a],
-            .pose_b = &scene.poses[b],
-            .clearance = exact ? 0 : settings_.clearance,
-            .hint = hint,
-            .tight = exact || settings_.spheres == Spheres::tight,
-            .leaf_test = exact};
+    return {&tree(ga), &tree(gb), index(ga), index(gb), &scene.poses[a], &scene.poses[b], settings_.clearance, hint};
+}
+
+bool Forest::admit_triangles(GeometryId geometry, std::uint32_t frame)
+{
+    const auto left = [](auto budget, auto held) -> decltype(budget) {
+        if (budget == 0) return std::numeric_limits<decltype(budget)>::max();
+        return budget > held ? budget - held : 0;
+    };
+    const TriangleTrees::Room& reserved = triangle_trees_.reserved();
+    return triangle_trees_.admit(geometry, frame,
+                                 {left(std::uint64_t(settings_.node_budget), cells() + reserved.nodes),
+                                  left(settings_.memory_budget, sphere_bytes() + reserved.bytes)});
+}
+
+double Forest::tolerance(GeometryId a, GeometryId b)
+{
+    if (settings_.max_error) return *settings_.max_error;
+    const double radii = triangle_trees_[a].radius() + triangle_trees_[b].radius();
+    return std::ldexp(2 * radii, -settings_.depth.value_or(6));
 }
 
 void Forest::attach(std::uint32_t geometry)
@@ -145,12 +108,13 @@ std::uint64_t Forest::submit(std::span<const CellRequest> requests, int threads)
 {
     std::uint64_t allowed = requests.size();
     if (settings_.node_budget) {
-        const std::uint64_t held = nodes();
+        const std::uint64_t held = cells() + triangle_trees_.reserved().nodes;
         // An expansion stores up to eight cells.
         allowed =
             settings_.node_budget > held ? std::min<std::uint64_t>(allowed, (settings_.node_budget - held) / 8) : 0;
     }
-    if (settings_.memory_budget && bytes() >= settings_.memory_budget) allowed = 0;
+    if (settings_.memory_budget && sphere_bytes() + triangle_trees_.reserved().bytes >= settings_.memory_budget)
+        allowed = 0;
 
     threads_ = threads;
     survive([&] {
@@ -208,7 +172,7 @@ CellKey Forest::cell_at(GeometryId geometry, const Eigen::Vector3d& point, int u
 
 std::uint64_t Forest::collapse(std::uint32_t frame, std::uint32_t age)
 {
-    std::uint64_t dropped = 0;
+    std::uint64_t dropped = triangle_trees_.drop(frame, age);
     for (std::uint32_t geometry : live_) {
         Ocst& tree = *trees_[geometry];
         if (!tree.nodes()[0].expanded()) continue;
@@ -231,18 +195,28 @@ std::uint64_t Forest::age(std::uint32_t frame)
     return dropped;
 }
 
-std::uint64_t Forest::nodes() const
+std::uint64_t Forest::cells() const
 {
     std::uint64_t sum = 0;
     for (std::uint32_t geometry : live_) sum += trees_[geometry]->size();
     return sum;
 }
 
-std::size_t Forest::bytes() const
+std::uint64_t Forest::nodes() const
+{
+    return cells() + triangle_trees_.nodes();
+}
+
+std::size_t Forest::sphere_bytes() const
 {
     std::size_t sum = backend_->bytes();
     for (std::uint32_t geometry : live_) sum += trees_[geometry]->bytes();
     return sum;
+}
+
+std::size_t Forest::bytes() const
+{
+    return sphere_bytes() + triangle_trees_.bytes();
 }
 
 } // namespace oncollide

@@ -1,6 +1,5 @@
 #pragma once
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -9,10 +8,11 @@
 #include <oncollide/narrowphase/ocst.hpp>
 #include <oncollide/narrowphase/walk.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/pipeline/triangle_trees.hpp>
 
 namespace oncollide {
 
-/// All sphere-trees of a scene, one a geometry, with the budgets and the ageing that they share.
+/// All trees of a scene, of spheres and of oriented boxes, with the budgets and the ageing that they share.
 class Forest {
 public:
     Forest(const Scene& scene, const Settings& settings, std::unique_ptr<OcclusionBackend> backend);
@@ -22,9 +22,16 @@ public:
     /// The tree of a geometry; null when nobody has asked for it yet.
     const Ocst* grown(GeometryId geometry) const { return trees_[index(geometry)].get(); }
     /// Two bodies at their current poses; their trees are made if need be.
-    /// @param exact  decides leaves: those of the exact level
-    WalkPair walk_pair(const Scene& scene, std::uint32_t a, std::uint32_t b, LeafPair hint = {},
-                       const LeafTest* exact = nullptr);
+    WalkPair walk_pair(const Scene& scene, std::uint32_t a, std::uint32_t b, LeafPair hint = {});
+
+    /// Sees to it that a mesh has its tree of oriented boxes. False when it is no mesh, or when a budget has no room
+    /// for it all grown. Not while walks are under way.
+    bool admit_triangles(GeometryId geometry, std::uint32_t frame);
+    TriangleTrees& triangle_trees() { return triangle_trees_; } ///< of the geometries admitted
+    /// How far apart, above the clearance, two meshes may be that are called near: the error asked for, or what spheres
+    /// of that depth would certify. Metres.
+    double tolerance(GeometryId a, GeometryId b);
+
     OcclusionBackend& backend() { return *backend_; }
     const OcclusionBackend& backend() const { return *backend_; }
 
@@ -52,15 +59,13 @@ public:
     /// Why the GPU no longer answers; empty while it does, or if it never did.
     const std::string& lost() const { return lost_; }
 
-    std::uint64_t nodes() const; ///< stored cells of all trees
+    std::uint64_t nodes() const; ///< stored cells of all sphere-trees, and nodes of oriented boxes
     std::size_t bytes() const;   ///< trees, surfaces and lists
 
 private:
-    /// Levels that a tree is walked: by the conservative level and by the exact one.
-    struct Depths {
-        int conservative = 0, exact = 0;
-    };
     int depth_for(const RootCell& root, double covering_error) const;
+    std::uint64_t cells() const;
+    std::size_t sphere_bytes() const;
     std::uint64_t collapse(std::uint32_t frame, std::uint32_t age);
     void attach(std::uint32_t geometry);
     ListId list_of(const CellTriangles& cell) const; ///< all_triangles: not held
@@ -72,12 +77,10 @@ private:
     const Scene& scene_;
     const Settings settings_;
     std::unique_ptr<OcclusionBackend> backend_;
-    const bool tight_;                                             ///< do cells have tight bounds?
-    std::vector<std::unique_ptr<Ocst>> trees_;                     ///< by geometry; null until needed
-    double finest_leaf_ = std::numeric_limits<double>::infinity(); ///< smallest radius of an exact level's leaves
-    std::vector<Depths> depths_;                                   ///< by geometry
-    std::vector<std::uint32_t> live_;                              ///< geometries that have a tree
-    std::vector<OctantRow> rows_;                                  ///< of the batch under way
+    TriangleTrees triangle_trees_;
+    std::vector<std::unique_ptr<Ocst>> trees_; ///< by geometry; null until needed
+    std::vector<std::uint32_t> live_;          ///< geometries that have a tree
+    std::vector<OctantRow> rows_;              ///< of the batch under way
     std::vector<OctantAnswer> answers_;
     std::vector<ListRead> reads_;
     std::vector<std::size_t> read_ends_;

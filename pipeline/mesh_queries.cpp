@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/narrowphase/mesh_leaf_test.hpp>
+#include <oncollide/pipeline/mesh_pairs.hpp>
 #include <oncollide/pipeline/pair_walks.hpp>
 #include <oncollide/scenes/error.hpp>
 #include <oncollide/scenes/parallel.hpp>
@@ -15,9 +15,10 @@ namespace {
 
 constexpr std::size_t batch = 8192; // queries walked together: their parked work bounds the memory
 
-const Settings& checked(const Settings& s)
+Settings checked(Settings s)
 {
     check(s);
+    if (s.spheres == Spheres::automatic) s.spheres = Spheres::tight; // no GPU here that would want the others
     const Settings usual;
     if (s.exact == ExactLevel::fcl || s.mode != usual.mode || s.backend != usual.backend || !s.skip.empty())
         throw Error(ErrorKind::usage, "MeshQueries: exact is off or predicates, mode surface, the backend cpu, and no "
@@ -41,14 +42,17 @@ struct MeshQueries::Impl {
     Settings settings;
     Forest forest;
     PairWalks pair_walks{forest};
-    MeshLeafTest test;
+    MeshPairs mesh_pairs{forest};
     Frame frame;
-    std::vector<PairWalks::Walk> walks, open;
+    std::vector<PairWalks::Walk> walks;
+    std::vector<MeshPairs::Ask> asks;
+    std::vector<std::uint32_t> of_walks, of_asks; ///< their queries
+    std::vector<TriangleWalk::Distance> found;
 
     Impl(std::vector<Mesh> meshes, const Settings& s)
-        : scene(scene_of(std::move(meshes))), settings(checked(s)), forest(scene, settings, make_cpu_backend()),
-          test(scene, *forest.backend().lists())
+        : scene(scene_of(std::move(meshes))), settings(checked(s)), forest(scene, settings, make_cpu_backend())
     {
+        settings.coherence = false; // a query's number says nothing about it
         frame.settings = &settings;
         frame.threads = settings.threads ? settings.threads : hardware_threads();
     }
@@ -63,30 +67,51 @@ struct MeshQueries::Impl {
             scene.geometry.push_back(GeometryId{mesh}), scene.poses.push_back(*pose);
         }
         const auto first = static_cast<std::uint32_t>(scene.poses.size() - 2);
-        walks.push_back({{first, first + 1}, {}, {}});
+        const BodyPair pair{first, first + 1};
+        if (wants_tight(settings) && mesh_pairs.admit(scene, frame, pair))
+            asks.push_back({pair}), of_asks.push_back(first / 2);
+        else
+            walks.push_back({pair, {}, {}}), of_walks.push_back(first / 2);
+    }
+
+    /// Calls answer(first, count) for batches that have been taken.
+    template <class Answer>
+    void in_batches(std::span<const MeshQuery> queries, std::size_t room, Answer answer)
+    {
+        if (queries.size() != room)
+            throw Error(ErrorKind::usage,
+                        fmt::format("MeshQueries: {} queries, room for {} answers", queries.size(), room));
+        for (std::size_t first = 0; first < queries.size(); first += batch) {
+            const std::size_t count = std::min(batch, queries.size() - first);
+            scene.geometry.clear(), scene.poses.clear();
+            walks.clear(), of_walks.clear(), asks.clear(), of_asks.clear();
+            for (std::size_t i = first; i < first + count; ++i) take(queries[i], i);
+            answer(first, count);
+        }
+        forest.age(frame.number++);
     }
 
     void answer_batch(std::span<MeshAnswer> answers)
     {
+        const bool exact = settings.exact == ExactLevel::predicates;
         frame.trees = {}, frame.rounds.clear();
-        pair_walks.run(scene, frame, walks, nullptr);
-        open.clear();
+        if (exact)
+            mesh_pairs.meet(scene, frame, asks);
+        else
+            mesh_pairs.near(scene, frame, asks);
+        for (std::size_t i = 0; i < asks.size(); ++i) {
+            const TriangleWalk::Nearness& answer = asks[i].answer;
+            const Verdict yes = exact ? Verdict::colliding : Verdict::within;
+            answers[of_asks[i]] = {answer.near ? yes : Verdict::separate, answer.bound};
+        }
+        pair_walks.run(scene, frame, walks);
         for (std::size_t i = 0; i < walks.size(); ++i) {
             const WalkResult& walk = walks[i].result;
-            answers[i] = {walk.status == WalkStatus::separate   ? Verdict::separate
-                          : walk.status == WalkStatus::touching ? Verdict::within
-                                                                : Verdict::undecided,
-                          walk.bound};
-            if (walk.status != WalkStatus::separate) open.push_back({walks[i].pair, {}, {}});
-        }
-        if (settings.exact == ExactLevel::off) return;
-        pair_walks.run(scene, frame, open, &test);
-        for (const PairWalks::Walk& walk : open) {
-            MeshAnswer& answer = answers[walk.pair.a / 2];
-            if (walk.result.status == WalkStatus::undecided) // a budget
-                answer.verdict = Verdict::undecided;
-            else
-                answer = {walk.result.status == WalkStatus::touching ? Verdict::colliding : Verdict::separate, 0};
+            // Touching spheres do not say that the surfaces meet.
+            answers[of_walks[i]] = {walk.status == WalkStatus::separate             ? Verdict::separate
+                                    : walk.status == WalkStatus::touching && !exact ? Verdict::within
+                                                                                    : Verdict::undecided,
+                                    walk.bound};
         }
     }
 };
@@ -100,17 +125,22 @@ MeshQueries::MeshQueries(MeshQueries&&) noexcept = default;
 
 void MeshQueries::ask(std::span<const MeshQuery> queries, std::span<MeshAnswer> answers)
 {
+    impl_->in_batches(queries, answers.size(), [&](std::size_t first, std::size_t count) {
+        impl_->answer_batch(answers.subspan(first, count));
+    });
+}
+
+void MeshQueries::distances(std::span<const MeshQuery> queries, double tolerance, std::span<MeshDistance> distances,
+                            double farthest)
+{
+    check_distance(tolerance, farthest);
     Impl& p = *impl_;
-    if (queries.size() != answers.size())
-        throw Error(ErrorKind::usage,
-                    fmt::format("MeshQueries: {} queries, room for {} answers", queries.size(), answers.size()));
-    for (std::size_t first = 0; first < queries.size(); first += batch) {
-        const std::size_t count = std::min(batch, queries.size() - first);
-        p.scene.geometry.clear(), p.scene.poses.clear(), p.walks.clear();
-        for (std::size_t i = first; i < first + count; ++i) p.take(queries[i], i);
-        p.answer_batch(answers.subspan(first, count));
-    }
-    p.forest.age(p.frame.number++);
+    p.in_batches(queries, distances.size(), [&](std::size_t first, std::size_t) {
+        // A mesh for whose tree a budget has no room: nothing is known.
+        for (std::uint32_t i : p.of_walks) distances[first + i] = {0, std::numeric_limits<double>::infinity()};
+        p.mesh_pairs.distances(p.scene, p.frame, p.asks, tolerance, farthest, p.found);
+        for (std::size_t i = 0; i < p.asks.size(); ++i) distances[first + p.of_asks[i]] = mesh_distance(p.found[i]);
+    });
 }
 
 std::size_t MeshQueries::bytes() const

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include <oncollide/narrowphase/verdict.hpp>
+#include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/settings.hpp>
 #include <oncollide/scenes/mesh.hpp>
 
@@ -33,7 +34,8 @@ struct MeshAnswer {
 class MeshQueries {
 public:
     /// Of the settings depth, max_error, clearance, exact (off or predicates), spheres, threads, age_limit (in calls)
-    /// and the budgets count. Throws Error{usage} for others than their defaults, and for a clearance with predicates.
+    /// and the budgets count; automatic spheres are tight here. Throws Error{usage} for others than their defaults, and
+    /// for a clearance with predicates.
     explicit MeshQueries(std::vector<Mesh> meshes, const Settings& settings = {});
     ~MeshQueries();
     MeshQueries(MeshQueries&&) noexcept;
@@ -41,6 +43,10 @@ public:
     /// answers[i] for queries[i]; the same for any number of threads and in any company. Throws Error{usage} for spans
     /// of different lengths or a mesh that does not exist, Error{bad_data} naming the query whose pose is not rigid.
     void ask(std::span<const MeshQuery> queries, std::span<MeshAnswer> answers);
+
+    /// The distances, each to `tolerance`; as ContactFinder::distance(), whose limits and errors these are.
+    void distances(std::span<const MeshQuery> queries, double tolerance, std::span<MeshDistance> distances,
+                   double farthest = std::numeric_limits<double>::infinity());
 
     std::size_t bytes() const; ///< of trees, surfaces and lists
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include <oncollide/narrowphase/solid.hpp>
+#include <oncollide/pipeline/mesh_pairs.hpp>
 #include <oncollide/pipeline/pair_walks.hpp>
 #include <oncollide/pipeline/stage.hpp>
 
@@ -8,10 +9,14 @@ namespace oncollide {
 
 namespace {
 
-/// Walks the sphere-trees of every candidate pair.
+/// Walks the sphere-trees of every candidate pair; with tight spheres, the oriented boxes of meshes. These lead on to
+/// the triangles, so where predicates decide, pairs of meshes are left to the exact level from the start.
 class OcstStage final : public Stage {
 public:
-    OcstStage(const Scene& scene, const Settings& settings, Forest& forest) : pair_walks_(forest)
+    OcstStage(const Scene& scene, const Settings& settings, Forest& forest)
+        : tight_(wants_tight(settings)),
+          left_to_exact_(settings.exact == ExactLevel::predicates && std::ranges::count(settings.skip, "exact") == 0),
+          pair_walks_(forest), mesh_pairs_(forest)
     {
         if (settings.mode == Mode::solid) solid_.emplace(scene);
     }
@@ -22,10 +27,16 @@ public:
     {
         frame.trees = {}, frame.rounds.clear();
         stats.in = frame.pairs.size();
-        walks_.resize(frame.pairs.size());
-        find_hints(frame);
-        pair_walks_.run(scene, frame, walks_, nullptr);
-        finish(scene, frame, stats);
+        frame.results.resize(frame.pairs.size());
+        sort_out(scene, frame, stats);
+        mesh_pairs_.near(scene, frame, asks_);
+        for (std::size_t i = 0; i < asks_.size(); ++i) {
+            const auto& [near, bound, meeting] = asks_[i].answer;
+            decide(scene, frame, stats, of_asks_[i], near ? Verdict::within : Verdict::separate, bound);
+        }
+        find_hints();
+        pair_walks_.run(scene, frame, walks_);
+        take_walks(scene, frame, stats);
         for (const Round& round : frame.rounds) {
             stats.gpu_ms += round.work.gpu_ms, stats.wait_ms += round.work.wait_ms;
             frame.trees.rows += round.rows, frame.trees.queries += round.work.queries;
@@ -38,13 +49,7 @@ public:
     {
         frame.trees = {}, frame.rounds.clear();
         frame.results.resize(frame.pairs.size());
-        for (std::size_t i = 0; i < frame.pairs.size(); ++i) {
-            const BodyPair pair = frame.pairs[i];
-            Aabb both = frame.boxes[pair.a];
-            both.add(frame.boxes[pair.b]);
-            // Both bodies have points in the box around the two.
-            frame.results[i] = {BodyId{pair.a}, BodyId{pair.b}, Verdict::undecided, stage_index, both.diagonal()};
-        }
+        for (std::size_t i = 0; i < frame.pairs.size(); ++i) frame.results[i] = undecided(frame, frame.pairs[i]);
         stats.in = stats.out = stats.undecided = frame.pairs.size();
     }
 
@@ -56,43 +61,74 @@ private:
         LeafPair leaves;
     };
 
+    static PairResult undecided(const Frame& frame, BodyPair pair)
+    {
+        Aabb both = frame.boxes[pair.a];
+        both.add(frame.boxes[pair.b]);
+        // Both bodies have points in the box around the two. Its squared edges may underflow.
+        const double diagonal = (both.max - both.min).stableNorm();
+        return {BodyId{pair.a}, BodyId{pair.b}, Verdict::undecided, stage_index, diagonal};
+    }
+
+    /// Who answers which pair?
+    void sort_out(const Scene& scene, Frame& frame, StageStats& stats)
+    {
+        walks_.clear(), of_walks_.clear(), asks_.clear(), of_asks_.clear();
+        for (std::uint32_t i = 0; i < frame.pairs.size(); ++i) {
+            const BodyPair pair = frame.pairs[i];
+            if (!tight_ || !mesh_pairs_.admit(scene, frame, pair)) {
+                walks_.push_back({pair, {}, {}}), of_walks_.push_back(i);
+            } else if (!left_to_exact_) {
+                asks_.push_back({pair}), of_asks_.push_back(i);
+            } else {
+                frame.results[i] = undecided(frame, pair);
+                ++stats.out;
+            }
+        }
+    }
+
     /// Both lists are sorted by pair: one pass.
-    void find_hints(const Frame& frame)
+    void find_hints()
     {
         auto last = decided_.begin();
-        for (std::size_t i = 0; i < frame.pairs.size(); ++i) {
-            while (last != decided_.end() && last->pair < frame.pairs[i]) ++last;
-            const bool known = last != decided_.end() && last->pair == frame.pairs[i];
-            walks_[i] = {frame.pairs[i], known ? last->leaves : LeafPair{}, {}};
+        for (PairWalks::Walk& walk : walks_) {
+            while (last != decided_.end() && last->pair < walk.pair) ++last;
+            if (last != decided_.end() && last->pair == walk.pair) walk.hint = last->leaves;
         }
     }
 
-    void finish(const Scene& scene, Frame& frame, StageStats& stats)
+    void decide(const Scene& scene, Frame& frame, StageStats& stats, std::uint32_t i, Verdict verdict, double bound)
     {
-        frame.results.resize(frame.pairs.size());
+        const auto [a, b] = frame.pairs[i];
+        if (verdict == Verdict::separate && solid_ && solid_->encloses(scene, a, b))
+            verdict = Verdict::colliding, bound = 0;
+        stats.out += verdict != Verdict::separate;
+        stats.undecided += verdict == Verdict::undecided;
+        frame.results[i] = {BodyId{a}, BodyId{b}, verdict, stage_index, bound};
+    }
+
+    void take_walks(const Scene& scene, Frame& frame, StageStats& stats)
+    {
         decided_.clear();
-        for (std::size_t i = 0; i < frame.pairs.size(); ++i) {
-            const WalkResult& walk = walks_[i].result;
-            const auto [a, b] = frame.pairs[i];
-            Verdict verdict = Verdict::undecided;
-            double bound = walk.bound;
-            if (walk.status == WalkStatus::touching) {
-                verdict = Verdict::within;
-                if (frame.settings->coherence) decided_.push_back({frame.pairs[i], walk.leaves});
-            } else if (walk.status == WalkStatus::separate) {
-                verdict = Verdict::separate;
-                if (solid_ && solid_->encloses(scene, a, b)) verdict = Verdict::colliding, bound = 0;
-            }
-            stats.out += verdict != Verdict::separate;
-            stats.undecided += verdict == Verdict::undecided;
-            frame.results[i] = {BodyId{a}, BodyId{b}, verdict, stage_index, bound};
+        for (std::size_t i = 0; i < walks_.size(); ++i) {
+            const auto& [pair, hint, walk] = walks_[i];
+            const Verdict verdict = walk.status == WalkStatus::touching   ? Verdict::within
+                                    : walk.status == WalkStatus::separate ? Verdict::separate
+                                                                          : Verdict::undecided;
+            if (verdict == Verdict::within && frame.settings->coherence) decided_.push_back({pair, walk.leaves});
+            decide(scene, frame, stats, of_walks_[i], verdict, walk.bound);
         }
     }
 
+    const bool tight_;
+    const bool left_to_exact_; ///< pairs of meshes, if tight
     PairWalks pair_walks_;
+    MeshPairs mesh_pairs_;
     std::optional<SolidTest> solid_;
-    std::vector<PairWalks::Walk> walks_; ///< by pair
-    std::vector<Decided> decided_;       ///< last frame's touching pairs and the leaves that showed it
+    std::vector<PairWalks::Walk> walks_;
+    std::vector<MeshPairs::Ask> asks_;
+    std::vector<std::uint32_t> of_walks_, of_asks_; ///< their numbers among the pairs
+    std::vector<Decided> decided_;                  ///< last frame's touching pairs and the leaves that showed it
 };
 
 } // namespace

@@ -6,9 +6,9 @@
 
 namespace oncollide {
 
-void PairWalks::run(const Scene& scene, Frame& frame, std::span<Walk> walks, const LeafTest* exact)
+void PairWalks::run(const Scene& scene, Frame& frame, std::span<Walk> walks)
 {
-    scene_ = &scene, frame_ = &frame, walks_ = walks, exact_ = exact;
+    scene_ = &scene, frame_ = &frame, walks_ = walks;
     give_up_ = false;
     const auto threads = static_cast<std::size_t>(std::max(frame.threads, 1));
     for (auto* side : {&workers_, &parked_workers_})
@@ -21,7 +21,7 @@ void PairWalks::run(const Scene& scene, Frame& frame, std::span<Walk> walks, con
 
 WalkPair PairWalks::pair_of(const Walk& walk)
 {
-    return forest_.walk_pair(*scene_, walk.pair.a, walk.pair.b, walk.hint, exact_);
+    return forest_.walk_pair(*scene_, walk.pair.a, walk.pair.b, walk.hint);
 }
 
 void PairWalks::run_rounds()

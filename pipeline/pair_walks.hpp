@@ -26,8 +26,7 @@ public:
         WalkResult result; ///< out
     };
     /// Walks all; appends to frame.rounds and counts in frame.trees what was asked and compared.
-    /// @param exact  decides leaves; walks then go to the depth of the exact level. Null: leaves decide
-    void run(const Scene& scene, Frame& frame, std::span<Walk> walks, const LeafTest* exact);
+    void run(const Scene& scene, Frame& frame, std::span<Walk> walks);
 
 private:
     struct Parked {
@@ -55,7 +54,6 @@ private:
     const Scene* scene_ = nullptr; ///< of the run under way, as what follows
     Frame* frame_ = nullptr;
     std::span<Walk> walks_;
-    const LeafTest* exact_ = nullptr;
     bool give_up_ = false;
     std::vector<Worker> workers_, parked_workers_;
     std::vector<Parked> parked_;

@@ -38,16 +38,17 @@ struct StageStats {
 
 /// What the sphere-trees did in one frame.
 struct TreeStats {
-    std::uint64_t rounds = 0;     ///< batches asked of the backend
-    std::uint64_t rows = 0;       ///< cells asked, all rounds
-    std::uint64_t node_pairs = 0; ///< pairs of cells whose children were compared
-    std::uint64_t nodes = 0;      ///< cells stored at the end of the frame, roots included
-    std::uint64_t collapsed = 0;  ///< cells dropped by ageing or eviction
-    std::uint64_t refused = 0;    ///< cells that a budget kept from being asked
-    std::uint64_t queries = 0;    ///< occlusion queries (gl-query)
-    std::uint64_t gpu_bytes = 0;  ///< to the GPU and back
-    std::uint64_t repeats = 0;    ///< batches done again with larger buffers
-    std::size_t bytes = 0;        ///< nodes and triangle lists, float copies of the surfaces
+    std::uint64_t rounds = 0;         ///< batches asked of the backend
+    std::uint64_t rows = 0;           ///< cells asked, all rounds
+    std::uint64_t node_pairs = 0;     ///< pairs of cells, or of boxes, whose parts were compared
+    std::uint64_t triangle_pairs = 0; ///< pairs of triangles tested by predicates
+    std::uint64_t nodes = 0;          ///< cells and boxes' nodes stored at the end of the frame, roots included
+    std::uint64_t collapsed = 0;      ///< cells dropped by ageing or eviction
+    std::uint64_t refused = 0;        ///< cells that a budget kept from being asked
+    std::uint64_t queries = 0;        ///< occlusion queries (gl-query)
+    std::uint64_t gpu_bytes = 0;      ///< to the GPU and back
+    std::uint64_t repeats = 0;        ///< batches done again with larger buffers
+    std::size_t bytes = 0;            ///< nodes and triangle lists, float copies of the surfaces
 };
 
 /// One batch of cells asked of the backend. Times are milliseconds since the frame began.

@@ -141,7 +141,7 @@ void Report::print_header(OutputFile& file) const
     std::size_t peak_nodes = 0, peak_bytes = 0;
     for (const FrameRow& frame : frames_) {
         trees.rounds += frame.trees.rounds, trees.rows += frame.trees.rows;
-        trees.node_pairs += frame.trees.node_pairs;
+        trees.node_pairs += frame.trees.node_pairs, trees.triangle_pairs += frame.trees.triangle_pairs;
         trees.collapsed += frame.trees.collapsed, trees.refused += frame.trees.refused;
         trees.queries += frame.trees.queries, trees.gpu_bytes += frame.trees.gpu_bytes;
         trees.repeats += frame.trees.repeats;
@@ -157,11 +157,12 @@ void Report::print_header(OutputFile& file) const
                pipeline_.renderer().empty() ? "null" : json_string(pipeline_.renderer()), pipeline_.hash(),
                interrupted_, frames_.size());
     file.print("  \"verdicts\": {},\n", verdicts_json(verdicts()));
-    file.print("  \"trees\": {{\"rounds\": {}, \"rows\": {}, \"node_pairs\": {}, \"collapsed\": {}, \"refused\": {}, "
+    file.print("  \"trees\": {{\"rounds\": {}, \"rows\": {}, \"node_pairs\": {}, \"triangle_pairs\": {}, "
+               "\"collapsed\": {}, \"refused\": {}, "
                "\"queries\": {}, \"gpu_bytes\": {}, "
                "\"repeats\": {}, \"nodes\": {}, \"bytes\": {}, \"peak_nodes\": {}, \"peak_bytes\": {}}}}}",
-               trees.rounds, trees.rows, trees.node_pairs, trees.collapsed, trees.refused, trees.queries,
-               trees.gpu_bytes, trees.repeats, trees.nodes, trees.bytes, peak_nodes, peak_bytes);
+               trees.rounds, trees.rows, trees.node_pairs, trees.triangle_pairs, trees.collapsed, trees.refused,
+               trees.queries, trees.gpu_bytes, trees.repeats, trees.nodes, trees.bytes, peak_nodes, peak_bytes);
 }
 
 void Report::print_stages(OutputFile& file) const

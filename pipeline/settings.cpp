@@ -91,10 +91,6 @@ void check(const Settings& s)
     if (s.backend == BackendKind::gl_raster)
         throw Error(ErrorKind::usage,
                     "backend = gl-raster: left out, gl-compute was faster wherever both ran; use gl-compute");
-    if (s.spheres == Spheres::tight && s.backend != BackendKind::cpu)
-        throw Error(ErrorKind::usage, fmt::format("spheres = tight: only the cpu backend gives them, not {}; use "
-                                                  "--spheres paper, or --backend cpu",
-                                                  name_of(s.backend)));
     require(s.gpu >= -1 && s.gpu < 64, "gpu", s.gpu, "0 to 63, or -1 for the first that is one");
     require(s.viewport >= 1 && s.viewport <= 1024, "viewport", s.viewport, "1 to 1024 pixels");
 }

@@ -13,8 +13,8 @@ enum class Mode : std::uint8_t { surface, solid };
 enum class BackendKind : std::uint8_t { automatic, cpu, gl_compute, gl_query, gl_raster };
 enum class BroadPhaseKind : std::uint8_t { kd_tree, octree, brute_force };
 
-/// Spheres of the sphere-trees: around the cells, as in the paper, or tight ones around the surface in them, with a
-/// slab where it is flat. Automatic: tight with the `cpu` backend, which alone gives them; else the paper's.
+/// What refines pairs of meshes: the paper's spheres around octree cells, or, tight, boxes turned to lie along the
+/// surface, which part it sooner. Automatic: tight where predicates decide. Shapes and maps keep the spheres.
 enum class Spheres : std::uint8_t { automatic, paper, tight };
 
 /// How a pipeline answers. The defaults suit most scenes.
@@ -39,6 +39,11 @@ struct Settings {
     std::size_t memory_budget = 0;   ///< bytes that trees and triangle lists may hold; 0: no limit
     bool coherence = true;           ///< try last frame's deciding cells first. Never changes the result
 };
+
+inline bool wants_tight(const Settings& s)
+{
+    return s.spheres == Spheres::tight || (s.spheres == Spheres::automatic && s.exact == ExactLevel::predicates);
+}
 
 /// Throws Error{usage} naming the setting, its value and the valid range.
 void check(const Settings& settings);

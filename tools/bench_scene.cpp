@@ -36,7 +36,8 @@ struct Runs {
     std::vector<Row> rows;                  ///< by frame
     std::vector<double> fcl_cold, our_cold; ///< building everything and the first frame, ms
     std::uint64_t hash = 0;
-    std::size_t fcl_bytes = 0, our_bytes = 0; ///< models; trees at their largest
+    FclWorld::ModelBytes fcl_bytes;
+    std::size_t our_bytes = 0; ///< trees at their largest
     std::string backend = "not run";
 };
 
@@ -141,9 +142,7 @@ private:
 
     void print_head() const
     {
-        std::uint64_t triangles = 0;
-        for (const Geometry& geometry : scene_.geometries)
-            if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) triangles += mesh->triangles.size();
+        const std::size_t triangles = in_meshes().triangles;
         say("scene      {}, {} bodies, {} geometries of {} triangles together; frames {} to {}, {} before them to warm "
             "up, least of {} {}\n"
             "settings   {}\n{}\n",
@@ -221,10 +220,34 @@ private:
         }
         say("\nmemory     ");
         if (with_ours_) say("trees {:.3f} MB at most ({} cells); ", double(runs_.our_bytes) / 1e6, grouped(nodes));
-        if (with_fcl_) say("FCL models {:.3f} MB; ", double(runs_.fcl_bytes) / 1e6);
+        if (with_fcl_) say("FCL models {:.3f} MB; ", double(runs_.fcl_bytes.obb) / 1e6);
         say("process {:.1f} MB at its peak{}\n", double(peak_memory()) / 1e6,
             with_fcl_ && with_ours_ ? " (both; --only tells them apart)" : "");
+        if (const auto [triangles, bytes] = in_meshes(); triangles) {
+            const auto each = [&](std::size_t sum) { return double(sum) / double(triangles); };
+            say("           bytes a triangle:");
+            if (with_ours_)
+                say(" trees {:.0f}, with the meshes {:.0f};", each(runs_.our_bytes), each(runs_.our_bytes + bytes));
+            if (with_fcl_)
+                say(" FCL models {:.0f}, with OBBRSS {:.0f};", each(runs_.fcl_bytes.obb), each(runs_.fcl_bytes.obbrss));
+            say(" vertices and triangles {:.0f}\n", each(bytes));
+        }
         if (with_ours_) say("hash       {:016x}\n", runs_.hash);
+    }
+
+    struct InMeshes {
+        std::size_t triangles = 0, bytes = 0;
+    };
+    InMeshes in_meshes() const
+    {
+        InMeshes sum;
+        for (const Geometry& geometry : scene_.geometries)
+            if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) {
+                sum.triangles += mesh->triangles.size();
+                sum.bytes +=
+                    mesh->triangles.size() * sizeof(Triangle) + mesh->vertices.size() * sizeof(Eigen::Vector3d);
+            }
+        return sum;
     }
 
     /// What the sphere-trees asked of the backend, warm and in the first frame.

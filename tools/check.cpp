@@ -24,6 +24,7 @@ struct CheckOptions {
     std::string a, b, pose_a, pose_b;
     SettingsOptions settings;
     std::string json, contacts;
+    std::optional<double> distance; ///< tolerance, metres
     bool quiet = false;
 };
 
@@ -109,9 +110,22 @@ void write_contacts(const Scene& scene, OutputFile& file)
     file.commit();
 }
 
+std::string describe_distance(const Scene& scene, double tolerance)
+{
+    const MeshDistance d = ContactFinder(scene).distance(scene, BodyId{0}, BodyId{1}, tolerance);
+    if (d.upper == 0)
+        return fmt::format("distance: 0, triangle {} of '{}' meets triangle {} of '{}'.", d.triangle_a, scene.names[0],
+                           d.triangle_b, scene.names[1]);
+    return fmt::format(
+        "distance: from {:.12g} to {:.12g} m (certified), between triangle {} of '{}' and triangle {} of "
+        "'{}'.",
+        d.lower, d.upper, d.triangle_a, scene.names[0], d.triangle_b, scene.names[1]);
+}
+
 int check_pair(const CheckOptions& options)
 {
     Settings settings = settings_from(options.settings);
+    if (options.distance) check_distance(*options.distance, 0);
     if (!options.contacts.empty() && settings.exact != ExactLevel::predicates)
         throw Error(ErrorKind::usage, "--contacts: needs --exact predicates");
     // Both cull without a bound on the distance, and one pair needs neither.
@@ -123,9 +137,10 @@ int check_pair(const CheckOptions& options)
     std::optional<OutputFile> contacts;
     if (!options.contacts.empty()) contacts.emplace(options.contacts);
     const Scene scene = load_pair(options);
-    for (std::size_t body = 0; contacts && body < scene.size(); ++body)
+    for (std::size_t body = 0; (contacts || options.distance) && body < scene.size(); ++body)
         if (!std::holds_alternative<Mesh>(scene.geometries[index(scene.geometry[body])].data))
-            throw Error(ErrorKind::usage, fmt::format("--contacts: '{}' is no mesh", scene.names[body]));
+            throw Error(ErrorKind::usage,
+                        fmt::format("{}: '{}' is no mesh", contacts ? "--contacts" : "--distance", scene.names[body]));
     if (!options.quiet) print_warnings(scene);
     Pipeline pipeline(scene, settings);
     Report report(scene, pipeline, true);
@@ -134,7 +149,9 @@ int check_pair(const CheckOptions& options)
     const PairResult pair = frame.pairs.empty()
                                 ? PairResult{BodyId{0}, BodyId{1}, Verdict::separate, 0, settings.clearance}
                                 : frame.pairs.front();
-    if (!options.quiet) (options.json == "-" ? std::cerr : std::cout) << describe(scene, settings, pair) << "\n";
+    std::ostream& said = options.json == "-" ? std::cerr : std::cout;
+    if (!options.quiet) said << describe(scene, settings, pair) << "\n";
+    if (!options.quiet && options.distance) said << describe_distance(scene, *options.distance) << "\n";
     if (!options.json.empty()) report.write_json(options.json);
     if (contacts) write_contacts(scene, *contacts);
     return pair.verdict == Verdict::separate ? 0 : pair.verdict == Verdict::colliding ? 1 : 2;
@@ -158,12 +175,16 @@ void add_check(CLI::App& app, Command& command)
     sub->add_option("--contacts", options->contacts,
                     "write all pairs of triangles that meet, where, and their normals as CSV; needs --exact predicates")
         ->type_name("FILE.csv");
+    sub->add_option("--distance", options->distance,
+                    "also bound the distance of two meshes, to this tolerance in metres; 0: as exact as doubles allow")
+        ->type_name("M");
     sub->add_flag("--quiet", options->quiet, "print nothing but errors; the exit code is the answer");
     sub->footer("Exit codes: 0 separate, 1 colliding, 2 within or undecided, 64 and above: error.\n"
                 "Without --exact nothing is called colliding: bodies that may touch are 'within' a bound.\n"
                 "Examples:\n"
                 "  oncollide check bunny.obj cow.obj --pose-b \"0.4 0 0 0 0 0 1\"\n"
-                "  oncollide check part.stl fixture.stl --clearance 0.002 --exact predicates --json -");
+                "  oncollide check part.stl fixture.stl --clearance 0.002 --exact predicates --json -\n"
+                "  oncollide check arm.stl bench.stl --pose-b \"0 0 0.5 0 0 0 1\" --distance 0.001");
     sub->callback([options, &command] { command = [options] { return check_pair(*options); }; });
 }
 

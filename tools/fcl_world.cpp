@@ -186,15 +186,18 @@ bool FclWorld::has_shape(BodyPair pair) const
     return shape(pair.a) || shape(pair.b);
 }
 
-std::size_t FclWorld::model_bytes() const
+FclWorld::ModelBytes FclWorld::model_bytes() const
 {
     using Model = fcl::BVHModel<fcl::OBBd>; // its memUsage() returns a status, not a size
-    std::size_t sum = 0;
+    ModelBytes sum;
     for (const ModelPtr& model : impl_->models)
-        if (const auto* mesh = dynamic_cast<const Model*>(model.get()))
-            sum += static_cast<std::size_t>(mesh->getNumBVs()) * sizeof(fcl::BVNode<fcl::OBBd>) +
-                   static_cast<std::size_t>(mesh->num_tris) * (sizeof(fcl::Triangle) + sizeof(int)) +
-                   static_cast<std::size_t>(mesh->num_vertices) * sizeof(fcl::Vector3d);
+        if (const auto* mesh = dynamic_cast<const Model*>(model.get())) {
+            const auto nodes = static_cast<std::size_t>(mesh->getNumBVs());
+            const std::size_t rest = static_cast<std::size_t>(mesh->num_tris) * (sizeof(fcl::Triangle) + sizeof(int)) +
+                                     static_cast<std::size_t>(mesh->num_vertices) * sizeof(fcl::Vector3d);
+            sum.obb += nodes * sizeof(fcl::BVNode<fcl::OBBd>) + rest;
+            sum.obbrss += nodes * sizeof(fcl::BVNode<fcl::OBBRSSd>) + rest;
+        }
     return sum;
 }
 

@@ -42,7 +42,10 @@ public:
     bool has_shape(BodyPair pair) const;
 
     /// Bytes of the mesh models: nodes, triangles, vertices. Objects, their tree of boxes and maps are not in it.
-    std::size_t model_bytes() const;
+    struct ModelBytes {
+        std::size_t obb = 0, obbrss = 0; ///< as they are, and as they would be with its other kind of nodes
+    };
+    ModelBytes model_bytes() const;
 
 private:
     struct Impl;

@@ -7,18 +7,9 @@
 #include <oncollide/scenes/error.hpp>
 
 namespace oncollide::tools {
-namespace {
 
-Settings with_tight_spheres(Settings settings)
-{
-    settings.spheres = Spheres::tight;
-    return settings;
-}
-
-} // namespace
-
-GrownTree::GrownTree(const Scene& scene, Settings settings, std::size_t most)
-    : forest_(scene, with_tight_spheres(std::move(settings)), make_cpu_backend()), levels_{{root_cell}}
+GrownTree::GrownTree(const Scene& scene, const Settings& settings, std::size_t most)
+    : forest_(scene, settings, make_cpu_backend()), levels_{{root_cell}}
 {
     const Ocst& tree = forest_.tree(GeometryId{0});
     std::vector<CellRequest> requests;
@@ -39,11 +30,11 @@ GrownTree::GrownTree(const Scene& scene, Settings settings, std::size_t most)
     }
 }
 
-std::vector<TreeSphere> GrownTree::spheres(int level, Spheres kind) const
+std::vector<BoundingVolume> GrownTree::spheres(int level) const
 {
-    std::vector<TreeSphere> spheres;
+    std::vector<BoundingVolume> spheres;
     for (const CellKey cell : this->level(level))
-        spheres.push_back(kind == Spheres::tight ? tight_sphere(tree(), cell) : plain_sphere(tree(), cell));
+        spheres.push_back(BoundingVolume::of_ball(tree().centre(cell), tree().radius(level)));
     return spheres;
 }
 

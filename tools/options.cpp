@@ -68,8 +68,7 @@ void add_accuracy_options(CLI::App& command, SettingsOptions& o)
         ->type_name("M");
     command.add_option("--clearance", o.clearance, "metres: bodies this close count as touching (default 0)")
         ->type_name("M");
-    command
-        .add_option("--exact", o.exact, "exact level on triangles: off, predicates or fcl (default off)")
+    command.add_option("--exact", o.exact, "exact level on triangles: off, predicates or fcl (default off)")
         ->type_name("HOW");
     command.add_option("--mode", o.mode, "surface, or solid: a closed mesh's inside belongs to it (default surface)")
         ->type_name("MODE");
@@ -87,8 +86,10 @@ void add_pipeline_options(CLI::App& command, SettingsOptions& o)
     command.add_option("--viewport", o.viewport, "gl-query: pixels a side of a cell, 1 to 1024 (default 16)")
         ->type_name("PX");
     command
-        .add_option("--spheres", o.spheres,
-                    "paper: around the cells; tight: around the surface in them (default auto: tight where predicates decide)")
+        .add_option(
+            "--spheres", o.spheres,
+            "of meshes. paper: around the cells; tight: oriented boxes in their place, quicker at equal error (default "
+            "auto: tight where predicates decide)")
         ->type_name("NAME");
     command.add_option("--broad", o.broad, "broad phase: kd, octree or brute (default kd)")->type_name("NAME");
     command.add_option("--threads", o.threads, "threads; 0: all. Never changes the result (default 1)")->type_name("N");

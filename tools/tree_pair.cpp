@@ -7,26 +7,12 @@ namespace oncollide::tools {
 TreePair::TreePair(Scene& scene, const Settings& settings)
     : depth(settings.depth.value_or(6)), scene_(scene), forest_(scene, settings, make_cpu_backend())
 {
-    if (settings.exact == ExactLevel::predicates) test_.emplace(scene, *forest_.backend().lists());
 }
 
 WalkResult TreePair::walk(const Eigen::Isometry3d& b)
 {
-    return walk(b, test_ ? &*test_ : nullptr);
-}
-
-void TreePair::all_meeting(const Eigen::Isometry3d& b, std::vector<TriangleMeeting>& pairs)
-{
-    pairs.clear();
-    const AllMeeting all(*test_, pairs);
-    walk(b, &all);
-    all.finish();
-}
-
-WalkResult TreePair::walk(const Eigen::Isometry3d& b, const LeafTest* test)
-{
     scene_.poses[1] = b;
-    const WalkPair pair = forest_.walk_pair(scene_, 0, 1, {}, test);
+    const WalkPair pair = forest_.walk_pair(scene_, 0, 1);
     ParkedWork parked;
     Walker *walker = &walkers_[0], *last = &walkers_[1];
     walker->clear();

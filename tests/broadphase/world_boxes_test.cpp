@@ -47,6 +47,35 @@ TEST(WorldBoxes, EncloseRotatedMeshesTightlyBeforeAndAfterTheHullIsFound)
     }
 }
 
+/// A rotation and a shift of large numbers leave a small one, which rounding has moved by more than floats of the body
+/// would.
+TEST(WorldBoxes, EncloseSmallMeshesOfFarFilesThatPosesTakeBack)
+{
+    using Vector3l = Eigen::Matrix<long double, 3, 1>;
+    const Eigen::Vector3d far(1e8, -1e8, 5e7);
+    Scene scene;
+    const Mesh mesh = transformed("far", make_box_mesh({1, 1, 1}), 1e-4, -1e4 * far);
+    scene.add_body({.name = "body", .geometry = scene.add("mesh", mesh)});
+    WorldBoxes boxes(scene);
+    const std::uint32_t body = 0;
+    for (std::uint64_t i = 0; i < 1000; ++i) {
+        Eigen::Isometry3d& pose = scene.poses[0];
+        pose = random_pose(2, i, 0);
+        pose.translation() = pose.linear() * -far;
+        Aabb box;
+        boxes.update(scene, {&body, 1}, 1, {&box, 1});
+        const Aabb sphere = boxes.sphere_box(scene, 0);
+        for (const Eigen::Vector3d& v : mesh.vertices) {
+            const Vector3l at =
+                pose.linear().cast<long double>() * v.cast<long double>() + pose.translation().cast<long double>();
+            for (int axis = 0; axis < 3; ++axis) {
+                ASSERT_TRUE(at[axis] >= box.min[axis] && at[axis] <= box.max[axis]) << "pose " << i;
+                ASSERT_TRUE(at[axis] >= sphere.min[axis] && at[axis] <= sphere.max[axis]) << "pose " << i;
+            }
+        }
+    }
+}
+
 TEST(WorldBoxes, GiveAtMostATenthMoreCandidatesThanExactBoxesOnMany)
 {
     Scene scene = make_scene("many", {.bodies = 400, .frames = {}, .seed = 12345, .data = {}});

@@ -113,8 +113,7 @@ Mesh almost_on_cell_faces()
     Mesh mesh = make_soup_mesh(400, 0.7, 1.6, 21);
     std::mt19937 random(5);
     for (Eigen::Vector3d& v : mesh.vertices)
-        for (int axis = 0; axis < 3; ++axis)
-            v[axis] = std::round(8 * v[axis]) / 8 + (int(random() % 9) - 4) * 0x1p-20;
+        for (int axis = 0; axis < 3; ++axis) v[axis] = std::round(8 * v[axis]) / 8 + (int(random() % 9) - 4) * 0x1p-20;
     mesh.vertices[0] = {-1, -1, -1}, mesh.vertices[1] = {1, 1, 1}; // the root cell reaches from -1 to 1
     return make_mesh("almost", mesh.vertices, mesh.triangles);
 }

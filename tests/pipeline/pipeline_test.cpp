@@ -277,8 +277,7 @@ TEST(Pipeline, RefusesSettingsOutOfRange)
     for (const Settings& settings :
          {Settings{.depth = 0}, Settings{.depth = 99}, Settings{.depth = 3, .max_error = 1.0},
           Settings{.max_error = -1.0}, Settings{.clearance = std::numeric_limits<double>::quiet_NaN()},
-          Settings{.backend = BackendKind::gl_raster}, Settings{.gpu = -2},
-          Settings{.backend = BackendKind::gl_compute, .spheres = Spheres::tight}, Settings{.viewport = 0},
+          Settings{.backend = BackendKind::gl_raster}, Settings{.gpu = -2}, Settings{.viewport = 0},
           Settings{.threads = -1}, Settings{.skip = {"borad"}}})
         EXPECT_THROW(Pipeline(scene, settings), Error);
 }

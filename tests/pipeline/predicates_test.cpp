@@ -2,9 +2,10 @@
 #include <cmath>
 #include <tuple>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <oncollide/narrowphase/triangle_test.hpp>
+#include <oncollide/narrowphase/triangle_walk.hpp>
 #include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
@@ -12,12 +13,8 @@
 #include <oncollide/scenes/mesh_generators.hpp>
 #include <oncollide/scenes/motion.hpp>
 
-#include "tree_pair.hpp"
-
 namespace oncollide {
 namespace {
-
-using tools::TreePair;
 
 Eigen::Isometry3d random_pose(std::uint64_t seed, double reach)
 {
@@ -31,8 +28,7 @@ Eigen::Isometry3d random_pose(std::uint64_t seed, double reach)
 std::vector<TriangleMeeting> brute_force(const Mesh& a, const Mesh& b, const Eigen::Isometry3d& pose_a,
                                          const Eigen::Isometry3d& pose_b)
 {
-    const Eigen::Matrix3d to_a = pose_a.linear().transpose(), turn = to_a * pose_b.linear();
-    const Eigen::Vector3d shift = to_a * (pose_b.translation() - pose_a.translation());
+    const IntoA into_a(pose_a, pose_b);
     const auto corners = [](const Mesh& mesh, std::uint32_t t, auto place) {
         TrianglePoints points;
         for (std::size_t k = 0; k < 3; ++k) points[k] = place(mesh.vertices[mesh.triangles[t][k]]);
@@ -41,9 +37,7 @@ std::vector<TriangleMeeting> brute_force(const Mesh& a, const Mesh& b, const Eig
     std::vector<TriangleMeeting> pairs;
     for (std::uint32_t i = 0; i < a.triangles.size(); ++i)
         for (std::uint32_t j = 0; j < b.triangles.size(); ++j)
-            if (triangles_meet(
-                    corners(a, i, [](const Eigen::Vector3d& p) { return p; }),
-                    corners(b, j, [&](const Eigen::Vector3d& p) { return Eigen::Vector3d(turn * p + shift); })))
+            if (triangles_meet(corners(a, i, [](const Eigen::Vector3d& p) { return p; }), corners(b, j, into_a)))
                 pairs.push_back({i, j});
     return pairs;
 }
@@ -59,50 +53,6 @@ Scene two(const Mesh& a, const Mesh& b)
 Mesh scaled(const Mesh& mesh, double scale, const Eigen::Vector3d& by)
 {
     return transformed("scaled", mesh, scale, -by / scale);
-}
-
-struct Case {
-    const char* name;
-    Mesh a, b;
-    double reach; ///< of the poses
-};
-
-std::vector<Case> cases()
-{
-    const Mesh knot = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 300), box = make_box_mesh({0.5, 0.5, 0.5});
-    const Mesh needles = make_needles_mesh(60, 1, 1e4, 2, 5), soup = make_soup_mesh(120, 0.5, 1.5, 6);
-    return {{"knots", knot, knot, 1.6},
-            {"boxes", box, box, 1.3},
-            {"needles and soup", needles, soup, 2.2},
-            {"large and small", scaled(box, 8, {0, 0, 0}), scaled(soup, 0.2, {0, 0, 0}), 4.3},
-            {"tiny", scaled(knot, 1e-7, {0, 0, 0}), scaled(soup, 1e-7, {0, 0, 0}), 1.4e-7},
-            {"a file far from its origin", scaled(knot, 1, {1e4, -1e4, 1e3}), soup, 1.4}};
-}
-
-TEST(Predicates, FindEveryPairOfTrianglesOfBruteForce)
-{
-    for (const Case& c : cases())
-        for (const Spheres spheres : {Spheres::paper, Spheres::automatic}) {
-            Scene scene = two(c.a, c.b);
-            Settings settings;
-            settings.exact = ExactLevel::predicates, settings.spheres = spheres;
-            TreePair trees(scene, settings);
-            const Eigen::Vector3d middle = bounds_of(scene.geometries[0]).centre();
-            std::uint64_t meeting = 0;
-            for (std::uint64_t seed = 0; seed < 12; ++seed) {
-                Eigen::Isometry3d pose = random_pose(seed, c.reach);
-                pose.translation() += middle;
-                const auto expected = brute_force(c.a, c.b, Eigen::Isometry3d::Identity(), pose);
-                std::vector<TriangleMeeting> pairs;
-                trees.all_meeting(pose, pairs);
-                EXPECT_EQ(pairs, expected) << c.name << ", pose " << seed;
-                const WalkResult walk = trees.walk(pose);
-                EXPECT_EQ(walk.status, expected.empty() ? WalkStatus::separate : WalkStatus::touching) << c.name;
-                meeting += !expected.empty();
-            }
-            EXPECT_GT(meeting, 1u) << c.name;
-            EXPECT_LT(meeting, 12u) << c.name;
-        }
 }
 
 /// Boxes that touch in a face, an edge, a corner, or a part of a face; and that miss each other by an ulp.
@@ -213,6 +163,41 @@ TEST(MeshQueries, AnswerAsBruteForceForManyPosesAndSizes)
         EXPECT_GT(colliding, 15);
         EXPECT_LT(colliding, 50);
     }
+}
+
+TEST(MeshQueries, BoundDistancesForAnyNumberOfThreads)
+{
+    const Mesh knot = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 300);
+    const std::vector<Mesh> meshes{knot, scaled(knot, 0.04, {0, 0, 0})};
+    Scene scene;
+    for (std::size_t i = 0; i < 2; ++i) scene.add(std::to_string(i), meshes[i]);
+    std::vector<MeshQuery> queries;
+    for (std::uint32_t i = 0; i < 40; ++i) {
+        const Eigen::Isometry3d at = random_pose(i, 100);
+        queries.push_back({i % 2, 1, at, at * random_pose(i + 700, 0.8)});
+        scene.add_body({.name = fmt::format("a{}", i), .geometry = GeometryId{i % 2}, .pose = queries[i].pose_a});
+        scene.add_body({.name = fmt::format("b{}", i), .geometry = GeometryId{1}, .pose = queries[i].pose_b});
+    }
+    MeshQueries one(meshes), three(meshes, {.threads = 3});
+    std::vector<MeshDistance> distances(queries.size()), same(queries.size()), near(queries.size());
+    one.distances(queries, 1e-3, distances), three.distances(queries, 1e-3, same), one.distances(queries, 0, near, 0.1);
+    ContactFinder finder(scene);
+    int apart = 0;
+    for (std::uint32_t i = 0; i < queries.size(); ++i) {
+        const MeshDistance exact = finder.distance(scene, BodyId{2 * i}, BodyId{2 * i + 1});
+        EXPECT_LE(distances[i].lower, exact.upper);
+        EXPECT_GE(distances[i].upper, exact.lower);
+        EXPECT_LE(distances[i].upper - distances[i].lower, 1e-3 + 1e-8);
+        EXPECT_EQ(distances[i].lower, same[i].lower);
+        EXPECT_EQ(distances[i].upper, same[i].upper);
+        EXPECT_EQ(exact.upper == 0, !finder.find(scene, BodyId{2 * i}, BodyId{2 * i + 1}).empty());
+        EXPECT_EQ(std::isinf(near[i].upper), exact.lower > 0.1) << exact.lower;
+        apart += exact.lower > 0.1;
+    }
+    EXPECT_GT(apart, 5);
+    EXPECT_LT(apart, 35);
+    EXPECT_THROW(one.distances(queries, -1, distances), Error);
+    EXPECT_THROW(one.distances(queries, 0, {}), Error);
 }
 
 TEST(MeshQueries, RefuseWhatMakesNoSense)

@@ -37,6 +37,26 @@ TEST_F(Check, GivesADistanceEvenWhenTheBoxesAreFarApart)
     EXPECT_LE(bound, 99);
 }
 
+TEST_F(Check, BoundsTheDistanceToTheToleranceAsked)
+{
+    const Outcome exact = check("3 0 0 0 0 0 1", {"--distance", "0"});
+    EXPECT_EQ(exact.code, 0) << exact.err;
+    EXPECT_NE(exact.out.find("distance: from 1.99999999"), std::string::npos) << exact.out;
+    const Outcome rough = check("3 0 0 0 0 0 1", {"--distance", "0.5"});
+    const std::size_t from = rough.out.find("distance: from ");
+    ASSERT_NE(from, std::string::npos) << rough.out;
+    std::istringstream text(rough.out.substr(from + 15));
+    double lower = 0, upper = 0;
+    std::string to;
+    text >> lower >> to >> upper;
+    EXPECT_LE(lower, 2);
+    EXPECT_GE(upper, 2);
+    EXPECT_LE(upper - lower, 0.5 + 1e-9);
+    EXPECT_NE(check("0.5 0.2 0 0 0 0 1", {"--distance", "0"}).out.find("distance: 0, triangle"), std::string::npos);
+    expect_error(64, {"check", "a.off", "b.off", "--distance=-1"}, {"tolerance of -1"});
+    expect_error(64, {"check", "a.off", "b.off", "--distance", "nan"}, {"tolerance of nan"});
+}
+
 TEST_F(Check, WritesTheTrianglesThatMeet)
 {
     const Outcome touching = check("1 0 0 0 0 0 1", {"--exact", "predicates", "--contacts", "c.csv"});

@@ -4,7 +4,7 @@
 #include <random>
 #include <sstream>
 
-#include "sphere_quality.hpp"
+#include "level_quality.hpp"
 #include <oncollide/narrowphase/solid.hpp>
 #include <oncollide/scenes/mesh_generators.hpp>
 
@@ -12,15 +12,16 @@ namespace oncollide::test {
 namespace {
 
 using Eigen::Vector3d;
-using tools::judge_spheres;
-using tools::TriangleTree;
+using tools::BoundingVolume;
+using tools::judge_level;
+using tools::SurfaceIndex;
 
 // The judge
 
-TEST(TriangleTree, FindsTheNearestPointAndTheInsideOfAKnot)
+TEST(SurfaceIndex, FindsTheNearestPointAndTheInsideOfAKnot)
 {
     const Mesh mesh = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 600);
-    const TriangleTree tree(mesh);
+    const SurfaceIndex index(mesh);
     std::mt19937 random(3);
     std::uniform_real_distribution<double> uniform(-1.8, 1.8);
     int inside = 0;
@@ -31,15 +32,15 @@ TEST(TriangleTree, FindsTheNearestPointAndTheInsideOfAKnot)
             least = std::min(
                 least,
                 (tools::nearest_point(p, mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]) - p).norm());
-        EXPECT_DOUBLE_EQ(tree.nearest(p).distance, least);
-        EXPECT_LT(tree.nearest(p, 2 * least).distance, 2 * least);
-        EXPECT_EQ(tree.inside(p), winding_number(mesh, p) > 0.5) << p.transpose();
-        inside += tree.inside(p);
+        EXPECT_DOUBLE_EQ(index.nearest(p).distance, least);
+        EXPECT_LT(index.nearest(p, 2 * least).distance, 2 * least);
+        EXPECT_EQ(index.inside(p), winding_number(mesh, p) > 0.5) << p.transpose();
+        inside += index.inside(p);
     }
     EXPECT_GT(inside, 30);
 }
 
-TEST(TriangleTree, NearestPointsOfTrianglesOfAnyShape)
+TEST(SurfaceIndex, NearestPointsOfTrianglesOfAnyShape)
 {
     const Vector3d a(0, 0, 0), b(2, 0, 0), c(0, 2, 0);
     EXPECT_EQ(tools::nearest_point({0.5, 0.5, 3}, a, b, c), Vector3d(0.5, 0.5, 0));
@@ -55,57 +56,85 @@ Mesh square()
     return make_mesh("square", {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}});
 }
 
-TEST(SphereQuality, OverReachIsTheDistanceOfTheFarthestPoint)
+BoundingVolume ball(const Vector3d& centre, double radius)
 {
-    const Mesh mesh = square();
-    const TriangleTree tree(mesh);
-    const TreeSphere above{{0, 0, 0.25}, 0.5}, aside{{2, 0, 0}, 0.5};
-    const TreeSphere disc{{0, 0, 0.25}, 0.5, Vector3d::UnitZ(), 0.125};
-    EXPECT_NEAR(judge_spheres(mesh, tree, {&above, 1}).worst, 0.75, 1e-12);
-    EXPECT_NEAR(judge_spheres(mesh, tree, {&aside, 1}).worst, 1.5, 1e-12);
-    EXPECT_NEAR(judge_spheres(mesh, tree, {&disc, 1}).worst, 0.375, 1e-12);
-    const std::vector<TreeSphere> both{above, aside};
-    EXPECT_NEAR(judge_spheres(mesh, tree, both).mean, (0.75 + 1.5) / 2, 1e-12);
-    EXPECT_NEAR(judge_spheres(mesh, tree, {&above, 1}).volume, 4 / 3.0 * M_PI * 0.125, 1e-12);
-    EXPECT_NEAR(judge_spheres(mesh, tree, {&disc, 1}).volume, 2 * M_PI * (0.25 * 0.125 - 0.125 * 0.125 * 0.125 / 3),
-                1e-12);
+    return BoundingVolume::of_ball(centre, radius);
 }
 
-TEST(SphereQuality, BeyondCountsThePointsOutsideABodyAlone)
+TEST(LevelQuality, OverReachIsTheDistanceOfTheFarthestPoint)
+{
+    const Mesh mesh = square();
+    const SurfaceIndex index(mesh);
+    const std::vector<BoundingVolume> both{ball({0, 0, 0.25}, 0.5), ball({2, 0, 0}, 0.5)};
+    const auto quality = judge_level(mesh, index, both);
+    EXPECT_NEAR(quality.reaches.at(0).either, 0.75, 1e-12);
+    EXPECT_NEAR(quality.reaches.at(1).either, 1.5, 1e-12);
+    EXPECT_NEAR(quality.worst.either, 1.5, 1e-12);
+    EXPECT_NEAR(quality.mean.either, (0.75 + 1.5) / 2, 1e-12);
+    EXPECT_NEAR(quality.volume, 2 * 4 / 3.0 * M_PI * 0.125, 1e-12);
+}
+
+TEST(LevelQuality, TheFarthestPointOfABoxIsACorner)
+{
+    const Mesh mesh = square();
+    const SurfaceIndex index(mesh);
+    // Turned by 45 degrees about x and moved up: a corner points up, by sqrt(2) / 4.
+    const BoundingVolume box{.centre = {0, 0, 0.25},
+                             .half = {0.5, 0.25, 0.25},
+                             .axes = Eigen::AngleAxisd(M_PI / 4, Vector3d::UnitX()).toRotationMatrix()};
+    const auto quality = judge_level(mesh, index, {&box, 1}, {.directions = 1});
+    EXPECT_NEAR(quality.worst.either, 0.25 + std::sqrt(2) / 4, 1e-12);
+    EXPECT_NEAR(quality.volume, 0.25, 1e-12);
+    EXPECT_NEAR(box.radius(), std::sqrt(0.375), 1e-12);
+    EXPECT_TRUE(box.holds({0.5, 0, 0.25 + std::sqrt(2) / 4}, 1e-12)) << "a corner";
+    EXPECT_FALSE(box.holds({0.5, 0, 0.26 + std::sqrt(2) / 4}, 1e-12));
+    EXPECT_FALSE(box.holds({0.51, 0, 0.25}, 1e-12));
+    EXPECT_FALSE(box.holds({0, 0.25, 0.45}, 1e-12)) << "in the upright box, not in the turned one";
+    // A flat one reaches as far, in every direction that is looked in.
+    const BoundingVolume flat{.centre = {2, 0, 0}, .half = {0.5, 0, 0}};
+    EXPECT_NEAR(judge_level(mesh, index, {&flat, 1}).worst.either, 1.5, 1e-12);
+}
+
+TEST(LevelQuality, BeyondCountsThePointsOutsideABodyAlone)
 {
     const Mesh mesh = make_box_mesh({10, 10, 10});
-    const TriangleTree tree(mesh);
-    const TreeSphere sphere{{9.75, 0, 0}, 1};
-    const auto quality = judge_spheres(mesh, tree, {&sphere, 1}, {.closed = true});
-    EXPECT_NEAR(quality.worst, 1.25, 1e-12);
-    EXPECT_NEAR(quality.worst_beyond, 0.75, 1e-12);
+    const SurfaceIndex index(mesh);
+    const BoundingVolume sphere = ball({9.75, 0, 0}, 1);
+    const auto quality = judge_level(mesh, index, {&sphere, 1}, {.closed = true});
+    EXPECT_NEAR(quality.worst.either, 1.25, 1e-12);
+    EXPECT_NEAR(quality.worst.beyond, 0.75, 1e-12);
 }
 
-TEST(SphereQuality, CoverageFindsWhatIsLeftOut)
+TEST(LevelQuality, CoverageFindsWhatIsLeftOut)
 {
     const Mesh mesh = square();
-    const TriangleTree tree(mesh);
-    std::vector<TreeSphere> spheres{{{0, 0, 0}, std::sqrt(2.0)}};
-    EXPECT_EQ(judge_spheres(mesh, tree, spheres).open_triangles, 0u) << "it passes through the corners";
-    spheres[0].radius = std::sqrt(2.0) - 1e-6;
-    EXPECT_EQ(judge_spheres(mesh, tree, spheres).open_triangles, 2u) << "the corners are out by a millionth";
-    EXPECT_EQ(judge_spheres(mesh, tree, spheres).outside, 6u) << "three of each triangle; no other point comes so near";
-    spheres[0].radius = 1;
-    const auto round = judge_spheres(mesh, tree, spheres);
+    const SurfaceIndex index(mesh);
+    std::vector<BoundingVolume> volumes{ball({0, 0, 0}, std::sqrt(2.0))};
+    EXPECT_EQ(judge_level(mesh, index, volumes).open_triangles, 0u) << "it passes through the corners";
+    volumes = {ball({0, 0, 0}, std::sqrt(2.0) - 1e-6)};
+    EXPECT_EQ(judge_level(mesh, index, volumes).open_triangles, 2u) << "the corners are out by a millionth";
+    EXPECT_EQ(judge_level(mesh, index, volumes).outside, 6u) << "three of each triangle; no other point comes so near";
+    volumes = {ball({0, 0, 0}, 1)};
+    const auto round = judge_level(mesh, index, volumes);
     EXPECT_NEAR(round.uncovered, 4 - M_PI, 0.15);
     EXPECT_NEAR(double(round.outside) / double(round.points), (4 - M_PI) / 4, 0.01);
-    // Four spheres around the quarters leave nothing out, and meet in the middle alone.
-    spheres.clear();
-    for (const double x : {-0.5, 0.5})
-        for (const double y : {-0.5, 0.5}) spheres.push_back({{x, y, 0}, std::sqrt(0.5)});
-    EXPECT_EQ(judge_spheres(mesh, tree, spheres).open_triangles, 0u);
-    for (TreeSphere& s : spheres) s.radius -= 1e-9;
-    EXPECT_EQ(judge_spheres(mesh, tree, spheres).open_triangles, 2u);
-    // Slabs that the square lies beside.
-    for (TreeSphere& s : spheres) s = {s.centre + Vector3d(0, 0, 0.1), 2, Vector3d::UnitZ(), 0.1};
-    EXPECT_EQ(judge_spheres(mesh, tree, spheres).open_triangles, 0u);
-    for (TreeSphere& s : spheres) s.half = 0.0999;
-    EXPECT_NEAR(judge_spheres(mesh, tree, spheres).uncovered, 4, 1e-12);
+    // Four around the quarters leave nothing out, and meet in the middle alone: as spheres, and as flat boxes.
+    for (const bool boxes : {false, true}) {
+        SCOPED_TRACE(boxes);
+        for (const double less : {0.0, 1e-9}) {
+            volumes.clear();
+            for (const double x : {-0.5, 0.5})
+                for (const double y : {-0.5, 0.5})
+                    volumes.push_back(boxes ? BoundingVolume{.centre = {x, y, 0}, .half = {0.5 - less, 0.5 - less, 0}}
+                                            : ball({x, y, 0}, std::sqrt(0.5) - less));
+            EXPECT_EQ(judge_level(mesh, index, volumes).open_triangles, less > 0 ? 2u : 0u);
+        }
+    }
+    // A box that the square lies in a face of, and one that ends below it.
+    volumes = {{.centre = {0, 0, 0.1}, .half = {1, 1, 0.1}}};
+    EXPECT_EQ(judge_level(mesh, index, volumes).open_triangles, 0u);
+    volumes[0].half.z() = 0.0999;
+    EXPECT_NEAR(judge_level(mesh, index, volumes).uncovered, 4, 1e-12);
 }
 
 // The command
@@ -122,44 +151,48 @@ TEST_F(Spheres, ListsCountsAndCoverageOfEveryLevel)
     EXPECT_NE(outcome.err.find("cube.off: 12 triangles, closed; longest side 1 m"), std::string::npos) << outcome.err;
     const nlohmann::json result = nlohmann::json::parse(outcome.out);
     EXPECT_EQ(result.at("header").at("depth"), 3);
-    const std::size_t counts[] = {1, 8, 56, 296};
-    std::size_t all = 0;
+    const std::size_t spheres[] = {1, 8, 56, 296}, boxes[] = {1, 8, 12};
     for (const auto& level : result.at("levels")) {
         const int l = level.at("level");
-        EXPECT_EQ(level.at("spheres"), counts[l]);
+        const bool sphere = level.at("kind") == "sphere";
+        EXPECT_EQ(level.at("count"), sphere ? spheres[l] : boxes[l]);
         EXPECT_EQ(level.at("open_triangles"), 0);
         EXPECT_EQ(level.at("points_outside"), 0);
-        EXPECT_NEAR(level.at("certified").get<double>(), std::sqrt(3) * std::ldexp(1.0, -l), 1e-4);
+        if (sphere) EXPECT_NEAR(level.at("certified").get<double>(), std::sqrt(3) * std::ldexp(1.0, -l), 1e-4);
         EXPECT_LE(level.at("over_reach").at("worst"), level.at("certified"));
         EXPECT_GE(level.at("over_reach").at("worst"), level.at("over_reach_outside").at("worst"));
-        if (level.at("kind") == "plain") all += counts[l];
     }
-    EXPECT_EQ(result.at("levels").size(), 1 + 3 * 3u);
-    EXPECT_EQ(result.at("spheres").size(), all);
-    EXPECT_NEAR(result.at("spheres").at(0).at(4).get<double>(), std::sqrt(3) / 2, 1e-6) << "the root's radius";
+    EXPECT_EQ(result.at("levels").size(), 4 + 3u);
+    EXPECT_EQ(result.at("rows").size(), 1 + 8 + 56 + 296u);
+    EXPECT_EQ(result.at("columns").at(5), "radius");
+    EXPECT_NEAR(result.at("rows").at(0).at(5).get<double>(), std::sqrt(3) / 2, 1e-6) << "the root's radius";
 
     std::istringstream rows(folder_.read("s.csv"));
     std::string row;
     std::getline(rows, row);
-    EXPECT_EQ(row, "level,cell,x,y,z,radius,normal_x,normal_y,normal_z,half_thickness");
+    EXPECT_EQ(row, "level,cell,x,y,z,radius,over_reach,over_reach_outside");
     std::size_t count = 0;
     while (std::getline(rows, row)) ++count;
-    EXPECT_EQ(count, all);
+    EXPECT_EQ(count, result.at("rows").size());
 }
 
-TEST_F(Spheres, WritesTightOnesWithTheirSlabs)
+TEST_F(Spheres, WritesTightOnesAsOrientedBoxes)
 {
     ASSERT_EQ(run({"spheres", "cube.off", "--depth", "2", "--quiet", "--spheres", "tight", "--json", "s.json"}).code,
               0);
     const nlohmann::json result = read_json("s.json");
-    const double root = result.at("spheres").at(0).at(4);
-    int thin = 0;
-    for (const auto& s : result.at("spheres")) {
-        EXPECT_LE(s.at(4).get<double>(), root * std::ldexp(1.0, -s.at(0).get<int>()) * (1 + 1e-12));
-        EXPECT_NEAR(std::hypot(s.at(5).get<double>(), s.at(6).get<double>(), s.at(7).get<double>()), 1, 1e-12);
-        thin += s.at(8).get<double>() < 0.1 * s.at(4).get<double>();
+    ASSERT_EQ(result.at("columns").size(), 18u);
+    ASSERT_EQ(result.at("rows").size(), 1 + 8 + 12u);
+    for (const auto& row : result.at("rows")) {
+        ASSERT_EQ(row.size(), 18u);
+        const std::vector<double> box = row;
+        for (const int axis : {7, 10, 13}) EXPECT_NEAR(std::hypot(box[axis], box[axis + 1], box[axis + 2]), 1, 1e-6);
+        if (box[0] < 2) continue;
+        EXPECT_LT(*std::min_element(&box[4], &box[7]), 1e-4) << "one triangle is flat";
+        EXPECT_NEAR(*std::max_element(&box[4], &box[7]), std::sqrt(2) / 2, 1e-3) << "its longest side, halved";
+        EXPECT_NEAR(box[16], std::sqrt(2) / 2, 1e-3) << "in the plane the box is twice as large as the triangle";
+        EXPECT_LT(box[17], 1e-3) << "but does not stand out of the cube";
     }
-    EXPECT_EQ(thin, 24) << "the four cells in the middle of each side hold a square";
 }
 
 TEST_F(Spheres, OfAPointAreTheEightCellsThatMeetInIt)
@@ -167,7 +200,7 @@ TEST_F(Spheres, OfAPointAreTheEightCellsThatMeetInIt)
     folder_.write("point.obj", "v 1 2 3\nf 1 1 1\n");
     ASSERT_EQ(run({"spheres", "point.obj", "--depth", "2", "--quiet", "--json", "s.json"}).code, 0);
     for (const auto& level : read_json("s.json").at("levels"))
-        EXPECT_EQ(level.at("spheres"), level.at("level") == 0 ? 1 : 8);
+        EXPECT_EQ(level.at("count"), level.at("level") == 0 ? 1 : 8);
 }
 
 TEST_F(Spheres, MaxErrorChoosesTheDepth)

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/narrowphase/triangle_walk.hpp>
+
 #include "../tree_pair.hpp"
 
 namespace oncollide::tools {
@@ -11,17 +13,11 @@ using Promise = NarrowContender::Promise;
 
 /// The walk of two sphere-trees. The trees grow as poses need them: only in the warm-up pass, as
 /// every pose is met there.
-class WalkPeer final : public NarrowPeer {
+class SpheresPeer final : public NarrowPeer {
 public:
-    WalkPeer(const Mesh& a, const Mesh& b, const Settings& settings) : trees_(fill(scene_, a, b), settings) {}
+    SpheresPeer(const Mesh& a, const Mesh& b, const Settings& settings) : trees_(fill(scene_, a, b), settings) {}
 
     bool collides(const Eigen::Isometry3d& b) override { return trees_.walk(b).status != WalkStatus::separate; }
-    void all_pairs(const Eigen::Isometry3d& b, std::vector<TrianglePair>& pairs) override
-    {
-        trees_.all_meeting(b, found_);
-        pairs.clear();
-        for (TriangleMeeting m : found_) pairs.push_back({m.a, m.b});
-    }
 
 private:
     static Scene& fill(Scene& scene, const Mesh& a, const Mesh& b)
@@ -33,7 +29,6 @@ private:
 
     Scene scene_;
     TreePair trees_;
-    std::vector<TriangleMeeting> found_;
 };
 
 NarrowContender walk(int depth)
@@ -45,24 +40,65 @@ NarrowContender walk(int depth)
             .make = [depth](const Mesh& a, const Mesh& b) {
                 Settings settings;
                 settings.depth = depth;
-                return std::make_unique<WalkPeer>(a, b, settings);
+                return std::make_unique<SpheresPeer>(a, b, settings);
             }};
 }
 
-/// Exact predicates on the leaves of the trees, whose depth follows the number of triangles.
+/// The walk of two trees of oriented boxes, which grow in the same way.
+class BoxesPeer : public NarrowPeer {
+public:
+    BoxesPeer(const Mesh& a, const Mesh& b) : a_(a), b_(b) {}
+
+    bool collides(const Eigen::Isometry3d& b) override { return walk_.first_meeting(a_, b_, at(b)).has_value(); }
+    void all_pairs(const Eigen::Isometry3d& b, std::vector<TrianglePair>& pairs) override
+    {
+        walk_.all_meeting(a_, b_, at(b), found_);
+        pairs.clear();
+        for (TriangleMeeting m : found_) pairs.push_back({m.a, m.b});
+    }
+    double distance(const Eigen::Isometry3d& b) override { return walk_.distance(a_, b_, at(b), 0).upper; }
+
+protected:
+    static IntoA at(const Eigen::Isometry3d& b) { return {Eigen::Isometry3d::Identity(), b}; }
+
+    TriangleTree a_, b_;
+    TriangleWalk walk_;
+
+private:
+    std::vector<TriangleMeeting> found_;
+};
+
 NarrowContender exact()
 {
     return {.name = "exact",
-            .what = "oncollide sphere-trees, tight, and exact predicates",
+            .what = "oncollide oriented boxes, exact predicates",
             .group = Contender::Group::oncollide,
             .promise = Promise::exact,
             .answers_all = true,
-            .make = [](const Mesh& a, const Mesh& b) {
-                Settings settings;
-                settings.depth = 1;
-                settings.exact = ExactLevel::predicates;
-                return std::make_unique<WalkPeer>(a, b, settings);
-            }};
+            .answers_distance = true,
+            .make = [](const Mesh& a, const Mesh& b) { return std::make_unique<BoxesPeer>(a, b); }};
+}
+
+/// Its error is a part of the size of the larger mesh, the diagonal of its box.
+class NearPeer final : public BoxesPeer {
+public:
+    NearPeer(const Mesh& a, const Mesh& b, double error)
+        : BoxesPeer(a, b), error_(error * 2 * std::max(a_.radius(), b_.radius()))
+    {
+    }
+    bool collides(const Eigen::Isometry3d& b) override { return walk_.near(a_, b_, at(b), 0, error_).near; }
+
+private:
+    double error_;
+};
+
+NarrowContender near(double error)
+{
+    return {.name = fmt::format("near-{}%", 100 * error),
+            .what = fmt::format("oncollide oriented boxes, error {} % of size", 100 * error),
+            .group = Contender::Group::oncollide,
+            .promise = Promise::conservative,
+            .make = [error](const Mesh& a, const Mesh& b) { return std::make_unique<NearPeer>(a, b, error); }};
 }
 
 } // namespace
@@ -70,6 +106,7 @@ NarrowContender exact()
 void add_narrow_oncollide(std::vector<NarrowContender>& all)
 {
     all.push_back(exact());
+    for (double error : {0.001, 0.01}) all.push_back(near(error));
     for (int depth : {5, 6, 7, 8}) all.push_back(walk(depth));
 }
 

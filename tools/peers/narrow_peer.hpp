@@ -41,7 +41,7 @@ struct NarrowContender {
     /// errors are only counted.
     enum class Promise { exact, conservative, approximate } promise = Promise::exact;
     bool answers_all = false, answers_distance = false; ///< beside collides()
-    std::size_t least = 1; ///< triangles a mesh must have, or it crashes
+    std::size_t least = 1;                              ///< triangles a mesh must have, or it crashes
     /// Builds what it keeps between questions.
     std::function<std::unique_ptr<NarrowPeer>(const Mesh& a, const Mesh& b)> make;
 };

@@ -1,0 +1,33 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+
+namespace oncollide {
+
+/// Eight oriented boxes around parts of one mesh, in its tree's frame, quantised. Box k has its centre at origin + unit
+/// (x, y, z)[k], half-extents unit (hx, hy, hz)[k], and axes turned by the quaternion (qw, qx, qy, qz)[k] / 32767,
+/// brought to unit length as axes_of() does. Lanes past the last box are zero.
+struct alignas(16) BoxNode {
+    std::int16_t x[8], y[8], z[8];
+    std::int16_t qw[8], qx[8], qy[8], qz[8];
+    std::uint16_t hx[8], hy[8], hz[8];
+    float origin[3];
+    float unit;
+    std::uint32_t begin[8]; ///< the triangles of box k are [begin[k], begin[k] + count[k]) of the tree's order
+    std::uint32_t count[8];
+    std::uint32_t child[8]; ///< node of box k's parts; 0: not grown yet, or a leaf. Other threads may set it
+    std::uint32_t lanes;    ///< boxes here
+    std::uint32_t leaves;   ///< a bit for each box that counts as a leaf
+    std::uint32_t singles;  ///< and for each of one triangle
+};
+
+/// Eight boxes of one node as the box test reads them: in A's frame, metres. Box k is the points c + u a1 + v a2 + w a3
+/// with |u|, |v|, |w| up to h1, h2, h3.
+struct alignas(32) OpenBoxes {
+    float c[3][8];
+    float axis[3][3][8]; ///< [which axis][component]
+    float h[3][8];
+    float size[8]; ///< squared radii
+};
+
+} // namespace oncollide

@@ -1,0 +1,100 @@
+#include <oncollide/pipeline/mesh_pairs.hpp>
+
+#include <algorithm>
+
+#include <oncollide/scenes/parallel.hpp>
+
+namespace oncollide {
+
+namespace {
+
+constexpr std::size_t pairs_a_chunk = 64;
+
+TriangleWalk::Nearness meet(TriangleWalk& walk, TriangleTree& a, TriangleTree& b, const IntoA& into_a, double clearance,
+                            std::optional<TriangleMeeting> hint)
+{
+    const auto meeting = walk.first_meeting(a, b, into_a, hint);
+    if (meeting || clearance == 0) return {meeting.has_value(), 0, meeting};
+    // Poses may be 2^-20 from rigid: so far may a distance in A's frame be from that in the world. And where rounding
+    // leaves open on which side of the clearance it is, it must be found as well.
+    constexpr double rigid = 0x1p-18;
+    const double farthest = clearance + 4 * rigid * clearance + 0x1p-30 * (a.radius() + b.radius());
+    const auto distance = walk.distance(a, b, into_a, 0, farthest);
+    const double lower = distance.lower * (1 - rigid);
+    if (lower > clearance) return {false, lower, {}};
+    return {true, distance.upper * (1 + rigid), {}};
+}
+
+} // namespace
+
+bool MeshPairs::admit(const Scene& scene, const Frame& frame, BodyPair pair)
+{
+    return forest_.admit_triangles(scene.geometry[pair.a], frame.number) &&
+           forest_.admit_triangles(scene.geometry[pair.b], frame.number);
+}
+
+void MeshPairs::make_walks(int threads)
+{
+    while (walks_.size() < static_cast<std::size_t>(std::max(threads, 1))) walks_.emplace_back();
+}
+
+/// answer(ask, walk, tree a, tree b, pose, hint), on all threads. Asks are sorted by pair, as what met last.
+template <class Answer>
+void MeshPairs::run(const Scene& scene, Frame& frame, std::span<Ask> asks, Answer answer)
+{
+    make_walks(frame.threads);
+    parallel_chunks(asks.size(), pairs_a_chunk, frame.threads, [&](std::size_t begin, std::size_t end, int thread) {
+        auto last = std::lower_bound(met_.begin(), met_.end(), asks[begin].pair,
+                                     [](const Met& met, BodyPair pair) { return met.pair < pair; });
+        for (Ask& ask : asks.subspan(begin, end - begin)) {
+            const auto [a, b] = ask.pair;
+            while (last != met_.end() && last->pair < ask.pair) ++last;
+            std::optional<TriangleMeeting> hint;
+            if (last != met_.end() && last->pair == ask.pair) hint = last->triangles;
+            ask.answer = answer(walks_[static_cast<std::size_t>(thread)], scene.geometry[a], scene.geometry[b],
+                                IntoA(scene.poses[a], scene.poses[b]), hint);
+        }
+    });
+    met_.clear();
+    if (frame.settings->coherence)
+        for (const Ask& ask : asks)
+            if (ask.answer.meeting) met_.push_back({ask.pair, *ask.answer.meeting});
+    for (TriangleWalk& walk : walks_) {
+        frame.trees.node_pairs += walk.counts().box_rows, frame.trees.triangle_pairs += walk.counts().triangles;
+        walk.reset_counts();
+    }
+}
+
+void MeshPairs::near(const Scene& scene, Frame& frame, std::span<Ask> asks)
+{
+    run(scene, frame, asks, [&](TriangleWalk& walk, GeometryId a, GeometryId b, const IntoA& into_a, const auto& hint) {
+        TriangleTrees& trees = forest_.triangle_trees();
+        return walk.near(trees[a], trees[b], into_a, frame.settings->clearance, forest_.tolerance(a, b), hint);
+    });
+}
+
+void MeshPairs::meet(const Scene& scene, Frame& frame, std::span<Ask> asks)
+{
+    run(scene, frame, asks, [&](TriangleWalk& walk, GeometryId a, GeometryId b, const IntoA& into_a, const auto& hint) {
+        TriangleTrees& trees = forest_.triangle_trees();
+        return oncollide::meet(walk, trees[a], trees[b], into_a, frame.settings->clearance, hint);
+    });
+}
+
+void MeshPairs::distances(const Scene& scene, const Frame& frame, std::span<const Ask> asks, double tolerance,
+                          double farthest, std::vector<TriangleWalk::Distance>& found)
+{
+    make_walks(frame.threads);
+    found.resize(asks.size());
+    TriangleTrees& trees = forest_.triangle_trees();
+    parallel_chunks(asks.size(), pairs_a_chunk, frame.threads, [&](std::size_t begin, std::size_t end, int thread) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const auto [a, b] = asks[i].pair;
+            found[i] = walks_[static_cast<std::size_t>(thread)].distance(
+                trees[scene.geometry[a]], trees[scene.geometry[b]], IntoA(scene.poses[a], scene.poses[b]), tolerance,
+                farthest);
+        }
+    });
+}
+
+} // namespace oncollide

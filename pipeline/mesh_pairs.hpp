@@ -1,0 +1,47 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include <oncollide/narrowphase/triangle_walk.hpp>
+#include <oncollide/pipeline/forest.hpp>
+#include <oncollide/pipeline/frame.hpp>
+
+namespace oncollide {
+
+/// Asks many pairs of meshes at once, by their trees of oriented boxes, and remembers the triangles that met: next
+/// frame they are tried first.
+class MeshPairs {
+public:
+    explicit MeshPairs(Forest& forest) : forest_(forest) {}
+
+    /// May the pair be asked? False when one is no mesh, or when a budget has no room for its tree.
+    bool admit(const Scene& scene, const Frame& frame, BodyPair pair);
+
+    struct Ask {
+        BodyPair pair;
+        TriangleWalk::Nearness answer{}; ///< out
+    };
+    /// Are they near, by the clearance and the error that the settings allow?
+    void near(const Scene& scene, Frame& frame, std::span<Ask> asks);
+    /// Do they meet, exactly? With a clearance, those that do not but are within it are near, bounded by their
+    /// distance.
+    void meet(const Scene& scene, Frame& frame, std::span<Ask> asks);
+    /// How far apart are they? As TriangleWalk::distance(); found[i] for asks[i].
+    void distances(const Scene& scene, const Frame& frame, std::span<const Ask> asks, double tolerance, double farthest,
+                   std::vector<TriangleWalk::Distance>& found);
+
+private:
+    struct Met {
+        BodyPair pair;
+        TriangleMeeting triangles;
+    };
+    void make_walks(int threads);
+    template <class Answer>
+    void run(const Scene& scene, Frame& frame, std::span<Ask> asks, Answer answer);
+
+    Forest& forest_;
+    std::vector<TriangleWalk> walks_; ///< by thread
+    std::vector<Met> met_;            ///< last frame's, sorted by pair
+};
+
+} // namespace oncollide

@@ -1,0 +1,115 @@
+// Eight pairs of triangles at a time against the exact test of one.
+#include <gtest/gtest.h>
+
+#include <oncollide/broadphase/cpu_features.hpp>
+#include <oncollide/narrowphase/into_a.hpp>
+#include <oncollide/narrowphase/triangle_kernel.hpp>
+
+#include "triangle_families.hpp"
+
+namespace oncollide {
+namespace {
+
+struct Kernel {
+    std::string name;
+    JudgePairs* judge;
+};
+
+std::vector<Kernel> kernels()
+{
+    std::vector<Kernel> all{{"baseline", baseline::judge_pairs()}};
+    if (instruction_set() >= InstructionSet::avx2) all.push_back({"avx2", avx2::judge_pairs()});
+    if (instruction_set() >= InstructionSet::avx512) all.push_back({"avx512", avx512::judge_pairs()});
+    return all;
+}
+
+/// Rotations, scales, and axes so different that some products of coordinates underflow or overflow and others do not.
+std::vector<Eigen::Matrix3d> maps()
+{
+    std::vector<Eigen::Matrix3d> all;
+    for (const double scale : {1.0, 1e-9, 1e9, 0x1p-900, 0x1p-1060, 0x1p500, 0x1p970}) {
+        all.push_back(scale * Eigen::Matrix3d::Identity());
+        all.push_back(scale * GridPoints(12).rotation());
+    }
+    for (const auto& [one, two] : {std::pair(290, -550), std::pair(-340, 600)})
+        for (int axis = 0; axis < 3; ++axis) {
+            Eigen::Vector3d scale = Eigen::Vector3d::Constant(std::ldexp(1, two));
+            scale[axis] = std::ldexp(1, one);
+            all.emplace_back(scale.asDiagonal());
+        }
+    return all;
+}
+
+/// Is it of a scale that the filter is made for?
+bool ordinary(const Eigen::Matrix3d& map)
+{
+    return map.norm() < 1e20 && map.norm() > 1e-20;
+}
+
+class EveryFamilyInEights : public testing::TestWithParam<TriangleFamily> {};
+
+TEST_P(EveryFamilyInEights, IsJudgedAsTheExactTestDoesOrLeftOpen)
+{
+    for (const Eigen::Matrix3d& map : maps()) {
+        GridPoints random(11);
+        std::size_t open = 0, pairs = 0, meeting = 0;
+        for (unsigned turn = 0; turn < 70; ++turn) {
+            constexpr unsigned count = 8;
+            std::vector<TrianglePair> eight;
+            std::vector<bool> truth;
+            for (unsigned i = 0; i < count; ++i) {
+                eight.push_back(moved(GetParam().make(random), map, Eigen::Vector3d::Zero()));
+                truth.push_back(triangles_meet(eight[i].first, eight[i].second));
+                meeting += truth.back();
+            }
+            CornersOfPairs corners;
+            for (unsigned i = 0; i < count; ++i)
+                for (unsigned k = 0; k < 3; ++k)
+                    corners.a[k][i] = eight[i].first[k].data(), corners.b[k][i] = eight[i].second[k].data();
+            pairs += count;
+            const IntoA stay(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
+            for (const Kernel& kernel : kernels()) {
+                const PairVerdicts verdicts = kernel.judge(corners, stay.turn.data(), stay.shift.data());
+                for (unsigned i = 0; i < count; ++i) {
+                    const bool separate = verdicts.separate >> i & 1, known = verdicts.known >> i & 1;
+                    EXPECT_TRUE(known || !separate) << kernel.name;
+                    if (known) {
+                        EXPECT_EQ(separate, !truth[i]) << kernel.name << " map\n" << map;
+                    } else {
+                        ++open;
+                    }
+                }
+            }
+        }
+        if (GetParam().name == "random large" && ordinary(map)) {
+            EXPECT_LE(open, kernels().size() * pairs / 100) << "a filter that knows";
+            EXPECT_GT(meeting, 10u);
+        }
+    }
+}
+
+TEST(TriangleKernel, MovesPointsToTheLastBitAsTheExactTestIsTold)
+{
+    // Triangles of B that end exactly on, or one step of a double above, a corner of A after the move.
+    GridPoints random(21);
+    const Eigen::Isometry3d a = Eigen::Isometry3d(random.rotation()), b = Eigen::Translation3d(0.3, 0.7, 0.1) * a;
+    const IntoA into_a(a, b);
+    for (int turn = 0; turn < 200; ++turn) {
+        TrianglePoints of_b{random.point(9), random.point(9), random.point(9)};
+        TrianglePoints of_a{into_a(of_b[0]), into_a(of_b[0]), into_a(of_b[0])};
+        of_a[1].z() += 1, of_a[2].x() += 1; // they share a corner
+        CornersOfPairs corners;
+        for (unsigned i = 0; i < 8; ++i)
+            for (unsigned k = 0; k < 3; ++k) corners.a[k][i] = of_a[k].data(), corners.b[k][i] = of_b[k].data();
+        for (const Kernel& kernel : kernels()) {
+            const PairVerdicts verdicts = kernel.judge(corners, into_a.turn.data(), into_a.shift.data());
+            EXPECT_EQ(verdicts.separate, 0u) << kernel.name << ": they meet";
+        }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(TriangleKernel, EveryFamilyInEights, testing::ValuesIn(triangle_families()),
+                         [](const auto& family) { return test_name(family.param); });
+
+} // namespace
+} // namespace oncollide

@@ -1,0 +1,119 @@
+// The hard cases of 'oncollide accuracy hard': each answered right, whatever stages are left out.
+#include <cctype>
+
+#include <gtest/gtest.h>
+
+#include "body_trial.hpp"
+#include "body_truth.hpp"
+#include "crowd_trial.hpp"
+#include "triangle_distance.hpp"
+#include "triangle_trial.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+std::vector<std::string> families()
+{
+    std::vector<std::string> names;
+    for (const BodyCase& c : body_cases())
+        if (names.empty() || names.back() != c.family) names.push_back(c.family);
+    return names;
+}
+
+class HardCases : public testing::TestWithParam<std::string> {};
+
+/// Each case meets a part of the variants, and all of them meet some case of each family.
+TEST_P(HardCases, AreAnsweredRightByEveryCombinationOfStages)
+{
+    constexpr std::size_t parts = 24;
+    const std::vector<Variant> all = all_variants();
+    std::size_t number = 0;
+    Tally sum;
+    for (const BodyCase& c : body_cases()) {
+        if (c.family != GetParam()) continue;
+        std::vector<Variant> variants;
+        for (std::size_t k = number++ % parts; k < all.size(); k += parts) variants.push_back(all[k]);
+        sum += try_bodies(c, variants);
+    }
+    EXPECT_EQ(sum.missed, 0u) << sum.first_fault;
+    EXPECT_EQ(sum.wrong, 0u) << sum.first_fault;
+    EXPECT_EQ(sum.broken, 0u) << sum.first_fault;
+    EXPECT_EQ(sum.changed, 0u) << sum.first_fault;
+    EXPECT_GE(sum.cases, 5u);
+    EXPECT_GT(sum.bounds, 100u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Families, HardCases, testing::ValuesIn(families()), [](const auto& family) {
+    std::string name;
+    for (char c : family.param)
+        if (std::isalnum(static_cast<unsigned char>(c))) name += c;
+    return name;
+});
+
+TEST(HardCrowd, IsAnsweredAlikeByAnyNumberOfThreadsAndBackend)
+{
+    std::vector<BodyCase> some;
+    const std::vector<BodyCase> all = body_cases();
+    for (std::size_t k = 0; k < all.size(); k += 4) some.push_back(all[k]);
+    const Tally tally = try_crowd(some, std::vector<int>{1, 3}, true);
+    EXPECT_EQ(tally.faults(), 0u) << tally.first_fault;
+    EXPECT_GT(tally.answers, 1000u);
+}
+
+TEST(HardTriangles, AreAnsweredRightWhereFclErrs)
+{
+    Tally sum;
+    for (const TriangleFamily& family : triangle_families())
+        for (bool turned : {false, true}) {
+            const Tally one = try_triangles(family, 600, turned, 1), two = try_triangles(family, 600, turned, 2);
+            EXPECT_EQ(one.faults(), 0u) << one.family << ": " << one.first_fault;
+            EXPECT_EQ(one.fcl_missed, two.fcl_missed);
+            EXPECT_EQ(one.fcl_false, two.fcl_false);
+            EXPECT_EQ(one.cases, 600u);
+            sum += one;
+        }
+    EXPECT_GT(sum.fcl_missed, 10u);
+    EXPECT_GT(sum.fcl_false, 100u);
+}
+
+/// The truth is held against what the cases were made for by try_bodies; here, that it is sharp.
+TEST(BodyTruth, KnowsDistancesToTheLastDigits)
+{
+    double loosest = 0;
+    int apart = 0;
+    for (const BodyCase& c : body_cases()) {
+        const BodyTruth truth = truth_of(c.a, c.pose_a, c.b, c.poses_b.front());
+        EXPECT_LE(truth.low, truth.high);
+        EXPECT_FALSE(truth.deep && !truth.collide);
+        if (truth.collide) {
+            EXPECT_LE(truth.high, 0x1p-50 * truth.size) << c.family << ": " << c.name;
+            continue;
+        }
+        ++apart;
+        const double slack = (truth.high - truth.low) / (1e-6 * truth.high + 0x1p-54 * truth.size);
+        if (slack > 1) ADD_FAILURE() << c.family << ": " << c.name << ", " << truth.low << " to " << truth.high;
+        loosest = std::max(loosest, slack);
+    }
+    EXPECT_GT(apart, 80);
+}
+
+TEST(TriangleDistance, IsThatOfFacesEdgesAndCorners)
+{
+    const TriangleL floor{Vector3l(0, 0, 0), Vector3l(4, 0, 0), Vector3l(0, 4, 0)};
+    const auto check = [&](Vector3l a, Vector3l b, Vector3l c, long double expected) {
+        for (const DistanceRange range : {triangle_distance(floor, {a, b, c}), triangle_distance({c, a, b}, floor)}) {
+            EXPECT_NEAR(double(range.high), double(expected), 1e-18);
+            EXPECT_NEAR(double(range.low), double(expected), 1e-18);
+        }
+    };
+    check({1, 1, 0.25L}, {2, 1, 1}, {1, 2, 3}, 0.25L);              // a corner over the face
+    check({-3, -4, 1}, {-3, -4, 2}, {-5, -6, 2}, std::sqrt(26.0L)); // corner and corner
+    check({2, -1, -1}, {2, -1, 1}, {3, -5, 0}, 1);                  // edge across edge
+    check({1, 1, -1}, {1, 1, 1}, {9, 9, 0}, 0);                     // an edge through the face
+    check({1, 1, 0.5L}, {1, 1, 0.5L}, {1, 1, 0.5L}, 0.5L);          // a point
+    check({-1, -3, 0}, {-1, 5, 0}, {-1, 5, 0}, 1);                  // a segment beside an edge
+    check({1, 1, 0}, {2, 1, 0}, {1, 2, 0}, 0);                      // inside, in one plane
+}
+
+} // namespace
+} // namespace oncollide::tools

@@ -1,0 +1,66 @@
+#include "command_fixture.hpp"
+
+namespace oncollide::test {
+namespace {
+
+TEST_F(CommandLine, AccuracyHardCountsWhatFclGetsWrong)
+{
+    const Outcome outcome = run({"accuracy", "hard", "--count", "2000", "--family", "vertex on face", "--family",
+                                 "touching boxes", "--csv", "hard.csv", "--json", "hard.json", "--threads", "2"});
+    ASSERT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+    EXPECT_NE(outcome.out.find("no collision missed"), std::string::npos) << outcome.out;
+    const nlohmann::json rows = read_json("hard.json")["families"];
+    ASSERT_EQ(rows.size(), 3u);
+    EXPECT_EQ(rows[0]["family"], "vertex on face");
+    EXPECT_EQ(rows[1]["family"], "vertex on face, turned");
+    EXPECT_EQ(rows[2]["family"], "touching boxes");
+    for (const nlohmann::json& row : rows)
+        for (const char* fault : {"missed", "wrong", "bounds_broken", "changed"}) EXPECT_EQ(row[fault], 0) << row;
+    EXPECT_EQ(rows[0]["cases"], 2000);
+    EXPECT_GT(rows[0]["fcl_missed"], 0);
+    EXPECT_GT(rows[1]["fcl_false"], 0);
+    EXPECT_GT(rows[2]["bounds"], 10000);
+    const std::string csv = folder_.read("hard.csv");
+    EXPECT_TRUE(csv.starts_with("family,cases,answers,missed,wrong,")) << csv;
+    EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);
+}
+
+TEST_F(CommandLine, AccuracyHardReadsErlebensQueries)
+{
+    std::filesystem::create_directories(folder_.path() / "queries");
+    for (const char* kind : {"erleben-spikes", "erleben-wedges", "erleben-cube-internal-edges"}) {
+        std::filesystem::create_directory(folder_.path() / "queries" / kind);
+        const std::string folder = fmt::format("queries/{}/", kind);
+        // A corner over a face at t0 and on it at t1; two edges apart, then crossing.
+        folder_.write(folder + "vertex-face.csv", "1,2,1,4,1,1,1\n0,1,0,1,0,1,1\n1,1,0,1,0,1,1\n0,1,1,1,0,1,1\n"
+                                                  "1,2,1,4,0,1,1\n0,1,0,1,0,1,1\n1,1,0,1,0,1,1\n0,1,1,1,0,1,1\n");
+        folder_.write(folder + "edge-edge.csv", "-1,1,0,1,1,1,1\n1,1,0,1,1,1,1\n0,1,-1,1,0,1,1\n0,1,1,1,0,1,1\n"
+                                                "-1,1,0,1,0,1,1\n1,1,0,1,0,1,1\n0,1,-1,1,0,1,1\n0,1,1,1,0,1,1\n");
+    }
+    const std::vector<std::string> command{"accuracy", "hard",      "--family", "Erleben's wedges",
+                                           "--json",   "hard.json", "--data",   folder_.path().string()};
+    const Outcome outcome = run(command);
+    ASSERT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+    const nlohmann::json rows = read_json("hard.json")["families"];
+    ASSERT_EQ(rows.size(), 1u);
+    EXPECT_EQ(rows[0]["cases"], 4);
+    EXPECT_EQ(rows[0]["fcl_missed"], 0) << "they touch at both t1";
+    folder_.write("queries/erleben-wedges/edge-edge.csv", "1,2,3\n");
+    expect_error(65, command, {"erleben-wedges/edge-edge.csv: line 1", "seven numbers"});
+    folder_.write("queries/erleben-wedges/edge-edge.csv", "0,1,0,1,0,1,0\n");
+    expect_error(65, command, {"erleben-wedges/edge-edge.csv", "within a query"});
+}
+
+TEST_F(CommandLine, AccuracyHardRefusesWhatMakesNoSense)
+{
+    expect_error(64, {"accuracy", "hard", "--family", "spheres"}, {"'spheres'", "coplanar", "touching boxes"});
+    expect_error(64, {"accuracy", "hard", "--count", "0"}, {"--count 0", "at least 1"});
+    expect_error(64, {"accuracy", "hard", "--threads", "-1"}, {"--threads -1"});
+    expect_error(64, {"accuracy", "hard", "--csv", "x", "--json", "x"}, {"both go to x"});
+    expect_error(64, {"accuracy", "hard", "paper"}, {"unexpected argument 'paper'"});
+    expect_error(64, {"accuracy"}, {"scene is required"});
+    expect_error(73, {"accuracy", "hard", "--csv", "no/where.csv"}, {"no/where.csv"});
+}
+
+} // namespace
+} // namespace oncollide::test

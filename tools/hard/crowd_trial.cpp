@@ -1,0 +1,118 @@
+#include "crowd_trial.hpp"
+
+#include <map>
+
+#include <fmt/format.h>
+
+#include <oncollide/pipeline/mesh_queries.hpp>
+#include <oncollide/pipeline/pipeline.hpp>
+
+#include "body_truth.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+Scene crowd_of(const std::vector<BodyCase>& cases)
+{
+    Scene scene;
+    for (std::size_t k = 0; k < cases.size(); ++k) {
+        const BodyCase& c = cases[k];
+        const auto add = [&](const char* which, const Mesh& mesh, const Eigen::Isometry3d& pose) {
+            const std::string name = fmt::format("{} {}", k, which);
+            scene.add_body({.name = name, .geometry = scene.add(name, mesh), .pose = pose});
+        };
+        add("a", c.a, c.pose_a), add("b", c.b, c.poses_b.front());
+    }
+    return scene;
+}
+
+class Crowd {
+public:
+    explicit Crowd(const std::vector<BodyCase>& cases) : cases_(cases), scene_(crowd_of(cases))
+    {
+        for (const BodyCase& c : cases) truths_.push_back(truth_of(c.a, c.pose_a, c.b, c.poses_b.front()).collide);
+        tally_.family = "all of them at once", tally_.cases = cases.size();
+    }
+
+    /// The first run with settings of one `kind` gives the hash that the others must have.
+    void run(const std::string& kind, const std::string& name, const Settings& settings)
+    {
+        Pipeline pipeline(scene_, settings);
+        std::vector<Verdict> verdicts(cases_.size(), Verdict::separate);
+        for (int frame = 0; frame < 2; ++frame) {
+            for (const PairResult& pair : pipeline.step(scene_).pairs)
+                if (index(pair.b) == index(pair.a) + 1 && index(pair.a) % 2 == 0)
+                    verdicts[index(pair.a) / 2] = pair.verdict;
+            for (std::size_t k = 0; k < cases_.size(); ++k)
+                judge(k, verdicts[k], settings.exact == ExactLevel::predicates, fmt::format("{}, {}", kind, name));
+        }
+        const auto [first, fresh] = hashes_.try_emplace(kind, pipeline.hash());
+        if (!fresh && first->second != pipeline.hash())
+            tally_.fault(&Tally::changed, fmt::format("{}, {}: another result hash than with one thread", kind, name));
+    }
+
+    void ask_queries(ExactLevel exact, int threads)
+    {
+        std::vector<Mesh> meshes;
+        std::vector<MeshQuery> queries;
+        for (const BodyCase& c : cases_) {
+            const auto first = std::uint32_t(meshes.size());
+            meshes.push_back(c.a), meshes.push_back(c.b);
+            queries.push_back({first, first + 1, c.pose_a, c.poses_b.front()});
+        }
+        std::vector<MeshAnswer> answers(queries.size());
+        MeshQueries(std::move(meshes), {.exact = exact, .threads = threads}).ask(queries, answers);
+        for (std::size_t k = 0; k < cases_.size(); ++k)
+            judge(k, answers[k].verdict, exact == ExactLevel::predicates,
+                  fmt::format("MeshQueries, exact {}", name_of(exact)));
+    }
+
+    const Tally& tally() const { return tally_; }
+
+private:
+    void judge(std::size_t k, Verdict verdict, bool exact, const std::string& how)
+    {
+        ++tally_.answers;
+        const auto fault = [&](std::uint64_t Tally::*kind) {
+            tally_.fault(kind, fmt::format("{}: {}, in the crowd: {}", cases_[k].family, cases_[k].name, how));
+        };
+        if (truths_[k] && verdict == Verdict::separate) fault(&Tally::missed);
+        if (exact && !truths_[k] && verdict != Verdict::separate) fault(&Tally::wrong);
+        tally_.false_alarms += !exact && !truths_[k] && verdict != Verdict::separate;
+    }
+
+    const std::vector<BodyCase>& cases_;
+    Scene scene_;
+    std::vector<std::uint8_t> truths_;
+    std::map<std::string, std::uint64_t> hashes_;
+    Tally tally_;
+};
+
+} // namespace
+
+Tally try_crowd(const std::vector<BodyCase>& cases, std::span<const int> threads, bool gpu)
+{
+    Crowd crowd(cases);
+    for (ExactLevel exact : {ExactLevel::off, ExactLevel::predicates})
+        for (Spheres spheres : {Spheres::paper, Spheres::tight}) {
+            Settings settings;
+            settings.depth = 5, settings.exact = exact, settings.spheres = spheres;
+            const std::string kind = fmt::format("exact {}, {} spheres", name_of(exact), name_of(spheres));
+            for (int n : threads) {
+                settings.threads = n;
+                crowd.run(kind, fmt::format("{} threads", n), settings);
+            }
+            for (BroadPhaseKind broad : {BroadPhaseKind::octree, BroadPhaseKind::brute_force}) {
+                settings.broad_phase = broad;
+                crowd.run(kind, std::string(name_of(broad)), settings);
+            }
+            if (!gpu || spheres != Spheres::paper) continue;
+            settings.backend = BackendKind::gl_compute;
+            crowd.run(kind, "gl-compute", settings);
+        }
+    for (ExactLevel exact : {ExactLevel::off, ExactLevel::predicates})
+        for (int n : threads) crowd.ask_queries(exact, n);
+    return crowd.tally();
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,170 @@
+// Pairs of triangles that are hard for rounded arithmetic, on grids where their touching is exact.
+#pragma once
+#include <cctype>
+#include <cmath>
+#include <functional>
+#include <ostream>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include <oncollide/narrowphase/triangle_test.hpp>
+
+namespace oncollide {
+
+using TrianglePair = std::pair<TrianglePoints, TrianglePoints>;
+
+/// Random integers, as points of a grid of 2^-20.
+class GridPoints {
+public:
+    explicit GridPoints(std::uint64_t seed) : random_(seed) {}
+
+    int number(int low, int high) { return std::uniform_int_distribution<int>(low, high)(random_); }
+    /// Coordinates within `reach` units.
+    Eigen::Vector3d point(int reach)
+    {
+        return Eigen::Vector3d(number(-reach, reach), number(-reach, reach), number(-reach, reach));
+    }
+    TrianglePoints triangle(int reach) { return {point(reach), point(reach), point(reach)}; }
+    Eigen::Matrix3d rotation()
+    {
+        std::normal_distribution<double> normal;
+        Eigen::Quaterniond q(normal(random_), normal(random_), normal(random_), normal(random_));
+        return q.normalized().toRotationMatrix();
+    }
+
+private:
+    std::mt19937_64 random_;
+};
+
+struct TriangleFamily {
+    std::string name;
+    std::function<TrianglePair(GridPoints&)> make; ///< in units
+};
+
+inline std::ostream& operator<<(std::ostream& out, const TriangleFamily& family)
+{
+    return out << family.name;
+}
+
+/// Its name as gtest wants it.
+inline std::string test_name(const TriangleFamily& family)
+{
+    std::string name = family.name;
+    std::erase_if(name, [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); });
+    return name;
+}
+
+/// Corner + sums of the triangle's edges in sixteenths: in the triangle, on its border now and then. Exact when the
+/// edges are multiples of 16.
+inline Eigen::Vector3d inside(const TrianglePoints& t, GridPoints& random)
+{
+    const int i = random.number(0, 16), j = random.number(0, 16 - i);
+    return t[0] + (i * (t[1] - t[0]) + j * (t[2] - t[0])) / 16;
+}
+
+inline TrianglePoints of_sixteenths(GridPoints& random, int reach)
+{
+    TrianglePoints t = random.triangle(reach / 16);
+    for (Eigen::Vector3d& p : t) p *= 16;
+    return t;
+}
+
+inline TrianglePair edge_touching_edge(GridPoints& random)
+{
+    const TrianglePoints a = of_sixteenths(random, 1 << 19);
+    const Eigen::Vector3d at = a[0] + random.number(0, 16) * (a[1] - a[0]) / 16, along = random.point(1 << 12);
+    return {a, {at + random.number(0, 60) * along, at - random.number(0, 60) * along, random.point(1 << 20)}};
+}
+
+inline TrianglePoints sliver(GridPoints& random)
+{
+    const TrianglePoints t = of_sixteenths(random, 1 << 20);
+    return {t[0], t[1], t[0] + random.number(-4, 20) * (t[1] - t[0]) / 16 + random.point(1)};
+}
+
+inline TrianglePair coplanar(GridPoints& random)
+{
+    const Eigen::Vector3d origin = random.point(1 << 18), u = random.point(1 << 8), v = random.point(1 << 8);
+    const auto corner = [&] {
+        return Eigen::Vector3d(origin + random.number(-99, 99) * u + random.number(-99, 99) * v);
+    };
+    const auto triangle = [&] { return TrianglePoints{corner(), corner(), corner()}; };
+    return {triangle(), triangle()};
+}
+
+inline TrianglePair near_parallel(GridPoints& random)
+{
+    auto [a, b] = coplanar(random);
+    for (Eigen::Vector3d& p : b) p += random.point(1);
+    return {a, b};
+}
+
+/// A corner on an edge, in a plane across z and turned in it: what the signs of two dimensions decide.
+inline TrianglePair corner_on_edge(GridPoints& random)
+{
+    TrianglePoints a = of_sixteenths(random, 1 << 20);
+    const Eigen::Vector3d at = a[0] + random.number(0, 16) * (a[1] - a[0]) / 16;
+    TrianglePair pair{a, {at, random.point(1 << 20), random.point(1 << 20)}};
+    const double angle = random.number(1, 1 << 20) * 0x1p-18;
+    for (TrianglePoints* t : {&pair.first, &pair.second})
+        for (Eigen::Vector3d& p : *t)
+            p = {std::cos(angle) * p.x() - std::sin(angle) * p.y(), std::sin(angle) * p.x() + std::cos(angle) * p.y(),
+                 7};
+    return pair;
+}
+
+inline std::vector<TriangleFamily> triangle_families()
+{
+    constexpr int reach = 1 << 20;
+    return {
+        {"random large", [](GridPoints& r) { return TrianglePair(r.triangle(reach), r.triangle(reach)); }},
+        {"random small", [](GridPoints& r) { return TrianglePair(r.triangle(reach / 100), r.triangle(reach / 100)); }},
+        {"coplanar", coplanar},
+        {"shared vertex",
+         [](GridPoints& r) {
+             const TrianglePoints a = r.triangle(reach);
+             return TrianglePair(a, {r.point(reach), a[r.number(0, 2)], r.point(reach)});
+         }},
+        {"shared edge",
+         [](GridPoints& r) {
+             const TrianglePoints a = r.triangle(reach);
+             const int k = r.number(0, 2);
+             return TrianglePair(a, {a[k], r.point(reach), a[(k + 1) % 3]});
+         }},
+        {"vertex on face",
+         [](GridPoints& r) {
+             const TrianglePoints a = of_sixteenths(r, reach);
+             return TrianglePair(a, {inside(a, r), r.point(reach), r.point(reach)});
+         }},
+        {"vertex 1e-6 off a face",
+         [](GridPoints& r) {
+             const TrianglePoints a = of_sixteenths(r, reach);
+             return TrianglePair(a, {inside(a, r) + r.point(1), r.point(reach), r.point(reach)});
+         }},
+        {"edge touches edge", edge_touching_edge},
+        {"slivers", [](GridPoints& r) { return TrianglePair(sliver(r), sliver(r)); }},
+        {"far from the origin",
+         [](GridPoints& r) {
+             TrianglePair pair(r.triangle(1 << 10), r.triangle(1 << 10));
+             for (TrianglePoints* t : {&pair.first, &pair.second})
+                 for (Eigen::Vector3d& p : *t) p.array() += 0x1p40;
+             return pair;
+         }},
+        {"near-parallel planes", near_parallel},
+        {"corner on edge in a plane", corner_on_edge},
+    };
+}
+
+/// Every corner p becomes turn * p + by, rounded.
+inline TrianglePair moved(TrianglePair pair, const Eigen::Matrix3d& turn, const Eigen::Vector3d& by)
+{
+    for (TrianglePoints* t : {&pair.first, &pair.second})
+        for (Eigen::Vector3d& p : *t) p = turn * p + by;
+    return pair;
+}
+
+} // namespace oncollide
