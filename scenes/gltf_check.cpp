@@ -108,6 +108,14 @@ private:
         for (const Json& child : node.value("children", Json::array())) visit(child, depth + 1);
     }
 
+    /// Assimp reads any others as whole numbers too, and falls over what it finds.
+    void check_indices(const Json& accessor) const
+    {
+        const int type = accessor.value("componentType", 0); // 8, 16 or 32 bits without sign
+        if (accessor.value("type", "") != "SCALAR" || (type != 5121 && type != 5123 && type != 5125))
+            source_.fail("an accessor of indices is not made of whole numbers (SCALAR, 5121, 5123 or 5125)");
+    }
+
     void add_primitive(const Json& primitive)
     {
         const Json& positions = at("accessors", primitive.at("attributes").at("POSITION"));
@@ -118,7 +126,9 @@ private:
                 source_.fail(fmt::format("positions lie {} bytes apart, but take 12", stride));
         const auto indices = primitive.find("indices");
         const Json& corners = indices == primitive.end() ? positions : at("accessors", *indices);
+        if (indices != primitive.end()) check_indices(corners);
         const auto count = corners.at("count").get<std::size_t>();
+        if (count > most_triangles) source_.fail(fmt::format("a primitive has more than {} corners", most_triangles));
 
         const int mode = primitive.value("mode", 4);
         if (mode < 0 || mode > 6) source_.fail(fmt::format("a primitive has mode {}; modes are 0 to 6", mode));
@@ -126,7 +136,7 @@ private:
         if (mode == 4 ? count % 3 != 0 : count < 3)
             source_.fail(fmt::format("{} corners make no whole triangles", count));
         triangles_ += mode == 4 ? count / 3 : count - 2;
-        if (triangles_ > most_triangles || count > most_triangles)
+        if (triangles_ > most_triangles)
             source_.fail(fmt::format("the scene has more than {} triangles", most_triangles));
     }
 
@@ -136,10 +146,11 @@ private:
     std::size_t triangles_ = 0;
 };
 
-/// The first line of a library's message.
-std::string first_line(const char* message)
+/// The first line of nlohmann's message, without its prefix `[json.exception.type_error.302] `.
+std::string first_line(const std::string& message)
 {
-    std::string text = message;
+    const std::size_t prefix = message.find("] ");
+    const std::string text = message.substr(prefix == message.npos ? 0 : prefix + 2);
     return text.substr(0, text.find('\n'));
 }
 

@@ -49,11 +49,15 @@ public:
         return changes <= 2;
     }
 
+    /// Where no ear is left the polygon crosses itself, and any cut will do. One that does so again and again is not
+    /// searched any more: that would take time by the cube of its corners.
     void cut(std::vector<Triangle>& triangles)
     {
-        std::size_t at = 0, tried = 0;
+        std::size_t at = 0, tried = 0, forced = 0;
         while (ring_.size() > 3) {
-            if (is_ear(at) || tried == ring_.size()) { // no ear left: the polygon crosses itself, any cut will do
+            const bool no_ear = tried == ring_.size();
+            forced += no_ear;
+            if (no_ear || forced > most_forced || is_ear(at)) {
                 add(corner(at, -1), ring_[at], corner(at, 1), triangles);
                 ring_.erase(ring_.begin() + static_cast<std::ptrdiff_t>(at));
                 tried = 0;
@@ -66,6 +70,8 @@ public:
     }
 
 private:
+    static constexpr std::size_t most_forced = 16;
+
     std::uint32_t corner(std::size_t i, int step) const
     {
         return ring_[(i + ring_.size() + static_cast<std::size_t>(step)) % ring_.size()];

@@ -24,6 +24,8 @@ template <class... Cases>
 struct Match : Cases... {
     using Cases::operator()...;
 };
+template <class... Cases>
+Match(Cases...) -> Match<Cases...>; // Clang 14 does not deduce aggregates
 
 [[noreturn]] void fail(const std::string& name, const std::string& what)
 {

@@ -15,6 +15,7 @@ void add_run(CLI::App& app, Command& command);
 void add_render(CLI::App& app, Command& command);
 void add_check(CLI::App& app, Command& command);
 void add_scene(CLI::App& app, Command& command);
+void add_spheres(CLI::App& app, Command& command);
 void add_bench(CLI::App& app, Command& command);
 void add_accuracy(CLI::App& app, Command& command);
 void add_doctor(CLI::App& app, Command& command);

@@ -129,6 +129,7 @@ int parse_and_run(int argc, char** argv)
     add_render(app, command);
     add_check(app, command);
     add_scene(app, command);
+    add_spheres(app, command);
     add_bench(app, command);
     add_accuracy(app, command);
     add_doctor(app, command);

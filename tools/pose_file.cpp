@@ -1,7 +1,10 @@
 #include "pose_file.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <limits>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -31,11 +34,18 @@ std::vector<KnownPose> read_poses(const fs::path& path)
     for (std::string line; std::getline(file, line);) {
         std::istringstream words(line);
         std::vector<double> numbers;
-        for (std::string word; words >> word;) numbers.push_back(std::strtod(word.c_str(), nullptr));
+        for (std::string word; words >> word;) {
+            char* end = nullptr;
+            numbers.push_back(std::strtod(word.c_str(), &end)); // hexadecimal ones too
+            if (*end != 0 || !(std::abs(numbers.back()) < 1e15))
+                throw Error(ErrorKind::bad_data, fmt::format("{}:{}: '{}' is not a number below 1e15", path.string(),
+                                                             poses.size() + 1, word.substr(0, 40)));
+        }
         if (numbers.size() != 14)
             throw Error(ErrorKind::bad_data, fmt::format("{}:{}: has {} numbers, must have 14", path.string(),
                                                          poses.size() + 1, numbers.size()));
-        KnownPose pose{Eigen::Isometry3d::Identity(), int(numbers[0]), numbers[1]};
+        const double most = std::numeric_limits<int>::max();
+        KnownPose pose{Eigen::Isometry3d::Identity(), int(std::clamp(numbers[0], -most, most)), numbers[1]};
         pose.b.linear() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers.data() + 2);
         pose.b.translation() = Eigen::Map<const Eigen::Vector3d>(numbers.data() + 11);
         if (const std::string why = why_not_rigid(pose.b); !why.empty())

@@ -1,6 +1,7 @@
 #include <oncollide/scenes/mesh_file.hpp>
 
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <numbers>
 
@@ -360,6 +361,9 @@ TEST(MeshFile, BadGltfIsRefused)
     bad(replaced(json, R"("count":8)", R"("count":7)"), "damaged: of 12 triangles only 6");
     bad(replaced(json, R"("type":"VEC3")", R"("type":"VEC3","sparse":{})"), "sparse");
     bad(replaced(json, R"("mode":4)", R"("mode":9)"), "mode 9");
+    bad(replaced(replaced(json, R"("mode":4)", R"("mode":2)"), R"("indices":0)", R"("indices":1)"), "of indices");
+    bad(replaced(json, "5125", "5126"), "of indices");
+    bad(replaced(json, R"("version":"2.0")", R"("version":2)"), "glTF file: type must be string");
     bad(replaced(json, R"("mode":4)", R"("mode":1)"), "no triangle");
     bad(replaced(json, R"("version":"2.0")", R"("version":"1.0")"), "version '1.0'");
     bad(replaced(json, R"({"mesh":0})", R"({"mesh":3})"), "meshes[3]");
@@ -370,6 +374,22 @@ TEST(MeshFile, BadGltfIsRefused)
     bad(json, "damaged: of 12 triangles only 11");
     buffer = test::gltf_buffer(box).substr(0, 200);
     bad(json, "truncated: the file of its buffer, 'b.bin', has 200 of 240 bytes");
+}
+
+TEST(MeshFile, APolygonThatCrossesItselfEverywhereIsCutInReasonableTime)
+{
+    const test::TemporaryFolder folder;
+    constexpr int corners = 4096;
+    std::string text, face = "f";
+    for (int i = 0; i < corners; ++i) {
+        text += fmt::format("v {} {} 0\n", u01(4, i, 0), u01(4, i, 1));
+        face += fmt::format(" {}", i + 1);
+    }
+    for (int i = 0; i < 20; ++i) text += face + "\n";
+    const auto path = folder.write("a.obj", text);
+    const auto start = std::chrono::steady_clock::now();
+    EXPECT_EQ(load_mesh(path).triangles.size(), 20u * (corners - 2));
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
 }
 
 // A short, repeatable version of a fuzzer: whatever the bytes, the answer is a valid mesh or an Error.

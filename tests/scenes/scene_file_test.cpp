@@ -189,6 +189,12 @@ TEST_F(SceneFile, NamesThePlaceAndTheValidKeysForAnUnknownKey)
                      "shape.half: unknown key; valid: kind, radius");
 }
 
+TEST_F(SceneFile, KeepsAMessageOnOneLineWhateverAKeyHolds)
+{
+    refuses_body(ball + R"(, "two\nlines\u001b": 1)", "two?lines?: unknown key");
+    refuses(R"({"geometries": {"a\rb": {"shape": {"kind": "x"}}}, "bodies": []})", "geometries.a?b");
+}
+
 TEST_F(SceneFile, NamesWhatIsMissing)
 {
     refuses(R"({"bodies": []})", "the key 'geometries' is missing");

@@ -1,0 +1,119 @@
+#include "formats.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include "aabbs_file.hpp"
+#include "pose_file.hpp"
+#include "seeds.hpp"
+#include "tools/run_command.hpp"
+#include <oncollide/scenes/error.hpp>
+#include <oncollide/scenes/mesh_file.hpp>
+#include <oncollide/scenes/occupancy_map.hpp>
+#include <oncollide/scenes/scene_file.hpp>
+
+namespace oncollide::test {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr Format all_formats[] = {
+    {"obj", "input.obj", obj_seeds},       {"off", "input.off", off_seeds},       {"ply", "input.ply", ply_seeds},
+    {"stl", "input.stl", stl_seeds},       {"gltf", "input.gltf", gltf_seeds},    {"glb", "input.glb", glb_seeds},
+    {"bt", "input.bt", bt_seeds},          {"ot", "input.ot", ot_seeds},          {"scene", "input.json", scene_seeds},
+    {"poses", "input.poses", poses_seeds}, {"aabbs", "input.aabbs", aabbs_seeds},
+};
+
+[[noreturn]] void fault(const std::string& what)
+{
+    std::fprintf(stderr, "contract broken: %s\n", what.c_str());
+    std::abort();
+}
+
+/// What make_mesh promises.
+void check(const Mesh& mesh)
+{
+    if (mesh.triangles.empty()) fault("a mesh without triangles");
+    for (const auto& v : mesh.vertices)
+        if (!v.allFinite()) fault("a vertex that is not finite");
+    for (const Triangle& t : mesh.triangles)
+        for (const std::uint32_t v : t)
+            if (v >= mesh.vertices.size()) fault("a vertex number out of range");
+}
+
+void check(const OccupancyMap& map)
+{
+    if (map.cells.empty() || !map.bounds.min.allFinite() || !map.bounds.max.allFinite()) fault("a map without bounds");
+}
+
+void load(const fs::path& file)
+{
+    const std::string ending = file.extension();
+    if (ending == ".json") {
+        const Scene scene = load_scene(file);
+        for (const Geometry& geometry : scene.geometries)
+            if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) check(*mesh);
+        for (const auto& pose : scene.poses)
+            if (!why_not_rigid(pose).empty()) fault("a pose that is not rigid");
+    } else if (ending == ".bt" || ending == ".ot") {
+        check(load_octomap(file));
+    } else if (ending == ".poses") {
+        auto poses = tools::read_poses(file);
+        tools::read_expected(file.parent_path() / "expected", poses);
+    } else if (ending == ".aabbs") {
+        tools::open_aabbs(file);
+    } else {
+        check(load_mesh(file));
+    }
+}
+
+void check(const Error& error, const fs::path& file)
+{
+    const std::string message = error.what();
+    if (error.kind() != ErrorKind::bad_data && error.kind() != ErrorKind::no_input)
+        fault("an error of another kind than bad_data and no_input: " + message);
+    if (message.find(file.parent_path().string()) == message.npos) fault("a message without the file: " + message);
+    if (std::any_of(message.begin(), message.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }))
+        fault("a message that is not one line: " + message);
+}
+
+} // namespace
+
+std::span<const Format> formats()
+{
+    return all_formats;
+}
+
+const Format& format_named(std::string_view name)
+{
+    for (const Format& format : all_formats)
+        if (name == format.name) return format;
+    std::fprintf(stderr, "no format named '%.*s'\n", int(name.size()), name.data());
+    std::exit(64);
+}
+
+bool load_bytes(const Format& format, std::string_view bytes)
+{
+    static const TemporaryFolder folder;
+    static const bool ready = (add_companions(folder), true);
+    (void)ready;
+    const fs::path file = folder / format.file;
+    if (std::FILE* out = std::fopen(file.c_str(), "wb")) {
+        const std::size_t written = std::fwrite(bytes.data(), 1, bytes.size(), out);
+        if (std::fclose(out) != 0 || written != bytes.size()) fault("the temporary folder is full");
+    } else {
+        fault("the temporary folder cannot be written");
+    }
+    try {
+        load(file);
+        return true;
+    } catch (const Error& error) {
+        check(error, file);
+        return false;
+    }
+}
+
+} // namespace oncollide::test

@@ -1,0 +1,182 @@
+#include "seeds.hpp"
+
+#include <sstream>
+
+#include <octomap/OcTree.h>
+
+#include "scenes/mesh_writers.hpp"
+#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/scenes/occupancy_map.hpp>
+
+namespace oncollide::test {
+
+namespace {
+
+Mesh box()
+{
+    return make_box_mesh({1, 2, 3});
+}
+
+Mesh soup()
+{
+    return make_soup_mesh(2, 0.3, 1, 5);
+}
+
+/// Rooms of a building, with inner nodes, pruned leaves and free cells.
+OccupancyMap map()
+{
+    return make_building_map(1, 1.0, 3);
+}
+
+/// Of a number of bytes that 3 divides.
+std::string base64(const std::string& bytes)
+{
+    constexpr const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    for (std::size_t i = 0; i + 2 < bytes.size(); i += 3) {
+        unsigned three = 0;
+        for (std::size_t k = 0; k < 3; ++k) three = three << 8 | static_cast<unsigned char>(bytes[i + k]);
+        for (int shift = 18; shift >= 0; shift -= 6) text += digits[three >> shift & 63];
+    }
+    return text;
+}
+
+std::string map_header(const char* first, std::size_t nodes)
+{
+    return fmt::format("{}\n# made by a test\nid OcTree\nsize {}\nres 1\ndata\n", first, nodes);
+}
+
+} // namespace
+
+std::vector<std::string> obj_seeds()
+{
+    return {as_obj(box()), as_obj(soup()),
+            "mtllib a.mtl\no thing\nv 0 0 0 1\nv 1 0 0 .5 .5 .5\nv 1 1 0\nv 0 1 0\nv .2 .5 0\nvt 0 0\nvn 0 0 1\ns off\n"
+            "usemtl red\nf 1/1/1 2//1 3/1 \\\n 4 5\nf -1 -2 -3\nl 1 2\n"};
+}
+
+std::vector<std::string> off_seeds()
+{
+    return {as_off(box()), as_off(soup()),
+            "COFF 5 2 0 # colours\n0 0 0 1 1 1 1\n1 0 0\n1 1 0\n0 1 0\n.2 .5 1e-3\n5 0 1 2 3 4 0.5 0.5 0.5\n2 0 1\n"};
+}
+
+std::vector<std::string> ply_seeds()
+{
+    const Mesh mesh = box();
+    return {
+        as_text_ply(mesh), as_binary_ply(mesh, false), as_binary_ply(mesh, true), as_text_ply(soup()),
+        "ply\nformat ascii 1.0\nobj_info x\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+        "property list uchar short more\nelement edge 1\nproperty int a\nelement face 2\n"
+        "property list uchar int vertex_index\nproperty double w\nend_header\n"
+        "0 0 0 0\n1 0 0 1 7\n1 1 0 2 7 8\n0 1 0 0\n3\n4 0 1 2 3 0.5\n3 0 2 3 1e300\n"};
+}
+
+std::vector<std::string> stl_seeds()
+{
+    return {as_text_stl(soup()), as_binary_stl(soup()), as_binary_stl(box()),
+            "SOLID a\nendsolid a\n" + as_text_stl(soup())};
+}
+
+std::vector<std::string> gltf_seeds()
+{
+    const Mesh mesh = soup();
+    return {gltf_json(mesh, R"("uri":"buffer.bin",)"),
+            gltf_json(mesh, R"("uri":"buffer.bin",)",
+                      R"({"children":[1,2]},{"mesh":0,"matrix":[1,0,0,0,0,-1,0,0,0,0,1,0,5,6,7,1]},)"
+                      R"({"mesh":0,"translation":[1,2,3],"rotation":[0,0,0.6,0.8],"scale":[1,2,-3]})"),
+            gltf_json(mesh, R"("uri":"data:application/octet-stream;base64,)" + base64(gltf_buffer(mesh)) + R"(",)")};
+}
+
+std::vector<std::string> glb_seeds()
+{
+    return {as_glb(soup()), as_glb(box(), R"({"children":[1]},{"mesh":0,"translation":[1,2,3]})")};
+}
+
+std::vector<std::string> bt_seeds()
+{
+    const TemporaryFolder folder;
+    save_octomap(map(), folder / "a.bt");
+    octomap::OcTree one(1.0);
+    one.updateNode(octomap::point3d(0.5f, 0.5f, 0.5f), true);
+    std::ostringstream nodes;
+    one.writeBinaryData(nodes);
+    return {folder.read("a.bt"), map_header("# Octomap OcTree binary file", one.calcNumNodes()) + nodes.str()};
+}
+
+std::vector<std::string> ot_seeds()
+{
+    std::vector<std::string> seeds;
+    octomap::OcTree tree(1.0);
+    for (const float x : {0.5f, 1.5f, -7.5f}) {
+        tree.updateNode(octomap::point3d(x, 0.5f, 0.5f), x > 0);
+        std::ostringstream nodes;
+        tree.writeData(nodes);
+        seeds.push_back(map_header("# Octomap OcTree file", tree.calcNumNodes()) + nodes.str());
+    }
+    return seeds;
+}
+
+std::vector<std::string> scene_seeds()
+{
+    return {
+        R"({"name": "yard", "frames": 240, "geometries": {
+"thing": {"mesh": {"file": "thing.off", "scale": 2, "fit_diagonal": 12, "centre": true}},
+"gear": {"mesh": {"generate": {"kind": "gear", "teeth": 5, "root_radius": 0.8, "tip_radius": 1, "thickness": 0.4, "bore_radius": 0.3}}},
+"ramp": {"mesh": {"vertices": [[0, 0, 0], [4, 0, 0], [0, 2, 0], [4, 2, 1]], "triangles": [[0, 1, 2], [1, 3, 2]]}},
+"ball": {"shape": {"kind": "sphere", "radius": 0.5}}},
+"bodies": [{"name": "thing", "geometry": "thing", "static": true},
+{"name": "ramp", "geometry": "ramp", "position": [2, 2, 0], "rotation": [0, 0, 0.6, 0.8], "layer": 2, "mask": 3},
+{"name": "ball", "geometry": "ball", "motion": {"drift": {"velocity": [0.1, 0.02, 0], "spin": [0, 0, 0.05], "walls": [[0, 0, 0], [9, 9, 3]]}}},
+{"name": "ball 2", "geometry": "ball", "motion": {"jitter": {"step": 0.1, "seed": 42, "index": 1, "walls": [[0, 0, 0], [9, 9, 3]]}}},
+{"name": "walker", "geometry": "ball", "motion": {"tum": {"file": "walk.tum", "frames_per_second": 30}}},
+{"name": "gear", "geometry": "gear", "motion": {"keys": [[0, 5, 0, 1, 0, 0, 0, 1], [120, 5, 4, 1, 0, 0, 1, 0]]}}]}
+)",
+        R"({"geometries": {
+"a": {"mesh": {"generate": {"kind": "box", "half": [1, 2, 3]}}},
+"b": {"mesh": {"generate": {"kind": "sphere", "radius": 1, "triangles": 32}}},
+"c": {"mesh": {"generate": {"kind": "torus", "major": 2, "minor": 1, "triangles": 20}}},
+"d": {"mesh": {"generate": {"kind": "torus_knot", "p": 2, "q": 3, "major": 1, "minor": 0.4, "tube": 0.15, "triangles": 60}}},
+"e": {"mesh": {"generate": {"kind": "terrain", "size": 4, "height": 1, "cells": 2, "seed": 3}}},
+"f": {"mesh": {"generate": {"kind": "needles", "count": 3, "length": 1, "aspect": 1e5, "size": 3}}},
+"g": {"mesh": {"generate": {"kind": "soup", "count": 3, "edge": 1, "size": 3}}}}, "bodies": []}
+)",
+        R"({"geometries": {
+"a": {"shape": {"kind": "box", "half": [1, 2, 3]}},
+"b": {"shape": {"kind": "capsule", "radius": 1, "length": 2}},
+"c": {"shape": {"kind": "cylinder", "radius": 1, "length": 2}},
+"d": {"shape": {"kind": "convex_hull", "points": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]}},
+"e": {"octomap": {"building": {"rooms": 1, "resolution": 1, "seed": 7}}},
+"f": {"octomap": {"file": "map.bt"}}},
+"bodies": [{"name": "a", "geometry": "a", "rotation": [[1, 0, 0], [0, 0, -1], [0, 1, 0]]}]}
+)"};
+}
+
+std::vector<std::string> poses_seeds()
+{
+    return {"0 0x1p-3 1 0 0 0 1 0 0 0 1 0.5 -2 3e-1\n", "1 -0.25 0 -1 0 1 0 0 0 0 1 0 0 0x1.8p+1\n"};
+}
+
+std::vector<std::string> aabbs_seeds()
+{
+    std::string bytes = "scene";
+    bytes.resize(128);
+    bytes += "cubes";
+    bytes.resize(256);
+    for (const std::int32_t v : {2, 1, 0, 0}) append(bytes, v);
+    for (const float v : {-9, -9, -9, 0, 9, 9, 9, 0}) append(bytes, v);
+    for (const float x : {0, 3, 1, 4})
+        for (const float v : {x, 0.f, 0.f, 0.f, x + 1, 1.f, 1.f, 0.f}) append(bytes, v);
+    return {bytes};
+}
+
+void add_companions(const TemporaryFolder& folder)
+{
+    folder.write("buffer.bin", gltf_buffer(soup()));
+    folder.write("thing.off", as_off(box()));
+    folder.write("walk.tum", "0 1 2 3 0 0 0 1\n0.5 1 2 4 0 0 0.6 0.8\n");
+    folder.write("expected", "0 1 7\n");
+    save_octomap(map(), folder / "map.bt");
+}
+
+} // namespace oncollide::test

@@ -1,0 +1,25 @@
+// Small files of every format that the readers accept: what fuzzing begins with.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "tools/run_command.hpp"
+
+namespace oncollide::test {
+
+std::vector<std::string> obj_seeds();
+std::vector<std::string> off_seeds();
+std::vector<std::string> ply_seeds();
+std::vector<std::string> stl_seeds();
+std::vector<std::string> gltf_seeds();
+std::vector<std::string> glb_seeds();
+std::vector<std::string> bt_seeds();
+std::vector<std::string> ot_seeds();
+std::vector<std::string> scene_seeds();
+std::vector<std::string> poses_seeds();
+std::vector<std::string> aabbs_seeds();
+
+/// The files that some of them name.
+void add_companions(const TemporaryFolder& folder);
+
+} // namespace oncollide::test

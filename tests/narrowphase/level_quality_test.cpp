@@ -1,0 +1,150 @@
+// What a whole tree says about a surface, judged by code that shares nothing with the trees.
+#include <gtest/gtest.h>
+
+#include "box_levels.hpp"
+#include "level_quality.hpp"
+#include "narrowphase/octant_truth.hpp"
+
+namespace oncollide {
+namespace {
+
+using Eigen::Vector3d;
+using tools::BoundingVolume;
+
+/// A sphere-tree grown whole; its cells by level.
+struct WholeTree {
+    explicit WholeTree(const Mesh& mesh, int depth)
+        : geometry{"mesh", mesh, {}}, tree(root_cell_of(geometry), depth, 0),
+          backend(make_cpu_backend()), levels{{root_cell}}
+    {
+        backend->attach(0, make_surface(geometry, tree.root()));
+        for (int l = 0; l < depth; ++l) {
+            std::vector<OctantRow> rows;
+            for (const CellKey cell : levels.back()) rows.push_back(tree.row(0, cell));
+            std::vector<OctantAnswer> answers(rows.size());
+            backend->ask(rows, 1, answers);
+            for (std::size_t i = 0; i < rows.size(); ++i) tree.expand(rows[i].cell, answers[i], 1);
+            levels.emplace_back();
+            tree.for_each_cell([&](CellKey cell, bool) {
+                if (level_of(cell) == l + 1) levels.back().push_back(cell);
+            });
+        }
+    }
+
+    std::vector<BoundingVolume> spheres(int level) const
+    {
+        std::vector<BoundingVolume> all;
+        for (const CellKey cell : levels[std::size_t(level)])
+            all.push_back(BoundingVolume::of_ball(tree.centre(cell), tree.radius(level)));
+        return all;
+    }
+
+    Geometry geometry;
+    Ocst tree;
+    std::unique_ptr<OcclusionBackend> backend;
+    std::vector<std::vector<CellKey>> levels;
+};
+
+std::vector<Case> hard_cases()
+{
+    std::vector<Case> all;
+    for (Case& c : cases())
+        if (c.mesh.triangles.size() < 4000) all.push_back(std::move(c)); // each level is judged: the larger take long
+    all.push_back(
+        {"slivers, 1 : 1e12", make_mesh("slivers", {{0, 0, 0}, {1, 0.3, 0.2}, {0.5, 0.15 + 1e-12, 0.1}, {0.2, 1, 0.7}},
+                                        {{0, 1, 2}, {0, 2, 3}, {0, 0, 3}, {3, 3, 3}})});
+    all.push_back({"one triangle", make_mesh("one", {{0, 0, 0}, {1, 0.1, 0.4}, {0.3, 0.9, 1}}, {{0, 1, 2}})});
+    return all;
+}
+
+void expect_to_stand_for(const Mesh& mesh, const tools::SurfaceIndex& index, std::span<const BoundingVolume> volumes,
+                         double certified)
+{
+    const auto quality = tools::judge_level(mesh, index, volumes, {.directions = 20, .points = 5000});
+    EXPECT_EQ(quality.open_triangles, 0u);
+    EXPECT_EQ(quality.uncovered, 0);
+    EXPECT_EQ(quality.outside, 0u);
+    EXPECT_GE(quality.points, 4 * mesh.triangles.size());
+    EXPECT_LE(quality.worst.either, certified);
+}
+
+TEST(WholeTrees, SpheresHoldTheSurfaceOnEveryLevelAndReachNoFartherThanCertified)
+{
+    for (const Case& c : hard_cases()) {
+        const int depth = c.mesh.triangles.size() < 100 ? 5 : 4;
+        const WholeTree whole(c.mesh, depth);
+        const tools::SurfaceIndex index(c.mesh);
+        for (int level = 0; level <= depth; ++level) {
+            SCOPED_TRACE(c.name + ", level " + std::to_string(level));
+            expect_to_stand_for(c.mesh, index, whole.spheres(level),
+                                2 * whole.tree.radius(level) + whole.tree.reach(*whole.backend, level));
+        }
+    }
+}
+
+TEST(WholeTrees, BoxesHoldTheSurfaceOnEveryLevelAndReachNoFartherThanTheyAreLong)
+{
+    for (const Case& c : hard_cases()) {
+        TriangleTree tree(c.mesh);
+        const auto levels = tools::box_levels(tree);
+        EXPECT_EQ(levels.back().size(), c.mesh.triangles.size()) << c.name;
+        EXPECT_LE(tree.nodes(), TriangleTree::most_nodes(c.mesh));
+        const tools::SurfaceIndex index(c.mesh);
+        for (std::size_t level = 0; level < levels.size(); ++level) {
+            SCOPED_TRACE(c.name + ", level " + std::to_string(level));
+            double radius = 0;
+            for (const BoundingVolume& box : levels[level]) {
+                radius = std::max(radius, box.radius());
+                EXPECT_TRUE((box.axes.transpose() * box.axes).isIdentity(4e-6));
+                EXPECT_NEAR(box.axes.determinant(), 1, 4e-6);
+            }
+            expect_to_stand_for(c.mesh, index, levels[level], 2 * radius * (1 + 1e-6));
+        }
+    }
+}
+
+TEST(WholeTrees, BoxesLeaveLessOfACurvedSurfacesNeighbourhoodThanAsManySpheres)
+{
+    const Mesh mesh = make_sphere_mesh(1, 20000);
+    const WholeTree whole(mesh, 5);
+    const auto spheres = whole.spheres(5);
+    TriangleTree tree(mesh);
+    const auto boxes = tools::box_levels(tree).at(4);
+    ASSERT_EQ(boxes.size(), 4096u);
+    ASSERT_GT(spheres.size(), boxes.size());
+    const tools::SurfaceIndex index(mesh);
+    const tools::QualityOptions options{.closed = true, .directions = 20, .points = 0};
+    const auto quality = tools::judge_level(mesh, index, spheres, options);
+    const auto better = tools::judge_level(mesh, index, boxes, options);
+    // The octree's law: beyond a closed surface the mean tends to the radius and the worst to twice as much.
+    const double radius = whole.tree.radius(5);
+    EXPECT_NEAR(quality.mean.beyond, radius, 0.1 * radius);
+    EXPECT_GT(quality.worst.beyond, 1.6 * radius);
+    EXPECT_LT(better.mean.beyond, 0.05 * radius);
+    EXPECT_LT(better.worst.beyond, 0.2 * radius);
+    EXPECT_LT(better.volume, 0.05 * quality.volume);
+}
+
+// How many cells a surface enters follows from geometry where its faces lie on the faces of cells: these belong to the
+// cells on both sides.
+
+TEST(WholeTrees, SpheresOfABoxAreTheCellsOfItsHull)
+{
+    const WholeTree whole(make_box_mesh({1, 2, 3}), 4);
+    for (int level = 0; level <= 4; ++level) {
+        const std::size_t n = std::size_t(1) << level, inner = n < 2 ? 0 : n - 2;
+        EXPECT_EQ(whole.levels[std::size_t(level)].size(), n * n * n - inner * inner * inner) << "level " << level;
+    }
+}
+
+TEST(WholeTrees, SpheresOfOneTriangleAreTheSquaresBelowItsDiagonalOnBothSides)
+{
+    const WholeTree whole(make_mesh("half a square", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}), 5);
+    for (int level = 1; level <= 5; ++level) {
+        const std::size_t n = std::size_t(1) << level; // squares (i, j) with i + j <= n: the last touch in a corner
+        EXPECT_EQ(whole.levels[std::size_t(level)].size(), 2 * (n * (n + 1) / 2 + n - 1)) << "level " << level;
+    }
+}
+
+} // namespace
+} // namespace oncollide
