@@ -163,6 +163,8 @@ TEST(TriangleWalk, CallsMeshesNearThatAreWithinTheClearanceAndNoneBeyondTheToler
     for (const Case& c : cases()) {
         TriangleTree a(c.a), b(c.b);
         const double size = a.radius() + b.radius();
+        const TriangleMeeting last{static_cast<std::uint32_t>(c.a.triangles.size() - 1),
+                                   static_cast<std::uint32_t>(c.b.triangles.size() - 1)};
         for (const Isometry3d& pose : poses_of({c.name, c.a, c.b, 1.5 * c.reach}, 12)) {
             const Truth truth = brute_force(c.a, c.b, at(pose));
             for (const double clearance : {0.0, 0.01 * size, 0.1 * size})
@@ -181,7 +183,7 @@ TEST(TriangleWalk, CallsMeshesNearThatAreWithinTheClearanceAndNoneBeyondTheToler
                     near += answer.near, apart += !answer.near;
                     // With what met last frame, right or wrong, the answer is the same.
                     for (const TriangleMeeting hint :
-                         {TriangleMeeting{0, 0}, truth.meeting.empty() ? TriangleMeeting{1, 1} : truth.meeting[0]}) {
+                         {TriangleMeeting{0, 0}, truth.meeting.empty() ? last : truth.meeting[0]}) {
                         const auto same = walk.near(a, b, at(pose), clearance, tolerance, hint);
                         EXPECT_EQ(same.near, answer.near) << c.name;
                         EXPECT_EQ(same.bound, answer.bound) << c.name;
