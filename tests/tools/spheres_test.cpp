@@ -78,7 +78,7 @@ TEST(LevelQuality, TheFarthestPointOfABoxIsACorner)
 {
     const Mesh mesh = square();
     const SurfaceIndex index(mesh);
-    // Turned by 45 degrees about x and moved up: a corner points up, by sqrt(2) / 4.
+    // Turned by 45 degrees about x and moved up: an edge points up, by sqrt(2) / 4.
     const BoundingVolume box{.centre = {0, 0, 0.25},
                              .half = {0.5, 0.25, 0.25},
                              .axes = Eigen::AngleAxisd(M_PI / 4, Vector3d::UnitX()).toRotationMatrix()};
@@ -90,7 +90,9 @@ TEST(LevelQuality, TheFarthestPointOfABoxIsACorner)
     EXPECT_FALSE(box.holds({0.5, 0, 0.26 + std::sqrt(2) / 4}, 1e-12));
     EXPECT_FALSE(box.holds({0.51, 0, 0.25}, 1e-12));
     EXPECT_FALSE(box.holds({0, 0.25, 0.45}, 1e-12)) << "in the upright box, not in the turned one";
-    // A flat one reaches as far, in every direction that is looked in.
+    const BoundingVolume aside{.centre = {3, 3, 0}, .half = {0.5, 0.25, 0.125}};
+    EXPECT_NEAR(judge_level(mesh, index, {&aside, 1}, {.directions = 1}).worst.either,
+                Vector3d(2.5, 2.25, 0.125).norm(), 1e-12);
     const BoundingVolume flat{.centre = {2, 0, 0}, .half = {0.5, 0, 0}};
     EXPECT_NEAR(judge_level(mesh, index, {&flat, 1}).worst.either, 1.5, 1e-12);
 }
