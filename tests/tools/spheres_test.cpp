@@ -78,7 +78,7 @@ TEST(LevelQuality, TheFarthestPointOfABoxIsACorner)
 {
     const Mesh mesh = square();
     const SurfaceIndex index(mesh);
-    // Turned by 45 degrees about x and moved up: a corner points up, by sqrt(2) / 4.
+    // Turned by 45 degrees about x and moved up: an edge points up, by sqrt(2) / 4.
     const BoundingVolume box{.centre = {0, 0, 0.25},
                              .half = {0.5, 0.25, 0.25},
                              .axes = Eigen::AngleAxisd(M_PI / 4, Vector3d::UnitX()).toRotationMatrix()};
@@ -90,7 +90,9 @@ TEST(LevelQuality, TheFarthestPointOfABoxIsACorner)
     EXPECT_FALSE(box.holds({0.5, 0, 0.26 + std::sqrt(2) / 4}, 1e-12));
     EXPECT_FALSE(box.holds({0.51, 0, 0.25}, 1e-12));
     EXPECT_FALSE(box.holds({0, 0.25, 0.45}, 1e-12)) << "in the upright box, not in the turned one";
-    // A flat one reaches as far, in every direction that is looked in.
+    const BoundingVolume aside{.centre = {3, 3, 0}, .half = {0.5, 0.25, 0.125}};
+    EXPECT_NEAR(judge_level(mesh, index, {&aside, 1}, {.directions = 1}).worst.either,
+                Vector3d(2.5, 2.25, 0.125).norm(), 1e-12);
     const BoundingVolume flat{.centre = {2, 0, 0}, .half = {0.5, 0, 0}};
     EXPECT_NEAR(judge_level(mesh, index, {&flat, 1}).worst.either, 1.5, 1e-12);
 }
@@ -158,7 +160,9 @@ TEST_F(Spheres, ListsCountsAndCoverageOfEveryLevel)
         EXPECT_EQ(level.at("count"), sphere ? spheres[l] : boxes[l]);
         EXPECT_EQ(level.at("open_triangles"), 0);
         EXPECT_EQ(level.at("points_outside"), 0);
-        if (sphere) EXPECT_NEAR(level.at("certified").get<double>(), std::sqrt(3) * std::ldexp(1.0, -l), 1e-4);
+        if (sphere) {
+            EXPECT_NEAR(level.at("certified").get<double>(), std::sqrt(3) * std::ldexp(1.0, -l), 1e-4);
+        }
         EXPECT_LE(level.at("over_reach").at("worst"), level.at("certified"));
         EXPECT_GE(level.at("over_reach").at("worst"), level.at("over_reach_outside").at("worst"));
     }
@@ -190,8 +194,9 @@ TEST_F(Spheres, WritesTightOnesAsOrientedBoxes)
         if (box[0] < 2) continue;
         EXPECT_LT(*std::min_element(&box[4], &box[7]), 1e-4) << "one triangle is flat";
         EXPECT_NEAR(*std::max_element(&box[4], &box[7]), std::sqrt(2) / 2, 1e-3) << "its longest side, halved";
-        EXPECT_NEAR(box[16], std::sqrt(2) / 2, 1e-3) << "in the plane the box is twice as large as the triangle";
-        EXPECT_LT(box[17], 1e-3) << "but does not stand out of the cube";
+        // Its right angle is in the middle of one side of the box, whose ends stand out of the square.
+        EXPECT_NEAR(box[16], 0.5, 1e-3);
+        EXPECT_NEAR(box[17], 0.5, 1e-3);
     }
 }
 
