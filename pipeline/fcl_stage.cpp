@@ -33,7 +33,7 @@ public:
         workers_.resize(static_cast<std::size_t>(std::max(frame.threads, 1)));
         read_triangles(scene);
         for_each(frame, [&](Open& open, PairResult& result, Worker& worker) {
-            if (meets_again(scene, open, worker)) decide(result, Verdict::colliding, 0);
+            if (meets_again(scene, open, worker)) decide(result, Verdict::colliding, ContactKind::unknown, 0);
         });
         for (const Open& open : open_)
             if (frame.results[open.result].stage != stage_index)
@@ -102,9 +102,9 @@ private:
         });
     }
 
-    static void decide(PairResult& result, Verdict verdict, double bound)
+    static void decide(PairResult& result, Verdict verdict, ContactKind kind, double bound)
     {
-        result.verdict = verdict, result.bound = bound, result.stage = stage_index;
+        result.verdict = verdict, result.kind = kind, result.bound = bound, result.stage = stage_index;
     }
 
     bool meets_again(const Scene& scene, Open& open, Worker& worker)
@@ -125,8 +125,9 @@ private:
         const auto [a, b] = open.pair;
         const ExactFcl::Answer answer = fcl_.answer(scene, a, b);
         if (answer.verdict == Verdict::separate && solid_ && solid_->encloses(scene, a, b))
-            return decide(result, Verdict::colliding, 0);
-        decide(result, answer.verdict, answer.bound);
+            return decide(result, Verdict::colliding, ContactKind::enclosed, 0);
+        decide(result, answer.verdict, answer.verdict == Verdict::within ? ContactKind::near : ContactKind::unknown,
+               answer.bound);
         if (answer.triangle_a >= 0) open.met = cells_of(scene, a, b, answer);
     }
 

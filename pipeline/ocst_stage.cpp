@@ -67,7 +67,7 @@ private:
         both.add(frame.boxes[pair.b]);
         // Both bodies have points in the box around the two. Its squared edges may underflow.
         const double diagonal = (both.max - both.min).stableNorm();
-        return {BodyId{pair.a}, BodyId{pair.b}, Verdict::undecided, stage_index, diagonal};
+        return {BodyId{pair.a}, BodyId{pair.b}, Verdict::undecided, stage_index, ContactKind::unknown, diagonal};
     }
 
     /// Who answers which pair?
@@ -100,11 +100,12 @@ private:
     void decide(const Scene& scene, Frame& frame, StageStats& stats, std::uint32_t i, Verdict verdict, double bound)
     {
         const auto [a, b] = frame.pairs[i];
+        ContactKind kind = ContactKind::unknown;
         if (verdict == Verdict::separate && solid_ && solid_->encloses(scene, a, b))
-            verdict = Verdict::colliding, bound = 0;
+            verdict = Verdict::colliding, kind = ContactKind::enclosed, bound = 0;
         stats.out += verdict != Verdict::separate;
         stats.undecided += verdict == Verdict::undecided;
-        frame.results[i] = {BodyId{a}, BodyId{b}, verdict, stage_index, bound};
+        frame.results[i] = {BodyId{a}, BodyId{b}, verdict, stage_index, kind, bound};
     }
 
     void take_walks(const Scene& scene, Frame& frame, StageStats& stats)

@@ -19,6 +19,7 @@ struct PairResult {
     BodyId a, b; ///< a < b
     Verdict verdict;
     std::uint8_t stage; ///< index into Pipeline::stages() of the stage that decided
+    ContactKind kind;   ///< touching and crossing: where Settings::contact_kinds or ignore_touching asks
     double bound;       ///< separate: certified lower bound on the distance; within, undecided: certified upper bound;
                         ///< colliding: 0
 };
@@ -70,7 +71,8 @@ struct FrameView {
     std::span<const DelimitationLevel> delimitation; ///< per level of the region hierarchy
     const TreeStats& trees;
     std::span<const Round> rounds; ///< in order
-    std::uint64_t hash; ///< of the pairs of this frame that are not separate: names' indices, verdicts and bounds
+    std::uint64_t hash; ///< of the pairs of this frame that are not separate: names' indices, verdicts and bounds, and
+                        ///< kinds where asked for
 };
 
 class Ocst;

@@ -29,8 +29,14 @@ public:
         mesh_pairs_.meet(scene, frame, asks_);
         for (std::size_t i = 0; i < asks_.size(); ++i) {
             const auto& [near, bound, meeting] = asks_[i].answer;
-            const Verdict verdict = meeting ? Verdict::colliding : near ? Verdict::within : Verdict::separate;
-            decide(scene, frame.results[of_asks_[i]], verdict, bound);
+            const ContactKind kind = meeting ? kind_of(asks_[i].contact)
+                                     : near  ? ContactKind::near
+                                             : ContactKind::unknown;
+            const bool ignored = frame.settings->ignore_touching && kind == ContactKind::touching;
+            const Verdict verdict = ignored || !near ? Verdict::separate
+                                    : meeting        ? Verdict::colliding
+                                                     : Verdict::within;
+            decide(scene, frame.results[of_asks_[i]], verdict, kind, bound);
         }
         ask_fcl(scene, frame);
         stats.in = asks_.size() + others_.size();
@@ -41,11 +47,18 @@ public:
     void skip(const Scene&, Frame& frame, StageStats& stats) override { pass_on(frame, stats); }
 
 private:
-    void decide(const Scene& scene, PairResult& result, Verdict verdict, double bound)
+    static ContactKind kind_of(TriangleContact contact)
+    {
+        return contact == TriangleContact::crossing   ? ContactKind::crossing
+               : contact == TriangleContact::touching ? ContactKind::touching
+                                                      : ContactKind::unknown;
+    }
+
+    void decide(const Scene& scene, PairResult& result, Verdict verdict, ContactKind kind, double bound)
     {
         if (verdict != Verdict::colliding && solid_ && solid_->encloses(scene, index(result.a), index(result.b)))
-            verdict = Verdict::colliding, bound = 0;
-        result.verdict = verdict, result.bound = bound, result.stage = exact_stage_index;
+            verdict = Verdict::colliding, kind = ContactKind::enclosed, bound = 0;
+        result.verdict = verdict, result.kind = kind, result.bound = bound, result.stage = exact_stage_index;
     }
 
     void find_open(const Scene& scene, const Frame& frame)
@@ -69,7 +82,8 @@ private:
             for (std::size_t k = begin; k < end; ++k) {
                 PairResult& result = frame.results[others_[k]];
                 const ExactFcl::Answer answer = fcl_.answer(scene, index(result.a), index(result.b));
-                decide(scene, result, answer.verdict, answer.bound);
+                decide(scene, result, answer.verdict,
+                       answer.verdict == Verdict::within ? ContactKind::near : ContactKind::unknown, answer.bound);
             }
         });
     }

@@ -70,6 +70,10 @@ void add_accuracy_options(CLI::App& command, SettingsOptions& o)
         ->type_name("M");
     command.add_option("--exact", o.exact, "exact level on triangles: off, predicates or fcl (default off)")
         ->type_name("HOW");
+    command.add_flag("--kinds", o.kinds,
+                     "of meshes that collide, find out whether they touch or cross; needs --exact predicates");
+    command.add_flag("--ignore-touching", o.ignore_touching,
+                     "meshes that touch and do not cross are separate; needs --exact predicates");
     command.add_option("--mode", o.mode, "surface, or solid: a closed mesh's inside belongs to it (default surface)")
         ->type_name("MODE");
 }
@@ -114,6 +118,8 @@ Settings settings_from(const SettingsOptions& o)
                       .max_error = o.max_error,
                       .clearance = o.clearance,
                       .exact = exact_from_name(o.exact),
+                      .contact_kinds = o.kinds,
+                      .ignore_touching = o.ignore_touching,
                       .mode = mode_from_name(o.mode),
                       .backend = backend_from_name(o.backend),
                       .spheres = spheres_from_name(o.spheres),

@@ -83,6 +83,23 @@ TEST_F(Check, AnswersCollidingOnlyWhenTheExactLevelRan)
     EXPECT_NE(within.out.find("within"), std::string::npos);
 }
 
+TEST_F(Check, SaysHowTheyCollide)
+{
+    const auto says = [&](const char* pose, std::vector<std::string> more, int code, const char* text) {
+        more.insert(more.end(), {"--exact", "predicates"});
+        const Outcome outcome = check(pose, more);
+        EXPECT_EQ(outcome.code, code) << outcome.err;
+        EXPECT_TRUE(outcome.out.starts_with(text)) << outcome.out;
+    };
+    says("1 0.1 0 0 0 0 1", {}, 1, "colliding (touching): ");
+    says("0.9 0.1 0.2 0 0 0 1", {}, 1, "colliding (crossing): ");
+    says("1 0.1 0 0 0 0 1", {"--ignore-touching"}, 0, "separate: ");
+    says("0.9 0.1 0.2 0 0 0 1", {"--ignore-touching"}, 1, "colliding (crossing): ");
+    says("1.1 0 0 0 0 0 1", {"--clearance", "0.2"}, 2, "within 0.1 m (near): ");
+    expect_error(64, {"check", "a.off", "b.off", "--ignore-touching"}, {"ignore-touching", "predicates"});
+    expect_error(64, {"check", "a.off", "b.off", "--kinds", "--exact", "fcl"}, {"kinds", "predicates"});
+}
+
 TEST_F(Check, ASmallerMaxErrorNarrowsTheBound)
 {
     const auto bound = [&](const char* max_error) {
