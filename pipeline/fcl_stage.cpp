@@ -1,8 +1,7 @@
 #include <algorithm>
-#include <optional>
 
 #include <oncollide/narrowphase/exact_fcl.hpp>
-#include <oncollide/narrowphase/solid.hpp>
+#include <oncollide/pipeline/enclosures.hpp>
 #include <oncollide/pipeline/exact_stages.hpp>
 #include <oncollide/scenes/parallel.hpp>
 
@@ -19,9 +18,8 @@ namespace {
 class FclStage final : public Stage {
 public:
     FclStage(const Scene& scene, const Settings& settings, Forest& forest)
-        : forest_(forest), fcl_(scene, settings.clearance)
+        : forest_(forest), fcl_(scene, settings.clearance), enclosures_(forest)
     {
-        if (settings.mode == Mode::solid) solid_.emplace(scene);
     }
     std::string_view name() const override { return "exact"; }
     std::string_view unit() const override { return "pairs"; }
@@ -42,6 +40,7 @@ public:
             if (result.stage != stage_index) ask_whole(scene, open, result);
         });
 
+        enclosures_.find(scene, frame, stage_index);
         stats.in = open_.size();
         for (const Open& open : open_) stats.out += frame.results[open.result].verdict != Verdict::separate;
         std::erase_if(open_, [](const Open& open) { return open.met.a == 0; });
@@ -124,8 +123,6 @@ private:
     {
         const auto [a, b] = open.pair;
         const ExactFcl::Answer answer = fcl_.answer(scene, a, b);
-        if (answer.verdict == Verdict::separate && solid_ && solid_->encloses(scene, a, b))
-            return decide(result, Verdict::colliding, ContactKind::enclosed, 0);
         decide(result, answer.verdict, answer.verdict == Verdict::within ? ContactKind::near : ContactKind::unknown,
                answer.bound);
         if (answer.triangle_a >= 0) open.met = cells_of(scene, a, b, answer);
@@ -150,7 +147,7 @@ private:
 
     Forest& forest_;
     ExactFcl fcl_;
-    std::optional<SolidTest> solid_;
+    Enclosures enclosures_;
     std::vector<Open> open_, met_; ///< this frame's open pairs; last frame's that met, sorted by pair
     std::vector<Worker> workers_;
     std::vector<Forest::CellTriangles> cells_;

@@ -140,7 +140,7 @@ Pipeline::Pipeline(const Scene& scene, const Settings& settings, std::unique_ptr
     p.stages.push_back(make_bounds_stage(scene));
     p.stages.push_back(make_delimitation_stage(scene, p.settings, *p.boxes));
     p.stages.push_back(make_broad_stage(scene, settings.broad_phase, *p.boxes));
-    p.stages.push_back(make_ocst_stage(scene, p.settings, *p.forest));
+    p.stages.push_back(make_ocst_stage(p.settings, *p.forest));
     p.stages.push_back(settings.exact == ExactLevel::predicates ? make_predicates_stage(scene, p.settings, *p.forest)
                                                                 : make_fcl_stage(scene, p.settings, *p.forest));
     p.asked_to_skip.assign(p.stages.size(), 0);

@@ -88,7 +88,8 @@ struct Frame;
 /// Nothing is precomputed: trees grow where collisions reach. A warm step allocates nothing.
 class Pipeline {
 public:
-    /// Throws Error{usage} for settings out of range, Error{no_gpu} for a backend that cannot run here.
+    /// Throws Error{usage} for settings out of range, Error{no_gpu} for a backend that cannot run here,
+    /// Error{bad_data} naming a mesh that is not closed and its open edges in solid mode.
     /// Keeps a reference to the geometries: `scene` must outlive the pipeline.
     /// @param backend  one of your own, in place of settings.backend
     /// With a GPU backend the pipeline belongs to the thread that made it.

@@ -1,7 +1,5 @@
-#include <optional>
-
 #include <oncollide/narrowphase/exact_fcl.hpp>
-#include <oncollide/narrowphase/solid.hpp>
+#include <oncollide/pipeline/enclosures.hpp>
 #include <oncollide/pipeline/exact_stages.hpp>
 #include <oncollide/pipeline/mesh_pairs.hpp>
 #include <oncollide/scenes/parallel.hpp>
@@ -15,9 +13,8 @@ namespace {
 class PredicatesStage final : public Stage {
 public:
     PredicatesStage(const Scene& scene, const Settings& settings, Forest& forest)
-        : mesh_pairs_(forest), fcl_(scene, settings.clearance)
+        : mesh_pairs_(forest), fcl_(scene, settings.clearance), enclosures_(forest)
     {
-        if (settings.mode == Mode::solid) solid_.emplace(scene);
     }
     std::string_view name() const override { return "exact"; }
     std::string_view unit() const override { return "pairs"; }
@@ -36,9 +33,10 @@ public:
             const Verdict verdict = ignored || !near ? Verdict::separate
                                     : meeting        ? Verdict::colliding
                                                      : Verdict::within;
-            decide(scene, frame.results[of_asks_[i]], verdict, kind, bound);
+            decide(frame.results[of_asks_[i]], verdict, kind, bound);
         }
         ask_fcl(scene, frame);
+        enclosures_.find(scene, frame, exact_stage_index);
         stats.in = asks_.size() + others_.size();
         for (const PairResult& result : frame.results)
             stats.out += result.stage == exact_stage_index && result.verdict != Verdict::separate;
@@ -54,10 +52,8 @@ private:
                                                       : ContactKind::unknown;
     }
 
-    void decide(const Scene& scene, PairResult& result, Verdict verdict, ContactKind kind, double bound)
+    static void decide(PairResult& result, Verdict verdict, ContactKind kind, double bound)
     {
-        if (verdict != Verdict::colliding && solid_ && solid_->encloses(scene, index(result.a), index(result.b)))
-            verdict = Verdict::colliding, kind = ContactKind::enclosed, bound = 0;
         result.verdict = verdict, result.kind = kind, result.bound = bound, result.stage = exact_stage_index;
     }
 
@@ -82,7 +78,7 @@ private:
             for (std::size_t k = begin; k < end; ++k) {
                 PairResult& result = frame.results[others_[k]];
                 const ExactFcl::Answer answer = fcl_.answer(scene, index(result.a), index(result.b));
-                decide(scene, result, answer.verdict,
+                decide(result, answer.verdict,
                        answer.verdict == Verdict::within ? ContactKind::near : ContactKind::unknown, answer.bound);
             }
         });
@@ -90,7 +86,7 @@ private:
 
     MeshPairs mesh_pairs_;
     ExactFcl fcl_;
-    std::optional<SolidTest> solid_;
+    Enclosures enclosures_;
     std::vector<MeshPairs::Ask> asks_;   ///< pairs of meshes without a verdict
     std::vector<std::uint32_t> of_asks_; ///< theirs, in frame.results
     std::vector<std::uint32_t> others_;  ///< results that FCL is asked about

@@ -90,6 +90,8 @@ void check(const Settings& s)
         throw Error(ErrorKind::usage,
                     fmt::format("{} needs exact = predicates, which tell touching from crossing; exact is {}",
                                 s.ignore_touching ? "ignore-touching" : "kinds", name_of(s.exact)));
+    if (s.open_as_surface && s.mode != Mode::solid)
+        throw Error(ErrorKind::usage, "open-as-surface needs mode = solid: in surface mode all meshes are surfaces");
     if (s.ignore_touching && s.mode == Mode::solid)
         throw Error(ErrorKind::usage,
                     "ignore-touching needs mode = surface: solid bodies whose surfaces only touch may "

@@ -31,7 +31,8 @@ struct Settings {
     /// Pairs of meshes that only touch are separate, with a bound of 0. Predicates, surface mode and clearance 0 only:
     /// solid bodies whose surfaces only touch may still overlap.
     bool ignore_touching = false;
-    Mode mode = Mode::surface;              ///< solid: a closed mesh's inside belongs to it
+    Mode mode = Mode::surface;              ///< solid: a mesh's inside belongs to it; it must be closed
+    bool open_as_surface = false;           ///< solid mode: take a mesh that is not closed as a surface
     BackendKind backend = BackendKind::cpu; ///< automatic: a GPU where there is one
     Spheres spheres = Spheres::automatic;
     int gpu = -1;      ///< number in gpu_devices(); -1: the first that is one. GPU backends only

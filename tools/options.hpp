@@ -23,7 +23,7 @@ struct SettingsOptions {
     std::string exact = "off", mode = "surface", backend = "cpu", broad = "kd", spheres = "auto";
     int threads = 1;
     int gpu = Settings{}.gpu, viewport = Settings{}.viewport;
-    bool kinds = false, ignore_touching = false;
+    bool kinds = false, ignore_touching = false, open_as_surface = false;
     std::vector<std::string> skip;
     int age = Settings{}.age_limit;
     std::string node_budget = "0", memory_budget = "0";
