@@ -1,84 +1,78 @@
 #include <oncollide/narrowphase/solid.hpp>
 
-#include <cmath>
-#include <numbers>
-#include <numeric>
-#include <utility>
+#include <algorithm>
 
-#include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <oncollide/scenes/error.hpp>
+#include <oncollide/scenes/mesh_topology.hpp>
 
 namespace oncollide {
 
-double winding_number(const Mesh& mesh, const Eigen::Vector3d& point)
-{
-    double sum = 0;
-    for (const Triangle& t : mesh.triangles) {
-        const Eigen::Vector3d a = mesh.vertices[t[0]] - point, b = mesh.vertices[t[1]] - point,
-                              c = mesh.vertices[t[2]] - point;
-        const double la = a.norm(), lb = b.norm(), lc = c.norm();
-        const double up = a.dot(b.cross(c));
-        const double down = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-        sum += std::atan2(up, down);
-    }
-    return sum / (2 * std::numbers::pi);
-}
-
 namespace {
 
-/// One vertex of each part that shares no vertex with the others.
-std::vector<Eigen::Vector3d> parts_of(const Mesh& mesh)
+[[noreturn]] void refuse(const std::string& name, const Mesh& mesh)
 {
-    std::vector<std::uint32_t> root(mesh.vertices.size());
-    std::iota(root.begin(), root.end(), 0u);
-    const auto find = [&](std::uint32_t v) {
-        while (root[v] != v) v = root[v] = root[root[v]];
-        return v;
-    };
-    for (const Triangle& t : mesh.triangles)
-        for (int i : {1, 2}) root[find(t[i])] = find(t[0]);
-    std::vector<Eigen::Vector3d> points;
-    std::vector<std::uint8_t> seen(mesh.vertices.size());
-    for (const Triangle& t : mesh.triangles)
-        if (const std::uint32_t part = find(t[0]); !std::exchange(seen[part], 1)) points.push_back(mesh.vertices[part]);
+    constexpr std::size_t most = 5;
+    const std::vector<MeshEdge> open = open_edges(mesh);
+    if (open.empty()) throw Error(ErrorKind::bad_data, fmt::format("{}: no triangle has an area, so no inside", name));
+    std::vector<std::string> first;
+    for (std::size_t i = 0; i < std::min(open.size(), most); ++i)
+        first.push_back(fmt::format("{}-{}", open[i].from, open[i].to));
+    throw Error(ErrorKind::bad_data,
+                fmt::format("{}: the mesh is not closed, so it has no inside: {} open edge{} (vertices {}{}); an edge "
+                            "must be shared by two triangles that run along it in opposite directions; "
+                            "open-as-surface takes such meshes as surfaces",
+                            name, open.size(), open.size() == 1 ? "" : "s", fmt::join(first, ", "),
+                            open.size() > most ? ", ..." : ""));
+}
+
+std::vector<PartPoints> points_of(const Mesh& mesh)
+{
+    std::vector<PartPoints> points;
+    const std::vector<std::uint32_t> parts = parts_of(mesh);
+    for (std::size_t i = 0; i < parts.size(); ++i)
+        for (const std::uint32_t v : mesh.triangles[i]) {
+            const Eigen::Vector3d& vertex = mesh.vertices[v];
+            if (parts[i] == points.size()) points.emplace_back().fill(vertex);
+            for (std::size_t k = 0; k < 6; ++k) {
+                Eigen::Vector3d& extreme = points[parts[i]][k];
+                const auto axis = static_cast<Eigen::Index>(k / 2);
+                if (k % 2 ? vertex[axis] > extreme[axis] : vertex[axis] < extreme[axis]) extreme = vertex;
+            }
+        }
     return points;
 }
 
-std::vector<Eigen::Vector3d> parts_of(const Geometry& geometry)
+std::vector<PartPoints> points_of(const Geometry& geometry)
 {
-    if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) return parts_of(*mesh);
-    if (const auto* map = std::get_if<OccupancyMap>(&geometry.data)) return {map->cells[0].centre()};
-    return {bounds_of(geometry).centre()};
+    const auto point = [](const Eigen::Vector3d& p) {
+        PartPoints points;
+        points.fill(p);
+        return points;
+    };
+    if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) return points_of(*mesh);
+    const auto* map = std::get_if<OccupancyMap>(&geometry.data);
+    if (!map) return {point(bounds_of(geometry).centre())};
+    std::vector<PartPoints> cells;
+    for (const Aabb& cell : map->cells) cells.push_back(point(cell.centre()));
+    return cells;
 }
 
 } // namespace
 
-SolidTest::SolidTest(const Scene& scene)
+Solids::Solids(const Scene& scene, bool open_as_surface)
+    : solid_(scene.geometries.size()), parts_(scene.geometries.size())
 {
-    for (const Geometry& geometry : scene.geometries) {
+    for (const GeometryId used : scene.geometry) {
+        const Geometry& geometry = scene.geometries[index(used)];
+        if (!parts_[index(used)].empty()) continue;
+        parts_[index(used)] = points_of(geometry);
         const auto* mesh = std::get_if<Mesh>(&geometry.data);
-        solid_.push_back(mesh ? is_closed(*mesh) : std::holds_alternative<Shape>(geometry.data));
-        parts_.push_back(parts_of(geometry));
+        solid_[index(used)] = mesh && is_closed(*mesh);
+        if (mesh && !solid(used) && !open_as_surface) refuse(geometry.name, *mesh);
     }
-}
-
-bool SolidTest::holds(const Scene& scene, std::uint32_t outer, std::uint32_t inner) const
-{
-    // Shapes are solid in every mode already: their trees and FCL's models have an inside.
-    const auto* mesh = std::get_if<Mesh>(&scene.geometries[index(scene.geometry[outer])].data);
-    if (!mesh || !solid(scene.geometry[outer])) return false;
-    const Eigen::Isometry3d to_outer = scene.poses[outer].inverse(Eigen::Isometry) * scene.poses[inner];
-    for (const Eigen::Vector3d& part : parts_[index(scene.geometry[inner])]) {
-        const Eigen::Vector3d point = to_outer * part;
-        const bool in_box =
-            (point.array() >= mesh->bounds.min.array()).all() && (point.array() <= mesh->bounds.max.array()).all();
-        if (in_box && std::abs(winding_number(*mesh, point)) > 0.5) return true;
-    }
-    return false;
-}
-
-bool SolidTest::encloses(const Scene& scene, std::uint32_t a, std::uint32_t b) const
-{
-    return holds(scene, a, b) || holds(scene, b, a);
 }
 
 } // namespace oncollide

@@ -1,33 +1,32 @@
 #pragma once
+#include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <oncollide/scenes/scene.hpp>
 
 namespace oncollide {
 
-/// Tells whether one body lies inside another, for bodies whose surfaces do not meet. Closed meshes and shapes have an
-/// inside; open meshes and maps (whose cells are solid already) do not.
-class SolidTest {
+/// Points of a connected part of a geometry: of a mesh its least and largest vertices along the axes. Where the part
+/// does not meet a surface, all of it is on one side: one point tells, and the others quickly show where that is not
+/// the inside.
+using PartPoints = std::array<Eigen::Vector3d, 6>;
+
+/// Which geometries of a scene have an inside, and the points that tell whether they lie inside others.
+class Solids {
 public:
-    explicit SolidTest(const Scene& scene);
+    /// Of the geometries that bodies use. Closed meshes have an inside; shapes and the cells of maps have theirs in
+    /// every mode already, and count as none here. Throws Error{bad_data} naming a mesh that is not closed and its
+    /// first open edges, unless `open_as_surface`: then it has no inside. Cost: O(n log n).
+    Solids(const Scene& scene, bool open_as_surface);
 
-    /// True when a part of body a lies inside b, or of b inside a, given that their surfaces do not touch: then one
-    /// vertex tells for each connected part. Cost: O(triangles) of the outer mesh for each part that begins in its box.
-    bool encloses(const Scene& scene, std::uint32_t a, std::uint32_t b) const;
-
-    /// Has the geometry an inside?
-    bool solid(GeometryId geometry) const { return solid_[static_cast<std::uint32_t>(geometry)]; }
+    bool solid(GeometryId geometry) const { return solid_[index(geometry)]; }
+    std::span<const PartPoints> parts(GeometryId geometry) const { return parts_[index(geometry)]; }
 
 private:
-    bool holds(const Scene& scene, std::uint32_t outer, std::uint32_t inner) const;
-
-    std::vector<std::uint8_t> solid_;                 ///< by geometry
-    std::vector<std::vector<Eigen::Vector3d>> parts_; ///< by geometry: a point of each connected part
+    std::vector<std::uint8_t> solid_;            ///< by geometry
+    std::vector<std::vector<PartPoints>> parts_; ///< by geometry; of a map each cell is one
 };
-
-/// How often the closed mesh winds around `point` (mesh frame, not on the surface): 0 outside, 1 inside.
-/// Source: van Oosterom and Strackee, "The solid angle of a plane triangle", IEEE Trans. Biomed. Eng. 1983.
-double winding_number(const Mesh& mesh, const Eigen::Vector3d& point);
 
 } // namespace oncollide

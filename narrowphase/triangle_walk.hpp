@@ -30,6 +30,11 @@ public:
     std::optional<TriangleMeeting> first_meeting(TriangleTree& a, TriangleTree& b, const IntoA& into_a,
                                                  std::optional<TriangleMeeting> hint = {});
 
+    /// Some two that cross, or where none do, some two that touch; `contact` says which. Costs more than
+    /// first_meeting() where many touch, for all are looked at.
+    std::optional<TriangleMeeting> contact(TriangleTree& a, TriangleTree& b, const IntoA& into_a,
+                                           TriangleContact& contact, std::optional<TriangleMeeting> hint = {});
+
     /// All, each once, sorted, to `out`, overwritten.
     void all_meeting(TriangleTree& a, TriangleTree& b, const IntoA& into_a, std::vector<TriangleMeeting>& out);
 
@@ -80,6 +85,8 @@ private:
     void walk(const Query& query, float reach, TakeLeaves take_leaves);
     template <class Found>
     bool test_waiting(const Query& query, Found found);
+    template <class Found>
+    void meetings(const Query& query, std::optional<TriangleMeeting> hint, Found found);
 
     OpenedTree a_, b_;
     std::vector<Entry> stack_; ///< its first top_ are in use

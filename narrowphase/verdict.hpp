@@ -18,4 +18,20 @@ constexpr std::string_view name_of(Verdict verdict)
     return names[static_cast<int>(verdict)];
 }
 
+/// How a pair collides or is near, where an exact level found out. It speaks of surfaces by their pairs of triangles,
+/// as TriangleContact does.
+enum class ContactKind : std::uint8_t {
+    unknown,  ///< nobody found out, or there is no contact
+    near,     ///< no contact; the distance is at most the clearance
+    touching, ///< triangles meet, and no two of them cross
+    crossing, ///< at least two triangles cross
+    enclosed, ///< surfaces do not meet; a part of one body is inside the other (solid mode)
+};
+
+constexpr std::string_view name_of(ContactKind kind)
+{
+    constexpr std::string_view names[] = {"unknown", "near", "touching", "crossing", "enclosed"};
+    return names[static_cast<int>(kind)];
+}
+
 } // namespace oncollide

@@ -1,8 +1,7 @@
 #include <algorithm>
-#include <optional>
 
 #include <oncollide/narrowphase/exact_fcl.hpp>
-#include <oncollide/narrowphase/solid.hpp>
+#include <oncollide/pipeline/enclosures.hpp>
 #include <oncollide/pipeline/exact_stages.hpp>
 #include <oncollide/scenes/parallel.hpp>
 
@@ -19,9 +18,8 @@ namespace {
 class FclStage final : public Stage {
 public:
     FclStage(const Scene& scene, const Settings& settings, Forest& forest)
-        : forest_(forest), fcl_(scene, settings.clearance)
+        : forest_(forest), fcl_(scene, settings.clearance), enclosures_(forest)
     {
-        if (settings.mode == Mode::solid) solid_.emplace(scene);
     }
     std::string_view name() const override { return "exact"; }
     std::string_view unit() const override { return "pairs"; }
@@ -33,7 +31,7 @@ public:
         workers_.resize(static_cast<std::size_t>(std::max(frame.threads, 1)));
         read_triangles(scene);
         for_each(frame, [&](Open& open, PairResult& result, Worker& worker) {
-            if (meets_again(scene, open, worker)) decide(result, Verdict::colliding, 0);
+            if (meets_again(scene, open, worker)) decide(result, Verdict::colliding, ContactKind::unknown, 0);
         });
         for (const Open& open : open_)
             if (frame.results[open.result].stage != stage_index)
@@ -42,6 +40,7 @@ public:
             if (result.stage != stage_index) ask_whole(scene, open, result);
         });
 
+        enclosures_.find(scene, frame, stage_index);
         stats.in = open_.size();
         for (const Open& open : open_) stats.out += frame.results[open.result].verdict != Verdict::separate;
         std::erase_if(open_, [](const Open& open) { return open.met.a == 0; });
@@ -102,9 +101,9 @@ private:
         });
     }
 
-    static void decide(PairResult& result, Verdict verdict, double bound)
+    static void decide(PairResult& result, Verdict verdict, ContactKind kind, double bound)
     {
-        result.verdict = verdict, result.bound = bound, result.stage = stage_index;
+        result.verdict = verdict, result.kind = kind, result.bound = bound, result.stage = stage_index;
     }
 
     bool meets_again(const Scene& scene, Open& open, Worker& worker)
@@ -124,9 +123,8 @@ private:
     {
         const auto [a, b] = open.pair;
         const ExactFcl::Answer answer = fcl_.answer(scene, a, b);
-        if (answer.verdict == Verdict::separate && solid_ && solid_->encloses(scene, a, b))
-            return decide(result, Verdict::colliding, 0);
-        decide(result, answer.verdict, answer.bound);
+        decide(result, answer.verdict, answer.verdict == Verdict::within ? ContactKind::near : ContactKind::unknown,
+               answer.bound);
         if (answer.triangle_a >= 0) open.met = cells_of(scene, a, b, answer);
     }
 
@@ -149,7 +147,7 @@ private:
 
     Forest& forest_;
     ExactFcl fcl_;
-    std::optional<SolidTest> solid_;
+    Enclosures enclosures_;
     std::vector<Open> open_, met_; ///< this frame's open pairs; last frame's that met, sorted by pair
     std::vector<Worker> workers_;
     std::vector<Forest::CellTriangles> cells_;

@@ -1,11 +1,13 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include <oncollide/narrowphase/ocst.hpp>
+#include <oncollide/narrowphase/solid.hpp>
 #include <oncollide/narrowphase/walk.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
 #include <oncollide/pipeline/triangle_trees.hpp>
@@ -15,6 +17,7 @@ namespace oncollide {
 /// All trees of a scene, of spheres and of oriented boxes, with the budgets and the ageing that they share.
 class Forest {
 public:
+    /// Throws Error{bad_data} for a mesh without inside in solid mode.
     Forest(const Scene& scene, const Settings& settings, std::unique_ptr<OcclusionBackend> backend);
 
     /// The tree of a geometry, made of its root alone when first asked for.
@@ -31,6 +34,9 @@ public:
     /// How far apart, above the clearance, two meshes may be that are called near: the error asked for, or what spheres
     /// of that depth would certify. Metres.
     double tolerance(GeometryId a, GeometryId b);
+
+    /// Which geometries have an inside; null in surface mode.
+    const Solids* solids() const { return solids_ ? &*solids_ : nullptr; }
 
     OcclusionBackend& backend() { return *backend_; }
     const OcclusionBackend& backend() const { return *backend_; }
@@ -76,6 +82,7 @@ private:
 
     const Scene& scene_;
     const Settings settings_;
+    std::optional<Solids> solids_;
     std::unique_ptr<OcclusionBackend> backend_;
     TriangleTrees triangle_trees_;
     std::vector<std::unique_ptr<Ocst>> trees_; ///< by geometry; null until needed

@@ -10,11 +10,9 @@ namespace {
 
 constexpr std::size_t pairs_a_chunk = 64;
 
-TriangleWalk::Nearness meet(TriangleWalk& walk, TriangleTree& a, TriangleTree& b, const IntoA& into_a, double clearance,
-                            std::optional<TriangleMeeting> hint)
+TriangleWalk::Nearness within_clearance(TriangleWalk& walk, TriangleTree& a, TriangleTree& b, const IntoA& into_a,
+                                        double clearance)
 {
-    const auto meeting = walk.first_meeting(a, b, into_a, hint);
-    if (meeting || clearance == 0) return {meeting.has_value(), 0, meeting};
     // Poses may be 2^-20 from rigid: so far may a distance in A's frame be from that in the world. And where rounding
     // leaves open on which side of the clearance it is, it must be found as well.
     constexpr double rigid = 0x1p-18;
@@ -38,7 +36,8 @@ void MeshPairs::make_walks(int threads)
     while (walks_.size() < static_cast<std::size_t>(std::max(threads, 1))) walks_.emplace_back();
 }
 
-/// answer(ask, walk, tree a, tree b, pose, hint), on all threads. Asks are sorted by pair, as what met last.
+/// answer(walk, geometry a, geometry b, pose, hint, contact) for each ask, on all threads. Asks are sorted by pair, as
+/// what met last.
 template <class Answer>
 void MeshPairs::run(const Scene& scene, Frame& frame, std::span<Ask> asks, Answer answer)
 {
@@ -52,7 +51,7 @@ void MeshPairs::run(const Scene& scene, Frame& frame, std::span<Ask> asks, Answe
             std::optional<TriangleMeeting> hint;
             if (last != met_.end() && last->pair == ask.pair) hint = last->triangles;
             ask.answer = answer(walks_[static_cast<std::size_t>(thread)], scene.geometry[a], scene.geometry[b],
-                                IntoA(scene.poses[a], scene.poses[b]), hint);
+                                IntoA(scene.poses[a], scene.poses[b]), hint, ask.contact);
         }
     });
     met_.clear();
@@ -67,18 +66,25 @@ void MeshPairs::run(const Scene& scene, Frame& frame, std::span<Ask> asks, Answe
 
 void MeshPairs::near(const Scene& scene, Frame& frame, std::span<Ask> asks)
 {
-    run(scene, frame, asks, [&](TriangleWalk& walk, GeometryId a, GeometryId b, const IntoA& into_a, const auto& hint) {
-        TriangleTrees& trees = forest_.triangle_trees();
-        return walk.near(trees[a], trees[b], into_a, frame.settings->clearance, forest_.tolerance(a, b), hint);
-    });
+    run(scene, frame, asks,
+        [&](TriangleWalk& walk, GeometryId a, GeometryId b, const IntoA& into_a, const auto& hint, TriangleContact&) {
+            TriangleTrees& trees = forest_.triangle_trees();
+            return walk.near(trees[a], trees[b], into_a, frame.settings->clearance, forest_.tolerance(a, b), hint);
+        });
 }
 
 void MeshPairs::meet(const Scene& scene, Frame& frame, std::span<Ask> asks)
 {
-    run(scene, frame, asks, [&](TriangleWalk& walk, GeometryId a, GeometryId b, const IntoA& into_a, const auto& hint) {
-        TriangleTrees& trees = forest_.triangle_trees();
-        return oncollide::meet(walk, trees[a], trees[b], into_a, frame.settings->clearance, hint);
-    });
+    run(scene, frame, asks,
+        [&](TriangleWalk& walk, GeometryId a, GeometryId b, const IntoA& into_a, const auto& hint,
+            TriangleContact& contact) -> TriangleWalk::Nearness {
+            TriangleTree &tree_a = forest_.triangle_trees()[a], &tree_b = forest_.triangle_trees()[b];
+            const auto meeting = wants_kinds(*frame.settings) ? walk.contact(tree_a, tree_b, into_a, contact, hint)
+                                                              : walk.first_meeting(tree_a, tree_b, into_a, hint);
+            const double clearance = frame.settings->clearance;
+            if (meeting || clearance == 0) return {meeting.has_value(), 0, meeting};
+            return within_clearance(walk, tree_a, tree_b, into_a, clearance);
+        });
 }
 
 void MeshPairs::distances(const Scene& scene, const Frame& frame, std::span<const Ask> asks, double tolerance,

@@ -20,11 +20,12 @@ public:
     struct Ask {
         BodyPair pair;
         TriangleWalk::Nearness answer{}; ///< out
+        TriangleContact contact{};       ///< out: of triangles that meet, where kinds are asked for
     };
     /// Are they near, by the clearance and the error that the settings allow?
     void near(const Scene& scene, Frame& frame, std::span<Ask> asks);
-    /// Do they meet, exactly? With a clearance, those that do not but are within it are near, bounded by their
-    /// distance.
+    /// Do they meet, exactly, and how, if the settings ask? With a clearance, those that do not but are within it are
+    /// near, bounded by their distance.
     void meet(const Scene& scene, Frame& frame, std::span<Ask> asks);
     /// How far apart are they? As TriangleWalk::distance(); found[i] for asks[i].
     void distances(const Scene& scene, const Frame& frame, std::span<const Ask> asks, double tolerance, double farthest,

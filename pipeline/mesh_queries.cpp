@@ -20,9 +20,10 @@ Settings checked(Settings s)
     check(s);
     if (s.spheres == Spheres::automatic) s.spheres = Spheres::tight; // no GPU here that would want the others
     const Settings usual;
-    if (s.exact == ExactLevel::fcl || s.mode != usual.mode || s.backend != usual.backend || !s.skip.empty())
-        throw Error(ErrorKind::usage, "MeshQueries: exact is off or predicates, mode surface, the backend cpu, and no "
-                                      "stage can be skipped");
+    if (s.exact == ExactLevel::fcl || s.mode != usual.mode || s.backend != usual.backend || !s.skip.empty() ||
+        wants_kinds(s))
+        throw Error(ErrorKind::usage, "MeshQueries: exact is off or predicates, mode surface, the backend cpu, no "
+                                      "stage can be skipped, and contacts have no kind");
     if (s.exact == ExactLevel::predicates && s.clearance > 0)
         throw Error(ErrorKind::usage, "MeshQueries: a clearance has no exact answer; leave exact off");
     return s;

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include <oncollide/narrowphase/solid.hpp>
+#include <oncollide/pipeline/enclosures.hpp>
 #include <oncollide/pipeline/mesh_pairs.hpp>
 #include <oncollide/pipeline/pair_walks.hpp>
 #include <oncollide/pipeline/stage.hpp>
@@ -13,12 +13,11 @@ namespace {
 /// the triangles, so where predicates decide, pairs of meshes are left to the exact level from the start.
 class OcstStage final : public Stage {
 public:
-    OcstStage(const Scene& scene, const Settings& settings, Forest& forest)
+    OcstStage(const Settings& settings, Forest& forest)
         : tight_(wants_tight(settings)),
           left_to_exact_(settings.exact == ExactLevel::predicates && std::ranges::count(settings.skip, "exact") == 0),
-          pair_walks_(forest), mesh_pairs_(forest)
+          pair_walks_(forest), mesh_pairs_(forest), enclosures_(forest)
     {
-        if (settings.mode == Mode::solid) solid_.emplace(scene);
     }
     std::string_view name() const override { return "ocst"; }
     std::string_view unit() const override { return "pairs"; }
@@ -32,11 +31,12 @@ public:
         mesh_pairs_.near(scene, frame, asks_);
         for (std::size_t i = 0; i < asks_.size(); ++i) {
             const auto& [near, bound, meeting] = asks_[i].answer;
-            decide(scene, frame, stats, of_asks_[i], near ? Verdict::within : Verdict::separate, bound);
+            decide(frame, stats, of_asks_[i], near ? Verdict::within : Verdict::separate, bound);
         }
         find_hints();
         pair_walks_.run(scene, frame, walks_);
-        take_walks(scene, frame, stats);
+        take_walks(frame, stats);
+        stats.out += enclosures_.find(scene, frame, stage_index);
         for (const Round& round : frame.rounds) {
             stats.gpu_ms += round.work.gpu_ms, stats.wait_ms += round.work.wait_ms;
             frame.trees.rows += round.rows, frame.trees.queries += round.work.queries;
@@ -67,7 +67,7 @@ private:
         both.add(frame.boxes[pair.b]);
         // Both bodies have points in the box around the two. Its squared edges may underflow.
         const double diagonal = (both.max - both.min).stableNorm();
-        return {BodyId{pair.a}, BodyId{pair.b}, Verdict::undecided, stage_index, diagonal};
+        return {BodyId{pair.a}, BodyId{pair.b}, Verdict::undecided, stage_index, ContactKind::unknown, diagonal};
     }
 
     /// Who answers which pair?
@@ -97,17 +97,15 @@ private:
         }
     }
 
-    void decide(const Scene& scene, Frame& frame, StageStats& stats, std::uint32_t i, Verdict verdict, double bound)
+    static void decide(Frame& frame, StageStats& stats, std::uint32_t i, Verdict verdict, double bound)
     {
         const auto [a, b] = frame.pairs[i];
-        if (verdict == Verdict::separate && solid_ && solid_->encloses(scene, a, b))
-            verdict = Verdict::colliding, bound = 0;
         stats.out += verdict != Verdict::separate;
         stats.undecided += verdict == Verdict::undecided;
-        frame.results[i] = {BodyId{a}, BodyId{b}, verdict, stage_index, bound};
+        frame.results[i] = {BodyId{a}, BodyId{b}, verdict, stage_index, ContactKind::unknown, bound};
     }
 
-    void take_walks(const Scene& scene, Frame& frame, StageStats& stats)
+    void take_walks(Frame& frame, StageStats& stats)
     {
         decided_.clear();
         for (std::size_t i = 0; i < walks_.size(); ++i) {
@@ -116,7 +114,7 @@ private:
                                     : walk.status == WalkStatus::separate ? Verdict::separate
                                                                           : Verdict::undecided;
             if (verdict == Verdict::within && frame.settings->coherence) decided_.push_back({pair, walk.leaves});
-            decide(scene, frame, stats, of_walks_[i], verdict, walk.bound);
+            decide(frame, stats, of_walks_[i], verdict, walk.bound);
         }
     }
 
@@ -124,7 +122,7 @@ private:
     const bool left_to_exact_; ///< pairs of meshes, if tight
     PairWalks pair_walks_;
     MeshPairs mesh_pairs_;
-    std::optional<SolidTest> solid_;
+    Enclosures enclosures_;
     std::vector<PairWalks::Walk> walks_;
     std::vector<MeshPairs::Ask> asks_;
     std::vector<std::uint32_t> of_walks_, of_asks_; ///< their numbers among the pairs
@@ -133,9 +131,9 @@ private:
 
 } // namespace
 
-std::unique_ptr<Stage> make_ocst_stage(const Scene& scene, const Settings& settings, Forest& forest)
+std::unique_ptr<Stage> make_ocst_stage(const Settings& settings, Forest& forest)
 {
-    return std::make_unique<OcstStage>(scene, settings, forest);
+    return std::make_unique<OcstStage>(settings, forest);
 }
 
 } // namespace oncollide

@@ -31,13 +31,14 @@ void mix(std::uint64_t& hash, std::uint64_t value)
     hash = splitmix(hash ^ value);
 }
 
-std::uint64_t hash_of(std::span<const PairResult> results)
+std::uint64_t hash_of(std::span<const PairResult> results, bool with_kinds)
 {
     std::uint64_t hash = 0;
     for (const PairResult& r : results) {
         if (r.verdict == Verdict::separate) continue;
         mix(hash, static_cast<std::uint64_t>(index(r.a)) << 32 | index(r.b));
         mix(hash, static_cast<std::uint64_t>(r.verdict) << 8 | r.stage);
+        if (with_kinds) mix(hash, static_cast<std::uint64_t>(r.kind));
         mix(hash, std::bit_cast<std::uint64_t>(r.bound));
     }
     return hash;
@@ -139,7 +140,7 @@ Pipeline::Pipeline(const Scene& scene, const Settings& settings, std::unique_ptr
     p.stages.push_back(make_bounds_stage(scene));
     p.stages.push_back(make_delimitation_stage(scene, p.settings, *p.boxes));
     p.stages.push_back(make_broad_stage(scene, settings.broad_phase, *p.boxes));
-    p.stages.push_back(make_ocst_stage(scene, p.settings, *p.forest));
+    p.stages.push_back(make_ocst_stage(p.settings, *p.forest));
     p.stages.push_back(settings.exact == ExactLevel::predicates ? make_predicates_stage(scene, p.settings, *p.forest)
                                                                 : make_fcl_stage(scene, p.settings, *p.forest));
     p.asked_to_skip.assign(p.stages.size(), 0);
@@ -196,7 +197,7 @@ FrameView Pipeline::step(const Scene& scene)
     p.frame.trees.collapsed = p.forest->age(p.frame.number);
     p.frame.trees.nodes = p.forest->nodes();
     p.frame.trees.bytes = p.forest->bytes();
-    const std::uint64_t hash = hash_of(p.frame.results);
+    const std::uint64_t hash = hash_of(p.frame.results, wants_kinds(p.settings));
     mix(p.hash, hash);
     const FrameView view{p.frame.number,       milliseconds(Clock::now() - begin),
                          p.frame.results,      p.stats,

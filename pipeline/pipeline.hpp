@@ -19,6 +19,7 @@ struct PairResult {
     BodyId a, b; ///< a < b
     Verdict verdict;
     std::uint8_t stage; ///< index into Pipeline::stages() of the stage that decided
+    ContactKind kind;   ///< touching and crossing: where Settings::contact_kinds or ignore_touching asks
     double bound;       ///< separate: certified lower bound on the distance; within, undecided: certified upper bound;
                         ///< colliding: 0
 };
@@ -70,7 +71,8 @@ struct FrameView {
     std::span<const DelimitationLevel> delimitation; ///< per level of the region hierarchy
     const TreeStats& trees;
     std::span<const Round> rounds; ///< in order
-    std::uint64_t hash; ///< of the pairs of this frame that are not separate: names' indices, verdicts and bounds
+    std::uint64_t hash; ///< of the pairs of this frame that are not separate: names' indices, verdicts and bounds, and
+                        ///< kinds where asked for
 };
 
 class Ocst;
@@ -86,7 +88,8 @@ struct Frame;
 /// Nothing is precomputed: trees grow where collisions reach. A warm step allocates nothing.
 class Pipeline {
 public:
-    /// Throws Error{usage} for settings out of range, Error{no_gpu} for a backend that cannot run here.
+    /// Throws Error{usage} for settings out of range, Error{no_gpu} for a backend that cannot run here,
+    /// Error{bad_data} naming a mesh that is not closed and its open edges in solid mode.
     /// Keeps a reference to the geometries: `scene` must outlive the pipeline.
     /// @param backend  one of your own, in place of settings.backend
     /// With a GPU backend the pipeline belongs to the thread that made it.

@@ -1,7 +1,5 @@
-#include <optional>
-
 #include <oncollide/narrowphase/exact_fcl.hpp>
-#include <oncollide/narrowphase/solid.hpp>
+#include <oncollide/pipeline/enclosures.hpp>
 #include <oncollide/pipeline/exact_stages.hpp>
 #include <oncollide/pipeline/mesh_pairs.hpp>
 #include <oncollide/scenes/parallel.hpp>
@@ -15,9 +13,8 @@ namespace {
 class PredicatesStage final : public Stage {
 public:
     PredicatesStage(const Scene& scene, const Settings& settings, Forest& forest)
-        : mesh_pairs_(forest), fcl_(scene, settings.clearance)
+        : mesh_pairs_(forest), fcl_(scene, settings.clearance), enclosures_(forest)
     {
-        if (settings.mode == Mode::solid) solid_.emplace(scene);
     }
     std::string_view name() const override { return "exact"; }
     std::string_view unit() const override { return "pairs"; }
@@ -29,10 +26,17 @@ public:
         mesh_pairs_.meet(scene, frame, asks_);
         for (std::size_t i = 0; i < asks_.size(); ++i) {
             const auto& [near, bound, meeting] = asks_[i].answer;
-            const Verdict verdict = meeting ? Verdict::colliding : near ? Verdict::within : Verdict::separate;
-            decide(scene, frame.results[of_asks_[i]], verdict, bound);
+            const ContactKind kind = meeting ? kind_of(asks_[i].contact)
+                                     : near  ? ContactKind::near
+                                             : ContactKind::unknown;
+            const bool ignored = frame.settings->ignore_touching && kind == ContactKind::touching;
+            const Verdict verdict = ignored || !near ? Verdict::separate
+                                    : meeting        ? Verdict::colliding
+                                                     : Verdict::within;
+            decide(frame.results[of_asks_[i]], verdict, kind, bound);
         }
         ask_fcl(scene, frame);
+        enclosures_.find(scene, frame, exact_stage_index);
         stats.in = asks_.size() + others_.size();
         for (const PairResult& result : frame.results)
             stats.out += result.stage == exact_stage_index && result.verdict != Verdict::separate;
@@ -41,11 +45,16 @@ public:
     void skip(const Scene&, Frame& frame, StageStats& stats) override { pass_on(frame, stats); }
 
 private:
-    void decide(const Scene& scene, PairResult& result, Verdict verdict, double bound)
+    static ContactKind kind_of(TriangleContact contact)
     {
-        if (verdict != Verdict::colliding && solid_ && solid_->encloses(scene, index(result.a), index(result.b)))
-            verdict = Verdict::colliding, bound = 0;
-        result.verdict = verdict, result.bound = bound, result.stage = exact_stage_index;
+        return contact == TriangleContact::crossing   ? ContactKind::crossing
+               : contact == TriangleContact::touching ? ContactKind::touching
+                                                      : ContactKind::unknown;
+    }
+
+    static void decide(PairResult& result, Verdict verdict, ContactKind kind, double bound)
+    {
+        result.verdict = verdict, result.kind = kind, result.bound = bound, result.stage = exact_stage_index;
     }
 
     void find_open(const Scene& scene, const Frame& frame)
@@ -69,14 +78,15 @@ private:
             for (std::size_t k = begin; k < end; ++k) {
                 PairResult& result = frame.results[others_[k]];
                 const ExactFcl::Answer answer = fcl_.answer(scene, index(result.a), index(result.b));
-                decide(scene, result, answer.verdict, answer.bound);
+                decide(result, answer.verdict,
+                       answer.verdict == Verdict::within ? ContactKind::near : ContactKind::unknown, answer.bound);
             }
         });
     }
 
     MeshPairs mesh_pairs_;
     ExactFcl fcl_;
-    std::optional<SolidTest> solid_;
+    Enclosures enclosures_;
     std::vector<MeshPairs::Ask> asks_;   ///< pairs of meshes without a verdict
     std::vector<std::uint32_t> of_asks_; ///< theirs, in frame.results
     std::vector<std::uint32_t> others_;  ///< results that FCL is asked about

@@ -12,6 +12,8 @@ namespace oncollide {
 namespace {
 
 constexpr Verdict verdict_order[] = {Verdict::separate, Verdict::within, Verdict::colliding, Verdict::undecided};
+constexpr ContactKind kind_order[] = {ContactKind::near, ContactKind::touching, ContactKind::crossing,
+                                      ContactKind::enclosed};
 
 /// `text` as a JSON string with its quotes. Bytes that are not UTF-8 (a file name may hold any) become U+FFFD.
 std::string json_string(std::string_view text)
@@ -25,11 +27,12 @@ std::string number(double value)
     return std::isfinite(value) ? fmt::format("{}", value) : "null";
 }
 
-std::string verdicts_json(const std::array<std::uint64_t, 4>& counts)
+template <class Name, std::size_t shown, std::size_t all>
+std::string counts_json(const Name (&names)[shown], const std::array<std::uint64_t, all>& counts)
 {
     std::string text = "{";
-    for (Verdict verdict : verdict_order)
-        text += fmt::format("{}\"{}\": {}", text.size() > 1 ? ", " : "", name_of(verdict), counts[int(verdict)]);
+    for (Name name : names)
+        text += fmt::format("{}\"{}\": {}", text.size() > 1 ? ", " : "", name_of(name), counts[int(name)]);
     return text + "}";
 }
 
@@ -56,12 +59,12 @@ std::string settings_json(const Settings& s)
     std::string skip;
     for (const std::string& stage : s.skip) skip += (skip.empty() ? "" : ", ") + json_string(stage);
     return fmt::format(
-        R"({{"depth": {}, "max_error": {}, "clearance": {}, "exact": "{}", "mode": "{}", "backend": "{}", "broad": "{}", "spheres": "{}", )"
+        R"({{"depth": {}, "max_error": {}, "clearance": {}, "exact": "{}", "kinds": {}, "ignore_touching": {}, "mode": "{}", "open_as_surface": {}, "backend": "{}", "broad": "{}", "spheres": "{}", )"
         R"("gpu": {}, "viewport": {}, "threads": {}, "skip": [{}], "age": {}, "node_budget": {}, "memory_budget": {}, "coherence": {}}})",
         s.depth ? fmt::format("{}", *s.depth) : "null", s.max_error ? number(*s.max_error) : "null",
-        number(s.clearance), name_of(s.exact), name_of(s.mode), name_of(s.backend), name_of(s.broad_phase),
-        name_of(s.spheres), s.gpu, s.viewport, s.threads, skip, s.age_limit, s.node_budget, s.memory_budget,
-        s.coherence);
+        number(s.clearance), name_of(s.exact), s.contact_kinds, s.ignore_touching, name_of(s.mode), s.open_as_surface,
+        name_of(s.backend), name_of(s.broad_phase), name_of(s.spheres), s.gpu, s.viewport, s.threads, skip, s.age_limit,
+        s.node_budget, s.memory_budget, s.coherence);
 }
 
 } // namespace
@@ -84,9 +87,9 @@ void Report::add(const FrameView& frame)
                  .first_round = rounds_.size()};
     rounds_.insert(rounds_.end(), frame.rounds.begin(), frame.rounds.end());
     for (const PairResult& pair : frame.pairs) {
-        ++row.verdicts[int(pair.verdict)];
+        ++row.verdicts[int(pair.verdict)], ++kinds_[int(pair.kind)];
         if (pair.verdict == Verdict::separate && !separate_) continue;
-        rows_.push_back({index(pair.a), index(pair.b), pair.verdict, pair.stage, pair.bound});
+        rows_.push_back({index(pair.a), index(pair.b), pair.verdict, pair.stage, pair.kind, pair.bound});
         ++row.pairs;
     }
     for (const StageStats& stage : frame.stages) stage_ms_.push_back(stage.cpu_ms);
@@ -156,7 +159,8 @@ void Report::print_header(OutputFile& file) const
                threads(), json_string(pipeline_.backend()),
                pipeline_.renderer().empty() ? "null" : json_string(pipeline_.renderer()), pipeline_.hash(),
                interrupted_, frames_.size());
-    file.print("  \"verdicts\": {},\n", verdicts_json(verdicts()));
+    file.print("  \"verdicts\": {}, \"kinds\": {},\n", counts_json(verdict_order, verdicts()),
+               counts_json(kind_order, kinds()));
     file.print("  \"trees\": {{\"rounds\": {}, \"rows\": {}, \"node_pairs\": {}, \"triangle_pairs\": {}, "
                "\"collapsed\": {}, \"refused\": {}, "
                "\"queries\": {}, \"gpu_bytes\": {}, "
@@ -194,11 +198,12 @@ void Report::print_frames(OutputFile& file) const
         file.print("{}\n  {{\"frame\": {}, \"ms\": {:.4f}, \"hash\": \"{:016x}\", \"rounds\": {}, \"rows\": {}, "
                    "\"nodes\": {}, \"bytes\": {}, \"verdicts\": {}, \"pairs\": [",
                    std::exchange(comma, ","), f.frame, f.ms, f.hash, f.trees.rounds, f.trees.rows, f.trees.nodes,
-                   f.trees.bytes, verdicts_json(f.verdicts));
+                   f.trees.bytes, counts_json(verdict_order, f.verdicts));
         for (std::size_t k = f.first_pair; k < f.first_pair + f.pairs; ++k) {
             const Row& row = rows_[k];
-            file.print("{}[{}, {}, \"{}\", {}, \"{}\"]", k == f.first_pair ? "" : ", ", names[row.a], names[row.b],
-                       name_of(row.verdict), number(row.bound), pipeline_.stages()[row.stage]);
+            file.print("{}[{}, {}, \"{}\", {}, \"{}\", {}]", k == f.first_pair ? "" : ", ", names[row.a], names[row.b],
+                       name_of(row.verdict), number(row.bound), pipeline_.stages()[row.stage],
+                       row.kind == ContactKind::unknown ? "null" : json_string(name_of(row.kind)));
         }
         file.print("]}}");
     }
@@ -208,12 +213,13 @@ void Report::write_csv(const std::filesystem::path& path) const
 {
     OutputFile file(path);
     const std::vector<std::string> names = quote_all(scene_.names, csv_field);
-    file.print("frame,a,b,verdict,gap_bound,stage\n");
+    file.print("frame,a,b,verdict,gap_bound,stage,kind\n");
     for (const FrameRow& f : frames_)
         for (std::size_t k = f.first_pair; k < f.first_pair + f.pairs; ++k) {
             const Row& row = rows_[k];
-            file.print("{},{},{},{},{},{}\n", f.frame, names[row.a], names[row.b], name_of(row.verdict),
-                       std::isfinite(row.bound) ? number(row.bound) : "", pipeline_.stages()[row.stage]);
+            file.print("{},{},{},{},{},{},{}\n", f.frame, names[row.a], names[row.b], name_of(row.verdict),
+                       std::isfinite(row.bound) ? number(row.bound) : "", pipeline_.stages()[row.stage],
+                       row.kind == ContactKind::unknown ? "" : name_of(row.kind));
         }
     file.commit();
 }
@@ -261,7 +267,7 @@ void Report::write_trace(const std::filesystem::path& path) const
             ",\n{{\"ph\": \"C\", \"pid\": 1, \"name\": \"nodes alive\", \"ts\": {:.3f}, \"args\": {{\"nodes\": {}}}}}",
             begin, f.trees.nodes);
         file.print(",\n{{\"ph\": \"C\", \"pid\": 1, \"name\": \"pairs\", \"ts\": {:.3f}, \"args\": {}}}", begin,
-                   verdicts_json(f.verdicts));
+                   counts_json(verdict_order, f.verdicts));
         begin = end;
     }
     file.print("\n]}}\n");

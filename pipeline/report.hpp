@@ -39,12 +39,16 @@ public:
 
     /// Pairs of each verdict, indexed by Verdict, over all frames.
     std::array<std::uint64_t, 4> verdicts() const;
+    /// Pairs of each kind of contact, indexed by ContactKind, over all frames; separate ones too, if touching is
+    /// ignored.
+    std::array<std::uint64_t, 5> kinds() const { return kinds_; }
 
 private:
     struct Row {
         std::uint32_t a, b;
         Verdict verdict;
         std::uint8_t stage;
+        ContactKind kind;
         double bound;
     };
     struct FrameRow {
@@ -68,6 +72,7 @@ private:
     bool separate_, interrupted_ = false;
     std::vector<Row> rows_;
     std::vector<FrameRow> frames_;
+    std::array<std::uint64_t, 5> kinds_{};
     std::vector<double> stage_ms_; ///< frames x stages, CPU time
     std::vector<Round> rounds_;
     std::vector<DelimitationLevel> delimitation_; ///< summed over frames

@@ -67,6 +67,12 @@ void Report::print_table(std::ostream& out) const
     text += fmt::format("verdicts   {} colliding, {} within their bound, {} undecided, {} separate (over all frames)\n",
                         grouped(counts[int(Verdict::colliding)]), grouped(counts[int(Verdict::within)]),
                         grouped(counts[int(Verdict::undecided)]), grouped(counts[int(Verdict::separate)]));
+    if (kinds_[int(ContactKind::unknown)] < rows_.size() || wants_kinds(pipeline_.settings()))
+        text += fmt::format("contacts   {} touching{}, {} crossing, {} enclosed, {} near; of the others nobody asked\n",
+                            grouped(kinds_[int(ContactKind::touching)]),
+                            pipeline_.settings().ignore_touching ? " (ignored)" : "",
+                            grouped(kinds_[int(ContactKind::crossing)]), grouped(kinds_[int(ContactKind::enclosed)]),
+                            grouped(kinds_[int(ContactKind::near)]));
     text += fmt::format("trees      {} cells asked in {} rounds; at the end {} cells, {}", grouped(rows),
                         grouped(rounds), grouped(last.nodes), bytes_text(last.bytes));
     text += refused ? fmt::format("; {} cells refused by a budget\n", grouped(refused)) : "\n";

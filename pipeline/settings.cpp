@@ -86,6 +86,19 @@ void check(const Settings& s)
                 "a length in metres, above 0");
     require(std::isfinite(s.clearance) && s.clearance >= 0 && s.clearance <= 1e15, "clearance", s.clearance,
             "a length in metres, 0 to 1e15");
+    if (wants_kinds(s) && s.exact != ExactLevel::predicates)
+        throw Error(ErrorKind::usage,
+                    fmt::format("{} needs exact = predicates, which tell touching from crossing; exact is {}",
+                                s.ignore_touching ? "ignore-touching" : "kinds", name_of(s.exact)));
+    if (s.open_as_surface && s.mode != Mode::solid)
+        throw Error(ErrorKind::usage, "open-as-surface needs mode = solid: in surface mode all meshes are surfaces");
+    if (s.ignore_touching && s.mode == Mode::solid)
+        throw Error(ErrorKind::usage,
+                    "ignore-touching needs mode = surface: solid bodies whose surfaces only touch may "
+                    "overlap all the same");
+    if (s.ignore_touching && s.clearance > 0)
+        throw Error(ErrorKind::usage,
+                    "ignore-touching needs clearance = 0: bodies that touch are inside any clearance");
     require(s.threads >= 0 && s.threads <= 1024, "threads", s.threads, "0 (all) to 1024");
     require(s.age_limit >= 1 && s.age_limit <= 1'000'000, "age", s.age_limit, "1 to 1000000 frames");
     if (s.backend == BackendKind::gl_raster)

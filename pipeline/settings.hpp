@@ -26,7 +26,13 @@ struct Settings {
     double clearance = 0; ///< metres, >= 0: pairs this close count as touching, in every stage
 
     ExactLevel exact = ExactLevel::off;
-    Mode mode = Mode::surface;              ///< solid: a closed mesh's inside belongs to it
+    /// Of pairs of meshes that collide, find out whether they touch or cross. Predicates only.
+    bool contact_kinds = false;
+    /// Pairs of meshes that only touch are separate, with a bound of 0. Predicates, surface mode and clearance 0 only:
+    /// solid bodies whose surfaces only touch may still overlap.
+    bool ignore_touching = false;
+    Mode mode = Mode::surface;              ///< solid: a mesh's inside belongs to it; it must be closed
+    bool open_as_surface = false;           ///< solid mode: take a mesh that is not closed as a surface
     BackendKind backend = BackendKind::cpu; ///< automatic: a GPU where there is one
     Spheres spheres = Spheres::automatic;
     int gpu = -1;      ///< number in gpu_devices(); -1: the first that is one. GPU backends only
@@ -43,6 +49,11 @@ struct Settings {
 inline bool wants_tight(const Settings& s)
 {
     return s.spheres == Spheres::tight || (s.spheres == Spheres::automatic && s.exact == ExactLevel::predicates);
+}
+
+inline bool wants_kinds(const Settings& s)
+{
+    return s.contact_kinds || s.ignore_touching;
 }
 
 /// Throws Error{usage} naming the setting, its value and the valid range.

@@ -30,6 +30,6 @@ std::unique_ptr<Stage> make_bounds_stage(const Scene& scene);
 std::unique_ptr<Stage> make_delimitation_stage(const Scene& scene, const Settings& settings, DynamicTree& tree);
 std::unique_ptr<Stage> make_broad_stage(const Scene& scene, BroadPhaseKind kind, DynamicTree& tree);
 /// Keeps a reference to `forest`. The exact stages: exact_stages.hpp.
-std::unique_ptr<Stage> make_ocst_stage(const Scene& scene, const Settings& settings, Forest& forest);
+std::unique_ptr<Stage> make_ocst_stage(const Settings& settings, Forest& forest);
 
 } // namespace oncollide

@@ -1,9 +1,7 @@
 #include <oncollide/scenes/mesh.hpp>
 
 #include <algorithm>
-#include <compare>
 #include <limits>
-#include <numeric>
 
 #include <fmt/format.h>
 
@@ -30,25 +28,6 @@ void check_vertices(const std::string& name, const std::vector<Eigen::Vector3d>&
             fail(name, fmt::format("vertex {} is too far from the origin: ({}, {}, {}), at most {} m are allowed", i,
                                    v.x(), v.y(), v.z(), largest_coordinate));
     }
-}
-
-/// For each vertex the lowest index of a vertex at the same position.
-std::vector<std::uint32_t> weld(const std::vector<Eigen::Vector3d>& vertices)
-{
-    std::vector<std::uint32_t> order(vertices.size());
-    std::iota(order.begin(), order.end(), 0u);
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-        const Eigen::Vector3d &p = vertices[a], &q = vertices[b];
-        for (int axis = 0; axis < 3; ++axis)
-            if (p[axis] != q[axis]) return p[axis] < q[axis];
-        return a < b;
-    });
-    std::vector<std::uint32_t> first(vertices.size());
-    for (std::size_t i = 0; i < order.size(); ++i) {
-        const bool same = i > 0 && vertices[order[i]] == vertices[order[i - 1]];
-        first[order[i]] = same ? first[order[i - 1]] : order[i];
-    }
-    return first;
 }
 
 } // namespace
@@ -79,34 +58,6 @@ Mesh transformed(const std::string& name, Mesh mesh, double scale, const Eigen::
 {
     for (Eigen::Vector3d& v : mesh.vertices) v = scale * (v - origin);
     return make_mesh(name, std::move(mesh.vertices), std::move(mesh.triangles));
-}
-
-bool is_closed(const Mesh& mesh)
-{
-    struct Edge {
-        std::uint32_t low, high;
-        bool forward; ///< the triangle runs from low to high
-        auto operator<=>(const Edge&) const = default;
-    };
-    const std::vector<std::uint32_t> first = weld(mesh.vertices);
-    std::vector<Edge> edges;
-    edges.reserve(3 * mesh.triangles.size());
-    for (const Triangle& t : mesh.triangles) {
-        if (has_zero_area(mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]])) continue;
-        for (int i = 0; i < 3; ++i) {
-            const std::uint32_t from = first[t[i]], to = first[t[(i + 1) % 3]];
-            edges.push_back({std::min(from, to), std::max(from, to), from < to});
-        }
-    }
-    if (edges.empty() || edges.size() % 2 != 0) return false;
-    std::sort(edges.begin(), edges.end());
-    for (std::size_t i = 0; i < edges.size(); i += 2) {
-        const Edge &a = edges[i], &b = edges[i + 1];
-        if (a.low != b.low || a.high != b.high || a.forward == b.forward) return false;
-        // A third triangle on the edge would sort next to these two.
-        if (i + 2 < edges.size() && edges[i + 2].low == a.low && edges[i + 2].high == a.high) return false;
-    }
-    return true;
 }
 
 } // namespace oncollide

@@ -74,15 +74,27 @@ std::string describe(const Scene& scene, const Settings& settings, const PairRes
     const std::string both = fmt::format("'{}' and '{}'", scene.names[0], scene.names[1]);
     switch (pair.verdict) {
     case Verdict::separate:
+        if (pair.kind == ContactKind::touching)
+            return fmt::format("separate: {} touch without crossing, which is ignored as asked.", both);
         return fmt::format("separate: {} are at least {:.6g} m apart (certified).", both,
                            std::max(pair.bound, settings.clearance));
     case Verdict::colliding:
-        return fmt::format("colliding: {} intersect (tested triangle by triangle).", both);
+        switch (pair.kind) {
+        case ContactKind::touching:
+            return fmt::format("colliding (touching): {} meet, and no two triangles of theirs cross.", both);
+        case ContactKind::crossing:
+            return fmt::format("colliding (crossing): triangles of {} cross.", both);
+        case ContactKind::enclosed:
+            return fmt::format("colliding (enclosed): of {} one lies inside the other, their surfaces do not meet.",
+                               both);
+        default:
+            return fmt::format("colliding: {} intersect (tested triangle by triangle).", both);
+        }
     case Verdict::within:
         if (settings.clearance > 0 && pair.bound <= settings.clearance)
             return fmt::format(
-                "within {:.6g} m: {} are at most that far apart (certified), inside the clearance of {:.6g} m.",
-                pair.bound, both, settings.clearance);
+                "within {:.6g} m{}: {} are at most that far apart (certified), inside the clearance of {:.6g} m.",
+                pair.bound, pair.kind == ContactKind::near ? " (near)" : "", both, settings.clearance);
         return fmt::format("within {:.6g} m: {} are at most that far apart (certified), and may or may not collide. "
                            "A smaller --max-error narrows the bound{}.",
                            pair.bound, both, settings.exact == ExactLevel::off ? "; --exact predicates decides" : "");
@@ -128,6 +140,7 @@ int check_pair(const CheckOptions& options)
     if (options.distance) check_distance(*options.distance, 0);
     if (!options.contacts.empty() && settings.exact != ExactLevel::predicates)
         throw Error(ErrorKind::usage, "--contacts: needs --exact predicates");
+    settings.contact_kinds = settings.exact == ExactLevel::predicates;
     // Both cull without a bound on the distance, and one pair needs neither.
     for (const char* stage : {"delimitation", "broad"}) settings.skip.push_back(stage);
     OutputOptions outputs;
@@ -146,9 +159,10 @@ int check_pair(const CheckOptions& options)
     Report report(scene, pipeline, true);
     const FrameView frame = pipeline.step(scene);
     report.add(frame);
-    const PairResult pair = frame.pairs.empty()
-                                ? PairResult{BodyId{0}, BodyId{1}, Verdict::separate, 0, settings.clearance}
-                                : frame.pairs.front();
+    const PairResult pair =
+        frame.pairs.empty()
+            ? PairResult{BodyId{0}, BodyId{1}, Verdict::separate, 0, ContactKind::unknown, settings.clearance}
+            : frame.pairs.front();
     std::ostream& said = options.json == "-" ? std::cerr : std::cout;
     if (!options.quiet) said << describe(scene, settings, pair) << "\n";
     if (!options.quiet && options.distance) said << describe_distance(scene, *options.distance) << "\n";

@@ -70,8 +70,16 @@ void add_accuracy_options(CLI::App& command, SettingsOptions& o)
         ->type_name("M");
     command.add_option("--exact", o.exact, "exact level on triangles: off, predicates or fcl (default off)")
         ->type_name("HOW");
-    command.add_option("--mode", o.mode, "surface, or solid: a closed mesh's inside belongs to it (default surface)")
+    command.add_flag("--kinds", o.kinds,
+                     "of meshes that collide, find out whether they touch or cross; needs --exact predicates");
+    command.add_flag("--ignore-touching", o.ignore_touching,
+                     "meshes that touch and do not cross are separate; needs --exact predicates");
+    command
+        .add_option("--mode", o.mode,
+                    "surface, or solid: a mesh's inside belongs to it, so it must be closed (default surface)")
         ->type_name("MODE");
+    command.add_flag("--open-as-surface", o.open_as_surface,
+                     "with --mode solid: take a mesh that is not closed as a surface");
 }
 
 void add_pipeline_options(CLI::App& command, SettingsOptions& o)
@@ -114,7 +122,10 @@ Settings settings_from(const SettingsOptions& o)
                       .max_error = o.max_error,
                       .clearance = o.clearance,
                       .exact = exact_from_name(o.exact),
+                      .contact_kinds = o.kinds,
+                      .ignore_touching = o.ignore_touching,
                       .mode = mode_from_name(o.mode),
+                      .open_as_surface = o.open_as_surface,
                       .backend = backend_from_name(o.backend),
                       .spheres = spheres_from_name(o.spheres),
                       .gpu = o.gpu,

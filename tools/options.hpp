@@ -23,13 +23,14 @@ struct SettingsOptions {
     std::string exact = "off", mode = "surface", backend = "cpu", broad = "kd", spheres = "auto";
     int threads = 1;
     int gpu = Settings{}.gpu, viewport = Settings{}.viewport;
+    bool kinds = false, ignore_touching = false, open_as_surface = false;
     std::vector<std::string> skip;
     int age = Settings{}.age_limit;
     std::string node_budget = "0", memory_budget = "0";
     bool no_coherence = false;
 };
 
-void add_accuracy_options(CLI::App& command, SettingsOptions& options); ///< depth, max-error, clearance, exact, mode
+void add_accuracy_options(CLI::App& command, SettingsOptions& options); ///< depth to mode
 void add_pipeline_options(CLI::App& command, SettingsOptions& options); ///< the rest
 /// Throws Error{usage} for a name or number out of range.
 Settings settings_from(const SettingsOptions& options);

@@ -1,56 +1,88 @@
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include <oncollide/narrowphase/solid.hpp>
+#include <oncollide/scenes/error.hpp>
 #include <oncollide/scenes/mesh_generators.hpp>
+
+#include "mesh_parts.hpp"
 
 namespace oncollide {
 namespace {
 
-TEST(WindingNumber, IsOneInsideAndZeroOutside)
+Mesh holed_box()
 {
-    const Mesh torus = make_torus_mesh(2, 0.5, 2000);
-    EXPECT_NEAR(std::abs(winding_number(torus, {2, 0, 0})), 1, 1e-9);
-    EXPECT_NEAR(winding_number(torus, {0, 0, 0}), 0, 1e-9);
-    EXPECT_NEAR(winding_number(torus, {9, 0, 0}), 0, 1e-9);
+    Mesh mesh = make_box_mesh({1, 1, 1});
+    mesh.triangles.pop_back();
+    return mesh;
 }
 
-TEST(SolidTest, SeesOneBodyInsideAnother)
+TEST(Solids, RefuseAMeshThatIsNotClosedAndNameItsOpenEdges)
 {
     Scene scene;
-    const GeometryId big = scene.add("big", make_sphere_mesh(2, 500)),
-                     small = scene.add("small", make_box_mesh({0.1, 0.1, 0.1})),
-                     open = scene.add("open", make_terrain_mesh(8, 1, 8, 1));
-    const auto put = [&](const char* name, GeometryId g, double x) {
-        Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-        pose.translation().x() = x;
-        return index(scene.add_body({.name = name, .geometry = g, .pose = pose}));
-    };
-    const auto ball = put("ball", big, 0), inner = put("inner", small, 1), outer = put("outer", small, 3),
-               ground = put("ground", open, 0);
-    const SolidTest solid(scene);
-    EXPECT_TRUE(solid.encloses(scene, ball, inner));
-    EXPECT_TRUE(solid.encloses(scene, inner, ball));
-    EXPECT_FALSE(solid.encloses(scene, ball, outer));
-    EXPECT_FALSE(solid.encloses(scene, ground, inner)) << "an open mesh has no inside";
+    const Mesh box = holed_box();
+    scene.add_body({.name = "body", .geometry = scene.add("holed", box)});
+    try {
+        Solids(scene, false);
+        FAIL() << "accepted";
+    } catch (const Error& error) {
+        const std::string text = error.what();
+        EXPECT_EQ(error.kind(), ErrorKind::bad_data);
+        EXPECT_TRUE(text.starts_with("holed: ")) << text;
+        EXPECT_NE(text.find("3 open edges"), std::string::npos) << text;
+        const Triangle gone = make_box_mesh({1, 1, 1}).triangles.back();
+        for (std::size_t i = 0; i < 3; ++i) // its neighbours run along its edges the other way
+            EXPECT_NE(text.find(std::to_string(gone[(i + 1) % 3]) + "-" + std::to_string(gone[i])), std::string::npos)
+                << text;
+        EXPECT_NE(text.find("open-as-surface"), std::string::npos) << text;
+    }
+    const Solids taken(scene, true);
+    EXPECT_FALSE(taken.solid(scene.geometry[0]));
 }
 
-TEST(SolidTest, SeesOneOfSeveralParts)
+TEST(Solids, NameOnlyTheFirstOfManyOpenEdges)
 {
-    // One mesh of two far cubes: the second is inside the ball, the first is not.
-    Mesh two = make_box_mesh({0.1, 0.1, 0.1});
-    std::vector<Eigen::Vector3d> vertices = two.vertices;
-    std::vector<Triangle> triangles = two.triangles;
-    const auto n = static_cast<std::uint32_t>(vertices.size());
-    for (const Eigen::Vector3d& v : two.vertices) vertices.push_back(v - Eigen::Vector3d(5, 0, 0));
-    for (Triangle t : two.triangles) triangles.push_back({t[0] + n, t[1] + n, t[2] + n});
     Scene scene;
-    const GeometryId ball = scene.add("ball", make_sphere_mesh(2, 500)),
-                     pair = scene.add("pair", make_mesh("pair", vertices, triangles));
-    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-    pose.translation().x() = 5;
-    const auto a = index(scene.add_body({.name = "a", .geometry = ball})),
-               b = index(scene.add_body({.name = "b", .geometry = pair, .pose = pose}));
-    EXPECT_TRUE(SolidTest(scene).encloses(scene, a, b));
+    scene.add_body({.name = "body", .geometry = scene.add("ground", make_terrain_mesh(8, 1, 8, 1))});
+    try {
+        Solids(scene, false);
+        FAIL() << "accepted";
+    } catch (const Error& error) {
+        const std::string text = error.what();
+        EXPECT_NE(text.find("32 open edges"), std::string::npos) << text;
+        EXPECT_EQ(std::count(text.begin(), text.end(), '-'), 5 + 2) << "five edges, and the option: " << text;
+    }
+}
+
+TEST(Solids, AskOnlyWhatBodiesUse)
+{
+    Scene scene;
+    scene.add("holed", holed_box());
+    const GeometryId ball = scene.add("ball", make_sphere_mesh(1, 200)), shape = scene.add("shape", Box{{1, 1, 1}});
+    scene.add_body({.name = "a", .geometry = ball});
+    scene.add_body({.name = "b", .geometry = shape});
+    const Solids solids(scene, false);
+    EXPECT_TRUE(solids.solid(ball));
+    EXPECT_FALSE(solids.solid(shape)) << "its tree has an inside already";
+    EXPECT_EQ(solids.parts(shape).size(), 1u);
+}
+
+TEST(Solids, KnowTheExtremePointsOfEveryPart)
+{
+    Scene scene;
+    const Mesh two = joined({make_box_mesh({1, 2, 3}), moved(make_sphere_mesh(1, 200), {10, 0, 0})});
+    scene.add_body({.name = "two", .geometry = scene.add("two", two)});
+    const Solids solids(scene, false);
+    const auto parts = solids.parts(scene.geometry[0]);
+    ASSERT_EQ(parts.size(), 2u);
+    for (const auto& [part, mesh] : {std::pair(parts[0], make_box_mesh({1, 2, 3})),
+                                     std::pair(parts[1], moved(make_sphere_mesh(1, 200), {10, 0, 0}))}) {
+        Aabb bounds;
+        for (const Eigen::Vector3d& point : part) bounds.add(point);
+        EXPECT_EQ(bounds.min, mesh.bounds.min);
+        EXPECT_EQ(bounds.max, mesh.bounds.max);
+    }
 }
 
 } // namespace

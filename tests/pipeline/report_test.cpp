@@ -1,5 +1,6 @@
 #include <oncollide/pipeline/report.hpp>
 #include <oncollide/scenes/error.hpp>
+#include <oncollide/scenes/mesh_generators.hpp>
 #include <oncollide/scenes/output_file.hpp>
 
 #include <algorithm>
@@ -92,6 +93,7 @@ TEST_F(ReportTest, JsonHoldsEveryPairWithNamesAndBoundsToTheLastBit)
             EXPECT_EQ(pair.at(2), name_of(expected.verdict));
             EXPECT_EQ(pair.at(3).get<double>(), expected.bound);
             EXPECT_EQ(pair.at(4), pipeline.stages()[expected.stage]);
+            EXPECT_TRUE(pair.at(5).is_null()) << "nobody asked for kinds";
         }
     }
     EXPECT_EQ(at, bounds_.size());
@@ -145,13 +147,44 @@ TEST_F(ReportTest, CsvQuotesNamesAsRfc4180Asks)
     play(pipeline, report);
     report.write_csv(folder_ / "r.csv");
     const std::string text = read("r.csv");
-    EXPECT_TRUE(text.starts_with("frame,a,b,verdict,gap_bound,stage\n0,plain,\"with, comma and \"\"quotes\"\"\","))
+    EXPECT_TRUE(text.starts_with("frame,a,b,verdict,gap_bound,stage,kind\n0,plain,\"with, comma and \"\"quotes\"\"\","))
         << text;
     EXPECT_NE(text.find(",\"line\nbreak and \xff\","), std::string::npos) << text;
     // One row a pair, one header, and the line break inside a name once a row that names it.
     std::size_t rows = 1 + bounds_.size();
     for (const PairResult& pair : bounds_) rows += index(pair.b) == 2;
     EXPECT_EQ(std::size_t(std::count(text.begin(), text.end(), '\n')), rows);
+}
+
+TEST_F(ReportTest, HoldsTheKindOfEveryContact)
+{
+    Scene scene;
+    const GeometryId box = scene.add("box", make_box_mesh({0.5, 0.5, 0.5}));
+    for (const double x : {0.0, 1.0, 1.9, 3.0}) { // face on face; overlapping; near
+        scene.add_body({.name = std::to_string(x), .geometry = box});
+        scene.poses.back().translation() = Eigen::Vector3d(x, x == 1.9 ? 0.25 : 0, x == 1.9 ? 0.1 : 0);
+    }
+    Pipeline pipeline(scene, {.clearance = 0.2, .exact = ExactLevel::predicates, .contact_kinds = true});
+    Report report(scene, pipeline);
+    report.add(pipeline.step(scene));
+    EXPECT_EQ(report.kinds(), (std::array<std::uint64_t, 5>{0, 1, 1, 1, 0}));
+    report.write_json(folder_ / "r.json"), report.write_csv(folder_ / "r.csv");
+    const json results = json::parse(read("r.json"));
+    EXPECT_EQ(results.at("header").at("kinds"), (json{{"near", 1}, {"touching", 1}, {"crossing", 1}, {"enclosed", 0}}));
+    const json& pairs = results.at("frames").at(0).at("pairs");
+    ASSERT_EQ(pairs.size(), 3u);
+    const char* kinds[] = {"touching", "crossing", "near"};
+    std::istringstream rows(read("r.csv"));
+    std::string row;
+    std::getline(rows, row);
+    for (std::size_t k = 0; k < 3; ++k) {
+        EXPECT_EQ(pairs.at(k).at(5), kinds[k]);
+        std::getline(rows, row);
+        EXPECT_TRUE(row.ends_with(std::string(",exact,") + kinds[k])) << row;
+    }
+    std::ostringstream table;
+    report.print_table(table);
+    EXPECT_NE(table.str().find("1 touching, 1 crossing, 0 enclosed, 1 near"), std::string::npos);
 }
 
 TEST_F(ReportTest, TraceNestsStagesInFramesWithoutOverlap)

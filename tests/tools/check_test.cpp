@@ -83,6 +83,40 @@ TEST_F(Check, AnswersCollidingOnlyWhenTheExactLevelRan)
     EXPECT_NE(within.out.find("within"), std::string::npos);
 }
 
+TEST_F(Check, SaysHowTheyCollide)
+{
+    const auto says = [&](const char* pose, std::vector<std::string> more, int code, const char* text) {
+        more.insert(more.end(), {"--exact", "predicates"});
+        const Outcome outcome = check(pose, more);
+        EXPECT_EQ(outcome.code, code) << outcome.err;
+        EXPECT_TRUE(outcome.out.starts_with(text)) << outcome.out;
+    };
+    says("1 0.1 0 0 0 0 1", {}, 1, "colliding (touching): ");
+    says("0.9 0.1 0.2 0 0 0 1", {}, 1, "colliding (crossing): ");
+    says("1 0.1 0 0 0 0 1", {"--ignore-touching"}, 0, "separate: ");
+    says("0.9 0.1 0.2 0 0 0 1", {"--ignore-touching"}, 1, "colliding (crossing): ");
+    says("1.1 0 0 0 0 0 1", {"--clearance", "0.2"}, 2, "within 0.1 m (near): ");
+    expect_error(64, {"check", "a.off", "b.off", "--ignore-touching"}, {"ignore-touching", "predicates"});
+    expect_error(64, {"check", "a.off", "b.off", "--kinds", "--exact", "fcl"}, {"kinds", "predicates"});
+}
+
+TEST_F(Check, SolidBodiesEncloseAndOpenMeshesAreRefused)
+{
+    folder_.write("small.off", "OFF\n4 4 0\n0 0 0\n0.1 0 0\n0 0.1 0\n0 0 0.1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n");
+    folder_.write("open.off", "OFF\n4 3 0\n0 0 0\n0.1 0 0\n0 0.1 0\n0 0 0.1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n");
+    for (const char* exact : {"off", "predicates", "fcl"}) {
+        const Outcome inside = run({"check", "a.off", "small.off", "--mode", "solid", "--exact", exact});
+        EXPECT_EQ(inside.code, 1) << inside.err;
+        EXPECT_TRUE(inside.out.starts_with("colliding (enclosed): ")) << inside.out;
+        EXPECT_EQ(run({"check", "a.off", "small.off", "--exact", exact}).code, 0);
+    }
+    expect_error(65, {"check", "open.off", "a.off", "--mode", "solid"},
+                 {"open.off", "not closed", "3 open edges (vertices 0-2, 3-0, 2-3)", "open-as-surface"});
+    const std::vector<std::string> taken{"check", "open.off", "a.off", "--mode", "solid", "--open-as-surface"};
+    EXPECT_EQ(run(taken).code, 1) << "the surface is inside the cube";
+    expect_error(64, {"check", "a.off", "b.off", "--open-as-surface"}, {"open-as-surface", "solid"});
+}
+
 TEST_F(Check, ASmallerMaxErrorNarrowsTheBound)
 {
     const auto bound = [&](const char* max_error) {

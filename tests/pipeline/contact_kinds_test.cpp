@@ -1,0 +1,199 @@
+// How pairs collide: touching, crossing, enclosed, near.
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include <oncollide/narrowphase/into_a.hpp>
+#include <oncollide/narrowphase/triangle_test.hpp>
+#include <oncollide/pipeline/mesh_queries.hpp>
+#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/scenes/error.hpp>
+#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/scenes/motion.hpp>
+
+namespace oncollide {
+namespace {
+
+Scene two(const Mesh& a, const Mesh& b)
+{
+    Scene scene;
+    scene.add_body({.name = "a", .geometry = scene.add("a", a), .motion = Drift{}});
+    scene.add_body({.name = "b", .geometry = scene.add("b", b), .motion = Drift{}});
+    return scene;
+}
+
+Scene two_boxes()
+{
+    return two(make_box_mesh({0.5, 0.5, 0.5}), make_box_mesh({0.5, 0.5, 0.5}));
+}
+
+Settings with_kinds()
+{
+    Settings settings;
+    settings.exact = ExactLevel::predicates, settings.contact_kinds = true;
+    return settings;
+}
+
+PairResult at(Pipeline& pipeline, Scene& scene, const Eigen::Vector3d& place)
+{
+    scene.poses[1].translation() = place;
+    const FrameView frame = pipeline.step(scene);
+    return frame.pairs.empty() ? PairResult{BodyId{0}, BodyId{1}, Verdict::separate, 0, ContactKind::unknown, 0}
+                               : frame.pairs[0];
+}
+
+/// The most that any two triangles do to each other.
+TriangleContact brute_force(const Scene& scene)
+{
+    const IntoA into_a(scene.poses[0], scene.poses[1]);
+    const Mesh &a = std::get<Mesh>(scene.geometries[0].data), &b = std::get<Mesh>(scene.geometries[1].data);
+    TriangleContact most = TriangleContact::separate;
+    for (const Triangle& t : a.triangles)
+        for (const Triangle& u : b.triangles) {
+            const TrianglePoints p{a.vertices[t[0]], a.vertices[t[1]], a.vertices[t[2]]};
+            const TrianglePoints q{into_a(b.vertices[u[0]]), into_a(b.vertices[u[1]]), into_a(b.vertices[u[2]])};
+            most = std::max(most, triangle_contact(p, q));
+        }
+    return most;
+}
+
+TEST(ContactKinds, TellTouchingFromCrossingToTheLastBit)
+{
+    Scene scene = two_boxes();
+    Pipeline pipeline(scene, with_kinds());
+    const auto kind = [&](double x, double y, double z) { return at(pipeline, scene, {x, y, z}).kind; };
+    for (const double y : {0.0, 0.05, 1.0})
+        for (const double z : {0.0, 0.3, 1.0}) {
+            EXPECT_EQ(kind(1, y, z), ContactKind::touching) << y << ' ' << z;
+            EXPECT_EQ(kind(std::nextafter(1, 2), y, z), ContactKind::unknown) << y << ' ' << z;
+        }
+    EXPECT_EQ(kind(std::nextafter(1, 0), 0.05, 0.3), ContactKind::crossing) << "an ulp deep, and no faces in line";
+    EXPECT_EQ(kind(0.9, 0.1, 0.1), ContactKind::crossing);
+    EXPECT_EQ(kind(0, 0, 0), ContactKind::touching) << "the same mesh in the same pose";
+    EXPECT_EQ(kind(0.95, 0, 0), ContactKind::touching) << "walls overlap, but every two faces only touch";
+}
+
+/// Many frames, so that hints of touching and of crossing triangles are met by the other.
+TEST(ContactKinds, EqualBruteForceOverAllPairsOfTriangles)
+{
+    const Mesh knot = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 300), box = make_box_mesh({0.5, 0.5, 0.5}),
+               soup = make_soup_mesh(60, 0.4, 1, 6);
+    int count[3] = {};
+    for (const auto& [a, b] : {std::pair(&box, &box), std::pair(&knot, &box), std::pair(&knot, &soup)}) {
+        Scene scene = two(*a, *b);
+        Pipeline pipeline(scene, with_kinds());
+        Settings alone = with_kinds();
+        alone.coherence = false, alone.spheres = Spheres::paper;
+        Pipeline without_hints(scene, alone);
+        for (std::uint64_t frame = 0; frame < 120; ++frame) {
+            Eigen::Vector3d place;
+            // Steps of a quarter, so that faces, edges and corners often lie on each other.
+            for (std::uint64_t k = 0; k < 3; ++k) place[int(k)] = 0.25 * std::floor(8 * u01(7, frame, k)) - 1;
+            const PairResult result = at(pipeline, scene, place);
+            const TriangleContact truth = brute_force(scene);
+            ++count[int(truth)];
+            const ContactKind kind = truth == TriangleContact::crossing   ? ContactKind::crossing
+                                     : truth == TriangleContact::touching ? ContactKind::touching
+                                                                          : ContactKind::unknown;
+            EXPECT_EQ(result.kind, kind) << frame;
+            EXPECT_EQ(result.verdict == Verdict::colliding, truth != TriangleContact::separate) << frame;
+            EXPECT_EQ(at(without_hints, scene, place).kind, kind) << frame;
+        }
+    }
+    for (int truth : count) EXPECT_GE(truth, 20) << "the poses must show every answer often";
+}
+
+TEST(ContactKinds, ChangeNoVerdictAndNoBound)
+{
+    Scene scene = two_boxes();
+    Settings plain;
+    plain.exact = ExactLevel::predicates;
+    for (const double clearance : {0.0, 0.2}) {
+        Settings asking = with_kinds();
+        plain.clearance = asking.clearance = clearance;
+        Pipeline without(scene, plain), with(scene, asking);
+        for (double x = 0.8; x < 1.4; x += 0.05) {
+            const PairResult a = at(without, scene, {x, 0.1, 0.2}), b = at(with, scene, {x, 0.1, 0.2});
+            EXPECT_EQ(a.verdict, b.verdict) << x;
+            EXPECT_EQ(a.bound, b.bound) << x;
+        }
+    }
+}
+
+TEST(ContactKinds, AreNearInsideAClearance)
+{
+    Scene scene = two_boxes();
+    for (const ExactLevel exact : {ExactLevel::predicates, ExactLevel::fcl}) {
+        Pipeline pipeline(scene, {.clearance = 0.25, .exact = exact});
+        EXPECT_EQ(at(pipeline, scene, {1.125, 0, 0}).kind, ContactKind::near);
+        EXPECT_EQ(at(pipeline, scene, {1.5, 0, 0}).kind, ContactKind::unknown);
+        EXPECT_EQ(at(pipeline, scene, {0.9, 0.1, 0}).kind, ContactKind::unknown) << "nobody asked";
+    }
+}
+
+TEST(ContactKinds, TouchingCanBeIgnored)
+{
+    Scene scene = two_boxes();
+    Settings settings = with_kinds();
+    settings.contact_kinds = false, settings.ignore_touching = true;
+    Pipeline pipeline(scene, settings);
+    for (int round = 0; round < 2; ++round) { // the second meets the hints of the first
+        const PairResult touching = at(pipeline, scene, {1, 0.05, 0.3});
+        EXPECT_EQ(touching.verdict, Verdict::separate);
+        EXPECT_EQ(touching.kind, ContactKind::touching);
+        EXPECT_EQ(touching.bound, 0);
+        const PairResult crossing = at(pipeline, scene, {std::nextafter(1, 0), 0.05, 0.3});
+        EXPECT_EQ(crossing.verdict, Verdict::colliding);
+        EXPECT_EQ(crossing.kind, ContactKind::crossing);
+    }
+}
+
+TEST(ContactKinds, GiveOneHashForThreadsAndCoherence)
+{
+    const auto hash = [](int threads, bool coherence, bool kinds) {
+        Scene scene;
+        const GeometryId knot = scene.add("knot", make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 300)),
+                         box = scene.add("box", make_box_mesh({0.5, 0.5, 0.5}));
+        for (std::uint64_t i = 0; i < 60; ++i) {
+            BodyInit body{.name = std::to_string(i), .geometry = i % 2 ? knot : box, .motion = Drift{}};
+            for (std::uint64_t k = 0; k < 3; ++k) body.pose.translation()[int(k)] = 0.5 * std::floor(8 * u01(1, i, k));
+            scene.add_body(body);
+        }
+        Settings settings = with_kinds();
+        settings.contact_kinds = kinds, settings.threads = threads, settings.coherence = coherence;
+        Pipeline pipeline(scene, settings);
+        for (int frame = 0; frame < 4; ++frame) {
+            pipeline.step(scene);
+            for (std::size_t i = 0; i < scene.size(); i += 3) scene.poses[i].translation().x() += 0.25;
+        }
+        return pipeline.hash();
+    };
+    const std::uint64_t expected = hash(1, true, true);
+    EXPECT_EQ(hash(3, true, true), expected);
+    EXPECT_EQ(hash(1, false, true), expected);
+    EXPECT_NE(hash(1, true, false), expected) << "kinds count where they were asked for";
+}
+
+TEST(ContactKinds, RefuseWhatCannotBeAnswered)
+{
+    const auto refuses = [](const std::function<void(Settings&)>& change, const char* word) {
+        Settings settings = with_kinds();
+        change(settings);
+        try {
+            check(settings);
+            ADD_FAILURE() << "accepted: " << word;
+        } catch (const Error& error) {
+            EXPECT_EQ(error.kind(), ErrorKind::usage);
+            EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
+        }
+    };
+    refuses([](Settings& s) { s.exact = ExactLevel::fcl; }, "predicates");
+    refuses([](Settings& s) { s.contact_kinds = false, s.ignore_touching = true, s.exact = ExactLevel::off; },
+            "predicates");
+    refuses([](Settings& s) { s.ignore_touching = true, s.mode = Mode::solid; }, "surface");
+    refuses([](Settings& s) { s.ignore_touching = true, s.clearance = 0.1; }, "clearance");
+    EXPECT_THROW(MeshQueries({make_box_mesh({1, 1, 1})}, with_kinds()), Error);
+}
+
+} // namespace
+} // namespace oncollide
