@@ -243,6 +243,7 @@ void add_accuracy(CLI::App& app, Command& command)
     sub->add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
         ->type_name("SCENE.json|NAME");
     const CLI::App *hard = add_accuracy_hard(*sub, command), *study = add_accuracy_study(*sub, command);
+    sub->require_subcommand(0, 1); // what follows is theirs, even if it is called 'hard'
     sub->add_option("--depths", options->depths, "depths to check (default 1-8)")->type_name("LIST");
     sub->add_flag("--toggle", options->toggle, "also check with each stage left out and each setting changed in turn");
     sub->add_option("--count", options->count, "so many scenes, each with the next seed")->type_name("N");

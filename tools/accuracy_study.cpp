@@ -193,7 +193,9 @@ void add_study_options(CLI::App& sub, StudyOptions& o)
     sub.add_option("--exact", o.exact, "exact levels: off, predicates, fcl (default off,predicates)")
         ->type_name("LIST");
     sub.add_option("--warm-up", o.warm_up, "frames at the start that count in no time (default 3)")->type_name("N");
-    sub.add_option("--repeats", o.repeats, "runs from nothing; of a frame's times the least counts (default 1)")
+    sub.add_option("--repeats", o.repeats,
+                   "runs, of a frame's times the least counts; scenes from nothing, poses go on with what has grown "
+                   "(default 1)")
         ->type_name("N");
     sub.add_option("--html", o.html, "write a page with all of it, figures and pictures; needs no network")
         ->type_name("FILE");

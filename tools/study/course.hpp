@@ -27,6 +27,7 @@ public:
     Scene scene;
     std::string title;
 
+    bool is_poses() const { return !poses_.empty(); }
     int frames() const { return frames_; }                 ///< to be played
     int number(int frame) const { return frame * every_; } ///< of a frame played: the scene's frame, or the pose
     /// Puts the bodies where they are at the frame played. A run starts with frame 0.

@@ -104,14 +104,24 @@ void take_times(StudyRow& row, const FrameView& view, int frame)
     for (std::size_t k = 0; k < stages.size(); ++k) stages[k] = view.stages[k].cpu_ms;
 }
 
-void play_once(StudyCourse& course, Study& study, bool first, int repeat, Progress& progress)
-{
-    course.move(0);
-    FclWorld world(course.scene);
-    StudyTruth truth(course.scene, study.rows.front().variant.settings, world);
-    if (study.fcl) study.fcl->bytes = world.model_bytes().obb;
+/// Everybody who plays, from nothing.
+struct Players {
+    FclWorld world;
+    StudyTruth truth;
     std::vector<Pipeline> pipelines;
-    for (const StudyRow& row : study.rows) pipelines.emplace_back(course.scene, row.variant.settings);
+
+    Players(const Scene& scene, const std::vector<StudyRow>& rows)
+        : world(scene), truth(scene, rows.front().variant.settings, world)
+    {
+        for (const StudyRow& row : rows) pipelines.emplace_back(scene, row.variant.settings);
+    }
+};
+
+void play_once(StudyCourse& course, Study& study, Players& all, int repeat, Progress& progress)
+{
+    const bool first = repeat == 0;
+    auto& [world, truth, pipelines] = all;
+    if (study.fcl) study.fcl->bytes = world.model_bytes().obb;
     const std::size_t players = study.rows.size() + 1; // FCL is the last
     for (int frame = 0; frame < course.frames(); ++frame, progress.step()) {
         course.move(frame);
@@ -161,7 +171,12 @@ Study play_study(StudyCourse& course, const std::vector<StudyVariant>& variants,
     if (asked.clearance == 0 && asked.mode == Mode::surface) study.fcl.emplace();
     {
         Progress progress("frame", std::size_t(course.frames()) * std::size_t(repeats));
-        for (int repeat = 0; repeat < repeats; ++repeat) play_once(course, study, repeat == 0, repeat, progress);
+        std::optional<Players> players;
+        for (int repeat = 0; repeat < repeats; ++repeat) {
+            course.move(0);
+            if (!players || !course.is_poses()) players.emplace(scene, study.rows);
+            play_once(course, study, *players, repeat, progress);
+        }
     }
     count_needed(course, study);
     return study;
