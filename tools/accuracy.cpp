@@ -1,6 +1,7 @@
 // oncollide accuracy: is every collision found, and does every bound hold? FCL is the judge.
 #include "accuracy_check.hpp"
 #include "accuracy_hard.hpp"
+#include "accuracy_study.hpp"
 #include "bench.hpp"
 #include "command.hpp"
 
@@ -241,7 +242,8 @@ void add_accuracy(CLI::App& app, Command& command)
     // Not marked as required: a word in its place that names a subcommand would be taken for it.
     sub->add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
         ->type_name("SCENE.json|NAME");
-    const CLI::App* hard = add_accuracy_hard(*sub, command);
+    const CLI::App *hard = add_accuracy_hard(*sub, command), *study = add_accuracy_study(*sub, command);
+    sub->require_subcommand(0, 1); // what follows is theirs, even if it is called 'hard'
     sub->add_option("--depths", options->depths, "depths to check (default 1-8)")->type_name("LIST");
     sub->add_flag("--toggle", options->toggle, "also check with each stage left out and each setting changed in turn");
     sub->add_option("--count", options->count, "so many scenes, each with the next seed")->type_name("N");
@@ -258,9 +260,10 @@ void add_accuracy(CLI::App& app, Command& command)
                 "  oncollide accuracy paper --every 20\n"
                 "  oncollide accuracy random --count 200 --frames 3 --depths 1-8 --toggle\n"
                 "  oncollide accuracy hard                      (the hard cases; see its own --help)\n"
+                "  oncollide accuracy study paper --html study.html    (speed against error; see its own --help)\n"
                 "Exit code 70: a collision was missed, a bound was broken, or a result changed that must not.");
-    sub->callback([options, hard, &command] {
-        if (hard->parsed()) return;
+    sub->callback([options, hard, study, &command] {
+        if (hard->parsed() || study->parsed()) return;
         if (options->scene.scene.empty()) throw CLI::RequiredError("scene");
         command = [options] { return accuracy(*options); };
     });

@@ -3,7 +3,6 @@
 #include "narrow_report.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include <fmt/ranges.h>
@@ -18,26 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int most_poses = 100'000;
-
-/// Percents, ascending, each once.
-std::vector<double> parse_distances(const std::string& list)
-{
-    std::vector<double> percents;
-    for (const std::string& part : split(list)) {
-        double value = 0;
-        const char* const end = part.data() + part.size();
-        const auto [rest, error] = std::from_chars(part.data(), end, value);
-        if (error != std::errc{} || rest != end || !(value >= -50 && value <= 1000))
-            throw Error(ErrorKind::usage,
-                        fmt::format("--distances {}: expected percents of the first mesh's diagonal from -50 to 1000, "
-                                    "like 0,0.1,1,5",
-                                    part));
-        percents.push_back(value == 0 ? 0 : value); // no -0
-    }
-    std::sort(percents.begin(), percents.end());
-    percents.erase(std::unique(percents.begin(), percents.end()), percents.end());
-    return percents;
-}
 
 std::vector<Ask> parse_asks(const std::string& list)
 {
@@ -107,17 +86,8 @@ std::array<NamedMesh, 2> open_meshes(const NarrowOptions& options)
 /// Poses of a file, with the exact answers beside it when there are any.
 NarrowCourse read_course(const NarrowOptions& options)
 {
-    std::vector<KnownPose> poses;
-    if (options.poses.empty()) {
-        const PoseSet set = pose_set(data_folder(options.data));
-        poses = read_poses(set.poses);
-        read_expected(set.expected, poses);
-    } else {
-        const fs::path path = options.poses;
-        const fs::path expected = path.parent_path() / (path.stem().string() + "_expected" + path.extension().string());
-        poses = read_poses(path);
-        if (fs::exists(expected)) read_expected(expected, poses);
-    }
+    std::vector<KnownPose> poses =
+        read_known_poses(options.poses.empty() ? pose_set(data_folder(options.data)).poses : fs::path(options.poses));
     if (options.count && std::size_t(*options.count) < poses.size()) poses.resize(std::size_t(*options.count));
     return course_of(std::move(poses));
 }

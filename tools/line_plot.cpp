@@ -1,7 +1,9 @@
 #include "line_plot.hpp"
+#include "markup.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace oncollide::tools {
 namespace {
@@ -20,18 +22,6 @@ constexpr std::string_view markers[] = {"M-4 0A4 4 0 1 0 4 0A4 4 0 1 0-4 0Z",
                                         "M-4-4L4 4M-4 4L4-4",
                                         "M0-5V5M-5 0H5",
                                         "M-5-2H5V2H-5Z"};
-
-std::string escaped(std::string_view text)
-{
-    std::string result;
-    for (char c : text) {
-        if (c == '<' || c == '&')
-            result += c == '<' ? "&lt;" : "&amp;";
-        else
-            result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c; // XML allows no control characters
-    }
-    return result;
-}
 
 void text(OutputFile& file, double x, double y, std::string_view anchor, std::string_view style, std::string_view words)
 {
@@ -71,8 +61,10 @@ void draw_axes(OutputFile& file, const Axis& x, const Axis& y, const PlotAxes& a
 {
     for (double tick = x.low; tick <= x.high; ++tick) {
         segment(file, x.at_tick(tick), y.from, x.at_tick(tick), y.to, tick == x.low ? "axis" : "grid");
-        const bool named = tick < double(x.names.size());
-        if (x.names.empty() || named)
+        const bool named = !x.names.empty() && tick < double(x.names.size());
+        if (tick == x.low && !axes.x_least_name.empty())
+            text(file, x.at_tick(tick), y.from + 17, "middle", "tick", axes.x_least_name);
+        else if (x.names.empty() || named)
             text(file, x.at_tick(tick), y.from + 17, "middle", "tick",
                  named ? x.names[std::size_t(tick)] : tick_text(std::pow(10, tick)));
     }
@@ -140,15 +132,14 @@ void draw_panel(OutputFile& file, const PlotPanel& panel, double top, const Plot
     if (lines.empty()) return;
     x.high = std::max(x.high, x.low + 1), y.high = std::max(y.high, y.low + 1);
     draw_axes(file, x, y, axes);
-    // Lines that end at the same place lie together, the slowest first.
-    std::stable_sort(lines.begin(), lines.end(), [](const PlotLine* a, const PlotLine* b) {
-        const PlotLine::Point &p = a->points.back(), &q = b->points.back();
-        return p.x != q.x ? p.x < q.x : p.y > q.y;
-    });
+    // Lines that end near each other share the room for labels, the slowest on top.
+    constexpr double near = 60;
+    const auto end_x = [&](const PlotLine* line) { return x.at(line->points.back().x); };
+    std::ranges::stable_sort(lines, {}, end_x);
     for (std::size_t begin = 0, end = 0; begin < lines.size(); begin = end) {
-        const double end_x = lines[begin]->points.back().x;
-        while (end < lines.size() && lines[end]->points.back().x == end_x) ++end;
+        while (end < lines.size() && end_x(lines[end]) < end_x(lines[begin]) + near) ++end;
         const auto group = std::span(lines).subspan(begin, end - begin);
+        std::ranges::stable_sort(group, std::greater(), [](const PlotLine* line) { return line->points.back().y; });
         const std::vector<double> places = label_places(group, y);
         for (std::size_t k = 0; k < group.size(); ++k) draw_line(file, *group[k], places[k], x, y, axes);
     }

@@ -28,7 +28,8 @@ struct PlotAxes {
     std::string x_label, y_label;
     std::string (*value_text)(double y); ///< a line's last value, with its unit, beside its label
     std::vector<std::string> x_names =
-        {}; ///< when there are any, x is 0, 1, ...: these, evenly spaced; else logarithmic
+        {};                        ///< when there are any, x is 0, 1, ...: these, evenly spaced; else logarithmic
+    std::string x_least_name = {}; ///< in place of the number at the left end, for points that have no logarithm
 };
 
 /// One panel below the other; y is logarithmic. Lines differ in colour, dash and marker, and are labelled at their

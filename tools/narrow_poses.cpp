@@ -1,6 +1,7 @@
 #include "narrow_poses.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -10,6 +11,7 @@
 #include <oncollide/scenes/error.hpp>
 #include <oncollide/scenes/motion.hpp>
 
+#include "bench.hpp"
 #include "fcl_pair.hpp"
 #include "progress.hpp"
 
@@ -143,6 +145,25 @@ private:
 };
 
 } // namespace
+
+std::vector<double> parse_distances(const std::string& list)
+{
+    std::vector<double> percents;
+    for (const std::string& part : split(list)) {
+        double value = 0;
+        const char* const end = part.data() + part.size();
+        const auto [rest, error] = std::from_chars(part.data(), end, value);
+        if (error != std::errc{} || rest != end || !(value >= -50 && value <= 1000))
+            throw Error(ErrorKind::usage,
+                        fmt::format("--distances {}: expected percents of the first mesh's diagonal from -50 to 1000, "
+                                    "like 0,0.1,1,5",
+                                    part));
+        percents.push_back(value == 0 ? 0 : value); // no -0
+    }
+    std::sort(percents.begin(), percents.end());
+    percents.erase(std::unique(percents.begin(), percents.end()), percents.end());
+    return percents;
+}
 
 NarrowCourse make_course(const Mesh& a, const Mesh& b, std::span<const double> percents, std::size_t count,
                          std::uint64_t seed)

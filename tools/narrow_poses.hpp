@@ -24,6 +24,9 @@ struct NarrowCourse {
     std::vector<NarrowPose> poses;
 };
 
+/// "0,0.1,1,5" of --distances as percents, ascending, each once. Throws Error{usage}.
+std::vector<double> parse_distances(const std::string& list);
+
 /// Random poses of `b` around `a`: `count` orientations, directions and places of contact, each at all distances.
 /// A distance is that of the surfaces, in percent of the diagonal of a's box. 0: just touching, then moved by 1e-6 of
 /// the diagonal out of contact and into it, alternately. Negative: moved in from touching by so much.

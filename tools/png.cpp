@@ -15,16 +15,22 @@
 
 namespace oncollide::tools {
 
+std::string packed_png(const Image& image)
+{
+    std::string bytes;
+    const auto write = [](void* to, void* data, int size) {
+        static_cast<std::string*>(to)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));
+    };
+    stbi_write_png_compression_level = 12; // its search is short: more costs little
+    if (!stbi_write_png_to_func(write, &bytes, image.width, image.height, 3, image.pixels.data(), 3 * image.width))
+        throw Error(ErrorKind::internal, "out of memory while packing a picture");
+    return bytes;
+}
+
 void save_png(const Image& image, const std::filesystem::path& path)
 {
     OutputFile file(path);
-    // The writer calls once, with the whole file.
-    const auto write = [](void* to, void* data, int size) {
-        static_cast<OutputFile*>(to)->write({static_cast<const char*>(data), static_cast<std::size_t>(size)});
-    };
-    stbi_write_png_compression_level = 12; // its search is short: more costs little
-    if (!stbi_write_png_to_func(write, &file, image.width, image.height, 3, image.pixels.data(), 3 * image.width))
-        throw Error(ErrorKind::internal, path.string() + ": out of memory while packing the picture");
+    file.write(packed_png(image));
     file.commit();
 }
 

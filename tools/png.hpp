@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace oncollide::tools {
@@ -10,6 +11,9 @@ struct Image {
     int width, height;
     std::vector<std::uint8_t> pixels;
 };
+
+/// The bytes of a PNG file.
+std::string packed_png(const Image& image);
 
 /// Writes `image` whole or not at all; "-" is standard output. Throws Error{cannot_write}.
 void save_png(const Image& image, const std::filesystem::path& path);

@@ -71,6 +71,14 @@ void read_expected(const fs::path& path, std::vector<KnownPose>& poses)
                     fmt::format("{}: {} answers for {} poses", path.string(), count, poses.size()));
 }
 
+std::vector<KnownPose> read_known_poses(const fs::path& path)
+{
+    std::vector<KnownPose> poses = read_poses(path);
+    const fs::path expected = path.parent_path() / (path.stem().string() + "_expected" + path.extension().string());
+    if (fs::exists(expected)) read_expected(expected, poses);
+    return poses;
+}
+
 PoseSet pose_set(const fs::path& data_folder)
 {
     const fs::path folder = data_folder / "poses";

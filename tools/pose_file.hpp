@@ -25,6 +25,9 @@ std::vector<KnownPose> read_poses(const std::filesystem::path& path);
 /// Reads an exact answer for each pose: lines `index colliding pairs`. Throws as read_poses.
 void read_expected(const std::filesystem::path& path, std::vector<KnownPose>& poses);
 
+/// Both: poses, and the answers in `NAME_expected` beside `NAME`, where there is such a file.
+std::vector<KnownPose> read_known_poses(const std::filesystem::path& path);
+
 /// The pose set of a data folder, with exact answers: two meshes and 1,000 poses.
 struct PoseSet {
     std::filesystem::path mesh_a, mesh_b, poses, expected;

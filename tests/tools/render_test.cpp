@@ -1,32 +1,9 @@
 // Pictures are decoded and judged by colour: red is used for nothing but spheres that touch.
 #include "command_fixture.hpp"
-
-#define STB_IMAGE_IMPLEMENTATION
-#define STB_IMAGE_STATIC
-#define STBI_ONLY_PNG
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function"
-#include <stb/stb_image.h>
-#pragma GCC diagnostic pop
+#include "decoded_png.hpp"
 
 namespace oncollide::test {
 namespace {
-
-struct Decoded {
-    int width = 0, height = 0;
-    std::vector<std::uint8_t> pixels;
-
-    const std::uint8_t* at(int x, int y) const { return &pixels[std::size_t(3 * (y * width + x))]; }
-    /// Pixels in the columns from..to that are `wanted`.
-    template <class Wanted>
-    int count(Wanted wanted, int from = 0, int to = -1) const
-    {
-        int count = 0;
-        for (int y = 0; y < height; ++y)
-            for (int x = from; x < (to < 0 ? width : to); ++x) count += wanted(at(x, y));
-        return count;
-    }
-};
 
 bool is_red(const std::uint8_t* p)
 {
@@ -65,22 +42,6 @@ protected:
         const Outcome outcome = render(scene, more);
         EXPECT_EQ(outcome.code, 0) << outcome.err;
         return decode(folder_.read("x.png"));
-    }
-
-    static Decoded decode(const std::string& file)
-    {
-        EXPECT_TRUE(file.starts_with("\x89PNG\r\n\x1a\n"));
-        Decoded image;
-        int channels = 0;
-        stbi_uc* pixels = stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(file.data()), int(file.size()),
-                                                &image.width, &image.height, &channels, 3);
-        if (!pixels) {
-            ADD_FAILURE() << "not a PNG file that can be read";
-            return image;
-        }
-        image.pixels.assign(pixels, pixels + 3 * image.width * image.height);
-        stbi_image_free(pixels);
-        return image;
     }
 };
 

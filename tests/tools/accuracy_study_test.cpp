@@ -1,0 +1,304 @@
+#include "command_fixture.hpp"
+#include "decoded_png.hpp"
+
+#include <regex>
+#include <set>
+
+namespace oncollide::test {
+namespace {
+
+/// Why `page` is not well-formed XML, as far as tags, attributes and entities go; empty when it is.
+std::string why_malformed(const std::string& page)
+{
+    std::vector<std::string> open;
+    static const std::regex tag(R"(/?[A-Za-z][\w-]*(\s+[\w:-]+="[^"<]*")*\s*/?)");
+    static const std::regex entity(R"(&(lt|gt|amp|quot);)");
+    for (std::size_t at = page.find('<'); at != std::string::npos;) {
+        const std::size_t end = page.find('>', at);
+        if (end == std::string::npos) return "a tag without an end";
+        const std::string inside = page.substr(at + 1, end - at - 1),
+                          name = inside.substr(0, inside.find_first_of(" /"));
+        if (inside.size() > 2000) { // too long for the expression
+            if (!inside.starts_with("img ") || !inside.ends_with("\"/")) return "no picture: " + inside.substr(0, 80);
+        } else if (!inside.starts_with("!DOCTYPE")) {
+            if (!std::regex_match(inside, tag)) return "not a tag: " + inside;
+            if (inside[0] == '/') {
+                if (open.empty() || open.back() != inside.substr(1)) return "closes what is not open: " + inside;
+                open.pop_back();
+            } else if (inside.back() != '/') {
+                open.push_back(name);
+            }
+        }
+        const std::size_t next = page.find('<', end);
+        const std::string text = page.substr(end + 1, next == std::string::npos ? next : next - end - 1);
+        if (std::regex_replace(text, entity, "").find('&') != std::string::npos) return "an unknown entity: " + text;
+        at = next;
+    }
+    return open.empty() ? "" : "left open: " + open.back();
+}
+
+/// Nothing that a browser would fetch, and nothing that runs.
+void expect_self_contained(const std::string& page)
+{
+    EXPECT_EQ(why_malformed(page), "");
+    for (const char* load : {"src=\"http", "href=", "url(", "@import", "<script", "<link", "<iframe", "src=\"/"})
+        EXPECT_EQ(page.find(load), std::string::npos) << load;
+    EXPECT_NE(page.find("@media print"), std::string::npos);
+}
+
+std::size_t count_of(const std::string& text, const std::string& word)
+{
+    std::size_t count = 0;
+    for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++count;
+    return count;
+}
+
+class Study : public CommandLine {
+protected:
+    /// Three cubes of side 1, turned so that their boxes in the world overlap: 'a' and 'c' collide; 'b' is 0.05, 0.04
+    /// and 0.03 m from both.
+    void SetUp() override
+    {
+        const double s = std::sqrt(0.5);
+        const auto cube = [](const std::string& name, double x, double y, const std::string& motion) {
+            return fmt::format(R"({{"name": "{}", "geometry": "cube", "position": [{}, {}, 0], "rotation":
+                [0, 0, 0.38268343236508977, 0.92387953251128674]{}}})",
+                               name, x, y, motion);
+        };
+        const std::string drift = fmt::format(R"(, "motion": {{"drift": {{"velocity": [{0}, {0}, 0]}}}})", -0.01 * s);
+        folder_.write("cubes.json",
+                      fmt::format(R"({{"frames": 3, "geometries": {{"cube": {{"mesh": {{"generate": {{"kind": "box",
+                      "half": [0.5, 0.5, 0.5]}}}}}}}}, "bodies": [{}, {}, {}]}})",
+                                  cube("a", 0, 0, ""), cube("b <&>", 1.05 * s, 1.05 * s, drift),
+                                  cube("c", -0.9 * s, 0.9 * s, "")));
+    }
+
+    nlohmann::json study(std::vector<std::string> arguments, int code = 0)
+    {
+        arguments.insert(arguments.begin(), {"accuracy", "study"});
+        arguments.insert(arguments.end(), {"--json", "s.json"});
+        const Outcome outcome = run(arguments);
+        EXPECT_EQ(outcome.code, code) << outcome.out << outcome.err;
+        return read_json("s.json");
+    }
+
+    static nlohmann::json variant(const nlohmann::json& study, const std::string& name)
+    {
+        for (const nlohmann::json& row : study["variants"])
+            if (row["variant"] == name) return row;
+        ADD_FAILURE() << "no variant " << name << " in " << study["variants"];
+        return {};
+    }
+};
+
+TEST_F(Study, KnowsHowFarApartFalseAlarmsAre)
+{
+    const nlohmann::json all = study({"cubes.json", "--depths", "2,8", "--warm-up", "0", "--csv", "s.csv"});
+    EXPECT_EQ(all["header"]["colliding"], 3);
+    EXPECT_EQ(all["variants"].size(), 6u);
+    for (const char* spheres : {"paper spheres", "tight boxes"}) {
+        const nlohmann::json exact = variant(all, fmt::format("{}, predicates", spheres));
+        EXPECT_EQ(exact["colliding"], 3);
+        EXPECT_EQ(exact["error"], 0);
+        EXPECT_EQ(exact["false_alarms"], 0);
+    }
+    const nlohmann::json coarse = variant(all, "paper spheres, depth 2"), fine = variant(all, "paper spheres, depth 8");
+    EXPECT_EQ(coarse["within"], 9);
+    EXPECT_EQ(coarse["false_alarms"], 6);
+    EXPECT_NEAR(coarse["alarm_distance_worst"], 0.05, 1e-9);
+    EXPECT_NEAR(coarse["alarm_distance_median"], 0.04, 1e-9);
+    EXPECT_NEAR(coarse["error"], std::sqrt(3) / 2, 1e-4) << "four radii of a quarter of the cube's";
+    EXPECT_EQ(coarse["alarms_by_tenth_of_bound"], nlohmann::json({6, 0, 0, 0, 0, 0, 0, 0, 0, 0}));
+    EXPECT_EQ(fine["false_alarms"], 0);
+    EXPECT_EQ(fine["separate"], 6);
+    for (const nlohmann::json& row : all["variants"]) {
+        SCOPED_TRACE(row["variant"]);
+        for (const char* fault : {"missed", "invented", "bounds_broken"}) EXPECT_EQ(row[fault], 0) << fault;
+        EXPECT_GT(row["ms_mean"], 0);
+        EXPECT_GT(row["times_fcl"], 0);
+        EXPECT_GT(row["nodes_needed"], 0);
+        EXPECT_LE(row["nodes_needed"], row["nodes_all"]);
+        EXPECT_EQ(row["stages"].size(), 5u);
+        EXPECT_GT(row["peak_bytes"], 0);
+    }
+    EXPECT_GT(fine["node_pairs"], coarse["node_pairs"]);
+    EXPECT_LT(fine["nodes_needed"], 0.9 * fine["nodes_all"].get<double>()) << "the far sides of the cubes";
+    EXPECT_EQ(all["fcl"]["colliding"], 3);
+    EXPECT_EQ(all["fcl"]["missed"], 0);
+    EXPECT_EQ(count_of(folder_.read("s.csv"), "\n"), 8u);
+}
+
+TEST_F(Study, WhatWasNeededCountsCellsThatWereDroppedSince)
+{
+    const std::vector<std::string> settings{"cubes.json", "--depths", "6", "--spheres", "paper", "--exact", "off"};
+    std::vector<std::string> forgetful = settings;
+    forgetful.insert(forgetful.end(), {"--age", "1"});
+    EXPECT_EQ(study(settings)["variants"][0]["nodes_needed"], study(forgetful)["variants"][0]["nodes_needed"]);
+}
+
+TEST_F(Study, TheDialCanBeAnErrorInMetres)
+{
+    const nlohmann::json all = study({"cubes.json", "--max-errors", "0.5,0.01", "--exact", "off"});
+    for (const char* spheres : {"paper spheres", "tight boxes"})
+        for (const char* error : {"0.5", "0.01"}) {
+            const nlohmann::json row = variant(all, fmt::format("{}, {} m", spheres, error));
+            EXPECT_GT(row["error"], 0);
+            EXPECT_LE(row["error"], std::stod(error));
+        }
+}
+
+TEST_F(Study, FclIsLeftOutWhereItHasNoSuchQuestion)
+{
+    const nlohmann::json all = study({"cubes.json", "--depths", "8", "--clearance", "0.045"});
+    EXPECT_FALSE(all.contains("fcl"));
+    EXPECT_EQ(all["header"]["colliding"], 3 + 4) << "what is within the clearance counts";
+    EXPECT_EQ(variant(all, "paper spheres, depth 8")["missed"], 0);
+}
+
+TEST_F(Study, ReadsPosesAndHoldsTheirAnswersAgainstTheTruth)
+{
+    write_cube("cube.off");
+    const std::string turned = "1 0 0 0 1 0 0 0 1 ";
+    folder_.write("p.txt", "0 0 " + turned + "0.75 0.1 0.2\n1 0.5 " + turned + "2 0 0\n" +
+                               // A face 0.1 m from an edge.
+                               "0 0 0.70710678118654752 -0.70710678118654752 0 0.70710678118654752 0.70710678118654752 "
+                               "0 0 0 1 0.92426406871192852 0.92426406871192852 0\n");
+    folder_.write("p_expected.txt", "0 1 24\n1 0 0\n2 0 0\n");
+    const std::vector<std::string> arguments{"cube.off", "cube.off", "--poses", "p.txt", "--depths", "2"};
+    const nlohmann::json right = study(arguments);
+    EXPECT_EQ(right["header"]["frames"], 3);
+    EXPECT_EQ(right["header"]["colliding"], 1);
+    EXPECT_NEAR(variant(right, "paper spheres, depth 2")["alarm_distance_worst"], 0.1, 1e-9);
+    folder_.write("p_expected.txt", "0 0 0\n1 0 0\n2 0 0\n");
+    study(arguments, 70);
+    const nlohmann::json generated = study({"cube.off", "cube.off", "--count", "4", "--distances", "0,10"});
+    EXPECT_EQ(generated["header"]["frames"], 8);
+}
+
+TEST_F(Study, ThePageNeedsNothingElse)
+{
+    const Outcome outcome = run({"accuracy", "study", "cubes.json", "--depths", "2-4", "--html", "s.html"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, "") << "no progress where nobody looks";
+    EXPECT_EQ(folder_.list(), (std::vector<std::string>{"cubes.json", "s.html"}));
+    const std::string page = folder_.read("s.html");
+    expect_self_contained(page);
+    EXPECT_EQ(count_of(page, "<svg "), 4u);
+    EXPECT_EQ(count_of(page, "<tr>"), 1u + 8 + 1) << "head, variants, FCL";
+    for (const char* word : {"b &lt;&amp;&gt;", "false alarm: 0.05 m apart", ">exact</text>", "★", "FCL missed 0"})
+        EXPECT_NE(page.find(word), std::string::npos) << word;
+    // Without colour, lines are told by their markers and labels.
+    const std::regex mark("<path fill=\"[^\"]*\" transform=\"[^\"]*\" d=\"([^\"]*)\"/>");
+    std::set<std::string> markers;
+    for (std::sregex_iterator it(page.begin(), page.end(), mark), end; it != end; ++it) markers.insert((*it)[1]);
+    EXPECT_EQ(markers.size(), 6u) << "two dials, two exact levels, FCL, the front";
+    EXPECT_EQ(count_of(page, "src=\"data:image/png;base64,iVBORw0KGgo"), count_of(page, "<figcaption>"));
+    EXPECT_GT(count_of(page, "<figcaption>"), 0u);
+}
+
+TEST_F(Study, WithoutARendererThePageGoesWithoutPictures)
+{
+    const Outcome outcome =
+        run({"accuracy", "study", "cubes.json", "--depths", "2", "--html", "s.html", "--gpu", "63"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const std::string page = folder_.read("s.html");
+    expect_self_contained(page);
+    EXPECT_NE(page.find("No pictures: "), std::string::npos);
+    EXPECT_NE(page.find("no GPU 63"), std::string::npos);
+    EXPECT_EQ(page.find("<img"), std::string::npos);
+}
+
+TEST_F(Study, ShowsWhatOcclusionQueriesMiss)
+{
+    folder_.write("needles.json", R"({"frames": 12, "geometries": {"needles": {"mesh": {"generate": {"kind": "needles",
+        "count": 200, "length": 0.5, "aspect": 100000, "size": 1, "seed": 7}}}, "ball": {"mesh": {"generate":
+        {"kind": "sphere", "radius": 0.4, "triangles": 500}}}}, "bodies": [{"name": "needles", "geometry": "needles"},
+        {"name": "ball", "geometry": "ball", "position": [-1, 0, 0],
+         "motion": {"drift": {"velocity": [0.1, 0, 0]}}}]})");
+    const nlohmann::json all = study({"needles.json", "--backend", "cpu,gl-query", "--viewport", "8,16", "--spheres",
+                                      "paper", "--exact", "off", "--depths", "6", "--html", "s.html"});
+    EXPECT_EQ(all["variants"].size(), 3u);
+    EXPECT_EQ(variant(all, "paper spheres, depth 6")["missed"], 0);
+    const nlohmann::json query = variant(all, "gl-query 8 px, paper spheres, depth 6");
+    EXPECT_GT(query["missed"], 0);
+    EXPECT_EQ(query["certified"], false);
+    EXPECT_EQ(query["on_front"], false);
+    EXPECT_GT(query["queries"], 0);
+    const std::string page = folder_.read("s.html");
+    expect_self_contained(page);
+    EXPECT_NE(page.find("needles and ball; missed: they collide"), std::string::npos);
+}
+
+TEST_F(Study, ABrowserDrawsThePage)
+{
+    const std::string chromium = "/usr/bin/chromium";
+    if (!std::filesystem::exists(chromium)) GTEST_SKIP() << "no chromium";
+    ASSERT_EQ(run({"accuracy", "study", "cubes.json", "--depths", "2-4", "--html", "s.html"}).code, 0);
+    const std::string page = "file://" + (folder_ / "s.html").string();
+    const auto browse = [&](const std::string& what) {
+        const Outcome outcome = run_program(chromium,
+                                            {"--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
+                                             "--window-size=1000,1400", "--host-resolver-rules=MAP * ~NOTFOUND",
+                                             "--user-data-dir=" + (folder_ / "profile").string(), what, page},
+                                            {.folder = folder_.path()});
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+    };
+    browse("--screenshot=" + (folder_ / "s.png").string());
+    const Decoded image = decode(folder_.read("s.png"));
+    EXPECT_EQ(image.width, 1000);
+    EXPECT_EQ(image.height, 1400);
+    const auto is_bar = [](const std::uint8_t* p) { return p[0] == 0 && p[1] == 0x72 && p[2] == 0xb2; };
+    EXPECT_GT(image.count(is_bar), 300) << "bars, and the first line of the curve";
+    EXPECT_GT(image.count([](const std::uint8_t* p) { return p[0] < 100 && p[1] < 100 && p[2] < 100; }), 5000)
+        << "text";
+    EXPECT_FALSE(image.count([](const std::uint8_t* p) { return p[0] < 250; }, 985) > 0)
+        << "nothing is cut at the right";
+    browse("--print-to-pdf=" + (folder_ / "s.pdf").string());
+    EXPECT_TRUE(folder_.read("s.pdf").starts_with("%PDF"));
+}
+
+TEST_F(Study, RefusesWhatMakesNoSense)
+{
+    write_cube("cube.off");
+    const auto refuse = [&](std::vector<std::string> more, const std::vector<std::string>& words, int code = 64) {
+        more.insert(more.begin(), {"accuracy", "study"});
+        expect_error(code, more, words);
+    };
+    refuse({}, {"scene or two meshes"});
+    refuse({"cubes.json", "--depths", "0"}, {"--depths 0"});
+    refuse({"cubes.json", "--depths", "3", "--max-errors", "0.1"}, {"--depths and --max-errors"});
+    refuse({"cubes.json", "--max-errors", "0.1,x"}, {"--max-errors", "'x'"});
+    refuse({"cubes.json", "--max-errors", "-1"}, {"max-error"});
+    refuse({"cubes.json", "--spheres", "auto"}, {"--spheres auto", "paper, tight"});
+    refuse({"cubes.json", "--spheres", "round"}, {"round"});
+    refuse({"cubes.json", "--spheres", "tight", "--backend", "gl-query"}, {"--spheres tight", "cpu"});
+    refuse({"cubes.json", "--exact", "off,maybe"}, {"maybe"});
+    refuse({"cubes.json", "--backend", "gpu"}, {"gpu", "gl-compute"});
+    refuse({"cubes.json", "--viewport", "8,", "--backend", "gl-query"}, {"--viewport 8,"});
+    refuse({"cubes.json", "--every", "0"}, {"--every 0"});
+    refuse({"cubes.json", "--repeats", "0"}, {"--repeats 0"});
+    refuse({"cubes.json", "--warm-up", "-1"}, {"--warm-up -1"});
+    refuse({"cubes.json", "--count", "3"}, {"cubes.json", "two meshes"});
+    refuse({"cubes.json", "--poses"}, {"cubes.json", "two meshes"});
+    refuse({"cubes.json", "--csv", "x", "--html", "x"}, {"both go to x"});
+    refuse({"cubes.json", "--html", "cubes.json"}, {"overwrite the input"});
+    refuse({"cube.off", "cube.off", "cube.off"}, {"a scene or two meshes"});
+    refuse({"cube.off", "cube.off", "--poses"}, {"--poses", "own"});
+    refuse({"cube.off", "cube.off", "--count", "0"}, {"--count 0"});
+    refuse({"cube.off", "none.off"}, {"none.off"}, 66);
+    refuse({"none.json"}, {"none.json"}, 66);
+    refuse({"cubes.json", "--html", "no/where.html"}, {"no/where.html"}, 73);
+    refuse({"cubes.json", "--backend", "gl-query", "--gpu", "63"}, {"no GPU 63"}, 71);
+    EXPECT_EQ(folder_.list(), (std::vector<std::string>{"cube.off", "cubes.json"}));
+}
+
+TEST_F(Study, ASceneMayBeCalledAsAnotherCommandIs)
+{
+    // 'hard' is a scene of the catalogue, and a command beside 'study'.
+    const nlohmann::json all =
+        study({"hard", "--frames", "1", "--depths", "2", "--exact", "off", "--spheres", "paper"});
+    EXPECT_EQ(all["header"]["bodies"], 50);
+}
+
+} // namespace
+} // namespace oncollide::test

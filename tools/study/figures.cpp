@@ -1,0 +1,163 @@
+#include "study/figures.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bench.hpp"
+#include "line_plot.hpp"
+#include "markup.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+/// A row of bars, one a column, each with its number beside it.
+struct BarRow {
+    std::string name;
+    std::vector<double> lengths; ///< 0 to 1
+    std::vector<std::string> texts;
+};
+
+constexpr double width = 960, left = 310, row_height = 22, head = 34;
+
+void text(OutputFile& file, double x, double y, std::string_view anchor, std::string_view style, std::string_view words)
+{
+    file.print("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" class=\"{}\">{}</text>\n", x, y, anchor, style,
+               escaped(words));
+}
+
+void draw_bars(OutputFile& file, std::string_view title, const std::vector<std::string>& columns,
+               const std::vector<BarRow>& rows)
+{
+    const double height = head + row_height * double(rows.size()) + 4, pitch = (width - left) / double(columns.size());
+    const double room = std::min(46.0, 0.5 * pitch); // for a number
+    file.print("<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"{}\" width=\"{:.0f}\" "
+               "height=\"{:.0f}\" viewBox=\"0 0 {:.0f} {:.0f}\">\n",
+               escaped(title), width, height, width, height);
+    for (std::size_t k = 0; k < columns.size(); ++k)
+        text(file, left + pitch * double(k), 16, "start", "head", columns[k]);
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+        const double y = head + row_height * double(r);
+        if (r % 2 == 0)
+            file.print("<rect x=\"0\" y=\"{:.1f}\" width=\"{}\" height=\"{}\" class=\"band\"/>\n", y - 3, width,
+                       row_height);
+        text(file, left - 12, y + 12, "end", "name", rows[r].name);
+        for (std::size_t k = 0; k < columns.size(); ++k) {
+            const double x = left + pitch * double(k), length = rows[r].lengths[k] * (pitch - room - 8);
+            file.print("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"14\" class=\"bar\"/>\n", x, y,
+                       length);
+            text(file, x + length + 4, y + 12, "start", "number", rows[r].texts[k]);
+        }
+    }
+    file.print("</svg>\n");
+}
+
+/// The series in order of their first row, and the rows of each.
+std::vector<std::pair<std::string, std::vector<const StudyRow*>>> by_series(const Study& study)
+{
+    std::vector<std::pair<std::string, std::vector<const StudyRow*>>> result;
+    for (const StudyRow& row : study.rows) {
+        auto at = std::ranges::find(result, row.variant.series, [](const auto& s) { return s.first; });
+        if (at == result.end()) at = result.insert(at, {row.variant.series, {}});
+        at->second.push_back(&row);
+    }
+    return result;
+}
+
+PlotLine line_of(std::string label, std::vector<PlotLine::Point> points, std::size_t style, PlotLine::Weight weight)
+{
+    std::ranges::sort(points, {}, &PlotLine::Point::x);
+    return {weight, std::move(label), std::move(points), style};
+}
+
+} // namespace
+
+void draw_speed_error(OutputFile& file, const Study& study)
+{
+    double least = 1e300;
+    for (const StudyRow& row : study.rows)
+        if (row.error > 0) least = std::min(least, row.error);
+    // Exact answers have no logarithm: they stand a decade to the left of the others.
+    const double exact = least < 1e300 ? std::pow(10, std::floor(std::log10(least)) - 1) : 1;
+    const auto point = [&](const StudyRow& row) {
+        return PlotLine::Point{row.error > 0 ? row.error : exact, study.mean_ms(row.ms)};
+    };
+    PlotPanel panel{study.title + ": speed against error", {}};
+    std::vector<PlotLine::Point> front;
+    for (const auto& [series, rows] : by_series(study)) {
+        std::vector<PlotLine::Point> points;
+        for (const StudyRow* row : rows) {
+            points.push_back(point(*row));
+            if (on_front(study, *row)) front.push_back(points.back());
+        }
+        panel.lines.push_back(line_of(series, std::move(points), panel.lines.size(), PlotLine::Weight::main));
+    }
+    if (study.fcl)
+        panel.lines.push_back(
+            line_of("FCL", {{exact, study.mean_ms(study.fcl->ms)}}, panel.lines.size(), PlotLine::Weight::peer));
+    if (front.size() > 1)
+        panel.lines.push_back(
+            line_of("fastest for its error", std::move(front), panel.lines.size(), PlotLine::Weight::baseline));
+    draw_line_plot(file, {&panel, 1},
+                   {.x_label = "certified error, m (logarithmic)",
+                    .y_label = "ms a frame, mean (logarithmic)",
+                    .value_text = [](double ms) { return fmt::format("{:.3g} ms", ms); },
+                    .x_least_name = "exact"});
+}
+
+void draw_stage_times(OutputFile& file, const Study& study)
+{
+    std::vector<BarRow> rows;
+    double most = 1e-12;
+    for (const StudyRow& row : study.rows) {
+        BarRow& bar = rows.emplace_back(BarRow{row.variant.name, std::vector<double>(5), {}});
+        const std::size_t from = std::size_t(study.warm_up), count = row.stage_ms.size() - from;
+        for (std::size_t frame = from; frame < row.stage_ms.size(); ++frame)
+            for (std::size_t k = 0; k < 5; ++k) bar.lengths[k] += row.stage_ms[frame][k] / double(count);
+        for (double ms : bar.lengths) bar.texts.push_back(fmt::format("{:.3g}", ms)), most = std::max(most, ms);
+    }
+    for (BarRow& row : rows)
+        for (double& length : row.lengths) length /= most;
+    std::vector<std::string> columns;
+    for (const StageStats& stage : study.rows.front().stages) columns.push_back(fmt::format("{}, ms", stage.stage));
+    draw_bars(file, "time by stage", columns, rows);
+}
+
+void draw_funnel(OutputFile& file, const Study& study)
+{
+    std::vector<BarRow> rows;
+    double most = 1;
+    for (const StudyRow& row : study.rows) {
+        const auto left = [&](Verdict v) { return double(row.verdicts[std::size_t(v)]); };
+        const double pairs = double(row.stages[2].out), apart = left(Verdict::separate);
+        const double wide = left(Verdict::within) + left(Verdict::undecided), sure = left(Verdict::colliding);
+        const double frames = double(study.frames), bodies = double(study.bodies);
+        BarRow& bar = rows.emplace_back(BarRow{row.variant.name,
+                                               {bodies * (bodies - 1) / 2, pairs / frames, apart / frames,
+                                                double(row.stages[3].out) / frames, wide / frames, sure / frames},
+                                               {}});
+        for (double n : bar.lengths) most = std::max(most, n), bar.texts.push_back(fmt::format("{:.4g}", n));
+    }
+    for (BarRow& row : rows)
+        for (double& length : row.lengths) length = std::log10(1 + length) / std::log10(1 + most);
+    draw_bars(file, "stage funnel",
+              {"all pairs", "after broad", "certified apart", "after ocst", "left within", "left colliding"}, rows);
+}
+
+void draw_alarms(OutputFile& file, const Study& study)
+{
+    std::vector<BarRow> rows;
+    for (const StudyRow& row : study.rows) {
+        if (!row.false_alarms) continue;
+        BarRow& bar =
+            rows.emplace_back(BarRow{fmt::format("{}: {}", row.variant.name, grouped(row.false_alarms)), {}, {}});
+        for (std::uint64_t alarms : row.alarms_by_share) {
+            const double share = double(alarms) / double(row.false_alarms);
+            bar.lengths.push_back(share), bar.texts.push_back(alarms ? fmt::format("{:.0f} %", 100 * share) : "");
+        }
+    }
+    std::vector<std::string> columns;
+    for (std::size_t k = 0; k < alarm_bins; ++k) columns.push_back(fmt::format("{}-{} %", 10 * k, 10 * (k + 1)));
+    draw_bars(file, "true distance of the false alarms over their bound", columns, rows);
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,107 @@
+#include "study/needed.hpp"
+
+#include <algorithm>
+
+#include <oncollide/narrowphase/cell_key.hpp>
+#include <oncollide/narrowphase/triangle_tree.hpp>
+#include <oncollide/scenes/error.hpp>
+
+#include "progress.hpp"
+#include "render_scene.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+constexpr int no_ageing = 1'000'000; ///< frames
+
+/// Nodes of all oriented boxes of a mesh.
+std::uint64_t all_boxes(const Mesh& mesh)
+{
+    TriangleTree tree(mesh);
+    std::vector<std::uint32_t> open{TriangleTree::root};
+    while (!open.empty()) {
+        const std::uint32_t node = open.back();
+        open.pop_back();
+        for (unsigned k = 0; k < tree.node(node).lanes; ++k)
+            if (tree.node(node).count[k] > 1) open.push_back(tree.child(node, k));
+    }
+    return tree.nodes();
+}
+
+/// Trees grown everywhere, each counted once.
+class WholeModel {
+public:
+    explicit WholeModel(const Scene& scene) : scene_(scene), boxes_(scene.geometries.size()), cells_(boxes_.size()) {}
+
+    std::uint64_t boxes(std::uint32_t geometry)
+    {
+        if (!boxes_[geometry]) boxes_[geometry] = all_boxes(std::get<Mesh>(scene_.geometries[geometry].data));
+        return boxes_[geometry];
+    }
+
+    /// Cells that a tree of that depth stores: its leaves are not. None when a level has too many.
+    std::optional<std::uint64_t> cells(std::uint32_t geometry, int depth)
+    {
+        std::vector<std::uint64_t>& levels = cells_[geometry];
+        if (int(levels.size()) < depth) {
+            WholeTrees trees(scene_, depth - 1, 1);
+            const Ocst* tree = nullptr;
+            try {
+                tree = trees.tree(GeometryId{geometry});
+            } catch (const Error&) {
+                return std::nullopt;
+            }
+            levels.assign(std::size_t(depth) + 1, 0); // a tree is at least one level deep
+            tree->for_each_cell([&](CellKey cell, bool) { ++levels[std::size_t(level_of(cell))]; });
+            levels.resize(std::size_t(depth));
+        }
+        std::uint64_t sum = 0;
+        for (int level = 0; level < depth; ++level) sum += levels[std::size_t(level)];
+        return sum;
+    }
+
+private:
+    const Scene& scene_;
+    std::vector<std::uint64_t> boxes_;
+    std::vector<std::vector<std::uint64_t>> cells_; ///< by geometry and level
+};
+
+/// The course once more, without ageing where it dropped something. What trees hold at its end.
+void count(StudyCourse& course, StudyRow& row, WholeModel& whole, const std::vector<std::uint8_t>& used)
+{
+    Settings settings = row.variant.settings;
+    settings.age_limit = no_ageing;
+    course.move(0);
+    Pipeline pipeline(course.scene, settings);
+    for (int frame = 0; frame < course.frames(); ++frame) {
+        course.move(frame);
+        row.nodes_needed = pipeline.step(course.scene).trees.nodes;
+    }
+    int deepest = settings.depth.value_or(1); // max_error: of trees that nothing reached, the depth of the deepest
+    for (std::uint32_t g = 0; g < used.size(); ++g)
+        if (const Ocst* tree = pipeline.tree(GeometryId{g})) deepest = std::max(deepest, tree->depth());
+    const bool exact = settings.exact == ExactLevel::predicates;
+    row.nodes_all = 0;
+    for (std::uint32_t g = 0; g < used.size() && row.nodes_all; ++g) {
+        if (!used[g]) continue;
+        const bool mesh = std::holds_alternative<Mesh>(course.scene.geometries[g].data);
+        if (mesh && (exact || wants_tight(settings))) *row.nodes_all += whole.boxes(g);
+        if (mesh && wants_tight(settings)) continue;
+        const Ocst* tree = pipeline.tree(GeometryId{g});
+        const std::optional<std::uint64_t> cells = whole.cells(g, tree ? tree->depth() : deepest);
+        cells ? void(*row.nodes_all += *cells) : row.nodes_all.reset();
+    }
+}
+
+} // namespace
+
+void count_needed(StudyCourse& course, Study& study)
+{
+    WholeModel whole(course.scene);
+    std::vector<std::uint8_t> used(course.scene.geometries.size());
+    for (GeometryId geometry : course.scene.geometry) used[index(geometry)] = 1;
+    Progress progress("counting what was needed: variant", study.rows.size());
+    for (StudyRow& row : study.rows) count(course, row, whole, used), progress.step();
+}
+
+} // namespace oncollide::tools

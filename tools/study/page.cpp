@@ -1,0 +1,153 @@
+#include "study/page.hpp"
+
+#include <algorithm>
+
+#include "bench.hpp"
+#include "markup.hpp"
+#include "study/figures.hpp"
+#include "study/report.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+constexpr std::string_view style = R"(
+body { font: 15px/1.5 "DejaVu Sans", Verdana, Helvetica, Arial, sans-serif; color: #222; background: #fff;
+       max-width: 1000px; margin: 2em auto; padding: 0 1em; }
+h1 { font-size: 1.6em; } h2 { font-size: 1.2em; margin-top: 2em; }
+table { border-collapse: collapse; font-size: 11px; } th, td { padding: 3px 5px; text-align: right; }
+td { border-bottom: 1px solid #ddd; white-space: nowrap; }
+th:first-child, td:first-child { text-align: left; } thead th { border-bottom: 2px solid #444; vertical-align: bottom; }
+.scroll { overflow-x: auto; } .fault { font-weight: bold; border: 2px solid #222; padding: 4px 8px; }
+svg { max-width: 100%; height: auto; } img { max-width: 100%; border: 1px solid #bbb; }
+figure { margin: 1em 0; } figcaption { font-size: 13px; } pre { font-size: 11px; white-space: pre-wrap; }
+.bar { fill: #0072b2; } .band { fill: #f4f4f4; } .head { font-weight: bold; } .name { font-size: 11px; }
+.number { font-size: 11px; }
+@media print { body { margin: 0; max-width: none; font-size: 10pt; } .scroll { overflow: visible; }
+  table { font-size: 6pt; } th, td { padding: 1px 2px; } h2 { break-after: avoid; } figure, svg, tr { break-inside: avoid; }
+  .bar { fill: #555; } }
+)";
+
+void heading(OutputFile& file, std::string_view words)
+{
+    file.print("<h2>{}</h2>\n", escaped(words));
+}
+
+void paragraph(OutputFile& file, std::string_view words)
+{
+    file.print("<p>{}</p>\n", escaped(words));
+}
+
+void fault(OutputFile& file, std::string_view words)
+{
+    file.print("<p class=\"fault\">{}</p>\n", escaped(words));
+}
+
+void write_summary(OutputFile& file, const Study& study)
+{
+    std::uint64_t missed = 0, lost = 0, broken = 0, invented = 0;
+    for (const StudyRow& row : study.rows) {
+        (row.variant.certified() ? missed : lost) += row.missed;
+        broken += row.broken, invented += row.invented;
+    }
+    paragraph(file, fmt::format("{} bodies, {} frames, {} collisions. A body's size is {:.3g} m in the median.",
+                                grouped(study.bodies), grouped(std::uint64_t(study.frames)), grouped(study.colliding),
+                                study.size));
+    if (study.faulty())
+        fault(file, fmt::format("FAULT: {} collisions missed, {} invented, {} bounds broken, {} answers beside the "
+                                "poses contradicted.",
+                                missed, invented, broken, study.contradicted));
+    else
+        paragraph(file, "Of the variants that certify their answers, none missed or invented a collision, and every "
+                        "false alarm lies within its bound.");
+    if (lost) fault(file, fmt::format("gl-query, which certifies nothing, missed {} collisions.", lost));
+    if (!study.fcl) return;
+    const StudyFcl& fcl = *study.fcl;
+    paragraph(file, fmt::format("FCL missed {} collisions and invented {}.", fcl.missed, fcl.invented));
+    if (fcl.errors.empty()) return;
+    file.print("<ul>\n");
+    for (const std::string& error : fcl.errors) file.print("<li>{}</li>\n", escaped("FCL, " + error));
+    file.print("</ul>\n");
+}
+
+void write_table(OutputFile& file, const Study& study)
+{
+    file.print("<div class=\"scroll\"><table>\n<thead><tr><th>variant</th><th>error, m</th><th>% of size</th>"
+               "<th>ms, mean</th><th>median</th><th>times FCL</th><th>within</th><th>undecided</th>"
+               "<th>colliding</th><th>missed</th><th>false alarms</th><th>at, m (median)</th><th>at most, m</th>"
+               "<th>node tests</th><th>triangle tests</th><th>MB</th><th>needed</th></tr></thead>\n<tbody>\n");
+    const std::uint64_t n = std::uint64_t(study.frames);
+    for (const StudyRow& row : study.rows)
+        file.print("<tr><td>{}{}</td><td>{}</td><td>{:.3g}</td><td>{:.4g}</td><td>{:.4g}</td><td>{}</td><td>{}</td>"
+                   "<td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.3g}</td><td>{:.3g}</td><td>{}</td><td>{}</td>"
+                   "<td>{:.3f}</td><td>{}</td></tr>\n",
+                   escaped(row.variant.name), on_front(study, row) ? " ★" : "", error_text(row),
+                   100 * row.error / study.size, study.mean_ms(row.ms), study.median_ms(row.ms),
+                   study.fcl ? fmt::format("{:.2f}", study.ratio(row)) : "-",
+                   row.verdicts[std::size_t(Verdict::within)], row.verdicts[std::size_t(Verdict::undecided)],
+                   row.verdicts[std::size_t(Verdict::colliding)], row.missed, row.false_alarms,
+                   alarm_quantile(row, 0.5), alarm_quantile(row, 1), mean_count(row.trees.node_pairs, n),
+                   mean_count(row.trees.triangle_pairs, n), double(row.trees.bytes) / 1e6, needed_text(row));
+    if (study.fcl)
+        file.print(
+            "<tr><td>FCL</td><td>0</td><td>0</td><td>{:.4g}</td><td>{:.4g}</td><td>1</td><td></td><td></td>"
+            "<td>{}</td><td>{}</td><td>{}</td><td></td><td></td><td></td><td></td><td>{:.3f}</td><td></td></tr>\n",
+            study.mean_ms(study.fcl->ms), study.median_ms(study.fcl->ms), study.fcl->colliding, study.fcl->missed,
+            study.fcl->invented, double(study.fcl->bytes) / 1e6);
+    file.print("</tbody>\n</table></div>\n");
+}
+
+void write_pictures(OutputFile& file, const StudyPictures& pictures)
+{
+    heading(file, "The worst false alarms, and what was missed");
+    if (!pictures.none.empty()) return paragraph(file, "No pictures: " + pictures.none);
+    if (pictures.all.empty()) return paragraph(file, "There were none.");
+    paragraph(file, "Left both bodies, right the place where they are nearest. Red spheres, the darkest in print, are "
+                    "those that touched; "
+                    "bodies told apart by oriented boxes are shown without spheres.");
+    for (const StudyPicture& picture : pictures.all)
+        file.print(
+            "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"/><figcaption>{0}</figcaption></figure>\n",
+            escaped(picture.caption), base64(picture.png));
+}
+
+} // namespace
+
+void write_study_page(OutputFile& file, const Study& study, const StudyPictures& pictures, const std::string& about)
+{
+    file.print("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/><title>{}: speed against "
+               "error</title>\n<style>{}</style></head>\n<body>\n<h1>{}: speed against error</h1>\n",
+               escaped(study.title), style, escaped(study.title));
+    write_summary(file, study);
+    file.print("<figure>");
+    draw_speed_error(file, study);
+    file.print("</figure>\n");
+    paragraph(file, "Error is the largest certified bound of a pair that was left over: no pair called within it is "
+                    "farther apart. FCL and the exact levels stand at the left. The variants marked ★ are the fastest "
+                    "for their error: no other is both as exact and as fast.");
+    write_table(file, study);
+    paragraph(file,
+              "Verdicts, missed and false alarms are counted over all frames, tests are means of a frame. Missed: "
+              "the bodies collide by the exact predicates, and were called separate. False alarms: left over, but "
+              "apart; their true distance is certified between meshes. Needed: cells and boxes that a test ever "
+              "reached, of those that the same trees have when they are grown everywhere.");
+    heading(file, "Time by stage, ms a frame");
+    draw_stage_times(file, study);
+    heading(file, "What each stage leaves, pairs a frame (bars logarithmic)");
+    draw_funnel(file, study);
+    heading(file, "True distance of the false alarms, in percent of their bound");
+    if (std::ranges::any_of(study.rows, &StudyRow::false_alarms))
+        draw_alarms(file, study);
+    else
+        paragraph(file, "There were no false alarms.");
+    write_pictures(file, pictures);
+    heading(file, "How it was measured");
+    file.print("<pre>");
+    for (std::size_t at = 0; at < about.size();) {
+        const std::size_t end = std::min(about.find('\n', at), about.size());
+        file.print("{}\n", escaped(about.substr(at, end - at)));
+        at = end + 1;
+    }
+    file.print("</pre>\n</body></html>\n");
+}
+
+} // namespace oncollide::tools

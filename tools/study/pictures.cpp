@@ -1,0 +1,130 @@
+#include "study/pictures.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+
+#include <oncollide/pipeline/contacts.hpp>
+#include <oncollide/scenes/error.hpp>
+
+#include "framing.hpp"
+#include "png.hpp"
+#include "progress.hpp"
+#include "render_scene.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+constexpr int side = 360; ///< pixels, of each of the two panels
+constexpr std::size_t most_misses = 4;
+
+struct Scenario {
+    const StudyRow* row;
+    Sighting at;
+    bool miss;
+};
+
+/// Misses first; then, of each series, the rows with the largest and the smallest error that have a false alarm.
+std::vector<Scenario> choose(const Study& study)
+{
+    std::vector<Scenario> chosen;
+    for (const StudyRow& row : study.rows)
+        if (row.first_miss && chosen.size() < most_misses) chosen.push_back({&row, *row.first_miss, true});
+    std::set<std::string> series;
+    for (const StudyRow& row : study.rows) {
+        if (!row.variant.certified() || !series.insert(row.variant.series).second) continue;
+        std::vector<const StudyRow*> rows;
+        for (const StudyRow& other : study.rows)
+            if (other.variant.series == row.variant.series && other.worst_alarm) rows.push_back(&other);
+        if (rows.empty()) continue;
+        const auto [narrow, wide] = std::ranges::minmax_element(rows, {}, &StudyRow::error);
+        chosen.push_back({*wide, *(*wide)->worst_alarm, false});
+        if (narrow != wide) chosen.push_back({*narrow, *(*narrow)->worst_alarm, false});
+    }
+    return chosen;
+}
+
+/// Between the two triangles that are nearest; none when the pair is no pair of meshes.
+std::optional<Eigen::Vector3d> nearest_place(const Scene& scene, BodyPair pair)
+{
+    const auto mesh = [&](std::uint32_t body) {
+        return std::get_if<Mesh>(&scene.geometries[index(scene.geometry[body])].data);
+    };
+    if (!mesh(pair.a) || !mesh(pair.b)) return std::nullopt;
+    const MeshDistance found = ContactFinder(scene).distance(scene, BodyId{pair.a}, BodyId{pair.b});
+    const auto centre = [&](std::uint32_t body, std::uint32_t triangle) {
+        const Triangle& t = mesh(body)->triangles[triangle];
+        const auto& v = mesh(body)->vertices;
+        return Eigen::Vector3d(scene.poses[body] * ((v[t[0]] + v[t[1]] + v[t[2]]) / 3));
+    };
+    return 0.5 * (centre(pair.a, found.triangle_a) + centre(pair.b, found.triangle_b));
+}
+
+void paste(Painter& painter, const Picture& picture, Image& image, int column)
+{
+    const std::vector<std::uint8_t> pixels = painter.draw(picture);
+    for (int y = 0; y < side; ++y)
+        std::copy_n(pixels.begin() + 3 * side * y, 3 * side, image.pixels.begin() + 3 * (image.width * y + column));
+}
+
+StudyPicture draw(StudyCourse& course, const Scenario& scenario, Painter& painter)
+{
+    const Settings& settings = scenario.row->variant.settings;
+    const BodyPair pair = scenario.at.pair;
+    Scene& scene = course.scene;
+    course.move(0);
+    Pipeline pipeline(scene, settings);
+    std::vector<PairResult> pairs;
+    for (int frame = 0; frame <= scenario.at.frame; ++frame) {
+        course.move(frame);
+        const FrameView view = pipeline.step(scene);
+        pairs.clear();
+        for (const PairResult& p : view.pairs)
+            if (index(p.a) == pair.a && index(p.b) == pair.b) pairs.push_back(p);
+    }
+    // Oriented boxes are not drawn: their spheres would be those of other pairs.
+    ScenePictures::Shown shown{.spheres = !wants_tight(settings),
+                               .bodies = std::vector<std::uint8_t>(scene.size()),
+                               .clearance = settings.clearance};
+    shown.bodies[pair.a] = shown.bodies[pair.b] = 1;
+    ScenePictures pictures(scene, shown);
+    Picture picture = pictures.make([&](GeometryId id) { return pipeline.tree(id); }, pairs, std::nullopt);
+    picture.width = picture.height = side;
+    Framing framing;
+    framing.add(picture);
+    picture.camera = framing.camera();
+    Image image{2 * side, side, std::vector<std::uint8_t>(std::size_t(3 * 2 * side * side), 255)};
+    paste(painter, picture, image, 0);
+    if (const auto place = nearest_place(scene, pair)) {
+        const Eigen::Vector3d back = (picture.camera.eye - picture.camera.look_at).normalized();
+        const double size = std::max(4 * scenario.at.bound, 0.15 * framing.bounds().diagonal());
+        picture.camera.look_at = *place, picture.camera.eye = *place + 2 * size * back;
+        paste(painter, picture, image, side);
+    }
+    const std::string what = scenario.miss ? "missed: they collide, and were called separate"
+                                           : fmt::format("false alarm: {:.3g} m apart, certified to be within {:.3g} m",
+                                                         scenario.at.distance, scenario.at.bound);
+    return {fmt::format("{}, frame {}: {} and {}; {}.", scenario.row->variant.name, course.number(scenario.at.frame),
+                        scene.names[pair.a], scene.names[pair.b], what),
+            packed_png(image)};
+}
+
+} // namespace
+
+StudyPictures draw_study_pictures(StudyCourse& course, const Study& study)
+{
+    StudyPictures result;
+    const std::vector<Scenario> chosen = choose(study);
+    try {
+        Painter painter(study.rows.front().variant.settings.gpu);
+        Progress progress("picture", chosen.size());
+        for (const Scenario& scenario : chosen) result.all.push_back(draw(course, scenario, painter)), progress.step();
+    } catch (const Error& error) {
+        if (error.kind() != ErrorKind::no_gpu) throw;
+        result.none = error.what();
+    }
+    return result;
+}
+
+} // namespace oncollide::tools

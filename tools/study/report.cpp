@@ -1,0 +1,167 @@
+#include "study/report.hpp"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include <oncollide/pipeline/report.hpp>
+
+#include "bench.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+std::array<double, 5> mean_stages(const Study& study, const StudyRow& row)
+{
+    std::array<double, 5> mean{};
+    for (std::size_t frame = std::size_t(study.warm_up); frame < row.stage_ms.size(); ++frame)
+        for (std::size_t k = 0; k < mean.size(); ++k)
+            mean[k] += row.stage_ms[frame][k] / double(row.stage_ms.size() - std::size_t(study.warm_up));
+    return mean;
+}
+
+std::uint64_t count(const StudyRow& row, Verdict verdict)
+{
+    return row.verdicts[std::size_t(verdict)];
+}
+
+std::string alarm_text(double distance, const StudyRow& row)
+{
+    return row.false_alarms ? fmt::format("{:.3g}", distance) : "-";
+}
+
+nlohmann::ordered_json json_of(const Study& study, const StudyRow& row)
+{
+    nlohmann::ordered_json stages;
+    const std::array<double, 5> ms = mean_stages(study, row);
+    for (std::size_t k = 0; k < row.stages.size(); ++k) {
+        const StageStats& s = row.stages[k];
+        stages.push_back({{"stage", s.stage}, {"ms", ms[k]}, {"in", s.in}, {"out", s.out}, {"skipped", s.skipped}});
+    }
+    return {{"variant", row.variant.name},
+            {"backend", row.backend},
+            {"certified", row.variant.certified()},
+            {"error", row.error},
+            {"ms_mean", study.mean_ms(row.ms)},
+            {"ms_median", study.median_ms(row.ms)},
+            {"times_fcl", study.ratio(row)},
+            {"on_front", on_front(study, row)},
+            {"separate", count(row, Verdict::separate)},
+            {"within", count(row, Verdict::within)},
+            {"undecided", count(row, Verdict::undecided)},
+            {"colliding", count(row, Verdict::colliding)},
+            {"missed", row.missed},
+            {"false_alarms", row.false_alarms},
+            {"invented", row.invented},
+            {"bounds_broken", row.broken},
+            {"alarm_distance_median", alarm_quantile(row, 0.5)},
+            {"alarm_distance_worst", alarm_quantile(row, 1)},
+            {"alarms_by_tenth_of_bound", row.alarms_by_share},
+            {"node_pairs", row.trees.node_pairs},
+            {"triangle_pairs", row.trees.triangle_pairs},
+            {"queries", row.trees.queries},
+            {"peak_bytes", row.trees.bytes},
+            {"nodes_needed", row.nodes_needed},
+            {"nodes_all", row.nodes_all ? nlohmann::ordered_json(*row.nodes_all) : nlohmann::ordered_json()},
+            {"stages", stages}};
+}
+
+} // namespace
+
+std::string needed_text(const StudyRow& row)
+{
+    if (!row.nodes_all || !*row.nodes_all) return "-";
+    return fmt::format("{:.3g} %", 100 * double(row.nodes_needed) / double(*row.nodes_all));
+}
+
+std::string error_text(const StudyRow& row)
+{
+    return fmt::format("{:.3g}", row.error);
+}
+
+double alarm_quantile(const StudyRow& row, double q)
+{
+    if (row.alarm_distances.empty()) return 0;
+    std::vector<double> sorted = row.alarm_distances;
+    std::ranges::sort(sorted);
+    return sorted[std::size_t(q * double(sorted.size() - 1))];
+}
+
+void print_study(const Study& study)
+{
+    const std::uint64_t n = std::uint64_t(study.frames);
+    say("{:<32}{:>10}{:>8}{:>11}{:>11}{:>7}{:>10}{:>8}{:>8}{:>10}{:>10}{:>11}{:>11}{:>9}{:>9}\n", "variant", "error m",
+        "% size", "ms mean", "median", "x FCL", "left over", "false", "missed", "at m", "worst m", "nodes", "triangles",
+        "MB", "needed");
+    for (const StudyRow& row : study.rows) {
+        const std::uint64_t left_over =
+            count(row, Verdict::within) + count(row, Verdict::undecided) + count(row, Verdict::colliding);
+        say("{:<32}{:>10}{:>8.3g}{:>11.4f}{:>11.4f}{:>7}{:>10}{:>8}{:>8}{:>10}{:>10}{:>11}{:>11}{:>9.3f}{:>9}{}\n",
+            row.variant.name, error_text(row), 100 * row.error / study.size, study.mean_ms(row.ms),
+            study.median_ms(row.ms), study.fcl ? fmt::format("{:.2f}", study.ratio(row)) : "-", left_over,
+            row.false_alarms, row.missed, alarm_text(alarm_quantile(row, 0.5), row),
+            alarm_text(alarm_quantile(row, 1), row), mean_count(row.trees.node_pairs, n),
+            mean_count(row.trees.triangle_pairs, n), double(row.trees.bytes) / 1e6, needed_text(row),
+            on_front(study, row) ? "  *" : "");
+        if (row.invented) say("FAULT      {}: {} collisions invented\n", row.variant.name, row.invented);
+        if (row.broken) say("FAULT      {}: {} bounds broken\n", row.variant.name, row.broken);
+    }
+    if (study.fcl) {
+        const StudyFcl& fcl = *study.fcl;
+        say("{:<32}{:>10}{:>8}{:>11.4f}{:>11.4f}{:>7}{:>10}{:>8}{:>8}{:>53.3f}\n", "FCL", 0, 0, study.mean_ms(fcl.ms),
+            study.median_ms(fcl.ms), "1.00", fcl.colliding, fcl.invented, fcl.missed, double(fcl.bytes) / 1e6);
+        for (const std::string& error : fcl.errors) say("FCL errs   {}\n", error);
+    }
+    if (study.contradicted)
+        say("FAULT      the answers beside the poses contradict the truth {} times\n", study.contradicted);
+    say("(* fastest for its error; counts over all frames, tests a frame in the mean)\n");
+}
+
+void write_study_csv(OutputFile& file, const Study& study)
+{
+    file.print(
+        "variant,backend,certified,error,ms_mean,ms_median,times_fcl,on_front,bounds_ms,delimitation_ms,broad_ms,"
+        "ocst_ms,exact_ms,separate,within,undecided,colliding,missed,false_alarms,invented,bounds_broken,"
+        "alarm_median,alarm_worst,node_pairs,triangle_pairs,queries,peak_bytes,nodes_needed,nodes_all\n");
+    for (const StudyRow& row : study.rows) {
+        const std::array<double, 5> ms = mean_stages(study, row);
+        file.print("\"{}\",\"{}\",{:d},{},{},{},{},{:d},{},{},{},{},{},", row.variant.name, row.backend,
+                   row.variant.certified(), row.error, study.mean_ms(row.ms), study.median_ms(row.ms), study.ratio(row),
+                   on_front(study, row), ms[0], ms[1], ms[2], ms[3], ms[4]);
+        file.print("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", count(row, Verdict::separate),
+                   count(row, Verdict::within), count(row, Verdict::undecided), count(row, Verdict::colliding),
+                   row.missed, row.false_alarms, row.invented, row.broken, alarm_quantile(row, 0.5),
+                   alarm_quantile(row, 1), row.trees.node_pairs, row.trees.triangle_pairs, row.trees.queries,
+                   row.trees.bytes, row.nodes_needed, row.nodes_all ? fmt::format("{}", *row.nodes_all) : "");
+    }
+    if (!study.fcl) return;
+    const StudyFcl& fcl = *study.fcl;
+    file.print("\"FCL\",\"\",0,0,{},{},1,,,,,,,,,,{},{},,{},,,,,,,{},,\n", study.mean_ms(fcl.ms),
+               study.median_ms(fcl.ms), fcl.colliding, fcl.missed, fcl.invented, fcl.bytes);
+}
+
+void write_study_json(OutputFile& file, const Study& study, const std::string& program)
+{
+    nlohmann::ordered_json json{{"header",
+                                 {{"version", version},
+                                  {"title", study.title},
+                                  {"program", program},
+                                  {"bodies", study.bodies},
+                                  {"frames", study.frames},
+                                  {"warm_up", study.warm_up},
+                                  {"size", study.size},
+                                  {"colliding", study.colliding}}}};
+    for (const StudyRow& row : study.rows) json["variants"].push_back(json_of(study, row));
+    if (study.fcl)
+        json["fcl"] = {{"ms_mean", study.mean_ms(study.fcl->ms)},
+                       {"ms_median", study.median_ms(study.fcl->ms)},
+                       {"candidates", study.fcl->candidates},
+                       {"colliding", study.fcl->colliding},
+                       {"missed", study.fcl->missed},
+                       {"invented", study.fcl->invented},
+                       {"bytes", study.fcl->bytes},
+                       {"errors", study.fcl->errors}};
+    file.print("{}\n", json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+} // namespace oncollide::tools
