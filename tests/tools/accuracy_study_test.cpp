@@ -248,7 +248,10 @@ TEST_F(Study, ABrowserDrawsThePage)
     EXPECT_EQ(image.width, 1000);
     EXPECT_EQ(image.height, 1400);
     const auto is_bar = [](const std::uint8_t* p) { return p[0] == 0 && p[1] == 0x72 && p[2] == 0xb2; };
-    EXPECT_GT(image.count(is_bar), 300) << "bars, and the first line of the curve";
+    int bars = 0;
+    for (int y = 800; y < image.height; ++y) // below the curve, whose first line has that colour too
+        for (int x = 0; x < image.width; ++x) bars += is_bar(image.at(x, y));
+    EXPECT_GT(bars, 300);
     EXPECT_GT(image.count([](const std::uint8_t* p) { return p[0] < 100 && p[1] < 100 && p[2] < 100; }), 5000)
         << "text";
     EXPECT_FALSE(image.count([](const std::uint8_t* p) { return p[0] < 250; }, 985) > 0)
