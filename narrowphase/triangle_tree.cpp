@@ -64,7 +64,10 @@ std::uint32_t TriangleTree::grow(std::uint32_t parent, unsigned k)
     const std::uint32_t index = add_node();
     BoxNode& node = at(index);
     set_frame(node, centre_of(above, k), radius_of(above, k));
-    split(node, items_, std::min(most_lanes, count), begin);
+    if (count > leaf_triangles)
+        split(node, items_, std::min(most_lanes, count), begin);
+    else // a leaf: others may be reading the order of its triangles, which must stay
+        for (std::uint32_t i = 0; i < count; ++i) add_lane(node, std::span(items_).subspan(i, 1), begin + i);
     std::atomic_ref(above.child[k]).store(index, std::memory_order_release);
     return index;
 }
@@ -109,7 +112,8 @@ void TriangleTree::add_lane(BoxNode& node, std::span<const Item> items, std::uin
 {
     points_.clear();
     for (std::size_t i = 0; i < items.size(); ++i) {
-        order_[begin + i] = items[i].triangle;
+        std::uint32_t& place = order_[begin + i];
+        if (place != items[i].triangle) place = items[i].triangle;
         const Triangle& t = mesh_.triangles[items[i].triangle];
         points_.push_back(
             {mesh_.vertices[t[0]] - centre_, mesh_.vertices[t[1]] - centre_, mesh_.vertices[t[2]] - centre_});

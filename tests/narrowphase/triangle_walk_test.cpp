@@ -352,6 +352,34 @@ TEST(OrientedBoxKernel, PartsBoxesByTheirEdges)
     }
 }
 
+/// Others may be reading it.
+TEST(TriangleTree, KeepsTheOrderOfALeafThatGetsBoxesOfItsOwn)
+{
+    const Mesh knot = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 1000);
+    TriangleTree tree(knot);
+    int grown = 0;
+    for (std::vector<std::uint32_t> open{TriangleTree::root}; !open.empty();) {
+        const std::uint32_t index = open.back();
+        open.pop_back();
+        for (unsigned k = 0; k < tree.node(index).lanes; ++k) {
+            const std::uint32_t begin = tree.node(index).begin[k], count = tree.node(index).count[k];
+            if (count == 1) continue;
+            if (count > TriangleTree::leaf_triangles) {
+                open.push_back(tree.child(index, k));
+                continue;
+            }
+            const std::uint32_t first = tree.triangle(begin), second = tree.triangle(begin + 1);
+            const BoxNode& below = tree.node(tree.child(index, k));
+            EXPECT_EQ(tree.triangle(begin), first);
+            EXPECT_EQ(tree.triangle(begin + 1), second);
+            EXPECT_EQ(below.lanes, 2u);
+            EXPECT_EQ(below.begin[1], begin + 1);
+            ++grown;
+        }
+    }
+    EXPECT_GT(grown, 100);
+}
+
 TEST(TriangleTree, IsTheSameForManyThreadsAtOnce)
 {
     const Mesh knot = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 3000);
