@@ -7,6 +7,8 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
+#include <oncollide/scenes/aabb.hpp>
+
 namespace oncollide {
 
 namespace {
@@ -17,29 +19,18 @@ using Eigen::Vector3d;
 constexpr double quaternion_steps = 32767;
 constexpr double most_centre = 32767, most_half = 65535;
 
-struct Extent {
-    Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-
-    void add(const Vector3d& p) { low = low.cwiseMin(p), high = high.cwiseMax(p); }
-    void add(std::span<const TrianglePoints> triangles)
-    {
-        for (const TrianglePoints& t : triangles)
-            for (const Vector3d& p : t) add(p);
-    }
-    Vector3d middle() const { return low + 0.5 * (high - low); }
-};
-
 /// Second moments of the surface; of the corners when it has no area. On a grid of 2^15 steps and in integers, so that
 /// the order of triangles and corners does not show, not even where all directions are alike.
 Matrix3d spread_of(std::span<const TrianglePoints> triangles)
 {
     using Vector = Eigen::Matrix<std::int64_t, 3, 1>;
     using Matrix = Eigen::Matrix<std::int64_t, 3, 3>;
-    Extent extent;
-    extent.add(triangles);
-    const double half = 0.5 * (extent.high - extent.low).maxCoeff();
+    Aabb extent;
+    for (const TrianglePoints& t : triangles)
+        for (const Vector3d& p : t) extent.add(p);
+    const double half = extent.half_extent().maxCoeff();
     if (!(half > 0)) return Matrix3d::Zero();
-    const Vector3d middle = extent.middle();
+    const Vector3d middle = extent.centre();
     const auto on_grid = [&](const Vector3d& p) {
         return Vector(((p - middle) / half * 0x1p14).array().round().matrix().cast<std::int64_t>());
     };
@@ -127,11 +118,11 @@ OrientedBox fit_box(std::span<const TrianglePoints> triangles)
 {
     OrientedBox box;
     box.axes = triangles.size() == 1 ? axes_of_triangle(triangles[0]) : axes_of_many(triangles);
-    Extent extent;
+    Aabb extent;
     for (const TrianglePoints& t : triangles)
         for (const Vector3d& p : t) extent.add(box.axes.transpose() * p);
-    box.centre = box.axes * extent.middle();
-    box.half = 0.5 * (extent.high - extent.low);
+    box.centre = box.axes * extent.centre();
+    box.half = extent.half_extent();
     return box;
 }
 

@@ -25,7 +25,7 @@ TriangleTree::TriangleTree(const Mesh& mesh)
 
     BoxNode& node = at(add_node());
     set_frame(node, Eigen::Vector3d::Zero(), 2 * radius_); // the box's corners reach farther
-    const Eigen::Vector3d half = 0.5 * (mesh.bounds.max - mesh.bounds.min);
+    const Eigen::Vector3d half = mesh.bounds.half_extent();
     const OrientedBox box{Eigen::Vector3d::Zero(), half, Eigen::Matrix3d::Identity()};
     const TrianglePoints diagonal{half, -half, half};
     quantise(node, 0, box, {&diagonal, 1});

@@ -22,9 +22,7 @@ void TriangleWalk::meetings(const Query& query, std::optional<TriangleMeeting> h
             waiting_.push_back(pair);
             return true;
         });
-        if (waiting_.size() < batch) return true;
-        batch = std::min(2 * batch, most_batch);
-        return go_on = test_waiting(query, found);
+        return go_on = test_if_enough(query, batch, found);
     });
     if (go_on) test_waiting(query, found);
 }

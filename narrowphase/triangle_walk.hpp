@@ -86,6 +86,8 @@ private:
     template <class Found>
     bool test_waiting(const Query& query, Found found);
     template <class Found>
+    bool test_if_enough(const Query& query, std::size_t& batch, Found found);
+    template <class Found>
     void meetings(const Query& query, std::optional<TriangleMeeting> hint, Found found);
 
     OpenedTree a_, b_;

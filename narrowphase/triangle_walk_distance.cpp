@@ -33,34 +33,29 @@ TriangleWalk::Nearness TriangleWalk::near(TriangleTree& a, TriangleTree& b, cons
     }
     double lower = infinity; // of triangles that were left
     const auto take_pair = [&](TriangleMeeting pair, bool small) {
-        if (clearance == 0 && !small) {
-            lower = 0;
-            waiting_.push_back(pair);
-            return true;
+        if (small || clearance > 0) {
+            const TrianglePoints of_a = query.points_a(pair.a), of_b = query.points_b(pair.b);
+            answer.near = corner_distance(of_a, of_b) <= enough;
+            if (answer.near) return false;
+            if (clearance > 0) {
+                ++counts_.triangles;
+                const double distance = triangle_distance(of_a, of_b);
+                answer.near = distance - rounding <= clearance || triangles_meet(of_a, of_b);
+                lower = std::min(lower, distance - rounding);
+                return !answer.near;
+            }
         }
-        const TrianglePoints of_a = query.points_a(pair.a), of_b = query.points_b(pair.b);
-        if (corner_distance(of_a, of_b) <= enough) answer.near = true;
-        if (answer.near) return false;
-        if (clearance == 0) {
-            lower = 0;
-            waiting_.push_back(pair);
-            return true;
-        }
-        ++counts_.triangles;
-        const double distance = triangle_distance(of_a, of_b);
-        answer.near = distance - rounding <= clearance || triangles_meet(of_a, of_b);
-        lower = std::min(lower, distance - rounding);
-        return !answer.near;
+        lower = 0;
+        waiting_.push_back(pair);
+        return true;
     };
     std::size_t batch = first_batch;
     const double reach = (clearance + query.rounding) * (1 + 0x1p-20);
     walk(query, static_cast<float>(reach), [&](const Entry& e) {
         const float size2 = a_[e.a].size(e.lane_a) + b_[e.b].size(e.lane_b);
         const bool small = double(size2) <= 16 * enough * enough; // else their corners are hardly so near
-        if (!each_pair(e, [&](TriangleMeeting pair) { return take_pair(pair, small); })) return false;
-        if (waiting_.size() < batch) return true;
-        batch = std::min(2 * batch, most_batch);
-        return test_waiting(query, take);
+        return each_pair(e, [&](TriangleMeeting pair) { return take_pair(pair, small); }) &&
+               test_if_enough(query, batch, take);
     });
     if (answer.near || !test_waiting(query, take)) return answer;
     for (float gap : nearest_) lower = std::min(lower, double(gap) - query.rounding);

@@ -166,4 +166,13 @@ bool TriangleWalk::test_waiting(const Query& query, Found found)
     return go_on;
 }
 
+/// test_waiting() once `batch` pairs wait, twice as many the next time: a first meeting is likely among the first.
+template <class Found>
+bool TriangleWalk::test_if_enough(const Query& query, std::size_t& batch, Found found)
+{
+    if (waiting_.size() < batch) return true;
+    batch = std::min(2 * batch, most_batch);
+    return test_waiting(query, found);
+}
+
 } // namespace oncollide

@@ -9,15 +9,6 @@
 namespace oncollide {
 namespace {
 
-std::string shown(const TrianglePair& pair)
-{
-    std::ostringstream out;
-    out << std::hexfloat;
-    for (const TrianglePoints* t : {&pair.first, &pair.second})
-        for (const Eigen::Vector3d& p : *t) out << "(" << p.transpose() << ") ";
-    return out.str();
-}
-
 /// Counts by TriangleContact; a failure for each answer that is not the oracle's.
 std::array<int, 3> check(const std::vector<TrianglePair>& pairs)
 {

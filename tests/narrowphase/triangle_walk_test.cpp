@@ -11,20 +11,13 @@
 #include <oncollide/scenes/mesh_generators.hpp>
 #include <oncollide/scenes/motion.hpp>
 
+#include "random_pose.hpp"
+
 namespace oncollide {
 namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
-
-Isometry3d random_pose(std::uint64_t seed, double reach)
-{
-    Eigen::Vector4d q;
-    for (std::uint64_t k = 0; k < 4; ++k) q[int(k)] = u01(seed, 1, k) - 0.5;
-    Isometry3d pose(Eigen::Quaterniond(q.normalized()));
-    for (std::uint64_t k = 0; k < 3; ++k) pose.translation()[int(k)] = reach * (2 * u01(seed, 2, k) - 1);
-    return pose;
-}
 
 Mesh scaled(const Mesh& mesh, double scale, const Vector3d& by = Vector3d::Zero())
 {

@@ -12,6 +12,7 @@
 #include <oncollide/scenes/motion.hpp>
 
 #include "narrowphase/mesh_parts.hpp"
+#include "random_pose.hpp"
 
 namespace oncollide {
 namespace {
@@ -29,15 +30,6 @@ PairResult answer(const Scene& scene, const Settings& settings)
     const FrameView frame = pipeline.step(scene);
     return frame.pairs.empty() ? PairResult{BodyId{0}, BodyId{1}, Verdict::separate, 0, ContactKind::unknown, 0}
                                : frame.pairs[0];
-}
-
-Eigen::Isometry3d random_pose(std::uint64_t seed, double reach)
-{
-    Eigen::Vector4d q;
-    for (std::uint64_t k = 0; k < 4; ++k) q[int(k)] = u01(seed, 1, k) - 0.5;
-    Eigen::Isometry3d pose(Eigen::Quaterniond(q.normalized()));
-    for (std::uint64_t k = 0; k < 3; ++k) pose.translation()[int(k)] = reach * (2 * u01(seed, 2, k) - 1);
-    return pose;
 }
 
 enum class Truth { apart, enclosed, meeting, unsure };

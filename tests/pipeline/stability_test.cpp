@@ -11,6 +11,8 @@
 #include <oncollide/scenes/mesh_generators.hpp>
 #include <oncollide/scenes/motion.hpp>
 
+#include "random_pose.hpp"
+
 namespace oncollide {
 namespace {
 
@@ -42,15 +44,6 @@ std::vector<Named> every_combination()
                                                s});
                             }
     return all;
-}
-
-Eigen::Isometry3d random_pose(std::uint64_t seed, double reach)
-{
-    Eigen::Vector4d q;
-    for (std::uint64_t k = 0; k < 4; ++k) q[int(k)] = u01(seed, 1, k) - 0.5;
-    Eigen::Isometry3d pose(Eigen::Quaterniond(q.normalized()));
-    for (std::uint64_t k = 0; k < 3; ++k) pose.translation()[int(k)] = reach * (2 * u01(seed, 2, k) - 1);
-    return pose;
 }
 
 /// Bodies far apart, near, touching face on face, crossing and inside each other.

@@ -5,6 +5,7 @@
 #include <functional>
 #include <ostream>
 #include <random>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,6 +40,16 @@ public:
 private:
     std::mt19937_64 random_;
 };
+
+/// Its corners, to the last bit.
+inline std::string shown(const TrianglePair& pair)
+{
+    std::ostringstream out;
+    out << std::hexfloat;
+    for (const TrianglePoints* t : {&pair.first, &pair.second})
+        for (const Eigen::Vector3d& p : *t) out << " (" << p.transpose() << ")";
+    return out.str();
+}
 
 struct TriangleFamily {
     std::string name;

@@ -1,7 +1,5 @@
 #include "triangle_trial.hpp"
 
-#include <sstream>
-
 #include <fcl/fcl.h>
 #include <fcl/narrowphase/detail/traversal/collision/intersect.h>
 #include <fmt/format.h>
@@ -12,15 +10,6 @@
 
 namespace oncollide::tools {
 namespace {
-
-std::string shown(const TrianglePair& pair)
-{
-    std::ostringstream out;
-    out << std::hexfloat;
-    for (const TrianglePoints* t : {&pair.first, &pair.second})
-        for (const Eigen::Vector3d& p : *t) out << " (" << p.transpose() << ")";
-    return out.str();
-}
 
 bool fcl_says_they_meet(const TrianglePoints& a, const TrianglePoints& b)
 {
