@@ -12,6 +12,7 @@
 #include <oncollide/scenes/motion.hpp>
 
 #include "accuracy_check.hpp"
+#include "narrowphase/mesh_parts.hpp"
 
 namespace oncollide {
 namespace {
@@ -107,6 +108,17 @@ TEST(ContactKinds, EqualBruteForceOverAllPairsOfTriangles)
     for (int truth : count) EXPECT_GE(truth, 20) << "the poses must show every answer often";
 }
 
+TEST(ContactKinds, OfASlideThatKeepsTouchingShowACrossingElsewhere)
+{
+    const Mesh box = make_box_mesh({0.5, 0.5, 0.5}), wall = make_box_mesh({0.5, 3, 3});
+    const Mesh tip = make_mesh("tip", {{-0.5, 0, 0}, {0, 0.1, 0.2}, {0, -0.2, 0.1}, {0, 0.1, -0.2}},
+                               {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}}); // open: no inside tells
+    Scene scene = two(joined({wall, moved(box, {2.3, 1.2, 11.2})}), joined({tip, moved(box, {1, 0, 10})}));
+    Pipeline pipeline(scene, with_kinds());
+    for (const double y : {0.0, 0.1, 0.3, 0.1}) // triangles that touched last time still do
+        EXPECT_EQ(at(pipeline, scene, {1, y, 1}).kind, y > 0.2 ? ContactKind::crossing : ContactKind::touching) << y;
+}
+
 TEST(ContactKinds, ChangeNoVerdictAndNoBound)
 {
     Scene scene = two_boxes();
@@ -122,6 +134,19 @@ TEST(ContactKinds, ChangeNoVerdictAndNoBound)
             EXPECT_EQ(a.bound, b.bound) << x;
         }
     }
+}
+
+TEST(ContactKinds, SeeNoInsideInSurfaceMode)
+{
+    Scene scene = two(make_box_mesh({0.5, 0.5, 0.5}), make_box_mesh({0.1, 0.1, 0.1}));
+    Pipeline pipeline(scene, with_kinds());
+    EXPECT_EQ(at(pipeline, scene, {0.1, 0, 0}).verdict, Verdict::separate);
+
+    Mesh tray = make_box_mesh({0.5, 0.5, 0.5});
+    tray.triangles.pop_back();
+    scene = two(tray, tray);
+    Pipeline open(scene, with_kinds());
+    EXPECT_EQ(at(open, scene, {0.95, 0, 0}).kind, ContactKind::touching) << "no inside to share";
 }
 
 TEST(ContactKinds, AreNearInsideAClearance)
