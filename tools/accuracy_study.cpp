@@ -99,6 +99,8 @@ std::vector<StudyVariant> variants_of(const StudyOptions& o)
             for (const std::string& exact : split(o.exact)) {
                 SettingsOptions one = asker.settings;
                 one.spheres = spheres, one.exact = exact;
+                // Without an exact level nobody can tell: what only touches is left over as a false alarm.
+                if (exact_from_name(exact) == ExactLevel::off) one.kinds = one.ignore_touching = false;
                 if (spheres_from_name(spheres) == Spheres::automatic)
                     refuse("--spheres auto: a study needs to know which; expected paper, tight or both");
                 if (spheres == "tight" && !asker.prefix.empty()) continue;
@@ -114,6 +116,9 @@ std::vector<StudyVariant> variants_of(const StudyOptions& o)
                     variants.push_back({series, fmt::format("{}, {}", series, dial.text()), settings_from(one)});
                 }
             }
+    if (o.settings.ignore_touching &&
+        std::ranges::none_of(variants, [](const StudyVariant& v) { return v.settings.ignore_touching; }))
+        refuse("--ignore-touching: needs --exact predicates, alone or among others");
     if (variants.empty()) refuse("--spheres tight: only the cpu answers for these; nothing is left to study");
     return variants;
 }
@@ -153,7 +158,9 @@ int accuracy_study(const StudyOptions& o)
     const Study study = play_study(course, variants, o.warm_up, o.repeats);
     const std::string about = fmt::format(
         "course     {}; {} frames, {} of them to warm up, least of {} {}; every variant and FCL turn about\n"
-        "truth      exact predicates on every pair of overlapping boxes; FCL where a shape or a map takes part\n"
+        "truth      exact integers on the triangles of every two bodies whose boxes overlap, long double for "
+        "distances;\n"
+        "           FCL where a shape or a map takes part\n"
         "settings   {}\n{}",
         study.title, study.frames, study.warm_up, o.repeats, o.repeats == 1 ? "run" : "runs",
         describe(variants.front().settings, "the dial as each variant says"),
@@ -216,18 +223,20 @@ CLI::App* add_accuracy_study(CLI::App& accuracy, Command& command)
     for (const char* replaced : {"--depth", "--max-error", "--exact", "--backend", "--viewport", "--spheres"})
         sub->remove_option(sub->get_option(replaced));
     add_study_options(*sub, *options);
-    sub->footer("The truth is decided by the exact predicates, for every pair of overlapping boxes. Columns:\n"
-                "  error     the largest certified bound of a pair left over: none is farther apart\n"
-                "  x FCL     how many times as fast as FCL, by the means\n"
-                "  left over pairs that are not certified separate; false: those that are apart\n"
-                "  missed    collisions lost: must be 0, but for gl-query, which certifies nothing\n"
-                "  at m      true distance of the false alarms: median and largest\n"
-                "  needed    cells and boxes ever reached, of those of the same trees grown everywhere\n\n"
-                "Examples:\n"
-                "  oncollide accuracy study many --frames 20 --html many.html\n"
-                "  oncollide accuracy study a.obj b.obj --poses poses.txt --max-errors 0.1,0.01,0.001 --csv study.csv\n"
-                "  oncollide accuracy study paper --backend cpu,gl-query --viewport 8,64 --spheres paper\n"
-                "Exit code 70: a certified answer was wrong.");
+    sub->footer(
+        "The truth is exact arithmetic on the triangles of every two bodies whose boxes overlap, by no code of the\n"
+        "library. Columns:\n"
+        "  error     the largest certified bound of a pair left over: none is farther apart\n"
+        "  x FCL     how many times as fast as FCL, by the means\n"
+        "  left over pairs that are not certified separate; false: those that are apart\n"
+        "  missed    collisions lost: must be 0, but for gl-query, which certifies nothing\n"
+        "  at m      true distance of the false alarms: median and largest\n"
+        "  needed    cells and boxes ever reached, of those of the same trees grown everywhere\n\n"
+        "Examples:\n"
+        "  oncollide accuracy study many --frames 20 --html many.html\n"
+        "  oncollide accuracy study a.obj b.obj --poses poses.txt --max-errors 0.1,0.01,0.001 --csv study.csv\n"
+        "  oncollide accuracy study paper --backend cpu,gl-query --viewport 8,64 --spheres paper\n"
+        "Exit code 70: a certified answer was wrong.");
     const CLI::Option* poses = sub->get_option("--poses");
     sub->callback([options, poses, &command] {
         options->course.use_poses = poses->count() > 0;

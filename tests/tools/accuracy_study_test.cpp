@@ -155,6 +155,26 @@ TEST_F(Study, FclIsLeftOutWhereItHasNoSuchQuestion)
     EXPECT_EQ(variant(all, "paper spheres, depth 8")["missed"], 0);
 }
 
+TEST_F(Study, WhatOnlyTouchesCanBeLeftOut)
+{
+    folder_.write("touch.json", R"({"frames": 2, "geometries": {"cube": {"mesh": {"generate": {"kind": "box", "half":
+        [0.5, 0.5, 0.5]}}}}, "bodies": [{"name": "a", "geometry": "cube"}, {"name": "b", "geometry": "cube",
+        "position": [1, 0.25, 0.25], "motion": {"drift": {"velocity": [-0.0078125, 0, 0]}}}]})");
+    const std::vector<std::string> settings{"touch.json", "--depths", "3", "--warm-up", "0"};
+    EXPECT_EQ(study(settings)["header"]["colliding"], 2);
+    std::vector<std::string> ignoring = settings;
+    ignoring.push_back("--ignore-touching");
+    const nlohmann::json all = study(ignoring);
+    EXPECT_EQ(all["header"]["colliding"], 1) << "in the second frame they cross";
+    EXPECT_FALSE(all.contains("fcl"));
+    EXPECT_EQ(variant(all, "tight boxes, predicates")["separate"], 1);
+    const nlohmann::json spheres = variant(all, "paper spheres, depth 3");
+    EXPECT_EQ(spheres["false_alarms"], 1);
+    EXPECT_NEAR(spheres["alarm_distance_worst"], 0, 1e-15);
+    expect_error(64, {"accuracy", "study", "touch.json", "--ignore-touching", "--exact", "off"},
+                 {"--ignore-touching", "predicates"});
+}
+
 TEST_F(Study, ReadsPosesAndHoldsTheirAnswersAgainstTheTruth)
 {
     write_cube("cube.off");

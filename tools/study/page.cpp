@@ -125,11 +125,12 @@ void write_study_page(OutputFile& file, const Study& study, const StudyPictures&
                     "farther apart. FCL and the exact levels stand at the left. The variants marked ★ are the fastest "
                     "for their error: no other is both as exact and as fast.");
     write_table(file, study);
-    paragraph(file,
-              "Verdicts, missed and false alarms are counted over all frames, tests are means of a frame. Missed: "
-              "the bodies collide by the exact predicates, and were called separate. False alarms: left over, but "
-              "apart; their true distance is certified between meshes. Needed: cells and boxes that a test ever "
-              "reached, of those that the same trees have when they are grown everywhere.");
+    paragraph(
+        file,
+        "Verdicts, missed and false alarms are counted over all frames, tests are means of a frame. Missed: "
+        "the bodies collide by exact arithmetic, and were called separate. False alarms: left over, but "
+        "apart; their true distance is bounded in long double between meshes. Needed: cells and boxes that a test ever "
+        "reached, of those that the same trees have when they are grown everywhere.");
     heading(file, "Time by stage, ms a frame");
     draw_stage_times(file, study);
     heading(file, "What each stage leaves, pairs a frame (bars logarithmic)");

@@ -9,13 +9,11 @@
 
 #include "bench.hpp"
 #include "progress.hpp"
+#include "study/judge.hpp"
 #include "study/needed.hpp"
-#include "study/truth.hpp"
 
 namespace oncollide::tools {
 namespace {
-
-constexpr std::size_t most_errors = 10; ///< of FCL, in words
 
 void add(TreeStats& sum, const TreeStats& frame)
 {
@@ -23,65 +21,6 @@ void add(TreeStats& sum, const TreeStats& frame)
     sum.triangle_pairs += frame.triangle_pairs, sum.collapsed += frame.collapsed, sum.refused += frame.refused;
     sum.queries += frame.queries;
     sum.nodes = std::max(sum.nodes, frame.nodes), sum.bytes = std::max(sum.bytes, frame.bytes);
-}
-
-void judge_alarm(StudyRow& row, const Sighting& alarm, double lower)
-{
-    ++row.false_alarms;
-    row.alarm_distances.push_back(alarm.distance);
-    const double share = alarm.bound > 0 ? alarm.distance / alarm.bound : 0;
-    ++row.alarms_by_share[std::min(alarm_bins - 1, std::size_t(share * double(alarm_bins)))];
-    row.broken += lower > alarm.bound;
-    if (!row.worst_alarm || alarm.distance > row.worst_alarm->distance) row.worst_alarm = alarm;
-}
-
-void judge(StudyRow& row, const FrameView& view, StudyTruth& truth, int frame)
-{
-    std::uint64_t found = 0;
-    for (const PairResult& pair : view.pairs) {
-        ++row.verdicts[std::size_t(pair.verdict)];
-        if (pair.verdict == Verdict::separate) continue;
-        const BodyPair bodies{index(pair.a), index(pair.b)};
-        row.error = std::max(row.error, pair.bound);
-        if (truth.collide(bodies)) {
-            ++found;
-        } else if (pair.verdict == Verdict::colliding) {
-            ++row.invented;
-        } else {
-            const MeshDistance distance = truth.distance(bodies);
-            judge_alarm(row, {frame, bodies, distance.upper, pair.bound}, distance.lower);
-        }
-    }
-    if (found == truth.colliding().size()) return;
-    row.missed += truth.colliding().size() - found;
-    if (row.first_miss) return;
-    const auto left_over = [&](BodyPair pair) {
-        return std::ranges::any_of(view.pairs, [&](const PairResult& p) {
-            return BodyPair{index(p.a), index(p.b)} == pair && p.verdict != Verdict::separate;
-        });
-    };
-    for (BodyPair pair : truth.colliding())
-        if (!left_over(pair)) {
-            row.first_miss = Sighting{frame, pair};
-            break;
-        }
-}
-
-void judge(StudyFcl& fcl, const FclFrame& answer, StudyTruth& truth, const StudyCourse& course, int frame)
-{
-    fcl.candidates += answer.candidates, fcl.colliding += answer.colliding.size();
-    const auto tell = [&](BodyPair pair, std::string_view what) {
-        if (fcl.errors.size() < most_errors)
-            fcl.errors.push_back(fmt::format("frame {}: {} {} and {}", course.number(frame), what,
-                                             course.scene.names[pair.a], course.scene.names[pair.b]));
-    };
-    for (BodyPair pair : truth.colliding())
-        if (!std::ranges::binary_search(answer.colliding, pair)) ++fcl.missed, tell(pair, "misses");
-    for (BodyPair pair : answer.colliding)
-        if (!truth.collide(pair)) {
-            ++fcl.invented;
-            tell(pair, fmt::format("calls colliding, at {:.3g} m,", truth.distance(pair).upper));
-        }
 }
 
 /// Keeps the least time of a frame; true when this one is it.
@@ -110,8 +49,8 @@ struct Players {
     StudyTruth truth;
     std::vector<Pipeline> pipelines;
 
-    Players(const Scene& scene, const std::vector<StudyRow>& rows)
-        : world(scene), truth(scene, rows.front().variant.settings, world)
+    Players(const Scene& scene, const std::vector<StudyRow>& rows, const Settings& question)
+        : world(scene), truth(scene, question)
     {
         for (const StudyRow& row : rows) pipelines.emplace_back(scene, row.variant.settings);
     }
@@ -136,13 +75,14 @@ void play_once(StudyCourse& course, Study& study, Players& all, int repeat, Prog
                 if (!study.fcl) continue;
                 const FclFrame answer = world.step();
                 take_time(study.fcl->ms, frame, answer.ms());
-                if (first) judge(*study.fcl, answer, truth, course, frame);
+                if (first) study.fcl->candidates += answer.candidates;
+                if (first) judge(*study.fcl, answer.colliding, truth, course.scene, course.number(frame));
                 continue;
             }
             StudyRow& row = study.rows[k];
             const FrameView view = pipelines[k].step(course.scene);
             take_times(row, view, frame);
-            if (first) judge(row, view, truth, frame), add(row.trees, view.trees);
+            if (first) judge(row, view.pairs, truth, frame), add(row.trees, view.trees);
         }
     }
     if (!first) return;
@@ -151,6 +91,15 @@ void play_once(StudyCourse& course, Study& study, Players& all, int repeat, Prog
         row.backend = pipelines[k].backend();
         row.stages.assign(pipelines[k].totals().begin(), pipelines[k].totals().end());
     }
+}
+
+/// What all variants are asked; those without an exact level cannot tell what only touches.
+Settings question_of(const std::vector<StudyVariant>& variants)
+{
+    Settings question = variants.front().settings;
+    question.ignore_touching =
+        std::ranges::any_of(variants, [](const StudyVariant& v) { return v.settings.ignore_touching; });
+    return question;
 }
 
 } // namespace
@@ -167,14 +116,14 @@ Study play_study(StudyCourse& course, const std::vector<StudyVariant>& variants,
     for (const Geometry& geometry : scene.geometries)
         if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) study.triangles += mesh->triangles.size();
     for (const StudyVariant& variant : variants) study.rows.emplace_back().variant = variant;
-    const Settings& asked = variants.front().settings;
-    if (asked.clearance == 0 && asked.mode == Mode::surface) study.fcl.emplace();
+    const Settings question = question_of(variants);
+    if (question.clearance == 0 && question.mode == Mode::surface && !question.ignore_touching) study.fcl.emplace();
     {
         Progress progress("frame", std::size_t(course.frames()) * std::size_t(repeats));
         std::optional<Players> players;
         for (int repeat = 0; repeat < repeats; ++repeat) {
             course.move(0);
-            if (!players || !course.is_poses()) players.emplace(scene, study.rows);
+            if (!players || !course.is_poses()) players.emplace(scene, study.rows, question);
             play_once(course, study, *players, repeat, progress);
         }
     }
