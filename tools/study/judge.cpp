@@ -55,19 +55,19 @@ void judge(StudyRow& row, std::span<const PairResult> answer, StudyTruth& truth,
         }
 }
 
-void judge(StudyFcl& fcl, std::span<const BodyPair> colliding, StudyTruth& truth, const Scene& scene, int number)
+void judge(StudyPeer& peer, std::span<const BodyPair> colliding, StudyTruth& truth, const Scene& scene, int number)
 {
-    fcl.colliding += colliding.size();
+    peer.colliding += colliding.size();
     const auto tell = [&](BodyPair pair, std::string_view what) {
-        if (fcl.errors.size() < most_errors)
-            fcl.errors.push_back(
+        if (peer.errors.size() < most_errors)
+            peer.errors.push_back(
                 fmt::format("frame {}: {} {} and {}", number, what, scene.names[pair.a], scene.names[pair.b]));
     };
     for (BodyPair pair : truth.colliding())
-        if (!std::ranges::binary_search(colliding, pair)) ++fcl.missed, tell(pair, "misses");
+        if (!std::ranges::binary_search(colliding, pair)) ++peer.missed, tell(pair, "misses");
     for (BodyPair pair : colliding)
         if (!truth.collide(pair)) {
-            ++fcl.invented;
+            ++peer.invented;
             tell(pair, fmt::format("calls colliding, at {:.3g} m,", truth.distance(pair).high));
         }
 }

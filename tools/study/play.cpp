@@ -45,23 +45,24 @@ void take_times(StudyRow& row, const FrameView& view, int frame)
 
 /// Everybody who plays, from nothing.
 struct Players {
-    FclWorld world;
     StudyTruth truth;
     std::vector<Pipeline> pipelines;
+    std::vector<std::unique_ptr<StudyPlayer>> peers;
 
-    Players(const Scene& scene, const std::vector<StudyRow>& rows, const Settings& question)
-        : world(scene), truth(scene, question)
+    Players(const StudyCourse& course, const std::vector<StudyRow>& rows, const std::vector<PeerKind>& kinds,
+            const Settings& question)
+        : truth(course.scene, question)
     {
-        for (const StudyRow& row : rows) pipelines.emplace_back(scene, row.variant.settings);
+        for (const StudyRow& row : rows) pipelines.emplace_back(course.scene, row.variant.settings);
+        for (const PeerKind& kind : kinds) peers.push_back(make_player(kind, course));
     }
 };
 
 void play_once(StudyCourse& course, Study& study, Players& all, int repeat, Progress& progress)
 {
     const bool first = repeat == 0;
-    auto& [world, truth, pipelines] = all;
-    if (study.fcl) study.fcl->bytes = world.model_bytes().obb;
-    const std::size_t players = study.rows.size() + 1; // FCL is the last
+    auto& [truth, pipelines, peers] = all;
+    const std::size_t players = study.rows.size() + peers.size(); // peers come last
     for (int frame = 0; frame < course.frames(); ++frame, progress.step()) {
         course.move(frame);
         if (first) {
@@ -71,12 +72,13 @@ void play_once(StudyCourse& course, Study& study, Players& all, int repeat, Prog
         }
         for (std::size_t turn = 0; turn < players; ++turn) {
             const std::size_t k = (turn + std::size_t(frame + repeat)) % players;
-            if (k == study.rows.size()) {
-                if (!study.fcl) continue;
-                const FclFrame answer = world.step();
-                take_time(study.fcl->ms, frame, answer.ms());
-                if (first) study.fcl->candidates += answer.candidates;
-                if (first) judge(*study.fcl, answer.colliding, truth, course.scene, course.number(frame));
+            if (k >= study.rows.size()) {
+                StudyPeer& peer = study.peers[k - study.rows.size()];
+                const StudyPlayer::Answer answer = peers[k - study.rows.size()]->step();
+                take_time(peer.ms, frame, answer.ms);
+                if (!first) continue;
+                peer.candidates += answer.candidates;
+                judge(peer, answer.colliding, truth, course.scene, course.number(frame));
                 continue;
             }
             StudyRow& row = study.rows[k];
@@ -86,6 +88,7 @@ void play_once(StudyCourse& course, Study& study, Players& all, int repeat, Prog
         }
     }
     if (!first) return;
+    for (std::size_t k = 0; k < peers.size(); ++k) study.peers[k].bytes = peers[k]->bytes();
     for (std::size_t k = 0; k < study.rows.size(); ++k) {
         StudyRow& row = study.rows[k];
         row.backend = pipelines[k].backend();
@@ -104,7 +107,8 @@ Settings question_of(const std::vector<StudyVariant>& variants)
 
 } // namespace
 
-Study play_study(StudyCourse& course, const std::vector<StudyVariant>& variants, int warm_up, int repeats)
+Study play_study(StudyCourse& course, const std::vector<StudyVariant>& variants, std::vector<PeerKind> peers,
+                 int warm_up, int repeats)
 {
     Study study;
     const Scene& scene = course.scene;
@@ -117,13 +121,14 @@ Study play_study(StudyCourse& course, const std::vector<StudyVariant>& variants,
         if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) study.triangles += mesh->triangles.size();
     for (const StudyVariant& variant : variants) study.rows.emplace_back().variant = variant;
     const Settings question = question_of(variants);
-    if (question.clearance == 0 && question.mode == Mode::surface && !question.ignore_touching) study.fcl.emplace();
+    study.left_out = leave_out(peers, course, question);
+    for (const PeerKind& kind : peers) study.peers.emplace_back().name = kind.library;
     {
         Progress progress("frame", std::size_t(course.frames()) * std::size_t(repeats));
         std::optional<Players> players;
         for (int repeat = 0; repeat < repeats; ++repeat) {
             course.move(0);
-            if (!players || !course.is_poses()) players.emplace(scene, study.rows, question);
+            if (!players || !course.is_poses()) players.emplace(course, study.rows, peers, question);
             play_once(course, study, *players, repeat, progress);
         }
     }
