@@ -1,4 +1,5 @@
-// What 'oncollide accuracy study' takes for true, and whether it sees when an answer is not.
+// What 'oncollide accuracy study' takes for true, whether it sees when an answer is not, and who is fastest for an
+// error.
 #include <functional>
 
 #include <gtest/gtest.h>
@@ -229,6 +230,35 @@ TEST(StudyJudge, SeesWrongAnswersOfThePipeline)
                      })
                   .broken,
               1u);
+}
+
+TEST(StudyFront, IsOfThoseThatAreRight)
+{
+    Study study;
+    const auto row = [](double ms, double error) {
+        StudyRow made;
+        made.ms = {ms}, made.error = error;
+        return made;
+    };
+    const auto peer = [](double ms, std::uint64_t missed, std::uint64_t invented) {
+        StudyPeer made;
+        made.ms = {ms}, made.missed = missed, made.invented = invented;
+        return made;
+    };
+    study.rows = {row(1, 0.1), row(2, 0.2), row(9, 0), row(0.1, 0)};
+    study.rows[3].invented = 1;
+    study.peers = {peer(10, 0, 0), peer(0.2, 1, 0), peer(0.2, 0, 1)};
+    const auto front = [&] {
+        std::vector<int> on;
+        for (const StudyRow& r : study.rows) on.push_back(on_front(study, r));
+        for (const StudyPeer& p : study.peers) on.push_back(on_front(study, p));
+        return on;
+    };
+    EXPECT_EQ(front(), (std::vector<int>{1, 0, 1, 0, 0, 0, 0}));
+    study.peers[0].ms = {8};
+    EXPECT_EQ(front(), (std::vector<int>{1, 0, 0, 0, 1, 0, 0})) << "a peer beats the exact row";
+    study.peers[0].ms = {0.5};
+    EXPECT_EQ(front(), (std::vector<int>{0, 0, 0, 0, 1, 0, 0})) << "and all others";
 }
 
 } // namespace

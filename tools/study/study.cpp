@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "bench.hpp"
+#include "statistics.hpp"
 
 namespace oncollide::tools {
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <oncollide/narrowphase/into_a.hpp>
 #include <oncollide/scenes/mesh_topology.hpp>
@@ -10,6 +9,7 @@
 
 #include "accuracy_check.hpp"
 #include "hard/winding_number.hpp"
+#include "study/near_bodies.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -20,30 +20,6 @@ constexpr double distance_rounding = 0x1p-36;
 const Geometry& geometry_of(const Scene& scene, std::uint32_t body)
 {
     return scene.geometries[index(scene.geometry[body])];
-}
-
-/// Grown by more than rounding, and poses that are rigid to 1e-6 only, can move a point.
-Aabb world_box(const Scene& scene, std::uint32_t body, double clearance)
-{
-    const Geometry& geometry = geometry_of(scene, body);
-    const Eigen::Isometry3d& pose = scene.poses[body];
-    Aabb box;
-    double reach = 0;
-    const auto add = [&](const Eigen::Vector3d& p) {
-        box.add(pose * p), reach = std::max(reach, p.cwiseAbs().maxCoeff());
-    };
-    if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) {
-        for (const Eigen::Vector3d& v : mesh->vertices) add(v);
-    } else {
-        const Aabb own = bounds_of(geometry);
-        for (int corner = 0; corner < 8; ++corner)
-            add({(corner & 1 ? own.max : own.min).x(), (corner & 2 ? own.max : own.min).y(),
-                 (corner & 4 ? own.max : own.min).z()});
-    }
-    const double slack =
-        clearance / 2 + 0x1p-16 * (reach + clearance) + 0x1p-40 * pose.translation().cwiseAbs().maxCoeff();
-    box.min.array() -= slack, box.max.array() += slack;
-    return box;
 }
 
 /// Points that stand for all parts of a shape or a map: each is on one side of a surface that it does not meet.
@@ -110,7 +86,7 @@ const StudyTruth::Model* StudyTruth::model(std::uint32_t body) const
 void StudyTruth::step()
 {
     colliding_.clear(), open_.clear(), known_.clear();
-    const std::vector<BodyPair> pairs = near_bodies();
+    const std::vector<BodyPair> pairs = near_bodies(scene_, asked_.clearance);
     std::vector<Answer> answers(pairs.size());
     const auto are_meshes = [&](BodyPair pair) { return model(pair.a) && model(pair.b); };
     parallel_chunks(pairs.size(), 8, hardware_threads(), [&](std::size_t begin, std::size_t end, int) {
@@ -122,24 +98,6 @@ void StudyTruth::step()
         if (answers[k] == Answer::collide) colliding_.push_back(pairs[k]);
         if (answers[k] == Answer::open) open_.push_back(pairs[k]);
     }
-}
-
-std::vector<BodyPair> StudyTruth::near_bodies() const
-{
-    const BodyFilter filter{scene_.is_static, scene_.layers, scene_.masks};
-    std::vector<Aabb> boxes;
-    for (std::uint32_t body = 0; body < scene_.size(); ++body)
-        boxes.push_back(world_box(scene_, body, asked_.clearance));
-    std::vector<std::uint32_t> order(boxes.size());
-    std::iota(order.begin(), order.end(), 0u);
-    std::ranges::sort(order, {}, [&](std::uint32_t body) { return boxes[body].min.x(); });
-    std::vector<BodyPair> pairs;
-    for (std::size_t i = 0; i < order.size(); ++i)
-        for (std::size_t j = i + 1; j < order.size() && boxes[order[j]].min.x() <= boxes[order[i]].max.x(); ++j)
-            if (boxes[order[i]].overlaps(boxes[order[j]]) && filter.allows(order[i], order[j]))
-                pairs.push_back({std::min(order[i], order[j]), std::max(order[i], order[j])});
-    std::ranges::sort(pairs);
-    return pairs;
 }
 
 StudyTruth::Answer StudyTruth::decide_meshes(BodyPair pair) const

@@ -34,7 +34,6 @@ private:
     enum class Answer : std::uint8_t { apart, open, collide };
     struct Model;
     const Model* model(std::uint32_t body) const; ///< null: no mesh
-    std::vector<BodyPair> near_bodies() const;
     Answer decide_meshes(BodyPair pair) const;
     Answer decide_other(BodyPair pair) const;
     DistanceTruth mesh_distance(BodyPair pair) const;
