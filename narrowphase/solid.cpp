@@ -53,10 +53,12 @@ std::vector<PartPoints> points_of(const Geometry& geometry)
         return points;
     };
     if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) return points_of(*mesh);
-    const auto* map = std::get_if<OccupancyMap>(&geometry.data);
-    if (!map) return {point(bounds_of(geometry).centre())};
+    if (const auto* shape = std::get_if<Shape>(&geometry.data)) {
+        const auto* hull = std::get_if<ConvexHull>(shape); // the middle of its box need not be in it
+        return {point(hull ? hull->points.front() : bounds_of(geometry).centre())};
+    }
     std::vector<PartPoints> cells;
-    for (const Aabb& cell : map->cells) cells.push_back(point(cell.centre()));
+    for (const Aabb& cell : std::get<OccupancyMap>(geometry.data).cells) cells.push_back(point(cell.centre()));
     return cells;
 }
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "options.hpp"
+#include "statistics.hpp"
 
 // What the benchmarks share. Each runs FCL and oncollide on the same work in one program, turn about, and reports
 // ratios.
@@ -111,8 +112,6 @@ void say(fmt::format_string<Args...> format, Args&&... args)
     std::cout << fmt::format(format, std::forward<Args>(args)...);
 }
 
-double median(std::vector<double> values);
-double mean(const std::vector<double>& values);
 /// 1,234,567
 std::string grouped(std::uint64_t value);
 /// A count's mean over frames: one decimal when small.

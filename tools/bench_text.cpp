@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <fstream>
-#include <numeric>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -105,19 +104,6 @@ std::size_t resident_memory()
     std::size_t pages = 0;
     file >> pages >> pages;
     return pages * std::size_t(sysconf(_SC_PAGESIZE));
-}
-
-double median(std::vector<double> values)
-{
-    if (values.empty()) return 0;
-    std::sort(values.begin(), values.end());
-    const std::size_t half = values.size() / 2;
-    return values.size() % 2 ? values[half] : 0.5 * (values[half - 1] + values[half]);
-}
-
-double mean(const std::vector<double>& values)
-{
-    return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
 }
 
 std::string grouped(std::uint64_t value)

@@ -166,10 +166,20 @@ FclFrame FclWorld::step(bool contacts)
     return frame;
 }
 
+bool FclWorld::collides(BodyPair pair) const
+{
+    const Impl& w = *impl_;
+    const auto model = [&](std::uint32_t body) { return w.models[index(w.scene.geometry[body])].get(); };
+    const fcl::CollisionRequestd request(1, false);
+    fcl::CollisionResultd result;
+    return fcl::collide(model(pair.a), w.scene.poses[pair.a], model(pair.b), w.scene.poses[pair.b], request, result) >
+           0;
+}
+
 double FclWorld::distance(BodyPair pair)
 {
     Impl& w = *impl_;
-    if (w.collide(pair)) return 0; // distance() between meshes does not see one deep inside the other's surface
+    if (collides(pair)) return 0; // distance() between meshes does not see one deep inside the other's surface
     const fcl::DistanceRequestd request;
     fcl::DistanceResultd result;
     const double distance = fcl::distance(w.distance_model(pair.a), w.scene.poses[pair.a], w.distance_model(pair.b),

@@ -34,7 +34,9 @@ public:
     /// @param contacts  ask for every contact of each pair, instead of for a yes or no
     FclFrame step(bool contacts = false);
 
-    /// Distance of two bodies at the scene's poses, 0 when they touch (m). Models for it are made when first asked; FCL
+    /// Do two bodies collide at the scene's poses? The last step plays no part.
+    bool collides(BodyPair pair) const;
+    /// Their distance there, 0 when they touch (m). Models for it are made when first asked; FCL
     /// rounds it by about 1e-9 of the bodies' size between meshes, and by 1e-6 where a primitive shape takes part.
     double distance(BodyPair pair);
     /// How deep the bodies overlap, as the largest of FCL's contacts says (m); 0 when they do not.

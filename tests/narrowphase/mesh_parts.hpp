@@ -1,13 +1,13 @@
-// Meshes made of meshes, and the number of times that they wind around a point, by solid angles.
+// Meshes made of meshes, and the number of times that they wind around a point.
 #pragma once
-#include <cmath>
-#include <numbers>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 #include <oncollide/scenes/mesh.hpp>
+
+#include "winding_number.hpp"
 
 namespace oncollide {
 
@@ -35,20 +35,9 @@ inline Mesh flipped(Mesh mesh)
     return mesh;
 }
 
-/// 0 outside of a closed mesh, 1 inside; not on the surface.
-/// Source: van Oosterom and Strackee, "The solid angle of a plane triangle", IEEE Trans. Biomed. Eng. 1983.
 inline double winding_number(const Mesh& mesh, const Eigen::Vector3d& point)
 {
-    double sum = 0;
-    for (const Triangle& t : mesh.triangles) {
-        const Eigen::Vector3d a = mesh.vertices[t[0]] - point, b = mesh.vertices[t[1]] - point,
-                              c = mesh.vertices[t[2]] - point;
-        const double la = a.norm(), lb = b.norm(), lc = c.norm();
-        const double up = a.dot(b.cross(c));
-        const double down = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-        sum += std::atan2(up, down);
-    }
-    return sum / (2 * std::numbers::pi);
+    return double(tools::winding_number(mesh.vertices, mesh.triangles, point));
 }
 
 } // namespace oncollide

@@ -3,9 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <oncollide/narrowphase/into_a.hpp>
+#include <oncollide/scenes/mesh_generators.hpp>
+
 #include "body_trial.hpp"
 #include "body_truth.hpp"
 #include "crowd_trial.hpp"
+#include "exact_oracle.hpp"
+#include "random_pose.hpp"
 #include "triangle_distance.hpp"
 #include "triangle_trial.hpp"
 
@@ -83,18 +88,59 @@ TEST(BodyTruth, KnowsDistancesToTheLastDigits)
     int apart = 0;
     for (const BodyCase& c : body_cases()) {
         const BodyTruth truth = truth_of(c.a, c.pose_a, c.b, c.poses_b.front());
-        EXPECT_LE(truth.low, truth.high);
+        EXPECT_LE(truth.distance.low, truth.distance.high);
         EXPECT_FALSE(truth.deep && !truth.collide);
         if (truth.collide) {
-            EXPECT_LE(truth.high, 0x1p-50 * truth.size) << c.family << ": " << c.name;
+            EXPECT_LE(truth.distance.high, 0x1p-50 * truth.distance.size) << c.family << ": " << c.name;
             continue;
         }
         ++apart;
-        const double slack = (truth.high - truth.low) / (1e-6 * truth.high + 0x1p-54 * truth.size);
-        if (slack > 1) ADD_FAILURE() << c.family << ": " << c.name << ", " << truth.low << " to " << truth.high;
+        const double slack =
+            (truth.distance.high - truth.distance.low) / (1e-6 * truth.distance.high + 0x1p-54 * truth.distance.size);
+        if (slack > 1)
+            ADD_FAILURE() << c.family << ": " << c.name << ", " << truth.distance.low << " to " << truth.distance.high;
         loosest = std::max(loosest, slack);
     }
     EXPECT_GT(apart, 80);
+}
+
+TEST(BodyTruth, FindsWhatALoopOverAllTrianglesFinds)
+{
+    const Mesh knot = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 120), soup = make_soup_mesh(30, 0.3, 1, 6),
+               box = make_box_mesh({0.25, 0.5, 0.75});
+    int count[3] = {};
+    for (const auto& [a, b] : {std::pair(&knot, &soup), std::pair(&soup, &box), std::pair(&box, &box)})
+        for (std::uint64_t k = 0; k < 30; ++k) {
+            Eigen::Isometry3d pose = random_pose(k, 1.6);
+            if (k % 2) pose = at((pose.translation() * 4).array().round().matrix() / 4, Eigen::Matrix3d::Identity());
+            const HalvedMesh halved_a(*a), halved_b(*b);
+            const BoxedTriangles in_a(halved_a, [](const Eigen::Vector3d& v) { return v; });
+            const BoxedTriangles b_in_a(halved_b, IntoA(Eigen::Isometry3d::Identity(), pose));
+            TriangleContact most = TriangleContact::separate;
+            long double low = 1e9L, high = 1e9L;
+            for (std::uint32_t i = 0; i < a->triangles.size(); ++i)
+                for (std::uint32_t j = 0; j < b->triangles.size(); ++j) {
+                    const TrianglePoints p = in_a.triangle(i), q = b_in_a.triangle(j);
+                    most = std::max(most, oracle::contact(p, q));
+                    TriangleL p_l, q_l;
+                    for (std::size_t c = 0; c < 3; ++c) {
+                        p_l[c] = p[c].cast<long double>();
+                        q_l[c] =
+                            (pose.linear().cast<long double>() * b->vertices[b->triangles[j][c]].cast<long double>()) +
+                            pose.translation().cast<long double>();
+                    }
+                    const DistanceRange range = triangle_distance(p_l, q_l);
+                    low = std::min(low, range.low), high = std::min(high, range.high);
+                }
+            ++count[int(most)];
+            EXPECT_EQ(contact_of(in_a, b_in_a, TriangleContact::crossing), most) << k;
+            EXPECT_EQ(contact_of(in_a, b_in_a, TriangleContact::touching) != TriangleContact::separate,
+                      most != TriangleContact::separate);
+            const DistanceTruth distance = distance_of(halved_a, Eigen::Isometry3d::Identity(), halved_b, pose);
+            EXPECT_EQ(distance.high, double(high)) << k;
+            EXPECT_GE(distance.low, double(low)) << k; // boxes may say more
+        }
+    for (int n : count) EXPECT_GE(n, 5) << "the poses must show every answer";
 }
 
 TEST(TriangleDistance, IsThatOfFacesEdgesAndCorners)

@@ -160,6 +160,21 @@ TEST(SolidMode, SeesShapesAndMapsInsideMeshes)
     }
 }
 
+/// The middle of a hull's box need not be in the hull.
+TEST(SolidMode, SeesACornerInsideALargerOne)
+{
+    const auto corner = [](double low, double high) {
+        return std::vector<Eigen::Vector3d>{{low, low, low}, {high, low, low}, {low, high, low}, {low, low, high}};
+    };
+    Scene scene;
+    scene.add_body({.name = "mesh",
+                    .geometry = scene.add(
+                        "mesh", make_mesh("mesh", corner(-0.1, 1.2), {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}))});
+    scene.add_body({.name = "hull", .geometry = scene.add("hull", ConvexHull{corner(0, 0.8)})});
+    for (const ExactLevel exact : {ExactLevel::predicates, ExactLevel::fcl})
+        EXPECT_EQ(answer(scene, solid(exact)).kind, ContactKind::enclosed);
+}
+
 TEST(SolidMode, NeedsNoRoomForTrees)
 {
     Scene scene;

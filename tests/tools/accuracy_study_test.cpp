@@ -1,5 +1,5 @@
-#include "command_fixture.hpp"
 #include "decoded_png.hpp"
+#include "study_fixture.hpp"
 
 #include <regex>
 #include <set>
@@ -46,54 +46,10 @@ void expect_self_contained(const std::string& page)
     EXPECT_NE(page.find("@media print"), std::string::npos);
 }
 
-std::size_t count_of(const std::string& text, const std::string& word)
-{
-    std::size_t count = 0;
-    for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++count;
-    return count;
-}
-
-class Study : public CommandLine {
-protected:
-    /// Three cubes of side 1, turned so that their boxes in the world overlap: 'a' and 'c' collide; 'b' is 0.05, 0.04
-    /// and 0.03 m from both.
-    void SetUp() override
-    {
-        const double s = std::sqrt(0.5);
-        const auto cube = [](const std::string& name, double x, double y, const std::string& motion) {
-            return fmt::format(R"({{"name": "{}", "geometry": "cube", "position": [{}, {}, 0], "rotation":
-                [0, 0, 0.38268343236508977, 0.92387953251128674]{}}})",
-                               name, x, y, motion);
-        };
-        const std::string drift = fmt::format(R"(, "motion": {{"drift": {{"velocity": [{0}, {0}, 0]}}}})", -0.01 * s);
-        folder_.write("cubes.json",
-                      fmt::format(R"({{"frames": 3, "geometries": {{"cube": {{"mesh": {{"generate": {{"kind": "box",
-                      "half": [0.5, 0.5, 0.5]}}}}}}}}, "bodies": [{}, {}, {}]}})",
-                                  cube("a", 0, 0, ""), cube("b <&>", 1.05 * s, 1.05 * s, drift),
-                                  cube("c", -0.9 * s, 0.9 * s, "")));
-    }
-
-    nlohmann::json study(std::vector<std::string> arguments, int code = 0)
-    {
-        arguments.insert(arguments.begin(), {"accuracy", "study"});
-        arguments.insert(arguments.end(), {"--json", "s.json"});
-        const Outcome outcome = run(arguments);
-        EXPECT_EQ(outcome.code, code) << outcome.out << outcome.err;
-        return read_json("s.json");
-    }
-
-    static nlohmann::json variant(const nlohmann::json& study, const std::string& name)
-    {
-        for (const nlohmann::json& row : study["variants"])
-            if (row["variant"] == name) return row;
-        ADD_FAILURE() << "no variant " << name << " in " << study["variants"];
-        return {};
-    }
-};
-
 TEST_F(Study, KnowsHowFarApartFalseAlarmsAre)
 {
-    const nlohmann::json all = study({"cubes.json", "--depths", "2,8", "--warm-up", "0", "--csv", "s.csv"});
+    const nlohmann::json all =
+        study({"cubes.json", "--depths", "2,8", "--warm-up", "0", "--csv", "s.csv", "--peers", "fcl"});
     EXPECT_EQ(all["header"]["colliding"], 3);
     EXPECT_EQ(all["variants"].size(), 6u);
     for (const char* spheres : {"paper spheres", "tight boxes"}) {
@@ -123,8 +79,8 @@ TEST_F(Study, KnowsHowFarApartFalseAlarmsAre)
     }
     EXPECT_GT(fine["node_pairs"], coarse["node_pairs"]);
     EXPECT_LT(fine["nodes_needed"], 0.9 * fine["nodes_all"].get<double>()) << "the far sides of the cubes";
-    EXPECT_EQ(all["fcl"]["colliding"], 3);
-    EXPECT_EQ(all["fcl"]["missed"], 0);
+    EXPECT_EQ(peer(all, "FCL")["colliding"], 3);
+    EXPECT_EQ(peer(all, "FCL")["missed"], 0);
     EXPECT_EQ(count_of(folder_.read("s.csv"), "\n"), 8u);
 }
 
@@ -147,12 +103,30 @@ TEST_F(Study, TheDialCanBeAnErrorInMetres)
         }
 }
 
-TEST_F(Study, FclIsLeftOutWhereItHasNoSuchQuestion)
+TEST_F(Study, WhatIsWithinTheClearanceCounts)
 {
     const nlohmann::json all = study({"cubes.json", "--depths", "8", "--clearance", "0.045"});
-    EXPECT_FALSE(all.contains("fcl"));
-    EXPECT_EQ(all["header"]["colliding"], 3 + 4) << "what is within the clearance counts";
+    EXPECT_EQ(all["header"]["colliding"], 3 + 4);
     EXPECT_EQ(variant(all, "paper spheres, depth 8")["missed"], 0);
+}
+
+TEST_F(Study, WhatOnlyTouchesCanBeLeftOut)
+{
+    folder_.write("touch.json", R"({"frames": 2, "geometries": {"cube": {"mesh": {"generate": {"kind": "box", "half":
+        [0.5, 0.5, 0.5]}}}}, "bodies": [{"name": "a", "geometry": "cube"}, {"name": "b", "geometry": "cube",
+        "position": [1, 0.25, 0.25], "motion": {"drift": {"velocity": [-0.0078125, 0, 0]}}}]})");
+    const std::vector<std::string> settings{"touch.json", "--depths", "3", "--warm-up", "0"};
+    EXPECT_EQ(study(settings)["header"]["colliding"], 2);
+    std::vector<std::string> ignoring = settings;
+    ignoring.push_back("--ignore-touching");
+    const nlohmann::json all = study(ignoring);
+    EXPECT_EQ(all["header"]["colliding"], 1) << "in the second frame they cross";
+    EXPECT_EQ(variant(all, "tight boxes, predicates")["separate"], 1);
+    const nlohmann::json spheres = variant(all, "paper spheres, depth 3");
+    EXPECT_EQ(spheres["false_alarms"], 1);
+    EXPECT_NEAR(spheres["alarm_distance_worst"], 0, 1e-15);
+    expect_error(64, {"accuracy", "study", "touch.json", "--ignore-touching", "--exact", "off"},
+                 {"--ignore-touching", "predicates"});
 }
 
 TEST_F(Study, ReadsPosesAndHoldsTheirAnswersAgainstTheTruth)
@@ -177,7 +151,8 @@ TEST_F(Study, ReadsPosesAndHoldsTheirAnswersAgainstTheTruth)
 
 TEST_F(Study, ThePageNeedsNothingElse)
 {
-    const Outcome outcome = run({"accuracy", "study", "cubes.json", "--depths", "2-4", "--html", "s.html"});
+    const Outcome outcome =
+        run({"accuracy", "study", "cubes.json", "--depths", "2-4", "--html", "s.html", "--peers", "fcl"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_EQ(outcome.err, "") << "no progress where nobody looks";
     EXPECT_EQ(folder_.list(), (std::vector<std::string>{"cubes.json", "s.html"}));
@@ -233,12 +208,13 @@ TEST_F(Study, ABrowserDrawsThePage)
 {
     const std::string chromium = "/usr/bin/chromium";
     if (!std::filesystem::exists(chromium)) GTEST_SKIP() << "no chromium";
-    ASSERT_EQ(run({"accuracy", "study", "cubes.json", "--depths", "2-4", "--html", "s.html"}).code, 0);
+    ASSERT_EQ(run({"accuracy", "study", "cubes.json", "--depths", "2-4", "--html", "s.html", "--peers", "all"}).code,
+              0);
     const std::string page = "file://" + (folder_ / "s.html").string();
     const auto browse = [&](const std::string& what) {
         const Outcome outcome = run_program(chromium,
                                             {"--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
-                                             "--window-size=1000,1400", "--host-resolver-rules=MAP * ~NOTFOUND",
+                                             "--window-size=1000,1600", "--host-resolver-rules=MAP * ~NOTFOUND",
                                              "--user-data-dir=" + (folder_ / "profile").string(), what, page},
                                             {.folder = folder_.path()});
         EXPECT_EQ(outcome.code, 0) << outcome.err;
@@ -246,10 +222,10 @@ TEST_F(Study, ABrowserDrawsThePage)
     browse("--screenshot=" + (folder_ / "s.png").string());
     const Decoded image = decode(folder_.read("s.png"));
     EXPECT_EQ(image.width, 1000);
-    EXPECT_EQ(image.height, 1400);
+    EXPECT_EQ(image.height, 1600);
     const auto is_bar = [](const std::uint8_t* p) { return p[0] == 0 && p[1] == 0x72 && p[2] == 0xb2; };
     int bars = 0;
-    for (int y = 800; y < image.height; ++y) // below the curve, whose first line has that colour too
+    for (int y = 850; y < image.height; ++y) // below the curve, whose first line has that colour too
         for (int x = 0; x < image.width; ++x) bars += is_bar(image.at(x, y));
     EXPECT_GT(bars, 300);
     EXPECT_GT(image.count([](const std::uint8_t* p) { return p[0] < 100 && p[1] < 100 && p[2] < 100; }), 5000)
@@ -278,6 +254,7 @@ TEST_F(Study, RefusesWhatMakesNoSense)
     refuse({"cubes.json", "--exact", "off,maybe"}, {"maybe"});
     refuse({"cubes.json", "--backend", "gpu"}, {"gpu", "gl-compute"});
     refuse({"cubes.json", "--viewport", "8,", "--backend", "gl-query"}, {"--viewport 8,"});
+    refuse({"cubes.json", "--peers", "fcl,jolt"}, {"--peers jolt", "fcl, ode, bullet, embree, cgal"});
     refuse({"cubes.json", "--every", "0"}, {"--every 0"});
     refuse({"cubes.json", "--repeats", "0"}, {"--repeats 0"});
     refuse({"cubes.json", "--warm-up", "-1"}, {"--warm-up -1"});

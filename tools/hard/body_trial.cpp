@@ -114,7 +114,7 @@ Scene scene_of(const Asked& asked, bool among_others)
     scene.add_body({.name = "a", .geometry = a, .pose = asked.poses_a.front()});
     scene.add_body({.name = "b", .geometry = b, .pose = asked.poses_b.front()});
     if (!among_others) return scene;
-    const double size = std::max(asked.truths.front().size, 1e-9);
+    const double size = std::max(asked.truths.front().distance.size, 1e-9);
     const GeometryId other = scene.add("other", make_box_mesh(Vector3d::Constant(size)));
     for (int k = 0; k < 70; ++k)
         scene.add_body({.name = fmt::format("other {}", k),
@@ -167,12 +167,13 @@ void judge(const Asked& asked, std::size_t k, const Variant& variant, Answer ans
     tally.false_alarms += !separate && !colliding && !truth.collide;
     if (colliding) return;
     ++tally.bounds;
-    const double rounding = 0x1p-50 * truth.size;
-    const bool holds =
-        separate ? truth.collide || answer.bound <= truth.high + rounding : truth.low <= answer.bound + rounding;
+    const double rounding = 0x1p-50 * truth.distance.size;
+    const bool holds = separate ? truth.collide || answer.bound <= truth.distance.high + rounding
+                                : truth.distance.low <= answer.bound + rounding;
     if (!holds)
-        tally.fault(&Tally::broken, fmt::format("{}: {}, bound {:.9g} m, distance {:.9g} to {:.9g} m", what,
-                                                name_of(answer.verdict), answer.bound, truth.low, truth.high));
+        tally.fault(&Tally::broken,
+                    fmt::format("{}: {}, bound {:.9g} m, distance {:.9g} to {:.9g} m", what, name_of(answer.verdict),
+                                answer.bound, truth.distance.low, truth.distance.high));
 }
 
 } // namespace

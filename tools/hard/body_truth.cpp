@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 #include <oncollide/narrowphase/into_a.hpp>
 
@@ -13,30 +12,7 @@
 namespace oncollide::tools {
 namespace {
 
-/// A body's triangles somewhere, with their boxes.
-template <class Real>
-struct Placed {
-    using Point = Eigen::Matrix<Real, 3, 1>;
-    std::vector<std::array<Point, 3>> triangles;
-    std::vector<Eigen::AlignedBox<Real, 3>> boxes;
-
-    template <class Place>
-    Placed(const Mesh& mesh, Place place)
-    {
-        for (const Triangle& t : mesh.triangles) {
-            boxes.emplace_back();
-            triangles.push_back({place(mesh.vertices[t[0]]), place(mesh.vertices[t[1]]), place(mesh.vertices[t[2]])});
-            for (const Point& p : triangles.back()) boxes.back().extend(p);
-        }
-    }
-    Real largest() const
-    {
-        Real most = 0;
-        for (const auto& t : triangles)
-            for (const Point& p : t) most = std::max(most, p.cwiseAbs().maxCoeff());
-        return most;
-    }
-};
+using Matrix3l = Eigen::Matrix<long double, 3, 3>;
 
 /// An edge of `of` pierces t, by `spare` in each direction.
 bool pierced(const TrianglePoints& t, const TrianglePoints& of, double spare)
@@ -56,53 +32,115 @@ bool pierced(const TrianglePoints& t, const TrianglePoints& of, double spare)
     return false;
 }
 
-void find_contact(const Placed<double>& a, const Placed<double>& b, BodyTruth& truth)
+bool deep(const BoxedTriangles& a, const BoxedTriangles& b)
 {
     const double spare = 0x1p-30 * std::max(a.largest(), b.largest());
-    for (std::size_t i = 0; i < a.triangles.size(); ++i)
-        for (std::size_t j = 0; j < b.triangles.size(); ++j) {
-            if (!a.boxes[i].intersects(b.boxes[j])) continue;
-            const TrianglePoints &p = a.triangles[i], &q = b.triangles[j];
-            const bool deep = pierced(p, q, spare) || pierced(q, p, spare);
-            if (!deep && truth.collide) continue;
-            if (oracle::contact(p, q) == TriangleContact::separate) continue;
-            truth.collide = true, truth.deep |= deep;
-            if (truth.deep) return;
-        }
+    double reach = 0;
+    for_near_pairs(a, b, reach, [&](std::uint32_t i, std::uint32_t j) {
+        const TrianglePoints p = a.triangle(i), q = b.triangle(j);
+        if ((pierced(p, q, spare) || pierced(q, p, spare)) && oracle::contact(p, q) != TriangleContact::separate)
+            reach = -1;
+    });
+    return reach < 0;
 }
 
-void find_distance(const Placed<long double>& a, const Placed<long double>& b, BodyTruth& truth)
+/// Is there a gap wider than `least` across a face or two edges?
+bool surely_parted(const TrianglePoints& p, const TrianglePoints& q, double least)
 {
-    constexpr long double far = std::numeric_limits<long double>::infinity();
-    long double low = far, high = far;
-    for (std::size_t i = 0; i < a.triangles.size(); ++i)
-        for (std::size_t j = 0; j < b.triangles.size(); ++j) {
-            const long double boxes = a.boxes[i].exteriorDistance(b.boxes[j]);
-            if (boxes >= high) continue;
-            const DistanceRange range = triangle_distance(a.triangles[i], b.triangles[j]);
-            low = std::min(low, std::max(range.low, boxes)), high = std::min(high, range.high);
-        }
-    truth.low = double(std::min(low, high)), truth.high = double(high);
+    const auto edge = [](const TrianglePoints& t, std::size_t k) -> Eigen::Vector3d { return t[(k + 1) % 3] - t[k]; };
+    for (const TrianglePoints* t : {&p, &q})
+        if (parted<double>(p, q, edge(*t, 0).cross(edge(*t, 1))) > least) return true;
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j)
+            if (parted<double>(p, q, edge(p, i).cross(edge(q, j))) > least) return true;
+    return false;
+}
+
+Eigen::Vector3d nearest_corners(const TrianglePoints& p, const TrianglePoints& q)
+{
+    Eigen::Vector3d nearest = q[0] - p[0];
+    for (const Eigen::Vector3d& of_p : p)
+        for (const Eigen::Vector3d& of_q : q)
+            if (const Eigen::Vector3d d = of_q - of_p; d.squaredNorm() < nearest.squaredNorm()) nearest = d;
+    return nearest;
+}
+
+Eigen::AlignedBox<long double, 3> box_of(const TriangleL& t)
+{
+    Eigen::AlignedBox<long double, 3> box;
+    for (const Vector3l& corner : t) box.extend(corner);
+    return box;
+}
+
+BoxedTriangles where_it_is(const HalvedMesh& a)
+{
+    return {a, [](const Eigen::Vector3d& v) { return v; }};
 }
 
 } // namespace
 
+TriangleContact contact_of(const BoxedTriangles& a, const BoxedTriangles& b, TriangleContact enough)
+{
+    const double rounding = 0x1p-46 * std::max(a.largest(), b.largest());
+    TriangleContact most = TriangleContact::separate;
+    double reach = 0;
+    for_near_pairs(a, b, reach, [&](std::uint32_t i, std::uint32_t j) {
+        const TrianglePoints p = a.triangle(i), q = b.triangle(j);
+        if (surely_parted(p, q, rounding)) return;
+        most = std::max(most, oracle::contact(p, q));
+        if (most >= enough) reach = -1;
+    });
+    return most;
+}
+
+DistanceTruth distance_of(const HalvedMesh& a, const Eigen::Isometry3d& pose_a, const HalvedMesh& b,
+                          const Eigen::Isometry3d& pose_b)
+{
+    // Boxes in double, relative to a's place; triangles are moved again, in long double, when it comes to them.
+    const Eigen::Vector3d between = pose_b.translation() - pose_a.translation();
+    const BoxedTriangles at_a(a, [&](const Eigen::Vector3d& v) { return Eigen::Vector3d(pose_a.linear() * v); });
+    const BoxedTriangles at_b(b,
+                              [&](const Eigen::Vector3d& v) { return Eigen::Vector3d(pose_b.linear() * v + between); });
+    const Matrix3l turn_a = pose_a.linear().cast<long double>(), turn_b = pose_b.linear().cast<long double>();
+    const Vector3l between_l = pose_b.translation().cast<long double>() - pose_a.translation().cast<long double>();
+    const auto corners = [](const HalvedMesh& m, std::uint32_t triangle, const auto& place) {
+        TriangleL t;
+        for (std::size_t k = 0; k < 3; ++k)
+            t[k] = place(m.mesh->vertices[m.mesh->triangles[triangle][k]].template cast<long double>());
+        return t;
+    };
+    DistanceTruth truth;
+    truth.size = std::max(at_a.largest(), at_b.largest());
+    const double slack = 0x1p-46 * truth.size;
+    constexpr long double far = std::numeric_limits<long double>::infinity();
+    long double low = far, high = far;
+    double reach = std::numeric_limits<double>::infinity();
+    for_near_pairs(at_a, at_b, reach, [&](std::uint32_t i, std::uint32_t j) {
+        const TrianglePoints near_p = at_a.triangle(i), near_q = at_b.triangle(j);
+        const Eigen::Vector3d between_corners = nearest_corners(near_p, near_q);
+        reach = std::min(reach, between_corners.norm() + slack);
+        if (parted(near_p, near_q, between_corners) > reach || surely_parted(near_p, near_q, reach)) return;
+        const TriangleL p = corners(a, i, [&](const Vector3l& v) { return Vector3l(turn_a * v); });
+        const TriangleL q = corners(b, j, [&](const Vector3l& v) { return Vector3l(turn_b * v + between_l); });
+        const long double boxes = box_of(p).exteriorDistance(box_of(q));
+        if (boxes >= high) return;
+        const DistanceRange range = triangle_distance(p, q);
+        low = std::min(low, std::max(range.low, boxes)), high = std::min(high, range.high);
+        reach = std::min(reach, double(high) + slack);
+    });
+    truth.low = double(std::min(low, high)), truth.high = double(high);
+    return truth;
+}
+
 BodyTruth truth_of(const Mesh& a, const Eigen::Isometry3d& pose_a, const Mesh& b, const Eigen::Isometry3d& pose_b)
 {
+    const HalvedMesh halved_a(a), halved_b(b);
+    const BoxedTriangles in_a = where_it_is(halved_a), b_in_a(halved_b, IntoA(pose_a, pose_b));
     BodyTruth truth;
-    find_contact({a, [](const Eigen::Vector3d& v) { return v; }}, {b, IntoA(pose_a, pose_b)}, truth);
-
-    using Matrix3l = Eigen::Matrix<long double, 3, 3>;
-    const Matrix3l turn_a = pose_a.linear().cast<long double>(), turn_b = pose_b.linear().cast<long double>();
-    const Vector3l between = pose_b.translation().cast<long double>() - pose_a.translation().cast<long double>();
-    const Placed<long double> at_a(a,
-                                   [&](const Eigen::Vector3d& v) { return Vector3l(turn_a * v.cast<long double>()); });
-    const Placed<long double> at_b(
-        b, [&](const Eigen::Vector3d& v) { return Vector3l(turn_b * v.cast<long double>() + between); });
-    truth.size = double(std::max(at_a.largest(), at_b.largest()));
-    if (truth.deep) return truth;
-    find_distance(at_a, at_b, truth);
-    if (truth.collide) truth.low = 0;
+    truth.collide = contact_of(in_a, b_in_a, TriangleContact::touching) != TriangleContact::separate;
+    truth.deep = truth.collide && deep(in_a, b_in_a);
+    truth.distance = distance_of(halved_a, pose_a, halved_b, pose_b);
+    if (truth.collide) truth.distance.low = 0;
     return truth;
 }
 

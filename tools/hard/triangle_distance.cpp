@@ -79,21 +79,6 @@ void take_face(const TriangleL& t, const TriangleL& of, bool swapped, Nearest& n
     }
 }
 
-/// How wide a gap across direction n parts them.
-Real parted(const TriangleL& a, const TriangleL& b, const Vector3l& n)
-{
-    const Real length = n.norm();
-    if (!(length > 0)) return 0;
-    // Relative to a corner, so that far triangles lose nothing.
-    Real low_a = 0, high_a = 0, low_b = std::numeric_limits<Real>::infinity(), high_b = -low_b;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const Real x = n.dot(a[k] - a[0]), y = n.dot(b[k] - a[0]);
-        low_a = std::min(low_a, x), high_a = std::max(high_a, x), low_b = std::min(low_b, y),
-        high_b = std::max(high_b, y);
-    }
-    return std::max({low_b - high_a, low_a - high_b, Real(0)}) / length;
-}
-
 } // namespace
 
 DistanceRange triangle_distance(const TriangleL& a, const TriangleL& b)

@@ -91,9 +91,12 @@ void draw_speed_error(OutputFile& file, const Study& study)
         }
         panel.lines.push_back(line_of(series, std::move(points), panel.lines.size(), PlotLine::Weight::main));
     }
-    if (study.fcl)
-        panel.lines.push_back(
-            line_of("FCL", {{exact, study.mean_ms(study.fcl->ms)}}, panel.lines.size(), PlotLine::Weight::peer));
+    for (const StudyPeer& peer : study.peers) {
+        const PlotLine::Point at{exact, study.mean_ms(peer.ms)};
+        if (on_front(study, peer)) front.push_back(at);
+        const std::string label = peer.right() ? peer.name : peer.name + ", which errs";
+        panel.lines.push_back(line_of(label, {at}, panel.lines.size(), PlotLine::Weight::peer));
+    }
     if (front.size() > 1)
         panel.lines.push_back(
             line_of("fastest for its error", std::move(front), panel.lines.size(), PlotLine::Weight::baseline));

@@ -6,7 +6,7 @@
 // The drawings of a study, as inline SVG. Nothing in them is told by colour alone.
 namespace oncollide::tools {
 
-/// Time a frame against certified error, a line a series; exact answers and FCL at the left edge.
+/// Time a frame against certified error, a line a series; exact answers and peers at the left edge.
 void draw_speed_error(OutputFile& file, const Study& study);
 /// Time of each stage, a row a variant.
 void draw_stage_times(OutputFile& file, const Study& study);

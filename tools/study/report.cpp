@@ -30,6 +30,26 @@ std::string alarm_text(double distance, const StudyRow& row)
     return row.false_alarms ? fmt::format("{:.3g}", distance) : "-";
 }
 
+nlohmann::ordered_json json_of(std::optional<double> number)
+{
+    return number ? nlohmann::ordered_json(*number) : nlohmann::ordered_json();
+}
+
+nlohmann::ordered_json json_of(const Study& study, const StudyPeer& peer)
+{
+    return {{"name", peer.name},
+            {"ms_mean", study.mean_ms(peer.ms)},
+            {"ms_median", study.median_ms(peer.ms)},
+            {"times_fcl", json_of(study.ratio(peer.ms))},
+            {"on_front", on_front(study, peer)},
+            {"candidates", peer.candidates},
+            {"colliding", peer.colliding},
+            {"missed", peer.missed},
+            {"invented", peer.invented},
+            {"bytes", peer.bytes},
+            {"errors", peer.errors}};
+}
+
 nlohmann::ordered_json json_of(const Study& study, const StudyRow& row)
 {
     nlohmann::ordered_json stages;
@@ -44,7 +64,7 @@ nlohmann::ordered_json json_of(const Study& study, const StudyRow& row)
             {"error", row.error},
             {"ms_mean", study.mean_ms(row.ms)},
             {"ms_median", study.median_ms(row.ms)},
-            {"times_fcl", study.ratio(row)},
+            {"times_fcl", json_of(study.ratio(row.ms))},
             {"on_front", on_front(study, row)},
             {"separate", count(row, Verdict::separate)},
             {"within", count(row, Verdict::within)},
@@ -74,6 +94,12 @@ std::string needed_text(const StudyRow& row)
     return fmt::format("{:.3g} %", 100 * double(row.nodes_needed) / double(*row.nodes_all));
 }
 
+std::string ratio_text(const Study& study, const std::vector<double>& ms)
+{
+    const std::optional<double> ratio = study.ratio(ms);
+    return ratio ? fmt::format("{:.2f}", *ratio) : "-";
+}
+
 std::string error_text(const StudyRow& row)
 {
     return fmt::format("{:.3g}", row.error);
@@ -98,20 +124,19 @@ void print_study(const Study& study)
             count(row, Verdict::within) + count(row, Verdict::undecided) + count(row, Verdict::colliding);
         say("{:<32}{:>10}{:>8.3g}{:>11.4f}{:>11.4f}{:>7}{:>10}{:>8}{:>8}{:>10}{:>10}{:>11}{:>11}{:>9.3f}{:>9}{}\n",
             row.variant.name, error_text(row), 100 * row.error / study.size, study.mean_ms(row.ms),
-            study.median_ms(row.ms), study.fcl ? fmt::format("{:.2f}", study.ratio(row)) : "-", left_over,
-            row.false_alarms, row.missed, alarm_text(alarm_quantile(row, 0.5), row),
-            alarm_text(alarm_quantile(row, 1), row), mean_count(row.trees.node_pairs, n),
-            mean_count(row.trees.triangle_pairs, n), double(row.trees.bytes) / 1e6, needed_text(row),
-            on_front(study, row) ? "  *" : "");
+            study.median_ms(row.ms), ratio_text(study, row.ms), left_over, row.false_alarms, row.missed,
+            alarm_text(alarm_quantile(row, 0.5), row), alarm_text(alarm_quantile(row, 1), row),
+            mean_count(row.trees.node_pairs, n), mean_count(row.trees.triangle_pairs, n), double(row.trees.bytes) / 1e6,
+            needed_text(row), on_front(study, row) ? "  *" : "");
         if (row.invented) say("FAULT      {}: {} collisions invented\n", row.variant.name, row.invented);
         if (row.broken) say("FAULT      {}: {} bounds broken\n", row.variant.name, row.broken);
     }
-    if (study.fcl) {
-        const StudyFcl& fcl = *study.fcl;
-        say("{:<32}{:>10}{:>8}{:>11.4f}{:>11.4f}{:>7}{:>10}{:>8}{:>8}{:>53.3f}\n", "FCL", 0, 0, study.mean_ms(fcl.ms),
-            study.median_ms(fcl.ms), "1.00", fcl.colliding, fcl.invented, fcl.missed, double(fcl.bytes) / 1e6);
-        for (const std::string& error : fcl.errors) say("FCL errs   {}\n", error);
-    }
+    for (const StudyPeer& peer : study.peers)
+        say("{:<32}{:>10}{:>8}{:>11.4f}{:>11.4f}{:>7}{:>10}{:>8}{:>8}{:>53.3f}{}\n", peer.name, 0, 0,
+            study.mean_ms(peer.ms), study.median_ms(peer.ms), ratio_text(study, peer.ms), peer.colliding, peer.invented,
+            peer.missed, double(peer.bytes) / 1e6, on_front(study, peer) ? "           *" : "");
+    for (const StudyPeer& peer : study.peers)
+        for (const std::string& error : peer.errors) say("{:<10} {}\n", peer.name + " errs", error);
     if (study.contradicted)
         say("FAULT      the answers beside the poses contradict the truth {} times\n", study.contradicted);
     say("(* fastest for its error; counts over all frames, tests a frame in the mean)\n");
@@ -126,18 +151,18 @@ void write_study_csv(OutputFile& file, const Study& study)
     for (const StudyRow& row : study.rows) {
         const std::array<double, 5> ms = mean_stages(study, row);
         file.print("\"{}\",\"{}\",{:d},{},{},{},{},{:d},{},{},{},{},{},", row.variant.name, row.backend,
-                   row.variant.certified(), row.error, study.mean_ms(row.ms), study.median_ms(row.ms), study.ratio(row),
-                   on_front(study, row), ms[0], ms[1], ms[2], ms[3], ms[4]);
+                   row.variant.certified(), row.error, study.mean_ms(row.ms), study.median_ms(row.ms),
+                   study.ratio(row.ms).value_or(0), on_front(study, row), ms[0], ms[1], ms[2], ms[3], ms[4]);
         file.print("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", count(row, Verdict::separate),
                    count(row, Verdict::within), count(row, Verdict::undecided), count(row, Verdict::colliding),
                    row.missed, row.false_alarms, row.invented, row.broken, alarm_quantile(row, 0.5),
                    alarm_quantile(row, 1), row.trees.node_pairs, row.trees.triangle_pairs, row.trees.queries,
                    row.trees.bytes, row.nodes_needed, row.nodes_all ? fmt::format("{}", *row.nodes_all) : "");
     }
-    if (!study.fcl) return;
-    const StudyFcl& fcl = *study.fcl;
-    file.print("\"FCL\",\"\",0,0,{},{},1,,,,,,,,,,{},{},,{},,,,,,,{},,\n", study.mean_ms(fcl.ms),
-               study.median_ms(fcl.ms), fcl.colliding, fcl.missed, fcl.invented, fcl.bytes);
+    for (const StudyPeer& peer : study.peers)
+        file.print("\"{}\",\"\",0,0,{},{},{},{:d},,,,,,,,,{},{},,{},,,,,,,{},,\n", peer.name, study.mean_ms(peer.ms),
+                   study.median_ms(peer.ms), study.ratio(peer.ms).value_or(0), on_front(study, peer), peer.colliding,
+                   peer.missed, peer.invented, peer.bytes);
 }
 
 void write_study_json(OutputFile& file, const Study& study, const std::string& program)
@@ -152,15 +177,9 @@ void write_study_json(OutputFile& file, const Study& study, const std::string& p
                                   {"size", study.size},
                                   {"colliding", study.colliding}}}};
     for (const StudyRow& row : study.rows) json["variants"].push_back(json_of(study, row));
-    if (study.fcl)
-        json["fcl"] = {{"ms_mean", study.mean_ms(study.fcl->ms)},
-                       {"ms_median", study.median_ms(study.fcl->ms)},
-                       {"candidates", study.fcl->candidates},
-                       {"colliding", study.fcl->colliding},
-                       {"missed", study.fcl->missed},
-                       {"invented", study.fcl->invented},
-                       {"bytes", study.fcl->bytes},
-                       {"errors", study.fcl->errors}};
+    json["peers"] = nlohmann::ordered_json::array();
+    for (const StudyPeer& peer : study.peers) json["peers"].push_back(json_of(study, peer));
+    json["left_out"] = study.left_out;
     file.print("{}\n", json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "bench.hpp"
+#include "statistics.hpp"
 
 namespace oncollide::tools {
 
@@ -16,9 +16,11 @@ double Study::median_ms(const std::vector<double>& ms) const
     return median({ms.begin() + warm_up, ms.end()});
 }
 
-double Study::ratio(const StudyRow& row) const
+std::optional<double> Study::ratio(const std::vector<double>& ms) const
 {
-    return fcl ? mean_ms(fcl->ms) / mean_ms(row.ms) : 0;
+    const auto fcl = std::ranges::find(peers, "FCL", &StudyPeer::name);
+    if (fcl == peers.end()) return std::nullopt;
+    return mean_ms(fcl->ms) / mean_ms(ms);
 }
 
 bool Study::faulty() const
@@ -26,19 +28,36 @@ bool Study::faulty() const
     return contradicted || std::ranges::any_of(rows, &StudyRow::faulty);
 }
 
+namespace {
+
+bool counts(const StudyRow& row)
+{
+    return row.variant.certified() && !row.faulty();
+}
+
+/// No answer that counts is both as exact and as fast, and better in one of them.
+bool unbeaten(const Study& study, double ms, double error)
+{
+    const auto beats = [&](double other_ms, double other_error) {
+        return other_ms <= ms && other_error <= error && (other_ms < ms || other_error < error);
+    };
+    return std::ranges::none_of(
+               study.rows,
+               [&](const StudyRow& row) { return counts(row) && beats(study.mean_ms(row.ms), row.error); }) &&
+           std::ranges::none_of(
+               study.peers, [&](const StudyPeer& peer) { return peer.right() && beats(study.mean_ms(peer.ms), 0); });
+}
+
+} // namespace
+
 bool on_front(const Study& study, const StudyRow& row)
 {
-    const auto beats = [](double ms, double error, double other_ms, double other_error) {
-        return ms <= other_ms && error <= other_error && (ms < other_ms || error < other_error);
-    };
-    const double ms = study.mean_ms(row.ms);
-    if (!row.variant.certified() || row.faulty()) return false;
-    const bool fcl_right = study.fcl && !study.fcl->missed && !study.fcl->invented;
-    if (fcl_right && beats(study.mean_ms(study.fcl->ms), 0, ms, row.error)) return false;
-    return std::ranges::none_of(study.rows, [&](const StudyRow& other) {
-        return other.variant.certified() && !other.faulty() &&
-               beats(study.mean_ms(other.ms), other.error, ms, row.error);
-    });
+    return counts(row) && unbeaten(study, study.mean_ms(row.ms), row.error);
+}
+
+bool on_front(const Study& study, const StudyPeer& peer)
+{
+    return peer.right() && unbeaten(study, study.mean_ms(peer.ms), 0);
 }
 
 } // namespace oncollide::tools

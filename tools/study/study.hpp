@@ -50,11 +50,15 @@ struct StudyRow {
     bool faulty() const { return (variant.certified() && missed) || invented || broken; }
 };
 
-struct StudyFcl {
-    std::vector<double> ms;
+/// Another library.
+struct StudyPeer {
+    std::string name;
+    std::vector<double> ms; ///< by frame played; the least of the repeats
     std::uint64_t candidates = 0, colliding = 0, missed = 0, invented = 0;
     std::size_t bytes = 0;
     std::vector<std::string> errors; ///< the first of them, in words
+
+    bool right() const { return !missed && !invented; }
 };
 
 struct Study {
@@ -65,16 +69,18 @@ struct Study {
     std::uint64_t colliding = 0;    ///< pairs, over all frames
     std::uint64_t contradicted = 0; ///< of the answers beside a pose file, by the truth
     std::vector<StudyRow> rows;
-    std::optional<StudyFcl> fcl; ///< none: it has no such question (clearance, solid mode)
+    std::vector<StudyPeer> peers;
+    std::vector<std::string> left_out; ///< peers that were asked for and do not play, and why
 
     double mean_ms(const std::vector<double>& ms) const;
     double median_ms(const std::vector<double>& ms) const;
-    /// How many times as fast as FCL; 0 without it.
-    double ratio(const StudyRow& row) const;
+    /// How many times as fast as FCL; none when it does not play.
+    std::optional<double> ratio(const std::vector<double>& ms) const;
     bool faulty() const;
 };
 
-/// Is the row certified, and no other both as exact and as fast? FCL counts as exact if it erred nowhere.
+/// Is the row certified, and no other both as exact and as fast? A peer counts as exact if it erred nowhere.
 bool on_front(const Study& study, const StudyRow& row);
+bool on_front(const Study& study, const StudyPeer& peer);
 
 } // namespace oncollide::tools

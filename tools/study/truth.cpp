@@ -1,28 +1,136 @@
 #include "study/truth.hpp"
 
 #include <algorithm>
+#include <cmath>
+
+#include <oncollide/narrowphase/into_a.hpp>
+#include <oncollide/scenes/mesh_topology.hpp>
+#include <oncollide/scenes/parallel.hpp>
 
 #include "accuracy_check.hpp"
+#include "hard/winding_number.hpp"
+#include "study/near_bodies.hpp"
 
 namespace oncollide::tools {
+namespace {
 
-StudyTruth::StudyTruth(const Scene& scene, const Settings& asked, FclWorld& world)
-    : scene_(scene), pipeline_(scene, {.clearance = asked.clearance,
-                                       .exact = ExactLevel::predicates,
-                                       .mode = asked.mode,
-                                       .broad_phase = BroadPhaseKind::brute_force,
-                                       .threads = asked.threads,
-                                       .skip = {"delimitation"},
-                                       .coherence = false}),
-      contacts_(scene), world_(world)
+/// Of the bodies' size: what the exact level's distances may round by.
+constexpr double distance_rounding = 0x1p-36;
+
+const Geometry& geometry_of(const Scene& scene, std::uint32_t body)
 {
+    return scene.geometries[index(scene.geometry[body])];
+}
+
+/// Points that stand for all parts of a shape or a map: each is on one side of a surface that it does not meet.
+std::vector<Eigen::Vector3d> points_of(const Geometry& geometry)
+{
+    std::vector<Eigen::Vector3d> points;
+    if (const auto* map = std::get_if<OccupancyMap>(&geometry.data))
+        for (const Aabb& cell : map->cells) points.push_back(cell.centre());
+    else if (const auto* hull = std::get_if<ConvexHull>(&std::get<Shape>(geometry.data)))
+        points.push_back(hull->points.front());
+    else
+        points.push_back(bounds_of(geometry).centre());
+    return points;
+}
+
+} // namespace
+
+/// What is kept of a mesh.
+struct StudyTruth::Model {
+    Model(const Mesh& mesh, Mode mode)
+        : halved(mesh), at_home(halved, [](const Eigen::Vector3d& v) { return v; }),
+          solid(mode == Mode::solid && is_closed(mesh)), parts(mode == Mode::solid ? parts_of(mesh) : decltype(parts)())
+    {
+    }
+
+    HalvedMesh halved;
+    BoxedTriangles at_home;
+    bool solid;
+    std::vector<std::uint32_t> parts; ///< by triangle; solid mode only
+
+    bool winds_around(const BoxedTriangles& here, const Eigen::Vector3d& point) const
+    {
+        return solid && here.box().contains(point) &&
+               std::abs(winding_number(here.points(), halved.mesh->triangles, point)) > 0.5L;
+    }
+
+    /// Is a part of `inner` inside? The surfaces do not meet.
+    bool holds(const BoxedTriangles& here, const Model& inner, const BoxedTriangles& there) const
+    {
+        std::uint32_t next = 0;
+        for (std::uint32_t i = 0; i < inner.parts.size(); ++i)
+            if (inner.parts[i] == next && ++next && winds_around(here, there.triangle(i)[0])) return true;
+        return false;
+    }
+};
+
+StudyTruth::StudyTruth(const Scene& scene, const Settings& asked)
+    : scene_(scene), asked_(asked), models_(scene.geometries.size())
+{
+    for (GeometryId used : scene.geometry) {
+        const auto* mesh = std::get_if<Mesh>(&scene.geometries[index(used)].data);
+        if (mesh && !models_[index(used)]) models_[index(used)] = std::make_unique<Model>(*mesh, asked.mode);
+        if (!mesh && !fcl_) fcl_ = std::make_unique<FclWorld>(scene);
+    }
+}
+
+StudyTruth::~StudyTruth() = default;
+
+const StudyTruth::Model* StudyTruth::model(std::uint32_t body) const
+{
+    return models_[index(scene_.geometry[body])].get();
 }
 
 void StudyTruth::step()
 {
-    colliding_.clear(), known_.clear();
-    for (const PairResult& pair : pipeline_.step(scene_).pairs)
-        if (pair.verdict != Verdict::separate) colliding_.push_back({index(pair.a), index(pair.b)});
+    colliding_.clear(), open_.clear(), known_.clear();
+    const std::vector<BodyPair> pairs = near_bodies(scene_, asked_.clearance);
+    std::vector<Answer> answers(pairs.size());
+    const auto are_meshes = [&](BodyPair pair) { return model(pair.a) && model(pair.b); };
+    parallel_chunks(pairs.size(), 8, hardware_threads(), [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t k = begin; k < end; ++k)
+            if (are_meshes(pairs[k])) answers[k] = decide_meshes(pairs[k]);
+    });
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+        if (!are_meshes(pairs[k])) answers[k] = decide_other(pairs[k]);
+        if (answers[k] == Answer::collide) colliding_.push_back(pairs[k]);
+        if (answers[k] == Answer::open) open_.push_back(pairs[k]);
+    }
+}
+
+StudyTruth::Answer StudyTruth::decide_meshes(BodyPair pair) const
+{
+    const Model &a = *model(pair.a), &b = *model(pair.b);
+    const BoxedTriangles b_in_a(b.halved, IntoA(scene_.poses[pair.a], scene_.poses[pair.b]));
+    const TriangleContact least = asked_.ignore_touching ? TriangleContact::crossing : TriangleContact::touching;
+    if (contact_of(a.at_home, b_in_a, least) >= least) return Answer::collide;
+    if (a.holds(a.at_home, b, b_in_a) || b.holds(b_in_a, a, a.at_home)) return Answer::collide;
+    if (asked_.clearance == 0) return Answer::apart;
+    const DistanceTruth distance = mesh_distance(pair);
+    const double rounding = distance_rounding * distance.size;
+    if (distance.high <= asked_.clearance - rounding) return Answer::collide;
+    return distance.low <= asked_.clearance + rounding ? Answer::open : Answer::apart;
+}
+
+StudyTruth::Answer StudyTruth::decide_other(BodyPair pair) const
+{
+    if (fcl_->collides(pair) || holds_other(pair.a, pair.b) || holds_other(pair.b, pair.a)) return Answer::collide;
+    if (asked_.clearance == 0) return Answer::apart;
+    const double distance = fcl_->distance(pair);
+    if (std::abs(distance - asked_.clearance) <= shape_rounding) return Answer::open;
+    return distance < asked_.clearance ? Answer::collide : Answer::apart;
+}
+
+bool StudyTruth::holds_other(std::uint32_t outer, std::uint32_t inner) const
+{
+    const Model* around = model(outer);
+    if (!around || !around->solid) return false;
+    const IntoA into(scene_.poses[outer], scene_.poses[inner]);
+    return std::ranges::any_of(points_of(geometry_of(scene_, inner)), [&](const Eigen::Vector3d& p) {
+        return around->winds_around(around->at_home, into(p));
+    });
 }
 
 bool StudyTruth::collide(BodyPair pair) const
@@ -30,17 +138,29 @@ bool StudyTruth::collide(BodyPair pair) const
     return std::ranges::binary_search(colliding_, pair);
 }
 
-MeshDistance StudyTruth::distance(BodyPair pair)
+bool StudyTruth::open(BodyPair pair) const
+{
+    return std::ranges::binary_search(open_, pair);
+}
+
+DistanceTruth StudyTruth::mesh_distance(BodyPair pair) const
+{
+    return distance_of(model(pair.a)->halved, scene_.poses[pair.a], model(pair.b)->halved, scene_.poses[pair.b]);
+}
+
+DistanceTruth StudyTruth::distance(BodyPair pair)
 {
     const auto [at, fresh] = known_.try_emplace(pair);
     if (!fresh) return at->second;
-    const auto is_mesh = [&](std::uint32_t body) {
-        return std::holds_alternative<Mesh>(scene_.geometries[index(scene_.geometry[body])].data);
-    };
-    if (is_mesh(pair.a) && is_mesh(pair.b))
-        return at->second = contacts_.distance(scene_, BodyId{pair.a}, BodyId{pair.b});
-    const double distance = world_.distance(pair);
-    return at->second = {std::max(0.0, distance - shape_rounding), distance};
+    DistanceTruth found;
+    if (model(pair.a) && model(pair.b)) {
+        found = mesh_distance(pair);
+        found.low = std::max(0.0, found.low - distance_rounding * found.size);
+    } else {
+        found.high = fcl_->distance(pair);
+        found.low = std::max(0.0, found.high - shape_rounding);
+    }
+    return at->second = found;
 }
 
 } // namespace oncollide::tools

@@ -1,36 +1,50 @@
 #pragma once
 #include <map>
+#include <memory>
+#include <optional>
 #include <vector>
 
-#include <oncollide/pipeline/contacts.hpp>
-#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/pipeline/settings.hpp>
 
 #include "fcl_world.hpp"
+#include "hard/body_truth.hpp"
 
 namespace oncollide::tools {
 
-/// The right answers to a frame. Every pair of boxes is compared, and every pair that overlaps is decided by the exact
-/// predicates, with no stage between; FCL is asked where a shape or a map takes part.
+/// The right answers to a frame, by nothing that is under test: the boxes of every two bodies are compared, and every
+/// two meshes whose boxes overlap are decided by exact arithmetic on their triangles (tools/hard). Solid mode: by
+/// winding numbers. FCL is asked where a shape or a map takes part.
 class StudyTruth {
 public:
-    /// Clearance and mode are taken from `asked`. All must outlive it.
-    StudyTruth(const Scene& scene, const Settings& asked, FclWorld& world);
+    /// Clearance, mode and whether touching counts are taken from `asked`. Keeps a reference to `scene`.
+    StudyTruth(const Scene& scene, const Settings& asked);
+    ~StudyTruth();
 
     /// At the scene's poses.
     void step();
     /// Pairs that collide, or are within the clearance, sorted.
     const std::vector<BodyPair>& colliding() const { return colliding_; }
     bool collide(BodyPair pair) const;
-    /// Of this frame: certified between meshes, else FCL's.
-    MeshDistance distance(BodyPair pair);
+    /// So near the clearance that rounding decides: either answer is right.
+    bool open(BodyPair pair) const;
+    /// Of this frame: between meshes in long double, less what the pipeline's own bounds may round by; else FCL's.
+    DistanceTruth distance(BodyPair pair);
 
 private:
+    enum class Answer : std::uint8_t { apart, open, collide };
+    struct Model;
+    const Model* model(std::uint32_t body) const; ///< null: no mesh
+    Answer decide_meshes(BodyPair pair) const;
+    Answer decide_other(BodyPair pair) const;
+    DistanceTruth mesh_distance(BodyPair pair) const;
+    bool holds_other(std::uint32_t outer, std::uint32_t inner) const;
+
     const Scene& scene_;
-    Pipeline pipeline_;
-    ContactFinder contacts_;
-    FclWorld& world_;
-    std::vector<BodyPair> colliding_;
-    std::map<BodyPair, MeshDistance> known_;
+    Settings asked_;
+    std::vector<std::unique_ptr<Model>> models_; ///< by geometry
+    std::unique_ptr<FclWorld> fcl_;              ///< where there is a shape or a map
+    std::vector<BodyPair> colliding_, open_;
+    std::map<BodyPair, DistanceTruth> known_;
 };
 
 } // namespace oncollide::tools

@@ -1,0 +1,149 @@
+#include "study/peers.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <malloc.h>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include <oncollide/broadphase/world_boxes.hpp>
+
+#include "bench.hpp"
+#include "peers/narrow_peer.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+constexpr std::size_t most_structures = 100;
+
+/// Two geometries, first <= second.
+using GeometryPair = std::pair<std::uint32_t, std::uint32_t>;
+
+/// Those of which bodies may meet, as far as static bodies tell.
+std::vector<GeometryPair> geometry_pairs(const Scene& scene)
+{
+    std::vector<std::uint32_t> bodies(scene.geometries.size()), movers(bodies.size());
+    for (std::uint32_t body = 0; body < scene.size(); ++body)
+        ++bodies[index(scene.geometry[body])], movers[index(scene.geometry[body])] += !scene.is_static[body];
+    std::vector<GeometryPair> pairs;
+    for (std::uint32_t g = 0; g < bodies.size(); ++g)
+        for (std::uint32_t h = g; h < bodies.size(); ++h)
+            if (bodies[g] && bodies[h] && movers[g] + movers[h] && (g != h || bodies[g] > 1)) pairs.emplace_back(g, h);
+    return pairs;
+}
+
+const Mesh& mesh_of(const Scene& scene, std::uint32_t geometry)
+{
+    return std::get<Mesh>(scene.geometries[geometry].data);
+}
+
+template <class Contender>
+const Contender& contender(const std::vector<Contender>& all, const std::string& name)
+{
+    return *std::ranges::find(all, name, &Contender::name);
+}
+
+class MeshPlayer final : public StudyPlayer {
+public:
+    MeshPlayer(const Scene& scene, const NarrowContender& narrow, const Contender* broad)
+        : scene_(scene), peers_(scene.geometries.size() * scene.geometries.size()), boxes_of_(scene),
+          boxes_(scene.size())
+    {
+        for (const auto& [g, h] : geometry_pairs(scene)) peer(g, h) = narrow.make(mesh_of(scene, g), mesh_of(scene, h));
+        if (!broad) return;
+        broad_ = broad->make(1);
+        std::vector<std::uint32_t> all(scene.size());
+        std::iota(all.begin(), all.end(), 0u);
+        std::ranges::copy_if(all, std::back_inserter(moving_), [&](std::uint32_t b) { return !scene.is_static[b]; });
+        boxes_of_.update(scene, all, 1, boxes_);
+        broad_->start(frame());
+    }
+
+    Answer step() override
+    {
+        const auto from = std::chrono::steady_clock::now();
+        find_candidates();
+        Answer answer;
+        answer.candidates = candidates_.size();
+        for (BodyPair pair : candidates_)
+            if (collide(pair)) answer.colliding.push_back({std::min(pair.a, pair.b), std::max(pair.a, pair.b)});
+        answer.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - from).count();
+        std::ranges::sort(answer.colliding);
+        return answer;
+    }
+
+    std::size_t bytes() const override { return bytes_; }
+    void set_bytes(std::size_t bytes) { bytes_ = bytes; }
+
+private:
+    std::unique_ptr<NarrowPeer>& peer(std::uint32_t g, std::uint32_t h)
+    {
+        return peers_[g * scene_.geometries.size() + h];
+    }
+
+    BoxFrame frame() const { return {boxes_, moving_, scene_.is_static}; }
+
+    void find_candidates()
+    {
+        if (!broad_) {
+            candidates_ = {{0, 1}};
+            return;
+        }
+        boxes_of_.update(scene_, moving_, 1, boxes_);
+        broad_->step(frame(), candidates_);
+        const BodyFilter filter{scene_.is_static, scene_.layers, scene_.masks};
+        std::erase_if(candidates_, [&](BodyPair pair) { return !filter.allows(pair.a, pair.b); });
+    }
+
+    bool collide(BodyPair pair)
+    {
+        std::uint32_t a = pair.a, b = pair.b;
+        if (scene_.geometry[b] < scene_.geometry[a]) std::swap(a, b);
+        return peer(index(scene_.geometry[a]), index(scene_.geometry[b]))
+            ->collides(scene_.poses[a].inverse(Eigen::Isometry) * scene_.poses[b]);
+    }
+
+    const Scene& scene_;
+    std::vector<std::unique_ptr<NarrowPeer>> peers_; ///< by first and second geometry
+    WorldBoxes boxes_of_;
+    std::vector<Aabb> boxes_;
+    std::vector<std::uint32_t> moving_;
+    std::unique_ptr<BroadPeer> broad_; ///< none: the two bodies are always asked about
+    std::vector<BodyPair> candidates_;
+    std::size_t bytes_ = 0;
+};
+
+} // namespace
+
+std::string why_not(const PeerKind& kind, const Scene& scene)
+{
+    const NarrowContenders contenders = narrow_contenders();
+    const NarrowContender& narrow = contender(contenders.all, kind.narrow);
+    for (GeometryId used : scene.geometry) {
+        const auto* mesh = std::get_if<Mesh>(&scene.geometries[index(used)].data);
+        const std::string& name = scene.geometries[index(used)].name;
+        if (!mesh) return fmt::format("plays meshes only, and '{}' is none", name);
+        if (mesh->triangles.size() < narrow.least)
+            return fmt::format("crashes on meshes of fewer than {} triangles, and '{}' is one", narrow.least, name);
+    }
+    if (const std::size_t pairs = geometry_pairs(scene).size(); pairs > most_structures)
+        return fmt::format("needs a structure for each two geometries, and {} are more than {}", grouped(pairs),
+                           most_structures);
+    return {};
+}
+
+std::unique_ptr<StudyPlayer> make_mesh_player(const PeerKind& kind, const StudyCourse& course)
+{
+    const NarrowContenders narrow = narrow_contenders();
+    const Contenders broad = broad_contenders();
+    malloc_trim(0);
+    const std::size_t before = resident_memory();
+    auto player = std::make_unique<MeshPlayer>(course.scene, contender(narrow.all, kind.narrow),
+                                               course.is_poses() ? nullptr : &contender(broad.all, kind.broad));
+    malloc_trim(0);
+    player->set_bytes(std::max(before, resident_memory()) - before);
+    return player;
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,52 @@
+#include "study/near_bodies.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace oncollide::tools {
+namespace {
+
+/// Grown by more than rounding, and poses that are rigid to 1e-6 only, can move a point.
+Aabb world_box(const Scene& scene, std::uint32_t body, double clearance)
+{
+    const Geometry& geometry = scene.geometries[index(scene.geometry[body])];
+    const Eigen::Isometry3d& pose = scene.poses[body];
+    Aabb box;
+    double reach = 0;
+    const auto add = [&](const Eigen::Vector3d& p) {
+        box.add(pose * p), reach = std::max(reach, p.cwiseAbs().maxCoeff());
+    };
+    if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) {
+        for (const Eigen::Vector3d& v : mesh->vertices) add(v);
+    } else {
+        const Aabb own = bounds_of(geometry);
+        for (int corner = 0; corner < 8; ++corner)
+            add({(corner & 1 ? own.max : own.min).x(), (corner & 2 ? own.max : own.min).y(),
+                 (corner & 4 ? own.max : own.min).z()});
+    }
+    const double slack =
+        clearance / 2 + 0x1p-16 * (reach + clearance) + 0x1p-40 * pose.translation().cwiseAbs().maxCoeff();
+    box.min.array() -= slack, box.max.array() += slack;
+    return box;
+}
+
+} // namespace
+
+std::vector<BodyPair> near_bodies(const Scene& scene, double clearance)
+{
+    const BodyFilter filter{scene.is_static, scene.layers, scene.masks};
+    std::vector<Aabb> boxes;
+    for (std::uint32_t body = 0; body < scene.size(); ++body) boxes.push_back(world_box(scene, body, clearance));
+    std::vector<std::uint32_t> order(boxes.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::ranges::sort(order, {}, [&](std::uint32_t body) { return boxes[body].min.x(); });
+    std::vector<BodyPair> pairs;
+    for (std::size_t i = 0; i < order.size(); ++i)
+        for (std::size_t j = i + 1; j < order.size() && boxes[order[j]].min.x() <= boxes[order[i]].max.x(); ++j)
+            if (boxes[order[i]].overlaps(boxes[order[j]]) && filter.allows(order[i], order[j]))
+                pairs.push_back({std::min(order[i], order[j]), std::max(order[i], order[j])});
+    std::ranges::sort(pairs);
+    return pairs;
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,98 @@
+#include "study/peers.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <oncollide/scenes/error.hpp>
+
+#include "bench.hpp"
+#include "fcl_world.hpp"
+#include "peers/narrow_peer.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+const std::vector<PeerKind>& all_kinds()
+{
+    static const std::vector<PeerKind> kinds{{"fcl", "FCL", "", ""},
+                                             {"ode", "ODE", "kd", "ode"}, // its own spaces are in no benchmark
+                                             {"bullet", "Bullet", "bullet-dbvt", "bullet-gimpact"},
+                                             {"embree", "Embree", "embree-rebuild", "embree-refit"},
+                                             {"cgal", "CGAL", "cgal", "cgal"}};
+    return kinds;
+}
+
+class FclPlayer final : public StudyPlayer {
+public:
+    explicit FclPlayer(const Scene& scene) : world_(scene) {}
+
+    Answer step() override
+    {
+        const FclFrame frame = world_.step();
+        return {frame.ms(), frame.candidates, {frame.colliding.begin(), frame.colliding.end()}};
+    }
+    std::size_t bytes() const override { return world_.model_bytes().obb; }
+
+private:
+    FclWorld world_;
+};
+
+/// What the peers cannot be asked; empty: nothing.
+std::string no_question(const Settings& question)
+{
+    if (question.clearance > 0) return "has no question for a clearance";
+    if (question.mode == Mode::solid) return "has no question for solids";
+    return question.ignore_touching ? "cannot leave out what only touches" : "";
+}
+
+/// Debian's package of a library that this build does without; empty: it is there.
+std::string missing_package(const PeerKind& kind)
+{
+    for (const MissingPeer& peer : narrow_contenders().missing)
+        if (peer.library == kind.library) return peer.package;
+    return {};
+}
+
+} // namespace
+
+std::vector<PeerKind> peers_from_names(const std::string& list)
+{
+    if (list == "none") return {};
+    if (list == "all") return all_kinds();
+    std::vector<std::string> names;
+    for (const PeerKind& kind : all_kinds()) names.push_back(kind.name);
+    std::vector<PeerKind> chosen;
+    for (const std::string& name : split(list.empty() ? "fcl,ode,bullet" : list)) {
+        const auto at = std::ranges::find(all_kinds(), name, &PeerKind::name);
+        if (at == all_kinds().end())
+            throw Error(ErrorKind::usage, fmt::format("--peers {}: no such peer; there are: {}, all, none", name,
+                                                      fmt::join(names, ", ")));
+        if (std::ranges::find(chosen, name, &PeerKind::name) == chosen.end()) chosen.push_back(*at);
+    }
+    return chosen;
+}
+
+std::vector<std::string> leave_out(std::vector<PeerKind>& kinds, const StudyCourse& course, const Settings& question)
+{
+    std::vector<std::string> notes;
+    std::erase_if(kinds, [&](const PeerKind& kind) {
+        std::string why = no_question(question);
+        if (const std::string package = missing_package(kind); !package.empty())
+            why = fmt::format("not in this build (Debian: {})", package);
+        else if (why.empty() && kind.name != "fcl")
+            why = why_not(kind, course.scene);
+        if (!why.empty()) notes.push_back(fmt::format("{}: {}", kind.library, why));
+        return !why.empty();
+    });
+    return notes;
+}
+
+std::unique_ptr<StudyPlayer> make_player(const PeerKind& kind, const StudyCourse& course)
+{
+    if (kind.name == "fcl") return std::make_unique<FclPlayer>(course.scene);
+    return make_mesh_player(kind, course);
+}
+
+} // namespace oncollide::tools
