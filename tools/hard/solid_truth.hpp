@@ -1,0 +1,27 @@
+#pragma once
+#include <Eigen/Geometry>
+
+#include <oncollide/narrowphase/triangle_test.hpp>
+#include <oncollide/scenes/mesh.hpp>
+
+namespace oncollide::tools {
+
+/// What two bodies are to each other beyond meeting, for b's corners as they round in a's frame.
+struct SolidTruth {
+    TriangleContact contact = TriangleContact::separate; ///< the most that any two triangles do to each other
+    /// The surfaces are apart, and a corner of the one is where the other, being closed, winds around it: in either
+    /// direction, so that a part inside out is a cavity and a mesh inside out as a whole is like any other.
+    bool enclosed = false;
+};
+
+/// Independent of the library: each pair of triangles by linear programming, each corner by its winding number, both in
+/// integers.
+/// @param deep  they are known to cross (BodyTruth), so nothing is computed
+SolidTruth solid_truth_of(const Mesh& a, const Eigen::Isometry3d& pose_a, const Mesh& b,
+                          const Eigen::Isometry3d& pose_b, bool deep);
+
+/// Some triangle has an area, and for every edge of such a triangle there is one other that runs along it the other
+/// way.
+bool has_inside(const Mesh& mesh);
+
+} // namespace oncollide::tools
