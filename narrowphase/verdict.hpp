@@ -23,8 +23,8 @@ constexpr std::string_view name_of(Verdict verdict)
 enum class ContactKind : std::uint8_t {
     unknown,  ///< nobody found out, or there is no contact
     near,     ///< no contact; the distance is at most the clearance
-    touching, ///< triangles meet, and no two of them cross
-    crossing, ///< at least two triangles cross
+    touching, ///< triangles meet, no two of them cross, and no point was found inside both
+    crossing, ///< at least two triangles cross, or the insides of closed meshes overlap
     enclosed, ///< surfaces do not meet; a part of one body is inside the other (solid mode)
 };
 

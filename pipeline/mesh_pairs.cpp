@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <oncollide/narrowphase/shared_inside.hpp>
 #include <oncollide/scenes/parallel.hpp>
 
 namespace oncollide {
@@ -58,7 +59,9 @@ void MeshPairs::run(const Scene& scene, Frame& frame, std::span<Ask> asks, Answe
         for (const Ask& ask : asks)
             if (ask.answer.meeting) met_.push_back({ask.pair, *ask.answer.meeting});
     for (TriangleWalk& walk : walks_) {
-        frame.trees.node_pairs += walk.counts().box_rows, frame.trees.triangle_pairs += walk.counts().triangles;
+        const TriangleWalk::Counts& counts = walk.counts();
+        frame.trees.node_pairs += counts.box_rows, frame.trees.triangle_pairs += counts.triangles;
+        frame.trees.unsure_pairs += counts.unsure;
         walk.reset_counts();
     }
 }
@@ -78,8 +81,13 @@ void MeshPairs::meet(const Scene& scene, Frame& frame, std::span<Ask> asks)
         [&](TriangleWalk& walk, GeometryId a, GeometryId b, const IntoA& into_a, const auto& hint,
             TriangleContact& contact) -> TriangleWalk::Nearness {
             TriangleTree &tree_a = forest_.triangle_trees()[a], &tree_b = forest_.triangle_trees()[b];
-            const auto meeting = wants_kinds(*frame.settings) ? walk.contact(tree_a, tree_b, into_a, contact, hint)
-                                                              : walk.first_meeting(tree_a, tree_b, into_a, hint);
+            const bool kinds = wants_kinds(*frame.settings);
+            const auto meeting = kinds ? walk.contact(tree_a, tree_b, into_a, contact, hint)
+                                       : walk.first_meeting(tree_a, tree_b, into_a, hint);
+            const Solids* solids = forest_.solids();
+            if (kinds && contact == TriangleContact::touching && solids->solid(a) && solids->solid(b) &&
+                SharedInside().find(tree_a, tree_b, into_a))
+                contact = TriangleContact::crossing;
             const double clearance = frame.settings->clearance;
             if (meeting || clearance == 0) return {meeting.has_value(), 0, meeting};
             return within_clearance(walk, tree_a, tree_b, into_a, clearance);

@@ -43,6 +43,7 @@ struct TreeStats {
     std::uint64_t rows = 0;           ///< cells asked, all rounds
     std::uint64_t node_pairs = 0;     ///< pairs of cells, or of boxes, whose parts were compared
     std::uint64_t triangle_pairs = 0; ///< pairs of triangles tested by predicates
+    std::uint64_t unsure_pairs = 0;   ///< of these, left by the filter to exact arithmetic
     std::uint64_t nodes = 0;          ///< cells and boxes' nodes stored at the end of the frame, roots included
     std::uint64_t collapsed = 0;      ///< cells dropped by ageing or eviction
     std::uint64_t refused = 0;        ///< cells that a budget kept from being asked

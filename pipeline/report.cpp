@@ -145,6 +145,7 @@ void Report::print_header(OutputFile& file) const
     for (const FrameRow& frame : frames_) {
         trees.rounds += frame.trees.rounds, trees.rows += frame.trees.rows;
         trees.node_pairs += frame.trees.node_pairs, trees.triangle_pairs += frame.trees.triangle_pairs;
+        trees.unsure_pairs += frame.trees.unsure_pairs;
         trees.collapsed += frame.trees.collapsed, trees.refused += frame.trees.refused;
         trees.queries += frame.trees.queries, trees.gpu_bytes += frame.trees.gpu_bytes;
         trees.repeats += frame.trees.repeats;
@@ -162,11 +163,11 @@ void Report::print_header(OutputFile& file) const
     file.print("  \"verdicts\": {}, \"kinds\": {},\n", counts_json(verdict_order, verdicts()),
                counts_json(kind_order, kinds()));
     file.print("  \"trees\": {{\"rounds\": {}, \"rows\": {}, \"node_pairs\": {}, \"triangle_pairs\": {}, "
-               "\"collapsed\": {}, \"refused\": {}, "
+               "\"unsure_pairs\": {}, \"collapsed\": {}, \"refused\": {}, "
                "\"queries\": {}, \"gpu_bytes\": {}, "
                "\"repeats\": {}, \"nodes\": {}, \"bytes\": {}, \"peak_nodes\": {}, \"peak_bytes\": {}}}}}",
-               trees.rounds, trees.rows, trees.node_pairs, trees.triangle_pairs, trees.collapsed, trees.refused,
-               trees.queries, trees.gpu_bytes, trees.repeats, trees.nodes, trees.bytes, peak_nodes, peak_bytes);
+               trees.rounds, trees.rows, trees.node_pairs, trees.triangle_pairs, trees.unsure_pairs, trees.collapsed,
+               trees.refused, trees.queries, trees.gpu_bytes, trees.repeats, trees.nodes, trees.bytes, peak_nodes, peak_bytes);
 }
 
 void Report::print_stages(OutputFile& file) const

@@ -29,7 +29,7 @@ struct Settings {
     /// Of pairs of meshes that collide, find out whether they touch or cross. Predicates only.
     bool contact_kinds = false;
     /// Pairs of meshes that only touch are separate, with a bound of 0. Predicates, surface mode and clearance 0 only:
-    /// solid bodies whose surfaces only touch may still overlap.
+    /// solid bodies that only touch may still hold a part of each other.
     bool ignore_touching = false;
     Mode mode = Mode::surface;              ///< solid: a mesh's inside belongs to it; it must be closed
     bool open_as_surface = false;           ///< solid mode: take a mesh that is not closed as a surface

@@ -60,7 +60,8 @@ Comparison compare(const Scene& scene, const FrameView& frame, const Settings& s
         result.left_over += left_over, result.colliding += colliding;
         result.undecided += ours.verdict == Verdict::undecided;
         result.false_alarms += left_over && !collides;
-        if (collides && !left_over) miss(pair);
+        const bool ignored = settings.ignore_touching && ours.kind == ContactKind::touching;
+        if (collides && !left_over && !ignored) miss(pair);
         // Solid mode also knows bodies inside bodies, which FCL does not see.
         if (settings.exact != ExactLevel::off)
             result.wrong_exact += colliding && !collides && settings.mode == Mode::surface;

@@ -81,9 +81,9 @@ std::string describe(const Scene& scene, const Settings& settings, const PairRes
     case Verdict::colliding:
         switch (pair.kind) {
         case ContactKind::touching:
-            return fmt::format("colliding (touching): {} meet, and no two triangles of theirs cross.", both);
+            return fmt::format("colliding (touching): {} meet without crossing.", both);
         case ContactKind::crossing:
-            return fmt::format("colliding (crossing): triangles of {} cross.", both);
+            return fmt::format("colliding (crossing): {} pass through each other.", both);
         case ContactKind::enclosed:
             return fmt::format("colliding (enclosed): of {} one lies inside the other, their surfaces do not meet.",
                                both);

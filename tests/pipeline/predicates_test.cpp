@@ -48,6 +48,18 @@ Mesh scaled(const Mesh& mesh, double scale, const Eigen::Vector3d& by)
     return transformed("scaled", mesh, scale, -by / scale);
 }
 
+TEST(Predicates, CountWhatTheFilterLeavesToExactArithmetic)
+{
+    Scene scene = two(make_box_mesh({0.5, 0.5, 0.5}), make_box_mesh({0.5, 0.5, 0.5}));
+    Pipeline pipeline(scene, {.exact = ExactLevel::predicates});
+    for (const auto& [gap, unsure] : {std::pair(0x1p-52, true), std::pair(1e-3, false)}) {
+        scene.poses[1].translation() = Eigen::Vector3d(1 + gap, 0.3, 0.2);
+        const TreeStats trees = pipeline.step(scene).trees;
+        EXPECT_EQ(trees.unsure_pairs > 0, unsure) << gap;
+        EXPECT_LE(trees.unsure_pairs, trees.triangle_pairs);
+    }
+}
+
 /// Boxes that touch in a face, an edge, a corner, or a part of a face; and that miss each other by an ulp.
 TEST(Predicates, CallTouchingCollidingToTheLastBit)
 {

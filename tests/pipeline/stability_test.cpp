@@ -60,6 +60,12 @@ Scene crowd()
         body.pose.translation().x() = x;
         scene.add_body(body);
     }
+    for (const double scale : {1.0, 0.1}) { // one inside the other
+        const std::string name = "shell " + std::to_string(scale);
+        BodyInit body{.name = name, .geometry = scene.add(name, make_sphere_mesh(scale, 200))};
+        body.pose.translation().z() = 9;
+        scene.add_body(body);
+    }
     return scene;
 }
 

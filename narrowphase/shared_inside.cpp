@@ -1,0 +1,60 @@
+#include <oncollide/narrowphase/shared_inside.hpp>
+
+#include <algorithm>
+
+namespace oncollide {
+
+namespace {
+
+using Eigen::Vector3d;
+
+double largest(const TrianglePoints& t)
+{
+    return std::max({t[0].cwiseAbs().maxCoeff(), t[1].cwiseAbs().maxCoeff(), t[2].cwiseAbs().maxCoeff()});
+}
+
+/// Points beside the contact of two triangles, on both sides of both of them and of the contact; none where it is a
+/// point.
+std::vector<Vector3d> beside(const TrianglePoints& a, const TrianglePoints& b)
+{
+    constexpr double lean = 0x1p-10; // away from the face
+    const auto [ends, kind] = common_segment(a, b);
+    const Vector3d along = ends[1] - ends[0];
+    const double length = along.stableNorm(), far = std::max(largest(a), largest(b));
+    if (!(length > 0x1p-40 * far)) return {};
+    const Vector3d middle = ends[0] + 0.5 * along, unit = along / length;
+    const double step = std::max(0x1p-20 * length, 0x1p-34 * far); // far more than what the middle errs by
+    std::vector<Vector3d> points;
+    for (const TrianglePoints* t : {&a, &b}) {
+        const Vector3d normal = ((*t)[1] - (*t)[0]).stableNormalized().cross(((*t)[2] - (*t)[0]).stableNormalized());
+        const Vector3d up = normal.stableNormalized(), in_face = up.cross(unit);
+        for (const double way : {step, -step})
+            for (const double side : {lean, -lean}) points.push_back(middle + way * (in_face + side * up));
+    }
+    return points;
+}
+
+TrianglePoints corners(const Mesh& mesh, std::uint32_t triangle)
+{
+    const Triangle& t = mesh.triangles[triangle];
+    return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
+}
+
+} // namespace
+
+std::optional<Vector3d> SharedInside::find(TriangleTree& a, TriangleTree& b, const IntoA& into_a)
+{
+    const IntoA stay(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
+    walk_.all_meeting(a, b, into_a, contacts_);
+    for (const auto& [of_a, of_b] : contacts_) {
+        TrianglePoints moved = corners(b.mesh(), of_b);
+        for (Vector3d& p : moved) p = into_a(p);
+        for (const Vector3d& point : beside(corners(a.mesh(), of_a), moved))
+            if (locator_.place(point, a.mesh(), &a, stay) == PointPlace::inside &&
+                locator_.place(point, b.mesh(), &b, into_a) == PointPlace::inside)
+                return point;
+    }
+    return std::nullopt;
+}
+
+} // namespace oncollide

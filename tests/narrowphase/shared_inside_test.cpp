@@ -1,0 +1,157 @@
+// Insides that overlap where every two triangles only touch.
+#include <array>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include <oncollide/narrowphase/shared_inside.hpp>
+#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/scenes/motion.hpp>
+
+#include "mesh_parts.hpp"
+#include "random_pose.hpp"
+
+namespace oncollide {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using Cell = std::array<int, 3>;
+using Cells = std::set<Cell>;
+
+/// Unit cubes joined by their faces; its surface, two triangles a face of a cube.
+Mesh mesh_of(const Cells& cells)
+{
+    std::vector<Vector3d> vertices;
+    std::vector<Triangle> triangles;
+    for (const Cell& cell : cells)
+        for (int axis = 0; axis < 3; ++axis)
+            for (int side = 0; side < 2; ++side) {
+                Cell next = cell;
+                next[std::size_t(axis)] += side ? 1 : -1;
+                if (cells.contains(next)) continue;
+                const auto first = std::uint32_t(vertices.size());
+                for (const auto& [u, v] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)}) {
+                    Vector3d corner(cell[0], cell[1], cell[2]);
+                    corner[axis] += side, corner[(axis + 1) % 3] += u, corner[(axis + 2) % 3] += v;
+                    vertices.push_back(corner);
+                }
+                for (Triangle t : {Triangle{0, 1, 2}, Triangle{0, 2, 3}}) {
+                    if (!side) std::swap(t[1], t[2]);
+                    triangles.push_back({first + t[0], first + t[1], first + t[2]});
+                }
+            }
+    return make_mesh("cubes", std::move(vertices), std::move(triangles));
+}
+
+/// Grown from one cube; its mesh is closed.
+Cells random_cells(std::uint64_t seed, std::size_t count)
+{
+    Cells cells{{0, 0, 0}};
+    for (std::uint64_t step = 0; cells.size() < count; ++step) {
+        auto from = cells.begin();
+        std::advance(from, int(u01(seed, step, 0) * double(cells.size())));
+        Cell next = *from;
+        next[std::size_t(u01(seed, step, 1) * 3)] += u01(seed, step, 2) < 0.5 ? 1 : -1;
+        if (!cells.insert(next).second) continue;
+        if (!is_closed(mesh_of(cells))) cells.erase(next); // cubes that meet in an edge alone
+    }
+    return cells;
+}
+
+TriangleContact contact(const Mesh& a, const Mesh& b, const IntoA& into_a)
+{
+    TriangleTree tree_a(a), tree_b(b);
+    TriangleContact how;
+    TriangleWalk().contact(tree_a, tree_b, into_a, how);
+    return how;
+}
+
+bool found(const Mesh& a, const Mesh& b, const IntoA& into_a)
+{
+    TriangleTree tree_a(a), tree_b(b);
+    const auto point = SharedInside().find(tree_a, tree_b, into_a);
+    if (!point) return false;
+    EXPECT_EQ(std::abs(std::round(winding_number(a, *point))), 1) << point->transpose();
+    return true;
+}
+
+bool found(const Mesh& a, const Mesh& b, const Vector3d& by)
+{
+    Isometry3d pose = Isometry3d::Identity();
+    pose.translation() = by;
+    return found(a, b, IntoA(Isometry3d::Identity(), pose));
+}
+
+TEST(SharedInside, OfCubesIsACubeOfBoth)
+{
+    int overlap = 0, apart = 0;
+    for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+        const Cells a = random_cells(2 * seed, 2 + seed % 7), b = random_cells(2 * seed + 1, 1 + seed % 5);
+        Cell by;
+        for (std::uint64_t k = 0; k < 3; ++k) by[k] = int(u01(seed, 7, k) * 5) - 2;
+        bool common = false;
+        for (const Cell& c : b) common |= a.contains({c[0] + by[0], c[1] + by[1], c[2] + by[2]});
+        const Mesh mesh_a = seed % 3 ? mesh_of(a) : flipped(mesh_of(a)), mesh_b = mesh_of(b);
+        Isometry3d pose = Isometry3d::Identity();
+        pose.translation() = Vector3d(by[0], by[1], by[2]);
+        const IntoA into_a(Isometry3d::Identity(), pose);
+        const TriangleContact how = contact(mesh_a, mesh_b, into_a);
+        if (how == TriangleContact::separate) continue;
+        if (how == TriangleContact::crossing) {
+            EXPECT_TRUE(common) << seed;
+            continue;
+        }
+        ++(common ? overlap : apart);
+        EXPECT_EQ(found(mesh_a, mesh_b, into_a), common) << seed;
+    }
+    EXPECT_GT(overlap, 80);
+    EXPECT_GT(apart, 80);
+}
+
+TEST(SharedInside, IsFoundBelowAnEdgeThatLiesInAFace)
+{
+    const Mesh box = make_box_mesh({1, 1, 1});
+    for (const double wide : {0.9, 0.1, 0.01})
+        for (const double base : {0.5, 1.5}) { // a roof inside the box, or standing on its ridge above it
+            const Mesh roof =
+                make_mesh("roof",
+                          {{-0.5, -wide, base},
+                           {0.5, -wide, base},
+                           {0.5, wide, base},
+                           {-0.5, wide, base},
+                           {-0.5, 0, 1},
+                           {0.5, 0, 1}},
+                          {{0, 2, 1}, {0, 3, 2}, {0, 5, 4}, {0, 1, 5}, {2, 4, 5}, {2, 3, 4}, {0, 4, 3}, {1, 2, 5}});
+            ASSERT_TRUE(is_closed(roof));
+            const IntoA stay(Isometry3d::Identity(), Isometry3d::Identity());
+            EXPECT_EQ(contact(box, roof, stay), TriangleContact::touching);
+            EXPECT_EQ(found(box, roof, stay), base < 1) << wide;
+            EXPECT_EQ(found(roof, box, stay), base < 1) << wide;
+        }
+}
+
+TEST(SharedInside, IsNoneWhereBodiesFitExactly)
+{
+    Cells frame, peg{{1, 1, 0}};
+    for (int x = 0; x < 3; ++x)
+        for (int y = 0; y < 3; ++y)
+            if (x != 1 || y != 1) frame.insert({x, y, 0});
+    EXPECT_FALSE(found(mesh_of(frame), mesh_of(peg), {0, 0, 0}));
+    EXPECT_TRUE(found(mesh_of(frame), mesh_of(peg), {0x1p-30, 0, 0}));
+    EXPECT_FALSE(found(mesh_of(frame), mesh_of(peg), {0, 0, 1}));
+    EXPECT_TRUE(found(mesh_of(frame), mesh_of(frame), {0, 0, 0}));
+}
+
+TEST(SharedInside, IsFoundInTwinsAtAnyPoseAndScale)
+{
+    for (const double scale : {1e-6, 1.0, 1e6})
+        for (std::uint64_t seed = 0; seed < 10; ++seed) {
+            Mesh knot = make_torus_knot_mesh(2, 3, scale, 0.4 * scale, 0.15 * scale, 200);
+            const Isometry3d pose = random_pose(seed, 10 * scale);
+            EXPECT_TRUE(found(knot, knot, IntoA(pose, pose))) << scale << ' ' << seed;
+        }
+}
+
+} // namespace
+} // namespace oncollide
