@@ -122,7 +122,7 @@ TEST(SolidTruth, CountsWindingsAsSolidAnglesDo)
                 return triangle_distance({p, p, p}, triangle).low < 1e-5 * c.a.bounds.diagonal();
             });
             if (near) continue;
-            const int found = oracle::winding(surface, point);
+            const int found = oracle::winding(surface, point).value();
             EXPECT_NEAR(found, winding_number(c.a, point), 1e-6) << c.family << ": " << c.name << ", corner " << k;
             ++(found ? inside : outside);
         }

@@ -16,7 +16,7 @@ struct PairTruth {
     double fcl_distance = 0; ///< 0 where surfaces or FCL say that they collide
 };
 
-/// Who may be asked a form.
+/// Who may be asked a form: all, those for whom meshes are surfaces alone, or those for whom insides count.
 enum class FormFor { all, surfaces, solids };
 
 /// A case's question in one of its forms, with its truth.
@@ -29,8 +29,8 @@ struct BodyForm {
     FormFor whom = FormFor::all;
 };
 
-/// As stored, first; with the bodies swapped; with triangles, corners and vertices in another order, for solids so that
-/// they have an inside, if inside out; after a motion of both that is exact; and after one that is rounded.
+/// As stored, first; with the bodies swapped; with triangles, corners and vertices in another order, where insides
+/// count so that they are kept, if inside out; after a motion of both that is exact; and after one that is rounded.
 std::vector<BodyForm> forms_of(const BodyCase& c);
 
 /// The larger one's diagonal.

@@ -27,9 +27,10 @@ Expected expected(const PairTruth& truth, const Settings& settings)
     const auto& [collide, deep, low, high, size] = truth.surfaces;
     const double clearance = settings.clearance;
     const bool enclosed = settings.mode == Mode::solid && truth.solids.enclosed;
-    const bool ignored = settings.ignore_touching && truth.solids.contact == TriangleContact::touching;
-    const bool meet = collide && !ignored;
-    Expected e{meet || enclosed, meet || enclosed, low <= clearance + clearance_rounding(truth, clearance),
+    const bool touching = truth.solids.contact == TriangleContact::touching;
+    const bool may_meet = collide && !(settings.ignore_touching && touching);
+    const bool must_meet = may_meet && !(settings.ignore_touching && truth.solids.vague);
+    Expected e{may_meet || enclosed, must_meet || enclosed, low <= clearance + clearance_rounding(truth, clearance),
                high <= clearance};
     if (fcl_decides(settings)) { // which may err about surfaces; then a point that is on one has no side
         const bool no_side = settings.mode == Mode::solid && collide;
@@ -76,6 +77,7 @@ Fault fault_of_spheres(const BodyAnswer& answer, const PairTruth& truth, const S
 
 bool right_kind(const BodyAnswer& answer, const PairTruth& truth, const Settings& settings)
 {
+    if (truth.solids.vague && answer.kind == ContactKind::touching) return wants_kinds(settings);
     const ContactKind surfaces = truth.solids.contact == TriangleContact::crossing   ? ContactKind::crossing
                                  : truth.solids.contact == TriangleContact::touching ? ContactKind::touching
                                                                                      : ContactKind::unknown;

@@ -94,13 +94,15 @@ void must_be_refused(const BodyCase& c, const BodyForm& form, const Settings& as
 
 bool may_ask(const BodyForm& form, const Settings& settings)
 {
-    return form.whom == FormFor::all || (form.whom == FormFor::solids) == (settings.mode == Mode::solid);
+    const bool insides = settings.mode == Mode::solid || wants_kinds(settings);
+    return form.whom == FormFor::all || (form.whom == FormFor::solids) == insides;
 }
 
 /// True where the answer must be that of the case as it is.
 bool must_hold(const BodyForm& form, const BodyForm& plain, std::size_t k, const Settings& settings)
 {
     const PairTruth &now = form.truths[k], &before = plain.truths[k];
+    if (settings.ignore_touching && (now.solids.vague || before.solids.vague)) return false;
     if (fcl_decides(settings)) { // FCL may change its mind, and where it misses a contact no point has a side
         const auto near = [&](const PairTruth& truth) { return truth.fcl_distance <= settings.clearance; };
         const bool no_side = settings.mode == Mode::solid && now.fcl_collide != now.surfaces.collide;

@@ -71,6 +71,9 @@ std::vector<Variant> clearances()
     };
     for (const char* stage : stages)
         at_distance(fmt::format("no {}", stage), [&](Variant& v) { v.settings.skip.emplace_back(stage); });
+    std::erase_if(all, [](const Variant& v) { // FCL asks again whatever came before
+        return v.settings.exact == ExactLevel::fcl && !v.settings.skip.empty();
+    });
     at_distance("octree", [](Variant& v) { v.settings.broad_phase = BroadPhaseKind::octree; });
     at_distance("brute force", [](Variant& v) { v.settings.broad_phase = BroadPhaseKind::brute_force; });
     at_distance("among others", [](Variant& v) { v.among_others = true; });

@@ -1,6 +1,7 @@
 #include "solid_truth.hpp"
 
 #include <map>
+#include <random>
 #include <vector>
 
 #include <oncollide/narrowphase/exact_predicates.hpp>
@@ -43,12 +44,41 @@ TriangleContact most_contact(const PlacedBody& a, const PlacedBody& b)
     return most;
 }
 
+bool holds(const PlacedBody& outer, const Vector3d& p)
+{
+    return outer.box.contains(p) && oracle::winding(outer.triangles, p).value_or(0) != 0;
+}
+
 bool holds_a_corner(const PlacedBody& outer, const PlacedBody& inner)
 {
     for (const TrianglePoints& t : inner.triangles)
         for (const Vector3d& p : t)
-            if (outer.box.contains(p) && oracle::winding(outer.triangles, p)) return true;
+            if (holds(outer, p)) return true;
     return false;
+}
+
+/// Of points spread over what both boxes cover, one is inside both. However thin an overlap of boxes is, so are these.
+bool share_a_point(const PlacedBody& a, const PlacedBody& b)
+{
+    constexpr int count = 500;
+    const Eigen::AlignedBox3d both = a.box.intersection(b.box);
+    std::mt19937_64 random(1);
+    std::uniform_real_distribution<double> part;
+    for (int k = 0; k < count; ++k) {
+        const Vector3d at = k ? Vector3d(part(random), part(random), part(random)) : Vector3d::Constant(0.5);
+        const Vector3d p = both.min() + (both.max() - both.min()).cwiseProduct(at);
+        if (holds(a, p) && holds(b, p)) return true;
+    }
+    return false;
+}
+
+/// What both boxes cover is narrower than the library looks for.
+bool narrow(const PlacedBody& a, const PlacedBody& b)
+{
+    const Eigen::AlignedBox3d all = a.box.merged(b.box);
+    const Vector3d extent = a.box.intersection(b.box).sizes();
+    const double far = std::max(all.min().cwiseAbs().maxCoeff(), all.max().cwiseAbs().maxCoeff());
+    return extent.minCoeff() < std::max(0x1p-18 * extent.maxCoeff(), 0x1p-32 * far);
 }
 
 } // namespace
@@ -56,11 +86,15 @@ bool holds_a_corner(const PlacedBody& outer, const PlacedBody& inner)
 SolidTruth solid_truth_of(const Mesh& a, const Eigen::Isometry3d& pose_a, const Mesh& b,
                           const Eigen::Isometry3d& pose_b, bool deep)
 {
-    if (deep) return {TriangleContact::crossing, false};
+    if (deep) return {.contact = TriangleContact::crossing};
     const PlacedBody at_a(a, [](const Vector3d&v) { return v; }), at_b(b, IntoA(pose_a, pose_b));
     const TriangleContact contact = most_contact(at_a, at_b);
-    if (contact != TriangleContact::separate) return {contact, false};
-    return {contact, (has_inside(a) && holds_a_corner(at_a, at_b)) || (has_inside(b) && holds_a_corner(at_b, at_a))};
+    if (contact == TriangleContact::crossing) return {.contact = contact};
+    if (contact == TriangleContact::touching) {
+        const bool overlap = has_inside(a) && has_inside(b) && share_a_point(at_a, at_b);
+        return {.contact = overlap ? TriangleContact::crossing : contact, .vague = overlap && narrow(at_a, at_b)};
+    }
+    return {.enclosed = (has_inside(a) && holds_a_corner(at_a, at_b)) || (has_inside(b) && holds_a_corner(at_b, at_a))};
 }
 
 bool has_inside(const Mesh& mesh)

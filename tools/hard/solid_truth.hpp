@@ -8,7 +8,10 @@ namespace oncollide::tools {
 
 /// What two bodies are to each other beyond meeting, for b's corners as they round in a's frame.
 struct SolidTruth {
-    TriangleContact contact = TriangleContact::separate; ///< the most that any two triangles do to each other
+    /// The most that any two triangles do to each other; of meshes with an inside that only touch, crossing where one
+    /// of 500 points of their common box is inside both.
+    TriangleContact contact = TriangleContact::separate;
+    bool vague = false; ///< such points are in a region so narrow that it may be overlooked, docs/results.md
     /// The surfaces are apart, and a corner of the one is where the other, being closed, winds around it: in either
     /// direction, so that a part inside out is a cavity and a mesh inside out as a whole is like any other.
     bool enclosed = false;
