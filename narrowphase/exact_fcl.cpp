@@ -98,8 +98,11 @@ ExactFcl::Answer ExactFcl::answer(const Scene& scene, std::uint32_t a, std::uint
     if (impl_->clearance <= 0) return {Verdict::separate, 0};
     fcl::DistanceRequestd distance_request;
     fcl::DistanceResultd distance_result;
+    // At the origin: FCL measures in world coordinates, which round where bodies are far away.
+    Eigen::Isometry3d pose_a = scene.poses[a], pose_b = scene.poses[b];
+    pose_b.translation() -= pose_a.translation(), pose_a.translation().setZero();
     const double distance =
-        fcl::distance(model_a.get(), scene.poses[a], model_b.get(), scene.poses[b], distance_request, distance_result);
+        fcl::distance(model_a.get(), pose_a, model_b.get(), pose_b, distance_request, distance_result);
     return {distance <= impl_->clearance ? Verdict::within : Verdict::separate, std::max(distance, 0.0)};
 }
 

@@ -13,21 +13,47 @@ double largest(const TrianglePoints& t)
     return std::max({t[0].cwiseAbs().maxCoeff(), t[1].cwiseAbs().maxCoeff(), t[2].cwiseAbs().maxCoeff()});
 }
 
-/// Points beside the contact of two triangles, on both sides of both of them and of the contact; none where it is a
-/// point.
+Vector3d unit_normal_of(const TrianglePoints& t)
+{
+    return (t[1] - t[0]).stableNormalized().cross((t[2] - t[0]).stableNormalized()).stableNormalized();
+}
+
+constexpr double lean = 0x1p-10; ///< away from a face
+
+/// A step far larger than what a contact's place errs by.
+double step_of(double length, double far)
+{
+    return std::max(0x1p-20 * length, 0x1p-34 * far);
+}
+
+/// Points beside a contact that is a point, on both sides of both triangles: where surfaces meet there alone, all of a
+/// face around it is on one side of the other mesh.
+std::vector<Vector3d> beside_point(const Vector3d& contact, const TrianglePoints& a, const TrianglePoints& b,
+                                   double far)
+{
+    std::vector<Vector3d> points;
+    for (const TrianglePoints* t : {&a, &b}) {
+        const Vector3d inward = ((*t)[0] + (*t)[1] + (*t)[2]) / 3 - contact;
+        const double length = inward.stableNorm();
+        if (!(length > 0)) continue;
+        for (const double side : {lean, -lean})
+            points.push_back(contact + step_of(length, far) * (inward / length + side * unit_normal_of(*t)));
+    }
+    return points;
+}
+
+/// Points beside the contact of two triangles, on both sides of both of them and of the contact.
 std::vector<Vector3d> beside(const TrianglePoints& a, const TrianglePoints& b)
 {
-    constexpr double lean = 0x1p-10; // away from the face
     const auto [ends, kind] = common_segment(a, b);
     const Vector3d along = ends[1] - ends[0];
     const double length = along.stableNorm(), far = std::max(largest(a), largest(b));
-    if (!(length > 0x1p-40 * far)) return {};
+    if (!(length > 0x1p-40 * far)) return beside_point(ends[0], a, b, far);
     const Vector3d middle = ends[0] + 0.5 * along, unit = along / length;
-    const double step = std::max(0x1p-20 * length, 0x1p-34 * far); // far more than what the middle errs by
+    const double step = step_of(length, far);
     std::vector<Vector3d> points;
     for (const TrianglePoints* t : {&a, &b}) {
-        const Vector3d normal = ((*t)[1] - (*t)[0]).stableNormalized().cross(((*t)[2] - (*t)[0]).stableNormalized());
-        const Vector3d up = normal.stableNormalized(), in_face = up.cross(unit);
+        const Vector3d up = unit_normal_of(*t), in_face = up.cross(unit);
         for (const double way : {step, -step})
             for (const double side : {lean, -lean}) points.push_back(middle + way * (in_face + side * up));
     }

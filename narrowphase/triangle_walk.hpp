@@ -54,7 +54,7 @@ public:
         std::optional<TriangleMeeting> nearest; ///< two triangles that are `upper` apart, or that meet
     };
     /// Bounds on the distance, at most `tolerance` and rounding apart; nearest boxes first. Of meshes that are farther
-    /// apart than `farthest` only a lower bound above that is found; the upper one is then infinite.
+    /// apart than `farthest` only a lower bound above that is found; the upper one is then infinite, else never.
     Distance distance(TriangleTree& a, TriangleTree& b, const IntoA& into_a, double tolerance,
                       double farthest = std::numeric_limits<double>::infinity());
 

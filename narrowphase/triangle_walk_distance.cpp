@@ -75,9 +75,10 @@ TriangleWalk::Distance TriangleWalk::distance(TriangleTree& a, TriangleTree& b, 
             best = {0, 0, pair};
             return false;
         }
-        const double distance = triangle_distance(of_a, of_b), upper = distance + query.triangle_rounding;
-        best.lower = std::min(best.lower, distance - query.triangle_rounding);
-        if (upper < best.upper && upper <= farthest) best.upper = upper, best.nearest = pair;
+        const double distance = triangle_distance(of_a, of_b), lower = distance - query.triangle_rounding;
+        const double upper = distance + query.triangle_rounding;
+        best.lower = std::min(best.lower, lower);
+        if (upper < best.upper && lower <= farthest) best.upper = upper, best.nearest = pair;
         return true;
     };
     const auto farther = [](const Entry& x, const Entry& y) { return x.gap > y.gap; };

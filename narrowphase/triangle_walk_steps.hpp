@@ -44,7 +44,7 @@ struct TriangleWalk::Query {
         const double both = a.radius() + b.radius(), m = d.norm() + both;
         const double far = a.centre().norm() + b.centre().norm() + into_a.shift.norm();
         rounding = 0x1p-16 * m + 0x1p-48 * far + 1e-30;
-        triangle_rounding = 0x1p-38 * m + 1e-150; // squares of less underflow
+        triangle_rounding = std::max(0x1p-38 * m, 0x1p-48 * far) + 1e-150; // squares of less underflow
         apart = d.norm() - both - rounding;
     }
 

@@ -60,10 +60,11 @@ public:
     /// The same for many pairs, on up to `threads` threads: what find() says of each, whatever their number. 0: all.
     const ContactLists& find_all(const Scene& scene, std::span<const BodyPair> pairs, int threads = 1);
 
-    /// The distance, to `tolerance` (metres, >= 0; rounding adds to it 2^-36 of the bodies' sizes and distance). Bodies
-    /// farther apart than `farthest` get only a lower bound above that: quicker, for those who ask about a clearance.
-    /// Throws as find(), and Error{usage} for a tolerance or a limit that is negative or no number.
-    /// Cost: 20 to 400 microseconds for two meshes of 5,000 triangles, least where they meet, most where they are far.
+    /// The distance, to `tolerance` (metres, >= 0; rounding adds to it 2^-36 of the bodies' sizes and distance and
+    /// 2^-46 of how far their files are from their origins). Bodies farther apart than `farthest` get only a lower
+    /// bound above that: quicker, for those who ask about a clearance. Throws as find(), and Error{usage} for a
+    /// tolerance or a limit that is negative or no number. Cost: 20 to 400 microseconds for two meshes of 5,000
+    /// triangles, least where they meet, most where they are far.
     MeshDistance distance(const Scene& scene, BodyId a, BodyId b, double tolerance = 0,
                           double farthest = std::numeric_limits<double>::infinity());
 

@@ -14,10 +14,9 @@ constexpr std::size_t pairs_a_chunk = 64;
 TriangleWalk::Nearness within_clearance(TriangleWalk& walk, TriangleTree& a, TriangleTree& b, const IntoA& into_a,
                                         double clearance)
 {
-    // Poses may be 2^-20 from rigid: so far may a distance in A's frame be from that in the world. And where rounding
-    // leaves open on which side of the clearance it is, it must be found as well.
+    // Poses may be 2^-20 from rigid: so far may a distance in A's frame be from that in the world.
     constexpr double rigid = 0x1p-18;
-    const double farthest = clearance + 4 * rigid * clearance + 0x1p-30 * (a.radius() + b.radius());
+    const double farthest = clearance * (1 + 4 * rigid);
     const auto distance = walk.distance(a, b, into_a, 0, farthest);
     const double lower = distance.lower * (1 - rigid);
     if (lower > clearance) return {false, lower, {}};

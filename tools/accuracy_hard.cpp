@@ -30,7 +30,7 @@ struct HardOptions {
     int threads = 1;
 };
 
-constexpr const char* crowd_family = "all of them at once";
+constexpr const char *crowd_family = "all of them at once", *solid_crowd_family = "all solids at once";
 
 /// Names in the order of their first appearance.
 std::vector<std::string> families_of(const std::vector<BodyCase>& cases)
@@ -48,7 +48,7 @@ public:
     {
         for (const TriangleFamily& family : triangle_families()) known_.push_back(family.name);
         for (const std::string& name : families_of(cases)) known_.push_back(name);
-        known_.push_back(crowd_family);
+        known_.push_back(crowd_family), known_.push_back(solid_crowd_family);
         for (const std::string& name : chosen_)
             if (std::find(known_.begin(), known_.end(), name) == known_.end())
                 throw Error(ErrorKind::usage,
@@ -128,10 +128,13 @@ std::vector<Tally> try_all(const HardOptions& options, const Choice& chosen, con
             if (chosen(family.name)) add(try_triangles(family, std::uint64_t(options.count), turned, options.threads));
     for (const std::string& family : families_of(cases))
         if (chosen(family)) add(try_family(family, cases, options.threads));
-    if (!chosen(crowd_family)) return rows;
+    const bool surfaces = chosen(crowd_family), solids = chosen(solid_crowd_family);
+    if (!surfaces && !solids) return rows;
     const std::string no_gpu = why_no_gpu();
     if (!no_gpu.empty()) say("skipped    gl-compute: {}\n", no_gpu);
-    add(try_crowd(body_cases(), std::vector<int>{1, 2, 3}, no_gpu.empty())); // not the data folder's: they are too many
+    // Not the data folder's: they are too many.
+    if (surfaces) add(try_crowd(surface_cases(), Mode::surface, std::vector<int>{1, 2, 3}, no_gpu.empty()));
+    if (solids) add(try_crowd(solid_cases(), Mode::solid, std::vector<int>{1, 3}, no_gpu.empty()));
     return rows;
 }
 
@@ -198,9 +201,8 @@ int accuracy_hard(HardOptions options)
 
 CLI::App* add_accuracy_hard(CLI::App& accuracy, Command& command)
 {
-    CLI::App* sub = accuracy.add_subcommand(
-        "hard",
-        "Check every stage on what is hard: touching, coplanar, thin, tiny, huge and far, against exact arithmetic");
+    CLI::App* sub = accuracy.add_subcommand("hard", "Check every stage on what is hard: touching, coplanar, thin, "
+                                                    "tiny, huge, far and inside, against exact arithmetic");
     auto options = std::make_shared<HardOptions>();
     sub->add_option("--count", options->count,
                     "pairs of triangles a family, as stored and again turned (default 100000)")
@@ -220,12 +222,15 @@ CLI::App* add_accuracy_hard(CLI::App& accuracy, Command& command)
         "Pairs of triangles: the exact test, in both orders, and FCL's, against linear programming in integers.\n"
         "Bodies: every set of stages left out, both kinds of spheres, each exact level, budgets; as stored, swapped, "
         "with\n"
-        "triangles and corners in another order, turned by a quarter, and turned anyhow and so rounded. Then all at "
-        "once,\n"
-        "for several numbers of threads and on a GPU where there is one.\n\n"
+        "triangles and corners in another order, turned by a quarter, and turned anyhow and so rounded. With "
+        "clearances "
+        "below,\n"
+        "at and above the distance; as solids; and asked how they touch. Then all at once, for several numbers of "
+        "threads\n"
+        "and on a GPU where there is one.\n\n"
         "Columns:\n"
-        "  missed   collisions that an answer lost: must be 0\n"
-        "  wrong    exact answers that invent a collision or leave it open: must be 0\n"
+        "  missed   collisions, or bodies within the clearance, that an answer lost: must be 0\n"
+        "  wrong    exact answers that invent a collision, leave it open or name the wrong kind: must be 0\n"
         "  alarms   'within' for bodies that do not collide: allowed without an exact level\n"
         "  broken   certified bounds that the true distance contradicts: must be 0\n"
         "  changed  answers that the order or a motion changed and must not: must be 0\n"

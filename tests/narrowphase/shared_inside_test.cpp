@@ -143,6 +143,17 @@ TEST(SharedInside, IsNoneWhereBodiesFitExactly)
     EXPECT_TRUE(found(mesh_of(frame), mesh_of(frame), {0, 0, 0}));
 }
 
+/// A ball that a box holds, with corners on its walls: surfaces meet in points alone.
+TEST(SharedInside, IsFoundWhereBodiesTouchInAPoint)
+{
+    const Mesh box = make_box_mesh({1, 1, 1}), ball = make_sphere_mesh(1, 128);
+    EXPECT_TRUE(found(box, ball, {0, 0, 0}));
+    EXPECT_TRUE(found(ball, box, {0, 0, 0}));
+    EXPECT_FALSE(found(box, ball, {0, 0, 2}));
+    EXPECT_TRUE(found(box, transformed("small", ball, 0.125, {0, 0, 0}), {0.25, 0.125, 0.875}));
+    EXPECT_FALSE(found(box, transformed("small", ball, 0.125, {0, 0, 0}), {0.25, 0.125, 1.125}));
+}
+
 TEST(SharedInside, IsFoundInTwinsAtAnyPoseAndScale)
 {
     for (const double scale : {1e-6, 1.0, 1e6})

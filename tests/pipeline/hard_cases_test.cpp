@@ -9,8 +9,11 @@
 #include "body_trial.hpp"
 #include "body_truth.hpp"
 #include "crowd_trial.hpp"
+#include "exact_inside.hpp"
 #include "exact_oracle.hpp"
+#include "narrowphase/mesh_parts.hpp"
 #include "random_pose.hpp"
+#include "solid_truth.hpp"
 #include "triangle_distance.hpp"
 #include "triangle_trial.hpp"
 
@@ -30,7 +33,7 @@ class HardCases : public testing::TestWithParam<std::string> {};
 /// Each case meets a part of the variants, and all of them meet some case of each family.
 TEST_P(HardCases, AreAnsweredRightByEveryCombinationOfStages)
 {
-    constexpr std::size_t parts = 24;
+    constexpr std::size_t parts = 32;
     const std::vector<Variant> all = all_variants();
     std::size_t number = 0;
     Tally sum;
@@ -57,12 +60,14 @@ INSTANTIATE_TEST_SUITE_P(Families, HardCases, testing::ValuesIn(families()), [](
 
 TEST(HardCrowd, IsAnsweredAlikeByAnyNumberOfThreadsAndBackend)
 {
-    std::vector<BodyCase> some;
-    const std::vector<BodyCase> all = body_cases();
-    for (std::size_t k = 0; k < all.size(); k += 4) some.push_back(all[k]);
-    const Tally tally = try_crowd(some, std::vector<int>{1, 3}, true);
-    EXPECT_EQ(tally.faults(), 0u) << tally.first_fault;
-    EXPECT_GT(tally.answers, 1000u);
+    for (const Mode mode : {Mode::surface, Mode::solid}) {
+        std::vector<BodyCase> some;
+        const std::vector<BodyCase> all = mode == Mode::surface ? surface_cases() : solid_cases();
+        for (std::size_t k = 0; k < all.size(); k += 4) some.push_back(all[k]);
+        const Tally tally = try_crowd(some, mode, std::vector<int>{1, 3}, true);
+        EXPECT_EQ(tally.faults(), 0u) << tally.first_fault;
+        EXPECT_GT(tally.answers, 1000u);
+    }
 }
 
 TEST(HardTriangles, AreAnsweredRightWhereFclErrs)
@@ -141,6 +146,45 @@ TEST(BodyTruth, FindsWhatALoopOverAllTrianglesFinds)
             EXPECT_GE(distance.low, double(low)) << k; // boxes may say more
         }
     for (int n : count) EXPECT_GE(n, 5) << "the poses must show every answer";
+}
+
+/// Where no surface is near: there rounded angles tell nothing, and cases have their truth by construction.
+TEST(SolidTruth, CountsWindingsAsSolidAnglesDo)
+{
+    int inside = 0, outside = 0;
+    for (const BodyCase& c : body_cases()) {
+        if (!has_inside(c.a) || c.a.triangles.size() > 300) continue;
+        std::vector<TrianglePoints> surface;
+        for (const Triangle& t : c.a.triangles)
+            surface.push_back({c.a.vertices[t[0]], c.a.vertices[t[1]], c.a.vertices[t[2]]});
+        const IntoA into(c.pose_a, c.poses_b.front());
+        for (std::size_t k = 0; k < c.b.vertices.size(); k += 3) {
+            const Eigen::Vector3d point = into(c.b.vertices[k]);
+            const Vector3l p = point.cast<long double>();
+            const bool near = std::ranges::any_of(surface, [&](const TrianglePoints& t) {
+                const TriangleL triangle{t[0].cast<long double>(), t[1].cast<long double>(), t[2].cast<long double>()};
+                return triangle_distance({p, p, p}, triangle).low < 1e-5 * c.a.bounds.diagonal();
+            });
+            if (near) continue;
+            const int found = oracle::winding(surface, point).value();
+            EXPECT_NEAR(found, winding_number(c.a, point), 1e-6) << c.family << ": " << c.name << ", corner " << k;
+            ++(found ? inside : outside);
+        }
+    }
+    EXPECT_GT(inside, 300);
+    EXPECT_GT(outside, 300);
+}
+
+TEST(SolidTruth, KnowsWhichMeshesAreClosed)
+{
+    int closed = 0, open = 0;
+    for (const BodyCase& c : body_cases())
+        for (const Mesh* mesh : {&c.a, &c.b}) {
+            EXPECT_EQ(has_inside(*mesh), is_closed(*mesh)) << c.family << ": " << c.name;
+            ++(has_inside(*mesh) ? closed : open);
+        }
+    EXPECT_GT(closed, 100);
+    EXPECT_GT(open, 100);
 }
 
 TEST(TriangleDistance, IsThatOfFacesEdgesAndCorners)

@@ -1,13 +1,29 @@
 #include "body_case.hpp"
 
+#include <initializer_list>
+
 namespace oncollide::tools {
+
+namespace {
+
+std::vector<BodyCase> together(std::initializer_list<std::vector<BodyCase> (*)()> parts)
+{
+    std::vector<BodyCase> all;
+    for (auto part : parts)
+        for (BodyCase& c : part()) all.push_back(std::move(c));
+    return all;
+}
+
+} // namespace
+
+std::vector<BodyCase> surface_cases()
+{
+    return together({contact_cases, shape_cases, scale_cases});
+}
 
 std::vector<BodyCase> body_cases()
 {
-    std::vector<BodyCase> all = contact_cases();
-    for (auto part : {shape_cases, scale_cases})
-        for (BodyCase& c : part()) all.push_back(std::move(c));
-    return all;
+    return together({surface_cases, solid_cases});
 }
 
 Mesh mesh_of(std::vector<Eigen::Vector3d> vertices, std::vector<Triangle> triangles)

@@ -14,17 +14,20 @@ struct Variant {
     std::string name;
     Settings settings;
     bool among_others = false; ///< with 70 static bodies far away, so that delimitation has something to reject
+    bool closed_alone = false; ///< only for cases of which a mesh has an inside
+    double of_size = 0;        ///< the clearance, in diagonals of the larger body
+    double of_distance = 0;    ///< or in distances of the bodies at the first pose at which they are apart
 };
 
-/// Plain, predicates and FCL on both kinds of spheres.
-std::vector<Variant> plain_variants();
-/// These with every set of stages left out, at two depths; and other algorithms, budgets, a clearance and company.
+/// Plain, predicates and FCL on both kinds of spheres: with every set of stages left out, at two depths; with other
+/// algorithms, budgets and company; with clearances small and large, just less and more than the distance, and the
+/// same; as solids; and asked for kinds of contact.
 std::vector<Variant> all_variants();
 
-/// Asks every variant about the case as it is; with the bodies swapped; with triangles, corners and vertices in another
-/// order; after a motion of both that is exact; and after one that is rounded. Each answer and bound is held against
-/// the truth of what was asked, each answer against that of the case as it is. What FCL decides may be wrong where FCL
-/// is. Throws Error{internal} when the truth contradicts the case.
+/// Asks every variant about the case in all its forms. Each answer, kind and bound is held against the truth of what
+/// was asked, each answer against that of the case as it is. A mesh without an inside must be refused as a solid, and
+/// is then taken as a surface. What FCL decides may be wrong where FCL is. Throws Error{internal} when the truth
+/// contradicts the case.
 Tally try_bodies(const BodyCase& c, const std::vector<Variant>& variants);
 
 } // namespace oncollide::tools

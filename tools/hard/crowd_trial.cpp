@@ -8,6 +8,7 @@
 #include <oncollide/pipeline/pipeline.hpp>
 
 #include "body_truth.hpp"
+#include "solid_truth.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -28,10 +29,17 @@ Scene crowd_of(const std::vector<BodyCase>& cases)
 
 class Crowd {
 public:
-    explicit Crowd(const std::vector<BodyCase>& cases) : cases_(cases), scene_(crowd_of(cases))
+    Crowd(const std::vector<BodyCase>& cases, Mode mode) : cases_(cases), scene_(crowd_of(cases))
     {
-        for (const BodyCase& c : cases) truths_.push_back(truth_of(c.a, c.pose_a, c.b, c.poses_b.front()).collide);
-        tally_.family = "all of them at once", tally_.cases = cases.size();
+        for (const BodyCase& c : cases) {
+            const Eigen::Isometry3d& pose_b = c.poses_b.front();
+            const BodyTruth truth = truth_of(c.a, c.pose_a, c.b, pose_b);
+            const bool enclosed =
+                mode == Mode::solid && solid_truth_of(c.a, c.pose_a, c.b, pose_b, truth.deep).enclosed;
+            truths_.push_back(truth.collide || enclosed);
+        }
+        tally_.family = mode == Mode::solid ? "all solids at once" : "all of them at once";
+        tally_.cases = cases.size();
     }
 
     /// The first run with settings of one `kind` gives the hash that the others must have.
@@ -90,13 +98,14 @@ private:
 
 } // namespace
 
-Tally try_crowd(const std::vector<BodyCase>& cases, std::span<const int> threads, bool gpu)
+Tally try_crowd(const std::vector<BodyCase>& cases, Mode mode, std::span<const int> threads, bool gpu)
 {
-    Crowd crowd(cases);
+    Crowd crowd(cases, mode);
     for (ExactLevel exact : {ExactLevel::off, ExactLevel::predicates})
         for (Spheres spheres : {Spheres::paper, Spheres::tight}) {
             Settings settings;
             settings.depth = 5, settings.exact = exact, settings.spheres = spheres;
+            settings.mode = mode, settings.open_as_surface = mode == Mode::solid;
             const std::string kind = fmt::format("exact {}, {} spheres", name_of(exact), name_of(spheres));
             for (int n : threads) {
                 settings.threads = n;
@@ -110,8 +119,9 @@ Tally try_crowd(const std::vector<BodyCase>& cases, std::span<const int> threads
             settings.backend = BackendKind::gl_compute;
             crowd.run(kind, "gl-compute", settings);
         }
-    for (ExactLevel exact : {ExactLevel::off, ExactLevel::predicates})
-        for (int n : threads) crowd.ask_queries(exact, n);
+    if (mode == Mode::surface)
+        for (ExactLevel exact : {ExactLevel::off, ExactLevel::predicates})
+            for (int n : threads) crowd.ask_queries(exact, n);
     return crowd.tally();
 }
 

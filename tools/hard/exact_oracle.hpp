@@ -195,22 +195,35 @@ TriangleContact contact(const TrianglePoints& a, const TrianglePoints& b, int lo
     return contact<N>(p, q);
 }
 
+/// The binary digits that coordinates have between them.
+struct Digits {
+    int lowest = 2000, highest = -2000;
+
+    void take(double x)
+    {
+        if (x == 0) return;
+        int exponent = 0;
+        auto mantissa = static_cast<std::int64_t>(std::ldexp(std::frexp(x, &exponent), 53));
+        highest = std::max(highest, exponent);
+        lowest = std::min(lowest, exponent - 53 + std::countr_zero(static_cast<std::uint64_t>(mantissa)));
+    }
+    void take(const TrianglePoints& t)
+    {
+        for (const Eigen::Vector3d& v : t)
+            for (double x : v) take(x);
+    }
+    int count() const { return std::max(highest - lowest + 1, 0); }
+};
+
 /// The truth. Cost: 10 to 100 microseconds, 0.1 s where magnitudes are as far apart as doubles can be.
 inline TriangleContact contact(const TrianglePoints& a, const TrianglePoints& b)
 {
-    int lowest = 2000, highest = -2000;
-    for (const TrianglePoints* t : {&a, &b})
-        for (const Eigen::Vector3d& v : *t)
-            for (double x : v) {
-                if (x == 0) continue;
-                int exponent = 0;
-                auto mantissa = static_cast<std::int64_t>(std::ldexp(std::frexp(x, &exponent), 53));
-                highest = std::max(highest, exponent);
-                lowest = std::min(lowest, exponent - 53 + std::countr_zero(static_cast<std::uint64_t>(mantissa)));
-            }
+    Digits digits;
+    digits.take(a), digits.take(b);
+    const int lowest = digits.lowest;
     // An entry is a minor with three rows of differences: below 5! 2^(3 (bits + 1)), 8 times that in the last column.
     // The largest numbers are differences of products of two.
-    const int needed = highest < lowest ? 64 : 6 * (highest - lowest + 1) + 24;
+    const int needed = 6 * digits.count() + 24;
     if (needed <= 256) return contact<4>(a, b, lowest);
     if (needed <= 512) return contact<8>(a, b, lowest);
     if (needed <= 1024) return contact<16>(a, b, lowest);

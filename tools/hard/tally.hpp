@@ -10,7 +10,7 @@ struct Tally {
     std::string family;
     std::uint64_t cases = 0;        ///< pairs of triangles, or of bodies at one pose
     std::uint64_t answers = 0;      ///< asked of oncollide; each must be right
-    std::uint64_t missed = 0;       ///< answers that lose a collision
+    std::uint64_t missed = 0;       ///< answers that lose a collision, or what is within the clearance
     std::uint64_t wrong = 0;        ///< exact answers that invent one, or name the wrong kind of contact
     std::uint64_t false_alarms = 0; ///< `within` for bodies that do not collide: allowed, the bound says how near
     std::uint64_t bounds = 0;       ///< certified bounds held against the true distance

@@ -1,0 +1,162 @@
+#include "body_judge.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace oncollide::tools {
+namespace {
+
+/// FCL's distances err by this much of the bodies' size.
+constexpr double fcl_rounding = 1e-9;
+
+/// What may be said and what must be, where an exact level decides.
+struct Expected {
+    bool may_collide, must_collide, may_be_near, must_be_near;
+};
+
+/// Within it of the clearance either may be said, docs/results.md.
+double clearance_rounding(const PairTruth& truth, double clearance)
+{
+    return 0x1p-16 * clearance + 0x1p-35 * truth.surfaces.distance.size + 1e-139;
+}
+
+Expected expected(const PairTruth& truth, const Settings& settings)
+{
+    const auto& [collide, deep, low, high, size] = truth.surfaces;
+    const double clearance = settings.clearance;
+    const bool enclosed = settings.mode == Mode::solid && truth.solids.enclosed;
+    const bool touching = truth.solids.contact == TriangleContact::touching;
+    const bool may_meet = collide && !(settings.ignore_touching && touching);
+    const bool must_meet = may_meet && !(settings.ignore_touching && truth.solids.vague);
+    Expected e{may_meet || enclosed, must_meet || enclosed, low <= clearance + clearance_rounding(truth, clearance),
+               high <= clearance};
+    if (fcl_decides(settings)) { // which may err about surfaces; then a point that is on one has no side
+        const bool no_side = settings.mode == Mode::solid && collide;
+        e.may_collide |= truth.fcl_collide || no_side, e.must_collide &= truth.fcl_collide || enclosed;
+        e.may_be_near |= truth.fcl_distance <= clearance + fcl_rounding * size;
+        e.must_be_near &= truth.fcl_distance <= clearance - fcl_rounding * size;
+    }
+    e.may_be_near &= clearance > 0, e.must_be_near &= clearance > 0;
+    return e;
+}
+
+/// Null: the verdict is right.
+struct Fault {
+    std::uint64_t Tally::*kind = nullptr;
+    const char* why = "";
+};
+
+Fault fault_of_exact(Verdict verdict, const Expected& e)
+{
+    switch (verdict) {
+    case Verdict::separate:
+        return e.must_collide || e.must_be_near ? Fault{&Tally::missed, ""} : Fault{};
+    case Verdict::colliding:
+        return e.may_collide ? Fault{} : Fault{&Tally::wrong, ": invented"};
+    case Verdict::within:
+        if (e.must_collide) return {&Tally::wrong, ": left open"};
+        return e.may_be_near ? Fault{} : Fault{&Tally::wrong, ": not that near"};
+    case Verdict::undecided:
+        break;
+    }
+    return {&Tally::wrong, ": left open"};
+}
+
+/// Spheres may leave anything open, and say of solids that they are inside.
+Fault fault_of_spheres(const BodyAnswer& answer, const PairTruth& truth, const Settings& settings)
+{
+    const bool enclosed = settings.mode == Mode::solid && truth.solids.enclosed;
+    const bool near = settings.clearance > 0 && truth.surfaces.distance.high <= settings.clearance;
+    if (answer.verdict == Verdict::separate && (truth.surfaces.collide || enclosed || near))
+        return {&Tally::missed, ""};
+    if (answer.verdict == Verdict::colliding && !enclosed) return {&Tally::wrong, ": invented"};
+    return {};
+}
+
+bool right_kind(const BodyAnswer& answer, const PairTruth& truth, const Settings& settings)
+{
+    if (truth.solids.vague && answer.kind == ContactKind::touching) return wants_kinds(settings);
+    const ContactKind surfaces = truth.solids.contact == TriangleContact::crossing   ? ContactKind::crossing
+                                 : truth.solids.contact == TriangleContact::touching ? ContactKind::touching
+                                                                                     : ContactKind::unknown;
+    const bool solid = settings.mode == Mode::solid, by_fcl = decides(settings) && fcl_decides(settings);
+    switch (answer.verdict) {
+    case Verdict::separate:
+        return answer.kind == (settings.ignore_touching ? surfaces : ContactKind::unknown);
+    case Verdict::within:
+        return answer.kind == (decides(settings) ? ContactKind::near : ContactKind::unknown);
+    case Verdict::colliding:
+        if (solid && truth.solids.enclosed) return answer.kind == ContactKind::enclosed || by_fcl;
+        if (by_fcl && answer.kind != surfaces)
+            return answer.kind == ContactKind::unknown || (solid && answer.kind == ContactKind::enclosed);
+        return answer.kind == (wants_kinds(settings) ? surfaces : ContactKind::unknown);
+    case Verdict::undecided:
+        break;
+    }
+    return answer.kind == ContactKind::unknown;
+}
+
+/// Is the certified bound true?
+bool holds(const BodyAnswer& answer, const PairTruth& truth, const Settings& settings)
+{
+    const BodyTruth& t = truth.surfaces;
+    const double clearance = settings.clearance, rounding = 0x1p-50 * t.size;
+    const bool exact = decides(settings), by_fcl = exact && fcl_decides(settings);
+    const double its_own = by_fcl && clearance > 0 ? fcl_rounding * t.size + 1e-140 : 0; // FCL's error
+    if (answer.verdict == Verdict::colliding) return answer.bound == 0;
+    if (answer.verdict == Verdict::separate) {
+        const double bound = answer.listed ? answer.bound : clearance;
+        const double most = its_own > 0 ? std::max(t.high, truth.fcl_distance) : t.high;
+        return t.collide || (bound >= clearance && bound <= most + rounding + its_own);
+    }
+    const double least = its_own > 0 ? std::min(t.low, truth.fcl_distance) : t.low;
+    const bool near =
+        answer.verdict != Verdict::within || !exact || answer.bound <= clearance + clearance_rounding(truth, clearance);
+    return least <= answer.bound + rounding + its_own && near && std::isfinite(answer.bound);
+}
+
+} // namespace
+
+bool decides(const Settings& settings)
+{
+    return settings.exact != ExactLevel::off &&
+           std::find(settings.skip.begin(), settings.skip.end(), "exact") == settings.skip.end();
+}
+
+bool fcl_decides(const Settings& s)
+{
+    return s.exact == ExactLevel::fcl || (s.exact == ExactLevel::predicates && (s.node_budget || s.memory_budget));
+}
+
+bool fcl_is_sure(const PairTruth& truth, const Settings& settings)
+{
+    return settings.clearance == 0 ||
+           std::abs(truth.fcl_distance - settings.clearance) > fcl_rounding * truth.surfaces.distance.size;
+}
+
+void judge(const PairTruth& truth, const Settings& settings, const BodyAnswer& answer, Tally& tally,
+           const std::string& what)
+{
+    ++tally.answers;
+    const bool exact = decides(settings);
+    const Fault fault =
+        exact ? fault_of_exact(answer.verdict, expected(truth, settings)) : fault_of_spheres(answer, truth, settings);
+    if (fault.kind)
+        tally.fault(fault.kind, fmt::format("{}: {}{}", what, name_of(answer.verdict), fault.why));
+    else if (!right_kind(answer, truth, settings))
+        tally.fault(&Tally::wrong,
+                    fmt::format("{}: {}, of kind {}", what, name_of(answer.verdict), name_of(answer.kind)));
+    const bool enclosed = settings.mode == Mode::solid && truth.solids.enclosed;
+    const bool open = answer.verdict == Verdict::within || answer.verdict == Verdict::undecided;
+    const bool near = settings.clearance > 0 && truth.surfaces.distance.low <= settings.clearance;
+    tally.false_alarms += open && !truth.surfaces.collide && !enclosed && !near;
+    tally.bounds += answer.verdict != Verdict::colliding;
+    if (!holds(answer, truth, settings))
+        tally.fault(&Tally::broken,
+                    fmt::format("{}: {}, bound {:.9g} m, distance {:.9g} to {:.9g} m", what, name_of(answer.verdict),
+                                answer.bound, truth.surfaces.distance.low, truth.surfaces.distance.high));
+}
+
+} // namespace oncollide::tools
