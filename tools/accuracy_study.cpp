@@ -238,8 +238,8 @@ CLI::App* add_accuracy_study(CLI::App& accuracy, Command& command)
         sub->remove_option(sub->get_option(replaced));
     add_study_options(*sub, *options);
     sub->footer(
-        "The truth is exact arithmetic on the triangles of every two bodies whose boxes overlap, by no code of the\n"
-        "library. Columns:\n"
+        "The truth is exact arithmetic on the triangles of every two bodies whose boxes overlap, by no tree, walk or\n"
+        "predicate of the library. Columns:\n"
         "  error     the largest certified bound of a pair left over: none is farther apart\n"
         "  x FCL     how many times as fast as FCL, by the means\n"
         "  left over pairs that are not certified separate; false: those that are apart\n"
