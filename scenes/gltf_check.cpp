@@ -132,6 +132,10 @@ private:
 
         const int mode = primitive.value("mode", 4);
         if (mode < 0 || mode > 6) source_.fail(fmt::format("a primitive has mode {}; modes are 0 to 6", mode));
+        if (mode == 2 && indices != primitive.end()) // Assimp ends them with their first line, even if it left that out
+            source_.fail(
+                "line loops (mode 2) with indices are not supported; leave them out, or make them line strips");
+        if ((mode == 2 || mode == 3) && count < 2) source_.fail(fmt::format("{} corners make no line", count));
         if (mode < 4) return; // points and lines
         if (mode == 4 ? count % 3 != 0 : count < 3)
             source_.fail(fmt::format("{} corners make no whole triangles", count));

@@ -40,7 +40,7 @@ TEST(Clearance, IsNotLostInWhatFilesFarAwayRound)
             at(turn_by(0.9 + 0.1 * k, {1, 2, 3.0 - k}) * -far, turn_by(0.9 + 0.1 * k, {1, 2, 3.0 - k}));
         const Isometry3d other = at(-far, Eigen::Matrix3d::Identity());
         for (const double clearance : {1e-14, 1e-12, 1e-10, 1e-8}) {
-            if (truth_of(a, back, b, other).high > clearance) continue;
+            if (truth_of(a, back, b, other).distance.high > clearance) continue;
             ++near;
             for (const ExactLevel exact : {ExactLevel::off, ExactLevel::predicates}) {
                 const PairResult result =

@@ -362,6 +362,9 @@ TEST(MeshFile, BadGltfIsRefused)
     bad(replaced(json, R"("type":"VEC3")", R"("type":"VEC3","sparse":{})"), "sparse");
     bad(replaced(json, R"("mode":4)", R"("mode":9)"), "mode 9");
     bad(replaced(replaced(json, R"("mode":4)", R"("mode":2)"), R"("indices":0)", R"("indices":1)"), "of indices");
+    bad(replaced(json, R"("mode":4)", R"("mode":2)"), "line loops");
+    bad(replaced(replaced(json, R"("mode":4)", R"("mode":3)"), R"("count":36)", R"("count":1)"),
+        "1 corners make no line");
     bad(replaced(json, "5125", "5126"), "of indices");
     bad(replaced(json, R"("version":"2.0")", R"("version":2)"), "glTF file: type must be string");
     bad(replaced(json, R"("mode":4)", R"("mode":1)"), "no triangle");

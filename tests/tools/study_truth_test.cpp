@@ -78,7 +78,9 @@ TEST(StudyTruth, IsThatOfExactPredicatesWhereBodiesNearlyTouch)
                 scene.poses[1] = pose;
                 truth.step();
                 const bool collide = !truth.colliding().empty();
-                EXPECT_EQ(truth.colliding(), colliding(pipeline.step(scene).pairs)) << pose.matrix();
+                const FrameView view = pipeline.step(scene);
+                if (truth.open({0, 1})) return collide; // an ulp deep: either answer is right
+                EXPECT_EQ(truth.colliding(), colliding(view.pairs)) << pose.matrix();
                 ++count[ignore][collide];
                 return collide;
             };

@@ -24,7 +24,8 @@ double clearance_rounding(const PairTruth& truth, double clearance)
 
 Expected expected(const PairTruth& truth, const Settings& settings)
 {
-    const auto& [collide, deep, low, high, size] = truth.surfaces;
+    const bool collide = truth.surfaces.collide;
+    const auto& [low, high, size] = truth.surfaces.distance;
     const double clearance = settings.clearance;
     const bool enclosed = settings.mode == Mode::solid && truth.solids.enclosed;
     const bool touching = truth.solids.contact == TriangleContact::touching;
@@ -101,17 +102,17 @@ bool right_kind(const BodyAnswer& answer, const PairTruth& truth, const Settings
 /// Is the certified bound true?
 bool holds(const BodyAnswer& answer, const PairTruth& truth, const Settings& settings)
 {
-    const BodyTruth& t = truth.surfaces;
-    const double clearance = settings.clearance, rounding = 0x1p-50 * t.size;
+    const DistanceTruth& distance = truth.surfaces.distance;
+    const double clearance = settings.clearance, rounding = 0x1p-50 * distance.size;
     const bool exact = decides(settings), by_fcl = exact && fcl_decides(settings);
-    const double its_own = by_fcl && clearance > 0 ? fcl_rounding * t.size + 1e-140 : 0; // FCL's error
+    const double its_own = by_fcl && clearance > 0 ? fcl_rounding * distance.size + 1e-140 : 0; // FCL's error
     if (answer.verdict == Verdict::colliding) return answer.bound == 0;
     if (answer.verdict == Verdict::separate) {
         const double bound = answer.listed ? answer.bound : clearance;
-        const double most = its_own > 0 ? std::max(t.high, truth.fcl_distance) : t.high;
-        return t.collide || (bound >= clearance && bound <= most + rounding + its_own);
+        const double most = its_own > 0 ? std::max(distance.high, truth.fcl_distance) : distance.high;
+        return truth.surfaces.collide || (bound >= clearance && bound <= most + rounding + its_own);
     }
-    const double least = its_own > 0 ? std::min(t.low, truth.fcl_distance) : t.low;
+    const double least = its_own > 0 ? std::min(distance.low, truth.fcl_distance) : distance.low;
     const bool near =
         answer.verdict != Verdict::within || !exact || answer.bound <= clearance + clearance_rounding(truth, clearance);
     return least <= answer.bound + rounding + its_own && near && std::isfinite(answer.bound);

@@ -8,6 +8,7 @@
 #include <oncollide/scenes/parallel.hpp>
 
 #include "accuracy_check.hpp"
+#include "hard/solid_truth.hpp"
 #include "hard/winding_number.hpp"
 #include "study/near_bodies.hpp"
 
@@ -105,7 +106,13 @@ StudyTruth::Answer StudyTruth::decide_meshes(BodyPair pair) const
     const Model &a = *model(pair.a), &b = *model(pair.b);
     const BoxedTriangles b_in_a(b.halved, IntoA(scene_.poses[pair.a], scene_.poses[pair.b]));
     const TriangleContact least = asked_.ignore_touching ? TriangleContact::crossing : TriangleContact::touching;
-    if (contact_of(a.at_home, b_in_a, least) >= least) return Answer::collide;
+    const TriangleContact contact = contact_of(a.at_home, b_in_a, least);
+    if (contact >= least) return Answer::collide;
+    if (contact == TriangleContact::touching) { // ignored, unless insides overlap
+        const SolidTruth solid =
+            solid_truth_of(*a.halved.mesh, scene_.poses[pair.a], *b.halved.mesh, scene_.poses[pair.b], false);
+        return solid.vague ? Answer::open : solid.contact == least ? Answer::collide : Answer::apart;
+    }
     if (a.holds(a.at_home, b, b_in_a) || b.holds(b_in_a, a, a.at_home)) return Answer::collide;
     if (asked_.clearance == 0) return Answer::apart;
     const DistanceTruth distance = mesh_distance(pair);
