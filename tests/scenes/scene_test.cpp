@@ -1,7 +1,4 @@
-#include <atomic>
 #include <cmath>
-#include <cstdlib>
-#include <new>
 
 #include <gtest/gtest.h>
 
@@ -9,25 +6,7 @@
 #include "scenes/test_files.hpp"
 #include <oncollide/scenes/mesh_generators.hpp>
 
-namespace {
-std::atomic<std::size_t> allocations{0};
-}
-
-// Counts what the tests of this program allocate.
-[[gnu::noinline]] void* operator new(std::size_t size)
-{
-    ++allocations;
-    if (void* memory = std::malloc(size ? size : 1)) return memory;
-    throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept
-{
-    std::free(memory);
-}
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept
-{
-    std::free(memory);
-}
+#include "count_allocations.hpp"
 
 namespace oncollide {
 namespace {
