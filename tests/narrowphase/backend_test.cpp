@@ -72,7 +72,7 @@ TEST_P(EveryBackend, FillsTheInsideOfSolidShapes)
 }
 
 INSTANTIATE_TEST_SUITE_P(, EveryBackend, ::testing::Values(&make_cpu_backend, &make_default_gl_compute),
-                         [](const auto& info) { return info.index ? "gl_compute" : "cpu"; });
+                         [](const auto& made) { return made.index ? "gl_compute" : "cpu"; });
 
 } // namespace
 } // namespace oncollide
