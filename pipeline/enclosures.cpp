@@ -54,7 +54,7 @@ bool may_hold(const Scene& scene, const Solids& solids, std::uint32_t outer, std
 
 std::uint64_t Enclosures::find(const Scene& scene, Frame& frame, std::uint8_t stage)
 {
-    if (frame.settings->mode != Mode::solid) return 0;
+    if (!forest_.solids()) return 0;
     ask(scene, frame, stage);
     locators_.resize(static_cast<std::size_t>(std::max(frame.threads, 1)));
     parallel_chunks(questions_.size(), 4, frame.threads, [&](std::size_t begin, std::size_t end, int thread) {

@@ -10,8 +10,7 @@ Forest::Forest(const Scene& scene, const Settings& settings, std::unique_ptr<Occ
     : scene_(scene), settings_(settings), backend_(std::move(backend)), triangle_trees_(scene),
       trees_(scene.geometries.size())
 {
-    const bool solid = settings.mode == Mode::solid;
-    if (solid || wants_kinds(settings)) solids_.emplace(scene, settings.open_as_surface || !solid);
+    if (settings.mode == Mode::solid) solids_.emplace(scene, settings.open_as_surface);
 }
 
 /// The smallest depth at which two such trees certify the error asked for.

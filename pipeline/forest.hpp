@@ -35,7 +35,7 @@ public:
     /// of that depth would certify. Metres.
     double tolerance(GeometryId a, GeometryId b);
 
-    /// Which geometries have an inside; null where neither solid mode nor kinds of contact ask.
+    /// Which geometries have an inside; null in surface mode.
     const Solids* solids() const { return solids_ ? &*solids_ : nullptr; }
 
     OcclusionBackend& backend() { return *backend_; }

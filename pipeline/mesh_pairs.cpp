@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include <oncollide/narrowphase/shared_inside.hpp>
 #include <oncollide/scenes/parallel.hpp>
 
 namespace oncollide {
@@ -84,14 +83,39 @@ void MeshPairs::meet(const Scene& scene, Frame& frame, std::span<Ask> asks)
             const bool kinds = wants_kinds(*frame.settings);
             const auto meeting = kinds ? walk.contact(tree_a, tree_b, into_a, contact, hint)
                                        : walk.first_meeting(tree_a, tree_b, into_a, hint);
-            const Solids* solids = forest_.solids();
-            if (kinds && contact == TriangleContact::touching && solids->solid(a) && solids->solid(b) &&
-                SharedInside().find(tree_a, tree_b, into_a))
-                contact = TriangleContact::crossing;
             const double clearance = frame.settings->clearance;
             if (meeting || clearance == 0) return {meeting.has_value(), 0, meeting};
             return within_clearance(walk, tree_a, tree_b, into_a, clearance);
         });
+    find_overlaps(scene, frame, asks);
+}
+
+bool MeshPairs::closed(const Scene& scene, GeometryId geometry)
+{
+    closed_.resize(scene.geometries.size());
+    std::optional<bool>& known = closed_[index(geometry)];
+    if (!known) known = is_closed(std::get<Mesh>(scene.geometries[index(geometry)].data));
+    return *known;
+}
+
+/// Of closed meshes that touch, and share a point inside all the same: they cross.
+void MeshPairs::find_overlaps(const Scene& scene, const Frame& frame, std::span<Ask> asks)
+{
+    touching_.clear();
+    for (Ask& ask : asks)
+        if (ask.contact == TriangleContact::touching && closed(scene, scene.geometry[ask.pair.a]) &&
+            closed(scene, scene.geometry[ask.pair.b]))
+            touching_.push_back(&ask);
+    TriangleTrees& trees = forest_.triangle_trees();
+    insides_.resize(walks_.size());
+    parallel_chunks(touching_.size(), 1, frame.threads, [&](std::size_t begin, std::size_t end, int thread) {
+        for (Ask* ask : std::span(touching_).subspan(begin, end - begin)) {
+            const auto [a, b] = ask->pair;
+            if (insides_[static_cast<std::size_t>(thread)].find(trees[scene.geometry[a]], trees[scene.geometry[b]],
+                                                                IntoA(scene.poses[a], scene.poses[b])))
+                ask->contact = TriangleContact::crossing;
+        }
+    });
 }
 
 void MeshPairs::distances(const Scene& scene, const Frame& frame, std::span<const Ask> asks, double tolerance,

@@ -1,7 +1,9 @@
 #pragma once
+#include <optional>
 #include <span>
 #include <vector>
 
+#include <oncollide/narrowphase/shared_inside.hpp>
 #include <oncollide/narrowphase/triangle_walk.hpp>
 #include <oncollide/pipeline/forest.hpp>
 #include <oncollide/pipeline/frame.hpp>
@@ -39,10 +41,15 @@ private:
     void make_walks(int threads);
     template <class Answer>
     void run(const Scene& scene, Frame& frame, std::span<Ask> asks, Answer answer);
+    bool closed(const Scene& scene, GeometryId geometry);
+    void find_overlaps(const Scene& scene, const Frame& frame, std::span<Ask> asks);
 
     Forest& forest_;
-    std::vector<TriangleWalk> walks_; ///< by thread
-    std::vector<Met> met_;            ///< last frame's, sorted by pair
+    std::vector<TriangleWalk> walks_;         ///< by thread
+    std::vector<SharedInside> insides_;       ///< by thread
+    std::vector<std::optional<bool>> closed_; ///< by geometry; nothing until a pair of it touches
+    std::vector<Ask*> touching_;
+    std::vector<Met> met_; ///< last frame's, sorted by pair
 };
 
 } // namespace oncollide
