@@ -4,6 +4,8 @@
 #include <oncollide/narrowphase/triangle_test.hpp>
 #include <oncollide/scenes/mesh.hpp>
 
+#include "boxed_triangles.hpp"
+
 namespace oncollide::tools {
 
 /// What two bodies are to each other beyond meeting, for b's corners as they round in a's frame.
@@ -16,6 +18,9 @@ struct SolidTruth {
     /// direction, so that a part inside out is a cavity and a mesh inside out as a whole is like any other.
     bool enclosed = false;
 };
+
+/// Of two that touch and do not cross by their triangles.
+SolidTruth touching_truth_of(const BoxedTriangles& a, const BoxedTriangles& b);
 
 /// Independent of the library: each pair of triangles by linear programming, each corner by its winding number, both in
 /// integers.

@@ -109,8 +109,7 @@ StudyTruth::Answer StudyTruth::decide_meshes(BodyPair pair) const
     const TriangleContact contact = contact_of(a.at_home, b_in_a, least);
     if (contact >= least) return Answer::collide;
     if (contact == TriangleContact::touching) { // ignored, unless insides overlap
-        const SolidTruth solid =
-            solid_truth_of(*a.halved.mesh, scene_.poses[pair.a], *b.halved.mesh, scene_.poses[pair.b], false);
+        const SolidTruth solid = touching_truth_of(a.at_home, b_in_a);
         return solid.vague ? Answer::open : solid.contact == least ? Answer::collide : Answer::apart;
     }
     if (a.holds(a.at_home, b, b_in_a) || b.holds(b_in_a, a, a.at_home)) return Answer::collide;
