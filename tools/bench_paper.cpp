@@ -3,7 +3,6 @@
 #include "octant_levels.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <functional>
 
 #include <oncollide/narrowphase/gpu.hpp>
@@ -13,7 +12,6 @@
 namespace oncollide::tools {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using Query = GlQueryOptions;
 
 struct Method {
@@ -151,7 +149,7 @@ private:
         for (int repeat = 0; repeat < 10; ++repeat) {
             const Clock::time_point from = Clock::now();
             const BatchWork work = backend.ask(rows, 1, answers);
-            const double ms = std::chrono::duration<double, std::milli>(Clock::now() - from).count();
+            const double ms = milliseconds_since(from);
             if (ms < best.first) best = {ms, work};
         }
         return best;

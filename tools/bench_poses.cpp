@@ -15,14 +15,12 @@
 namespace oncollide::tools {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 template <class Work>
 double milliseconds(Work work)
 {
     const auto from = Clock::now();
     work();
-    return std::chrono::duration<double, std::milli>(Clock::now() - from).count();
+    return milliseconds_since(from);
 }
 
 /// One way to answer, and what it took.
@@ -101,7 +99,7 @@ private:
         for (const auto& tree : trees_) {
             const auto from = Clock::now();
             for (const KnownPose& pose : poses_) tree->walk(pose.b);
-            growth_.push_back(std::chrono::duration<double, std::milli>(Clock::now() - from).count());
+            growth_.push_back(milliseconds_since(from));
             tree->reset_counters();
             for (const KnownPose& pose : poses_) tree->walk(pose.b);
             cell_pairs_.push_back(double(tree->cell_pairs()) / double(poses_.size()));

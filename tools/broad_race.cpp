@@ -2,14 +2,12 @@
 #include "bench.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 #include <malloc.h>
 
 namespace oncollide::tools {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using Group = Contender::Group;
 
 constexpr double longest_ms = 20'000; // to take in a scene with its first frame, and for any other
@@ -104,7 +102,7 @@ private:
         const double before = double(resident_memory());
         const Clock::time_point from = Clock::now();
         work();
-        const double ms = std::chrono::duration<double, std::milli>(Clock::now() - from).count();
+        const double ms = milliseconds_since(from);
         entrant.row.bytes += std::max(0.0, double(resident_memory()) - before);
         return ms;
     }
@@ -121,7 +119,7 @@ private:
         } else {
             const Clock::time_point from = Clock::now();
             step();
-            const double ms = std::chrono::duration<double, std::milli>(Clock::now() - from).count();
+            const double ms = milliseconds_since(from);
             if (scene_.frame > warm_up_) entrant.times.push_back(ms);
             if (ms > longest_ms) entrant.trouble = fmt::format("{:.0f} s for frame {}", ms / 1e3, scene_.frame);
         }

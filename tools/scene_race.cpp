@@ -1,6 +1,5 @@
 #include "scene_race.hpp"
 
-#include <chrono>
 #include <optional>
 
 #include <oncollide/pipeline/contacts.hpp>
@@ -8,13 +7,6 @@
 
 namespace oncollide::tools {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double milliseconds_since(Clock::time_point from)
-{
-    return std::chrono::duration<double, std::milli>(Clock::now() - from).count();
-}
 
 class Race {
 public:

@@ -1,4 +1,5 @@
 #pragma once
+#include <chrono>
 #include <vector>
 
 namespace oncollide::tools {
@@ -6,5 +7,12 @@ namespace oncollide::tools {
 // 0 of nothing.
 double median(std::vector<double> values);
 double mean(const std::vector<double>& values);
+
+using Clock = std::chrono::steady_clock;
+
+inline double milliseconds_since(Clock::time_point from)
+{
+    return std::chrono::duration<double, std::milli>(Clock::now() - from).count();
+}
 
 } // namespace oncollide::tools

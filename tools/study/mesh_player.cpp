@@ -1,7 +1,6 @@
 #include "study/peers.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <malloc.h>
 #include <numeric>
 
@@ -62,13 +61,13 @@ public:
 
     Answer step() override
     {
-        const auto from = std::chrono::steady_clock::now();
+        const Clock::time_point from = Clock::now();
         find_candidates();
         Answer answer;
         answer.candidates = candidates_.size();
         for (BodyPair pair : candidates_)
             if (collide(pair)) answer.colliding.push_back({std::min(pair.a, pair.b), std::max(pair.a, pair.b)});
-        answer.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - from).count();
+        answer.ms = milliseconds_since(from);
         std::ranges::sort(answer.colliding);
         return answer;
     }
