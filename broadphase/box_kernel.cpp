@@ -1,6 +1,6 @@
 // Compiled once per instruction set; see oncollide_add_kernel.
+#include <oncollide/base/simd.hpp>
 #include <oncollide/broadphase/box_kernel.hpp>
-#include <oncollide/broadphase/simd.hpp>
 
 namespace oncollide::ONCOLLIDE_ISA {
 namespace {

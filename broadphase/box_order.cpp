@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include <oncollide/scenes/parallel.hpp>
+#include <oncollide/base/parallel.hpp>
 
 namespace oncollide {
 

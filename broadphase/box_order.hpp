@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include <oncollide/scenes/aabb.hpp>
+#include <oncollide/base/aabb.hpp>
 
 namespace oncollide {
 

@@ -6,10 +6,10 @@
 #include <limits>
 #include <string>
 
-#include <oncollide/broadphase/cpu_features.hpp>
-#include <oncollide/broadphase/outward.hpp>
-#include <oncollide/scenes/error.hpp>
-#include <oncollide/scenes/parallel.hpp>
+#include <oncollide/base/cpu_features.hpp>
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/outward.hpp>
+#include <oncollide/base/parallel.hpp>
 
 namespace oncollide {
 

@@ -3,19 +3,19 @@
 #include <span>
 #include <vector>
 
+#include <oncollide/base/large_vector.hpp>
 #include <oncollide/broadphase/box_order.hpp>
 #include <oncollide/broadphase/box_tree_kernel.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
-#include <oncollide/broadphase/large_vector.hpp>
 
 namespace oncollide {
 
 /// Boxes in an order that keeps neighbours together, 16 a leaf, and over them an implicit tree of bounds, 16 children a
 /// node: no pointers, every node a row of columns that one or two vector comparisons test.
 ///
-/// The order stays while boxes move a little: refit() takes in new boxes and widens the bounds, and worn() says when
-/// these have become so wide that building again pays. Boxes are floats relative to the middle of all, rounded outward.
-/// 34 bytes a box.
+/// The order stays while boxes move a little: refit() takes in new boxes and widens the bounds, and degraded() says
+/// when these have become so wide that building again pays. Boxes are floats relative to the middle of all, rounded
+/// outward. 34 bytes a box.
 class BoxTree {
 public:
     explicit BoxTree(BoxOrder kind) : kind_(kind) {}
@@ -39,7 +39,7 @@ public:
     void forget_layers();
 
     /// Have the leaves grown by so much, since they were built, that a search costs markedly more?
-    bool worn() const { return leaf_extent_ > 1.2 * built_extent_; }
+    bool degraded() const { return leaf_extent_ > 1.2 * built_extent_; }
     bool empty() const { return order_.empty(); }
     std::uint32_t size() const { return static_cast<std::uint32_t>(order_.size()); } ///< places, padding included
     std::uint32_t bodies() const { return bodies_; }

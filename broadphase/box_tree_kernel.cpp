@@ -1,8 +1,8 @@
 // Compiled once per instruction set; see oncollide_add_kernel.
 #include <cstddef>
 
+#include <oncollide/base/simd.hpp>
 #include <oncollide/broadphase/box_tree_kernel.hpp>
-#include <oncollide/broadphase/simd.hpp>
 
 namespace oncollide::ONCOLLIDE_ISA {
 namespace {

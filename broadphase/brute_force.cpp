@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <array>
 
+#include <oncollide/base/outward.hpp>
 #include <oncollide/broadphase/box_kernel.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
-#include <oncollide/broadphase/outward.hpp>
 #include <oncollide/broadphase/pair_sort.hpp>
 #include <oncollide/broadphase/tree_search.hpp>
 

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include <oncollide/scenes/parallel.hpp>
+#include <oncollide/base/parallel.hpp>
 
 namespace oncollide {
 

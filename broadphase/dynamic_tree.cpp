@@ -4,9 +4,9 @@
 #include <cmath>
 #include <string>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/broadphase/delimitation.hpp>
 #include <oncollide/broadphase/pair_sort.hpp>
-#include <oncollide/scenes/error.hpp>
 
 namespace oncollide {
 
@@ -37,12 +37,12 @@ struct DynamicTree::Impl {
     BoxTree tree{BoxOrder::kd};
     TreeSearch search;
     Delimitation delimitation, question;
-    std::vector<std::uint8_t> state;                       ///< by body
-    std::vector<std::uint8_t> asleep;                      ///< by body, for the filter
-    std::vector<std::uint32_t> gone, come, gone_elsewhere; ///< scratch: bodies for the tree to change
-    std::vector<std::uint32_t> changes;                    ///< bodies with state `moved` or `changed`, each once
-    std::vector<std::uint32_t> asked;                      ///< of the changed ones, those to be asked for
-    std::vector<BodyPair> kept;                            ///< pairs of the boxes as the tree holds them
+    std::vector<std::uint8_t> state;                     ///< by body
+    std::vector<std::uint8_t> asleep;                    ///< by body, for the filter
+    std::vector<std::uint32_t> gone, come, moved_bodies; ///< scratch: bodies for the tree to change
+    std::vector<std::uint32_t> changes;                  ///< bodies with state `moved` or `changed`, each once
+    std::vector<std::uint32_t> asked;                    ///< of the changed ones, those to be asked for
+    std::vector<BodyPair> kept;                          ///< pairs of the boxes as the tree holds them
     std::vector<BodyPair> exact; ///< of these, pairs of the boxes themselves; only where they may differ
     std::vector<BodyPair> found, scratch;
     std::vector<std::uint32_t> any; ///< layers and masks, where there are none
@@ -194,7 +194,7 @@ void DynamicTree::Impl::take_in(const BodyColumns& columns, const BodyFilter& fi
 {
     if (taken_in) return;
     delimitation.clear();
-    gone.clear(), come.clear(), gone_elsewhere.clear();
+    gone.clear(), come.clear(), moved_bodies.clear();
     for (std::uint32_t body : changes) {
         const std::uint8_t s = state[body];
         if (!(s & present)) {
@@ -202,7 +202,7 @@ void DynamicTree::Impl::take_in(const BodyColumns& columns, const BodyFilter& fi
         } else if (!(s & in_tree)) {
             come.push_back(body);
         } else if (s & moved && !stays_inside(body, columns.boxes[body])) {
-            gone_elsewhere.push_back(body), state[body] |= changed;
+            moved_bodies.push_back(body), state[body] |= changed;
         }
     }
     refuse_unusable(columns.boxes, come);
@@ -220,12 +220,12 @@ void DynamicTree::Impl::take_in(const BodyColumns& columns, const BodyFilter& fi
         }
         for (std::uint32_t body : gone) state[body] &= static_cast<std::uint8_t>(~in_tree);
         for (std::uint32_t body : come) state[body] |= in_tree;
-        if (gone_elsewhere.size() * everything > size)
+        if (moved_bodies.size() * everything > size)
             refit(columns);
         else
-            tree.refit_bodies(columns.boxes, tree_margin(), gone_elsewhere);
-        if (tree.worn()) refit(columns);
-        if (tree.worn()) rebuild(columns);
+            tree.refit_bodies(columns.boxes, tree_margin(), moved_bodies);
+        if (tree.degraded()) refit(columns);
+        if (tree.degraded()) rebuild(columns);
     }
     std::erase_if(changes, [&](std::uint32_t body) {
         state[body] &= static_cast<std::uint8_t>(~moved);
@@ -391,7 +391,7 @@ std::size_t DynamicTree::bytes() const
     return p.tree.bytes() + p.search.bytes() + p.delimitation.bytes() + p.question.bytes() + p.state.capacity() +
            p.asleep.capacity() +
            (p.changes.capacity() + p.asked.capacity() + p.any.capacity() + p.gone.capacity() + p.come.capacity() +
-            p.gone_elsewhere.capacity()) *
+            p.moved_bodies.capacity()) *
                sizeof(std::uint32_t) +
            (p.kept.capacity() + p.exact.capacity() + p.found.capacity() + p.scratch.capacity()) * sizeof(BodyPair);
 }

@@ -33,7 +33,7 @@ struct BoxHit {
 /// body is one that is never woken. Whoever changes a body's box, layer or mask says so by move(); a moved body stays
 /// asleep or awake. Not thread-safe.
 /// Cost of find_pairs(): O(changed + pairs), about a microsecond a body that changed; where over a quarter changed, and
-/// now and then when the tree has worn out, O(n). Memory: 45 bytes a body and 8 a pair.
+/// now and then when the tree has degraded out, O(n). Memory: 45 bytes a body and 8 a pair.
 class DynamicTree {
 public:
     struct Options {

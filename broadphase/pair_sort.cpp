@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-#include <oncollide/scenes/parallel.hpp>
+#include <oncollide/base/parallel.hpp>
 
 namespace oncollide {
 

@@ -36,7 +36,7 @@ private:
     {
         const bool same = tree_.view().levels > 0 && std::ranges::equal(bodies, bodies_);
         if (same) tree_.refit(boxes, margin, threads);
-        if (!same || tree_.worn()) {
+        if (!same || tree_.degraded()) {
             tree_.build(boxes, bodies, margin, threads); // first: it may refuse a box, and then nothing has changed
             if (!same) bodies_.assign(bodies.begin(), bodies.end());
             is_static_.clear();

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
+#include <oncollide/base/cpu_features.hpp>
+#include <oncollide/base/parallel.hpp>
 #include <oncollide/broadphase/box_kernel.hpp>
-#include <oncollide/broadphase/cpu_features.hpp>
-#include <oncollide/scenes/convex_hull.hpp>
-#include <oncollide/scenes/parallel.hpp>
+#include <oncollide/scenes/model/convex_hull.hpp>
 
 namespace oncollide {
 

@@ -7,9 +7,10 @@
 #       LINK    Qhull::qhull_r)      private third-party libraries
 #
 # A module sees its own headers and those of the modules it depends on, as <oncollide/MODULE/x.hpp>, and no others:
-# each module's folder is linked into an include tree of its own, so including upward does not compile.
+# each module's folder is linked into an include tree of its own under cmake/include, so including upward does not compile,
+# and an editor follows every include in a fresh clone (compile_flags.txt).
 
-set(ONCOLLIDE_LAYERS scenes broadphase narrowphase pipeline) # bottom first
+set(ONCOLLIDE_LAYERS base scenes broadphase narrowphase pipeline) # bottom first
 
 add_library(oncollide_flags INTERFACE)
 target_compile_features(oncollide_flags INTERFACE cxx_std_20)
@@ -28,9 +29,7 @@ function(oncollide_add_module name)
     endif()
   endforeach()
 
-  set(include_tree ${PROJECT_BINARY_DIR}/include/${name})
-  file(MAKE_DIRECTORY ${include_tree}/oncollide)
-  file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${include_tree}/oncollide/${name} SYMBOLIC)
+  set(include_tree ${PROJECT_SOURCE_DIR}/cmake/include/${name}) # a link to the folder: nothing else is seen through it
 
   add_library(oncollide_${name} STATIC ${arg_SOURCES})
   add_library(oncollide::${name} ALIAS oncollide_${name})
@@ -45,7 +44,10 @@ function(oncollide_add_module name)
 
   set_property(TARGET oncollide_${name} PROPERTY ONCOLLIDE_PUBLIC_HEADERS ${arg_HEADERS})
   install(TARGETS oncollide_${name} EXPORT oncollide ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-  install(FILES ${arg_HEADERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/oncollide/${name})
+  foreach(header IN LISTS arg_HEADERS)
+    get_filename_component(folder ${header} DIRECTORY)
+    install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/oncollide/${name}/${folder})
+  endforeach()
 endfunction()
 
 # Compiles KERNEL once per instruction set: oncollide_add_kernel(TARGET kernel.cpp) builds it with ONCOLLIDE_ISA set to

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/narrowphase/exact_predicates.hpp>
-#include <oncollide/narrowphase/triangle_walk.hpp>
-#include <oncollide/pipeline/triangle_trees.hpp>
-#include <oncollide/scenes/error.hpp>
-#include <oncollide/scenes/parallel.hpp>
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/parallel.hpp>
+#include <oncollide/narrowphase/boxes/traversal.hpp>
+#include <oncollide/narrowphase/exact/exact_predicates.hpp>
+#include <oncollide/pipeline/obb_trees.hpp>
 
 namespace oncollide {
 
@@ -34,22 +34,22 @@ private:
 
 /// One thread's working memory.
 struct Worker {
-    TriangleWalk walk;
-    std::vector<TriangleMeeting> pairs;
+    Traversal walk;
+    std::vector<TrianglePair> pairs;
     Normals normals_a, normals_b;
     std::vector<Contact> contacts;
 
     /// Appends.
-    void find(TriangleTree& a, TriangleTree& b, const Eigen::Isometry3d& pose_a, const Eigen::Isometry3d& pose_b)
+    void find(ObbTree& a, ObbTree& b, const Eigen::Isometry3d& pose_a, const Eigen::Isometry3d& pose_b)
     {
-        const IntoA into_a(pose_a, pose_b);
-        walk.all_meeting(a, b, into_a, pairs);
+        const RelativePose b_to_a(pose_a, pose_b);
+        walk.all_meeting(a, b, b_to_a, pairs);
         normals_a.forget(), normals_b.forget();
         const auto &v = a.mesh().vertices, &w = b.mesh().vertices;
-        for (const TriangleMeeting& pair : pairs) {
+        for (const TrianglePair& pair : pairs) {
             const Triangle &s = a.mesh().triangles[pair.a], &t = b.mesh().triangles[pair.b];
             const TrianglePoints of_a{v[s[0]], v[s[1]], v[s[2]]},
-                of_b{into_a(w[t[0]]), into_a(w[t[1]]), into_a(w[t[2]])};
+                of_b{b_to_a(w[t[0]]), b_to_a(w[t[1]]), b_to_a(w[t[2]])};
             const auto [ends, kind] = common_segment(of_a, of_b);
             contacts.push_back({pair.a,
                                 pair.b,
@@ -64,7 +64,7 @@ struct Worker {
 } // namespace
 
 struct ContactFinder::Impl {
-    TriangleTrees trees;
+    ObbTrees trees;
     std::vector<Worker> workers{1};
     ContactLists lists;
 
@@ -80,7 +80,7 @@ struct ContactFinder::Impl {
         return *mesh;
     }
 
-    TriangleTree& tree_of(const Scene& scene, BodyId body) { return trees[scene.geometry[index(body)]]; }
+    ObbTree& tree_of(const Scene& scene, BodyId body) { return trees[scene.geometry[index(body)]]; }
 
     void admit(const Scene& scene, BodyId body)
     {
@@ -151,9 +151,9 @@ void check_distance(double tolerance, double farthest)
             throw Error(ErrorKind::usage, fmt::format("distance: a {} of {}; must be 0 or more", what, value));
 }
 
-MeshDistance mesh_distance(const TriangleWalk::Distance& found)
+MeshDistance mesh_distance(const Traversal::Distance& found)
 {
-    const TriangleMeeting pair = found.nearest.value_or(TriangleMeeting{0, 0});
+    const TrianglePair pair = found.nearest.value_or(TrianglePair{0, 0});
     return {found.lower, found.upper, pair.a, pair.b};
 }
 
@@ -162,9 +162,9 @@ MeshDistance ContactFinder::distance(const Scene& scene, BodyId a, BodyId b, dou
     Impl& p = *impl_;
     check_distance(tolerance, farthest);
     p.admit(scene, a), p.admit(scene, b);
-    const IntoA into_a(scene.poses[index(a)], scene.poses[index(b)]);
+    const RelativePose b_to_a(scene.poses[index(a)], scene.poses[index(b)]);
     return mesh_distance(
-        p.workers.front().walk.distance(p.tree_of(scene, a), p.tree_of(scene, b), into_a, tolerance, farthest));
+        p.workers.front().walk.distance(p.tree_of(scene, a), p.tree_of(scene, b), b_to_a, tolerance, farthest));
 }
 
 } // namespace oncollide

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <oncollide/broadphase/broad_phase.hpp>
-#include <oncollide/narrowphase/triangle_walk.hpp>
+#include <oncollide/narrowphase/boxes/traversal.hpp>
 #include <oncollide/scenes/scene.hpp>
 
 namespace oncollide {
@@ -34,7 +34,7 @@ struct MeshDistance {
 
 /// Throws Error{usage} for a tolerance or a limit that is negative or no number.
 void check_distance(double tolerance, double farthest);
-MeshDistance mesh_distance(const TriangleWalk::Distance& found);
+MeshDistance mesh_distance(const Traversal::Distance& found);
 
 /// All contacts and the distances of pairs of meshes, asked for one pair at a time: for the pairs that a Pipeline
 /// called colliding, or any others. Trees of oriented boxes are grown where they are needed, and kept.

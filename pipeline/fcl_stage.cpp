@@ -1,9 +1,9 @@
 #include <algorithm>
 
-#include <oncollide/narrowphase/exact_fcl.hpp>
-#include <oncollide/pipeline/enclosures.hpp>
+#include <oncollide/base/parallel.hpp>
+#include <oncollide/narrowphase/exact/exact_fcl.hpp>
+#include <oncollide/pipeline/containment_test.hpp>
 #include <oncollide/pipeline/exact_stages.hpp>
-#include <oncollide/scenes/parallel.hpp>
 
 namespace oncollide {
 
@@ -147,7 +147,7 @@ private:
 
     Forest& forest_;
     ExactFcl fcl_;
-    Enclosures enclosures_;
+    ContainmentTest enclosures_;
     std::vector<Open> open_, met_; ///< this frame's open pairs; last frame's that met, sorted by pair
     std::vector<Worker> workers_;
     std::vector<Forest::CellTriangles> cells_;

@@ -7,7 +7,7 @@
 namespace oncollide {
 
 Forest::Forest(const Scene& scene, const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
-    : scene_(scene), settings_(settings), backend_(std::move(backend)), triangle_trees_(scene),
+    : scene_(scene), settings_(settings), backend_(std::move(backend)), obb_trees_(scene),
       trees_(scene.geometries.size())
 {
     if (settings.mode == Mode::solid) solids_.emplace(scene, settings.open_as_surface);
@@ -51,16 +51,16 @@ bool Forest::admit_triangles(GeometryId geometry, std::uint32_t frame)
         if (budget == 0) return std::numeric_limits<decltype(budget)>::max();
         return budget > held ? budget - held : 0;
     };
-    const TriangleTrees::Room& reserved = triangle_trees_.reserved();
-    return triangle_trees_.admit(geometry, frame,
-                                 {left(std::uint64_t(settings_.node_budget), cells() + reserved.nodes),
-                                  left(settings_.memory_budget, sphere_bytes() + reserved.bytes)});
+    const ObbTrees::Room& reserved = obb_trees_.reserved();
+    return obb_trees_.admit(geometry, frame,
+                            {left(std::uint64_t(settings_.node_budget), cells() + reserved.nodes),
+                             left(settings_.memory_budget, sphere_bytes() + reserved.bytes)});
 }
 
 double Forest::tolerance(GeometryId a, GeometryId b)
 {
     if (settings_.max_error) return *settings_.max_error;
-    const double diagonals = triangle_trees_[a].mesh().bounds.diagonal() + triangle_trees_[b].mesh().bounds.diagonal();
+    const double diagonals = obb_trees_[a].mesh().bounds.diagonal() + obb_trees_[b].mesh().bounds.diagonal();
     return std::ldexp(diagonals, -settings_.depth.value_or(6));
 }
 
@@ -109,13 +109,12 @@ std::uint64_t Forest::submit(std::span<const CellRequest> requests, int threads)
 {
     std::uint64_t allowed = requests.size();
     if (settings_.node_budget) {
-        const std::uint64_t held = cells() + triangle_trees_.reserved().nodes;
+        const std::uint64_t held = cells() + obb_trees_.reserved().nodes;
         // An expansion stores up to eight cells.
         allowed =
             settings_.node_budget > held ? std::min<std::uint64_t>(allowed, (settings_.node_budget - held) / 8) : 0;
     }
-    if (settings_.memory_budget && sphere_bytes() + triangle_trees_.reserved().bytes >= settings_.memory_budget)
-        allowed = 0;
+    if (settings_.memory_budget && sphere_bytes() + obb_trees_.reserved().bytes >= settings_.memory_budget) allowed = 0;
 
     threads_ = threads;
     survive([&] {
@@ -173,7 +172,7 @@ CellKey Forest::cell_at(GeometryId geometry, const Eigen::Vector3d& point, int u
 
 std::uint64_t Forest::collapse(std::uint32_t frame, std::uint32_t age)
 {
-    std::uint64_t dropped = triangle_trees_.drop(frame, age);
+    std::uint64_t dropped = obb_trees_.drop(frame, age);
     for (std::uint32_t geometry : live_) {
         Ocst& tree = *trees_[geometry];
         if (!tree.nodes()[0].expanded()) continue;
@@ -205,7 +204,7 @@ std::uint64_t Forest::cells() const
 
 std::uint64_t Forest::nodes() const
 {
-    return cells() + triangle_trees_.nodes();
+    return cells() + obb_trees_.nodes();
 }
 
 std::size_t Forest::sphere_bytes() const
@@ -217,7 +216,7 @@ std::size_t Forest::sphere_bytes() const
 
 std::size_t Forest::bytes() const
 {
-    return sphere_bytes() + triangle_trees_.bytes();
+    return sphere_bytes() + obb_trees_.bytes();
 }
 
 } // namespace oncollide

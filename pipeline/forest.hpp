@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include <oncollide/narrowphase/ocst.hpp>
-#include <oncollide/narrowphase/solid.hpp>
-#include <oncollide/narrowphase/walk.hpp>
+#include <oncollide/narrowphase/exact/solid.hpp>
+#include <oncollide/narrowphase/spheres/ocst.hpp>
+#include <oncollide/narrowphase/spheres/walk.hpp>
+#include <oncollide/pipeline/obb_trees.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
-#include <oncollide/pipeline/triangle_trees.hpp>
 
 namespace oncollide {
 
@@ -30,7 +30,7 @@ public:
     /// Sees to it that a mesh has its tree of oriented boxes. False when it is no mesh, or when a budget has no room
     /// for it all grown. Not while walks are under way.
     bool admit_triangles(GeometryId geometry, std::uint32_t frame);
-    TriangleTrees& triangle_trees() { return triangle_trees_; } ///< of the geometries admitted
+    ObbTrees& obb_trees() { return obb_trees_; } ///< of the geometries admitted
     /// How far apart, above the clearance, two meshes may be that are called near: the error asked for, or what spheres
     /// of that depth would certify. Metres.
     double tolerance(GeometryId a, GeometryId b);
@@ -84,7 +84,7 @@ private:
     const Settings settings_;
     std::optional<Solids> solids_;
     std::unique_ptr<OcclusionBackend> backend_;
-    TriangleTrees triangle_trees_;
+    ObbTrees obb_trees_;
     std::vector<std::unique_ptr<Ocst>> trees_; ///< by geometry; null until needed
     std::vector<std::uint32_t> live_;          ///< geometries that have a tree
     std::vector<OctantRow> rows_;              ///< of the batch under way

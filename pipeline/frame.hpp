@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <oncollide/broadphase/broad_phase.hpp>
-#include <oncollide/narrowphase/walk.hpp>
+#include <oncollide/narrowphase/spheres/walk.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
 #include <oncollide/pipeline/settings.hpp>
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include <oncollide/scenes/parallel.hpp>
+#include <oncollide/base/parallel.hpp>
 
 namespace oncollide {
 
@@ -10,13 +10,13 @@ namespace {
 
 constexpr std::size_t pairs_a_chunk = 64;
 
-TriangleWalk::Nearness within_clearance(TriangleWalk& walk, TriangleTree& a, TriangleTree& b, const IntoA& into_a,
-                                        double clearance)
+Traversal::Nearness within_clearance(Traversal& walk, ObbTree& a, ObbTree& b, const RelativePose& b_to_a,
+                                     double clearance)
 {
     // Poses may be 2^-20 from rigid: so far may a distance in A's frame be from that in the world.
     constexpr double rigid = 0x1p-18;
     const double farthest = clearance * (1 + 4 * rigid);
-    const auto distance = walk.distance(a, b, into_a, 0, farthest);
+    const auto distance = walk.distance(a, b, b_to_a, 0, farthest);
     const double lower = distance.lower * (1 - rigid);
     if (lower > clearance) return {false, lower, {}};
     return {true, distance.upper * (1 + rigid), {}};
@@ -47,18 +47,18 @@ void MeshPairs::run(const Scene& scene, Frame& frame, std::span<Ask> asks, Answe
         for (Ask& ask : asks.subspan(begin, end - begin)) {
             const auto [a, b] = ask.pair;
             while (last != met_.end() && last->pair < ask.pair) ++last;
-            std::optional<TriangleMeeting> hint;
+            std::optional<TrianglePair> hint;
             if (last != met_.end() && last->pair == ask.pair) hint = last->triangles;
             ask.answer = answer(walks_[static_cast<std::size_t>(thread)], scene.geometry[a], scene.geometry[b],
-                                IntoA(scene.poses[a], scene.poses[b]), hint, ask.contact);
+                                RelativePose(scene.poses[a], scene.poses[b]), hint, ask.contact);
         }
     });
     met_.clear();
     if (frame.settings->coherence)
         for (const Ask& ask : asks)
             if (ask.answer.meeting) met_.push_back({ask.pair, *ask.answer.meeting});
-    for (TriangleWalk& walk : walks_) {
-        const TriangleWalk::Counts& counts = walk.counts();
+    for (Traversal& walk : walks_) {
+        const Traversal::Counts& counts = walk.counts();
         frame.trees.node_pairs += counts.box_rows, frame.trees.triangle_pairs += counts.triangles;
         frame.trees.unsure_pairs += counts.unsure;
         walk.reset_counts();
@@ -68,24 +68,25 @@ void MeshPairs::run(const Scene& scene, Frame& frame, std::span<Ask> asks, Answe
 void MeshPairs::near(const Scene& scene, Frame& frame, std::span<Ask> asks)
 {
     run(scene, frame, asks,
-        [&](TriangleWalk& walk, GeometryId a, GeometryId b, const IntoA& into_a, const auto& hint, TriangleContact&) {
-            TriangleTrees& trees = forest_.triangle_trees();
-            return walk.near(trees[a], trees[b], into_a, frame.settings->clearance, forest_.tolerance(a, b), hint);
+        [&](Traversal& walk, GeometryId a, GeometryId b, const RelativePose& b_to_a, const auto& hint,
+            TriangleContact&) {
+            ObbTrees& trees = forest_.obb_trees();
+            return walk.near(trees[a], trees[b], b_to_a, frame.settings->clearance, forest_.tolerance(a, b), hint);
         });
 }
 
 void MeshPairs::meet(const Scene& scene, Frame& frame, std::span<Ask> asks)
 {
     run(scene, frame, asks,
-        [&](TriangleWalk& walk, GeometryId a, GeometryId b, const IntoA& into_a, const auto& hint,
-            TriangleContact& contact) -> TriangleWalk::Nearness {
-            TriangleTree &tree_a = forest_.triangle_trees()[a], &tree_b = forest_.triangle_trees()[b];
+        [&](Traversal& walk, GeometryId a, GeometryId b, const RelativePose& b_to_a, const auto& hint,
+            TriangleContact& contact) -> Traversal::Nearness {
+            ObbTree &tree_a = forest_.obb_trees()[a], &tree_b = forest_.obb_trees()[b];
             const bool kinds = wants_kinds(*frame.settings);
-            const auto meeting = kinds ? walk.contact(tree_a, tree_b, into_a, contact, hint)
-                                       : walk.first_meeting(tree_a, tree_b, into_a, hint);
+            const auto meeting = kinds ? walk.contact(tree_a, tree_b, b_to_a, contact, hint)
+                                       : walk.first_meeting(tree_a, tree_b, b_to_a, hint);
             const double clearance = frame.settings->clearance;
             if (meeting || clearance == 0) return {meeting.has_value(), 0, meeting};
-            return within_clearance(walk, tree_a, tree_b, into_a, clearance);
+            return within_clearance(walk, tree_a, tree_b, b_to_a, clearance);
         });
     find_overlaps(scene, frame, asks);
 }
@@ -106,30 +107,30 @@ void MeshPairs::find_overlaps(const Scene& scene, const Frame& frame, std::span<
         if (ask.contact == TriangleContact::touching && closed(scene, scene.geometry[ask.pair.a]) &&
             closed(scene, scene.geometry[ask.pair.b]))
             touching_.push_back(&ask);
-    TriangleTrees& trees = forest_.triangle_trees();
+    ObbTrees& trees = forest_.obb_trees();
     insides_.resize(walks_.size());
     parallel_chunks(touching_.size(), 1, frame.threads, [&](std::size_t begin, std::size_t end, int thread) {
         for (Ask* ask : std::span(touching_).subspan(begin, end - begin)) {
             const auto [a, b] = ask->pair;
             if (insides_[static_cast<std::size_t>(thread)].find(trees[scene.geometry[a]], trees[scene.geometry[b]],
-                                                                IntoA(scene.poses[a], scene.poses[b])))
+                                                                RelativePose(scene.poses[a], scene.poses[b])))
                 ask->contact = TriangleContact::crossing;
         }
     });
 }
 
 void MeshPairs::distances(const Scene& scene, const Frame& frame, std::span<const Ask> asks, double tolerance,
-                          double farthest, std::vector<TriangleWalk::Distance>& found)
+                          double farthest, std::vector<Traversal::Distance>& found)
 {
     make_walks(frame.threads);
     found.resize(asks.size());
-    TriangleTrees& trees = forest_.triangle_trees();
+    ObbTrees& trees = forest_.obb_trees();
     parallel_chunks(asks.size(), pairs_a_chunk, frame.threads, [&](std::size_t begin, std::size_t end, int thread) {
         for (std::size_t i = begin; i < end; ++i) {
             const auto [a, b] = asks[i].pair;
             found[i] = walks_[static_cast<std::size_t>(thread)].distance(
-                trees[scene.geometry[a]], trees[scene.geometry[b]], IntoA(scene.poses[a], scene.poses[b]), tolerance,
-                farthest);
+                trees[scene.geometry[a]], trees[scene.geometry[b]], RelativePose(scene.poses[a], scene.poses[b]),
+                tolerance, farthest);
         }
     });
 }

@@ -3,8 +3,8 @@
 #include <span>
 #include <vector>
 
-#include <oncollide/narrowphase/shared_inside.hpp>
-#include <oncollide/narrowphase/triangle_walk.hpp>
+#include <oncollide/narrowphase/boxes/traversal.hpp>
+#include <oncollide/narrowphase/exact/shared_inside.hpp>
 #include <oncollide/pipeline/forest.hpp>
 #include <oncollide/pipeline/frame.hpp>
 
@@ -21,22 +21,22 @@ public:
 
     struct Ask {
         BodyPair pair;
-        TriangleWalk::Nearness answer{}; ///< out
-        TriangleContact contact{};       ///< out: of triangles that meet, where kinds are asked for
+        Traversal::Nearness answer{}; ///< out
+        TriangleContact contact{};    ///< out: of triangles that meet, where kinds are asked for
     };
     /// Are they near, by the clearance and the error that the settings allow?
     void near(const Scene& scene, Frame& frame, std::span<Ask> asks);
     /// Do they meet, exactly, and how, if the settings ask? With a clearance, those that do not but are within it are
     /// near, bounded by their distance.
     void meet(const Scene& scene, Frame& frame, std::span<Ask> asks);
-    /// How far apart are they? As TriangleWalk::distance(); found[i] for asks[i].
+    /// How far apart are they? As Traversal::distance(); found[i] for asks[i].
     void distances(const Scene& scene, const Frame& frame, std::span<const Ask> asks, double tolerance, double farthest,
-                   std::vector<TriangleWalk::Distance>& found);
+                   std::vector<Traversal::Distance>& found);
 
 private:
     struct Met {
         BodyPair pair;
-        TriangleMeeting triangles;
+        TrianglePair triangles;
     };
     void make_walks(int threads);
     template <class Answer>
@@ -45,7 +45,7 @@ private:
     void find_overlaps(const Scene& scene, const Frame& frame, std::span<Ask> asks);
 
     Forest& forest_;
-    std::vector<TriangleWalk> walks_;         ///< by thread
+    std::vector<Traversal> walks_;            ///< by thread
     std::vector<SharedInside> insides_;       ///< by thread
     std::vector<std::optional<bool>> closed_; ///< by geometry; nothing until a pair of it touches
     std::vector<Ask*> touching_;

@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/parallel.hpp>
 #include <oncollide/pipeline/mesh_pairs.hpp>
 #include <oncollide/pipeline/pair_walks.hpp>
-#include <oncollide/scenes/error.hpp>
-#include <oncollide/scenes/parallel.hpp>
 
 namespace oncollide {
 
@@ -48,7 +48,7 @@ struct MeshQueries::Impl {
     std::vector<PairWalks::Walk> walks;
     std::vector<MeshPairs::Ask> asks;
     std::vector<std::uint32_t> of_walks, of_asks; ///< their queries
-    std::vector<TriangleWalk::Distance> found;
+    std::vector<Traversal::Distance> found;
 
     Impl(std::vector<Mesh> meshes, const Settings& s)
         : scene(scene_of(std::move(meshes))), settings(checked(s)), forest(scene, settings, make_cpu_backend())
@@ -101,7 +101,7 @@ struct MeshQueries::Impl {
         else
             mesh_pairs.near(scene, frame, asks);
         for (std::size_t i = 0; i < asks.size(); ++i) {
-            const TriangleWalk::Nearness& answer = asks[i].answer;
+            const Traversal::Nearness& answer = asks[i].answer;
             const Verdict yes = exact ? Verdict::colliding : Verdict::within;
             answers[of_asks[i]] = {answer.near ? yes : Verdict::separate, answer.bound};
         }

@@ -9,7 +9,7 @@
 #include <oncollide/narrowphase/verdict.hpp>
 #include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/settings.hpp>
-#include <oncollide/scenes/mesh.hpp>
+#include <oncollide/scenes/model/mesh.hpp>
 
 namespace oncollide {
 

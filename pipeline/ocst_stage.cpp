@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include <oncollide/pipeline/enclosures.hpp>
+#include <oncollide/pipeline/containment_test.hpp>
 #include <oncollide/pipeline/mesh_pairs.hpp>
 #include <oncollide/pipeline/pair_walks.hpp>
 #include <oncollide/pipeline/stage.hpp>
@@ -122,7 +122,7 @@ private:
     const bool left_to_exact_; ///< pairs of meshes, if tight
     PairWalks pair_walks_;
     MeshPairs mesh_pairs_;
-    Enclosures enclosures_;
+    ContainmentTest enclosures_;
     std::vector<PairWalks::Walk> walks_;
     std::vector<MeshPairs::Ask> asks_;
     std::vector<std::uint32_t> of_walks_, of_asks_; ///< their numbers among the pairs

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include <oncollide/scenes/parallel.hpp>
+#include <oncollide/base/parallel.hpp>
 
 namespace oncollide {
 

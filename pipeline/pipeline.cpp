@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <oncollide/narrowphase/gpu.hpp>
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/parallel.hpp>
+#include <oncollide/narrowphase/gl/gpu.hpp>
 #include <oncollide/pipeline/exact_stages.hpp>
-#include <oncollide/scenes/error.hpp>
-#include <oncollide/scenes/parallel.hpp>
 
 namespace oncollide {
 

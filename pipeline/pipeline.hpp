@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <oncollide/broadphase/broad_phase.hpp>
-#include <oncollide/narrowphase/occlusion_backend.hpp>
+#include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
 #include <oncollide/narrowphase/verdict.hpp>
 #include <oncollide/pipeline/settings.hpp>
 #include <oncollide/scenes/scene.hpp>

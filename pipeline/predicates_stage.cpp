@@ -1,8 +1,8 @@
-#include <oncollide/narrowphase/exact_fcl.hpp>
-#include <oncollide/pipeline/enclosures.hpp>
+#include <oncollide/base/parallel.hpp>
+#include <oncollide/narrowphase/exact/exact_fcl.hpp>
+#include <oncollide/pipeline/containment_test.hpp>
 #include <oncollide/pipeline/exact_stages.hpp>
 #include <oncollide/pipeline/mesh_pairs.hpp>
-#include <oncollide/scenes/parallel.hpp>
 
 namespace oncollide {
 
@@ -86,7 +86,7 @@ private:
 
     MeshPairs mesh_pairs_;
     ExactFcl fcl_;
-    Enclosures enclosures_;
+    ContainmentTest enclosures_;
     std::vector<MeshPairs::Ask> asks_;   ///< pairs of meshes without a verdict
     std::vector<std::uint32_t> of_asks_; ///< theirs, in frame.results
     std::vector<std::uint32_t> others_;  ///< results that FCL is asked about

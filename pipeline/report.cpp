@@ -1,7 +1,7 @@
 #include <oncollide/pipeline/report.hpp>
 
-#include <oncollide/scenes/output_file.hpp>
-#include <oncollide/scenes/parallel.hpp>
+#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/parallel.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -167,7 +167,8 @@ void Report::print_header(OutputFile& file) const
                "\"queries\": {}, \"gpu_bytes\": {}, "
                "\"repeats\": {}, \"nodes\": {}, \"bytes\": {}, \"peak_nodes\": {}, \"peak_bytes\": {}}}}}",
                trees.rounds, trees.rows, trees.node_pairs, trees.triangle_pairs, trees.unsure_pairs, trees.collapsed,
-               trees.refused, trees.queries, trees.gpu_bytes, trees.repeats, trees.nodes, trees.bytes, peak_nodes, peak_bytes);
+               trees.refused, trees.queries, trees.gpu_bytes, trees.repeats, trees.nodes, trees.bytes, peak_nodes,
+               peak_bytes);
 }
 
 void Report::print_stages(OutputFile& file) const

@@ -2,7 +2,7 @@
 // time of every frame went. Plain SVG, readable on a light page and in print.
 #include <oncollide/pipeline/report.hpp>
 
-#include <oncollide/scenes/output_file.hpp>
+#include <oncollide/base/output_file.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <oncollide/narrowphase/cell_key.hpp>
-#include <oncollide/scenes/error.hpp>
+#include <oncollide/base/error.hpp>
+#include <oncollide/narrowphase/spheres/cell_key.hpp>
 
 namespace oncollide {
 

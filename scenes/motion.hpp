@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include <oncollide/scenes/aabb.hpp>
+#include <oncollide/base/aabb.hpp>
 
 namespace oncollide {
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/scenes/error.hpp>
+#include <oncollide/base/error.hpp>
 
 namespace oncollide {
 

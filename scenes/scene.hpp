@@ -10,11 +10,11 @@
 
 #include <Eigen/Geometry>
 
-#include <oncollide/scenes/aabb.hpp>
-#include <oncollide/scenes/mesh.hpp>
+#include <oncollide/base/aabb.hpp>
+#include <oncollide/scenes/model/mesh.hpp>
+#include <oncollide/scenes/model/occupancy_map.hpp>
+#include <oncollide/scenes/model/shape.hpp>
 #include <oncollide/scenes/motion.hpp>
-#include <oncollide/scenes/occupancy_map.hpp>
-#include <oncollide/scenes/shape.hpp>
 
 namespace oncollide {
 

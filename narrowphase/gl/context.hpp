@@ -5,7 +5,7 @@
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 
-#include <oncollide/narrowphase/gpu.hpp>
+#include <oncollide/narrowphase/gl/gpu.hpp>
 
 namespace oncollide::gl {
 

@@ -18,7 +18,7 @@
 #include <oncollide/narrowphase/gl/list_store.hpp>
 #include <oncollide/narrowphase/gl/octant_shaders.hpp>
 #include <oncollide/narrowphase/gl/primitive_store.hpp>
-#include <oncollide/narrowphase/octant_cell.hpp>
+#include <oncollide/narrowphase/spheres/octant_cell.hpp>
 
 namespace oncollide {
 

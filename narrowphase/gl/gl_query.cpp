@@ -10,7 +10,7 @@
 //
 // Source: Franquesa-Niubó and Rodríguez González, "Sphere-trees generation as needed in real time to speed up collision
 // detection", GRAPP 2006, section 4.
-#include <oncollide/narrowphase/gpu.hpp>
+#include <oncollide/narrowphase/gl/gpu.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -22,7 +22,7 @@
 #include <oncollide/narrowphase/gl/context.hpp>
 #include <oncollide/narrowphase/gl/octant_queries.hpp>
 #include <oncollide/narrowphase/gl/query_mesh.hpp>
-#include <oncollide/narrowphase/listed_surfaces.hpp>
+#include <oncollide/narrowphase/spheres/listed_surfaces.hpp>
 
 namespace oncollide {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <oncollide/narrowphase/gl/resources.hpp>
-#include <oncollide/narrowphase/occlusion_backend.hpp>
+#include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
 
 namespace oncollide::gl {
 

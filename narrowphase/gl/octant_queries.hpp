@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <oncollide/narrowphase/gl/resources.hpp>
-#include <oncollide/narrowphase/octant_kernel.hpp>
+#include <oncollide/narrowphase/spheres/octant_kernel.hpp>
 
 namespace oncollide::gl {
 

@@ -1,4 +1,4 @@
-#include <oncollide/narrowphase/picture.hpp>
+#include <oncollide/narrowphase/gl/picture.hpp>
 
 #include <algorithm>
 #include <cmath>

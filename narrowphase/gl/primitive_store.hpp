@@ -4,7 +4,7 @@
 #include <span>
 
 #include <oncollide/narrowphase/gl/resources.hpp>
-#include <oncollide/narrowphase/primitive.hpp>
+#include <oncollide/narrowphase/spheres/primitive.hpp>
 
 namespace oncollide::gl {
 

@@ -3,9 +3,9 @@
 #include <span>
 #include <vector>
 
+#include <oncollide/narrowphase/gl/gpu.hpp>
 #include <oncollide/narrowphase/gl/resources.hpp>
-#include <oncollide/narrowphase/gpu.hpp>
-#include <oncollide/narrowphase/octant_kernel.hpp>
+#include <oncollide/narrowphase/spheres/octant_kernel.hpp>
 
 namespace oncollide::gl {
 

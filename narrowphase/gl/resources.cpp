@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/narrowphase/occlusion_backend.hpp>
+#include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
 
 namespace oncollide::gl {
 

@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
-#include <oncollide/scenes/error.hpp>
 
-#include "broadphase/boxes.hpp"
+#include "boxes.hpp"
 
 namespace oncollide {
 namespace {

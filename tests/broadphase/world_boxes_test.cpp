@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/broadphase/world_boxes.hpp>
-#include <oncollide/scenes/catalogue.hpp>
-#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/scenes/catalogue/catalogue.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
 
 namespace oncollide {
 namespace {
@@ -111,7 +111,7 @@ TEST(WorldBoxes, EncloseShapes)
         const GeometryId geometry = scene.add("shape", shape);
         scene.add_body({.name = "body", .geometry = geometry, .motion = Drift{}});
         WorldBoxes boxes(scene);
-        const Mesh around = enclose(shape).mesh;
+        const Mesh around = bounding_mesh_of(shape).mesh;
         const std::uint32_t body = 0;
         Aabb box;
         for (std::uint64_t i = 0; i < 200; ++i) {

@@ -5,14 +5,14 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "aabbs_file.hpp"
-#include "pose_file.hpp"
+#include "bench/aabbs_file.hpp"
+#include "bench/pose_file.hpp"
 #include "seeds.hpp"
 #include "tools/run_command.hpp"
-#include <oncollide/scenes/error.hpp>
-#include <oncollide/scenes/mesh_file.hpp>
-#include <oncollide/scenes/occupancy_map.hpp>
-#include <oncollide/scenes/scene_file.hpp>
+#include <oncollide/base/error.hpp>
+#include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/files/scene_file.hpp>
+#include <oncollide/scenes/model/occupancy_map.hpp>
 
 namespace oncollide::test {
 

@@ -5,8 +5,8 @@
 #include <octomap/OcTree.h>
 
 #include "scenes/mesh_writers.hpp"
-#include <oncollide/scenes/mesh_generators.hpp>
-#include <oncollide/scenes/occupancy_map.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/occupancy_map.hpp>
 
 namespace oncollide::test {
 

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <oncollide/narrowphase/gpu.hpp>
+#include <oncollide/narrowphase/gl/gpu.hpp>
 
 #include <algorithm>
 #include <bit>

@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
-#include <oncollide/narrowphase/exact_predicates.hpp>
+#include <oncollide/narrowphase/exact/exact_predicates.hpp>
 
-#include "exact_oracle.hpp"
-#include "triangle_families.hpp"
+#include "hard/exact_oracle.hpp"
+#include "hard/triangle_families.hpp"
 
 namespace oncollide {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <bit>
 
-#include <oncollide/narrowphase/gpu.hpp>
+#include <oncollide/narrowphase/gl/gpu.hpp>
 
 #include "octant_truth.hpp"
 

@@ -3,11 +3,11 @@
 
 #include <cstring>
 
+#include <oncollide/base/cpu_features.hpp>
 #include <oncollide/broadphase/box_kernel.hpp>
-#include <oncollide/broadphase/cpu_features.hpp>
-#include <oncollide/narrowphase/octant_kernel.hpp>
-#include <oncollide/narrowphase/surface.hpp>
-#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/narrowphase/spheres/octant_kernel.hpp>
+#include <oncollide/narrowphase/spheres/surface.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 namespace oncollide {

@@ -1,9 +1,9 @@
 // What a whole tree says about a surface, judged by code that shares nothing with the trees.
 #include <gtest/gtest.h>
 
-#include "box_levels.hpp"
-#include "level_quality.hpp"
-#include "narrowphase/octant_truth.hpp"
+#include "octant_truth.hpp"
+#include "spheres/box_levels.hpp"
+#include "spheres/level_quality.hpp"
 
 namespace oncollide {
 namespace {
@@ -85,10 +85,10 @@ TEST(WholeTrees, SpheresHoldTheSurfaceOnEveryLevelAndReachNoFartherThanCertified
 TEST(WholeTrees, BoxesHoldTheSurfaceOnEveryLevelAndReachNoFartherThanTheyAreLong)
 {
     for (const Case& c : hard_cases()) {
-        TriangleTree tree(c.mesh);
+        ObbTree tree(c.mesh);
         const auto levels = tools::box_levels(tree);
         EXPECT_EQ(levels.back().size(), c.mesh.triangles.size()) << c.name;
-        EXPECT_LE(tree.nodes(), TriangleTree::most_nodes(c.mesh));
+        EXPECT_LE(tree.nodes(), ObbTree::most_nodes(c.mesh));
         const tools::SurfaceIndex index(c.mesh);
         for (std::size_t level = 0; level < levels.size(); ++level) {
             SCOPED_TRACE(c.name + ", level " + std::to_string(level));
@@ -108,7 +108,7 @@ TEST(WholeTrees, BoxesLeaveLessOfACurvedSurfacesNeighbourhoodThanAsManySpheres)
     const Mesh mesh = make_sphere_mesh(1, 20000);
     const WholeTree whole(mesh, 5);
     const auto spheres = whole.spheres(5);
-    TriangleTree tree(mesh);
+    ObbTree tree(mesh);
     const auto boxes = tools::box_levels(tree).at(4);
     ASSERT_EQ(boxes.size(), 4096u);
     ASSERT_GT(spheres.size(), boxes.size());

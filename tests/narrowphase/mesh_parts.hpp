@@ -5,9 +5,9 @@
 
 #include <Eigen/Geometry>
 
-#include <oncollide/scenes/mesh.hpp>
+#include <oncollide/scenes/model/mesh.hpp>
 
-#include "winding_number.hpp"
+#include "hard/winding_number.hpp"
 
 namespace oncollide {
 

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/narrowphase/ocst.hpp>
-#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/narrowphase/spheres/ocst.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
 
 namespace oncollide {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include <oncollide/narrowphase/ocst.hpp>
-#include <oncollide/scenes/mesh_file.hpp>
-#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/narrowphase/spheres/ocst.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/files/mesh_file.hpp>
 
 namespace oncollide {
 

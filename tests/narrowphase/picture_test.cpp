@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/narrowphase/picture.hpp>
-#include <oncollide/scenes/error.hpp>
-#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/base/error.hpp>
+#include <oncollide/narrowphase/gl/picture.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
 
 namespace oncollide {
 namespace {

@@ -6,9 +6,9 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include <oncollide/narrowphase/exact_predicates.hpp>
-#include <oncollide/narrowphase/point_place.hpp>
-#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/narrowphase/exact/exact_predicates.hpp>
+#include <oncollide/narrowphase/exact/point_place.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 #include "mesh_parts.hpp"
@@ -20,7 +20,7 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-const IntoA stay(Isometry3d::Identity(), Isometry3d::Identity());
+const RelativePose stay(Isometry3d::Identity(), Isometry3d::Identity());
 
 Vector3d random_point(std::uint64_t seed, const Vector3d& from, const Vector3d& to)
 {
@@ -37,10 +37,10 @@ Isometry3d turned_pose(std::uint64_t seed)
 }
 
 /// With the tree and without; they must agree.
-PointPlace place_of(const Vector3d& point, const Mesh& mesh, const IntoA& into = stay)
+PointPlace place_of(const Vector3d& point, const Mesh& mesh, const RelativePose& into = stay)
 {
     PointLocator locator;
-    TriangleTree tree(mesh);
+    ObbTree tree(mesh);
     const PointPlace place = locator.place(point, mesh, &tree, into);
     EXPECT_EQ(locator.place(point, mesh, nullptr, into), place) << point.transpose();
     return place;
@@ -66,7 +66,7 @@ TEST(PointPlace, EqualsTheWindingNumberBySolidAngles)
             const PointPlace truth = whole != 0 ? PointPlace::inside : PointPlace::outside;
             ++(whole != 0 ? inside : outside);
             EXPECT_EQ(place_of(local, mesh), truth) << seed;
-            const IntoA into(Isometry3d::Identity(), pose);
+            const RelativePose into(Isometry3d::Identity(), pose);
             EXPECT_EQ(place_of(into(local), mesh, into), truth) << seed;
         }
     EXPECT_GT(inside, 400);
@@ -83,7 +83,7 @@ TEST(PointPlace, IsRightHoweverNearTheSurface)
         for (std::uint64_t i = 0; i < 4; ++i)
             v.push_back(random_point(9 * seed + i, Vector3d(-1, -1, -1), Vector3d(1, 1, 1)));
         const Mesh mesh = make_mesh("tetrahedron", v, {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}});
-        const IntoA into = seed % 2 ? IntoA(turned_pose(seed), turned_pose(seed + 1)) : stay;
+        const RelativePose into = seed % 2 ? RelativePose(turned_pose(seed), turned_pose(seed + 1)) : stay;
         for (Vector3d& corner : v) corner = into(corner);
         Eigen::Vector4d weight;
         for (std::uint64_t k = 0; k < 4; ++k) weight[int(k)] = u01(seed, 5, k) + 0.01;
@@ -150,7 +150,7 @@ TEST(PointPlace, LeavesTrianglesOutThatHadNoArea)
         Isometry3d pose = turned_pose(seed);
         const Vector3d far = Vector3d::Constant(0x1.8p49);
         pose.translation() = far;
-        const IntoA into(Isometry3d::Identity(), pose);
+        const RelativePose into(Isometry3d::Identity(), pose);
         Mesh rounded = ball;
         for (Vector3d& v : rounded.vertices) v = into(v) - far;
         const Vector3d point = (8 * random_point(seed, Vector3d(-1, -1, -1), Vector3d(1, 1, 1))).array().round() / 8;

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/narrowphase/shared_inside.hpp>
-#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/narrowphase/exact/shared_inside.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 #include "mesh_parts.hpp"
@@ -59,18 +59,18 @@ Cells random_cells(std::uint64_t seed, std::size_t count)
     return cells;
 }
 
-TriangleContact contact(const Mesh& a, const Mesh& b, const IntoA& into_a)
+TriangleContact contact(const Mesh& a, const Mesh& b, const RelativePose& b_to_a)
 {
-    TriangleTree tree_a(a), tree_b(b);
+    ObbTree tree_a(a), tree_b(b);
     TriangleContact how;
-    TriangleWalk().contact(tree_a, tree_b, into_a, how);
+    Traversal().contact(tree_a, tree_b, b_to_a, how);
     return how;
 }
 
-bool found(const Mesh& a, const Mesh& b, const IntoA& into_a)
+bool found(const Mesh& a, const Mesh& b, const RelativePose& b_to_a)
 {
-    TriangleTree tree_a(a), tree_b(b);
-    const auto point = SharedInside().find(tree_a, tree_b, into_a);
+    ObbTree tree_a(a), tree_b(b);
+    const auto point = SharedInside().find(tree_a, tree_b, b_to_a);
     if (!point) return false;
     EXPECT_EQ(std::abs(std::round(winding_number(a, *point))), 1) << point->transpose();
     return true;
@@ -80,7 +80,7 @@ bool found(const Mesh& a, const Mesh& b, const Vector3d& by)
 {
     Isometry3d pose = Isometry3d::Identity();
     pose.translation() = by;
-    return found(a, b, IntoA(Isometry3d::Identity(), pose));
+    return found(a, b, RelativePose(Isometry3d::Identity(), pose));
 }
 
 TEST(SharedInside, OfCubesIsACubeOfBoth)
@@ -95,15 +95,15 @@ TEST(SharedInside, OfCubesIsACubeOfBoth)
         const Mesh mesh_a = seed % 3 ? mesh_of(a) : flipped(mesh_of(a)), mesh_b = mesh_of(b);
         Isometry3d pose = Isometry3d::Identity();
         pose.translation() = Vector3d(by[0], by[1], by[2]);
-        const IntoA into_a(Isometry3d::Identity(), pose);
-        const TriangleContact how = contact(mesh_a, mesh_b, into_a);
+        const RelativePose b_to_a(Isometry3d::Identity(), pose);
+        const TriangleContact how = contact(mesh_a, mesh_b, b_to_a);
         if (how == TriangleContact::separate) continue;
         if (how == TriangleContact::crossing) {
             EXPECT_TRUE(common) << seed;
             continue;
         }
         ++(common ? overlap : apart);
-        EXPECT_EQ(found(mesh_a, mesh_b, into_a), common) << seed;
+        EXPECT_EQ(found(mesh_a, mesh_b, b_to_a), common) << seed;
     }
     EXPECT_GT(overlap, 80);
     EXPECT_GT(apart, 80);
@@ -124,7 +124,7 @@ TEST(SharedInside, IsFoundBelowAnEdgeThatLiesInAFace)
                            {0.5, 0, 1}},
                           {{0, 2, 1}, {0, 3, 2}, {0, 5, 4}, {0, 1, 5}, {2, 4, 5}, {2, 3, 4}, {0, 4, 3}, {1, 2, 5}});
             ASSERT_TRUE(is_closed(roof));
-            const IntoA stay(Isometry3d::Identity(), Isometry3d::Identity());
+            const RelativePose stay(Isometry3d::Identity(), Isometry3d::Identity());
             EXPECT_EQ(contact(box, roof, stay), TriangleContact::touching);
             EXPECT_EQ(found(box, roof, stay), base < 1) << wide;
             EXPECT_EQ(found(roof, box, stay), base < 1) << wide;
@@ -160,7 +160,7 @@ TEST(SharedInside, IsFoundInTwinsAtAnyPoseAndScale)
         for (std::uint64_t seed = 0; seed < 10; ++seed) {
             Mesh knot = make_torus_knot_mesh(2, 3, scale, 0.4 * scale, 0.15 * scale, 200);
             const Isometry3d pose = random_pose(seed, 10 * scale);
-            EXPECT_TRUE(found(knot, knot, IntoA(pose, pose))) << scale << ' ' << seed;
+            EXPECT_TRUE(found(knot, knot, RelativePose(pose, pose))) << scale << ' ' << seed;
         }
 }
 

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/narrowphase/solid.hpp>
-#include <oncollide/scenes/error.hpp>
-#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/base/error.hpp>
+#include <oncollide/narrowphase/exact/solid.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
 
 #include "mesh_parts.hpp"
 

@@ -1,11 +1,11 @@
 // Eight pairs of triangles at a time against the exact test of one.
 #include <gtest/gtest.h>
 
-#include <oncollide/broadphase/cpu_features.hpp>
-#include <oncollide/narrowphase/into_a.hpp>
-#include <oncollide/narrowphase/triangle_kernel.hpp>
+#include <oncollide/base/cpu_features.hpp>
+#include <oncollide/narrowphase/exact/triangle_kernel.hpp>
+#include <oncollide/narrowphase/relative_pose.hpp>
 
-#include "triangle_families.hpp"
+#include "hard/triangle_families.hpp"
 
 namespace oncollide {
 namespace {
@@ -67,9 +67,9 @@ TEST_P(EveryFamilyInEights, IsJudgedAsTheExactTestDoesOrLeftOpen)
                 for (unsigned k = 0; k < 3; ++k)
                     corners.a[k][i] = eight[i].first[k].data(), corners.b[k][i] = eight[i].second[k].data();
             pairs += count;
-            const IntoA stay(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
+            const RelativePose stay(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
             for (const Kernel& kernel : kernels()) {
-                const PairVerdicts verdicts = kernel.judge(corners, stay.turn.data(), stay.shift.data());
+                const PairVerdicts verdicts = kernel.judge(corners, stay.rotation.data(), stay.translation.data());
                 for (unsigned i = 0; i < count; ++i) {
                     const bool separate = verdicts.separate >> i & 1, known = verdicts.known >> i & 1;
                     EXPECT_TRUE(known || !separate) << kernel.name;
@@ -93,16 +93,16 @@ TEST(TriangleKernel, MovesPointsToTheLastBitAsTheExactTestIsTold)
     // Triangles of B that end exactly on, or one step of a double above, a corner of A after the move.
     GridPoints random(21);
     const Eigen::Isometry3d a = Eigen::Isometry3d(random.rotation()), b = Eigen::Translation3d(0.3, 0.7, 0.1) * a;
-    const IntoA into_a(a, b);
+    const RelativePose b_to_a(a, b);
     for (int turn = 0; turn < 200; ++turn) {
         TrianglePoints of_b{random.point(9), random.point(9), random.point(9)};
-        TrianglePoints of_a{into_a(of_b[0]), into_a(of_b[0]), into_a(of_b[0])};
+        TrianglePoints of_a{b_to_a(of_b[0]), b_to_a(of_b[0]), b_to_a(of_b[0])};
         of_a[1].z() += 1, of_a[2].x() += 1; // they share a corner
         CornersOfPairs corners;
         for (unsigned i = 0; i < 8; ++i)
             for (unsigned k = 0; k < 3; ++k) corners.a[k][i] = of_a[k].data(), corners.b[k][i] = of_b[k].data();
         for (const Kernel& kernel : kernels()) {
-            const PairVerdicts verdicts = kernel.judge(corners, into_a.turn.data(), into_a.shift.data());
+            const PairVerdicts verdicts = kernel.judge(corners, b_to_a.rotation.data(), b_to_a.translation.data());
             EXPECT_EQ(verdicts.separate, 0u) << kernel.name << ": they meet";
         }
     }

@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
-#include <oncollide/narrowphase/exact_predicates.hpp>
-#include <oncollide/narrowphase/triangle_test.hpp>
+#include <oncollide/narrowphase/exact/exact_predicates.hpp>
+#include <oncollide/narrowphase/exact/triangle_test.hpp>
 
-#include "exact_oracle.hpp"
-#include "triangle_families.hpp"
+#include "hard/exact_oracle.hpp"
+#include "hard/triangle_families.hpp"
 
 namespace oncollide {
 namespace {

@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/pipeline/pipeline.hpp>
-#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
 
-#include "body_case.hpp"
-#include "body_truth.hpp"
+#include "hard/body_case.hpp"
+#include "hard/body_truth.hpp"
 
 namespace oncollide::tools {
 namespace {

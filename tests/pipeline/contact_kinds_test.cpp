@@ -3,16 +3,16 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/narrowphase/into_a.hpp>
-#include <oncollide/narrowphase/triangle_test.hpp>
+#include <oncollide/base/error.hpp>
+#include <oncollide/narrowphase/exact/triangle_test.hpp>
+#include <oncollide/narrowphase/relative_pose.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
-#include <oncollide/scenes/error.hpp>
-#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
 #include <oncollide/scenes/motion.hpp>
 
-#include "accuracy_check.hpp"
 #include "narrowphase/mesh_parts.hpp"
+#include "study/accuracy_check.hpp"
 
 namespace oncollide {
 namespace {
@@ -48,13 +48,13 @@ PairResult at(Pipeline& pipeline, Scene& scene, const Eigen::Vector3d& place)
 /// The most that any two triangles do to each other.
 TriangleContact brute_force(const Scene& scene)
 {
-    const IntoA into_a(scene.poses[0], scene.poses[1]);
+    const RelativePose b_to_a(scene.poses[0], scene.poses[1]);
     const Mesh &a = std::get<Mesh>(scene.geometries[0].data), &b = std::get<Mesh>(scene.geometries[1].data);
     TriangleContact most = TriangleContact::separate;
     for (const Triangle& t : a.triangles)
         for (const Triangle& u : b.triangles) {
             const TrianglePoints p{a.vertices[t[0]], a.vertices[t[1]], a.vertices[t[2]]};
-            const TrianglePoints q{into_a(b.vertices[u[0]]), into_a(b.vertices[u[1]]), into_a(b.vertices[u[2]])};
+            const TrianglePoints q{b_to_a(b.vertices[u[0]]), b_to_a(b.vertices[u[1]]), b_to_a(b.vertices[u[2]])};
             most = std::max(most, triangle_contact(p, q));
         }
     return most;

@@ -1,11 +1,11 @@
 // The one contract: a stage may keep what does not collide; it must never lose what does. FCL judges whole pipelines,
 // at every depth and with each stage left out or replaced in turn.
-#include "accuracy_check.hpp"
+#include "study/accuracy_check.hpp"
 
 #include <gtest/gtest.h>
 
-#include <oncollide/scenes/catalogue.hpp>
-#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/scenes/catalogue/catalogue.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
 
 namespace oncollide::tools {
 namespace {

@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
-#include <oncollide/narrowphase/gpu.hpp>
+#include <oncollide/base/error.hpp>
+#include <oncollide/narrowphase/gl/gpu.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
-#include <oncollide/scenes/catalogue.hpp>
-#include <oncollide/scenes/error.hpp>
+#include <oncollide/scenes/catalogue/catalogue.hpp>
 
 namespace oncollide {
 namespace {

@@ -3,19 +3,19 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/narrowphase/into_a.hpp>
-#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/narrowphase/relative_pose.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
 
-#include "body_trial.hpp"
-#include "body_truth.hpp"
-#include "crowd_trial.hpp"
-#include "exact_inside.hpp"
-#include "exact_oracle.hpp"
+#include "hard/body_trial.hpp"
+#include "hard/body_truth.hpp"
+#include "hard/crowd_trial.hpp"
+#include "hard/exact_inside.hpp"
+#include "hard/exact_oracle.hpp"
+#include "hard/solid_truth.hpp"
+#include "hard/triangle_distance.hpp"
+#include "hard/triangle_trial.hpp"
 #include "narrowphase/mesh_parts.hpp"
 #include "random_pose.hpp"
-#include "solid_truth.hpp"
-#include "triangle_distance.hpp"
-#include "triangle_trial.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -120,7 +120,7 @@ TEST(BodyTruth, FindsWhatALoopOverAllTrianglesFinds)
             if (k % 2) pose = at((pose.translation() * 4).array().round().matrix() / 4, Eigen::Matrix3d::Identity());
             const HalvedMesh halved_a(*a), halved_b(*b);
             const BoxedTriangles in_a(halved_a, [](const Eigen::Vector3d& v) { return v; });
-            const BoxedTriangles b_in_a(halved_b, IntoA(Eigen::Isometry3d::Identity(), pose));
+            const BoxedTriangles b_in_a(halved_b, RelativePose(Eigen::Isometry3d::Identity(), pose));
             TriangleContact most = TriangleContact::separate;
             long double low = 1e9L, high = 1e9L;
             for (std::uint32_t i = 0; i < a->triangles.size(); ++i)
@@ -157,7 +157,7 @@ TEST(SolidTruth, CountsWindingsAsSolidAnglesDo)
         std::vector<TrianglePoints> surface;
         for (const Triangle& t : c.a.triangles)
             surface.push_back({c.a.vertices[t[0]], c.a.vertices[t[1]], c.a.vertices[t[2]]});
-        const IntoA into(c.pose_a, c.poses_b.front());
+        const RelativePose into(c.pose_a, c.poses_b.front());
         for (std::size_t k = 0; k < c.b.vertices.size(); k += 3) {
             const Eigen::Vector3d point = into(c.b.vertices[k]);
             const Vector3l p = point.cast<long double>();

@@ -2,11 +2,11 @@
 
 #include <limits>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
 #include <oncollide/pipeline/stage.hpp>
-#include <oncollide/scenes/catalogue.hpp>
-#include <oncollide/scenes/error.hpp>
-#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/scenes/catalogue/catalogue.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
 
 #include "count_allocations.hpp"
 

@@ -5,12 +5,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <oncollide/narrowphase/triangle_walk.hpp>
+#include <oncollide/base/error.hpp>
+#include <oncollide/narrowphase/boxes/traversal.hpp>
 #include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
-#include <oncollide/scenes/error.hpp>
-#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 #include "random_pose.hpp"
@@ -18,19 +18,19 @@
 namespace oncollide {
 namespace {
 
-std::vector<TriangleMeeting> brute_force(const Mesh& a, const Mesh& b, const Eigen::Isometry3d& pose_a,
-                                         const Eigen::Isometry3d& pose_b)
+std::vector<TrianglePair> brute_force(const Mesh& a, const Mesh& b, const Eigen::Isometry3d& pose_a,
+                                      const Eigen::Isometry3d& pose_b)
 {
-    const IntoA into_a(pose_a, pose_b);
+    const RelativePose b_to_a(pose_a, pose_b);
     const auto corners = [](const Mesh& mesh, std::uint32_t t, auto place) {
         TrianglePoints points;
         for (std::size_t k = 0; k < 3; ++k) points[k] = place(mesh.vertices[mesh.triangles[t][k]]);
         return points;
     };
-    std::vector<TriangleMeeting> pairs;
+    std::vector<TrianglePair> pairs;
     for (std::uint32_t i = 0; i < a.triangles.size(); ++i)
         for (std::uint32_t j = 0; j < b.triangles.size(); ++j)
-            if (triangles_meet(corners(a, i, [](const Eigen::Vector3d& p) { return p; }), corners(b, j, into_a)))
+            if (triangles_meet(corners(a, i, [](const Eigen::Vector3d& p) { return p; }), corners(b, j, b_to_a)))
                 pairs.push_back({i, j});
     return pairs;
 }
@@ -123,7 +123,7 @@ TEST(Contacts, AreAllPairsOfBruteForceWithPointsOnBothTriangles)
         found += contacts.size();
         for (std::size_t k = 0; k < contacts.size(); ++k) {
             const Contact& c = contacts[k];
-            EXPECT_EQ((TriangleMeeting{c.triangle_a, c.triangle_b}), expected[k]);
+            EXPECT_EQ((TrianglePair{c.triangle_a, c.triangle_b}), expected[k]);
             EXPECT_EQ(c.kind, TriangleContact::crossing);
             for (const auto& [body, triangle, normal] :
                  {std::tuple(0, c.triangle_a, c.normal_a), std::tuple(1, c.triangle_b, c.normal_b)}) {

@@ -3,12 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/narrowphase/into_a.hpp>
-#include <oncollide/narrowphase/triangle_test.hpp>
+#include <oncollide/base/error.hpp>
+#include <oncollide/narrowphase/exact/triangle_test.hpp>
+#include <oncollide/narrowphase/relative_pose.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
-#include <oncollide/scenes/error.hpp>
-#include <oncollide/scenes/mesh_generators.hpp>
-#include <oncollide/scenes/mesh_topology.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/mesh_topology.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 #include "narrowphase/mesh_parts.hpp"
@@ -58,11 +58,11 @@ Truth inside(const Scene& scene, std::size_t outer, std::size_t inner)
 
 Truth truth_of(const Scene& scene)
 {
-    const IntoA into_a(scene.poses[0], scene.poses[1]);
+    const RelativePose b_to_a(scene.poses[0], scene.poses[1]);
     const Mesh &a = mesh_of(scene, 0), &b = mesh_of(scene, 1);
     std::vector<TrianglePoints> in_a;
     for (const Triangle& t : b.triangles)
-        in_a.push_back({into_a(b.vertices[t[0]]), into_a(b.vertices[t[1]]), into_a(b.vertices[t[2]])});
+        in_a.push_back({b_to_a(b.vertices[t[0]]), b_to_a(b.vertices[t[1]]), b_to_a(b.vertices[t[2]])});
     for (const Triangle& t : a.triangles)
         for (const TrianglePoints& q : in_a)
             if (triangles_meet({a.vertices[t[0]], a.vertices[t[1]], a.vertices[t[2]]}, q)) return Truth::meeting;

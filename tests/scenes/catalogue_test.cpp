@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "scenes/same_scene.hpp"
-#include "scenes/test_files.hpp"
-#include <oncollide/scenes/catalogue.hpp>
-#include <oncollide/scenes/scene_file.hpp>
+#include "same_scene.hpp"
+#include "test_files.hpp"
+#include <oncollide/scenes/catalogue/catalogue.hpp>
+#include <oncollide/scenes/files/scene_file.hpp>
 
 namespace oncollide {
 namespace {

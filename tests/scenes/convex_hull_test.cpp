@@ -1,4 +1,4 @@
-#include <oncollide/scenes/convex_hull.hpp>
+#include <oncollide/scenes/model/convex_hull.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "test_files.hpp"
-#include <oncollide/scenes/mesh_file.hpp>
-#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/files/mesh_file.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 namespace oncollide {

@@ -1,4 +1,4 @@
-#include <oncollide/scenes/mesh_file.hpp>
+#include <oncollide/scenes/files/mesh_file.hpp>
 
 #include <array>
 #include <chrono>
@@ -10,7 +10,7 @@
 
 #include "mesh_writers.hpp"
 #include "test_files.hpp"
-#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 namespace oncollide {

@@ -1,11 +1,11 @@
-#include <oncollide/scenes/mesh.hpp>
+#include <oncollide/scenes/model/mesh.hpp>
 
 #include <limits>
 
 #include <gtest/gtest.h>
 
 #include "test_files.hpp"
-#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
 
 namespace oncollide {
 namespace {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include <oncollide/scenes/mesh_generators.hpp>
-#include <oncollide/scenes/mesh_topology.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/mesh_topology.hpp>
 
 namespace oncollide {
 namespace {

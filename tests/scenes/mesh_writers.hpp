@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/scenes/mesh.hpp>
+#include <oncollide/scenes/model/mesh.hpp>
 
 namespace oncollide::test {
 

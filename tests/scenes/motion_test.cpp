@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "scenes/same_scene.hpp"
-#include "scenes/test_files.hpp"
+#include "same_scene.hpp"
+#include "test_files.hpp"
 #include <oncollide/scenes/motion.hpp>
 
 namespace oncollide {

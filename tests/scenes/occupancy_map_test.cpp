@@ -1,4 +1,4 @@
-#include <oncollide/scenes/occupancy_map.hpp>
+#include <oncollide/scenes/model/occupancy_map.hpp>
 
 #include <algorithm>
 #include <cmath>

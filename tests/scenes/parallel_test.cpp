@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/scenes/parallel.hpp>
+#include <oncollide/base/parallel.hpp>
 
 namespace oncollide {
 namespace {

@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "scenes/same_scene.hpp"
-#include "scenes/test_files.hpp"
-#include <oncollide/scenes/mesh_generators.hpp>
-#include <oncollide/scenes/scene_file.hpp>
+#include "same_scene.hpp"
+#include "test_files.hpp"
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/files/scene_file.hpp>
 
 namespace oncollide {
 namespace {

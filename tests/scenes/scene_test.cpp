@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "scenes/same_scene.hpp"
-#include "scenes/test_files.hpp"
-#include <oncollide/scenes/mesh_generators.hpp>
+#include "same_scene.hpp"
+#include "test_files.hpp"
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
 
 #include "count_allocations.hpp"
 

@@ -1,4 +1,4 @@
-#include <oncollide/scenes/shape.hpp>
+#include <oncollide/scenes/model/shape.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "test_files.hpp"
-#include <oncollide/scenes/convex_hull.hpp>
-#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/convex_hull.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 namespace oncollide {
@@ -97,7 +97,7 @@ std::vector<Shape> shapes()
 TEST(Shape, EnclosuresAreClosedConvexAndOutward)
 {
     for (const Shape& shape : shapes()) {
-        const Mesh mesh = enclose(shape).mesh;
+        const Mesh mesh = bounding_mesh_of(shape).mesh;
         SCOPED_TRACE(testing::Message() << "kind " << shape.index() << ", size " << size_of(shape));
         EXPECT_TRUE(is_closed(mesh));
         const double rounding = 1e-9 * mesh.bounds.diagonal() + 1e-15 * size_of(shape);
@@ -115,7 +115,7 @@ TEST(Shape, NoFacetOfAnEnclosureCutsIntoTheShape)
 {
     for (const Shape& shape : shapes()) {
         SCOPED_TRACE(testing::Message() << "kind " << shape.index() << ", size " << size_of(shape));
-        const Mesh mesh = enclose(shape).mesh;
+        const Mesh mesh = bounding_mesh_of(shape).mesh;
         Vector3d inner = Vector3d::Zero();
         for (const Vector3d& p : mesh.vertices) inner += p / static_cast<double>(mesh.vertices.size());
         for (const Triangle& t : mesh.triangles) {
@@ -143,7 +143,7 @@ TEST(Shape, HullPointsLieStrictlyInsideTheirEnclosures)
     for (const Shape& shape : shapes()) {
         if (!std::holds_alternative<ConvexHull>(shape)) continue;
         SCOPED_TRACE(testing::Message() << "size " << size_of(shape));
-        const Mesh mesh = enclose(shape).mesh;
+        const Mesh mesh = bounding_mesh_of(shape).mesh;
         for (const Triangle& t : mesh.triangles) {
             const Vector3d &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
             if ((b - a).cross(c - a).norm() < 1e-6 * (b - a).norm() * (c - a).norm()) continue; // tilted by rounding
@@ -156,7 +156,7 @@ TEST(Shape, NoPointOfAnEnclosureIsFartherThanItsCoveringError)
 {
     for (const Shape& shape : shapes()) {
         SCOPED_TRACE(testing::Message() << "kind " << shape.index() << ", size " << size_of(shape));
-        const Enclosure enclosure = enclose(shape);
+        const BoundingMesh enclosure = bounding_mesh_of(shape);
         const double rounding = 1e-15 * size_of(shape);
         for (const Triangle& t : enclosure.mesh.triangles)
             for (int i = 0; i <= 4; ++i)
@@ -179,7 +179,7 @@ TEST(Shape, NoPointOfAnEnclosureIsFartherThanItsCoveringError)
 TEST(Shape, CurvedShapesErrByAboutHalfAPercentOfTheRadius)
 {
     for (const Shape& shape : std::vector<Shape>{Sphere{2}, Capsule{2, 5}, Cylinder{2, 5}}) {
-        const Enclosure enclosure = enclose(shape);
+        const BoundingMesh enclosure = bounding_mesh_of(shape);
         EXPECT_GT(enclosure.covering_error, 0.002 * 2);
         EXPECT_LT(enclosure.covering_error, 0.0055 * 2);
         EXPECT_LE(enclosure.mesh.triangles.size(), 1700u);
@@ -188,11 +188,11 @@ TEST(Shape, CurvedShapesErrByAboutHalfAPercentOfTheRadius)
 
 TEST(Shape, BoxesAreExactAndHullsNearlySo)
 {
-    EXPECT_EQ(enclose(Box{{1, 2, 3}}).covering_error, 0);
-    EXPECT_LT(enclose(random_hull(200, 1, 0)).covering_error, 1e-11);
+    EXPECT_EQ(bounding_mesh_of(Box{{1, 2, 3}}).covering_error, 0);
+    EXPECT_LT(bounding_mesh_of(random_hull(200, 1, 0)).covering_error, 1e-11);
     for (const Shape& shape : shapes())
         if (std::holds_alternative<ConvexHull>(shape)) {
-            EXPECT_LT(enclose(shape).covering_error, 1e-7 * bounds_of(shape).diagonal() + 1e-8);
+            EXPECT_LT(bounding_mesh_of(shape).covering_error, 1e-7 * bounds_of(shape).diagonal() + 1e-8);
         }
 }
 

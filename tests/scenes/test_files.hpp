@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <oncollide/scenes/error.hpp>
+#include <oncollide/base/error.hpp>
 
 namespace oncollide::test {
 

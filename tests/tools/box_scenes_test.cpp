@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/scenes/error.hpp>
+#include <oncollide/base/error.hpp>
 
-#include "aabbs_file.hpp"
-#include "box_scenes.hpp"
+#include "bench/aabbs_file.hpp"
+#include "bench/box_scenes.hpp"
 #include "peers/peer.hpp"
 #include "run_command.hpp"
 

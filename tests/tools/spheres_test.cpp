@@ -4,9 +4,9 @@
 #include <random>
 #include <sstream>
 
-#include "level_quality.hpp"
 #include "narrowphase/mesh_parts.hpp"
-#include <oncollide/scenes/mesh_generators.hpp>
+#include "spheres/level_quality.hpp"
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
 
 namespace oncollide::test {
 namespace {

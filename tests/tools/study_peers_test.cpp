@@ -65,8 +65,8 @@ TEST_F(StudyPeers, PlayScenesOfMovingStaticAndLayeredBodies)
         {"name": "knot", "geometry": "knot", "position": [1.1, -0.13, 0.17],
          "motion": {"drift": {"velocity": [-0.3, 0.21, 0.05]}}},
         {"name": "ghost", "geometry": "ball", "position": [0.2, 0.1, 0.07], "mask": 2}]})");
-    const nlohmann::json all =
-        study({"mixed.json", "--depths", "3", "--warm-up", "0", "--peers", "all", "--csv", "s.csv", "--html", "s.html"});
+    const nlohmann::json all = study(
+        {"mixed.json", "--depths", "3", "--warm-up", "0", "--peers", "all", "--csv", "s.csv", "--html", "s.html"});
     EXPECT_GT(all["header"]["colliding"], 8);
     expect_right(all);
     const std::string csv = folder_.read("s.csv"), page = folder_.read("s.html");

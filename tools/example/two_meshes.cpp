@@ -2,7 +2,7 @@
 #include <iostream>
 
 #include <oncollide/pipeline/pipeline.hpp>
-#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
 
 int main()
 {

@@ -1,4 +1,4 @@
-#include "body_case.hpp"
+#include "hard/body_case.hpp"
 
 #include <initializer_list>
 

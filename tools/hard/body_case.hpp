@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include <oncollide/scenes/mesh.hpp>
+#include <oncollide/scenes/model/mesh.hpp>
 
 namespace oncollide::tools {
 

@@ -1,9 +1,9 @@
-#include "body_forms.hpp"
+#include "hard/body_forms.hpp"
 
 #include <algorithm>
 #include <random>
 
-#include "fcl_pair.hpp"
+#include "peers/fcl_pair.hpp"
 
 namespace oncollide::tools {
 namespace {

@@ -2,9 +2,9 @@
 #include <string>
 #include <vector>
 
-#include "body_case.hpp"
-#include "body_truth.hpp"
-#include "solid_truth.hpp"
+#include "hard/body_case.hpp"
+#include "hard/body_truth.hpp"
+#include "hard/solid_truth.hpp"
 
 namespace oncollide::tools {
 

@@ -1,4 +1,4 @@
-#include "body_judge.hpp"
+#include "hard/body_judge.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,8 +4,8 @@
 #include <oncollide/narrowphase/verdict.hpp>
 #include <oncollide/pipeline/settings.hpp>
 
-#include "body_forms.hpp"
-#include "tally.hpp"
+#include "hard/body_forms.hpp"
+#include "hard/tally.hpp"
 
 namespace oncollide::tools {
 

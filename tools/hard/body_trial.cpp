@@ -1,12 +1,12 @@
-#include "body_trial.hpp"
+#include "hard/body_trial.hpp"
 
 #include <fmt/format.h>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
-#include <oncollide/scenes/error.hpp>
-#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
 
-#include "body_judge.hpp"
+#include "hard/body_judge.hpp"
 
 namespace oncollide::tools {
 namespace {

@@ -1,13 +1,13 @@
-#include "body_truth.hpp"
+#include "hard/body_truth.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include <oncollide/narrowphase/into_a.hpp>
+#include <oncollide/narrowphase/relative_pose.hpp>
 
-#include "exact_oracle.hpp"
-#include "triangle_distance.hpp"
+#include "hard/exact_oracle.hpp"
+#include "hard/triangle_distance.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -135,7 +135,7 @@ DistanceTruth distance_of(const HalvedMesh& a, const Eigen::Isometry3d& pose_a, 
 BodyTruth truth_of(const Mesh& a, const Eigen::Isometry3d& pose_a, const Mesh& b, const Eigen::Isometry3d& pose_b)
 {
     const HalvedMesh halved_a(a), halved_b(b);
-    const BoxedTriangles in_a = where_it_is(halved_a), b_in_a(halved_b, IntoA(pose_a, pose_b));
+    const BoxedTriangles in_a = where_it_is(halved_a), b_in_a(halved_b, RelativePose(pose_a, pose_b));
     BodyTruth truth;
     truth.collide = contact_of(in_a, b_in_a, TriangleContact::touching) != TriangleContact::separate;
     truth.deep = truth.collide && deep(in_a, b_in_a);

@@ -1,9 +1,9 @@
 #pragma once
 #include <Eigen/Geometry>
 
-#include <oncollide/scenes/mesh.hpp>
+#include <oncollide/scenes/model/mesh.hpp>
 
-#include "boxed_triangles.hpp"
+#include "hard/boxed_triangles.hpp"
 
 namespace oncollide::tools {
 

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "body_trial.hpp"
+#include "hard/body_trial.hpp"
 
 namespace oncollide::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "boxed_triangles.hpp"
+#include "hard/boxed_triangles.hpp"
 
 #include <algorithm>
 #include <bit>

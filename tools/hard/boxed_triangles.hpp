@@ -4,9 +4,9 @@
 
 #include <Eigen/Geometry>
 
-#include <oncollide/narrowphase/triangle_test.hpp>
-#include <oncollide/scenes/mesh.hpp>
-#include <oncollide/scenes/parallel.hpp>
+#include <oncollide/base/parallel.hpp>
+#include <oncollide/narrowphase/exact/triangle_test.hpp>
+#include <oncollide/scenes/model/mesh.hpp>
 
 // All pairs of triangles that are near enough, for the truth: plain boxes in double around halves of halves, made of
 // minima and maxima alone, so that nothing in them rounds.

@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
 
-#include "body_case.hpp"
+#include "hard/body_case.hpp"
 
 namespace oncollide::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "crowd_trial.hpp"
+#include "hard/crowd_trial.hpp"
 
 #include <map>
 
@@ -7,8 +7,8 @@
 #include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
 
-#include "body_truth.hpp"
-#include "solid_truth.hpp"
+#include "hard/body_truth.hpp"
+#include "hard/solid_truth.hpp"
 
 namespace oncollide::tools {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <oncollide/pipeline/settings.hpp>
 
-#include "body_case.hpp"
-#include "tally.hpp"
+#include "hard/body_case.hpp"
+#include "hard/tally.hpp"
 
 namespace oncollide::tools {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "exact_oracle.hpp"
+#include "hard/exact_oracle.hpp"
 
 namespace oncollide::oracle {
 

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include <oncollide/narrowphase/triangle_test.hpp>
+#include <oncollide/narrowphase/exact/triangle_test.hpp>
 
 namespace oncollide::oracle {
 

@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/scenes/error.hpp>
+#include <oncollide/base/error.hpp>
 
-#include "body_case.hpp"
+#include "hard/body_case.hpp"
 
 namespace oncollide::tools {
 namespace {

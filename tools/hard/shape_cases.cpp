@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/scenes/mesh_generators.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
 
-#include "body_case.hpp"
-#include "triangle_families.hpp"
+#include "hard/body_case.hpp"
+#include "hard/triangle_families.hpp"
 
 namespace oncollide::tools {
 namespace {

@@ -1,14 +1,14 @@
-#include "solid_truth.hpp"
+#include "hard/solid_truth.hpp"
 
 #include <map>
 #include <random>
 #include <vector>
 
-#include <oncollide/narrowphase/exact_predicates.hpp>
-#include <oncollide/narrowphase/into_a.hpp>
+#include <oncollide/narrowphase/exact/exact_predicates.hpp>
+#include <oncollide/narrowphase/relative_pose.hpp>
 
-#include "body_truth.hpp"
-#include "exact_inside.hpp"
+#include "hard/body_truth.hpp"
+#include "hard/exact_inside.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -75,7 +75,8 @@ SolidTruth solid_truth_of(const Mesh& a, const Eigen::Isometry3d& pose_a, const 
 {
     if (deep) return {.contact = TriangleContact::crossing};
     const HalvedMesh halved_a(a), halved_b(b);
-    const BoxedTriangles at_a(halved_a, [](const Vector3d&v) { return v; }), at_b(halved_b, IntoA(pose_a, pose_b));
+    const BoxedTriangles at_a(halved_a, [](const Vector3d&v) { return v; }),
+        at_b(halved_b, RelativePose(pose_a, pose_b));
     const TriangleContact contact = contact_of(at_a, at_b, TriangleContact::crossing);
     if (contact == TriangleContact::crossing) return {.contact = contact};
     if (contact == TriangleContact::touching) return touching_truth_of(at_a, at_b);

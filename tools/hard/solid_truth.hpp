@@ -1,10 +1,10 @@
 #pragma once
 #include <Eigen/Geometry>
 
-#include <oncollide/narrowphase/triangle_test.hpp>
-#include <oncollide/scenes/mesh.hpp>
+#include <oncollide/narrowphase/exact/triangle_test.hpp>
+#include <oncollide/scenes/model/mesh.hpp>
 
-#include "boxed_triangles.hpp"
+#include "hard/boxed_triangles.hpp"
 
 namespace oncollide::tools {
 

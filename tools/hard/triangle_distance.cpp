@@ -1,4 +1,4 @@
-#include "triangle_distance.hpp"
+#include "hard/triangle_distance.hpp"
 
 #include <algorithm>
 #include <cmath>

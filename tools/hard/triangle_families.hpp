@@ -12,7 +12,7 @@
 
 #include <Eigen/Geometry>
 
-#include <oncollide/narrowphase/triangle_test.hpp>
+#include <oncollide/narrowphase/exact/triangle_test.hpp>
 
 namespace oncollide {
 

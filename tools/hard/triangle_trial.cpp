@@ -1,12 +1,12 @@
-#include "triangle_trial.hpp"
+#include "hard/triangle_trial.hpp"
 
 #include <fcl/fcl.h>
 #include <fcl/narrowphase/detail/traversal/collision/intersect.h>
 #include <fmt/format.h>
 
-#include <oncollide/scenes/parallel.hpp>
+#include <oncollide/base/parallel.hpp>
 
-#include "exact_oracle.hpp"
+#include "hard/exact_oracle.hpp"
 
 namespace oncollide::tools {
 namespace {

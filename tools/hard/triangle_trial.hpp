@@ -1,6 +1,6 @@
 #pragma once
-#include "tally.hpp"
-#include "triangle_families.hpp"
+#include "hard/tally.hpp"
+#include "hard/triangle_families.hpp"
 
 namespace oncollide::tools {
 

@@ -1,9 +1,9 @@
-#include "winding_number.hpp"
+#include "hard/winding_number.hpp"
 
 #include <cmath>
 #include <numbers>
 
-#include "triangle_distance.hpp"
+#include "hard/triangle_distance.hpp"
 
 namespace oncollide::tools {
 

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include <oncollide/scenes/mesh.hpp>
+#include <oncollide/scenes/model/mesh.hpp>
 
 namespace oncollide::tools {
 

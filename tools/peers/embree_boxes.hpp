@@ -7,7 +7,7 @@
 
 #include <embree3/rtcore.h>
 
-#include <oncollide/scenes/aabb.hpp>
+#include <oncollide/base/aabb.hpp>
 
 namespace oncollide::tools {
 

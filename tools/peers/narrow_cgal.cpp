@@ -1,5 +1,5 @@
 // CGAL's trees are under the GPL: they serve this comparison and are no part of what is installed as a library.
-#include "narrow_peer.hpp"
+#include "peers/narrow_peer.hpp"
 
 #include <iterator>
 

@@ -1,14 +1,14 @@
 // Embree's rtcCollide over the boxes of triangles as user geometry. It has no moving instances: the second mesh's boxes
 // are made anew for every pose.
-#include "embree_boxes.hpp"
-#include "narrow_peer.hpp"
+#include "peers/embree_boxes.hpp"
+#include "peers/narrow_peer.hpp"
 
 #include <algorithm>
 #include <numeric>
 
 #include <tbb/task_arena.h>
 
-#include <oncollide/narrowphase/triangle_test.hpp>
+#include <oncollide/narrowphase/exact/triangle_test.hpp>
 
 namespace oncollide::tools {
 namespace {

@@ -1,6 +1,6 @@
-#include "narrow_peer.hpp"
+#include "peers/narrow_peer.hpp"
 
-#include "../fcl_pair.hpp"
+#include "peers/fcl_pair.hpp"
 
 namespace oncollide::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "narrow_peer.hpp"
+#include "peers/narrow_peer.hpp"
 
 #include <algorithm>
 

@@ -1,10 +1,10 @@
-#include "narrow_peer.hpp"
+#include "peers/narrow_peer.hpp"
 
 #include <fmt/format.h>
 
-#include <oncollide/narrowphase/triangle_walk.hpp>
+#include <oncollide/narrowphase/boxes/traversal.hpp>
 
-#include "../tree_pair.hpp"
+#include "bench/tree_pair.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -54,18 +54,18 @@ public:
     {
         walk_.all_meeting(a_, b_, at(b), found_);
         pairs.clear();
-        for (TriangleMeeting m : found_) pairs.push_back({m.a, m.b});
+        for (TrianglePair m : found_) pairs.push_back({m.a, m.b});
     }
     double distance(const Eigen::Isometry3d& b) override { return walk_.distance(a_, b_, at(b), 0).upper; }
 
 protected:
-    static IntoA at(const Eigen::Isometry3d& b) { return {Eigen::Isometry3d::Identity(), b}; }
+    static RelativePose at(const Eigen::Isometry3d& b) { return {Eigen::Isometry3d::Identity(), b}; }
 
-    TriangleTree a_, b_;
-    TriangleWalk walk_;
+    ObbTree a_, b_;
+    Traversal walk_;
 
 private:
-    std::vector<TriangleMeeting> found_;
+    std::vector<TrianglePair> found_;
 };
 
 NarrowContender exact()

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include <oncollide/scenes/mesh.hpp>
+#include <oncollide/scenes/model/mesh.hpp>
 #include <oncollide/scenes/scene.hpp>
 
-#include "peer.hpp"
+#include "peers/peer.hpp"
 
 // Who takes part in the benchmark of the narrow phase. One file a library; each adds what it has to the list.
 namespace oncollide::tools {

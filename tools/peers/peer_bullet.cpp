@@ -1,4 +1,4 @@
-#include "peer.hpp"
+#include "peers/peer.hpp"
 
 #include <type_traits>
 

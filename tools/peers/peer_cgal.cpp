@@ -1,5 +1,5 @@
 // CGAL's box intersection is under the GPL: it serves this comparison and is no part of what is installed as a library.
-#include "peer.hpp"
+#include "peers/peer.hpp"
 
 #include <CGAL/Box_intersection_d/Box_with_info_d.h>
 #include <CGAL/box_intersection_d.h>

@@ -1,6 +1,6 @@
 // Embree's rtcCollide over boxes as user geometry: static boxes in a scene of their own, built once.
-#include "embree_boxes.hpp"
-#include "peer.hpp"
+#include "peers/embree_boxes.hpp"
+#include "peers/peer.hpp"
 
 #include <array>
 #include <atomic>

@@ -1,7 +1,7 @@
 // FCL's collision managers, without its narrow phase: the objects' boxes are set as they are, and the callback takes
 // the pair. Its SaPCollisionManager is left out: it corrupts memory when a box's low face rises while its high face
 // stays.
-#include "peer.hpp"
+#include "peers/peer.hpp"
 
 #include <deque>
 #include <type_traits>

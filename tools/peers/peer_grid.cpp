@@ -1,5 +1,5 @@
 // The baselines that anybody could write: every pair, and a uniform grid made anew each frame.
-#include "peer.hpp"
+#include "peers/peer.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "peer.hpp"
+#include "peers/peer.hpp"
 
 namespace oncollide::tools {
 

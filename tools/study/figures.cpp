@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench.hpp"
-#include "line_plot.hpp"
-#include "markup.hpp"
+#include "bench/bench.hpp"
+#include "bench/line_plot.hpp"
+#include "study/markup.hpp"
 
 namespace oncollide::tools {
 namespace {

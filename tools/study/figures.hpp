@@ -1,5 +1,5 @@
 #pragma once
-#include <oncollide/scenes/output_file.hpp>
+#include <oncollide/base/output_file.hpp>
 
 #include "study/study.hpp"
 

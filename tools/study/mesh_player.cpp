@@ -8,7 +8,7 @@
 
 #include <oncollide/broadphase/world_boxes.hpp>
 
-#include "bench.hpp"
+#include "bench/bench.hpp"
 #include "peers/narrow_peer.hpp"
 
 namespace oncollide::tools {
@@ -132,14 +132,14 @@ std::string why_not(const PeerKind& kind, const Scene& scene)
     return {};
 }
 
-std::unique_ptr<StudyPlayer> make_mesh_player(const PeerKind& kind, const StudyCourse& course)
+std::unique_ptr<StudyPlayer> make_mesh_player(const PeerKind& kind, const StudyCourse& workload)
 {
     const NarrowContenders narrow = narrow_contenders();
     const Contenders broad = broad_contenders();
     malloc_trim(0);
     const std::size_t before = resident_memory();
-    auto player = std::make_unique<MeshPlayer>(course.scene, contender(narrow.all, kind.narrow),
-                                               course.is_poses() ? nullptr : &contender(broad.all, kind.broad));
+    auto player = std::make_unique<MeshPlayer>(workload.scene, contender(narrow.all, kind.narrow),
+                                               workload.is_poses() ? nullptr : &contender(broad.all, kind.broad));
     malloc_trim(0);
     player->set_bytes(std::max(before, resident_memory()) - before);
     return player;

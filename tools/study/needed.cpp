@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-#include <oncollide/narrowphase/cell_key.hpp>
-#include <oncollide/narrowphase/triangle_tree.hpp>
-#include <oncollide/scenes/error.hpp>
+#include <oncollide/base/error.hpp>
+#include <oncollide/narrowphase/boxes/obb_tree.hpp>
+#include <oncollide/narrowphase/spheres/cell_key.hpp>
 
-#include "progress.hpp"
-#include "render_scene.hpp"
+#include "cli/progress.hpp"
+#include "render/render_scene.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -17,8 +17,8 @@ constexpr int no_ageing = 1'000'000; ///< frames
 /// Nodes of all oriented boxes of a mesh.
 std::uint64_t all_boxes(const Mesh& mesh)
 {
-    TriangleTree tree(mesh);
-    std::vector<std::uint32_t> open{TriangleTree::root};
+    ObbTree tree(mesh);
+    std::vector<std::uint32_t> open{ObbTree::root};
     while (!open.empty()) {
         const std::uint32_t node = open.back();
         open.pop_back();
@@ -66,16 +66,16 @@ private:
     std::vector<std::vector<std::uint64_t>> cells_; ///< by geometry and level
 };
 
-/// The course once more, without ageing where it dropped something. What trees hold at its end.
-void count(StudyCourse& course, StudyRow& row, WholeModel& whole, const std::vector<std::uint8_t>& used)
+/// The workload once more, without ageing where it dropped something. What trees hold at its end.
+void count(StudyCourse& workload, StudyRow& row, WholeModel& whole, const std::vector<std::uint8_t>& used)
 {
     Settings settings = row.variant.settings;
     settings.age_limit = no_ageing;
-    course.move(0);
-    Pipeline pipeline(course.scene, settings);
-    for (int frame = 0; frame < course.frames(); ++frame) {
-        course.move(frame);
-        row.nodes_needed = pipeline.step(course.scene).trees.nodes;
+    workload.move(0);
+    Pipeline pipeline(workload.scene, settings);
+    for (int frame = 0; frame < workload.frames(); ++frame) {
+        workload.move(frame);
+        row.nodes_needed = pipeline.step(workload.scene).trees.nodes;
     }
     int deepest = settings.depth.value_or(1); // max_error: of trees that nothing reached, the depth of the deepest
     for (std::uint32_t g = 0; g < used.size(); ++g)
@@ -84,7 +84,7 @@ void count(StudyCourse& course, StudyRow& row, WholeModel& whole, const std::vec
     row.nodes_all = 0;
     for (std::uint32_t g = 0; g < used.size() && row.nodes_all; ++g) {
         if (!used[g]) continue;
-        const bool mesh = std::holds_alternative<Mesh>(course.scene.geometries[g].data);
+        const bool mesh = std::holds_alternative<Mesh>(workload.scene.geometries[g].data);
         if (mesh && (exact || wants_tight(settings))) *row.nodes_all += whole.boxes(g);
         if (mesh && wants_tight(settings)) continue;
         const Ocst* tree = pipeline.tree(GeometryId{g});
@@ -95,13 +95,13 @@ void count(StudyCourse& course, StudyRow& row, WholeModel& whole, const std::vec
 
 } // namespace
 
-void count_needed(StudyCourse& course, Study& study)
+void count_needed(StudyCourse& workload, Study& study)
 {
-    WholeModel whole(course.scene);
-    std::vector<std::uint8_t> used(course.scene.geometries.size());
-    for (GeometryId geometry : course.scene.geometry) used[index(geometry)] = 1;
+    WholeModel whole(workload.scene);
+    std::vector<std::uint8_t> used(workload.scene.geometries.size());
+    for (GeometryId geometry : workload.scene.geometry) used[index(geometry)] = 1;
     Progress progress("counting what was needed: variant", study.rows.size());
-    for (StudyRow& row : study.rows) count(course, row, whole, used), progress.step();
+    for (StudyRow& row : study.rows) count(workload, row, whole, used), progress.step();
 }
 
 } // namespace oncollide::tools

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "bench.hpp"
-#include "markup.hpp"
+#include "bench/bench.hpp"
 #include "study/figures.hpp"
+#include "study/markup.hpp"
 #include "study/report.hpp"
 
 namespace oncollide::tools {

@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <oncollide/scenes/error.hpp>
+#include <oncollide/base/error.hpp>
 
-#include "bench.hpp"
-#include "fcl_world.hpp"
+#include "bench/bench.hpp"
+#include "peers/fcl_world.hpp"
 #include "peers/narrow_peer.hpp"
 
 namespace oncollide::tools {
@@ -74,7 +74,7 @@ std::vector<PeerKind> peers_from_names(const std::string& list)
     return chosen;
 }
 
-std::vector<std::string> leave_out(std::vector<PeerKind>& kinds, const StudyCourse& course, const Settings& question)
+std::vector<std::string> leave_out(std::vector<PeerKind>& kinds, const StudyCourse& workload, const Settings& question)
 {
     std::vector<std::string> notes;
     std::erase_if(kinds, [&](const PeerKind& kind) {
@@ -82,17 +82,17 @@ std::vector<std::string> leave_out(std::vector<PeerKind>& kinds, const StudyCour
         if (const std::string package = missing_package(kind); !package.empty())
             why = fmt::format("not in this build (Debian: {})", package);
         else if (why.empty() && kind.name != "fcl")
-            why = why_not(kind, course.scene);
+            why = why_not(kind, workload.scene);
         if (!why.empty()) notes.push_back(fmt::format("{}: {}", kind.library, why));
         return !why.empty();
     });
     return notes;
 }
 
-std::unique_ptr<StudyPlayer> make_player(const PeerKind& kind, const StudyCourse& course)
+std::unique_ptr<StudyPlayer> make_player(const PeerKind& kind, const StudyCourse& workload)
 {
-    if (kind.name == "fcl") return std::make_unique<FclPlayer>(course.scene);
-    return make_mesh_player(kind, course);
+    if (kind.name == "fcl") return std::make_unique<FclPlayer>(workload.scene);
+    return make_mesh_player(kind, workload);
 }
 
 } // namespace oncollide::tools

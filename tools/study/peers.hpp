@@ -5,12 +5,12 @@
 
 #include <oncollide/pipeline/settings.hpp>
 
-#include "study/course.hpp"
+#include "study/workload.hpp"
 
 // Who plays a study beside the variants: other libraries, each as well as it can be used.
 namespace oncollide::tools {
 
-/// A library at work on a course.
+/// A library at work on a workload.
 class StudyPlayer {
 public:
     virtual ~StudyPlayer() = default;
@@ -35,10 +35,10 @@ struct PeerKind {
 std::vector<PeerKind> peers_from_names(const std::string& list);
 
 /// Takes out those that are not in this build or have no such question, and says why, a line each.
-std::vector<std::string> leave_out(std::vector<PeerKind>& kinds, const StudyCourse& course, const Settings& question);
+std::vector<std::string> leave_out(std::vector<PeerKind>& kinds, const StudyCourse& workload, const Settings& question);
 
-/// Builds models, trees and objects; the course's scene must outlive it.
-std::unique_ptr<StudyPlayer> make_player(const PeerKind& kind, const StudyCourse& course);
+/// Builds models, trees and objects; the workload's scene must outlive it.
+std::unique_ptr<StudyPlayer> make_player(const PeerKind& kind, const StudyCourse& workload);
 
 // The parts of the above for those that know triangles only.
 
@@ -46,6 +46,6 @@ std::unique_ptr<StudyPlayer> make_player(const PeerKind& kind, const StudyCourse
 std::string why_not(const PeerKind& kind, const Scene& scene);
 /// One structure for each two geometries whose bodies may meet, made now. A scene's pairs come from the broad phase,
 /// over our boxes; two meshes in poses have no need of one.
-std::unique_ptr<StudyPlayer> make_mesh_player(const PeerKind& kind, const StudyCourse& course);
+std::unique_ptr<StudyPlayer> make_mesh_player(const PeerKind& kind, const StudyCourse& workload);
 
 } // namespace oncollide::tools

@@ -5,13 +5,13 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/pipeline/contacts.hpp>
-#include <oncollide/scenes/error.hpp>
 
-#include "framing.hpp"
-#include "png.hpp"
-#include "progress.hpp"
-#include "render_scene.hpp"
+#include "cli/progress.hpp"
+#include "render/framing.hpp"
+#include "render/png.hpp"
+#include "render/render_scene.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -68,16 +68,16 @@ void paste(Painter& painter, const Picture& picture, Image& image, int column)
         std::copy_n(pixels.begin() + 3 * side * y, 3 * side, image.pixels.begin() + 3 * (image.width * y + column));
 }
 
-StudyPicture draw(StudyCourse& course, const Scenario& scenario, Painter& painter)
+StudyPicture draw(StudyCourse& workload, const Scenario& scenario, Painter& painter)
 {
     const Settings& settings = scenario.row->variant.settings;
     const BodyPair pair = scenario.at.pair;
-    Scene& scene = course.scene;
-    course.move(0);
+    Scene& scene = workload.scene;
+    workload.move(0);
     Pipeline pipeline(scene, settings);
     std::vector<PairResult> pairs;
     for (int frame = 0; frame <= scenario.at.frame; ++frame) {
-        course.move(frame);
+        workload.move(frame);
         const FrameView view = pipeline.step(scene);
         pairs.clear();
         for (const PairResult& p : view.pairs)
@@ -105,21 +105,22 @@ StudyPicture draw(StudyCourse& course, const Scenario& scenario, Painter& painte
     const std::string what = scenario.miss ? "missed: they collide, and were called separate"
                                            : fmt::format("false alarm: {:.3g} m apart, certified to be within {:.3g} m",
                                                          scenario.at.distance, scenario.at.bound);
-    return {fmt::format("{}, frame {}: {} and {}; {}.", scenario.row->variant.name, course.number(scenario.at.frame),
+    return {fmt::format("{}, frame {}: {} and {}; {}.", scenario.row->variant.name, workload.number(scenario.at.frame),
                         scene.names[pair.a], scene.names[pair.b], what),
             packed_png(image)};
 }
 
 } // namespace
 
-StudyPictures draw_study_pictures(StudyCourse& course, const Study& study)
+StudyPictures draw_study_pictures(StudyCourse& workload, const Study& study)
 {
     StudyPictures result;
     const std::vector<Scenario> chosen = choose(study);
     try {
         Painter painter(study.rows.front().variant.settings.gpu);
         Progress progress("picture", chosen.size());
-        for (const Scenario& scenario : chosen) result.all.push_back(draw(course, scenario, painter)), progress.step();
+        for (const Scenario& scenario : chosen)
+            result.all.push_back(draw(workload, scenario, painter)), progress.step();
     } catch (const Error& error) {
         if (error.kind() != ErrorKind::no_gpu) throw;
         result.none = error.what();

@@ -2,8 +2,8 @@
 #include <string>
 #include <vector>
 
-#include "study/course.hpp"
 #include "study/study.hpp"
+#include "study/workload.hpp"
 
 namespace oncollide::tools {
 
@@ -17,8 +17,8 @@ struct StudyPictures {
 };
 
 /// Pairs that were missed, and the worst false alarms of each series at its widest and its narrowest error: both bodies
-/// from afar, and the place where they are nearest. Each is found by playing the course again up to its frame.
+/// from afar, and the place where they are nearest. Each is found by playing the workload again up to its frame.
 /// Without a renderer there are none.
-StudyPictures draw_study_pictures(StudyCourse& course, const Study& study);
+StudyPictures draw_study_pictures(StudyCourse& workload, const Study& study);
 
 } // namespace oncollide::tools

@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/scenes/error.hpp>
+#include <oncollide/base/error.hpp>
 
-#include "bench.hpp"
-#include "progress.hpp"
+#include "bench/bench.hpp"
+#include "cli/progress.hpp"
 #include "study/judge.hpp"
 #include "study/needed.hpp"
 
@@ -49,26 +49,26 @@ struct Players {
     std::vector<Pipeline> pipelines;
     std::vector<std::unique_ptr<StudyPlayer>> peers;
 
-    Players(const StudyCourse& course, const std::vector<StudyRow>& rows, const std::vector<PeerKind>& kinds,
+    Players(const StudyCourse& workload, const std::vector<StudyRow>& rows, const std::vector<PeerKind>& kinds,
             const Settings& question)
-        : truth(course.scene, question)
+        : truth(workload.scene, question)
     {
-        for (const StudyRow& row : rows) pipelines.emplace_back(course.scene, row.variant.settings);
-        for (const PeerKind& kind : kinds) peers.push_back(make_player(kind, course));
+        for (const StudyRow& row : rows) pipelines.emplace_back(workload.scene, row.variant.settings);
+        for (const PeerKind& kind : kinds) peers.push_back(make_player(kind, workload));
     }
 };
 
-void play_once(StudyCourse& course, Study& study, Players& all, int repeat, Progress& progress)
+void play_once(StudyCourse& workload, Study& study, Players& all, int repeat, Progress& progress)
 {
     const bool first = repeat == 0;
     auto& [truth, pipelines, peers] = all;
     const std::size_t players = study.rows.size() + peers.size(); // peers come last
-    for (int frame = 0; frame < course.frames(); ++frame, progress.step()) {
-        course.move(frame);
+    for (int frame = 0; frame < workload.frames(); ++frame, progress.step()) {
+        workload.move(frame);
         if (first) {
             truth.step();
             study.colliding += truth.colliding().size();
-            if (const auto known = course.known(frame)) study.contradicted += *known == truth.colliding().empty();
+            if (const auto known = workload.known(frame)) study.contradicted += *known == truth.colliding().empty();
         }
         for (std::size_t turn = 0; turn < players; ++turn) {
             const std::size_t k = (turn + std::size_t(frame + repeat)) % players;
@@ -78,11 +78,11 @@ void play_once(StudyCourse& course, Study& study, Players& all, int repeat, Prog
                 take_time(peer.ms, frame, answer.ms);
                 if (!first) continue;
                 peer.candidates += answer.candidates;
-                judge(peer, answer.colliding, truth, course.scene, course.number(frame));
+                judge(peer, answer.colliding, truth, workload.scene, workload.number(frame));
                 continue;
             }
             StudyRow& row = study.rows[k];
-            const FrameView view = pipelines[k].step(course.scene);
+            const FrameView view = pipelines[k].step(workload.scene);
             take_times(row, view, frame);
             if (first) judge(row, view.pairs, truth, frame), add(row.trees, view.trees);
         }
@@ -107,13 +107,13 @@ Settings question_of(const std::vector<StudyVariant>& variants)
 
 } // namespace
 
-Study play_study(StudyCourse& course, const std::vector<StudyVariant>& variants, std::vector<PeerKind> peers,
+Study play_study(StudyCourse& workload, const std::vector<StudyVariant>& variants, std::vector<PeerKind> peers,
                  int warm_up, int repeats)
 {
     Study study;
-    const Scene& scene = course.scene;
-    study.title = course.title, study.bodies = scene.size();
-    study.frames = course.frames(), study.warm_up = std::min(warm_up, course.frames() - 1);
+    const Scene& scene = workload.scene;
+    study.title = workload.title, study.bodies = scene.size();
+    study.frames = workload.frames(), study.warm_up = std::min(warm_up, workload.frames() - 1);
     std::vector<double> sizes;
     for (GeometryId geometry : scene.geometry) sizes.push_back(bounds_of(scene.geometries[index(geometry)]).diagonal());
     study.size = median(sizes);
@@ -121,18 +121,18 @@ Study play_study(StudyCourse& course, const std::vector<StudyVariant>& variants,
         if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) study.triangles += mesh->triangles.size();
     for (const StudyVariant& variant : variants) study.rows.emplace_back().variant = variant;
     const Settings question = question_of(variants);
-    study.left_out = leave_out(peers, course, question);
+    study.left_out = leave_out(peers, workload, question);
     for (const PeerKind& kind : peers) study.peers.emplace_back().name = kind.library;
     {
-        Progress progress("frame", std::size_t(course.frames()) * std::size_t(repeats));
+        Progress progress("frame", std::size_t(workload.frames()) * std::size_t(repeats));
         std::optional<Players> players;
         for (int repeat = 0; repeat < repeats; ++repeat) {
-            course.move(0);
-            if (!players || !course.is_poses()) players.emplace(course, study.rows, peers, question);
-            play_once(course, study, *players, repeat, progress);
+            workload.move(0);
+            if (!players || !workload.is_poses()) players.emplace(workload, study.rows, peers, question);
+            play_once(workload, study, *players, repeat, progress);
         }
     }
-    count_needed(course, study);
+    count_needed(workload, study);
     return study;
 }
 

@@ -6,7 +6,7 @@
 
 #include <oncollide/pipeline/report.hpp>
 
-#include "bench.hpp"
+#include "bench/bench.hpp"
 
 namespace oncollide::tools {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include <oncollide/scenes/output_file.hpp>
+#include <oncollide/base/output_file.hpp>
 
 #include "study/study.hpp"
 

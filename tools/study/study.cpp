@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "statistics.hpp"
+#include "bench/statistics.hpp"
 
 namespace oncollide::tools {
 

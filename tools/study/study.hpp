@@ -7,7 +7,7 @@
 
 #include <oncollide/pipeline/pipeline.hpp>
 
-// What a study of speed against error measures. A study plays one course with many settings, turn about.
+// What a study of speed against error measures. A study plays one workload with many settings, turn about.
 namespace oncollide::tools {
 
 /// One point of the curve.

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include <oncollide/narrowphase/into_a.hpp>
-#include <oncollide/scenes/mesh_topology.hpp>
-#include <oncollide/scenes/parallel.hpp>
+#include <oncollide/base/parallel.hpp>
+#include <oncollide/narrowphase/relative_pose.hpp>
+#include <oncollide/scenes/model/mesh_topology.hpp>
 
-#include "accuracy_check.hpp"
 #include "hard/solid_truth.hpp"
 #include "hard/winding_number.hpp"
+#include "study/accuracy_check.hpp"
 #include "study/near_bodies.hpp"
 
 namespace oncollide::tools {
@@ -104,7 +104,7 @@ void StudyTruth::step()
 StudyTruth::Answer StudyTruth::decide_meshes(BodyPair pair) const
 {
     const Model &a = *model(pair.a), &b = *model(pair.b);
-    const BoxedTriangles b_in_a(b.halved, IntoA(scene_.poses[pair.a], scene_.poses[pair.b]));
+    const BoxedTriangles b_in_a(b.halved, RelativePose(scene_.poses[pair.a], scene_.poses[pair.b]));
     const TriangleContact least = asked_.ignore_touching ? TriangleContact::crossing : TriangleContact::touching;
     const TriangleContact contact = contact_of(a.at_home, b_in_a, least);
     if (contact >= least) return Answer::collide;
@@ -133,7 +133,7 @@ bool StudyTruth::holds_other(std::uint32_t outer, std::uint32_t inner) const
 {
     const Model* around = model(outer);
     if (!around || !around->solid) return false;
-    const IntoA into(scene_.poses[outer], scene_.poses[inner]);
+    const RelativePose into(scene_.poses[outer], scene_.poses[inner]);
     return std::ranges::any_of(points_of(geometry_of(scene_, inner)), [&](const Eigen::Vector3d& p) {
         return around->winds_around(around->at_home, into(p));
     });

@@ -6,8 +6,8 @@
 
 #include <oncollide/pipeline/settings.hpp>
 
-#include "fcl_world.hpp"
 #include "hard/body_truth.hpp"
+#include "peers/fcl_world.hpp"
 
 namespace oncollide::tools {
 

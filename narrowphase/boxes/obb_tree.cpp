@@ -1,0 +1,144 @@
+#include <oncollide/narrowphase/boxes/obb_tree.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include <oncollide/narrowphase/boxes/oriented_box.hpp>
+
+namespace oncollide {
+
+namespace {
+
+constexpr unsigned most_lanes = 8;
+
+} // namespace
+
+ObbTree::ObbTree(const Mesh& mesh)
+    : mesh_(mesh), centre_(mesh.bounds.centre()), radius_(0), chunks_(most_nodes(mesh) / chunk + 1)
+{
+    for (const Triangle& t : mesh.triangles)
+        for (std::uint32_t v : t) radius_ = std::max(radius_, (mesh.vertices[v] - centre_).squaredNorm());
+    radius_ = std::sqrt(radius_) * (1 + 0x1p-50) + 1e-150;
+
+    BoxNode& node = at(add_node());
+    set_frame(node, Eigen::Vector3d::Zero(), 2 * radius_); // the box's corners reach farther
+    const Eigen::Vector3d half = mesh.bounds.half_extent();
+    const OrientedBox box{Eigen::Vector3d::Zero(), half, Eigen::Matrix3d::Identity()};
+    const TrianglePoints diagonal{half, -half, half};
+    quantise(node, 0, box, {&diagonal, 1});
+    node.lanes = 1, node.begin[0] = 0, node.count[0] = static_cast<std::uint32_t>(mesh.triangles.size());
+    node.leaves = node.count[0] <= leaf_triangles, node.singles = node.count[0] == 1;
+    if (node.leaves) number_triangles();
+}
+
+void ObbTree::number_triangles()
+{
+    order_.resize(mesh_.triangles.size());
+    std::iota(order_.begin(), order_.end(), 0u);
+}
+
+std::uint32_t ObbTree::add_node()
+{
+    const std::uint32_t index = used_.fetch_add(1);
+    if (!chunks_[index / chunk]) chunks_[index / chunk] = std::make_unique<BoxNode[]>(chunk);
+    return index;
+}
+
+std::uint32_t ObbTree::grow(std::uint32_t parent, unsigned k)
+{
+    const std::lock_guard lock(growing_);
+    BoxNode& above = at(parent);
+    if (above.child[k]) return above.child[k]; // another walk was first
+    if (order_.empty()) number_triangles();
+    const std::uint32_t begin = above.begin[k], count = above.count[k];
+    items_.clear();
+    for (std::uint32_t id : std::span(order_).subspan(begin, count)) {
+        Eigen::Vector3d sum = Eigen::Vector3d::Zero(); // of floats: exact, whatever the order of the corners
+        for (std::uint32_t v : mesh_.triangles[id]) sum += (mesh_.vertices[v] - centre_).cast<float>().cast<double>();
+        const Eigen::Vector3f place = sum.cast<float>();
+        items_.push_back({{place.x(), place.y(), place.z()}, id});
+    }
+    const std::uint32_t index = add_node();
+    BoxNode& node = at(index);
+    set_frame(node, centre_of(above, k), radius_of(above, k));
+    if (count > leaf_triangles)
+        split(node, items_, std::min(most_lanes, count), begin);
+    else // a leaf: others may be reading the order of its triangles, which must stay
+        for (std::uint32_t i = 0; i < count; ++i) add_lane(node, std::span(items_).subspan(i, 1), begin + i);
+    std::atomic_ref(above.child[k]).store(index, std::memory_order_release);
+    return index;
+}
+
+/// Along the axis; of triangles with one centre, by their corners: so the parts do not depend on the order in the file.
+bool ObbTree::before(const Item& x, const Item& y, int axis) const
+{
+    for (int k = 0; k < 3; ++k, axis = (axis + 1) % 3)
+        if (x.place[axis] != y.place[axis]) return x.place[axis] < y.place[axis];
+    const auto sorted = [this](std::uint32_t triangle) {
+        std::array<std::array<double, 3>, 3> corners;
+        for (std::size_t k = 0; k < 3; ++k)
+            Eigen::Map<Eigen::Vector3d>(corners[k].data()) = mesh_.vertices[mesh_.triangles[triangle][k]];
+        std::sort(corners.begin(), corners.end());
+        return corners;
+    };
+    const auto corners_x = sorted(x.triangle), corners_y = sorted(y.triangle);
+    return corners_x != corners_y ? corners_x < corners_y : x.triangle < y.triangle;
+}
+
+/// Halves the items, across the axis along which they spread most, until there is a part for each lane.
+void ObbTree::split(BoxNode& node, std::span<Item> items, unsigned lanes, std::uint32_t begin)
+{
+    if (lanes == 1) return add_lane(node, items, begin);
+    float low[3], high[3];
+    std::fill(low, low + 3, std::numeric_limits<float>::infinity());
+    std::fill(high, high + 3, -std::numeric_limits<float>::infinity());
+    for (const Item& item : items)
+        for (int axis = 0; axis < 3; ++axis)
+            low[axis] = std::min(low[axis], item.place[axis]), high[axis] = std::max(high[axis], item.place[axis]);
+    int axis = 0;
+    for (int other = 1; other < 3; ++other)
+        if (high[other] - low[other] > high[axis] - low[axis]) axis = other;
+    const std::size_t half = items.size() * (lanes / 2) / lanes;
+    std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(half), items.end(),
+                     [this, axis](const Item& x, const Item& y) { return before(x, y, axis); });
+    split(node, items.first(half), lanes / 2, begin);
+    split(node, items.subspan(half), lanes - lanes / 2, begin + static_cast<std::uint32_t>(half));
+}
+
+void ObbTree::add_lane(BoxNode& node, std::span<const Item> items, std::uint32_t begin)
+{
+    points_.clear();
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        std::uint32_t& place = order_[begin + i];
+        if (place != items[i].triangle) place = items[i].triangle;
+        const Triangle& t = mesh_.triangles[items[i].triangle];
+        points_.push_back(
+            {mesh_.vertices[t[0]] - centre_, mesh_.vertices[t[1]] - centre_, mesh_.vertices[t[2]] - centre_});
+    }
+    const unsigned k = node.lanes++;
+    node.begin[k] = begin, node.count[k] = static_cast<std::uint32_t>(items.size());
+    node.leaves |= unsigned(items.size() <= leaf_triangles) << k;
+    node.singles |= unsigned(items.size() == 1) << k;
+    quantise(node, k, fit_box(points_), points_);
+}
+
+std::size_t ObbTree::most_bytes(const Mesh& mesh)
+{
+    const std::size_t triangles = mesh.triangles.size(), chunks = most_nodes(mesh) / chunk + 1;
+    return chunks * (chunk * sizeof(BoxNode) + sizeof(chunks_[0])) +
+           triangles * (sizeof(order_[0]) + 2 * (sizeof(Item) + sizeof(TrianglePoints)));
+}
+
+std::size_t ObbTree::bytes() const
+{
+    std::size_t chunks = 0;
+    for (const auto& c : chunks_) chunks += c != nullptr;
+    return chunks * chunk * sizeof(BoxNode) + chunks_.capacity() * sizeof(chunks_[0]) +
+           order_.capacity() * sizeof(order_[0]) + items_.capacity() * sizeof(Item) +
+           points_.capacity() * sizeof(TrianglePoints);
+}
+
+} // namespace oncollide

@@ -1,0 +1,142 @@
+// Compiled once per instruction set; see oncollide_add_kernel.
+#include <oncollide/base/simd.hpp>
+#include <oncollide/narrowphase/boxes/oriented_box_kernel.hpp>
+
+namespace oncollide::ONCOLLIDE_ISA {
+namespace {
+
+template <class Number, class Lanes>
+inline F32x8 widen(const Number (&from)[8])
+{
+    Lanes v;
+    __builtin_memcpy(&v, from, sizeof v);
+    return __builtin_convertvector(__builtin_convertvector(v, I32x8), F32x8);
+}
+inline F32x8 widen(const std::int16_t (&from)[8])
+{
+    using Lanes = std::int16_t __attribute__((vector_size(16)));
+    return widen<std::int16_t, Lanes>(from);
+}
+inline F32x8 widen(const std::uint16_t (&from)[8])
+{
+    using Lanes = std::uint16_t __attribute__((vector_size(16)));
+    return widen<std::uint16_t, Lanes>(from);
+}
+
+inline F32x8 abs(F32x8 v)
+{
+    return reinterpret_cast<F32x8>(reinterpret_cast<I32x8>(v) & 0x7fffffff);
+}
+
+struct Vec {
+    F32x8 x, y, z;
+};
+inline Vec turned(const float (&m)[9], const Vec& v)
+{
+    return {m[0] * v.x + m[1] * v.y + m[2] * v.z, m[3] * v.x + m[4] * v.y + m[5] * v.z,
+            m[6] * v.x + m[7] * v.y + m[8] * v.z};
+}
+inline void store(float (&to)[3][8], const Vec& v)
+{
+    store(to[0], v.x), store(to[1], v.y), store(to[2], v.z);
+}
+
+constexpr float out_of_reach = 1e30f;
+
+/// As axes_of() in oriented_box.cpp, operation by operation.
+void open(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out)
+{
+    const F32x8 unit = splat(node.unit);
+    Vec centre{node.origin[0] + widen(node.x) * unit, node.origin[1] + widen(node.y) * unit,
+               node.origin[2] + widen(node.z) * unit};
+    F32x8 w = widen(node.qw) * (1.0f / 32767), x = widen(node.qx) * (1.0f / 32767), y = widen(node.qy) * (1.0f / 32767),
+          z = widen(node.qz) * (1.0f / 32767);
+    const F32x8 stretch = 1.5f - 0.5f * (w * w + x * x + y * y + z * z);
+    w = w * stretch, x = x * stretch, y = y * stretch, z = z * stretch;
+    const F32x8 x2 = x + x, y2 = y + y, z2 = z + z;
+    const F32x8 xx = x * x2, yy = y * y2, zz = z * z2, xy = x * y2, xz = x * z2, yz = y * z2, wx = w * x2, wy = w * y2,
+                wz = w * z2;
+    Vec axes[3] = {
+        {1 - (yy + zz), xy + wz, xz - wy}, {xy - wz, 1 - (xx + zz), yz + wx}, {xz + wy, yz - wx, 1 - (xx + yy)}};
+    if (placement) {
+        centre = turned(placement->rotation, centre);
+        centre = {centre.x + placement->translation[0], centre.y + placement->translation[1],
+                  centre.z + placement->translation[2]};
+        for (Vec& axis : axes) axis = turned(placement->rotation, axis);
+    }
+    const int last = static_cast<int>(node.lanes);
+    centre.x = I32x8{0, 1, 2, 3, 4, 5, 6, 7} < last ? centre.x : splat(out_of_reach);
+    store(out.c, centre);
+    for (int i = 0; i < 3; ++i) store(out.axis[i], axes[i]);
+    const Vec half{widen(node.hx) * unit, widen(node.hy) * unit, widen(node.hz) * unit};
+    store(out.h, half);
+    store(out.size, half.x * half.x + half.y * half.y + half.z * half.z);
+}
+
+template <bool far>
+unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, float reach, float (&gaps)[8],
+                 float (&nearest)[8])
+{
+    const F32x8 dx = load(boxes.c[0]) - other.c[0][k], dy = load(boxes.c[1]) - other.c[1][k],
+                dz = load(boxes.c[2]) - other.c[2][k];
+    const F32x8 h[3] = {load(boxes.h[0]), load(boxes.h[1]), load(boxes.h[2])};
+    const float oh[3] = {other.h[0][k], other.h[1][k], other.h[2][k]};
+    F32x8 axis[3][3], c[3][3], a[3][3], t[3]; // c: cosines [of the other's axis][of the lane's axis]; a: without sign
+    F32x8 gap = splat(-__builtin_inff());
+    F32x8 radii_by_length = splat(0); // along the line of centres
+#pragma GCC unroll 3
+    for (int j = 0; j < 3; ++j)
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i) axis[j][i] = load(boxes.axis[j][i]);
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) {
+        const float x = other.axis[i][0][k], y = other.axis[i][1][k], z = other.axis[i][2][k];
+        t[i] = x * dx + y * dy + z * dz;
+#pragma GCC unroll 3
+        for (int j = 0; j < 3; ++j) {
+            c[i][j] = x * axis[j][0] + y * axis[j][1] + z * axis[j][2];
+            a[i][j] = abs(c[i][j]);
+        }
+        gap = max(gap, abs(t[i]) - oh[i] - (h[0] * a[i][0] + h[1] * a[i][1] + h[2] * a[i][2]));
+    }
+#pragma GCC unroll 3
+    for (int j = 0; j < 3; ++j) {
+        const F32x8 along = axis[j][0] * dx + axis[j][1] * dy + axis[j][2] * dz;
+        gap = max(gap, abs(along) - h[j] - (oh[0] * a[0][j] + oh[1] * a[1][j] + oh[2] * a[2][j]));
+        if constexpr (far) radii_by_length = radii_by_length + h[j] * abs(along);
+    }
+    if constexpr (far) {
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i) radii_by_length = radii_by_length + oh[i] * abs(t[i]);
+        const F32x8 length = sqrt(dx * dx + dy * dy + dz * dz);
+        gap = max(gap, length > splat(0) ? length - radii_by_length / length : gap);
+    }
+    if (bits(gap <= splat(reach))) {
+        // Cross products are at most of length 1: what they show, the distance is at least.
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i) {
+            const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+#pragma GCC unroll 3
+            for (int j = 0; j < 3; ++j) {
+                const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+                const F32x8 apart = abs(t[i2] * c[i1][j] - t[i1] * c[i2][j]);
+                const F32x8 radii = oh[i1] * a[i2][j] + oh[i2] * a[i1][j] + h[j1] * a[i][j2] + h[j2] * a[i][j1];
+                gap = max(gap, apart - radii);
+            }
+        }
+    }
+    const I32x8 near = gap <= splat(reach);
+    const F32x8 before = load(nearest);
+    store(gaps, gap);
+    store(nearest, near ? before : min(before, gap));
+    return bits(near);
+}
+
+} // namespace
+
+OrientedBoxKernel oriented_box_kernel()
+{
+    return {open, compare<false>, compare<true>};
+}
+
+} // namespace oncollide::ONCOLLIDE_ISA

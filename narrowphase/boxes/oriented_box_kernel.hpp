@@ -1,0 +1,43 @@
+// Oriented boxes against oriented boxes, one implementation an instruction set. Plain data in, plain data out.
+#pragma once
+#include <cstdint>
+
+#include <oncollide/narrowphase/boxes/box_node.hpp>
+
+namespace oncollide {
+
+/// Into A's frame: p -> rotation p + translation.
+struct BoxPlacement {
+    float rotation[9]; ///< row-major, a rotation
+    float translation[3];
+};
+
+struct OrientedBoxKernel {
+    /// @param placement  null: the boxes stay where they are
+    /// Lanes past the node's last box are put out of reach.
+    void (*open)(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out);
+    /// One bit for each box that box `k` of `other` may touch: whose gap is at most `reach`.
+    /// @param gaps     out: lower bounds on the distances, rounding aside: the most that a separating axis shows, be it
+    ///                 one of the six face normals or of the nine cross products of edges. Negative: overlap
+    /// @param nearest  in and out, by lane: the smallest gap above `reach`
+    /// Source: Gottschalk, Lin and Manocha, "OBBTree: a hierarchical structure for rapid interference detection",
+    /// SIGGRAPH 1996.
+    using Compare = unsigned(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, float reach, float (&gaps)[8],
+                             float (&nearest)[8]);
+    Compare* compare;
+    /// The same, with the line of centres for one axis more: for boxes far apart the gaps come much nearer to the
+    /// distances.
+    Compare* compare_far;
+};
+
+namespace baseline {
+OrientedBoxKernel oriented_box_kernel();
+}
+namespace avx2 {
+OrientedBoxKernel oriented_box_kernel();
+}
+namespace avx512 {
+OrientedBoxKernel oriented_box_kernel();
+}
+
+} // namespace oncollide

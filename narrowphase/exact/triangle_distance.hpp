@@ -1,0 +1,14 @@
+#pragma once
+#include <oncollide/narrowphase/exact/triangle_test.hpp>
+
+namespace oncollide {
+
+/// Distance of two triangles that do not meet, metres. What it returns is the distance of two points of theirs but for
+/// rounding: it errs by at most 2^-40 times the largest difference of two coordinates. Cost: about 250 ns.
+/// Source: Ericson, "Real-Time Collision Detection", 2004, 5.1.5 and 5.1.9.
+double triangle_distance(const TrianglePoints& a, const TrianglePoints& b);
+
+/// Least distance of a corner of the one to a corner of the other: no less than that of the triangles. Cost: 5 ns.
+double corner_distance(const TrianglePoints& a, const TrianglePoints& b);
+
+} // namespace oncollide

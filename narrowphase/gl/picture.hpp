@@ -1,0 +1,66 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include <oncollide/scenes/model/mesh.hpp>
+
+namespace oncollide {
+
+/// As in an image file, 0 to 255.
+struct Colour {
+    std::uint8_t red, green, blue;
+    std::uint8_t alpha = 255; ///< 255: opaque
+};
+
+/// From where to where one looks. z is up, or y for those who look along z.
+struct Camera {
+    Eigen::Vector3d eye{0, -5, 0}, look_at{0, 0, 0}; ///< apart
+    double view_angle = 0.5;                         ///< radians, over the height of the picture
+};
+
+/// World frame to view frame: x to the right, y up, the eye at the origin looking along -z.
+Eigen::Isometry3d view_of(const Camera& camera);
+
+/// What to draw: meshes, and balls on top. All in the world frame, in double: only distances from the eye are rounded.
+struct Picture {
+    struct Body {
+        const Mesh* mesh; ///< must live until the picture is drawn
+        Eigen::Isometry3d pose;
+        Colour colour; ///< always opaque
+    };
+    struct Ball {
+        Eigen::Vector3d centre;
+        double radius;
+        Colour colour; ///< below 255 of alpha, it looks like a soap bubble
+    };
+    std::vector<Body> bodies;
+    std::vector<Ball> balls;
+    Camera camera;
+    int width = 640, height = 480; ///< pixels, each 1 to 8192
+    Colour background{255, 255, 255};
+};
+
+/// Draws pictures on a GPU, or on a software renderer in its place. Belongs to the thread that made it.
+class Painter {
+public:
+    /// @param gpu  number in gpu_devices(); -1: the first that is one, else software
+    /// Throws Error{no_gpu}.
+    explicit Painter(int gpu = -1);
+    ~Painter();
+    Painter(const Painter&) = delete;
+    Painter& operator=(const Painter&) = delete;
+
+    /// Red, green and blue of each pixel, rows from the top. Two lights that come with the camera; edges are smoothed
+    /// by four samples a pixel. Opaque things hide each other by depth; bubbles are blended over them, far ones first.
+    /// Equal pictures give equal bytes on the same renderer. Throws GpuLost.
+    std::vector<std::uint8_t> draw(const Picture& picture);
+
+private:
+    struct Tools;
+    std::unique_ptr<Tools> tools_;
+};
+
+} // namespace oncollide

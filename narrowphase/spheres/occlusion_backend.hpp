@@ -1,0 +1,100 @@
+#pragma once
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/narrowphase/spheres/cell_key.hpp>
+#include <oncollide/narrowphase/spheres/surface.hpp>
+
+namespace oncollide {
+
+/// Where a backend keeps the triangles that it found in a cell, each with the octants that it enters. Opaque above.
+enum class ListId : std::uint32_t {};
+constexpr ListId all_triangles{std::numeric_limits<std::uint32_t>::max()}; ///< the whole surface: the root's list
+
+/// One question: which of the eight octants of this cell does the surface enter?
+struct OctantRow {
+    std::uint32_t tree; ///< a surface given to attach()
+    CellKey cell;
+    ListId list;    ///< the parent's answer, or all_triangles for the root
+    bool keep_list; ///< the triangles will be asked for again, by deeper cells
+};
+
+struct OctantAnswer {
+    std::uint8_t grey = 0;       ///< bit k: octant k
+    ListId list = all_triangles; ///< the cell's triangles, when kept
+};
+
+/// The triangles of one octant of a cell that was answered.
+struct ListRead {
+    std::uint32_t tree;
+    ListId list;
+    unsigned octant;
+};
+
+/// What one batch cost. Zero where a backend has nothing of the kind.
+struct BatchWork {
+    double gpu_ms = 0;         ///< between the first and the last command of the batch, by the GPU's clock
+    double wait_ms = 0;        ///< the caller waited for it
+    std::uint64_t queries = 0; ///< occlusion queries
+    std::uint64_t bytes = 0;   ///< to the GPU and back
+    std::uint64_t repeats = 0; ///< times that a buffer was too small, and the batch was done again with a larger one
+};
+
+/// The GPU was lost or ran out of memory: all lists are gone. Everything can be had again from another backend.
+class GpuLost : public Error {
+public:
+    explicit GpuLost(const std::string& message) : Error(ErrorKind::no_gpu, message) {}
+};
+
+/// Who answers. The one rule: *never clear the bit of an octant that the surface enters; a set bit may be false*, and
+/// then the surface is no farther from the octant than RootCell::false_reach() plus reach(). Answers depend on the rows
+/// alone, not on their order or number, nor on what was asked before.
+///
+/// Any call may throw GpuLost; the backend is of no use after that.
+class OcclusionBackend {
+public:
+    virtual ~OcclusionBackend() = default;
+    /// For reports: "cpu (avx2)".
+    virtual std::string name() const = 0;
+    /// GL_RENDERER; empty on the CPU.
+    virtual std::string renderer() const { return {}; }
+    /// What a grey octant may be wrong by beyond RootCell::false_reach() (m), for cells of half-extent `half`.
+    virtual double reach(double half) const = 0;
+
+    /// Gives the surface of a tree before its first row.
+    virtual void attach(std::uint32_t tree, Surface surface) = 0;
+    virtual bool attached(std::uint32_t tree) const = 0;
+    /// Forgets a tree's surface and lists. Like release(), name() and bytes(), it never throws.
+    virtual void detach(std::uint32_t tree) = 0;
+
+    /// Starts a batch: one a round, for all pairs and all trees. `rows` stay as they are until collect(), and no other
+    /// call comes in between: the caller has other work to do meanwhile.
+    virtual void submit(std::span<const OctantRow> rows, int threads) = 0;
+    /// Waits for the batch: answers[i] for rows[i].
+    virtual BatchWork collect(std::span<OctantAnswer> answers) = 0;
+    /// Both in one.
+    BatchWork ask(std::span<const OctantRow> rows, int threads, std::span<OctantAnswer> answers)
+    {
+        submit(rows, threads);
+        return collect(answers);
+    }
+
+    /// The cell of that list was dropped.
+    virtual void release(std::uint32_t tree, ListId list) = 0;
+    /// Appends the triangles of each read to `triangles`, ascending, and where they end to `ends`. One call for many:
+    /// lists may be far away.
+    virtual void read(std::span<const ListRead> reads, std::vector<std::uint32_t>& triangles,
+                      std::vector<std::size_t>& ends) = 0;
+    /// Memory held for surfaces and lists.
+    virtual std::size_t bytes() const = 0;
+};
+
+/// Per triangle: its box against the octants' planes by table, then separating axes against the eight octants at once.
+std::unique_ptr<OcclusionBackend> make_cpu_backend();
+
+} // namespace oncollide

@@ -1,0 +1,76 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include <oncollide/narrowphase/spheres/cell_key.hpp>
+#include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
+#include <oncollide/narrowphase/spheres/ocst_node.hpp>
+#include <oncollide/narrowphase/spheres/surface.hpp>
+
+namespace oncollide {
+
+/// The sphere-tree of one geometry, built while collisions are detected ("on-collide"): a cell is expanded only when a
+/// test reaches it, by asking a backend which of its octants are grey.
+///
+/// Cells of level `depth` are the leaves. They are not stored: their parent's grey mask says which exist. All cells of
+/// level l share one half-extent and one sphere radius, root radius / 2^l.
+/// Source: Franquesa-Niubó and Rodríguez González, "Sphere-trees generation as needed in real time to speed up
+/// collision detection", GRAPP 2006.
+class Ocst {
+public:
+    /// A tree of the root alone. depth in [1, deepest_level].
+    Ocst(const RootCell& root, int depth, double covering_error);
+
+    const RootCell& root() const { return root_; }
+    int depth() const { return depth_; }
+    double radius(int level) const;
+    /// Adds to 2 * radius in a bound: how far the geometry may be from a grey cell.
+    double reach(const OcclusionBackend& backend, int level) const;
+
+    /// What a backend is asked to expand `cell`: finds its parent's list. The cell must be stored and not
+    /// expanded. The triangles of the last stored level are not kept: nothing below it asks for them.
+    OctantRow row(std::uint32_t tree, CellKey cell) const;
+    /// Stores the answer for `cell` and stamps it.
+    void expand(CellKey cell, const OctantAnswer& answer, std::uint32_t frame);
+    /// Asks `backend` for the lists of all cells again, after those of another were lost. Masks stay.
+    void ask_lists_again(std::uint32_t tree, OcclusionBackend& backend, int threads);
+    /// Drops the children of every expanded cell that no test has reached for `age` frames, releasing lists.
+    /// Returns how many stored cells went.
+    std::uint64_t collapse(std::uint32_t frame, std::uint32_t age, std::uint32_t tree, OcclusionBackend& backend);
+
+    /// The list of `cell`'s parent, which holds the triangles of `cell` under its octant; all_triangles for the root.
+    ListId parent_list(CellKey cell) const;
+
+    /// The cell of that level that holds `point` (geometry frame; points outside the root go to the nearest cell).
+    CellKey cell_at(const Eigen::Vector3d& point, int level) const;
+    /// Is the cell's parent expanded and the cell grey, so that its triangles are known?
+    bool knows(CellKey cell) const;
+
+    /// Calls `visit` for every cell that is alive, parents first: stored ones, and the leaves under expanded parents.
+    /// The children of an expanded cell are alive too; of others nothing is known yet, and leaves have none.
+    void for_each_cell(const std::function<void(CellKey, bool expanded)>& visit) const;
+    Eigen::Vector3d centre(CellKey cell) const; ///< of its sphere, geometry frame
+
+    const OcstNode* nodes() const { return nodes_.data(); }
+    OcstNode* nodes() { return nodes_.data(); }
+    std::uint64_t size() const { return stored_; } ///< stored cells
+    std::size_t bytes() const;
+
+private:
+    std::uint32_t find(CellKey cell) const; ///< index of a stored cell
+    std::uint32_t add_block(unsigned count);
+    std::uint64_t drop_children(std::uint32_t node, int level, std::uint32_t tree, OcclusionBackend& backend);
+    std::uint64_t collapse_below(std::uint32_t node, int level, std::uint32_t frame, std::uint32_t age,
+                                 std::uint32_t tree, OcclusionBackend& backend);
+
+    RootCell root_;
+    int depth_;
+    double covering_error_;
+    std::uint64_t stored_ = 1;
+    std::vector<OcstNode> nodes_;
+    std::vector<ListId> lists_;                 ///< by node: the triangles of an expanded cell
+    std::vector<std::uint32_t> free_blocks_[9]; ///< by size
+};
+
+} // namespace oncollide

@@ -1,0 +1,116 @@
+#include <oncollide/narrowphase/spheres/surface.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Geometry>
+
+namespace oncollide {
+
+namespace {
+
+float rounded_up(double x)
+{
+    return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
+}
+
+RootCell root_around(const Aabb& bounds)
+{
+    RootCell root;
+    root.centre = bounds.centre();
+    // The centre is rounded, so the farther side decides.
+    const Eigen::Vector3d half = (bounds.max - root.centre).cwiseMax(root.centre - bounds.min);
+    const double least = std::max(half.maxCoeff() / 64, 1e-12);
+    root.radius = 0, root.scale = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        root.half[axis] = rounded_up(std::max(half[axis], least));
+        root.radius += static_cast<double>(root.half[axis]) * root.half[axis];
+        root.scale = std::max<double>(root.scale, root.half[axis]);
+    }
+    root.radius = std::sqrt(root.radius) * (1 + 1e-15);
+    return root;
+}
+
+void put(Primitive& primitive, int point, const Eigen::Vector3d& p)
+{
+    for (int axis = 0; axis < 3; ++axis) primitive.point[point][axis] = static_cast<float>(p[axis]);
+}
+
+/// Unit normal from the float corners, so that it belongs to the triangle that the test sees; in double, so that thin
+/// triangles keep a good one. Zero when the area is below 2^-26 of the longest edge squared: the edges then decide
+/// alone.
+Eigen::Vector3d normal_of(const Primitive& t)
+{
+    Eigen::Vector3d p[3];
+    for (int i = 0; i < 3; ++i) p[i] = {t.point[i][0], t.point[i][1], t.point[i][2]};
+    const Eigen::Vector3d e = p[1] - p[0], f = p[2] - p[0], n = e.cross(f);
+    const double longest = std::max({e.squaredNorm(), f.squaredNorm(), (p[2] - p[1]).squaredNorm()});
+    const double length = n.norm();
+    return length > longest * 0x1p-26 ? Eigen::Vector3d(n / length) : Eigen::Vector3d::Zero();
+}
+
+void add_triangles(Surface& surface, const Mesh& mesh)
+{
+    surface.primitives.resize(mesh.triangles.size());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        Primitive& primitive = surface.primitives[t];
+        for (int i = 0; i < 3; ++i) put(primitive, i, mesh.vertices[mesh.triangles[t][i]] - surface.root.centre);
+        const Eigen::Vector3d normal = normal_of(primitive);
+        for (int i = 0; i < 3; ++i) primitive.point[i][3] = static_cast<float>(normal[i]);
+    }
+}
+
+void add_boxes(Surface& surface, const OccupancyMap& map)
+{
+    surface.boxes = true;
+    surface.primitives.resize(map.cells.size());
+    for (std::size_t c = 0; c < map.cells.size(); ++c) {
+        Primitive& primitive = surface.primitives[c];
+        put(primitive, 0, map.cells[c].min - surface.root.centre);
+        put(primitive, 1, map.cells[c].max - surface.root.centre);
+        put(primitive, 2, map.cells[c].max - surface.root.centre);
+        for (auto& point : primitive.point) point[3] = 0;
+    }
+}
+
+void add_inside(Surface& surface, const Mesh& convex)
+{
+    for (const Triangle& t : convex.triangles) {
+        const Eigen::Vector3d p = convex.vertices[t[0]] - surface.root.centre;
+        const Eigen::Vector3d n =
+            (convex.vertices[t[1]] - convex.vertices[t[0]]).cross(convex.vertices[t[2]] - convex.vertices[t[0]]);
+        surface.inside.push_back({n.x(), n.y(), n.z(), n.dot(p)});
+    }
+}
+
+} // namespace
+
+RootCell root_cell_of(const Geometry& geometry)
+{
+    if (const auto* shape = std::get_if<Shape>(&geometry.data))
+        return root_around(bounding_mesh_of(*shape).mesh.bounds);
+    return root_around(bounds_of(geometry));
+}
+
+Surface make_surface(const Geometry& geometry, const RootCell& root)
+{
+    Surface surface;
+    surface.root = root;
+    if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) add_triangles(surface, *mesh);
+    if (const auto* map = std::get_if<OccupancyMap>(&geometry.data)) add_boxes(surface, *map);
+    if (const auto* shape = std::get_if<Shape>(&geometry.data)) {
+        const BoundingMesh enclosure = bounding_mesh_of(*shape);
+        add_triangles(surface, enclosure.mesh);
+        add_inside(surface, enclosure.mesh);
+    }
+    return surface;
+}
+
+double covering_error_of(const Geometry& geometry)
+{
+    const auto* shape = std::get_if<Shape>(&geometry.data);
+    return shape ? bounding_mesh_of(*shape).covering_error : 0.0;
+}
+
+} // namespace oncollide

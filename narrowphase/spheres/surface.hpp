@@ -1,0 +1,51 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <oncollide/narrowphase/spheres/primitive.hpp>
+#include <oncollide/scenes/scene.hpp>
+
+namespace oncollide {
+
+/// The root cell of a geometry's sphere-tree, known from its bounds alone.
+struct RootCell {
+    Eigen::Vector3d centre; ///< geometry frame; kept in double, everything else is relative to it
+    std::array<float, 3>
+        half;      ///< half-extents, rounded up; at least 1/64 of the largest, so that flat bodies get real cells
+    double radius; ///< of the sphere around the cell
+    double scale;  ///< largest half-extent: the M of every rounding argument
+    /// How far outside a cell an octant test may reach and still say grey: 2^-18 M. The test's octants are grown by it.
+    double slack() const { return scale * 0x1p-18; }
+    /// A grey cell has surface no farther from it than this. Octants grow by slack, every axis of the test is rounded
+    /// by less than slack again, and the worst corner of a box against a triangle multiplies that by at most sqrt 3.
+    double false_reach() const { return 4 * slack(); }
+};
+
+/// The root cell around a geometry: around its bounds, or the bounds of the mesh that encloses a shape.
+RootCell root_cell_of(const Geometry& geometry);
+
+/// What backends see of a geometry: float copies relative to the root cell's centre. Made when a test first reaches
+/// below the root.
+struct Surface {
+    RootCell root;
+    bool boxes = false;                ///< primitives are solid axis-aligned boxes, not triangles
+    std::vector<Primitive> primitives; ///< in the order of the mesh's triangles or the map's cells
+    /// Planes around a solid convex body, (n, d) with n . x <= d inside, relative to the root's centre. Cells inside
+    /// all of them belong to the body. Empty: surface only.
+    std::vector<std::array<double, 4>> inside;
+
+    std::size_t bytes() const
+    {
+        return primitives.capacity() * sizeof(Primitive) + inside.capacity() * sizeof(inside[0]);
+    }
+};
+
+/// Cost: O(primitives), about 10 ns each. Shapes: of the mesh that encloses them.
+Surface make_surface(const Geometry& geometry, const RootCell& root);
+
+/// By how much the surface that the tree is built over may lie outside the geometry (m): the enclosure's covering error
+/// of a shape, 0 for meshes and maps.
+double covering_error_of(const Geometry& geometry);
+
+} // namespace oncollide

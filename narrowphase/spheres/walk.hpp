@@ -1,0 +1,100 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include <oncollide/narrowphase/spheres/ocst.hpp>
+
+namespace oncollide {
+
+/// Two leaf cells whose spheres touch: what decided a pair.
+struct LeafPair {
+    CellKey a = 0, b = 0; ///< 0: none
+};
+
+/// How a pair's walk stands.
+enum class WalkStatus : std::uint8_t {
+    separate,  ///< no leaves touch; bound: certified lower bound on the distance
+    touching,  ///< two leaves touch; bound: certified upper bound on the distance
+    parked,    ///< needs cells that are not expanded
+    undecided, ///< such a cell was refused and no leaves are known to touch; bound: certified upper bound so far
+};
+
+struct WalkResult {
+    WalkStatus status = WalkStatus::parked;
+    double bound = 0;
+    LeafPair leaves;
+};
+
+/// Two bodies at one frame, as the walk sees them.
+struct WalkPair {
+    Ocst *a, *b;
+    std::uint32_t tree_a, tree_b;
+    const Eigen::Isometry3d *pose_a, *pose_b;
+    double clearance; ///< metres, >= 0
+    LeafPair hint;    ///< what decided the pair last frame
+};
+
+struct WalkPlan;
+struct WalkEntry;
+
+/// What a walk left: entries [first, first + count) of its walker's list, to be taken up from the last; the last
+/// `wanted` of them wait for cells.
+struct ParkedWork {
+    std::size_t first = 0, count = 0, wanted = 0;
+};
+
+/// A cell to expand before walks can go on.
+struct CellRequest {
+    std::uint32_t tree;
+    CellKey cell;
+    friend bool operator==(const CellRequest&, const CellRequest&) = default;
+    friend auto operator<=>(const CellRequest&, const CellRequest&) = default;
+};
+
+/// Walks pairs of sphere-trees, one thread's worth of state.
+///
+/// A walk goes down both trees at once, the larger sphere first, both when they are of similar size, depth first and
+/// the closest pair first. Where it needs a cell that is not expanded it sets that pair of cells aside and goes on with
+/// the next, until it holds `patience` of them: then it parks, and what it set aside becomes requests. A small patience
+/// asks for little that a touching pair does not need, a large one keeps rounds few; patience_in() starts small and
+/// doubles once a pair has had a round for each of its levels, so that the rounds of a frame depend on depth, not on
+/// the number of pairs.
+///
+/// Bounds. With cells of radius rA, rB, reaches eA, eB (Ocst::reach), clearance c and rounding s, touching leaves mean
+/// distance <= |cA - cB| + rA + rB + eA + eB <= c + 2 (rA + rB) + eA + eB + 2 s: the same for every pair of leaves, so
+/// the answer does not depend on the order of the walk. If no leaves touch, the smallest |cA - cB| - rA - rB - s over
+/// the pairs that were cut is a lower bound.
+class Walker {
+public:
+    Walker();
+    ~Walker();
+    Walker(Walker&&) noexcept;
+
+    /// Starts a pair. What it leaves is appended to this walker's list of parked work.
+    WalkResult start(const WalkPair& pair, std::uint32_t frame, const OcclusionBackend& backend, ParkedWork& parked);
+    /// Goes on with work parked in `from` (another walker or round), given the last result.
+    /// @param round    1 for the first resumption in a frame
+    /// @param give_up  cells were refused: take what is not expanded as undecided instead of parking again
+    WalkResult resume(const WalkPair& pair, std::uint32_t frame, const OcclusionBackend& backend, const Walker& from,
+                      const WalkResult& so_far, int round, bool give_up, ParkedWork& parked);
+    /// Appends the cells that parked work waits for.
+    void requests(const WalkPair& pair, const ParkedWork& parked, std::vector<CellRequest>& out) const;
+
+    /// Forgets parked work; keeps its memory.
+    void clear() { parked_used_ = 0; }
+    std::uint64_t node_pairs() const { return node_pairs_; }
+    void reset_counters() { node_pairs_ = 0; }
+
+private:
+    WalkResult run(const WalkPair& pair, const WalkPlan& plan, double rounding, const OcclusionBackend& backend,
+                   std::uint32_t top, double lower_so_far, std::uint32_t patience, bool give_up, ParkedWork& parked);
+    void park(const WalkEntry* entries, std::size_t count);
+
+    std::vector<WalkEntry> stack_, aside_, parked_; ///< parked_ is filled up to parked_used_
+    std::size_t parked_used_ = 0;
+    std::uint64_t node_pairs_ = 0;
+};
+
+} // namespace oncollide

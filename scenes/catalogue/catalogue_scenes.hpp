@@ -1,0 +1,43 @@
+#pragma once
+#include <oncollide/scenes/catalogue/catalogue.hpp>
+
+#include <oncollide/scenes/files/geometry_recipe.hpp>
+
+namespace oncollide {
+
+// The makers behind catalogue.cpp. Options are checked before they are called. Private to scenes.
+
+Scene make_paper_scene(const CatalogueOptions& options);
+Scene make_paper_5k_scene(const CatalogueOptions& options);
+Scene make_many_scene(const CatalogueOptions& options);
+Scene make_boxes_scene(const CatalogueOptions& options);
+Scene make_city_scene(const CatalogueOptions& options);
+Scene make_octomap_scene(const CatalogueOptions& options);
+Scene make_hard_scene(const CatalogueOptions& options);
+Scene make_random_scene(const CatalogueOptions& options);
+
+/// Uniformly random numbers of one body: next() walks through k = 0, 1, ...
+class Dice {
+public:
+    Dice(std::uint64_t seed, std::uint64_t index) : seed_(seed), index_(index) {}
+    double next() { return u01(seed_, index_, k_++); }
+    double between(double low, double high) { return low + (high - low) * next(); }
+    /// Uniform in the box with corners +-half.
+    Eigen::Vector3d within(const Eigen::Vector3d& half);
+    Eigen::Vector3d direction();
+    Eigen::Quaterniond rotation();
+
+private:
+    std::uint64_t seed_, index_, k_ = 0;
+};
+
+/// A pose from a position and, if it is not the identity, a rotation.
+Eigen::Isometry3d placed(const Eigen::Vector3d& position,
+                         const Eigen::Quaterniond& rotation = Eigen::Quaterniond::Identity());
+
+/// Adds a mesh of the data folder, or the generator's mesh with a warning when it is not there; either is scaled to a
+/// bounding-box diagonal of 2 m and centred.
+GeometryId add_model(Scene& scene, const CatalogueOptions& options, const std::string& name, const std::string& file,
+                     const Json& generator);
+
+} // namespace oncollide

@@ -1,0 +1,30 @@
+#pragma once
+#include <cstdint>
+
+#include <oncollide/scenes/model/mesh.hpp>
+
+namespace oncollide {
+
+// Meshes without files. Deterministic for equal arguments, on every platform.
+// All throw Error{usage} for counts or sizes that make no mesh.
+
+/// 12 triangles; `half` are the half-extents. Closed.
+Mesh make_box_mesh(const Eigen::Vector3d& half);
+/// On a sphere: a subdivided octahedron for 8 * 4^k triangles, else bands of latitude with as many as asked; one less
+/// when that is odd, as no closed mesh has an odd number (and 8 for 8 to 11). Closed.
+Mesh make_sphere_mesh(double radius, int triangles);
+/// Ring radius `major`, tube radius `minor`, around z. `triangles`, or one less when odd; at least 18. Closed.
+Mesh make_torus_mesh(double major, double minor, int triangles);
+/// (p, q) torus knot as a closed tube; p and q coprime. `triangles`, or one less when odd; at least 18.
+Mesh make_torus_knot_mesh(int p, int q, double major, double minor, double tube, int triangles);
+/// Spur gear around z with a bore: `teeth` trapezoid teeth between root and tip radius. Closed.
+Mesh make_gear_mesh(int teeth, double root_radius, double tip_radius, double thickness, double bore_radius);
+/// Height field over [-size/2, size/2]^2, `cells` x `cells` squares, fractal noise of given height. Open.
+Mesh make_terrain_mesh(double size, double height, int cells, std::uint64_t seed);
+/// `count` isolated triangles of length `length` and width length / aspect, in random directions in a cube of side
+/// `size`.
+Mesh make_needles_mesh(int count, double length, double aspect, double size, std::uint64_t seed);
+/// `count` random triangles of edge about `edge` in a cube of side `size`: open, intersecting itself.
+Mesh make_soup_mesh(int count, double edge, double size, std::uint64_t seed);
+
+} // namespace oncollide

@@ -1,0 +1,246 @@
+#include <oncollide/scenes/files/geometry_recipe.hpp>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/files/mesh_file.hpp>
+
+namespace oncollide {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Generators take no more than this from a file: a typing error should not fill the memory.
+constexpr int most_triangles = 10'000'000;
+
+int count(const Node& node, std::string_view key, int most = most_triangles)
+{
+    return static_cast<int>(node[key].integer(1, most));
+}
+
+double size(const Node& node, std::string_view key)
+{
+    node[key]; // must be there
+    return node.positive(key, 0);
+}
+
+std::uint64_t seed(const Node& node)
+{
+    return node.has("seed") ? node["seed"].natural() : 1;
+}
+
+Mesh generate(const Node& node)
+{
+    const std::string kind = node["kind"].text();
+    if (kind == "box") return node.only({"kind", "half"}), make_box_mesh(node["half"].vector3());
+    if (kind == "sphere") {
+        node.only({"kind", "radius", "triangles"});
+        return make_sphere_mesh(size(node, "radius"), count(node, "triangles"));
+    }
+    if (kind == "torus") {
+        node.only({"kind", "major", "minor", "triangles"});
+        return make_torus_mesh(size(node, "major"), size(node, "minor"), count(node, "triangles"));
+    }
+    if (kind == "torus_knot") {
+        node.only({"kind", "p", "q", "major", "minor", "tube", "triangles"});
+        return make_torus_knot_mesh(count(node, "p", 1000), count(node, "q", 1000), size(node, "major"),
+                                    size(node, "minor"), size(node, "tube"), count(node, "triangles"));
+    }
+    if (kind == "gear") {
+        node.only({"kind", "teeth", "root_radius", "tip_radius", "thickness", "bore_radius"});
+        return make_gear_mesh(count(node, "teeth", 100'000), size(node, "root_radius"), size(node, "tip_radius"),
+                              size(node, "thickness"), size(node, "bore_radius"));
+    }
+    if (kind == "terrain") {
+        node.only({"kind", "size", "height", "cells", "seed"});
+        return make_terrain_mesh(size(node, "size"), size(node, "height"), count(node, "cells", 2000), seed(node));
+    }
+    if (kind == "needles") {
+        node.only({"kind", "count", "length", "aspect", "size", "seed"});
+        return make_needles_mesh(count(node, "count"), size(node, "length"), size(node, "aspect"), size(node, "size"),
+                                 seed(node));
+    }
+    if (kind == "soup") {
+        node.only({"kind", "count", "edge", "size", "seed"});
+        return make_soup_mesh(count(node, "count"), size(node, "edge"), size(node, "size"), seed(node));
+    }
+    node["kind"].fail(
+        fmt::format("no generator named '{}'; valid: box, sphere, torus, torus_knot, gear, terrain, needles, "
+                    "soup",
+                    kind));
+}
+
+Mesh listed_mesh(const Node& node, const std::string& name)
+{
+    const Node vertices = node["vertices"], triangles = node["triangles"];
+    std::vector<Eigen::Vector3d> points(vertices.size());
+    for (std::size_t i = 0; i < points.size(); ++i) points[i] = vertices[i].vector3();
+    std::vector<Triangle> indices(triangles.size());
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+        const Node triangle = triangles[i];
+        if (triangle.size() != 3) triangle.fail(fmt::format("has {} vertices, must have three", triangle.size()));
+        for (std::size_t k = 0; k < 3; ++k)
+            indices[i][k] = static_cast<std::uint32_t>(triangle[k].integer(0, 0xffffffff));
+    }
+    return make_mesh(name, std::move(points), std::move(indices));
+}
+
+/// As load_mesh treats a file: scale, then fit, then centre.
+Mesh fitted(const std::string& name, Mesh mesh, const MeshOptions& options)
+{
+    double scale = options.scale;
+    if (options.fit_diagonal > 0) {
+        const double diagonal = mesh.bounds.diagonal();
+        if (!(diagonal > 0)) throw Error(ErrorKind::bad_data, name + ": a mesh without extent cannot be fitted");
+        scale = options.fit_diagonal / diagonal;
+    }
+    if (scale == 1 && !options.centre) return mesh;
+    const Eigen::Vector3d origin = options.centre ? mesh.bounds.centre() : Eigen::Vector3d::Zero();
+    return transformed(name, std::move(mesh), scale, origin);
+}
+
+Mesh read_mesh(const Node& node, const std::string& name, const fs::path& folder)
+{
+    node.only({"file", "generate", "vertices", "triangles", "scale", "fit_diagonal", "centre"});
+    const bool listed = node.has("vertices") || node.has("triangles");
+    if (node.has("file") + node.has("generate") + listed != 1)
+        node.fail("must have exactly one of: file, generate, vertices with triangles");
+    const MeshOptions options{.scale = node.positive("scale", 1),
+                              .fit_diagonal = node.positive("fit_diagonal", 0),
+                              .centre = node.has("centre") && node["centre"].boolean()};
+    if (node.has("file")) {
+        const Node file = node["file"];
+        return at(file, [&] { return load_mesh(folder / file.text(), options); });
+    }
+    if (node.has("generate")) {
+        const Node generator = node["generate"];
+        return fitted(name, at(generator, [&] { return generate(generator); }), options);
+    }
+    return at(node, [&] { return fitted(name, listed_mesh(node, name), options); });
+}
+
+Shape read_shape(const Node& node)
+{
+    const std::string kind = node["kind"].text();
+    if (kind == "sphere") return node.only({"kind", "radius"}), Sphere{node["radius"].number()};
+    if (kind == "box") return node.only({"kind", "half"}), Box{node["half"].vector3()};
+    if (kind == "capsule") {
+        node.only({"kind", "radius", "length"});
+        return Capsule{node["radius"].number(), node["length"].number()};
+    }
+    if (kind == "cylinder") {
+        node.only({"kind", "radius", "length"});
+        return Cylinder{node["radius"].number(), node["length"].number()};
+    }
+    if (kind == "convex_hull") {
+        node.only({"kind", "points"});
+        const Node points = node["points"];
+        ConvexHull hull;
+        for (std::size_t i = 0; i < points.size(); ++i) hull.points.push_back(points[i].vector3());
+        return hull;
+    }
+    node["kind"].fail(fmt::format("no shape named '{}'; valid: sphere, box, capsule, cylinder, convex_hull", kind));
+}
+
+OccupancyMap read_map(const Node& node, const fs::path& folder)
+{
+    const std::string source = node.one_of({"file", "building"});
+    const Node value = node[source];
+    if (source == "file") return at(value, [&] { return load_octomap(folder / value.text()); });
+    value.only({"rooms", "resolution", "seed"});
+    return at(value,
+              [&] { return make_building_map(count(value, "rooms", 100), size(value, "resolution"), seed(value)); });
+}
+
+Json points_of(const std::vector<Eigen::Vector3d>& points)
+{
+    Json list = Json::array();
+    for (const Eigen::Vector3d& p : points) list.push_back({p.x(), p.y(), p.z()});
+    return list;
+}
+
+Json entry_of(const Sphere& s)
+{
+    return {{"kind", "sphere"}, {"radius", s.radius}};
+}
+Json entry_of(const Box& b)
+{
+    return {{"kind", "box"}, {"half", {b.half.x(), b.half.y(), b.half.z()}}};
+}
+Json entry_of(const Capsule& c)
+{
+    return {{"kind", "capsule"}, {"radius", c.radius}, {"length", c.length}};
+}
+Json entry_of(const Cylinder& c)
+{
+    return {{"kind", "cylinder"}, {"radius", c.radius}, {"length", c.length}};
+}
+Json entry_of(const ConvexHull& h)
+{
+    return {{"kind", "convex_hull"}, {"points", points_of(h.points)}};
+}
+
+/// Gives the entry's file, if it has one, another path.
+template <class Change>
+void change_file(Json& entry, Change change)
+{
+    for (const char* kind : {"mesh", "octomap"})
+        if (entry.contains(kind) && entry[kind].contains("file")) {
+            Json& file = entry[kind]["file"];
+            file = change(fs::path(file.get<std::string>())).string();
+        }
+}
+
+/// Of an entry that has been read, so it has the right types.
+std::string recipe_of(const Node& entry, const fs::path& folder)
+{
+    Json recipe = entry.json();
+    change_file(recipe, [&](const fs::path& file) { return fs::absolute(folder / file); });
+    try {
+        return recipe.dump();
+    } catch (const Json::exception&) {
+        throw Error(ErrorKind::bad_data, "the path of its file is not UTF-8 text");
+    }
+}
+
+} // namespace
+
+GeometryId add_geometry(Scene& scene, const std::string& name, const Node& entry, const fs::path& folder)
+{
+    const std::string source = entry.one_of({"mesh", "shape", "octomap"});
+    const Node node = entry[source];
+    if (source == "shape") return at(node, [&] { return scene.add(name, read_shape(node)); });
+
+    if (source == "octomap") {
+        OccupancyMap map = read_map(node, folder);
+        return at(entry, [&] { return scene.add(name, std::move(map), recipe_of(entry, folder)); });
+    }
+    Mesh mesh = read_mesh(node, name, folder);
+    if (mesh.zero_area > 0)
+        scene.warnings.push_back(
+            fmt::format("{}: {} triangle{} without area (kept)", name, mesh.zero_area, mesh.zero_area == 1 ? "" : "s"));
+    return at(entry, [&] { return scene.add(name, std::move(mesh), recipe_of(entry, folder)); });
+}
+
+GeometryId add_geometry(Scene& scene, const std::string& name, const Json& entry)
+{
+    return add_geometry(scene, name, Node(entry, name), {});
+}
+
+Json entry_of(const Geometry& geometry, const fs::path& folder, const std::string& map_file)
+{
+    if (const Shape* shape = std::get_if<Shape>(&geometry.data))
+        return {{"shape", std::visit([](const auto& s) { return entry_of(s); }, *shape)}};
+    if (!geometry.recipe.empty()) {
+        Json entry = Json::parse(geometry.recipe);
+        change_file(entry, [&](const fs::path& file) { return fs::proximate(file, folder); });
+        return entry;
+    }
+    if (const Mesh* mesh = std::get_if<Mesh>(&geometry.data))
+        return {{"mesh", {{"vertices", points_of(mesh->vertices)}, {"triangles", mesh->triangles}}}};
+    return {{"octomap", {{"file", map_file}}}};
+}
+
+} // namespace oncollide

@@ -1,0 +1,37 @@
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/scenes/files/json_file.hpp>
+#include <oncollide/scenes/scene.hpp>
+
+namespace oncollide {
+
+// Geometries as a scene file describes them: docs/scene-format.md, "Geometries". Private to scenes.
+
+/// Adds the geometry that `entry` describes; its recipe is the entry with absolute paths. Zero-area triangles become a
+/// line in scene.warnings. Throws Error like load_scene.
+/// @param folder  what relative paths in the entry are relative to
+GeometryId add_geometry(Scene& scene, const std::string& name, const Node& entry, const std::filesystem::path& folder);
+
+/// The same for code that writes the entry itself; paths are relative to the current folder.
+GeometryId add_geometry(Scene& scene, const std::string& name, const Json& entry);
+
+/// The entry that makes `geometry` again: its recipe with paths relative to `folder`, or its data written out. A map
+/// without a recipe gets the entry of the file `map_file`, to be written by the caller.
+Json entry_of(const Geometry& geometry, const std::filesystem::path& folder, const std::string& map_file);
+
+/// Calls `work`, putting the node's place in front of what it throws. Wrong arguments are wrong data in a file.
+template <class Work>
+auto at(const Node& node, Work work)
+{
+    try {
+        return work();
+    } catch (const Error& error) {
+        const ErrorKind kind = error.kind() == ErrorKind::usage ? ErrorKind::bad_data : error.kind();
+        throw Error(kind, node.place() + ": " + error.what());
+    }
+}
+
+} // namespace oncollide

@@ -1,0 +1,84 @@
+#include <oncollide/scenes/files/mesh_file.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/file_bytes.hpp>
+#include <oncollide/scenes/files/mesh_source.hpp>
+
+namespace oncollide {
+
+namespace {
+
+struct Format {
+    const char* extension;
+    RawMesh (*read)(const MeshSource&);
+    bool shares_vertices; ///< the file itself says which triangles share a vertex
+};
+constexpr Format formats[] = {{"obj", read_obj, true}, {"stl", read_stl, false},   {"ply", read_ply, true},
+                              {"off", read_off, true}, {"gltf", read_gltf, false}, {"glb", read_gltf, false}};
+
+const Format& format_of(const std::filesystem::path& path)
+{
+    std::string extension = path.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
+    for (const Format& format : formats)
+        if (extension == std::string(".") + format.extension) return format;
+    throw Error(ErrorKind::bad_data, fmt::format("{}: unknown kind of mesh file '{}'; known are {}", path.string(),
+                                                 extension, fmt::join(mesh_extensions(), ", ")));
+}
+
+void check(const std::string& name, const MeshOptions& options)
+{
+    if (!(options.scale > 0) || !std::isfinite(options.scale))
+        throw Error(ErrorKind::usage,
+                    fmt::format("{}: the scale is {}; it must be finite and above 0", name, options.scale));
+    if (!(options.fit_diagonal >= 0) || !std::isfinite(options.fit_diagonal))
+        throw Error(ErrorKind::usage, fmt::format("{}: the diagonal to fit is {}; it must be finite and not below 0",
+                                                  name, options.fit_diagonal));
+}
+
+} // namespace
+
+Mesh load_mesh(const std::filesystem::path& path, const MeshOptions& options)
+{
+    const std::string name = path.string();
+    check(name, options);
+    RawMesh raw;
+    {
+        const std::string bytes = read_file(path, std::uintmax_t(2) << 30);
+        const Format& format = format_of(path);
+        raw = format.read({name, bytes});
+        if (raw.triangles.empty())
+            throw Error(ErrorKind::bad_data, fmt::format("{}: the file holds no triangle", name));
+        if (!format.shares_vertices) weld(raw);
+    }
+    Mesh mesh = make_mesh(name, std::move(raw.vertices), std::move(raw.triangles));
+    double scale = options.scale;
+    if (options.fit_diagonal > 0) {
+        if (!(mesh.bounds.diagonal() > 0))
+            throw Error(ErrorKind::bad_data,
+                        fmt::format("{}: all vertices are one point, which fits no diagonal", name));
+        scale = options.fit_diagonal / mesh.bounds.diagonal();
+    }
+    const Eigen::Vector3d origin = options.centre ? mesh.bounds.centre() : Eigen::Vector3d::Zero();
+    if (scale == 1 && !options.centre) return mesh;
+    return transformed(name, std::move(mesh), scale, origin);
+}
+
+const std::vector<std::string>& mesh_extensions()
+{
+    static const std::vector<std::string> extensions = [] {
+        std::vector<std::string> names;
+        for (const Format& format : formats) names.push_back(format.extension);
+        return names;
+    }();
+    return extensions;
+}
+
+} // namespace oncollide

@@ -1,0 +1,210 @@
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <oncollide/scenes/files/mesh_source.hpp>
+#include <oncollide/scenes/files/ply_header.hpp>
+
+namespace oncollide {
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little);
+
+using namespace ply;
+
+constexpr std::array<std::size_t, 8> type_bytes = {1, 1, 2, 2, 4, 4, 4, 8};
+
+/// The values after the header, one after the other.
+class Values {
+public:
+    Values(const MeshSource& source, const Header& header)
+        : source_(source), encoding_(header.encoding), rest_(source.bytes.substr(header.bytes)), line_(header.lines + 1)
+    {
+    }
+
+    /// Every type of PLY fits a double without rounding.
+    double next(Type type) { return encoding_ == Encoding::text ? next_word() : next_bytes(type); }
+    std::int64_t next_whole(Type type, const char* what)
+    {
+        const double value = next(type);
+        if (value != std::floor(value) || !(std::abs(value) < 0x1p53))
+            fail(fmt::format("{} is {}; it must be a whole number", what, value));
+        return static_cast<std::int64_t>(value);
+    }
+    void check_end()
+    {
+        if (encoding_ == Encoding::text) skip_blank();
+        if (!rest_.empty())
+            fail(fmt::format("{} bytes follow after the last element that the header announces", rest_.size()));
+    }
+    void within(const char* element, std::int64_t row, std::int64_t rows)
+    {
+        element_ = element, row_ = row, rows_ = rows;
+    }
+    [[noreturn]] void fail(const std::string& what) const
+    {
+        source_.fail(what, encoding_ == Encoding::text ? line_ : 0);
+    }
+    std::size_t line() const { return encoding_ == Encoding::text ? line_ : 0; }
+
+private:
+    void skip_blank()
+    {
+        while (!rest_.empty() && std::isspace(static_cast<unsigned char>(rest_.front()))) {
+            line_ += rest_.front() == '\n';
+            rest_.remove_prefix(1);
+        }
+    }
+    [[noreturn]] void fail_short() const
+    {
+        fail(fmt::format("the file ends within {} {} of {}", element_, row_, rows_));
+    }
+    double next_word()
+    {
+        skip_blank();
+        const std::string_view word = rest_.substr(0, rest_.find_first_of(" \t\r\n\v\f"));
+        rest_.remove_prefix(word.size());
+        double value = 0;
+        if (word.empty()) fail_short();
+        if (!parse(word, value)) fail(fmt::format("{} is not a number", quoted(word)));
+        return value;
+    }
+    double next_bytes(Type type)
+    {
+        const std::size_t size = type_bytes[static_cast<std::size_t>(type)];
+        if (rest_.size() < size) fail_short();
+        std::array<char, 8> raw{};
+        std::copy_n(rest_.begin(), size, raw.begin());
+        rest_.remove_prefix(size);
+        if (encoding_ == Encoding::big_endian)
+            std::reverse(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(size));
+        switch (type) {
+        case Type::int8:
+            return as<std::int8_t>(raw);
+        case Type::uint8:
+            return as<std::uint8_t>(raw);
+        case Type::int16:
+            return as<std::int16_t>(raw);
+        case Type::uint16:
+            return as<std::uint16_t>(raw);
+        case Type::int32:
+            return as<std::int32_t>(raw);
+        case Type::uint32:
+            return as<std::uint32_t>(raw);
+        case Type::float32:
+            return as<float>(raw);
+        case Type::float64:
+            break;
+        }
+        return as<double>(raw);
+    }
+    template <class T>
+    static double as(const std::array<char, 8>& raw)
+    {
+        T value;
+        std::memcpy(&value, raw.data(), sizeof value);
+        return value;
+    }
+
+    const MeshSource& source_;
+    Encoding encoding_;
+    std::string_view rest_;
+    std::size_t line_;
+    const char* element_ = "";
+    std::int64_t row_ = 0, rows_ = 0;
+};
+
+/// The scalar property x, y or z as 0, 1, 2; else -1.
+int axis_of(const Property& property)
+{
+    return !property.list && property.name.size() == 1 && property.name[0] >= 'x' && property.name[0] <= 'z'
+               ? property.name[0] - 'x'
+               : -1;
+}
+
+void skip(Values& values, const Property& property)
+{
+    const std::int64_t count = property.list ? values.next_whole(*property.list, "the length of a list") : 1;
+    for (std::int64_t i = 0; i < count; ++i) values.next(property.type);
+}
+
+void read_vertices(Values& values, const Element& element, std::vector<Eigen::Vector3d>& vertices)
+{
+    int found = 0;
+    for (const Property& property : element.properties) found |= axis_of(property) < 0 ? 0 : 1 << axis_of(property);
+    if (found != 7) values.fail("element 'vertex' lacks a property x, y or z");
+    for (std::int64_t row = 0; row < element.count; ++row) {
+        values.within("vertex", row, element.count);
+        Eigen::Vector3d point;
+        for (const Property& property : element.properties) {
+            const int axis = axis_of(property);
+            if (axis < 0) {
+                skip(values, property);
+                continue;
+            }
+            point[axis] = values.next(property.type);
+            if (!std::isfinite(point[axis])) values.fail(fmt::format("coordinate of vertex {} is not finite", row));
+        }
+        vertices.push_back(point);
+    }
+}
+
+void read_faces(Values& values, const Element& element, PolygonList& faces)
+{
+    const auto is_corners = [](const Property& property) {
+        return property.list && (property.name == "vertex_indices" || property.name == "vertex_index");
+    };
+    if (std::count_if(element.properties.begin(), element.properties.end(), is_corners) != 1)
+        values.fail("element 'face' must have one list property vertex_indices");
+    for (std::int64_t row = 0; row < element.count; ++row) {
+        values.within("face", row, element.count);
+        for (const Property& property : element.properties) {
+            if (!is_corners(property)) {
+                skip(values, property);
+                continue;
+            }
+            const std::int64_t corners = values.next_whole(*property.list, "the number of corners");
+            if (corners < 1) values.fail(fmt::format("face {} has {} corners", row, corners));
+            if (corners >= 3) faces.begin(values.line());
+            for (std::int64_t k = 0; k < corners; ++k) {
+                const std::int64_t corner = values.next_whole(property.type, "a vertex number of a face");
+                if (corners >= 3) faces.add(corner); // fewer: a point or a line
+            }
+        }
+    }
+}
+
+} // namespace
+
+RawMesh read_ply(const MeshSource& source)
+{
+    const Header header = read_header(source);
+    Values values(source, header);
+    RawMesh mesh;
+    PolygonList faces;
+    bool has_vertices = false, has_faces = false;
+    for (const Element& element : header.elements) {
+        if (element.name == "vertex" && !std::exchange(has_vertices, true)) {
+            read_vertices(values, element, mesh.vertices);
+        } else if (element.name == "face" && !std::exchange(has_faces, true)) {
+            read_faces(values, element, faces);
+        } else {
+            for (std::int64_t row = 0; row < element.count; ++row) {
+                values.within("an element's row", row, element.count);
+                for (const Property& property : element.properties) skip(values, property);
+            }
+        }
+    }
+    values.check_end();
+    mesh.triangles = faces.triangulate(source, mesh.vertices, 0);
+    return mesh;
+}
+
+} // namespace oncollide

@@ -1,0 +1,96 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <oncollide/scenes/model/mesh.hpp>
+
+namespace oncollide {
+
+// What the readers of mesh files share. Private to scenes.
+
+/// A file in memory. Its name begins every message.
+struct MeshSource {
+    std::string name;
+    std::string_view bytes;
+
+    /// Throws Error{bad_data}; `line` 0: the file as a whole.
+    [[noreturn]] void fail(const std::string& what, std::size_t line = 0) const;
+};
+
+/// The content of a mesh file before make_mesh's checks: indices may still be out of range.
+struct RawMesh {
+    std::vector<Eigen::Vector3d> vertices;
+    std::vector<Triangle> triangles;
+};
+
+// One reader a format: strict about what it reads, and what it allocates is bounded by the size of the file.
+RawMesh read_obj(const MeshSource& source);
+RawMesh read_off(const MeshSource& source);
+RawMesh read_ply(const MeshSource& source);
+RawMesh read_stl(const MeshSource& source);
+/// glTF and GLB, by Assimp. Buffers in files of their own are found beside the file at source.name.
+RawMesh read_gltf(const MeshSource& source);
+
+/// Cuts text into lines and lines into words; knows the line for messages. Lines end with LF or CR LF.
+class TextReader {
+public:
+    explicit TextReader(const MeshSource& source) : source_(source), rest_(source.bytes) {}
+
+    /// Goes to the next line that has a word; `#` starts a comment, and a backslash at the end joins lines where
+    /// `continued`. False at the end of the file.
+    bool next_line(bool continued = false);
+    /// The next word of the line; empty at its end.
+    std::string_view word();
+    /// The next word as a number. Throws naming the line when there is none or it is not finite.
+    double number(const char* what);
+    std::int64_t whole_number(const char* what);
+    Eigen::Vector3d point();
+    std::size_t line() const { return line_; }
+    [[noreturn]] void fail(const std::string& what) const { source_.fail(what, line_); }
+
+private:
+    const MeshSource& source_;
+    std::string_view rest_, words_;
+    std::string joined_;
+    std::size_t line_ = 0;
+};
+
+/// A word as it may stand in a message: short, printable.
+std::string quoted(std::string_view word);
+
+/// Whole word as a number; false for anything else. Out of double's range: infinite or zero, as rounding gives it.
+bool parse(std::string_view word, double& value);
+bool parse(std::string_view word, std::int64_t& value);
+
+/// Polygons with their place in the file, until all vertices are known.
+class PolygonList {
+public:
+    void begin(std::size_t line) { faces_.push_back({corners_.size(), line}); }
+    void add(std::int64_t corner) { corners_.push_back(corner); }
+    bool empty() const { return faces_.empty(); }
+
+    /// Triangles of all polygons. Throws for an index out of range, as the file counts: from `first` on.
+    std::vector<Triangle> triangulate(const MeshSource& source, std::span<const Eigen::Vector3d> vertices,
+                                      std::int64_t first) const;
+
+private:
+    struct Face {
+        std::size_t begin, line;
+    };
+    std::vector<std::int64_t> corners_;
+    std::vector<Face> faces_;
+};
+
+/// Appends the triangles of one polygon: a fan from the first corner when it is convex, else by cutting off ears. Zero
+/// areas are kept. False when it is not convex and has more corners than `most_concave_corners`.
+constexpr std::size_t most_concave_corners = 4096;
+bool triangulate(std::span<const Eigen::Vector3d> vertices, std::span<const std::uint32_t> polygon,
+                 std::vector<Triangle>& triangles);
+
+/// Vertices at equal positions become one, in order of first use; unused ones go.
+void weld(RawMesh& mesh);
+
+} // namespace oncollide

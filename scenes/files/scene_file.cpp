@@ -1,0 +1,149 @@
+#include <oncollide/scenes/files/scene_file.hpp>
+
+#include <algorithm>
+#include <cctype>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/file_bytes.hpp>
+#include <oncollide/scenes/files/geometry_recipe.hpp>
+#include <oncollide/scenes/files/json_file.hpp>
+#include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/files/quaternion.hpp>
+#include <oncollide/scenes/files/scene_pose.hpp>
+
+namespace oncollide {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t most_bodies = 10'000'000;
+constexpr std::uintmax_t most_bytes = std::uintmax_t(2) << 30;
+
+/// A mesh or a map in the place of a scene is a frequent slip; JSON's complaint about it would not help.
+void refuse_other_files(const fs::path& path)
+{
+    std::string extension = path.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
+    if (extension.empty()) return;
+    extension.erase(0, 1);
+    const auto& meshes = mesh_extensions();
+    const bool mesh = std::find(meshes.begin(), meshes.end(), extension) != meshes.end();
+    if (!mesh && extension != "bt" && extension != "ot") return;
+    throw Error(ErrorKind::bad_data, fmt::format("{}: is {}, not a scene file; write a scene (JSON) that names it",
+                                                 path.string(), mesh ? "a mesh" : "an OctoMap"));
+}
+
+Aabb read_walls(const Node& motion)
+{
+    Aabb walls;
+    if (!motion.has("walls")) return walls;
+    const Node node = motion["walls"];
+    if (node.size() != 2) node.fail("must be two points: [[min x, y, z], [max x, y, z]]");
+    walls.min = node[0].vector3();
+    walls.max = node[1].vector3();
+    if (walls.empty()) node.fail("the first point must not exceed the second one in any coordinate");
+    return walls;
+}
+
+Keyed read_keys(const Node& node, std::vector<std::string>& warnings)
+{
+    Keyed motion;
+    motion.keys.reserve(node.size());
+    for (std::size_t i = 0; i < node.size(); ++i) {
+        const Node row = node[i];
+        Eigen::Matrix<double, 8, 1> n;
+        row.numbers(8, n.data());
+        motion.keys.push_back(
+            {n[0], n.segment<3>(1), quaternion_of([&] { return row.place(); }, n.segment<4>(4), warnings)});
+    }
+    at(node, [&] { check_motion("motion", motion); });
+    return motion;
+}
+
+Motion read_motion(const Node& node, const fs::path& folder, std::vector<std::string>& warnings)
+{
+    const std::string kind = node.one_of({"keys", "tum", "drift", "jitter"});
+    const Node value = node[kind];
+    if (kind == "keys") return read_keys(value, warnings);
+    if (kind == "tum") {
+        value.only({"file", "frames_per_second"});
+        const double rate = value["frames_per_second"].number();
+        return at(value, [&] { return load_tum(folder / value["file"].text(), rate, warnings); });
+    }
+    if (kind == "drift") {
+        value.only({"velocity", "spin", "walls"});
+        Drift drift;
+        if (value.has("velocity")) drift.velocity = value["velocity"].vector3();
+        if (value.has("spin")) drift.spin = value["spin"].vector3();
+        drift.walls = read_walls(value);
+        return drift;
+    }
+    value.only({"step", "seed", "index", "walls"});
+    return Jitter{.step = value["step"].number(),
+                  .seed = value.has("seed") ? value["seed"].natural() : 0,
+                  .index = value.has("index") ? value["index"].natural() : 0,
+                  .walls = read_walls(value)};
+}
+
+std::uint32_t read_bits(const Node& body, std::string_view key, std::uint32_t otherwise)
+{
+    return body.has(key) ? static_cast<std::uint32_t>(body[key].integer(0, 0xffffffff)) : otherwise;
+}
+
+GeometryId read_reference(const Node& node, const Scene& scene)
+{
+    const std::string name = node.text();
+    if (const std::optional<GeometryId> found = scene.find_geometry(name)) return *found;
+    constexpr std::size_t most = 20;
+    std::string names;
+    for (std::size_t i = 0; i < std::min(most, scene.geometries.size()); ++i)
+        names += (i ? ", " : "") + scene.geometries[i].name;
+    if (scene.geometries.size() > most) names += fmt::format(" and {} more", scene.geometries.size() - most);
+    node.fail(fmt::format("no geometry named '{}'; this scene has: {}", name, names.empty() ? "none" : names));
+}
+
+void read_body(Scene& scene, const Node& node, const fs::path& folder)
+{
+    node.only({"name", "geometry", "position", "rotation", "layer", "mask", "static", "motion"});
+    BodyInit body;
+    body.name = node["name"].text();
+    body.geometry = read_reference(node["geometry"], scene);
+    if (node.has("motion")) body.motion = read_motion(node["motion"], folder, scene.warnings);
+    body.pose = default_pose(body.motion);
+    if (node.has("position")) body.pose.translation() = node["position"].vector3();
+    if (node.has("rotation")) body.pose.linear() = read_rotation(node["rotation"], scene.warnings);
+    body.is_static = node.has("static") && node["static"].boolean();
+    body.layer = read_bits(node, "layer", body.layer);
+    body.mask = read_bits(node, "mask", body.mask);
+    at(node, [&] { scene.add_body(std::move(body)); });
+}
+
+} // namespace
+
+Scene load_scene(const fs::path& path)
+{
+    const std::string file = path.string();
+    std::error_code ignored;
+    if (fs::is_regular_file(path, ignored)) refuse_other_files(path);
+    const JsonFile json = parse_json(file, read_file(path, most_bytes));
+    const Node root(json.root, file);
+    root.only({"name", "frames", "geometries", "bodies"});
+
+    Scene scene;
+    scene.name = root.has("name") ? root["name"].text() : path.stem().string();
+    if (root.has("frames")) scene.frames = static_cast<int>(root["frames"].integer(1, 1'000'000'000));
+    const fs::path folder = path.parent_path();
+    const Node geometries = root["geometries"], bodies = root["bodies"];
+    if (!geometries.json().is_object()) geometries.fail("must be an object: a name and a geometry for each");
+    for (const std::string& name : json.geometries) add_geometry(scene, name, geometries[name], folder);
+    if (bodies.size() > most_bodies)
+        bodies.fail(fmt::format("{} bodies, at most {} are allowed", bodies.size(), most_bodies));
+    for (std::size_t i = 0; i < bodies.size(); ++i) read_body(scene, bodies[i], folder);
+    return scene;
+}
+
+} // namespace oncollide

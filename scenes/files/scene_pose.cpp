@@ -1,0 +1,63 @@
+#include <oncollide/scenes/files/scene_pose.hpp>
+
+#include <algorithm>
+#include <cstring>
+
+#include <oncollide/scenes/files/quaternion.hpp>
+
+namespace oncollide {
+
+namespace {
+
+Eigen::Matrix3d matrix_of(FunctionRef<std::string()> place, const Eigen::Vector4d& xyzw,
+                          std::vector<std::string>& warnings)
+{
+    return quaternion_of(place, xyzw, warnings).normalized().toRotationMatrix();
+}
+
+} // namespace
+
+Eigen::Isometry3d default_pose(const Motion& motion)
+{
+    const Eigen::Isometry3d identity = Eigen::Isometry3d::Identity();
+    return std::holds_alternative<Keyed>(motion) ? pose_at(motion, identity, 0) : identity;
+}
+
+bool same_bits(const Eigen::Vector3d& a, const Eigen::Vector3d& b)
+{
+    return std::memcmp(a.data(), b.data(), sizeof(double) * 3) == 0;
+}
+
+bool same_bits(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b)
+{
+    return std::memcmp(a.data(), b.data(), sizeof(double) * 9) == 0;
+}
+
+Eigen::Matrix3d read_rotation(const Node& node, std::vector<std::string>& warnings)
+{
+    const Json& json = node.json();
+    if (json.is_array() && json.size() == 3 && json[0].is_array()) {
+        Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rows;
+        for (std::size_t i = 0; i < 3; ++i) node[i].numbers(3, rows.data() + 3 * i);
+        return rows;
+    }
+    const bool right = json.is_array() && json.size() == 4 &&
+                       std::all_of(json.begin(), json.end(), [](const Json& v) { return v.is_number(); });
+    if (!right) node.fail("must be a quaternion [x, y, z, w] or a matrix of three rows of three numbers");
+    Eigen::Vector4d xyzw;
+    node.numbers(4, xyzw.data());
+    return matrix_of([&] { return node.place(); }, xyzw, warnings);
+}
+
+nlohmann::ordered_json rotation_entry(const Eigen::Matrix3d& rotation)
+{
+    const Eigen::Vector4d xyzw = Eigen::Quaterniond(rotation).normalized().coeffs();
+    std::vector<std::string> unused;
+    if (same_bits(matrix_of([] { return std::string(); }, xyzw, unused), rotation))
+        return {xyzw[0], xyzw[1], xyzw[2], xyzw[3]};
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    for (int i = 0; i < 3; ++i) rows.push_back({rotation(i, 0), rotation(i, 1), rotation(i, 2)});
+    return rows;
+}
+
+} // namespace oncollide

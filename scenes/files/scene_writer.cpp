@@ -1,0 +1,131 @@
+#include <oncollide/scenes/files/scene_file.hpp>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/output_file.hpp>
+#include <oncollide/scenes/files/geometry_recipe.hpp>
+#include <oncollide/scenes/files/scene_pose.hpp>
+
+namespace oncollide {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Entry = nlohmann::ordered_json; // a body's keys in the order in which one reads them
+
+Entry list(const Eigen::Vector3d& v)
+{
+    return {v.x(), v.y(), v.z()};
+}
+
+void add_walls(Entry& motion, const Aabb& walls)
+{
+    if (!walls.empty()) motion["walls"] = {list(walls.min), list(walls.max)};
+}
+
+Entry motion_entry(const Still&)
+{
+    return {};
+}
+
+Entry motion_entry(const Keyed& motion)
+{
+    Entry keys = Entry::array();
+    for (const Keyed::Key& key : motion.keys) {
+        const Eigen::Vector3d& p = key.position;
+        const Eigen::Quaterniond& q = key.rotation;
+        keys.push_back({key.time, p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()});
+    }
+    return {{"keys", std::move(keys)}};
+}
+
+Entry motion_entry(const Drift& motion)
+{
+    Entry drift = {{"velocity", list(motion.velocity)}, {"spin", list(motion.spin)}};
+    add_walls(drift, motion.walls);
+    return {{"drift", std::move(drift)}};
+}
+
+Entry motion_entry(const Jitter& motion)
+{
+    Entry jitter = {{"step", motion.step}, {"seed", motion.seed}, {"index", motion.index}};
+    add_walls(jitter, motion.walls);
+    return {{"jitter", std::move(jitter)}};
+}
+
+Entry body_entry(const Scene& scene, std::size_t i)
+{
+    const Eigen::Isometry3d& pose = scene.start_poses[i];
+    const Motion& motion = scene.motions[i];
+    const BodyInit otherwise;
+    Entry body = {{"name", scene.names[i]}, {"geometry", scene.geometries[index(scene.geometry[i])].name}};
+    const Eigen::Isometry3d unsaid = default_pose(motion);
+    // Always but for keyed bodies, which have their place in their keys.
+    if (!std::holds_alternative<Keyed>(motion) || !same_bits(Eigen::Vector3d(pose.translation()), unsaid.translation()))
+        body["position"] = list(pose.translation());
+    if (!same_bits(Eigen::Matrix3d(pose.linear()), unsaid.linear())) body["rotation"] = rotation_entry(pose.linear());
+    if (scene.layers[i] != otherwise.layer) body["layer"] = scene.layers[i];
+    if (scene.masks[i] != otherwise.mask) body["mask"] = scene.masks[i];
+    if (scene.is_static[i]) body["static"] = true;
+    if (!std::holds_alternative<Still>(motion))
+        body["motion"] = std::visit([](const auto& m) { return motion_entry(m); }, motion);
+    return body;
+}
+
+/// Removes the files that a failed save has made.
+struct Made {
+    std::vector<fs::path> files;
+    ~Made()
+    {
+        std::error_code ignored;
+        for (const fs::path& file : files) fs::remove(file, ignored);
+    }
+};
+
+/// One line for each geometry and each body.
+std::string text_of(const Scene& scene, const fs::path& path, const std::vector<std::string>& map_files)
+{
+    fs::path folder = fs::absolute(path).parent_path();
+    std::string text =
+        fmt::format("{{\n\"name\": {},\n\"frames\": {},\n\"geometries\": {{", Json(scene.name).dump(), scene.frames);
+    for (std::size_t i = 0; i < scene.geometries.size(); ++i)
+        text += fmt::format("{}\n  {}: {}", i ? "," : "", Json(scene.geometries[i].name).dump(),
+                            entry_of(scene.geometries[i], folder, map_files[i]).dump());
+    text += "\n},\n\"bodies\": [";
+    for (std::size_t i = 0; i < scene.size(); ++i)
+        text += fmt::format("{}\n  {}", i ? "," : "", body_entry(scene, i).dump());
+    return text + "\n]\n}\n";
+}
+
+} // namespace
+
+void save_scene(const Scene& scene, const fs::path& path)
+{
+    std::vector<std::string> map_files(scene.geometries.size());
+    for (std::size_t i = 0; i < map_files.size(); ++i) map_files[i] = fmt::format("{}-{}.bt", path.stem().string(), i);
+    std::string text;
+    try {
+        text = text_of(scene, path, map_files);
+    } catch (const Json::exception&) {
+        throw Error(ErrorKind::cannot_write,
+                    fmt::format("{}: cannot write: a name or a path in the scene is not UTF-8 text", path.string()));
+    }
+    Made made;
+    for (std::size_t i = 0; i < map_files.size(); ++i) {
+        const Geometry& geometry = scene.geometries[i];
+        const OccupancyMap* map = std::get_if<OccupancyMap>(&geometry.data);
+        if (!map || !geometry.recipe.empty()) continue;
+        const fs::path file = path.parent_path() / map_files[i];
+        std::error_code ignored;
+        const bool is_new = !fs::exists(file, ignored);
+        save_octomap(*map, file);
+        if (is_new) made.files.push_back(file);
+    }
+    OutputFile file(path);
+    file.print("{}", text);
+    file.commit();
+    made.files.clear();
+}
+
+} // namespace oncollide

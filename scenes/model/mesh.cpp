@@ -1,0 +1,63 @@
+#include <oncollide/scenes/model/mesh.hpp>
+
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/scenes/files/exact_area.hpp>
+
+namespace oncollide {
+
+namespace {
+
+constexpr double largest_coordinate = 1e15;
+
+[[noreturn]] void fail(const std::string& name, const std::string& what)
+{
+    throw Error(ErrorKind::bad_data, fmt::format("{}: {}", name, what));
+}
+
+void check_vertices(const std::string& name, const std::vector<Eigen::Vector3d>& vertices)
+{
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+        const Eigen::Vector3d& v = vertices[i];
+        if (!v.allFinite()) fail(name, fmt::format("vertex {} is not finite: ({}, {}, {})", i, v.x(), v.y(), v.z()));
+        if (v.cwiseAbs().maxCoeff() > largest_coordinate)
+            fail(name, fmt::format("vertex {} is too far from the origin: ({}, {}, {}), at most {} m are allowed", i,
+                                   v.x(), v.y(), v.z(), largest_coordinate));
+    }
+}
+
+} // namespace
+
+Mesh make_mesh(const std::string& name, std::vector<Eigen::Vector3d> vertices, std::vector<Triangle> triangles)
+{
+    constexpr std::size_t most = std::numeric_limits<std::uint32_t>::max();
+    if (triangles.empty()) fail(name, "the mesh has no triangle");
+    if (vertices.size() > most || triangles.size() > most)
+        fail(name, fmt::format("the mesh has {} vertices and {} triangles; at most {} of each are allowed",
+                               vertices.size(), triangles.size(), most));
+    check_vertices(name, vertices);
+
+    Mesh mesh{.vertices = std::move(vertices), .triangles = std::move(triangles), .bounds = {}, .zero_area = 0};
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const Triangle& t = mesh.triangles[i];
+        for (const std::uint32_t v : t)
+            if (v >= mesh.vertices.size())
+                fail(name, fmt::format("triangle {} uses vertex {}, but the mesh has {} vertices", i, v,
+                                       mesh.vertices.size()));
+        for (const std::uint32_t v : t) mesh.bounds.add(mesh.vertices[v]);
+        mesh.zero_area += has_zero_area(mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]);
+    }
+    return mesh;
+}
+
+Mesh transformed(const std::string& name, Mesh mesh, double scale, const Eigen::Vector3d& origin)
+{
+    for (Eigen::Vector3d& v : mesh.vertices) v = scale * (v - origin);
+    return make_mesh(name, std::move(mesh.vertices), std::move(mesh.triangles));
+}
+
+} // namespace oncollide

@@ -1,0 +1,97 @@
+#include <oncollide/scenes/model/mesh_topology.hpp>
+
+#include <algorithm>
+#include <compare>
+#include <limits>
+#include <numeric>
+
+#include <oncollide/scenes/files/exact_area.hpp>
+
+namespace oncollide {
+
+namespace {
+
+/// For each vertex the lowest index of a vertex at the same position.
+std::vector<std::uint32_t> weld(const std::vector<Eigen::Vector3d>& vertices)
+{
+    std::vector<std::uint32_t> order(vertices.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        const Eigen::Vector3d &p = vertices[a], &q = vertices[b];
+        for (int axis = 0; axis < 3; ++axis)
+            if (p[axis] != q[axis]) return p[axis] < q[axis];
+        return a < b;
+    });
+    std::vector<std::uint32_t> first(vertices.size());
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        const bool same = i > 0 && vertices[order[i]] == vertices[order[i - 1]];
+        first[order[i]] = same ? first[order[i - 1]] : order[i];
+    }
+    return first;
+}
+
+bool has_area(const Mesh& mesh, const Triangle& t)
+{
+    return !has_zero_area(mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]);
+}
+
+} // namespace
+
+std::vector<MeshEdge> open_edges(const Mesh& mesh)
+{
+    struct Side {
+        std::uint32_t low, high; ///< welded
+        bool forward;            ///< the triangle runs from low to high
+        MeshEdge edge;
+    };
+    const std::vector<std::uint32_t> first = weld(mesh.vertices);
+    std::vector<Side> sides;
+    sides.reserve(3 * mesh.triangles.size());
+    for (const Triangle& t : mesh.triangles) {
+        if (!has_area(mesh, t)) continue;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const MeshEdge edge{t[i], t[(i + 1) % 3]};
+            const std::uint32_t from = first[edge.from], to = first[edge.to];
+            sides.push_back({std::min(from, to), std::max(from, to), from < to, edge});
+        }
+    }
+    std::stable_sort(sides.begin(), sides.end(),
+                     [](const Side& x, const Side& y) { return x.low != y.low ? x.low < y.low : x.high < y.high; });
+    std::vector<MeshEdge> open;
+    for (auto begin = sides.begin(); begin != sides.end();) {
+        const auto end = std::find_if(begin, sides.end(),
+                                      [&](const Side& s) { return s.low != begin->low || s.high != begin->high; });
+        if (end - begin != 2 || begin->forward == begin[1].forward) open.push_back(begin->edge);
+        begin = end;
+    }
+    return open;
+}
+
+bool is_closed(const Mesh& mesh)
+{
+    const bool some_area =
+        std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) { return has_area(mesh, t); });
+    return some_area && open_edges(mesh).empty();
+}
+
+std::vector<std::uint32_t> parts_of(const Mesh& mesh)
+{
+    std::vector<std::uint32_t> root = weld(mesh.vertices);
+    const auto find = [&](std::uint32_t v) {
+        while (root[v] != v) v = root[v] = root[root[v]];
+        return v;
+    };
+    for (const Triangle& t : mesh.triangles)
+        for (std::size_t i : {1, 2}) root[find(t[i])] = find(t[0]);
+    constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+    std::vector<std::uint32_t> number(mesh.vertices.size(), none), parts;
+    std::uint32_t count = 0;
+    for (const Triangle& t : mesh.triangles) {
+        std::uint32_t& part = number[find(t[0])];
+        if (part == none) part = count++;
+        parts.push_back(part);
+    }
+    return parts;
+}
+
+} // namespace oncollide

@@ -1,0 +1,45 @@
+#pragma once
+#include <variant>
+#include <vector>
+
+#include <oncollide/scenes/model/mesh.hpp>
+
+namespace oncollide {
+
+// Primitive shapes: solid, centred on their own origin, metres.
+struct Sphere {
+    double radius;
+};
+struct Box {
+    Eigen::Vector3d half;
+};
+struct Capsule {
+    double radius, length;
+}; ///< along z; `length` is the cylinder's, without the caps; >= 0
+struct Cylinder {
+    double radius, length;
+}; ///< along z
+struct ConvexHull {
+    std::vector<Eigen::Vector3d> points;
+}; ///< at least four, not in a plane
+
+using Shape = std::variant<Sphere, Box, Capsule, Cylinder, ConvexHull>;
+
+/// Throws Error{bad_data} naming `name` and the wrong dimension: not finite, not positive, flat hull.
+void check_shape(const std::string& name, const Shape& shape);
+
+/// The exact box of the shape in its own frame.
+Aabb bounds_of(const Shape& shape);
+
+/// A convex closed mesh that encloses the shape.
+struct BoundingMesh {
+    Mesh mesh;             ///< outward orientation
+    double covering_error; ///< no point of `mesh` or its inside is farther than this from the shape (m)
+};
+
+/// Curved parts are tessellated so that the covering error is about 0.5 % of the radius (sphere 1,568 triangles). Boxes
+/// are exact (0). Hulls are pushed out by what rounding takes: about 1e-12 of their size, up to 1e-6 where many points
+/// lie all but in one plane. Enclosing is certified with rounding included. The shape must have passed check_shape.
+BoundingMesh bounding_mesh_of(const Shape& shape);
+
+} // namespace oncollide

@@ -1,0 +1,63 @@
+#include <oncollide/scenes/model/surface_grid.hpp>
+
+#include <cmath>
+#include <map>
+#include <numbers>
+
+namespace oncollide {
+
+namespace {
+
+/// Cosine and sine of an eighth of a turn at most, by their series; the first term left out is below 1e-17.
+Circle first_octant(double turns)
+{
+    const double x = 2 * std::numbers::pi * turns, x2 = x * x;
+    double cosine = 1, sine = 1;
+    for (int k = 9; k >= 1; --k) {
+        cosine = 1 - cosine * x2 / ((2 * k - 1) * (2 * k));
+        sine = 1 - sine * x2 / ((2 * k) * (2 * k + 1));
+    }
+    return {cosine, sine * x};
+}
+
+} // namespace
+
+Circle circle(double turns)
+{
+    double t = turns - std::floor(turns);
+    const bool below = t > 0.5;
+    if (below) t = 1 - t;
+    const bool left = t > 0.25;
+    if (left) t = 0.5 - t;
+    const bool steep = t > 0.125;
+    Circle c = first_octant(steep ? 0.25 - t : t);
+    if (steep) std::swap(c.cosine, c.sine);
+    return {left ? -c.cosine : c.cosine, below ? -c.sine : c.sine};
+}
+
+void octasphere(int frequency, std::vector<Eigen::Vector3d>& points, std::vector<Triangle>& triangles)
+{
+    const int n = frequency;
+    std::map<std::array<int, 3>, std::uint32_t> known; // whole coordinates on |x| + |y| + |z| == n
+    const auto vertex = [&](int x, int y, int z) {
+        const auto [place, added] = known.try_emplace({x, y, z}, static_cast<std::uint32_t>(points.size()));
+        if (added)
+            points.push_back(Eigen::Vector3d(x, y, z) / std::sqrt(double(x) * x + double(y) * y + double(z) * z));
+        return place->second;
+    };
+    for (int face = 0; face < 8; ++face) {
+        const int sx = face & 1 ? -1 : 1, sy = face & 2 ? -1 : 1, sz = face & 4 ? -1 : 1;
+        const bool mirrored = sx * sy * sz < 0;
+        const auto corner = [&](int i, int j) { return vertex(sx * (n - i - j), sy * i, sz * j); };
+        const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+            triangles.push_back(mirrored ? Triangle{a, c, b} : Triangle{a, b, c});
+        };
+        for (int j = 0; j < n; ++j)
+            for (int i = 0; i + j < n; ++i) {
+                add(corner(i, j), corner(i + 1, j), corner(i, j + 1));
+                if (i + j + 1 < n) add(corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1));
+            }
+    }
+}
+
+} // namespace oncollide

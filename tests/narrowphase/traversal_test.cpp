@@ -1,0 +1,438 @@
+// Trees of oriented boxes and the questions asked of them, against brute force over all triangles.
+#include <cmath>
+#include <limits>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include <oncollide/base/cpu_features.hpp>
+#include <oncollide/narrowphase/boxes/traversal.hpp>
+#include <oncollide/narrowphase/exact/triangle_distance.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/motion.hpp>
+
+#include "random_pose.hpp"
+
+namespace oncollide {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+Mesh scaled(const Mesh& mesh, double scale, const Vector3d& by = Vector3d::Zero())
+{
+    return transformed("scaled", mesh, scale, -by / scale);
+}
+
+Mesh flat_copies()
+{
+    // Duplicates, triangles that are segments and points, and two far apart.
+    std::vector<Vector3d> v{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.3, 0.3, 0.3}};
+    std::vector<Triangle> t;
+    for (int i = 0; i < 9; ++i) t.insert(t.end(), {{0, 1, 2}, {0, 1, 1}, {3, 3, 3}, {0, 2, 3}, {1, 4, 3}});
+    return make_mesh("copies", v, t);
+}
+
+struct Case {
+    const char* name;
+    Mesh a, b;
+    double reach; ///< of the poses
+};
+
+std::vector<Case> cases()
+{
+    const Mesh knot = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 300), box = make_box_mesh({0.5, 0.5, 0.5});
+    const Mesh needles = make_needles_mesh(60, 1, 1e4, 2, 5), soup = make_soup_mesh(120, 0.5, 1.5, 6);
+    return {{"knots", knot, knot, 1.6},
+            {"boxes", box, box, 1.3},
+            {"needles and soup", needles, soup, 2.2},
+            {"large and small", scaled(box, 8), scaled(soup, 0.2), 4.3},
+            {"tiny", scaled(knot, 1e-7), scaled(soup, 1e-7), 1.4e-7},
+            {"huge", scaled(knot, 1e9), scaled(soup, 1e9), 1.4e9},
+            {"a triangle and a quad", make_soup_mesh(1, 1, 0.5, 3), make_soup_mesh(2, 1, 0.2, 4), 0.8},
+            {"duplicates and triangles without area", flat_copies(), soup, 1.2},
+            {"a file far from its origin", scaled(knot, 1, {1e4, -1e4, 1e3}), soup, 1.4}};
+}
+
+/// Poses of `b` that put it near the middle of `a`.
+std::vector<Isometry3d> poses_of(const Case& c, std::uint64_t count)
+{
+    std::vector<Isometry3d> poses;
+    for (std::uint64_t seed = 0; seed < count; ++seed) {
+        poses.push_back(random_pose(seed, c.reach));
+        poses.back().translation() += c.a.bounds.centre();
+    }
+    return poses;
+}
+
+struct Truth {
+    std::vector<TrianglePair> meeting;
+    double distance = std::numeric_limits<double>::infinity();
+};
+
+Truth brute_force(const Mesh& a, const Mesh& b, const RelativePose& b_to_a)
+{
+    const auto corners = [](const Mesh& mesh, std::uint32_t t, auto place) {
+        TrianglePoints points;
+        for (std::size_t k = 0; k < 3; ++k) points[k] = place(mesh.vertices[mesh.triangles[t][k]]);
+        return points;
+    };
+    Truth truth;
+    for (std::uint32_t i = 0; i < a.triangles.size(); ++i)
+        for (std::uint32_t j = 0; j < b.triangles.size(); ++j) {
+            const TrianglePoints p = corners(a, i, [](const Vector3d&v) { return v; }), q = corners(b, j, b_to_a);
+            if (triangles_meet(p, q))
+                truth.meeting.push_back({i, j}), truth.distance = 0;
+            else if (truth.distance > 0)
+                truth.distance = std::min(truth.distance, triangle_distance(p, q));
+        }
+    return truth;
+}
+
+RelativePose at(const Isometry3d& b)
+{
+    return {Isometry3d::Identity(), b};
+}
+
+TEST(Traversal, FindsEveryPairOfTrianglesOfBruteForce)
+{
+    Traversal walk;
+    for (const Case& c : cases()) {
+        ObbTree a(c.a), b(c.b);
+        std::uint64_t colliding = 0;
+        for (const Isometry3d& pose : poses_of(c, 14)) {
+            const Truth truth = brute_force(c.a, c.b, at(pose));
+            std::vector<TrianglePair> pairs;
+            walk.all_meeting(a, b, at(pose), pairs);
+            EXPECT_EQ(pairs, truth.meeting) << c.name;
+            const auto first = walk.first_meeting(a, b, at(pose));
+            EXPECT_EQ(first.has_value(), !truth.meeting.empty()) << c.name;
+            if (first) {
+                EXPECT_TRUE(std::binary_search(pairs.begin(), pairs.end(), *first)) << c.name;
+                EXPECT_EQ(walk.first_meeting(a, b, at(pose), pairs.back()), pairs.back()) << "a hint that holds";
+            }
+            const TrianglePair wrong{0, static_cast<std::uint32_t>(c.b.triangles.size() - 1)};
+            EXPECT_EQ(walk.first_meeting(a, b, at(pose), wrong).has_value(), first.has_value()) << c.name;
+            colliding += first.has_value();
+        }
+        EXPECT_GT(colliding, 1u) << c.name;
+        EXPECT_LT(colliding, 14u) << c.name;
+        EXPECT_LE(a.nodes(), ObbTree::most_nodes(c.a));
+        EXPECT_LE(a.bytes(), ObbTree::most_bytes(c.a));
+    }
+}
+
+TEST(Traversal, BoundsTheDistanceToTheToleranceAsked)
+{
+    Traversal walk;
+    for (const Case& c : cases()) {
+        ObbTree a(c.a), b(c.b);
+        const double size = a.radius() + b.radius(), rounding = size * 1e-10;
+        for (const Isometry3d& pose : poses_of({c.name, c.a, c.b, 2 * c.reach}, 10)) {
+            const double truth = brute_force(c.a, c.b, at(pose)).distance;
+            for (const double tolerance : {0.0, 0.001 * size, 0.1 * size}) {
+                const auto distance = walk.distance(a, b, at(pose), tolerance);
+                EXPECT_LE(distance.lower, truth) << c.name;
+                EXPECT_GE(distance.upper, truth) << c.name;
+                EXPECT_LE(distance.upper - distance.lower, tolerance + rounding) << c.name;
+                EXPECT_TRUE(distance.nearest);
+                if (tolerance == 0) {
+                    EXPECT_EQ(distance.upper == 0, truth == 0) << c.name;
+                }
+                if (truth == 0) continue;
+                const auto far = walk.distance(a, b, at(pose), tolerance, 0.5 * truth);
+                EXPECT_GT(far.lower, 0.5 * truth) << c.name;
+                EXPECT_LE(far.lower, truth) << c.name;
+                EXPECT_FALSE(far.nearest);
+            }
+        }
+    }
+}
+
+TEST(Traversal, CallsMeshesNearThatAreWithinTheClearanceAndNoneBeyondTheTolerance)
+{
+    Traversal walk;
+    int near = 0, apart = 0;
+    for (const Case& c : cases()) {
+        ObbTree a(c.a), b(c.b);
+        const double size = a.radius() + b.radius();
+        const TrianglePair last{static_cast<std::uint32_t>(c.a.triangles.size() - 1),
+                                static_cast<std::uint32_t>(c.b.triangles.size() - 1)};
+        for (const Isometry3d& pose : poses_of({c.name, c.a, c.b, 1.5 * c.reach}, 12)) {
+            const Truth truth = brute_force(c.a, c.b, at(pose));
+            for (const double clearance : {0.0, 0.01 * size, 0.1 * size})
+                for (const double tolerance : {0.0, 1e-4 * size, 0.02 * size}) {
+                    const auto answer = walk.near(a, b, at(pose), clearance, tolerance);
+                    if (truth.distance <= clearance) {
+                        EXPECT_TRUE(answer.near) << c.name;
+                    }
+                    if (answer.near) {
+                        EXPECT_LE(truth.distance, answer.bound) << c.name;
+                        EXPECT_LE(answer.bound, clearance + tolerance + 1e-4 * clearance + 1e-10 * size) << c.name;
+                    } else {
+                        EXPECT_GE(answer.bound, clearance);
+                        EXPECT_LE(answer.bound, truth.distance) << c.name;
+                    }
+                    near += answer.near, apart += !answer.near;
+                    // With what met last frame, right or wrong, the answer is the same.
+                    for (const TrianglePair hint :
+                         {TrianglePair{0, 0}, truth.meeting.empty() ? last : truth.meeting[0]}) {
+                        const auto same = walk.near(a, b, at(pose), clearance, tolerance, hint);
+                        EXPECT_EQ(same.near, answer.near) << c.name;
+                        EXPECT_EQ(same.bound, answer.bound) << c.name;
+                    }
+                }
+        }
+    }
+    EXPECT_GT(near, 100);
+    EXPECT_GT(apart, 100);
+}
+
+struct Kernel {
+    std::string name;
+    OrientedBoxKernel kernel;
+};
+
+std::vector<Kernel> kernels()
+{
+    std::vector<Kernel> all{{"baseline", baseline::oriented_box_kernel()}};
+    if (instruction_set() >= InstructionSet::avx2) all.push_back({"avx2", avx2::oriented_box_kernel()});
+    if (instruction_set() >= InstructionSet::avx512) all.push_back({"avx512", avx512::oriented_box_kernel()});
+    return all;
+}
+
+/// How far beyond the faces of box k a point is, at most.
+double beyond(const OpenBoxes& boxes, unsigned k, const Vector3d& p)
+{
+    double most = -std::numeric_limits<double>::infinity();
+    const Vector3d d = p - Vector3d(boxes.c[0][k], boxes.c[1][k], boxes.c[2][k]);
+    for (int i = 0; i < 3; ++i) {
+        const Vector3d axis(boxes.axis[i][0][k], boxes.axis[i][1][k], boxes.axis[i][2][k]);
+        EXPECT_NEAR(axis.norm(), 1, 1e-5);
+        most = std::max(most, std::abs(axis.dot(d)) - double(boxes.h[i][k]));
+    }
+    return most;
+}
+
+TEST(ObbTree, HoldsEveryTriangleInEachOfItsBoxes)
+{
+    for (const Case& c : cases())
+        for (const Mesh* mesh : {&c.a, &c.b}) {
+            ObbTree tree(*mesh);
+            const Isometry3d pose = random_pose(5, tree.radius());
+            BoxPlacement place;
+            for (int i = 0; i < 9; ++i) place.rotation[i] = static_cast<float>(pose.linear()(i / 3, i % 3));
+            for (int i = 0; i < 3; ++i) place.translation[i] = static_cast<float>(pose.translation()[i]);
+            const double rounding = 0x1p-17 * tree.radius() + 0x1p-48 * tree.centre().norm();
+            std::vector<int> leaves(mesh->triangles.size());
+            for (std::vector<std::uint32_t> open{ObbTree::root}; !open.empty();) {
+                const std::uint32_t index = open.back();
+                open.pop_back();
+                const BoxNode node = tree.node(index);
+                for (unsigned k = 0; k < node.lanes; ++k)
+                    if (node.count[k] > ObbTree::leaf_triangles) open.push_back(tree.child(index, k));
+                for (const Kernel& kernel : kernels())
+                    for (const BoxPlacement* placement : {static_cast<BoxPlacement*>(nullptr), &place}) {
+                        OpenBoxes boxes;
+                        kernel.kernel.open(node, placement, boxes);
+                        for (unsigned k = 0; k < node.lanes; ++k)
+                            for (std::uint32_t i = 0; i < node.count[k]; ++i)
+                                for (std::uint32_t v : mesh->triangles[tree.triangle(node.begin[k] + i)]) {
+                                    const Vector3d p = mesh->vertices[v] - tree.centre();
+                                    EXPECT_LE(beyond(boxes, k, placement ? pose * p : p), rounding)
+                                        << c.name << ' ' << kernel.name;
+                                }
+                    }
+                for (unsigned k = 0; k < node.lanes; ++k)
+                    for (std::uint32_t i = 0; i < node.count[k] && node.count[k] <= ObbTree::leaf_triangles; ++i)
+                        ++leaves[tree.triangle(node.begin[k] + i)];
+            }
+            EXPECT_EQ(leaves, std::vector<int>(leaves.size(), 1)) << "each triangle in one leaf";
+        }
+}
+
+/// Eight boxes of sizes and flatness of all kinds.
+OpenBoxes random_boxes(std::uint64_t seed)
+{
+    OpenBoxes boxes;
+    for (std::uint64_t k = 0; k < 8; ++k) {
+        const Isometry3d pose = random_pose(100 * seed + k, 1);
+        for (int i = 0; i < 3; ++i) {
+            boxes.c[i][k] = static_cast<float>(pose.translation()[i]);
+            for (int j = 0; j < 3; ++j) boxes.axis[j][i][k] = static_cast<float>(pose.linear()(i, j));
+            const double h = u01(seed, 4, 3 * k + std::uint64_t(i));
+            boxes.h[i][k] = h < 0.3 ? 0 : static_cast<float>(std::pow(h, 3));
+        }
+    }
+    return boxes;
+}
+
+Vector3d point_in(const OpenBoxes& boxes, unsigned k, std::uint64_t seed)
+{
+    Vector3d p(boxes.c[0][k], boxes.c[1][k], boxes.c[2][k]);
+    for (int j = 0; j < 3; ++j) {
+        const double t = std::clamp(3 * u01(seed, 5, std::uint64_t(j)) - 1.5, -1.0, 1.0); // often on a face
+        for (int i = 0; i < 3; ++i) p[i] += t * double(boxes.h[j][k]) * double(boxes.axis[j][i][k]);
+    }
+    return p;
+}
+
+TEST(OrientedBoxKernel, NeverShowsAGapLargerThanTheDistance)
+{
+    int touching = 0, apart = 0;
+    for (std::uint64_t seed = 0; seed < 400; ++seed) {
+        OpenBoxes boxes = random_boxes(seed);
+        const OpenBoxes other = random_boxes(seed + 1000);
+        const unsigned k = seed % 8;
+        // Half of them are moved until a point of theirs is on a point of the other.
+        for (unsigned lane = 0; lane < 8; lane += 2) {
+            const Vector3d by = point_in(other, k, seed + lane) - point_in(boxes, lane, seed + 31);
+            for (int i = 0; i < 3; ++i) boxes.c[i][lane] += static_cast<float>(by[i]);
+        }
+        for (const bool far : {false, true}) {
+            float first_gaps[8];
+            for (const Kernel& kernel : kernels()) {
+                const auto compare = far ? kernel.kernel.compare_far : kernel.kernel.compare;
+                float gaps[8], nearest[8];
+                std::fill(std::begin(nearest), std::end(nearest), std::numeric_limits<float>::infinity());
+                const unsigned near = compare(boxes, other, k, 1e-5f, gaps, nearest);
+                for (unsigned lane = 0; lane < 8; ++lane) {
+                    EXPECT_EQ(near >> lane & 1, unsigned(gaps[lane] <= 1e-5f));
+                    if (!(near >> lane & 1)) {
+                        EXPECT_EQ(nearest[lane], gaps[lane]);
+                    } else {
+                        EXPECT_EQ(nearest[lane], std::numeric_limits<float>::infinity());
+                    }
+                    if (lane % 2 == 0) {
+                        EXPECT_TRUE(near >> lane & 1) << kernel.name << ", they share a point";
+                    }
+                    (near >> lane & 1 ? touching : apart) += 1;
+                    for (std::uint64_t sample = 0; sample < 20; ++sample) {
+                        const double distance =
+                            (point_in(boxes, lane, 77 * seed + sample) - point_in(other, k, 99 * seed + 5 * sample + 3))
+                                .norm();
+                        EXPECT_LE(gaps[lane], distance + 1e-5) << kernel.name;
+                    }
+                }
+                if (kernel.name == "baseline") std::copy(std::begin(gaps), std::end(gaps), first_gaps);
+                EXPECT_TRUE(std::equal(std::begin(gaps), std::end(gaps), first_gaps)) << kernel.name << ": other bits";
+            }
+        }
+    }
+    EXPECT_GT(touching, 1000);
+    EXPECT_GT(apart, 1000);
+}
+
+/// Boxes that the nine cross products alone part: two flat, long ones crossing like the strokes of a plus.
+TEST(OrientedBoxKernel, PartsBoxesByTheirEdges)
+{
+    OpenBoxes boxes{}, other{};
+    for (int j = 0; j < 3; ++j)
+        for (int lane = 0; lane < 8; ++lane) boxes.axis[j][j][lane] = other.axis[j][j][lane] = 1;
+    const float s = std::sqrt(0.5f);
+    for (int lane = 0; lane < 8; ++lane) {
+        // Both stand on an edge: one along x, below; one along y, above.
+        boxes.axis[1][1][lane] = s, boxes.axis[1][2][lane] = s, boxes.axis[2][1][lane] = -s, boxes.axis[2][2][lane] = s;
+        other.axis[0][0][lane] = s, other.axis[0][2][lane] = -s, other.axis[2][0][lane] = s, other.axis[2][2][lane] = s;
+        boxes.h[0][lane] = 5, boxes.h[1][lane] = boxes.h[2][lane] = 1;
+        other.h[1][lane] = 5, other.h[0][lane] = other.h[2][lane] = 1;
+        other.c[2][lane] = 2.9f;
+    }
+    for (const Kernel& kernel : kernels()) {
+        float gaps[8], nearest[8] = {9, 9, 9, 9, 9, 9, 9, 9};
+        EXPECT_EQ(kernel.kernel.compare(boxes, other, 3, 0, gaps, nearest), 0u) << kernel.name;
+        EXPECT_NEAR(gaps[0], 2.9 - 2 * std::sqrt(2.0), 1e-5) << kernel.name;
+    }
+}
+
+/// Others may be reading it.
+TEST(ObbTree, KeepsTheOrderOfALeafThatGetsBoxesOfItsOwn)
+{
+    const Mesh knot = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 1000);
+    ObbTree tree(knot);
+    int grown = 0;
+    for (std::vector<std::uint32_t> open{ObbTree::root}; !open.empty();) {
+        const std::uint32_t index = open.back();
+        open.pop_back();
+        for (unsigned k = 0; k < tree.node(index).lanes; ++k) {
+            const std::uint32_t begin = tree.node(index).begin[k], count = tree.node(index).count[k];
+            if (count == 1) continue;
+            if (count > ObbTree::leaf_triangles) {
+                open.push_back(tree.child(index, k));
+                continue;
+            }
+            const std::uint32_t first = tree.triangle(begin), second = tree.triangle(begin + 1);
+            const BoxNode& below = tree.node(tree.child(index, k));
+            EXPECT_EQ(tree.triangle(begin), first);
+            EXPECT_EQ(tree.triangle(begin + 1), second);
+            EXPECT_EQ(below.lanes, 2u);
+            EXPECT_EQ(below.begin[1], begin + 1);
+            ++grown;
+        }
+    }
+    EXPECT_GT(grown, 100);
+}
+
+TEST(ObbTree, IsTheSameForManyThreadsAtOnce)
+{
+    const Mesh knot = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 3000);
+    const Case c{"knots", knot, knot, 1.2};
+    const std::vector<Isometry3d> poses = poses_of(c, 64);
+    const auto answers = [&](int threads) {
+        ObbTree a(c.a), b(c.b);
+        std::vector<std::optional<TrianglePair>> all(poses.size());
+        std::vector<std::thread> running;
+        for (int t = 0; t < threads; ++t)
+            running.emplace_back([&, t] {
+                Traversal walk;
+                for (std::size_t i = std::size_t(t); i < poses.size(); i += std::size_t(threads))
+                    all[i] = walk.first_meeting(a, b, at(poses[i]));
+            });
+        for (std::thread& thread : running) thread.join();
+        return std::pair(all, std::pair(a.nodes(), b.nodes()));
+    };
+    EXPECT_EQ(answers(1), answers(4));
+}
+
+TEST(TriangleDistance, IsThatOfTheNearestPoints)
+{
+    const TrianglePoints floor{Vector3d(0, 0, 0), Vector3d(4, 0, 0), Vector3d(0, 4, 0)};
+    const auto to = [&](const TrianglePoints& t) {
+        EXPECT_DOUBLE_EQ(triangle_distance(floor, t), triangle_distance(t, floor));
+        EXPECT_LE(triangle_distance(floor, t), corner_distance(floor, t) * (1 + 1e-15));
+        return triangle_distance(floor, t);
+    };
+    EXPECT_DOUBLE_EQ(to({Vector3d(1, 1, 0.5), Vector3d(1, 1, 3), Vector3d(2, 1, 3)}), 0.5) << "corner over face";
+    EXPECT_DOUBLE_EQ(to({Vector3d(1, 1, 2), Vector3d(2, 1, 2), Vector3d(1, 2, 2)}), 2) << "parallel faces";
+    EXPECT_DOUBLE_EQ(to({Vector3d(-1, -1, 0), Vector3d(-2, -1, 0), Vector3d(-1, -2, 0)}), std::sqrt(2.0)) << "corners";
+    EXPECT_DOUBLE_EQ(to({Vector3d(2, -1, -3), Vector3d(2, -1, 3), Vector3d(2, -5, 0)}), 1) << "edges across";
+    EXPECT_DOUBLE_EQ(to({Vector3d(1, -2, 0), Vector3d(3, -2, 0), Vector3d(2, -5, 0)}), 2) << "parallel edges";
+    EXPECT_DOUBLE_EQ(to({Vector3d(1, 1, 7), Vector3d(1, 1, 7), Vector3d(1, 1, 7)}), 7) << "a point";
+    EXPECT_DOUBLE_EQ(to({Vector3d(-3, -1, 4), Vector3d(5, -1, 4), Vector3d(5, -1, 4)}), std::sqrt(17.0)) << "a segment";
+
+    // No two sampled points are nearer, and by descent some come as near.
+    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+        TrianglePoints a, b;
+        for (std::uint64_t k = 0; k < 3; ++k)
+            for (std::uint64_t i = 0; i < 3; ++i)
+                a[k][int(i)] = u01(seed, 11, 3 * k + i), b[k][int(i)] = u01(seed, 12, 3 * k + i) + (i == 2 ? 0.8 : 0);
+        if (triangles_meet(a, b)) continue;
+        const double distance = triangle_distance(a, b);
+        // Of the convex set of differences, alternating steps towards the corner that promises most (Frank and Wolfe).
+        Vector3d d = a[0] - b[0];
+        for (int step = 0; step < 3000; ++step) {
+            Vector3d best = a[0] - b[0];
+            for (const Vector3d& p : a)
+                for (const Vector3d& q : b)
+                    if (d.dot(p - q) < d.dot(best)) best = p - q;
+            const Vector3d along = best - d;
+            if (!(along.squaredNorm() > 0)) break;
+            d += std::clamp(-d.dot(along) / along.squaredNorm(), 0.0, 1.0) * along;
+        }
+        EXPECT_LE(distance, d.norm() + 1e-12);
+        EXPECT_NEAR(distance, d.norm(), 0.01);
+    }
+}
+
+} // namespace
+} // namespace oncollide

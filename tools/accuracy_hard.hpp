@@ -1,9 +1,0 @@
-#pragma once
-#include "command.hpp"
-
-namespace oncollide::tools {
-
-/// Adds `oncollide accuracy hard`.
-CLI::App* add_accuracy_hard(CLI::App& accuracy, Command& command);
-
-} // namespace oncollide::tools

@@ -1,0 +1,120 @@
+#pragma once
+#include <iostream>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "bench/statistics.hpp"
+#include "cli/options.hpp"
+
+// What the benchmarks share. Each runs FCL and oncollide on the same work in one program, turn about, and reports
+// ratios.
+namespace oncollide::tools {
+
+struct CompareOptions {
+    SceneOptions scene;
+    SettingsOptions settings;
+    int warm_up = 3;       ///< frames at the start that are not counted
+    int repeats = 1;       ///< runs from frame 0; of a frame's times the least counts
+    int cold_runs = 5;     ///< first frames measured from nothing
+    bool contacts = false; ///< every contact of every pair, instead of yes or no; with exact predicates
+    int timeline = 0;      ///< print a line every so many frames; 0: none
+    std::string only;      ///< "fcl" or "oncollide": measure that one alone
+    std::string csv;       ///< one row a frame
+};
+
+/// Plays a scene with both. Returns the exit code: 70 when oncollide missed a collision.
+int bench_scene(const CompareOptions& options);
+
+struct PosesOptions {
+    std::string data, depths = "4-8", csv;
+    int repeats = 5;
+    int poses = 0; ///< at most so many; 0: all
+};
+
+/// One pair of meshes in the poses of the data folder.
+int bench_poses(const PosesOptions& options);
+
+struct PaperOptions {
+    std::string data, csv;
+    std::optional<int> frames;
+    int gpu = -1, viewport = 16, depth = 5, age = Settings{}.age_limit;
+    bool large = false;
+};
+
+/// The tables of the paper: one level of seven models, and its animation.
+int bench_paper(const PaperOptions& options);
+
+struct OctantsOptions {
+    std::string data, only, csv;
+    int gpu = -1, repeats = 5;
+    double limit_s = 2; ///< batches that would take longer are left out
+};
+
+/// Batches of octant questions, asked of every backend.
+int bench_octants(const OctantsOptions& options);
+
+struct BroadOptions {
+    std::string scene = "brown", sizes, threads, only, csv, plot;
+    bool per_box = false; ///< the plot shows nanoseconds a box
+    std::optional<int> frames;
+    std::uint64_t seed = 12345;
+};
+
+/// The broad phase alone, on boxes, beside those of other libraries. Returns the exit code: 70 when oncollide missed a
+/// pair or a scene did not give its published pairs.
+int bench_broad(const BroadOptions& options);
+
+struct NarrowOptions {
+    std::vector<std::string> meshes; ///< none or two files
+    bool use_poses = false;          ///< a pose file instead of generated poses
+    std::string poses;               ///< that file; empty: the data folder's, with its own meshes
+    std::string distances, ask, only, csv, plot, data;
+    std::optional<int> count; ///< poses a distance, or of the file
+    int repeats = 3;
+    std::uint64_t seed = 12345;
+};
+
+/// The narrow phase alone, one pair of meshes in many poses, beside those of other libraries. Returns the exit code: 70
+/// when oncollide missed a collision or an exact answer of it is wrong.
+int bench_narrow(const NarrowOptions& options);
+
+struct PlannerOptions {
+    std::vector<std::string> meshes; ///< none, or the fixed and the moving one
+    int poses = 100'000;
+    std::uint64_t seed = 12345;
+};
+
+/// Many poses of one mesh against another at once, beside FCL in a loop. Returns the exit code: 70 when FCL contradicts
+/// an answer.
+int bench_planner(const PlannerOptions& options);
+
+/// "4-8", "6" or "2,5-7" as ascending numbers; `option` names it in errors. Each 1 to 16.
+std::vector<int> parse_depths(const std::string& option, const std::string& text);
+
+/// The parts of a list separated by commas, empty ones too.
+std::vector<std::string> split(const std::string& list);
+
+/// Lines that say which program, compiler, peer and machine a result comes from.
+std::string describe_program(const std::string& backend);
+/// The settings that shape a result, on one line; without the accuracy when `accuracy` stands in for it.
+std::string describe(const Settings& settings, const std::string& accuracy = {});
+/// The most memory that this process has held, and what it holds now, bytes.
+std::size_t peak_memory();
+std::size_t resident_memory();
+
+template <class... Args>
+void say(fmt::format_string<Args...> format, Args&&... args)
+{
+    std::cout << fmt::format(format, std::forward<Args>(args)...);
+}
+
+/// 1,234,567
+std::string grouped(std::uint64_t value);
+/// A count's mean over frames: one decimal when small.
+std::string mean_count(std::uint64_t sum, std::uint64_t frames);
+
+} // namespace oncollide::tools

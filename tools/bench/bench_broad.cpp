@@ -1,0 +1,219 @@
+// Who finds all overlapping boxes how fast? oncollide beside the broad phases of other libraries.
+#include "bench/aabbs_file.hpp"
+#include "bench/bench.hpp"
+#include "bench/broad_race.hpp"
+#include "bench/line_plot.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <map>
+
+#include <fmt/ranges.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/parallel.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+/// "2500", "10k" or "1M", from 1 to `most`.
+std::size_t parse_count(const char* option, const std::string& text, std::size_t most)
+{
+    std::size_t value = 0, unit = 1;
+    const char* const end = text.data() + text.size();
+    auto [rest, error] = std::from_chars(text.data(), end, value);
+    if (rest != end && (*rest == 'k' || *rest == 'M')) unit = *rest++ == 'k' ? 1'000 : 1'000'000;
+    if (error != std::errc{} || rest != end || value < 1 || value > most / unit)
+        throw Error(ErrorKind::usage, fmt::format("{} {}: expected numbers from 1 to {}, like {}", option, text, most,
+                                                  most > 10'000 ? "2500,10k,1M" : "1,2"));
+    return value * unit;
+}
+
+template <class Number>
+std::vector<Number> parse_counts(const char* option, const std::string& list, std::size_t most)
+{
+    std::vector<Number> counts;
+    for (const std::string& part : split(list)) counts.push_back(Number(parse_count(option, part, most)));
+    std::sort(counts.begin(), counts.end());
+    counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
+    return counts;
+}
+
+bool is_recording(const std::string& scene)
+{
+    return scene.ends_with(".aabbs") || scene.find('/') != std::string::npos;
+}
+
+/// As many as the published results are after.
+std::uint64_t usual_frames(std::size_t boxes)
+{
+    return boxes <= 3'000 ? 60 : boxes <= 30'000 ? 40 : boxes <= 300'000 ? 12 : 8;
+}
+
+std::string memory_text(double bytes)
+{
+    return bytes < 1e5 ? "-" : fmt::format("{:.1f}", bytes / 1e6);
+}
+
+std::string answer_text(const RaceRow& row)
+{
+    if (row.missed) return fmt::format("MISSED {}", row.missed);
+    return row.extra ? fmt::format("+{}", row.extra) : "ok";
+}
+
+PlotAxes axes(bool per_box)
+{
+    if (per_box) return {"boxes", "ns per box and frame", [](double ns) { return fmt::format("{:.3g} ns", ns); }};
+    return {"boxes", "ms per frame",
+            [](double ms) { return ms >= 1000 ? fmt::format("{:.3g} s", ms / 1e3) : fmt::format("{:.3g} ms", ms); }};
+}
+
+class BroadBench {
+public:
+    explicit BroadBench(const BroadOptions& options)
+        : options_(options), contenders_(broad_contenders()),
+          threads_(parse_counts<int>("--threads", options.threads.empty() ? "1" : options.threads, 256))
+    {
+        choose_contenders();
+        choose_scenes();
+        if (!options.csv.empty()) csv_.emplace(options.csv);
+        if (!options.plot.empty()) plot_.emplace(options.plot);
+        if (csv_)
+            csv_->print(
+                "scene,boxes,movers,frame,seed,contender,library,threads,ms,ratio,pairs,hash,missed,extra,bytes\n");
+    }
+
+    int run()
+    {
+        say("{}", describe_program("broad phase alone"));
+        for (const MissingPeer& peer : contenders_.missing)
+            say("{:<11}not in this build (Debian: {})\n", peer.library, peer.package);
+        for (const std::string& scene : scenes_) {
+            panels_.push_back({scene, {}});
+            if (is_recording(scene))
+                run(open_aabbs(scene));
+            else
+                for (std::size_t size : sizes_) run(make_box_scene(scene, size, options_.seed));
+        }
+        if (csv_) csv_->commit();
+        if (plot_) draw_line_plot(*plot_, panels_, axes(options_.per_box)), plot_->commit();
+        return wrong_ ? 70 : 0;
+    }
+
+private:
+    void choose_contenders()
+    {
+        if (options_.only.empty()) return;
+        std::vector<Contender> chosen;
+        std::vector<std::string> names;
+        for (const Contender& contender : contenders_.all) names.push_back(contender.name);
+        for (const std::string& name : split(options_.only)) {
+            const auto found = std::find(names.begin(), names.end(), name);
+            if (found == names.end())
+                throw Error(ErrorKind::usage, fmt::format("--only {}: no such contender; this build has: {}", name,
+                                                          fmt::join(names, ", ")));
+            chosen.push_back(contenders_.all[std::size_t(found - names.begin())]);
+        }
+        contenders_.all = std::move(chosen);
+    }
+
+    /// Everything that could be wrong with them shows here, before any work.
+    void choose_scenes()
+    {
+        sizes_ =
+            parse_counts<std::size_t>("--sizes", options_.sizes.empty() ? "1k,10k,100k" : options_.sizes, most_boxes);
+        if (options_.frames && (*options_.frames < 2 || *options_.frames > 100'000))
+            throw Error(ErrorKind::usage, fmt::format("--frames {}: must be from 2 to 100000", *options_.frames));
+        scenes_ = is_recording(options_.scene) ? std::vector{options_.scene} : split(options_.scene);
+        for (const std::string& scene : scenes_)
+            if (!is_recording(scene)) make_box_scene(scene, 1, options_.seed);
+        if (!is_recording(options_.scene)) return;
+        if (!options_.sizes.empty())
+            throw Error(ErrorKind::usage, fmt::format("--sizes: the recording {} has its own", options_.scene));
+        const std::uint64_t last = open_aabbs(options_.scene).last_frame;
+        if (last < 2 || std::uint64_t(options_.frames.value_or(2)) > last)
+            throw Error(ErrorKind::usage, fmt::format("{}: has {} frames after the initial one; {} are to be played",
+                                                      options_.scene, last, options_.frames.value_or(2)));
+    }
+
+    void run(BoxScene scene)
+    {
+        const std::uint64_t usual = usual_frames(scene.boxes.size());
+        const std::uint64_t frames = std::min(scene.last_frame, std::uint64_t(options_.frames.value_or(int(usual))));
+        const auto statics = std::size_t(std::count(scene.is_static.begin(), scene.is_static.end(), 1));
+        say("\n{}, {} boxes ({} static), seed {}: frames {} to {}\n", scene.name, grouped(scene.boxes.size()),
+            grouped(statics), options_.seed, std::max<std::uint64_t>(2, frames / 3 + 1), frames);
+        std::cout.flush();
+        const RaceResult result = race(scene, contenders_.all, threads_, frames, frames / 3);
+        print(scene, result);
+        for (const RaceRow& row : result.rows) {
+            wrong_ |= row.missed > 0;
+            record(scene, row);
+        }
+    }
+
+    void print(const BoxScene& scene, const RaceResult& result)
+    {
+        say("  {:<18}{:>8}{:>12}{:>8}{:>9}  {:<12}{}\n", "", "threads", "ms", "ratio", "MB", "pairs", "");
+        for (const RaceRow& row : result.rows)
+            say("  {:<18}{:>8}{:>12.4f}{:>8.2f}{:>9}  {:<12}{}\n", row.contender->name, row.threads, row.ms, row.ratio,
+                memory_text(row.bytes), answer_text(row), row.contender->what);
+        for (const RaceRow& row : result.rows)
+            if (!row.remark.empty() && row.threads == threads_.front())
+                say("  {:<18}{}\n", row.contender->name, row.remark);
+        for (const std::string& reason : result.left) say("  left out  {}\n", reason);
+        say("  result    {} pairs, hash {:016x}", grouped(result.pairs.count), result.pairs.hash);
+        if (const auto published = published_result(scene.name, scene.boxes.size(), scene.frame);
+            published && options_.seed == 12345) {
+            const bool match = *published == result.pairs;
+            say(": {} the published one", match ? "matches" : "MISMATCH with");
+            wrong_ |= !match;
+        }
+        say("\n");
+        std::cout.flush();
+    }
+
+    void record(const BoxScene& scene, const RaceRow& row)
+    {
+        if (csv_)
+            csv_->print("{},{},{},{},{},{},\"{}\",{},{},{},{},{:016x},{},{},{}\n", scene.name, scene.boxes.size(),
+                        scene.moved.size(), scene.frame, options_.seed, row.contender->name, row.contender->what,
+                        row.threads, row.ms, row.ratio, row.pairs.count, row.pairs.hash, row.missed, row.extra,
+                        std::uint64_t(row.bytes));
+        const std::string label =
+            row.threads == 1 ? row.contender->name : fmt::format("{}, {} threads", row.contender->name, row.threads);
+        const auto style = styles_.try_emplace(label, styles_.size()).first;
+        std::vector<PlotLine>& lines = panels_.back().lines;
+        auto line = std::find_if(lines.begin(), lines.end(), [&](const PlotLine& l) { return l.label == label; });
+        if (line == lines.end()) {
+            using Weight = PlotLine::Weight;
+            constexpr Weight weights[] = {Weight::main, Weight::baseline, Weight::peer}; // by group
+            lines.push_back({weights[int(row.contender->group)], label, {}, style->second});
+            line = std::prev(lines.end());
+        }
+        const double boxes = double(scene.boxes.size()), ms = std::max(row.ms, 1e-4);
+        line->points.push_back({boxes, options_.per_box ? 1e6 * ms / boxes : ms});
+    }
+
+    BroadOptions options_;
+    Contenders contenders_;
+    std::vector<int> threads_;
+    std::vector<std::string> scenes_;
+    std::vector<std::size_t> sizes_;
+    std::optional<OutputFile> csv_, plot_;
+    std::vector<PlotPanel> panels_;             ///< one a scene
+    std::map<std::string, std::size_t> styles_; ///< of the lines, by label
+    bool wrong_ = false;
+};
+
+} // namespace
+
+int bench_broad(const BroadOptions& options)
+{
+    if (!options.csv.empty() && options.csv == options.plot)
+        throw Error(ErrorKind::usage, fmt::format("--csv and --plot both go to {}", options.csv));
+    return BroadBench(options).run();
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,109 @@
+// A planner's question: at which of many sampled poses does a body collide with a large one that stays?
+#include "bench/bench.hpp"
+#include "peers/fcl_pair.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/parallel.hpp>
+#include <oncollide/pipeline/mesh_queries.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/motion.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point from)
+{
+    return std::chrono::duration<double>(Clock::now() - from).count();
+}
+
+/// Random orientations, places in the fixed mesh's box grown by half the moving one's size.
+std::vector<MeshQuery> sample(const Mesh& fixed, const Mesh& moving, std::size_t count, std::uint64_t seed)
+{
+    const Eigen::Vector3d reach = fixed.bounds.half_extent().array() + 0.25 * moving.bounds.diagonal();
+    std::vector<MeshQuery> queries;
+    for (std::uint64_t i = 0; i < count; ++i) {
+        Eigen::Vector4d q;
+        Eigen::Vector3d at;
+        for (std::uint64_t k = 0; k < 4; ++k) q[int(k)] = u01(seed, i, k) - 0.5;
+        for (std::uint64_t k = 0; k < 3; ++k) at[int(k)] = 2 * u01(seed, i, 10 + k) - 1;
+        Eigen::Isometry3d pose(Eigen::Quaterniond(q.normalized()));
+        pose.translation() = fixed.bounds.centre() + at.cwiseProduct(reach) - pose.linear() * moving.bounds.centre();
+        queries.push_back({0, 1, Eigen::Isometry3d::Identity(), pose});
+    }
+    return queries;
+}
+
+/// FCL in a loop, on so many threads.
+double ask_fcl(const FclPair<fcl::OBBd>& fcl, std::span<const MeshQuery> queries, int threads,
+               std::vector<std::uint8_t>& answers)
+{
+    const auto from = Clock::now();
+    parallel_chunks(queries.size(), 64, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) answers[i] = fcl.collide(queries[i].pose_b) > 0;
+    });
+    return seconds_since(from);
+}
+
+} // namespace
+
+int bench_planner(const PlannerOptions& options)
+{
+    if (options.poses < 1 || options.poses > 10'000'000)
+        throw Error(ErrorKind::usage, fmt::format("--poses {}: must be from 1 to 10000000", options.poses));
+    if (options.meshes.size() != 0 && options.meshes.size() != 2)
+        throw Error(ErrorKind::usage, "bench planner: give no meshes or two, the fixed one and the moving one");
+    const bool given = !options.meshes.empty();
+    const Mesh fixed = given ? load_mesh(options.meshes[0]) : make_terrain_mesh(4, 0.8, 186, 1);
+    const Mesh moving = given ? load_mesh(options.meshes[1]) : make_torus_knot_mesh(2, 3, 0.3, 0.12, 0.05, 5000);
+    const std::vector<MeshQuery> queries = sample(fixed, moving, std::size_t(options.poses), options.seed);
+    say("{}fixed      {} triangles\nmoving     {} triangles\nposes      {}, seed {}\n\n", describe_program("planner"),
+        grouped(fixed.triangles.size()), grouped(moving.triangles.size()), grouped(queries.size()), options.seed);
+
+    auto from = Clock::now();
+    const FclPair<fcl::OBBd> fcl(fixed, moving);
+    const double fcl_build = seconds_since(from);
+    std::vector<std::uint8_t> expected(queries.size());
+    std::uint64_t wrong = 0;
+    say("{:<28}{:>8}{:>16}{:>16}{:>8}{:>12}{:>8}\n", "", "threads", "first call, s", "second call, s", "ratio",
+        "queries/s", "false");
+    for (int threads = 1; threads <= std::min(2, hardware_threads()); ++threads) {
+        const double first = ask_fcl(fcl, queries, threads, expected),
+                     second = ask_fcl(fcl, queries, threads, expected);
+        say("{:<28}{:>8}{:>16.3f}{:>16.3f}{:>8.2f}{:>12}\n", "FCL OBB in a loop", threads, first + fcl_build, second,
+            1.0, grouped(std::uint64_t(double(queries.size()) / second)));
+        for (const ExactLevel exact : {ExactLevel::off, ExactLevel::predicates}) {
+            Settings settings;
+            settings.threads = threads, settings.exact = exact;
+            MeshQueries ours({fixed, moving}, settings);
+            std::vector<MeshAnswer> answers(queries.size());
+            from = Clock::now();
+            ours.ask(queries, answers);
+            const double cold = seconds_since(from);
+            from = Clock::now();
+            ours.ask(queries, answers);
+            const double warm = seconds_since(from);
+            std::uint64_t false_alarms = 0;
+            for (std::size_t i = 0; i < queries.size(); ++i) {
+                const bool yes = answers[i].verdict != Verdict::separate;
+                wrong += exact == ExactLevel::off ? !yes && expected[i] : yes != bool(expected[i]);
+                false_alarms += yes && !expected[i];
+            }
+            say("{:<28}{:>8}{:>16.3f}{:>16.3f}{:>8.2f}{:>12}{:>8}\n",
+                fmt::format("oncollide, exact {}", name_of(exact)), threads, cold, warm, second / warm,
+                grouped(std::uint64_t(double(queries.size()) / warm)), grouped(false_alarms));
+        }
+    }
+    say("\ncolliding  {} of {}; answers that FCL contradicts: {}\n",
+        grouped(std::uint64_t(std::count(expected.begin(), expected.end(), 1))), grouped(queries.size()),
+        grouped(wrong));
+    return wrong ? int(ErrorKind::internal) : 0;
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,34 @@
+// FCL and oncollide on the same scene, frame by frame in turn.
+#include "bench/bench.hpp"
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/output_file.hpp>
+
+#include "bench/scene_report.hpp"
+
+namespace oncollide::tools {
+
+int bench_scene(const CompareOptions& asked)
+{
+    CompareOptions options = asked;
+    if (!options.only.empty() && options.only != "fcl" && options.only != "oncollide")
+        throw Error(ErrorKind::usage, fmt::format("--only {}: valid are fcl, oncollide", options.only));
+    if (options.warm_up < 0)
+        throw Error(ErrorKind::usage, fmt::format("--warm-up {}: must be at least 0", options.warm_up));
+    if (options.repeats < 1 || options.repeats > 1000)
+        throw Error(ErrorKind::usage, fmt::format("--repeats {}: must be from 1 to 1000", options.repeats));
+    if (!options.csv.empty()) check_writable(options.csv);
+    const Settings settings = settings_from(options.settings);
+    if (options.contacts && settings.exact != ExactLevel::predicates)
+        throw Error(ErrorKind::usage, "--contacts: needs --exact predicates");
+    Scene scene = open_scene(options.scene);
+    if (options.warm_up >= scene.frames) options.warm_up = scene.frames - 1;
+    print_warnings(scene);
+    const SceneRuns runs = race(options, settings, scene);
+    const SceneReport report(options, settings, scene, runs);
+    const std::uint64_t faults = report.print();
+    if (!options.csv.empty()) report.write_csv();
+    return faults ? int(ErrorKind::internal) : 0;
+}
+
+} // namespace oncollide::tools

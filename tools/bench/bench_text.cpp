@@ -1,0 +1,123 @@
+#include "bench/bench.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/parallel.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+std::string processor()
+{
+    std::ifstream file("/proc/cpuinfo");
+    for (std::string line; std::getline(file, line);)
+        if (line.starts_with("model name")) return line.substr(std::min(line.size(), line.find(':') + 2));
+    return "unknown processor";
+}
+
+} // namespace
+
+std::vector<int> parse_depths(const std::string& option, const std::string& text)
+{
+    constexpr int deepest = 16;
+    std::vector<int> depths;
+    const auto fail = [&] {
+        throw Error(ErrorKind::usage,
+                    fmt::format("{} {}: expected depths from 1 to {}, like 6, 4-8 or 2,5-7", option, text, deepest));
+    };
+    const char *at = text.data(), *const end = at + text.size();
+    const auto number = [&] {
+        int value = 0;
+        const auto [rest, error] = std::from_chars(at, end, value);
+        if (error != std::errc{} || value < 1 || value > deepest) fail();
+        at = rest;
+        return value;
+    };
+    while (true) {
+        const int first = number();
+        int last = first;
+        if (at != end && *at == '-') ++at, last = number();
+        for (int depth = first; depth <= last; ++depth) depths.push_back(depth);
+        if (at == end) break;
+        if (*at++ != ',') fail();
+    }
+    std::sort(depths.begin(), depths.end());
+    depths.erase(std::unique(depths.begin(), depths.end()), depths.end());
+    if (depths.empty()) fail();
+    return depths;
+}
+
+std::string describe(const Settings& s, const std::string& stand_in)
+{
+    const std::string accuracy = !stand_in.empty() ? stand_in
+                                 : s.max_error     ? fmt::format("max error {} m", *s.max_error)
+                                                   : fmt::format("depth {}", s.depth.value_or(6));
+    std::string text =
+        fmt::format("{}, exact {}, mode {}, broad {}, threads {}, age {}", accuracy, name_of(s.exact), name_of(s.mode),
+                    name_of(s.broad_phase), s.threads ? s.threads : hardware_threads(), s.age_limit);
+    if (s.clearance > 0) text += fmt::format(", clearance {} m", s.clearance);
+    if (s.spheres != Spheres::automatic) text += fmt::format(", {} spheres", name_of(s.spheres));
+    if (!s.coherence) text += ", no coherence";
+    if (s.node_budget) text += fmt::format(", node budget {}", s.node_budget);
+    if (s.memory_budget) text += fmt::format(", memory budget {}", s.memory_budget);
+    if (!s.skip.empty()) text += fmt::format(", without {}", fmt::join(s.skip, ", "));
+    return text;
+}
+
+std::string describe_program(const std::string& backend)
+{
+    return fmt::format("program    oncollide {}, {}; {}, {}, flags '{}'; FCL {} as installed, one thread\n"
+                       "machine    {}, {} hardware threads\n",
+                       version, backend, ONCOLLIDE_BUILD_TYPE, ONCOLLIDE_COMPILER, ONCOLLIDE_BUILD_FLAGS,
+                       ONCOLLIDE_FCL_VERSION, processor(), hardware_threads());
+}
+
+std::vector<std::string> split(const std::string& list)
+{
+    std::vector<std::string> parts;
+    for (std::size_t at = 0; at <= list.size();) {
+        const std::size_t comma = std::min(list.find(',', at), list.size());
+        parts.push_back(list.substr(at, comma - at));
+        at = comma + 1;
+    }
+    return parts;
+}
+
+std::size_t peak_memory()
+{
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+}
+
+std::size_t resident_memory()
+{
+    std::ifstream file("/proc/self/statm");
+    std::size_t pages = 0;
+    file >> pages >> pages;
+    return pages * std::size_t(sysconf(_SC_PAGESIZE));
+}
+
+std::string grouped(std::uint64_t value)
+{
+    std::string text = fmt::format("{}", value);
+    for (int at = int(text.size()) - 3; at > 0; at -= 3) text.insert(std::size_t(at), 1, ',');
+    return text;
+}
+
+std::string mean_count(std::uint64_t sum, std::uint64_t frames)
+{
+    if (frames == 0) return "-";
+    if (sum % frames == 0 || sum / frames >= 1000) return grouped((sum + frames / 2) / frames);
+    return fmt::format("{:.1f}", double(sum) / double(frames));
+}
+
+} // namespace oncollide::tools

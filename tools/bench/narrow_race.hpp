@@ -1,0 +1,53 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bench/narrow_poses.hpp"
+#include "peers/narrow_peer.hpp"
+
+namespace oncollide::tools {
+
+/// What is asked about a pose: do they collide, which triangles meet, how far apart are they.
+enum class Ask { boolean, all, distance };
+constexpr std::array<std::string_view, 3> ask_names{"boolean", "all", "distance"};
+
+bool answers(const NarrowContender& contender, Ask ask);
+
+/// The right answers, by pose.
+struct NarrowTruth {
+    std::vector<bool> colliding;
+    std::vector<std::vector<TrianglePair>> pairs; ///< sorted; empty unless asked for
+    std::vector<double> distances;                ///< empty unless asked for
+    std::vector<std::string> notes;               ///< who judged, and where judges differ
+};
+
+/// What is expected of each pose comes first; else CGAL's exact answer, where this build has it, else FCL's. Distances
+/// are FCL's.
+NarrowTruth judge(const Mesh& a, const Mesh& b, const NarrowCourse& workload, const std::vector<Ask>& asks);
+
+/// What one contender did about one ask, by pose.
+struct AskResult {
+    std::vector<double> us;                   ///< the least of the repeats
+    std::vector<std::uint64_t> missed, extra; ///< boolean: 0 or 1; all: pairs of triangles
+    std::vector<double> errors;               ///< of distances, metres; empty for other asks
+    std::vector<std::uint64_t> hashes;        ///< of the answer
+};
+
+struct NarrowRow {
+    const NarrowContender* contender = nullptr;
+    double build_ms = 0;   ///< from two meshes to being ready
+    double warm_up_ms = 0; ///< the pass over all poses that is not counted
+    double bytes = 0;      ///< by which the process grew in both
+    std::array<std::optional<AskResult>, 3> asks;
+};
+
+/// Asks every contender about every pose, turn about, each up to `repeats` times in a row (a query is not repeated once
+/// it has taken 5 ms), and compares every answer with the truth.
+std::vector<NarrowRow> race(const Mesh& a, const Mesh& b, const NarrowCourse& workload, const NarrowTruth& truth,
+                            const std::vector<NarrowContender>& contenders, const std::vector<Ask>& asks, int repeats);
+
+} // namespace oncollide::tools

@@ -1,0 +1,46 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <oncollide/narrowphase/spheres/ocst.hpp>
+#include <oncollide/scenes/model/mesh.hpp>
+
+namespace oncollide::tools {
+
+/// The cells of a mesh's whole tree that its surface really enters, and which of their octants it enters: what backends
+/// are judged by.
+class OctantLevels {
+public:
+    struct Cell {
+        CellKey key;
+        std::uint8_t truth; ///< octants that a triangle enters, by separating axes in double, without any slack
+    };
+
+    /// Levels 0 to depth - 1. Cost: that of the whole tree on the cpu backend, and about as much again.
+    OctantLevels(const Mesh& mesh, int depth);
+
+    const RootCell& root() const { return root_; }
+    Surface surface() const { return make_surface(geometry_, root_); }
+    const Mesh& mesh() const { return std::get<Mesh>(geometry_.data); }
+    int depth() const { return static_cast<int>(levels_.size()); }
+    const std::vector<Cell>& level(int l) const { return levels_[static_cast<std::size_t>(l)]; }
+
+private:
+    void find_truth(Cell& cell, const std::vector<std::vector<std::uint32_t>>& triangles) const;
+
+    Geometry geometry_;
+    RootCell root_;
+    std::vector<std::vector<Cell>> levels_;
+};
+
+struct NamedMesh {
+    std::string name;
+    Mesh mesh;
+};
+
+/// The real mesh in the folder's meshes/, or a generated knot of as many triangles.
+NamedMesh mesh_or_knot(const std::filesystem::path& data, const std::string& file, int triangles);
+
+} // namespace oncollide::tools

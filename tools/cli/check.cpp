@@ -1,0 +1,205 @@
+#include "cli/command.hpp"
+#include "cli/numbers.hpp"
+#include "cli/options.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/output_file.hpp>
+#include <oncollide/pipeline/contacts.hpp>
+#include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/model/occupancy_map.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+struct CheckOptions {
+    std::string a, b, pose_a, pose_b;
+    SettingsOptions settings;
+    std::string json, contacts;
+    std::optional<double> distance; ///< tolerance, metres
+    bool quiet = false;
+};
+
+/// Reads "x y z qx qy qz qw" (commas may stand for spaces). Empty text is the identity.
+Eigen::Isometry3d parse_pose(const std::string& option, const std::string& text, std::vector<std::string>& warnings)
+{
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    if (text.empty()) return pose;
+    constexpr const char* form = "x y z qx qy qz qw";
+    const std::vector<double> numbers = parse_numbers(option, text, 7, form);
+    Eigen::Quaterniond rotation(numbers[6], numbers[3], numbers[4], numbers[5]);
+    const double norm = rotation.coeffs().stableNorm();
+    if (!(norm > 1e-12) || !std::isfinite(norm)) refuse_numbers(option, text, "the quaternion has no direction", form);
+    if (std::abs(norm - 1) > 1e-6)
+        warnings.push_back(fmt::format("{}: the quaternion has length {:.9g}; normalised", option, norm));
+    rotation.coeffs() /= norm;
+    pose.linear() = rotation.normalized().toRotationMatrix();
+    pose.translation() << numbers[0], numbers[1], numbers[2];
+    return pose;
+}
+
+GeometryId add_file(Scene& scene, const std::string& name, const std::string& path)
+{
+    std::string extension = std::filesystem::path(path).extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
+    if (extension == ".bt" || extension == ".ot") return scene.add(name, load_octomap(path));
+    return scene.add(name, load_mesh(path));
+}
+
+Scene load_pair(const CheckOptions& options)
+{
+    Scene scene;
+    scene.name = fmt::format("{} against {}", options.a, options.b);
+    const Eigen::Isometry3d pose_a = parse_pose("--pose-a", options.pose_a, scene.warnings);
+    const Eigen::Isometry3d pose_b = parse_pose("--pose-b", options.pose_b, scene.warnings);
+    const std::string name_b = options.a == options.b ? options.b + " (second)" : options.b;
+    const GeometryId a = add_file(scene, options.a, options.a);
+    const GeometryId b = options.a == options.b ? a : add_file(scene, options.b, options.b);
+    scene.add_body({.name = options.a, .geometry = a, .pose = pose_a});
+    scene.add_body({.name = name_b, .geometry = b, .pose = pose_b});
+    return scene;
+}
+
+std::string describe(const Scene& scene, const Settings& settings, const PairResult& pair)
+{
+    const std::string both = fmt::format("'{}' and '{}'", scene.names[0], scene.names[1]);
+    switch (pair.verdict) {
+    case Verdict::separate:
+        if (pair.kind == ContactKind::touching)
+            return fmt::format("separate: {} touch without crossing, which is ignored as asked.", both);
+        return fmt::format("separate: {} are at least {:.6g} m apart (certified).", both,
+                           std::max(pair.bound, settings.clearance));
+    case Verdict::colliding:
+        switch (pair.kind) {
+        case ContactKind::touching:
+            return fmt::format("colliding (touching): {} meet without crossing.", both);
+        case ContactKind::crossing:
+            return fmt::format("colliding (crossing): {} pass through each other.", both);
+        case ContactKind::enclosed:
+            return fmt::format("colliding (enclosed): of {} one lies inside the other, their surfaces do not meet.",
+                               both);
+        default:
+            return fmt::format("colliding: {} intersect (tested triangle by triangle).", both);
+        }
+    case Verdict::within:
+        if (settings.clearance > 0 && pair.bound <= settings.clearance)
+            return fmt::format(
+                "within {:.6g} m{}: {} are at most that far apart (certified), inside the clearance of {:.6g} m.",
+                pair.bound, pair.kind == ContactKind::near ? " (near)" : "", both, settings.clearance);
+        return fmt::format("within {:.6g} m: {} are at most that far apart (certified), and may or may not collide. "
+                           "A smaller --max-error narrows the bound{}.",
+                           pair.bound, both, settings.exact == ExactLevel::off ? "; --exact predicates decides" : "");
+    case Verdict::undecided:
+        return fmt::format(
+            "undecided: {} are at most {:.6g} m apart (certified); a budget stopped the refinement there.", both,
+            pair.bound);
+    }
+    return {};
+}
+
+/// One row for each two triangles that meet.
+void write_contacts(const Scene& scene, OutputFile& file)
+{
+    ContactFinder finder(scene);
+    file.print("triangle_a,triangle_b,kind,x0,y0,z0,x1,y1,z1,normal_a_x,normal_a_y,normal_a_z,normal_b_x,normal_b_y,"
+               "normal_b_z\n");
+    for (const Contact& c : finder.find(scene, BodyId{0}, BodyId{1})) {
+        file.print("{},{},{}", c.triangle_a, c.triangle_b,
+                   c.kind == TriangleContact::crossing ? "crossing" : "touching");
+        for (const Eigen::Vector3d& v : {c.ends[0], c.ends[1], c.normal_a, c.normal_b})
+            file.print(",{:.17g},{:.17g},{:.17g}", v.x(), v.y(), v.z());
+        file.print("\n");
+    }
+    file.commit();
+}
+
+std::string describe_distance(const Scene& scene, double tolerance)
+{
+    const MeshDistance d = ContactFinder(scene).distance(scene, BodyId{0}, BodyId{1}, tolerance);
+    if (d.upper == 0)
+        return fmt::format("distance: 0, triangle {} of '{}' meets triangle {} of '{}'.", d.triangle_a, scene.names[0],
+                           d.triangle_b, scene.names[1]);
+    return fmt::format(
+        "distance: from {:.12g} to {:.12g} m (certified), between triangle {} of '{}' and triangle {} of "
+        "'{}'.",
+        d.lower, d.upper, d.triangle_a, scene.names[0], d.triangle_b, scene.names[1]);
+}
+
+int check_pair(const CheckOptions& options)
+{
+    Settings settings = settings_from(options.settings);
+    if (options.distance) check_distance(*options.distance, 0);
+    if (!options.contacts.empty() && settings.exact != ExactLevel::predicates)
+        throw Error(ErrorKind::usage, "--contacts: needs --exact predicates");
+    settings.contact_kinds = settings.exact == ExactLevel::predicates;
+    // Both cull without a bound on the distance, and one pair needs neither.
+    for (const char* stage : {"delimitation", "broad"}) settings.skip.push_back(stage);
+    OutputOptions outputs;
+    outputs.json = options.json;
+    for (const std::string& input : {options.a, options.b}) check_outputs(outputs, input);
+
+    std::optional<OutputFile> contacts;
+    if (!options.contacts.empty()) contacts.emplace(options.contacts);
+    const Scene scene = load_pair(options);
+    for (std::size_t body = 0; (contacts || options.distance) && body < scene.size(); ++body)
+        if (!std::holds_alternative<Mesh>(scene.geometries[index(scene.geometry[body])].data))
+            throw Error(ErrorKind::usage,
+                        fmt::format("{}: '{}' is no mesh", contacts ? "--contacts" : "--distance", scene.names[body]));
+    if (!options.quiet) print_warnings(scene);
+    Pipeline pipeline(scene, settings);
+    Report report(scene, pipeline, true);
+    const FrameView frame = pipeline.step(scene);
+    report.add(frame);
+    const PairResult pair =
+        frame.pairs.empty()
+            ? PairResult{BodyId{0}, BodyId{1}, Verdict::separate, 0, ContactKind::unknown, settings.clearance}
+            : frame.pairs.front();
+    std::ostream& said = options.json == "-" ? std::cerr : std::cout;
+    if (!options.quiet) said << describe(scene, settings, pair) << "\n";
+    if (!options.quiet && options.distance) said << describe_distance(scene, *options.distance) << "\n";
+    if (!options.json.empty()) report.write_json(options.json);
+    if (contacts) write_contacts(scene, *contacts);
+    return pair.verdict == Verdict::separate ? 0 : pair.verdict == Verdict::colliding ? 1 : 2;
+}
+
+} // namespace
+
+void add_check(CLI::App& app, Command& command)
+{
+    CLI::App* sub = app.add_subcommand("check", "Check two files against each other, once");
+    auto options = std::make_shared<CheckOptions>();
+    sub->add_option("A", options->a, "mesh (OBJ, STL, PLY, OFF, glTF) or OctoMap (.bt, .ot)")
+        ->required()
+        ->type_name("FILE");
+    sub->add_option("B", options->b, "the other one; may be the same file")->required()->type_name("FILE");
+    sub->add_option("--pose-a", options->pose_a, "pose of A, metres and unit quaternion (default: identity)")
+        ->type_name("\"x y z qx qy qz qw\"");
+    sub->add_option("--pose-b", options->pose_b, "pose of B")->type_name("\"x y z qx qy qz qw\"");
+    add_accuracy_options(*sub, options->settings);
+    sub->add_option("--json", options->json, "write the result as JSON; '-' is standard output")->type_name("FILE");
+    sub->add_option("--contacts", options->contacts,
+                    "write all pairs of triangles that meet, where, and their normals as CSV; needs --exact predicates")
+        ->type_name("FILE.csv");
+    sub->add_option("--distance", options->distance,
+                    "also bound the distance of two meshes, to this tolerance in metres; 0: as exact as doubles allow")
+        ->type_name("M");
+    sub->add_flag("--quiet", options->quiet, "print nothing but errors; the exit code is the answer");
+    sub->footer("Exit codes: 0 separate, 1 colliding, 2 within or undecided, 64 and above: error.\n"
+                "Without --exact nothing is called colliding: bodies that may touch are 'within' a bound.\n"
+                "Examples:\n"
+                "  oncollide check bunny.obj cow.obj --pose-b \"0.4 0 0 0 0 0 1\"\n"
+                "  oncollide check part.stl fixture.stl --clearance 0.002 --exact predicates --json -\n"
+                "  oncollide check arm.stl bench.stl --pose-b \"0 0 0.5 0 0 0 1\" --distance 0.001");
+    sub->callback([options, &command] { command = [options] { return check_pair(*options); }; });
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,255 @@
+#include "cli/options.hpp"
+
+#include <array>
+#include <charconv>
+#include <cstdlib>
+#include <iostream>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/output_file.hpp>
+#include <oncollide/scenes/catalogue/catalogue.hpp>
+#include <oncollide/scenes/files/scene_file.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void usage(const std::string& message)
+{
+    throw Error(ErrorKind::usage, message);
+}
+
+fs::path must_be_folder(const fs::path& path, std::string_view who)
+{
+    std::error_code error;
+    if (!fs::is_directory(path, error))
+        throw Error(ErrorKind::no_input, fmt::format("{}: '{}' is not a folder", who, path.string()));
+    return path;
+}
+
+/// A count with an optional K, M or G (thousands, millions, ...). CLI11 would take -1 for a very large number.
+std::size_t parse_amount(const char* option, const std::string& text)
+{
+    std::uint64_t value = 0, factor = 1;
+    const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const std::string suffix(rest, text.data() + text.size());
+    if (suffix == "K" || suffix == "k")
+        factor = 1'000;
+    else if (suffix == "M")
+        factor = 1'000'000;
+    else if (suffix == "G")
+        factor = 1'000'000'000;
+    else if (!suffix.empty())
+        factor = 0;
+    if (error != std::errc{} || factor == 0 || value > std::numeric_limits<std::size_t>::max() / factor)
+        usage(fmt::format("{} {}: expected a whole number, 0 or more, with K, M or G behind it if you like", option,
+                          text));
+    return value * factor;
+}
+
+bool same_place(const std::string& a, const std::string& b)
+{
+    if (a == "-" || b == "-") return a == b;
+    std::error_code error;
+    return fs::weakly_canonical(fs::absolute(a), error) == fs::weakly_canonical(fs::absolute(b), error);
+}
+
+} // namespace
+
+void add_accuracy_options(CLI::App& command, SettingsOptions& o)
+{
+    command.add_option("--depth", o.depth, "depth of the sphere-trees, 1 to 16 (default 6)")->type_name("D");
+    command
+        .add_option("--max-error", o.max_error, "instead of --depth: largest error in metres of the answer 'within'")
+        ->type_name("M");
+    command.add_option("--clearance", o.clearance, "metres: bodies this close count as touching (default 0)")
+        ->type_name("M");
+    command.add_option("--exact", o.exact, "exact level on triangles: off, predicates or fcl (default off)")
+        ->type_name("HOW");
+    command.add_flag("--kinds", o.kinds,
+                     "of meshes that collide, find out whether they touch or cross; needs --exact predicates");
+    command.add_flag("--ignore-touching", o.ignore_touching,
+                     "meshes that touch and do not cross are separate; needs --exact predicates");
+    command
+        .add_option("--mode", o.mode,
+                    "surface, or solid: a mesh's inside belongs to it, so it must be closed (default surface)")
+        ->type_name("MODE");
+    command.add_flag("--open-as-surface", o.open_as_surface,
+                     "with --mode solid: take a mesh that is not closed as a surface");
+}
+
+void add_pipeline_options(CLI::App& command, SettingsOptions& o)
+{
+    command
+        .add_option("--backend", o.backend,
+                    "who finds the grey cells: cpu (default), gl-compute (a GPU, the same answers), gl-query (the "
+                    "paper's occlusion queries, which miss some), or auto: gl-compute on a real GPU, else cpu")
+        ->type_name("NAME");
+    command.add_option("--gpu", o.gpu, "number of the GPU, as 'oncollide doctor' lists them (default: the first)")
+        ->type_name("N");
+    command.add_option("--viewport", o.viewport, "gl-query: pixels a side of a cell, 1 to 1024 (default 16)")
+        ->type_name("PX");
+    command
+        .add_option(
+            "--spheres", o.spheres,
+            "of meshes. paper: around the cells; tight: oriented boxes in their place, quicker at equal error (default "
+            "auto: tight where predicates decide)")
+        ->type_name("NAME");
+    command.add_option("--broad", o.broad, "broad phase: kd, octree or brute (default kd)")->type_name("NAME");
+    command.add_option("--threads", o.threads, "threads; 0: all. Never changes the result (default 1)")->type_name("N");
+    command.add_option("--skip", o.skip, "leave out a stage (repeatable); the answer gets wider, never wrong")
+        ->type_name("STAGE")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    command.add_option("--age", o.age, fmt::format("frames after which unused cells are dropped (default {})", o.age))
+        ->type_name("N");
+    command.add_option("--node-budget", o.node_budget, "cells that all trees may hold, e.g. 2M; 0: no limit (default)")
+        ->type_name("N");
+    command
+        .add_option("--memory-budget", o.memory_budget,
+                    "bytes that all trees may hold, e.g. 64M; 0: no limit (default)")
+        ->type_name("BYTES");
+    command.add_flag("--no-coherence", o.no_coherence, "do not try last frame's deciding cells first; same result");
+}
+
+Settings settings_from(const SettingsOptions& o)
+{
+    Settings settings{.depth = o.depth,
+                      .max_error = o.max_error,
+                      .clearance = o.clearance,
+                      .exact = exact_from_name(o.exact),
+                      .contact_kinds = o.kinds,
+                      .ignore_touching = o.ignore_touching,
+                      .mode = mode_from_name(o.mode),
+                      .open_as_surface = o.open_as_surface,
+                      .backend = backend_from_name(o.backend),
+                      .spheres = spheres_from_name(o.spheres),
+                      .gpu = o.gpu,
+                      .viewport = o.viewport,
+                      .broad_phase = broad_phase_from_name(o.broad),
+                      .threads = o.threads,
+                      .skip = o.skip,
+                      .age_limit = o.age,
+                      .node_budget = parse_amount("--node-budget", o.node_budget),
+                      .memory_budget = parse_amount("--memory-budget", o.memory_budget),
+                      .coherence = !o.no_coherence};
+    check(settings);
+    return settings;
+}
+
+void add_catalogue_options(CLI::App& command, SceneOptions& o)
+{
+    command.add_option("--bodies", o.bodies, "catalogue: how many bodies")->type_name("N");
+    command.add_option("--frames", o.frames, "how many frames (default: the scene's own)")->type_name("N");
+    command.add_option("--seed", o.seed, "catalogue: seed of its random numbers")->type_name("S");
+    command
+        .add_option("--data", o.data,
+                    "folder with meshes/ and octomap/ "
+                    "(default: $ONCOLLIDE_DATA, else ../shared/data if present)")
+        ->type_name("DIR");
+}
+
+bool is_scene_file(const std::string& text)
+{
+    if (text.find('/') != std::string::npos || text.ends_with(".json")) return true;
+    std::error_code error;
+    const bool exists = fs::is_regular_file(text, error);
+    for (const CatalogueEntry& entry : catalogue())
+        if (entry.name == text) {
+            if (exists)
+                usage(fmt::format("'{0}' is a scene of the catalogue and also a file here; write ./{0} for the file",
+                                  text));
+            return false;
+        }
+    return exists;
+}
+
+Scene make_catalogue_scene(const SceneOptions& o)
+{
+    CatalogueOptions options{.bodies = o.bodies, .frames = o.frames, .data = data_folder(o.data)};
+    if (o.seed) options.seed = *o.seed;
+    if (o.frames && *o.frames < 1) usage(fmt::format("--frames {}: must be at least 1", *o.frames));
+    if (o.bodies && *o.bodies < 1) usage(fmt::format("--bodies {}: must be at least 1", *o.bodies));
+    return make_scene(o.scene, options);
+}
+
+Scene open_scene(const SceneOptions& o)
+{
+    if (o.frames && *o.frames < 1) usage(fmt::format("--frames {}: must be at least 1", *o.frames));
+    if (!is_scene_file(o.scene)) return make_catalogue_scene(o);
+    if (o.bodies || o.seed)
+        usage(
+            fmt::format("--{} is for scenes of the catalogue; '{}' is a file", o.bodies ? "bodies" : "seed", o.scene));
+    Scene scene = load_scene(o.scene);
+    if (o.frames) scene.frames = *o.frames;
+    return scene;
+}
+
+fs::path data_folder(const std::string& option)
+{
+    if (!option.empty()) return must_be_folder(option, "--data");
+    if (const char* variable = std::getenv("ONCOLLIDE_DATA"); variable && *variable)
+        return must_be_folder(variable, "ONCOLLIDE_DATA");
+    std::error_code error;
+    return fs::is_directory("../shared/data", error) ? fs::path("../shared/data") : fs::path();
+}
+
+void add_output_options(CLI::App& command, OutputOptions& o)
+{
+    // An empty text means "not given" here, and would come from an unset variable of a script.
+    const auto named = [](const std::string& file) {
+        return std::string(file.empty() ? "the file name is empty" : "");
+    };
+    const auto add = [&](const char* option, std::string& file, const char* what) {
+        command.add_option(option, file, what)->type_name("FILE")->check(named);
+    };
+    add("--json", o.json, "write results as JSON; '-' is standard output");
+    add("--csv", o.csv, "write one row per frame and pair");
+    add("--trace", o.trace, "write a trace for Perfetto or chrome://tracing");
+    add("--picture", o.picture, "write a picture of stages and times (SVG)");
+    command.add_flag("--separate", o.separate, "also keep the pairs that were found separate");
+    command.add_flag("--quiet", o.quiet, "print nothing but errors");
+}
+
+void check_outputs(const OutputOptions& o, const std::string& input)
+{
+    const std::array<std::pair<const char*, const std::string*>, 4> files{
+        {{"--json", &o.json}, {"--csv", &o.csv}, {"--trace", &o.trace}, {"--picture", &o.picture}}};
+    for (std::size_t k = 0; k < files.size(); ++k) {
+        const auto& [option, file] = files[k];
+        if (file->empty()) continue;
+        if (!input.empty() && same_place(*file, input))
+            usage(fmt::format("{} {}: would overwrite the input", option, *file));
+        for (std::size_t j = 0; j < k; ++j)
+            if (!files[j].second->empty() && same_place(*file, *files[j].second) && !fs::is_character_file(*file))
+                usage(fmt::format("{} and {} both go to '{}'", files[j].first, option, *file));
+        check_writable(*file);
+    }
+}
+
+void write_outputs(const Report& report, const OutputOptions& o)
+{
+    const bool stdout_taken = o.json == "-" || o.csv == "-" || o.trace == "-" || o.picture == "-";
+    // The table first: if a disk is full after a long run, the numbers are at least on the screen.
+    if (!o.quiet) report.print_table(stdout_taken ? std::cerr : std::cout);
+    std::cout.flush();
+    if (!o.json.empty()) report.write_json(o.json);
+    if (!o.csv.empty()) report.write_csv(o.csv);
+    if (!o.trace.empty()) report.write_trace(o.trace);
+    if (!o.picture.empty()) report.write_picture(o.picture);
+}
+
+void print_warnings(const Scene& scene)
+{
+    constexpr std::size_t most = 10;
+    for (std::size_t k = 0; k < std::min(scene.warnings.size(), most); ++k)
+        std::cerr << "oncollide: warning: " << scene.warnings[k] << "\n";
+    if (scene.warnings.size() > most)
+        std::cerr << fmt::format("oncollide: warning: and {} more of these\n", scene.warnings.size() - most);
+}
+
+} // namespace oncollide::tools

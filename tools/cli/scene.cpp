@@ -1,0 +1,66 @@
+#include "cli/command.hpp"
+#include "cli/options.hpp"
+
+#include <iostream>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/output_file.hpp>
+#include <oncollide/scenes/catalogue/catalogue.hpp>
+#include <oncollide/scenes/files/scene_file.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+struct WriteOptions {
+    SceneOptions scene;
+    std::string out;
+    bool list = false;
+};
+
+int list_scenes()
+{
+    std::size_t longest = 0;
+    for (const CatalogueEntry& entry : catalogue()) longest = std::max(longest, entry.name.size());
+    for (const CatalogueEntry& entry : catalogue())
+        std::cout << fmt::format("{:<{}}  {}\n", entry.name, longest, entry.summary);
+    return 0;
+}
+
+int write_scene(const WriteOptions& options)
+{
+    if (options.list) return list_scenes();
+    if (options.scene.scene.empty()) throw Error(ErrorKind::usage, "scene: give a NAME, or --list to see the names");
+    if (options.out.empty() || options.out == "-")
+        throw Error(ErrorKind::usage,
+                    "scene: --out FILE.json is needed; a scene may bring mesh files that stand beside it");
+    check_writable(options.out);
+    const Scene scene = make_catalogue_scene(options.scene);
+    print_warnings(scene);
+    save_scene(scene, options.out);
+    std::cout << fmt::format("{}: {} bodies, {} geometries, {} frames\n", options.out, scene.size(),
+                             scene.geometries.size(), scene.frames);
+    return 0;
+}
+
+} // namespace
+
+void add_scene(CLI::App& app, Command& command)
+{
+    CLI::App* sub = app.add_subcommand("scene", "List the catalogue of scenes, or write one as a scene file");
+    auto options = std::make_shared<WriteOptions>();
+    sub->add_option("name", options->scene.scene, "which scene")->type_name("NAME");
+    sub->add_flag("--list", options->list, "list the scenes");
+    sub->add_option("--out", options->out, "scene file to write")->type_name("SCENE.json");
+    add_catalogue_options(*sub, options->scene);
+    sub->footer("Examples:\n"
+                "  oncollide scene --list\n"
+                "  oncollide scene city --bodies 200 --seed 7 --out city.json\n"
+                "  oncollide run city.json\n"
+                "The format of scene files: docs/scene-format.md.");
+    sub->callback([options, &command] { command = [options] { return write_scene(*options); }; });
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,247 @@
+// oncollide accuracy hard: what collision detection gets wrong, asked of every combination of stages and held against
+// exact arithmetic.
+#include "hard/accuracy_hard.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <memory>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/parallel.hpp>
+#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+
+#include "bench/bench.hpp"
+#include "hard/body_trial.hpp"
+#include "hard/crowd_trial.hpp"
+#include "hard/triangle_trial.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+struct HardOptions {
+    std::int64_t count = 100'000;
+    std::vector<std::string> families;
+    std::string data, csv, json;
+    int threads = 1;
+};
+
+constexpr const char *crowd_family = "all of them at once", *solid_crowd_family = "all solids at once";
+
+/// Names in the order of their first appearance.
+std::vector<std::string> families_of(const std::vector<BodyCase>& cases)
+{
+    std::vector<std::string> names;
+    for (const BodyCase& c : cases)
+        if (names.empty() || names.back() != c.family) names.push_back(c.family);
+    return names;
+}
+
+/// The families that were asked for.
+class Choice {
+public:
+    Choice(const HardOptions& options, const std::vector<BodyCase>& cases) : chosen_(options.families)
+    {
+        for (const TriangleFamily& family : triangle_families()) known_.push_back(family.name);
+        for (const std::string& name : families_of(cases)) known_.push_back(name);
+        known_.push_back(crowd_family), known_.push_back(solid_crowd_family);
+        for (const std::string& name : chosen_)
+            if (std::find(known_.begin(), known_.end(), name) == known_.end())
+                throw Error(ErrorKind::usage,
+                            fmt::format("--family: no '{}'; there are: {}", name, fmt::join(known_, ", ")));
+    }
+    bool operator()(const std::string& name) const
+    {
+        return chosen_.empty() || std::find(chosen_.begin(), chosen_.end(), name) != chosen_.end();
+    }
+
+private:
+    std::vector<std::string> chosen_, known_;
+};
+
+/// Cases side by side; the sum does not depend on the number of threads.
+Tally try_family(const std::string& family, const std::vector<BodyCase>& cases, int threads)
+{
+    std::vector<const BodyCase*> mine;
+    for (const BodyCase& c : cases)
+        if (c.family == family) mine.push_back(&c);
+    const std::vector<Variant> variants = all_variants();
+    std::vector<Tally> tallies(mine.size());
+    std::vector<std::exception_ptr> errors(mine.size());
+    parallel_chunks(mine.size(), 1, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t k = begin; k < end; ++k) try {
+                tallies[k] = try_bodies(*mine[k], variants);
+            } catch (...) {
+                errors[k] = std::current_exception();
+            }
+    });
+    for (const std::exception_ptr& error : errors)
+        if (error) std::rethrow_exception(error);
+    Tally sum{.family = family};
+    for (const Tally& tally : tallies) sum += tally;
+    return sum;
+}
+
+/// Why gl-compute cannot run here; empty: it can.
+std::string why_no_gpu()
+{
+    Scene scene;
+    scene.add_body({.name = "box", .geometry = scene.add("box", make_box_mesh({1, 1, 1}))});
+    try {
+        Pipeline(scene, {.backend = BackendKind::gl_compute});
+        return {};
+    } catch (const Error& error) {
+        if (error.kind() != ErrorKind::no_gpu) throw;
+        return error.what();
+    }
+}
+
+void print_header()
+{
+    say("{:<34}{:>9}{:>11}{:>8}{:>7}{:>9}{:>9}{:>8}{:>9}{:>12}{:>11}\n", "family", "cases", "answers", "missed",
+        "wrong", "alarms", "bounds", "broken", "changed", "FCL missed", "FCL false");
+}
+
+/// At once, for the next takes a while.
+void print_row(const Tally& t)
+{
+    say("{:<34}{:>9}{:>11}{:>8}{:>7}{:>9}{:>9}{:>8}{:>9}{:>12}{:>11}\n", t.family, t.cases, t.answers, t.missed,
+        t.wrong, t.false_alarms, t.bounds, t.broken, t.changed, t.fcl_missed, t.fcl_false);
+    if (!t.first_fault.empty()) say("FAULT      {}\n", t.first_fault);
+    std::cout.flush();
+}
+
+std::vector<Tally> try_all(const HardOptions& options, const Choice& chosen, const std::vector<BodyCase>& cases)
+{
+    std::vector<Tally> rows;
+    const auto add = [&](Tally row) {
+        print_row(row);
+        rows.push_back(std::move(row));
+    };
+    print_header();
+    for (const TriangleFamily& family : triangle_families())
+        for (bool turned : {false, true})
+            if (chosen(family.name)) add(try_triangles(family, std::uint64_t(options.count), turned, options.threads));
+    for (const std::string& family : families_of(cases))
+        if (chosen(family)) add(try_family(family, cases, options.threads));
+    const bool surfaces = chosen(crowd_family), solids = chosen(solid_crowd_family);
+    if (!surfaces && !solids) return rows;
+    const std::string no_gpu = why_no_gpu();
+    if (!no_gpu.empty()) say("skipped    gl-compute: {}\n", no_gpu);
+    // Not the data folder's: they are too many.
+    if (surfaces) add(try_crowd(surface_cases(), Mode::surface, std::vector<int>{1, 2, 3}, no_gpu.empty()));
+    if (solids) add(try_crowd(solid_cases(), Mode::solid, std::vector<int>{1, 3}, no_gpu.empty()));
+    return rows;
+}
+
+void write_csv(const std::string& path, const std::vector<Tally>& rows)
+{
+    OutputFile file(path);
+    file.print("family,cases,answers,missed,wrong,false_alarms,bounds,bounds_broken,changed,fcl_missed,fcl_false\n");
+    for (const Tally& t : rows)
+        file.print("\"{}\",{},{},{},{},{},{},{},{},{},{}\n", t.family, t.cases, t.answers, t.missed, t.wrong,
+                   t.false_alarms, t.bounds, t.broken, t.changed, t.fcl_missed, t.fcl_false);
+    file.commit();
+}
+
+void write_json(const std::string& path, const std::vector<Tally>& rows)
+{
+    OutputFile file(path);
+    file.print("{{\"header\": {{\"version\": \"{}\"}}, \"families\": [", version);
+    for (const Tally& t : rows)
+        file.print("{}\n  {{\"family\": \"{}\", \"cases\": {}, \"answers\": {}, \"missed\": {}, \"wrong\": {}, "
+                   "\"false_alarms\": {}, \"bounds\": {}, \"bounds_broken\": {}, \"changed\": {}, \"fcl_missed\": {}, "
+                   "\"fcl_false\": {}}}",
+                   &t == rows.data() ? "" : ",", t.family, t.cases, t.answers, t.missed, t.wrong, t.false_alarms,
+                   t.bounds, t.broken, t.changed, t.fcl_missed, t.fcl_false);
+    file.print("\n]}}\n");
+    file.commit();
+}
+
+int accuracy_hard(HardOptions options)
+{
+    if (options.count < 1) throw Error(ErrorKind::usage, fmt::format("--count {}: must be at least 1", options.count));
+    if (options.threads < 0)
+        throw Error(ErrorKind::usage, fmt::format("--threads {}: must be at least 0", options.threads));
+    if (options.threads == 0) options.threads = hardware_threads();
+    for (const std::string* file : {&options.csv, &options.json})
+        if (!file->empty()) check_writable(*file);
+    if (!options.csv.empty() && options.csv == options.json)
+        throw Error(ErrorKind::usage, fmt::format("--csv and --json both go to {}", options.csv));
+    std::vector<BodyCase> cases = body_cases();
+    std::vector<BodyCase> queries = query_cases(data_folder(options.data));
+    const bool no_queries = queries.empty();
+    std::move(queries.begin(), queries.end(), std::back_inserter(cases));
+    const Choice chosen(options, cases);
+    if (no_queries && options.families.empty())
+        say("skipped    Erleben's spikes, wedges and internal edges: no data folder with queries/ (--data)\n");
+    say("truth      exact integers for what meets, long double for distances; {} pairs of triangles a family,\n"
+        "           bodies in 5 forms and {} combinations of stages\n{}\n",
+        grouped(std::uint64_t(options.count)), all_variants().size(), describe_program("cpu"));
+    const std::vector<Tally> rows = try_all(options, chosen, cases);
+    if (!options.csv.empty()) write_csv(options.csv, rows);
+    if (!options.json.empty()) write_json(options.json, rows);
+    Tally sum;
+    for (const Tally& row : rows) sum += row;
+    say("\n{}; FCL misses {} collisions and invents {}\n",
+        sum.faults()
+            ? fmt::format("{} VIOLATIONS", grouped(sum.faults()))
+            : fmt::format("{} cases, {} answers: no collision missed, no exact answer wrong, no bound broken, none "
+                          "changed that must not",
+                          grouped(sum.cases), grouped(sum.answers)),
+        grouped(sum.fcl_missed), grouped(sum.fcl_false));
+    return sum.faults() ? int(ErrorKind::internal) : 0;
+}
+
+} // namespace
+
+CLI::App* add_accuracy_hard(CLI::App& accuracy, Command& command)
+{
+    CLI::App* sub = accuracy.add_subcommand("hard", "Check every stage on what is hard: touching, coplanar, thin, "
+                                                    "tiny, huge, far and inside, against exact arithmetic");
+    auto options = std::make_shared<HardOptions>();
+    sub->add_option("--count", options->count,
+                    "pairs of triangles a family, as stored and again turned (default 100000)")
+        ->type_name("N");
+    sub->add_option("--family", options->families, "this family alone (repeatable); a wrong name lists them")
+        ->type_name("NAME")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    sub->add_option("--threads", options->threads, "threads; 0: all. Never changes the result (default 1)")
+        ->type_name("N");
+    sub->add_option("--data", options->data,
+                    "folder with queries/, Erleben's cases (default: $ONCOLLIDE_DATA, else ../shared/data if present)")
+        ->type_name("DIR");
+    sub->add_option("--csv", options->csv, "write one row a family")->type_name("FILE");
+    sub->add_option("--json", options->json, "write the same as JSON")->type_name("FILE");
+    sub->footer(
+        "Pairs of triangles: the exact test, in both orders, and FCL's, against linear programming in integers.\n"
+        "Bodies: every set of stages left out, both kinds of spheres, each exact level, budgets; as stored, swapped, "
+        "with\n"
+        "triangles and corners in another order, turned by a quarter, and turned anyhow and so rounded. With "
+        "clearances "
+        "below,\n"
+        "at and above the distance; as solids; and asked how they touch. Then all at once, for several numbers of "
+        "threads\n"
+        "and on a GPU where there is one.\n\n"
+        "Columns:\n"
+        "  missed   collisions, or bodies within the clearance, that an answer lost: must be 0\n"
+        "  wrong    exact answers that invent a collision, leave it open or name the wrong kind: must be 0\n"
+        "  alarms   'within' for bodies that do not collide: allowed without an exact level\n"
+        "  broken   certified bounds that the true distance contradicts: must be 0\n"
+        "  changed  answers that the order or a motion changed and must not: must be 0\n"
+        "  FCL      cases in which FCL's own test misses a collision, or invents one\n\n"
+        "Examples:\n"
+        "  oncollide accuracy hard --threads 0\n"
+        "  oncollide accuracy hard --count 1000 --family coplanar --family slivers --csv hard.csv\n"
+        "The catalogue's scene of this name: oncollide scene hard --out hard.json, then oncollide accuracy hard.json.\n"
+        "Exit code 70: something is not 0 that must be.");
+    sub->callback([options, &command] { command = [options] { return accuracy_hard(*options); }; });
+    return sub;
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,63 @@
+#include "render/framing.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace oncollide::tools {
+
+namespace {
+
+constexpr double border = 1.06; ///< what is shown, by how much it could be larger
+
+} // namespace
+
+Framing::Framing()
+{
+    turned_.eye = {0.45, -1, 0.45}, turned_.look_at = {0, 0, 0};
+    view_ = view_of(turned_);
+    view_.translation().setZero();
+    reach_.fill(-std::numeric_limits<double>::infinity());
+}
+
+void Framing::add(const Picture& picture)
+{
+    tangent_[1] = std::tan(0.5 * turned_.view_angle) / border;
+    tangent_[0] = tangent_[1] * picture.width / picture.height;
+    for (const Picture::Body& body : picture.bodies)
+        for (const Eigen::Vector3d& vertex : body.mesh->vertices) add(body.pose * vertex, 0);
+    for (const Picture::Ball& ball : picture.balls) add(ball.centre, ball.radius);
+}
+
+void Framing::add(const Eigen::Vector3d& point, double radius)
+{
+    bounds_.add(point - Eigen::Vector3d::Constant(radius)), bounds_.add(point + Eigen::Vector3d::Constant(radius));
+    const Eigen::Vector3d p = view_ * point;
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+        // The plane through the eye is x = -tangent z; a ball reaches radius * |(1, tangent)| beyond its centre.
+        const double slope = tangent_[axis] * p.z(), wide = radius * std::hypot(1, tangent_[axis]);
+        const double x = p[Eigen::Index(axis)];
+        reach_[2 * axis] = std::max(reach_[2 * axis], x + slope + wide);
+        reach_[2 * axis + 1] = std::max(reach_[2 * axis + 1], -x + slope + wide);
+    }
+}
+
+Camera Framing::camera() const
+{
+    if (bounds_.empty()) return {};
+    // The top of the pyramid lies where the planes of each axis meet, at the farther of both.
+    Eigen::Vector3d top;
+    top.z() = -std::numeric_limits<double>::infinity();
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+        const double right = reach_[2 * axis], left = reach_[2 * axis + 1];
+        top[Eigen::Index(axis)] = 0.5 * (right - left);
+        top.z() = std::max(top.z(), 0.5 * (right + left) / tangent_[axis]);
+    }
+    Camera camera = turned_;
+    camera.eye = view_.inverse() * top;
+    // Looked at is what lies straight ahead in the middle of what is shown.
+    const Eigen::Vector3d back = view_.linear().row(2);
+    camera.look_at = camera.eye - back * std::max(back.dot(camera.eye - bounds_.centre()), 1e-9 * bounds_.diagonal());
+    return camera;
+}
+
+} // namespace oncollide::tools

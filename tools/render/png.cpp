@@ -1,0 +1,37 @@
+#include "render/png.hpp"
+
+#include <string_view>
+
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STB_IMAGE_WRITE_STATIC // so that programs which link stb themselves may be linked with this
+#define STBI_WRITE_NO_STDIO
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#include <stb/stb_image_write.h>
+#pragma GCC diagnostic pop
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/output_file.hpp>
+
+namespace oncollide::tools {
+
+std::string packed_png(const Image& image)
+{
+    std::string bytes;
+    const auto write = [](void* to, void* data, int size) {
+        static_cast<std::string*>(to)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));
+    };
+    stbi_write_png_compression_level = 12; // its search is short: more costs little
+    if (!stbi_write_png_to_func(write, &bytes, image.width, image.height, 3, image.pixels.data(), 3 * image.width))
+        throw Error(ErrorKind::internal, "out of memory while packing a picture");
+    return bytes;
+}
+
+void save_png(const Image& image, const std::filesystem::path& path)
+{
+    OutputFile file(path);
+    file.write(packed_png(image));
+    file.commit();
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,148 @@
+#include "cli/command.hpp"
+#include "render/png.hpp"
+#include "render/render_plan.hpp"
+
+#include <algorithm>
+#include <iostream>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/parallel.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+/// One image to be: its panels from left to right.
+struct Panels {
+    std::vector<Picture> pictures;
+    std::size_t spheres = 0, red = 0; ///< of all panels
+};
+
+/// Plays the scene from its start, so that trees grow and age as they do in a run, and hands over each image's panels.
+template <class Take>
+void play(Scene& scene, const RenderOptions& options, const Settings& settings, const RenderPlan& plan, Take take)
+{
+    ScenePictures pictures(scene, shown_from(options, scene));
+    Pipeline pipeline(scene, settings);
+    WholeTrees whole(scene, plan.deepest, settings.threads ? settings.threads : hardware_threads());
+    const TreeOf tree_of = [&](GeometryId id) { return options.whole ? whole.tree(id) : pipeline.tree(id); };
+    Mover mover;
+    int next = 0;
+    for (const ImagePlan& image : plan.images) {
+        Panels panels;
+        for (int frame : image.frames) {
+            if (options.whole) next = frame; // whole trees do not come from the frames before
+            std::span<const PairResult> pairs;
+            for (; next <= frame; ++next) {
+                mover.move(scene, next);
+                pairs = pipeline.step(scene).pairs;
+            }
+            for (std::optional<int> level : plan.levels) {
+                Picture picture = pictures.make(tree_of, pairs, level);
+                picture.width = plan.width / plan.panels(), picture.height = plan.height;
+                panels.pictures.push_back(std::move(picture));
+                panels.spheres += pictures.spheres(), panels.red += pictures.red();
+            }
+        }
+        take(image, panels);
+    }
+}
+
+/// Side by side; columns that no panel covers are background.
+Image draw(Painter& painter, std::vector<Picture>& panels, const Camera& camera, const RenderPlan& plan)
+{
+    Image image{plan.width, plan.height, std::vector<std::uint8_t>(3 * std::size_t(plan.width * plan.height), 255)};
+    for (std::size_t k = 0; k < panels.size(); ++k) {
+        panels[k].camera = camera;
+        const std::vector<std::uint8_t> pixels = painter.draw(panels[k]);
+        const auto row = std::ptrdiff_t(3 * panels[k].width);
+        for (int y = 0; y < plan.height; ++y)
+            std::copy_n(pixels.begin() + row * y, row, image.pixels.begin() + 3 * plan.width * y + row * int(k));
+    }
+    return image;
+}
+
+int render(const RenderOptions& options)
+{
+    const Settings settings = settings_from(options.settings);
+    const View view(options);
+    Scene scene = open_scene(options.scene);
+    const RenderPlan plan = plan_from(options, settings, scene);
+    shown_from(options, scene);
+    for (const ImagePlan& image : plan.images) {
+        std::error_code error;
+        if (is_scene_file(options.scene.scene) && std::filesystem::equivalent(image.file, options.scene.scene, error))
+            throw Error(ErrorKind::usage, fmt::format("--out {}: would overwrite the input", image.file));
+        check_writable(image.file);
+    }
+    if (!options.quiet) print_warnings(scene);
+    Painter painter(settings.gpu);
+
+    // One camera for all images: where it stands is known only after all have been seen.
+    Framing framing;
+    const auto see = [&](const Panels& panels) {
+        for (const Picture& picture : panels.pictures) framing.add(picture);
+    };
+    const bool twice = view.automatic() && plan.images.size() > 1;
+    if (twice) play(scene, options, settings, plan, [&](const ImagePlan&, const Panels& panels) { see(panels); });
+    play(scene, options, settings, plan, [&](const ImagePlan& image, Panels& panels) {
+        if (!twice) see(panels);
+        save_png(draw(painter, panels.pictures, view.camera(framing), plan), image.file);
+        if (!options.quiet)
+            (image.file == "-" ? std::cerr : std::cout)
+                << fmt::format("{}: {} spheres, {} of them red\n", image.file, panels.spheres, panels.red);
+    });
+    return 0;
+}
+
+void add_drawing_options(CLI::App& command, RenderOptions& o)
+{
+    command.add_option("--frame", o.frames, "the frame to draw (default: the last); several, 10,20,30, side by side")
+        ->type_name("N[,N...]")
+        ->delimiter(',')
+        ->allow_extra_args(false);
+    command.add_option("--every", o.every, "draw every Kth frame up to --frame: FILE-0000.png, FILE-0010.png, ...")
+        ->type_name("K");
+    command.add_option("--out", o.out, "file to write (PNG); '-' is standard output")->type_name("FILE")->required();
+    command.add_option("--size", o.size, "pixels (default 1280x720)")->type_name("WxH");
+    command.add_option("--show", o.show, "meshes, spheres or both (default both)")->type_name("WHAT");
+    command.add_option("--level", o.levels, "only spheres of that level; several, 2,4,6, side by side")
+        ->type_name("L[,L...]")
+        ->delimiter(',')
+        ->allow_extra_args(false);
+    command.add_flag("--whole", o.whole, "grow the whole trees, not only where bodies meet; needs --level");
+    command.add_option("--body", o.bodies, "show only this body (repeatable)")
+        ->type_name("NAME")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    command.add_option("--eye", o.eye, "where to look from (default: such that all is seen)")->type_name("\"x y z\"");
+    command.add_option("--look-at", o.look_at, "where to look (default: the middle)")->type_name("\"x y z\"");
+    command.add_flag("--quiet", o.quiet, "print nothing but errors");
+}
+
+} // namespace
+
+void add_render(CLI::App& app, Command& command)
+{
+    CLI::App* sub = app.add_subcommand("render", "Draw a scene and its sphere-trees (PNG); needs no display");
+    auto options = std::make_shared<RenderOptions>();
+    sub->add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
+        ->required()
+        ->type_name("SCENE.json|NAME");
+    add_drawing_options(*sub, *options);
+    add_catalogue_options(*sub, options->scene);
+    add_accuracy_options(*sub, options->settings);
+    add_pipeline_options(*sub, options->settings);
+    sub->footer("Examples:\n"
+                "  oncollide render paper --frame 1200 --out contact.png\n"
+                "  oncollide render paper --body dragon --whole --show spheres --level 2,4,6 --out levels.png\n"
+                "  oncollide render city --bodies 300 --every 10 --frame 100 --out city.png\n"
+                "Spheres are those that the trees hold at that frame, the finest wherever they are known; red ones\n"
+                "touch spheres of another body that was not found separate. More: docs/pictures.md.");
+    sub->callback([options, &command] { command = [options] { return render(*options); }; });
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,184 @@
+#include "render/render_scene.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+
+namespace oncollide::tools {
+
+namespace {
+
+constexpr std::size_t most_cells = 1'000'000; ///< of one level of a whole tree
+
+constexpr Colour touching{214, 40, 40};
+/// Told apart by hue, none near red, all of about the same lightness.
+constexpr std::array<Colour, 8> palette{{{104, 152, 196},
+                                         {222, 184, 108},
+                                         {126, 178, 122},
+                                         {170, 140, 196},
+                                         {98, 178, 178},
+                                         {196, 160, 132},
+                                         {150, 160, 176},
+                                         {186, 192, 104}}};
+
+Colour colour_of(std::uint32_t body)
+{
+    return palette[body % palette.size()];
+}
+
+/// Meshes are paler than spheres, which lie on them.
+Colour paler(Colour c)
+{
+    const auto half_white = [](std::uint8_t x) { return static_cast<std::uint8_t>((x + 255) / 2); };
+    return {half_white(c.red), half_white(c.green), half_white(c.blue)};
+}
+
+Mesh mesh_of_boxes(const std::string& name, const std::vector<Aabb>& boxes)
+{
+    // Corner k is on the high side of axis a when bit a is set; two triangles a face.
+    constexpr std::uint32_t faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                            {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+    std::vector<Eigen::Vector3d> vertices;
+    std::vector<Triangle> triangles;
+    for (const Aabb& box : boxes) {
+        const auto first = static_cast<std::uint32_t>(vertices.size());
+        for (unsigned k = 0; k < 8; ++k)
+            vertices.emplace_back((k & 1 ? box.max : box.min).x(), (k & 2 ? box.max : box.min).y(),
+                                  (k & 4 ? box.max : box.min).z());
+        for (const auto& face : faces) triangles.push_back({first + face[0], first + face[1], first + face[2]});
+    }
+    return make_mesh(name, std::move(vertices), std::move(triangles));
+}
+
+} // namespace
+
+const Ocst* WholeTrees::tree(GeometryId id)
+{
+    trees_.resize(scene_.geometries.size());
+    auto& tree = trees_[index(id)];
+    if (tree) return tree.get();
+    const Geometry& geometry = scene_.geometries[index(id)];
+    const RootCell root = root_cell_of(geometry);
+    tree = std::make_unique<Ocst>(root, std::max(depth_, 1), covering_error_of(geometry));
+    const std::unique_ptr<OcclusionBackend> backend = make_cpu_backend();
+    backend->attach(0, make_surface(geometry, root));
+
+    std::vector<CellKey> level{root_cell}, next;
+    std::vector<OctantRow> rows;
+    std::vector<OctantAnswer> answers;
+    for (int l = 0; l < depth_; ++l, level.swap(next)) {
+        rows.clear(), next.clear();
+        for (CellKey cell : level) rows.push_back(tree->row(0, cell));
+        answers.resize(rows.size());
+        backend->ask(rows, threads_, answers);
+        for (std::size_t i = 0; i < level.size(); ++i) {
+            tree->expand(level[i], answers[i], 0);
+            for (unsigned k = 0; k < 8; ++k)
+                if (answers[i].grey >> k & 1) next.push_back(child_cell(level[i], k));
+        }
+        if (next.size() > most_cells)
+            throw Error(ErrorKind::usage,
+                        fmt::format("--whole: level {} of '{}' has {} cells, and {} are drawn at most; ask for a "
+                                    "smaller --level",
+                                    l + 1, geometry.name, next.size(), most_cells));
+    }
+    return tree.get();
+}
+
+ScenePictures::ScenePictures(const Scene& scene, Shown shown)
+    : scene_(scene), shown_(std::move(shown)), made_(scene.geometries.size())
+{
+}
+
+const Mesh* ScenePictures::mesh_of(GeometryId id)
+{
+    const Geometry& geometry = scene_.geometries[index(id)];
+    if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) return mesh;
+    auto& made = made_[index(id)];
+    if (!made) {
+        const auto* map = std::get_if<OccupancyMap>(&geometry.data);
+        made = std::make_unique<Mesh>(map ? mesh_of_boxes(geometry.name, map->cells)
+                                          : bounding_mesh_of(std::get<Shape>(geometry.data)).mesh);
+    }
+    return made.get();
+}
+
+const std::vector<ScenePictures::Sphere>& ScenePictures::spheres_of(std::uint32_t body, const TreeOf& tree_of,
+                                                                    std::optional<int> level)
+{
+    auto& known = of_body_[body];
+    if (known) return *known;
+    known.emplace();
+    const Ocst* tree = tree_of(scene_.geometry[body]);
+    if (!tree) return *known;
+    tree->for_each_cell([&](CellKey cell, bool expanded) {
+        const int l = level_of(cell);
+        if (level ? l != *level : expanded) return;
+        known->push_back({.centre = scene_.poses[body] * tree->centre(cell),
+                          .radius = tree->radius(l),
+                          .fineness = float(l) / float(tree->depth()),
+                          .may_touch = level || l == tree->depth()});
+    });
+    std::sort(known->begin(), known->end(),
+              [](const Sphere& a, const Sphere& b) { return a.centre.x() < b.centre.x(); });
+    return *known;
+}
+
+/// Both sides are sorted along x: each sphere looks only at those that it may reach.
+void ScenePictures::mark_touching(std::uint32_t a, std::uint32_t b)
+{
+    // The deciding spheres of a pair may be apart by the rounding that its bound allows for.
+    constexpr double rounding = 1 + 1e-4;
+    const auto reach = [&](double r, double s) { return (r + s) * rounding + shown_.clearance; };
+    std::vector<Sphere>&one = *of_body_[a], &other = *of_body_[b];
+    double largest = 0;
+    for (const Sphere& s : other)
+        if (s.may_touch) largest = std::max(largest, s.radius);
+    for (Sphere& s : one) {
+        if (!s.may_touch) continue;
+        const double far = reach(s.radius, largest);
+        auto from = std::lower_bound(other.begin(), other.end(), s.centre.x() - far,
+                                     [](const Sphere& t, double x) { return t.centre.x() < x; });
+        for (; from != other.end() && from->centre.x() <= s.centre.x() + far; ++from)
+            if (from->may_touch && (from->centre - s.centre).norm() <= reach(s.radius, from->radius))
+                s.red = from->red = true;
+    }
+}
+
+void ScenePictures::add_spheres(Picture& picture, std::uint32_t body)
+{
+    for (const Sphere& sphere : *of_body_[body]) {
+        Colour colour = sphere.red ? touching : colour_of(body);
+        // Over meshes, coarse spheres are faint: they are large, many lie in one another, and little is known there.
+        if (shown_.meshes && !sphere.red) colour.alpha = std::uint8_t(30 + 150 * sphere.fineness * sphere.fineness);
+        picture.balls.push_back({sphere.centre, sphere.radius, colour});
+        red_ += sphere.red;
+    }
+}
+
+Picture ScenePictures::make(const TreeOf& tree_of, std::span<const PairResult> pairs, std::optional<int> level)
+{
+    Picture picture;
+    for (std::uint32_t body = 0; body < scene_.size(); ++body)
+        if (shown_.bodies[body] && shown_.meshes)
+            picture.bodies.push_back({mesh_of(scene_.geometry[body]), scene_.poses[body], paler(colour_of(body))});
+    spheres_ = red_ = 0;
+    if (!shown_.spheres) return picture;
+
+    of_body_.assign(scene_.size(), std::nullopt);
+    for (const PairResult& pair : pairs) {
+        const std::uint32_t a = index(pair.a), b = index(pair.b);
+        if (pair.verdict == Verdict::separate || !(shown_.bodies[a] || shown_.bodies[b])) continue;
+        spheres_of(a, tree_of, level), spheres_of(b, tree_of, level);
+        mark_touching(a, b);
+    }
+    for (std::uint32_t body = 0; body < scene_.size(); ++body)
+        if (shown_.bodies[body]) spheres_of(body, tree_of, level), add_spheres(picture, body);
+    spheres_ = picture.balls.size();
+    return picture;
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,72 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <oncollide/narrowphase/gl/picture.hpp>
+#include <oncollide/narrowphase/spheres/ocst.hpp>
+#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/scenes/scene.hpp>
+
+namespace oncollide::tools {
+
+/// The sphere-tree of a geometry, null when there is none.
+using TreeOf = std::function<const Ocst*(GeometryId)>;
+
+/// Sphere-trees grown everywhere, whether or not anything collides there; each when first asked for.
+class WholeTrees {
+public:
+    WholeTrees(const Scene& scene, int depth, int threads) : scene_(scene), depth_(depth), threads_(threads) {}
+    /// Throws Error{usage} when the tree would have more cells than anyone can see.
+    const Ocst* tree(GeometryId geometry);
+
+private:
+    const Scene& scene_;
+    int depth_, threads_;
+    std::vector<std::unique_ptr<Ocst>> trees_;
+};
+
+/// Turns a scene, its sphere-trees and its verdicts into pictures.
+class ScenePictures {
+public:
+    struct Shown {
+        bool meshes = true, spheres = true;
+        std::vector<std::uint8_t> bodies; ///< by body
+        double clearance = 0;
+    };
+    /// `scene` must outlive it; poses may change.
+    ScenePictures(const Scene& scene, Shown shown);
+
+    /// The scene at its current poses, without a camera.
+    /// @param pairs  of this frame
+    /// @param level  of the spheres; none: the finest that are known, wherever that is
+    Picture make(const TreeOf& tree_of, std::span<const PairResult> pairs, std::optional<int> level);
+    /// Spheres of the last picture, and how many of them are red.
+    std::size_t spheres() const { return spheres_; }
+    std::size_t red() const { return red_; }
+
+private:
+    /// One sphere of a body, in the world.
+    struct Sphere {
+        Eigen::Vector3d centre;
+        double radius;
+        float fineness; ///< level / depth of the tree: 1 for leaves
+        bool may_touch; ///< is of the kind that shows a collision
+        bool red = false;
+    };
+    const Mesh* mesh_of(GeometryId geometry);
+    const std::vector<Sphere>& spheres_of(std::uint32_t body, const TreeOf& tree_of, std::optional<int> level);
+    void add_spheres(Picture& picture, std::uint32_t body);
+    void mark_touching(std::uint32_t a, std::uint32_t b);
+
+    const Scene& scene_;
+    Shown shown_;
+    std::vector<std::unique_ptr<Mesh>> made_;                 ///< by geometry: of shapes and maps
+    std::vector<std::optional<std::vector<Sphere>>> of_body_; ///< sorted along x; none: not asked for yet
+    std::size_t spheres_ = 0, red_ = 0;
+};
+
+} // namespace oncollide::tools

@@ -1,0 +1,52 @@
+#include "spheres/box_levels.hpp"
+
+#include <oncollide/narrowphase/boxes/opened_tree.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+struct Place {
+    std::uint32_t node;
+    unsigned lane;
+};
+
+void add_boxes(const ObbTree& tree, std::uint32_t index, std::vector<Place>& places,
+               std::vector<BoundingVolume>& volumes)
+{
+    OpenBoxes boxes;
+    oriented_box_kernel().open(tree.node(index), nullptr, boxes);
+    for (unsigned k = 0; k < tree.node(index).lanes; ++k) {
+        BoundingVolume& box = volumes.emplace_back();
+        places.push_back({index, k});
+        for (int i = 0; i < 3; ++i) {
+            box.centre[i] = tree.centre()[i] + double(boxes.c[i][k]);
+            box.half[i] = boxes.h[i][k];
+            for (int component = 0; component < 3; ++component) box.axes(component, i) = boxes.axis[i][component][k];
+        }
+    }
+}
+
+} // namespace
+
+std::vector<std::vector<BoundingVolume>> box_levels(ObbTree& tree, std::size_t most)
+{
+    std::vector<std::vector<BoundingVolume>> levels(1);
+    std::vector<Place> places, next;
+    add_boxes(tree, ObbTree::root, places, levels.back());
+    for (;;) {
+        next.clear();
+        std::vector<BoundingVolume> volumes;
+        for (std::size_t i = 0; i < places.size() && volumes.size() <= most; ++i) {
+            const auto [index, lane] = places[i];
+            if (tree.node(index).count[lane] > 1)
+                add_boxes(tree, tree.child(index, lane), next, volumes);
+            else
+                next.push_back(places[i]), volumes.push_back(levels.back()[i]);
+        }
+        if (volumes.size() == levels.back().size() || volumes.size() > most) return levels;
+        levels.push_back(std::move(volumes));
+        places.swap(next);
+    }
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,46 @@
+#include "spheres/grown_tree.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+
+namespace oncollide::tools {
+
+GrownTree::GrownTree(const Scene& scene, const Settings& settings, std::size_t most)
+    : forest_(scene, settings, make_cpu_backend()), levels_{{root_cell}}
+{
+    const Ocst& tree = forest_.tree(GeometryId{0});
+    std::vector<CellRequest> requests;
+    for (int l = 0; l < tree.depth(); ++l) {
+        requests.clear();
+        for (const CellKey cell : levels_.back()) requests.push_back({0, cell});
+        std::sort(requests.begin(), requests.end());
+        forest_.submit(requests, 1);
+        forest_.grow(0);
+        std::vector<CellKey>& next = levels_.emplace_back();
+        tree.for_each_cell([&](CellKey cell, bool) {
+            if (level_of(cell) == l + 1) next.push_back(cell);
+        });
+        if (next.size() > most)
+            throw Error(ErrorKind::usage, fmt::format("depth {}: level {} has {} spheres, at most {} are listed; give "
+                                                      "a smaller --depth or a larger --max-error",
+                                                      tree.depth(), l + 1, next.size(), most));
+    }
+}
+
+std::vector<BoundingVolume> GrownTree::spheres(int level) const
+{
+    std::vector<BoundingVolume> spheres;
+    for (const CellKey cell : this->level(level))
+        spheres.push_back(BoundingVolume::of_ball(tree().centre(cell), tree().radius(level)));
+    return spheres;
+}
+
+double GrownTree::certified_reach(int level) const
+{
+    return 2 * tree().radius(level) + tree().reach(forest_.backend(), level);
+}
+
+} // namespace oncollide::tools

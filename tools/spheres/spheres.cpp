@@ -1,0 +1,260 @@
+// oncollide spheres: the spheres of a mesh's tree and the boxes of its other one, and how well they stand for it.
+#include "cli/command.hpp"
+#include "cli/options.hpp"
+#include "spheres/box_levels.hpp"
+#include "spheres/grown_tree.hpp"
+#include "spheres/level_quality.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/output_file.hpp>
+#include <oncollide/scenes/files/mesh_file.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+struct SpheresOptions {
+    std::string mesh, csv, json, spheres = "paper";
+    std::optional<int> depth;
+    std::optional<double> max_error;
+    int directions = QualityOptions{}.directions, threads = 1;
+    bool quiet = false;
+};
+
+/// One level of one of the trees.
+struct Row {
+    Spheres kind; ///< paper: spheres; tight: boxes
+    int level;
+    double certified;           ///< no point of a volume is farther from the surface
+    std::vector<CellKey> cells; ///< of the spheres
+    std::vector<BoundingVolume> volumes;
+    LevelQuality quality;
+
+    const char* name() const { return kind == Spheres::paper ? "sphere" : "box"; }
+    double radius() const ///< largest
+    {
+        double radius = 0;
+        for (const BoundingVolume& v : volumes) radius = std::max(radius, v.radius());
+        return radius;
+    }
+};
+
+struct Judged {
+    const Mesh& mesh;
+    bool closed;
+    double side; ///< longest of the bounds
+    std::vector<Row> rows;
+};
+
+/// The spheres of all levels, then the boxes. Each box holds a part of the surface, so the farthest point is no farther
+/// from that than twice its radius.
+void judge(Judged& judged, const GrownTree& tree, ObbTree& boxes, const SpheresOptions& options)
+{
+    for (int level = 0; level <= tree.depth(); ++level)
+        judged.rows.push_back(
+            {Spheres::paper, level, tree.certified_reach(level), tree.level(level), tree.spheres(level), {}});
+    int level = 0;
+    for (std::vector<BoundingVolume>& volumes : box_levels(boxes)) {
+        Row& row = judged.rows.emplace_back(Row{Spheres::tight, level++, 0, {}, std::move(volumes), {}});
+        row.certified = 2 * row.radius();
+    }
+    const SurfaceIndex index(judged.mesh);
+    for (Row& row : judged.rows)
+        row.quality = judge_level(judged.mesh, index, row.volumes,
+                                  {.closed = judged.closed,
+                                   .directions = options.directions,
+                                   .threads = options.threads ? options.threads : hardware_threads()});
+}
+
+/// As much of the surface as is in no volume; "none" only when nothing is.
+std::string uncovered(const LevelQuality& q)
+{
+    if (q.open_triangles == 0 && q.outside == 0) return "none";
+    return fmt::format("{} of triangles, {} of {} points", q.open_triangles, q.outside, q.points);
+}
+
+void print_table(const Judged& judged, const GrownTree& tree, const ObbTree& boxes, const SpheresOptions& options,
+                 std::FILE* to)
+{
+    fmt::print(
+        to,
+        "mesh       {}: {} triangles, {}; longest side {:.6g} m\n"
+        "spheres    depth {}; {} cells stored, {} bytes\n"
+        "boxes      {} nodes, {} bytes; every triangle has its own in the end\n"
+        "over-reach worst, mean, certified: the farthest that a point of a sphere or box is from the surface, m\n"
+        "           worst out, mean out: of its points outside a closed mesh, in thousandths of the longest side\n"
+        "volume     of all spheres or boxes, over that of the root cell\n",
+        options.mesh, judged.mesh.triangles.size(), judged.closed ? "closed" : "open", judged.side, tree.depth(),
+        tree.tree().size(), tree.bytes(), boxes.nodes(), boxes.bytes());
+    const RootCell& root = tree.tree().root();
+    const double cell = 8.0 * root.half[0] * root.half[1] * root.half[2];
+    const auto out = [&](double length) {
+        return judged.closed ? fmt::format("{:.2f}", 1000 * length / judged.side) : std::string("-");
+    };
+    for (const Row& row : judged.rows) {
+        if (row.level == 0)
+            fmt::print(to, "\n{:>5}  {:<6}{:>9}{:>12}{:>12}{:>12}{:>12}{:>10}{:>10}{:>9}  {}\n", "level", "kind",
+                       "count", "radius", "worst", "mean", "certified", "worst out", "mean out", "volume", "uncovered");
+        const LevelQuality& q = row.quality;
+        fmt::print(to, "{:>5}  {:<6}{:>9}{:>12.4g}{:>12.4g}{:>12.4g}{:>12.4g}{:>10}{:>10}{:>9.4f}  {}\n", row.level,
+                   row.name(), row.volumes.size(), row.radius(), q.worst.either, q.mean.either, row.certified,
+                   out(q.worst.beyond), out(q.mean.beyond), q.volume / cell, uncovered(q));
+    }
+}
+
+std::vector<std::string> columns(Spheres kind, bool closed)
+{
+    std::vector<std::string> names;
+    if (kind == Spheres::paper)
+        names = {"level", "cell", "x", "y", "z", "radius"};
+    else
+        names = {"level", "x",   "y",   "z",   "half_u", "half_v", "half_w", "u_x",
+                 "u_y",   "u_z", "v_x", "v_y", "v_z",    "w_x",    "w_y",    "w_z"};
+    names.push_back("over_reach");
+    if (closed) names.push_back("over_reach_outside");
+    return names;
+}
+
+/// What the columns name, with commas between.
+std::string numbers(const Row& row, std::size_t i, bool closed)
+{
+    const BoundingVolume& v = row.volumes[i];
+    std::string text = std::to_string(row.level);
+    const auto add = [&](const double* values, int count) {
+        for (int k = 0; k < count; ++k) fmt::format_to(std::back_inserter(text), ",{}", values[k]);
+    };
+    if (row.kind == Spheres::paper) text += "," + std::to_string(row.cells[i]);
+    add(v.centre.data(), 3);
+    add(v.half.data(), v.ball ? 1 : 3);
+    if (!v.ball) add(v.axes.data(), 9); // column after column
+    const Reach& reach = row.quality.reaches[i];
+    add(&reach.either, 1);
+    if (closed) add(&reach.beyond, 1);
+    return text;
+}
+
+void write_csv(const std::string& path, const Judged& judged, Spheres kind)
+{
+    OutputFile file(path);
+    file.print("{}\n", fmt::join(columns(kind, judged.closed), ","));
+    for (const Row& row : judged.rows)
+        for (std::size_t i = 0; row.kind == kind && i < row.volumes.size(); ++i)
+            file.print("{}\n", numbers(row, i, judged.closed));
+    file.commit();
+}
+
+nlohmann::json as_json(const Row& row, const Judged& judged)
+{
+    const LevelQuality& q = row.quality;
+    nlohmann::json object = {{"level", row.level},
+                             {"kind", row.name()},
+                             {"count", row.volumes.size()},
+                             {"radius", row.radius()},
+                             {"certified", row.certified},
+                             {"over_reach", {{"worst", q.worst.either}, {"mean", q.mean.either}}},
+                             {"volume", q.volume},
+                             {"open_triangles", q.open_triangles},
+                             {"uncovered_area", q.uncovered},
+                             {"points", q.points},
+                             {"points_outside", q.outside}};
+    if (judged.closed) object["over_reach_outside"] = {{"worst", q.worst.beyond}, {"mean", q.mean.beyond}};
+    return object;
+}
+
+void write_json(const std::string& path, const SpheresOptions& options, const Judged& judged, int depth, Spheres kind)
+{
+    const nlohmann::json header = {{"version", version},      {"mesh", options.mesh},
+                                   {"depth", depth},          {"spheres", name_of(kind)},
+                                   {"closed", judged.closed}, {"longest_side", judged.side}};
+    OutputFile file(path);
+    file.print("{{\"header\": {}, \"levels\": [", header.dump());
+    for (const Row& row : judged.rows)
+        file.print("{}\n  {}", &row == &judged.rows.front() ? "" : ",", as_json(row, judged).dump());
+    file.print("\n], \"columns\": {}, \"rows\": [", nlohmann::json(columns(kind, judged.closed)).dump());
+    const char* comma = "";
+    for (const Row& row : judged.rows)
+        for (std::size_t i = 0; row.kind == kind && i < row.volumes.size(); ++i) {
+            file.print("{}\n  [{}]", comma, numbers(row, i, judged.closed));
+            comma = ",";
+        }
+    file.print("\n]}}\n");
+    file.commit();
+}
+
+int spheres(const SpheresOptions& options)
+{
+    const Settings settings{.depth = options.depth, .max_error = options.max_error, .threads = options.threads};
+    check(settings);
+    const Spheres kind = spheres_from_name(options.spheres);
+    if (kind == Spheres::automatic) throw Error(ErrorKind::usage, "--spheres auto: must be paper or tight here");
+    if (options.directions < 1 || options.directions > 100'000)
+        throw Error(ErrorKind::usage, fmt::format("--directions {}: must be from 1 to 100000", options.directions));
+    OutputOptions outputs;
+    outputs.csv = options.csv, outputs.json = options.json;
+    check_outputs(outputs, options.mesh);
+
+    Scene scene;
+    const GeometryId geometry = scene.add(options.mesh, load_mesh(options.mesh));
+    const Mesh& mesh = std::get<Mesh>(scene.geometries[index(geometry)].data);
+    const GrownTree tree(scene, settings);
+    Judged judged{mesh, is_closed(mesh), (mesh.bounds.max - mesh.bounds.min).maxCoeff(), {}};
+    ObbTree boxes(mesh);
+    judge(judged, tree, boxes, options);
+    const bool stdout_taken = options.csv == "-" || options.json == "-";
+    if (!options.quiet) print_table(judged, tree, boxes, options, stdout_taken ? stderr : stdout);
+    if (!options.csv.empty()) write_csv(options.csv, judged, kind);
+    if (!options.json.empty()) write_json(options.json, options, judged, tree.depth(), kind);
+    // What the judge measures with is rounded where the mesh lies.
+    const double rounding = 1e-14 * mesh.bounds.min.cwiseAbs().cwiseMax(mesh.bounds.max.cwiseAbs()).maxCoeff();
+    for (const Row& row : judged.rows) {
+        const LevelQuality& q = row.quality;
+        if (q.open_triangles || q.outside || q.worst.either > row.certified + rounding)
+            throw Error(ErrorKind::internal,
+                        fmt::format("{}: {} level {}: a part of the surface is left out, or a point is {} m from it, "
+                                    "where {} m are certified",
+                                    options.mesh, row.name(), row.level, q.worst.either, row.certified));
+    }
+    return 0;
+}
+
+} // namespace
+
+void add_spheres(CLI::App& app, Command& command)
+{
+    CLI::App* sub =
+        app.add_subcommand("spheres", "The spheres and boxes of a mesh's trees, and how well they stand for it");
+    auto options = std::make_shared<SpheresOptions>();
+    sub->add_option("mesh", options->mesh, "mesh (OBJ, STL, PLY, OFF, glTF)")->required()->type_name("MESH");
+    sub->add_option("--depth", options->depth,
+                    "depth of the sphere-tree, 1 to 16 (default 6); boxes go down to single triangles")
+        ->type_name("D");
+    sub->add_option("--max-error", options->max_error,
+                    "instead of --depth: largest error in metres of the answer 'within' for two such trees")
+        ->type_name("M");
+    sub->add_option("--spheres", options->spheres,
+                    "which to write: paper: spheres around cells (default); tight: oriented boxes around triangles")
+        ->type_name("NAME");
+    sub->add_option("--csv", options->csv, "write those of all levels, one a row; '-' is standard output")
+        ->type_name("FILE");
+    sub->add_option("--json", options->json, "write the tables and those of all levels; '-' is standard output")
+        ->type_name("FILE");
+    sub->add_option("--directions", options->directions,
+                    fmt::format("points of each sphere or box that are looked at (default {})", options->directions))
+        ->type_name("N");
+    sub->add_option("--threads", options->threads, "threads; 0: all. Never changes the result (default 1)")
+        ->type_name("N");
+    sub->add_flag("--quiet", options->quiet, "print nothing but errors");
+    sub->footer("Exit code 70: a part of the surface is in no sphere or box, or one reaches farther than certified.\n"
+                "Examples:\n"
+                "  oncollide spheres bunny.obj --depth 5\n"
+                "  oncollide spheres part.stl --max-error 0.002 --spheres tight --csv boxes.csv");
+    sub->callback([options, &command] { command = [options] { return spheres(*options); }; });
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,263 @@
+// oncollide accuracy study: what a scene costs at which error, beside other libraries, as a table and as a page.
+#include "study/accuracy_study.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/output_file.hpp>
+
+#include "bench/bench.hpp"
+#include "study/page.hpp"
+#include "study/play.hpp"
+#include "study/report.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+struct StudyOptions {
+    CourseOptions workload;
+    SettingsOptions settings;
+    std::string depths, max_errors, backends = "cpu", spheres = "paper,tight", exact = "off,predicates";
+    std::string viewports = "16", peers, html, csv, json;
+    int warm_up = 3, repeats = 1;
+};
+
+[[noreturn]] void refuse(const std::string& why)
+{
+    throw Error(ErrorKind::usage, why);
+}
+
+/// Numbers of a list, in its order.
+template <class Number>
+std::vector<Number> parse_list(const char* option, const std::string& list, const char* form)
+{
+    std::vector<Number> numbers;
+    for (const std::string& part : split(list)) {
+        Number value{};
+        const auto [rest, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+        if (error != std::errc{} || rest != part.data() + part.size())
+            refuse(fmt::format("{} {}: '{}' is no number; expected a list like {}", option, list, part, form));
+        numbers.push_back(value);
+    }
+    return numbers;
+}
+
+/// One setting of the dial.
+struct Dial {
+    std::optional<int> depth;
+    std::optional<double> max_error;
+    std::string text() const { return depth ? fmt::format("depth {}", *depth) : fmt::format("{} m", *max_error); }
+};
+
+std::vector<Dial> dials_of(const StudyOptions& o)
+{
+    if (!o.depths.empty() && !o.max_errors.empty())
+        refuse("--depths and --max-errors: give one of them, they set the same dial");
+    std::vector<Dial> dials;
+    if (!o.max_errors.empty())
+        for (double error : parse_list<double>("--max-errors", o.max_errors, "0.1,0.01")) dials.push_back({{}, error});
+    else
+        for (int depth : parse_depths("--depths", o.depths.empty() ? "2-8" : o.depths)) dials.push_back({depth, {}});
+    return dials;
+}
+
+/// Who finds the cells: a backend by name, gl-query once a viewport.
+struct Asker {
+    std::string prefix; ///< of names; empty for the cpu
+    SettingsOptions settings;
+};
+
+std::vector<Asker> askers_of(const StudyOptions& o)
+{
+    std::vector<Asker> askers;
+    for (const std::string& backend : split(o.backends)) {
+        Asker asker{backend == "cpu" ? "" : backend + ", ", o.settings};
+        asker.settings.backend = backend;
+        if (backend_from_name(backend) != BackendKind::gl_query) {
+            askers.push_back(asker);
+            continue;
+        }
+        for (int viewport : parse_list<int>("--viewport", o.viewports, "8,16,64")) {
+            asker.prefix = fmt::format("{} {} px, ", backend, viewport), asker.settings.viewport = viewport;
+            askers.push_back(asker);
+        }
+    }
+    return askers;
+}
+
+/// Every combination that differs: only spheres are asked of a GPU, and an exact answer has no dial.
+std::vector<StudyVariant> variants_of(const StudyOptions& o)
+{
+    std::vector<StudyVariant> variants;
+    const std::vector<Dial> dials = dials_of(o);
+    for (const Asker& asker : askers_of(o))
+        for (const std::string& spheres : split(o.spheres))
+            for (const std::string& exact : split(o.exact)) {
+                SettingsOptions one = asker.settings;
+                one.spheres = spheres, one.exact = exact;
+                // Without an exact level nobody can tell: what only touches is left over as a false alarm.
+                if (exact_from_name(exact) == ExactLevel::off) one.kinds = one.ignore_touching = false;
+                if (spheres_from_name(spheres) == Spheres::automatic)
+                    refuse("--spheres auto: a study needs to know which; expected paper, tight or both");
+                if (spheres == "tight" && !asker.prefix.empty()) continue;
+                const std::string form = spheres == "tight" ? "tight boxes" : "paper spheres";
+                if (exact_from_name(exact) != ExactLevel::off) {
+                    const std::string name = fmt::format("{}{}, {}", asker.prefix, form, exact);
+                    variants.push_back({name, name, settings_from(one)});
+                    continue;
+                }
+                for (const Dial& dial : dials) {
+                    one.depth = dial.depth, one.max_error = dial.max_error;
+                    const std::string series = asker.prefix + form;
+                    variants.push_back({series, fmt::format("{}, {}", series, dial.text()), settings_from(one)});
+                }
+            }
+    if (o.settings.ignore_touching &&
+        std::ranges::none_of(variants, [](const StudyVariant& v) { return v.settings.ignore_touching; }))
+        refuse("--ignore-touching: needs --exact predicates, alone or among others");
+    if (variants.empty()) refuse("--spheres tight: only the cpu answers for these; nothing is left to study");
+    return variants;
+}
+
+void check_files(const StudyOptions& o)
+{
+    const std::pair<const char*, const std::string*> files[] = {
+        {"--html", &o.html}, {"--csv", &o.csv}, {"--json", &o.json}};
+    for (const auto& [option, file] : files) {
+        if (file->empty()) continue;
+        for (const auto& [other, same] : files)
+            if (option != other && *file == *same) refuse(fmt::format("{} and {} both go to {}", option, other, *file));
+        for (const std::string& input : {o.workload.poses, o.workload.what.empty() ? "" : o.workload.what.front(),
+                                         o.workload.what.size() < 2 ? "" : o.workload.what[1]})
+            if (*file == input) refuse(fmt::format("{} {}: would overwrite the input", option, *file));
+        check_writable(*file);
+    }
+}
+
+template <class Write>
+void write_file(const std::string& path, Write write)
+{
+    if (path.empty()) return;
+    OutputFile file(path);
+    write(file);
+    file.commit();
+}
+
+/// ", FCL, ODE"; empty: nobody.
+std::string names_of(const std::vector<StudyPeer>& peers)
+{
+    std::string names;
+    for (const StudyPeer& peer : peers) names += ", " + peer.name;
+    return names;
+}
+
+int accuracy_study(const StudyOptions& o)
+{
+    if (o.repeats < 1 || o.repeats > 1000) refuse(fmt::format("--repeats {}: must be from 1 to 1000", o.repeats));
+    if (o.warm_up < 0) refuse(fmt::format("--warm-up {}: must be at least 0", o.warm_up));
+    const std::vector<StudyVariant> variants = variants_of(o);
+    const std::vector<PeerKind> peers = peers_from_names(o.peers);
+    check_files(o);
+    StudyCourse workload(o.workload);
+    print_warnings(workload.scene);
+    const Study study = play_study(workload, variants, peers, o.warm_up, o.repeats);
+    const std::string about = fmt::format(
+        "workload     {}; {} frames, {} of them to warm up, least of {} {}; every variant{} turn about\n"
+        "truth      exact integers on the triangles of every two bodies whose boxes overlap, long double for "
+        "distances;\n"
+        "           FCL where a shape or a map takes part\n"
+        "settings   {}\n{}",
+        study.title, study.frames, study.warm_up, o.repeats, o.repeats == 1 ? "run" : "runs", names_of(study.peers),
+        describe(variants.front().settings, "the dial as each variant says"),
+        describe_program(study.rows.front().backend));
+    say("{}{} bodies of {} triangles, {:.3g} m in the median; {} collisions in all frames\n\n", about,
+        grouped(study.bodies), grouped(study.triangles), study.size, grouped(study.colliding));
+    for (const std::string& note : study.left_out) say("left out   {}\n", note);
+    print_study(study);
+    std::cout.flush();
+    write_file(o.csv, [&](OutputFile& file) { write_study_csv(file, study); });
+    write_file(o.json, [&](OutputFile& file) { write_study_json(file, study, about); });
+    write_file(o.html,
+               [&](OutputFile& file) { write_study_page(file, study, draw_study_pictures(workload, study), about); });
+    return study.faulty() ? int(ErrorKind::internal) : 0;
+}
+
+void add_study_options(CLI::App& sub, StudyOptions& o)
+{
+    sub.add_option("what", o.workload.what, "a scene, or two mesh files")->type_name("SCENE.json|NAME|MESH_A MESH_B");
+    sub.add_option("--poses", o.workload.poses,
+                   "two meshes in the poses of this file; without a file and meshes, the data folder's set")
+        ->type_name("FILE")
+        ->expected(0, 1);
+    sub.add_option("--distances", o.workload.distances,
+                   "two meshes: distances of generated poses, percents of A's diagonal (default 0,0.1,1,5)")
+        ->type_name("LIST");
+    sub.add_option("--count", o.workload.count, "two meshes: poses a distance, or of the file (default 100, all)")
+        ->type_name("N");
+    sub.add_option("--every", o.workload.every, "only every so manieth frame or pose")->type_name("N");
+    sub.add_option("--depths", o.depths, "depths of the trees (default 2-8)")->type_name("LIST");
+    sub.add_option("--max-errors", o.max_errors, "instead of depths: errors in metres, like 0.1,0.03,0.01")
+        ->type_name("LIST");
+    sub.add_option("--backend", o.backends, "cpu, gl-compute, gl-query, several with commas (default cpu)")
+        ->type_name("LIST");
+    sub.add_option("--viewport", o.viewports, "gl-query: pixels a side, several with commas (default 16)")
+        ->type_name("LIST");
+    sub.add_option("--spheres", o.spheres, "paper, tight or both (default paper,tight)")->type_name("LIST");
+    sub.add_option("--exact", o.exact, "exact levels: off, predicates, fcl (default off,predicates)")
+        ->type_name("LIST");
+    sub.add_option(
+           "--peers", o.peers,
+           "beside these: fcl, ode, bullet, embree, cgal, several with commas, all or none (default fcl,ode,bullet)")
+        ->type_name("LIST");
+    sub.add_option("--warm-up", o.warm_up, "frames at the start that count in no time (default 3)")->type_name("N");
+    sub.add_option("--repeats", o.repeats,
+                   "runs, of a frame's times the least counts; scenes from nothing, poses go on with what has grown "
+                   "(default 1)")
+        ->type_name("N");
+    sub.add_option("--html", o.html, "write a page with all of it, figures and pictures; needs no network")
+        ->type_name("FILE");
+    sub.add_option("--csv", o.csv, "write one row a variant")->type_name("FILE");
+    sub.add_option("--json", o.json, "write the same as JSON, with the stages")->type_name("FILE");
+}
+
+} // namespace
+
+CLI::App* add_accuracy_study(CLI::App& accuracy, Command& command)
+{
+    CLI::App* sub = accuracy.add_subcommand(
+        "study", "Speed against error: a scene, or two meshes in many poses, at many settings, beside other libraries");
+    auto options = std::make_shared<StudyOptions>();
+    add_catalogue_options(*sub, options->workload.scene);
+    add_accuracy_options(*sub, options->settings);
+    add_pipeline_options(*sub, options->settings);
+    for (const char* replaced : {"--depth", "--max-error", "--exact", "--backend", "--viewport", "--spheres"})
+        sub->remove_option(sub->get_option(replaced));
+    add_study_options(*sub, *options);
+    sub->footer(
+        "The truth is exact arithmetic on the triangles of every two bodies whose boxes overlap, by no tree, walk or\n"
+        "predicate of the library. Columns:\n"
+        "  error     the largest certified bound of a pair left over: none is farther apart\n"
+        "  x FCL     how many times as fast as FCL, by the means\n"
+        "  left over pairs that are not certified separate; false: those that are apart\n"
+        "  missed    collisions lost: must be 0, but for gl-query, which certifies nothing\n"
+        "  at m      true distance of the false alarms: median and largest\n"
+        "  needed    cells and boxes ever reached, of those of the same trees grown everywhere\n\n"
+        "Examples:\n"
+        "  oncollide accuracy study many --frames 20 --html many.html\n"
+        "  oncollide accuracy study a.obj b.obj --poses poses.txt --max-errors 0.1,0.01,0.001 --csv study.csv\n"
+        "  oncollide accuracy study many --bodies 200 --frames 5 --peers all --csv peers.csv\n"
+        "  oncollide accuracy study paper --backend cpu,gl-query --viewport 8,64 --spheres paper\n"
+        "Exit code 70: a certified answer was wrong.");
+    const CLI::Option* poses = sub->get_option("--poses");
+    sub->callback([options, poses, &command] {
+        options->workload.use_poses = poses->count() > 0;
+        command = [options] { return accuracy_study(*options); };
+    });
+    return sub;
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,102 @@
+#include "study/workload.hpp"
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/scenes/files/mesh_file.hpp>
+
+#include "bench/narrow_poses.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse(const std::string& why)
+{
+    throw Error(ErrorKind::usage, why);
+}
+
+void check_scene(const CourseOptions& o)
+{
+    if (o.use_poses || o.count || !o.distances.empty())
+        refuse(fmt::format("{}: poses, distances and counts are for two meshes: MESH_A MESH_B", o.what[0]));
+}
+
+void check_meshes(const CourseOptions& o)
+{
+    if (o.what.size() > 2) refuse(fmt::format("'{}': expected a scene or two meshes", o.what[2]));
+    if (o.use_poses && o.poses.empty() == !o.what.empty())
+        refuse(o.what.empty() ? fmt::format("--poses {}: needs the two meshes that it is about", o.poses)
+                              : "--poses: the data folder's poses have meshes of their own; name a pose file or no "
+                                "meshes");
+    if (o.use_poses && !o.distances.empty()) refuse("--distances: the poses of a file have their own");
+    if (o.scene.bodies || o.scene.frames) refuse("--bodies and --frames are for scenes; --count for poses");
+    if (o.count && (*o.count < 1 || *o.count > 100'000))
+        refuse(fmt::format("--count {}: must be from 1 to 100000", *o.count));
+}
+
+} // namespace
+
+StudyCourse::StudyCourse(const CourseOptions& o) : every_(o.every)
+{
+    if (o.every < 1) refuse(fmt::format("--every {}: must be at least 1", o.every));
+    if (o.what.empty() && !o.use_poses) refuse("study: needs a scene or two meshes");
+    if (o.what.size() == 1) {
+        check_scene(o);
+        SceneOptions one = o.scene;
+        one.scene = o.what[0];
+        scene = open_scene(one);
+        title = scene.name;
+        frames_ = (scene.frames + every_ - 1) / every_;
+    } else {
+        check_meshes(o);
+        open_meshes(o);
+        frames_ = (int(poses_.size()) + every_ - 1) / every_;
+    }
+}
+
+void StudyCourse::open_meshes(const CourseOptions& o)
+{
+    fs::path poses = o.poses;
+    std::vector<fs::path> files(o.what.begin(), o.what.end());
+    if (files.empty()) {
+        const PoseSet set = pose_set(data_folder(o.scene.data));
+        files = {set.mesh_a, set.mesh_b}, poses = set.poses;
+    }
+    std::vector<GeometryId> meshes;
+    for (const char* side : {"A", "B"}) {
+        const fs::path& file = files[meshes.size()];
+        meshes.push_back(scene.add(fmt::format("{} {}", side, file.stem().string()), load_mesh(file)));
+    }
+    const auto mesh = [&](std::size_t k) -> const Mesh& { return std::get<Mesh>(scene.geometries[k].data); };
+    if (o.use_poses) {
+        poses_ = read_known_poses(poses);
+        if (o.count && std::size_t(*o.count) < poses_.size()) poses_.resize(std::size_t(*o.count));
+    } else {
+        const std::vector<double> percents = parse_distances(o.distances.empty() ? "0,0.1,1,5" : o.distances);
+        const NarrowCourse workload =
+            make_course(mesh(0), mesh(1), percents, std::size_t(o.count.value_or(100)), o.scene.seed.value_or(12345));
+        for (const NarrowPose& pose : workload.poses) poses_.push_back(pose.known);
+    }
+    title = fmt::format("{} and {} in {} poses", files[0].stem().string(), files[1].stem().string(), poses_.size());
+    scene.name = title, scene.frames = int(poses_.size());
+    scene.add_body({.name = scene.geometries[0].name, .geometry = meshes[0], .is_static = true});
+    scene.add_body({.name = scene.geometries[1].name, .geometry = meshes[1], .pose = poses_.front().b});
+}
+
+void StudyCourse::move(int frame)
+{
+    if (poses_.empty())
+        mover_.move(scene, number(frame));
+    else
+        scene.poses[1] = poses_[std::size_t(number(frame))].b;
+}
+
+std::optional<bool> StudyCourse::known(int frame) const
+{
+    if (poses_.empty()) return std::nullopt;
+    return poses_[std::size_t(number(frame))].colliding;
+}
+
+} // namespace oncollide::tools
