@@ -54,7 +54,7 @@ public:
     {
         walk_.all_meeting(a_, b_, at(b), found_);
         pairs.clear();
-        for (TrianglePair m : found_) pairs.push_back({m.a, m.b});
+        for (const oncollide::TrianglePair& m : found_) pairs.push_back({m.a, m.b});
     }
     double distance(const Eigen::Isometry3d& b) override { return walk_.distance(a_, b_, at(b), 0).upper; }
 
@@ -65,7 +65,7 @@ protected:
     Traversal walk_;
 
 private:
-    std::vector<TrianglePair> found_;
+    std::vector<oncollide::TrianglePair> found_;
 };
 
 NarrowContender exact()
