@@ -3,32 +3,31 @@
 #include <span>
 #include <vector>
 
-#include <oncollide/pipeline/forest.hpp>
-#include <oncollide/pipeline/frame.hpp>
+#include <oncollide/pipeline/model_store.hpp>
+#include <oncollide/pipeline/pair_refiner.hpp>
 
 namespace oncollide {
 
-/// Walks many pairs, in rounds:
+/// Any pairs by their sphere-trees, in rounds:
 ///
 ///     pairs walk ──> parked ──> requests ──> one batch ──> trees grow ──> parked pairs walk on ──> ...
 ///                                              └─ meanwhile the next pairs start to walk
 ///
-/// until none is parked. Many pairs start in slices, one a round: while a GPU answers, the CPU has walks to start, and
+/// until none is parked. Many pairs start in slices, one per round: while a GPU works, the CPU has walks to start, and
 /// later slices find most of their cells grown by earlier ones, which keeps what is parked small. The number of slices
 /// is bounded, so rounds do not grow with the number of pairs.
-class PairWalks {
+class SphereRefiner final : public PairRefiner {
 public:
-    explicit PairWalks(Forest& forest) : forest_(forest) {}
+    explicit SphereRefiner(ModelStore& models) : models_(models) {}
 
-    struct Walk {
-        BodyPair pair;
-        LeafPair hint;     ///< in: what decided the pair last frame
-        WalkResult result; ///< out
-    };
-    /// Walks all; appends to frame.rounds and counts in frame.trees what was asked and compared.
-    void run(const Scene& scene, Frame& frame, std::span<Walk> walks);
+    void refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
+                std::span<PairAnswer> answers) override;
 
 private:
+    struct Walk {
+        WalkPair pair;
+        WalkResult result;
+    };
     struct Parked {
         std::uint32_t walk, worker;
         int resumed;     ///< times that the pair was taken up again
@@ -39,21 +38,20 @@ private:
         std::vector<Parked> parked;
     };
 
-    WalkPair pair_of(const Walk& walk);
+    WalkPair pair_of(const PairTask& task, LeafPair hint);
+    void run_rounds();
     void walk(std::size_t first, std::size_t last);
     bool gather_parked();
     void gather_requests();
     void resume_all();
-    void run_rounds();
     void count();
 
-    static constexpr std::size_t pairs_a_chunk = 256;
+    static constexpr std::size_t pairs_per_chunk = 256;
     static constexpr std::size_t pairs_worth_slices = 1024, slices = 8;
 
-    Forest& forest_;
-    const Scene* scene_ = nullptr; ///< of the run under way, as what follows
-    Frame* frame_ = nullptr;
-    std::span<Walk> walks_;
+    ModelStore& models_;
+    RefineContext* context_ = nullptr; ///< of the run under way
+    std::vector<Walk> walks_;
     bool give_up_ = false;
     std::vector<Worker> workers_, parked_workers_;
     std::vector<Parked> parked_;
