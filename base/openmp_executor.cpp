@@ -1,0 +1,44 @@
+// The only OpenMP construct of the program.
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/executor.hpp>
+
+#ifdef ONCOLLIDE_OPENMP
+#include <algorithm>
+
+#include <omp.h>
+#endif
+
+namespace oncollide {
+
+#ifdef ONCOLLIDE_OPENMP
+
+namespace {
+
+class OpenMpExecutor final : public Executor {
+public:
+    int threads() const override { return std::max(1, omp_get_max_threads()); }
+    void run(int tasks, FunctionRef<void(int)> work) override
+    {
+#pragma omp parallel for num_threads(tasks) schedule(static, 1)
+        for (int task = 0; task < tasks; ++task) work(task);
+    }
+};
+
+} // namespace
+
+Executor& openmp_executor()
+{
+    static OpenMpExecutor executor;
+    return executor;
+}
+
+#else
+
+Executor& openmp_executor()
+{
+    throw Error(ErrorKind::usage, "this build has no OpenMP executor (ONCOLLIDE_OPENMP=OFF); use thread_pool()");
+}
+
+#endif
+
+} // namespace oncollide
