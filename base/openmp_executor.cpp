@@ -1,16 +1,11 @@
 // The only OpenMP construct of the program.
-#include <oncollide/base/error.hpp>
-#include <oncollide/base/executor.hpp>
-
-#ifdef ONCOLLIDE_OPENMP
 #include <algorithm>
 
 #include <omp.h>
-#endif
+
+#include <oncollide/base/executor.hpp>
 
 namespace oncollide {
-
-#ifdef ONCOLLIDE_OPENMP
 
 namespace {
 
@@ -31,14 +26,5 @@ Executor& openmp_executor()
     static OpenMpExecutor executor;
     return executor;
 }
-
-#else
-
-Executor& openmp_executor()
-{
-    throw Error(ErrorKind::usage, "this build has no OpenMP executor (ONCOLLIDE_OPENMP=OFF); use thread_pool()");
-}
-
-#endif
 
 } // namespace oncollide

@@ -34,6 +34,7 @@ function(oncollide_add_module name)
   add_library(oncollide_${name} STATIC ${arg_SOURCES})
   add_library(oncollide::${name} ALIAS oncollide_${name})
   set_target_properties(oncollide_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  target_compile_features(oncollide_${name} PUBLIC cxx_std_20)
   target_include_directories(oncollide_${name} PUBLIC
     $<BUILD_INTERFACE:${include_tree}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(oncollide_${name} PUBLIC Eigen3::Eigen
@@ -48,6 +49,17 @@ function(oncollide_add_module name)
     get_filename_component(folder ${header} DIRECTORY)
     install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/oncollide/${name}/${folder})
   endforeach()
+endfunction()
+
+# A part of a module that ONCOLLIDE_<PART>=OFF leaves out: ABSENT then stands for SOURCES, with the same functions.
+function(oncollide_add_part module part)
+  cmake_parse_arguments(arg "" "" "SOURCES;ABSENT;LINK" ${ARGN})
+  if(ONCOLLIDE_${part})
+    target_sources(oncollide_${module} PRIVATE ${arg_SOURCES})
+    target_link_libraries(oncollide_${module} PRIVATE ${arg_LINK})
+  else()
+    target_sources(oncollide_${module} PRIVATE ${arg_ABSENT})
+  endif()
 endfunction()
 
 # Compiles KERNEL once per instruction set: oncollide_add_kernel(TARGET kernel.cpp) builds it with ONCOLLIDE_ISA set to

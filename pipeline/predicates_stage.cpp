@@ -72,6 +72,7 @@ private:
 
     void ask_fcl(const Scene& scene, Frame& frame)
     {
+        if (!fcl_available()) return; // they stay within their bound, or undecided
         for (std::uint32_t i : others_)
             for (BodyId body : {frame.results[i].a, frame.results[i].b}) fcl_.prepare(scene.geometry[index(body)]);
         parallel_chunks(others_.size(), 32, frame.threads, [&](std::size_t begin, std::size_t end, int) {

@@ -55,6 +55,11 @@ const Mesh* mesh_of(const Scene& scene, std::uint32_t body)
 
 } // namespace
 
+bool fcl_available()
+{
+    return true;
+}
+
 struct ExactFcl::Impl {
     const Scene* scene;
     double clearance;

@@ -8,6 +8,9 @@
 
 namespace oncollide {
 
+/// False in builds without FCL (ONCOLLIDE_FCL=OFF): there an ExactFcl can be made, and its other functions throw.
+bool fcl_available();
+
 /// The exact level by way of FCL, on bodies whole: triangle against triangle for meshes, libccd for shapes, boxes for
 /// the cells of an octomap. FCL's models are made when first needed, one a geometry.
 class ExactFcl {
