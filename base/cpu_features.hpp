@@ -6,18 +6,28 @@ namespace oncollide {
 /// Instruction sets that hot code is compiled for. All give the same bits: no fused or reordered arithmetic.
 enum class InstructionSet { baseline, avx2, avx512 };
 
-/// The best set that this processor has, asked once. The environment variable ONCOLLIDE_ISA (baseline, avx2, avx512)
-/// can lower it, never raise it; an unknown value is ignored.
+/// The best set that this processor has.
+InstructionSet best_instruction_set();
+
+/// The set in use: the best one. The environment variable ONCOLLIDE_ISA (baseline, avx2, avx512), read
+/// once, can lower it, never raise it; an unknown value is ignored.
 InstructionSet instruction_set();
 
 std::string_view name_of(InstructionSet set);
 
-/// Of three builds of one kernel, the one of instruction_set().
 template <class Kernel>
 Kernel choose(Kernel baseline, Kernel avx2, Kernel avx512)
 {
     const Kernel kernels[] = {baseline, avx2, avx512};
     return kernels[static_cast<int>(instruction_set())];
 }
+
+/// Of the builds of one kernel (see oncollide_add_kernel), the one of instruction_set(): ONCOLLIDE_CHOOSE(walk_kernel)
+/// calls walk_kernel() in one of the namespaces baseline, avx2 and avx512.
+#if defined(__x86_64__)
+#define ONCOLLIDE_CHOOSE(kernel) choose(baseline::kernel(), avx2::kernel(), avx512::kernel())
+#else
+#define ONCOLLIDE_CHOOSE(kernel) baseline::kernel()
+#endif
 
 } // namespace oncollide

@@ -3,18 +3,42 @@
 
 #include <cerrno>
 #include <cstring>
-#include <fcntl.h>
-#include <unistd.h>
+#include <random>
 #include <utility>
+
+#if __has_include(<unistd.h>)
+#include <unistd.h>
+#endif
 
 namespace oncollide {
 namespace {
 
 namespace fs = std::filesystem;
 
+#if defined(__GLIBC__)
+constexpr const char *write_only = "wbe", *create = "wbxe"; // "e": programs that we start do not inherit it
+#else
+constexpr const char *write_only = "wb", *create = "wbx";
+#endif
+
 [[noreturn]] void refuse(const fs::path& path, const std::string& why)
 {
     throw Error(ErrorKind::cannot_write, fmt::format("{}: cannot write: {}", path.string(), why));
+}
+
+/// Whether what exists there may be written, without opening it. Where the system cannot say, opening it will.
+bool may_write([[maybe_unused]] const fs::path& path)
+{
+#if __has_include(<unistd.h>)
+    return ::access(path.c_str(), W_OK) == 0;
+#else
+    return true;
+#endif
+}
+
+std::FILE* open(const fs::path& path, const char* how)
+{
+    return std::fopen(path.string().c_str(), how);
 }
 
 /// What `path` stands for: links followed, checked as far as that can be done without opening anything.
@@ -29,11 +53,8 @@ Target resolve(const fs::path& path)
     std::error_code error;
     const fs::file_status status = fs::status(path, error);
     if (fs::is_directory(status)) refuse(path, "it is a folder");
-    if (fs::exists(status) && !fs::is_regular_file(status)) {
-        if (::access(path.c_str(), W_OK) != 0) refuse(path, std::strerror(errno));
-        return {path, true};
-    }
-    if (fs::exists(status) && ::access(path.c_str(), W_OK) != 0) refuse(path, std::strerror(errno));
+    if (fs::exists(status) && !may_write(path)) refuse(path, std::strerror(errno));
+    if (fs::exists(status) && !fs::is_regular_file(status)) return {path, true};
     fs::path target = fs::exists(status) ? fs::canonical(path, error) : path;
     if (error && fs::exists(status)) refuse(path, error.message());
     const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
@@ -52,25 +73,24 @@ OutputFile::OutputFile(const fs::path& path) : path_(path)
     auto [target, in_place] = resolve(path);
     target_ = target;
     if (in_place) {
-        file_ = std::fopen(target.c_str(), "we");
+        file_ = open(target, write_only);
         if (!file_) fail(errno);
         return;
     }
-    // The process id keeps two runs that write the same file apart; O_EXCL never follows a link that waits there.
-    temporary_ = target.parent_path() / fmt::format(".{}.{}.part", target.filename().string(), ::getpid());
-    const int descriptor = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor < 0) {
+    // A random number keeps two runs that write the same file apart; "x" never follows a link that waits there.
+    temporary_ = target.parent_path() / fmt::format(".{}.{}.part", target.filename().string(), std::random_device{}());
+    file_ = open(temporary_, create);
+    if (!file_) {
         const int error = errno;
         temporary_.clear();
         fail(error);
     }
-    file_ = ::fdopen(descriptor, "w");
 }
 
 OutputFile::~OutputFile()
 {
     if (file_ && file_ != stdout) std::fclose(file_);
-    if (!temporary_.empty()) ::unlink(temporary_.c_str());
+    if (!temporary_.empty()) std::remove(temporary_.string().c_str());
 }
 
 void OutputFile::flush()
@@ -88,7 +108,7 @@ void OutputFile::commit()
     // Some file systems report a full disk or quota only here.
     if (std::fclose(std::exchange(file_, nullptr)) != 0) fail(errno);
     if (temporary_.empty()) return;
-    if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail(errno);
+    if (std::rename(temporary_.string().c_str(), target_.string().c_str()) != 0) fail(errno);
     temporary_.clear();
 }
 

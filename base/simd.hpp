@@ -1,7 +1,9 @@
 // Eight float lanes, for kernel files only (see oncollide_add_kernel): everything here is in the kernel's own
 // namespace, so that code compiled for AVX never stands in for the baseline's.
 #include <cstdint>
+#if defined(__SSE2__)
 #include <immintrin.h>
+#endif
 
 namespace oncollide::ONCOLLIDE_ISA {
 namespace {
@@ -47,27 +49,40 @@ inline F32x8 sqrt(F32x8 v)
 {
 #if defined(__AVX2__)
     return reinterpret_cast<F32x8>(_mm256_sqrt_ps(reinterpret_cast<__m256>(v)));
-#else
+#elif defined(__SSE2__)
     union {
         F32x8 whole;
         __m128 half[2];
     } u{v};
     u.half[0] = _mm_sqrt_ps(u.half[0]), u.half[1] = _mm_sqrt_ps(u.half[1]);
     return u.whole;
+#else
+    for (int lane = 0; lane < 8; ++lane) v[lane] = __builtin_sqrtf(v[lane]);
+    return v;
 #endif
 }
+
+/// The lanes of v in the order given.
+#if defined(__has_builtin) && __has_builtin(__builtin_shufflevector)
+#define ONCOLLIDE_SHUFFLE(v, ...) __builtin_shufflevector(v, v, __VA_ARGS__)
+#else // GCC before 12
+#define ONCOLLIDE_SHUFFLE(v, ...) __builtin_shuffle(v, I32x8{__VA_ARGS__})
+#endif
 
 /// One bit a lane of a comparison's result.
 inline unsigned bits(I32x8 mask)
 {
 #if defined(__AVX2__)
     return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(mask)));
-#else
+#elif defined(__SSE2__)
     union {
         I32x8 whole;
         __m128 half[2];
     } u{mask};
     return static_cast<unsigned>(_mm_movemask_ps(u.half[0]) | _mm_movemask_ps(u.half[1]) << 4);
+#else
+    const I32x8 v = mask & I32x8{1, 2, 4, 8, 16, 32, 64, 128};
+    return static_cast<unsigned>((v[0] | v[1]) | (v[2] | v[3]) | (v[4] | v[5]) | (v[6] | v[7]));
 #endif
 }
 

@@ -42,8 +42,7 @@ void refuse_unusable(std::span<const Aabb> boxes, std::span<const std::uint32_t>
 
 const BoxTreeKernel& box_tree_kernel()
 {
-    static const BoxTreeKernel kernel =
-        choose(baseline::box_tree_kernel(), avx2::box_tree_kernel(), avx512::box_tree_kernel());
+    static const BoxTreeKernel kernel = ONCOLLIDE_CHOOSE(box_tree_kernel);
     return kernel;
 }
 

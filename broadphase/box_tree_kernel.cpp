@@ -32,7 +32,7 @@ inline unsigned hits(const BoxLevelView& level, std::uint32_t block, const Query
     };
     // Two chains, so that one comparison need not wait for all before it.
     return static_cast<__mmask16>(low(0, low(1, low(2, 0xffff))) & high(0, high(1, high(2, 0xffff))));
-#elif defined(__AVX2__)
+#elif defined(__AVX2__) || !defined(__SSE2__)
     const auto half = [&](const float* v) {
         return bits((load(v) <= splat(q.hi[0])) & (load(v + 48) >= splat(q.lo[0])) & (load(v + 16) <= splat(q.hi[1])) &
                     (load(v + 64) >= splat(q.lo[1])) & (load(v + 32) <= splat(q.hi[2])) &
@@ -164,9 +164,9 @@ void in_blocks(const BoxLevelView& level, const std::uint32_t* queries, const st
 
 float least(F32x8 v)
 {
-    v = min(v, __builtin_shuffle(v, I32x8{4, 5, 6, 7, 0, 1, 2, 3}));
-    v = min(v, __builtin_shuffle(v, I32x8{2, 3, 0, 1, 6, 7, 4, 5}));
-    v = min(v, __builtin_shuffle(v, I32x8{1, 0, 3, 2, 5, 4, 7, 6}));
+    v = min(v, ONCOLLIDE_SHUFFLE(v, 4, 5, 6, 7, 0, 1, 2, 3));
+    v = min(v, ONCOLLIDE_SHUFFLE(v, 2, 3, 0, 1, 6, 7, 4, 5));
+    v = min(v, ONCOLLIDE_SHUFFLE(v, 1, 0, 3, 2, 5, 4, 7, 6));
     return v[0];
 }
 

@@ -11,7 +11,7 @@ namespace oncollide {
 
 const BoxKernel& box_kernel()
 {
-    static const BoxKernel kernel = choose(baseline::box_kernel(), avx2::box_kernel(), avx512::box_kernel());
+    static const BoxKernel kernel = ONCOLLIDE_CHOOSE(box_kernel);
     return kernel;
 }
 

@@ -34,10 +34,11 @@ function(oncollide_add_module name)
   add_library(oncollide_${name} STATIC ${arg_SOURCES})
   add_library(oncollide::${name} ALIAS oncollide_${name})
   set_target_properties(oncollide_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  target_compile_features(oncollide_${name} PUBLIC cxx_std_20)
   target_include_directories(oncollide_${name} PUBLIC
     $<BUILD_INTERFACE:${include_tree}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(oncollide_${name} PUBLIC Eigen3::Eigen
-    PRIVATE $<BUILD_INTERFACE:oncollide_flags> OpenMP::OpenMP_CXX ${arg_LINK})
+    PRIVATE $<BUILD_INTERFACE:oncollide_flags> ${arg_LINK})
   foreach(dependency IN LISTS arg_DEPENDS)
     target_link_libraries(oncollide_${name} PUBLIC oncollide_${dependency})
   endforeach()
@@ -50,14 +51,29 @@ function(oncollide_add_module name)
   endforeach()
 endfunction()
 
+# A part of a module that ONCOLLIDE_<PART>=OFF leaves out: ABSENT then stands for SOURCES, with the same functions.
+function(oncollide_add_part module part)
+  cmake_parse_arguments(arg "" "" "SOURCES;ABSENT;LINK" ${ARGN})
+  if(ONCOLLIDE_${part})
+    target_sources(oncollide_${module} PRIVATE ${arg_SOURCES})
+    target_link_libraries(oncollide_${module} PRIVATE ${arg_LINK})
+  else()
+    target_sources(oncollide_${module} PRIVATE ${arg_ABSENT})
+  endif()
+endfunction()
+
 # Compiles KERNEL once per instruction set: oncollide_add_kernel(TARGET kernel.cpp) builds it with ONCOLLIDE_ISA set to
-# baseline, avx2 and avx512. The kernel puts everything it defines in namespace ONCOLLIDE_ISA and shares no inline
+# baseline and, on x86-64, avx2 and avx512. The kernel puts everything it defines in namespace ONCOLLIDE_ISA and shares no inline
 # function with the rest of the program: the linker must never hand AVX code to a machine without it.
+set(ONCOLLIDE_ISAS baseline)
 set(ONCOLLIDE_ISA_FLAGS_baseline)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$")
+  list(APPEND ONCOLLIDE_ISAS avx2 avx512)
+endif()
 set(ONCOLLIDE_ISA_FLAGS_avx2 -mavx2 -mbmi -mbmi2 -mpopcnt)
 set(ONCOLLIDE_ISA_FLAGS_avx512 ${ONCOLLIDE_ISA_FLAGS_avx2} -mavx512f -mavx512vl -mavx512bw -mavx512dq)
 function(oncollide_add_kernel target source)
-  foreach(isa IN ITEMS baseline avx2 avx512)
+  foreach(isa IN LISTS ONCOLLIDE_ISAS)
     get_filename_component(stem ${source} NAME_WE)
     set(unit ${CMAKE_CURRENT_BINARY_DIR}/${stem}_${isa}.cpp)
     file(CONFIGURE OUTPUT ${unit} CONTENT "#define ONCOLLIDE_ISA ${isa}\n#include \"${CMAKE_CURRENT_SOURCE_DIR}/${source}\"\n")

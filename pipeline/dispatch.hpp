@@ -29,6 +29,7 @@ constexpr std::size_t refiner_count = 6;
 /// | exact  | predicates               | exact_boxes | fcl                         |
 /// | exact  | fcl                      | fcl         | fcl                         |
 ///
+/// In builds without FCL the exact level leaves its pairs as they are.
 /// Where a budget has no room for a tree of oriented boxes, spheres refine, and the exact level decides nothing.
 class Dispatch {
 public:
@@ -47,7 +48,7 @@ public:
             if (!obb_ || !meshes || !room()) return Refiner::spheres;
             return left_to_exact_ ? Refiner::none : Refiner::boxes;
         }
-        if (exact_ == ExactLevel::fcl || !meshes) return Refiner::fcl;
+        if (exact_ == ExactLevel::fcl || !meshes) return fcl_available() ? Refiner::fcl : Refiner::none;
         return room() ? Refiner::exact_boxes : Refiner::no_room;
     }
 

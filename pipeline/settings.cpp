@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/narrowphase/exact/exact_fcl.hpp>
 #include <oncollide/narrowphase/spheres/cell_key.hpp>
 
 namespace oncollide {
@@ -86,6 +87,8 @@ void check(const Settings& s)
                 "a length in metres, above 0");
     require(std::isfinite(s.clearance) && s.clearance >= 0 && s.clearance <= 1e15, "clearance", s.clearance,
             "a length in metres, 0 to 1e15");
+    if (s.exact == ExactLevel::fcl && !fcl_available())
+        throw Error(ErrorKind::usage, "exact = fcl: this is a build without FCL (ONCOLLIDE_FCL=OFF); use predicates");
     if (wants_kinds(s) && s.exact != ExactLevel::predicates)
         throw Error(ErrorKind::usage,
                     fmt::format("{} needs exact = predicates, which tell touching from crossing; exact is {}",

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include <oncollide/base/aabb.hpp>
+#include <oncollide/base/random.hpp>
 
 namespace oncollide {
 
@@ -48,10 +49,6 @@ using Motion = std::variant<Still, Keyed, Drift, Jitter>;
 /// Throws Error{bad_data} naming `name`: numbers that are not finite or exceed 1e15, walls with an infinite side, a
 /// negative step, no key, keys whose times do not ascend, a key's quaternion whose length is off 1 by more than 1e-6.
 void check_motion(const std::string& name, const Motion& motion);
-
-/// splitmix64 step, and the uniform number in [0, 1) for (seed, index, k): the generator of every catalogue scene.
-std::uint64_t splitmix(std::uint64_t z);
-double u01(std::uint64_t seed, std::uint64_t index, std::uint64_t k);
 
 /// Reads a TUM trajectory: lines `t x y z qx qy qz qw`, t in seconds, `#` comments. Times become frames by
 /// `frames_per_second`, counted from the first line. Quaternions are normalised; `warnings` gets a line when one was

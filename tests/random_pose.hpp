@@ -3,7 +3,7 @@
 
 #include <Eigen/Geometry>
 
-#include <oncollide/scenes/motion.hpp>
+#include <oncollide/base/random.hpp>
 
 namespace oncollide {
 

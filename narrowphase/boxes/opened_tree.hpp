@@ -10,8 +10,7 @@ namespace oncollide {
 
 inline const OrientedBoxKernel& oriented_box_kernel()
 {
-    static const OrientedBoxKernel kernel =
-        choose(baseline::oriented_box_kernel(), avx2::oriented_box_kernel(), avx512::oriented_box_kernel());
+    static const OrientedBoxKernel kernel = ONCOLLIDE_CHOOSE(oriented_box_kernel);
     return kernel;
 }
 

@@ -14,7 +14,7 @@ constexpr std::size_t first_batch = 4, most_batch = 64; ///< pairs of triangles 
 
 inline JudgePairs* judge()
 {
-    static JudgePairs* const kernel = choose(baseline::judge_pairs(), avx2::judge_pairs(), avx512::judge_pairs());
+    static JudgePairs* const kernel = ONCOLLIDE_CHOOSE(judge_pairs);
     return kernel;
 }
 

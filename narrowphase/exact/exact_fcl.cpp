@@ -48,6 +48,11 @@ struct ShapeModel {
 
 } // namespace
 
+bool fcl_available()
+{
+    return true;
+}
+
 class FclModel {
 public:
     explicit FclModel(ModelPtr geometry) : geometry_(std::move(geometry)) { geometry_->computeLocalAABB(); }

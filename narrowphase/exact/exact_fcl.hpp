@@ -8,6 +8,9 @@
 
 namespace oncollide {
 
+/// False in builds without FCL (ONCOLLIDE_FCL=OFF): there the functions below throw.
+bool fcl_available();
+
 /// FCL's model of a geometry. Opaque: FCL's headers stay inside exact_fcl.cpp.
 class FclModel;
 

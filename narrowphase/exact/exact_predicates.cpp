@@ -137,11 +137,12 @@ bool collinear(const Vector3d& a, const Vector3d& b, const Vector3d& c)
 
 namespace {
 
-// Extended precision for rounded results: 64 bits, and exponents that no product of these coordinates leaves.
+// Extended precision for rounded results: 64 bits or more, and exponents that no product of these coordinates leaves.
+// Where long double is not that, the exact evaluations do it all.
 using Extended = long double;
-static_assert(std::numeric_limits<Extended>::digits == 64);
+constexpr bool extended = std::numeric_limits<Extended>::digits >= 64;
 using VectorX = Eigen::Matrix<Extended, 3, 1>;
-constexpr Extended extended_unit = 0x1p-64L;
+constexpr Extended extended_unit = std::numeric_limits<Extended>::epsilon() / 2;
 
 /// A value, and by how much it may be off.
 struct Estimate {
@@ -181,6 +182,7 @@ std::optional<double> certain_ratio(const Estimate& p, const Estimate& q)
 
 double crossing_parameter(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& p, const Vector3d& q)
 {
+    if constexpr (!extended) return crossing_parameter_exact(a, b, c, p, q);
     const VectorX from = a.cast<Extended>();
     const ExtendedCross normal(b.cast<Extended>() - from, c.cast<Extended>() - from);
     if (const auto t = certain_ratio(normal.along(p.cast<Extended>() - from), normal.along(q.cast<Extended>() - from)))
@@ -215,6 +217,7 @@ double crossing_parameter(const Vector2d& a, const Vector2d& b, const Vector2d& 
 
 Vector3d unit_normal(const Vector3d& a, const Vector3d& b, const Vector3d& c)
 {
+    if constexpr (!extended) return unit_normal_exact(a, b, c);
     const VectorX from = a.cast<Extended>();
     const ExtendedCross normal(b.cast<Extended>() - from, c.cast<Extended>() - from);
     const VectorX& n = normal.value;

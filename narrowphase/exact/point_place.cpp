@@ -2,8 +2,8 @@
 
 #include <optional>
 
+#include <oncollide/base/random.hpp>
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
-#include <oncollide/scenes/motion.hpp>
 
 namespace oncollide {
 

@@ -8,7 +8,9 @@
 // exact_predicates.hpp, 8 u (1 + 8 u) P, has P <= 6 X Y Z; rounding of the sides and of their product included, 56 u X
 // Y Z bounds the error. Products of two that underflow, times the third side, err by at most 2^-1072 X, and so on: the
 // 2^-300 in the others cover that. Sides above 2^300 might overflow; there the bound is infinite.
+#if defined(__SSE2__)
 #include <immintrin.h>
+#endif
 
 #include <oncollide/narrowphase/exact/triangle_kernel.hpp>
 
@@ -52,7 +54,7 @@ inline unsigned bits(I64 mask)
 {
     return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(mask)));
 }
-#else
+#elif defined(__SSE2__)
 inline F64 min(F64 a, F64 b)
 {
     return _mm_min_pd(a, b);
@@ -64,6 +66,19 @@ inline F64 max(F64 a, F64 b)
 inline unsigned bits(I64 mask)
 {
     return static_cast<unsigned>(_mm_movemask_pd(reinterpret_cast<__m128d>(mask)));
+}
+#else
+inline F64 min(F64 a, F64 b)
+{
+    return a < b ? a : b;
+}
+inline F64 max(F64 a, F64 b)
+{
+    return a > b ? a : b;
+}
+inline unsigned bits(I64 mask)
+{
+    return static_cast<unsigned>((mask[0] & 1) | (mask[1] & 2));
 }
 #endif
 

@@ -20,7 +20,11 @@ using F32x4 = float __attribute__((vector_size(16)));
 
 inline unsigned bits3(int __attribute__((vector_size(16))) mask)
 {
+#if defined(__SSE2__)
     return static_cast<unsigned>(_mm_movemask_ps(reinterpret_cast<__m128>(mask))) & 7;
+#else
+    return static_cast<unsigned>((mask[0] & 1) | (mask[1] & 2) | (mask[2] & 4));
+#endif
 }
 
 /// Octants whose three sides are all in: side bits of the low halves and of the high halves, a bit an axis.

@@ -14,7 +14,7 @@ namespace {
 
 const WalkKernel& kernel()
 {
-    static const WalkKernel kernel = choose(baseline::walk_kernel(), avx2::walk_kernel(), avx512::walk_kernel());
+    static const WalkKernel kernel = ONCOLLIDE_CHOOSE(walk_kernel);
     return kernel;
 }
 

@@ -5,8 +5,8 @@
 #include <octomap/OcTree.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/random.hpp>
 #include <oncollide/scenes/model/occupancy_cells.hpp>
-#include <oncollide/scenes/motion.hpp>
 
 namespace oncollide {
 

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/random.hpp>
 #include <oncollide/scenes/model/surface_grid.hpp>
-#include <oncollide/scenes/motion.hpp>
 
 namespace oncollide {
 

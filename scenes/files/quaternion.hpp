@@ -4,7 +4,7 @@
 
 #include <Eigen/Geometry>
 
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/function_ref.hpp>
 
 namespace oncollide {
 

@@ -2,8 +2,8 @@
 #include <cstdint>
 #include <vector>
 
+#include <oncollide/base/random.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
-#include <oncollide/scenes/motion.hpp>
 
 namespace oncollide {
 

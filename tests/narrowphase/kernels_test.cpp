@@ -4,11 +4,11 @@
 #include <cstring>
 
 #include <oncollide/base/cpu_features.hpp>
+#include <oncollide/base/random.hpp>
 #include <oncollide/broadphase/box_kernel.hpp>
 #include <oncollide/narrowphase/spheres/octant_kernel.hpp>
 #include <oncollide/narrowphase/spheres/surface.hpp>
 #include <oncollide/scenes/catalogue/mesh_generators.hpp>
-#include <oncollide/scenes/motion.hpp>
 
 namespace oncollide {
 namespace {

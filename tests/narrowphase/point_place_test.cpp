@@ -6,10 +6,10 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include <oncollide/base/random.hpp>
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/exact/point_place.hpp>
 #include <oncollide/scenes/catalogue/mesh_generators.hpp>
-#include <oncollide/scenes/motion.hpp>
 
 #include "mesh_parts.hpp"
 #include "random_pose.hpp"

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <oncollide/base/random.hpp>
 #include <oncollide/narrowphase/exact/shared_inside.hpp>
 #include <oncollide/scenes/catalogue/mesh_generators.hpp>
-#include <oncollide/scenes/motion.hpp>
 
 #include "mesh_parts.hpp"
 #include "random_pose.hpp"

@@ -6,10 +6,10 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/cpu_features.hpp>
+#include <oncollide/base/random.hpp>
 #include <oncollide/narrowphase/boxes/traversal.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/scenes/catalogue/mesh_generators.hpp>
-#include <oncollide/scenes/motion.hpp>
 
 #include "random_pose.hpp"
 

@@ -9,8 +9,8 @@
 #include <Eigen/Core>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <omp.h>
 
+#include <oncollide/base/cpu_features.hpp>
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/narrowphase/gl/gpu.hpp>
@@ -34,18 +34,10 @@ std::string processor()
 
 std::string instruction_sets()
 {
-    std::string sets = "baseline (SSE2)";
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) sets += ", AVX2";
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl") &&
-        __builtin_cpu_supports("avx512dq"))
-        sets += ", AVX-512";
+    std::string sets;
+    for (const InstructionSet set : {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512})
+        if (set <= best_instruction_set()) sets += fmt::format("{}{}", sets.empty() ? "" : ", ", name_of(set));
     return sets;
-}
-
-std::string variable(const char* name)
-{
-    const char* value = std::getenv(name);
-    return value ? fmt::format("{}={}", name, value) : fmt::format("{} not set", name);
 }
 
 std::string data(const std::string& option)
@@ -115,8 +107,7 @@ int doctor(const std::string& data_option)
     say("processor", processor());
     say("instructions", fmt::format("{}; in use: {}", instruction_sets(), backend));
     say_gpus();
-    say("threads", fmt::format("{} usable; {}; {}; {}", hardware_threads(), variable("OMP_NUM_THREADS"),
-                               variable("OMP_WAIT_POLICY"), variable("OMP_PROC_BIND")));
+    say("threads", fmt::format("{} usable", hardware_threads()));
     say("data", data(data_option));
     say("libraries",
         fmt::format("Eigen {}.{}.{}, FCL {}, Assimp {}, OctoMap {}, Qhull {}, fmt {}.{}.{}, JSON {}.{}.{}, CLI11 {}",

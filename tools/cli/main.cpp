@@ -1,10 +1,7 @@
 // The oncollide command: subcommands are added here, each lives in a file of its own.
 #include "cli/command.hpp"
 
-#include <cstdlib>
-#include <filesystem>
 #include <iostream>
-#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -13,18 +10,6 @@
 
 namespace oncollide::tools {
 namespace {
-
-/// libgomp reads its wait policy once, while it is loaded, which is before main: to set it, the program must start
-/// again. Threads that wait actively cost milliseconds a frame as soon as anything else wants their core.
-void wait_passively(char** arguments)
-{
-    if (std::getenv("OMP_WAIT_POLICY")) return; // the user's choice, or our second start
-    ::setenv("OMP_WAIT_POLICY", "passive", 1);
-    std::error_code error;
-    const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
-    if (!error) ::execv(self.c_str(), arguments);
-    // Still here: no /proc, or the file was replaced. Slower on a busy machine, and nothing else.
-}
 
 /// Steps from one word to the other by adding, dropping or changing a letter.
 std::size_t edit_distance(const std::string& a, const std::string& b)
@@ -161,7 +146,6 @@ int parse_and_run(int argc, char** argv)
 int main(int argc, char** argv)
 {
     using namespace oncollide;
-    tools::wait_passively(argv);
     try {
         int code = tools::parse_and_run(argc, argv);
         if (!std::cout.flush()) throw Error(ErrorKind::cannot_write, "standard output: cannot write");

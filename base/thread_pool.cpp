@@ -1,0 +1,197 @@
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <system_error>
+#include <thread>
+
+#include <oncollide/base/executor.hpp>
+#include <oncollide/base/parallel.hpp>
+
+#if defined(__linux__)
+#include <sched.h>
+#endif
+#if __has_include(<pthread.h>)
+#include <pthread.h>
+#endif
+
+namespace oncollide {
+
+int hardware_threads()
+{
+#if defined(__linux__)
+    cpu_set_t allowed;
+    if (sched_getaffinity(0, sizeof allowed, &allowed) == 0) return std::max(1, CPU_COUNT(&allowed));
+#endif
+    return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+namespace {
+
+inline void pause()
+{
+#if defined(__x86_64__) || defined(__i386__)
+    __builtin_ia32_pause();
+#elif defined(__aarch64__)
+    asm volatile("yield");
+#endif
+}
+
+constexpr auto spin_time = std::chrono::microseconds(30);
+
+/// Looks for `ready` for as long as it takes to wake a sleeping thread, and no longer: whoever shares the processor
+/// with us may want the core.
+template <class Ready>
+bool spin_until(const Ready& ready)
+{
+    const auto end = std::chrono::steady_clock::now() + spin_time;
+    do {
+        for (int i = 0; i < 16; ++i) {
+            if (ready()) return true;
+            pause();
+        }
+    } while (std::chrono::steady_clock::now() < end);
+    return false;
+}
+
+/// Tasks are taken under one lock, there being no more of them than threads. The caller takes tasks as the workers do,
+/// and waits only for those that a worker has begun: on a busy machine it never waits for a thread to be scheduled.
+class ThreadPool final : public Executor {
+public:
+    int threads() const override { return spin_limit_; }
+
+    void run(int tasks, FunctionRef<void(int)> work) override
+    {
+        Job job{.work = work, .tasks = tasks, .unfinished{tasks}};
+        int wake = 0;
+        {
+            std::lock_guard lock(mutex_);
+            start_workers(tasks - 1);
+            append(job);
+            wake = std::min(sleeping_, tasks - 1);
+        }
+        if (wake == 1)
+            opened_.notify_one();
+        else if (wake > 1)
+            opened_.notify_all();
+        for (int task; (task = take(job)) < tasks;) finish(job, task);
+        const auto done = [&] { return job.unfinished.load(std::memory_order_acquire) == 0; };
+        if (done() || (may_spin() && spin_until(done))) return;
+        std::unique_lock lock(mutex_);
+        finished_.wait(lock, done);
+    }
+
+private:
+    struct Job {
+        FunctionRef<void(int)> work;
+        const int tasks;
+        int next = 0; ///< task that nobody has taken
+        Job* later = nullptr;
+        std::atomic<int> unfinished;
+    };
+
+    void append(Job& job)
+    {
+        Job** end = &first_;
+        while (*end) end = &(*end)->later;
+        *end = &job;
+        any_open_.store(true, std::memory_order_relaxed);
+    }
+
+    int take_locked(Job& job)
+    {
+        const int task = job.next++;
+        if (job.next == job.tasks) { // the last one: nobody shall find the job any more
+            Job** at = &first_;
+            while (*at != &job) at = &(*at)->later;
+            *at = job.later;
+            any_open_.store(first_ != nullptr, std::memory_order_relaxed);
+        }
+        return task;
+    }
+
+    int take(Job& job)
+    {
+        std::lock_guard lock(mutex_);
+        return job.next < job.tasks ? take_locked(job) : job.tasks;
+    }
+
+    void finish(Job& job, int task)
+    {
+        job.work(task);
+        if (job.unfinished.fetch_sub(1, std::memory_order_acq_rel) > 1) return;
+        { // after this the caller either sees that all is done, or waits already
+            std::lock_guard lock(mutex_);
+        }
+        finished_.notify_all();
+    }
+
+    void start_workers(int wanted)
+    {
+        try {
+            for (; workers_ < std::min(wanted, most_workers); ++workers_) std::thread([this] { serve(); }).detach();
+        } catch (const std::system_error&) {
+            // The system grants no more threads: the tasks are done by those that there are.
+        }
+        spinning_pays_.store(workers_ < spin_limit_, std::memory_order_relaxed);
+    }
+
+    bool may_spin() const { return spinning_pays_.load(std::memory_order_relaxed); }
+
+    [[noreturn]] void serve()
+    {
+        for (;;) {
+            if (may_spin()) spin_until([&] { return any_open_.load(std::memory_order_relaxed); });
+            Job* job = nullptr;
+            int task = 0;
+            {
+                std::unique_lock lock(mutex_);
+                ++sleeping_;
+                opened_.wait(lock, [&] { return first_ != nullptr; });
+                --sleeping_;
+                job = first_;
+                task = take_locked(*job);
+            }
+            finish(*job, task);
+        }
+    }
+
+    static constexpr int most_workers = 1023;
+    const int spin_limit_ = hardware_threads();
+
+    std::mutex mutex_;
+    std::condition_variable opened_, finished_;
+    Job* first_ = nullptr; ///< jobs with tasks to take, oldest first
+    int workers_ = 0, sleeping_ = 0;
+    std::atomic<bool> any_open_{false};      ///< whether there is a first job, to look at without the lock
+    std::atomic<bool> spinning_pays_{false}; ///< not with more threads than processors
+};
+
+std::atomic<ThreadPool*> pool{nullptr};
+
+/// Never destroyed: its threads outlast static objects.
+ThreadPool& make_pool()
+{
+    static std::mutex making;
+    std::lock_guard lock(making);
+    if (ThreadPool* there = pool.load(std::memory_order_acquire)) return *there;
+#if __has_include(<pthread.h>)
+    // After fork() the child has the pool's memory, but not its threads.
+    [[maybe_unused]] static const int at_fork =
+        pthread_atfork(nullptr, nullptr, [] { pool.store(nullptr, std::memory_order_relaxed); });
+#endif
+    auto* made = new ThreadPool;
+    pool.store(made, std::memory_order_release);
+    return *made;
+}
+
+} // namespace
+
+Executor& thread_pool()
+{
+    ThreadPool* there = pool.load(std::memory_order_acquire);
+    return there ? *there : make_pool();
+}
+
+} // namespace oncollide

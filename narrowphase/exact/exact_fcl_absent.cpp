@@ -1,0 +1,32 @@
+// Stands for exact_fcl.cpp in builds without FCL.
+#include <oncollide/base/error.hpp>
+#include <oncollide/narrowphase/exact/exact_fcl.hpp>
+
+namespace oncollide {
+namespace {
+
+[[noreturn]] void refuse()
+{
+    throw Error(ErrorKind::usage, "this is a build without FCL (ONCOLLIDE_FCL=OFF)");
+}
+
+} // namespace
+
+bool fcl_available()
+{
+    return false;
+}
+
+class FclModel {};
+
+std::shared_ptr<const FclModel> make_fcl_model(const GeometryData&, bool)
+{
+    refuse();
+}
+
+FclResult fcl_result(const FclModel&, const Eigen::Isometry3d&, const FclModel&, const Eigen::Isometry3d&, double)
+{
+    refuse();
+}
+
+} // namespace oncollide

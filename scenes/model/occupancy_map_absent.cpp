@@ -1,0 +1,30 @@
+// Stands for the parts that need OctoMap in builds without it.
+#include <oncollide/base/error.hpp>
+#include <oncollide/scenes/model/occupancy_map.hpp>
+
+namespace oncollide {
+namespace {
+
+[[noreturn]] void refuse(const std::string& name)
+{
+    throw Error(ErrorKind::usage, name + ": this is a build without OctoMap (ONCOLLIDE_OCTOMAP=OFF)");
+}
+
+} // namespace
+
+OccupancyMap load_octomap(const std::filesystem::path& path)
+{
+    refuse(path.string());
+}
+
+OccupancyMap make_building_map(int, double, std::uint64_t)
+{
+    refuse("building");
+}
+
+void save_octomap(const OccupancyMap&, const std::filesystem::path& path)
+{
+    refuse(path.string());
+}
+
+} // namespace oncollide
