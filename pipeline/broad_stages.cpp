@@ -2,8 +2,9 @@
 #include <algorithm>
 #include <numeric>
 
-#include <oncollide/broadphase/dynamic_tree.hpp>
-#include <oncollide/broadphase/world_boxes.hpp>
+#include <oncollide/base/parallel.hpp>
+#include <oncollide/broadphase/broad_phase.hpp>
+#include <oncollide/broadphase/pose_bounds.hpp>
 #include <oncollide/pipeline/stage.hpp>
 
 namespace oncollide {
@@ -22,6 +23,42 @@ std::vector<std::uint32_t> moving_bodies(const Scene& scene)
     std::vector<std::uint32_t> moving = all_bodies(scene);
     std::erase_if(moving, [&](std::uint32_t body) { return scene.is_static[body] != 0; });
     return moving;
+}
+
+/// The bounds of a scene's geometries, on which its bodies' boxes are based.
+class WorldBoxes {
+public:
+    explicit WorldBoxes(const Scene& scene)
+    {
+        for (const Geometry& geometry : scene.geometries) bounds_.emplace_back(geometry.data);
+    }
+    void update(const Scene& scene, std::span<const std::uint32_t> bodies, int threads, std::span<Aabb> boxes)
+    {
+        counts_.assign(bounds_.size(), 0);
+        for (std::uint32_t body : bodies) ++counts_[index(scene.geometry[body])];
+        for (std::size_t g = 0; g < bounds_.size(); ++g) bounds_[g].expect(counts_[g]);
+        parallel_chunks(bodies.size(), 2048, threads, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t i = begin; i < end; ++i)
+                boxes[bodies[i]] = bounds_[index(scene.geometry[bodies[i]])].box(scene.poses[bodies[i]]);
+        });
+    }
+    Aabb sphere_box(const Scene& scene, std::uint32_t body) const
+    {
+        return bounds_[index(scene.geometry[body])].sphere_box(scene.poses[body]);
+    }
+
+private:
+    std::vector<PoseBounds> bounds_; ///< by geometry
+    std::vector<std::uint64_t> counts_;
+};
+
+/// Adds the bodies of the scene to `broad`, those that rest asleep; where they are there already, tells it who moves.
+void add_or_move(BroadPhase& broad, const Scene& scene, std::span<const std::uint32_t> moving)
+{
+    if (broad.size() > 0) return broad.move(moving);
+    std::vector<std::uint32_t> resting = all_bodies(scene);
+    std::erase_if(resting, [&](std::uint32_t body) { return !scene.is_static[body]; });
+    broad.add(resting, true), broad.add(moving);
 }
 
 /// World boxes: tight, or, skipped, those of spheres.
@@ -56,7 +93,7 @@ private:
 /// Takes what moved into the tree and leaves the bodies of the regions that it reaches.
 class DelimitationStage final : public Stage {
 public:
-    DelimitationStage(const Scene& scene, const Settings& settings, DynamicTree& tree)
+    DelimitationStage(const Scene& scene, const Settings& settings, BroadPhase& tree)
         : tree_(tree), all_(all_bodies(scene)), moving_(moving_bodies(scene)),
           lists_survivors_(settings.broad_phase != BroadPhaseKind::kd_tree ||
                            std::ranges::count(settings.skip, "broad") > 0)
@@ -73,13 +110,7 @@ public:
 
     void run(const Scene& scene, Frame& frame, StageStats& stats) override
     {
-        if (tree_.size() == 0) {
-            std::vector<std::uint32_t> resting = all_;
-            std::erase_if(resting, [&](std::uint32_t body) { return !scene.is_static[body]; });
-            tree_.add(resting, true), tree_.add(moving_);
-        } else {
-            tree_.move(moving_);
-        }
+        add_or_move(tree_, scene, moving_);
         tree_.delimit({frame.boxes, scene.layers, scene.masks});
         frame.delimited = true;
         frame.delimitation.assign(tree_.levels().begin(), tree_.levels().end());
@@ -97,54 +128,58 @@ public:
     }
 
 private:
-    DynamicTree& tree_;
+    BroadPhase& tree_;
     std::vector<std::uint32_t> all_, moving_;
     bool lists_survivors_; ///< the kd-tree goes on with the regions themselves
 };
 
+std::unique_ptr<BroadPhase> make(BroadPhaseKind kind, const BroadPhase::Options& options)
+{
+    switch (kind) {
+    case BroadPhaseKind::kd_tree:
+        break;
+    case BroadPhaseKind::octree:
+        return make_octree(options);
+    case BroadPhaseKind::brute_force:
+        return make_brute_force(options);
+    }
+    return make_kd_tree(options);
+}
+
 class BroadStage final : public Stage {
 public:
-    BroadStage(const Scene& scene, BroadPhaseKind kind, DynamicTree& tree)
-        : tree_(tree), goes_on_(kind == BroadPhaseKind::kd_tree), moving_(moving_bodies(scene).size())
+    BroadStage(const Scene& scene, BroadPhaseKind kind, BroadPhase& tree)
+        : tree_(tree), kind_(kind), moving_(moving_bodies(scene))
     {
-        switch (kind) {
-        case BroadPhaseKind::kd_tree:
-            algorithm_ = make_kd_tree();
-            break;
-        case BroadPhaseKind::octree:
-            algorithm_ = make_octree();
-            break;
-        case BroadPhaseKind::brute_force:
-            algorithm_ = make_brute_force();
-            break;
-        }
     }
     std::string_view name() const override { return "broad"; }
     std::string_view unit() const override { return "pairs"; }
 
     void run(const Scene& scene, Frame& frame, StageStats& stats) override
     {
-        if (goes_on_ && frame.delimited) {
-            const std::span<const BodyPair> pairs = tree_.find_pairs({frame.boxes, scene.layers, scene.masks});
-            frame.pairs.assign(pairs.begin(), pairs.end());
-            // Those that move all survive: each is in its own region.
-            stats.in = pairs_of(tree_.bodies_left(), moving_);
-        } else {
-            algorithm_->find_pairs(frame.boxes, frame.survivors, frame.filter, frame.settings->clearance, frame.threads,
-                                   frame.pairs);
-            stats.in = pairs_of_survivors(frame);
+        const BodyColumns columns{frame.boxes, scene.layers, scene.masks};
+        const bool goes_on = kind_ == BroadPhaseKind::kd_tree && frame.delimited; // with what delimitation left
+        if (!goes_on) {
+            if (!own_) own_ = make(kind_, {.margin = frame.settings->clearance, .threads = frame.threads});
+            add_or_move(*own_, scene, moving_);
         }
+        const std::span<const BodyPair> pairs = goes_on ? tree_.find_pairs(columns) : own_->find_pairs(columns, true);
+        frame.pairs.assign(pairs.begin(), pairs.end());
+        // Those that move all survive: each is in its own region.
+        stats.in = goes_on ? pairs_of(tree_.bodies_left(), moving_.size()) : pairs_of_survivors(scene, frame);
         stats.out = frame.pairs.size();
     }
 
-    void skip(const Scene&, Frame& frame, StageStats& stats) override
+    void skip(const Scene& scene, Frame& frame, StageStats& stats) override
     {
+        const BodyColumns columns{frame.boxes, scene.layers, scene.masks};
         frame.pairs.clear();
         for (std::size_t i = 0; i < frame.survivors.size(); ++i)
-            for (std::size_t j = i + 1; j < frame.survivors.size(); ++j)
-                if (frame.filter.allows(frame.survivors[i], frame.survivors[j]))
-                    frame.pairs.push_back({frame.survivors[i], frame.survivors[j]});
-        stats.in = pairs_of_survivors(frame);
+            for (std::size_t j = i + 1; j < frame.survivors.size(); ++j) {
+                const std::uint32_t a = frame.survivors[i], b = frame.survivors[j];
+                if (!(scene.is_static[a] && scene.is_static[b]) && columns.allows(a, b)) frame.pairs.push_back({a, b});
+            }
+        stats.in = pairs_of_survivors(scene, frame);
         stats.out = frame.pairs.size();
     }
 
@@ -155,17 +190,17 @@ private:
         const auto pairs = [](std::uint64_t n) { return n * (n - (n > 0)) / 2; };
         return pairs(bodies) - pairs(bodies - std::min(moving, bodies));
     }
-    static std::uint64_t pairs_of_survivors(const Frame& frame)
+    static std::uint64_t pairs_of_survivors(const Scene& scene, const Frame& frame)
     {
         std::uint64_t moving = 0;
-        for (std::uint32_t body : frame.survivors) moving += !frame.filter.is_static[body];
+        for (std::uint32_t body : frame.survivors) moving += !scene.is_static[body];
         return pairs_of(frame.survivors.size(), moving);
     }
 
-    DynamicTree& tree_;
-    bool goes_on_; ///< with what delimitation left in the tree
-    std::uint64_t moving_;
-    std::unique_ptr<BroadPhase> algorithm_;
+    BroadPhase& tree_;
+    BroadPhaseKind kind_;
+    std::vector<std::uint32_t> moving_;
+    std::unique_ptr<BroadPhase> own_; ///< where the tree cannot be gone on with
 };
 
 } // namespace
@@ -174,11 +209,11 @@ std::unique_ptr<Stage> make_bounds_stage(const Scene& scene)
 {
     return std::make_unique<BoundsStage>(scene);
 }
-std::unique_ptr<Stage> make_delimitation_stage(const Scene& scene, const Settings& settings, DynamicTree& tree)
+std::unique_ptr<Stage> make_delimitation_stage(const Scene& scene, const Settings& settings, BroadPhase& tree)
 {
     return std::make_unique<DelimitationStage>(scene, settings, tree);
 }
-std::unique_ptr<Stage> make_broad_stage(const Scene& scene, BroadPhaseKind kind, DynamicTree& tree)
+std::unique_ptr<Stage> make_broad_stage(const Scene& scene, BroadPhaseKind kind, BroadPhase& tree)
 {
     return std::make_unique<BroadStage>(scene, kind, tree);
 }

@@ -19,7 +19,6 @@ namespace oncollide {
 ///   results        ocst, exact   -> the caller
 struct Frame {
     const Settings* settings = nullptr;
-    BodyFilter filter;
     std::uint32_t number = 0; ///< frames since the pipeline was made
     int threads = 1;
 

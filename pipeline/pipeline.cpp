@@ -96,7 +96,7 @@ struct Pipeline::Impl {
     std::vector<StageStats> stats, totals;
     std::size_t bodies = 0;
     std::vector<std::uint32_t> moving;
-    std::unique_ptr<DynamicTree> boxes;
+    std::unique_ptr<BroadPhase> boxes;
     std::unique_ptr<Forest> forest;
     std::string backend_note;
     std::uint64_t hash = 0;
@@ -135,8 +135,7 @@ Pipeline::Pipeline(const Scene& scene, const Settings& settings, std::unique_ptr
 
     if (!backend) backend = make_backend(settings, p.backend_note);
     p.forest = std::make_unique<Forest>(scene, p.settings, std::move(backend));
-    p.boxes =
-        std::make_unique<DynamicTree>(DynamicTree::Options{.margin = settings.clearance, .threads = p.frame.threads});
+    p.boxes = make_kd_tree({.margin = settings.clearance, .threads = p.frame.threads});
     p.stages.push_back(make_bounds_stage(scene));
     p.stages.push_back(make_delimitation_stage(scene, p.settings, *p.boxes));
     p.stages.push_back(make_broad_stage(scene, settings.broad_phase, *p.boxes));
@@ -170,7 +169,6 @@ FrameView Pipeline::step(const Scene& scene)
         throw Error(ErrorKind::no_gpu, fmt::format("frame {}: the GPU was lost in an earlier frame, which the CPU "
                                                    "finished: {}; to go on without it use --backend auto or cpu",
                                                    p.frame.number, p.forest->lost()));
-    p.frame.filter = {scene.is_static, scene.layers, scene.masks};
     auto from = begin;
     for (std::size_t i = 0; i < p.stages.size(); ++i) {
         Stage& stage = *p.stages[i];

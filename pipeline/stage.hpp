@@ -2,7 +2,7 @@
 #include <memory>
 #include <string_view>
 
-#include <oncollide/broadphase/dynamic_tree.hpp>
+#include <oncollide/broadphase/broad_phase.hpp>
 #include <oncollide/pipeline/forest.hpp>
 #include <oncollide/pipeline/frame.hpp>
 
@@ -26,9 +26,9 @@ public:
 };
 
 std::unique_ptr<Stage> make_bounds_stage(const Scene& scene);
-/// Both keep a reference to `tree`: the kd-tree goes on with what delimitation left in it.
-std::unique_ptr<Stage> make_delimitation_stage(const Scene& scene, const Settings& settings, DynamicTree& tree);
-std::unique_ptr<Stage> make_broad_stage(const Scene& scene, BroadPhaseKind kind, DynamicTree& tree);
+/// Both keep a reference to `tree`, a kd-tree, which goes on with what delimitation left in it.
+std::unique_ptr<Stage> make_delimitation_stage(const Scene& scene, const Settings& settings, BroadPhase& tree);
+std::unique_ptr<Stage> make_broad_stage(const Scene& scene, BroadPhaseKind kind, BroadPhase& tree);
 /// Keeps a reference to `forest`. The exact stages: exact_stages.hpp.
 std::unique_ptr<Stage> make_ocst_stage(const Settings& settings, Forest& forest);
 
