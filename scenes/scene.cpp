@@ -25,9 +25,13 @@ Aabb bounds_of(const OccupancyMap& map)
 
 } // namespace
 
+Aabb bounds_of(const GeometryData& geometry)
+{
+    return std::visit([](const auto& data) { return bounds_of(data); }, geometry);
+}
 Aabb bounds_of(const Geometry& geometry)
 {
-    return std::visit([](const auto& data) { return bounds_of(data); }, geometry.data);
+    return bounds_of(geometry.data);
 }
 
 std::string why_not_rigid(const Eigen::Isometry3d& pose)
@@ -55,7 +59,7 @@ std::optional<std::uint32_t> NameIndex::find(std::string_view name) const
     return found == indices_.end() ? std::nullopt : std::optional(found->second);
 }
 
-GeometryId Scene::add(std::string geometry_name, std::variant<Mesh, Shape, OccupancyMap> data, std::string recipe)
+GeometryId Scene::add(std::string geometry_name, GeometryData data, std::string recipe)
 {
     if (const Shape* shape = std::get_if<Shape>(&data)) check_shape(geometry_name, *shape);
     if (!geometry_index_.add(geometry_name)) fail("geometry", geometry_name, "the scene has another one of this name");

@@ -29,16 +29,19 @@ constexpr std::uint32_t index(GeometryId id)
     return static_cast<std::uint32_t>(id);
 }
 
+using GeometryData = std::variant<Mesh, Shape, OccupancyMap>;
+
 /// What a body is made of, in its own frame. Shared by its instances.
 struct Geometry {
     std::string name;
-    std::variant<Mesh, Shape, OccupancyMap> data;
+    GeometryData data;
     /// The entry of a scene file that makes this geometry again (JSON text: file or generator; paths absolute or
     /// relative to the current folder). Empty when made in code, and for shapes: their data says it all.
     std::string recipe;
 };
 
 /// The exact box of a geometry in its own frame.
+Aabb bounds_of(const GeometryData& geometry);
 Aabb bounds_of(const Geometry& geometry);
 
 /// What add_body needs to know of a body.
@@ -89,7 +92,7 @@ struct Scene {
     std::size_t size() const { return names.size(); }
 
     /// Throws Error{bad_data} when a geometry of that name exists.
-    GeometryId add(std::string geometry_name, std::variant<Mesh, Shape, OccupancyMap> data, std::string recipe = {});
+    GeometryId add(std::string geometry_name, GeometryData data, std::string recipe = {});
     /// Throws Error{bad_data} for a duplicate name, an unknown geometry, a pose that is not finite or not rigid, a
     /// static body with a motion, or a motion that check_motion refuses.
     BodyId add_body(BodyInit body);

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <oncollide/broadphase/world_boxes.hpp>
+#include <oncollide/broadphase/pose_bounds.hpp>
 #include <oncollide/scenes/catalogue/catalogue.hpp>
 #include <oncollide/scenes/catalogue/mesh_generators.hpp>
 
@@ -24,47 +24,43 @@ Aabb exact_box(const Mesh& mesh, const Eigen::Isometry3d& pose)
     return box;
 }
 
-TEST(WorldBoxes, EncloseRotatedMeshesTightlyBeforeAndAfterTheHullIsFound)
+TEST(PoseBounds, EncloseRotatedMeshesTightlyBeforeAndAfterTheHullIsFound)
 {
     const Mesh meshes[] = {make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 3000), make_terrain_mesh(10, 1, 20, 3),
                            make_needles_mesh(300, 1, 1e4, 3, 5), make_box_mesh({1, 2, 3})};
     for (const Mesh& mesh : meshes) {
-        Scene scene;
-        const GeometryId geometry = scene.add("mesh", mesh);
-        scene.add_body({.name = "body", .geometry = geometry, .motion = Drift{}});
-        WorldBoxes boxes(scene);
-        const std::uint32_t body = 0;
-        Aabb box;
+        const GeometryData geometry = mesh;
+        PoseBounds bounds(geometry);
         for (std::uint64_t i = 0; i < 3000; ++i) {
-            scene.poses[0] = random_pose(1, i, i % 3 == 0 ? 1e6 : 10);
-            boxes.update(scene, {&body, 1}, 1, {&box, 1});
-            const Aabb exact = exact_box(mesh, scene.poses[0]);
+            const Eigen::Isometry3d pose = random_pose(1, i, i % 3 == 0 ? 1e6 : 10);
+            const Aabb exact = exact_box(mesh, pose);
+            if (i == 0) {
+                EXPECT_TRUE(bounds.box(pose).contains(exact)) << "not prepared";
+            }
+            bounds.expect(1);
+            const Aabb box = bounds.box(pose);
             ASSERT_TRUE(box.contains(exact)) << "pose " << i;
             const double excess = std::max((exact.min - box.min).maxCoeff(), (box.max - exact.max).maxCoeff());
             ASSERT_LT(excess, 1e-5 * mesh.bounds.diagonal() + 1e-8) << "pose " << i;
-            ASSERT_TRUE(boxes.sphere_box(scene, 0).contains(exact));
+            ASSERT_TRUE(bounds.sphere_box(pose).contains(exact));
         }
     }
 }
 
-/// A rotation and a shift of large numbers leave a small one, which rounding has moved by more than floats of the body
-/// would.
-TEST(WorldBoxes, EncloseSmallMeshesOfFarFilesThatPosesTakeBack)
+/// A rotation and a translation of large numbers leave a small one, which rounding has moved by more than floats of the
+/// body would.
+TEST(PoseBounds, EncloseSmallMeshesOfFarFilesThatPosesTakeBack)
 {
     using Vector3l = Eigen::Matrix<long double, 3, 1>;
     const Eigen::Vector3d far(1e8, -1e8, 5e7);
-    Scene scene;
     const Mesh mesh = transformed("far", make_box_mesh({1, 1, 1}), 1e-4, -1e4 * far);
-    scene.add_body({.name = "body", .geometry = scene.add("mesh", mesh)});
-    WorldBoxes boxes(scene);
-    const std::uint32_t body = 0;
+    const GeometryData geometry = mesh;
+    PoseBounds bounds(geometry);
     for (std::uint64_t i = 0; i < 1000; ++i) {
-        Eigen::Isometry3d& pose = scene.poses[0];
-        pose = random_pose(2, i, 0);
+        Eigen::Isometry3d pose = random_pose(2, i, 0);
         pose.translation() = pose.linear() * -far;
-        Aabb box;
-        boxes.update(scene, {&body, 1}, 1, {&box, 1});
-        const Aabb sphere = boxes.sphere_box(scene, 0);
+        bounds.expect(i % 2);
+        const Aabb box = bounds.box(pose), sphere = bounds.sphere_box(pose);
         for (const Eigen::Vector3d& v : mesh.vertices) {
             const Vector3l at =
                 pose.linear().cast<long double>() * v.cast<long double>() + pose.translation().cast<long double>();
@@ -76,10 +72,11 @@ TEST(WorldBoxes, EncloseSmallMeshesOfFarFilesThatPosesTakeBack)
     }
 }
 
-TEST(WorldBoxes, GiveAtMostATenthMoreCandidatesThanExactBoxesOnMany)
+TEST(PoseBounds, GiveAtMostATenthMoreCandidatesThanExactBoxesOnMany)
 {
     Scene scene = make_scene("many", {.bodies = 400, .frames = {}, .seed = 12345, .data = {}});
-    WorldBoxes boxes(scene);
+    std::vector<PoseBounds> bounds;
+    for (const Geometry& geometry : scene.geometries) bounds.emplace_back(geometry.data);
     std::vector<Aabb> tight(scene.size()), exact(scene.size());
     std::vector<std::uint32_t> all;
     for (std::uint32_t body = 0; body < scene.size(); ++body) all.push_back(body);
@@ -87,7 +84,11 @@ TEST(WorldBoxes, GiveAtMostATenthMoreCandidatesThanExactBoxesOnMany)
     std::size_t candidates = 0, least = 0;
     for (int frame = 0; frame < 16; ++frame) { // long enough for the hulls to take over
         mover.move(scene, frame);
-        boxes.update(scene, all, 1, tight);
+        for (std::uint32_t body : all) {
+            PoseBounds& own = bounds[index(scene.geometry[body])];
+            own.expect(1);
+            tight[body] = own.box(scene.poses[body]);
+        }
         if (frame % 5) continue;
         for (std::uint32_t body : all)
             exact[body] =
@@ -102,22 +103,18 @@ TEST(WorldBoxes, GiveAtMostATenthMoreCandidatesThanExactBoxesOnMany)
     EXPECT_LE(static_cast<double>(candidates), 1.1 * static_cast<double>(least));
 }
 
-TEST(WorldBoxes, EncloseShapes)
+TEST(PoseBounds, EncloseShapes)
 {
     const Shape shapes[] = {Sphere{0.7}, Box{{1, 0.5, 2}}, Capsule{0.5, 2}, Cylinder{0.3, 1.5},
                             ConvexHull{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 2}}}};
     for (const Shape& shape : shapes) {
-        Scene scene;
-        const GeometryId geometry = scene.add("shape", shape);
-        scene.add_body({.name = "body", .geometry = geometry, .motion = Drift{}});
-        WorldBoxes boxes(scene);
+        const GeometryData geometry = shape;
+        PoseBounds bounds(geometry);
+        bounds.expect(1);
         const Mesh around = bounding_mesh_of(shape).mesh;
-        const std::uint32_t body = 0;
-        Aabb box;
         for (std::uint64_t i = 0; i < 200; ++i) {
-            scene.poses[0] = random_pose(2, i, 5);
-            boxes.update(scene, {&body, 1}, 1, {&box, 1});
-            const Aabb outer = exact_box(around, scene.poses[0]);
+            const Eigen::Isometry3d pose = random_pose(2, i, 5);
+            const Aabb box = bounds.box(pose), outer = exact_box(around, pose);
             // The enclosing mesh is larger than the shape by at most 1 % of its size.
             EXPECT_TRUE(outer.contains(box) || (box.min - outer.min).cwiseAbs().maxCoeff() < 1e-5);
             EXPECT_LT((box.min - outer.min).cwiseAbs().maxCoeff(), 0.02 * around.bounds.diagonal());
