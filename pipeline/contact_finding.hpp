@@ -38,7 +38,7 @@ private:
     private:
         struct Kept {
             std::uint32_t place = ~0u;
-            Eigen::Vector3d normal{};
+            Eigen::Vector3d normal = Eigen::Vector3d::Zero();
         };
         std::array<Kept, 256> kept_;
     };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
 
 namespace oncollide {
 
@@ -20,6 +21,7 @@ Pipeline::Pipeline(const Scene& scene, const Settings& settings, std::unique_ptr
 {
     play(scene);
 }
+Pipeline::Pipeline(const Scene& scene, const Settings& settings) : Pipeline(scene, settings, nullptr) {}
 Pipeline::~Pipeline() = default;
 Pipeline::Pipeline(Pipeline&&) noexcept = default;
 
@@ -90,7 +92,7 @@ void Pipeline::play(const Scene& scene)
         const std::string_view what = error.what();
         const std::size_t colon = what.find(": ");
         const bool of_body = what.starts_with("body ") || what.starts_with("new body");
-        throw Error(error.kind(), of_body ? fmt::format("{}{}", scene.label(body), what.substr(colon)) : std::string(what));
+        throw Error(error.kind(), of_body ? fmt::format("{}{}", scene.label(BodyId{body}), what.substr(colon)) : std::string(what));
     }
     for (; p.excluded < scene.excluded.size(); ++p.excluded)
         world_.exclude({scene.excluded[p.excluded].a}, {scene.excluded[p.excluded].b});

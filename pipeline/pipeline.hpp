@@ -16,8 +16,8 @@ namespace oncollide {
 class Pipeline {
 public:
     /// Errors as World's, and those of bodies name the scene's. Nothing of `scene` but its geometries is kept.
-    explicit Pipeline(const Scene& scene, const Settings& settings = {},
-                      std::unique_ptr<OcclusionBackend> backend = nullptr);
+    explicit Pipeline(const Scene& scene, const Settings& settings = {});
+    Pipeline(const Scene& scene, const Settings& settings, std::unique_ptr<OcclusionBackend> backend);
     ~Pipeline();
     Pipeline(Pipeline&&) noexcept;
 

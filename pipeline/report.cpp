@@ -253,11 +253,11 @@ void Report::write_trace(const std::filesystem::path& path) const
             inner += fmt::format(",\n{{\"ph\": \"X\", \"pid\": 1, \"tid\": 2, \"name\": \"round {}\", \"ts\": {:.3f}, "
                                  "\"dur\": {:.3f}, \"args\": {{\"rows\": {}, \"gpu_ms\": {:.4f}, \"bytes\": {}}}}}",
                                  k, begin + 1000 * r.submitted_ms, 1000 * (r.done_ms - r.submitted_ms), r.rows,
-                                 r.work.gpu_ms, r.work.bytes);
-            if (r.work.wait_ms > 0)
+                                 r.gpu_ms, r.bytes);
+            if (r.wait_ms > 0)
                 inner += fmt::format(",\n{{\"ph\": \"X\", \"pid\": 1, \"tid\": 3, \"name\": \"wait\", \"ts\": {:.3f}, "
                                      "\"dur\": {:.3f}}}",
-                                     begin + 1000 * r.waited_ms, 1000 * r.work.wait_ms);
+                                     begin + 1000 * r.waited_ms, 1000 * r.wait_ms);
         }
         // Viewers nest by time, so a frame must reach to the end of its last stage.
         const double end = std::max(begin + 1000 * f.ms, stage_begin);

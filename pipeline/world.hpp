@@ -90,8 +90,8 @@ struct Segment {
 class World {
 public:
     /// Throws Error{usage} for settings out of range, Error{no_gpu} for a backend that cannot run here.
-    /// @param backend  one of your own, in place of settings.backend
-    explicit World(const Settings& settings = {}, std::unique_ptr<OcclusionBackend> backend = nullptr);
+    explicit World(const Settings& settings = {});
+    World(const Settings& settings, std::unique_ptr<OcclusionBackend> backend); ///< in place of settings.backend
     ~World();
     World(World&&) noexcept;
     World& operator=(World&&) noexcept;

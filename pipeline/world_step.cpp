@@ -117,6 +117,8 @@ World::World(const Settings& settings, std::unique_ptr<OcclusionBackend> backend
     }
 }
 
+World::World(const Settings& settings) : World(settings, nullptr) {}
+
 bool World::Impl::runs(std::string_view stage) const
 {
     return std::ranges::count(settings.skip, stage) == 0;
