@@ -1,5 +1,6 @@
 #include <oncollide/broadphase/body_states.hpp>
 
+#include <algorithm>
 #include <string>
 
 #include <oncollide/base/error.hpp>
@@ -19,16 +20,30 @@ std::string the_body(std::size_t body)
 
 void BodyStates::require(std::span<const std::uint32_t> bodies, bool there) const
 {
+    if (there && !bodies.empty() && std::ranges::max(bodies) < rows()) { // the usual case, without a branch per body
+        std::uint8_t common = present;
+        for (std::uint32_t body : bodies) common &= states_[body];
+        if (common) return;
+    }
     for (std::uint32_t body : bodies)
         if (is(body, present) != there)
             throw Error(ErrorKind::usage,
                         the_body(body) + (there ? ": is not in the broad phase" : ": is in the broad phase"));
 }
 
-inline void BodyStates::mark_changed(std::uint32_t body)
+void BodyStates::mark_changed(std::span<const std::uint32_t> bodies)
 {
-    if (!(states_[body] & changed)) changes_.push_back(body);
-    states_[body] |= changed;
+    const std::size_t before = changes_.size();
+    if (changes_.capacity() < before + bodies.size()) changes_.reserve(std::max(before + bodies.size(), 2 * before));
+    changes_.resize(before + bodies.size());
+    std::uint32_t* out = changes_.data() + before;
+    std::uint8_t* const states = states_.data(); // bytes may alias everything
+    for (std::uint32_t body : bodies) {
+        *out = body;
+        out += !(states[body] & changed);
+        states[body] |= changed;
+    }
+    changes_.resize(static_cast<std::size_t>(out - changes_.data()));
 }
 
 inline void BodyStates::set_awake(std::uint32_t body, bool now)
@@ -42,21 +57,22 @@ inline void BodyStates::set_awake(std::uint32_t body, bool now)
 void BodyStates::add(std::span<const std::uint32_t> bodies, bool asleep)
 {
     require(bodies, false);
+    if (bodies.empty()) return;
+    if (const std::size_t largest = std::ranges::max(bodies); largest >= states_.size()) states_.resize(largest + 1);
+    mark_changed(bodies);
     for (std::uint32_t body : bodies) {
-        if (body >= states_.size()) states_.resize(body + std::size_t{1});
-        mark_changed(body);
         set(body, present);
         set_awake(body, !asleep);
     }
     size_ += bodies.size();
-    came_or_went_ |= !bodies.empty();
+    came_or_went_ = true;
 }
 
 void BodyStates::remove(std::span<const std::uint32_t> bodies)
 {
     require(bodies, true);
+    mark_changed(bodies);
     for (std::uint32_t body : bodies) {
-        mark_changed(body);
         set_awake(body, false);
         clear(body, present);
     }
@@ -67,16 +83,14 @@ void BodyStates::remove(std::span<const std::uint32_t> bodies)
 void BodyStates::move(std::span<const std::uint32_t> bodies)
 {
     require(bodies, true);
-    for (std::uint32_t body : bodies) mark_changed(body);
+    mark_changed(bodies);
 }
 
 void BodyStates::set_awake(std::span<const std::uint32_t> bodies, bool now)
 {
     require(bodies, true);
-    for (std::uint32_t body : bodies) {
-        mark_changed(body);
-        set_awake(body, now);
-    }
+    mark_changed(bodies);
+    for (std::uint32_t body : bodies) set_awake(body, now);
 }
 
 void BodyStates::check(const BodyColumns& columns) const

@@ -45,7 +45,7 @@ public:
 
 private:
     void require(std::span<const std::uint32_t> bodies, bool there) const;
-    void mark_changed(std::uint32_t body);
+    void mark_changed(std::span<const std::uint32_t> bodies);
     void set_awake(std::uint32_t body, bool now);
 
     std::vector<std::uint8_t> states_;

@@ -10,12 +10,12 @@
 
 namespace oncollide {
 
-/// Boxes in an order that keeps neighbours together, 16 a leaf, and over them an implicit tree of bounds, 16 children a
-/// node: no pointers, every node a row of columns that one or two vector comparisons test.
+/// Boxes in an order that keeps neighbours together, 16 per leaf, and over them an implicit tree of bounds, 16 children
+/// per node: no pointers, every node a row of columns that one or two vector comparisons test.
 ///
 /// The order stays while boxes move a little: refit() takes in new boxes and widens the bounds, and degraded() says
 /// when these have become so wide that building again pays. Boxes are floats relative to the middle of all, rounded
-/// outward. 34 bytes a box.
+/// outward. 34 bytes per box.
 class BoxTree {
 public:
     explicit BoxTree(BoxOrder kind) : kind_(kind) {}

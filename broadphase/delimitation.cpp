@@ -10,7 +10,7 @@ namespace oncollide {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::size_t width = 16; // children a node
+constexpr std::size_t width = 16; // children per node
 constexpr std::size_t queries_worth_threads = 4096;
 
 double ms_since(Clock::time_point from)

@@ -14,6 +14,7 @@ template <class Take>
 class PairChunks {
 public:
     explicit PairChunks(Take take) : take_(take), sink_{i_, j_, 0, room, flush, this} {}
+    ~PairChunks() { flush(); }
     PairChunks(const PairChunks&) = delete;
     PairChunks& operator=(const PairChunks&) = delete;
     PairSink& sink() { return sink_; }

@@ -9,6 +9,7 @@
 #include <oncollide/base/error.hpp>
 
 #include "boxes.hpp"
+#include "count_allocations.hpp"
 
 namespace oncollide {
 namespace {
@@ -271,6 +272,27 @@ TEST_P(EveryBroadPhase, AnswersQueriesFromManyThreadsAtOnce)
     EXPECT_EQ(find(*broad, scene), pairs) << "a query forgets no pair";
     broad->query(scene.columns(), {}, hits[0]);
     EXPECT_TRUE(hits[0].empty());
+}
+
+TEST_P(EveryBroadPhase, AllocatesNothingInAWarmFrame)
+{
+    Boxes scene = random_boxes(2000, 22, 0.3, 43, {0, 0, 0});
+    const auto broad = make();
+    scene.add_to(*broad);
+    std::vector<BoxHit> hits;
+    for (std::uint64_t frame = 0; frame < 24; ++frame) {
+        Bodies moved;
+        for (std::uint32_t body : scene.all)
+            if (body % (frame % 2 ? 50u : 2u) == 0) moved.push_back(body);
+        for (std::uint32_t body : moved) scene.step(body, {frame % 4 < 2 ? 0.1 : -0.1, 0, 0});
+        const std::size_t before = allocations;
+        broad->move(moved);
+        broad->find_pairs(scene.columns());
+        broad->query(scene.columns(), std::span(scene.boxes).first(20), hits);
+        if (frame >= 8) {
+            EXPECT_EQ(allocations - before, 0u) << "frame " << frame;
+        }
+    }
 }
 
 TEST_P(EveryBroadPhase, RefusesWhatMakesNoSense)

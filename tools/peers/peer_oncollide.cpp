@@ -10,32 +10,29 @@
 namespace oncollide::tools {
 namespace {
 
-/// The broad phase of the library, told which boxes moved or, as most others are, nothing: then all boxes are taken in
-/// and all are searched, frame by frame.
+/// The library's own, told which boxes moved.
 class OwnPeer final : public BroadPeer {
 public:
-    OwnPeer(std::unique_ptr<BroadPhase> broad, bool told) : broad_(std::move(broad)), told_(told) {}
+    OwnPeer(std::unique_ptr<BroadPhase> broad, bool whole) : broad_(std::move(broad)), whole_(whole) {}
 
     void start(const BoxFrame& frame) override
     {
         std::vector<std::uint32_t> resting, moving;
-        for (std::uint32_t body = 0; body < frame.boxes.size(); ++body) {
+        for (std::uint32_t body = 0; body < frame.boxes.size(); ++body)
             (frame.is_static[body] ? resting : moving).push_back(body);
-            if (!told_) all_.push_back(body);
-        }
         broad_->add(resting, true), broad_->add(moving);
     }
 
     void step(const BoxFrame& frame, std::vector<BodyPair>& pairs) override
     {
-        broad_->move(told_ ? frame.moved : all_);
-        const std::span<const BodyPair> found = broad_->find_pairs({.boxes = frame.boxes}, !told_);
+        broad_->move(frame.moved);
+        const std::span<const BodyPair> found = broad_->find_pairs({.boxes = frame.boxes}, whole_);
         pairs.assign(found.begin(), found.end());
     }
 
     std::string remark() override
     {
-        if (!told_) return {};
+        if (whole_) return {};
         const std::span<const DelimitationLevel> levels = broad_->levels();
         if (levels.empty()) return "delimitation off: over a quarter of the boxes changed";
         std::string text = "delimitation by level, rejected:";
@@ -48,8 +45,7 @@ public:
 
 private:
     std::unique_ptr<BroadPhase> broad_;
-    bool told_;
-    std::vector<std::uint32_t> all_;
+    bool whole_; ///< search all, whatever moved
 };
 
 } // namespace
@@ -59,17 +55,17 @@ void add_oncollide(std::vector<Contender>& all)
     struct Algorithm {
         const char *name, *what;
         std::unique_ptr<BroadPhase> (*make)(const BroadPhase::Options&);
-        bool told;
+        bool whole;
     };
-    for (Algorithm a : {Algorithm{"kd", "oncollide kd-tree", make_kd_tree, false},
-                        Algorithm{"octree", "oncollide octree", make_octree, false},
-                        Algorithm{"dynamic", "oncollide kd-tree, delimited", make_kd_tree, true}})
+    for (Algorithm a : {Algorithm{"kd", "oncollide kd-tree", make_kd_tree, true},
+                        Algorithm{"octree", "oncollide octree", make_octree, true},
+                        Algorithm{"dynamic", "oncollide kd-tree, delimited", make_kd_tree, false}})
         all.push_back({.name = a.name,
                        .what = a.what,
                        .group = Contender::Group::oncollide,
                        .threaded = true,
                        .make = [a](int threads) -> std::unique_ptr<BroadPeer> {
-                           return std::make_unique<OwnPeer>(a.make({.threads = threads}), a.told);
+                           return std::make_unique<OwnPeer>(a.make({.threads = threads}), a.whole);
                        }});
 }
 
