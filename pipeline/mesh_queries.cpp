@@ -18,7 +18,8 @@ constexpr std::size_t batch = 8192; // queries walked together: their parked wor
 Settings checked(Settings s)
 {
     check(s);
-    if (s.spheres == Spheres::automatic) s.spheres = Spheres::tight; // no GPU here that would want the others
+    if (s.bounding_volume == BoundingVolume::automatic)
+        s.bounding_volume = BoundingVolume::obb; // no GPU here wants cells
     const Settings usual;
     if (s.exact == ExactLevel::fcl || s.mode != usual.mode || s.backend != usual.backend || !s.skip.empty() ||
         wants_kinds(s))
@@ -69,7 +70,7 @@ struct MeshQueries::Impl {
         }
         const auto first = static_cast<std::uint32_t>(scene.poses.size() - 2);
         const BodyPair pair{first, first + 1};
-        if (wants_tight(settings) && mesh_pairs.admit(scene, frame, pair))
+        if (wants_obbs(settings) && mesh_pairs.admit(scene, frame, pair))
             asks.push_back({pair}), of_asks.push_back(first / 2);
         else
             walks.push_back({pair, {}, {}}), of_walks.push_back(first / 2);

@@ -33,9 +33,9 @@ struct MeshAnswer {
 /// Not thread-safe: one call uses all its threads itself.
 class MeshQueries {
 public:
-    /// Of the settings depth, max_error, clearance, exact (off or predicates), spheres, threads, age_limit (in calls)
-    /// and the budgets count; automatic spheres are tight here. Throws Error{usage} for others than their defaults, and
-    /// for a clearance with predicates.
+    /// Of the settings depth, max_error, clearance, exact (off or predicates), bounding_volume, threads, age_limit (in
+    /// calls) and the budgets count; the automatic bounding volume is OBBs here. Throws Error{usage} for others than
+    /// their defaults, and for a clearance with predicates.
     explicit MeshQueries(std::vector<Mesh> meshes, const Settings& settings = {});
     ~MeshQueries();
     MeshQueries(MeshQueries&&) noexcept;

@@ -14,7 +14,7 @@ namespace {
 class OcstStage final : public Stage {
 public:
     OcstStage(const Settings& settings, Forest& forest)
-        : tight_(wants_tight(settings)),
+        : tight_(wants_obbs(settings)),
           left_to_exact_(settings.exact == ExactLevel::predicates && std::ranges::count(settings.skip, "exact") == 0),
           pair_walks_(forest), mesh_pairs_(forest), enclosures_(forest)
     {

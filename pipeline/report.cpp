@@ -59,12 +59,12 @@ std::string settings_json(const Settings& s)
     std::string skip;
     for (const std::string& stage : s.skip) skip += (skip.empty() ? "" : ", ") + json_string(stage);
     return fmt::format(
-        R"({{"depth": {}, "max_error": {}, "clearance": {}, "exact": "{}", "kinds": {}, "ignore_touching": {}, "mode": "{}", "open_as_surface": {}, "backend": "{}", "broad": "{}", "spheres": "{}", )"
+        R"({{"depth": {}, "max_error": {}, "clearance": {}, "exact": "{}", "kinds": {}, "ignore_touching": {}, "mode": "{}", "open_as_surface": {}, "backend": "{}", "broad": "{}", "bounding_volume": "{}", )"
         R"("gpu": {}, "viewport": {}, "threads": {}, "skip": [{}], "age": {}, "node_budget": {}, "memory_budget": {}, "coherence": {}}})",
         s.depth ? fmt::format("{}", *s.depth) : "null", s.max_error ? number(*s.max_error) : "null",
         number(s.clearance), name_of(s.exact), s.contact_kinds, s.ignore_touching, name_of(s.mode), s.open_as_surface,
-        name_of(s.backend), name_of(s.broad_phase), name_of(s.spheres), s.gpu, s.viewport, s.threads, skip, s.age_limit,
-        s.node_budget, s.memory_budget, s.coherence);
+        name_of(s.backend), name_of(s.broad_phase), name_of(s.bounding_volume), s.gpu, s.viewport, s.threads, skip,
+        s.age_limit, s.node_budget, s.memory_budget, s.coherence);
 }
 
 } // namespace

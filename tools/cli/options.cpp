@@ -95,9 +95,9 @@ void add_pipeline_options(CLI::App& command, SettingsOptions& o)
         ->type_name("PX");
     command
         .add_option(
-            "--spheres", o.spheres,
-            "of meshes. paper: around the cells; tight: oriented boxes in their place, quicker at equal error (default "
-            "auto: tight where predicates decide)")
+            "--bounding-volume,--spheres", o.bounding_volume,
+            "of meshes. sphere: around the cells, as in the paper; obb: oriented boxes in their place, faster at equal "
+            "error (default auto: obb where predicates decide)")
         ->type_name("NAME");
     command.add_option("--broad", o.broad, "broad phase: kd, octree or brute (default kd)")->type_name("NAME");
     command.add_option("--threads", o.threads, "threads; 0: all. Never changes the result (default 1)")->type_name("N");
@@ -127,7 +127,7 @@ Settings settings_from(const SettingsOptions& o)
                       .mode = mode_from_name(o.mode),
                       .open_as_surface = o.open_as_surface,
                       .backend = backend_from_name(o.backend),
-                      .spheres = spheres_from_name(o.spheres),
+                      .bounding_volume = bounding_volume_from_name(o.bounding_volume),
                       .gpu = o.gpu,
                       .viewport = o.viewport,
                       .broad_phase = broad_phase_from_name(o.broad),

@@ -20,7 +20,7 @@ struct SettingsOptions {
     std::optional<int> depth;
     std::optional<double> max_error;
     double clearance = 0;
-    std::string exact = "off", mode = "surface", backend = "cpu", broad = "kd", spheres = "auto";
+    std::string exact = "off", mode = "surface", backend = "cpu", broad = "kd", bounding_volume = "auto";
     int threads = 1;
     int gpu = Settings{}.gpu, viewport = Settings{}.viewport;
     bool kinds = false, ignore_touching = false, open_as_surface = false;
