@@ -17,8 +17,8 @@ namespace {
 
 /// One image to be: its panels from left to right.
 struct Panels {
-    std::vector<Picture> pictures;
-    std::size_t spheres = 0, red = 0; ///< of all panels
+    std::vector<ScenePicture> pictures;
+    std::size_t spheres = 0, red = 0, meeting = 0; ///< of all panels
 };
 
 /// Plays the scene from its start, so that trees grow and age as they do in a run, and hands over each image's panels.
@@ -41,10 +41,11 @@ void play(Scene& scene, const RenderOptions& options, const Settings& settings, 
                 pairs = pipeline.step(scene).pairs;
             }
             for (std::optional<int> level : plan.levels) {
-                Picture picture = pictures.make(tree_of, pairs, level);
+                ScenePicture picture = pictures.make(tree_of, pairs, level);
                 picture.width = plan.width / plan.panels(), picture.height = plan.height;
                 panels.pictures.push_back(std::move(picture));
                 panels.spheres += pictures.spheres(), panels.red += pictures.red();
+                panels.meeting += pictures.meeting();
             }
         }
         take(image, panels);
@@ -52,7 +53,7 @@ void play(Scene& scene, const RenderOptions& options, const Settings& settings, 
 }
 
 /// Side by side; columns that no panel covers are background.
-Image draw(Painter& painter, std::vector<Picture>& panels, const Camera& camera, const RenderPlan& plan)
+Image draw(Painter& painter, std::vector<ScenePicture>& panels, const Camera& camera, const RenderPlan& plan)
 {
     Image image{plan.width, plan.height, std::vector<std::uint8_t>(3 * std::size_t(plan.width * plan.height), 255)};
     for (std::size_t k = 0; k < panels.size(); ++k) {
@@ -93,7 +94,8 @@ int render(const RenderOptions& options)
         save_png(draw(painter, panels.pictures, view.camera(framing), plan), image.file);
         if (!options.quiet)
             (image.file == "-" ? std::cerr : std::cout)
-                << fmt::format("{}: {} spheres, {} of them red\n", image.file, panels.spheres, panels.red);
+                << fmt::format("{}: {} spheres, {} of them red{}\n", image.file, panels.spheres, panels.red,
+                               panels.meeting ? fmt::format("; {} triangles that meet", panels.meeting) : "");
     });
     return 0;
 }
@@ -136,7 +138,8 @@ void add_render(Arguments app)
                "  oncollide render paper --body dragon --whole --show spheres --level 2,4,6 --out levels.png\n"
                "  oncollide render city --bodies 300 --every 10 --frame 100 --out city.png\n"
                "Spheres are those that the trees hold at that frame, the finest wherever they are known; red ones\n"
-               "touch spheres of another body that was not found separate. More: docs/pictures.md.");
+               "touch spheres of another body that was not found separate. With --exact predicates the triangles of\n"
+               "colliding meshes that meet are red. More: docs/pictures.md.");
     sub.action([options] { return render(*options); });
 }
 
