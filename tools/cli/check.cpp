@@ -76,8 +76,9 @@ std::string describe(const Scene& scene, const Settings& settings, const PairRes
     case Verdict::separate:
         if (pair.kind == ContactKind::touching)
             return fmt::format("separate: {} touch without crossing, which is ignored as asked.", both);
-        return fmt::format("separate: {} are at least {:.6g} m apart (certified).", both,
-                           std::max(pair.bound, settings.clearance));
+        if (const double gap = std::max(pair.bound, settings.clearance); gap > 0)
+            return fmt::format("separate: {} are at least {:.6g} m apart (certified).", both, gap);
+        return fmt::format("separate: {} do not meet (tested triangle by triangle).", both);
     case Verdict::colliding:
         switch (pair.kind) {
         case ContactKind::touching:
