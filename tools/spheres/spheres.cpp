@@ -232,36 +232,36 @@ int spheres(const SpheresOptions& options)
 
 } // namespace
 
-void add_spheres(CLI::App& app, Command& command)
+void add_spheres(Arguments app)
 {
-    CLI::App* sub =
-        app.add_subcommand("spheres", "The spheres and boxes of a mesh's trees, and how well they stand for it");
+    Arguments sub =
+        app.add_command("spheres", "The spheres and boxes of a mesh's trees, and how well they stand for it");
     auto options = std::make_shared<SpheresOptions>();
-    sub->add_option("mesh", options->mesh, "mesh (OBJ, STL, PLY, OFF, glTF)")->required()->type_name("MESH");
-    sub->add_option("--depth", options->depth,
-                    "depth of the sphere-tree, 1 to 16 (default 6); boxes go down to single triangles")
-        ->type_name("D");
-    sub->add_option("--max-error", options->max_error,
-                    "instead of --depth: largest error in metres of the answer 'within' for two such trees")
-        ->type_name("M");
-    sub->add_option("--bounding-volume,--spheres", options->bounding_volume,
-                    "which to write. sphere: spheres around cells (default); obb: oriented boxes around triangles")
-        ->type_name("NAME");
-    sub->add_option("--csv", options->csv, "write those of all levels, one a row; '-' is standard output")
-        ->type_name("FILE");
-    sub->add_option("--json", options->json, "write the tables and those of all levels; '-' is standard output")
-        ->type_name("FILE");
-    sub->add_option("--directions", options->directions,
-                    fmt::format("points of each sphere or box that are looked at (default {})", options->directions))
-        ->type_name("N");
-    sub->add_option("--threads", options->threads, "threads; 0: all. Never changes the result (default 1)")
-        ->type_name("N");
-    sub->add_flag("--quiet", options->quiet, "print nothing but errors");
-    sub->footer("Exit code 70: a part of the surface is in no sphere or box, or one reaches farther than certified.\n"
-                "Examples:\n"
-                "  oncollide spheres bunny.obj --depth 5\n"
-                "  oncollide spheres part.stl --max-error 0.002 --bounding-volume obb --csv boxes.csv");
-    sub->callback([options, &command] { command = [options] { return spheres(*options); }; });
+    sub.add_option("mesh", options->mesh, "mesh (OBJ, STL, PLY, OFF, glTF)").required().type_name("MESH");
+    sub.add_option("--depth", options->depth,
+                   "depth of the sphere-tree, 1 to 16 (default 6); boxes go down to single triangles")
+        .type_name("D");
+    sub.add_option("--max-error", options->max_error,
+                   "instead of --depth: largest error in metres of the answer 'within' for two such trees")
+        .type_name("M");
+    sub.add_option("--bounding-volume,--spheres", options->bounding_volume,
+                   "which to write. sphere: spheres around cells (default); obb: oriented boxes around triangles")
+        .type_name("NAME");
+    sub.add_option("--csv", options->csv, "write those of all levels, one a row; '-' is standard output")
+        .type_name("FILE");
+    sub.add_option("--json", options->json, "write the tables and those of all levels; '-' is standard output")
+        .type_name("FILE");
+    sub.add_option("--directions", options->directions,
+                   fmt::format("points of each sphere or box that are looked at (default {})", options->directions))
+        .type_name("N");
+    sub.add_option("--threads", options->threads, "threads; 0: all. Never changes the result (default 1)")
+        .type_name("N");
+    sub.add_flag("--quiet", options->quiet, "print nothing but errors");
+    sub.footer("Exit code 70: a part of the surface is in no sphere or box, or one reaches farther than certified.\n"
+               "Examples:\n"
+               "  oncollide spheres bunny.obj --depth 5\n"
+               "  oncollide spheres part.stl --max-error 0.002 --bounding-volume obb --csv boxes.csv");
+    sub.action([options] { return spheres(*options); });
 }
 
 } // namespace oncollide::tools

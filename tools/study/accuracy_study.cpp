@@ -187,59 +187,61 @@ int accuracy_study(const StudyOptions& o)
     return study.faulty() ? int(ErrorKind::internal) : 0;
 }
 
-void add_study_options(CLI::App& sub, StudyOptions& o)
+/// Returns the option that takes poses from a file.
+Option add_study_options(Arguments sub, StudyOptions& o)
 {
-    sub.add_option("what", o.workload.what, "a scene, or two mesh files")->type_name("SCENE.json|NAME|MESH_A MESH_B");
-    sub.add_option("--poses", o.workload.poses,
-                   "two meshes in the poses of this file; without a file and meshes, the data folder's set")
-        ->type_name("FILE")
-        ->expected(0, 1);
+    sub.add_option("what", o.workload.what, "a scene, or two mesh files").type_name("SCENE.json|NAME|MESH_A MESH_B");
+    const Option poses =
+        sub.add_option("--poses", o.workload.poses,
+                       "two meshes in the poses of this file; without a file and meshes, the data folder's set")
+            .type_name("FILE")
+            .expected(0, 1);
     sub.add_option("--distances", o.workload.distances,
                    "two meshes: distances of generated poses, percents of A's diagonal (default 0,0.1,1,5)")
-        ->type_name("LIST");
+        .type_name("LIST");
     sub.add_option("--count", o.workload.count, "two meshes: poses a distance, or of the file (default 100, all)")
-        ->type_name("N");
-    sub.add_option("--every", o.workload.every, "only every so manieth frame or pose")->type_name("N");
-    sub.add_option("--depths", o.depths, "depths of the trees (default 2-8)")->type_name("LIST");
+        .type_name("N");
+    sub.add_option("--every", o.workload.every, "only every so manieth frame or pose").type_name("N");
+    sub.add_option("--depths", o.depths, "depths of the trees (default 2-8)").type_name("LIST");
     sub.add_option("--max-errors", o.max_errors, "instead of depths: errors in metres, like 0.1,0.03,0.01")
-        ->type_name("LIST");
+        .type_name("LIST");
     sub.add_option("--backend", o.backends, "cpu, gl-compute, gl-query, several with commas (default cpu)")
-        ->type_name("LIST");
+        .type_name("LIST");
     sub.add_option("--viewport", o.viewports, "gl-query: pixels a side, several with commas (default 16)")
-        ->type_name("LIST");
+        .type_name("LIST");
     sub.add_option("--bounding-volume,--spheres", o.bounding_volumes, "sphere, obb or both (default sphere,obb)")
-        ->type_name("LIST");
-    sub.add_option("--exact", o.exact, "exact levels: off, predicates, fcl (default off,predicates)")
-        ->type_name("LIST");
+        .type_name("LIST");
+    sub.add_option("--exact", o.exact, "exact levels: off, predicates, fcl (default off,predicates)").type_name("LIST");
     sub.add_option(
            "--peers", o.peers,
            "beside these: fcl, ode, bullet, embree, cgal, several with commas, all or none (default fcl,ode,bullet)")
-        ->type_name("LIST");
-    sub.add_option("--warm-up", o.warm_up, "frames at the start that count in no time (default 3)")->type_name("N");
+        .type_name("LIST");
+    sub.add_option("--warm-up", o.warm_up, "frames at the start that count in no time (default 3)").type_name("N");
     sub.add_option("--repeats", o.repeats,
                    "runs, of a frame's times the least counts; scenes from nothing, poses go on with what has grown "
                    "(default 1)")
-        ->type_name("N");
+        .type_name("N");
     sub.add_option("--html", o.html, "write a page with all of it, figures and pictures; needs no network")
-        ->type_name("FILE");
-    sub.add_option("--csv", o.csv, "write one row a variant")->type_name("FILE");
-    sub.add_option("--json", o.json, "write the same as JSON, with the stages")->type_name("FILE");
+        .type_name("FILE");
+    sub.add_option("--csv", o.csv, "write one row a variant").type_name("FILE");
+    sub.add_option("--json", o.json, "write the same as JSON, with the stages").type_name("FILE");
+    return poses;
 }
 
 } // namespace
 
-CLI::App* add_accuracy_study(CLI::App& accuracy, Command& command)
+void add_accuracy_study(Arguments accuracy)
 {
-    CLI::App* sub = accuracy.add_subcommand(
+    Arguments sub = accuracy.add_command(
         "study", "Speed against error: a scene, or two meshes in many poses, at many settings, beside other libraries");
     auto options = std::make_shared<StudyOptions>();
-    add_catalogue_options(*sub, options->workload.scene);
-    add_accuracy_options(*sub, options->settings);
-    add_pipeline_options(*sub, options->settings);
+    add_catalogue_options(sub, options->workload.scene);
+    add_accuracy_options(sub, options->settings);
+    add_pipeline_options(sub, options->settings);
     for (const char* replaced : {"--depth", "--max-error", "--exact", "--backend", "--viewport", "--bounding-volume"})
-        sub->remove_option(sub->get_option(replaced));
-    add_study_options(*sub, *options);
-    sub->footer(
+        sub.remove_option(replaced);
+    const Option poses = add_study_options(sub, *options);
+    sub.footer(
         "The truth is exact arithmetic on the triangles of every two bodies whose boxes overlap, by no tree, walk or\n"
         "predicate of the library. Columns:\n"
         "  error     the largest certified bound of a pair left over: none is farther apart\n"
@@ -254,12 +256,10 @@ CLI::App* add_accuracy_study(CLI::App& accuracy, Command& command)
         "  oncollide accuracy study many --bodies 200 --frames 5 --peers all --csv peers.csv\n"
         "  oncollide accuracy study paper --backend cpu,gl-query --viewport 8,64 --bounding-volume sphere\n"
         "Exit code 70: a certified answer was wrong.");
-    const CLI::Option* poses = sub->get_option("--poses");
-    sub->callback([options, poses, &command] {
-        options->workload.use_poses = poses->count() > 0;
-        command = [options] { return accuracy_study(*options); };
+    sub.action([options, poses] {
+        options->workload.use_poses = poses.given();
+        return accuracy_study(*options);
     });
-    return sub;
 }
 
 } // namespace oncollide::tools

@@ -89,7 +89,7 @@ StudyPicture draw(StudyCourse& workload, const Scenario& scenario, Painter& pain
                                .clearance = settings.clearance};
     shown.bodies[pair.a] = shown.bodies[pair.b] = 1;
     ScenePictures pictures(scene, shown);
-    Picture picture = pictures.make([&](GeometryId id) { return pipeline.tree(id); }, pairs, std::nullopt);
+    ScenePicture picture = pictures.make([&](GeometryId id) { return pipeline.tree(id); }, pairs, std::nullopt);
     picture.width = picture.height = side;
     Framing framing;
     framing.add(picture);
