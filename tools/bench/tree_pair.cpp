@@ -1,34 +1,22 @@
 #include "bench/tree_pair.hpp"
 
-#include <algorithm>
-
 namespace oncollide::tools {
 
-TreePair::TreePair(Scene& scene, const Settings& settings)
-    : depth(settings.depth.value_or(6)), scene_(scene), forest_(scene, settings, make_cpu_backend())
+TreePair::TreePair(const Scene& scene, const Settings& settings)
+    : depth(settings.depth.value_or(6)), settings_(settings), models_(settings_, make_cpu_backend()),
+      a_(models_[models_.add(scene.geometries.share(index(scene.geometry[0])))]),
+      b_(models_[models_.add(scene.geometries.share(index(scene.geometry[1])))]), pose_a_(scene.poses[0]),
+      refiner_(models_), context_{.settings = settings_, .trees = {}, .rounds = {}, .began = {}}
 {
 }
 
-WalkResult TreePair::walk(const Eigen::Isometry3d& b)
+PairAnswer TreePair::walk(const Eigen::Isometry3d& b)
 {
-    scene_.poses[1] = b;
-    const WalkPair pair = forest_.walk_pair(scene_, 0, 1);
-    ParkedWork parked;
-    Walker *walker = &walkers_[0], *last = &walkers_[1];
-    walker->clear();
-    WalkResult result = walker->start(pair, 0, forest_.backend(), parked);
-    for (int round = 1; result.status == WalkStatus::parked; ++round) {
-        requests_.clear();
-        walker->requests(pair, parked, requests_);
-        std::sort(requests_.begin(), requests_.end());
-        requests_.erase(std::unique(requests_.begin(), requests_.end()), requests_.end());
-        forest_.submit(requests_, 1);
-        forest_.grow(0);
-        std::swap(walker, last);
-        walker->clear();
-        result = walker->resume(pair, 0, forest_.backend(), *last, result, round, false, parked);
-    }
-    return result;
+    const PairTask task{0, &a_, &b_, &pose_a_, &b};
+    PairAnswer answer{};
+    context_.rounds.clear();
+    refiner_.refine(context_, {&task, 1}, nullptr, {&answer, 1});
+    return answer;
 }
 
 } // namespace oncollide::tools

@@ -1,31 +1,32 @@
 #pragma once
 #include <cstdint>
-#include <vector>
 
-#include <oncollide/pipeline/forest.hpp>
+#include <oncollide/pipeline/sphere_refiner.hpp>
 
 namespace oncollide::tools {
 
-/// The walk of two sphere-trees, one question at a time, driven as the pipeline's stage drives it.
-/// Nothing is remembered from one question to the next but the trees.
+/// The walk of two sphere-trees, one query at a time, by the refiner of the pipeline's stage.
+/// Nothing is remembered from one query to the next but the trees.
 class TreePair {
 public:
-    /// @param scene     two bodies with meshes; the second is moved
-    TreePair(Scene& scene, const Settings& settings);
+    /// @param scene  two bodies with meshes; the second is moved
+    TreePair(const Scene& scene, const Settings& settings);
 
-    WalkResult walk(const Eigen::Isometry3d& b);
+    PairAnswer walk(const Eigen::Isometry3d& b);
 
-    const Forest& forest() const { return forest_; }
-    std::uint64_t cell_pairs() const { return walkers_[0].node_pairs() + walkers_[1].node_pairs(); }
-    void reset_counters() { walkers_[0].reset_counters(), walkers_[1].reset_counters(); }
+    const ModelStore& models() const { return models_; }
+    std::uint64_t cell_pairs() const { return context_.trees.node_pairs; }
+    void reset_counters() { context_.trees = {}; }
 
     const int depth;
 
 private:
-    Scene& scene_;
-    Forest forest_;
-    Walker walkers_[2]; ///< the one at work, and the one that parked last
-    std::vector<CellRequest> requests_;
+    Settings settings_;
+    ModelStore models_;
+    Model &a_, &b_;
+    Eigen::Isometry3d pose_a_;
+    SphereRefiner refiner_;
+    RefineContext context_;
 };
 
 } // namespace oncollide::tools

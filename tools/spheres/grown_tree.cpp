@@ -9,16 +9,17 @@
 namespace oncollide::tools {
 
 GrownTree::GrownTree(const Scene& scene, const Settings& settings, std::size_t most)
-    : forest_(scene, settings, make_cpu_backend()), levels_{{root_cell}}
+    : settings_(settings), models_(settings_, make_cpu_backend()), model_(models_[models_.add(scene.geometries.share(0))]),
+      levels_{{root_cell}}
 {
-    const Ocst& tree = forest_.tree(GeometryId{0});
+    const Ocst& tree = models_.spheres(model_);
     std::vector<CellRequest> requests;
     for (int l = 0; l < tree.depth(); ++l) {
         requests.clear();
         for (const CellKey cell : levels_.back()) requests.push_back({0, cell});
         std::sort(requests.begin(), requests.end());
-        forest_.submit(requests, 1);
-        forest_.grow(0);
+        models_.submit(requests, 1);
+        models_.grow(0);
         std::vector<CellKey>& next = levels_.emplace_back();
         tree.for_each_cell([&](CellKey cell, bool) {
             if (level_of(cell) == l + 1) next.push_back(cell);
@@ -40,7 +41,7 @@ std::vector<CoveringVolume> GrownTree::spheres(int level) const
 
 double GrownTree::certified_reach(int level) const
 {
-    return 2 * tree().radius(level) + tree().reach(forest_.backend(), level);
+    return 2 * tree().radius(level) + tree().error(level);
 }
 
 } // namespace oncollide::tools
