@@ -51,8 +51,9 @@ Header read_header(const MeshSource& source, bool binary)
     }
     if (header.id != "OcTree")
         source.fail(fmt::format("the tree's id is {}; only OcTree can be read", quoted(header.id)));
-    if (!(header.resolution >= 1e-6 && header.resolution <= 1e6))
-        source.fail(fmt::format("the resolution is {}; it must be from 1e-6 to 1e6 m", header.resolution));
+    if (!(header.resolution >= least_resolution && header.resolution <= most_resolution))
+        source.fail(fmt::format("the resolution is {}; it must be from {} to {} m", header.resolution, least_resolution,
+                                most_resolution));
     if (header.nodes < 0) source.fail("the header gives no size");
     return header;
 }
