@@ -1,6 +1,7 @@
 #include <oncollide/scenes/scene.hpp>
 
 #include <algorithm>
+#include <functional>
 
 #include <fmt/format.h>
 
@@ -19,6 +20,33 @@ namespace {
 std::string who_is(const std::string& name, std::size_t body)
 {
     return name.empty() ? fmt::format("body {}", body) : fmt::format("body '{}'", name);
+}
+
+constexpr std::uint32_t nobody = 0xffffffffu;
+
+std::uint32_t hash_of(std::string_view name)
+{
+    return static_cast<std::uint32_t>(std::hash<std::string_view>()(name));
+}
+
+/// Puts `slot` into the first free one from where its hash says.
+template <class Slot>
+void place(std::vector<Slot>& slots, const Slot& slot)
+{
+    const std::size_t mask = slots.size() - 1;
+    std::size_t at = slot.hash & mask;
+    while (slots[at].index != nobody) at = (at + 1) & mask;
+    slots[at] = slot;
+}
+
+auto body_names(const Scene& scene)
+{
+    return [&](std::uint32_t i) -> std::string_view { return scene.names[i]; };
+}
+
+auto geometry_names(const Scene& scene)
+{
+    return [&](std::uint32_t i) -> std::string_view { return scene.geometries[i].name; };
 }
 
 Aabb bounds_of(const Mesh& mesh)
@@ -57,22 +85,40 @@ std::string why_not_rigid(const Eigen::Isometry3d& pose)
     return {};
 }
 
-bool NameIndex::add(std::string_view name, std::uint32_t index)
+template <class NameOf>
+bool NameIndex::add(std::string_view name, std::uint32_t index, NameOf name_of)
 {
-    return indices_.emplace(name, index).second;
+    if (find(name, name_of)) return false;
+    if (2 * (used_ + 1) > slots_.size()) grow();
+    place(slots_, Slot{hash_of(name), index});
+    ++used_;
+    return true;
 }
 
-std::optional<std::uint32_t> NameIndex::find(std::string_view name) const
+template <class NameOf>
+std::optional<std::uint32_t> NameIndex::find(std::string_view name, NameOf name_of) const
 {
-    const auto found = indices_.find(name);
-    return found == indices_.end() ? std::nullopt : std::optional(found->second);
+    if (slots_.empty()) return std::nullopt;
+    const std::uint32_t hash = hash_of(name);
+    const std::size_t mask = slots_.size() - 1;
+    for (std::size_t at = hash & mask; slots_[at].index != nobody; at = (at + 1) & mask)
+        if (slots_[at].hash == hash && name_of(slots_[at].index) == name) return slots_[at].index;
+    return std::nullopt;
+}
+
+void NameIndex::grow()
+{
+    std::vector<Slot> larger(std::max<std::size_t>(16, 2 * slots_.size()), Slot{0, nobody});
+    for (const Slot& slot : slots_)
+        if (slot.index != nobody) place(larger, slot);
+    slots_ = std::move(larger);
 }
 
 GeometryId Scene::add(std::string geometry_name, GeometryData data, std::string recipe)
 {
     if (const Shape* shape = std::get_if<Shape>(&data)) check_shape(geometry_name, *shape);
     const auto number = static_cast<std::uint32_t>(geometries.size());
-    if (!geometry_index_.add(geometry_name, number))
+    if (!geometry_index_.add(geometry_name, number, geometry_names(*this)))
         fail(fmt::format("geometry '{}'", geometry_name), "the scene has another one of this name");
     geometries.items_.push_back(
         std::make_shared<const Geometry>(Geometry{std::move(geometry_name), std::move(data), std::move(recipe)}));
@@ -90,7 +136,8 @@ BodyId Scene::add_body(BodyInit body)
         check_motion(who_is(body.name, size()), body.motion);
     }
     const auto number = static_cast<std::uint32_t>(size());
-    if (!body.name.empty() && !body_index_.add(body.name, number)) refuse("the scene has another one of this name");
+    if (!body.name.empty() && !body_index_.add(body.name, number, body_names(*this)))
+        refuse("the scene has another one of this name");
 
     names.push_back(std::move(body.name));
     geometry.push_back(body.geometry);
@@ -125,13 +172,13 @@ void Scene::exclude(BodyId a, BodyId b)
 
 std::optional<BodyId> Scene::find(std::string_view body) const
 {
-    const std::optional<std::uint32_t> found = body_index_.find(body);
+    const std::optional<std::uint32_t> found = body_index_.find(body, body_names(*this));
     return found ? std::optional(BodyId{*found}) : std::nullopt;
 }
 
 std::optional<GeometryId> Scene::find_geometry(std::string_view geometry_name) const
 {
-    const std::optional<std::uint32_t> found = geometry_index_.find(geometry_name);
+    const std::optional<std::uint32_t> found = geometry_index_.find(geometry_name, geometry_names(*this));
     return found ? std::optional(GeometryId{*found}) : std::nullopt;
 }
 

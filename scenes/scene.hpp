@@ -1,10 +1,8 @@
 #pragma once
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -17,7 +15,7 @@ namespace oncollide {
 
 /// What add_body needs to know of a body.
 struct BodyInit {
-    std::string name; ///< empty: a body without a name
+    std::string name{}; ///< empty: a body without a name
     GeometryId geometry{};
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     Motion motion = Still{};
@@ -34,18 +32,23 @@ struct ExcludedPair {
     friend bool operator==(const ExcludedPair&, const ExcludedPair&) = default;
 };
 
-/// Finds an index by name in constant time.
+/// Finds an index by name in constant time. The names are held by whom it indexes: name_of(index) gives them.
 class NameIndex {
 public:
     /// Takes `name` for `index`; false, changing nothing, when the name is taken.
-    bool add(std::string_view name, std::uint32_t index);
-    std::optional<std::uint32_t> find(std::string_view name) const;
+    template <class NameOf>
+    bool add(std::string_view name, std::uint32_t index, NameOf name_of);
+    template <class NameOf>
+    std::optional<std::uint32_t> find(std::string_view name, NameOf name_of) const;
 
 private:
-    struct Hash : std::hash<std::string_view> {
-        using is_transparent = void;
+    struct Slot {
+        std::uint32_t hash, index;
     };
-    std::unordered_map<std::string, std::uint32_t, Hash, std::equal_to<>> indices_;
+    void grow();
+
+    std::vector<Slot> slots_; ///< a power of two of them, at most half in use
+    std::size_t used_ = 0;
 };
 
 /// Everything that exists: geometries, and bodies as columns indexed by index(BodyId).

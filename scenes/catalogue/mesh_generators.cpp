@@ -190,8 +190,8 @@ Mesh make_torus_mesh(double major, double minor, int triangles)
     check_count("torus", "the number of triangles", triangles, 18, most_triangles);
     return closed_tube("torus", triangles, major, minor, [&](double u, double v) -> Eigen::Vector3d {
         const Circle ring = circle(u), tube = circle(v);
-        const double reach = major + minor * tube.cosine;
-        return {reach * ring.cosine, reach * ring.sine, minor * tube.sine};
+        const double radius = major + minor * tube.cosine;
+        return {radius * ring.cosine, radius * ring.sine, minor * tube.sine};
     });
 }
 

@@ -10,8 +10,8 @@ namespace oncollide {
 
 /// 12 triangles; `half` are the half-extents. Closed.
 Mesh make_box_mesh(const Eigen::Vector3d& half);
-/// On a sphere: a subdivided octahedron for 8 * 4^k triangles, else bands of latitude with as many as asked; one less
-/// when that is odd, as no closed mesh has an odd number (and 8 for 8 to 11). Closed.
+/// On a sphere: a subdivided octahedron for 8 * 4^k triangles, else bands of latitude with just as many; one less when
+/// that is odd, as no closed mesh has an odd number (and 8 for 8 to 11). Closed.
 Mesh make_sphere_mesh(double radius, int triangles);
 /// Ring radius `major`, tube radius `minor`, around z. `triangles`, or one less when odd; at least 18. Closed.
 Mesh make_torus_mesh(double major, double minor, int triangles);

@@ -237,8 +237,8 @@ void JsonTape::read_number(JsonValue& value)
     }
     if (whole) {
         value.kind = minus ? Kind::negative : Kind::natural;
-        const std::errc error = minus ? std::from_chars(begin, at_, value.negative).ec
-                                      : std::from_chars(begin, at_, value.natural).ec;
+        const std::errc error =
+            minus ? std::from_chars(begin, at_, value.negative).ec : std::from_chars(begin, at_, value.natural).ec;
         if (error == std::errc()) return;
     }
     value.kind = Kind::real;

@@ -36,7 +36,7 @@ void add_part(const MeshSource& source, const aiMesh& part, const aiMatrix4x4& p
                                         part.mName.C_Str(), face.mIndices[k], part.mNumVertices));
             t[k] = static_cast<std::uint32_t>(first + face.mIndices[k]);
         }
-        if (mirrored) std::swap(t[1], t[2]); // keeps the front at the front, as the format asks
+        if (mirrored) std::swap(t[1], t[2]); // keeps the front at the front, as the format requires
         mesh.triangles.push_back(t);
     }
 }
@@ -54,7 +54,7 @@ void add_node(const MeshSource& source, const aiScene& scene, const aiNode& node
 RawMesh read_gltf(const MeshSource& source)
 {
     const std::size_t announced = check_gltf(source);
-    // Assimp has no logger unless asked for. No post-processing: it would drop, merge or move triangles.
+    // Assimp has no logger by default. No post-processing: it would drop, merge or move triangles.
     RawMesh mesh;
     try {
         Assimp::Importer importer;
@@ -63,7 +63,7 @@ RawMesh read_gltf(const MeshSource& source)
             source.fail(fmt::format("not a valid glTF file: {}", first_line(importer.GetErrorString())));
         if (scene->mRootNode != nullptr) add_node(source, *scene, *scene->mRootNode, aiMatrix4x4(), mesh);
     } catch (const std::bad_alloc&) {
-        source.fail("not a valid glTF file: it asks for more memory than there is");
+        source.fail("not a valid glTF file: it needs more memory than there is");
     }
     if (mesh.triangles.size() != announced)
         source.fail(fmt::format("damaged: of {} triangles only {} have valid vertex numbers", announced,

@@ -164,7 +164,7 @@ public:
     {
         const Node root = this->root();
         if (!root.has("bodies") || !root["bodies"].is_array()) return;
-        each_element(root["bodies"].source(), 2, body_, [&](const JsonTape& tape, std::size_t i) {
+        each_element(root["bodies"].source(), 1, body_, [&](const JsonTape& tape, std::size_t i) {
             visit(Node(tape, {file_, "bodies", i}));
         });
     }

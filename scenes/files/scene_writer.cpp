@@ -64,7 +64,8 @@ Entry body_entry(const Scene& scene, std::size_t i)
     body["geometry"] = scene.geometries[index(scene.geometry[i])].name;
     const Eigen::Isometry3d implied = default_pose(motion);
     // Always but for keyed bodies, which have their place in their keys.
-    if (!std::holds_alternative<Keyed>(motion) || !same_bits(Eigen::Vector3d(pose.translation()), implied.translation()))
+    if (!std::holds_alternative<Keyed>(motion) ||
+        !same_bits(Eigen::Vector3d(pose.translation()), implied.translation()))
         body["position"] = list(pose.translation());
     if (!same_bits(Eigen::Matrix3d(pose.linear()), implied.linear())) body["rotation"] = rotation_entry(pose.linear());
     if (scene.layers[i] != otherwise.layer) body["layer"] = scene.layers[i];
@@ -101,8 +102,7 @@ void write_text(const Scene& scene, const fs::path& path, const std::vector<std:
         file.print("{}\n  {}: {}", i ? "," : "", Json(scene.geometries[i].name).dump(),
                    entry_of(scene.geometries[i], folder, map_files[i]).dump());
     file.print("\n}},\n\"bodies\": [");
-    for (std::size_t i = 0; i < scene.size(); ++i)
-        file.print("{}\n  {}", i ? "," : "", body_entry(scene, i).dump());
+    for (std::size_t i = 0; i < scene.size(); ++i) file.print("{}\n  {}", i ? "," : "", body_entry(scene, i).dump());
     file.print("\n]");
     if (!scene.excluded.empty()) {
         file.print(",\n\"exclude\": [");

@@ -79,9 +79,9 @@ constexpr double most_slack = 1e-10;
 std::vector<double> normalised(std::span<const Eigen::Vector3d> points, const Aabb& bounds)
 {
     const Eigen::Vector3d centre = 0.5 * bounds.min + 0.5 * bounds.max;
-    const double reach = (bounds.max - centre).maxCoeff();
-    if (!(reach > 0) || !std::isfinite(reach)) return {};
-    const int exponent = -std::ilogb(reach);
+    const double half = (bounds.max - centre).maxCoeff();
+    if (!(half > 0) || !std::isfinite(half)) return {};
+    const int exponent = -std::ilogb(half);
     std::vector<double> coordinates;
     coordinates.reserve(3 * points.size());
     for (const Eigen::Vector3d& p : points)

@@ -41,7 +41,7 @@ public:
     {
     }
 
-    /// Upper bound, up to rounding, on the distance from p to the hull. Walks from the last answer towards p, across
+    /// Upper bound, up to rounding, on the distance from p to the hull. Walks from the last result towards p, across
     /// the edge that p is farthest beyond; where that leads nowhere, every cone is tried.
     double distance(const Eigen::Vector3d& p)
     {
@@ -120,15 +120,15 @@ double prove_slack(std::span<const Eigen::Vector3d> points, std::span<const std:
     relative.reserve(points.size());
     for (const Eigen::Vector3d& p : points) relative.push_back(p - points[vertices[0]]);
     const Eigen::Vector3d inner = mean_of(relative, vertices);
-    double reach = 0;
+    double size = 0;
     for (Eigen::Vector3d& p : relative) {
-        reach = std::max(reach, p.cwiseAbs().sum());
+        size = std::max(size, p.cwiseAbs().sum());
         p -= inner;
-        reach = std::max(reach, p.cwiseAbs().sum());
+        size = std::max(size, p.cwiseAbs().sum());
     }
     // Both differences, the shares' combination (three products, three sums) and the length are each off by a few half
-    // ulps of `reach`; the mean by half an ulp and the sum's rounding.
-    const double rounding = 24 * epsilon * reach + static_cast<double>(vertices.size()) * 0x1p-63 * reach;
+    // ulps of `size`; the mean by half an ulp and the sum's rounding.
+    const double rounding = 24 * epsilon * size + static_cast<double>(vertices.size()) * 0x1p-63 * size;
 
     std::vector<Cone> cones;
     cones.reserve(triangles.size());

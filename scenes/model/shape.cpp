@@ -130,7 +130,7 @@ BoundingMesh enclose_cylinder(const Cylinder& cylinder)
             radius * (1 + 4 * epsilon) - cylinder.radius};
 }
 
-/// How well a closed surface stands around an inner point and how far points reach out of its facets' planes.
+/// How well a closed surface stands around an inner point and how far points lie outside its facets' planes.
 struct Fit {
     double depth, overhang;
 };
@@ -138,14 +138,14 @@ struct Fit {
 Fit fit_of(std::span<const Eigen::Vector3d> surface, std::span<const Triangle> triangles, const Eigen::Vector3d& inner,
            std::span<const Eigen::Vector3d> inside)
 {
-    double reach = 0;
-    for (const Eigen::Vector3d& p : surface) reach = std::max(reach, (p - inner).cwiseAbs().sum());
+    double size = 0;
+    for (const Eigen::Vector3d& p : surface) size = std::max(size, (p - inner).cwiseAbs().sum());
     Fit fit{.depth = std::numeric_limits<double>::infinity(), .overhang = 0};
     for (const Triangle& t : triangles) {
         const Eigen::Vector3d u = surface[t[1]] - surface[t[0]], v = surface[t[2]] - surface[t[0]], n = u.cross(v);
         const double length = n.norm();
         // The normal of a sliver is off by about the rounding of the product over its length.
-        const double rounding = 16 * epsilon * reach * (1 + u.norm() * v.norm() / length);
+        const double rounding = 16 * epsilon * size * (1 + u.norm() * v.norm() / length);
         const Eigen::Vector3d normal = n / length;
         const double plane = normal.dot(surface[t[0]] - inner);
         fit.depth = std::min(fit.depth, plane - rounding);

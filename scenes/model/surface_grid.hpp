@@ -39,7 +39,7 @@ public:
     }
 
     /// @param extra  this many quads, spread evenly, become four triangles around point(centre) instead of two: that is
-    ///               how an asked number of triangles is met exactly; at most columns * rows
+    ///               how a given number of triangles is met exactly; at most columns * rows
     /// @param point  maps (column, row), whole at the corners, to the surface
     template <class Point>
     void build(int extra, Point point)

@@ -149,6 +149,9 @@ std::vector<std::string> scene_seeds()
 "e": {"octomap": {"building": {"rooms": 1, "resolution": 1, "seed": 7}}},
 "f": {"octomap": {"file": "map.bt"}}},
 "bodies": [{"name": "a", "geometry": "a", "rotation": [[1, 0, 0], [0, 0, -1], [0, 1, 0]]}]}
+)",
+        R"({"exclude": [["a", 1], [2, "a"]], "bodies": [{"name": "a", "geometry": "b", "group": 3},
+{"geometry": "b", "group": 3}, {"geometry": "b"}], "geometries": {"b": {"shape": {"kind": "sphere", "radius": 1}}}}
 )"};
 }
 

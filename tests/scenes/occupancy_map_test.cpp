@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include <gtest/gtest.h>
+#include <octomap/OcTree.h>
 
 #include "test_files.hpp"
 #include <oncollide/scenes/motion.hpp>
@@ -132,6 +134,69 @@ TEST(OccupancyMap, FullFilesAreReadToo)
     const OccupancyMap coarse = load_octomap(folder.write("b.ot", chain_ot(1, 2.0f, 2)));
     EXPECT_EQ(coarse.bounds.min, Vector3d::Constant(-16384));
     EXPECT_EQ(coarse.bounds.max, Vector3d::Zero());
+}
+
+/// Two occupied cells beside each other and a free one; the occupied ones have been free before.
+octomap::OcTree small_tree(bool lazy = false)
+{
+    octomap::OcTree tree(0.5);
+    const octomap::point3d a(0.25f, 0.25f, 0.25f), b(0.75f, 0.25f, 0.25f), c(9, 9, 9);
+    for (const auto& place : {a, b, c}) tree.updateNode(place, false);
+    for (const auto& place : {a, b}) tree.updateNode(place, true, lazy);
+    return tree;
+}
+
+TEST(OccupancyMap, IsMadeOfAnOctreeInMemory)
+{
+    const octomap::OcTree tree = small_tree();
+    const OccupancyMap copied = make_occupancy_map(tree);
+    EXPECT_EQ(copied.resolution, 0.5);
+    ASSERT_EQ(copied.cells.size(), 2u);
+    EXPECT_EQ(copied.bounds.min, Vector3d::Zero());
+    EXPECT_EQ(copied.bounds.max, Vector3d(1, 0.5, 0.5));
+    const auto shared = std::make_shared<const octomap::OcTree>(tree);
+    const OccupancyMap map = make_occupancy_map(shared);
+    expect_equal(copied, map);
+    EXPECT_EQ(map.tree, shared);
+    const test::TemporaryFolder folder;
+    save_octomap(map, folder.path() / "a.bt");
+    expect_equal(map, load_octomap(folder.path() / "a.bt"));
+}
+
+TEST(OccupancyMap, RefusesOctreesInMemoryWithTheErrorsOfFiles)
+{
+    const auto refuses = [](const octomap::OcTree& tree, const char* what) {
+        expect_error(
+            ErrorKind::bad_data, [&] { make_occupancy_map(tree); }, "octree: ", what);
+    };
+    octomap::OcTree tree(0.5);
+    refuses(tree, "the map is empty");
+    tree.updateNode(octomap::point3d(9, 9, 9), false);
+    refuses(tree, "no cell of the map is occupied");
+    tree.setNodeValue(octomap::point3d(1, 1, 1), std::nanf(""));
+    refuses(tree, "an occupancy is not finite");
+    refuses(octomap::OcTree(1e-7), "the resolution is 1e-07; it must be from 1e-06 to 1000000 m");
+    expect_error(
+        ErrorKind::bad_data, [] { make_occupancy_map(nullptr); }, "octree: there is none");
+}
+
+TEST(OccupancyMap, DoesNotTrustInnerNodesThatLazyUpdatesLeftBehind)
+{
+    const auto lazy = std::make_shared<const octomap::OcTree>(small_tree(true));
+    expect_error(
+        ErrorKind::bad_data, [&] { make_occupancy_map(lazy); }, "octree: ", "updateInnerOccupancy()");
+    const OccupancyMap map = make_occupancy_map(*lazy); // a copy can be brought up to date
+    EXPECT_TRUE(map.tree->isNodeOccupied(map.tree->getRoot()));
+    expect_equal(map, make_occupancy_map(small_tree()));
+    // A file may hold such a tree too.
+    std::ostringstream nodes;
+    lazy->writeData(nodes);
+    const test::TemporaryFolder folder;
+    const OccupancyMap read =
+        load_octomap(folder.write("a.ot", "# Octomap OcTree file\nid OcTree\nsize " + std::to_string(lazy->size()) +
+                                              "\nres 0.5\ndata\n" + nodes.str()));
+    EXPECT_TRUE(read.tree->isNodeOccupied(read.tree->getRoot()));
+    expect_equal(map, read);
 }
 
 TEST(OccupancyMap, BadFilesAreRefusedInSilence)

@@ -67,7 +67,8 @@ inline bool same(const Shape& a, const Shape& b)
 inline void expect_same_poses(const Scene& a, const Scene& b, const char* when)
 {
     for (std::size_t i = 0; i < a.size(); ++i)
-        ASSERT_TRUE(same_bits(a.poses[i].matrix(), b.poses[i].matrix())) << a.names[i] << " " << when;
+        ASSERT_TRUE(same_bits(a.poses[i].matrix(), b.poses[i].matrix()))
+            << a.label({static_cast<std::uint32_t>(i)}) << " " << when;
 }
 
 /// The two scenes are the same in every bit, now and in later frames. Moves both.
@@ -89,6 +90,8 @@ inline void expect_same_scene(Scene& a, Scene& b)
     EXPECT_EQ(a.is_static, b.is_static);
     EXPECT_EQ(a.layers, b.layers);
     EXPECT_EQ(a.masks, b.masks);
+    EXPECT_EQ(a.groups, b.groups);
+    EXPECT_EQ(a.excluded, b.excluded);
     expect_same_poses(a, b, "as loaded");
     Mover move_a, move_b;
     for (const int frame : {0, 1, 7, 59, 1200, 3}) {

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <ctime>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -199,7 +200,6 @@ TEST_F(SceneFile, NamesWhatIsMissing)
 {
     refuses(R"({"bodies": []})", "the key 'geometries' is missing");
     refuses(R"({"geometries": {}})", "the key 'bodies' is missing");
-    refuses_body(R"("geometry": "ball")", "bodies[0]: the key 'name' is missing");
     refuses_body(R"("name": "a")", "bodies[0]: the key 'geometry' is missing");
     refuses_geometry("{}", "exactly one of: mesh, shape, octomap");
     refuses_geometry(R"({"mesh": {}})", "exactly one of: file, generate, vertices with triangles");
@@ -424,6 +424,127 @@ TEST_F(SceneFile, RefusesNestingBombsQuickly)
     refuses(objects, "nested deeper than 32 levels");
 }
 
+TEST_F(SceneFile, TakesBodiesWithoutNamesAndCallsThemByTheirNumbers)
+{
+    const std::string shapes = R"({"geometries": {"ball": {"shape": {"kind": "sphere", "radius": 1}}}, "bodies": [)";
+    const Scene scene = load(shapes + R"({"geometry": "ball"}, {"geometry": "ball", "name": ""},
+                                         {"geometry": "ball", "name": "a"}]})");
+    EXPECT_EQ(scene.names, (std::vector<std::string>{"", "", "a"}));
+    EXPECT_EQ(scene.label(BodyId{1}), "body 1");
+    EXPECT_EQ(scene.label(BodyId{2}), "a");
+    refuses(shapes + R"({"geometry": "ball"}, {"geometry": "ball", "static": true, "motion": {"drift": {}}}]})",
+            "bodies[1]: body 1: is static");
+}
+
+TEST_F(SceneFile, ReadsGroupsAndExcludedPairs)
+{
+    const Scene scene = load(R"({"exclude": [["b", "a"], [2, "a"], [1, 2]], "bodies": [
+        {"name": "a", "geometry": "ball", "group": 7}, {"name": "b", "geometry": "ball", "group": 4294967295},
+        {"geometry": "ball"}], "geometries": {"ball": {"shape": {"kind": "sphere", "radius": 1}}}})");
+    EXPECT_EQ(scene.groups, (std::vector<std::uint32_t>{7, 0xffffffffu, 0}));
+    EXPECT_EQ(scene.excluded, (std::vector<ExcludedPair>{{0, 1}, {0, 2}, {1, 2}}));
+}
+
+TEST_F(SceneFile, RefusesGroupsAndExcludedPairsWithoutMeaning)
+{
+    refuses_body(ball + R"(, "group": -1)", "bodies[0].group: is -1, must be a whole number from 0 to 4294967295");
+    refuses_body(ball + R"(, "group": "robot")", "bodies[0].group: is a string");
+    const auto refuses_exclude = [&](const std::string& list, auto... parts) {
+        refuses(R"({"geometries": {"ball": {"shape": {"kind": "sphere", "radius": 1}}}, "bodies": [
+            {"name": "a", "geometry": "ball"}, {"name": "b", "geometry": "ball"}], "exclude": )" +
+                    list + "}",
+                parts...);
+    };
+    refuses_exclude(R"([["a", "b"], ["a", "c"]])", "exclude[1][1]: no body named 'c'");
+    refuses_exclude(R"([["a", "a"]])", "exclude[0]: ", "body 'a' with itself");
+    refuses_exclude(R"([["a", 0]])", "exclude[0]: ", "body 'a' with itself");
+    refuses_exclude(R"([["a", 2]])", "exclude[0][1]: is 2, must be a whole number from 0 to 1");
+    refuses_exclude(R"([["", "a"]])", "exclude[0][0]: is empty");
+    refuses_exclude(R"([["a"]])", "exclude[0]: has 1 bodies, must have two");
+    refuses_exclude(R"([["a", null]])", "exclude[0][1]: must be the name of a body, or its number");
+    refuses_exclude(R"({})", "exclude: is an object, must be an array");
+    refuses(R"({"geometries": {}, "bodies": [], "exclude": [[0, 1]]})", "exclude[0][0]: the scene has no bodies");
+}
+
+TEST_F(SceneFile, RefusesEveryDamageToItsListOfBodies)
+{
+    // Bodies are read one by one, apart from the rest of the file.
+    const std::string head = R"({"geometries": {"ball": {"shape": {"kind": "sphere", "radius": 1}}}, "bodies": )";
+    const std::string one = R"({"name": "a]", "geometry": "ball"})", two = R"({"geometry": "ball"})";
+    EXPECT_EQ(load(head + " [ " + one + " , " + two + " ] }").size(), 2u);
+    EXPECT_EQ(load(head + "[\n]}").size(), 0u);
+    for (const std::string& list :
+         {"[" + one + two + "]", "[" + one + ",]", "[," + one + "]", "[" + one + ",," + two + "]", "[" + one + "}",
+          "[" + one, "[" + one + "]]", std::string("[}"), std::string("[,]"), "[" + one + ", {\"a]}",
+          "[" + one + ":" + two + "]", "[" + one + "] []"})
+        refuses(head + list + "}", "line 1, column");
+    refuses(head + "[" + one + ", {\"geometry\": \"ball\", \"mask\": 01}]}", "line 1, column");
+    refuses(head + "[" + one + "], \"bodies\": []}", "bodies: the key 'bodies' is given twice");
+    refuses(head + "[{\"geometry\": " + std::string(31, '[') + std::string(31, ']') + "}]}", "bodies[0].geometry[0]",
+            "nested deeper than 32 levels");
+    refuses(head + "[{\"geometry\": " + std::string(29, '[') + std::string(29, ']') + "}]}",
+            "bodies[0].geometry: is an array, must be a text");
+}
+
+TEST_F(SceneFile, SaysThatAFileIsNoJsonBeforeItSaysWhatABodyLacks)
+{
+    refuses(R"({"geometries": {}, "bodies": [{"geometry": "none"}, {"geometry": "none]}]})", "not valid JSON");
+    refuses(R"({"geometries": {}, "bodies": [{"geometry": "none"}, {"name": "a", "name": "b"}]})",
+            "bodies[1].name: the key 'name' is given twice");
+}
+
+TEST_F(SceneFile, ReadsNumbersAsTheyAreRoundedCorrectly)
+{
+    const auto position = [&](const std::string& numbers) -> Vector3d {
+        return load_body(ball + R"(, "position": [)" + numbers + "]").poses[0].translation();
+    };
+    EXPECT_FALSE(std::signbit(position("-0, 0, 0").x())) << "a whole number has one zero";
+    EXPECT_TRUE(std::signbit(position("-0.0, 0, 0").x()));
+    EXPECT_EQ(position("18446744073709551615, 18446744073709551616, -9223372036854775809"),
+              Vector3d(0x1p64, 0x1p64, -0x1p63));
+    EXPECT_EQ(position("9007199254740993, -9007199254740993, 9007199254740993.0"), Vector3d(0x1p53, -0x1p53, 0x1p53));
+    EXPECT_EQ(position("5e-324, 1e-400, 1E+0"), Vector3d(5e-324, 0, 1));
+    for (const char* number : {"01", "1.", ".5", "+1", "1e", "1e+", "-", "0x1", "1_0", "--1"})
+        refuses(fmt::format(R"({{"frames": {}, "geometries": {{}}, "bodies": []}})", number), "line 1, column");
+}
+
+TEST_F(SceneFile, DecodesTextsAndRefusesThoseThatAreNotUtf8)
+{
+    const auto name = [&](const std::string& text) {
+        return load("{\"name\": \"" + text + "\", \"geometries\": {}, \"bodies\": []}").name;
+    };
+    EXPECT_EQ(name(R"(a\"\\\/\b\u00e9\ud83d\ude00)"), "a\"\\/\b\xc3\xa9\xf0\x9f\x98\x80");
+    EXPECT_EQ(name("\xc3\xa9"), "\xc3\xa9");
+    for (const char* text : {"\x01", "\t", "\\x", "\\u12", "\\ud83d", "\xc3", "\xed\xa0\x80", "\xf8"})
+        EXPECT_THROW(name(text), Error) << text;
+    EXPECT_EQ(load("\xef\xbb\xbf{\"geometries\": {}, \"bodies\": []}").size(), 0u) << "a byte-order mark";
+}
+
+/// CPU seconds of this process.
+double cpu_time()
+{
+    return double(std::clock()) / CLOCKS_PER_SEC;
+}
+
+TEST_F(SceneFile, ReadsBodiesAndGeometriesInLinearTime)
+{
+    // Ten times as many took a hundred times as long.
+    const auto time_of = [&](int bodies, int geometries) {
+        std::string text = R"({"geometries": {)";
+        for (int i = 0; i < geometries; ++i)
+            text += fmt::format(R"({}"g{}": {{"shape": {{"kind": "sphere", "radius": 1}}}})", i ? "," : "", i);
+        text += R"(}, "bodies": [)";
+        for (int i = 0; i < bodies; ++i)
+            text += fmt::format(R"({}{{"name": "b{}", "geometry": "g{}"}})", i ? "," : "", i, i % geometries);
+        const auto path = folder_.write("many.json", text + "]}");
+        const double begin = cpu_time();
+        EXPECT_EQ(load_scene(path).size(), std::size_t(bodies));
+        return cpu_time() - begin;
+    };
+    EXPECT_LT(time_of(100'000, 1), 30 * time_of(10'000, 1) + 0.05);
+    EXPECT_LT(time_of(1, 100'000), 30 * time_of(1, 10'000) + 0.05);
+}
+
 // Writing
 
 Scene made_in_code()
@@ -457,8 +578,13 @@ Scene made_in_code()
         if (i % 7 == 6) body.is_static = true;
         body.layer = i % 4 == 0 ? 0x80000000u : 1u;
         body.mask = i % 3 == 0 ? 0u : 0xffffffffu;
+        body.group = static_cast<std::uint32_t>(i % 4);
+        if (i % 10 == 9) body.name.clear();
         scene.add_body(std::move(body));
     }
+    scene.exclude(BodyId{9}, BodyId{3});
+    scene.exclude(BodyId{19}, BodyId{29});
+    scene.exclude(BodyId{0}, BodyId{1});
     scene.geometry[0] = mesh;
     return scene;
 }

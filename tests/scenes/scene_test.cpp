@@ -89,6 +89,58 @@ TEST(Scene, TakesANameAgainAfterItWasRefusedForAnotherReason)
     EXPECT_NO_THROW(scene.add_body({.name = "a"}));
 }
 
+TEST(Scene, KeepsAReferenceToAGeometryGoodWhenOthersAreAdded)
+{
+    std::shared_ptr<const Geometry> shared;
+    {
+        Scene scene;
+        scene.add("box", make_box_mesh({1, 2, 3}));
+        const Geometry& box = scene.geometries[0];
+        const Mesh& mesh = std::get<Mesh>(box.data);
+        for (int i = 0; i < 1000; ++i) scene.add(std::to_string(i), Sphere{1});
+        EXPECT_EQ(box.name, "box");
+        EXPECT_EQ(mesh.bounds.max, Vector3d(1, 2, 3));
+        EXPECT_EQ(&box, &scene.geometries[0]);
+        const Scene copy = scene;
+        EXPECT_EQ(&box, &copy.geometries[0]) << "copies share their geometries";
+        shared = scene.geometries.share(0);
+        EXPECT_EQ(shared.get(), &box);
+        EXPECT_EQ(std::distance(scene.geometries.begin(), scene.geometries.end()), 1001);
+    }
+    EXPECT_EQ(std::get<Mesh>(shared->data).triangles.size(), 12u) << "and it outlives the scene";
+}
+
+TEST(Scene, TakesManyBodiesWithoutNames)
+{
+    Scene scene = scene_with_ball();
+    for (int i = 0; i < 3; ++i) scene.add_body({});
+    scene.add_body({.name = "a"});
+    EXPECT_EQ(scene.find(""), std::nullopt);
+    EXPECT_EQ(scene.find("a"), BodyId{3}) << "by its index, not by how many have names";
+    EXPECT_EQ(scene.label(BodyId{2}), "body 2");
+    EXPECT_EQ(scene.label(BodyId{3}), "a");
+    expect_error(
+        ErrorKind::bad_data, [&] { scene.add_body({.pose = at(NAN, 0, 0)}); }, "body 4: ", "not finite");
+}
+
+TEST(Scene, KeepsGroupsAndExcludedPairs)
+{
+    Scene scene = scene_with_ball();
+    for (std::uint32_t i = 0; i < 4; ++i) scene.add_body({.group = i / 2});
+    EXPECT_EQ(scene.groups, (std::vector<std::uint32_t>{0, 0, 1, 1}));
+    scene.exclude(BodyId{3}, BodyId{1});
+    scene.exclude(BodyId{0}, BodyId{1});
+    EXPECT_EQ(scene.excluded, (std::vector<ExcludedPair>{{1, 3}, {0, 1}}));
+    const auto refuses = [&](BodyId a, BodyId b, const char* what) {
+        expect_error(
+            ErrorKind::bad_data, [&] { scene.exclude(a, b); }, "exclude: ", what);
+    };
+    refuses(BodyId{0}, BodyId{4}, "there is no body 4; the scene has 4 bodies");
+    refuses(BodyId{0, 1}, BodyId{1}, "there is no body 0 of generation 1");
+    refuses(BodyId{2}, BodyId{2}, "body 2 with itself");
+    EXPECT_EQ(scene.excluded.size(), 2u);
+}
+
 TEST(Scene, RefusesAShapeWithoutSize)
 {
     Scene scene;
