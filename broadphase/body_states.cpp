@@ -16,15 +16,47 @@ std::string the_body(std::size_t body)
     return text += std::to_string(body);
 }
 
+/// work(chunk) of a list, one chunk after the other, until it returns false. Returns what the last one did. A chunk
+/// stays in the cache while several loops go over it, which are free of branches or vectorised: everything may move
+/// every frame.
+template <class Work>
+bool in_chunks(std::span<const std::uint32_t> list, Work work)
+{
+    constexpr std::size_t chunk = 1024;
+    bool go_on = true;
+    for (std::size_t k = 0; k < list.size() && go_on; k += chunk)
+        go_on = work(list.subspan(k, std::min(chunk, list.size() - k)));
+    return go_on;
+}
+
+/// Is every number one more than that before?
+bool is_run(std::span<const std::uint32_t> list)
+{
+    std::uint32_t wrong = 0;
+    for (std::uint32_t k = 0; k < list.size(); ++k) wrong |= list[k] ^ (list[0] + k);
+    return wrong == 0;
+}
+
 } // namespace
+
+bool BodyStates::all_present(std::span<const std::uint32_t> bodies) const
+{
+    return in_chunks(bodies, [&](std::span<const std::uint32_t> some) {
+        std::uint8_t common = present;
+        std::uint32_t largest = 0;
+        for (std::uint32_t body : some) largest = std::max(largest, body);
+        if (largest >= rows()) return false;
+        if (is_run(some))
+            for (std::size_t k = 0; k < some.size(); ++k) common &= states_[some[0] + k];
+        else
+            for (std::uint32_t body : some) common &= states_[body];
+        return common != 0;
+    });
+}
 
 void BodyStates::require(std::span<const std::uint32_t> bodies, bool there) const
 {
-    if (there && !bodies.empty() && std::ranges::max(bodies) < rows()) { // the usual case, without a branch per body
-        std::uint8_t common = present;
-        for (std::uint32_t body : bodies) common &= states_[body];
-        if (common) return;
-    }
+    if (there && all_present(bodies)) return;
     for (std::uint32_t body : bodies)
         if (is(body, present) != there)
             throw Error(ErrorKind::usage,
@@ -33,17 +65,26 @@ void BodyStates::require(std::span<const std::uint32_t> bodies, bool there) cons
 
 void BodyStates::mark_changed(std::span<const std::uint32_t> bodies)
 {
-    const std::size_t before = changes_.size();
-    if (changes_.capacity() < before + bodies.size()) changes_.reserve(std::max(before + bodies.size(), 2 * before));
-    changes_.resize(before + bodies.size());
-    std::uint32_t* out = changes_.data() + before;
-    std::uint8_t* const states = states_.data(); // bytes may alias everything
-    for (std::uint32_t body : bodies) {
-        *out = body;
-        out += !(states[body] & changed);
-        states[body] |= changed;
-    }
-    changes_.resize(static_cast<std::size_t>(out - changes_.data()));
+    in_chunks(bodies, [&](std::span<const std::uint32_t> some) {
+        std::uint32_t* out = changes_.data() + change_count_;
+        std::uint8_t* states = states_.data(); // bytes may alias everything
+        std::uint8_t any = 0;
+        const bool run = is_run(some);
+        for (std::size_t k = 0; run && k < some.size(); ++k) any |= states[some[0] + k];
+        if (run && !(any & changed)) {
+            states += some[0];
+            for (std::size_t k = 0; k < some.size(); ++k) states[k] |= changed;
+            out = std::copy(some.begin(), some.end(), out);
+        } else {
+            for (std::uint32_t body : some) {
+                *out = body;
+                out += !(states[body] & changed);
+                states[body] |= changed;
+            }
+        }
+        change_count_ = static_cast<std::size_t>(out - changes_.data());
+        return true;
+    });
 }
 
 inline void BodyStates::set_awake(std::uint32_t body, bool now)
@@ -58,7 +99,10 @@ void BodyStates::add(std::span<const std::uint32_t> bodies, bool asleep)
 {
     require(bodies, false);
     if (bodies.empty()) return;
-    if (const std::size_t largest = std::ranges::max(bodies); largest >= states_.size()) states_.resize(largest + 1);
+    if (const std::size_t largest = std::ranges::max(bodies); largest >= states_.size()) {
+        changes_.resize(largest + 2);
+        states_.resize(largest + 1);
+    }
     mark_changed(bodies);
     for (std::uint32_t body : bodies) {
         set(body, present);
@@ -104,11 +148,11 @@ void BodyStates::check(const BodyColumns& columns) const
 
 void BodyStates::forget_changes()
 {
-    if (changes_.size() * 4 > states_.size())
+    if (change_count_ * 4 > states_.size())
         for (std::uint8_t& state : states_) state &= static_cast<std::uint8_t>(~changed);
     else
-        for (std::uint32_t body : changes_) clear(body, changed);
-    changes_.clear();
+        for (std::uint32_t body : changes()) clear(body, changed);
+    change_count_ = 0;
     came_or_went_ = false;
 }
 

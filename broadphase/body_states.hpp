@@ -27,7 +27,7 @@ public:
     void check(const BodyColumns& columns) const;
 
     /// Bodies that changed, each once, those removed too.
-    std::span<const std::uint32_t> changes() const { return changes_; }
+    std::span<const std::uint32_t> changes() const { return std::span(changes_).first(change_count_); }
     bool some_came_or_went() const { return came_or_went_; } ///< among them
     void forget_changes();
 
@@ -44,12 +44,14 @@ public:
     std::size_t bytes() const { return states_.capacity() + changes_.capacity() * sizeof(changes_[0]); }
 
 private:
+    bool all_present(std::span<const std::uint32_t> bodies) const;
     void require(std::span<const std::uint32_t> bodies, bool there) const;
     void mark_changed(std::span<const std::uint32_t> bodies);
     void set_awake(std::uint32_t body, bool now);
 
     std::vector<std::uint8_t> states_;
-    std::vector<std::uint32_t> changes_;
+    std::vector<std::uint32_t> changes_; ///< room for all and one more
+    std::size_t change_count_ = 0;
     std::size_t size_ = 0, awake_count_ = 0;
     std::uint64_t awake_version_ = 0;
     bool came_or_went_ = false;
