@@ -26,4 +26,11 @@ struct Aabb {
     double volume() const { return empty() ? 0.0 : (max - min).prod(); }
 };
 
+/// Two points, one in each box, are at most this far apart.
+inline double farthest_apart(Aabb a, const Aabb& b)
+{
+    a.add(b);
+    return (a.max - a.min).stableNorm(); // squared edges may underflow
+}
+
 } // namespace oncollide

@@ -12,7 +12,7 @@ namespace oncollide {
 
 namespace {
 
-constexpr std::size_t width = 16; // boxes a node
+constexpr std::size_t width = 16; // boxes per node
 
 struct Item {
     float centre[3];

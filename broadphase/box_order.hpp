@@ -11,14 +11,14 @@ namespace oncollide {
 
 /// Ways to put boxes in an order in which neighbours are near each other.
 enum class BoxOrder {
-    kd,     ///< halves along the longest axis, again and again: tight nodes. O(n log n), 0.2 microseconds a box
+    kd,     ///< halves along the longest axis, again and again: tight nodes. O(n log n), 0.2 microseconds per box
     octree, ///< by the path to the centre's cell in an octree (Morton code), radix sorted: looser nodes. O(n), a third
 };
 
 constexpr std::uint32_t nobody = ~0u; ///< at places of padding
 
 /// Appends `bodies` to `order`, whose size is a multiple of 16: runs of bodies of one size class, the largest first,
-/// each in the order asked for and all but the last padded to whole nodes of 16 or 256. Large boxes among small ones
+/// each in the order requested and all but the last padded to whole nodes of 16 or 256. Large boxes among small ones
 /// would widen every node that they are in. The same for any number of threads.
 /// @param origin  near the boxes: centres are rounded to float relative to it
 void append_in_order(BoxOrder kind, std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies,

@@ -4,19 +4,17 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <string>
 
 #include <oncollide/base/cpu_features.hpp>
-#include <oncollide/base/error.hpp>
 #include <oncollide/base/outward.hpp>
 #include <oncollide/base/parallel.hpp>
+#include <oncollide/broadphase/box_checks.hpp>
 
 namespace oncollide {
 
 namespace {
 
 constexpr std::uint32_t width = 16;
-constexpr double farthest_coordinate = 1e30; // metres; its square is a finite float
 constexpr float far_away = std::numeric_limits<float>::infinity();
 
 std::uint32_t nodes_over(std::uint32_t count)
@@ -24,21 +22,7 @@ std::uint32_t nodes_over(std::uint32_t count)
     return (count + width - 1) / width;
 }
 
-/// NaN fails too.
-bool usable(const Aabb& box)
-{
-    return box.min.cwiseAbs().sum() + box.max.cwiseAbs().sum() < farthest_coordinate;
-}
-
 } // namespace
-
-void refuse_unusable(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies)
-{
-    for (std::uint32_t body : bodies)
-        if (!usable(boxes[body]))
-            throw Error(ErrorKind::bad_data, std::string("body ").append(std::to_string(body)) +
-                                                 ": its box is not finite, or beyond 1e30 m");
-}
 
 const BoxTreeKernel& box_tree_kernel()
 {
@@ -99,7 +83,6 @@ void BoxTree::append(std::span<const Aabb> boxes, std::span<const std::uint32_t>
     append_in_order(kind_, boxes, bodies, origin_, threads, order_);
     bodies_ += static_cast<std::uint32_t>(bodies.size());
     places_.resize(std::max(places_.size(), boxes.size()));
-    forget_layers();
     extend_levels();
     const Taker take(*this, boxes, margin);
     for (std::uint32_t place = first; place < size(); ++place)
@@ -121,7 +104,7 @@ void BoxTree::erase(std::span<const std::uint32_t> bodies)
     }
 }
 
-/// Makes the levels as long as `order_` asks for; what is new is empty, and said to move.
+/// Makes the levels as long as `order_` needs; what is new is empty, and said to move.
 void BoxTree::extend_levels()
 {
     const std::uint32_t old = levels_.empty() ? 0 : levels_[0].count;
@@ -154,9 +137,12 @@ void BoxTree::extend_levels()
     }
     levels_.resize(level);
     view_.levels = static_cast<int>(level);
+    if (layers_known_) extend_layers();
     for (std::size_t i = 0; i < level; ++i) {
         const Level& l = levels_[i];
-        view_.level[i] = {l.blocks.data(), l.count, l.moving.data(), nullptr, nullptr};
+        const bool known = layers_known_ && i > 0;
+        view_.level[i] = {l.blocks.data(), l.count, l.moving.data(), known ? l.layers.data() : nullptr,
+                          known ? l.masks.data() : nullptr};
     }
 }
 
@@ -289,7 +275,7 @@ double BoxTree::extent_of_leaves() const
     return sum;
 }
 
-void BoxTree::set_moving(std::span<const std::uint8_t> is_static)
+void BoxTree::set_moving(const std::uint8_t* states, std::uint8_t bits)
 {
     for (std::size_t level = 0; level < levels_.size(); ++level) {
         Level& l = levels_[level];
@@ -297,7 +283,7 @@ void BoxTree::set_moving(std::span<const std::uint8_t> is_static)
             unsigned mask = 0;
             for (std::uint32_t i = node * width; i < std::min((node + 1) * width, l.count); ++i) {
                 const bool moves =
-                    level == 0 ? order_[i] != nobody && !is_static[order_[i]] : levels_[level - 1].moving[i] != 0;
+                    level == 0 ? order_[i] != nobody && (states[order_[i]] & bits) : levels_[level - 1].moving[i] != 0;
                 mask |= unsigned(moves) << i % width;
             }
             l.moving[node] = static_cast<std::uint16_t>(mask);
@@ -305,33 +291,46 @@ void BoxTree::set_moving(std::span<const std::uint8_t> is_static)
     }
 }
 
-void BoxTree::set_layers(const BodyFilter& filter)
+void BoxTree::set_layers(const BodyColumns& columns)
 {
+    forget_layers();
+    layers_known_ = true;
+    extend_levels();
+    for (std::uint32_t body : order_)
+        if (body != nobody) add_layers(body, columns);
+}
+
+void BoxTree::add_layers(std::uint32_t body, const BodyColumns& columns)
+{
+    const std::uint32_t layers = columns.layers[body], masks = columns.masks[body];
+    std::uint32_t node = places_[body];
     for (std::size_t level = 1; level < levels_.size(); ++level) {
-        const Level& below = levels_[level - 1];
         Level& l = levels_[level];
-        l.layers.assign(l.count, 0), l.masks.assign(l.count, 0);
-        for (std::uint32_t i = 0; i < below.count; ++i) {
-            if (level == 1 && order_[i] == nobody) continue;
-            l.layers[i / width] |= level == 1 ? filter.layers[order_[i]] : below.layers[i];
-            l.masks[i / width] |= level == 1 ? filter.masks[order_[i]] : below.masks[i];
-        }
-        view_.level[level].layers = l.layers.data(), view_.level[level].masks = l.masks.data();
+        node /= width;
+        if ((l.layers[node] & layers) == layers && (l.masks[node] & masks) == masks) return; // so has all above
+        l.layers[node] |= layers, l.masks[node] |= masks;
     }
 }
 
-void BoxTree::add_layers(std::uint32_t body, const BodyFilter& filter)
+/// Nodes that are new hold what is known of those below them.
+void BoxTree::extend_layers()
 {
-    std::uint32_t node = places_[body];
     for (std::size_t level = 1; level < levels_.size(); ++level) {
-        node /= width;
-        levels_[level].layers[node] |= filter.layers[body], levels_[level].masks[node] |= filter.masks[body];
+        Level& l = levels_[level];
+        const auto old = static_cast<std::uint32_t>(l.layers.size());
+        l.layers.resize(l.count, 0), l.masks.resize(l.count, 0);
+        if (level == 1) continue;
+        const Level& below = levels_[level - 1];
+        for (std::uint32_t i = old * width; i < below.count; ++i)
+            l.layers[i / width] |= below.layers[i], l.masks[i / width] |= below.masks[i];
     }
 }
 
 void BoxTree::forget_layers()
 {
+    layers_known_ = false;
     for (BoxLevelView& level : view_.level) level.layers = level.masks = nullptr;
+    for (Level& level : levels_) level.layers.clear(), level.masks.clear();
 }
 
 std::size_t BoxTree::bytes() const

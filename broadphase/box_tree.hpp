@@ -10,12 +10,12 @@
 
 namespace oncollide {
 
-/// Boxes in an order that keeps neighbours together, 16 a leaf, and over them an implicit tree of bounds, 16 children a
-/// node: no pointers, every node a row of columns that one or two vector comparisons test.
+/// Boxes in an order that keeps neighbours together, 16 per leaf, and over them an implicit tree of bounds, 16 children
+/// per node: no pointers, every node a row of columns that one or two vector comparisons test.
 ///
 /// The order stays while boxes move a little: refit() takes in new boxes and widens the bounds, and degraded() says
 /// when these have become so wide that building again pays. Boxes are floats relative to the middle of all, rounded
-/// outward. 34 bytes a box.
+/// outward. 34 bytes per box.
 class BoxTree {
 public:
     explicit BoxTree(BoxOrder kind) : kind_(kind) {}
@@ -31,11 +31,13 @@ public:
     void append(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, double margin, int threads);
     /// Takes bodies out; their places stay empty until the next build(). Cost: O(bodies).
     void erase(std::span<const std::uint32_t> bodies);
-    /// Marks which bodies move; pairs of two that do not are never found. Before a search, after build().
-    void set_moving(std::span<const std::uint8_t> is_static);
-    /// Lets a search leave out pairs of nodes whose layers do not meet. Forgotten by build() and append().
-    void set_layers(const BodyFilter& filter);
-    void add_layers(std::uint32_t body, const BodyFilter& filter); ///< of a body that has new ones
+    /// Marks which bodies move, those whose state has one of `bits`; pairs of two that do not are never found. Needed
+    /// before a search of the whole tree, after build() and append().
+    void set_moving(const std::uint8_t* states, std::uint8_t bits);
+    /// Lets a search leave out pairs of nodes whose layers do not meet. Forgotten by build().
+    void set_layers(const BodyColumns& columns);
+    /// Takes in the layers of a body that is new or has other ones. Only after set_layers().
+    void add_layers(std::uint32_t body, const BodyColumns& columns);
     void forget_layers();
 
     /// Have the leaves grown by so much, since they were built, that a search costs markedly more?
@@ -87,6 +89,7 @@ private:
 
     const Level& at(int level) const { return levels_[static_cast<std::size_t>(level)]; }
     void extend_levels();
+    void extend_layers();
     void bound_from(std::uint32_t place);
     void measure();
     class Taker;
@@ -107,12 +110,10 @@ private:
     Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
     std::vector<Level> levels_;
     BoxTreeView view_{};
+    bool layers_known_ = false;
     double leaf_extent_ = 0, built_extent_ = 0; ///< sum of the leaves' edges
     float farthest_ = 0;                        ///< largest coordinate, at least
 };
-
-/// Throws Error{bad_data} naming the first body whose box is not finite or beyond 1e30 m.
-void refuse_unusable(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies);
 
 /// The kernel of instruction_set().
 const BoxTreeKernel& box_tree_kernel();

@@ -148,18 +148,40 @@ inline Query query_at(const float box[6])
     return {{box[0], box[1], box[2]}, {box[3], box[4], box[5]}};
 }
 
+inline void fetch(const BoxLevelView& level, std::uint32_t block)
+{
+    const float* p = level.blocks + std::size_t{block} * box_block;
+    for (std::uint32_t line = 0; line < box_block; line += width) __builtin_prefetch(p + line);
+}
+
 void in_blocks(const BoxLevelView& level, const std::uint32_t* queries, const std::uint32_t* blocks,
                std::uint64_t count, const float* boxes, PairSink& sink)
 {
     constexpr std::uint64_t ahead = 3; // blocks on their way from memory while one is compared
     for (std::uint64_t k = 0; k < count; ++k) {
-        if (k + ahead < count) {
-            const float* next = level.blocks + std::size_t{blocks[k + ahead]} * box_block;
-            for (std::uint32_t line = 0; line < box_block; line += width) __builtin_prefetch(next + line);
-        }
+        if (k + ahead < count) fetch(level, blocks[k + ahead]);
         make_room(sink);
         append(sink, queries[k], blocks[k] * width, hits(level, blocks[k], query_at(boxes + 6 * queries[k])));
     }
+}
+
+void below_node(const BoxTreeView& tree, int level, std::uint32_t node, std::uint32_t query, const Query& box,
+                PairSink& sink)
+{
+    const BoxLevelView& below = tree.level[level - 1];
+    const unsigned found = hits(below, node, box);
+    if (level == 1) {
+        make_room(sink);
+        return append(sink, query, node * width, found);
+    }
+    const auto child = [&](unsigned bits) { return node * width + static_cast<std::uint32_t>(__builtin_ctz(bits)); };
+    for (unsigned bits = found; bits; bits &= bits - 1) fetch(tree.level[level - 2], child(bits));
+    for (unsigned bits = found; bits; bits &= bits - 1) below_node(tree, level - 1, child(bits), query, box, sink);
+}
+
+void below_root(const BoxTreeView& tree, std::uint32_t query, const float box[6], PairSink& sink)
+{
+    if (tree.levels > 0) below_node(tree, tree.levels, 0, query, query_at(box), sink);
 }
 
 float least(F32x8 v)
@@ -201,7 +223,7 @@ void between(const BoxTreeView& tree, int level, std::uint32_t a, std::uint32_t 
 
 BoxTreeKernel box_tree_kernel()
 {
-    return {all, within, between, in_blocks, bound};
+    return {all, within, between, in_blocks, below_root, bound};
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

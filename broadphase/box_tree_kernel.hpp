@@ -11,7 +11,7 @@ struct BoxLevelView {
     const float* blocks;
     std::uint32_t count;         ///< boxes, padding not counted
     const std::uint16_t* moving; ///< by block: which of its boxes are or hold moving ones
-    const std::uint32_t* layers; ///< by box, above level 0: of all bodies below, or-ed; null: they need not be asked
+    const std::uint32_t* layers; ///< by box, above level 0: of all bodies below, or-ed; null: they forbid nothing
     const std::uint32_t* masks;
 };
 constexpr std::uint32_t box_block = 96;
@@ -23,7 +23,8 @@ struct BoxTreeView {
     int levels;
 };
 
-/// Where found pairs (i[k], j[k]) of places go, as columns; `more` makes room for at least 32 and may move them.
+/// Where found pairs (i[k], j[k]) of places go, as columns; `more` makes room for at least 32: it may take them away,
+/// or move them.
 struct PairSink {
     std::uint32_t *i, *j;
     std::uint64_t count, room;
@@ -43,6 +44,8 @@ struct BoxTreeKernel {
     /// pairs (query, number in the level).
     void (*in_blocks)(const BoxLevelView& level, const std::uint32_t* queries, const std::uint32_t* blocks,
                       std::uint64_t count, const float* boxes, PairSink& sink);
+    /// Boxes of level 0 that overlap `box` (lo x y z, hi x y z), as pairs (query, place).
+    void (*below_root)(const BoxTreeView& tree, std::uint32_t query, const float box[6], PairSink& sink);
     /// The box around the 16 of a node: lo x y z, hi x y z.
     void (*bound)(const BoxLevelView& below, std::uint32_t node, float box[6]);
 };

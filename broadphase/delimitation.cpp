@@ -5,15 +5,13 @@
 #include <numeric>
 #include <utility>
 
-#include <oncollide/base/parallel.hpp>
-
 namespace oncollide {
 
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::size_t width = 16; // children a node
-constexpr std::size_t boxes_worth_threads = 4096;
+constexpr std::size_t width = 16; // children per node
+constexpr std::size_t queries_worth_threads = 4096;
 
 double ms_since(Clock::time_point from)
 {
@@ -28,30 +26,47 @@ void Delimitation::clear()
     for (const auto& list : reached_) list->clear();
     for (const auto& list : next_) list->clear();
     bodies_left_ = 0;
+    in_a_heap_ = false;
     counted_ = true;
 }
 
-void Delimitation::ask(const float box[6], std::uint32_t layers, std::uint32_t mask)
+void Delimitation::add(const float box[6], std::uint32_t layers, std::uint32_t mask)
 {
     boxes_.insert(boxes_.end(), box, box + 6);
     layers_.push_back(layers), masks_.push_back(mask);
 }
 
-/// From nodes of the level above, as blocks, to those of `level` that the boxes reach.
-void Delimitation::descend(const BoxTree& tree, int level, FoundPairs& from, FoundPairs& to) const
+template <class Work>
+void Delimitation::each_worker(int threads, Work work) const
 {
-    to.clear();
-    const PairSink& sink = from.sink();
-    box_tree_kernel().in_blocks(tree.view().level[level], sink.i, sink.j, sink.count, boxes_.data(), to.sink());
+    parallel_chunks(workers_, 1, threads, [&](std::size_t first, std::size_t last, int) {
+        for (std::size_t w = first; w < last; ++w) work(w);
+    });
 }
 
-void Delimitation::drop_forbidden(const BoxLevelView& level, PairSink& found) const
+/// From nodes of the level above, as blocks, to those of `level` that the queries reach. `room` is for how many more
+/// all workers together may find; they stop once it is below 0.
+void Delimitation::descend(const BoxLevelView& level, bool layers, const NodePairs& from, NodePairs& to,
+                           std::atomic<std::int64_t>& room) const
 {
-    std::uint64_t kept = 0;
-    for (std::uint64_t k = 0; k < found.count; ++k) {
-        const std::uint32_t box = found.i[k], node = found.j[k];
-        found.i[kept] = box, found.j[kept] = node;
-        kept += (layers_[box] & level.masks[node]) && (level.layers[node] & masks_[box]);
+    constexpr std::size_t slice = 4096; // at most 16 times as many are found before they are counted
+    to.clear();
+    for (std::size_t k = 0; k < from.size() && room >= 0; k += slice) {
+        const std::size_t before = to.size();
+        box_tree_kernel().in_blocks(level, from.i() + k, from.j() + k, std::min(slice, from.size() - k), boxes_.data(),
+                                    to.sink());
+        if (layers && level.layers) drop_forbidden(level, to.sink(), before);
+        room -= static_cast<std::int64_t>(to.size() - before);
+    }
+}
+
+void Delimitation::drop_forbidden(const BoxLevelView& level, PairSink& found, std::uint64_t first) const
+{
+    std::uint64_t kept = first;
+    for (std::uint64_t k = first; k < found.count; ++k) {
+        const std::uint32_t query = found.i[k], node = found.j[k];
+        found.i[kept] = query, found.j[kept] = node;
+        kept += (layers_[query] & level.masks[node]) && (level.layers[node] & masks_[query]);
     }
     found.count = kept;
 }
@@ -59,39 +74,44 @@ void Delimitation::drop_forbidden(const BoxLevelView& level, PairSink& found) co
 void Delimitation::run(const BoxTree& tree, bool layers, int threads)
 {
     const auto begin = Clock::now();
-    const std::size_t workers = layers_.size() < boxes_worth_threads ? 1 : static_cast<std::size_t>(threads);
-    while (reached_.size() < workers)
-        reached_.push_back(std::make_unique<FoundPairs>()), next_.push_back(std::make_unique<FoundPairs>());
+    workers_ = queries() < queries_worth_threads ? 1 : static_cast<std::size_t>(threads);
+    while (reached_.size() < workers_)
+        reached_.push_back(std::make_unique<NodePairs>()), next_.push_back(std::make_unique<NodePairs>());
     const int top = tree.view().levels - 1;
     levels_.assign(static_cast<std::size_t>(std::max(top, 0)) + 1, {});
+    in_a_heap_ = false;
     if (tree.empty()) return;
 
-    const auto each_worker = [&](auto&& work) {
-        parallel_chunks(workers, 1, threads, [&](std::size_t first, std::size_t last, int) {
-            for (std::size_t w = first; w < last; ++w) work(w);
-        });
-    };
-    each_worker([&](std::size_t w) { reached_[w]->assign_all(share(w, workers), share(w + 1, workers), 0); });
+    each_worker(threads, [&](std::size_t w) { reached_[w]->assign_root(first_query(w), first_query(w + 1)); });
     levels_[0].ms = ms_since(begin);
-    for (int level = top; level > 0; --level) {
+    for (int level = top; level > 0 && !in_a_heap_; --level) {
         const auto from = Clock::now();
-        each_worker([&](std::size_t w) {
-            descend(tree, level, *reached_[w], *next_[w]);
-            if (layers && tree.view().level[level].layers) drop_forbidden(tree.view().level[level], next_[w]->sink());
-        });
+        std::atomic<std::int64_t> room = 4 * std::int64_t{tree.size()} + 65536;
+        each_worker(threads,
+                    [&](std::size_t w) { descend(tree.view().level[level], layers, *reached_[w], *next_[w], room); });
         reached_.swap(next_);
+        in_a_heap_ = room < 0; // the same whatever the number of workers
         levels_[static_cast<std::size_t>(top - level) + 1].ms = ms_since(from);
     }
-    counted_ = false;
+    counted_ = in_a_heap_;
+    if (in_a_heap_) levels_.clear();
 }
 
-std::span<const std::unique_ptr<FoundPairs>> Delimitation::compare(const BoxTree& tree, int threads)
+void Delimitation::compare(const BoxTree& tree, int threads, Found found) const
 {
-    if (!tree.empty())
-        parallel_chunks(reached_.size(), 1, threads, [&](std::size_t first, std::size_t last, int) {
-            for (std::size_t w = first; w < last; ++w) descend(tree, 0, *reached_[w], *next_[w]);
+    if (tree.empty() || queries() == 0) return;
+    each_worker(threads, [&](std::size_t w) {
+        PairChunks chunks([&](const std::uint32_t* queries, const std::uint32_t* places, std::size_t count) {
+            found(w, queries, places, count);
         });
-    return next_;
+        if (in_a_heap_) {
+            for (std::size_t k = first_query(w); k < first_query(w + 1); ++k)
+                box_tree_kernel().below_root(tree.view(), static_cast<std::uint32_t>(k), box(k), chunks.sink());
+        } else {
+            box_tree_kernel().in_blocks(tree.view().level[0], reached_[w]->i(), reached_[w]->j(), reached_[w]->size(),
+                                        boxes_.data(), chunks.sink());
+        }
+    });
 }
 
 void Delimitation::count(const BoxTree& tree)
@@ -129,7 +149,7 @@ void Delimitation::mark(const BoxTree& tree)
     }
     for (const auto& reached : reached_)
         for (std::size_t k = 0; k < reached->size(); ++k) {
-            std::uint32_t node = reached->j(k);
+            std::uint32_t node = reached->j()[k];
             for (std::size_t level = 1; level <= levels && !std::exchange(is_left_[level][node], 1); ++level) {
                 left_[level].push_back(node);
                 node /= width;

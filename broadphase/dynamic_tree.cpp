@@ -1,399 +1,282 @@
-#include <oncollide/broadphase/dynamic_tree.hpp>
-
+// The kd-tree and the octree as broad phases.
 #include <algorithm>
-#include <cmath>
-#include <string>
 
-#include <oncollide/base/error.hpp>
+#include <oncollide/broadphase/body_states.hpp>
+#include <oncollide/broadphase/box_checks.hpp>
+#include <oncollide/broadphase/broad_phase.hpp>
 #include <oncollide/broadphase/delimitation.hpp>
+#include <oncollide/broadphase/pair_filter.hpp>
 #include <oncollide/broadphase/pair_sort.hpp>
+#include <oncollide/broadphase/tree_search.hpp>
 
 namespace oncollide {
 
 namespace {
 
-std::string the_body(std::uint32_t body)
-{
-    std::string text = "body ";
-    return text += std::to_string(body);
-}
-
-constexpr int everything = 4;                    // where more than one in so many changed, all is searched
+constexpr std::size_t whole_share = 4;           // where more than one body in so many changed, all is searched
 constexpr std::uint32_t worth_compacting = 1024; // places
+constexpr std::uint64_t unmarked = ~std::uint64_t{0};
 
-enum State : std::uint8_t {
-    present = 1,
-    awake = 2,
-    in_tree = 4,
-    moved = 8,    // its box is to be taken in
-    changed = 16, // what is known of its pairs is out of date
-    asking = 32,  // is among those asked for
-};
-
-} // namespace
-
-struct DynamicTree::Impl {
-    Options options;
-    BoxTree tree{BoxOrder::kd};
-    TreeSearch search;
-    Delimitation delimitation, question;
-    std::vector<std::uint8_t> state;                     ///< by body
-    std::vector<std::uint8_t> asleep;                    ///< by body, for the filter
-    std::vector<std::uint32_t> gone, come, moved_bodies; ///< scratch: bodies for the tree to change
-    std::vector<std::uint32_t> changes;                  ///< bodies with state `moved` or `changed`, each once
-    std::vector<std::uint32_t> asked;                    ///< of the changed ones, those to be asked for
-    std::vector<BodyPair> kept;                          ///< pairs of the boxes as the tree holds them
-    std::vector<BodyPair> exact; ///< of these, pairs of the boxes themselves; only where they may differ
-    std::vector<BodyPair> found, scratch;
-    std::vector<std::uint32_t> any; ///< layers and masks, where there are none
-    std::size_t size = 0, awake_count = 0;
-    bool taken_in = false;     ///< are all changes in the tree?
-    bool delimited = false;    ///< has delimit() run since?
-    bool search_all = true;    ///< must the whole tree be searched?
-    bool moving_known = false; ///< are the tree's moving marks up to date?
-    bool layers_known = false; ///< does the tree know all layers, where they forbid anything?
-    bool kept_stale = false;   ///< are all kept pairs out of date, not those of changed bodies alone?
-    LayerSummary layers;       ///< of all bodies, at least
-
-    double tree_margin() const { return options.margin + options.fat; }
-    int threads_for(std::size_t count) const { return count < TreeSearch::worth_threads / 8 ? 1 : options.threads; }
-
-    BodyFilter filter(const BodyColumns& columns)
+/// A tree that stays from frame to frame, and the pairs found in it.
+///
+///     changes -> take_in: tree up to date -> delimit: regions that changed bodies reach -> their pairs replace old
+///     ones
+///                                         \-> much changed: the whole tree against itself -> all pairs
+class DynamicTree final : public TracksBodies {
+public:
+    DynamicTree(std::string_view name, BoxOrder order, const Options& options)
+        : TracksBodies(options), name_(name), tree_(order)
     {
-        if (columns.boxes.size() < state.size() || columns.layers.size() != columns.masks.size() ||
-            (!columns.layers.empty() && columns.layers.size() < state.size()))
-            throw Error(ErrorKind::usage,
-                        "columns end before " + the_body(static_cast<std::uint32_t>(state.size() - 1)));
-        if (!columns.layers.empty()) return {asleep, columns.layers, columns.masks};
-        any.resize(state.size(), ~0u);
-        return {asleep, any, any};
     }
+    std::string_view name() const override { return name_; }
 
-    void touch(std::uint32_t body, std::uint8_t how)
-    {
-        if (!(state[body] & (moved | changed))) changes.push_back(body);
-        state[body] |= how;
-        taken_in = delimited = false;
-    }
+    void take_in(const BodyColumns& columns) override;
+    std::span<const BodyPair> find_pairs(const BodyColumns& columns, bool whole) override;
+    void delimit(const BodyColumns& columns) override;
+    std::span<const DelimitationLevel> levels() override;
+    std::uint64_t bodies_left() override;
+    void survivors(std::vector<std::uint32_t>& bodies) override;
+    void query(const BodyColumns& columns, std::span<const Aabb> boxes, std::vector<BoxHit>& hits) const override;
 
-    template <class Change>
-    void change(std::span<const std::uint32_t> list, bool there, Change apply)
-    {
-        for (std::uint32_t body : list) {
-            const bool is_there = body < state.size() && (state[body] & present);
-            if (is_there != there)
-                throw Error(ErrorKind::usage, the_body(body) + (there ? ": is not in the tree" : ": is in the tree"));
-        }
-        for (std::uint32_t body : list) apply(body);
-    }
+    std::size_t bytes() const override;
 
-    void set_awake(std::uint32_t body, bool now)
-    {
-        if (bool(state[body] & awake) == now) return;
-        state[body] = static_cast<std::uint8_t>(now ? state[body] | awake : state[body] & ~awake);
-        asleep[body] = !now;
-        now ? ++awake_count : --awake_count;
-        moving_known = false;
-    }
-
-    void take_in(const BodyColumns& columns, const BodyFilter& filter);
+private:
     void rebuild(const BodyColumns& columns);
     void refit(const BodyColumns& columns);
-    bool stays_inside(std::uint32_t body, const Aabb& box) const;
-    void learn_layers(const BodyFilter& filter);
-    void collect_asked();
-    void delimit(const BodyColumns& columns);
-    void update(const BodyColumns& columns, const BodyFilter& filter);
-    void find_changed(const BodyColumns& columns, const BodyFilter& filter);
-    std::span<const BodyPair> find_pairs(const BodyColumns& columns);
+    void collect_queries();
+    void find_whole(const BodyColumns& columns);
+    void find_changed(const BodyColumns& columns);
+    int threads_for(std::size_t queries) const
+    {
+        return queries < TreeSearch::worth_threads / 8 ? 1 : options_.threads;
+    }
+    int threads_for_all() const { return size() < TreeSearch::worth_threads ? 1 : options_.threads; }
+
+    std::string_view name_;
+    BoxTree tree_;
+    PairFilter filter_;
+    TreeSearch search_;
+    Delimitation delimitation_;
+    std::vector<std::uint32_t> gone_, come_, moved_; ///< scratch: bodies for the tree to change
+    std::vector<std::uint32_t> queries_;             ///< changed bodies whose pairs are looked for
+    std::vector<BodyPair> pairs_, found_, scratch_;
+    PairLists lists_;
+    bool delimited_ = false;                  ///< has delimit() run since the changes were taken in?
+    bool whole_ = true;                       ///< is the whole tree searched, not regions of it?
+    std::uint64_t marked_version_ = unmarked; ///< of who is awake, as the tree has it
 };
 
-DynamicTree::DynamicTree() : DynamicTree(Options{}) {}
-DynamicTree::DynamicTree(const Options& options) : impl_(std::make_unique<Impl>())
+void DynamicTree::rebuild(const BodyColumns& columns)
 {
-    const auto usable = [](double x) { return x >= 0 && x <= 1e15; };
-    if (!usable(options.margin) || !usable(options.fat) || options.threads < 1)
-        throw Error(ErrorKind::usage, "DynamicTree: margin and fat must be from 0 to 1e15 m, threads 1 or more");
-    impl_->options = options;
-}
-DynamicTree::~DynamicTree() = default;
-DynamicTree::DynamicTree(DynamicTree&&) noexcept = default;
-DynamicTree& DynamicTree::operator=(DynamicTree&&) noexcept = default;
-
-void DynamicTree::add(std::span<const std::uint32_t> bodies, bool asleep)
-{
-    Impl& p = *impl_;
-    p.change(bodies, false, [&](std::uint32_t body) {
-        if (body >= p.state.size()) p.state.resize(body + std::size_t{1}), p.asleep.resize(body + std::size_t{1}, 1);
-        p.touch(body, present | moved | changed);
-        p.set_awake(body, !asleep);
-        ++p.size;
-    });
-}
-void DynamicTree::remove(std::span<const std::uint32_t> bodies)
-{
-    Impl& p = *impl_;
-    p.change(bodies, true, [&](std::uint32_t body) {
-        p.touch(body, changed);
-        p.set_awake(body, false);
-        p.state[body] &= static_cast<std::uint8_t>(~present);
-        --p.size;
-    });
-}
-void DynamicTree::move(std::span<const std::uint32_t> bodies)
-{
-    impl_->change(bodies, true, [&](std::uint32_t body) { impl_->touch(body, moved); });
-}
-void DynamicTree::sleep(std::span<const std::uint32_t> bodies)
-{
-    impl_->change(bodies, true, [&](std::uint32_t body) {
-        impl_->touch(body, changed);
-        impl_->set_awake(body, false);
-    });
-}
-void DynamicTree::wake(std::span<const std::uint32_t> bodies)
-{
-    impl_->change(bodies, true, [&](std::uint32_t body) {
-        impl_->touch(body, changed);
-        impl_->set_awake(body, true);
-    });
-}
-
-/// Is a body's new box inside the larger one that the tree holds of it?
-bool DynamicTree::Impl::stays_inside(std::uint32_t body, const Aabb& box) const
-{
-    if (options.fat == 0) return false;
-    float now[6], held[6];
-    tree.round(box, options.margin, now);
-    tree.box_at(tree.place_of(body), held);
-    bool inside = true;
-    for (int axis = 0; axis < 3; ++axis) inside &= (now[axis] >= held[axis]) & (now[3 + axis] <= held[3 + axis]);
-    return inside;
-}
-
-void DynamicTree::Impl::rebuild(const BodyColumns& columns)
-{
-    std::vector<std::uint32_t> bodies;
-    for (std::uint32_t body = 0; body < state.size(); ++body)
-        if (state[body] & present) bodies.push_back(body);
-    tree.build(columns.boxes, bodies, tree_margin(), bodies.size() < TreeSearch::worth_threads ? 1 : options.threads);
-    for (std::uint8_t& s : state) s = static_cast<std::uint8_t>(s & present ? s | in_tree : s & ~in_tree);
-    moving_known = layers_known = false;
-    kept_stale = options.fat > 0;
+    std::vector<std::uint32_t> present;
+    bodies_.list(present);
+    tree_.build(columns.boxes.first(bodies_.rows()), present, options_.margin, threads_for_all());
+    for (std::uint32_t body : gone_) bodies_.clear(body, BodyStates::held);
+    for (std::uint32_t body : come_) bodies_.set(body, BodyStates::held);
+    marked_version_ = unmarked;
+    filter_.forget();
 }
 
 /// Every box of the tree follows its body again.
-void DynamicTree::Impl::refit(const BodyColumns& columns)
+void DynamicTree::refit(const BodyColumns& columns)
 {
-    tree.refit(columns.boxes, tree_margin(), options.threads);
-    kept_stale = options.fat > 0;
+    tree_.refit(columns.boxes, options_.margin, threads_for_all());
+    if (tree_.degraded()) rebuild(columns);
 }
 
-/// Brings the tree up to date. `changed` then marks the bodies whose pairs are to be found anew.
-void DynamicTree::Impl::take_in(const BodyColumns& columns, const BodyFilter& filter)
+void DynamicTree::take_in(const BodyColumns& columns)
 {
-    if (taken_in) return;
-    delimitation.clear();
-    gone.clear(), come.clear(), moved_bodies.clear();
-    for (std::uint32_t body : changes) {
-        const std::uint8_t s = state[body];
-        if (!(s & present)) {
-            if (s & in_tree) gone.push_back(body);
-        } else if (!(s & in_tree)) {
-            come.push_back(body);
-        } else if (s & moved && !stays_inside(body, columns.boxes[body])) {
-            moved_bodies.push_back(body), state[body] |= changed;
+    bodies_.check(columns);
+    if (taken_in_) return;
+    delimitation_.clear();
+    delimited_ = false, whole_ = true;
+    std::span<const std::uint32_t> moved = bodies_.changes();
+    gone_.clear(), come_.clear();
+    if (bodies_.some_came_or_went()) {
+        moved_.clear();
+        for (std::uint32_t body : bodies_.changes()) {
+            const bool held = bodies_.is(body, BodyStates::held), present = contains(body);
+            if (held && present) moved_.push_back(body);
+            if (held && !present) gone_.push_back(body);
+            if (!held && present) come_.push_back(body);
         }
+        moved = moved_;
     }
-    refuse_unusable(columns.boxes, come);
+    refuse_unusable(columns.boxes, come_);
 
-    const std::size_t places = tree.size() + come.size() + 16;
-    const bool fresh = come.size() * 4 > size; // what is appended lies apart from its neighbours
-    const bool sparse = places > worth_compacting && places > 2 * size;
-    if (fresh || sparse || tree.empty()) {
+    const std::size_t places = tree_.size() + come_.size() + 16;
+    const bool fresh = come_.size() * 4 > size(); // what is appended lies apart from its neighbours
+    const bool sparse = places > worth_compacting && places > 2 * size();
+    if (fresh || sparse || tree_.empty()) {
         rebuild(columns);
     } else {
-        tree.erase(gone);
-        if (!come.empty()) {
-            tree.append(columns.boxes, come, tree_margin(), options.threads);
-            moving_known = layers_known = false;
+        tree_.erase(gone_);
+        for (std::uint32_t body : gone_) bodies_.clear(body, BodyStates::held);
+        if (!come_.empty()) {
+            tree_.append(columns.boxes.first(bodies_.rows()), come_, options_.margin, options_.threads);
+            for (std::uint32_t body : come_) bodies_.set(body, BodyStates::held);
+            marked_version_ = unmarked;
         }
-        for (std::uint32_t body : gone) state[body] &= static_cast<std::uint8_t>(~in_tree);
-        for (std::uint32_t body : come) state[body] |= in_tree;
-        if (moved_bodies.size() * everything > size)
+        if (moved.size() * whole_share > size()) {
             refit(columns);
-        else
-            tree.refit_bodies(columns.boxes, tree_margin(), moved_bodies);
-        if (tree.degraded()) refit(columns);
-        if (tree.degraded()) rebuild(columns);
+        } else {
+            tree_.refit_bodies(columns.boxes, options_.margin, moved);
+            if (tree_.degraded()) refit(columns);
+        }
     }
-    std::erase_if(changes, [&](std::uint32_t body) {
-        state[body] &= static_cast<std::uint8_t>(~moved);
-        return !(state[body] & changed);
-    });
-    learn_layers(filter);
-    taken_in = true;
+    filter_.update(bodies_, columns, tree_);
+    taken_in_ = true;
 }
 
-/// The tree knows layers only where they forbid something; it forgets them when it is built.
-void DynamicTree::Impl::learn_layers(const BodyFilter& filter)
+/// The changed bodies' pairs are to be looked for. A pair of one that is asleep with one that is awake is found from
+/// the latter, if that changed too.
+void DynamicTree::collect_queries()
 {
-    if (!layers_known) layers = LayerSummary(filter);
-    const bool knew = layers_known && !layers.allow_all();
-    for (std::uint32_t body : changes)
-        if (state[body] & present) {
-            layers.add(filter.layers[body], filter.masks[body]);
-            if (knew) tree.add_layers(body, filter);
-        }
-    if (!knew && !layers.allow_all()) tree.set_layers(filter);
-    layers_known = true;
-}
-
-/// Bodies to be asked for: those that changed. A pair of a sleeper with one that is awake is found from that one, if it
-/// changed too.
-void DynamicTree::Impl::collect_asked()
-{
-    for (std::uint32_t body : asked) state[body] &= static_cast<std::uint8_t>(~asking);
-    asked.clear();
-    std::size_t awake_changed = 0;
-    for (std::uint32_t body : changes) awake_changed += (state[body] & awake) != 0;
-    for (std::uint32_t body : changes)
-        if (state[body] & awake || (state[body] & present && awake_changed < awake_count)) {
-            asked.push_back(body);
-            state[body] |= asking;
-        }
-}
-
-void DynamicTree::Impl::delimit(const BodyColumns& columns)
-{
-    const BodyFilter allowed = filter(columns);
-    take_in(columns, allowed);
-    if (delimited) return;
-    collect_asked();
-    search_all = kept_stale || asked.size() * everything > size;
-    if (!search_all) {
-        for (std::uint32_t body : asked) {
-            float box[6];
-            tree.box_at(tree.place_of(body), box);
-            delimitation.ask(box, allowed.layers[body], allowed.masks[body]);
-        }
-        delimitation.run(tree, !layers.allow_all(), threads_for(asked.size()));
+    for (std::uint32_t body : queries_) bodies_.clear(body, BodyStates::queried);
+    queries_.clear();
+    std::size_t awake = 0, asleep = 0; // of the changed
+    for (std::uint32_t body : bodies_.changes()) {
+        awake += bodies_.is(body, BodyStates::awake);
+        asleep += bodies_.is(body, BodyStates::present) && !bodies_.is(body, BodyStates::awake);
     }
-    delimited = true;
-}
-
-/// The pairs of the bodies asked for replace what was known of those that changed.
-void DynamicTree::Impl::find_changed(const BodyColumns& columns, const BodyFilter& allowed)
-{
-    found.clear();
-    for (const auto& list : delimitation.compare(tree, threads_for(asked.size())))
-        for (std::size_t k = 0; k < list->size(); ++k) {
-            constexpr std::size_t ahead = 8; // what the places found point to lies scattered in memory
-            if (k + 2 * ahead < list->size()) tree.prefetch_body_at(list->j(k + 2 * ahead));
-            if (k + ahead < list->size()) __builtin_prefetch(&state[tree.body_at(list->j(k + ahead))]);
-            const std::uint32_t body = asked[list->i(k)], place = list->j(k), other = tree.body_at(place);
-            if (other == body || !((state[body] | state[other]) & awake)) continue;
-            if (state[other] & asking && other < body) continue; // that one finds the pair
-            if (!layers.allow_all() && !allowed.allows(body, other)) continue;
-            if (options.fat > 0 || tree.surely_overlap(place, delimitation.box(list->i(k))) ||
-                overlap(columns.boxes[body], columns.boxes[other], options.margin))
-                found.push_back({std::min(body, other), std::max(body, other)});
+    const bool sleepers = awake < bodies_.awake_count();
+    whole_ = (awake + (sleepers ? asleep : 0)) * whole_share > size();
+    if (whole_) return;
+    for (std::uint32_t body : bodies_.changes())
+        if (bodies_.is(body, BodyStates::awake) || (sleepers && contains(body))) {
+            queries_.push_back(body);
+            bodies_.set(body, BodyStates::queried);
         }
-    sort_pairs(found, scratch, state.size(), options.threads);
-    std::erase_if(kept, [&](BodyPair p) { return (state[p.a] | state[p.b]) & changed; });
-    if (found.empty()) return;
-    scratch.resize(kept.size() + found.size());
-    std::ranges::merge(kept, found, scratch.begin());
-    kept.swap(scratch);
-}
-
-std::span<const BodyPair> DynamicTree::Impl::find_pairs(const BodyColumns& columns)
-{
-    delimit(columns);
-    const BodyFilter allowed = filter(columns);
-    if (search_all && (kept_stale || !changes.empty())) {
-        if (!moving_known) tree.set_moving(asleep), moving_known = true;
-        search.find_pairs(tree, columns.boxes, allowed, options.margin, options.fat == 0, options.threads, kept);
-        sort_pairs(kept, scratch, state.size(), options.threads);
-        kept_stale = false;
-    } else if (!changes.empty()) {
-        find_changed(columns, allowed);
-    }
-    for (std::uint32_t body : changes) state[body] &= static_cast<std::uint8_t>(~changed);
-    changes.clear();
-    if (options.fat == 0) return kept;
-    exact.clear();
-    for (BodyPair p : kept)
-        if (overlap(columns.boxes[p.a], columns.boxes[p.b], options.margin)) exact.push_back(p);
-    return exact;
 }
 
 void DynamicTree::delimit(const BodyColumns& columns)
 {
-    impl_->delimit(columns);
+    take_in(columns);
+    if (delimited_) return;
+    collect_queries();
+    if (!whole_) {
+        for (std::uint32_t body : queries_) {
+            float box[6];
+            tree_.box_at(tree_.place_of(body), box);
+            const bool layers = filter_.layers_forbid();
+            delimitation_.add(box, layers ? columns.layers[body] : ~0u, layers ? columns.masks[body] : ~0u);
+        }
+        delimitation_.run(tree_, filter_.layers_forbid(), threads_for(queries_.size()));
+    }
+    delimited_ = true;
 }
-std::span<const BodyPair> DynamicTree::find_pairs(const BodyColumns& columns)
+
+void DynamicTree::find_whole(const BodyColumns& columns)
 {
-    return impl_->find_pairs(columns);
+    if (marked_version_ != bodies_.awake_version()) tree_.set_moving(bodies_.data(), BodyStates::awake);
+    marked_version_ = bodies_.awake_version();
+    search_.find_pairs(tree_, columns, filter_.forbids(), options_.margin, options_.threads, pairs_);
+    sort_pairs(pairs_, scratch_, bodies_.rows(), threads_for_all());
 }
+
+/// The pairs of the queries replace what was known of the bodies that changed.
+void DynamicTree::find_changed(const BodyColumns& columns)
+{
+    const int threads = threads_for(queries_.size());
+    const std::uint8_t* const states = bodies_.data();
+    const bool filtered = filter_.forbids();
+    lists_.begin(found_, static_cast<int>(delimitation_.workers()));
+    const auto keep = [&](std::size_t worker, const std::uint32_t* query, const std::uint32_t* place,
+                          std::size_t count) {
+        append_kept(
+            lists_.of(worker), count,
+            [&](std::size_t k) {
+                constexpr std::size_t ahead = 8; // what the places found point to lies scattered in memory
+                if (k + 2 * ahead < count) tree_.prefetch_body_at(place[k + 2 * ahead]);
+                if (k + ahead < count) __builtin_prefetch(&states[tree_.body_at(place[k + ahead])]);
+                return BodyPair{queries_[query[k]], tree_.body_at(place[k])};
+            },
+            [&](std::size_t k, BodyPair& pair) {
+                const auto [body, other] = pair;
+                if (other == body || !((states[body] | states[other]) & BodyStates::awake)) return false;
+                if (states[other] & BodyStates::queried && other < body) return false; // that one finds the pair
+                if (filtered && !columns.allows(body, other)) return false;
+                if (body > other) pair = {other, body};
+                return tree_.surely_overlap(place[k], delimitation_.box(query[k])) ||
+                       overlap(columns.boxes[body], columns.boxes[other], options_.margin);
+            });
+    };
+    delimitation_.compare(tree_, threads, keep);
+    lists_.join(found_);
+    sort_pairs(found_, scratch_, bodies_.rows(), options_.threads);
+    std::erase_if(pairs_, [&](BodyPair p) { return (states[p.a] | states[p.b]) & BodyStates::changed; });
+    if (found_.empty()) return;
+    scratch_.resize(pairs_.size() + found_.size());
+    std::ranges::merge(pairs_, found_, scratch_.begin());
+    pairs_.swap(scratch_);
+}
+
+std::span<const BodyPair> DynamicTree::find_pairs(const BodyColumns& columns, bool whole)
+{
+    if (whole) {
+        take_in(columns);
+        delimitation_.clear();
+        whole_ = true;
+        find_whole(columns);
+    } else {
+        delimit(columns);
+        if (!bodies_.changes().empty()) whole_ ? find_whole(columns) : find_changed(columns);
+    }
+    bodies_.forget_changes();
+    return pairs_;
+}
+
 std::span<const DelimitationLevel> DynamicTree::levels()
 {
-    if (impl_->search_all) return {};
-    return impl_->delimitation.levels(impl_->tree);
+    if (whole_) return {};
+    return delimitation_.levels(tree_);
 }
 std::uint64_t DynamicTree::bodies_left()
 {
-    return impl_->search_all ? impl_->size : impl_->delimitation.bodies_left(impl_->tree);
+    return whole_ || delimitation_.in_a_heap() ? size() : delimitation_.bodies_left(tree_);
 }
 void DynamicTree::survivors(std::vector<std::uint32_t>& bodies)
 {
-    if (!impl_->search_all) return impl_->delimitation.survivors(impl_->tree, bodies);
-    bodies.clear();
-    for (std::uint32_t body = 0; body < impl_->state.size(); ++body)
-        if (contains(body)) bodies.push_back(body);
+    whole_ || delimitation_.in_a_heap() ? bodies_.list(bodies) : delimitation_.survivors(tree_, bodies);
 }
 
-void DynamicTree::query(const BodyColumns& columns, std::span<const Aabb> boxes, std::vector<BoxHit>& hits)
+void DynamicTree::query(const BodyColumns& columns, std::span<const Aabb> boxes, std::vector<BoxHit>& hits) const
 {
-    Impl& p = *impl_;
-    p.take_in(columns, p.filter(columns));
+    check_query(columns, boxes);
     hits.clear();
-    p.question.clear();
-    for (std::uint32_t k = 0; k < boxes.size(); ++k) {
-        if (!(boxes[k].min.cwiseAbs().sum() + boxes[k].max.cwiseAbs().sum() < 1e30))
-            throw Error(ErrorKind::bad_data,
-                        std::string("query ").append(std::to_string(k)) + ": the box is not finite, or beyond 1e30 m");
-        float box[6];
-        p.tree.round(boxes[k], p.options.margin, box);
-        p.question.ask(box, ~0u, ~0u);
-    }
-    const int threads = p.threads_for(boxes.size());
-    p.question.run(p.tree, false, threads);
-    for (const auto& list : p.question.compare(p.tree, threads))
-        for (std::size_t k = 0; k < list->size(); ++k) {
-            const BoxHit hit{list->i(k), p.tree.body_at(list->j(k))};
-            if (overlap(boxes[hit.query], columns.boxes[hit.body], p.options.margin)) hits.push_back(hit);
+    PairChunks chunks([&](const std::uint32_t* query, const std::uint32_t* place, std::size_t count) {
+        for (std::size_t k = 0; k < count; ++k) {
+            const BoxHit hit{query[k], tree_.body_at(place[k])};
+            if (overlap(boxes[hit.query], columns.boxes[hit.body], options_.margin)) hits.push_back(hit);
         }
-    std::sort(hits.begin(), hits.end());
+    });
+    for (std::uint32_t k = 0; k < boxes.size(); ++k) {
+        float box[6];
+        tree_.round(boxes[k], options_.margin, box);
+        const std::size_t first = hits.size();
+        box_tree_kernel().below_root(tree_.view(), k, box, chunks.sink());
+        chunks.flush();
+        std::sort(hits.begin() + static_cast<std::ptrdiff_t>(first), hits.end());
+    }
 }
 
-std::size_t DynamicTree::size() const
-{
-    return impl_->size;
-}
-bool DynamicTree::contains(std::uint32_t body) const
-{
-    return body < impl_->state.size() && impl_->state[body] & present;
-}
 std::size_t DynamicTree::bytes() const
 {
-    const Impl& p = *impl_;
-    return p.tree.bytes() + p.search.bytes() + p.delimitation.bytes() + p.question.bytes() + p.state.capacity() +
-           p.asleep.capacity() +
-           (p.changes.capacity() + p.asked.capacity() + p.any.capacity() + p.gone.capacity() + p.come.capacity() +
-            p.moved_bodies.capacity()) *
-               sizeof(std::uint32_t) +
-           (p.kept.capacity() + p.exact.capacity() + p.found.capacity() + p.scratch.capacity()) * sizeof(BodyPair);
+    const std::size_t lists = gone_.capacity() + come_.capacity() + moved_.capacity() + queries_.capacity();
+    const std::size_t pairs = pairs_.capacity() + found_.capacity() + scratch_.capacity();
+    return tree_.bytes() + bodies_.bytes() + search_.bytes() + delimitation_.bytes() + lists_.bytes() +
+           lists * sizeof(std::uint32_t) + pairs * sizeof(BodyPair);
+}
+
+} // namespace
+
+std::unique_ptr<BroadPhase> make_kd_tree(const BroadPhase::Options& options)
+{
+    return std::make_unique<DynamicTree>("kd", BoxOrder::kd, options);
+}
+std::unique_ptr<BroadPhase> make_octree(const BroadPhase::Options& options)
+{
+    return std::make_unique<DynamicTree>("octree", BoxOrder::octree, options);
 }
 
 } // namespace oncollide

@@ -1,186 +1,129 @@
-// The stages above the sphere-trees: bounds, delimitation, broad.
+// The stages above refinement: bounds, delimitation, broad.
 #include <algorithm>
-#include <numeric>
 
-#include <oncollide/broadphase/dynamic_tree.hpp>
-#include <oncollide/broadphase/world_boxes.hpp>
+#include <oncollide/base/parallel.hpp>
 #include <oncollide/pipeline/stage.hpp>
 
 namespace oncollide {
 
 namespace {
 
-std::vector<std::uint32_t> all_bodies(const Scene& scene)
-{
-    std::vector<std::uint32_t> all(scene.size());
-    std::iota(all.begin(), all.end(), 0u);
-    return all;
-}
-
-std::vector<std::uint32_t> moving_bodies(const Scene& scene)
-{
-    std::vector<std::uint32_t> moving = all_bodies(scene);
-    std::erase_if(moving, [&](std::uint32_t body) { return scene.is_static[body] != 0; });
-    return moving;
-}
-
-/// World boxes: tight, or, skipped, those of spheres.
+/// The world boxes of the bodies that changed: tight, or, skipped, those of spheres.
 class BoundsStage final : public Stage {
 public:
-    explicit BoundsStage(const Scene& scene) : boxes_(scene), all_(all_bodies(scene)), moving_(moving_bodies(scene)) {}
     std::string_view name() const override { return "bounds"; }
     std::string_view unit() const override { return "bodies"; }
-
-    void run(const Scene& scene, Frame& frame, StageStats& stats) override
-    {
-        frame.boxes.resize(scene.size());
-        boxes_.update(scene, first_ ? all_ : moving_, frame.threads, frame.boxes);
-        first_ = false;
-        stats.in = stats.out = scene.size();
-    }
-
-    void skip(const Scene& scene, Frame& frame, StageStats& stats) override
-    {
-        frame.boxes.resize(scene.size());
-        for (std::uint32_t body : all_) frame.boxes[body] = boxes_.sphere_box(scene, body);
-        first_ = true;
-        stats.in = stats.out = scene.size();
-    }
+    void run(Bodies& bodies, Frame& frame, StageStats& stats) override { update(bodies, frame, true, stats); }
+    void skip(Bodies& bodies, Frame& frame, StageStats& stats) override { update(bodies, frame, false, stats); }
 
 private:
-    WorldBoxes boxes_;
-    std::vector<std::uint32_t> all_, moving_;
-    bool first_ = true;
+    static void update(Bodies& bodies, const Frame& frame, bool tight, StageStats& stats)
+    {
+        update_boxes(bodies, frame.changes, tight, frame.threads);
+        stats.in = stats.out = bodies.size();
+    }
 };
 
-/// Takes what moved into the tree and leaves the bodies of the regions that it reaches.
+/// Takes what changed into the broad phase and finds the regions that it reaches.
 class DelimitationStage final : public Stage {
 public:
-    DelimitationStage(const Scene& scene, const Settings& settings, DynamicTree& tree)
-        : tree_(tree), all_(all_bodies(scene)), moving_(moving_bodies(scene)),
-          lists_survivors_(settings.broad_phase != BroadPhaseKind::kd_tree ||
-                           std::ranges::count(settings.skip, "broad") > 0)
-    {
-    }
+    explicit DelimitationStage(BroadPhase& broad) : broad_(broad) {}
     std::string_view name() const override { return "delimitation"; }
     std::string_view unit() const override { return "bodies"; }
-    std::string_view reason_to_skip(const Scene&, const Frame&) const override
+    std::string_view reason_to_skip(const Bodies& bodies, const Frame& frame) const override
     {
-        if (all_.size() < 64) return "fewer than 64 bodies";
-        if (4 * moving_.size() > all_.size()) return "over a quarter of the bodies may move";
+        if (bodies.size() < 64) return "fewer than 64 bodies";
+        if (4 * frame.moved > bodies.size()) return "over a quarter of the bodies moved";
         return {};
     }
 
-    void run(const Scene& scene, Frame& frame, StageStats& stats) override
+    void run(Bodies& bodies, Frame& frame, StageStats& stats) override
     {
-        if (tree_.size() == 0) {
-            std::vector<std::uint32_t> resting = all_;
-            std::erase_if(resting, [&](std::uint32_t body) { return !scene.is_static[body]; });
-            tree_.add(resting, true), tree_.add(moving_);
-        } else {
-            tree_.move(moving_);
-        }
-        tree_.delimit({frame.boxes, scene.layers, scene.masks});
-        frame.delimited = true;
-        frame.delimitation.assign(tree_.levels().begin(), tree_.levels().end());
-        if (lists_survivors_) tree_.survivors(frame.survivors);
-        stats.in = scene.size();
-        stats.out = tree_.bodies_left();
+        frame.whole = false;
+        broad_.delimit(bodies.columns());
+        frame.delimitation.assign(broad_.levels().begin(), broad_.levels().end());
+        stats.in = bodies.size();
+        stats.out = broad_.bodies_left();
     }
 
-    void skip(const Scene& scene, Frame& frame, StageStats& stats) override
+    void skip(Bodies& bodies, Frame& frame, StageStats& stats) override
     {
-        frame.delimited = false;
+        frame.whole = true;
         frame.delimitation.clear();
-        if (frame.survivors.size() != all_.size()) frame.survivors = all_;
-        stats.in = stats.out = scene.size();
+        stats.in = stats.out = bodies.size();
     }
 
 private:
-    DynamicTree& tree_;
-    std::vector<std::uint32_t> all_, moving_;
-    bool lists_survivors_; ///< the kd-tree goes on with the regions themselves
+    BroadPhase& broad_;
 };
 
 class BroadStage final : public Stage {
 public:
-    BroadStage(const Scene& scene, BroadPhaseKind kind, DynamicTree& tree)
-        : tree_(tree), goes_on_(kind == BroadPhaseKind::kd_tree), moving_(moving_bodies(scene).size())
-    {
-        switch (kind) {
-        case BroadPhaseKind::kd_tree:
-            algorithm_ = make_kd_tree();
-            break;
-        case BroadPhaseKind::octree:
-            algorithm_ = make_octree();
-            break;
-        case BroadPhaseKind::brute_force:
-            algorithm_ = make_brute_force();
-            break;
-        }
-    }
+    explicit BroadStage(BroadPhase& broad) : broad_(broad) {}
     std::string_view name() const override { return "broad"; }
     std::string_view unit() const override { return "pairs"; }
 
-    void run(const Scene& scene, Frame& frame, StageStats& stats) override
+    void run(Bodies& bodies, Frame& frame, StageStats& stats) override
     {
-        if (goes_on_ && frame.delimited) {
-            const std::span<const BodyPair> pairs = tree_.find_pairs({frame.boxes, scene.layers, scene.masks});
-            frame.pairs.assign(pairs.begin(), pairs.end());
-            // Those that move all survive: each is in its own region.
-            stats.in = pairs_of(tree_.bodies_left(), moving_);
-        } else {
-            algorithm_->find_pairs(frame.boxes, frame.survivors, frame.filter, frame.settings->clearance, frame.threads,
-                                   frame.pairs);
-            stats.in = pairs_of_survivors(frame);
-        }
-        stats.out = frame.pairs.size();
+        const std::span<const BodyPair> pairs = broad_.find_pairs(bodies.columns(), frame.whole);
+        frame.pairs.assign(pairs.begin(), pairs.end());
+        drop_excluded(bodies, frame);
+        count(bodies, frame, frame.whole ? bodies.size() : broad_.bodies_left(), stats);
     }
 
-    void skip(const Scene&, Frame& frame, StageStats& stats) override
+    void skip(Bodies& bodies, Frame& frame, StageStats& stats) override
     {
+        survivors_.clear();
+        if (frame.whole)
+            for (std::uint32_t slot = 0; slot < bodies.slots(); ++slot) {
+                if (bodies.alive(slot)) survivors_.push_back(slot);
+            }
+        else
+            broad_.survivors(survivors_);
+        const BodyColumns columns = bodies.columns();
         frame.pairs.clear();
-        for (std::size_t i = 0; i < frame.survivors.size(); ++i)
-            for (std::size_t j = i + 1; j < frame.survivors.size(); ++j)
-                if (frame.filter.allows(frame.survivors[i], frame.survivors[j]))
-                    frame.pairs.push_back({frame.survivors[i], frame.survivors[j]});
-        stats.in = pairs_of_survivors(frame);
-        stats.out = frame.pairs.size();
+        for (std::size_t i = 0; i < survivors_.size(); ++i)
+            for (std::size_t j = i + 1; j < survivors_.size(); ++j) {
+                const std::uint32_t a = survivors_[i], b = survivors_[j];
+                if (!(bodies.fixed(a) && bodies.fixed(b)) && columns.allows(a, b)) frame.pairs.push_back({a, b});
+            }
+        drop_excluded(bodies, frame);
+        count(bodies, frame, survivors_.size(), stats);
     }
 
 private:
-    /// Pairs of `bodies`, of which so many move, that are not both static.
-    static std::uint64_t pairs_of(std::uint64_t bodies, std::uint64_t moving)
+    static void drop_excluded(const Bodies& bodies, Frame& frame)
     {
-        const auto pairs = [](std::uint64_t n) { return n * (n - (n > 0)) / 2; };
-        return pairs(bodies) - pairs(bodies - std::min(moving, bodies));
-    }
-    static std::uint64_t pairs_of_survivors(const Frame& frame)
-    {
-        std::uint64_t moving = 0;
-        for (std::uint32_t body : frame.survivors) moving += !frame.filter.is_static[body];
-        return pairs_of(frame.survivors.size(), moving);
+        if (bodies.any_excluded())
+            std::erase_if(frame.pairs, [&](BodyPair pair) { return bodies.excluded(pair.a, pair.b); });
     }
 
-    DynamicTree& tree_;
-    bool goes_on_; ///< with what delimitation left in the tree
-    std::uint64_t moving_;
-    std::unique_ptr<BroadPhase> algorithm_;
+    /// Pairs of so many bodies, all those that move among them, that are not both fixed.
+    static void count(const Bodies& bodies, const Frame& frame, std::uint64_t left, StageStats& stats)
+    {
+        const auto pairs = [](std::uint64_t n) { return n * (n - (n > 0)) / 2; };
+        stats.in = std::max<std::uint64_t>(pairs(left) - pairs(left - std::min<std::uint64_t>(bodies.moving(), left)),
+                                           frame.pairs.size());
+        stats.out = frame.pairs.size();
+    }
+
+    BroadPhase& broad_;
+    std::vector<std::uint32_t> survivors_;
 };
 
 } // namespace
 
-std::unique_ptr<Stage> make_bounds_stage(const Scene& scene)
+std::unique_ptr<Stage> make_bounds_stage()
 {
-    return std::make_unique<BoundsStage>(scene);
+    return std::make_unique<BoundsStage>();
 }
-std::unique_ptr<Stage> make_delimitation_stage(const Scene& scene, const Settings& settings, DynamicTree& tree)
+std::unique_ptr<Stage> make_delimitation_stage(BroadPhase& broad)
 {
-    return std::make_unique<DelimitationStage>(scene, settings, tree);
+    return std::make_unique<DelimitationStage>(broad);
 }
-std::unique_ptr<Stage> make_broad_stage(const Scene& scene, BroadPhaseKind kind, DynamicTree& tree)
+std::unique_ptr<Stage> make_broad_stage(BroadPhase& broad)
 {
-    return std::make_unique<BroadStage>(scene, kind, tree);
+    return std::make_unique<BroadStage>(broad);
 }
 
 } // namespace oncollide

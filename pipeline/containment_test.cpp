@@ -1,25 +1,12 @@
 #include <oncollide/pipeline/containment_test.hpp>
 
 #include <algorithm>
-#include <tuple>
 
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/pipeline/exact_stages.hpp>
 
 namespace oncollide {
 
 namespace {
-
-bool surfaces_apart(const PairResult& result, std::uint8_t stage)
-{
-    return result.stage == stage &&
-           (result.verdict == Verdict::separate || (result.verdict == Verdict::within && stage == exact_stage_index));
-}
-
-const Mesh& mesh_of(const Scene& scene, std::uint32_t body)
-{
-    return std::get<Mesh>(scene.geometries[index(scene.geometry[body])].data);
-}
 
 /// Around all that can be inside a mesh, in its frame, for points that were moved there in double.
 Aabb box_around(const Mesh& mesh, const RelativePose& into)
@@ -41,76 +28,76 @@ bool may_hold(const Aabb& box, const PartPoints& part, const RelativePose& into)
     });
 }
 
-bool may_hold(const Scene& scene, const Solids& solids, std::uint32_t outer, std::uint32_t inner)
+bool may_hold(const Model& outer, const Eigen::Isometry3d& pose_outer, const Model& inner,
+              const Eigen::Isometry3d& pose_inner)
 {
-    if (!solids.solid(scene.geometry[outer])) return false;
-    const RelativePose into(scene.poses[outer], scene.poses[inner]);
-    const Aabb box = box_around(mesh_of(scene, outer), into);
-    return std::ranges::any_of(solids.parts(scene.geometry[inner]),
-                               [&](const PartPoints& part) { return may_hold(box, part, into); });
+    const RelativePose into(pose_outer, pose_inner);
+    const Aabb box = box_around(*outer.surface_mesh(), into);
+    return std::ranges::any_of(inner.parts(), [&](const PartPoints& part) { return may_hold(box, part, into); });
+}
+
+bool holds(const PairTask& task, bool outer_is_a, ObbTree* tree, PointLocator& locator)
+{
+    // The coordinates of the exact level: those of B moved into A's frame.
+    const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+    const RelativePose b_to_a(*task.pose_a, *task.pose_b), stay(here, here);
+    const Model &outer = outer_is_a ? *task.a : *task.b, &inner = outer_is_a ? *task.b : *task.a;
+    const RelativePose into_outer = outer_is_a ? b_to_a : RelativePose(*task.pose_b, *task.pose_a);
+    const Mesh& mesh = *outer.surface_mesh();
+    const Aabb box = box_around(mesh, into_outer);
+    return std::ranges::any_of(inner.parts(), [&](const PartPoints& part) {
+        if (!may_hold(box, part, into_outer)) return false;
+        return locator.place(outer_is_a ? b_to_a(part[0]) : part[0], mesh, tree, outer_is_a ? stay : b_to_a) !=
+               PointPlace::outside;
+    });
 }
 
 } // namespace
 
-std::uint64_t ContainmentTest::find(const Scene& scene, Frame& frame, std::uint8_t stage)
+bool one_holds_the_other(const PairTask& task, PointLocator& locator, FunctionRef<bool(const Model&)> solid)
 {
-    if (!forest_.solids()) return 0;
-    ask(scene, frame, stage);
-    locators_.resize(static_cast<std::size_t>(std::max(frame.threads, 1)));
-    parallel_chunks(questions_.size(), 4, frame.threads, [&](std::size_t begin, std::size_t end, int thread) {
-        for (std::size_t i = begin; i < end; ++i)
-            questions_[i].yes = holds(scene, questions_[i], locators_[static_cast<std::size_t>(thread)]);
-    });
-    std::uint64_t were_separate = 0;
-    for (const Question& question : questions_) {
-        if (!question.yes) continue;
-        PairResult& result = frame.results[question.result];
-        were_separate += result.verdict == Verdict::separate;
-        result.verdict = Verdict::colliding, result.kind = ContactKind::enclosed, result.bound = 0;
-    }
-    return were_separate;
+    return (solid(*task.a) && holds(task, true, task.a->boxes.get(), locator)) ||
+           (solid(*task.b) && holds(task, false, task.b->boxes.get(), locator));
 }
 
-void ContainmentTest::ask(const Scene& scene, const Frame& frame, std::uint8_t stage)
+void ContainmentTest::find(const RefineContext& context, std::span<const PairTask> tasks,
+                           std::span<const std::uint8_t> apart, std::mutex* guard, std::span<PairAnswer> answers)
 {
-    const Solids& solids = *forest_.solids();
-    sides_.assign(frame.results.size(), 0);
-    parallel_chunks(sides_.size(), 256, frame.threads, [&](std::size_t begin, std::size_t end, int) {
+    if (context.settings.mode != Mode::solid) return;
+    gather(context, tasks, apart);
+    {
+        const std::unique_lock lock = guard ? std::unique_lock(*guard) : std::unique_lock<std::mutex>();
+        for (Query& query : queries_) {
+            Model& outer = query.outer_is_a ? *tasks[query.task].a : *tasks[query.task].b;
+            query.tree = models_.admit_boxes(outer, context.frame) ? outer.boxes.get() : nullptr;
+        }
+    }
+    locators_.resize(static_cast<std::size_t>(std::max(context.threads, 1)));
+    parallel_chunks(queries_.size(), 4, context.threads, [&](std::size_t begin, std::size_t end, int thread) {
+        for (Query& query : std::span(queries_).subspan(begin, end - begin))
+            query.holds = holds(tasks[query.task], query.outer_is_a, query.tree,
+                                locators_[static_cast<std::size_t>(thread)]);
+    });
+    for (const Query& query : queries_)
+        if (query.holds) answers[query.task] = {Verdict::colliding, ContactKind::enclosed, 0};
+}
+
+void ContainmentTest::gather(const RefineContext& context, std::span<const PairTask> tasks,
+                             std::span<const std::uint8_t> apart)
+{
+    sides_.assign(tasks.size(), 0);
+    parallel_chunks(tasks.size(), 256, context.threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) {
-            const PairResult& result = frame.results[i];
-            if (!surfaces_apart(result, stage)) continue;
-            const std::uint32_t a = index(result.a), b = index(result.b);
-            sides_[i] = std::uint8_t(may_hold(scene, solids, a, b) | may_hold(scene, solids, b, a) << 1);
+            if (!apart[i]) continue;
+            const PairTask& t = tasks[i];
+            sides_[i] = std::uint8_t((t.a->closed() && may_hold(*t.a, *t.pose_a, *t.b, *t.pose_b)) |
+                                     (t.b->closed() && may_hold(*t.b, *t.pose_b, *t.a, *t.pose_a)) << 1);
         }
     });
-    questions_.clear();
-    for (std::uint32_t i = 0; i < sides_.size(); ++i) {
-        const std::uint32_t a = index(frame.results[i].a), b = index(frame.results[i].b);
-        for (const auto& [side, outer, inner] : {std::tuple(1, a, b), std::tuple(2, b, a)}) {
-            if (!(sides_[i] & side)) continue;
-            const GeometryId geometry = scene.geometry[outer];
-            const bool room = forest_.admit_triangles(geometry, frame.number);
-            questions_.push_back({i, outer, inner, room ? &forest_.obb_trees()[geometry] : nullptr, false});
-        }
-    }
-}
-
-bool ContainmentTest::holds(const Scene& scene, const Question& question, PointLocator& locator) const
-{
-    // The coordinates of the exact level: those of the body with the larger number moved into the other's frame.
-    const std::uint32_t outer = question.outer, inner = question.inner;
-    const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
-    const std::uint32_t a = std::min(outer, inner), b = std::max(outer, inner);
-    const RelativePose b_to_a(scene.poses[a], scene.poses[b]), stay(here, here);
-    const RelativePose into_outer(scene.poses[outer], scene.poses[inner]);
-    const Mesh& mesh = mesh_of(scene, outer);
-    const Aabb box = box_around(mesh, into_outer);
-    return std::ranges::any_of(forest_.solids()->parts(scene.geometry[inner]), [&](const PartPoints& part) {
-        if (!may_hold(box, part, into_outer)) return false;
-        const bool outer_is_a = outer == a;
-        return locator.place(outer_is_a ? b_to_a(part[0]) : part[0], mesh, question.tree, outer_is_a ? stay : b_to_a) !=
-               PointPlace::outside;
-    });
+    queries_.clear();
+    for (std::uint32_t i = 0; i < sides_.size(); ++i)
+        for (const bool outer_is_a : {true, false})
+            if (sides_[i] & (outer_is_a ? 1 : 2)) queries_.push_back({i, outer_is_a, nullptr, false});
 }
 
 } // namespace oncollide

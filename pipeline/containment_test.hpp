@@ -1,37 +1,43 @@
 #pragma once
-#include <optional>
+#include <mutex>
 #include <vector>
 
+#include <oncollide/base/parallel.hpp>
 #include <oncollide/narrowphase/exact/point_place.hpp>
-#include <oncollide/narrowphase/exact/solid.hpp>
-#include <oncollide/pipeline/forest.hpp>
-#include <oncollide/pipeline/frame.hpp>
+#include <oncollide/pipeline/model_store.hpp>
+#include <oncollide/pipeline/pair_refiner.hpp>
 
 namespace oncollide {
+
+/// Does a part of one body lie inside the other, their surfaces being apart?
+/// @param task   neither is a map
+/// @param solid  which models have an inside
+bool one_holds_the_other(const PairTask& task, PointLocator& locator, FunctionRef<bool(const Model&)> solid);
 
 /// Solid mode: finds the pairs of which one body is inside the other, or a part of it, their surfaces being apart.
 class ContainmentTest {
 public:
-    explicit ContainmentTest(Forest& forest) : forest_(forest) {}
+    explicit ContainmentTest(ModelStore& models) : models_(models) {}
 
-    /// Among the results of stage `stage` that say that surfaces do not meet: those that enclose become colliding.
-    /// In surface mode there are none. Returns how many were separate before.
-    std::uint64_t find(const Scene& scene, Frame& frame, std::uint8_t stage);
+    /// Pairs with `apart[i]`, whose surfaces are known not to meet, become colliding where one encloses the other.
+    /// In surface mode there are none.
+    /// @param guard  held while trees are admitted; null: nobody else uses the models
+    void find(const RefineContext& context, std::span<const PairTask> tasks, std::span<const std::uint8_t> apart,
+              std::mutex* guard, std::span<PairAnswer> answers);
 
 private:
-    /// Does body `outer` hold body `inner`? To be found out.
-    struct Question {
-        std::uint32_t result, outer, inner;
+    /// Does one body of a pair, the outer one, hold the other?
+    struct Query {
+        std::uint32_t task;
+        bool outer_is_a;
         ObbTree* tree; ///< of the outer mesh; null where a budget has no room
-        bool yes;
+        bool holds;
     };
-    void ask(const Scene& scene, const Frame& frame, std::uint8_t stage);
-    bool holds(const Scene& scene, const Question& question, PointLocator& locator) const;
+    void gather(const RefineContext& context, std::span<const PairTask> tasks, std::span<const std::uint8_t> apart);
 
-    Forest& forest_;
-    std::vector<std::uint8_t>
-        sides_; ///< by result: whose box holds a part of the other; 1: the first's, 2: the second's
-    std::vector<Question> questions_;
+    ModelStore& models_;
+    std::vector<std::uint8_t> sides_; ///< by task: whose box holds a part of the other; 1: the first's, 2: the second's
+    std::vector<Query> queries_;
     std::vector<PointLocator> locators_; ///< by thread
 };
 

@@ -1,43 +1,36 @@
 #pragma once
-#include <chrono>
 #include <cstdint>
-#include <span>
 #include <vector>
 
-#include <oncollide/broadphase/broad_phase.hpp>
-#include <oncollide/narrowphase/spheres/walk.hpp>
-#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/pipeline/bodies.hpp>
+#include <oncollide/pipeline/pair_refiner.hpp>
+#include <oncollide/pipeline/results.hpp>
 #include <oncollide/pipeline/settings.hpp>
 
 namespace oncollide {
 
 /// What stages hand to each other: columns, kept from frame to frame so that a warm frame allocates nothing.
 /// Written by                     who reads it
-///   boxes          bounds        -> delimitation, broad
-///   survivors      delimitation  -> broad
+///   whole          delimitation  -> broad
 ///   pairs          broad         -> ocst
 ///   results        ocst, exact   -> the caller
 struct Frame {
-    const Settings* settings = nullptr;
-    BodyFilter filter;
-    std::uint32_t number = 0; ///< frames since the pipeline was made
+    explicit Frame(const Settings& s) : settings(s), context{.settings = s, .trees = {}, .rounds = {}, .began = {}} {}
+
+    const Settings& settings;
+    std::uint32_t number = 0; ///< frames since the World was made
     int threads = 1;
 
-    std::vector<Aabb> boxes;                     ///< by body; world, metres
-    bool delimited = false;                      ///< what survives is in the tree that the stages share
-    std::vector<std::uint32_t> survivors;        ///< bodies that may collide, ascending; unless the tree has them
+    BodyChanges changes;                         ///< as they were last taken in
+    std::vector<std::uint8_t> fresh;             ///< by slot: since the last frame the body is new, or its geometry is
+    std::vector<std::uint32_t> fresh_slots;      ///< the slots that are
+    std::size_t moved = 0;                       ///< bodies that moved since the last frame
+    bool whole = false;                          ///< delimitation was skipped: all bodies are to be searched
     std::vector<DelimitationLevel> delimitation; ///< by level; empty when skipped
     std::vector<BodyPair> pairs;                 ///< candidates, sorted
-    std::vector<PairResult> results;             ///< one a pair, in the same order
-    std::vector<Round> rounds;                   ///< batches asked of the backend, in order
-    TreeStats trees;
-
-    std::chrono::steady_clock::time_point began;
-    /// Milliseconds since the frame began.
-    double clock_ms() const
-    {
-        return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
-    }
+    PairCache cache;                             ///< of these
+    std::vector<PairResult> results;             ///< one per pair, in the same order
+    RefineContext context;
 };
 
 } // namespace oncollide

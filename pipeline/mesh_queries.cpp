@@ -6,8 +6,8 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/pipeline/mesh_pairs.hpp>
-#include <oncollide/pipeline/pair_walks.hpp>
+#include <oncollide/pipeline/contact_finding.hpp>
+#include <oncollide/pipeline/narrowing.hpp>
 
 namespace oncollide {
 
@@ -18,102 +18,86 @@ constexpr std::size_t batch = 8192; // queries walked together: their parked wor
 Settings checked(Settings s)
 {
     check(s);
-    if (s.spheres == Spheres::automatic) s.spheres = Spheres::tight; // no GPU here that would want the others
+    if (s.bounding_volume == BoundingVolume::automatic) s.bounding_volume = BoundingVolume::obb; // no GPU here
     const Settings usual;
     if (s.exact == ExactLevel::fcl || s.mode != usual.mode || s.backend != usual.backend || !s.skip.empty() ||
         wants_kinds(s))
         throw Error(ErrorKind::usage, "MeshQueries: exact is off or predicates, mode surface, the backend cpu, no "
                                       "stage can be skipped, and contacts have no kind");
     if (s.exact == ExactLevel::predicates && s.clearance > 0)
-        throw Error(ErrorKind::usage, "MeshQueries: a clearance has no exact answer; leave exact off");
+        throw Error(ErrorKind::usage, "MeshQueries: a clearance has no exact result; leave exact off");
+    s.coherence = false; // a query's number says nothing about it
     return s;
-}
-
-Scene scene_of(std::vector<Mesh> meshes)
-{
-    Scene scene;
-    for (std::size_t i = 0; i < meshes.size(); ++i) scene.add(fmt::format("mesh {}", i), std::move(meshes[i]));
-    return scene;
 }
 
 } // namespace
 
 struct MeshQueries::Impl {
-    Scene scene; ///< geometries, and two bodies a query of the batch: only their poses and geometries are used
     Settings settings;
-    Forest forest;
-    PairWalks pair_walks{forest};
-    MeshPairs mesh_pairs{forest};
-    Frame frame;
-    std::vector<PairWalks::Walk> walks;
-    std::vector<MeshPairs::Ask> asks;
-    std::vector<std::uint32_t> of_walks, of_asks; ///< their queries
-    std::vector<Traversal::Distance> found;
+    ModelStore store;
+    std::vector<Model*> models; ///< by mesh
+    Narrowing refine, exact;
+    RefineContext context;
+    std::vector<PairTask> tasks, open_tasks;
+    std::vector<PairAnswer> answers, open_answers;
+    std::vector<ContactFinding> finders; ///< by thread
 
     Impl(std::vector<Mesh> meshes, const Settings& s)
-        : scene(scene_of(std::move(meshes))), settings(checked(s)), forest(scene, settings, make_cpu_backend())
+        : settings(checked(s)), store(settings, make_cpu_backend()), refine(settings, store, Level::refine, runs_exact()),
+          exact(settings, store, Level::exact, runs_exact()),
+          context{.settings = settings, .trees = {}, .rounds = {}, .began = {}}
     {
-        settings.coherence = false; // a query's number says nothing about it
-        frame.settings = &settings;
-        frame.threads = settings.threads ? settings.threads : hardware_threads();
+        context.threads = settings.threads ? settings.threads : hardware_threads();
+        for (std::size_t i = 0; i < meshes.size(); ++i) {
+            const std::string name = fmt::format("mesh {}", i);
+            check_mesh(name, meshes[i]);
+            models.push_back(&store[store.add(std::make_shared<const Geometry>(Geometry{name, std::move(meshes[i]), {}}))]);
+        }
     }
 
-    void take(const MeshQuery& query, std::size_t number)
+    bool runs_exact() const { return settings.exact == ExactLevel::predicates; }
+
+    void check_query(const MeshQuery& query, std::size_t number) const
     {
         for (const auto& [mesh, pose] : {std::pair(query.a, &query.pose_a), std::pair(query.b, &query.pose_b)}) {
-            if (mesh >= scene.geometries.size())
+            if (mesh >= models.size())
                 throw Error(ErrorKind::usage, fmt::format("query {}: there is no mesh {}", number, mesh));
             if (const std::string why = why_not_rigid(*pose); !why.empty())
                 throw Error(ErrorKind::bad_data, fmt::format("query {}: {}", number, why));
-            scene.geometry.push_back(GeometryId{mesh}), scene.poses.push_back(*pose);
         }
-        const auto first = static_cast<std::uint32_t>(scene.poses.size() - 2);
-        const BodyPair pair{first, first + 1};
-        if (wants_tight(settings) && mesh_pairs.admit(scene, frame, pair))
-            asks.push_back({pair}), of_asks.push_back(first / 2);
-        else
-            walks.push_back({pair, {}, {}}), of_walks.push_back(first / 2);
     }
 
-    /// Calls answer(first, count) for batches that have been taken.
-    template <class Answer>
-    void in_batches(std::span<const MeshQuery> queries, std::size_t room, Answer answer)
+    /// Calls work(first) for batches whose tasks are ready.
+    template <class Work>
+    void in_batches(std::span<const MeshQuery> queries, std::size_t room, Work work)
     {
         if (queries.size() != room)
             throw Error(ErrorKind::usage,
-                        fmt::format("MeshQueries: {} queries, room for {} answers", queries.size(), room));
+                        fmt::format("MeshQueries: {} queries, room for {} results", queries.size(), room));
+        for (std::size_t i = 0; i < queries.size(); ++i) check_query(queries[i], i);
+        context.trees = {}, context.rounds.clear();
         for (std::size_t first = 0; first < queries.size(); first += batch) {
-            const std::size_t count = std::min(batch, queries.size() - first);
-            scene.geometry.clear(), scene.poses.clear();
-            walks.clear(), of_walks.clear(), asks.clear(), of_asks.clear();
-            for (std::size_t i = first; i < first + count; ++i) take(queries[i], i);
-            answer(first, count);
+            tasks.clear();
+            for (const MeshQuery& q : queries.subspan(first, std::min(batch, queries.size() - first)))
+                tasks.push_back({static_cast<std::uint32_t>(tasks.size()), models[q.a], models[q.b], &q.pose_a, &q.pose_b});
+            work(first);
         }
-        forest.age(frame.number++);
+        store.age(context.frame++);
     }
 
-    void answer_batch(std::span<MeshAnswer> answers)
+    void run_batch(std::span<MeshResult> results)
     {
-        const bool exact = settings.exact == ExactLevel::predicates;
-        frame.trees = {}, frame.rounds.clear();
-        if (exact)
-            mesh_pairs.meet(scene, frame, asks);
-        else
-            mesh_pairs.near(scene, frame, asks);
-        for (std::size_t i = 0; i < asks.size(); ++i) {
-            const Traversal::Nearness& answer = asks[i].answer;
-            const Verdict yes = exact ? Verdict::colliding : Verdict::within;
-            answers[of_asks[i]] = {answer.near ? yes : Verdict::separate, answer.bound};
+        answers.assign(tasks.size(), {Verdict::undecided, ContactKind::unknown, 0});
+        refine.run(context, tasks, nullptr, nullptr, answers);
+        if (runs_exact()) {
+            open_tasks.clear(), open_answers.clear();
+            for (const PairTask& task : tasks)
+                if (answers[task.number].verdict != Verdict::separate)
+                    open_tasks.push_back(task), open_answers.push_back(answers[task.number]);
+            exact.run(context, open_tasks, nullptr, nullptr, open_answers);
+            for (std::size_t i = 0; i < open_tasks.size(); ++i) answers[open_tasks[i].number] = open_answers[i];
         }
-        pair_walks.run(scene, frame, walks);
-        for (std::size_t i = 0; i < walks.size(); ++i) {
-            const WalkResult& walk = walks[i].result;
-            // Touching spheres do not say that the surfaces meet.
-            answers[of_walks[i]] = {walk.status == WalkStatus::separate             ? Verdict::separate
-                                    : walk.status == WalkStatus::touching && !exact ? Verdict::within
-                                                                                    : Verdict::undecided,
-                                    walk.bound};
-        }
+        for (std::size_t i = 0; i < answers.size(); ++i) results[i] = {answers[i].verdict, answers[i].bound};
     }
 };
 
@@ -124,29 +108,37 @@ MeshQueries::MeshQueries(std::vector<Mesh> meshes, const Settings& settings)
 MeshQueries::~MeshQueries() = default;
 MeshQueries::MeshQueries(MeshQueries&&) noexcept = default;
 
-void MeshQueries::ask(std::span<const MeshQuery> queries, std::span<MeshAnswer> answers)
+void MeshQueries::run(std::span<const MeshQuery> queries, std::span<MeshResult> results)
 {
-    impl_->in_batches(queries, answers.size(), [&](std::size_t first, std::size_t count) {
-        impl_->answer_batch(answers.subspan(first, count));
-    });
+    Impl& p = *impl_;
+    p.in_batches(queries, results.size(), [&](std::size_t first) { p.run_batch(results.subspan(first, p.tasks.size())); });
 }
 
-void MeshQueries::distances(std::span<const MeshQuery> queries, double tolerance, std::span<MeshDistance> distances,
+void MeshQueries::distances(std::span<const MeshQuery> queries, double tolerance, std::span<Distance> distances,
                             double farthest)
 {
     check_distance(tolerance, farthest);
     Impl& p = *impl_;
-    p.in_batches(queries, distances.size(), [&](std::size_t first, std::size_t) {
-        // A mesh for whose tree a budget has no room: nothing is known.
-        for (std::uint32_t i : p.of_walks) distances[first + i] = {0, std::numeric_limits<double>::infinity()};
-        p.mesh_pairs.distances(p.scene, p.frame, p.asks, tolerance, farthest, p.found);
-        for (std::size_t i = 0; i < p.asks.size(); ++i) distances[first + p.of_asks[i]] = mesh_distance(p.found[i]);
+    p.finders.resize(static_cast<std::size_t>(p.context.threads));
+    p.in_batches(queries, distances.size(), [&](std::size_t first) {
+        for (const PairTask& task : p.tasks)
+            for (Model* model : {task.a, task.b}) p.store.admit_boxes(*model, p.context.frame);
+        parallel_chunks(p.tasks.size(), 64, p.context.threads, [&](std::size_t begin, std::size_t end, int thread) {
+            for (std::size_t i = begin; i < end; ++i) {
+                const PairTask& task = p.tasks[i];
+                Distance& out = distances[first + i];
+                out = {}; // a mesh for whose tree a budget has no room: nothing is known
+                if (task.a->boxes && task.b->boxes)
+                    out = p.finders[static_cast<std::size_t>(thread)].distance(
+                        *task.a->boxes, *task.pose_a, *task.b->boxes, *task.pose_b, tolerance, farthest);
+            }
+        });
     });
 }
 
 std::size_t MeshQueries::bytes() const
 {
-    return impl_->forest.bytes();
+    return impl_->store.bytes();
 }
 
 } // namespace oncollide

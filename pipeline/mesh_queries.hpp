@@ -19,33 +19,33 @@ struct MeshQuery {
     Eigen::Isometry3d pose_a, pose_b; ///< rigid
 };
 
-struct MeshAnswer {
+struct MeshResult {
     Verdict verdict;
     double bound; ///< as PairResult::bound, metres
 };
 
-/// Many questions at once about a few meshes, without a scene: for planners that sample poses. Sphere-trees are shared
-/// by all questions, grow where these reach, and are kept from call to call.
+/// Many queries at once about a few meshes, without a scene: for planners that sample poses. Trees are shared
+/// by all queries, grow where these reach, and are kept from call to call.
 ///
 ///     MeshQueries queries({robot, house}, {.exact = ExactLevel::predicates, .threads = 0});
-///     queries.ask(samples, answers);
+///     queries.run(samples, results);
 ///
 /// Not thread-safe: one call uses all its threads itself.
 class MeshQueries {
 public:
     /// Of the settings depth, max_error, clearance, exact (off or predicates), spheres, threads, age_limit (in calls)
-    /// and the budgets count; automatic spheres are tight here. Throws Error{usage} for others than their defaults, and
+    /// and the budgets count; the automatic bounding volume is obb here. Throws Error{usage} for others than their defaults, and
     /// for a clearance with predicates.
     explicit MeshQueries(std::vector<Mesh> meshes, const Settings& settings = {});
     ~MeshQueries();
     MeshQueries(MeshQueries&&) noexcept;
 
-    /// answers[i] for queries[i]; the same for any number of threads and in any company. Throws Error{usage} for spans
+    /// results[i] for queries[i]; the same for any number of threads and in any company. Throws Error{usage} for spans
     /// of different lengths or a mesh that does not exist, Error{bad_data} naming the query whose pose is not rigid.
-    void ask(std::span<const MeshQuery> queries, std::span<MeshAnswer> answers);
+    void run(std::span<const MeshQuery> queries, std::span<MeshResult> results);
 
-    /// The distances, each to `tolerance`; as ContactFinder::distance(), whose limits and errors these are.
-    void distances(std::span<const MeshQuery> queries, double tolerance, std::span<MeshDistance> distances,
+    /// The distances, each to `tolerance`; as World::distance(), whose limits these are.
+    void distances(std::span<const MeshQuery> queries, double tolerance, std::span<Distance> distances,
                    double farthest = std::numeric_limits<double>::infinity());
 
     std::size_t bytes() const; ///< of trees, surfaces and lists

@@ -59,12 +59,12 @@ std::string settings_json(const Settings& s)
     std::string skip;
     for (const std::string& stage : s.skip) skip += (skip.empty() ? "" : ", ") + json_string(stage);
     return fmt::format(
-        R"({{"depth": {}, "max_error": {}, "clearance": {}, "exact": "{}", "kinds": {}, "ignore_touching": {}, "mode": "{}", "open_as_surface": {}, "backend": "{}", "broad": "{}", "spheres": "{}", )"
+        R"({{"depth": {}, "max_error": {}, "clearance": {}, "exact": "{}", "kinds": {}, "ignore_touching": {}, "mode": "{}", "open_as_surface": {}, "backend": "{}", "broad": "{}", "bounding_volume": "{}", )"
         R"("gpu": {}, "viewport": {}, "threads": {}, "skip": [{}], "age": {}, "node_budget": {}, "memory_budget": {}, "coherence": {}}})",
         s.depth ? fmt::format("{}", *s.depth) : "null", s.max_error ? number(*s.max_error) : "null",
         number(s.clearance), name_of(s.exact), s.contact_kinds, s.ignore_touching, name_of(s.mode), s.open_as_surface,
-        name_of(s.backend), name_of(s.broad_phase), name_of(s.spheres), s.gpu, s.viewport, s.threads, skip, s.age_limit,
-        s.node_budget, s.memory_budget, s.coherence);
+        name_of(s.backend), name_of(s.broad_phase), name_of(s.bounding_volume), s.gpu, s.viewport, s.threads, skip,
+        s.age_limit, s.node_budget, s.memory_budget, s.coherence);
 }
 
 } // namespace
@@ -155,9 +155,10 @@ void Report::print_header(OutputFile& file) const
     }
     file.print("{{\"version\": \"{}\", \"scene\": {}, \"bodies\": {},\n  \"settings\": {},\n", version,
                json_string(scene_.name), scene_.size(), settings_json(pipeline_.settings()));
-    file.print("  \"threads\": {}, \"backend\": {}, \"renderer\": {}, \"hash\": \"{:016x}\", \"interrupted\": {}, "
+    const std::string note = pipeline_.backend_note();
+    file.print("  \"threads\": {}, \"backend\": {}, \"backend_note\": {}, \"renderer\": {}, \"hash\": \"{:016x}\", \"interrupted\": {}, "
                "\"frames\": {},\n",
-               threads(), json_string(pipeline_.backend()),
+               threads(), json_string(pipeline_.backend()), note.empty() ? "null" : json_string(note),
                pipeline_.renderer().empty() ? "null" : json_string(pipeline_.renderer()), pipeline_.hash(),
                interrupted_, frames_.size());
     file.print("  \"verdicts\": {}, \"kinds\": {},\n", counts_json(verdict_order, verdicts()),
@@ -253,11 +254,11 @@ void Report::write_trace(const std::filesystem::path& path) const
             inner += fmt::format(",\n{{\"ph\": \"X\", \"pid\": 1, \"tid\": 2, \"name\": \"round {}\", \"ts\": {:.3f}, "
                                  "\"dur\": {:.3f}, \"args\": {{\"rows\": {}, \"gpu_ms\": {:.4f}, \"bytes\": {}}}}}",
                                  k, begin + 1000 * r.submitted_ms, 1000 * (r.done_ms - r.submitted_ms), r.rows,
-                                 r.work.gpu_ms, r.work.bytes);
-            if (r.work.wait_ms > 0)
+                                 r.gpu_ms, r.bytes);
+            if (r.wait_ms > 0)
                 inner += fmt::format(",\n{{\"ph\": \"X\", \"pid\": 1, \"tid\": 3, \"name\": \"wait\", \"ts\": {:.3f}, "
                                      "\"dur\": {:.3f}}}",
-                                     begin + 1000 * r.waited_ms, 1000 * r.work.wait_ms);
+                                     begin + 1000 * r.waited_ms, 1000 * r.wait_ms);
         }
         // Viewers nest by time, so a frame must reach to the end of its last stage.
         const double end = std::max(begin + 1000 * f.ms, stage_begin);

@@ -24,6 +24,12 @@ std::string grouped(std::uint64_t value)
     return fmt::format("{}", fmt::group_digits(value));
 }
 
+/// `text`, right-aligned in a column, with a space before it even where it is too long for one.
+std::string cell(const std::string& text)
+{
+    return fmt::format(" {:>10}", text);
+}
+
 /// A mean that stays readable: whole when it is whole or large, else one decimal.
 std::string mean(std::uint64_t sum, std::uint64_t frames)
 {
@@ -44,13 +50,14 @@ std::string bytes_text(std::size_t bytes)
 void Report::print_table(std::ostream& out) const
 {
     std::string text = title() + "\n\n";
-    text += fmt::format("{:<13}{:<8}{:>11}{:>11}{:>11}{:>11}{:>11}   mean of a frame\n", "stage", "counts", "in", "out",
+    text += fmt::format("{:<13}{:<8}{:>11}{:>11}{:>11}{:>11}{:>11}   mean per frame\n", "stage", "counts", "in", "out",
                         "culled", "undecided", "ms");
     for (const StageStats& s : pipeline_.totals()) {
         const std::string_view words = plain_words(s.stage);
-        text += fmt::format("{:<13}{:<8}{:>11}{:>11}{:>11}{:>11}{:>11.3f}   {}\n", s.stage, s.unit,
-                            mean(s.in, s.frames), mean(s.out, s.frames), mean(s.culled, s.frames),
-                            mean(s.undecided, s.frames), s.frames ? s.cpu_ms / double(s.frames) : 0.0,
+        text += fmt::format("{:<13}{:<8}{}{}{}{}{}   {}\n", s.stage, s.unit, cell(mean(s.in, s.frames)),
+                            cell(mean(s.out, s.frames)), cell(mean(s.culled, s.frames)),
+                            cell(mean(s.undecided, s.frames)),
+                            cell(fmt::format("{:.3f}", s.frames ? s.cpu_ms / double(s.frames) : 0.0)),
                             s.skipped ? fmt::format("skipped: {}", s.note.empty() ? "as asked" : s.note) : words);
     }
     double ms = 0, slowest = 0;
@@ -68,12 +75,12 @@ void Report::print_table(std::ostream& out) const
                         grouped(counts[int(Verdict::colliding)]), grouped(counts[int(Verdict::within)]),
                         grouped(counts[int(Verdict::undecided)]), grouped(counts[int(Verdict::separate)]));
     if (kinds_[int(ContactKind::unknown)] < rows_.size() || wants_kinds(pipeline_.settings()))
-        text += fmt::format("contacts   {} touching{}, {} crossing, {} enclosed, {} near; of the others nobody asked\n",
+        text += fmt::format("contacts   {} touching{}, {} crossing, {} enclosed, {} near; the others not classified\n",
                             grouped(kinds_[int(ContactKind::touching)]),
                             pipeline_.settings().ignore_touching ? " (ignored)" : "",
                             grouped(kinds_[int(ContactKind::crossing)]), grouped(kinds_[int(ContactKind::enclosed)]),
                             grouped(kinds_[int(ContactKind::near)]));
-    text += fmt::format("trees      {} cells asked in {} rounds; at the end {} cells, {}", grouped(rows),
+    text += fmt::format("trees      {} cells requested in {} rounds; at the end {} cells, {}", grouped(rows),
                         grouped(rounds), grouped(last.nodes), bytes_text(last.bytes));
     text += refused ? fmt::format("; {} cells refused by a budget\n", grouped(refused)) : "\n";
     double gpu_ms = 0, wait_ms = 0;
@@ -81,11 +88,12 @@ void Report::print_table(std::ostream& out) const
     if (gpu_bytes) {
         const double n = double(frames_.size());
         text += fmt::format(
-            "gpu        {:.3f} ms of its time a frame, {:.3f} ms of the frame waiting for it; {} moved in all",
+            "gpu        {:.3f} ms of its time per frame, {:.3f} ms of the frame waiting for it; {} moved in all",
             gpu_ms / n, wait_ms / n, bytes_text(gpu_bytes));
         if (queries) text += fmt::format("; {} occlusion queries", grouped(queries));
         text += repeats ? fmt::format("; {} batches done again with larger buffers\n", grouped(repeats)) : "\n";
     }
+    if (const std::string note = pipeline_.backend_note(); !note.empty()) text += "note       " + note + "\n";
     text += fmt::format("hash       {:016x}\n", pipeline_.hash());
     out << text;
 }

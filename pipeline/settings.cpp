@@ -18,7 +18,7 @@ constexpr std::array<std::string_view, 3> exact_names{"off", "predicates", "fcl"
 constexpr std::array<std::string_view, 2> mode_names{"surface", "solid"};
 constexpr std::array<std::string_view, 5> backend_names{"auto", "cpu", "gl-compute", "gl-query", "gl-raster"};
 constexpr std::array<std::string_view, 3> broad_names{"kd", "octree", "brute"};
-constexpr std::array<std::string_view, 3> spheres_names{"auto", "paper", "tight"};
+constexpr std::array<std::string_view, 3> bounding_volume_names{"auto", "sphere", "obb"};
 
 template <class Enum, std::size_t n>
 Enum from_name(std::string_view what, const std::array<std::string_view, n>& names, std::string_view name)
@@ -51,9 +51,9 @@ std::string_view name_of(BroadPhaseKind v)
 {
     return broad_names[static_cast<std::size_t>(v)];
 }
-std::string_view name_of(Spheres v)
+std::string_view name_of(BoundingVolume v)
 {
-    return spheres_names[static_cast<std::size_t>(v)];
+    return bounding_volume_names[static_cast<std::size_t>(v)];
 }
 ExactLevel exact_from_name(std::string_view name)
 {
@@ -71,9 +71,11 @@ BroadPhaseKind broad_phase_from_name(std::string_view name)
 {
     return from_name<BroadPhaseKind>("broad", broad_names, name);
 }
-Spheres spheres_from_name(std::string_view name)
+BoundingVolume bounding_volume_from_name(std::string_view name)
 {
-    return from_name<Spheres>("spheres", spheres_names, name);
+    if (name == "paper") return BoundingVolume::sphere;
+    if (name == "tight") return BoundingVolume::obb;
+    return from_name<BoundingVolume>("bounding-volume", bounding_volume_names, name);
 }
 
 void check(const Settings& s)

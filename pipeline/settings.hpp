@@ -13,9 +13,9 @@ enum class Mode : std::uint8_t { surface, solid };
 enum class BackendKind : std::uint8_t { automatic, cpu, gl_compute, gl_query, gl_raster };
 enum class BroadPhaseKind : std::uint8_t { kd_tree, octree, brute_force };
 
-/// What refines pairs of meshes: the paper's spheres around octree cells, or, tight, boxes turned to lie along the
-/// surface, which part it sooner. Automatic: tight where predicates decide. Shapes and maps keep the spheres.
-enum class Spheres : std::uint8_t { automatic, paper, tight };
+/// What refines pairs of meshes: spheres around octree cells, as in the paper, or oriented boxes (OBBs) around parts of
+/// the surface, which separate it sooner. Automatic: OBBs where predicates decide. Shapes and maps keep the spheres.
+enum class BoundingVolume : std::uint8_t { automatic, sphere, obb };
 
 /// How a pipeline answers. The defaults suit most scenes.
 struct Settings {
@@ -34,7 +34,7 @@ struct Settings {
     Mode mode = Mode::surface;              ///< solid: a mesh's inside belongs to it; it must be closed
     bool open_as_surface = false;           ///< solid mode: take a mesh that is not closed as a surface
     BackendKind backend = BackendKind::cpu; ///< automatic: a GPU where there is one
-    Spheres spheres = Spheres::automatic;
+    BoundingVolume bounding_volume = BoundingVolume::automatic;
     int gpu = -1;      ///< number in gpu_devices(); -1: the first that is one. GPU backends only
     int viewport = 16; ///< pixels a side that gl-query draws, 1 to 1024
     BroadPhaseKind broad_phase = BroadPhaseKind::kd_tree;
@@ -46,9 +46,10 @@ struct Settings {
     bool coherence = true;           ///< try last frame's deciding cells first. Never changes the result
 };
 
-inline bool wants_tight(const Settings& s)
+inline bool wants_obbs(const Settings& s)
 {
-    return s.spheres == Spheres::tight || (s.spheres == Spheres::automatic && s.exact == ExactLevel::predicates);
+    return s.bounding_volume == BoundingVolume::obb ||
+           (s.bounding_volume == BoundingVolume::automatic && s.exact == ExactLevel::predicates);
 }
 
 inline bool wants_kinds(const Settings& s)
@@ -64,11 +65,11 @@ std::string_view name_of(ExactLevel);
 std::string_view name_of(Mode);
 std::string_view name_of(BackendKind);
 std::string_view name_of(BroadPhaseKind);
-std::string_view name_of(Spheres);
+std::string_view name_of(BoundingVolume);
 ExactLevel exact_from_name(std::string_view);
 Mode mode_from_name(std::string_view);
 BackendKind backend_from_name(std::string_view);
 BroadPhaseKind broad_phase_from_name(std::string_view);
-Spheres spheres_from_name(std::string_view);
+BoundingVolume bounding_volume_from_name(std::string_view); ///< also the older 'paper' and 'tight'
 
 } // namespace oncollide

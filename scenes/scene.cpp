@@ -1,5 +1,7 @@
 #include <oncollide/scenes/scene.hpp>
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
@@ -8,9 +10,15 @@ namespace oncollide {
 
 namespace {
 
-[[noreturn]] void fail(std::string_view kind, const std::string& name, const std::string& what)
+[[noreturn]] void fail(const std::string& who, const std::string& what)
 {
-    throw Error(ErrorKind::bad_data, fmt::format("{} '{}': {}", kind, name, what));
+    throw Error(ErrorKind::bad_data, fmt::format("{}: {}", who, what));
+}
+
+/// "body 'crane'", or "body 17" for one without a name.
+std::string who_is(const std::string& name, std::size_t body)
+{
+    return name.empty() ? fmt::format("body {}", body) : fmt::format("body '{}'", name);
 }
 
 Aabb bounds_of(const Mesh& mesh)
@@ -25,9 +33,14 @@ Aabb bounds_of(const OccupancyMap& map)
 
 } // namespace
 
+Aabb bounds_of(const GeometryData& geometry)
+{
+    return std::visit([](const auto& data) { return bounds_of(data); }, geometry);
+}
+
 Aabb bounds_of(const Geometry& geometry)
 {
-    return std::visit([](const auto& data) { return bounds_of(data); }, geometry.data);
+    return bounds_of(geometry.data);
 }
 
 std::string why_not_rigid(const Eigen::Isometry3d& pose)
@@ -44,9 +57,9 @@ std::string why_not_rigid(const Eigen::Isometry3d& pose)
     return {};
 }
 
-bool NameIndex::add(std::string_view name)
+bool NameIndex::add(std::string_view name, std::uint32_t index)
 {
-    return indices_.emplace(name, static_cast<std::uint32_t>(indices_.size())).second;
+    return indices_.emplace(name, index).second;
 }
 
 std::optional<std::uint32_t> NameIndex::find(std::string_view name) const
@@ -55,24 +68,29 @@ std::optional<std::uint32_t> NameIndex::find(std::string_view name) const
     return found == indices_.end() ? std::nullopt : std::optional(found->second);
 }
 
-GeometryId Scene::add(std::string geometry_name, std::variant<Mesh, Shape, OccupancyMap> data, std::string recipe)
+GeometryId Scene::add(std::string geometry_name, GeometryData data, std::string recipe)
 {
     if (const Shape* shape = std::get_if<Shape>(&data)) check_shape(geometry_name, *shape);
-    if (!geometry_index_.add(geometry_name)) fail("geometry", geometry_name, "the scene has another one of this name");
-    geometries.push_back({std::move(geometry_name), std::move(data), std::move(recipe)});
-    return GeometryId{static_cast<std::uint32_t>(geometries.size() - 1)};
+    const auto number = static_cast<std::uint32_t>(geometries.size());
+    if (!geometry_index_.add(geometry_name, number))
+        fail(fmt::format("geometry '{}'", geometry_name), "the scene has another one of this name");
+    geometries.items_.push_back(
+        std::make_shared<const Geometry>(Geometry{std::move(geometry_name), std::move(data), std::move(recipe)}));
+    return GeometryId{number};
 }
 
 BodyId Scene::add_body(BodyInit body)
 {
+    const auto refuse = [&](const std::string& what) { fail(who_is(body.name, size()), what); };
     if (index(body.geometry) >= geometries.size())
-        fail("body", body.name,
-             fmt::format("uses geometry number {}, but the scene has {}", index(body.geometry), geometries.size()));
-    if (const std::string why = why_not_rigid(body.pose); !why.empty()) fail("body", body.name, why);
-    if (body.is_static && !std::holds_alternative<Still>(body.motion))
-        fail("body", body.name, "is static, so it cannot have a motion");
-    check_motion(fmt::format("body '{}'", body.name), body.motion);
-    if (!body_index_.add(body.name)) fail("body", body.name, "the scene has another one of this name");
+        refuse(fmt::format("uses geometry number {}, but the scene has {}", index(body.geometry), geometries.size()));
+    if (const std::string why = why_not_rigid(body.pose); !why.empty()) refuse(why);
+    if (!std::holds_alternative<Still>(body.motion)) {
+        if (body.is_static) refuse("is static, so it cannot have a motion");
+        check_motion(who_is(body.name, size()), body.motion);
+    }
+    const auto number = static_cast<std::uint32_t>(size());
+    if (!body.name.empty() && !body_index_.add(body.name, number)) refuse("the scene has another one of this name");
 
     names.push_back(std::move(body.name));
     geometry.push_back(body.geometry);
@@ -82,7 +100,27 @@ BodyId Scene::add_body(BodyInit body)
     is_static.push_back(body.is_static);
     layers.push_back(body.layer);
     masks.push_back(body.mask);
-    return BodyId{static_cast<std::uint32_t>(names.size() - 1)};
+    groups.push_back(body.group);
+    return BodyId{number};
+}
+
+void Scene::reserve(std::size_t bodies)
+{
+    names.reserve(bodies), geometry.reserve(bodies), motions.reserve(bodies);
+    poses.reserve(bodies), start_poses.reserve(bodies);
+    is_static.reserve(bodies), layers.reserve(bodies), masks.reserve(bodies), groups.reserve(bodies);
+}
+
+void Scene::exclude(BodyId a, BodyId b)
+{
+    for (const BodyId body : {a, b}) {
+        if (body.generation != 0)
+            fail("exclude", fmt::format("there is no body {} of generation {}", index(body), body.generation));
+        if (index(body) >= size())
+            fail("exclude", fmt::format("there is no body {}; the scene has {} bodies", index(body), size()));
+    }
+    if (a == b) fail("exclude", fmt::format("{} with itself", who_is(names[index(a)], index(a))));
+    excluded.push_back({std::min(index(a), index(b)), std::max(index(a), index(b))});
 }
 
 std::optional<BodyId> Scene::find(std::string_view body) const
@@ -95,6 +133,12 @@ std::optional<GeometryId> Scene::find_geometry(std::string_view geometry_name) c
 {
     const std::optional<std::uint32_t> found = geometry_index_.find(geometry_name);
     return found ? std::optional(GeometryId{*found}) : std::nullopt;
+}
+
+std::string Scene::label(BodyId body) const
+{
+    const std::string& own = names[index(body)];
+    return own.empty() ? fmt::format("body {}", index(body)) : own;
 }
 
 void Mover::move(Scene& scene, int frame)

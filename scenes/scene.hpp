@@ -5,58 +5,40 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
-#include <variant>
 #include <vector>
 
 #include <Eigen/Geometry>
 
-#include <oncollide/base/aabb.hpp>
-#include <oncollide/scenes/model/mesh.hpp>
-#include <oncollide/scenes/model/occupancy_map.hpp>
-#include <oncollide/scenes/model/shape.hpp>
+#include <oncollide/scenes/geometry.hpp>
+#include <oncollide/scenes/ids.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 namespace oncollide {
 
-enum class BodyId : std::uint32_t {};
-enum class GeometryId : std::uint32_t {};
-constexpr std::uint32_t index(BodyId id)
-{
-    return static_cast<std::uint32_t>(id);
-}
-constexpr std::uint32_t index(GeometryId id)
-{
-    return static_cast<std::uint32_t>(id);
-}
-
-/// What a body is made of, in its own frame. Shared by its instances.
-struct Geometry {
-    std::string name;
-    std::variant<Mesh, Shape, OccupancyMap> data;
-    /// The entry of a scene file that makes this geometry again (JSON text: file or generator; paths absolute or
-    /// relative to the current folder). Empty when made in code, and for shapes: their data says it all.
-    std::string recipe;
-};
-
-/// The exact box of a geometry in its own frame.
-Aabb bounds_of(const Geometry& geometry);
-
 /// What add_body needs to know of a body.
 struct BodyInit {
-    std::string name;
+    std::string name; ///< empty: a body without a name
     GeometryId geometry{};
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     Motion motion = Still{};
     bool is_static = false;           ///< promises never to move; static-static pairs are never formed
     std::uint32_t layer = 1;          ///< bits: the layers that the body is on
     std::uint32_t mask = 0xffffffffu; ///< bits: the layers that the body collides with
+    std::uint32_t group = 0;          ///< bodies of one group never collide with each other; 0: in no group
+};
+
+/// Two bodies that never collide, by their indices.
+struct ExcludedPair {
+    std::uint32_t a, b; ///< a < b
+
+    friend bool operator==(const ExcludedPair&, const ExcludedPair&) = default;
 };
 
 /// Finds an index by name in constant time.
 class NameIndex {
 public:
-    /// Takes `name` for the next index; false, changing nothing, when it is taken.
-    bool add(std::string_view name);
+    /// Takes `name` for `index`; false, changing nothing, when the name is taken.
+    bool add(std::string_view name, std::uint32_t index);
     std::optional<std::uint32_t> find(std::string_view name) const;
 
 private:
@@ -66,37 +48,47 @@ private:
     std::unordered_map<std::string, std::uint32_t, Hash, std::equal_to<>> indices_;
 };
 
-/// Everything that exists: geometries, and bodies as columns indexed by BodyId.
+/// Everything that exists: geometries, and bodies as columns indexed by index(BodyId).
 ///
-/// Move a body by writing `poses` between frames. Bodies a and b may collide when
-/// (layer a & mask b) && (layer b & mask a) and not both are static. Geometries and bodies are added by add and
-/// add_body, which keep the columns of one length; they are not renamed or removed afterwards.
+/// Move a body by writing `poses` between frames. Bodies a and b may collide when (layer a & mask b) and
+/// (layer b & mask a) are not 0, not both are static, they are not of one group, and the pair is not excluded.
+/// Geometries and bodies are added by add and add_body, which keep the columns of one length; they are not renamed or
+/// removed afterwards.
 struct Scene {
     std::string name;
     int frames = 1; ///< how long the scene's motion is worth running
-    std::vector<Geometry> geometries;
+    GeometryList geometries;
 
-    std::vector<std::string> names;
+    std::vector<std::string> names; ///< empty: a body without a name
     std::vector<GeometryId> geometry;
     std::vector<Eigen::Isometry3d> poses;       ///< current; rigid (rotation and translation), body frame to world
     std::vector<Eigen::Isometry3d> start_poses; ///< at frame 0
     std::vector<Motion> motions;
     std::vector<std::uint8_t> is_static;
     std::vector<std::uint32_t> layers, masks;
+    std::vector<std::uint32_t> groups; ///< 0: in no group
+
+    std::vector<ExcludedPair> excluded; ///< in the order of the calls of exclude; a pair may be there twice
 
     std::vector<std::string> warnings; ///< what loading put right (normalised quaternions, zero-area triangles)
 
     std::size_t size() const { return names.size(); }
 
-    /// Throws Error{bad_data} when a geometry of that name exists.
-    GeometryId add(std::string geometry_name, std::variant<Mesh, Shape, OccupancyMap> data, std::string recipe = {});
-    /// Throws Error{bad_data} for a duplicate name, an unknown geometry, a pose that is not finite or not rigid, a
-    /// static body with a motion, or a motion that check_motion refuses.
+    /// Throws Error{bad_data} when a geometry of that name exists, and for a shape that check_shape refuses.
+    GeometryId add(std::string geometry_name, GeometryData data, std::string recipe = {});
+    /// Throws Error{bad_data} for a name that another body has, an unknown geometry, a pose that is not finite or not
+    /// rigid, a static body with a motion, or a motion that check_motion refuses.
     BodyId add_body(BodyInit body);
+    /// Makes room for `bodies` bodies in all.
+    void reserve(std::size_t bodies);
+    /// The two never collide. Throws Error{bad_data} for a body that does not exist, or one with itself.
+    void exclude(BodyId a, BodyId b);
     /// The body of that name, if there is one.
     std::optional<BodyId> find(std::string_view body) const;
     /// The geometry of that name, if there is one.
     std::optional<GeometryId> find_geometry(std::string_view geometry_name) const;
+    /// What to call a body in text: its name, or "body 17" by its index.
+    std::string label(BodyId body) const;
 
 private:
     NameIndex geometry_index_, body_index_;
@@ -107,8 +99,8 @@ private:
 std::string why_not_rigid(const Eigen::Isometry3d& pose);
 
 /// Writes the poses of every moving body at frame `frame` (>= 0). Stateless but for Jitter, which walks on from the
-/// frame it was last asked for (and from the start when time runs backwards). One Mover serves one scene, whose bodies
-/// are all there on the first call; later calls allocate nothing.
+/// frame of the last call (and from the start when time runs backwards). One Mover serves one scene, whose bodies are
+/// all there on the first call; later calls allocate nothing.
 class Mover {
 public:
     void move(Scene& scene, int frame);

@@ -1,9 +1,7 @@
 #include <oncollide/narrowphase/exact/exact_fcl.hpp>
 
 #include <fcl/fcl.h>
-#include <fcl/narrowphase/detail/traversal/collision/intersect.h>
 
-#include <oncollide/base/error.hpp>
 #include <oncollide/scenes/model/convex_hull.hpp>
 
 namespace oncollide {
@@ -48,11 +46,6 @@ struct ShapeModel {
     }
 };
 
-const Mesh* mesh_of(const Scene& scene, std::uint32_t body)
-{
-    return std::get_if<Mesh>(&scene.geometries[index(scene.geometry[body])].data);
-}
-
 } // namespace
 
 bool fcl_available()
@@ -60,96 +53,40 @@ bool fcl_available()
     return true;
 }
 
-struct ExactFcl::Impl {
-    const Scene* scene;
-    double clearance;
-    std::vector<ModelPtr> models; ///< by geometry; null until needed
+class FclModel {
+public:
+    explicit FclModel(ModelPtr geometry) : geometry_(std::move(geometry)) { geometry_->computeLocalAABB(); }
+    const fcl::CollisionGeometryd* get() const { return geometry_.get(); }
+
+private:
+    ModelPtr geometry_;
 };
 
-ExactFcl::ExactFcl(const Scene& scene, double clearance)
-    : impl_(std::make_unique<Impl>(Impl{&scene, clearance, std::vector<ModelPtr>(scene.geometries.size())}))
+std::shared_ptr<const FclModel> make_fcl_model(const GeometryData& geometry, bool for_distances)
 {
-}
-ExactFcl::~ExactFcl() = default;
-
-void ExactFcl::prepare(GeometryId geometry)
-{
-    ModelPtr& model = impl_->models[index(geometry)];
-    if (model) return;
-    const auto& data = impl_->scene->geometries[index(geometry)].data;
     // OBBs alone answer faster; distances need the swept spheres of OBBRSS.
-    if (const auto* mesh = std::get_if<Mesh>(&data))
-        model = impl_->clearance > 0 ? make_bvh<fcl::OBBRSSd>(*mesh) : make_bvh<fcl::OBBd>(*mesh);
-    else if (const auto* shape = std::get_if<Shape>(&data))
-        model = std::visit(ShapeModel{}, *shape);
-    else
-        model = std::make_shared<fcl::OcTreed>(std::get<OccupancyMap>(data).tree);
-    model->computeLocalAABB();
+    if (const auto* mesh = std::get_if<Mesh>(&geometry))
+        return std::make_shared<FclModel>(for_distances ? make_bvh<fcl::OBBRSSd>(*mesh) : make_bvh<fcl::OBBd>(*mesh));
+    if (const auto* shape = std::get_if<Shape>(&geometry))
+        return std::make_shared<FclModel>(std::visit(ShapeModel{}, *shape));
+    return std::make_shared<FclModel>(std::make_shared<fcl::OcTreed>(std::get<OccupancyMap>(geometry).tree));
 }
 
-ExactFcl::Answer ExactFcl::answer(const Scene& scene, std::uint32_t a, std::uint32_t b) const
+FclResult fcl_result(const FclModel& a, const Eigen::Isometry3d& pose_a, const FclModel& b,
+                     const Eigen::Isometry3d& pose_b, double clearance)
 {
-    const ModelPtr &model_a = impl_->models[index(scene.geometry[a])],
-                   &model_b = impl_->models[index(scene.geometry[b])];
-    ONCOLLIDE_ASSERT(model_a && model_b);
     fcl::CollisionRequestd request(1, false);
     fcl::CollisionResultd result;
-    fcl::collide(model_a.get(), scene.poses[a], model_b.get(), scene.poses[b], request, result);
-    if (result.isCollision()) {
-        if (!both_meshes(scene, a, b)) return {Verdict::colliding, 0};
-        return {Verdict::colliding, 0, static_cast<int>(result.getContact(0).b1),
-                static_cast<int>(result.getContact(0).b2)};
-    }
-    if (impl_->clearance <= 0) return {Verdict::separate, 0};
+    fcl::collide(a.get(), pose_a, b.get(), pose_b, request, result);
+    if (result.isCollision()) return {Verdict::colliding, 0};
+    if (clearance <= 0) return {Verdict::separate, 0};
     fcl::DistanceRequestd distance_request;
     fcl::DistanceResultd distance_result;
     // At the origin: FCL measures in world coordinates, which round where bodies are far away.
-    Eigen::Isometry3d pose_a = scene.poses[a], pose_b = scene.poses[b];
-    pose_b.translation() -= pose_a.translation(), pose_a.translation().setZero();
-    const double distance =
-        fcl::distance(model_a.get(), pose_a, model_b.get(), pose_b, distance_request, distance_result);
-    return {distance <= impl_->clearance ? Verdict::within : Verdict::separate, std::max(distance, 0.0)};
-}
-
-bool ExactFcl::both_meshes(const Scene& scene, std::uint32_t a, std::uint32_t b) const
-{
-    return mesh_of(scene, a) && mesh_of(scene, b);
-}
-
-bool ExactFcl::triangles_meet(const Scene& scene, std::uint32_t a, std::uint32_t b, std::span<const std::uint32_t> of_a,
-                              std::span<const std::uint32_t> of_b, std::vector<Aabb>& scratch) const
-{
-    const Mesh *mesh_a = mesh_of(scene, a), *mesh_b = mesh_of(scene, b);
-    ONCOLLIDE_ASSERT(mesh_a && mesh_b);
-    // As FCL's own traversal does: b's triangles in a's frame.
-    const fcl::Matrix3d r = scene.poses[a].linear().transpose() * scene.poses[b].linear();
-    const fcl::Vector3d t =
-        scene.poses[a].linear().transpose() * (scene.poses[b].translation() - scene.poses[a].translation());
-    const auto box_of = [](const Mesh& mesh, std::uint32_t triangle, auto&& place) {
-        Aabb box;
-        for (std::uint32_t v : mesh.triangles[triangle]) box.add(fcl::Vector3d(place(mesh.vertices[v])));
-        return box;
-    };
-    scratch.clear();
-    Aabb all_b;
-    for (std::uint32_t i : of_b) {
-        scratch.push_back(box_of(*mesh_b, i, [&](const fcl::Vector3d& v) { return r * v + t; }));
-        all_b.add(scratch.back());
-    }
-    for (std::uint32_t i : of_a) {
-        const Aabb box = box_of(*mesh_a, i, [](const fcl::Vector3d& v) { return v; });
-        if (!box.overlaps(all_b)) continue;
-        const Triangle& p = mesh_a->triangles[i];
-        for (std::size_t j = 0; j < of_b.size(); ++j) {
-            if (!box.overlaps(scratch[j])) continue;
-            const Triangle& q = mesh_b->triangles[of_b[j]];
-            if (fcl::detail::Intersect<double>::intersect_Triangle(
-                    mesh_a->vertices[p[0]], mesh_a->vertices[p[1]], mesh_a->vertices[p[2]], mesh_b->vertices[q[0]],
-                    mesh_b->vertices[q[1]], mesh_b->vertices[q[2]], r, t))
-                return true;
-        }
-    }
-    return false;
+    Eigen::Isometry3d here_a = pose_a, here_b = pose_b;
+    here_b.translation() -= here_a.translation(), here_a.translation().setZero();
+    const double distance = fcl::distance(a.get(), here_a, b.get(), here_b, distance_request, distance_result);
+    return {distance <= clearance ? Verdict::within : Verdict::separate, std::max(distance, 0.0)};
 }
 
 } // namespace oncollide

@@ -1,46 +1,32 @@
 #pragma once
-#include <cstdint>
 #include <memory>
-#include <span>
+
+#include <Eigen/Geometry>
 
 #include <oncollide/narrowphase/verdict.hpp>
 #include <oncollide/scenes/scene.hpp>
 
 namespace oncollide {
 
-/// False in builds without FCL (ONCOLLIDE_FCL=OFF): there an ExactFcl can be made, and its other functions throw.
+/// False in builds without FCL (ONCOLLIDE_FCL=OFF): there the functions below throw.
 bool fcl_available();
 
-/// The exact level by way of FCL, on bodies whole: triangle against triangle for meshes, libccd for shapes, boxes for
-/// the cells of an octomap. FCL's models are made when first needed, one a geometry.
-class ExactFcl {
-public:
-    /// @param clearance  metres; above 0 distances are asked too
-    ExactFcl(const Scene& scene, double clearance);
-    ~ExactFcl();
+/// FCL's model of a geometry. Opaque: FCL's headers stay inside exact_fcl.cpp.
+class FclModel;
 
-    /// Makes what `geometry` needs. Not thread-safe; call before answer().
-    /// Cost: a bounding-volume tree, about 3 microseconds a triangle.
-    void prepare(GeometryId geometry);
+/// Triangles in a tree of oriented boxes for meshes, libccd's shapes, an octree for maps.
+/// @param for_distances  whether distances will be requested too, which need another kind of tree
+/// Cost: about 3 microseconds a triangle.
+std::shared_ptr<const FclModel> make_fcl_model(const GeometryData& geometry, bool for_distances);
 
-    struct Answer {
-        Verdict verdict;                      ///< colliding, within (not colliding, distance <= clearance) or separate
-        double bound;                         ///< colliding: 0; else the distance when clearance > 0, else 0
-        int triangle_a = -1, triangle_b = -1; ///< two that meet, when both bodies are meshes and collide
-    };
-    /// Thread-safe once both geometries are prepared.
-    Answer answer(const Scene& scene, std::uint32_t a, std::uint32_t b) const;
-
-    bool both_meshes(const Scene& scene, std::uint32_t a, std::uint32_t b) const;
-    /// True when FCL's triangle test finds one of these triangles of mesh a to meet one of these of mesh b.
-    /// Thread-safe, needs no preparation.
-    /// @param scratch  working memory, one a thread
-    bool triangles_meet(const Scene& scene, std::uint32_t a, std::uint32_t b, std::span<const std::uint32_t> of_a,
-                        std::span<const std::uint32_t> of_b, std::vector<Aabb>& scratch) const;
-
-private:
-    struct Impl;
-    std::unique_ptr<Impl> impl_;
+struct FclResult {
+    Verdict verdict; ///< colliding, within (not colliding, distance <= clearance) or separate
+    double bound;    ///< colliding: 0; else the distance when clearance > 0, else 0
 };
+
+/// The exact level by way of FCL, on two bodies as a whole. Thread-safe.
+/// @param clearance  metres; above 0 distances are computed too
+FclResult fcl_result(const FclModel& a, const Eigen::Isometry3d& pose_a, const FclModel& b,
+                     const Eigen::Isometry3d& pose_b, double clearance);
 
 } // namespace oncollide

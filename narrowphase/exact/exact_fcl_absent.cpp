@@ -17,28 +17,14 @@ bool fcl_available()
     return false;
 }
 
-struct ExactFcl::Impl {};
+class FclModel {};
 
-ExactFcl::ExactFcl(const Scene&, double) {}
-ExactFcl::~ExactFcl() = default;
-
-void ExactFcl::prepare(GeometryId)
+std::shared_ptr<const FclModel> make_fcl_model(const GeometryData&, bool)
 {
     refuse();
 }
 
-ExactFcl::Answer ExactFcl::answer(const Scene&, std::uint32_t, std::uint32_t) const
-{
-    refuse();
-}
-
-bool ExactFcl::both_meshes(const Scene&, std::uint32_t, std::uint32_t) const
-{
-    refuse();
-}
-
-bool ExactFcl::triangles_meet(const Scene&, std::uint32_t, std::uint32_t, std::span<const std::uint32_t>,
-                              std::span<const std::uint32_t>, std::vector<Aabb>&) const
+FclResult fcl_result(const FclModel&, const Eigen::Isometry3d&, const FclModel&, const Eigen::Isometry3d&, double)
 {
     refuse();
 }

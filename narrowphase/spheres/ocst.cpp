@@ -1,5 +1,6 @@
 #include <oncollide/narrowphase/spheres/ocst.hpp>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -33,9 +34,12 @@ double Ocst::radius(int level) const
     return std::ldexp(root_.radius, -level);
 }
 
-double Ocst::reach(const OcclusionBackend& backend, int level) const
+void Ocst::admit_backend(const OcclusionBackend& backend)
 {
-    return root_.false_reach() + covering_error_ + backend.reach(std::ldexp(root_.scale, -level));
+    for (int level = 0; level <= deepest_level; ++level) {
+        const double error = root_.false_reach() + covering_error_ + backend.reach(std::ldexp(root_.scale, -level));
+        errors_[static_cast<std::size_t>(level)] = std::max(errors_[static_cast<std::size_t>(level)], error);
+    }
 }
 
 std::uint32_t Ocst::find(CellKey cell) const

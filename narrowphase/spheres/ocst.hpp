@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -25,8 +26,10 @@ public:
     const RootCell& root() const { return root_; }
     int depth() const { return depth_; }
     double radius(int level) const;
-    /// Adds to 2 * radius in a bound: how far the geometry may be from a grey cell.
-    double reach(const OcclusionBackend& backend, int level) const;
+    /// Adds to 2 * radius in a bound: how far the geometry may be from a grey cell, whichever backend found it (m).
+    double error(int level) const { return errors_[static_cast<std::size_t>(level)]; }
+    /// Cells may come from `backend` from now on. Those that came from others stay: the errors are the largest.
+    void admit_backend(const OcclusionBackend& backend);
 
     /// What a backend is asked to expand `cell`: finds its parent's list. The cell must be stored and not
     /// expanded. The triangles of the last stored level are not kept: nothing below it asks for them.
@@ -67,6 +70,7 @@ private:
     RootCell root_;
     int depth_;
     double covering_error_;
+    std::array<double, deepest_level + 1> errors_{}; ///< by level
     std::uint64_t stored_ = 1;
     std::vector<OcstNode> nodes_;
     std::vector<ListId> lists_;                 ///< by node: the triangles of an expanded cell

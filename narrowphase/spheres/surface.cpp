@@ -15,23 +15,6 @@ float rounded_up(double x)
     return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
 }
 
-RootCell root_around(const Aabb& bounds)
-{
-    RootCell root;
-    root.centre = bounds.centre();
-    // The centre is rounded, so the farther side decides.
-    const Eigen::Vector3d half = (bounds.max - root.centre).cwiseMax(root.centre - bounds.min);
-    const double least = std::max(half.maxCoeff() / 64, 1e-12);
-    root.radius = 0, root.scale = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        root.half[axis] = rounded_up(std::max(half[axis], least));
-        root.radius += static_cast<double>(root.half[axis]) * root.half[axis];
-        root.scale = std::max<double>(root.scale, root.half[axis]);
-    }
-    root.radius = std::sqrt(root.radius) * (1 + 1e-15);
-    return root;
-}
-
 void put(Primitive& primitive, int point, const Eigen::Vector3d& p)
 {
     for (int axis = 0; axis < 3; ++axis) primitive.point[point][axis] = static_cast<float>(p[axis]);
@@ -86,31 +69,44 @@ void add_inside(Surface& surface, const Mesh& convex)
 
 } // namespace
 
-RootCell root_cell_of(const Geometry& geometry)
+RootCell root_cell_around(const Aabb& bounds)
 {
-    if (const auto* shape = std::get_if<Shape>(&geometry.data))
-        return root_around(bounding_mesh_of(*shape).mesh.bounds);
-    return root_around(bounds_of(geometry));
+    RootCell root;
+    root.centre = bounds.centre();
+    // The centre is rounded, so the farther side decides.
+    const Eigen::Vector3d half = (bounds.max - root.centre).cwiseMax(root.centre - bounds.min);
+    const double least = std::max(half.maxCoeff() / 64, 1e-12);
+    root.radius = 0, root.scale = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        root.half[axis] = rounded_up(std::max(half[axis], least));
+        root.radius += static_cast<double>(root.half[axis]) * root.half[axis];
+        root.scale = std::max<double>(root.scale, root.half[axis]);
+    }
+    root.radius = std::sqrt(root.radius) * (1 + 1e-15);
+    return root;
 }
 
-Surface make_surface(const Geometry& geometry, const RootCell& root)
+Surface mesh_surface(const Mesh& mesh, const RootCell& root)
 {
     Surface surface;
     surface.root = root;
-    if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) add_triangles(surface, *mesh);
-    if (const auto* map = std::get_if<OccupancyMap>(&geometry.data)) add_boxes(surface, *map);
-    if (const auto* shape = std::get_if<Shape>(&geometry.data)) {
-        const BoundingMesh enclosure = bounding_mesh_of(*shape);
-        add_triangles(surface, enclosure.mesh);
-        add_inside(surface, enclosure.mesh);
-    }
+    add_triangles(surface, mesh);
     return surface;
 }
 
-double covering_error_of(const Geometry& geometry)
+Surface map_surface(const OccupancyMap& map, const RootCell& root)
 {
-    const auto* shape = std::get_if<Shape>(&geometry.data);
-    return shape ? bounding_mesh_of(*shape).covering_error : 0.0;
+    Surface surface;
+    surface.root = root;
+    add_boxes(surface, map);
+    return surface;
+}
+
+Surface solid_surface(const Mesh& convex, const RootCell& root)
+{
+    Surface surface = mesh_surface(convex, root);
+    add_inside(surface, convex);
+    return surface;
 }
 
 } // namespace oncollide

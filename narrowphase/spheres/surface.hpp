@@ -22,8 +22,8 @@ struct RootCell {
     double false_reach() const { return 4 * slack(); }
 };
 
-/// The root cell around a geometry: around its bounds, or the bounds of the mesh that encloses a shape.
-RootCell root_cell_of(const Geometry& geometry);
+/// The root cell around a geometry with these bounds.
+RootCell root_cell_around(const Aabb& bounds);
 
 /// What backends see of a geometry: float copies relative to the root cell's centre. Made when a test first reaches
 /// below the root.
@@ -41,11 +41,9 @@ struct Surface {
     }
 };
 
-/// Cost: O(primitives), about 10 ns each. Shapes: of the mesh that encloses them.
-Surface make_surface(const Geometry& geometry, const RootCell& root);
-
-/// By how much the surface that the tree is built over may lie outside the geometry (m): the enclosure's covering error
-/// of a shape, 0 for meshes and maps.
-double covering_error_of(const Geometry& geometry);
+// Of a mesh, of a map's cells, and of a convex closed mesh taken as a solid. Cost: about 10 ns a primitive.
+Surface mesh_surface(const Mesh& mesh, const RootCell& root);
+Surface map_surface(const OccupancyMap& map, const RootCell& root);
+Surface solid_surface(const Mesh& convex, const RootCell& root);
 
 } // namespace oncollide

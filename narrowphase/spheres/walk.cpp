@@ -85,7 +85,7 @@ double make_plan(const WalkPair& pair, std::uint32_t frame, WalkPlan& plan)
 }
 
 /// Distance at most this, when spheres of the levels reached after `steps` steps touch.
-double upper_bound(const WalkPair& pair, int steps, double rounding, const OcclusionBackend& backend)
+double upper_bound(const WalkPair& pair, int steps, double rounding)
 {
     Descent down(*pair.a, *pair.b);
     for (int i = 0; i < steps; ++i) {
@@ -93,7 +93,7 @@ double upper_bound(const WalkPair& pair, int steps, double rounding, const Occlu
         down.next(open_a, open_b);
     }
     const double spheres = 2 * (down.ra + down.rb) + pair.clearance + 2 * rounding;
-    return spheres * (1 + 0x1p-19) + pair.a->reach(backend, down.level_a) + pair.b->reach(backend, down.level_b) +
+    return spheres * (1 + 0x1p-19) + pair.a->error(down.level_a) + pair.b->error(down.level_b) +
            2 * std::sqrt(tiny2);
 }
 
@@ -131,7 +131,7 @@ void Walker::park(const WalkEntry* entries, std::size_t count)
     parked_used_ += count;
 }
 
-WalkResult Walker::run(const WalkPair& pair, const WalkPlan& plan, double rounding, const OcclusionBackend& backend,
+WalkResult Walker::run(const WalkPair& pair, const WalkPlan& plan, double rounding,
                        std::uint32_t top, double lower_so_far, std::uint32_t patience, bool give_up, ParkedWork& parked)
 {
     if (aside_.size() < patience) aside_.resize(patience);
@@ -151,11 +151,11 @@ WalkResult Walker::run(const WalkPair& pair, const WalkPlan& plan, double roundi
     parked = {parked_used_, 0, 0};
 
     if (end == WalkEnd::hit)
-        return {WalkStatus::touching, upper_bound(pair, plan.count, rounding, backend), {state.hit_a, state.hit_b}};
+        return {WalkStatus::touching, upper_bound(pair, plan.count, rounding), {state.hit_a, state.hit_b}};
     const double lower = std::min(lower_so_far, lower_bound(pair, plan, state, rounding));
     if (give_up)
         for (std::uint32_t i = 0; i < state.parked_count; ++i) deepest = std::max(deepest, aside_[i].step);
-    if (deepest >= 0) return {WalkStatus::undecided, upper_bound(pair, deepest, rounding, backend), {}};
+    if (deepest >= 0) return {WalkStatus::undecided, upper_bound(pair, deepest, rounding), {}};
     if (state.top == 0 && state.parked_count == 0) return {WalkStatus::separate, std::max(lower, pair.clearance), {}};
 
     // Taken up from the end: what was set aside first comes next, then the rest of the stack.
@@ -166,7 +166,7 @@ WalkResult Walker::run(const WalkPair& pair, const WalkPlan& plan, double roundi
     return {WalkStatus::parked, lower, {}};
 }
 
-WalkResult Walker::start(const WalkPair& pair, std::uint32_t frame, const OcclusionBackend& backend, ParkedWork& parked)
+WalkResult Walker::start(const WalkPair& pair, std::uint32_t frame, ParkedWork& parked)
 {
     WalkPlan plan;
     const double rounding = make_plan(pair, frame, plan);
@@ -179,21 +179,20 @@ WalkResult Walker::start(const WalkPair& pair, std::uint32_t frame, const Occlus
                 std::max(std::sqrt(apart2) - pair.a->radius(0) - pair.b->radius(0) - rounding, pair.clearance),
                 {}};
     if (pair.hint.a && kernel().replay(plan, pair.hint.a, pair.hint.b))
-        return {WalkStatus::touching, upper_bound(pair, plan.count, rounding, backend), pair.hint};
+        return {WalkStatus::touching, upper_bound(pair, plan.count, rounding), pair.hint};
 
     stack_[0] = {0, 0, {plan.d[0], plan.d[1], plan.d[2]}, 0, root_cell, root_cell};
-    return run(pair, plan, rounding, backend, 1, std::numeric_limits<double>::infinity(), patience_in(0, plan.count),
+    return run(pair, plan, rounding, 1, std::numeric_limits<double>::infinity(), patience_in(0, plan.count),
                false, parked);
 }
 
-WalkResult Walker::resume(const WalkPair& pair, std::uint32_t frame, const OcclusionBackend& backend,
-                          const Walker& from, const WalkResult& so_far, int round, bool give_up, ParkedWork& parked)
+WalkResult Walker::resume(const WalkPair& pair, std::uint32_t frame, const Walker& from, const WalkResult& so_far, int round, bool give_up, ParkedWork& parked)
 {
     WalkPlan plan;
     const double rounding = make_plan(pair, frame, plan);
     if (stack_.size() < parked.count + walk_stack_room) stack_.resize(parked.count + walk_stack_room);
     std::copy_n(from.parked_.begin() + static_cast<std::ptrdiff_t>(parked.first), parked.count, stack_.begin());
-    return run(pair, plan, rounding, backend, static_cast<std::uint32_t>(parked.count), so_far.bound,
+    return run(pair, plan, rounding, static_cast<std::uint32_t>(parked.count), so_far.bound,
                patience_in(round, plan.count), give_up, parked);
 }
 

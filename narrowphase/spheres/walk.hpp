@@ -62,7 +62,7 @@ struct CellRequest {
 /// doubles once a pair has had a round for each of its levels, so that the rounds of a frame depend on depth, not on
 /// the number of pairs.
 ///
-/// Bounds. With cells of radius rA, rB, reaches eA, eB (Ocst::reach), clearance c and rounding s, touching leaves mean
+/// Bounds. With cells of radius rA, rB, errors eA, eB (Ocst::error), clearance c and rounding s, touching leaves mean
 /// distance <= |cA - cB| + rA + rB + eA + eB <= c + 2 (rA + rB) + eA + eB + 2 s: the same for every pair of leaves, so
 /// the answer does not depend on the order of the walk. If no leaves touch, the smallest |cA - cB| - rA - rB - s over
 /// the pairs that were cut is a lower bound.
@@ -73,11 +73,11 @@ public:
     Walker(Walker&&) noexcept;
 
     /// Starts a pair. What it leaves is appended to this walker's list of parked work.
-    WalkResult start(const WalkPair& pair, std::uint32_t frame, const OcclusionBackend& backend, ParkedWork& parked);
+    WalkResult start(const WalkPair& pair, std::uint32_t frame, ParkedWork& parked);
     /// Goes on with work parked in `from` (another walker or round), given the last result.
     /// @param round    1 for the first resumption in a frame
     /// @param give_up  cells were refused: take what is not expanded as undecided instead of parking again
-    WalkResult resume(const WalkPair& pair, std::uint32_t frame, const OcclusionBackend& backend, const Walker& from,
+    WalkResult resume(const WalkPair& pair, std::uint32_t frame, const Walker& from,
                       const WalkResult& so_far, int round, bool give_up, ParkedWork& parked);
     /// Appends the cells that parked work waits for.
     void requests(const WalkPair& pair, const ParkedWork& parked, std::vector<CellRequest>& out) const;
@@ -88,7 +88,7 @@ public:
     void reset_counters() { node_pairs_ = 0; }
 
 private:
-    WalkResult run(const WalkPair& pair, const WalkPlan& plan, double rounding, const OcclusionBackend& backend,
+    WalkResult run(const WalkPair& pair, const WalkPlan& plan, double rounding,
                    std::uint32_t top, double lower_so_far, std::uint32_t patience, bool give_up, ParkedWork& parked);
     void park(const WalkEntry* entries, std::size_t count);
 

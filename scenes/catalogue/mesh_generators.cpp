@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <Eigen/Geometry>
+
 #include <oncollide/base/random.hpp>
 #include <oncollide/scenes/model/surface_grid.hpp>
 

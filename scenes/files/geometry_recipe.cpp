@@ -33,7 +33,7 @@ std::uint64_t seed(const Node& node)
 
 Mesh generate(const Node& node)
 {
-    const std::string kind = node["kind"].text();
+    const std::string_view kind = node["kind"].text();
     if (kind == "box") return node.only({"kind", "half"}), make_box_mesh(node["half"].vector3());
     if (kind == "sphere") {
         node.only({"kind", "radius", "triangles"});
@@ -72,19 +72,25 @@ Mesh generate(const Node& node)
                     kind));
 }
 
+std::vector<Eigen::Vector3d> points_of(const Node& node)
+{
+    std::vector<Eigen::Vector3d> points;
+    points.reserve(node.size());
+    for (const Node& point : node) points.push_back(point.vector3());
+    return points;
+}
+
 Mesh listed_mesh(const Node& node, const std::string& name)
 {
     const Node vertices = node["vertices"], triangles = node["triangles"];
-    std::vector<Eigen::Vector3d> points(vertices.size());
-    for (std::size_t i = 0; i < points.size(); ++i) points[i] = vertices[i].vector3();
-    std::vector<Triangle> indices(triangles.size());
-    for (std::size_t i = 0; i < indices.size(); ++i) {
-        const Node triangle = triangles[i];
+    std::vector<Triangle> indices;
+    indices.reserve(triangles.size());
+    for (const Node& triangle : triangles) {
         if (triangle.size() != 3) triangle.fail(fmt::format("has {} vertices, must have three", triangle.size()));
-        for (std::size_t k = 0; k < 3; ++k)
-            indices[i][k] = static_cast<std::uint32_t>(triangle[k].integer(0, 0xffffffff));
+        auto corner = indices.emplace_back().begin();
+        for (const Node& number : triangle) *corner++ = static_cast<std::uint32_t>(number.integer(0, 0xffffffff));
     }
-    return make_mesh(name, std::move(points), std::move(indices));
+    return make_mesh(name, points_of(vertices), std::move(indices));
 }
 
 /// As load_mesh treats a file: scale, then fit, then centre.
@@ -123,7 +129,7 @@ Mesh read_mesh(const Node& node, const std::string& name, const fs::path& folder
 
 Shape read_shape(const Node& node)
 {
-    const std::string kind = node["kind"].text();
+    const std::string_view kind = node["kind"].text();
     if (kind == "sphere") return node.only({"kind", "radius"}), Sphere{node["radius"].number()};
     if (kind == "box") return node.only({"kind", "half"}), Box{node["half"].vector3()};
     if (kind == "capsule") {
@@ -136,17 +142,14 @@ Shape read_shape(const Node& node)
     }
     if (kind == "convex_hull") {
         node.only({"kind", "points"});
-        const Node points = node["points"];
-        ConvexHull hull;
-        for (std::size_t i = 0; i < points.size(); ++i) hull.points.push_back(points[i].vector3());
-        return hull;
+        return ConvexHull{points_of(node["points"])};
     }
     node["kind"].fail(fmt::format("no shape named '{}'; valid: sphere, box, capsule, cylinder, convex_hull", kind));
 }
 
 OccupancyMap read_map(const Node& node, const fs::path& folder)
 {
-    const std::string source = node.one_of({"file", "building"});
+    const std::string_view source = node.one_of({"file", "building"});
     const Node value = node[source];
     if (source == "file") return at(value, [&] { return load_octomap(folder / value.text()); });
     value.only({"rooms", "resolution", "seed"});
@@ -154,7 +157,7 @@ OccupancyMap read_map(const Node& node, const fs::path& folder)
               [&] { return make_building_map(count(value, "rooms", 100), size(value, "resolution"), seed(value)); });
 }
 
-Json points_of(const std::vector<Eigen::Vector3d>& points)
+Json list_of(const std::vector<Eigen::Vector3d>& points)
 {
     Json list = Json::array();
     for (const Eigen::Vector3d& p : points) list.push_back({p.x(), p.y(), p.z()});
@@ -179,7 +182,7 @@ Json entry_of(const Cylinder& c)
 }
 Json entry_of(const ConvexHull& h)
 {
-    return {{"kind", "convex_hull"}, {"points", points_of(h.points)}};
+    return {{"kind", "convex_hull"}, {"points", list_of(h.points)}};
 }
 
 /// Gives the entry's file, if it has one, another path.
@@ -196,7 +199,7 @@ void change_file(Json& entry, Change change)
 /// Of an entry that has been read, so it has the right types.
 std::string recipe_of(const Node& entry, const fs::path& folder)
 {
-    Json recipe = entry.json();
+    Json recipe = Json::parse(entry.source());
     change_file(recipe, [&](const fs::path& file) { return fs::absolute(folder / file); });
     try {
         return recipe.dump();
@@ -207,9 +210,10 @@ std::string recipe_of(const Node& entry, const fs::path& folder)
 
 } // namespace
 
-GeometryId add_geometry(Scene& scene, const std::string& name, const Node& entry, const fs::path& folder)
+GeometryId add_geometry(Scene& scene, std::string_view given_name, const Node& entry, const fs::path& folder)
 {
-    const std::string source = entry.one_of({"mesh", "shape", "octomap"});
+    const std::string name(given_name);
+    const std::string_view source = entry.one_of({"mesh", "shape", "octomap"});
     const Node node = entry[source];
     if (source == "shape") return at(node, [&] { return scene.add(name, read_shape(node)); });
 
@@ -226,7 +230,10 @@ GeometryId add_geometry(Scene& scene, const std::string& name, const Node& entry
 
 GeometryId add_geometry(Scene& scene, const std::string& name, const Json& entry)
 {
-    return add_geometry(scene, name, Node(entry, name), {});
+    const std::string text = entry.dump();
+    JsonTape tape;
+    tape.read(text, 0);
+    return add_geometry(scene, name, Node(tape, {name}), {});
 }
 
 Json entry_of(const Geometry& geometry, const fs::path& folder, const std::string& map_file)
@@ -239,7 +246,7 @@ Json entry_of(const Geometry& geometry, const fs::path& folder, const std::strin
         return entry;
     }
     if (const Mesh* mesh = std::get_if<Mesh>(&geometry.data))
-        return {{"mesh", {{"vertices", points_of(mesh->vertices)}, {"triangles", mesh->triangles}}}};
+        return {{"mesh", {{"vertices", list_of(mesh->vertices)}, {"triangles", mesh->triangles}}}};
     return {{"octomap", {{"file", map_file}}}};
 }
 

@@ -2,18 +2,22 @@
 #include <filesystem>
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include <oncollide/base/error.hpp>
-#include <oncollide/scenes/files/json_file.hpp>
+#include <oncollide/scenes/files/json_node.hpp>
 #include <oncollide/scenes/scene.hpp>
 
 namespace oncollide {
 
 // Geometries as a scene file describes them: docs/scene-format.md, "Geometries". Private to scenes.
 
+using Json = nlohmann::json;
+
 /// Adds the geometry that `entry` describes; its recipe is the entry with absolute paths. Zero-area triangles become a
 /// line in scene.warnings. Throws Error like load_scene.
 /// @param folder  what relative paths in the entry are relative to
-GeometryId add_geometry(Scene& scene, const std::string& name, const Node& entry, const std::filesystem::path& folder);
+GeometryId add_geometry(Scene& scene, std::string_view name, const Node& entry, const std::filesystem::path& folder);
 
 /// The same for code that writes the entry itself; paths are relative to the current folder.
 GeometryId add_geometry(Scene& scene, const std::string& name, const Json& entry);

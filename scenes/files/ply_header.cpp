@@ -39,13 +39,13 @@ public:
                 read_property();
             } else if (keyword != "comment" && keyword != "obj_info" && !keyword.empty()) {
                 fail(fmt::format("unknown header line {}; known are format, element, property, comment, end_header",
-                                 quoted(keyword)));
+                                 oncollide::quoted(keyword)));
             }
         }
         if (!has_format) fail("the header names no format");
         for (const Element& element : header_.elements)
             if (element.properties.empty() && element.count > 0)
-                fail(fmt::format("element {} has no properties", quoted(element.name)));
+                fail(fmt::format("element {} has no properties", oncollide::quoted(element.name)));
         header_.bytes = at_, header_.lines = line_;
         return std::move(header_);
     }
@@ -83,7 +83,7 @@ private:
             header_.encoding = Encoding::big_endian;
         else
             fail(fmt::format("unknown format {}; known are ascii, binary_little_endian, binary_big_endian",
-                             quoted(name)));
+                             oncollide::quoted(name)));
     }
 
     void read_element()
@@ -91,10 +91,11 @@ private:
         Element element{std::string(word()), 0, {}};
         const std::string_view count = word();
         if (!parse(count, element.count) || element.count < 0)
-            fail(fmt::format("the number of element {} is {}", quoted(element.name), quoted(count)));
+            fail(fmt::format("the number of element {} is {}", oncollide::quoted(element.name),
+                             oncollide::quoted(count)));
         if (static_cast<std::uint64_t>(element.count) > source_.bytes.size())
             fail(fmt::format("a file of {} bytes cannot hold {} of element {}", source_.bytes.size(), element.count,
-                             quoted(element.name)));
+                             oncollide::quoted(element.name)));
         header_.elements.push_back(std::move(element));
     }
 
@@ -103,7 +104,7 @@ private:
         for (std::size_t i = 0; i < type_names.size(); ++i)
             if (name == type_names[i][0] || name == type_names[i][1]) return static_cast<Type>(i);
         fail(fmt::format("unknown type {}; known are char, uchar, short, ushort, int, uint, float, double",
-                         quoted(name)));
+                         oncollide::quoted(name)));
     }
 
     void read_property()

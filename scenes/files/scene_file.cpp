@@ -8,7 +8,8 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/scenes/files/geometry_recipe.hpp>
-#include <oncollide/scenes/files/json_file.hpp>
+#include <oncollide/scenes/files/json_fault.hpp>
+#include <oncollide/scenes/files/json_node.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 #include <oncollide/scenes/files/quaternion.hpp>
 #include <oncollide/scenes/files/scene_pose.hpp>
@@ -53,8 +54,7 @@ Keyed read_keys(const Node& node, std::vector<std::string>& warnings)
 {
     Keyed motion;
     motion.keys.reserve(node.size());
-    for (std::size_t i = 0; i < node.size(); ++i) {
-        const Node row = node[i];
+    for (const Node& row : node) {
         Eigen::Matrix<double, 8, 1> n;
         row.numbers(8, n.data());
         motion.keys.push_back(
@@ -66,7 +66,7 @@ Keyed read_keys(const Node& node, std::vector<std::string>& warnings)
 
 Motion read_motion(const Node& node, const fs::path& folder, std::vector<std::string>& warnings)
 {
-    const std::string kind = node.one_of({"keys", "tum", "drift", "jitter"});
+    const std::string_view kind = node.one_of({"keys", "tum", "drift", "jitter"});
     const Node value = node[kind];
     if (kind == "keys") return read_keys(value, warnings);
     if (kind == "tum") {
@@ -89,14 +89,14 @@ Motion read_motion(const Node& node, const fs::path& folder, std::vector<std::st
                   .walls = read_walls(value)};
 }
 
-std::uint32_t read_bits(const Node& body, std::string_view key, std::uint32_t otherwise)
+std::uint32_t read_u32(const Node& body, std::string_view key, std::uint32_t otherwise)
 {
     return body.has(key) ? static_cast<std::uint32_t>(body[key].integer(0, 0xffffffff)) : otherwise;
 }
 
 GeometryId read_reference(const Node& node, const Scene& scene)
 {
-    const std::string name = node.text();
+    const std::string_view name = node.text();
     if (const std::optional<GeometryId> found = scene.find_geometry(name)) return *found;
     constexpr std::size_t most = 20;
     std::string names;
@@ -108,18 +108,91 @@ GeometryId read_reference(const Node& node, const Scene& scene)
 
 void read_body(Scene& scene, const Node& node, const fs::path& folder)
 {
-    node.only({"name", "geometry", "position", "rotation", "layer", "mask", "static", "motion"});
+    node.only({"name", "geometry", "position", "rotation", "layer", "mask", "static", "motion", "group"});
     BodyInit body;
-    body.name = node["name"].text();
+    if (node.has("name")) body.name = node["name"].text();
     body.geometry = read_reference(node["geometry"], scene);
     if (node.has("motion")) body.motion = read_motion(node["motion"], folder, scene.warnings);
     body.pose = default_pose(body.motion);
     if (node.has("position")) body.pose.translation() = node["position"].vector3();
     if (node.has("rotation")) body.pose.linear() = read_rotation(node["rotation"], scene.warnings);
     body.is_static = node.has("static") && node["static"].boolean();
-    body.layer = read_bits(node, "layer", body.layer);
-    body.mask = read_bits(node, "mask", body.mask);
+    body.layer = read_u32(node, "layer", body.layer);
+    body.mask = read_u32(node, "mask", body.mask);
+    body.group = read_u32(node, "group", body.group);
     at(node, [&] { scene.add_body(std::move(body)); });
+}
+
+BodyId read_body_reference(const Node& node, const Scene& scene)
+{
+    if (node.is_text()) {
+        const std::string_view name = node.text();
+        if (name.empty()) node.fail("is empty; a body without a name goes by its number in 'bodies'");
+        if (const std::optional<BodyId> found = scene.find(name)) return *found;
+        node.fail(fmt::format("no body named '{}'", name));
+    }
+    if (!node.is_number()) node.fail("must be the name of a body, or its number in 'bodies'");
+    if (scene.size() == 0) node.fail("the scene has no bodies");
+    return BodyId{static_cast<std::uint32_t>(node.integer(0, static_cast<std::int64_t>(scene.size()) - 1))};
+}
+
+void read_excluded(Scene& scene, const Node& list)
+{
+    scene.excluded.reserve(list.size());
+    for (const Node& pair : list) {
+        if (pair.size() != 2) pair.fail(fmt::format("has {} bodies, must have two", pair.size()));
+        const BodyId a = read_body_reference(pair[0], scene), b = read_body_reference(pair[1], scene);
+        at(pair, [&] { scene.exclude(a, b); });
+    }
+}
+
+/// The text of a scene file: everything but the bodies on a tape, and these one after the other on another.
+class SceneText {
+public:
+    /// Throws JsonFault.
+    SceneText(std::string_view file, std::string_view text) : file_(file)
+    {
+        const char* const end = rest_.read(text, 0, "bodies");
+        if (end != text.data() + text.size()) throw JsonFault{end};
+    }
+
+    Node root() const { return {rest_, {file_}}; }
+
+    /// Calls visit(node) for each body. Throws JsonFault.
+    template <class Visit>
+    void each_body(Visit visit)
+    {
+        const Node root = this->root();
+        if (!root.has("bodies") || !root["bodies"].is_array()) return;
+        each_element(root["bodies"].source(), 2, body_, [&](const JsonTape& tape, std::size_t i) {
+            visit(Node(tape, {file_, "bodies", i}));
+        });
+    }
+
+private:
+    std::string_view file_;
+    JsonTape rest_, body_;
+};
+
+Scene read_scene(SceneText& text, const fs::path& path)
+{
+    const Node root = text.root();
+    root.only({"name", "frames", "geometries", "bodies", "exclude"});
+
+    Scene scene;
+    scene.name = root.has("name") ? std::string(root["name"].text()) : path.stem().string();
+    if (root.has("frames")) scene.frames = static_cast<int>(root["frames"].integer(1, 1'000'000'000));
+    const fs::path folder = path.parent_path();
+    const Node geometries = root["geometries"], bodies = root["bodies"];
+    if (!geometries.is_object()) geometries.fail("must be an object: a name and a geometry for each");
+    for (const Node& geometry : geometries) add_geometry(scene, geometry.key(), geometry, folder);
+    if (bodies.size() > most_bodies)
+        bodies.fail(fmt::format("{} bodies, at most {} are allowed", bodies.size(), most_bodies));
+    constexpr std::size_t least_bytes = 16; // of a body: commas alone reserve nothing
+    scene.reserve(std::min(bodies.size(), bodies.source().size() / least_bytes));
+    text.each_body([&](const Node& body) { read_body(scene, body, folder); });
+    if (root.has("exclude")) read_excluded(scene, root["exclude"]);
+    return scene;
 }
 
 } // namespace
@@ -129,21 +202,21 @@ Scene load_scene(const fs::path& path)
     const std::string file = path.string();
     std::error_code ignored;
     if (fs::is_regular_file(path, ignored)) refuse_other_files(path);
-    const JsonFile json = parse_json(file, read_file(path, most_bytes));
-    const Node root(json.root, file);
-    root.only({"name", "frames", "geometries", "bodies"});
-
-    Scene scene;
-    scene.name = root.has("name") ? root["name"].text() : path.stem().string();
-    if (root.has("frames")) scene.frames = static_cast<int>(root["frames"].integer(1, 1'000'000'000));
-    const fs::path folder = path.parent_path();
-    const Node geometries = root["geometries"], bodies = root["bodies"];
-    if (!geometries.json().is_object()) geometries.fail("must be an object: a name and a geometry for each");
-    for (const std::string& name : json.geometries) add_geometry(scene, name, geometries[name], folder);
-    if (bodies.size() > most_bodies)
-        bodies.fail(fmt::format("{} bodies, at most {} are allowed", bodies.size(), most_bodies));
-    for (std::size_t i = 0; i < bodies.size(); ++i) read_body(scene, bodies[i], folder);
-    return scene;
+    const std::string bytes = read_file(path, most_bytes);
+    constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
+    std::string_view json = bytes;
+    if (json.starts_with(byte_order_mark)) json.remove_prefix(byte_order_mark.size());
+    try {
+        SceneText text(file, json);
+        try {
+            return read_scene(text, path);
+        } catch (const Error&) {
+            text.each_body([](const Node&) {}); // what is no JSON at all is said first
+            throw;
+        }
+    } catch (const JsonFault& fault) {
+        explain_json(file, bytes, fault.where);
+    }
 }
 
 } // namespace oncollide

@@ -1,6 +1,5 @@
 #include <oncollide/scenes/files/scene_pose.hpp>
 
-#include <algorithm>
 #include <cstring>
 
 #include <oncollide/scenes/files/quaternion.hpp>
@@ -35,15 +34,14 @@ bool same_bits(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b)
 
 Eigen::Matrix3d read_rotation(const Node& node, std::vector<std::string>& warnings)
 {
-    const Json& json = node.json();
-    if (json.is_array() && json.size() == 3 && json[0].is_array()) {
+    if (node.is_array() && node.size() == 3 && node[0].is_array()) {
         Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rows;
-        for (std::size_t i = 0; i < 3; ++i) node[i].numbers(3, rows.data() + 3 * i);
+        double* out = rows.data();
+        for (const Node& row : node) row.numbers(3, out), out += 3;
         return rows;
     }
-    const bool right = json.is_array() && json.size() == 4 &&
-                       std::all_of(json.begin(), json.end(), [](const Json& v) { return v.is_number(); });
-    if (!right) node.fail("must be a quaternion [x, y, z, w] or a matrix of three rows of three numbers");
+    if (!node.holds_numbers(4))
+        node.fail("must be a quaternion [x, y, z, w] or a matrix of three rows of three numbers");
     Eigen::Vector4d xyzw;
     node.numbers(4, xyzw.data());
     return matrix_of([&] { return node.place(); }, xyzw, warnings);

@@ -2,7 +2,9 @@
 #include <string>
 #include <vector>
 
-#include <oncollide/scenes/files/json_file.hpp>
+#include <nlohmann/json.hpp>
+
+#include <oncollide/scenes/files/json_node.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 namespace oncollide {

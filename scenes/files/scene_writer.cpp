@@ -59,18 +59,27 @@ Entry body_entry(const Scene& scene, std::size_t i)
     const Eigen::Isometry3d& pose = scene.start_poses[i];
     const Motion& motion = scene.motions[i];
     const BodyInit otherwise;
-    Entry body = {{"name", scene.names[i]}, {"geometry", scene.geometries[index(scene.geometry[i])].name}};
-    const Eigen::Isometry3d unsaid = default_pose(motion);
+    Entry body;
+    if (!scene.names[i].empty()) body["name"] = scene.names[i];
+    body["geometry"] = scene.geometries[index(scene.geometry[i])].name;
+    const Eigen::Isometry3d implied = default_pose(motion);
     // Always but for keyed bodies, which have their place in their keys.
-    if (!std::holds_alternative<Keyed>(motion) || !same_bits(Eigen::Vector3d(pose.translation()), unsaid.translation()))
+    if (!std::holds_alternative<Keyed>(motion) || !same_bits(Eigen::Vector3d(pose.translation()), implied.translation()))
         body["position"] = list(pose.translation());
-    if (!same_bits(Eigen::Matrix3d(pose.linear()), unsaid.linear())) body["rotation"] = rotation_entry(pose.linear());
+    if (!same_bits(Eigen::Matrix3d(pose.linear()), implied.linear())) body["rotation"] = rotation_entry(pose.linear());
     if (scene.layers[i] != otherwise.layer) body["layer"] = scene.layers[i];
     if (scene.masks[i] != otherwise.mask) body["mask"] = scene.masks[i];
     if (scene.is_static[i]) body["static"] = true;
     if (!std::holds_alternative<Still>(motion))
         body["motion"] = std::visit([](const auto& m) { return motion_entry(m); }, motion);
+    if (scene.groups[i] != otherwise.group) body["group"] = scene.groups[i];
     return body;
+}
+
+/// How another entry names a body: by its name, or by its number if it has none.
+Entry reference_to(const Scene& scene, std::uint32_t body)
+{
+    return scene.names[body].empty() ? Entry(body) : Entry(scene.names[body]);
 }
 
 /// Removes the files that a failed save has made.
@@ -83,19 +92,26 @@ struct Made {
     }
 };
 
-/// One line for each geometry and each body.
-std::string text_of(const Scene& scene, const fs::path& path, const std::vector<std::string>& map_files)
+/// One line for each geometry, each body and each excluded pair.
+void write_text(const Scene& scene, const fs::path& path, const std::vector<std::string>& map_files, OutputFile& file)
 {
     fs::path folder = fs::absolute(path).parent_path();
-    std::string text =
-        fmt::format("{{\n\"name\": {},\n\"frames\": {},\n\"geometries\": {{", Json(scene.name).dump(), scene.frames);
+    file.print("{{\n\"name\": {},\n\"frames\": {},\n\"geometries\": {{", Json(scene.name).dump(), scene.frames);
     for (std::size_t i = 0; i < scene.geometries.size(); ++i)
-        text += fmt::format("{}\n  {}: {}", i ? "," : "", Json(scene.geometries[i].name).dump(),
-                            entry_of(scene.geometries[i], folder, map_files[i]).dump());
-    text += "\n},\n\"bodies\": [";
+        file.print("{}\n  {}: {}", i ? "," : "", Json(scene.geometries[i].name).dump(),
+                   entry_of(scene.geometries[i], folder, map_files[i]).dump());
+    file.print("\n}},\n\"bodies\": [");
     for (std::size_t i = 0; i < scene.size(); ++i)
-        text += fmt::format("{}\n  {}", i ? "," : "", body_entry(scene, i).dump());
-    return text + "\n]\n}\n";
+        file.print("{}\n  {}", i ? "," : "", body_entry(scene, i).dump());
+    file.print("\n]");
+    if (!scene.excluded.empty()) {
+        file.print(",\n\"exclude\": [");
+        for (std::size_t i = 0; i < scene.excluded.size(); ++i)
+            file.print("{}\n  [{}, {}]", i ? "," : "", reference_to(scene, scene.excluded[i].a).dump(),
+                       reference_to(scene, scene.excluded[i].b).dump());
+        file.print("\n]");
+    }
+    file.print("\n}}\n");
 }
 
 } // namespace
@@ -104,9 +120,9 @@ void save_scene(const Scene& scene, const fs::path& path)
 {
     std::vector<std::string> map_files(scene.geometries.size());
     for (std::size_t i = 0; i < map_files.size(); ++i) map_files[i] = fmt::format("{}-{}.bt", path.stem().string(), i);
-    std::string text;
+    OutputFile file(path);
     try {
-        text = text_of(scene, path, map_files);
+        write_text(scene, path, map_files, file);
     } catch (const Json::exception&) {
         throw Error(ErrorKind::cannot_write,
                     fmt::format("{}: cannot write: a name or a path in the scene is not UTF-8 text", path.string()));
@@ -116,14 +132,12 @@ void save_scene(const Scene& scene, const fs::path& path)
         const Geometry& geometry = scene.geometries[i];
         const OccupancyMap* map = std::get_if<OccupancyMap>(&geometry.data);
         if (!map || !geometry.recipe.empty()) continue;
-        const fs::path file = path.parent_path() / map_files[i];
+        const fs::path map_file = path.parent_path() / map_files[i];
         std::error_code ignored;
-        const bool is_new = !fs::exists(file, ignored);
-        save_octomap(*map, file);
-        if (is_new) made.files.push_back(file);
+        const bool is_new = !fs::exists(map_file, ignored);
+        save_octomap(*map, map_file);
+        if (is_new) made.files.push_back(map_file);
     }
-    OutputFile file(path);
-    file.print("{}", text);
     file.commit();
     made.files.clear();
 }

@@ -54,6 +54,22 @@ Mesh make_mesh(const std::string& name, std::vector<Eigen::Vector3d> vertices, s
     return mesh;
 }
 
+void check_mesh(const std::string& name, const Mesh& mesh)
+{
+    if (mesh.triangles.empty()) fail(name, "the mesh has no triangle");
+    check_vertices(name, mesh.vertices);
+    Aabb bounds;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+        for (const std::uint32_t v : mesh.triangles[i]) {
+            if (v >= mesh.vertices.size())
+                fail(name, fmt::format("triangle {} uses vertex {}, but the mesh has {} vertices", i, v,
+                                       mesh.vertices.size()));
+            bounds.add(mesh.vertices[v]);
+        }
+    if (bounds.min != mesh.bounds.min || bounds.max != mesh.bounds.max)
+        fail(name, "the bounds of the mesh are not those of its triangles; make it with make_mesh");
+}
+
 Mesh transformed(const std::string& name, Mesh mesh, double scale, const Eigen::Vector3d& origin)
 {
     for (Eigen::Vector3d& v : mesh.vertices) v = scale * (v - origin);

@@ -29,6 +29,9 @@ struct Mesh {
 /// Cost: O(vertices + triangles).
 Mesh make_mesh(const std::string& name, std::vector<Eigen::Vector3d> vertices, std::vector<Triangle> triangles);
 
+/// Throws as make_mesh for a mesh that make_mesh did not make or that was changed since. Cost: as make_mesh.
+void check_mesh(const std::string& name, const Mesh& mesh);
+
 /// `mesh` with every vertex v replaced by scale * (v - origin). Throws Error{bad_data} if the result is not finite.
 Mesh transformed(const std::string& name, Mesh mesh, double scale, const Eigen::Vector3d& origin);
 

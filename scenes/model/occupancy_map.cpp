@@ -1,6 +1,7 @@
 #include <oncollide/scenes/model/occupancy_map.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -34,6 +35,20 @@ Aabb cell_box(const octomap::OcTree::leaf_iterator& leaf, double resolution)
     return box;
 }
 
+void check_tree(const std::string& name, const octomap::OcTree& tree)
+{
+    if (!(tree.getResolution() >= least_resolution && tree.getResolution() <= most_resolution))
+        throw Error(ErrorKind::bad_data, fmt::format("{}: the resolution is {}; it must be from {} to {} m", name,
+                                                     tree.getResolution(), least_resolution, most_resolution));
+    if (tree.size() == 0) fail(name, "the map is empty");
+    for (auto node = tree.begin_tree(), end = tree.end_tree(); node != end; ++node) {
+        if (!std::isfinite(node->getLogOdds())) fail(name, "an occupancy is not finite");
+        if (tree.nodeHasChildren(&*node) && !tree.isNodeOccupied(*node) &&
+            node->getMaxChildLogOdds() >= tree.getOccupancyThresLog())
+            fail(name, "an inner node is free though a cell in it is occupied; call updateInnerOccupancy() first");
+    }
+}
+
 } // namespace
 
 OccupancyMap map_of(const std::string& name, std::shared_ptr<const octomap::OcTree> tree)
@@ -48,6 +63,21 @@ OccupancyMap map_of(const std::string& name, std::shared_ptr<const octomap::OcTr
     if (map.cells.empty()) fail(name, "no cell of the map is occupied");
     map.tree = std::move(tree);
     return map;
+}
+
+OccupancyMap make_occupancy_map(const octomap::OcTree& tree)
+{
+    const auto copy = std::make_shared<octomap::OcTree>(tree);
+    copy->updateInnerOccupancy();
+    return make_occupancy_map(std::shared_ptr<const octomap::OcTree>(copy));
+}
+
+OccupancyMap make_occupancy_map(std::shared_ptr<const octomap::OcTree> tree)
+{
+    const std::string name = "octree";
+    if (!tree) fail(name, "there is none");
+    check_tree(name, *tree);
+    return map_of(name, std::move(tree));
 }
 
 OccupancyMap load_octomap(const std::filesystem::path& path)
@@ -72,6 +102,7 @@ OccupancyMap load_octomap(const std::filesystem::path& path)
     else
         tree->readData(in);
     if (!in) fail(name, "OctoMap cannot read the file");
+    tree->updateInnerOccupancy(); // a `.ot` file may say that an inner node is free though a cell in it is occupied
     return map_of(name, tree);
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <vector>
@@ -18,6 +19,13 @@ struct OccupancyMap {
     double resolution = 0;   ///< side of the smallest cell, metres
     std::shared_ptr<const octomap::OcTree> tree; ///< the map itself, for the exact level
 };
+
+/// The map of an octree in memory, at its thresholds of occupancy. Copies the tree. Throws Error{bad_data} when nothing
+/// is occupied, the resolution is not from 1e-6 to 1e6 m, or an occupancy is not finite.
+OccupancyMap make_occupancy_map(const octomap::OcTree& tree);
+/// The same, sharing the tree, which must not change any more. Throws also when there is none, and when an inner node
+/// is free though a cell in it is occupied (after lazy updates: call updateInnerOccupancy() first).
+OccupancyMap make_occupancy_map(std::shared_ptr<const octomap::OcTree> tree);
 
 /// Reads `.bt` and `.ot` files. Throws Error{no_input} or Error{bad_data} (empty, truncated, wrong kind, nothing
 /// occupied).

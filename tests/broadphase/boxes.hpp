@@ -10,33 +10,43 @@ namespace oncollide {
 /// Bodies as boxes alone.
 struct Boxes {
     std::vector<Aabb> boxes;
-    std::vector<std::uint8_t> is_static;
-    std::vector<std::uint32_t> layers, masks, all;
+    std::vector<std::uint8_t> asleep;
+    std::vector<std::uint32_t> layers, masks, groups, all;
 
-    void add(const Eigen::Vector3d& min, const Eigen::Vector3d& max, bool fixed = false, std::uint32_t layer = 1,
-             std::uint32_t mask = ~0u)
+    void add(const Eigen::Vector3d& min, const Eigen::Vector3d& max, bool sleeps = false, std::uint32_t layer = 1,
+             std::uint32_t mask = ~0u, std::uint32_t group = 0)
     {
         Aabb box;
         box.min = min, box.max = max;
         all.push_back(static_cast<std::uint32_t>(boxes.size()));
-        boxes.push_back(box), is_static.push_back(fixed), layers.push_back(layer), masks.push_back(mask);
+        boxes.push_back(box), asleep.push_back(sleeps);
+        layers.push_back(layer), masks.push_back(mask), groups.push_back(group);
     }
-    BodyFilter filter() const { return {is_static, layers, masks}; }
+    void step(std::uint32_t body, const Eigen::Vector3d& by) { boxes[body].min += by, boxes[body].max += by; }
+    BodyColumns columns() const { return {boxes, layers, masks, groups}; }
+    void add_to(BroadPhase& broad) const
+    {
+        std::vector<std::uint32_t> resting, moving;
+        for (std::uint32_t body : all) (asleep[body] ? resting : moving).push_back(body);
+        broad.add(resting, true), broad.add(moving);
+    }
 
-    std::vector<BodyPair> truth(double margin) const
+    /// Shares no code with any broad phase.
+    std::vector<BodyPair> truth(double margin = 0) const
     {
         std::vector<BodyPair> pairs;
         for (std::uint32_t a = 0; a < boxes.size(); ++a)
             for (std::uint32_t b = a + 1; b < boxes.size(); ++b) {
                 const bool apart = ((boxes[a].min - boxes[b].max).array() > margin).any() ||
                                    ((boxes[b].min - boxes[a].max).array() > margin).any();
-                if (!apart && filter().allows(a, b)) pairs.push_back({a, b});
+                if (apart || (asleep[a] && asleep[b]) || (groups[a] && groups[a] == groups[b])) continue;
+                if ((layers[a] & masks[b]) && (layers[b] & masks[a])) pairs.push_back({a, b});
             }
         return pairs;
     }
 };
 
-inline Boxes random_boxes(std::uint32_t count, double side, double static_share, std::uint64_t seed,
+inline Boxes random_boxes(std::uint32_t count, double side, double asleep_share, std::uint64_t seed,
                           const Eigen::Vector3d& at)
 {
     Boxes scene;
@@ -46,10 +56,31 @@ inline Boxes random_boxes(std::uint32_t count, double side, double static_share,
             centre[static_cast<int>(k)] = side * u01(seed, i, k),
             half[static_cast<int>(k)] = 0.25 + 0.25 * u01(seed, i, 3 + k);
         if (i % 50 == 0) half *= 8;
-        scene.add(at + centre - half, at + centre + half, u01(seed, i, 6) < static_share, 1u << (i % 3),
-                  i % 7 == 0 ? 0b011u : ~0u);
+        scene.add(at + centre - half, at + centre + half, u01(seed, i, 6) < asleep_share, 1u << (i % 3),
+                  i % 7 == 0 ? 0b011u : ~0u, i % 5 == 0 ? i % 4 : 0);
     }
     return scene;
+}
+
+inline Eigen::Vector3d random_step(std::uint64_t frame, std::uint32_t body, double most)
+{
+    return most * (Eigen::Vector3d(u01(frame, body, 1), u01(frame, body, 2), u01(frame, body, 3)).array() - 0.5);
+}
+
+using Bodies = std::vector<std::uint32_t>;
+using Pairs = std::vector<BodyPair>;
+
+inline Pairs find(BroadPhase& broad, const Boxes& scene, bool whole = false)
+{
+    const auto pairs = broad.find_pairs(scene.columns(), whole);
+    return {pairs.begin(), pairs.end()};
+}
+
+/// A broad phase made for one use, of all bodies of the scene.
+inline Pairs find_anew(std::unique_ptr<BroadPhase> broad, const Boxes& scene)
+{
+    scene.add_to(*broad);
+    return find(*broad, scene);
 }
 
 } // namespace oncollide

@@ -2,118 +2,86 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <thread>
 
 #include <gtest/gtest.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/broadphase/broad_phase.hpp>
 
 #include "boxes.hpp"
+#include "count_allocations.hpp"
 
 namespace oncollide {
 namespace {
 
 struct Algorithm {
     const char* name;
-    std::unique_ptr<BroadPhase> (*make)();
+    std::unique_ptr<BroadPhase> (*make)(const BroadPhase::Options&);
+    BroadPhase::Options options;
 };
+
+std::string message_of(auto&& work)
+{
+    try {
+        work();
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return "no error";
+}
 
 class EveryBroadPhase : public ::testing::TestWithParam<Algorithm> {
 protected:
-    std::vector<BodyPair> find(const Boxes& scene, double margin = 0, int threads = 1)
-    {
-        std::vector<BodyPair> pairs{{7, 7}};
-        algorithm_->find_pairs(scene.boxes, scene.all, scene.filter(), margin, threads, pairs);
-        return pairs;
-    }
-    std::unique_ptr<BroadPhase> algorithm_ = GetParam().make();
+    std::unique_ptr<BroadPhase> make() const { return GetParam().make(GetParam().options); }
+    /// Of a broad phase made for this scene.
+    Pairs find_in(const Boxes& scene) const { return find_anew(make(), scene); }
+    Pairs truth(const Boxes& scene) const { return scene.truth(margin_); }
+    const double margin_ = GetParam().options.margin;
 };
 
-TEST_P(EveryBroadPhase, FindsThePairsOfBruteForceOnRandomBoxes)
+TEST_P(EveryBroadPhase, FindsAllPairsOfRandomBoxes)
 {
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
         const Boxes scene =
             random_boxes(400 + 40 * static_cast<std::uint32_t>(seed), 12, seed % 3 * 0.4, seed, {0, 0, 0});
-        EXPECT_EQ(find(scene, seed % 2 * 0.1), scene.truth(seed % 2 * 0.1)) << "seed " << seed;
+        EXPECT_EQ(find_in(scene), truth(scene)) << "seed " << seed;
     }
 }
 
 TEST_P(EveryBroadPhase, IsExactFarFromTheOrigin)
 {
     const Boxes scene = random_boxes(600, 12, 0.2, 5, {1e6, -2e6, 1e8});
-    EXPECT_EQ(find(scene), scene.truth(0));
+    EXPECT_EQ(find_in(scene), truth(scene));
 }
 
-TEST_P(EveryBroadPhase, GivesTheSameListForAnyThreadCount)
-{
-    const Boxes scene = random_boxes(20000, 40, 0.3, 9, {0, 0, 0});
-    const auto one = find(scene, 0, 1);
-    EXPECT_GT(one.size(), 1000u);
-    EXPECT_EQ(find(scene, 0, 2), one);
-    EXPECT_EQ(find(scene, 0, 5), one);
-}
-
-TEST_P(EveryBroadPhase, HandlesNoneOneAndTwoBodies)
+TEST_P(EveryBroadPhase, HandlesNoneOneTwoAndAllGone)
 {
     Boxes scene;
-    EXPECT_TRUE(find(scene).empty());
-    scene.add({0, 0, 0}, {1, 1, 1});
-    EXPECT_TRUE(find(scene).empty());
-    scene.add({1, 1, 1}, {2, 2, 2});
-    EXPECT_EQ(find(scene), (std::vector<BodyPair>{{0, 1}})) << "touching boxes overlap";
+    const auto broad = make();
+    EXPECT_TRUE(find(*broad, scene).empty());
+    scene.add({0, 0, 0}, {1, 1, 1}), scene.add({1, 1, 1}, {2, 2, 2});
+    for (int round = 0; round < 3; ++round) {
+        broad->add(Bodies{0});
+        EXPECT_TRUE(find(*broad, scene).empty());
+        broad->add(Bodies{1});
+        EXPECT_EQ(find(*broad, scene), (Pairs{{0, 1}})) << "touching boxes overlap";
+        EXPECT_TRUE(broad->contains(1));
+        broad->remove(Bodies{1, 0});
+        EXPECT_TRUE(find(*broad, scene).empty());
+        EXPECT_EQ(broad->size(), 0u);
+        EXPECT_FALSE(broad->contains(1));
+    }
 }
 
 TEST_P(EveryBroadPhase, HandlesIdenticalBoxesAndOneGiant)
 {
     Boxes same;
     for (int i = 0; i < 300; ++i) same.add({0, 0, 0}, {1, 1, 1});
-    EXPECT_EQ(find(same).size(), 300u * 299 / 2);
+    EXPECT_EQ(find_in(same).size(), 300u * 299 / 2);
 
     Boxes giant = random_boxes(500, 40, 0, 3, {0, 0, 0});
     giant.add({-100, -100, -100}, {100, 100, 100});
-    EXPECT_EQ(find(giant), giant.truth(0));
-}
-
-TEST_P(EveryBroadPhase, FormsNoStaticPairsAndRespectsLayers)
-{
-    Boxes scene;
-    scene.add({0, 0, 0}, {1, 1, 1}, true);
-    scene.add({0, 0, 0}, {1, 1, 1}, true);
-    scene.add({0, 0, 0}, {1, 1, 1}, false, 2, 1);
-    scene.add({0, 0, 0}, {1, 1, 1}, false, 1, 1);
-    EXPECT_EQ(find(scene), (std::vector<BodyPair>{{0, 2}, {0, 3}, {1, 2}, {1, 3}}))
-        << "2 and 3: 3 does not collide with layer 2";
-}
-
-TEST_P(EveryBroadPhase, RefusesBoxesThatAreNotFiniteAndNamesTheBody)
-{
-    const double infinity = std::numeric_limits<double>::infinity();
-    for (const double bad : {infinity, -infinity, std::nan(""), 1e31}) {
-        Boxes scene = random_boxes(300, 12, 0, 1, {0, 0, 0});
-        EXPECT_FALSE(find(scene).empty());
-        scene.boxes[123].max.y() = bad;
-        try {
-            find(scene);
-            ADD_FAILURE() << bad;
-        } catch (const Error& error) {
-            EXPECT_NE(std::string(error.what()).find("body 123"), std::string::npos) << error.what();
-        }
-        scene.boxes[123].max.y() = 1e29;
-        EXPECT_EQ(find(scene), scene.truth(0));
-    }
-}
-
-TEST_P(EveryBroadPhase, FindsAllAfterItRefusedAnotherSetOfBodies)
-{
-    Boxes scene = random_boxes(300, 8, 0, 1, {0, 0, 0});
-    std::vector<BodyPair> pairs;
-    const auto half = std::span(scene.all).first(150);
-    algorithm_->find_pairs(scene.boxes, half, scene.filter(), 0, 1, pairs);
-    const Aabb good = scene.boxes[200];
-    scene.boxes[200].min.x() = std::nan("");
-    EXPECT_THROW(find(scene), Error);
-    scene.boxes[200] = good;
-    EXPECT_EQ(find(scene), scene.truth(0));
+    EXPECT_EQ(find_in(giant), truth(giant));
 }
 
 TEST_P(EveryBroadPhase, AgreesOnFlatAndClusteredAndStackedBoxes)
@@ -124,32 +92,10 @@ TEST_P(EveryBroadPhase, AgreesOnFlatAndClusteredAndStackedBoxes)
         const double half = i % 3 == 2 ? 1e-7 : 0.4;
         scene.add(centre.array() - half, centre.array() + half);
     }
-    EXPECT_EQ(find(scene), scene.truth(0));
+    EXPECT_EQ(find_in(scene), truth(scene));
 }
 
-INSTANTIATE_TEST_SUITE_P(, EveryBroadPhase,
-                         ::testing::Values(Algorithm{"kd", make_kd_tree}, Algorithm{"octree", make_octree},
-                                           Algorithm{"brute", make_brute_force}),
-                         [](const auto& param) { return param.param.name; });
-
-TEST(KdTree, TakesOtherBodiesAndOtherStaticsFromCallToCall)
-{
-    Boxes scene = random_boxes(1200, 15, 0.2, 17, {0, 0, 0});
-    const auto kd = make_kd_tree(), brute = make_brute_force();
-    std::vector<BodyPair> pairs, expected;
-    for (std::uint32_t call = 0; call < 6; ++call) {
-        std::vector<std::uint32_t> bodies;
-        for (std::uint32_t body : scene.all) {
-            if ((body + call) % 4) bodies.push_back(body);
-            if (call % 2) scene.is_static[body] = u01(call, body, 9) < 0.5;
-        }
-        kd->find_pairs(scene.boxes, call % 3 == 2 ? scene.all : bodies, scene.filter(), 0.1 * call, 1, pairs);
-        brute->find_pairs(scene.boxes, call % 3 == 2 ? scene.all : bodies, scene.filter(), 0.1 * call, 1, expected);
-        EXPECT_EQ(pairs, expected) << "call " << call;
-    }
-}
-
-TEST(KdTree, FindsThePairsOfBoxesOfEverySizeTogether)
+TEST_P(EveryBroadPhase, FindsThePairsOfBoxesOfEverySizeTogether)
 {
     Boxes scene;
     for (std::uint32_t i = 0; i < 4000; ++i) {
@@ -157,52 +103,262 @@ TEST(KdTree, FindsThePairsOfBoxesOfEverySizeTogether)
         const Eigen::Vector3d at(40 * u01(3, i, 1), 40 * u01(3, i, 2), i % 3 ? 40 * u01(3, i, 3) : 0);
         scene.add(at.array() - half, at.array() + half);
     }
-    std::vector<BodyPair> pairs, expected;
-    make_kd_tree()->find_pairs(scene.boxes, scene.all, scene.filter(), 0, 1, pairs);
-    make_brute_force()->find_pairs(scene.boxes, scene.all, scene.filter(), 0, 1, expected);
-    EXPECT_GT(expected.size(), 1000u);
-    EXPECT_EQ(pairs, expected);
+    const Pairs pairs = find_in(scene);
+    EXPECT_GT(pairs.size(), 1000u);
+    EXPECT_EQ(pairs, truth(scene));
 }
 
-TEST(KdTree, CountsATouchingGridAndAGiantFarFromTheOrigin)
+TEST_P(EveryBroadPhase, FormsNoPairsOfSleepersOrAgainstLayersMasksAndGroups)
 {
-    constexpr int side = 30;
     Boxes scene;
-    const Eigen::Vector3d at(1e8, -1e8, 3e7);
-    for (int x = 0; x < side; ++x)
-        for (int y = 0; y < side; ++y)
-            for (int z = 0; z < side; ++z) {
-                const Eigen::Vector3d corner = at + Eigen::Vector3d(x, y, z);
-                scene.add(corner, corner.array() + 1);
-            }
-    // Each box touches the 26 around it: (3 side - 2)^3 ordered pairs of neighbours, themselves included.
-    constexpr std::size_t boxes = side * side * side,
-                          neighbours = std::size_t{3 * side - 2} * (3 * side - 2) * (3 * side - 2);
-    std::vector<BodyPair> pairs;
-    const auto kd = make_kd_tree();
-    kd->find_pairs(scene.boxes, scene.all, scene.filter(), 0, 1, pairs);
-    EXPECT_EQ(pairs.size(), (neighbours - boxes) / 2);
-    scene.add(at.array() - 10, at.array() + 2e6); // the middle of all is a million away from the grid
-    kd->find_pairs(scene.boxes, scene.all, scene.filter(), 0, 1, pairs);
-    EXPECT_EQ(pairs.size(), (neighbours - boxes) / 2 + boxes);
-    for (Aabb& box : scene.boxes) box.max.array() -= 1e-3; // nothing touches any more, but for the giant
-    kd->find_pairs(scene.boxes, scene.all, scene.filter(), 0, 1, pairs);
-    EXPECT_EQ(pairs.size(), boxes);
+    const auto add = [&](bool asleep, std::uint32_t layer, std::uint32_t mask, std::uint32_t group) {
+        scene.add({0, 0, 0}, {1, 1, 1}, asleep, layer, mask, group);
+    };
+    add(true, 1, ~0u, 0), add(true, 1, ~0u, 0), add(false, 2, 1, 0), add(false, 1, 1, 0);
+    EXPECT_EQ(find_in(scene), (Pairs{{0, 2}, {0, 3}, {1, 2}, {1, 3}})) << "2 and 3: 3 does not collide with layer 2";
+    add(false, 1, 1, 7), add(false, 1, 1, 7);
+    EXPECT_EQ(find_in(scene), (Pairs{{0, 2}, {0, 3}, {0, 4}, {0, 5}, {1, 2}, {1, 3}, {1, 4}, {1, 5}, {3, 4}, {3, 5}}));
+    const auto broad = make();
+    scene.add_to(*broad);
+    EXPECT_EQ(find(*broad, scene).size(), 10u);
+    scene.groups[5] = 8, scene.layers[2] = 0;
+    broad->move(Bodies{2, 5});
+    EXPECT_EQ(find(*broad, scene), (Pairs{{0, 3}, {0, 4}, {0, 5}, {1, 3}, {1, 4}, {1, 5}, {3, 4}, {3, 5}, {4, 5}}));
+    const auto pairs = broad->find_pairs({.boxes = scene.boxes}, true);
+    EXPECT_EQ(pairs.size(), 14u) << "all but that of the sleepers";
 }
 
-TEST(KdTree, GivesTheSameListOnManyThreads)
+TEST_P(EveryBroadPhase, FollowsWhatMovesFrameByFrame)
 {
-    Boxes scene = random_boxes(60000, 70, 0.3, 19, {0, 0, 0});
-    std::vector<BodyPair> octree, kd;
-    make_octree()->find_pairs(scene.boxes, scene.all, scene.filter(), 0, 1, octree);
-    for (int threads : {1, 2, 5, 40}) {
-        make_kd_tree()->find_pairs(scene.boxes, scene.all, scene.filter(), 0, threads, kd);
-        EXPECT_EQ(kd, octree) << threads;
+    Boxes scene = random_boxes(3000, 22, 0.3, 13, {5, -3, 1e3});
+    const auto broad = make();
+    scene.add_to(*broad);
+    EXPECT_EQ(find(*broad, scene), truth(scene));
+    for (std::uint64_t frame = 0; frame < 40; ++frame) {
+        // None, one, some, most; a little, and now and then to the other end of the world.
+        const double share = std::array{0.0, 0.0004, 0.05, 0.2, 0.6}[frame % 5];
+        Bodies moved;
+        for (std::uint32_t body : scene.all) {
+            if (scene.asleep[body] || u01(frame, body, 0) >= share) continue;
+            moved.push_back(body);
+            scene.step(body, random_step(frame, body, frame % 7 == 6 ? 60 : 0.4));
+        }
+        broad->move(moved);
+        ASSERT_EQ(find(*broad, scene, frame % 11 == 10), truth(scene)) << "frame " << frame << ": " << moved.size();
     }
-    const auto tree = make_kd_tree();
-    tree->find_pairs(scene.boxes, scene.all, scene.filter(), 0, 4, kd);
-    EXPECT_LT(tree->bytes(), 120 * scene.boxes.size());
 }
+
+/// All changes at random, in bulk.
+TEST_P(EveryBroadPhase, FollowsBodiesThatComeGoMoveSleepWakeAndChangeLayersAndGroups)
+{
+    Boxes scene = random_boxes(1500, 18, 0.5, 23, {0, 0, 0});
+    std::vector<std::uint8_t> there(scene.all.size(), 0);
+    const auto broad = make();
+    for (std::uint64_t frame = 0; frame < 80; ++frame) {
+        const double share = std::array{0.3, 0.002, 0.03, 0.9}[frame % 4];
+        Bodies come, come_asleep, gone, moved, asleep, awake;
+        for (std::uint32_t body : scene.all) {
+            const double dice = u01(frame + 100, body, 0) / share;
+            if (dice >= 1) continue;
+            if (!there[body]) {
+                (scene.asleep[body] = dice < 0.4) ? come_asleep.push_back(body) : come.push_back(body);
+            } else if (dice < 0.25) {
+                gone.push_back(body);
+            } else if (dice < 0.6) {
+                moved.push_back(body), scene.step(body, random_step(frame, body, dice < 0.3 ? 40 : 0.5));
+                if (dice > 0.5) scene.layers[body] = 1u << (frame % 4);
+                if (dice > 0.55) scene.groups[body] = static_cast<std::uint32_t>(frame % 3), scene.masks[body] ^= 4;
+            } else {
+                (scene.asleep[body] ^= 1) ? asleep.push_back(body) : awake.push_back(body);
+            }
+        }
+        broad->add(come), broad->add(come_asleep, true), broad->move(moved), broad->sleep(asleep), broad->wake(awake);
+        broad->remove(gone);
+        for (const Bodies& list : {come, come_asleep})
+            for (std::uint32_t body : list) there[body] = 1;
+        for (std::uint32_t body : gone) there[body] = 0;
+        if (frame % 9 == 4 && !gone.empty()) { // gone and back before anybody asks
+            broad->add(std::span(gone).first(1), scene.asleep[gone[0]] != 0);
+            there[gone[0]] = 1;
+        }
+        if (frame % 3 == 1) broad->take_in(scene.columns());
+        if (frame % 6 == 5) broad->delimit(scene.columns());
+        Pairs expected = truth(scene);
+        std::erase_if(expected, [&](BodyPair p) { return !there[p.a] || !there[p.b]; });
+        ASSERT_EQ(find(*broad, scene, frame % 10 == 9), expected) << "frame " << frame;
+        ASSERT_EQ(broad->size(), std::size_t(std::count(there.begin(), there.end(), 1)));
+        ASSERT_EQ(find(*broad, scene), expected) << "nothing changed";
+    }
+}
+
+/// Memory that boxes in a heap take is not that of the pairs which layers, groups or sleep forbid.
+TEST_P(EveryBroadPhase, HoldsNoForbiddenPairsOfAHeap)
+{
+    constexpr std::uint32_t count = 3000;
+    Boxes by_layer, by_group, by_sleep;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const Eigen::Vector3d low = 0.01 * Eigen::Vector3d(u01(1, i, 0), u01(1, i, 1), u01(1, i, 2)), high(1, 1, 1);
+        // Each one's layers meet the mask of the other half, whose layers do not meet its own.
+        by_layer.add(low, high, false, i % 2 ? 1 : 4, i % 2 ? 2 : 1);
+        by_group.add(low, high, false, 1, 1, 5);
+        by_sleep.add(low, high, i > 0);
+    }
+    for (Boxes* scene : {&by_layer, &by_group, &by_sleep}) {
+        const auto broad = make();
+        scene->add_to(*broad);
+        const Pairs expected = truth(*scene);
+        EXPECT_EQ(expected.size(), scene == &by_sleep ? count - 1 : 0);
+        EXPECT_EQ(find(*broad, *scene), expected);
+        for (const std::uint32_t moved : {1u, 100u, count / 5, count / 2, count}) {
+            broad->move(std::span(scene->all).first(moved));
+            EXPECT_EQ(find(*broad, *scene), expected) << moved;
+        }
+        EXPECT_LT(broad->bytes(), 1000 * count) << "of at least 36 MB of pairs, if all were held";
+    }
+}
+
+/// Most queries reach most regions there.
+TEST_P(EveryBroadPhase, FindsTheFewPairsAllowedInAHeap)
+{
+    Boxes scene;
+    for (std::uint32_t i = 0; i < 6000; ++i) scene.add({0, 0, 0}, {1, 1, 1}, false, i % 1000 ? 1 : 2, i % 1000 ? 2 : 1);
+    const auto broad = make();
+    scene.add_to(*broad);
+    const Pairs expected = find(*broad, scene);
+    EXPECT_EQ(expected.size(), 6u * 5994);
+    Bodies left;
+    for (const std::uint32_t moved : {3u, 1400u}) {
+        broad->move(std::span(scene.all).first(moved));
+        broad->delimit(scene.columns());
+        broad->survivors(left);
+        EXPECT_EQ(left.size(), broad->bodies_left());
+        EXPECT_EQ(left, scene.all);
+        EXPECT_EQ(find(*broad, scene), expected);
+    }
+}
+
+TEST_P(EveryBroadPhase, AnswersQueriesFromManyThreadsAtOnce)
+{
+    Boxes scene = random_boxes(4000, 25, 0.5, 31, {1e6, 0, -1e6});
+    const auto broad = make();
+    scene.add_to(*broad);
+    broad->remove(Bodies{17});
+    std::vector<Aabb> boxes;
+    for (std::uint64_t k = 0; k < 200; ++k) {
+        const Eigen::Vector3d at(1e6 + 30 * u01(9, k, 0), 30 * u01(9, k, 1), -1e6 + 30 * u01(9, k, 2));
+        boxes.emplace_back();
+        boxes.back().add(at), boxes.back().add(Eigen::Vector3d(at.array() + u01(9, k, 3) * 3));
+    }
+    std::vector<BoxHit> expected;
+    for (std::uint32_t k = 0; k < boxes.size(); ++k)
+        for (std::uint32_t body : scene.all) {
+            Aabb grown = boxes[k];
+            grown.min.array() -= margin_, grown.max.array() += margin_;
+            if (body != 17 && grown.overlaps(scene.boxes[body])) expected.push_back({k, body});
+        }
+    EXPECT_GT(expected.size(), 500u);
+    broad->take_in(scene.columns());
+    constexpr std::size_t threads = 4;
+    std::array<std::vector<BoxHit>, threads> hits;
+    std::vector<std::thread> running;
+    for (std::vector<BoxHit>& mine : hits)
+        running.emplace_back([&] {
+            for (int round = 0; round < 20; ++round) broad->query(scene.columns(), boxes, mine);
+        });
+    for (std::thread& thread : running) thread.join();
+    for (const std::vector<BoxHit>& mine : hits) EXPECT_EQ(mine, expected);
+    Pairs pairs = truth(scene);
+    std::erase_if(pairs, [](BodyPair p) { return p.a == 17 || p.b == 17; });
+    EXPECT_EQ(find(*broad, scene), pairs) << "a query forgets no pair";
+    broad->query(scene.columns(), {}, hits[0]);
+    EXPECT_TRUE(hits[0].empty());
+}
+
+TEST_P(EveryBroadPhase, AllocatesNothingInAWarmFrame)
+{
+    Boxes scene = random_boxes(2000, 22, 0.3, 43, {0, 0, 0});
+    const auto broad = make();
+    scene.add_to(*broad);
+    std::vector<BoxHit> hits;
+    for (std::uint64_t frame = 0; frame < 24; ++frame) {
+        Bodies moved;
+        for (std::uint32_t body : scene.all)
+            if (body % (frame % 2 ? 50u : 2u) == 0) moved.push_back(body);
+        for (std::uint32_t body : moved) scene.step(body, {frame % 4 < 2 ? 0.1 : -0.1, 0, 0});
+        const std::size_t before = allocations;
+        broad->move(moved);
+        broad->find_pairs(scene.columns());
+        broad->query(scene.columns(), std::span(scene.boxes).first(20), hits);
+        if (frame >= 8) {
+            EXPECT_EQ(allocations - before, 0u) << "frame " << frame;
+        }
+    }
+}
+
+TEST_P(EveryBroadPhase, RefusesWhatMakesNoSense)
+{
+    Boxes scene = random_boxes(300, 10, 0.5, 3, {0, 0, 0});
+    const auto broad = make();
+    scene.add_to(*broad);
+    const Pairs pairs = find(*broad, scene);
+    const auto names = [&](const char* what, auto&& work) {
+        const std::string text = message_of(work);
+        EXPECT_NE(text.find(what), std::string::npos) << text;
+    };
+    names("body 7", [&] { broad->add(Bodies{7}); });
+    names("body 300", [&] { broad->move(Bodies{3, 300}); });
+    names("body 4000000000", [&] { broad->remove(Bodies{4000000000u}); });
+    names("body 301", [&] { broad->sleep(Bodies{301}); });
+    names("body 302", [&] { broad->wake(Bodies{302}); });
+    names("margin", [&] { GetParam().make({.margin = -1}); });
+    names("margin", [&] { GetParam().make({.margin = std::nan("")}); });
+    names("threads", [&] { GetParam().make({.threads = 0}); });
+    names("columns", [&] { broad->find_pairs({std::span(scene.boxes).first(299)}); });
+    names("columns", [&] { broad->find_pairs({scene.boxes, scene.layers, {}}); });
+    names("columns", [&] { broad->find_pairs({.boxes = scene.boxes, .groups = std::span(scene.groups).first(9)}); });
+    std::vector<BoxHit> hits;
+    const Aabb empty;
+    names("query 0", [&] { broad->query(scene.columns(), std::span(&empty, 1), hits); });
+    broad->move(Bodies{3});
+    names("take_in", [&] { broad->query(scene.columns(), std::span(scene.boxes).first(1), hits); });
+    EXPECT_EQ(find(*broad, scene), pairs) << "nothing was lost";
+}
+
+TEST_P(EveryBroadPhase, RefusesBoxesThatAreNotFiniteNamesTheBodyAndLosesNothing)
+{
+    const double infinity = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t first : {0u, 100u, 250u}) // all new, some, few
+        for (const double bad : {infinity, -infinity, std::nan(""), 1e31}) {
+            Boxes scene = random_boxes(300, 12, 0, 1, {0, 0, 0});
+            const auto broad = make();
+            broad->add(std::span(scene.all).first(first));
+            broad->take_in(scene.columns());
+            broad->add(std::span(scene.all).subspan(first));
+            if (first > 50) broad->move(Bodies{50});
+            for (const std::uint32_t body : {50u, 280u}) {
+                const double good = scene.boxes[body].max.y();
+                scene.boxes[body].max.y() = bad;
+                for (int round = 0; round < 2; ++round) {
+                    const std::string text = message_of([&] { find(*broad, scene); });
+                    EXPECT_NE(text.find("body " + std::to_string(body)), std::string::npos) << text;
+                }
+                scene.boxes[body].max.y() = good;
+            }
+            EXPECT_EQ(find(*broad, scene), truth(scene));
+            scene.boxes[123].max.y() = 1e29;
+            broad->move(Bodies{123});
+            EXPECT_EQ(find(*broad, scene), truth(scene));
+        }
+}
+
+const BroadPhase::Options plain, grown{.margin = 0.3}, threaded{.margin = 0.1, .threads = 3};
+INSTANTIATE_TEST_SUITE_P(
+    , EveryBroadPhase,
+    ::testing::Values(Algorithm{"kd", make_kd_tree, plain}, Algorithm{"kd_margin", make_kd_tree, grown},
+                      Algorithm{"kd_threads", make_kd_tree, threaded}, Algorithm{"octree", make_octree, plain},
+                      Algorithm{"octree_threads", make_octree, threaded}, Algorithm{"brute", make_brute_force, plain},
+                      Algorithm{"brute_margin", make_brute_force, grown}),
+    [](const auto& param) { return param.param.name; });
 
 } // namespace
 } // namespace oncollide

@@ -14,7 +14,7 @@ if(NOT PROGRAM)
   endif()
   run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/portable -B ${WORK}/build -G Ninja -DSOURCE=${SOURCE} -DHEADERS=${WORK}/headers
       -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG" -DCMAKE_CXX_COMPILER=${COMPILER} ${cross})
-  run(${CMAKE_COMMAND} --build ${WORK}/build)
+  run(${CMAKE_COMMAND} --build ${WORK}/build --target portable)
   set(PROGRAM ${WORK}/build/portable)
 endif()
 if(PROCESSOR AND NOT RUNNER)

@@ -9,7 +9,7 @@ namespace oncollide {
 namespace {
 
 using Eigen::Vector3d;
-using tools::BoundingVolume;
+using tools::CoveringVolume;
 
 /// A sphere-tree grown whole; its cells by level.
 struct WholeTree {
@@ -31,11 +31,11 @@ struct WholeTree {
         }
     }
 
-    std::vector<BoundingVolume> spheres(int level) const
+    std::vector<CoveringVolume> spheres(int level) const
     {
-        std::vector<BoundingVolume> all;
+        std::vector<CoveringVolume> all;
         for (const CellKey cell : levels[std::size_t(level)])
-            all.push_back(BoundingVolume::of_ball(tree.centre(cell), tree.radius(level)));
+            all.push_back(CoveringVolume::of_ball(tree.centre(cell), tree.radius(level)));
         return all;
     }
 
@@ -57,7 +57,7 @@ std::vector<Case> hard_cases()
     return all;
 }
 
-void expect_to_stand_for(const Mesh& mesh, const tools::SurfaceIndex& index, std::span<const BoundingVolume> volumes,
+void expect_to_stand_for(const Mesh& mesh, const tools::SurfaceIndex& index, std::span<const CoveringVolume> volumes,
                          double certified)
 {
     const auto quality = tools::judge_level(mesh, index, volumes, {.directions = 20, .points = 5000});
@@ -93,7 +93,7 @@ TEST(WholeTrees, BoxesHoldTheSurfaceOnEveryLevelAndReachNoFartherThanTheyAreLong
         for (std::size_t level = 0; level < levels.size(); ++level) {
             SCOPED_TRACE(c.name + ", level " + std::to_string(level));
             double radius = 0;
-            for (const BoundingVolume& box : levels[level]) {
+            for (const CoveringVolume& box : levels[level]) {
                 radius = std::max(radius, box.radius());
                 EXPECT_TRUE((box.axes.transpose() * box.axes).isIdentity(4e-6));
                 EXPECT_NEAR(box.axes.determinant(), 1, 4e-6);

@@ -44,7 +44,8 @@ TEST(Clearance, IsNotLostInWhatFilesFarAwayRound)
             ++near;
             for (const ExactLevel exact : {ExactLevel::off, ExactLevel::predicates}) {
                 const PairResult result =
-                    answer(a, back, b, other, {.clearance = clearance, .exact = exact, .spheres = Spheres::tight});
+                    answer(a, back, b, other,
+                           {.clearance = clearance, .exact = exact, .bounding_volume = BoundingVolume::obb});
                 EXPECT_NE(result.verdict, Verdict::separate) << k << ", " << clearance;
                 EXPECT_TRUE(std::isfinite(result.bound)) << k << ", " << clearance;
             }

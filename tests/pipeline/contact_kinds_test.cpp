@@ -86,7 +86,7 @@ TEST(ContactKinds, EqualBruteForceOverAllPairsOfTriangles)
         Scene scene = two(*a, *b);
         Pipeline pipeline(scene, with_kinds());
         Settings alone = with_kinds();
-        alone.coherence = false, alone.spheres = Spheres::paper;
+        alone.coherence = false, alone.bounding_volume = BoundingVolume::sphere;
         Pipeline without_hints(scene, alone);
         for (std::uint64_t frame = 0; frame < 120; ++frame) {
             Eigen::Vector3d place;

@@ -46,20 +46,21 @@ std::vector<Variant> every_toggle(int depth)
     add("predicates", [](Settings& s) { s.exact = ExactLevel::predicates; });
     add("predicates without ocst", [](Settings& s) { s.exact = ExactLevel::predicates, s.skip = {"ocst"}; });
     add("predicates on plain spheres",
-        [](Settings& s) { s.exact = ExactLevel::predicates, s.spheres = Spheres::paper; });
+        [](Settings& s) { s.exact = ExactLevel::predicates, s.bounding_volume = BoundingVolume::sphere; });
     add("predicates with a clearance", [](Settings& s) { s.exact = ExactLevel::predicates, s.clearance = 0.05; });
     add("predicates with a budget", [](Settings& s) { s.exact = ExactLevel::predicates, s.node_budget = 50; });
     add("predicates, solid",
         [](Settings& s) { s.exact = ExactLevel::predicates, s.mode = Mode::solid, s.open_as_surface = true; });
     add("predicates, trees dropped at once", [](Settings& s) { s.exact = ExactLevel::predicates, s.age_limit = 1; });
-    add("tight", [](Settings& s) { s.spheres = Spheres::tight; });
-    add("tight, dropped at once", [](Settings& s) { s.spheres = Spheres::tight, s.age_limit = 1; });
-    add("tight with a clearance", [](Settings& s) { s.spheres = Spheres::tight, s.clearance = 0.05; });
-    add("tight to a given error", [](Settings& s) { s.spheres = Spheres::tight, s.depth.reset(), s.max_error = 0.01; });
-    add("tight then fcl", [](Settings& s) { s.spheres = Spheres::tight, s.exact = ExactLevel::fcl; });
+    add("tight", [](Settings& s) { s.bounding_volume = BoundingVolume::obb; });
+    add("tight, dropped at once", [](Settings& s) { s.bounding_volume = BoundingVolume::obb, s.age_limit = 1; });
+    add("tight with a clearance", [](Settings& s) { s.bounding_volume = BoundingVolume::obb, s.clearance = 0.05; });
+    add("tight to a given error",
+        [](Settings& s) { s.bounding_volume = BoundingVolume::obb, s.depth.reset(), s.max_error = 0.01; });
+    add("tight then fcl", [](Settings& s) { s.bounding_volume = BoundingVolume::obb, s.exact = ExactLevel::fcl; });
     add("tight and solid",
-        [](Settings& s) { s.spheres = Spheres::tight, s.mode = Mode::solid, s.open_as_surface = true; });
-    add("tight without memory", [](Settings& s) { s.spheres = Spheres::tight, s.memory_budget = 1; });
+        [](Settings& s) { s.bounding_volume = BoundingVolume::obb, s.mode = Mode::solid, s.open_as_surface = true; });
+    add("tight without memory", [](Settings& s) { s.bounding_volume = BoundingVolume::obb, s.memory_budget = 1; });
     add("clearance", [](Settings& s) { s.clearance = 0.05; });
     add("a budget of 50 cells", [](Settings& s) { s.node_budget = 50; });
     add("no memory", [](Settings& s) { s.memory_budget = 1; });

@@ -104,7 +104,7 @@ TEST(Predicates, GiveOneHashForThreadsBackendsAndCoherence)
     EXPECT_GT(colliding, 100);
     EXPECT_EQ(plain, hash({.threads = 3}));
     EXPECT_EQ(plain, hash({.coherence = false}));
-    EXPECT_EQ(plain, hash({.spheres = Spheres::paper}));
+    EXPECT_EQ(plain, hash({.bounding_volume = BoundingVolume::sphere}));
     EXPECT_EQ(plain, hash({.age_limit = 1}));
     EXPECT_EQ(plain, hash({.backend = BackendKind::gl_compute})) << "the triangles are on the CPU all the same";
 }

@@ -254,6 +254,23 @@ TEST_F(ReportTest, TableAndPictureNameEveryStageAndTheHash)
     EXPECT_EQ(picture.find("nan"), std::string::npos);
 }
 
+TEST_F(ReportTest, ColumnsOfTheTableStayApartAboveTenToTheNinth)
+{
+    Scene many; // far apart, in a line
+    const GeometryId box = many.add("box", Box{{0.5, 0.5, 0.5}});
+    for (int k = 0; k < 100'000; ++k) {
+        BodyInit body{.name = fmt::format("{}", k), .geometry = box};
+        body.pose.translation().x() = 10 * k;
+        many.add_body(body);
+    }
+    Pipeline pipeline(many, {.skip = {"delimitation"}});
+    Report report(many, pipeline);
+    report.add(pipeline.step(many));
+    std::ostringstream table;
+    report.print_table(table);
+    EXPECT_NE(table.str().find(" 4,999,950,000          0 4,999,950,000 "), std::string::npos) << table.str();
+}
+
 TEST_F(ReportTest, NoFramesStillGiveValidFiles)
 {
     Pipeline pipeline(scene_);

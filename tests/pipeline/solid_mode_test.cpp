@@ -17,10 +17,10 @@
 namespace oncollide {
 namespace {
 
-Settings solid(ExactLevel exact, Spheres spheres = Spheres::automatic)
+Settings solid(ExactLevel exact, BoundingVolume spheres = BoundingVolume::automatic)
 {
     Settings settings;
-    settings.exact = exact, settings.spheres = spheres, settings.mode = Mode::solid;
+    settings.exact = exact, settings.bounding_volume = spheres, settings.mode = Mode::solid;
     return settings;
 }
 
@@ -103,7 +103,7 @@ TEST(SolidMode, EqualsTheTruthOnAThousandRandomPairs)
             EXPECT_EQ(result.verdict, enclosed ? Verdict::colliding : Verdict::separate) << seed;
             EXPECT_EQ(result.kind, enclosed ? ContactKind::enclosed : ContactKind::unknown) << seed;
         }
-        for (const Spheres spheres : {Spheres::paper, Spheres::tight}) {
+        for (const BoundingVolume spheres : {BoundingVolume::sphere, BoundingVolume::obb}) {
             const PairResult result = answer(scene, solid(ExactLevel::off, spheres));
             if (result.verdict == Verdict::within) continue; // spheres cannot tell, and say so
             EXPECT_EQ(result.verdict, enclosed ? Verdict::colliding : Verdict::separate) << seed;

@@ -25,7 +25,7 @@ std::vector<Named> every_combination()
 {
     std::vector<Named> all;
     for (const ExactLevel exact : {ExactLevel::off, ExactLevel::predicates, ExactLevel::fcl})
-        for (const Spheres spheres : {Spheres::paper, Spheres::tight})
+        for (const BoundingVolume spheres : {BoundingVolume::sphere, BoundingVolume::obb})
             for (const Mode mode : {Mode::surface, Mode::solid})
                 for (const double clearance : {0.0, 0.05})
                     for (const bool coherence : {true, false})
@@ -33,7 +33,7 @@ std::vector<Named> every_combination()
                             for (const bool kinds : {false, true}) {
                                 if (kinds && exact != ExactLevel::predicates) continue;
                                 Settings s;
-                                s.depth = 5, s.exact = exact, s.spheres = spheres, s.mode = mode;
+                                s.depth = 5, s.exact = exact, s.bounding_volume = spheres, s.mode = mode;
                                 s.clearance = clearance, s.coherence = coherence, s.age_limit = age;
                                 s.contact_kinds = kinds;
                                 all.push_back({std::string(name_of(exact)) + ", " + std::string(name_of(spheres)) +
@@ -156,14 +156,14 @@ TEST(Stability, ASlowApproachRisesFromSeparateToCollidingAndFallsOnce)
 {
     for (const Approach& approach : approaches())
         for (int depth = 1; depth <= 8; ++depth)
-            for (const Spheres spheres : {Spheres::paper, Spheres::tight})
+            for (const BoundingVolume spheres : {BoundingVolume::sphere, BoundingVolume::obb})
                 for (const ExactLevel exact : {ExactLevel::off, ExactLevel::predicates})
                     for (const double clearance : {0.0, 0.2}) {
                         SCOPED_TRACE(approach.name + ", depth " + std::to_string(depth) + ", " +
                                      std::string(name_of(spheres)) + ", " + std::string(name_of(exact)) +
                                      ", clearance " + std::to_string(clearance));
                         Settings settings;
-                        settings.depth = depth, settings.spheres = spheres, settings.exact = exact;
+                        settings.depth = depth, settings.bounding_volume = spheres, settings.exact = exact;
                         settings.clearance = clearance;
                         expect_one_rise(approach, settings, exact == ExactLevel::off ? 1 : 2);
                         if (::testing::Test::HasFailure()) return;
@@ -174,7 +174,7 @@ TEST(Stability, TheBoundNeverGrowsWithTheDepth)
 {
     const Mesh ball = make_sphere_mesh(1, 500), knot = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 600);
     int within = 0, parted = 0;
-    for (const Spheres spheres : {Spheres::paper, Spheres::tight})
+    for (const BoundingVolume spheres : {BoundingVolume::sphere, BoundingVolume::obb})
         for (const double clearance : {0.0, 0.1})
             for (std::uint64_t seed = 0; seed < 60; ++seed) {
                 Scene scene;
@@ -183,7 +183,7 @@ TEST(Stability, TheBoundNeverGrowsWithTheDepth)
                 PairResult last{BodyId{0}, BodyId{1}, Verdict::within, 3, ContactKind::unknown, 1e300};
                 for (int depth = 1; depth <= 9; ++depth) {
                     Settings settings;
-                    settings.depth = depth, settings.spheres = spheres, settings.clearance = clearance;
+                    settings.depth = depth, settings.bounding_volume = spheres, settings.clearance = clearance;
                     Pipeline pipeline(scene, settings);
                     const FrameView frame = pipeline.step(scene);
                     if (frame.pairs.empty()) break;

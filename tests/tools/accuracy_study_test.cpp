@@ -52,13 +52,13 @@ TEST_F(Study, KnowsHowFarApartFalseAlarmsAre)
         study({"cubes.json", "--depths", "2,8", "--warm-up", "0", "--csv", "s.csv", "--peers", "fcl"});
     EXPECT_EQ(all["header"]["colliding"], 3);
     EXPECT_EQ(all["variants"].size(), 6u);
-    for (const char* spheres : {"paper spheres", "tight boxes"}) {
+    for (const char* spheres : {"spheres", "OBBs"}) {
         const nlohmann::json exact = variant(all, fmt::format("{}, predicates", spheres));
         EXPECT_EQ(exact["colliding"], 3);
         EXPECT_EQ(exact["error"], 0);
         EXPECT_EQ(exact["false_alarms"], 0);
     }
-    const nlohmann::json coarse = variant(all, "paper spheres, depth 2"), fine = variant(all, "paper spheres, depth 8");
+    const nlohmann::json coarse = variant(all, "spheres, depth 2"), fine = variant(all, "spheres, depth 8");
     EXPECT_EQ(coarse["within"], 9);
     EXPECT_EQ(coarse["false_alarms"], 6);
     EXPECT_NEAR(coarse["alarm_distance_worst"], 0.05, 1e-9);
@@ -95,7 +95,7 @@ TEST_F(Study, WhatWasNeededCountsCellsThatWereDroppedSince)
 TEST_F(Study, TheDialCanBeAnErrorInMetres)
 {
     const nlohmann::json all = study({"cubes.json", "--max-errors", "0.5,0.01", "--exact", "off"});
-    for (const char* spheres : {"paper spheres", "tight boxes"})
+    for (const char* spheres : {"spheres", "OBBs"})
         for (const char* error : {"0.5", "0.01"}) {
             const nlohmann::json row = variant(all, fmt::format("{}, {} m", spheres, error));
             EXPECT_GT(row["error"], 0);
@@ -107,7 +107,7 @@ TEST_F(Study, WhatIsWithinTheClearanceCounts)
 {
     const nlohmann::json all = study({"cubes.json", "--depths", "8", "--clearance", "0.045"});
     EXPECT_EQ(all["header"]["colliding"], 3 + 4);
-    EXPECT_EQ(variant(all, "paper spheres, depth 8")["missed"], 0);
+    EXPECT_EQ(variant(all, "spheres, depth 8")["missed"], 0);
 }
 
 TEST_F(Study, WhatOnlyTouchesCanBeLeftOut)
@@ -121,8 +121,8 @@ TEST_F(Study, WhatOnlyTouchesCanBeLeftOut)
     ignoring.push_back("--ignore-touching");
     const nlohmann::json all = study(ignoring);
     EXPECT_EQ(all["header"]["colliding"], 1) << "in the second frame they cross";
-    EXPECT_EQ(variant(all, "tight boxes, predicates")["separate"], 1);
-    const nlohmann::json spheres = variant(all, "paper spheres, depth 3");
+    EXPECT_EQ(variant(all, "OBBs, predicates")["separate"], 1);
+    const nlohmann::json spheres = variant(all, "spheres, depth 3");
     EXPECT_EQ(spheres["false_alarms"], 1);
     EXPECT_NEAR(spheres["alarm_distance_worst"], 0, 1e-15);
     expect_error(64, {"accuracy", "study", "touch.json", "--ignore-touching", "--exact", "off"},
@@ -142,7 +142,7 @@ TEST_F(Study, ReadsPosesAndHoldsTheirAnswersAgainstTheTruth)
     const nlohmann::json right = study(arguments);
     EXPECT_EQ(right["header"]["frames"], 3);
     EXPECT_EQ(right["header"]["colliding"], 1);
-    EXPECT_NEAR(variant(right, "paper spheres, depth 2")["alarm_distance_worst"], 0.1, 1e-9);
+    EXPECT_NEAR(variant(right, "spheres, depth 2")["alarm_distance_worst"], 0.1, 1e-9);
     folder_.write("p_expected.txt", "0 0 0\n1 0 0\n2 0 0\n");
     study(arguments, 70);
     const nlohmann::json generated = study({"cube.off", "cube.off", "--count", "4", "--distances", "0,10"});
@@ -193,8 +193,8 @@ TEST_F(Study, ShowsWhatOcclusionQueriesMiss)
     const nlohmann::json all = study({"needles.json", "--backend", "cpu,gl-query", "--viewport", "8,16", "--spheres",
                                       "paper", "--exact", "off", "--depths", "6", "--html", "s.html"});
     EXPECT_EQ(all["variants"].size(), 3u);
-    EXPECT_EQ(variant(all, "paper spheres, depth 6")["missed"], 0);
-    const nlohmann::json query = variant(all, "gl-query 8 px, paper spheres, depth 6");
+    EXPECT_EQ(variant(all, "spheres, depth 6")["missed"], 0);
+    const nlohmann::json query = variant(all, "gl-query 8 px, spheres, depth 6");
     EXPECT_GT(query["missed"], 0);
     EXPECT_EQ(query["certified"], false);
     EXPECT_EQ(query["on_front"], false);
@@ -248,9 +248,9 @@ TEST_F(Study, RefusesWhatMakesNoSense)
     refuse({"cubes.json", "--depths", "3", "--max-errors", "0.1"}, {"--depths and --max-errors"});
     refuse({"cubes.json", "--max-errors", "0.1,x"}, {"--max-errors", "'x'"});
     refuse({"cubes.json", "--max-errors", "-1"}, {"max-error"});
-    refuse({"cubes.json", "--spheres", "auto"}, {"--spheres auto", "paper, tight"});
+    refuse({"cubes.json", "--bounding-volume", "auto"}, {"--bounding-volume auto", "sphere, obb"});
     refuse({"cubes.json", "--spheres", "round"}, {"round"});
-    refuse({"cubes.json", "--spheres", "tight", "--backend", "gl-query"}, {"--spheres tight", "cpu"});
+    refuse({"cubes.json", "--bounding-volume", "obb", "--backend", "gl-query"}, {"--bounding-volume obb", "cpu"});
     refuse({"cubes.json", "--exact", "off,maybe"}, {"maybe"});
     refuse({"cubes.json", "--backend", "gpu"}, {"gpu", "gl-compute"});
     refuse({"cubes.json", "--viewport", "8,", "--backend", "gl-query"}, {"--viewport 8,"});

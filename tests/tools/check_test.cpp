@@ -37,6 +37,19 @@ TEST_F(Check, GivesADistanceEvenWhenTheBoxesAreFarApart)
     EXPECT_LE(bound, 99);
 }
 
+TEST_F(Check, NeverCallsADistanceOfZeroCertified)
+{
+    for (const char* exact : {"predicates", "fcl"}) {
+        // Their boxes overlap, and no sphere tells them apart.
+        const Outcome outcome = check("0.71 0.71 0 0 0 0.3826834323650898 0.9238795325112867", {"--exact", exact});
+        EXPECT_EQ(outcome.out.find("at least 0 m"), std::string::npos) << outcome.out;
+    }
+    const Outcome near = check("1.0000001 0 0 0 0 0 1", {"--exact", "predicates"});
+    EXPECT_EQ(near.code, 0);
+    EXPECT_EQ(near.out.find("at least 0 m"), std::string::npos) << near.out;
+    EXPECT_NE(near.out.find("separate: "), std::string::npos) << near.out;
+}
+
 TEST_F(Check, BoundsTheDistanceToTheToleranceAsked)
 {
     const Outcome exact = check("3 0 0 0 0 0 1", {"--distance", "0"});

@@ -1,4 +1,4 @@
-// Pictures are decoded and judged by colour: red is used for nothing but spheres that touch.
+// Pictures are decoded and judged by colour: red is used for nothing but spheres that touch and triangles that meet.
 #include "command_fixture.hpp"
 #include "decoded_png.hpp"
 
@@ -63,6 +63,22 @@ TEST_F(Render, OnlyCollisionsAreRed)
     // Spheres that touch make no collision where deeper ones told the bodies apart.
     write_scene("near.json", 1.5);
     EXPECT_EQ(picture("near.json", {"--show", "spheres", "--whole", "--level", "1"}).count(is_red), 0);
+}
+
+TEST_F(Render, TrianglesThatMeetAreRedUnderExactPredicates)
+{
+    write_scene("through.json", 0.9);
+    for (const char* what : {"meshes", "both", "spheres"}) {
+        const std::vector<std::string> exact{"--exact", "predicates", "--show", what};
+        EXPECT_GT(picture("through.json", exact).count(is_red), 10) << what;
+        EXPECT_EQ(picture("apart.json", exact).count(is_red), 0) << what;
+        // Their spheres touch, and their triangles do not.
+        EXPECT_EQ(picture("touching.json", {"--exact", "predicates", "--show", what, "--frame", "0"}).count(is_red), 0);
+    }
+    EXPECT_NE(render("through.json", {"--exact", "predicates", "--out", "x.png"}).out.find("triangles that meet"),
+              std::string::npos);
+    EXPECT_GT(picture("through.json", {"--exact", "predicates", "--body", "one"}).count(is_red), 0)
+        << "also where they meet a body that is not shown";
 }
 
 TEST_F(Render, TheLiveTreesShowTheDecidingSpheres)

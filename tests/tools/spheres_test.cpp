@@ -12,7 +12,7 @@ namespace oncollide::test {
 namespace {
 
 using Eigen::Vector3d;
-using tools::BoundingVolume;
+using tools::CoveringVolume;
 using tools::judge_level;
 using tools::SurfaceIndex;
 
@@ -56,16 +56,16 @@ Mesh square()
     return make_mesh("square", {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}});
 }
 
-BoundingVolume ball(const Vector3d& centre, double radius)
+CoveringVolume ball(const Vector3d& centre, double radius)
 {
-    return BoundingVolume::of_ball(centre, radius);
+    return CoveringVolume::of_ball(centre, radius);
 }
 
 TEST(LevelQuality, OverReachIsTheDistanceOfTheFarthestPoint)
 {
     const Mesh mesh = square();
     const SurfaceIndex index(mesh);
-    const std::vector<BoundingVolume> both{ball({0, 0, 0.25}, 0.5), ball({2, 0, 0}, 0.5)};
+    const std::vector<CoveringVolume> both{ball({0, 0, 0.25}, 0.5), ball({2, 0, 0}, 0.5)};
     const auto quality = judge_level(mesh, index, both);
     EXPECT_NEAR(quality.reaches.at(0).either, 0.75, 1e-12);
     EXPECT_NEAR(quality.reaches.at(1).either, 1.5, 1e-12);
@@ -79,7 +79,7 @@ TEST(LevelQuality, TheFarthestPointOfABoxIsACorner)
     const Mesh mesh = square();
     const SurfaceIndex index(mesh);
     // Turned by 45 degrees about x and moved up: an edge points up, by sqrt(2) / 4.
-    const BoundingVolume box{.centre = {0, 0, 0.25},
+    const CoveringVolume box{.centre = {0, 0, 0.25},
                              .half = {0.5, 0.25, 0.25},
                              .axes = Eigen::AngleAxisd(M_PI / 4, Vector3d::UnitX()).toRotationMatrix()};
     const auto quality = judge_level(mesh, index, {&box, 1}, {.directions = 1});
@@ -90,10 +90,10 @@ TEST(LevelQuality, TheFarthestPointOfABoxIsACorner)
     EXPECT_FALSE(box.holds({0.5, 0, 0.26 + std::sqrt(2) / 4}, 1e-12));
     EXPECT_FALSE(box.holds({0.51, 0, 0.25}, 1e-12));
     EXPECT_FALSE(box.holds({0, 0.25, 0.45}, 1e-12)) << "in the upright box, not in the turned one";
-    const BoundingVolume aside{.centre = {3, 3, 0}, .half = {0.5, 0.25, 0.125}};
+    const CoveringVolume aside{.centre = {3, 3, 0}, .half = {0.5, 0.25, 0.125}};
     EXPECT_NEAR(judge_level(mesh, index, {&aside, 1}, {.directions = 1}).worst.either,
                 Vector3d(2.5, 2.25, 0.125).norm(), 1e-12);
-    const BoundingVolume flat{.centre = {2, 0, 0}, .half = {0.5, 0, 0}};
+    const CoveringVolume flat{.centre = {2, 0, 0}, .half = {0.5, 0, 0}};
     EXPECT_NEAR(judge_level(mesh, index, {&flat, 1}).worst.either, 1.5, 1e-12);
 }
 
@@ -101,7 +101,7 @@ TEST(LevelQuality, BeyondCountsThePointsOutsideABodyAlone)
 {
     const Mesh mesh = make_box_mesh({10, 10, 10});
     const SurfaceIndex index(mesh);
-    const BoundingVolume sphere = ball({9.75, 0, 0}, 1);
+    const CoveringVolume sphere = ball({9.75, 0, 0}, 1);
     const auto quality = judge_level(mesh, index, {&sphere, 1}, {.closed = true});
     EXPECT_NEAR(quality.worst.either, 1.25, 1e-12);
     EXPECT_NEAR(quality.worst.beyond, 0.75, 1e-12);
@@ -111,7 +111,7 @@ TEST(LevelQuality, CoverageFindsWhatIsLeftOut)
 {
     const Mesh mesh = square();
     const SurfaceIndex index(mesh);
-    std::vector<BoundingVolume> volumes{ball({0, 0, 0}, std::sqrt(2.0))};
+    std::vector<CoveringVolume> volumes{ball({0, 0, 0}, std::sqrt(2.0))};
     EXPECT_EQ(judge_level(mesh, index, volumes).open_triangles, 0u) << "it passes through the corners";
     volumes = {ball({0, 0, 0}, std::sqrt(2.0) - 1e-6)};
     EXPECT_EQ(judge_level(mesh, index, volumes).open_triangles, 2u) << "the corners are out by a millionth";
@@ -127,7 +127,7 @@ TEST(LevelQuality, CoverageFindsWhatIsLeftOut)
             volumes.clear();
             for (const double x : {-0.5, 0.5})
                 for (const double y : {-0.5, 0.5})
-                    volumes.push_back(boxes ? BoundingVolume{.centre = {x, y, 0}, .half = {0.5 - less, 0.5 - less, 0}}
+                    volumes.push_back(boxes ? CoveringVolume{.centre = {x, y, 0}, .half = {0.5 - less, 0.5 - less, 0}}
                                             : ball({x, y, 0}, std::sqrt(0.5) - less));
             EXPECT_EQ(judge_level(mesh, index, volumes).open_triangles, less > 0 ? 2u : 0u);
         }
@@ -226,7 +226,7 @@ TEST_F(Spheres, RefusesWhatItCannotDoInOneLine)
     expect_error(65, {"spheres", "bad.off"}, {"bad.off", "vertex 1"});
     expect_error(64, {"spheres", "cube.off", "--depth", "17"}, {"depth"});
     expect_error(64, {"spheres", "cube.off", "--depth", "3", "--max-error", "0.1"}, {"max-error"});
-    expect_error(64, {"spheres", "cube.off", "--spheres", "auto"}, {"paper or tight"});
+    expect_error(64, {"spheres", "cube.off", "--bounding-volume", "auto"}, {"sphere or obb"});
     expect_error(64, {"spheres", "cube.off", "--directions", "0"}, {"--directions"});
     expect_error(64, {"spheres", "cube.off", "--csv", "cube.off"}, {"overwrite the input"});
     expect_error(64, {"spheres", "cube.off", "--csv", "a", "--json", "a"}, {"both go to"});

@@ -9,190 +9,183 @@
 namespace oncollide::tools {
 namespace {
 
-void add_compare_options(CLI::App& sub, CompareOptions& o)
+void add_compare_options(Arguments sub, CompareOptions& o)
 {
     add_catalogue_options(sub, o.scene);
     add_accuracy_options(sub, o.settings);
     add_pipeline_options(sub, o.settings);
-    sub.add_option("--warm-up", o.warm_up, "frames at the start that are not counted (default 3)")->type_name("N");
-    sub.add_option("--repeats", o.repeats, "runs from frame 0; of each frame the fastest counts")->type_name("N");
-    sub.add_option("--only", o.only, "run fcl or oncollide alone, to measure its memory")->type_name("WHO");
+    sub.add_option("--warm-up", o.warm_up, "frames at the start that are not counted (default 3)").type_name("N");
+    sub.add_option("--repeats", o.repeats, "runs from frame 0; of each frame the fastest counts").type_name("N");
+    sub.add_option("--only", o.only, "run fcl or oncollide alone, to measure its memory").type_name("WHO");
     sub.add_flag("--contacts", o.contacts,
                  "ask for every contact of every pair that collides, instead of yes or no; needs --exact predicates");
-    sub.add_option("--timeline", o.timeline, "a line every so many frames: cells alive, pairs, times")->type_name("N");
-    sub.add_option("--csv", o.csv, "write one row per frame")->type_name("FILE");
+    sub.add_option("--timeline", o.timeline, "a line every so many frames: cells alive, pairs, times").type_name("N");
+    sub.add_option("--csv", o.csv, "write one row per frame").type_name("FILE");
 }
 
-void add_scene_bench(CLI::App& bench, Command& command, const char* name, const char* summary)
+void add_scene_bench(Arguments bench, const char* name, const char* summary)
 {
-    CLI::App* sub = bench.add_subcommand(name, summary);
+    Arguments sub = bench.add_command(name, summary);
     auto options = std::make_shared<CompareOptions>();
     options->scene.scene = name;
-    add_compare_options(*sub, *options);
-    sub->callback([options, &command] { command = [options] { return bench_scene(*options); }; });
+    add_compare_options(sub, *options);
+    sub.action([options] { return bench_scene(*options); });
 }
 
-void add_paper(CLI::App& bench, Command& command)
+void add_paper(Arguments bench)
 {
-    CLI::App* sub =
-        bench.add_subcommand("paper", "The paper's tables: its occlusion queries beside the other backends");
+    Arguments sub = bench.add_command("paper", "The paper's tables: its occlusion queries beside the other backends");
     auto options = std::make_shared<PaperOptions>();
-    sub->add_flag("--large", options->large, "animate models of 5,100 triangles instead of 1,500");
-    sub->add_option("--frames", options->frames, "frames of the animation (default 2400, as in the paper)")
-        ->type_name("N");
-    sub->add_option("--depth", options->depth, "depth of the sphere-trees (default 5, as in the paper)")
-        ->type_name("D");
-    sub->add_option("--age", options->age, "frames after which unused cells are dropped (default 60)")->type_name("N");
-    sub->add_option("--viewport", options->viewport, "pixels a side of a cell (default 16)")->type_name("PX");
-    sub->add_option("--gpu", options->gpu, "number of the GPU ('oncollide doctor' lists them)")->type_name("N");
-    sub->add_option("--data", options->data, "folder with meshes/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
-        ->type_name("DIR");
-    sub->add_option("--csv", options->csv, "write one row per figure")->type_name("FILE");
-    sub->callback([options, &command] { command = [options] { return bench_paper(*options); }; });
+    sub.add_flag("--large", options->large, "animate models of 5,100 triangles instead of 1,500");
+    sub.add_option("--frames", options->frames, "frames of the animation (default 2400, as in the paper)")
+        .type_name("N");
+    sub.add_option("--depth", options->depth, "depth of the sphere-trees (default 5, as in the paper)").type_name("D");
+    sub.add_option("--age", options->age, "frames after which unused cells are dropped (default 60)").type_name("N");
+    sub.add_option("--viewport", options->viewport, "pixels a side of a cell (default 16)").type_name("PX");
+    sub.add_option("--gpu", options->gpu, "number of the GPU ('oncollide doctor' lists them)").type_name("N");
+    sub.add_option("--data", options->data, "folder with meshes/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
+        .type_name("DIR");
+    sub.add_option("--csv", options->csv, "write one row per figure").type_name("FILE");
+    sub.action([options] { return bench_paper(*options); });
 }
 
-void add_poses(CLI::App& bench, Command& command)
+void add_poses(Arguments bench)
 {
-    CLI::App* sub =
-        bench.add_subcommand("poses", "One pair of meshes in 1,000 poses with known answers (needs the data folder)");
+    Arguments sub =
+        bench.add_command("poses", "One pair of meshes in 1,000 poses with known answers (needs the data folder)");
     auto options = std::make_shared<PosesOptions>();
-    sub->add_option("--data", options->data, "folder with poses/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
-        ->type_name("DIR");
-    sub->add_option("--depths", options->depths, "depths of the sphere-trees (default 4-8)")->type_name("LIST");
-    sub->add_option("--repeats", options->repeats, "of each query the fastest counts (default 5)")->type_name("N");
-    sub->add_option("--poses", options->poses, "only the first so many")->type_name("N");
-    sub->add_option("--csv", options->csv, "write one row per pose")->type_name("FILE");
-    sub->callback([options, &command] { command = [options] { return bench_poses(*options); }; });
+    sub.add_option("--data", options->data, "folder with poses/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
+        .type_name("DIR");
+    sub.add_option("--depths", options->depths, "depths of the sphere-trees (default 4-8)").type_name("LIST");
+    sub.add_option("--repeats", options->repeats, "of each query the fastest counts (default 5)").type_name("N");
+    sub.add_option("--poses", options->poses, "only the first so many").type_name("N");
+    sub.add_option("--csv", options->csv, "write one row per pose").type_name("FILE");
+    sub.action([options] { return bench_poses(*options); });
 }
 
-void add_octants(CLI::App& bench, Command& command)
+void add_octants(Arguments bench)
 {
-    CLI::App* sub =
-        bench.add_subcommand("octants", "Batches of the question \"which octants does the surface enter?\"");
+    Arguments sub = bench.add_command("octants", "Batches of the question \"which octants does the surface enter?\"");
     auto options = std::make_shared<OctantsOptions>();
-    sub->add_option("--data", options->data, "folder with meshes/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
-        ->type_name("DIR");
-    sub->add_option("--gpu", options->gpu, "number of the GPU ('oncollide doctor' lists them)")->type_name("N");
-    sub->add_option("--repeats", options->repeats, "of each batch the fastest counts (default 5)")->type_name("N");
-    sub->add_option("--only", options->only, "one part: speed, trees or misses")->type_name("PART");
-    sub->add_option("--limit", options->limit_s, "leave out batches that would take longer (seconds, default 2)")
-        ->type_name("S");
-    sub->add_option("--csv", options->csv, "write one row per figure")->type_name("FILE");
-    sub->callback([options, &command] { command = [options] { return bench_octants(*options); }; });
+    sub.add_option("--data", options->data, "folder with meshes/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
+        .type_name("DIR");
+    sub.add_option("--gpu", options->gpu, "number of the GPU ('oncollide doctor' lists them)").type_name("N");
+    sub.add_option("--repeats", options->repeats, "of each batch the fastest counts (default 5)").type_name("N");
+    sub.add_option("--only", options->only, "one part: speed, trees or misses").type_name("PART");
+    sub.add_option("--limit", options->limit_s, "leave out batches that would take longer (seconds, default 2)")
+        .type_name("S");
+    sub.add_option("--csv", options->csv, "write one row per figure").type_name("FILE");
+    sub.action([options] { return bench_octants(*options); });
 }
 
-void add_broad(CLI::App& bench, Command& command)
+void add_broad(Arguments bench)
 {
-    CLI::App* sub = bench.add_subcommand("broad", "The broad phase alone, on boxes, beside those of other libraries");
+    Arguments sub = bench.add_command("broad", "The broad phase alone, on boxes, beside those of other libraries");
     auto options = std::make_shared<BroadOptions>();
-    sub->add_option(
-           "--scene", options->scene,
-           "scenes, or one recording: brown (default), large, mixed, flat, clustered, static, giant, jump, and "
-           "freefall, brownian, gravity with -cubes or -assorted")
-        ->type_name("LIST|FILE.aabbs");
-    sub->add_option("--sizes", options->sizes, "numbers of boxes, like 2500,10k,1M (default 1k,10k,100k)")
-        ->type_name("LIST");
-    sub->add_option("--frames", options->frames, "frames to play, the first third not counted (default 60 to 8)")
-        ->type_name("N");
-    sub->add_option("--threads", options->threads, "numbers of threads (default 1)")->type_name("LIST");
-    sub->add_option("--only", options->only, "these contenders alone")->type_name("LIST");
-    sub->add_option("--csv", options->csv, "write one row per contender and size")->type_name("FILE");
-    auto* plot = sub->add_option("--plot", options->plot, "draw time against size, one panel a scene");
-    plot->type_name("FILE.svg");
-    sub->add_flag("--per-box", options->per_box, "let the plot show nanoseconds a box, to see growth")->needs(plot);
-    sub->add_option("--seed", options->seed, "seed of the scene (default 12345)")->type_name("S");
-    sub->callback([options, &command] { command = [options] { return bench_broad(*options); }; });
+    sub.add_option("--scene", options->scene,
+                   "scenes, or one recording: brown (default), large, mixed, flat, clustered, static, giant, jump, and "
+                   "freefall, brownian, gravity with -cubes or -assorted")
+        .type_name("LIST|FILE.aabbs");
+    sub.add_option("--sizes", options->sizes, "numbers of boxes, like 2500,10k,1M (default 1k,10k,100k)")
+        .type_name("LIST");
+    sub.add_option("--frames", options->frames, "frames to play, the first third not counted (default 60 to 8)")
+        .type_name("N");
+    sub.add_option("--threads", options->threads, "numbers of threads (default 1)").type_name("LIST");
+    sub.add_option("--only", options->only, "these contenders alone").type_name("LIST");
+    sub.add_option("--csv", options->csv, "write one row per contender and size").type_name("FILE");
+    Option plot = sub.add_option("--plot", options->plot, "draw time against size, one panel a scene");
+    plot.type_name("FILE.svg");
+    sub.add_flag("--per-box", options->per_box, "let the plot show nanoseconds a box, to see growth").needs(plot);
+    sub.add_option("--seed", options->seed, "seed of the scene (default 12345)").type_name("S");
+    sub.action([options] { return bench_broad(*options); });
 }
 
-void add_narrow(CLI::App& bench, Command& command)
+void add_narrow(Arguments bench)
 {
-    CLI::App* sub = bench.add_subcommand("narrow", "The narrow phase alone, on two meshes, beside other libraries");
+    Arguments sub = bench.add_command("narrow", "The narrow phase alone, on two meshes, beside other libraries");
     auto options = std::make_shared<NarrowOptions>();
-    sub->add_option("meshes", options->meshes, "two mesh files; the second is moved (default: two generated knots)")
-        ->expected(0, 2)
-        ->type_name("MESH_A MESH_B");
-    auto* distances = sub->add_option("--distances", options->distances,
+    sub.add_option("meshes", options->meshes, "two mesh files; the second is moved (default: two generated knots)")
+        .expected(0, 2)
+        .type_name("MESH_A MESH_B");
+    Option distances = sub.add_option("--distances", options->distances,
                                       "how far apart the surfaces are, in percent of the diagonal of MESH_A's box "
                                       "(default 0,0.1,1,5,10,20,40); 0 just touches, negative collides");
-    distances->type_name("LIST");
-    auto* poses = sub->add_option("--poses", options->poses,
+    distances.type_name("LIST");
+    Option poses = sub.add_option("--poses", options->poses,
                                   "poses from a file for these meshes, with its exact answers if FILE_expected lies "
                                   "beside it; without FILE the data folder's set with its own meshes");
-    poses->type_name("FILE")->expected(0, 1);
-    sub->add_option("--count", options->count, "poses a distance (default 100), or of the file (default: all)")
-        ->type_name("N");
-    sub->add_option("--ask", options->ask,
-                    "questions: boolean (do they collide?), all (which triangles meet?), distance (default: all three)")
-        ->type_name("LIST");
-    sub->add_option("--only", options->only, "these contenders alone")->type_name("LIST");
-    sub->add_option("--repeats", options->repeats, "of each query the fastest counts (default 3)")->type_name("N");
-    sub->add_option("--csv", options->csv, "write one row per contender, question and distance")->type_name("FILE");
-    sub->add_option("--plot", options->plot, "draw time against distance, one panel a question")->type_name("FILE.svg");
-    sub->add_option("--seed", options->seed, "seed of the poses (default 12345)")->type_name("S");
-    sub->add_option("--data", options->data, "folder with poses/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
-        ->type_name("DIR");
-    sub->footer("Examples:\n"
-                "  oncollide bench narrow                                     two generated knots, no files needed\n"
-                "  oncollide bench narrow cup.obj spoon.stl --distances 0,1,10 --plot narrow.svg\n"
-                "  oncollide bench narrow --poses --ask boolean --only walk-6,fcl-obb,fcl-obbrss\n"
-                "Every answer is checked, by CGAL where this build has it. In 'answers', +k are false alarms and\n"
-                "MISSED k collisions lost (of 'all': pairs of triangles). Exit code 70: oncollide lost one, or an\n"
-                "exact answer of it is wrong. What each contender counts: docs/benchmarks.md.");
-    sub->callback([options, poses, &command] {
-        options->use_poses = poses->count() > 0;
-        command = [options] { return bench_narrow(*options); };
+    poses.type_name("FILE").expected(0, 1);
+    sub.add_option("--count", options->count, "poses a distance (default 100), or of the file (default: all)")
+        .type_name("N");
+    sub.add_option("--ask", options->ask,
+                   "questions: boolean (do they collide?), all (which triangles meet?), distance (default: all three)")
+        .type_name("LIST");
+    sub.add_option("--only", options->only, "these contenders alone").type_name("LIST");
+    sub.add_option("--repeats", options->repeats, "of each query the fastest counts (default 3)").type_name("N");
+    sub.add_option("--csv", options->csv, "write one row per contender, question and distance").type_name("FILE");
+    sub.add_option("--plot", options->plot, "draw time against distance, one panel a question").type_name("FILE.svg");
+    sub.add_option("--seed", options->seed, "seed of the poses (default 12345)").type_name("S");
+    sub.add_option("--data", options->data, "folder with poses/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
+        .type_name("DIR");
+    sub.footer("Examples:\n"
+               "  oncollide bench narrow                                     two generated knots, no files needed\n"
+               "  oncollide bench narrow cup.obj spoon.stl --distances 0,1,10 --plot narrow.svg\n"
+               "  oncollide bench narrow --poses --ask boolean --only walk-6,fcl-obb,fcl-obbrss\n"
+               "Every answer is checked, by CGAL where this build has it. In 'answers', +k are false alarms and\n"
+               "MISSED k collisions lost (of 'all': pairs of triangles). Exit code 70: oncollide lost one, or an\n"
+               "exact answer of it is wrong. What each contender counts: docs/benchmarks.md.");
+    sub.action([options, poses] {
+        options->use_poses = poses.given();
+        return bench_narrow(*options);
     });
 }
 
-void add_planner(CLI::App& bench, Command& command)
+void add_planner(Arguments bench)
 {
-    CLI::App* sub = bench.add_subcommand("planner", "Many sampled poses of one mesh against another, in one call");
+    Arguments sub = bench.add_command("planner", "Many sampled poses of one mesh against another, in one call");
     auto options = std::make_shared<PlannerOptions>();
-    sub->add_option("meshes", options->meshes, "two mesh files; the second is moved (default: terrain and knot)")
-        ->expected(0, 2)
-        ->type_name("FIXED MOVING");
-    sub->add_option("--poses", options->poses, "poses to sample (default 100000)")->type_name("N");
-    sub->add_option("--seed", options->seed, "seed of the poses (default 12345)")->type_name("S");
-    sub->footer("The first call starts from nothing: FCL's models, oncollide's trees. Ratios are of second calls.\n"
-                "'false' are poses that oncollide leaves over and FCL finds separate.");
-    sub->callback([options, &command] { command = [options] { return bench_planner(*options); }; });
+    sub.add_option("meshes", options->meshes, "two mesh files; the second is moved (default: terrain and knot)")
+        .expected(0, 2)
+        .type_name("FIXED MOVING");
+    sub.add_option("--poses", options->poses, "poses to sample (default 100000)").type_name("N");
+    sub.add_option("--seed", options->seed, "seed of the poses (default 12345)").type_name("S");
+    sub.footer("The first call starts from nothing: FCL's models, oncollide's trees. Ratios are of second calls.\n"
+               "'false' are poses that oncollide leaves over and FCL finds separate.");
+    sub.action([options] { return bench_planner(*options); });
 }
 
 } // namespace
 
-void add_bench(CLI::App& app, Command& command)
+void add_bench(Arguments app)
 {
-    CLI::App* bench =
-        app.add_subcommand("bench", "Measure against other libraries in one run, on the same work, turn about");
-    bench->require_subcommand(0, 1);
-    bench->callback([bench, &command] {
-        if (bench->get_subcommands().empty())
-            command = []() -> int {
-                throw Error(ErrorKind::usage, "bench: which one? broad, narrow, planner, many, octants, paper, poses "
-                                              "or scene (oncollide bench --help)");
-            };
+    Arguments bench =
+        app.add_command("bench", "Measure against other libraries in one run, on the same work, turn about");
+    bench.at_most_one_command();
+    bench.action([]() -> int {
+        throw Error(ErrorKind::usage, "bench: which one? broad, narrow, planner, many, octants, paper, poses "
+                                      "or scene (oncollide bench --help)");
     });
-    add_broad(*bench, command);
-    add_narrow(*bench, command);
-    add_planner(*bench, command);
-    add_scene_bench(*bench, command, "many", "Bunnies, dragons and cows in a cube");
-    add_paper(*bench, command);
-    add_poses(*bench, command);
-    add_octants(*bench, command);
-    CLI::App* scene = bench->add_subcommand("scene", "Any scene: a file, or a scene of the catalogue");
+    add_broad(bench);
+    add_narrow(bench);
+    add_planner(bench);
+    add_scene_bench(bench, "many", "Bunnies, dragons and cows in a cube");
+    add_paper(bench);
+    add_poses(bench);
+    add_octants(bench);
+    Arguments scene = bench.add_command("scene", "Any scene: a file, or a scene of the catalogue");
     auto options = std::make_shared<CompareOptions>();
-    scene->add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
-        ->required()
-        ->type_name("SCENE.json|NAME");
-    add_compare_options(*scene, *options);
-    scene->callback([options, &command] { command = [options] { return bench_scene(*options); }; });
-    bench->footer("Examples:\n"
-                  "  oncollide bench many --bodies 1000 --exact fcl\n"
-                  "  oncollide bench scene paper-5k --depth 5 --repeats 3 --timeline 100\n"
-                  "  oncollide bench poses --depths 5-7\n"
-                  "  oncollide bench broad --scene brown,static --sizes 1k,10k,100k --threads 1,2 --plot broad.svg\n"
-                  "  oncollide bench narrow cup.obj spoon.stl --distances 0,1,10 --plot narrow.svg\n"
-                  "How to read and repeat the results: docs/benchmarks.md. Exit code 70: a collision was missed.");
+    scene.add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
+        .required()
+        .type_name("SCENE.json|NAME");
+    add_compare_options(scene, *options);
+    scene.action([options] { return bench_scene(*options); });
+    bench.footer("Examples:\n"
+                 "  oncollide bench many --bodies 1000 --exact fcl\n"
+                 "  oncollide bench scene paper-5k --depth 5 --repeats 3 --timeline 100\n"
+                 "  oncollide bench poses --depths 5-7\n"
+                 "  oncollide bench broad --scene brown,static --sizes 1k,10k,100k --threads 1,2 --plot broad.svg\n"
+                 "  oncollide bench narrow cup.obj spoon.stl --distances 0,1,10 --plot narrow.svg\n"
+                 "How to read and repeat the results: docs/benchmarks.md. Exit code 70: a collision was missed.");
 }
 
 } // namespace oncollide::tools

@@ -64,7 +64,8 @@ std::string describe(const Settings& s, const std::string& stand_in)
         fmt::format("{}, exact {}, mode {}, broad {}, threads {}, age {}", accuracy, name_of(s.exact), name_of(s.mode),
                     name_of(s.broad_phase), s.threads ? s.threads : hardware_threads(), s.age_limit);
     if (s.clearance > 0) text += fmt::format(", clearance {} m", s.clearance);
-    if (s.spheres != Spheres::automatic) text += fmt::format(", {} spheres", name_of(s.spheres));
+    if (s.bounding_volume != BoundingVolume::automatic)
+        text += fmt::format(", bounding volume {}", name_of(s.bounding_volume));
     if (!s.coherence) text += ", no coherence";
     if (s.node_budget) text += fmt::format(", node budget {}", s.node_budget);
     if (s.memory_budget) text += fmt::format(", memory budget {}", s.memory_budget);

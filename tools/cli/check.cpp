@@ -76,8 +76,9 @@ std::string describe(const Scene& scene, const Settings& settings, const PairRes
     case Verdict::separate:
         if (pair.kind == ContactKind::touching)
             return fmt::format("separate: {} touch without crossing, which is ignored as asked.", both);
-        return fmt::format("separate: {} are at least {:.6g} m apart (certified).", both,
-                           std::max(pair.bound, settings.clearance));
+        if (const double gap = std::max(pair.bound, settings.clearance); gap > 0)
+            return fmt::format("separate: {} are at least {:.6g} m apart (certified).", both, gap);
+        return fmt::format("separate: {} do not meet (tested triangle by triangle).", both);
     case Verdict::colliding:
         switch (pair.kind) {
         case ContactKind::touching:
@@ -173,33 +174,33 @@ int check_pair(const CheckOptions& options)
 
 } // namespace
 
-void add_check(CLI::App& app, Command& command)
+void add_check(Arguments app)
 {
-    CLI::App* sub = app.add_subcommand("check", "Check two files against each other, once");
+    Arguments sub = app.add_command("check", "Check two files against each other, once");
     auto options = std::make_shared<CheckOptions>();
-    sub->add_option("A", options->a, "mesh (OBJ, STL, PLY, OFF, glTF) or OctoMap (.bt, .ot)")
-        ->required()
-        ->type_name("FILE");
-    sub->add_option("B", options->b, "the other one; may be the same file")->required()->type_name("FILE");
-    sub->add_option("--pose-a", options->pose_a, "pose of A, metres and unit quaternion (default: identity)")
-        ->type_name("\"x y z qx qy qz qw\"");
-    sub->add_option("--pose-b", options->pose_b, "pose of B")->type_name("\"x y z qx qy qz qw\"");
-    add_accuracy_options(*sub, options->settings);
-    sub->add_option("--json", options->json, "write the result as JSON; '-' is standard output")->type_name("FILE");
-    sub->add_option("--contacts", options->contacts,
-                    "write all pairs of triangles that meet, where, and their normals as CSV; needs --exact predicates")
-        ->type_name("FILE.csv");
-    sub->add_option("--distance", options->distance,
-                    "also bound the distance of two meshes, to this tolerance in metres; 0: as exact as doubles allow")
-        ->type_name("M");
-    sub->add_flag("--quiet", options->quiet, "print nothing but errors; the exit code is the answer");
-    sub->footer("Exit codes: 0 separate, 1 colliding, 2 within or undecided, 64 and above: error.\n"
-                "Without --exact nothing is called colliding: bodies that may touch are 'within' a bound.\n"
-                "Examples:\n"
-                "  oncollide check bunny.obj cow.obj --pose-b \"0.4 0 0 0 0 0 1\"\n"
-                "  oncollide check part.stl fixture.stl --clearance 0.002 --exact predicates --json -\n"
-                "  oncollide check arm.stl bench.stl --pose-b \"0 0 0.5 0 0 0 1\" --distance 0.001");
-    sub->callback([options, &command] { command = [options] { return check_pair(*options); }; });
+    sub.add_option("A", options->a, "mesh (OBJ, STL, PLY, OFF, glTF) or OctoMap (.bt, .ot)")
+        .required()
+        .type_name("FILE");
+    sub.add_option("B", options->b, "the other one; may be the same file").required().type_name("FILE");
+    sub.add_option("--pose-a", options->pose_a, "pose of A, metres and unit quaternion (default: identity)")
+        .type_name("\"x y z qx qy qz qw\"");
+    sub.add_option("--pose-b", options->pose_b, "pose of B").type_name("\"x y z qx qy qz qw\"");
+    add_accuracy_options(sub, options->settings);
+    sub.add_option("--json", options->json, "write the result as JSON; '-' is standard output").type_name("FILE");
+    sub.add_option("--contacts", options->contacts,
+                   "write all pairs of triangles that meet, where, and their normals as CSV; needs --exact predicates")
+        .type_name("FILE.csv");
+    sub.add_option("--distance", options->distance,
+                   "also bound the distance of two meshes, to this tolerance in metres; 0: as exact as doubles allow")
+        .type_name("M");
+    sub.add_flag("--quiet", options->quiet, "print nothing but errors; the exit code is the answer");
+    sub.footer("Exit codes: 0 separate, 1 colliding, 2 within or undecided, 64 and above: error.\n"
+               "Without --exact nothing is called colliding: bodies that may touch are 'within' a bound.\n"
+               "Examples:\n"
+               "  oncollide check bunny.obj cow.obj --pose-b \"0.4 0 0 0 0 0 1\"\n"
+               "  oncollide check part.stl fixture.stl --clearance 0.002 --exact predicates --json -\n"
+               "  oncollide check arm.stl bench.stl --pose-b \"0 0 0.5 0 0 0 1\" --distance 0.001");
+    sub.action([options] { return check_pair(*options); });
 }
 
 } // namespace oncollide::tools

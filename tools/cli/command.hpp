@@ -1,23 +1,20 @@
 #pragma once
-#include <functional>
-
-#include <CLI/CLI.hpp>
+#include "cli/arguments.hpp"
 
 namespace oncollide::tools {
 
-/// What the chosen subcommand does; returns the exit code. Parsing only chooses it, so that a bad command line is told
-/// from work that fails.
-using Command = std::function<int()>;
+/// Adds the commands of this program; each executable has its own list.
+void add_commands(Arguments app);
 
-// Each adds one subcommand to `app`; when the command line picks it, `command` becomes its action.
-void add_demo(CLI::App& app, Command& command);
-void add_run(CLI::App& app, Command& command);
-void add_render(CLI::App& app, Command& command);
-void add_check(CLI::App& app, Command& command);
-void add_scene(CLI::App& app, Command& command);
-void add_spheres(CLI::App& app, Command& command);
-void add_bench(CLI::App& app, Command& command);
-void add_accuracy(CLI::App& app, Command& command);
-void add_doctor(CLI::App& app, Command& command);
+// Each adds one command.
+void add_demo(Arguments app);
+void add_run(Arguments app);
+void add_render(Arguments app);
+void add_check(Arguments app);
+void add_scene(Arguments app);
+void add_spheres(Arguments app);
+void add_bench(Arguments app);
+void add_accuracy(Arguments app);
+void add_doctor(Arguments app);
 
 } // namespace oncollide::tools

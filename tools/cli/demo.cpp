@@ -150,14 +150,13 @@ int demo(const DemoOptions& options)
 
 } // namespace
 
-void add_demo(CLI::App& app, Command& command)
+void add_demo(Arguments app)
 {
-    CLI::App* sub =
-        app.add_subcommand("demo", "Run all four levels on a built-in scene and write results and a picture");
+    Arguments sub = app.add_command("demo", "Run all four levels on a built-in scene and write results and a picture");
     auto options = std::make_shared<DemoOptions>();
-    sub->add_option("--out", options->out, "folder for the results (default demo-results)")->type_name("DIR");
-    sub->footer("Needs no data, no display and no network.");
-    sub->callback([options, &command] { command = [options] { return demo(*options); }; });
+    sub.add_option("--out", options->out, "folder for the results (default demo-results)").type_name("DIR");
+    sub.footer("Needs no data, no display and no network.");
+    sub.action([options] { return demo(*options); });
 }
 
 } // namespace oncollide::tools

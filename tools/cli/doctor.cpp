@@ -1,3 +1,4 @@
+#include "cli/arguments.hpp"
 #include "cli/command.hpp"
 #include "cli/options.hpp"
 
@@ -114,7 +115,7 @@ int doctor(const std::string& data_option)
                     EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION, ONCOLLIDE_FCL_VERSION,
                     ONCOLLIDE_ASSIMP_VERSION, ONCOLLIDE_OCTOMAP_VERSION, ONCOLLIDE_QHULL_VERSION, FMT_VERSION / 10000,
                     FMT_VERSION / 100 % 100, FMT_VERSION % 100, NLOHMANN_JSON_VERSION_MAJOR,
-                    NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH, CLI11_VERSION));
+                    NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH, ONCOLLIDE_CLI11_VERSION));
     say("compiler", __VERSION__);
     say("self-test", fault.empty() ? "passed" : "FAILED: " + fault);
     return fault.empty() ? 0 : int(ErrorKind::internal);
@@ -122,12 +123,12 @@ int doctor(const std::string& data_option)
 
 } // namespace
 
-void add_doctor(CLI::App& app, Command& command)
+void add_doctor(Arguments app)
 {
-    CLI::App* sub = app.add_subcommand("doctor", "Say what this machine and this build offer; writes nothing");
+    Arguments sub = app.add_command("doctor", "Say what this machine and this build offer; writes nothing");
     auto option = std::make_shared<std::string>();
-    sub->add_option("--data", *option, "folder to look for data in")->type_name("DIR");
-    sub->callback([option, &command] { command = [option] { return doctor(*option); }; });
+    sub.add_option("--data", *option, "folder to look for data in").type_name("DIR");
+    sub.action([option] { return doctor(*option); });
 }
 
 } // namespace oncollide::tools

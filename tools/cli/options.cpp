@@ -60,16 +60,15 @@ bool same_place(const std::string& a, const std::string& b)
 
 } // namespace
 
-void add_accuracy_options(CLI::App& command, SettingsOptions& o)
+void add_accuracy_options(Arguments command, SettingsOptions& o)
 {
-    command.add_option("--depth", o.depth, "depth of the sphere-trees, 1 to 16 (default 6)")->type_name("D");
-    command
-        .add_option("--max-error", o.max_error, "instead of --depth: largest error in metres of the answer 'within'")
-        ->type_name("M");
+    command.add_option("--depth", o.depth, "depth of the sphere-trees, 1 to 16 (default 6)").type_name("D");
+    command.add_option("--max-error", o.max_error, "instead of --depth: largest error in metres of the answer 'within'")
+        .type_name("M");
     command.add_option("--clearance", o.clearance, "metres: bodies this close count as touching (default 0)")
-        ->type_name("M");
+        .type_name("M");
     command.add_option("--exact", o.exact, "exact level on triangles: off, predicates or fcl (default off)")
-        ->type_name("HOW");
+        .type_name("HOW");
     command.add_flag("--kinds", o.kinds,
                      "of meshes that collide, find out whether they touch or cross; needs --exact predicates");
     command.add_flag("--ignore-touching", o.ignore_touching,
@@ -77,42 +76,41 @@ void add_accuracy_options(CLI::App& command, SettingsOptions& o)
     command
         .add_option("--mode", o.mode,
                     "surface, or solid: a mesh's inside belongs to it, so it must be closed (default surface)")
-        ->type_name("MODE");
+        .type_name("MODE");
     command.add_flag("--open-as-surface", o.open_as_surface,
                      "with --mode solid: take a mesh that is not closed as a surface");
 }
 
-void add_pipeline_options(CLI::App& command, SettingsOptions& o)
+void add_pipeline_options(Arguments command, SettingsOptions& o)
 {
     command
         .add_option("--backend", o.backend,
                     "who finds the grey cells: cpu (default), gl-compute (a GPU, the same answers), gl-query (the "
                     "paper's occlusion queries, which miss some), or auto: gl-compute on a real GPU, else cpu")
-        ->type_name("NAME");
+        .type_name("NAME");
     command.add_option("--gpu", o.gpu, "number of the GPU, as 'oncollide doctor' lists them (default: the first)")
-        ->type_name("N");
+        .type_name("N");
     command.add_option("--viewport", o.viewport, "gl-query: pixels a side of a cell, 1 to 1024 (default 16)")
-        ->type_name("PX");
+        .type_name("PX");
     command
         .add_option(
-            "--spheres", o.spheres,
-            "of meshes. paper: around the cells; tight: oriented boxes in their place, quicker at equal error (default "
-            "auto: tight where predicates decide)")
-        ->type_name("NAME");
-    command.add_option("--broad", o.broad, "broad phase: kd, octree or brute (default kd)")->type_name("NAME");
-    command.add_option("--threads", o.threads, "threads; 0: all. Never changes the result (default 1)")->type_name("N");
+            "--bounding-volume,--spheres", o.bounding_volume,
+            "of meshes. sphere: around the cells, as in the paper; obb: oriented boxes in their place, faster at equal "
+            "error (default auto: obb where predicates decide)")
+        .type_name("NAME");
+    command.add_option("--broad", o.broad, "broad phase: kd, octree or brute (default kd)").type_name("NAME");
+    command.add_option("--threads", o.threads, "threads; 0: all. Never changes the result (default 1)").type_name("N");
     command.add_option("--skip", o.skip, "leave out a stage (repeatable); the answer gets wider, never wrong")
-        ->type_name("STAGE")
-        ->expected(1)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+        .type_name("STAGE")
+        .repeatable();
     command.add_option("--age", o.age, fmt::format("frames after which unused cells are dropped (default {})", o.age))
-        ->type_name("N");
+        .type_name("N");
     command.add_option("--node-budget", o.node_budget, "cells that all trees may hold, e.g. 2M; 0: no limit (default)")
-        ->type_name("N");
+        .type_name("N");
     command
         .add_option("--memory-budget", o.memory_budget,
                     "bytes that all trees may hold, e.g. 64M; 0: no limit (default)")
-        ->type_name("BYTES");
+        .type_name("BYTES");
     command.add_flag("--no-coherence", o.no_coherence, "do not try last frame's deciding cells first; same result");
 }
 
@@ -127,7 +125,7 @@ Settings settings_from(const SettingsOptions& o)
                       .mode = mode_from_name(o.mode),
                       .open_as_surface = o.open_as_surface,
                       .backend = backend_from_name(o.backend),
-                      .spheres = spheres_from_name(o.spheres),
+                      .bounding_volume = bounding_volume_from_name(o.bounding_volume),
                       .gpu = o.gpu,
                       .viewport = o.viewport,
                       .broad_phase = broad_phase_from_name(o.broad),
@@ -141,16 +139,16 @@ Settings settings_from(const SettingsOptions& o)
     return settings;
 }
 
-void add_catalogue_options(CLI::App& command, SceneOptions& o)
+void add_catalogue_options(Arguments command, SceneOptions& o)
 {
-    command.add_option("--bodies", o.bodies, "catalogue: how many bodies")->type_name("N");
-    command.add_option("--frames", o.frames, "how many frames (default: the scene's own)")->type_name("N");
-    command.add_option("--seed", o.seed, "catalogue: seed of its random numbers")->type_name("S");
+    command.add_option("--bodies", o.bodies, "catalogue: how many bodies").type_name("N");
+    command.add_option("--frames", o.frames, "how many frames (default: the scene's own)").type_name("N");
+    command.add_option("--seed", o.seed, "catalogue: seed of its random numbers").type_name("S");
     command
         .add_option("--data", o.data,
                     "folder with meshes/ and octomap/ "
                     "(default: $ONCOLLIDE_DATA, else ../shared/data if present)")
-        ->type_name("DIR");
+        .type_name("DIR");
 }
 
 bool is_scene_file(const std::string& text)
@@ -198,14 +196,14 @@ fs::path data_folder(const std::string& option)
     return fs::is_directory("../shared/data", error) ? fs::path("../shared/data") : fs::path();
 }
 
-void add_output_options(CLI::App& command, OutputOptions& o)
+void add_output_options(Arguments command, OutputOptions& o)
 {
     // An empty text means "not given" here, and would come from an unset variable of a script.
     const auto named = [](const std::string& file) {
         return std::string(file.empty() ? "the file name is empty" : "");
     };
     const auto add = [&](const char* option, std::string& file, const char* what) {
-        command.add_option(option, file, what)->type_name("FILE")->check(named);
+        command.add_option(option, file, what).type_name("FILE").check(named);
     };
     add("--json", o.json, "write results as JSON; '-' is standard output");
     add("--csv", o.csv, "write one row per frame and pair");

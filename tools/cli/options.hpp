@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
+#include "cli/arguments.hpp"
 
 #include <oncollide/pipeline/report.hpp>
 #include <oncollide/pipeline/settings.hpp>
@@ -20,7 +20,7 @@ struct SettingsOptions {
     std::optional<int> depth;
     std::optional<double> max_error;
     double clearance = 0;
-    std::string exact = "off", mode = "surface", backend = "cpu", broad = "kd", spheres = "auto";
+    std::string exact = "off", mode = "surface", backend = "cpu", broad = "kd", bounding_volume = "auto";
     int threads = 1;
     int gpu = Settings{}.gpu, viewport = Settings{}.viewport;
     bool kinds = false, ignore_touching = false, open_as_surface = false;
@@ -30,8 +30,8 @@ struct SettingsOptions {
     bool no_coherence = false;
 };
 
-void add_accuracy_options(CLI::App& command, SettingsOptions& options); ///< depth to mode
-void add_pipeline_options(CLI::App& command, SettingsOptions& options); ///< the rest
+void add_accuracy_options(Arguments command, SettingsOptions& options); ///< depth to mode
+void add_pipeline_options(Arguments command, SettingsOptions& options); ///< the rest
 /// Throws Error{usage} for a name or number out of range.
 Settings settings_from(const SettingsOptions& options);
 
@@ -43,7 +43,7 @@ struct SceneOptions {
     std::string data;
 };
 
-void add_catalogue_options(CLI::App& command, SceneOptions& options); ///< bodies, frames, seed, data
+void add_catalogue_options(Arguments command, SceneOptions& options); ///< bodies, frames, seed, data
 /// Reads or makes the scene. Throws Error{no_input} for a missing file or data folder, Error{usage} for an unknown name
 /// or an option that has no meaning for a file.
 Scene open_scene(const SceneOptions& options);
@@ -64,7 +64,7 @@ struct OutputOptions {
     bool separate = false;
 };
 
-void add_output_options(CLI::App& command, OutputOptions& options);
+void add_output_options(Arguments command, OutputOptions& options);
 /// Finds out before any work that a file could not be written, or that two results (or a result and `input`) would go
 /// to the same place. Throws Error{cannot_write} or Error{usage}.
 void check_outputs(const OutputOptions& options, const std::string& input);

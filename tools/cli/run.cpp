@@ -30,24 +30,24 @@ int run(const RunOptions& options)
 
 } // namespace
 
-void add_run(CLI::App& app, Command& command)
+void add_run(Arguments app)
 {
-    CLI::App* sub = app.add_subcommand("run", "Run a scene frame by frame: a scene file, or a scene of the catalogue");
+    Arguments sub = app.add_command("run", "Run a scene frame by frame: a scene file, or a scene of the catalogue");
     auto options = std::make_shared<RunOptions>();
-    sub->add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
-        ->required()
-        ->type_name("SCENE.json|NAME");
-    add_catalogue_options(*sub, options->scene);
-    add_accuracy_options(*sub, options->settings);
-    add_pipeline_options(*sub, options->settings);
-    add_output_options(*sub, options->outputs);
-    sub->footer("Examples:\n"
-                "  oncollide run city --frames 100\n"
-                "  oncollide run town.json --max-error 0.01 --exact fcl --json results.json\n"
-                "  oncollide run city --bodies 500 --skip exact --threads 0 --csv pairs.csv --trace trace.json\n"
-                "Stages: bounds, delimitation, broad, ocst, exact. Formats of the results: docs/results.md.\n"
-                "Ctrl-C stops after the frame in hand; what was computed is written, and the exit code is 130.");
-    sub->callback([options, &command] { command = [options] { return run(*options); }; });
+    sub.add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
+        .required()
+        .type_name("SCENE.json|NAME");
+    add_catalogue_options(sub, options->scene);
+    add_accuracy_options(sub, options->settings);
+    add_pipeline_options(sub, options->settings);
+    add_output_options(sub, options->outputs);
+    sub.footer("Examples:\n"
+               "  oncollide run city --frames 100\n"
+               "  oncollide run town.json --max-error 0.01 --exact fcl --json results.json\n"
+               "  oncollide run city --bodies 500 --skip exact --threads 0 --csv pairs.csv --trace trace.json\n"
+               "Stages: bounds, delimitation, broad, ocst, exact. Formats of the results: docs/results.md.\n"
+               "Ctrl-C stops after the frame in hand; what was computed is written, and the exit code is 130.");
+    sub.action([options] { return run(*options); });
 }
 
 } // namespace oncollide::tools

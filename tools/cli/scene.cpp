@@ -47,20 +47,20 @@ int write_scene(const WriteOptions& options)
 
 } // namespace
 
-void add_scene(CLI::App& app, Command& command)
+void add_scene(Arguments app)
 {
-    CLI::App* sub = app.add_subcommand("scene", "List the catalogue of scenes, or write one as a scene file");
+    Arguments sub = app.add_command("scene", "List the catalogue of scenes, or write one as a scene file");
     auto options = std::make_shared<WriteOptions>();
-    sub->add_option("name", options->scene.scene, "which scene")->type_name("NAME");
-    sub->add_flag("--list", options->list, "list the scenes");
-    sub->add_option("--out", options->out, "scene file to write")->type_name("SCENE.json");
-    add_catalogue_options(*sub, options->scene);
-    sub->footer("Examples:\n"
-                "  oncollide scene --list\n"
-                "  oncollide scene city --bodies 200 --seed 7 --out city.json\n"
-                "  oncollide run city.json\n"
-                "The format of scene files: docs/scene-format.md.");
-    sub->callback([options, &command] { command = [options] { return write_scene(*options); }; });
+    sub.add_option("name", options->scene.scene, "which scene").type_name("NAME");
+    sub.add_flag("--list", options->list, "list the scenes");
+    sub.add_option("--out", options->out, "scene file to write").type_name("SCENE.json");
+    add_catalogue_options(sub, options->scene);
+    sub.footer("Examples:\n"
+               "  oncollide scene --list\n"
+               "  oncollide scene city --bodies 200 --seed 7 --out city.json\n"
+               "  oncollide run city.json\n"
+               "The format of scene files: docs/scene-format.md.");
+    sub.action([options] { return write_scene(*options); });
 }
 
 } // namespace oncollide::tools

@@ -199,26 +199,25 @@ int accuracy_hard(HardOptions options)
 
 } // namespace
 
-CLI::App* add_accuracy_hard(CLI::App& accuracy, Command& command)
+void add_accuracy_hard(Arguments accuracy)
 {
-    CLI::App* sub = accuracy.add_subcommand("hard", "Check every stage on what is hard: touching, coplanar, thin, "
-                                                    "tiny, huge, far and inside, against exact arithmetic");
+    Arguments sub = accuracy.add_command("hard", "Check every stage on what is hard: touching, coplanar, thin, "
+                                                 "tiny, huge, far and inside, against exact arithmetic");
     auto options = std::make_shared<HardOptions>();
-    sub->add_option("--count", options->count,
-                    "pairs of triangles a family, as stored and again turned (default 100000)")
-        ->type_name("N");
-    sub->add_option("--family", options->families, "this family alone (repeatable); a wrong name lists them")
-        ->type_name("NAME")
-        ->expected(1)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    sub->add_option("--threads", options->threads, "threads; 0: all. Never changes the result (default 1)")
-        ->type_name("N");
-    sub->add_option("--data", options->data,
-                    "folder with queries/, Erleben's cases (default: $ONCOLLIDE_DATA, else ../shared/data if present)")
-        ->type_name("DIR");
-    sub->add_option("--csv", options->csv, "write one row a family")->type_name("FILE");
-    sub->add_option("--json", options->json, "write the same as JSON")->type_name("FILE");
-    sub->footer(
+    sub.add_option("--count", options->count,
+                   "pairs of triangles a family, as stored and again turned (default 100000)")
+        .type_name("N");
+    sub.add_option("--family", options->families, "this family alone (repeatable); a wrong name lists them")
+        .type_name("NAME")
+        .repeatable();
+    sub.add_option("--threads", options->threads, "threads; 0: all. Never changes the result (default 1)")
+        .type_name("N");
+    sub.add_option("--data", options->data,
+                   "folder with queries/, Erleben's cases (default: $ONCOLLIDE_DATA, else ../shared/data if present)")
+        .type_name("DIR");
+    sub.add_option("--csv", options->csv, "write one row a family").type_name("FILE");
+    sub.add_option("--json", options->json, "write the same as JSON").type_name("FILE");
+    sub.footer(
         "Pairs of triangles: the exact test, in both orders, and FCL's, against linear programming in integers.\n"
         "Bodies: every set of stages left out, both kinds of spheres, each exact level, budgets; as stored, swapped, "
         "with\n"
@@ -240,8 +239,7 @@ CLI::App* add_accuracy_hard(CLI::App& accuracy, Command& command)
         "  oncollide accuracy hard --count 1000 --family coplanar --family slivers --csv hard.csv\n"
         "The catalogue's scene of this name: oncollide scene hard --out hard.json, then oncollide accuracy hard.json.\n"
         "Exit code 70: something is not 0 that must be.");
-    sub->callback([options, &command] { command = [options] { return accuracy_hard(*options); }; });
-    return sub;
+    sub.action([options] { return accuracy_hard(*options); });
 }
 
 } // namespace oncollide::tools

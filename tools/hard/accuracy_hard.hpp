@@ -4,6 +4,6 @@
 namespace oncollide::tools {
 
 /// Adds `oncollide accuracy hard`.
-CLI::App* add_accuracy_hard(CLI::App& accuracy, Command& command);
+void add_accuracy_hard(Arguments accuracy);
 
 } // namespace oncollide::tools

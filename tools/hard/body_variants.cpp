@@ -5,21 +5,21 @@
 namespace oncollide::tools {
 namespace {
 
-Variant variant(int depth, ExactLevel exact, Spheres spheres)
+Variant variant(int depth, ExactLevel exact, BoundingVolume volume)
 {
     Variant v;
-    v.settings.depth = depth, v.settings.exact = exact, v.settings.spheres = spheres;
-    v.name = fmt::format("depth {}, {} spheres, exact {}", depth, name_of(spheres), name_of(exact));
+    v.settings.depth = depth, v.settings.exact = exact, v.settings.bounding_volume = volume;
+    v.name = fmt::format("depth {}, {}, exact {}", depth, name_of(volume), name_of(exact));
     return v;
 }
 
-/// Plain, predicates and FCL on both kinds of spheres, each changed.
+/// Plain, predicates and FCL on both bounding volumes, each changed.
 template <class Change>
 void add(std::vector<Variant>& all, int depth, const std::string& name, Change change)
 {
     for (ExactLevel exact : {ExactLevel::off, ExactLevel::predicates, ExactLevel::fcl})
-        for (Spheres spheres : {Spheres::paper, Spheres::tight}) {
-            Variant& v = all.emplace_back(variant(depth, exact, spheres));
+        for (BoundingVolume volume : {BoundingVolume::sphere, BoundingVolume::obb}) {
+            Variant& v = all.emplace_back(variant(depth, exact, volume));
             v.name += ", " + name;
             change(v);
         }
@@ -33,9 +33,9 @@ std::vector<Variant> sets_of_stages()
     std::vector<Variant> all;
     for (int depth : {2, 7})
         for (ExactLevel exact : {ExactLevel::off, ExactLevel::predicates, ExactLevel::fcl})
-            for (Spheres spheres : {Spheres::paper, Spheres::tight})
+            for (BoundingVolume volume : {BoundingVolume::sphere, BoundingVolume::obb})
                 for (unsigned skipped = 0; skipped < (exact == ExactLevel::off ? 16u : 32u); ++skipped) {
-                    Variant& v = all.emplace_back(variant(depth, exact, spheres));
+                    Variant& v = all.emplace_back(variant(depth, exact, volume));
                     for (unsigned k = 0; k < 5; ++k)
                         if (skipped >> k & 1)
                             v.settings.skip.emplace_back(stages[k]), v.name += fmt::format(", no {}", stages[k]);

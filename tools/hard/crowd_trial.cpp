@@ -102,9 +102,9 @@ Tally try_crowd(const std::vector<BodyCase>& cases, Mode mode, std::span<const i
 {
     Crowd crowd(cases, mode);
     for (ExactLevel exact : {ExactLevel::off, ExactLevel::predicates})
-        for (Spheres spheres : {Spheres::paper, Spheres::tight}) {
+        for (BoundingVolume spheres : {BoundingVolume::sphere, BoundingVolume::obb}) {
             Settings settings;
-            settings.depth = 5, settings.exact = exact, settings.spheres = spheres;
+            settings.depth = 5, settings.exact = exact, settings.bounding_volume = spheres;
             settings.mode = mode, settings.open_as_surface = mode == Mode::solid;
             const std::string kind = fmt::format("exact {}, {} spheres", name_of(exact), name_of(spheres));
             for (int n : threads) {
@@ -115,7 +115,7 @@ Tally try_crowd(const std::vector<BodyCase>& cases, Mode mode, std::span<const i
                 settings.broad_phase = broad;
                 crowd.run(kind, std::string(name_of(broad)), settings);
             }
-            if (!gpu || spheres != Spheres::paper) continue;
+            if (!gpu || spheres != BoundingVolume::sphere) continue;
             settings.backend = BackendKind::gl_compute;
             crowd.run(kind, "gl-compute", settings);
         }

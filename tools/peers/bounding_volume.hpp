@@ -6,13 +6,13 @@
 namespace oncollide::tools {
 
 /// What stands for a part of a surface: a ball, or a box turned in any way. Convex and closed.
-struct BoundingVolume {
+struct CoveringVolume {
     Eigen::Vector3d centre;
     Eigen::Vector3d half;                               ///< along the axes; of a ball its radius, thrice
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity(); ///< columns
     bool ball = false;
 
-    static BoundingVolume of_ball(const Eigen::Vector3d& centre, double radius)
+    static CoveringVolume of_ball(const Eigen::Vector3d& centre, double radius)
     {
         return {.centre = centre, .half = Eigen::Vector3d::Constant(radius), .ball = true};
     }

@@ -101,7 +101,8 @@ ScenePictures::Shown shown_from(const RenderOptions& o, const Scene& scene)
     ScenePictures::Shown shown{.meshes = o.show != "spheres",
                                .spheres = o.show != "meshes",
                                .bodies = std::vector<std::uint8_t>(scene.size(), o.bodies.empty()),
-                               .clearance = o.settings.clearance};
+                               .clearance = o.settings.clearance,
+                               .meeting = exact_from_name(o.settings.exact) == ExactLevel::predicates};
     for (const std::string& name : o.bodies) {
         const std::optional<BodyId> body = scene.find(name);
         if (!body) {

@@ -89,7 +89,7 @@ const Ocst* WholeTrees::tree(GeometryId id)
 }
 
 ScenePictures::ScenePictures(const Scene& scene, Shown shown)
-    : scene_(scene), shown_(std::move(shown)), made_(scene.geometries.size())
+    : scene_(scene), shown_(std::move(shown)), made_(scene.geometries.size()), contacts_(scene)
 {
 }
 
@@ -159,13 +159,58 @@ void ScenePictures::add_spheres(Picture& picture, std::uint32_t body)
     }
 }
 
-Picture ScenePictures::make(const TreeOf& tree_of, std::span<const PairResult> pairs, std::optional<int> level)
+void ScenePictures::find_meeting(std::span<const PairResult> pairs)
 {
-    Picture picture;
+    meeting_of_.assign(scene_.size(), {});
+    if (!shown_.meeting) return;
+    const auto is_mesh = [&](BodyId body) {
+        return std::holds_alternative<Mesh>(scene_.geometries[index(scene_.geometry[index(body)])].data);
+    };
+    for (const PairResult& pair : pairs) {
+        if (pair.verdict != Verdict::colliding || !is_mesh(pair.a) || !is_mesh(pair.b)) continue;
+        if (!shown_.bodies[index(pair.a)] && !shown_.bodies[index(pair.b)]) continue;
+        for (const Contact& contact : contacts_.find(scene_, pair.a, pair.b)) {
+            meeting_of_[index(pair.a)].push_back(contact.triangle_a);
+            meeting_of_[index(pair.b)].push_back(contact.triangle_b);
+        }
+    }
+    for (std::vector<std::uint32_t>& triangles : meeting_of_) {
+        std::sort(triangles.begin(), triangles.end());
+        triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
+    }
+}
+
+/// In two parts where triangles meet others: red ones over the whole mesh would flicker in and out of it.
+void ScenePictures::add_mesh(ScenePicture& picture, std::uint32_t body)
+{
+    const Mesh* whole = mesh_of(scene_.geometry[body]);
+    const Eigen::Isometry3d& pose = scene_.poses[body];
+    const std::vector<std::uint32_t>& meeting = meeting_of_[body];
+    const auto add_part = [&](bool red) {
+        std::vector<Triangle> triangles;
+        for (std::uint32_t t = 0; t < whole->triangles.size(); ++t)
+            if (std::binary_search(meeting.begin(), meeting.end(), t) == red)
+                triangles.push_back(whole->triangles[t]);
+        if (triangles.empty()) return;
+        picture.made.push_back(std::make_unique<Mesh>(make_mesh("part", whole->vertices, std::move(triangles))));
+        picture.bodies.push_back({picture.made.back().get(), pose, red ? touching : paler(colour_of(body))});
+    };
+    meeting_ += meeting.size();
+    if (!meeting.empty()) add_part(true);
+    if (!shown_.meshes) return;
+    if (meeting.empty())
+        picture.bodies.push_back({whole, pose, paler(colour_of(body))});
+    else
+        add_part(false);
+}
+
+ScenePicture ScenePictures::make(const TreeOf& tree_of, std::span<const PairResult> pairs, std::optional<int> level)
+{
+    ScenePicture picture;
+    spheres_ = red_ = meeting_ = 0;
+    find_meeting(pairs);
     for (std::uint32_t body = 0; body < scene_.size(); ++body)
-        if (shown_.bodies[body] && shown_.meshes)
-            picture.bodies.push_back({mesh_of(scene_.geometry[body]), scene_.poses[body], paler(colour_of(body))});
-    spheres_ = red_ = 0;
+        if (shown_.bodies[body]) add_mesh(picture, body);
     if (!shown_.spheres) return picture;
 
     of_body_.assign(scene_.size(), std::nullopt);

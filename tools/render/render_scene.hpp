@@ -8,6 +8,7 @@
 
 #include <oncollide/narrowphase/gl/picture.hpp>
 #include <oncollide/narrowphase/spheres/ocst.hpp>
+#include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
 #include <oncollide/scenes/scene.hpp>
 
@@ -29,6 +30,11 @@ private:
     std::vector<std::unique_ptr<Ocst>> trees_;
 };
 
+/// A picture with the meshes that were made for it alone.
+struct ScenePicture : Picture {
+    std::vector<std::unique_ptr<Mesh>> made;
+};
+
 /// Turns a scene, its sphere-trees and its verdicts into pictures.
 class ScenePictures {
 public:
@@ -36,6 +42,7 @@ public:
         bool meshes = true, spheres = true;
         std::vector<std::uint8_t> bodies; ///< by body
         double clearance = 0;
+        bool meeting = false; ///< colliding meshes: the triangles that meet, red; for exact predicates
     };
     /// `scene` must outlive it; poses may change.
     ScenePictures(const Scene& scene, Shown shown);
@@ -43,10 +50,12 @@ public:
     /// The scene at its current poses, without a camera.
     /// @param pairs  of this frame
     /// @param level  of the spheres; none: the finest that are known, wherever that is
-    Picture make(const TreeOf& tree_of, std::span<const PairResult> pairs, std::optional<int> level);
+    ScenePicture make(const TreeOf& tree_of, std::span<const PairResult> pairs, std::optional<int> level);
     /// Spheres of the last picture, and how many of them are red.
     std::size_t spheres() const { return spheres_; }
     std::size_t red() const { return red_; }
+    /// Triangles of the last picture that meet one of another body.
+    std::size_t meeting() const { return meeting_; }
 
 private:
     /// One sphere of a body, in the world.
@@ -61,12 +70,16 @@ private:
     const std::vector<Sphere>& spheres_of(std::uint32_t body, const TreeOf& tree_of, std::optional<int> level);
     void add_spheres(Picture& picture, std::uint32_t body);
     void mark_touching(std::uint32_t a, std::uint32_t b);
+    void find_meeting(std::span<const PairResult> pairs);
+    void add_mesh(ScenePicture& picture, std::uint32_t body);
 
     const Scene& scene_;
     Shown shown_;
     std::vector<std::unique_ptr<Mesh>> made_;                 ///< by geometry: of shapes and maps
     std::vector<std::optional<std::vector<Sphere>>> of_body_; ///< sorted along x; none: not asked for yet
-    std::size_t spheres_ = 0, red_ = 0;
+    ContactFinder contacts_;
+    std::vector<std::vector<std::uint32_t>> meeting_of_; ///< by body: its triangles that meet others, ascending
+    std::size_t spheres_ = 0, red_ = 0, meeting_ = 0;
 };
 
 } // namespace oncollide::tools

@@ -11,12 +11,12 @@ struct Place {
 };
 
 void add_boxes(const ObbTree& tree, std::uint32_t index, std::vector<Place>& places,
-               std::vector<BoundingVolume>& volumes)
+               std::vector<CoveringVolume>& volumes)
 {
     OpenBoxes boxes;
     oriented_box_kernel().open(tree.node(index), nullptr, boxes);
     for (unsigned k = 0; k < tree.node(index).lanes; ++k) {
-        BoundingVolume& box = volumes.emplace_back();
+        CoveringVolume& box = volumes.emplace_back();
         places.push_back({index, k});
         for (int i = 0; i < 3; ++i) {
             box.centre[i] = tree.centre()[i] + double(boxes.c[i][k]);
@@ -28,14 +28,14 @@ void add_boxes(const ObbTree& tree, std::uint32_t index, std::vector<Place>& pla
 
 } // namespace
 
-std::vector<std::vector<BoundingVolume>> box_levels(ObbTree& tree, std::size_t most)
+std::vector<std::vector<CoveringVolume>> box_levels(ObbTree& tree, std::size_t most)
 {
-    std::vector<std::vector<BoundingVolume>> levels(1);
+    std::vector<std::vector<CoveringVolume>> levels(1);
     std::vector<Place> places, next;
     add_boxes(tree, ObbTree::root, places, levels.back());
     for (;;) {
         next.clear();
-        std::vector<BoundingVolume> volumes;
+        std::vector<CoveringVolume> volumes;
         for (std::size_t i = 0; i < places.size() && volumes.size() <= most; ++i) {
             const auto [index, lane] = places[i];
             if (tree.node(index).count[lane] > 1)

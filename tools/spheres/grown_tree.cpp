@@ -30,11 +30,11 @@ GrownTree::GrownTree(const Scene& scene, const Settings& settings, std::size_t m
     }
 }
 
-std::vector<BoundingVolume> GrownTree::spheres(int level) const
+std::vector<CoveringVolume> GrownTree::spheres(int level) const
 {
-    std::vector<BoundingVolume> spheres;
+    std::vector<CoveringVolume> spheres;
     for (const CellKey cell : this->level(level))
-        spheres.push_back(BoundingVolume::of_ball(tree().centre(cell), tree().radius(level)));
+        spheres.push_back(CoveringVolume::of_ball(tree().centre(cell), tree().radius(level)));
     return spheres;
 }
 

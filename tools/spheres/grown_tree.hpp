@@ -19,7 +19,7 @@ public:
     int depth() const { return static_cast<int>(levels_.size()) - 1; }
     /// The cells of a level, 0 to depth(), that the surface enters.
     const std::vector<CellKey>& level(int l) const { return levels_[std::size_t(l)]; }
-    std::vector<BoundingVolume> spheres(int level) const;
+    std::vector<CoveringVolume> spheres(int level) const;
     const Ocst& tree() const { return *forest_.grown(GeometryId{0}); }
     /// No point of a sphere of that level is farther from the surface.
     double certified_reach(int level) const;

@@ -39,7 +39,7 @@ public:
     {
     }
 
-    Reach operator()(const BoundingVolume& volume) const
+    Reach operator()(const CoveringVolume& volume) const
     {
         Reach reach;
         // Straight away from the surface, and straight through it.
@@ -53,7 +53,7 @@ public:
     }
 
 private:
-    void look(const BoundingVolume& volume, const Vector3d& direction, Reach& reach) const
+    void look(const CoveringVolume& volume, const Vector3d& direction, Reach& reach) const
     {
         const Vector3d point = volume.boundary(direction);
         const double distance = index_.nearest(point, closed_ ? reach.beyond : reach.either).distance;
@@ -68,7 +68,7 @@ private:
 
 } // namespace
 
-LevelQuality judge_level(const Mesh& mesh, const SurfaceIndex& index, std::span<const BoundingVolume> volumes,
+LevelQuality judge_level(const Mesh& mesh, const SurfaceIndex& index, std::span<const CoveringVolume> volumes,
                          const QualityOptions& options)
 {
     LevelQuality quality;
@@ -82,7 +82,7 @@ LevelQuality judge_level(const Mesh& mesh, const SurfaceIndex& index, std::span<
         quality.mean.either += reach.either / double(volumes.size());
         quality.mean.beyond += reach.beyond / double(volumes.size());
     }
-    for (const BoundingVolume& v : volumes) quality.volume += v.volume();
+    for (const CoveringVolume& v : volumes) quality.volume += v.volume();
     const SurfaceCover cover(mesh, index, volumes);
     quality.uncovered = cover.uncovered_area(quality.open_triangles);
     quality.outside = cover.points_outside(options.points, quality.points);

@@ -35,7 +35,7 @@ struct QualityOptions {
 /// are never farther than its radius and the distance of its centre together.
 /// Coverage is decided twice: at points, and for whole triangles, which are halved until each piece is in one volume.
 /// Volumes lie in the mesh's frame. Cost: about 20 microseconds a volume, and as much a triangle that volumes meet in.
-LevelQuality judge_level(const Mesh& mesh, const SurfaceIndex& index, std::span<const BoundingVolume> volumes,
+LevelQuality judge_level(const Mesh& mesh, const SurfaceIndex& index, std::span<const CoveringVolume> volumes,
                          const QualityOptions& options = {});
 
 } // namespace oncollide::tools

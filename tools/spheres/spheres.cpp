@@ -20,7 +20,7 @@ namespace oncollide::tools {
 namespace {
 
 struct SpheresOptions {
-    std::string mesh, csv, json, spheres = "paper";
+    std::string mesh, csv, json, bounding_volume = "sphere";
     std::optional<int> depth;
     std::optional<double> max_error;
     int directions = QualityOptions{}.directions, threads = 1;
@@ -29,18 +29,18 @@ struct SpheresOptions {
 
 /// One level of one of the trees.
 struct Row {
-    Spheres kind; ///< paper: spheres; tight: boxes
+    BoundingVolume kind;
     int level;
     double certified;           ///< no point of a volume is farther from the surface
     std::vector<CellKey> cells; ///< of the spheres
-    std::vector<BoundingVolume> volumes;
+    std::vector<CoveringVolume> volumes;
     LevelQuality quality;
 
-    const char* name() const { return kind == Spheres::paper ? "sphere" : "box"; }
+    const char* name() const { return kind == BoundingVolume::sphere ? "sphere" : "box"; }
     double radius() const ///< largest
     {
         double radius = 0;
-        for (const BoundingVolume& v : volumes) radius = std::max(radius, v.radius());
+        for (const CoveringVolume& v : volumes) radius = std::max(radius, v.radius());
         return radius;
     }
 };
@@ -58,10 +58,10 @@ void judge(Judged& judged, const GrownTree& tree, ObbTree& boxes, const SpheresO
 {
     for (int level = 0; level <= tree.depth(); ++level)
         judged.rows.push_back(
-            {Spheres::paper, level, tree.certified_reach(level), tree.level(level), tree.spheres(level), {}});
+            {BoundingVolume::sphere, level, tree.certified_reach(level), tree.level(level), tree.spheres(level), {}});
     int level = 0;
-    for (std::vector<BoundingVolume>& volumes : box_levels(boxes)) {
-        Row& row = judged.rows.emplace_back(Row{Spheres::tight, level++, 0, {}, std::move(volumes), {}});
+    for (std::vector<CoveringVolume>& volumes : box_levels(boxes)) {
+        Row& row = judged.rows.emplace_back(Row{BoundingVolume::obb, level++, 0, {}, std::move(volumes), {}});
         row.certified = 2 * row.radius();
     }
     const SurfaceIndex index(judged.mesh);
@@ -108,10 +108,10 @@ void print_table(const Judged& judged, const GrownTree& tree, const ObbTree& box
     }
 }
 
-std::vector<std::string> columns(Spheres kind, bool closed)
+std::vector<std::string> columns(BoundingVolume kind, bool closed)
 {
     std::vector<std::string> names;
-    if (kind == Spheres::paper)
+    if (kind == BoundingVolume::sphere)
         names = {"level", "cell", "x", "y", "z", "radius"};
     else
         names = {"level", "x",   "y",   "z",   "half_u", "half_v", "half_w", "u_x",
@@ -124,12 +124,12 @@ std::vector<std::string> columns(Spheres kind, bool closed)
 /// What the columns name, with commas between.
 std::string numbers(const Row& row, std::size_t i, bool closed)
 {
-    const BoundingVolume& v = row.volumes[i];
+    const CoveringVolume& v = row.volumes[i];
     std::string text = std::to_string(row.level);
     const auto add = [&](const double* values, int count) {
         for (int k = 0; k < count; ++k) fmt::format_to(std::back_inserter(text), ",{}", values[k]);
     };
-    if (row.kind == Spheres::paper) text += "," + std::to_string(row.cells[i]);
+    if (row.kind == BoundingVolume::sphere) text += "," + std::to_string(row.cells[i]);
     add(v.centre.data(), 3);
     add(v.half.data(), v.ball ? 1 : 3);
     if (!v.ball) add(v.axes.data(), 9); // column after column
@@ -139,7 +139,7 @@ std::string numbers(const Row& row, std::size_t i, bool closed)
     return text;
 }
 
-void write_csv(const std::string& path, const Judged& judged, Spheres kind)
+void write_csv(const std::string& path, const Judged& judged, BoundingVolume kind)
 {
     OutputFile file(path);
     file.print("{}\n", fmt::join(columns(kind, judged.closed), ","));
@@ -167,11 +167,17 @@ nlohmann::json as_json(const Row& row, const Judged& judged)
     return object;
 }
 
-void write_json(const std::string& path, const SpheresOptions& options, const Judged& judged, int depth, Spheres kind)
+void write_json(const std::string& path, const SpheresOptions& options, const Judged& judged, int depth,
+                BoundingVolume kind)
 {
-    const nlohmann::json header = {{"version", version},      {"mesh", options.mesh},
-                                   {"depth", depth},          {"spheres", name_of(kind)},
-                                   {"closed", judged.closed}, {"longest_side", judged.side}};
+    // `spheres` is the older name of the setting, with its older values.
+    const nlohmann::json header = {{"version", version},
+                                   {"mesh", options.mesh},
+                                   {"depth", depth},
+                                   {"bounding_volume", name_of(kind)},
+                                   {"spheres", kind == BoundingVolume::sphere ? "paper" : "tight"},
+                                   {"closed", judged.closed},
+                                   {"longest_side", judged.side}};
     OutputFile file(path);
     file.print("{{\"header\": {}, \"levels\": [", header.dump());
     for (const Row& row : judged.rows)
@@ -191,8 +197,9 @@ int spheres(const SpheresOptions& options)
 {
     const Settings settings{.depth = options.depth, .max_error = options.max_error, .threads = options.threads};
     check(settings);
-    const Spheres kind = spheres_from_name(options.spheres);
-    if (kind == Spheres::automatic) throw Error(ErrorKind::usage, "--spheres auto: must be paper or tight here");
+    const BoundingVolume kind = bounding_volume_from_name(options.bounding_volume);
+    if (kind == BoundingVolume::automatic)
+        throw Error(ErrorKind::usage, "--bounding-volume auto: must be sphere or obb here");
     if (options.directions < 1 || options.directions > 100'000)
         throw Error(ErrorKind::usage, fmt::format("--directions {}: must be from 1 to 100000", options.directions));
     OutputOptions outputs;
@@ -225,36 +232,36 @@ int spheres(const SpheresOptions& options)
 
 } // namespace
 
-void add_spheres(CLI::App& app, Command& command)
+void add_spheres(Arguments app)
 {
-    CLI::App* sub =
-        app.add_subcommand("spheres", "The spheres and boxes of a mesh's trees, and how well they stand for it");
+    Arguments sub =
+        app.add_command("spheres", "The spheres and boxes of a mesh's trees, and how well they stand for it");
     auto options = std::make_shared<SpheresOptions>();
-    sub->add_option("mesh", options->mesh, "mesh (OBJ, STL, PLY, OFF, glTF)")->required()->type_name("MESH");
-    sub->add_option("--depth", options->depth,
-                    "depth of the sphere-tree, 1 to 16 (default 6); boxes go down to single triangles")
-        ->type_name("D");
-    sub->add_option("--max-error", options->max_error,
-                    "instead of --depth: largest error in metres of the answer 'within' for two such trees")
-        ->type_name("M");
-    sub->add_option("--spheres", options->spheres,
-                    "which to write: paper: spheres around cells (default); tight: oriented boxes around triangles")
-        ->type_name("NAME");
-    sub->add_option("--csv", options->csv, "write those of all levels, one a row; '-' is standard output")
-        ->type_name("FILE");
-    sub->add_option("--json", options->json, "write the tables and those of all levels; '-' is standard output")
-        ->type_name("FILE");
-    sub->add_option("--directions", options->directions,
-                    fmt::format("points of each sphere or box that are looked at (default {})", options->directions))
-        ->type_name("N");
-    sub->add_option("--threads", options->threads, "threads; 0: all. Never changes the result (default 1)")
-        ->type_name("N");
-    sub->add_flag("--quiet", options->quiet, "print nothing but errors");
-    sub->footer("Exit code 70: a part of the surface is in no sphere or box, or one reaches farther than certified.\n"
-                "Examples:\n"
-                "  oncollide spheres bunny.obj --depth 5\n"
-                "  oncollide spheres part.stl --max-error 0.002 --spheres tight --csv boxes.csv");
-    sub->callback([options, &command] { command = [options] { return spheres(*options); }; });
+    sub.add_option("mesh", options->mesh, "mesh (OBJ, STL, PLY, OFF, glTF)").required().type_name("MESH");
+    sub.add_option("--depth", options->depth,
+                   "depth of the sphere-tree, 1 to 16 (default 6); boxes go down to single triangles")
+        .type_name("D");
+    sub.add_option("--max-error", options->max_error,
+                   "instead of --depth: largest error in metres of the answer 'within' for two such trees")
+        .type_name("M");
+    sub.add_option("--bounding-volume,--spheres", options->bounding_volume,
+                   "which to write. sphere: spheres around cells (default); obb: oriented boxes around triangles")
+        .type_name("NAME");
+    sub.add_option("--csv", options->csv, "write those of all levels, one a row; '-' is standard output")
+        .type_name("FILE");
+    sub.add_option("--json", options->json, "write the tables and those of all levels; '-' is standard output")
+        .type_name("FILE");
+    sub.add_option("--directions", options->directions,
+                   fmt::format("points of each sphere or box that are looked at (default {})", options->directions))
+        .type_name("N");
+    sub.add_option("--threads", options->threads, "threads; 0: all. Never changes the result (default 1)")
+        .type_name("N");
+    sub.add_flag("--quiet", options->quiet, "print nothing but errors");
+    sub.footer("Exit code 70: a part of the surface is in no sphere or box, or one reaches farther than certified.\n"
+               "Examples:\n"
+               "  oncollide spheres bunny.obj --depth 5\n"
+               "  oncollide spheres part.stl --max-error 0.002 --bounding-volume obb --csv boxes.csv");
+    sub.action([options] { return spheres(*options); });
 }
 
 } // namespace oncollide::tools

@@ -23,12 +23,12 @@ double area(const Vector3d& a, const Vector3d& b, const Vector3d& c)
 
 } // namespace
 
-SurfaceCover::SurfaceCover(const Mesh& mesh, const SurfaceIndex& index, std::span<const BoundingVolume> volumes)
+SurfaceCover::SurfaceCover(const Mesh& mesh, const SurfaceIndex& index, std::span<const CoveringVolume> volumes)
     : mesh_(mesh), volumes_(volumes),
       slack_(1e-12 * std::max({mesh.bounds.diagonal(), mesh.bounds.min.norm(), mesh.bounds.max.norm()})),
       fine_(std::numeric_limits<double>::infinity()), near_end_(mesh.triangles.size())
 {
-    for (const BoundingVolume& v : volumes) fine_ = std::min(fine_, v.radius() / 16);
+    for (const CoveringVolume& v : volumes) fine_ = std::min(fine_, v.radius() / 16);
     fine_ = std::max(fine_, slack_);
     // Count, then fill.
     const auto for_each_near = [&](auto&& visit) {
@@ -62,7 +62,7 @@ bool SurfaceCover::in_one(const Piece& p, std::span<const std::uint32_t> candida
     const Vector3d middle = (a + b + c) / 3;
     const double size = std::max({(a - middle).norm(), (b - middle).norm(), (c - middle).norm()});
     for (const std::uint32_t i : candidates) {
-        const BoundingVolume& v = volumes_[i];
+        const CoveringVolume& v = volumes_[i];
         if (v.holds(a, slack_) && v.holds(b, slack_) && v.holds(c, slack_)) return true;
         if (v.holds(middle, slack_ + size)) reached.push_back(i);
     }

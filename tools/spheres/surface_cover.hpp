@@ -14,7 +14,7 @@ namespace oncollide::tools {
 class SurfaceCover {
 public:
     /// @param index  of `mesh`
-    SurfaceCover(const Mesh& mesh, const SurfaceIndex& index, std::span<const BoundingVolume> volumes);
+    SurfaceCover(const Mesh& mesh, const SurfaceIndex& index, std::span<const CoveringVolume> volumes);
 
     /// Each triangle is halved until every piece is in one volume, which is convex. Counts the triangles of which a
     /// piece is left, and returns the area of such pieces.
@@ -36,7 +36,7 @@ private:
     double uncovered(const Piece& piece, std::span<const std::uint32_t> candidates, bool& open) const;
 
     const Mesh& mesh_;
-    std::span<const BoundingVolume> volumes_;
+    std::span<const CoveringVolume> volumes_;
     double slack_;
     double fine_;                       ///< pieces below it are covered wholly or not at all
     std::vector<std::uint32_t> near_;   ///< volumes that may reach a triangle, triangle after triangle

@@ -190,6 +190,8 @@ void write_json(const std::string& path, const std::string& scene, const std::ve
 
 int accuracy(const AccuracyOptions& options)
 {
+    if (options.scene.scene.empty())
+        throw Error(ErrorKind::usage, "accuracy: scene is required (oncollide accuracy --help)");
     const auto at_least = [](const char* option, int value, int least) {
         if (value < least)
             throw Error(ErrorKind::usage, fmt::format("{} {}: must be at least {}", option, value, least));
@@ -234,39 +236,35 @@ int accuracy(const AccuracyOptions& options)
 
 } // namespace
 
-void add_accuracy(CLI::App& app, Command& command)
+void add_accuracy(Arguments app)
 {
-    CLI::App* sub =
-        app.add_subcommand("accuracy", "Check a scene against FCL: collisions missed, false alarms, bounds");
+    Arguments sub = app.add_command("accuracy", "Check a scene against FCL: collisions missed, false alarms, bounds");
     auto options = std::make_shared<AccuracyOptions>();
     // Not marked as required: a word in its place that names a subcommand would be taken for it.
-    sub->add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
-        ->type_name("SCENE.json|NAME");
-    const CLI::App *hard = add_accuracy_hard(*sub, command), *study = add_accuracy_study(*sub, command);
-    sub->require_subcommand(0, 1); // what follows is theirs, even if it is called 'hard'
-    sub->add_option("--depths", options->depths, "depths to check (default 1-8)")->type_name("LIST");
-    sub->add_flag("--toggle", options->toggle, "also check with each stage left out and each setting changed in turn");
-    sub->add_option("--count", options->count, "so many scenes, each with the next seed")->type_name("N");
-    sub->add_option("--every", options->every, "only every so manieth frame")->type_name("N");
-    sub->add_option("--samples", options->samples, "bounds to check a frame (default 10)")->type_name("N");
-    add_catalogue_options(*sub, options->scene);
-    add_accuracy_options(*sub, options->settings);
-    sub->remove_option(sub->get_option("--depth"));
-    sub->remove_option(sub->get_option("--max-error"));
-    add_pipeline_options(*sub, options->settings);
-    sub->add_option("--csv", options->csv, "write one row per variant")->type_name("FILE");
-    sub->add_option("--json", options->json, "write the same as JSON")->type_name("FILE");
-    sub->footer("Examples:\n"
-                "  oncollide accuracy paper --every 20\n"
-                "  oncollide accuracy random --count 200 --frames 3 --depths 1-8 --toggle\n"
-                "  oncollide accuracy hard                      (the hard cases; see its own --help)\n"
-                "  oncollide accuracy study paper --html study.html    (speed against error; see its own --help)\n"
-                "Exit code 70: a collision was missed, a bound was broken, or a result changed that must not.");
-    sub->callback([options, hard, study, &command] {
-        if (hard->parsed() || study->parsed()) return;
-        if (options->scene.scene.empty()) throw CLI::RequiredError("scene");
-        command = [options] { return accuracy(*options); };
-    });
+    sub.add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
+        .type_name("SCENE.json|NAME");
+    add_accuracy_hard(sub);
+    add_accuracy_study(sub);
+    sub.at_most_one_command(); // what follows is theirs, even if it is called 'hard'
+    sub.add_option("--depths", options->depths, "depths to check (default 1-8)").type_name("LIST");
+    sub.add_flag("--toggle", options->toggle, "also check with each stage left out and each setting changed in turn");
+    sub.add_option("--count", options->count, "so many scenes, each with the next seed").type_name("N");
+    sub.add_option("--every", options->every, "only every so manieth frame").type_name("N");
+    sub.add_option("--samples", options->samples, "bounds to check a frame (default 10)").type_name("N");
+    add_catalogue_options(sub, options->scene);
+    add_accuracy_options(sub, options->settings);
+    sub.remove_option("--depth");
+    sub.remove_option("--max-error");
+    add_pipeline_options(sub, options->settings);
+    sub.add_option("--csv", options->csv, "write one row per variant").type_name("FILE");
+    sub.add_option("--json", options->json, "write the same as JSON").type_name("FILE");
+    sub.footer("Examples:\n"
+               "  oncollide accuracy paper --every 20\n"
+               "  oncollide accuracy random --count 200 --frames 3 --depths 1-8 --toggle\n"
+               "  oncollide accuracy hard                      (the hard cases; see its own --help)\n"
+               "  oncollide accuracy study paper --html study.html    (speed against error; see its own --help)\n"
+               "Exit code 70: a collision was missed, a bound was broken, or a result changed that must not.");
+    sub.action([options] { return accuracy(*options); });
 }
 
 } // namespace oncollide::tools

@@ -21,7 +21,7 @@ namespace {
 struct StudyOptions {
     CourseOptions workload;
     SettingsOptions settings;
-    std::string depths, max_errors, backends = "cpu", spheres = "paper,tight", exact = "off,predicates";
+    std::string depths, max_errors, backends = "cpu", bounding_volumes = "sphere,obb", exact = "off,predicates";
     std::string viewports = "16", peers, html, csv, json;
     int warm_up = 3, repeats = 1;
 };
@@ -95,16 +95,17 @@ std::vector<StudyVariant> variants_of(const StudyOptions& o)
     std::vector<StudyVariant> variants;
     const std::vector<Dial> dials = dials_of(o);
     for (const Asker& asker : askers_of(o))
-        for (const std::string& spheres : split(o.spheres))
+        for (const std::string& volume : split(o.bounding_volumes))
             for (const std::string& exact : split(o.exact)) {
                 SettingsOptions one = asker.settings;
-                one.spheres = spheres, one.exact = exact;
-                // Without an exact level nobody can tell: what only touches is left over as a false alarm.
+                one.bounding_volume = volume, one.exact = exact;
+                // Without an exact level nobody can tell: what only touches is left over as a false positive.
                 if (exact_from_name(exact) == ExactLevel::off) one.kinds = one.ignore_touching = false;
-                if (spheres_from_name(spheres) == Spheres::automatic)
-                    refuse("--spheres auto: a study needs to know which; expected paper, tight or both");
-                if (spheres == "tight" && !asker.prefix.empty()) continue;
-                const std::string form = spheres == "tight" ? "tight boxes" : "paper spheres";
+                const BoundingVolume kind = bounding_volume_from_name(volume);
+                if (kind == BoundingVolume::automatic)
+                    refuse("--bounding-volume auto: a study needs to know which; expected sphere, obb or both");
+                if (kind == BoundingVolume::obb && !asker.prefix.empty()) continue;
+                const std::string form = kind == BoundingVolume::obb ? "OBBs" : "spheres";
                 if (exact_from_name(exact) != ExactLevel::off) {
                     const std::string name = fmt::format("{}{}, {}", asker.prefix, form, exact);
                     variants.push_back({name, name, settings_from(one)});
@@ -119,7 +120,7 @@ std::vector<StudyVariant> variants_of(const StudyOptions& o)
     if (o.settings.ignore_touching &&
         std::ranges::none_of(variants, [](const StudyVariant& v) { return v.settings.ignore_touching; }))
         refuse("--ignore-touching: needs --exact predicates, alone or among others");
-    if (variants.empty()) refuse("--spheres tight: only the cpu answers for these; nothing is left to study");
+    if (variants.empty()) refuse("--bounding-volume obb: OBBs need --backend cpu; nothing is left to study");
     return variants;
 }
 
@@ -186,78 +187,79 @@ int accuracy_study(const StudyOptions& o)
     return study.faulty() ? int(ErrorKind::internal) : 0;
 }
 
-void add_study_options(CLI::App& sub, StudyOptions& o)
+/// Returns the option that takes poses from a file.
+Option add_study_options(Arguments sub, StudyOptions& o)
 {
-    sub.add_option("what", o.workload.what, "a scene, or two mesh files")->type_name("SCENE.json|NAME|MESH_A MESH_B");
-    sub.add_option("--poses", o.workload.poses,
-                   "two meshes in the poses of this file; without a file and meshes, the data folder's set")
-        ->type_name("FILE")
-        ->expected(0, 1);
+    sub.add_option("what", o.workload.what, "a scene, or two mesh files").type_name("SCENE.json|NAME|MESH_A MESH_B");
+    const Option poses =
+        sub.add_option("--poses", o.workload.poses,
+                       "two meshes in the poses of this file; without a file and meshes, the data folder's set")
+            .type_name("FILE")
+            .expected(0, 1);
     sub.add_option("--distances", o.workload.distances,
                    "two meshes: distances of generated poses, percents of A's diagonal (default 0,0.1,1,5)")
-        ->type_name("LIST");
+        .type_name("LIST");
     sub.add_option("--count", o.workload.count, "two meshes: poses a distance, or of the file (default 100, all)")
-        ->type_name("N");
-    sub.add_option("--every", o.workload.every, "only every so manieth frame or pose")->type_name("N");
-    sub.add_option("--depths", o.depths, "depths of the trees (default 2-8)")->type_name("LIST");
+        .type_name("N");
+    sub.add_option("--every", o.workload.every, "only every so manieth frame or pose").type_name("N");
+    sub.add_option("--depths", o.depths, "depths of the trees (default 2-8)").type_name("LIST");
     sub.add_option("--max-errors", o.max_errors, "instead of depths: errors in metres, like 0.1,0.03,0.01")
-        ->type_name("LIST");
+        .type_name("LIST");
     sub.add_option("--backend", o.backends, "cpu, gl-compute, gl-query, several with commas (default cpu)")
-        ->type_name("LIST");
+        .type_name("LIST");
     sub.add_option("--viewport", o.viewports, "gl-query: pixels a side, several with commas (default 16)")
-        ->type_name("LIST");
-    sub.add_option("--spheres", o.spheres, "paper, tight or both (default paper,tight)")->type_name("LIST");
-    sub.add_option("--exact", o.exact, "exact levels: off, predicates, fcl (default off,predicates)")
-        ->type_name("LIST");
+        .type_name("LIST");
+    sub.add_option("--bounding-volume,--spheres", o.bounding_volumes, "sphere, obb or both (default sphere,obb)")
+        .type_name("LIST");
+    sub.add_option("--exact", o.exact, "exact levels: off, predicates, fcl (default off,predicates)").type_name("LIST");
     sub.add_option(
            "--peers", o.peers,
            "beside these: fcl, ode, bullet, embree, cgal, several with commas, all or none (default fcl,ode,bullet)")
-        ->type_name("LIST");
-    sub.add_option("--warm-up", o.warm_up, "frames at the start that count in no time (default 3)")->type_name("N");
+        .type_name("LIST");
+    sub.add_option("--warm-up", o.warm_up, "frames at the start that count in no time (default 3)").type_name("N");
     sub.add_option("--repeats", o.repeats,
                    "runs, of a frame's times the least counts; scenes from nothing, poses go on with what has grown "
                    "(default 1)")
-        ->type_name("N");
+        .type_name("N");
     sub.add_option("--html", o.html, "write a page with all of it, figures and pictures; needs no network")
-        ->type_name("FILE");
-    sub.add_option("--csv", o.csv, "write one row a variant")->type_name("FILE");
-    sub.add_option("--json", o.json, "write the same as JSON, with the stages")->type_name("FILE");
+        .type_name("FILE");
+    sub.add_option("--csv", o.csv, "write one row a variant").type_name("FILE");
+    sub.add_option("--json", o.json, "write the same as JSON, with the stages").type_name("FILE");
+    return poses;
 }
 
 } // namespace
 
-CLI::App* add_accuracy_study(CLI::App& accuracy, Command& command)
+void add_accuracy_study(Arguments accuracy)
 {
-    CLI::App* sub = accuracy.add_subcommand(
+    Arguments sub = accuracy.add_command(
         "study", "Speed against error: a scene, or two meshes in many poses, at many settings, beside other libraries");
     auto options = std::make_shared<StudyOptions>();
-    add_catalogue_options(*sub, options->workload.scene);
-    add_accuracy_options(*sub, options->settings);
-    add_pipeline_options(*sub, options->settings);
-    for (const char* replaced : {"--depth", "--max-error", "--exact", "--backend", "--viewport", "--spheres"})
-        sub->remove_option(sub->get_option(replaced));
-    add_study_options(*sub, *options);
-    sub->footer(
+    add_catalogue_options(sub, options->workload.scene);
+    add_accuracy_options(sub, options->settings);
+    add_pipeline_options(sub, options->settings);
+    for (const char* replaced : {"--depth", "--max-error", "--exact", "--backend", "--viewport", "--bounding-volume"})
+        sub.remove_option(replaced);
+    const Option poses = add_study_options(sub, *options);
+    sub.footer(
         "The truth is exact arithmetic on the triangles of every two bodies whose boxes overlap, by no tree, walk or\n"
         "predicate of the library. Columns:\n"
         "  error     the largest certified bound of a pair left over: none is farther apart\n"
         "  x FCL     how many times as fast as FCL, by the means\n"
         "  left over pairs that are not certified separate; false: those that are apart\n"
         "  missed    collisions lost: must be 0, but for gl-query, which certifies nothing\n"
-        "  at m      true distance of the false alarms: median and largest\n"
+        "  at m      true distance of the false positives: median and largest\n"
         "  needed    cells and boxes ever reached, of those of the same trees grown everywhere\n\n"
         "Examples:\n"
         "  oncollide accuracy study many --frames 20 --html many.html\n"
         "  oncollide accuracy study a.obj b.obj --poses poses.txt --max-errors 0.1,0.01,0.001 --csv study.csv\n"
         "  oncollide accuracy study many --bodies 200 --frames 5 --peers all --csv peers.csv\n"
-        "  oncollide accuracy study paper --backend cpu,gl-query --viewport 8,64 --spheres paper\n"
+        "  oncollide accuracy study paper --backend cpu,gl-query --viewport 8,64 --bounding-volume sphere\n"
         "Exit code 70: a certified answer was wrong.");
-    const CLI::Option* poses = sub->get_option("--poses");
-    sub->callback([options, poses, &command] {
-        options->workload.use_poses = poses->count() > 0;
-        command = [options] { return accuracy_study(*options); };
+    sub.action([options, poses] {
+        options->workload.use_poses = poses.given();
+        return accuracy_study(*options);
     });
-    return sub;
 }
 
 } // namespace oncollide::tools

@@ -4,6 +4,6 @@
 namespace oncollide::tools {
 
 /// Adds `oncollide accuracy study`.
-CLI::App* add_accuracy_study(CLI::App& accuracy, Command& command);
+void add_accuracy_study(Arguments accuracy);
 
 } // namespace oncollide::tools

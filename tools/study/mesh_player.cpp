@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/broadphase/world_boxes.hpp>
+#include <oncollide/broadphase/pose_bounds.hpp>
 
 #include "bench/bench.hpp"
 #include "peers/narrow_peer.hpp"
@@ -46,16 +46,16 @@ const Contender& contender(const std::vector<Contender>& all, const std::string&
 class MeshPlayer final : public StudyPlayer {
 public:
     MeshPlayer(const Scene& scene, const NarrowContender& narrow, const Contender* broad)
-        : scene_(scene), peers_(scene.geometries.size() * scene.geometries.size()), boxes_of_(scene),
-          boxes_(scene.size())
+        : scene_(scene), peers_(scene.geometries.size() * scene.geometries.size()), boxes_(scene.size())
     {
+        for (const Geometry& geometry : scene.geometries) bounds_.emplace_back(geometry.data);
         for (const auto& [g, h] : geometry_pairs(scene)) peer(g, h) = narrow.make(mesh_of(scene, g), mesh_of(scene, h));
         if (!broad) return;
         broad_ = broad->make(1);
         std::vector<std::uint32_t> all(scene.size());
         std::iota(all.begin(), all.end(), 0u);
         std::ranges::copy_if(all, std::back_inserter(moving_), [&](std::uint32_t b) { return !scene.is_static[b]; });
-        boxes_of_.update(scene, all, 1, boxes_);
+        update_boxes(all);
         broad_->start(frame());
     }
 
@@ -83,15 +83,21 @@ private:
 
     BoxFrame frame() const { return {boxes_, moving_, scene_.is_static}; }
 
+    void update_boxes(std::span<const std::uint32_t> bodies)
+    {
+        for (std::uint32_t body : bodies) bounds_[index(scene_.geometry[body])].expect(1);
+        for (std::uint32_t body : bodies) boxes_[body] = bounds_[index(scene_.geometry[body])].box(scene_.poses[body]);
+    }
+
     void find_candidates()
     {
         if (!broad_) {
             candidates_ = {{0, 1}};
             return;
         }
-        boxes_of_.update(scene_, moving_, 1, boxes_);
+        update_boxes(moving_);
         broad_->step(frame(), candidates_);
-        const BodyFilter filter{scene_.is_static, scene_.layers, scene_.masks};
+        const BodyColumns filter{boxes_, scene_.layers, scene_.masks};
         std::erase_if(candidates_, [&](BodyPair pair) { return !filter.allows(pair.a, pair.b); });
     }
 
@@ -105,7 +111,7 @@ private:
 
     const Scene& scene_;
     std::vector<std::unique_ptr<NarrowPeer>> peers_; ///< by first and second geometry
-    WorldBoxes boxes_of_;
+    std::vector<PoseBounds> bounds_;                 ///< by geometry
     std::vector<Aabb> boxes_;
     std::vector<std::uint32_t> moving_;
     std::unique_ptr<BroadPeer> broad_; ///< none: the two bodies are always asked about

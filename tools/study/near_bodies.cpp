@@ -34,16 +34,19 @@ Aabb world_box(const Scene& scene, std::uint32_t body, double clearance)
 
 std::vector<BodyPair> near_bodies(const Scene& scene, double clearance)
 {
-    const BodyFilter filter{scene.is_static, scene.layers, scene.masks};
     std::vector<Aabb> boxes;
     for (std::uint32_t body = 0; body < scene.size(); ++body) boxes.push_back(world_box(scene, body, clearance));
+    const BodyColumns columns{boxes, scene.layers, scene.masks};
+    const auto allowed = [&](std::uint32_t a, std::uint32_t b) {
+        return !(scene.is_static[a] && scene.is_static[b]) && columns.allows(a, b);
+    };
     std::vector<std::uint32_t> order(boxes.size());
     std::iota(order.begin(), order.end(), 0u);
     std::ranges::sort(order, {}, [&](std::uint32_t body) { return boxes[body].min.x(); });
     std::vector<BodyPair> pairs;
     for (std::size_t i = 0; i < order.size(); ++i)
         for (std::size_t j = i + 1; j < order.size() && boxes[order[j]].min.x() <= boxes[order[i]].max.x(); ++j)
-            if (boxes[order[i]].overlaps(boxes[order[j]]) && filter.allows(order[i], order[j]))
+            if (boxes[order[i]].overlaps(boxes[order[j]]) && allowed(order[i], order[j]))
                 pairs.push_back({std::min(order[i], order[j]), std::max(order[i], order[j])});
     std::ranges::sort(pairs);
     return pairs;

@@ -2,6 +2,7 @@
 #include <vector>
 
 #include <oncollide/broadphase/broad_phase.hpp>
+#include <oncollide/scenes/scene.hpp>
 
 namespace oncollide::tools {
 

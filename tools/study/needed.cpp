@@ -85,8 +85,8 @@ void count(StudyCourse& workload, StudyRow& row, WholeModel& whole, const std::v
     for (std::uint32_t g = 0; g < used.size() && row.nodes_all; ++g) {
         if (!used[g]) continue;
         const bool mesh = std::holds_alternative<Mesh>(workload.scene.geometries[g].data);
-        if (mesh && (exact || wants_tight(settings))) *row.nodes_all += whole.boxes(g);
-        if (mesh && wants_tight(settings)) continue;
+        if (mesh && (exact || wants_obbs(settings))) *row.nodes_all += whole.boxes(g);
+        if (mesh && wants_obbs(settings)) continue;
         const Ocst* tree = pipeline.tree(GeometryId{g});
         const std::optional<std::uint64_t> cells = whole.cells(g, tree ? tree->depth() : deepest);
         cells ? void(*row.nodes_all += *cells) : row.nodes_all.reset();

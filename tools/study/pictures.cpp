@@ -84,12 +84,12 @@ StudyPicture draw(StudyCourse& workload, const Scenario& scenario, Painter& pain
             if (index(p.a) == pair.a && index(p.b) == pair.b) pairs.push_back(p);
     }
     // Oriented boxes are not drawn: their spheres would be those of other pairs.
-    ScenePictures::Shown shown{.spheres = !wants_tight(settings),
+    ScenePictures::Shown shown{.spheres = !wants_obbs(settings),
                                .bodies = std::vector<std::uint8_t>(scene.size()),
                                .clearance = settings.clearance};
     shown.bodies[pair.a] = shown.bodies[pair.b] = 1;
     ScenePictures pictures(scene, shown);
-    Picture picture = pictures.make([&](GeometryId id) { return pipeline.tree(id); }, pairs, std::nullopt);
+    ScenePicture picture = pictures.make([&](GeometryId id) { return pipeline.tree(id); }, pairs, std::nullopt);
     picture.width = picture.height = side;
     Framing framing;
     framing.add(picture);

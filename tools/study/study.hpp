@@ -12,8 +12,8 @@ namespace oncollide::tools {
 
 /// One point of the curve.
 struct StudyVariant {
-    std::string series; ///< what it has in common with the other points of its line: "paper spheres"
-    std::string name;   ///< the series and the dial: "paper spheres, depth 6"
+    std::string series; ///< what it has in common with the other points of its line: "spheres"
+    std::string name;   ///< the series and the dial: "spheres, depth 6"
     Settings settings;
     bool certified() const { return settings.backend != BackendKind::gl_query; }
 };

@@ -1,0 +1,83 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <oncollide/broadphase/broad_phase.hpp>
+
+namespace oncollide {
+
+/// Which bodies a broad phase has, which of them are awake, and which changed since their pairs were last found.
+class BodyStates {
+public:
+    enum State : std::uint8_t {
+        present = 1,
+        awake = 2,
+        changed = 4,
+        held = 8,
+        queried = 16
+    }; ///< last two: the owner's
+
+    // As in BroadPhase.
+    void add(std::span<const std::uint32_t> bodies, bool asleep);
+    void remove(std::span<const std::uint32_t> bodies);
+    void move(std::span<const std::uint32_t> bodies);
+    void set_awake(std::span<const std::uint32_t> bodies, bool now);
+    /// Throws Error{usage} for columns that do not have a row for every body.
+    void check(const BodyColumns& columns) const;
+
+    /// Bodies that changed, each once, those removed too.
+    std::span<const std::uint32_t> changes() const { return changes_; }
+    bool some_came_or_went() const { return came_or_went_; } ///< among them
+    void forget_changes();
+
+    bool is(std::uint32_t body, State state) const { return body < states_.size() && (states_[body] & state); }
+    void set(std::uint32_t body, State state) { states_[body] |= state; }
+    void clear(std::uint32_t body, State state) { states_[body] &= static_cast<std::uint8_t>(~state); }
+    const std::uint8_t* data() const { return states_.data(); }                       ///< bits of State by body
+    std::uint32_t rows() const { return static_cast<std::uint32_t>(states_.size()); } ///< above the largest body
+    std::size_t size() const { return size_; }                                        ///< bodies present
+    std::size_t awake_count() const { return awake_count_; }
+    std::uint64_t awake_version() const { return awake_version_; } ///< grows when a body falls asleep or wakes
+    /// Overwrites `bodies` with those present, ascending.
+    void list(std::vector<std::uint32_t>& bodies) const;
+    std::size_t bytes() const { return states_.capacity() + changes_.capacity() * sizeof(changes_[0]); }
+
+private:
+    void require(std::span<const std::uint32_t> bodies, bool there) const;
+    void mark_changed(std::span<const std::uint32_t> bodies);
+    void set_awake(std::uint32_t body, bool now);
+
+    std::vector<std::uint8_t> states_;
+    std::vector<std::uint32_t> changes_;
+    std::size_t size_ = 0, awake_count_ = 0;
+    std::uint64_t awake_version_ = 0;
+    bool came_or_went_ = false;
+};
+
+/// The part of every broad phase that keeps track of bodies.
+class TracksBodies : public BroadPhase {
+public:
+    void add(std::span<const std::uint32_t> bodies, bool asleep) final { bodies_.add(bodies, asleep), outdate(bodies); }
+    void remove(std::span<const std::uint32_t> bodies) final { bodies_.remove(bodies), outdate(bodies); }
+    void move(std::span<const std::uint32_t> bodies) final { bodies_.move(bodies), outdate(bodies); }
+    void sleep(std::span<const std::uint32_t> bodies) final { bodies_.set_awake(bodies, false), outdate(bodies); }
+    void wake(std::span<const std::uint32_t> bodies) final { bodies_.set_awake(bodies, true), outdate(bodies); }
+    std::size_t size() const final { return bodies_.size(); }
+    bool contains(std::uint32_t body) const final { return bodies_.is(body, BodyStates::present); }
+
+protected:
+    /// Throws Error{usage} for options out of range.
+    explicit TracksBodies(const Options& options);
+    /// Throws what query() throws.
+    void check_query(const BodyColumns& columns, std::span<const Aabb> boxes) const;
+
+    Options options_;
+    BodyStates bodies_;
+    bool taken_in_ = false; ///< have all changes been taken in?
+
+private:
+    void outdate(std::span<const std::uint32_t> bodies) { taken_in_ = taken_in_ && bodies.empty(); }
+};
+
+} // namespace oncollide

@@ -1,0 +1,35 @@
+#include <oncollide/broadphase/pair_filter.hpp>
+
+namespace oncollide {
+
+void PairFilter::add(std::uint32_t body, const BodyColumns& columns)
+{
+    if (with_layers_) {
+        layers_ |= columns.layers[body], common_mask_ &= columns.masks[body];
+        some_in_none_ |= columns.layers[body] == 0;
+    }
+    if (with_groups_) groups_ |= columns.groups[body] != 0;
+}
+
+void PairFilter::update(const BodyStates& bodies, const BodyColumns& columns, BoxTree& tree)
+{
+    const bool layers = !columns.layers.empty(), groups = !columns.groups.empty();
+    known_ = known_ && layers == with_layers_ && groups == with_groups_;
+    const bool tree_knows = known_ && layers_forbid();
+    if (!known_) {
+        *this = {};
+        known_ = true, with_layers_ = layers, with_groups_ = groups;
+        if (layers || groups)
+            for (std::uint32_t body = 0; body < bodies.rows(); ++body)
+                if (bodies.is(body, BodyStates::present)) add(body, columns);
+    } else if (layers || groups) {
+        for (std::uint32_t body : bodies.changes())
+            if (bodies.is(body, BodyStates::present)) {
+                add(body, columns);
+                if (tree_knows) tree.add_layers(body, columns);
+            }
+    }
+    if (layers_forbid() != tree_knows) layers_forbid() ? tree.set_layers(columns) : tree.forget_layers();
+}
+
+} // namespace oncollide

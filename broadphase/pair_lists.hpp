@@ -1,0 +1,111 @@
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include <oncollide/broadphase/box_tree_kernel.hpp>
+#include <oncollide/broadphase/broad_phase.hpp>
+
+namespace oncollide {
+
+/// Hands the pairs that a kernel finds on to take(i, j, count) in chunks that stay in the cache, the last one when it
+/// is destroyed: found pairs that are then filtered out never pile up. Lives on the stack.
+template <class Take>
+class PairChunks {
+public:
+    explicit PairChunks(Take take) : take_(take), sink_{i_, j_, 0, room, flush, this} {}
+    ~PairChunks() { flush(); }
+    PairChunks(const PairChunks&) = delete;
+    PairChunks& operator=(const PairChunks&) = delete;
+    PairSink& sink() { return sink_; }
+    void flush() { flush(sink_); }
+
+private:
+    static constexpr std::uint32_t room = 2048;
+    static void flush(PairSink& sink)
+    {
+        if (sink.count) static_cast<PairChunks*>(sink.owner)->take_(sink.i, sink.j, sink.count);
+        sink.count = 0;
+    }
+
+    Take take_;
+    PairSink sink_;
+    std::uint32_t i_[room], j_[room];
+};
+
+/// Pairs of nodes, kept as columns.
+class NodePairs {
+public:
+    PairSink& sink() { return sink_; }
+    void clear() { sink_.count = 0; }
+    /// Overwrites all with (k, 0) for k in [first, last).
+    void assign_root(std::size_t first, std::size_t last)
+    {
+        clear();
+        while (sink_.room < last - first) grow(sink_);
+        for (std::size_t k = first; k < last; ++k, ++sink_.count)
+            i_[sink_.count] = static_cast<std::uint32_t>(k), j_[sink_.count] = 0;
+    }
+    std::size_t size() const { return static_cast<std::size_t>(sink_.count); }
+    const std::uint32_t* i() const { return sink_.i; }
+    const std::uint32_t* j() const { return sink_.j; }
+    std::size_t bytes() const { return (i_.capacity() + j_.capacity()) * sizeof(std::uint32_t); }
+
+private:
+    static void grow(PairSink& sink)
+    {
+        auto& mine = *static_cast<NodePairs*>(sink.owner);
+        const std::size_t room = std::max<std::size_t>(1024, 2 * mine.i_.size());
+        mine.i_.resize(room), mine.j_.resize(room);
+        sink.i = mine.i_.data(), sink.j = mine.j_.data(), sink.room = room;
+    }
+
+    std::vector<std::uint32_t> i_, j_;
+    PairSink sink_{nullptr, nullptr, 0, 0, grow, this};
+};
+
+/// Pairs of bodies that several threads find, each in a list of its own.
+class PairLists {
+public:
+    /// Empties `pairs`, which becomes the first thread's list until join().
+    void begin(std::vector<BodyPair>& pairs, int threads)
+    {
+        if (by_thread_.size() < static_cast<std::size_t>(threads)) by_thread_.resize(static_cast<std::size_t>(threads));
+        for (std::vector<BodyPair>& list : by_thread_) list.clear();
+        pairs.clear();
+        by_thread_[0].swap(pairs);
+    }
+    std::vector<BodyPair>& of(std::size_t thread) { return by_thread_[thread]; }
+    /// All of them, one thread's after the other.
+    void join(std::vector<BodyPair>& pairs)
+    {
+        pairs.swap(by_thread_[0]);
+        for (const std::vector<BodyPair>& list : by_thread_) pairs.insert(pairs.end(), list.begin(), list.end());
+    }
+    std::size_t bytes() const
+    {
+        std::size_t sum = 0;
+        for (const std::vector<BodyPair>& list : by_thread_) sum += list.capacity() * sizeof(BodyPair);
+        return sum;
+    }
+
+private:
+    std::vector<std::vector<BodyPair>> by_thread_;
+};
+
+/// Appends make(k), k in [0, count), to `list` where keep(k, pair), which may change the pair, says so.
+template <class Make, class Keep>
+void append_kept(std::vector<BodyPair>& list, std::size_t count, Make make, Keep keep)
+{
+    const std::size_t before = list.size();
+    if (list.capacity() < before + count) list.reserve(std::max(before + count, 2 * list.capacity()));
+    list.resize(before + count);
+    BodyPair* out = list.data() + before;
+    for (std::size_t k = 0; k < count; ++k) {
+        *out = make(k);
+        out += keep(k, *out);
+    }
+    list.resize(static_cast<std::size_t>(out - list.data()));
+}
+
+} // namespace oncollide

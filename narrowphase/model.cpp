@@ -1,0 +1,43 @@
+#include <oncollide/narrowphase/model.hpp>
+
+namespace oncollide {
+
+Model::Model(std::shared_ptr<const Geometry> geometry) : geometry_(std::move(geometry)), bounds_(geometry_->data) {}
+
+const BoundingMesh& Model::bounding_mesh() const
+{
+    std::call_once(bounding_mesh_once_, [this] { bounding_mesh_ = bounding_mesh_of(*shape()); });
+    return *bounding_mesh_;
+}
+
+RootCell Model::root_cell() const
+{
+    return root_cell_around(shape() ? bounding_mesh().mesh.bounds : bounds_of(geometry_->data));
+}
+
+Surface Model::surface(const RootCell& root) const
+{
+    if (const Mesh* triangles = mesh()) return mesh_surface(*triangles, root);
+    if (const OccupancyMap* cells = map()) return map_surface(*cells, root);
+    return solid_surface(bounding_mesh().mesh, root);
+}
+
+bool Model::closed() const
+{
+    std::call_once(closed_once_, [this] { closed_ = mesh() && is_closed(*mesh()); });
+    return closed_;
+}
+
+std::span<const PartPoints> Model::parts() const
+{
+    std::call_once(parts_once_, [this] { parts_ = part_points_of(geometry_->data); });
+    return parts_;
+}
+
+const FclModel& Model::fcl(bool for_distances) const
+{
+    std::call_once(fcl_once_, [&] { fcl_ = make_fcl_model(geometry_->data, for_distances); });
+    return *fcl_;
+}
+
+} // namespace oncollide

@@ -1,0 +1,71 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <oncollide/broadphase/pose_bounds.hpp>
+#include <oncollide/narrowphase/boxes/obb_tree.hpp>
+#include <oncollide/narrowphase/exact/exact_fcl.hpp>
+#include <oncollide/narrowphase/exact/parts.hpp>
+#include <oncollide/narrowphase/spheres/ocst.hpp>
+#include <oncollide/narrowphase/spheres/surface.hpp>
+
+namespace oncollide {
+
+/// The one owner of everything that is derived from a geometry: each thing is worked out once, when it is first needed,
+/// and stays at its address, shared by all bodies, queries and threads.
+///
+/// What is const here is safe to call from many threads at once. The trees are grown by walks, and made and dropped by
+/// whoever holds the budgets (ModelStore), never while walks are under way.
+class Model {
+public:
+    /// Shares the geometry. Cost: its bounds, no more.
+    explicit Model(std::shared_ptr<const Geometry> geometry);
+
+    const Geometry& geometry() const { return *geometry_; }
+    const Mesh* mesh() const { return std::get_if<Mesh>(&geometry_->data); } ///< null: it is no mesh
+    const Shape* shape() const { return std::get_if<Shape>(&geometry_->data); }
+    const OccupancyMap* map() const { return std::get_if<OccupancyMap>(&geometry_->data); }
+
+    /// World boxes at any pose.
+    PoseBounds& bounds() { return bounds_; }
+    const PoseBounds& bounds() const { return bounds_; }
+
+    /// The convex mesh around a shape. The model must be a shape.
+    const BoundingMesh& bounding_mesh() const;
+    /// How far the surface that trees are built over may lie outside the geometry (m): 0 but for shapes.
+    double covering_error() const { return shape() ? bounding_mesh().covering_error : 0.0; }
+    /// What trees are built over: the mesh, or the mesh around a shape; null for a map.
+    const Mesh* surface_mesh() const { return shape() ? &bounding_mesh().mesh : mesh(); }
+    /// Around the geometry, or around the bounding mesh of a shape.
+    RootCell root_cell() const;
+    /// What occlusion backends see. Not kept: backends own it. Cost: 10 ns a primitive.
+    Surface surface(const RootCell& root) const;
+
+    /// Is it a mesh in which every edge is shared by two triangles that run along it in opposite directions?
+    bool closed() const;
+    /// Connected parts, each by points of it.
+    std::span<const PartPoints> parts() const;
+    /// FCL's model, for exact = fcl and as long as shapes and maps have no exact level of their own.
+    /// @param for_distances  the same in every call
+    const FclModel& fcl(bool for_distances) const;
+
+    std::uint32_t number = 0;       ///< by which backends know its sphere-tree
+    std::unique_ptr<Ocst> spheres;  ///< the sphere-tree; null until a test reaches it
+    std::unique_ptr<ObbTree> boxes; ///< the hierarchy of oriented boxes of a mesh; null until a test reaches it
+    std::uint32_t boxes_used = 0;   ///< frame in which a pair last needed it
+
+private:
+    std::shared_ptr<const Geometry> geometry_;
+    PoseBounds bounds_;
+    mutable std::once_flag bounding_mesh_once_, closed_once_, parts_once_, fcl_once_;
+    mutable std::optional<BoundingMesh> bounding_mesh_;
+    mutable bool closed_ = false;
+    mutable std::vector<PartPoints> parts_;
+    mutable std::shared_ptr<const FclModel> fcl_;
+};
+
+} // namespace oncollide

@@ -1,0 +1,136 @@
+#include <oncollide/pipeline/bodies.hpp>
+
+#include <oncollide/base/parallel.hpp>
+
+namespace oncollide {
+
+void BodyChanges::clear()
+{
+    for (auto* list : {&removed, &added_moving, &added_fixed, &moved, &slept, &woken, &fresh}) list->clear();
+}
+
+void Bodies::mark(std::uint32_t slot, std::uint8_t how)
+{
+    if (!(state_[slot] & listed_bit)) changed_.push_back(slot);
+    state_[slot] |= static_cast<std::uint8_t>(how | listed_bit);
+}
+
+std::uint32_t Bodies::add(const Init& body)
+{
+    std::uint32_t slot;
+    if (free_.empty()) {
+        slot = slots();
+        state_.push_back(0), generation_.push_back(0), models_.push_back(nullptr), model_ids_.emplace_back();
+        poses_.emplace_back(), layers_.push_back(0), masks_.push_back(0), groups_.push_back(0), user_.push_back(0);
+        boxes_.emplace_back();
+    } else {
+        slot = free_.back();
+        free_.pop_back();
+    }
+    models_[slot] = body.model, model_ids_[slot] = body.model_id, poses_[slot] = body.pose;
+    layers_[slot] = body.layer, masks_[slot] = body.mask, groups_[slot] = body.group, user_[slot] = body.user;
+    any_group_ |= body.group != 0;
+    state_[slot] = static_cast<std::uint8_t>((state_[slot] & ~fixed_bit) | alive_bit | (body.fixed ? fixed_bit : 0));
+    ++size_, moving_ += !body.fixed;
+    mark(slot, fresh_bit);
+    return slot;
+}
+
+void Bodies::remove(std::uint32_t slot)
+{
+    --size_, moving_ -= !fixed(slot);
+    state_[slot] = static_cast<std::uint8_t>(state_[slot] & ~(alive_bit | fixed_bit));
+    ++generation_[slot];
+    if (const auto found = partners_.find(slot); found != partners_.end()) {
+        for (std::uint32_t other : found->second) excluded_.erase(key(slot, other));
+        partners_.erase(found);
+    }
+    free_.push_back(slot);
+    mark(slot, fresh_bit);
+}
+
+void Bodies::set_pose(std::uint32_t slot, const Eigen::Isometry3d& pose)
+{
+    if (poses_[slot].matrix() == pose.matrix()) return; // a body that rests costs nothing
+    poses_[slot] = pose;
+    mark(slot, moved_bit);
+}
+
+void Bodies::set_filter(std::uint32_t slot, std::uint32_t layer, std::uint32_t mask, std::uint32_t group)
+{
+    layers_[slot] = layer, masks_[slot] = mask, groups_[slot] = group;
+    any_group_ |= group != 0;
+    mark(slot, moved_bit);
+}
+
+void Bodies::set_fixed(std::uint32_t slot, bool now)
+{
+    if (fixed(slot) == now) return;
+    state_[slot] ^= fixed_bit;
+    now ? --moving_ : ++moving_;
+    mark(slot, 0);
+}
+
+void Bodies::set_model(std::uint32_t slot, Model* model, ModelId id)
+{
+    models_[slot] = model, model_ids_[slot] = id;
+    mark(slot, fresh_bit);
+}
+
+void Bodies::exclude(std::uint32_t a, std::uint32_t b)
+{
+    if (!excluded_.insert(key(a, b)).second) return;
+    partners_[a].push_back(b), partners_[b].push_back(a);
+}
+
+void Bodies::include(std::uint32_t a, std::uint32_t b)
+{
+    excluded_.erase(key(a, b));
+}
+
+void Bodies::take_changes(BodyChanges& changes)
+{
+    changes.clear();
+    for (std::uint32_t slot : changed_) {
+        const std::uint8_t state = state_[slot];
+        const bool alive = state & alive_bit, fixed = state & fixed_bit, known = state & known_bit,
+                   fresh = state & fresh_bit, was_fixed = state & known_fixed_bit;
+        if (fresh) changes.fresh.push_back(slot);
+        if (known && (!alive || fresh)) changes.removed.push_back(slot);
+        if (alive && (!known || fresh))
+            (fixed ? changes.added_fixed : changes.added_moving).push_back(slot);
+        else if (alive) {
+            if (state & moved_bit) changes.moved.push_back(slot);
+            if (fixed != was_fixed) (fixed ? changes.slept : changes.woken).push_back(slot);
+        }
+        state_[slot] = static_cast<std::uint8_t>(!alive ? 0 : alive_bit | known_bit | (fixed ? fixed_bit | known_fixed_bit : 0));
+    }
+    changed_.clear();
+}
+
+void update_boxes(Bodies& bodies, const BodyChanges& changes, bool tight, int threads)
+{
+    for (const auto* list : {&changes.added_fixed, &changes.added_moving, &changes.moved}) {
+        if (tight)
+            for (std::uint32_t slot : *list) bodies.model(slot).bounds().expect(1);
+        parallel_chunks(list->size(), 2048, threads, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t i = begin; i < end; ++i) {
+                const std::uint32_t slot = (*list)[i];
+                const PoseBounds& bounds = bodies.model(slot).bounds();
+                bodies.boxes()[slot] = tight ? bounds.box(bodies.pose(slot)) : bounds.sphere_box(bodies.pose(slot));
+            }
+        });
+    }
+}
+
+std::size_t Bodies::bytes() const
+{
+    return state_.capacity() +
+           (generation_.capacity() + layers_.capacity() + masks_.capacity() + groups_.capacity() + free_.capacity() +
+            changed_.capacity()) * sizeof(std::uint32_t) +
+           models_.capacity() * sizeof(Model*) + model_ids_.capacity() * sizeof(ModelId) +
+           poses_.capacity() * sizeof(Eigen::Isometry3d) + user_.capacity() * sizeof(std::uint64_t) +
+           boxes_.capacity() * sizeof(Aabb) + excluded_.size() * 40;
+}
+
+} // namespace oncollide

@@ -1,0 +1,115 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include <oncollide/broadphase/broad_phase.hpp>
+#include <oncollide/narrowphase/model.hpp>
+#include <oncollide/scenes/ids.hpp>
+
+namespace oncollide {
+
+/// What changed since the last frame, as lists of slots for the broad phase, each slot at most once in each.
+struct BodyChanges {
+    std::vector<std::uint32_t> removed, added_moving, added_fixed, moved, slept, woken;
+    std::vector<std::uint32_t> fresh; ///< bodies that are new or have a new geometry: what is remembered of them is void
+    void clear();
+};
+
+/// The bodies of a World: columns by slot, and what changed in them. The slot that was freed last is used again first,
+/// under a new generation.
+class Bodies {
+public:
+    struct Init {
+        Model* model;
+        ModelId model_id;
+        Eigen::Isometry3d pose;
+        std::uint32_t layer, mask, group;
+        std::uint64_t user;
+        bool fixed;
+    };
+
+    std::uint32_t add(const Init& body); ///< returns the slot
+    void remove(std::uint32_t slot);
+    void set_pose(std::uint32_t slot, const Eigen::Isometry3d& pose);
+    void set_filter(std::uint32_t slot, std::uint32_t layer, std::uint32_t mask, std::uint32_t group);
+    void set_fixed(std::uint32_t slot, bool fixed);
+    void set_model(std::uint32_t slot, Model* model, ModelId id);
+    void set_user(std::uint32_t slot, std::uint64_t user) { user_[slot] = user; }
+
+    void exclude(std::uint32_t a, std::uint32_t b);
+    void include(std::uint32_t a, std::uint32_t b);
+    bool excluded(std::uint32_t a, std::uint32_t b) const
+    {
+        return !excluded_.empty() && excluded_.contains(key(a, b));
+    }
+    bool any_excluded() const { return !excluded_.empty(); }
+
+    std::uint32_t slots() const { return static_cast<std::uint32_t>(state_.size()); }
+    std::uint32_t size() const { return size_; } ///< bodies
+    bool alive(std::uint32_t slot) const { return slot < state_.size() && (state_[slot] & alive_bit); }
+    bool valid(BodyId id) const { return alive(id.slot) && generation_[id.slot] == id.generation; }
+    BodyId id(std::uint32_t slot) const { return {slot, generation_[slot]}; }
+    bool fixed(std::uint32_t slot) const { return state_[slot] & fixed_bit; }
+    std::uint32_t moving() const { return moving_; } ///< bodies that are not fixed
+
+    Model& model(std::uint32_t slot) const { return *models_[slot]; }
+    ModelId model_id(std::uint32_t slot) const { return model_ids_[slot]; }
+    const Eigen::Isometry3d& pose(std::uint32_t slot) const { return poses_[slot]; }
+    std::uint32_t layer(std::uint32_t slot) const { return layers_[slot]; }
+    std::uint32_t mask(std::uint32_t slot) const { return masks_[slot]; }
+    std::uint32_t group(std::uint32_t slot) const { return groups_[slot]; }
+    std::uint64_t user(std::uint32_t slot) const { return user_[slot]; }
+
+    std::vector<Aabb>& boxes() { return boxes_; } ///< by slot; world, metres
+    const std::vector<Aabb>& boxes() const { return boxes_; }
+    /// What the broad phase reads.
+    BodyColumns columns() const
+    {
+        return {boxes_, layers_, masks_, any_group_ ? std::span<const std::uint32_t>(groups_) : std::span<const std::uint32_t>{}};
+    }
+
+    /// Overwrites `changes` with what changed since the last call, and forgets it.
+    void take_changes(BodyChanges& changes);
+    std::size_t bytes() const;
+
+private:
+    enum State : std::uint8_t {
+        alive_bit = 1,
+        fixed_bit = 2,
+        known_bit = 4,       ///< in the broad phase
+        known_fixed_bit = 8, ///< and asleep there
+        fresh_bit = 16,      ///< new, or with a new geometry
+        moved_bit = 32,      ///< pose or filter changed
+        listed_bit = 64,     ///< among changed_
+    };
+    static std::uint64_t key(std::uint32_t a, std::uint32_t b)
+    {
+        return a < b ? std::uint64_t{a} << 32 | b : std::uint64_t{b} << 32 | a;
+    }
+    void mark(std::uint32_t slot, std::uint8_t how);
+
+    std::vector<std::uint8_t> state_;
+    std::vector<std::uint32_t> generation_;
+    std::vector<Model*> models_;
+    std::vector<ModelId> model_ids_;
+    std::vector<Eigen::Isometry3d> poses_;
+    std::vector<std::uint32_t> layers_, masks_, groups_;
+    std::vector<std::uint64_t> user_;
+    std::vector<Aabb> boxes_;
+    std::vector<std::uint32_t> free_, changed_;
+    std::unordered_set<std::uint64_t> excluded_;
+    std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> partners_; ///< by slot: all it was ever excluded from
+    std::uint32_t size_ = 0, moving_ = 0;
+    bool any_group_ = false;
+};
+
+/// Makes the world boxes of the bodies that came or moved: tight, or of spheres.
+void update_boxes(Bodies& bodies, const BodyChanges& changes, bool tight, int threads);
+
+} // namespace oncollide

@@ -1,0 +1,51 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include <oncollide/narrowphase/boxes/traversal.hpp>
+#include <oncollide/pipeline/contacts.hpp>
+
+namespace oncollide {
+
+/// Throws Error{usage} for a tolerance or a limit that is negative or no number.
+void check_distance(double tolerance, double farthest);
+
+/// Contacts and distances of two meshes by their trees. One thread's working memory; others may walk the same trees.
+///
+/// Exact, as the exact level: b's triangles are moved into a's frame in double, and for the coordinates so rounded every
+/// two triangles with a common point are found, touching included.
+class ContactFinding {
+public:
+    /// Appends, sorted by (triangle_a, triangle_b), each pair once. Cost: about 15 microseconds for two meshes of 5,000
+    /// triangles once their trees have grown there, and half a microsecond per contact.
+    void find(ObbTree& a, const Eigen::Isometry3d& pose_a, ObbTree& b, const Eigen::Isometry3d& pose_b,
+              std::vector<Contact>& contacts);
+
+    /// To `tolerance`; rounding adds to it 2^-36 of the bodies' sizes and distance and 2^-46 of how far their files are
+    /// from their origins. Cost: 20 to 400 microseconds for two meshes of 5,000 triangles, least where they meet, most
+    /// where they are far.
+    Distance distance(ObbTree& a, const Eigen::Isometry3d& pose_a, ObbTree& b, const Eigen::Isometry3d& pose_b,
+                      double tolerance, double farthest);
+
+private:
+    /// Unit normals of the triangles of one body, of which most have several contacts.
+    class Normals {
+    public:
+        void forget() { kept_.fill({}); }
+        /// @param place  the triangle's number in its mesh, which is in one pose until forget()
+        const Eigen::Vector3d& of(std::uint32_t place, const TrianglePoints& t);
+
+    private:
+        struct Kept {
+            std::uint32_t place = ~0u;
+            Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+        };
+        std::array<Kept, 256> kept_;
+    };
+
+    Traversal walk_;
+    std::vector<TrianglePair> pairs_;
+    Normals normals_a_, normals_b_;
+};
+
+} // namespace oncollide

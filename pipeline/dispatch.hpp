@@ -1,0 +1,61 @@
+#pragma once
+#include <cstdint>
+
+#include <oncollide/pipeline/model_store.hpp>
+#include <oncollide/pipeline/settings.hpp>
+
+namespace oncollide {
+
+/// The two levels that narrow candidate pairs down, one after the other.
+enum class Level : std::uint8_t { refine, exact };
+
+enum class Refiner : std::uint8_t {
+    none,        ///< the level leaves the pair as it is
+    no_room,     ///< so too, for a budget has no room for what would decide it
+    spheres,     ///< sphere-trees
+    boxes,       ///< oriented boxes, down to the error
+    exact_boxes, ///< oriented boxes, down to the triangles
+    fcl,         ///< FCL, on the bodies as a whole
+};
+constexpr std::size_t refiner_count = 6;
+
+/// The one place that decides which refiner takes a pair.
+///
+/// | level  | settings                 | two meshes  | a shape or a map takes part |
+/// |--------|--------------------------|-------------|-----------------------------|
+/// | refine | sphere                   | spheres     | spheres                     |
+/// | refine | obb                      | boxes       | spheres                     |
+/// | refine | obb, predicates to come  | none        | spheres                     |
+/// | exact  | predicates               | exact_boxes | fcl                         |
+/// | exact  | fcl                      | fcl         | fcl                         |
+///
+/// In builds without FCL the exact level leaves its pairs as they are.
+/// Where a budget has no room for a tree of oriented boxes, spheres refine, and the exact level decides nothing.
+class Dispatch {
+public:
+    /// @param exact_runs  will the exact level run? It does not where it is off or skipped
+    Dispatch(const Settings& settings, bool exact_runs)
+        : obb_(wants_obbs(settings)), exact_(settings.exact), left_to_exact_(exact_runs && exact_ == ExactLevel::predicates)
+    {
+    }
+
+    /// Makes the trees that the refiner needs. Not while walks are under way.
+    Refiner of(Level level, ModelStore& models, Model& a, Model& b, std::uint32_t frame) const
+    {
+        const bool meshes = a.mesh() && b.mesh();
+        const auto room = [&] { return models.admit_boxes(a, frame) && models.admit_boxes(b, frame); };
+        if (level == Level::refine) {
+            if (!obb_ || !meshes || !room()) return Refiner::spheres;
+            return left_to_exact_ ? Refiner::none : Refiner::boxes;
+        }
+        if (exact_ == ExactLevel::fcl || !meshes) return fcl_available() ? Refiner::fcl : Refiner::none;
+        return room() ? Refiner::exact_boxes : Refiner::no_room;
+    }
+
+private:
+    bool obb_;
+    ExactLevel exact_;
+    bool left_to_exact_; ///< pairs of meshes, if obb
+};
+
+} // namespace oncollide

@@ -1,0 +1,22 @@
+#include <oncollide/pipeline/fcl_refiner.hpp>
+
+#include <oncollide/base/parallel.hpp>
+
+namespace oncollide {
+
+void FclRefiner::refine(RefineContext& context, std::span<const PairTask> tasks, PairCache*,
+                        std::span<PairAnswer> answers)
+{
+    const double clearance = context.settings.clearance;
+    parallel_chunks(tasks.size(), 32, context.threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const PairTask& task = tasks[i];
+            const FclResult found = fcl_result(task.a->fcl(clearance > 0), *task.pose_a, task.b->fcl(clearance > 0),
+                                               *task.pose_b, clearance);
+            answers[i] = {found.verdict,
+                          found.verdict == Verdict::within ? ContactKind::near : ContactKind::unknown, found.bound};
+        }
+    });
+}
+
+} // namespace oncollide

@@ -1,0 +1,13 @@
+#pragma once
+#include <oncollide/pipeline/pair_refiner.hpp>
+
+namespace oncollide {
+
+/// Any pairs, by FCL on the two bodies as a whole.
+class FclRefiner final : public PairRefiner {
+public:
+    void refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
+                std::span<PairAnswer> answers) override;
+};
+
+} // namespace oncollide

@@ -1,0 +1,293 @@
+#include <oncollide/pipeline/model_store.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace oncollide {
+
+ModelStore::ModelStore(const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
+    : settings_(settings), backend_(std::move(backend))
+{
+}
+
+Model& ModelStore::by_number(std::uint32_t number) const
+{
+    return number >= first_passing ? *passing_[number - first_passing] : *slots_[number].model;
+}
+
+ModelId ModelStore::add(std::shared_ptr<const Geometry> geometry)
+{
+    auto model = std::make_unique<Model>(std::move(geometry));
+    if (free_.empty()) free_.push_back(static_cast<std::uint32_t>(slots_.size())), slots_.emplace_back();
+    const std::uint32_t slot = free_.back();
+    free_.pop_back();
+    model->number = slot;
+    slots_[slot].model = std::move(model);
+    ++size_;
+    return {slot, slots_[slot].generation};
+}
+
+void ModelStore::drop(Model& model)
+{
+    drop_spheres(model.number);
+    drop_boxes(model);
+    std::erase(with_boxes_, &model);
+}
+
+void ModelStore::replace(ModelId id, std::shared_ptr<const Geometry> geometry)
+{
+    auto model = std::make_unique<Model>(std::move(geometry));
+    model->number = id.slot;
+    drop(*slots_[id.slot].model);
+    slots_[id.slot].model = std::move(model);
+}
+
+void ModelStore::remove(ModelId id)
+{
+    drop(*slots_[id.slot].model);
+    slots_[id.slot].model.reset();
+    ++slots_[id.slot].generation;
+    free_.push_back(id.slot);
+    --size_;
+}
+
+Model& ModelStore::add_passing(std::shared_ptr<const Geometry> geometry)
+{
+    auto model = std::make_unique<Model>(std::move(geometry));
+    const auto free = std::find(passing_.begin(), passing_.end(), nullptr);
+    model->number = first_passing + static_cast<std::uint32_t>(free - passing_.begin());
+    return **(free == passing_.end() ? passing_.insert(free, std::move(model)) : (*free = std::move(model), free));
+}
+
+void ModelStore::remove_passing(Model& model)
+{
+    drop(model);
+    passing_[model.number - first_passing].reset();
+}
+
+/// The smallest depth at which two such trees certify the error that the settings give.
+int ModelStore::depth_for(const RootCell& root, double covering_error) const
+{
+    if (!settings_.max_error) return settings_.depth.value_or(6);
+    for (int depth = 1; depth < deepest_level; ++depth) {
+        Ocst tree(root, depth, covering_error);
+        tree.admit_backend(*backend_);
+        // Rounding of the walk (see make_plan) is below 2^-15 of the two root radii for bodies that touch.
+        const double error = 4 * tree.radius(depth) + 2 * tree.error(depth) + 4 * root.radius * 0x1p-15;
+        if (error <= *settings_.max_error) return depth;
+    }
+    return deepest_level;
+}
+
+Ocst& ModelStore::spheres(Model& model)
+{
+    if (!model.spheres) {
+        const RootCell root = model.root_cell();
+        const double covering_error = model.covering_error();
+        model.spheres = std::make_unique<Ocst>(root, depth_for(root, covering_error), covering_error);
+        model.spheres->admit_backend(*backend_);
+        with_spheres_.push_back(model.number);
+    }
+    return *model.spheres;
+}
+
+ModelStore::Room ModelStore::all_grown(const Mesh& mesh)
+{
+    return {ObbTree::most_nodes(mesh), ObbTree::most_bytes(mesh)};
+}
+
+bool ModelStore::admit_boxes(Model& model, std::uint32_t frame)
+{
+    model.boxes_used = frame;
+    if (model.boxes) return true;
+    if (!model.surface_mesh()) return false;
+    const auto left = [](auto budget, auto held) -> decltype(budget) {
+        if (budget == 0) return std::numeric_limits<decltype(budget)>::max();
+        return budget > held ? budget - held : 0;
+    };
+    const Room more = all_grown(*model.surface_mesh());
+    if (more.nodes > left(std::uint64_t(settings_.node_budget), cells() + reserved_.nodes) ||
+        more.bytes > left(settings_.memory_budget, sphere_bytes() + reserved_.bytes))
+        return false;
+    make_boxes(model, more);
+    return true;
+}
+
+ObbTree& ModelStore::boxes(Model& model, std::uint32_t frame)
+{
+    model.boxes_used = frame;
+    if (!model.boxes) make_boxes(model, all_grown(*model.surface_mesh()));
+    return *model.boxes;
+}
+
+void ModelStore::make_boxes(Model& model, const Room& room)
+{
+    model.boxes = std::make_unique<ObbTree>(*model.surface_mesh());
+    with_boxes_.push_back(&model);
+    reserved_.nodes += room.nodes, reserved_.bytes += room.bytes;
+}
+
+double ModelStore::tolerance(const Model& a, const Model& b) const
+{
+    if (settings_.max_error) return *settings_.max_error;
+    const double diagonals = a.mesh()->bounds.diagonal() + b.mesh()->bounds.diagonal();
+    return std::ldexp(diagonals, -settings_.depth.value_or(6));
+}
+
+void ModelStore::attach(std::uint32_t slot)
+{
+    const Model& model = by_number(slot);
+    if (!backend_->attached(slot)) backend_->attach(slot, model.surface(model.spheres->root()));
+}
+
+/// The CPU goes on where the GPU stopped. The trees keep their cells, and with them the errors of the backend that
+/// found them, so the results stay the same; only the triangle lists, which the GPU held, are requested again, level by
+/// level.
+void ModelStore::take_over(const GpuLost& why)
+{
+    lost_ = why.what();
+    backend_ = make_cpu_backend();
+    for (std::uint32_t slot : with_spheres_) {
+        Ocst& tree = *by_number(slot).spheres;
+        tree.admit_backend(*backend_);
+        if (!tree.nodes()[0].expanded()) continue;
+        attach(slot);
+        tree.ask_lists_again(slot, *backend_, threads_);
+    }
+}
+
+/// Does `work`, which uses the backend; once more if the GPU is lost over it.
+template <class Work>
+void ModelStore::survive(Work work)
+{
+    try {
+        work();
+    } catch (const GpuLost& lost) {
+        take_over(lost);
+        work();
+    }
+}
+
+void ModelStore::make_rows(std::span<const CellRequest> requests)
+{
+    rows_.clear();
+    for (const CellRequest& request : requests) {
+        attach(request.tree);
+        rows_.push_back(by_number(request.tree).spheres->row(request.tree, request.cell));
+    }
+}
+
+std::uint64_t ModelStore::submit(std::span<const CellRequest> requests, int threads)
+{
+    std::uint64_t allowed = requests.size();
+    if (settings_.node_budget) {
+        const std::uint64_t held = cells() + reserved_.nodes;
+        // An expansion stores up to eight cells.
+        allowed =
+            settings_.node_budget > held ? std::min<std::uint64_t>(allowed, (settings_.node_budget - held) / 8) : 0;
+    }
+    if (settings_.memory_budget && sphere_bytes() + reserved_.bytes >= settings_.memory_budget) allowed = 0;
+
+    threads_ = threads;
+    survive([&] {
+        make_rows(requests.first(allowed));
+        backend_->submit(rows_, threads);
+    });
+    return requests.size() - allowed;
+}
+
+BatchWork ModelStore::grow(std::uint32_t frame)
+{
+    answers_.resize(rows_.size());
+    const auto tree_of = [&](const OctantRow& row) -> Ocst& { return *by_number(row.tree).spheres; };
+    BatchWork work;
+    try {
+        work = backend_->collect(answers_);
+    } catch (const GpuLost& lost) {
+        take_over(lost);
+        for (OctantRow& row : rows_) attach(row.tree), row = tree_of(row).row(row.tree, row.cell);
+        work = backend_->ask(rows_, threads_, answers_);
+    }
+    for (std::size_t i = 0; i < rows_.size(); ++i) tree_of(rows_[i]).expand(rows_[i].cell, answers_[i], frame);
+    return work;
+}
+
+/// Gives the room of a model's tree of boxes back. Returns how many nodes went.
+std::uint64_t ModelStore::drop_boxes(Model& model)
+{
+    if (!model.boxes) return 0;
+    const Room less = all_grown(*model.surface_mesh());
+    reserved_.nodes -= less.nodes, reserved_.bytes -= less.bytes;
+    const std::uint64_t dropped = model.boxes->nodes();
+    model.boxes.reset();
+    return dropped;
+}
+
+void ModelStore::drop_spheres(std::uint32_t slot)
+{
+    if (!by_number(slot).spheres) return;
+    if (backend_->attached(slot)) backend_->detach(slot);
+    by_number(slot).spheres.reset();
+    std::erase(with_spheres_, slot);
+}
+
+std::uint64_t ModelStore::collapse(std::uint32_t frame, std::uint32_t age)
+{
+    std::uint64_t dropped = 0;
+    std::erase_if(with_boxes_, [&](Model* model) {
+        if (frame - model->boxes_used < age) return false;
+        dropped += drop_boxes(*model);
+        return true;
+    });
+    for (std::uint32_t slot : with_spheres_) {
+        Ocst& tree = *by_number(slot).spheres;
+        if (!tree.nodes()[0].expanded()) continue;
+        dropped += tree.collapse(frame, age, slot, *backend_);
+        if (!tree.nodes()[0].expanded()) backend_->detach(slot);
+    }
+    return dropped;
+}
+
+std::uint64_t ModelStore::age(std::uint32_t frame)
+{
+    auto limit = static_cast<std::uint32_t>(settings_.age_limit);
+    std::uint64_t dropped = 0;
+    // Looking at every cell costs; a few looks per age are enough.
+    if (frame % std::max(1u, limit / 8) == 0) dropped = collapse(frame, limit);
+    while (settings_.memory_budget && limit > 0 && bytes() > settings_.memory_budget) {
+        limit /= 2;
+        dropped += collapse(frame, limit);
+    }
+    return dropped;
+}
+
+std::uint64_t ModelStore::cells() const
+{
+    std::uint64_t sum = 0;
+    for (std::uint32_t slot : with_spheres_) sum += by_number(slot).spheres->size();
+    return sum;
+}
+
+std::uint64_t ModelStore::nodes() const
+{
+    std::uint64_t sum = cells();
+    for (const Model* model : with_boxes_) sum += model->boxes->nodes();
+    return sum;
+}
+
+std::size_t ModelStore::sphere_bytes() const
+{
+    std::size_t sum = backend_->bytes();
+    for (std::uint32_t slot : with_spheres_) sum += by_number(slot).spheres->bytes();
+    return sum;
+}
+
+std::size_t ModelStore::bytes() const
+{
+    std::size_t sum = sphere_bytes();
+    for (const Model* model : with_boxes_) sum += model->boxes->bytes();
+    return sum;
+}
+
+} // namespace oncollide

@@ -1,0 +1,109 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <oncollide/narrowphase/model.hpp>
+#include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
+#include <oncollide/narrowphase/spheres/walk.hpp>
+#include <oncollide/pipeline/settings.hpp>
+#include <oncollide/scenes/ids.hpp>
+
+namespace oncollide {
+
+/// The models of a World, and the budgets and the ageing that their trees share.
+class ModelStore {
+public:
+    /// Keeps a reference to the settings.
+    ModelStore(const Settings& settings, std::unique_ptr<OcclusionBackend> backend);
+
+    ModelId add(std::shared_ptr<const Geometry> geometry);
+    /// The model gets another geometry; all that was derived from the old one goes.
+    void replace(ModelId id, std::shared_ptr<const Geometry> geometry);
+    void remove(ModelId id);
+    bool valid(ModelId id) const { return id.slot < slots_.size() && slots_[id.slot].model && slots_[id.slot].generation == id.generation; }
+    Model& operator[](ModelId id) { return *slots_[id.slot].model; }
+    const Model& operator[](ModelId id) const { return *slots_[id.slot].model; }
+    std::size_t size() const { return size_; }
+
+    /// A model that lives as long as a query; not counted by size().
+    Model& add_passing(std::shared_ptr<const Geometry> geometry);
+    void remove_passing(Model& model);
+
+    /// The sphere-tree of a model, made of its root alone when it is first needed.
+    Ocst& spheres(Model& model);
+    /// Sees to it that a mesh, or the mesh around a shape, has its tree of oriented boxes. False for a map, and when a
+    /// budget has no room for the tree all grown. Not while the model's tree is being walked.
+    bool admit_boxes(Model& model, std::uint32_t frame);
+    /// The same, whatever the budgets say; not for a map.
+    ObbTree& boxes(Model& model, std::uint32_t frame);
+    /// How far apart, above the clearance, two meshes may be that are called near: the error that the settings give, or
+    /// what spheres of that depth would certify. Metres.
+    double tolerance(const Model& a, const Model& b) const;
+
+    OcclusionBackend& backend() { return *backend_; }
+    const OcclusionBackend& backend() const { return *backend_; }
+
+    /// Starts to expand the requested cells (sorted, each once) in one batch. Those over a budget are left; returns how
+    /// many. Surfaces are handed to the backend when their tree first grows. Trees do not change until grow().
+    std::uint64_t submit(std::span<const CellRequest> requests, int threads);
+    /// Waits for the batch and lets the trees grow.
+    BatchWork grow(std::uint32_t frame);
+
+    /// Drops what no test has reached for the age limit, the oldest sooner while memory is over its budget. A tree that
+    /// is back to its root gives its surface up too. Returns how many stored cells and nodes went.
+    std::uint64_t age(std::uint32_t frame);
+
+    /// Why the GPU no longer answers; empty while it does, or if it never did.
+    const std::string& lost() const { return lost_; }
+
+    std::uint64_t nodes() const; ///< stored cells of all sphere-trees, and nodes of oriented boxes
+    std::size_t bytes() const;   ///< trees, surfaces and lists
+
+private:
+    struct Slot {
+        std::unique_ptr<Model> model; ///< null: free
+        std::uint32_t generation = 0;
+    };
+    /// What trees may come to hold.
+    struct Room {
+        std::uint64_t nodes = 0;
+        std::size_t bytes = 0;
+    };
+    static Room all_grown(const Mesh& mesh);
+
+    void make_boxes(Model& model, const Room& room);
+    void drop(Model& model);
+    Model& by_number(std::uint32_t number) const;
+    int depth_for(const RootCell& root, double covering_error) const;
+    std::uint64_t cells() const;
+    std::size_t sphere_bytes() const;
+    std::uint64_t collapse(std::uint32_t frame, std::uint32_t age);
+    std::uint64_t drop_boxes(Model& model);
+    void drop_spheres(std::uint32_t slot);
+    void attach(std::uint32_t slot);
+    void make_rows(std::span<const CellRequest> requests);
+    void take_over(const GpuLost& why);
+    template <class Work>
+    void survive(Work work);
+
+    static constexpr std::uint32_t first_passing = 0x80000000u; ///< numbers below are slots
+
+    const Settings& settings_;
+    std::unique_ptr<OcclusionBackend> backend_;
+    std::vector<Slot> slots_;
+    std::vector<std::uint32_t> free_;
+    std::vector<std::unique_ptr<Model>> passing_;
+    std::size_t size_ = 0;
+    std::vector<std::uint32_t> with_spheres_; ///< numbers of models that have a sphere-tree
+    std::vector<Model*> with_boxes_;          ///< models that have a tree of oriented boxes
+    Room reserved_;                           ///< for these, all grown
+    std::vector<OctantRow> rows_;             ///< of the batch under way
+    std::vector<OctantAnswer> answers_;
+    int threads_ = 1;
+    std::string lost_;
+};
+
+} // namespace oncollide

@@ -1,0 +1,154 @@
+// The stages that narrow pairs down: ocst, exact.
+#include <algorithm>
+
+#include <oncollide/pipeline/narrowing.hpp>
+#include <oncollide/pipeline/stage.hpp>
+
+namespace oncollide {
+
+namespace {
+
+bool skips(const Settings& settings, std::string_view stage)
+{
+    return std::ranges::count(settings.skip, stage) > 0;
+}
+
+bool exact_runs(const Settings& settings)
+{
+    return settings.exact != ExactLevel::off && !skips(settings, "exact");
+}
+
+bool open(const PairResult& result)
+{
+    return result.verdict == Verdict::within || result.verdict == Verdict::undecided;
+}
+
+/// What is known of a pair by its boxes alone.
+PairResult undecided(const Bodies& bodies, BodyPair pair)
+{
+    return {bodies.id(pair.a),  bodies.id(pair.b), Verdict::undecided, ocst_stage_index, ContactKind::unknown,
+            farthest_apart(bodies.boxes()[pair.a], bodies.boxes()[pair.b])};
+}
+
+/// Runs one level on some of the frame's results, and takes its answers over.
+class LevelRun {
+public:
+    LevelRun(const Settings& settings, ModelStore& models, Level level, std::uint8_t stage)
+        : level_(settings, models, level, exact_runs(settings)), stage_(stage)
+    {
+    }
+
+    void clear() { tasks_.clear(), answers_.clear(); }
+    void add(const Bodies& bodies, const PairResult& result, std::uint32_t number)
+    {
+        const std::uint32_t a = result.a.slot, b = result.b.slot;
+        tasks_.push_back({number, &bodies.model(a), &bodies.model(b), &bodies.pose(a), &bodies.pose(b)});
+        answers_.push_back({result.verdict, result.kind, result.bound});
+    }
+    void run(Frame& frame, StageStats& stats)
+    {
+        level_.run(frame.context, tasks_, frame.settings.coherence ? &frame.cache : nullptr, nullptr, answers_);
+        stats.in = tasks_.size();
+        for (std::size_t i = 0; i < tasks_.size(); ++i) {
+            PairResult& result = frame.results[tasks_[i].number];
+            const PairAnswer& answer = answers_[i];
+            result.verdict = answer.verdict, result.kind = answer.kind, result.bound = answer.bound;
+            if (level_.decided(i)) {
+                result.stage = stage_;
+                stats.undecided += answer.verdict == Verdict::undecided;
+            }
+            stats.out += answer.verdict != Verdict::separate;
+        }
+    }
+
+private:
+    Narrowing level_;
+    std::uint8_t stage_;
+    std::vector<PairTask> tasks_;
+    std::vector<PairAnswer> answers_;
+};
+
+/// Down to the error: sphere-trees, or the oriented boxes of meshes. These lead on to the triangles, so where
+/// predicates decide, pairs of meshes are left to the exact level from the start.
+class OcstStage final : public Stage {
+public:
+    OcstStage(const Settings& settings, ModelStore& models)
+        : level_(settings, models, Level::refine, ocst_stage_index)
+    {
+    }
+    std::string_view name() const override { return "ocst"; }
+    std::string_view unit() const override { return "pairs"; }
+
+    void run(Bodies& bodies, Frame& frame, StageStats& stats) override
+    {
+        begin(bodies, frame);
+        level_.clear();
+        for (std::uint32_t i = 0; i < frame.results.size(); ++i) level_.add(bodies, frame.results[i], i);
+        level_.run(frame, stats);
+        for (const Round& round : frame.context.rounds) stats.gpu_ms += round.gpu_ms, stats.wait_ms += round.wait_ms;
+    }
+
+    void skip(Bodies& bodies, Frame& frame, StageStats& stats) override
+    {
+        begin(bodies, frame);
+        stats.in = stats.out = stats.undecided = frame.pairs.size();
+    }
+
+private:
+    static void begin(const Bodies& bodies, Frame& frame)
+    {
+        if (frame.settings.coherence) frame.cache.begin_frame(frame.pairs, frame.fresh);
+        frame.results.clear();
+        for (const BodyPair pair : frame.pairs) frame.results.push_back(undecided(bodies, pair));
+    }
+
+    LevelRun level_;
+};
+
+/// Decides the pairs that are left: by predicates on the triangles, or by FCL.
+class ExactStage final : public Stage {
+public:
+    ExactStage(const Settings& settings, ModelStore& models)
+        : level_(settings, models, Level::exact, exact_stage_index)
+    {
+    }
+    std::string_view name() const override { return "exact"; }
+    std::string_view unit() const override { return "pairs"; }
+    std::string_view reason_to_skip(const Bodies&, const Frame& frame) const override
+    {
+        return frame.settings.exact == ExactLevel::off ? "off" : std::string_view{};
+    }
+
+    void run(Bodies& bodies, Frame& frame, StageStats& stats) override
+    {
+        level_.clear();
+        for (std::uint32_t i = 0; i < frame.results.size(); ++i)
+            if (open(frame.results[i])) level_.add(bodies, frame.results[i], i);
+        level_.run(frame, stats);
+    }
+
+    void skip(Bodies&, Frame& frame, StageStats& stats) override
+    {
+        for (const PairResult& result : frame.results) {
+            stats.in += result.verdict != Verdict::separate;
+            stats.undecided += result.verdict == Verdict::undecided;
+        }
+        stats.out = stats.in;
+    }
+
+private:
+    LevelRun level_;
+};
+
+} // namespace
+
+std::unique_ptr<Stage> make_ocst_stage(const Settings& settings, ModelStore& models)
+{
+    return std::make_unique<OcstStage>(settings, models);
+}
+std::unique_ptr<Stage> make_exact_stage(const Settings& settings, ModelStore& models)
+{
+    return std::make_unique<ExactStage>(settings, models);
+}
+
+} // namespace oncollide

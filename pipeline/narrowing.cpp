@@ -1,0 +1,55 @@
+#include <oncollide/pipeline/narrowing.hpp>
+
+namespace oncollide {
+
+Narrowing::Narrowing(const Settings& settings, ModelStore& models, Level level, bool exact_runs)
+    : models_(models), level_(level), dispatch_(settings, exact_runs), spheres_(models),
+      boxes_(models, ObbRefiner::Goal::near), exact_boxes_(models, ObbRefiner::Goal::exact), containment_(models)
+{
+}
+
+void Narrowing::sort_out(const RefineContext& context, std::span<const PairTask> tasks)
+{
+    refiners_.resize(tasks.size());
+    for (auto& list : taken_) list.clear();
+    for (std::uint32_t i = 0; i < tasks.size(); ++i) {
+        refiners_[i] = dispatch_.of(level_, models_, *tasks[i].a, *tasks[i].b, context.frame);
+        taken_[static_cast<std::size_t>(refiners_[i])].push_back(i);
+    }
+}
+
+void Narrowing::refine(Refiner which, PairRefiner& refiner, RefineContext& context, std::span<const PairTask> tasks,
+                       PairCache* cache, std::span<PairAnswer> answers)
+{
+    const std::vector<std::uint32_t>& mine = taken_[static_cast<std::size_t>(which)];
+    if (mine.empty()) return;
+    if (mine.size() == tasks.size()) return refiner.refine(context, tasks, cache, answers);
+    tasks_.clear();
+    for (std::uint32_t i : mine) tasks_.push_back(tasks[i]);
+    answers_.resize(mine.size());
+    refiner.refine(context, tasks_, cache, answers_);
+    for (std::size_t k = 0; k < mine.size(); ++k) answers[mine[k]] = answers_[k];
+}
+
+void Narrowing::run(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache, std::mutex* guard,
+                    std::span<PairAnswer> answers)
+{
+    {
+        const std::unique_lock lock = guard ? std::unique_lock(*guard) : std::unique_lock<std::mutex>();
+        sort_out(context, tasks);
+        refine(Refiner::spheres, spheres_, context, tasks, cache, answers);
+    }
+    refine(Refiner::boxes, boxes_, context, tasks, cache, answers);
+    refine(Refiner::exact_boxes, exact_boxes_, context, tasks, cache, answers);
+    refine(Refiner::fcl, fcl_, context, tasks, cache, answers);
+    for (std::uint32_t i : taken_[static_cast<std::size_t>(Refiner::no_room)])
+        if (answers[i].verdict == Verdict::within) answers[i].verdict = Verdict::undecided;
+
+    apart_.resize(tasks.size());
+    for (std::size_t i = 0; i < tasks.size(); ++i)
+        apart_[i] = decided(i) && (answers[i].verdict == Verdict::separate ||
+                                   (answers[i].verdict == Verdict::within && level_ == Level::exact));
+    containment_.find(context, tasks, apart_, guard, answers);
+}
+
+} // namespace oncollide

@@ -1,0 +1,95 @@
+#include <oncollide/pipeline/obb_refiner.hpp>
+
+#include <algorithm>
+
+#include <oncollide/base/parallel.hpp>
+
+namespace oncollide {
+
+namespace {
+
+constexpr std::size_t pairs_per_chunk = 64;
+
+std::optional<TrianglePair> hint_of(const PairMemory* memory)
+{
+    return memory && memory->met ? std::optional(memory->triangles) : std::nullopt;
+}
+
+void remember(PairMemory* memory, const std::optional<TrianglePair>& meeting)
+{
+    if (!memory) return;
+    memory->met = meeting.has_value();
+    if (meeting) memory->triangles = *meeting;
+}
+
+PairAnswer within_clearance(Traversal& walk, ObbTree& a, ObbTree& b, const RelativePose& b_to_a, double clearance)
+{
+    // Poses may be 2^-20 from rigid: so far may a distance in A's frame be from that in the world.
+    constexpr double rigid = 0x1p-18;
+    const double farthest = clearance * (1 + 4 * rigid);
+    const auto distance = walk.distance(a, b, b_to_a, 0, farthest);
+    const double lower = distance.lower * (1 - rigid);
+    if (lower > clearance) return {Verdict::separate, ContactKind::unknown, lower};
+    return {Verdict::within, ContactKind::near, distance.upper * (1 + rigid)};
+}
+
+} // namespace
+
+PairAnswer ObbRefiner::near(const RefineContext& context, const PairTask& task, PairMemory* memory,
+                            Traversal& walk) const
+{
+    const auto found = walk.near(*task.a->boxes, *task.b->boxes, RelativePose(*task.pose_a, *task.pose_b),
+                                 context.settings.clearance, models_.tolerance(*task.a, *task.b), hint_of(memory));
+    remember(memory, found.meeting);
+    return {found.near ? Verdict::within : Verdict::separate, ContactKind::unknown, found.bound};
+}
+
+PairAnswer ObbRefiner::exact(const RefineContext& context, const PairTask& task, PairMemory* memory,
+                             Worker& worker) const
+{
+    ObbTree &a = *task.a->boxes, &b = *task.b->boxes;
+    const RelativePose b_to_a(*task.pose_a, *task.pose_b);
+    const Settings& settings = context.settings;
+    if (!wants_kinds(settings)) {
+        const auto meeting = worker.walk.first_meeting(a, b, b_to_a, hint_of(memory));
+        remember(memory, meeting);
+        if (meeting) return {Verdict::colliding, ContactKind::unknown, 0};
+    } else {
+        TriangleContact contact{};
+        const auto meeting = worker.walk.contact(a, b, b_to_a, contact, hint_of(memory));
+        remember(memory, meeting);
+        // Closed meshes of which every two triangles only touch may share a point inside all the same.
+        if (contact == TriangleContact::touching && task.a->closed() && task.b->closed() &&
+            worker.inside.find(a, b, b_to_a))
+            contact = TriangleContact::crossing;
+        const bool touching = contact == TriangleContact::touching;
+        if (meeting)
+            return {touching && settings.ignore_touching ? Verdict::separate : Verdict::colliding,
+                    touching ? ContactKind::touching : ContactKind::crossing, 0};
+    }
+    if (settings.clearance > 0) return within_clearance(worker.walk, a, b, b_to_a, settings.clearance);
+    return {Verdict::separate, ContactKind::unknown, 0};
+}
+
+void ObbRefiner::refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
+                        std::span<PairAnswer> answers)
+{
+    while (workers_.size() < static_cast<std::size_t>(std::max(context.threads, 1))) workers_.emplace_back();
+    parallel_chunks(tasks.size(), pairs_per_chunk, context.threads,
+                    [&](std::size_t begin, std::size_t end, int thread) {
+                        Worker& worker = workers_[static_cast<std::size_t>(thread)];
+                        for (std::size_t i = begin; i < end; ++i) {
+                            PairMemory* memory = cache ? &(*cache)[tasks[i].number] : nullptr;
+                            answers[i] = goal_ == Goal::near ? near(context, tasks[i], memory, worker.walk)
+                                                             : exact(context, tasks[i], memory, worker);
+                        }
+                    });
+    for (Worker& worker : workers_) {
+        const Traversal::Counts& counts = worker.walk.counts();
+        context.trees.node_pairs += counts.box_rows, context.trees.triangle_pairs += counts.triangles;
+        context.trees.unsure_pairs += counts.unsure;
+        worker.walk.reset_counts();
+    }
+}
+
+} // namespace oncollide

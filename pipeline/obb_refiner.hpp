@@ -1,0 +1,37 @@
+#pragma once
+#include <vector>
+
+#include <oncollide/narrowphase/boxes/traversal.hpp>
+#include <oncollide/narrowphase/exact/shared_inside.hpp>
+#include <oncollide/pipeline/model_store.hpp>
+#include <oncollide/pipeline/pair_refiner.hpp>
+
+namespace oncollide {
+
+/// Pairs of meshes by their trees of oriented boxes: down to the error, or, exact, to the triangles.
+class ObbRefiner final : public PairRefiner {
+public:
+    enum class Goal : std::uint8_t {
+        near, ///< within clearance + error, or separate
+        exact ///< do the triangles meet, and how, if kinds are requested? With a clearance, the distance decides the rest
+    };
+    ObbRefiner(const ModelStore& models, Goal goal) : models_(models), goal_(goal) {}
+
+    void refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
+                std::span<PairAnswer> answers) override;
+
+private:
+    /// One thread's.
+    struct Worker {
+        Traversal walk;
+        SharedInside inside;
+    };
+    PairAnswer near(const RefineContext& context, const PairTask& task, PairMemory* memory, Traversal& walk) const;
+    PairAnswer exact(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;
+
+    const ModelStore& models_;
+    const Goal goal_;
+    std::vector<Worker> workers_;
+};
+
+} // namespace oncollide

@@ -1,0 +1,37 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <oncollide/broadphase/broad_phase.hpp>
+#include <oncollide/narrowphase/boxes/traversal.hpp>
+#include <oncollide/narrowphase/spheres/walk.hpp>
+
+namespace oncollide {
+
+/// What is remembered of a pair from one frame to the next. A witness is a hint: it is tried first and counts only
+/// where it holds again, so results do not depend on it.
+struct PairMemory {
+    BodyPair pair;
+    bool met = false;           ///< `triangles` met
+    TrianglePair triangles{};   ///< witness of contact
+    LeafPair leaves;            ///< leaves of the sphere-trees that touched
+};
+
+/// The memory of the candidate pairs, in their order.
+class PairCache {
+public:
+    /// Takes what is remembered over to the pairs of a new frame.
+    /// @param pairs  sorted
+    /// @param fresh  by slot: what is remembered of such a body is void
+    void begin_frame(std::span<const BodyPair> pairs, std::span<const std::uint8_t> fresh);
+    /// Of pair number `i` of the frame.
+    PairMemory& operator[](std::size_t i) { return now_[i]; }
+    bool empty() const { return now_.empty(); }
+    std::size_t bytes() const { return (now_.capacity() + before_.capacity()) * sizeof(PairMemory); }
+
+private:
+    std::vector<PairMemory> now_, before_;
+};
+
+} // namespace oncollide

@@ -1,0 +1,58 @@
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include <oncollide/narrowphase/model.hpp>
+#include <oncollide/narrowphase/verdict.hpp>
+#include <oncollide/pipeline/pair_cache.hpp>
+#include <oncollide/pipeline/results.hpp>
+#include <oncollide/pipeline/settings.hpp>
+
+namespace oncollide {
+
+/// Two bodies at their poses, to be narrowed down.
+struct PairTask {
+    std::uint32_t number; ///< of the pair, in the results and in the cache
+    Model *a, *b;
+    const Eigen::Isometry3d *pose_a, *pose_b;
+};
+
+struct PairAnswer {
+    Verdict verdict;
+    ContactKind kind;
+    double bound; ///< as PairResult::bound
+};
+
+/// What refiners share with whoever calls them.
+struct RefineContext {
+    const Settings& settings;
+    std::uint32_t frame = 0;
+    int threads = 1;
+    TreeStats trees;           ///< counted up
+    std::vector<Round> rounds; ///< appended to
+    std::chrono::steady_clock::time_point began;
+
+    /// Milliseconds since the frame began.
+    double clock_ms() const
+    {
+        return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
+    }
+};
+
+/// Narrows pairs down: each comes back separate, within its error, colliding or undecided. Clearance, kinds, exactness
+/// and budgets are axes that a refiner reads from the settings; which refiner takes a pair is decided in dispatch.hpp.
+class PairRefiner {
+public:
+    virtual ~PairRefiner() = default;
+    /// answers[i] for tasks[i], for any number of threads and in any company the same.
+    /// @param tasks  by ascending number; what their models need was admitted (Dispatch)
+    /// @param cache  of the frame's pairs; null: nothing is remembered
+    virtual void refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
+                        std::span<PairAnswer> answers) = 0;
+};
+
+} // namespace oncollide

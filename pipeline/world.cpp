@@ -1,0 +1,320 @@
+// World: its models and bodies.
+#include <oncollide/pipeline/world_impl.hpp>
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/parallel.hpp>
+
+namespace oncollide {
+
+namespace {
+
+std::shared_ptr<const Geometry> share(std::string name, GeometryData data)
+{
+    return std::make_shared<const Geometry>(Geometry{std::move(name), std::move(data), {}});
+}
+
+std::string name_or(const std::string& name, const char* kind)
+{
+    return name.empty() ? std::string(kind) : name;
+}
+
+std::shared_ptr<const Geometry> checked(std::string name, Mesh mesh)
+{
+    check_mesh(name_or(name, "mesh"), mesh);
+    return share(std::move(name), std::move(mesh));
+}
+std::shared_ptr<const Geometry> checked(std::string name, Shape shape)
+{
+    check_shape(name_or(name, "shape"), shape);
+    return share(std::move(name), std::move(shape));
+}
+std::shared_ptr<const Geometry> checked(std::string name, OccupancyMap map)
+{
+    if (map.cells.empty())
+        throw Error(ErrorKind::bad_data, name_or(name, "map") + ": the map has no occupied cell");
+    return share(std::move(name), std::move(map));
+}
+std::shared_ptr<const Geometry> checked(std::shared_ptr<const Geometry> geometry)
+{
+    if (!geometry) throw Error(ErrorKind::usage, "model: no geometry given");
+    return geometry;
+}
+
+std::string text_of(const char* what, std::uint32_t slot, std::uint32_t generation)
+{
+    return fmt::format("{} {} (generation {})", what, slot, generation);
+}
+
+void same_length(const char* what, std::size_t a, std::size_t b)
+{
+    if (a != b) throw Error(ErrorKind::usage, fmt::format("{}: spans of {} and {}; must be of one length", what, a, b));
+}
+
+} // namespace
+
+World::Impl::Impl(const Settings& s, std::unique_ptr<OcclusionBackend> backend, std::string note)
+    : settings(s), models(settings, std::move(backend)), frame(settings), backend_note(std::move(note))
+{
+    frame.threads = frame.context.threads = settings.threads ? settings.threads : hardware_threads();
+}
+
+std::uint32_t World::Impl::slot_of(BodyId id) const
+{
+    if (bodies.valid(id)) return id.slot;
+    throw Error(ErrorKind::usage, text_of("body", id.slot, id.generation) +
+                                      (id.slot < bodies.slots() ? ": was removed; its id is stale" : ": there is none"));
+}
+
+Model& World::Impl::model_of(ModelId id)
+{
+    if (models.valid(id)) return models[id];
+    throw Error(ErrorKind::usage, text_of("model", id.slot, id.generation) + ": there is none, or it was removed");
+}
+
+void World::Impl::check_pose(std::optional<std::uint32_t> slot, const Eigen::Isometry3d& pose) const
+{
+    std::string why = why_not_rigid(pose);
+    if (why.empty() && !(pose.translation().cwiseAbs().maxCoeff() <= 1e15)) why = "the pose is beyond 1e15 m";
+    if (!why.empty())
+        throw Error(ErrorKind::bad_data, fmt::format("{}: {}", slot ? label(*slot) : "new body", why));
+}
+
+void World::Impl::check_body(const BodySpec& body)
+{
+    const Model& model = model_of(body.model);
+    check_pose(std::nullopt, body.pose);
+    if (settings.mode == Mode::solid && !settings.open_as_surface && model.mesh() && !model.closed())
+        refuse_open_mesh(name_or(model.geometry().name, "mesh"), *model.mesh());
+}
+
+BodyId World::Impl::add_checked(const BodySpec& body)
+{
+    Model& model = models[body.model];
+    if (users.size() <= body.model.slot) users.resize(body.model.slot + std::size_t{1});
+    ++users[body.model.slot];
+    return bodies.id(bodies.add(
+        {&model, body.model, body.pose, body.layer, body.mask, body.group, body.user, body.fixed}));
+}
+
+void World::Impl::remove_checked(std::uint32_t slot)
+{
+    --users[bodies.model_id(slot).slot];
+    bodies.remove(slot);
+}
+
+void World::Impl::replace(ModelId id, std::shared_ptr<const Geometry> geometry)
+{
+    model_of(id);
+    if (settings.mode == Mode::solid && !settings.open_as_surface && id.slot < users.size() && users[id.slot])
+        if (const auto* mesh = std::get_if<Mesh>(&geometry->data); mesh && !is_closed(*mesh))
+            refuse_open_mesh(name_or(geometry->name, "mesh"), *mesh);
+    models.replace(id, std::move(geometry));
+    for (std::uint32_t slot = 0; slot < bodies.slots(); ++slot)
+        if (bodies.alive(slot) && bodies.model_id(slot) == id) bodies.set_model(slot, &models[id], id);
+    changed();
+}
+
+World::~World() = default;
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+
+ModelId World::add(Mesh mesh, std::string name)
+{
+    return impl_->models.add(checked(std::move(name), std::move(mesh)));
+}
+ModelId World::add(Shape shape, std::string name)
+{
+    return impl_->models.add(checked(std::move(name), std::move(shape)));
+}
+ModelId World::add(OccupancyMap map, std::string name)
+{
+    return impl_->models.add(checked(std::move(name), std::move(map)));
+}
+ModelId World::add(std::shared_ptr<const Geometry> geometry)
+{
+    return impl_->models.add(checked(std::move(geometry)));
+}
+void World::replace(ModelId model, Mesh mesh)
+{
+    impl_->replace(model, checked(impl_->model_of(model).geometry().name, std::move(mesh)));
+}
+void World::replace(ModelId model, Shape shape)
+{
+    impl_->replace(model, checked(impl_->model_of(model).geometry().name, std::move(shape)));
+}
+void World::replace(ModelId model, OccupancyMap map)
+{
+    impl_->replace(model, checked(impl_->model_of(model).geometry().name, std::move(map)));
+}
+void World::replace(ModelId model, std::shared_ptr<const Geometry> geometry)
+{
+    impl_->replace(model, checked(std::move(geometry)));
+}
+void World::remove(ModelId model)
+{
+    Impl& p = *impl_;
+    p.model_of(model);
+    if (model.slot < p.users.size() && p.users[model.slot])
+        throw Error(ErrorKind::usage, fmt::format("{}: {} bodies use it; remove them first",
+                                                  text_of("model", model.slot, model.generation), p.users[model.slot]));
+    p.models.remove(model);
+}
+bool World::contains(ModelId model) const
+{
+    return impl_->models.valid(model);
+}
+std::size_t World::models() const
+{
+    return impl_->models.size();
+}
+
+BodyId World::add_body(const BodySpec& body)
+{
+    impl_->check_body(body);
+    impl_->changed();
+    return impl_->add_checked(body);
+}
+void World::add_bodies(std::span<const BodySpec> bodies, std::span<BodyId> ids)
+{
+    same_length("add_bodies", bodies.size(), ids.size());
+    for (const BodySpec& body : bodies) impl_->check_body(body);
+    impl_->changed();
+    for (std::size_t i = 0; i < bodies.size(); ++i) ids[i] = impl_->add_checked(bodies[i]);
+}
+void World::remove_body(BodyId body)
+{
+    remove_bodies({&body, 1});
+}
+void World::remove_bodies(std::span<const BodyId> bodies)
+{
+    for (const BodyId body : bodies) impl_->slot_of(body);
+    std::vector<std::uint32_t> slots;
+    for (const BodyId body : bodies) slots.push_back(body.slot);
+    if (slots.size() > 1) {
+        std::vector<std::uint32_t> sorted = slots;
+        std::sort(sorted.begin(), sorted.end());
+        if (const auto twice = std::adjacent_find(sorted.begin(), sorted.end()); twice != sorted.end())
+            throw Error(ErrorKind::usage, fmt::format("remove_bodies: body {} is there twice", *twice));
+    }
+    impl_->changed();
+    for (std::uint32_t slot : slots) impl_->remove_checked(slot);
+}
+bool World::contains(BodyId body) const
+{
+    return impl_->bodies.valid(body);
+}
+std::size_t World::size() const
+{
+    return impl_->bodies.size();
+}
+
+void World::set_pose(BodyId body, const Eigen::Isometry3d& pose)
+{
+    const std::uint32_t slot = impl_->slot_of(body);
+    impl_->check_pose(slot, pose);
+    impl_->changed();
+    impl_->bodies.set_pose(slot, pose);
+}
+void World::set_poses(std::span<const BodyId> bodies, std::span<const Eigen::Isometry3d> poses)
+{
+    Impl& p = *impl_;
+    same_length("set_poses", bodies.size(), poses.size());
+    for (std::size_t i = 0; i < bodies.size(); ++i) p.check_pose(p.slot_of(bodies[i]), poses[i]);
+    p.changed();
+    for (std::size_t i = 0; i < bodies.size(); ++i) p.bodies.set_pose(bodies[i].slot, poses[i]);
+}
+void World::set_fixed(BodyId body, bool fixed)
+{
+    const std::uint32_t slot = impl_->slot_of(body);
+    impl_->changed();
+    impl_->bodies.set_fixed(slot, fixed);
+}
+void World::set_layers(BodyId body, std::uint32_t layer, std::uint32_t mask)
+{
+    const std::uint32_t slot = impl_->slot_of(body);
+    impl_->changed();
+    impl_->bodies.set_filter(slot, layer, mask, impl_->bodies.group(slot));
+}
+void World::set_group(BodyId body, std::uint32_t group)
+{
+    const std::uint32_t slot = impl_->slot_of(body);
+    impl_->changed();
+    impl_->bodies.set_filter(slot, impl_->bodies.layer(slot), impl_->bodies.mask(slot), group);
+}
+void World::set_model(BodyId body, ModelId model)
+{
+    Impl& p = *impl_;
+    const std::uint32_t slot = p.slot_of(body);
+    p.check_body({.model = model});
+    if (p.users.size() <= model.slot) p.users.resize(model.slot + std::size_t{1});
+    --p.users[p.bodies.model_id(slot).slot], ++p.users[model.slot];
+    p.changed();
+    p.bodies.set_model(slot, &p.models[model], model);
+}
+void World::set_user(BodyId body, std::uint64_t user)
+{
+    impl_->bodies.set_user(impl_->slot_of(body), user);
+}
+void World::exclude(BodyId a, BodyId b)
+{
+    const std::uint32_t slot_a = impl_->slot_of(a), slot_b = impl_->slot_of(b);
+    if (slot_a == slot_b) throw Error(ErrorKind::usage, impl_->label(slot_a) + ": cannot be excluded from itself");
+    impl_->bodies.exclude(slot_a, slot_b);
+}
+void World::include(BodyId a, BodyId b)
+{
+    impl_->bodies.include(impl_->slot_of(a), impl_->slot_of(b));
+}
+
+const Eigen::Isometry3d& World::pose(BodyId body) const
+{
+    return impl_->bodies.pose(impl_->slot_of(body));
+}
+ModelId World::model(BodyId body) const
+{
+    return impl_->bodies.model_id(impl_->slot_of(body));
+}
+std::uint64_t World::user(BodyId body) const
+{
+    return impl_->bodies.user(impl_->slot_of(body));
+}
+bool World::fixed(BodyId body) const
+{
+    return impl_->bodies.fixed(impl_->slot_of(body));
+}
+std::optional<BodyId> World::body_at(std::uint32_t slot) const
+{
+    return impl_->bodies.alive(slot) ? std::optional(impl_->bodies.id(slot)) : std::nullopt;
+}
+
+const Settings& World::settings() const
+{
+    return impl_->settings;
+}
+std::string World::backend() const
+{
+    return impl_->models.backend().name();
+}
+std::string World::renderer() const
+{
+    return impl_->models.backend().renderer();
+}
+std::string World::backend_note() const
+{
+    const std::string& lost = impl_->models.lost();
+    return lost.empty() ? impl_->backend_note : "the CPU answers since the GPU was lost: " + lost;
+}
+std::size_t World::bytes() const
+{
+    return impl_->bodies.bytes() + impl_->broad->bytes() + impl_->models.bytes() + impl_->frame.cache.bytes();
+}
+const Ocst* World::tree(ModelId model) const
+{
+    return impl_->model_of(model).spheres.get();
+}
+
+} // namespace oncollide

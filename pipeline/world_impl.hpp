@@ -1,0 +1,72 @@
+#pragma once
+#include <atomic>
+#include <mutex>
+
+#include <oncollide/pipeline/contact_finding.hpp>
+#include <oncollide/pipeline/narrowing.hpp>
+#include <oncollide/pipeline/stage.hpp>
+#include <oncollide/pipeline/world.hpp>
+
+namespace oncollide {
+
+/// What a World holds. Split by what it is for: world.cpp (models and bodies), world_step.cpp (frames),
+/// world_queries.cpp (const queries).
+struct World::Impl {
+    Settings settings;
+    ModelStore models;
+    Bodies bodies;
+    std::vector<std::uint32_t> users; ///< by model's slot: bodies that use it
+    std::unique_ptr<BroadPhase> broad;
+
+    Frame frame;
+    std::vector<std::unique_ptr<Stage>> stages;
+    std::vector<std::uint8_t> skipped; ///< by stage: by request
+    std::vector<StageStats> stats, totals;
+    std::vector<PairOfBodies> active, last_active, began, ended; ///< active: not separate in the last frame
+    std::string backend_note;
+    std::uint64_t hash = 0;
+
+    /// One query thread's working memory.
+    struct QueryWorker {
+        QueryWorker(const Settings& settings, ModelStore& models, bool exact_runs);
+        Narrowing refine, exact;
+        RefineContext context;
+        ContactFinding contacts;
+        PointLocator locator;
+        std::vector<Aabb> boxes;
+        std::vector<BoxHit> hits;
+        std::vector<PairTask> tasks, open_tasks;
+        std::vector<PairAnswer> answers, open_answers;
+    };
+    std::mutex guard;               ///< for const calls: of the models' trees and of what is below
+    std::atomic<bool> taken_in{false}; ///< are all changes in the boxes and the broad phase?
+    std::vector<std::unique_ptr<QueryWorker>> idle_workers;
+
+    Impl(const Settings& settings, std::unique_ptr<OcclusionBackend> backend, std::string note);
+
+    // Checks of arguments. Each throws and has changed nothing.
+    std::uint32_t slot_of(BodyId id) const;
+    Model& model_of(ModelId id);
+    void check_pose(std::optional<std::uint32_t> slot, const Eigen::Isometry3d& pose) const; ///< no slot: a new body
+    void check_body(const BodySpec& body);
+    std::string label(std::uint32_t slot) const { return "body " + std::to_string(slot); }
+
+    BodyId add_checked(const BodySpec& body);
+    void remove_checked(std::uint32_t slot);
+    void replace(ModelId id, std::shared_ptr<const Geometry> geometry);
+    void changed() { taken_in.store(false, std::memory_order_release); }
+
+    bool runs(std::string_view stage) const;
+    bool exact_runs() const;
+    bool is_solid(const Model& model) const;
+    ObbTree& surface_tree(std::uint32_t slot, const char* what, bool shapes);
+    /// Hands what changed to the broad phase and makes the boxes that are out of date.
+    void take_in_changes();
+    void find_events();
+    /// For const calls: the broad phase is current afterwards.
+    void bring_up_to_date();
+
+    class Borrowed;
+};
+
+} // namespace oncollide

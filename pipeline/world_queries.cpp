@@ -1,0 +1,309 @@
+// World: const queries, safe from many threads at once.
+#include <oncollide/pipeline/world_impl.hpp>
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/parallel.hpp>
+
+namespace oncollide {
+
+namespace {
+
+/// A model at a pose, as the queries below share it.
+struct Probe {
+    Model* model;
+    Eigen::Isometry3d pose;
+    QueryFilter filter;
+    const Aabb* solid_box = nullptr; ///< what lies wholly inside is a hit, too
+};
+
+bool allows(const QueryFilter& q, const Bodies& bodies, std::uint32_t slot)
+{
+    return (q.layer & bodies.mask(slot)) && (bodies.layer(slot) & q.mask) &&
+           (q.group == 0 || q.group != bodies.group(slot));
+}
+
+/// Does some point of the body lie in the box?
+bool reaches_into(const Bodies& bodies, std::uint32_t slot, const Aabb& box)
+{
+    return std::ranges::any_of(bodies.model(slot).parts(), [&](const PartPoints& part) {
+        const Eigen::Vector3d point = bodies.pose(slot) * part[0];
+        return (point.array() >= box.min.array()).all() && (point.array() <= box.max.array()).all();
+    });
+}
+
+} // namespace
+
+World::Impl::QueryWorker::QueryWorker(const Settings& s, ModelStore& models, bool exact_runs)
+    : refine(s, models, Level::refine, exact_runs), exact(s, models, Level::exact, exact_runs),
+      context{.settings = s, .trees = {}, .rounds = {}, .began = {}}
+{
+}
+
+/// A worker for the time of one call.
+class World::Impl::Borrowed {
+public:
+    explicit Borrowed(Impl& impl) : impl_(impl)
+    {
+        {
+            const std::lock_guard lock(impl.guard);
+            if (!impl.idle_workers.empty())
+                worker_ = std::move(impl.idle_workers.back()), impl.idle_workers.pop_back();
+        }
+        if (!worker_) worker_ = std::make_unique<QueryWorker>(impl.settings, impl.models, impl.exact_runs());
+        worker_->context.frame = impl.frame.number;
+        worker_->context.trees = {}, worker_->context.rounds.clear();
+    }
+    ~Borrowed()
+    {
+        const std::lock_guard lock(impl_.guard);
+        impl_.idle_workers.push_back(std::move(worker_));
+    }
+    QueryWorker* operator->() { return worker_.get(); }
+    QueryWorker& operator*() { return *worker_; }
+
+    /// Appends what `probe` hits.
+    void run(const Probe& probe, std::vector<QueryHit>& hits)
+    {
+        QueryWorker& w = *worker_;
+        const Bodies& bodies = impl_.bodies;
+        w.boxes.assign(1, probe.model->bounds().box(probe.pose));
+        impl_.broad->query(bodies.columns(), w.boxes, w.hits);
+        w.tasks.clear(), w.answers.clear();
+        for (const BoxHit& hit : w.hits) {
+            if (!allows(probe.filter, bodies, hit.body)) continue;
+            w.tasks.push_back({hit.body, probe.model, &bodies.model(hit.body), &probe.pose, &bodies.pose(hit.body)});
+            w.answers.push_back({Verdict::undecided, ContactKind::unknown,
+                                 farthest_apart(w.boxes.front(), bodies.boxes()[hit.body])});
+        }
+        narrow();
+        for (std::size_t i = 0; i < w.tasks.size(); ++i) {
+            const std::uint32_t slot = w.tasks[i].number;
+            PairAnswer& answer = w.answers[i];
+            if (probe.solid_box && answer.verdict != Verdict::colliding && reaches_into(bodies, slot, *probe.solid_box))
+                answer = {Verdict::colliding, ContactKind::enclosed, 0};
+            if (answer.verdict != Verdict::separate)
+                hits.push_back({bodies.id(slot), answer.verdict, answer.kind, answer.bound});
+        }
+    }
+
+private:
+    /// Both levels, as in a frame.
+    void narrow()
+    {
+        QueryWorker& w = *worker_;
+        if (impl_.runs("ocst")) w.refine.run(w.context, w.tasks, nullptr, &impl_.guard, w.answers);
+        if (!impl_.exact_runs()) return;
+        w.open_tasks.clear(), w.open_answers.clear();
+        for (std::size_t i = 0; i < w.tasks.size(); ++i)
+            if (w.answers[i].verdict == Verdict::within || w.answers[i].verdict == Verdict::undecided)
+                w.open_tasks.push_back(w.tasks[i]), w.open_answers.push_back(w.answers[i]);
+        w.exact.run(w.context, w.open_tasks, nullptr, &impl_.guard, w.open_answers);
+        auto open = w.open_answers.begin();
+        for (PairAnswer& answer : w.answers)
+            if (answer.verdict == Verdict::within || answer.verdict == Verdict::undecided) answer = *open++;
+    }
+
+    Impl& impl_;
+    std::unique_ptr<QueryWorker> worker_;
+};
+
+namespace {
+
+/// A model that lives as long as one query.
+class PassingModel {
+public:
+    PassingModel(ModelStore& models, std::mutex& guard, Mesh mesh) : models_(models), guard_(guard)
+    {
+        auto geometry = std::make_shared<const Geometry>(Geometry{{}, std::move(mesh), {}});
+        const std::lock_guard lock(guard);
+        model_ = &models.add_passing(std::move(geometry));
+    }
+    ~PassingModel()
+    {
+        const std::lock_guard lock(guard_);
+        models_.remove_passing(*model_);
+    }
+    PassingModel(const PassingModel&) = delete;
+    PassingModel& operator=(const PassingModel&) = delete;
+    Model& operator*() { return *model_; }
+
+private:
+    ModelStore& models_;
+    std::mutex& guard_;
+    Model* model_;
+};
+
+Mesh box_mesh(const Aabb& box)
+{
+    std::vector<Eigen::Vector3d> corners;
+    for (int i = 0; i < 8; ++i)
+        corners.emplace_back(i & 1 ? box.max.x() : box.min.x(), i & 2 ? box.max.y() : box.min.y(),
+                             i & 4 ? box.max.z() : box.min.z());
+    return make_mesh("box", std::move(corners),
+                     {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                      {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}});
+}
+
+} // namespace
+
+bool World::Impl::exact_runs() const
+{
+    return settings.exact != ExactLevel::off && runs("exact");
+}
+
+void World::Impl::bring_up_to_date()
+{
+    if (taken_in.load(std::memory_order_acquire)) return;
+    const std::lock_guard lock(guard);
+    if (taken_in.load(std::memory_order_relaxed)) return;
+    take_in_changes();
+    update_boxes(bodies, frame.changes, true, 1);
+    broad->take_in(bodies.columns());
+    taken_in.store(true, std::memory_order_release);
+}
+
+std::vector<QueryHit> World::query(ModelId model, const Eigen::Isometry3d& pose, const QueryFilter& filter) const
+{
+    Model& mine = impl_->model_of(model);
+    impl_->check_pose(std::nullopt, pose);
+    impl_->bring_up_to_date();
+    std::vector<QueryHit> hits;
+    Impl::Borrowed(*impl_).run({&mine, pose, filter}, hits);
+    return hits;
+}
+
+void World::query(std::span<const ModelQuery> queries, QueryHits& out) const
+{
+    Impl& p = *impl_;
+    for (const ModelQuery& query : queries) p.model_of(query.model), p.check_pose(std::nullopt, query.pose);
+    p.bring_up_to_date();
+    out.hits.clear(), out.ends.clear();
+    constexpr std::size_t chunk = 64;
+    struct Part {
+        std::vector<QueryHit> hits;
+        std::vector<std::size_t> ends;
+    };
+    std::vector<Part> parts((queries.size() + chunk - 1) / chunk);
+    parallel_chunks(parts.size(), 1, p.frame.threads, [&](std::size_t begin, std::size_t end, int) {
+        Impl::Borrowed worker(p);
+        for (std::size_t part = begin; part < end; ++part)
+            for (const ModelQuery& query : queries.subspan(part * chunk, std::min(chunk, queries.size() - part * chunk))) {
+                worker.run({&p.models[query.model], query.pose, query.filter}, parts[part].hits);
+                parts[part].ends.push_back(parts[part].hits.size());
+            }
+    });
+    for (const Part& part : parts) {
+        for (std::size_t end : part.ends) out.ends.push_back(out.hits.size() + end);
+        out.hits.insert(out.hits.end(), part.hits.begin(), part.hits.end());
+    }
+}
+
+std::vector<QueryHit> World::query(const Segment& segment, const QueryFilter& filter) const
+{
+    Mesh mesh = make_mesh("segment", {segment.from, segment.to}, {{0, 1, 1}});
+    impl_->bring_up_to_date();
+    PassingModel model(impl_->models, impl_->guard, std::move(mesh));
+    std::vector<QueryHit> hits;
+    Impl::Borrowed(*impl_).run({&*model, Eigen::Isometry3d::Identity(), filter}, hits);
+    return hits;
+}
+
+std::vector<QueryHit> World::query(const Aabb& box, const QueryFilter& filter) const
+{
+    if (box.empty()) throw Error(ErrorKind::bad_data, "query: the box is empty (min > max)");
+    Mesh mesh = box_mesh(box);
+    impl_->bring_up_to_date();
+    PassingModel model(impl_->models, impl_->guard, std::move(mesh));
+    std::vector<QueryHit> hits;
+    Impl::Borrowed(*impl_).run({&*model, Eigen::Isometry3d::Identity(), filter, &box}, hits);
+    return hits;
+}
+
+namespace {
+
+std::string_view kind_of(const Model& model)
+{
+    if (model.mesh()) return "a mesh";
+    return model.shape() ? "a shape" : "a map";
+}
+
+} // namespace
+
+/// The tree of the surface that contacts and distances are measured on: of a mesh, or of the mesh around a shape.
+ObbTree& World::Impl::surface_tree(std::uint32_t slot, const char* what, bool shapes)
+{
+    Model& model = bodies.model(slot);
+    if (!model.mesh() && !(shapes && model.shape()))
+        throw Error(ErrorKind::usage, fmt::format("{}: {} is {}; {} can be had of meshes{}", what, label(slot),
+                                                  kind_of(model), what, shapes ? " and shapes" : ""));
+    const std::lock_guard lock(guard);
+    return models.boxes(model, frame.number);
+}
+
+std::vector<Contact> World::contacts(BodyId a, BodyId b) const
+{
+    ContactLists lists;
+    const PairOfBodies pair{a, b};
+    contacts({&pair, 1}, lists);
+    return std::move(lists.contacts);
+}
+
+void World::contacts(std::span<const PairOfBodies> pairs, ContactLists& lists) const
+{
+    Impl& p = *impl_;
+    for (const PairOfBodies& pair : pairs)
+        for (const BodyId body : {pair.a, pair.b}) p.surface_tree(p.slot_of(body), "contacts", false);
+    constexpr std::size_t chunk = 16;
+    struct Part {
+        std::vector<Contact> contacts;
+        std::vector<std::size_t> ends;
+    };
+    std::vector<Part> parts((pairs.size() + chunk - 1) / chunk);
+    parallel_chunks(parts.size(), 1, p.frame.threads, [&](std::size_t begin, std::size_t end, int) {
+        Impl::Borrowed worker(p);
+        for (std::size_t part = begin; part < end; ++part)
+            for (const PairOfBodies& pair : pairs.subspan(part * chunk, std::min(chunk, pairs.size() - part * chunk))) {
+                const std::uint32_t a = pair.a.slot, b = pair.b.slot;
+                worker->contacts.find(*p.bodies.model(a).boxes, p.bodies.pose(a),
+                                      *p.bodies.model(b).boxes, p.bodies.pose(b), parts[part].contacts);
+                parts[part].ends.push_back(parts[part].contacts.size());
+            }
+    });
+    lists.contacts.clear(), lists.ends.clear();
+    for (const Part& part : parts) {
+        for (std::size_t end : part.ends) lists.ends.push_back(lists.contacts.size() + end);
+        lists.contacts.insert(lists.contacts.end(), part.contacts.begin(), part.contacts.end());
+    }
+}
+
+Distance World::distance(BodyId body_a, BodyId body_b, double tolerance, double farthest) const
+{
+    Impl& p = *impl_;
+    check_distance(tolerance, farthest);
+    const std::uint32_t a = p.slot_of(body_a), b = p.slot_of(body_b);
+    ObbTree &tree_a = p.surface_tree(a, "distance", true), &tree_b = p.surface_tree(b, "distance", true);
+    const Model &model_a = p.bodies.model(a), &model_b = p.bodies.model(b);
+    const Eigen::Isometry3d &pose_a = p.bodies.pose(a), &pose_b = p.bodies.pose(b);
+    // The mesh around a shape is no farther from it than the covering error.
+    const double covering = model_a.covering_error() + model_b.covering_error();
+    Impl::Borrowed worker(p);
+    Distance found = worker->contacts.distance(tree_a, pose_a, tree_b, pose_b, tolerance, farthest + covering);
+    found.upper += covering;
+    if (found.lower > 0 && (p.is_solid(model_a) || p.is_solid(model_b))) {
+        const PairTask task{0, &p.bodies.model(a), &p.bodies.model(b), &pose_a, &pose_b};
+        if (one_holds_the_other(task, worker->locator, [&](const Model& m) { return p.is_solid(m); }))
+            found = {0, covering, 0, 0};
+    }
+    return found;
+}
+
+bool World::Impl::is_solid(const Model& model) const
+{
+    return model.shape() || (settings.mode == Mode::solid && model.closed());
+}
+
+} // namespace oncollide

@@ -1,0 +1,226 @@
+// World: how it is made, and its frames.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <chrono>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/random.hpp>
+#include <oncollide/narrowphase/gl/gpu.hpp>
+#include <oncollide/pipeline/world_impl.hpp>
+
+namespace oncollide {
+
+namespace {
+
+constexpr std::array<std::string_view, 5> stage_names{"bounds", "delimitation", "broad", "ocst", "exact"};
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds(Clock::duration d)
+{
+    return std::chrono::duration<double, std::milli>(d).count();
+}
+
+void mix(std::uint64_t& hash, std::uint64_t value)
+{
+    hash = splitmix(hash ^ value);
+}
+
+std::uint64_t hash_of(std::span<const PairResult> results, bool with_kinds)
+{
+    std::uint64_t hash = 0;
+    for (const PairResult& r : results) {
+        if (r.verdict == Verdict::separate) continue;
+        mix(hash, static_cast<std::uint64_t>(r.a.slot) << 32 | r.b.slot);
+        mix(hash, static_cast<std::uint64_t>(r.verdict) << 8 | r.stage);
+        if (with_kinds) mix(hash, static_cast<std::uint64_t>(r.kind));
+        mix(hash, std::bit_cast<std::uint64_t>(r.bound));
+    }
+    return hash;
+}
+
+/// `auto` takes a GPU only if it is one: software renderers are slower than the cpu backend.
+std::unique_ptr<OcclusionBackend> make_automatic_backend(int gpu, std::string& note)
+{
+    try {
+        const std::vector<GpuDevice> devices = gpu_devices();
+        const auto hardware = [](const GpuDevice& d) { return !d.software; };
+        if (gpu < 0 && std::none_of(devices.begin(), devices.end(), hardware)) {
+            note = "auto: the CPU is used, for only software renderers are here";
+            return make_cpu_backend();
+        }
+        const GpuInfo info = describe_gpu(gpu);
+        if (!info.software) return make_gl_compute_backend({.gpu = gpu});
+        note = fmt::format("auto: the CPU is used, for {} is a software renderer", info.renderer);
+    } catch (const Error& error) {
+        note = fmt::format("auto: the CPU is used; {}", error.what());
+    }
+    return make_cpu_backend();
+}
+
+/// @param note  why it is not a GPU, when that was left to us
+std::unique_ptr<OcclusionBackend> make_backend(const Settings& settings, std::string& note)
+{
+    switch (settings.backend) {
+    case BackendKind::automatic:
+        return make_automatic_backend(settings.gpu, note);
+    case BackendKind::gl_compute:
+        return make_gl_compute_backend({.gpu = settings.gpu});
+    case BackendKind::gl_query:
+        return make_gl_query_backend({.gpu = settings.gpu, .viewport = settings.viewport});
+    default:
+        return make_cpu_backend();
+    }
+}
+
+std::unique_ptr<BroadPhase> make_broad_phase(BroadPhaseKind kind, const BroadPhase::Options& options)
+{
+    switch (kind) {
+    case BroadPhaseKind::octree:
+        return make_octree(options);
+    case BroadPhaseKind::brute_force:
+        return make_brute_force(options);
+    default:
+        return make_kd_tree(options);
+    }
+}
+
+} // namespace
+
+World::World(const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
+{
+    check(settings);
+    for (const std::string& name : settings.skip)
+        if (std::ranges::count(stage_names, name) == 0)
+            throw Error(ErrorKind::usage,
+                        fmt::format("skip: no stage named '{}'; valid: {}", name, fmt::join(stage_names, ", ")));
+    std::string note;
+    if (!backend) backend = make_backend(settings, note);
+    impl_ = std::make_unique<Impl>(settings, std::move(backend), std::move(note));
+
+    Impl& p = *impl_;
+    p.broad = make_broad_phase(settings.broad_phase, {.margin = settings.clearance, .threads = p.frame.threads});
+    p.stages.push_back(make_bounds_stage());
+    p.stages.push_back(make_delimitation_stage(*p.broad));
+    p.stages.push_back(make_broad_stage(*p.broad));
+    p.stages.push_back(make_ocst_stage(p.settings, p.models));
+    p.stages.push_back(make_exact_stage(p.settings, p.models));
+    p.stats.resize(p.stages.size()), p.totals.resize(p.stages.size());
+    for (std::size_t i = 0; i < p.stages.size(); ++i) {
+        p.skipped.push_back(!p.runs(p.stages[i]->name()));
+        p.totals[i].stage = p.stages[i]->name(), p.totals[i].unit = p.stages[i]->unit();
+        p.totals[i].skipped = true;
+    }
+}
+
+World::World(const Settings& settings) : World(settings, nullptr) {}
+
+bool World::Impl::runs(std::string_view stage) const
+{
+    return std::ranges::count(settings.skip, stage) == 0;
+}
+
+void World::Impl::take_in_changes()
+{
+    BodyChanges& changes = frame.changes;
+    bodies.take_changes(changes);
+    frame.fresh.resize(bodies.slots());
+    for (std::uint32_t slot : changes.fresh)
+        if (!frame.fresh[slot]) frame.fresh[slot] = 1, frame.fresh_slots.push_back(slot);
+    frame.moved += changes.added_moving.size() + changes.moved.size();
+    broad->remove(changes.removed);
+    broad->add(changes.added_moving), broad->add(changes.added_fixed, true);
+    broad->move(changes.moved);
+    broad->sleep(changes.slept), broad->wake(changes.woken);
+}
+
+FrameView World::step()
+{
+    Impl& p = *impl_;
+    Frame& frame = p.frame;
+    const auto begin = frame.context.began = Clock::now();
+    if (!p.models.lost().empty() && p.settings.backend != BackendKind::automatic)
+        throw Error(ErrorKind::no_gpu, fmt::format("frame {}: the GPU was lost in an earlier frame, which the CPU "
+                                                   "finished: {}; to go on without it use --backend auto or cpu",
+                                                   frame.number, p.models.lost()));
+    frame.context.trees = {}, frame.context.rounds.clear(), frame.context.frame = frame.number;
+    p.take_in_changes();
+    auto from = begin;
+    for (std::size_t i = 0; i < p.stages.size(); ++i) {
+        Stage& stage = *p.stages[i];
+        StageStats& stats = p.stats[i];
+        stats = {};
+        stats.stage = stage.name(), stats.unit = stage.unit(), stats.frames = 1;
+        stats.note = p.skipped[i] ? "by request" : stage.reason_to_skip(p.bodies, frame);
+        stats.skipped = !stats.note.empty();
+        if (stats.skipped)
+            stage.skip(p.bodies, frame, stats);
+        else
+            stage.run(p.bodies, frame, stats);
+        stats.culled = stats.in - stats.out;
+        const auto to = Clock::now();
+        stats.cpu_ms = milliseconds(to - from);
+        from = to;
+
+        StageStats& total = p.totals[i];
+        total.frames += 1, total.in += stats.in, total.out += stats.out, total.culled += stats.culled;
+        total.undecided += stats.undecided, total.cpu_ms += stats.cpu_ms, total.gpu_ms += stats.gpu_ms;
+        total.wait_ms += stats.wait_ms;
+        total.skipped &= stats.skipped, total.note = total.skipped ? stats.note : std::string_view{};
+    }
+    p.find_events();
+    for (std::uint32_t slot : frame.fresh_slots) frame.fresh[slot] = 0;
+    frame.fresh_slots.clear(), frame.moved = 0;
+
+    TreeStats& trees = frame.context.trees;
+    trees.collapsed = p.models.age(frame.number);
+    trees.nodes = p.models.nodes();
+    trees.bytes = p.models.bytes();
+    const std::uint64_t hash = hash_of(frame.results, wants_kinds(p.settings));
+    mix(p.hash, hash);
+    return {frame.number++, milliseconds(Clock::now() - begin),
+            frame.results,  p.began,
+            p.ended,        p.stats,
+            frame.delimitation, trees,
+            frame.context.rounds, hash};
+}
+
+/// Both lists are sorted by the slots; a pair of slots that other bodies have by now is another pair.
+void World::Impl::find_events()
+{
+    active.swap(last_active);
+    active.clear(), began.clear(), ended.clear();
+    for (const PairResult& result : frame.results)
+        if (result.verdict != Verdict::separate) active.push_back({result.a, result.b});
+    const auto slots = [](const PairOfBodies& pair) { return BodyPair{pair.a.slot, pair.b.slot}; };
+    auto now = active.begin(), before = last_active.begin();
+    while (now != active.end() || before != last_active.end()) {
+        const bool only_before = now == active.end() || (before != last_active.end() && slots(*before) < slots(*now));
+        const bool only_now = !only_before && (before == last_active.end() || slots(*now) < slots(*before));
+        if (!only_before && !only_now && *now == *before) {
+            ++now, ++before;
+            continue;
+        }
+        if (!only_before) began.push_back(*now++);
+        if (!only_now) ended.push_back(*before++);
+    }
+}
+
+std::span<const std::string_view> World::stages() const
+{
+    return stage_names;
+}
+std::span<const StageStats> World::totals() const
+{
+    return impl_->totals;
+}
+std::uint64_t World::hash() const
+{
+    return impl_->hash;
+}
+
+} // namespace oncollide

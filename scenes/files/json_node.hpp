@@ -1,0 +1,95 @@
+#pragma once
+#include <cstdint>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+
+#include <Eigen/Core>
+
+#include <oncollide/scenes/files/json_tape.hpp>
+
+namespace oncollide {
+
+// Reading JSON so that every complaint names its place. Private to scenes.
+
+/// Where the root of a tape stands: the whole of `file`, or element `number` of its list `list`.
+struct JsonPlace {
+    std::string_view file;
+    std::string_view list = {}; ///< "bodies"; empty: the whole file
+    std::size_t number = 0;
+};
+
+/// A value and where it stands. The accessors throw Error{bad_data} `file: place: what is wrong and what would be
+/// right`. Lives as long as the tape keeps its text.
+class Node {
+public:
+    /// The root.
+    Node(const JsonTape& tape, const JsonPlace& root) : tape_(&tape), root_(root), at_(0) {}
+
+    std::string place() const; ///< "scene.json: bodies[3].motion"
+    [[noreturn]] void fail(const std::string& what) const;
+
+    bool is_object() const { return value().kind == JsonValue::Kind::object; }
+    bool is_array() const { return value().kind == JsonValue::Kind::array; }
+    bool is_number() const;
+    bool is_text() const { return value().kind == JsonValue::Kind::text; }
+    std::string_view source() const { return value().source_text(); } ///< its bytes in the file
+
+    /// The value is an object without other keys than these.
+    void only(std::initializer_list<std::string_view> keys) const;
+    /// The value is an object with exactly one key, one of these; returns it.
+    std::string_view one_of(std::initializer_list<std::string_view> keys) const;
+    bool has(std::string_view key) const { return find(key) != 0; }
+    Node operator[](std::string_view key) const; ///< a member that must exist
+    Node operator[](std::size_t i) const;        ///< an element; walks over those before it: iterate over long arrays
+    std::size_t size() const;                    ///< of an array
+    std::string_view key() const;                ///< of a member
+
+    double number() const;
+    double number(std::string_view key, double otherwise) const; ///< of a member that may be missing
+    double positive(std::string_view key, double otherwise) const;
+    std::int64_t integer(std::int64_t least, std::int64_t most) const;
+    std::uint64_t natural() const; ///< 0 to 2^64 - 1
+    std::string_view text() const; ///< stays as long as the tape's text
+    bool boolean() const;
+    Eigen::Vector3d vector3() const;
+    /// An array of exactly `count` numbers, written to `out`.
+    void numbers(std::size_t count, double* out) const;
+    bool holds_numbers(std::size_t count) const;
+
+    /// The elements of an array or the members of an object; none of anything else.
+    class Iterator;
+    Iterator begin() const;
+    Iterator end() const;
+
+private:
+    Node(const Node& other, std::uint32_t at) : tape_(other.tape_), root_(other.root_), at_(at) {}
+    const JsonValue& value() const { return tape_->values()[at_]; }
+    std::uint32_t find(std::string_view key) const; ///< 0: there is none
+    void must_be(bool right, std::string_view what) const;
+    std::string dump() const;
+
+    const JsonTape* tape_;
+    JsonPlace root_;
+    std::uint32_t at_; ///< on the tape
+};
+
+class Node::Iterator {
+public:
+    Iterator(const Node& of, std::uint32_t at) : of_(&of), at_(at) {}
+    Node operator*() const { return {*of_, value()}; }
+    Iterator& operator++()
+    {
+        at_ = of_->tape_->values()[value()].end;
+        return *this;
+    }
+    friend bool operator==(const Iterator& a, const Iterator& b) { return a.at_ == b.at_; }
+
+private:
+    std::uint32_t value() const { return at_ + of_->is_object(); } // after its key
+
+    const Node* of_;
+    std::uint32_t at_;
+};
+
+} // namespace oncollide

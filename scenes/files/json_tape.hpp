@@ -1,0 +1,97 @@
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <string_view>
+#include <unordered_set>
+#include <vector>
+
+namespace oncollide {
+
+// JSON read strictly (RFC 8259) into one flat list of values, which is used again for the next text: a scene's bodies
+// are read one at a time, without a tree of all of them. Private to scenes.
+
+constexpr std::uint32_t most_json_levels = 32; ///< of objects and arrays within each other
+
+/// A text that is no JSON, holds a number too large for a double, gives a key twice or nests too deeply. Where and why
+/// is for explain_json to say.
+struct JsonFault {
+    const char* where;
+};
+
+/// A value on the tape. What it holds follows it: elements, or each member's key (a text) and then its value.
+struct JsonValue {
+    enum class Kind : std::uint8_t { null, boolean, natural, negative, real, text, array, object };
+
+    Kind kind;
+    std::uint32_t parent; ///< of the root: 0
+    std::uint32_t end;    ///< the first value that is not part of this one
+    std::uint32_t length; ///< bytes of its source
+    const char* source;
+    union {
+        bool truth;
+        std::uint64_t natural;
+        std::int64_t negative; ///< a whole number with a minus sign
+        double real;
+        std::uint64_t size; ///< elements or members
+        struct {
+            const char* data;
+            std::size_t size;
+        } text; ///< escapes decoded
+    };
+
+    std::string_view source_text() const { return {source, length}; }
+    std::string_view as_text() const { return {text.data, text.size}; }
+};
+
+class JsonTape {
+public:
+    /// Reads the value that `text` begins with, after blanks, in place of the one before; returns what follows it,
+    /// after blanks. `text` must stay. Throws JsonFault.
+    /// @param level    how many objects and arrays the value lies in
+    /// @param unread   the array of this name in the root object is only skipped: its size is told and where it is, but
+    ///                 its elements are neither checked nor on the tape
+    const char* read(std::string_view text, std::uint32_t level, std::string_view unread = {});
+
+    const std::vector<JsonValue>& values() const { return values_; }
+
+private:
+    void read_value(std::uint32_t parent, std::uint32_t level);
+    void read_array(std::uint32_t at, std::uint32_t level);
+    void read_object(std::uint32_t at, std::uint32_t level);
+    void check_new(std::uint32_t object, std::uint32_t key, std::unordered_set<std::string_view>& keys);
+    void skip_array(JsonValue& array);
+    void read_text(JsonValue& value);
+    void read_number(JsonValue& value);
+    void read_word(JsonValue& value, std::string_view word);
+    void skip_blanks();
+    bool take(char c); ///< and the blanks after it
+    [[noreturn]] void fail() const { throw JsonFault{at_}; }
+
+    std::vector<JsonValue> values_;
+    std::deque<std::string> decoded_; ///< texts with escapes
+    std::string_view unread_;
+    const char *at_ = nullptr, *end_ = nullptr;
+};
+
+/// Calls visit(tape, i) for each element of `array`, the source of an array that lies in `level` objects and arrays;
+/// `tape` then holds the i-th element. Throws JsonFault.
+template <class Visit>
+void each_element(std::string_view array, std::uint32_t level, JsonTape& tape, Visit visit)
+{
+    const char* const end = array.data() + array.size();
+    const auto rest = [&](const char* at) { return std::string_view(at, static_cast<std::size_t>(end - at)); };
+    const auto blank = [](char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; };
+    const char* at = array.data() + 1;
+    while (at != end && blank(*at)) ++at;
+    if (at + 1 == end && *at == ']') return;
+    for (std::size_t i = 0;; ++i) {
+        at = tape.read(rest(at), level + 1);
+        visit(tape, i);
+        if (at == end || (*at != ',' && *at != ']')) throw JsonFault{at};
+        if (*at++ == ']') break;
+    }
+    if (at != end) throw JsonFault{at};
+}
+
+} // namespace oncollide

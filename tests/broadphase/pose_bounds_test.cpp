@@ -1,0 +1,127 @@
+#include <gtest/gtest.h>
+
+#include <oncollide/broadphase/pose_bounds.hpp>
+#include <oncollide/scenes/catalogue/catalogue.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+
+namespace oncollide {
+namespace {
+
+Eigen::Isometry3d random_pose(std::uint64_t seed, std::uint64_t i, double away)
+{
+    const Eigen::Vector3d axis(u01(seed, i, 0) - 0.5, u01(seed, i, 1) - 0.5, u01(seed, i, 2) - 0.5);
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.linear() = Eigen::AngleAxisd(6.28 * u01(seed, i, 3), axis.normalized()).toRotationMatrix();
+    pose.translation() = Eigen::Vector3d(u01(seed, i, 4), u01(seed, i, 5), u01(seed, i, 6)) * away;
+    return pose;
+}
+
+Aabb exact_box(const Mesh& mesh, const Eigen::Isometry3d& pose)
+{
+    Aabb box;
+    for (const Triangle& t : mesh.triangles)
+        for (std::uint32_t v : t) box.add(pose * mesh.vertices[v]);
+    return box;
+}
+
+TEST(PoseBounds, EncloseRotatedMeshesTightlyBeforeAndAfterTheHullIsFound)
+{
+    const Mesh meshes[] = {make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 3000), make_terrain_mesh(10, 1, 20, 3),
+                           make_needles_mesh(300, 1, 1e4, 3, 5), make_box_mesh({1, 2, 3})};
+    for (const Mesh& mesh : meshes) {
+        const GeometryData geometry = mesh;
+        PoseBounds bounds(geometry);
+        for (std::uint64_t i = 0; i < 3000; ++i) {
+            const Eigen::Isometry3d pose = random_pose(1, i, i % 3 == 0 ? 1e6 : 10);
+            const Aabb exact = exact_box(mesh, pose);
+            if (i == 0) {
+                EXPECT_TRUE(bounds.box(pose).contains(exact)) << "not prepared";
+            }
+            bounds.expect(1);
+            const Aabb box = bounds.box(pose);
+            ASSERT_TRUE(box.contains(exact)) << "pose " << i;
+            const double excess = std::max((exact.min - box.min).maxCoeff(), (box.max - exact.max).maxCoeff());
+            ASSERT_LT(excess, 1e-5 * mesh.bounds.diagonal() + 1e-8) << "pose " << i;
+            ASSERT_TRUE(bounds.sphere_box(pose).contains(exact));
+        }
+    }
+}
+
+/// A rotation and a translation of large numbers leave a small one, which rounding has moved by more than floats of the
+/// body would.
+TEST(PoseBounds, EncloseSmallMeshesOfFarFilesThatPosesTakeBack)
+{
+    using Vector3l = Eigen::Matrix<long double, 3, 1>;
+    const Eigen::Vector3d far(1e8, -1e8, 5e7);
+    const Mesh mesh = transformed("far", make_box_mesh({1, 1, 1}), 1e-4, -1e4 * far);
+    const GeometryData geometry = mesh;
+    PoseBounds bounds(geometry);
+    for (std::uint64_t i = 0; i < 1000; ++i) {
+        Eigen::Isometry3d pose = random_pose(2, i, 0);
+        pose.translation() = pose.linear() * -far;
+        bounds.expect(i % 2);
+        const Aabb box = bounds.box(pose), sphere = bounds.sphere_box(pose);
+        for (const Eigen::Vector3d& v : mesh.vertices) {
+            const Vector3l at =
+                pose.linear().cast<long double>() * v.cast<long double>() + pose.translation().cast<long double>();
+            for (int axis = 0; axis < 3; ++axis) {
+                ASSERT_TRUE(at[axis] >= box.min[axis] && at[axis] <= box.max[axis]) << "pose " << i;
+                ASSERT_TRUE(at[axis] >= sphere.min[axis] && at[axis] <= sphere.max[axis]) << "pose " << i;
+            }
+        }
+    }
+}
+
+TEST(PoseBounds, GiveAtMostATenthMoreCandidatesThanExactBoxesOnMany)
+{
+    Scene scene = make_scene("many", {.bodies = 400, .frames = {}, .seed = 12345, .data = {}});
+    std::vector<PoseBounds> bounds;
+    for (const Geometry& geometry : scene.geometries) bounds.emplace_back(geometry.data);
+    std::vector<Aabb> tight(scene.size()), exact(scene.size());
+    std::vector<std::uint32_t> all;
+    for (std::uint32_t body = 0; body < scene.size(); ++body) all.push_back(body);
+    Mover mover;
+    std::size_t candidates = 0, least = 0;
+    for (int frame = 0; frame < 16; ++frame) { // long enough for the hulls to take over
+        mover.move(scene, frame);
+        for (std::uint32_t body : all) {
+            PoseBounds& own = bounds[index(scene.geometry[body])];
+            own.expect(1);
+            tight[body] = own.box(scene.poses[body]);
+        }
+        if (frame % 5) continue;
+        for (std::uint32_t body : all)
+            exact[body] =
+                exact_box(std::get<Mesh>(scene.geometries[index(scene.geometry[body])].data), scene.poses[body]);
+        for (std::uint32_t a : all)
+            for (std::uint32_t b = a + 1; b < scene.size(); ++b) {
+                candidates += tight[a].overlaps(tight[b]);
+                least += exact[a].overlaps(exact[b]);
+            }
+    }
+    EXPECT_GT(least, 100u);
+    EXPECT_LE(static_cast<double>(candidates), 1.1 * static_cast<double>(least));
+}
+
+TEST(PoseBounds, EncloseShapes)
+{
+    const Shape shapes[] = {Sphere{0.7}, Box{{1, 0.5, 2}}, Capsule{0.5, 2}, Cylinder{0.3, 1.5},
+                            ConvexHull{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 2}}}};
+    for (const Shape& shape : shapes) {
+        const GeometryData geometry = shape;
+        PoseBounds bounds(geometry);
+        bounds.expect(1);
+        const Mesh around = bounding_mesh_of(shape).mesh;
+        for (std::uint64_t i = 0; i < 200; ++i) {
+            const Eigen::Isometry3d pose = random_pose(2, i, 5);
+            const Aabb box = bounds.box(pose), outer = exact_box(around, pose);
+            // The enclosing mesh is larger than the shape by at most 1 % of its size.
+            EXPECT_TRUE(outer.contains(box) || (box.min - outer.min).cwiseAbs().maxCoeff() < 1e-5);
+            EXPECT_LT((box.min - outer.min).cwiseAbs().maxCoeff(), 0.02 * around.bounds.diagonal());
+            EXPECT_LT((box.max - outer.max).cwiseAbs().maxCoeff(), 0.02 * around.bounds.diagonal());
+        }
+    }
+}
+
+} // namespace
+} // namespace oncollide

@@ -1,0 +1,181 @@
+// What only the kd-tree and the octree do: delimitation, threads, memory.
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "boxes.hpp"
+
+namespace oncollide {
+namespace {
+
+TEST(KdTree, CountsATouchingGridAndAGiantFarFromTheOrigin)
+{
+    constexpr int side = 30;
+    Boxes scene;
+    const Eigen::Vector3d at(1e8, -1e8, 3e7);
+    for (int x = 0; x < side; ++x)
+        for (int y = 0; y < side; ++y)
+            for (int z = 0; z < side; ++z) {
+                const Eigen::Vector3d corner = at + Eigen::Vector3d(x, y, z);
+                scene.add(corner, corner.array() + 1);
+            }
+    // Each box touches the 26 around it: (3 side - 2)^3 ordered pairs of neighbours, themselves included.
+    constexpr std::size_t boxes = side * side * side,
+                          neighbours = std::size_t{3 * side - 2} * (3 * side - 2) * (3 * side - 2);
+    const auto kd = make_kd_tree();
+    scene.add_to(*kd);
+    EXPECT_EQ(find(*kd, scene).size(), (neighbours - boxes) / 2);
+    scene.add(at.array() - 10, at.array() + 2e6); // the middle of all is a million away from the grid
+    kd->add(std::span(scene.all).last(1));
+    EXPECT_EQ(find(*kd, scene).size(), (neighbours - boxes) / 2 + boxes);
+    for (Aabb& box : scene.boxes) box.max.array() -= 1e-3; // nothing touches any more, but for the giant
+    kd->move(scene.all);
+    EXPECT_EQ(find(*kd, scene).size(), boxes);
+    EXPECT_EQ(find_anew(make_kd_tree(), scene).size(), boxes);
+}
+
+TEST(KdTree, GivesTheSameOnManyThreads)
+{
+    Boxes scene = random_boxes(60000, 75, 0.4, 29, {0, 0, 0});
+    const auto one = make_kd_tree();
+    scene.add_to(*one);
+    const Pairs pairs = find(*one, scene);
+    EXPECT_GT(pairs.size(), 10000u);
+    EXPECT_EQ(find_anew(make_octree(), scene), pairs);
+    EXPECT_EQ(find_anew(make_octree({.threads = 3}), scene), pairs);
+    std::vector<std::unique_ptr<BroadPhase>> many;
+    for (int threads : {2, 5, 40}) {
+        many.push_back(make_kd_tree({.threads = threads}));
+        scene.add_to(*many.back());
+        EXPECT_EQ(find(*many.back(), scene), pairs) << threads;
+    }
+    Bodies moved;
+    for (std::uint32_t body : scene.all)
+        if (body % 5 == 0) moved.push_back(body), scene.step(body, random_step(1, body, 3));
+    one->move(moved);
+    one->delimit(scene.columns());
+    const std::uint64_t left = one->bodies_left();
+    const Pairs later = find(*one, scene);
+    for (const auto& broad : many) {
+        broad->move(moved);
+        broad->delimit(scene.columns());
+        EXPECT_EQ(broad->bodies_left(), left);
+        EXPECT_EQ(find(*broad, scene), later);
+    }
+    EXPECT_LT(one->bytes(), 120 * scene.boxes.size());
+}
+
+/// A heap of boxes at the most changes for which regions are looked at.
+TEST(Delimitation, IsTheSameForAnyNumberOfThreadsInAHeap)
+{
+    Boxes scene;
+    for (std::uint32_t i = 0; i < 17000; ++i) {
+        const Eigen::Vector3d at(3 * u01(2, i, 0), 3 * u01(2, i, 1), 3 * u01(2, i, 2));
+        scene.add(at, at.array() + 1, false, 1, 1, 9);
+    }
+    for (const std::uint32_t moved : {10u, 4200u}) {
+        std::vector<std::uint64_t> left;
+        for (int threads : {1, 2, 7}) {
+            const auto kd = make_kd_tree({.threads = threads});
+            scene.add_to(*kd);
+            EXPECT_TRUE(find(*kd, scene).empty());
+            kd->move(std::span(scene.all).first(moved));
+            kd->delimit(scene.columns());
+            left.push_back(kd->bodies_left());
+            EXPECT_TRUE(find(*kd, scene).empty());
+            EXPECT_LT(kd->bytes(), 800 * scene.boxes.size());
+        }
+        EXPECT_EQ(left[0], left[1]);
+        EXPECT_EQ(left[0], left[2]);
+    }
+}
+
+/// What is left is enough for every pair, whatever moves and wherever to.
+TEST(Delimitation, LeavesEveryBodyOfAPair)
+{
+    Boxes scene = random_boxes(6000, 90, 0.985, 11, {0, 0, 0});
+    const auto tree = make_kd_tree({.margin = 0.05});
+    scene.add_to(*tree);
+    Bodies moving, left;
+    for (std::uint32_t body : scene.all)
+        if (!scene.asleep[body]) moving.push_back(body);
+    tree->find_pairs(scene.columns());
+    for (int frame = 0; frame < 30; ++frame) {
+        tree->move(moving);
+        tree->delimit(scene.columns());
+        tree->survivors(left);
+        ASSERT_TRUE(std::is_sorted(left.begin(), left.end()));
+        EXPECT_EQ(tree->bodies_left(), left.size());
+        for (BodyPair pair : scene.truth(0.05))
+            for (std::uint32_t body : {pair.a, pair.b})
+                ASSERT_TRUE(std::binary_search(left.begin(), left.end(), body)) << "frame " << frame;
+        if (frame < 3) {
+            EXPECT_LT(left.size(), scene.boxes.size() * 3 / 4) << "regions are rejected";
+        }
+        // Level by level, what is not left was rejected once.
+        std::uint64_t rejected = 0, regions = 1, survived = 1;
+        for (const DelimitationLevel& level : tree->levels()) {
+            EXPECT_LE(level.regions, 16 * survived);
+            EXPECT_GE(level.volume_rejected, 0);
+            EXPECT_LE(level.volume_rejected, 1);
+            survived = level.regions - level.regions_rejected;
+            rejected += level.bodies_rejected, regions += level.regions;
+        }
+        EXPECT_EQ(rejected + left.size(), scene.boxes.size());
+        EXPECT_GT(regions, 20u);
+        if (frame % 2) tree->find_pairs(scene.columns());
+        // All wander to one corner, and out of the space that was built.
+        for (std::uint32_t body : moving) scene.step(body, {-1.5, -1.0, 0.3 * (body % 5)});
+    }
+}
+
+TEST(Delimitation, RejectsForbiddenLayersAndAllWhenNothingMoves)
+{
+    Boxes scene;
+    for (int i = 0; i < 600; ++i) scene.add({10.0 * i, 0, 0}, {10.0 * i + 1, 1, 1}, true, 1, i < 300 ? 1 : 3);
+    scene.add({2000, 0, 0}, {2001, 1, 1}, false, 2, 1); // where it is, nobody collides with layer 2
+    scene.add({5000, 0, 0}, {5001, 1, 1}, false, 2, 3);
+    const auto tree = make_kd_tree();
+    scene.add_to(*tree);
+    tree->delimit(scene.columns());
+    Bodies left;
+    tree->survivors(left);
+    EXPECT_FALSE(std::binary_search(left.begin(), left.end(), 200u));
+    EXPECT_TRUE(std::binary_search(left.begin(), left.end(), 500u));
+    EXPECT_EQ(find(*tree, scene), (Pairs{{500, 601}}));
+    tree->move({});
+    tree->delimit(scene.columns());
+    scene.layers[600] = 1; // and now they do
+    tree->move(Bodies{600});
+    EXPECT_EQ(find(*tree, scene), (Pairs{{200, 600}, {500, 601}}));
+    EXPECT_EQ(find(*tree, scene, true), (Pairs{{200, 600}, {500, 601}}));
+    EXPECT_TRUE(tree->levels().empty()) << "all was searched";
+    tree->sleep(Bodies{600, 601});
+    EXPECT_TRUE(find(*tree, scene).empty());
+    tree->delimit(scene.columns());
+    ASSERT_FALSE(tree->levels().empty());
+    EXPECT_EQ(tree->bodies_left(), 0u);
+}
+
+/// New leaves at the end of a tree that knows layers, across the sizes at which it gets another level.
+TEST(Delimitation, KnowsTheLayersOfBodiesThatAreAddedLittleByLittle)
+{
+    Boxes scene = random_boxes(5000, 40, 0.5, 37, {0, 0, 0});
+    const auto tree = make_kd_tree();
+    std::uint32_t there = 0;
+    const auto add_up_to = [&](std::uint32_t end) {
+        Bodies asleep, awake;
+        for (; there < end; ++there) (scene.asleep[there] ? asleep : awake).push_back(there);
+        tree->add(asleep, true), tree->add(awake);
+    };
+    for (const std::uint32_t end : {200u, 240u, 250u, 258u, 300u, 360u, 4000u, 4090u, 4097u, 4200u, 5000u}) {
+        add_up_to(end);
+        Pairs expected = scene.truth();
+        std::erase_if(expected, [&](BodyPair p) { return p.b >= end; });
+        EXPECT_EQ(find(*tree, scene), expected) << end;
+        EXPECT_EQ(find(*tree, scene, true), expected) << end;
+    }
+}
+
+} // namespace
+} // namespace oncollide

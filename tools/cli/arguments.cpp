@@ -1,0 +1,240 @@
+#include "cli/arguments.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <iostream>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+/// Steps from one word to the other by adding, dropping or changing a letter.
+std::size_t edit_distance(const std::string& a, const std::string& b)
+{
+    std::vector<std::size_t> row(b.size() + 1);
+    for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+        std::size_t diagonal = std::exchange(row[0], i);
+        for (std::size_t j = 1; j <= b.size(); ++j) {
+            const std::size_t changed = diagonal + (a[i - 1] != b[j - 1]);
+            diagonal = row[j];
+            row[j] = std::min({changed, row[j] + 1, row[j - 1] + 1});
+        }
+    }
+    return row.back();
+}
+
+/// "; did you mean '--depth'?", or nothing when no candidate is near.
+std::string hint(const std::string& word, const std::vector<std::string>& candidates)
+{
+    std::string best;
+    std::size_t least = word.size() < 3   ? 2
+                        : word.size() < 6 ? 3
+                                          : 4; // no more letters may be wrong than this, less one
+    for (const std::string& candidate : candidates)
+        if (const std::size_t distance = edit_distance(word, candidate); distance < least)
+            least = distance, best = candidate;
+    return best.empty() ? "" : fmt::format("; did you mean '{}'?", best);
+}
+
+std::string joined(const std::vector<std::string>& words)
+{
+    std::string result;
+    for (const std::string& word : words) result += (result.empty() ? "" : ", ") + word;
+    return result;
+}
+
+std::vector<std::string> command_names(const CLI::App& app)
+{
+    std::vector<std::string> names;
+    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+        names.push_back(command->get_name());
+    return names;
+}
+
+std::vector<std::string> option_names(const CLI::App& command)
+{
+    std::vector<std::string> names;
+    for (const CLI::Option* option : command.get_options())
+        for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    return names;
+}
+
+/// One line that says what is wrong with the command line.
+std::string explain(const CLI::App& app, const CLI::ParseError& error)
+{
+    const CLI::App* chosen = &app;
+    std::string path; // "bench many "
+    while (!chosen->get_subcommands().empty()) {
+        chosen = chosen->get_subcommands().front();
+        path += chosen->get_name() + " ";
+    }
+    const CLI::App& command = *chosen;
+    const std::string place = path.empty() ? "" : path.substr(0, path.size() - 1) + ": ";
+    const std::string help = fmt::format("({} {}--help)", app.get_name(), path);
+    const std::vector<std::string> extras = app.remaining(true);
+    if (dynamic_cast<const CLI::ExtrasError*>(&error) && !extras.empty()) {
+        const std::string word = extras.front().substr(0, extras.front().find('='));
+        if (!word.starts_with("-")) return fmt::format("{}unexpected argument '{}' {}", place, word, help);
+        const std::string near = hint(word, option_names(command));
+        return fmt::format("{}unknown option '{}'{} {}", place, word,
+                           near.empty() ? "; valid: " + joined(option_names(command)) : near, help);
+    }
+    std::string text = error.what();
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    if (const std::size_t at = text.find(": 1 required "); at != std::string::npos && text.ends_with(" missing"))
+        text = fmt::format("{} needs a {}", text.substr(0, at), text.substr(at + 13, text.size() - at - 21));
+    if (const std::size_t at = text.find(": At Most 1 required"); at != std::string::npos)
+        text = text.substr(0, at) + " is given more than once";
+    return fmt::format("{}{} {}", place, text, help);
+}
+
+} // namespace
+
+Option Option::type_name(const std::string& name)
+{
+    option_->type_name(name);
+    return *this;
+}
+
+Option Option::required()
+{
+    option_->required();
+    return *this;
+}
+
+Option Option::expected(int count)
+{
+    option_->expected(count);
+    return *this;
+}
+
+Option Option::expected(int least, int most)
+{
+    option_->expected(least, most);
+    return *this;
+}
+
+Option Option::repeatable()
+{
+    option_->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    return *this;
+}
+
+Option Option::separated_by(char comma)
+{
+    option_->delimiter(comma)->allow_extra_args(false);
+    return *this;
+}
+
+Option Option::needs(Option other)
+{
+    option_->needs(other.option_);
+    return *this;
+}
+
+Option Option::check(std::function<std::string(const std::string&)> fault)
+{
+    option_->check(fault);
+    return *this;
+}
+
+bool Option::given() const
+{
+    return option_->count() > 0;
+}
+
+Arguments Arguments::add_command(const std::string& name, const std::string& summary)
+{
+    return {app_->add_subcommand(name, summary), chosen_};
+}
+
+template <class Value>
+Option Arguments::add_option(const std::string& names, Value& value, const std::string& help)
+{
+    return Option(app_->add_option(names, value, help));
+}
+
+template Option Arguments::add_option(const std::string&, int&, const std::string&);
+template Option Arguments::add_option(const std::string&, double&, const std::string&);
+template Option Arguments::add_option(const std::string&, std::uint64_t&, const std::string&);
+template Option Arguments::add_option(const std::string&, std::string&, const std::string&);
+template Option Arguments::add_option(const std::string&, std::optional<int>&, const std::string&);
+template Option Arguments::add_option(const std::string&, std::optional<double>&, const std::string&);
+template Option Arguments::add_option(const std::string&, std::optional<std::uint64_t>&, const std::string&);
+template Option Arguments::add_option(const std::string&, std::optional<std::string>&, const std::string&);
+template Option Arguments::add_option(const std::string&, std::vector<int>&, const std::string&);
+template Option Arguments::add_option(const std::string&, std::vector<std::string>&, const std::string&);
+
+Option Arguments::add_flag(const std::string& name, bool& value, const std::string& help)
+{
+    return Option(app_->add_flag(name, value, help));
+}
+
+void Arguments::remove_option(const std::string& name)
+{
+    app_->remove_option(app_->get_option(name));
+}
+
+void Arguments::footer(const std::string& text)
+{
+    app_->footer(text);
+}
+
+void Arguments::at_most_one_command()
+{
+    app_->require_subcommand(0, 1);
+}
+
+void Arguments::action(Command command)
+{
+    app_->callback([app = app_, chosen = chosen_, command = std::move(command)] {
+        if (app->get_subcommands().empty()) *chosen = command;
+    });
+}
+
+CommandLine::CommandLine(const std::string& program, const std::string& summary, const std::string& version)
+    : app_(std::make_unique<CLI::App>(summary, program))
+{
+    app_->set_version_flag("--version", version);
+}
+
+CommandLine::~CommandLine() = default;
+
+Arguments CommandLine::arguments()
+{
+    return {app_.get(), &chosen_};
+}
+
+Command CommandLine::parse(int argc, char** argv)
+{
+    const std::vector<std::string> names = command_names(*app_);
+    const auto refuse = [](const std::string& why) { throw Error(ErrorKind::usage, why); };
+    if (argc < 2) refuse("no command given; try 'oncollide demo', or one of: " + joined(names));
+    const std::string first = argv[1];
+    const auto nothing = [] { return 0; };
+    if (first == "help") {
+        std::cout << app_->help();
+        return nothing;
+    }
+    if (!first.starts_with("-") && std::find(names.begin(), names.end(), first) == names.end())
+        refuse(fmt::format("unknown command '{}'{} commands: {}", first,
+                           hint(first, names).empty() ? ";" : hint(first, names), joined(names)));
+    try {
+        app_->parse(argc, argv);
+    } catch (const CLI::Success& wanted) { // --help and --version
+        app_->exit(wanted, std::cout, std::cerr);
+        return nothing;
+    } catch (const CLI::ParseError& error) {
+        refuse(explain(*app_, error));
+    }
+    if (!chosen_) refuse("no command given; commands: " + joined(names));
+    return chosen_;
+}
+
+} // namespace oncollide::tools

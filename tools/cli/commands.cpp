@@ -1,0 +1,19 @@
+// All commands, for the program that is installed.
+#include "cli/command.hpp"
+
+namespace oncollide::tools {
+
+void add_commands(Arguments app)
+{
+    add_demo(app);
+    add_run(app);
+    add_render(app);
+    add_check(app);
+    add_scene(app);
+    add_spheres(app);
+    add_bench(app);
+    add_accuracy(app);
+    add_doctor(app);
+}
+
+} // namespace oncollide::tools
