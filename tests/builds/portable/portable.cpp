@@ -64,12 +64,10 @@ void broad_phase(Hash& hash)
         boxes.back().add(boxes.back().min + Vector3d(u01(2, i, 0), u01(2, i, 1), u01(2, i, 2)));
         bodies.push_back(i);
     }
-    const std::vector<std::uint8_t> is_static(boxes.size(), 0);
-    const std::vector<std::uint32_t> every_layer(boxes.size(), ~0u);
-    std::vector<BodyPair> pairs;
-    for (const auto& phase : {make_kd_tree(), make_octree()}) {
-        phase->find_pairs(boxes, bodies, {is_static, every_layer, every_layer}, 0.01, 2, pairs);
-        for (const BodyPair& pair : pairs) hash.add(std::uint64_t{pair.a} << 32 | pair.b);
+    const BroadPhase::Options options{.margin = 0.01, .threads = 2};
+    for (const auto& phase : {make_kd_tree(options), make_octree(options)}) {
+        phase->add(bodies);
+        for (const BodyPair& pair : phase->find_pairs({.boxes = boxes})) hash.add(std::uint64_t{pair.a} << 32 | pair.b);
     }
 }
 
