@@ -9,16 +9,19 @@ namespace oncollide::ONCOLLIDE_ISA {
 namespace {
 
 using F32x8 = float __attribute__((vector_size(32), aligned(32)));
-using F32x8u = float __attribute__((vector_size(32), aligned(4)));
 using I32x8 = std::int32_t __attribute__((vector_size(32)));
 
+/// At any address: Clang takes a vector's own type for aligned, whatever a typedef says.
+struct __attribute__((packed, may_alias)) Unaligned {
+    float v __attribute__((vector_size(32)));
+};
 inline F32x8 load(const float* p)
 {
-    return *reinterpret_cast<const F32x8u*>(p);
+    return reinterpret_cast<const Unaligned*>(p)->v;
 }
 inline void store(float* p, F32x8 v)
 {
-    *reinterpret_cast<F32x8u*>(p) = v;
+    reinterpret_cast<Unaligned*>(p)->v = v;
 }
 inline F32x8 splat(float x)
 {

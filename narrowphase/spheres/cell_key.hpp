@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 
 namespace oncollide {
@@ -44,7 +45,7 @@ constexpr std::array<std::int32_t, 3> centre_of(CellKey cell)
 {
     std::array<std::int32_t, 3> centre{};
     for (int level = 0, depth = level_of(cell); level < depth; ++level)
-        for (int axis = 0; axis < 3; ++axis)
+        for (std::size_t axis = 0; axis < 3; ++axis)
             centre[axis] = 2 * centre[axis] + (octant_at(cell, level) >> axis & 1 ? 1 : -1);
     return centre;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>

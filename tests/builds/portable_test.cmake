@@ -1,0 +1,29 @@
+# Holds what portable/ prints, built with another compiler or as PROGRAM already, against what is known.
+#   cmake -DSOURCE=project -DWORK=scratch folder -DCOMPILER=c++ -DEIGEN=folder -DFMT=folder [-DPROCESSOR=aarch64 -DRUNNER=qemu-aarch64]
+#         -P portable_test.cmake
+#   cmake -DPROGRAM=portable -P portable_test.cmake
+include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
+if(NOT PROGRAM)
+  file(REMOVE_RECURSE ${WORK})
+  file(MAKE_DIRECTORY ${WORK}/headers)
+  file(CREATE_LINK ${EIGEN}/Eigen ${WORK}/headers/Eigen SYMBOLIC) # not all of /usr/include, which is another processor's
+  file(CREATE_LINK ${FMT}/fmt ${WORK}/headers/fmt SYMBOLIC)
+  set(cross)
+  if(PROCESSOR)
+    set(cross -DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR=${PROCESSOR} -DCMAKE_EXE_LINKER_FLAGS=-static)
+  endif()
+  run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/portable -B ${WORK}/build -G Ninja -DSOURCE=${SOURCE} -DHEADERS=${WORK}/headers
+      -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG" -DCMAKE_CXX_COMPILER=${COMPILER} ${cross})
+  run(${CMAKE_COMMAND} --build ${WORK}/build --target portable)
+  set(PROGRAM ${WORK}/build/portable)
+endif()
+if(PROCESSOR AND NOT RUNNER)
+  return() # that it builds is all that can be said here
+endif()
+file(READ ${CMAKE_CURRENT_LIST_DIR}/portable/answers.txt known)
+foreach(isa IN ITEMS baseline avx2 avx512) # those that this processor has not are lowered
+  run(${CMAKE_COMMAND} -E env ONCOLLIDE_ISA=${isa} ${RUNNER} ${PROGRAM})
+  if(NOT output STREQUAL known)
+    message(FATAL_ERROR "with ${isa} the answers are\n${output}and not\n${known}")
+  endif()
+endforeach()
