@@ -58,6 +58,7 @@ function(oncollide_add_module name)
   endforeach()
 
   if(NOT name STREQUAL base) # base makes do without Eigen nearly everywhere
+    target_link_libraries(oncollide_${name} PRIVATE fmt::fmt) # its definitions must be those of the precompiled headers
     target_precompile_headers(oncollide_${name} REUSE_FROM oncollide_precompiled)
   endif()
 
