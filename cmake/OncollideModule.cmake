@@ -20,7 +20,7 @@ target_compile_options(oncollide_flags INTERFACE -Wall -Wextra -Wpedantic -Wshad
                        $<$<CONFIG:Debug>:-DONCOLLIDE_ASSERTIONS>)
 
 # What nearly every unit includes, parsed once instead of by each: Eigen alone takes three seconds. A header must not count
-# on it: those that are public are compiled alone, without it.
+# on it: those that are public are compiled alone, without it. -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON builds without.
 function(oncollide_precompile target)
   target_precompile_headers(${target} PRIVATE
     <algorithm> <array> <atomic> <bit> <chrono> <cmath> <cstdint> <cstring> <filesystem> <functional> <iosfwd> <limits> <map> <memory>
@@ -30,8 +30,13 @@ endfunction()
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/precompiled.cpp CONTENT "")
 add_library(oncollide_precompiled OBJECT ${PROJECT_BINARY_DIR}/precompiled.cpp) # for the modules; the same flags as theirs
 set_target_properties(oncollide_precompiled PROPERTIES POSITION_INDEPENDENT_CODE ON)
-target_link_libraries(oncollide_precompiled PRIVATE oncollide_flags Eigen3::Eigen fmt::fmt)
-oncollide_precompile(oncollide_precompiled)
+target_link_libraries(oncollide_precompiled PRIVATE oncollide_flags Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json)
+oncollide_precompile(oncollide_precompiled <nlohmann/json.hpp>)
+
+# Sources of the folder that run once or wait for a disk: half the optimisation is compiled in half the time.
+function(oncollide_rarely_run)
+  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O1>)
+endfunction()
 
 function(oncollide_add_module name)
   cmake_parse_arguments(arg "" "" "HEADERS;SOURCES;DEPENDS;LINK" ${ARGN})
@@ -58,6 +63,7 @@ function(oncollide_add_module name)
   endforeach()
 
   if(NOT name STREQUAL base) # base makes do without Eigen nearly everywhere
+    target_link_libraries(oncollide_${name} PRIVATE fmt::fmt) # its definitions must be those of the precompiled headers
     target_precompile_headers(oncollide_${name} REUSE_FROM oncollide_precompiled)
   endif()
 

@@ -46,7 +46,7 @@ void expect_self_contained(const std::string& page)
     EXPECT_NE(page.find("@media print"), std::string::npos);
 }
 
-TEST_F(Study, KnowsHowFarApartFalseAlarmsAre)
+TEST_F(Study, KnowsHowFarApartFalsePositivesAre)
 {
     const nlohmann::json all =
         study({"cubes.json", "--depths", "2,8", "--warm-up", "0", "--csv", "s.csv", "--peers", "fcl"});
@@ -56,16 +56,16 @@ TEST_F(Study, KnowsHowFarApartFalseAlarmsAre)
         const nlohmann::json exact = variant(all, fmt::format("{}, predicates", spheres));
         EXPECT_EQ(exact["colliding"], 3);
         EXPECT_EQ(exact["error"], 0);
-        EXPECT_EQ(exact["false_alarms"], 0);
+        EXPECT_EQ(exact["false_positives"], 0);
     }
     const nlohmann::json coarse = variant(all, "spheres, depth 2"), fine = variant(all, "spheres, depth 8");
     EXPECT_EQ(coarse["within"], 9);
-    EXPECT_EQ(coarse["false_alarms"], 6);
-    EXPECT_NEAR(coarse["alarm_distance_worst"], 0.05, 1e-9);
-    EXPECT_NEAR(coarse["alarm_distance_median"], 0.04, 1e-9);
+    EXPECT_EQ(coarse["false_positives"], 6);
+    EXPECT_NEAR(coarse["false_positive_distance_worst"], 0.05, 1e-9);
+    EXPECT_NEAR(coarse["false_positive_distance_median"], 0.04, 1e-9);
     EXPECT_NEAR(coarse["error"], std::sqrt(3) / 2, 1e-4) << "four radii of a quarter of the cube's";
-    EXPECT_EQ(coarse["alarms_by_tenth_of_bound"], nlohmann::json({6, 0, 0, 0, 0, 0, 0, 0, 0, 0}));
-    EXPECT_EQ(fine["false_alarms"], 0);
+    EXPECT_EQ(coarse["false_positives_by_tenth_of_bound"], nlohmann::json({6, 0, 0, 0, 0, 0, 0, 0, 0, 0}));
+    EXPECT_EQ(fine["false_positives"], 0);
     EXPECT_EQ(fine["separate"], 6);
     for (const nlohmann::json& row : all["variants"]) {
         SCOPED_TRACE(row["variant"]);
@@ -123,8 +123,8 @@ TEST_F(Study, WhatOnlyTouchesCanBeLeftOut)
     EXPECT_EQ(all["header"]["colliding"], 1) << "in the second frame they cross";
     EXPECT_EQ(variant(all, "OBBs, predicates")["separate"], 1);
     const nlohmann::json spheres = variant(all, "spheres, depth 3");
-    EXPECT_EQ(spheres["false_alarms"], 1);
-    EXPECT_NEAR(spheres["alarm_distance_worst"], 0, 1e-15);
+    EXPECT_EQ(spheres["false_positives"], 1);
+    EXPECT_NEAR(spheres["false_positive_distance_worst"], 0, 1e-15);
     expect_error(64, {"accuracy", "study", "touch.json", "--ignore-touching", "--exact", "off"},
                  {"--ignore-touching", "predicates"});
 }
@@ -142,7 +142,7 @@ TEST_F(Study, ReadsPosesAndHoldsTheirAnswersAgainstTheTruth)
     const nlohmann::json right = study(arguments);
     EXPECT_EQ(right["header"]["frames"], 3);
     EXPECT_EQ(right["header"]["colliding"], 1);
-    EXPECT_NEAR(variant(right, "spheres, depth 2")["alarm_distance_worst"], 0.1, 1e-9);
+    EXPECT_NEAR(variant(right, "spheres, depth 2")["false_positive_distance_worst"], 0.1, 1e-9);
     folder_.write("p_expected.txt", "0 0 0\n1 0 0\n2 0 0\n");
     study(arguments, 70);
     const nlohmann::json generated = study({"cube.off", "cube.off", "--count", "4", "--distances", "0,10"});
@@ -160,7 +160,7 @@ TEST_F(Study, ThePageNeedsNothingElse)
     expect_self_contained(page);
     EXPECT_EQ(count_of(page, "<svg "), 4u);
     EXPECT_EQ(count_of(page, "<tr>"), 1u + 8 + 1) << "head, variants, FCL";
-    for (const char* word : {"b &lt;&amp;&gt;", "false alarm: 0.05 m apart", ">exact</text>", "★", "FCL missed 0"})
+    for (const char* word : {"b &lt;&amp;&gt;", "false positive: 0.05 m apart", ">exact</text>", "★", "FCL missed 0"})
         EXPECT_NE(page.find(word), std::string::npos) << word;
     // Without colour, lines are told by their markers and labels.
     const std::regex mark("<path fill=\"[^\"]*\" transform=\"[^\"]*\" d=\"([^\"]*)\"/>");

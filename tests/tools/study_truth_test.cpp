@@ -201,7 +201,7 @@ TEST(StudyJudge, SeesWrongAnswersOfThePipeline)
         const StudyRow row = judged(answer, nothing);
         EXPECT_FALSE(row.faulty());
     }
-    EXPECT_GT(judged(wide, nothing).false_alarms, 10u);
+    EXPECT_GT(judged(wide, nothing).false_positives, 10u);
 
     const StudyRow missed = judged(right, [](PairResult& pair) {
         return pair.verdict == Verdict::colliding && (pair.verdict = Verdict::separate, true);

@@ -131,7 +131,7 @@ void add_narrow(Arguments bench)
                "  oncollide bench narrow                                     two generated knots, no files needed\n"
                "  oncollide bench narrow cup.obj spoon.stl --distances 0,1,10 --plot narrow.svg\n"
                "  oncollide bench narrow --poses --ask boolean --only walk-6,fcl-obb,fcl-obbrss\n"
-               "Every answer is checked, by CGAL where this build has it. In 'answers', +k are false alarms and\n"
+               "Every answer is checked, by CGAL where this build has it. In 'answers', +k are false positives and\n"
                "MISSED k collisions lost (of 'all': pairs of triangles). Exit code 70: oncollide lost one, or an\n"
                "exact answer of it is wrong. What each contender counts: docs/benchmarks.md.");
     sub.action([options, poses] {

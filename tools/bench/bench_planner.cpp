@@ -89,15 +89,15 @@ int bench_planner(const PlannerOptions& options)
             from = Clock::now();
             ours.ask(queries, answers);
             const double warm = seconds_since(from);
-            std::uint64_t false_alarms = 0;
+            std::uint64_t false_positives = 0;
             for (std::size_t i = 0; i < queries.size(); ++i) {
                 const bool yes = answers[i].verdict != Verdict::separate;
                 wrong += exact == ExactLevel::off ? !yes && expected[i] : yes != bool(expected[i]);
-                false_alarms += yes && !expected[i];
+                false_positives += yes && !expected[i];
             }
             say("{:<28}{:>8}{:>16.3f}{:>16.3f}{:>8.2f}{:>12}{:>8}\n",
                 fmt::format("oncollide, exact {}", name_of(exact)), threads, cold, warm, second / warm,
-                grouped(std::uint64_t(double(queries.size()) / warm)), grouped(false_alarms));
+                grouped(std::uint64_t(double(queries.size()) / warm)), grouped(false_positives));
         }
     }
     say("\ncolliding  {} of {}; answers that FCL contradicts: {}\n",

@@ -28,7 +28,7 @@ struct Contender {
     std::string name;
     std::function<bool(const KnownPose&)> answer; ///< true: not known to be separate
     std::vector<double> us = {};                  ///< by pose, the least of the repeats
-    std::uint64_t false_alarms = 0, missed = 0;
+    std::uint64_t false_positives = 0, missed = 0;
 };
 
 Settings at_depth(int depth)
@@ -117,7 +117,7 @@ private:
                 answer = who.answer(pose);
                 who.us[i] = std::min(who.us[i], std::chrono::duration<double, std::micro>(Clock::now() - from).count());
             }
-            who.false_alarms += answer && !*pose.colliding;
+            who.false_positives += answer && !*pose.colliding;
             who.missed += !answer && *pose.colliding;
         }
     }
@@ -136,7 +136,7 @@ private:
         for (const Contender& who : contenders_)
             say("{:<16}{:>10.2f}{:>10.2f}{:>12.2f}{:>12.2f}{:>12.2f}{:>12.2f}{:>10}{:>10}\n", who.name, median(who.us),
                 mean(who.us), mean(part(who, true)), mean(part(who, false)), fcl_median / median(who.us),
-                fcl_mean / mean(who.us), who.false_alarms, who.missed);
+                fcl_mean / mean(who.us), who.false_positives, who.missed);
         say("\nFCL builds OBB in {:.2f} ms, OBBRSS in {:.2f} ms\n\n", obb_ms_, rss_ms_);
         say("{:<8}{:>14}{:>16}{:>18}{:>14}{:>20}{:>12}\n", "trees", "bound", "% of diagonal", "cell pairs/query",
             "cells", "growing, ms in all", "MB");

@@ -44,7 +44,7 @@ void SceneReport::print_times() const
         contacts += row.contacts_ms;
     }
     const double n = double(counted().size());
-    say("{:<17}{:>12}{:>12}{:>14}{:>24}\n", "ms a frame", "median", "mean", "frames/s", "first, from nothing");
+    say("{:<17}{:>12}{:>12}{:>14}{:>24}\n", "ms per frame", "median", "mean", "frames/s", "first, from nothing");
     const auto line = [](const char* who, const std::vector<double>& ms, const std::vector<double>& cold) {
         say("{:<17}{:>12.4f}{:>12.4f}{:>14.1f}{:>24.3f}\n", who, median(ms), mean(ms), 1e3 / mean(ms), median(cold));
     };
@@ -74,7 +74,7 @@ std::uint64_t SceneReport::print_counts() const
         node_pairs += row.trees.node_pairs, rows += row.trees.rows, nodes = std::max(nodes, row.trees.nodes);
     }
     const std::uint64_t n = counted().size();
-    say("pairs, mean of a frame\n");
+    say("pairs, mean per frame\n");
     if (with_fcl_)
         say("  FCL        candidates {}, colliding {}\n", mean_count(fcl_candidates, n),
             mean_count(sum.fcl_colliding, n));
@@ -99,11 +99,11 @@ std::uint64_t SceneReport::print_faults(const Comparison& sum, std::uint64_t fra
 {
     Comparison all; // missed collisions count in every frame
     for (const SceneRow& row : runs_.rows) all += row.counts;
-    say("  oncollide  false alarms {} ({:.1f} % of what is left over), missed {}, within FCL's rounding {}, wrong "
+    say("  oncollide  false positives {} ({:.1f} % of what is left over), missed {}, within FCL's rounding {}, wrong "
         "exact "
         "answers {}\n",
-        mean_count(sum.false_alarms, frames),
-        sum.left_over ? 100.0 * double(sum.false_alarms) / double(sum.left_over) : 0.0, all.missed,
+        mean_count(sum.false_positives, frames),
+        sum.left_over ? 100.0 * double(sum.false_positives) / double(sum.left_over) : 0.0, all.missed,
         all.missed_by_rounding, all.wrong_exact);
     if (all.missed) say("MISSED     {}\n", all.first_missed);
     return all.missed + all.wrong_exact;
@@ -149,10 +149,11 @@ void SceneReport::print_rounds() const
     }
     const std::uint64_t n = counted().size();
     const SceneRow& first = runs_.rows.front();
-    say("  rounds     {} a frame, {} cells a round; the first frame: {} rounds of {} cells\n", mean_count(rounds, n),
-        mean_count(rows, rounds), first.trees.rounds, mean_count(first.trees.rows, first.trees.rounds));
+    say("  rounds     {} per frame, {} cells per round; the first frame: {} rounds of {} cells\n",
+        mean_count(rounds, n), mean_count(rows, rounds), first.trees.rounds,
+        mean_count(first.trees.rows, first.trees.rounds));
     if (first.trees.gpu_bytes)
-        say("  GPU        {:.3f} ms of its time a frame, {:.3f} ms waiting for it, {} bytes moved, {} queries; the "
+        say("  GPU        {:.3f} ms of its time per frame, {:.3f} ms waiting for it, {} bytes moved, {} queries; the "
             "first "
             "frame: {:.3f}, {:.3f}, {}, {}\n",
             gpu_ms / double(n), wait_ms / double(n), mean_count(bytes, n), mean_count(queries, n), first.gpu_ms,
@@ -182,7 +183,7 @@ void SceneReport::write_csv() const
     OutputFile file(options_.csv);
     file.print("frame,fcl_ms,fcl_transforms_ms,fcl_update_ms,fcl_pairs_ms,fcl_narrow_ms,fcl_candidates,fcl_colliding,"
                "ms,bounds_ms,delimitation_ms,broad_ms,ocst_ms,exact_ms,candidates,left_over,colliding,undecided,"
-               "false_alarms,missed,cells,cells_asked,cell_pairs,bytes,hash\n");
+               "false_positives,missed,cells,cells_asked,cell_pairs,bytes,hash\n");
     for (std::size_t frame = 0; frame < runs_.rows.size(); ++frame) {
         const SceneRow& r = runs_.rows[frame];
         file.print("{},{},{},{},{},{},{},{},", frame, with_fcl_ ? r.fcl_ms : 0, r.fcl_parts[0], r.fcl_parts[1],
@@ -190,7 +191,7 @@ void SceneReport::write_csv() const
         file.print("{},{},{},{},{},{},", with_ours_ ? r.our_ms : 0, r.our_parts[0], r.our_parts[1], r.our_parts[2],
                    r.our_parts[3], r.our_parts[4]);
         file.print("{},{},{},{},{},{},{},{},{},{},{:016x}\n", r.counts.pairs, r.counts.left_over, r.counts.colliding,
-                   r.counts.undecided, r.counts.false_alarms, r.counts.missed, r.trees.nodes, r.trees.rows,
+                   r.counts.undecided, r.counts.false_positives, r.counts.missed, r.trees.nodes, r.trees.rows,
                    r.trees.node_pairs, r.trees.bytes, r.hash);
     }
     file.commit();

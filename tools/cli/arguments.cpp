@@ -161,6 +161,7 @@ Option Arguments::add_option(const std::string& names, Value& value, const std::
 }
 
 template Option Arguments::add_option(const std::string&, int&, const std::string&);
+template Option Arguments::add_option(const std::string&, long&, const std::string&);
 template Option Arguments::add_option(const std::string&, double&, const std::string&);
 template Option Arguments::add_option(const std::string&, std::uint64_t&, const std::string&);
 template Option Arguments::add_option(const std::string&, std::string&, const std::string&);

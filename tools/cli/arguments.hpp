@@ -43,7 +43,7 @@ public:
 
     Arguments add_command(const std::string& name, const std::string& summary);
     /// @param names  "--long" or "--long,--alias", or a word for a position. `value` must live until the command ran.
-    /// For int, double, std::uint64_t, std::string, optionals of these, vectors of int and of std::string.
+    /// For int, long, double, std::uint64_t, std::string, optionals of these, vectors of int and of std::string.
     template <class Value>
     Option add_option(const std::string& names, Value& value, const std::string& help);
     Option add_flag(const std::string& name, bool& value, const std::string& help);

@@ -103,14 +103,14 @@ std::string why_no_gpu()
 void print_header()
 {
     say("{:<34}{:>9}{:>11}{:>8}{:>7}{:>9}{:>9}{:>8}{:>9}{:>12}{:>11}\n", "family", "cases", "answers", "missed",
-        "wrong", "alarms", "bounds", "broken", "changed", "FCL missed", "FCL false");
+        "wrong", "false +", "bounds", "broken", "changed", "FCL missed", "FCL false");
 }
 
 /// At once, for the next takes a while.
 void print_row(const Tally& t)
 {
     say("{:<34}{:>9}{:>11}{:>8}{:>7}{:>9}{:>9}{:>8}{:>9}{:>12}{:>11}\n", t.family, t.cases, t.answers, t.missed,
-        t.wrong, t.false_alarms, t.bounds, t.broken, t.changed, t.fcl_missed, t.fcl_false);
+        t.wrong, t.false_positives, t.bounds, t.broken, t.changed, t.fcl_missed, t.fcl_false);
     if (!t.first_fault.empty()) say("FAULT      {}\n", t.first_fault);
     std::cout.flush();
 }
@@ -141,10 +141,10 @@ std::vector<Tally> try_all(const HardOptions& options, const Choice& chosen, con
 void write_csv(const std::string& path, const std::vector<Tally>& rows)
 {
     OutputFile file(path);
-    file.print("family,cases,answers,missed,wrong,false_alarms,bounds,bounds_broken,changed,fcl_missed,fcl_false\n");
+    file.print("family,cases,answers,missed,wrong,false_positives,bounds,bounds_broken,changed,fcl_missed,fcl_false\n");
     for (const Tally& t : rows)
         file.print("\"{}\",{},{},{},{},{},{},{},{},{},{}\n", t.family, t.cases, t.answers, t.missed, t.wrong,
-                   t.false_alarms, t.bounds, t.broken, t.changed, t.fcl_missed, t.fcl_false);
+                   t.false_positives, t.bounds, t.broken, t.changed, t.fcl_missed, t.fcl_false);
     file.commit();
 }
 
@@ -153,11 +153,12 @@ void write_json(const std::string& path, const std::vector<Tally>& rows)
     OutputFile file(path);
     file.print("{{\"header\": {{\"version\": \"{}\"}}, \"families\": [", version);
     for (const Tally& t : rows)
-        file.print("{}\n  {{\"family\": \"{}\", \"cases\": {}, \"answers\": {}, \"missed\": {}, \"wrong\": {}, "
-                   "\"false_alarms\": {}, \"bounds\": {}, \"bounds_broken\": {}, \"changed\": {}, \"fcl_missed\": {}, "
-                   "\"fcl_false\": {}}}",
-                   &t == rows.data() ? "" : ",", t.family, t.cases, t.answers, t.missed, t.wrong, t.false_alarms,
-                   t.bounds, t.broken, t.changed, t.fcl_missed, t.fcl_false);
+        file.print(
+            "{}\n  {{\"family\": \"{}\", \"cases\": {}, \"answers\": {}, \"missed\": {}, \"wrong\": {}, "
+            "\"false_positives\": {}, \"bounds\": {}, \"bounds_broken\": {}, \"changed\": {}, \"fcl_missed\": {}, "
+            "\"fcl_false\": {}}}",
+            &t == rows.data() ? "" : ",", t.family, t.cases, t.answers, t.missed, t.wrong, t.false_positives, t.bounds,
+            t.broken, t.changed, t.fcl_missed, t.fcl_false);
     file.print("\n]}}\n");
     file.commit();
 }
@@ -230,7 +231,7 @@ void add_accuracy_hard(Arguments accuracy)
         "Columns:\n"
         "  missed   collisions, or bodies within the clearance, that an answer lost: must be 0\n"
         "  wrong    exact answers that invent a collision, leave it open or name the wrong kind: must be 0\n"
-        "  alarms   'within' for bodies that do not collide: allowed without an exact level\n"
+        "  false +  'within' for bodies that do not collide: allowed without an exact level\n"
         "  broken   certified bounds that the true distance contradicts: must be 0\n"
         "  changed  answers that the order or a motion changed and must not: must be 0\n"
         "  FCL      cases in which FCL's own test misses a collision, or invents one\n\n"

@@ -152,7 +152,7 @@ void judge(const PairTruth& truth, const Settings& settings, const BodyAnswer& a
     const bool enclosed = settings.mode == Mode::solid && truth.solids.enclosed;
     const bool open = answer.verdict == Verdict::within || answer.verdict == Verdict::undecided;
     const bool near = settings.clearance > 0 && truth.surfaces.distance.low <= settings.clearance;
-    tally.false_alarms += open && !truth.surfaces.collide && !enclosed && !near;
+    tally.false_positives += open && !truth.surfaces.collide && !enclosed && !near;
     tally.bounds += answer.verdict != Verdict::colliding;
     if (!holds(answer, truth, settings))
         tally.fault(&Tally::broken,

@@ -86,7 +86,7 @@ private:
         };
         if (truths_[k] && verdict == Verdict::separate) fault(&Tally::missed);
         if (exact && !truths_[k] && verdict != Verdict::separate) fault(&Tally::wrong);
-        tally_.false_alarms += !exact && !truths_[k] && verdict != Verdict::separate;
+        tally_.false_positives += !exact && !truths_[k] && verdict != Verdict::separate;
     }
 
     const std::vector<BodyCase>& cases_;

@@ -129,7 +129,7 @@ std::string numbers(const Row& row, std::size_t i, bool closed)
     const auto add = [&](const double* values, int count) {
         for (int k = 0; k < count; ++k) fmt::format_to(std::back_inserter(text), ",{}", values[k]);
     };
-    if (row.kind == BoundingVolume::sphere) text += "," + std::to_string(row.cells[i]);
+    if (row.kind == BoundingVolume::sphere) fmt::format_to(std::back_inserter(text), ",{}", row.cells[i]);
     add(v.centre.data(), 3);
     add(v.half.data(), v.ball ? 1 : 3);
     if (!v.ball) add(v.axes.data(), 9); // column after column

@@ -144,8 +144,8 @@ void print_table(const std::vector<Variant>& variants)
     for (const Variant& v : variants)
         say("{:>5}  {:<21}{:>8}{:>11}{:>11}{:>11}{:>9}{:>8}{:>9}{:>11}{:>9}{:>11}{:>11}{:>7}{:>10.3f}\n",
             *v.settings.depth, v.name, v.frames, v.counts.pairs, v.counts.left_over, v.counts.fcl_colliding,
-            v.counts.false_alarms, v.counts.missed + v.counts.wrong_exact, v.counts.missed_by_rounding, v.bounds.checks,
-            v.bounds.violations, optional_length(v.bounds.least_margin, v.bounds.checks),
+            v.counts.false_positives, v.counts.missed + v.counts.wrong_exact, v.counts.missed_by_rounding,
+            v.bounds.checks, v.bounds.violations, optional_length(v.bounds.least_margin, v.bounds.checks),
             optional_length(v.bounds.largest_bound, v.bounds.largest_bound > 0),
             v.same_hash ? (v.other_hash ? "DIFF" : "same") : "", v.ms / double(std::max<std::uint64_t>(v.frames, 1)));
     for (const Variant& v : variants)
@@ -156,13 +156,13 @@ void print_table(const std::vector<Variant>& variants)
 void write_csv(const std::string& path, const std::vector<Variant>& variants)
 {
     OutputFile file(path);
-    file.print(
-        "depth,variant,frames,pairs,left_over,undecided,colliding,fcl_colliding,false_alarms,missed,missed_by_rounding,"
-        "wrong_exact,bound_checks,bound_violations,least_margin,largest_bound,other_hash,ms_per_frame\n");
+    file.print("depth,variant,frames,pairs,left_over,undecided,colliding,fcl_colliding,false_positives,missed,missed_"
+               "by_rounding,"
+               "wrong_exact,bound_checks,bound_violations,least_margin,largest_bound,other_hash,ms_per_frame\n");
     for (const Variant& v : variants)
         file.print("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", *v.settings.depth, v.name, v.frames,
                    v.counts.pairs, v.counts.left_over, v.counts.undecided, v.counts.colliding, v.counts.fcl_colliding,
-                   v.counts.false_alarms, v.counts.missed, v.counts.missed_by_rounding, v.counts.wrong_exact,
+                   v.counts.false_positives, v.counts.missed, v.counts.missed_by_rounding, v.counts.wrong_exact,
                    v.bounds.checks, v.bounds.violations, v.bounds.checks ? v.bounds.least_margin : 0,
                    v.bounds.largest_bound, v.other_hash, v.ms / double(std::max<std::uint64_t>(v.frames, 1)));
     file.commit();
@@ -175,13 +175,13 @@ void write_json(const std::string& path, const std::string& scene, const std::ve
     for (const Variant& v : variants)
         file.print("{}\n  {{\"depth\": {}, \"variant\": \"{}\", \"frames\": {}, \"pairs\": {}, \"left_over\": {}, "
                    "\"undecided\": {}, "
-                   "\"colliding\": {}, \"fcl_colliding\": {}, \"false_alarms\": {}, \"missed\": {}, "
+                   "\"colliding\": {}, \"fcl_colliding\": {}, \"false_positives\": {}, \"missed\": {}, "
                    "\"missed_by_rounding\": {}, "
                    "\"wrong_exact\": {}, \"bound_checks\": {}, \"bound_violations\": {}, \"other_hash\": {}, "
                    "\"ms_per_frame\": {}}}",
                    &v == &variants.front() ? "" : ",", *v.settings.depth, v.name, v.frames, v.counts.pairs,
                    v.counts.left_over, v.counts.undecided, v.counts.colliding, v.counts.fcl_colliding,
-                   v.counts.false_alarms, v.counts.missed, v.counts.missed_by_rounding, v.counts.wrong_exact,
+                   v.counts.false_positives, v.counts.missed, v.counts.missed_by_rounding, v.counts.wrong_exact,
                    v.bounds.checks, v.bounds.violations, v.other_hash,
                    v.ms / double(std::max<std::uint64_t>(v.frames, 1)));
     file.print("\n]}}\n");
@@ -238,7 +238,8 @@ int accuracy(const AccuracyOptions& options)
 
 void add_accuracy(Arguments app)
 {
-    Arguments sub = app.add_command("accuracy", "Check a scene against FCL: collisions missed, false alarms, bounds");
+    Arguments sub =
+        app.add_command("accuracy", "Check a scene against FCL: collisions missed, false positives, bounds");
     auto options = std::make_shared<AccuracyOptions>();
     // Not marked as required: a word in its place that names a subcommand would be taken for it.
     sub.add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")

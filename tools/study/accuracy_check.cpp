@@ -30,7 +30,7 @@ double distance_rounding(const Scene& scene, const PairResult& pair, bool has_sh
 Comparison& Comparison::operator+=(const Comparison& o)
 {
     pairs += o.pairs, left_over += o.left_over, undecided += o.undecided, colliding += o.colliding;
-    fcl_colliding += o.fcl_colliding, false_alarms += o.false_alarms, missed += o.missed;
+    fcl_colliding += o.fcl_colliding, false_positives += o.false_positives, missed += o.missed;
     missed_by_rounding += o.missed_by_rounding, wrong_exact += o.wrong_exact;
     if (first_missed.empty()) first_missed = o.first_missed;
     return *this;
@@ -59,7 +59,7 @@ Comparison compare(const Scene& scene, const FrameView& frame, const Settings& s
         const bool left_over = ours.verdict != Verdict::separate, colliding = ours.verdict == Verdict::colliding;
         result.left_over += left_over, result.colliding += colliding;
         result.undecided += ours.verdict == Verdict::undecided;
-        result.false_alarms += left_over && !collides;
+        result.false_positives += left_over && !collides;
         const bool ignored = settings.ignore_touching && ours.kind == ContactKind::touching;
         if (collides && !left_over && !ignored) miss(pair);
         // Solid mode also knows bodies inside bodies, which FCL does not see.

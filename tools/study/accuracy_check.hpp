@@ -13,10 +13,10 @@ struct Comparison {
     std::uint64_t pairs = 0;     ///< that the broad phase kept
     std::uint64_t left_over = 0; ///< not separate: within, undecided or colliding
     std::uint64_t undecided = 0;
-    std::uint64_t colliding = 0;     ///< as the exact level says
-    std::uint64_t fcl_colliding = 0; ///< as FCL says
-    std::uint64_t false_alarms = 0;  ///< left over, but not colliding for FCL
-    std::uint64_t missed = 0;        ///< colliding for FCL, but not left over: must be 0
+    std::uint64_t colliding = 0;       ///< as the exact level says
+    std::uint64_t fcl_colliding = 0;   ///< as FCL says
+    std::uint64_t false_positives = 0; ///< left over, but not colliding for FCL
+    std::uint64_t missed = 0;          ///< colliding for FCL, but not left over: must be 0
     /// Colliding for FCL, but not left over, where a primitive shape takes part and the overlap is below
     /// `shape_rounding`.
     std::uint64_t missed_by_rounding = 0;

@@ -102,7 +102,7 @@ void draw_speed_error(OutputFile& file, const Study& study)
             line_of("fastest for its error", std::move(front), panel.lines.size(), PlotLine::Weight::baseline));
     draw_line_plot(file, {&panel, 1},
                    {.x_label = "certified error, m (logarithmic)",
-                    .y_label = "ms a frame, mean (logarithmic)",
+                    .y_label = "ms per frame, mean (logarithmic)",
                     .value_text = [](double ms) { return fmt::format("{:.3g} ms", ms); },
                     .x_least_name = "exact"});
 }
@@ -146,21 +146,22 @@ void draw_funnel(OutputFile& file, const Study& study)
               {"all pairs", "after broad", "certified apart", "after ocst", "left within", "left colliding"}, rows);
 }
 
-void draw_alarms(OutputFile& file, const Study& study)
+void draw_false_positives(OutputFile& file, const Study& study)
 {
     std::vector<BarRow> rows;
     for (const StudyRow& row : study.rows) {
-        if (!row.false_alarms) continue;
+        if (!row.false_positives) continue;
         BarRow& bar =
-            rows.emplace_back(BarRow{fmt::format("{}: {}", row.variant.name, grouped(row.false_alarms)), {}, {}});
-        for (std::uint64_t alarms : row.alarms_by_share) {
-            const double share = double(alarms) / double(row.false_alarms);
-            bar.lengths.push_back(share), bar.texts.push_back(alarms ? fmt::format("{:.0f} %", 100 * share) : "");
+            rows.emplace_back(BarRow{fmt::format("{}: {}", row.variant.name, grouped(row.false_positives)), {}, {}});
+        for (std::uint64_t count : row.false_positives_by_share) {
+            const double share = double(count) / double(row.false_positives);
+            bar.lengths.push_back(share), bar.texts.push_back(count ? fmt::format("{:.0f} %", 100 * share) : "");
         }
     }
     std::vector<std::string> columns;
-    for (std::size_t k = 0; k < alarm_bins; ++k) columns.push_back(fmt::format("{}-{} %", 10 * k, 10 * (k + 1)));
-    draw_bars(file, "true distance of the false alarms over their bound", columns, rows);
+    for (std::size_t k = 0; k < false_positive_bins; ++k)
+        columns.push_back(fmt::format("{}-{} %", 10 * k, 10 * (k + 1)));
+    draw_bars(file, "true distance of the false positives over their bound", columns, rows);
 }
 
 } // namespace oncollide::tools

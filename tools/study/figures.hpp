@@ -12,7 +12,7 @@ void draw_speed_error(OutputFile& file, const Study& study);
 void draw_stage_times(OutputFile& file, const Study& study);
 /// Pairs that enter and leave the stages, a row a variant.
 void draw_funnel(OutputFile& file, const Study& study);
-/// True distances of the false alarms, in tenths of their bound, a row a variant.
-void draw_alarms(OutputFile& file, const Study& study);
+/// True distances of the false positives, in tenths of their bound, a row a variant.
+void draw_false_positives(OutputFile& file, const Study& study);
 
 } // namespace oncollide::tools

@@ -9,14 +9,15 @@ namespace {
 
 constexpr std::size_t most_errors = 10; ///< of a peer, in words
 
-void judge_alarm(StudyRow& row, const Sighting& alarm, double lower)
+void judge_false_positive(StudyRow& row, const Sighting& found, double lower)
 {
-    ++row.false_alarms;
-    row.alarm_distances.push_back(alarm.distance);
-    const double share = alarm.bound > 0 ? alarm.distance / alarm.bound : 0;
-    ++row.alarms_by_share[std::min(alarm_bins - 1, std::size_t(share * double(alarm_bins)))];
-    row.broken += lower > alarm.bound;
-    if (!row.worst_alarm || alarm.distance > row.worst_alarm->distance) row.worst_alarm = alarm;
+    ++row.false_positives;
+    row.false_positive_distances.push_back(found.distance);
+    const double share = found.bound > 0 ? found.distance / found.bound : 0;
+    ++row.false_positives_by_share[std::min(false_positive_bins - 1, std::size_t(share * double(false_positive_bins)))];
+    row.broken += lower > found.bound;
+    if (!row.worst_false_positive || found.distance > row.worst_false_positive->distance)
+        row.worst_false_positive = found;
 }
 
 } // namespace
@@ -37,7 +38,7 @@ void judge(StudyRow& row, std::span<const PairResult> answer, StudyTruth& truth,
             ++row.invented;
         } else {
             const DistanceTruth distance = truth.distance(bodies);
-            judge_alarm(row, {frame, bodies, distance.high, pair.bound}, distance.low);
+            judge_false_positive(row, {frame, bodies, distance.high, pair.bound}, distance.low);
         }
     }
     if (found == truth.colliding().size()) return;

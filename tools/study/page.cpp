@@ -70,7 +70,7 @@ void write_summary(OutputFile& file, const Study& study)
                                 missed, invented, broken, study.contradicted));
     else
         paragraph(file, "Of the variants that certify their answers, none missed or invented a collision, and every "
-                        "false alarm lies within its bound.");
+                        "false positive lies within its bound.");
     if (lost) fault(file, fmt::format("gl-query, which certifies nothing, missed {} collisions.", lost));
     write_errors_of_peers(file, study);
     for (const std::string& note : study.left_out) paragraph(file, "Left out: " + note);
@@ -80,7 +80,7 @@ void write_table(OutputFile& file, const Study& study)
 {
     file.print("<div class=\"scroll\"><table>\n<thead><tr><th>variant</th><th>error, m</th><th>% of size</th>"
                "<th>ms, mean</th><th>median</th><th>times FCL</th><th>within</th><th>undecided</th>"
-               "<th>colliding</th><th>missed</th><th>false alarms</th><th>at, m (median)</th><th>at most, m</th>"
+               "<th>colliding</th><th>missed</th><th>false positives</th><th>at, m (median)</th><th>at most, m</th>"
                "<th>node tests</th><th>triangle tests</th><th>MB</th><th>needed</th></tr></thead>\n<tbody>\n");
     const std::uint64_t n = std::uint64_t(study.frames);
     for (const StudyRow& row : study.rows)
@@ -91,7 +91,7 @@ void write_table(OutputFile& file, const Study& study)
                    100 * row.error / study.size, study.mean_ms(row.ms), study.median_ms(row.ms),
                    ratio_text(study, row.ms), row.verdicts[std::size_t(Verdict::within)],
                    row.verdicts[std::size_t(Verdict::undecided)], row.verdicts[std::size_t(Verdict::colliding)],
-                   row.missed, row.false_alarms, alarm_quantile(row, 0.5), alarm_quantile(row, 1),
+                   row.missed, row.false_positives, false_positive_quantile(row, 0.5), false_positive_quantile(row, 1),
                    mean_count(row.trees.node_pairs, n), mean_count(row.trees.triangle_pairs, n),
                    double(row.trees.bytes) / 1e6, needed_text(row));
     for (const StudyPeer& peer : study.peers)
@@ -105,7 +105,7 @@ void write_table(OutputFile& file, const Study& study)
 
 void write_pictures(OutputFile& file, const StudyPictures& pictures)
 {
-    heading(file, "The worst false alarms, and what was missed");
+    heading(file, "The worst false positives, and what was missed");
     if (!pictures.none.empty()) return paragraph(file, "No pictures: " + pictures.none);
     if (pictures.all.empty()) return paragraph(file, "There were none.");
     paragraph(file, "Left both bodies, right the place where they are nearest. Red spheres, the darkest in print, are "
@@ -135,19 +135,19 @@ void write_study_page(OutputFile& file, const Study& study, const StudyPictures&
     write_table(file, study);
     paragraph(
         file,
-        "Verdicts, missed and false alarms are counted over all frames, tests are means of a frame. Missed: "
-        "the bodies collide by exact arithmetic, and were called separate. False alarms: left over, but "
+        "Verdicts, missed and false positives are counted over all frames, tests are means of a frame. Missed: "
+        "the bodies collide by exact arithmetic, and were called separate. False positives: left over, but "
         "apart; their true distance is bounded in long double between meshes. Needed: cells and boxes that a test ever "
         "reached, of those that the same trees have when they are grown everywhere.");
-    heading(file, "Time by stage, ms a frame");
+    heading(file, "Time by stage, ms per frame");
     draw_stage_times(file, study);
-    heading(file, "What each stage leaves, pairs a frame (bars logarithmic)");
+    heading(file, "What each stage leaves, pairs per frame (bars logarithmic)");
     draw_funnel(file, study);
-    heading(file, "True distance of the false alarms, in percent of their bound");
-    if (std::ranges::any_of(study.rows, &StudyRow::false_alarms))
-        draw_alarms(file, study);
+    heading(file, "True distance of the false positives, in percent of their bound");
+    if (std::ranges::any_of(study.rows, &StudyRow::false_positives))
+        draw_false_positives(file, study);
     else
-        paragraph(file, "There were no false alarms.");
+        paragraph(file, "There were no false positives.");
     write_pictures(file, pictures);
     heading(file, "How it was measured");
     file.print("<pre>");

@@ -25,7 +25,7 @@ struct Scenario {
     bool miss;
 };
 
-/// Misses first; then, of each series, the rows with the largest and the smallest error that have a false alarm.
+/// Misses first; then, of each series, the rows with the largest and the smallest error that have a false positive.
 std::vector<Scenario> choose(const Study& study)
 {
     std::vector<Scenario> chosen;
@@ -36,11 +36,11 @@ std::vector<Scenario> choose(const Study& study)
         if (!row.variant.certified() || !series.insert(row.variant.series).second) continue;
         std::vector<const StudyRow*> rows;
         for (const StudyRow& other : study.rows)
-            if (other.variant.series == row.variant.series && other.worst_alarm) rows.push_back(&other);
+            if (other.variant.series == row.variant.series && other.worst_false_positive) rows.push_back(&other);
         if (rows.empty()) continue;
         const auto [narrow, wide] = std::ranges::minmax_element(rows, {}, &StudyRow::error);
-        chosen.push_back({*wide, *(*wide)->worst_alarm, false});
-        if (narrow != wide) chosen.push_back({*narrow, *(*narrow)->worst_alarm, false});
+        chosen.push_back({*wide, *(*wide)->worst_false_positive, false});
+        if (narrow != wide) chosen.push_back({*narrow, *(*narrow)->worst_false_positive, false});
     }
     return chosen;
 }
@@ -102,9 +102,10 @@ StudyPicture draw(StudyCourse& workload, const Scenario& scenario, Painter& pain
         picture.camera.look_at = *place, picture.camera.eye = *place + 2 * size * back;
         paste(painter, picture, image, side);
     }
-    const std::string what = scenario.miss ? "missed: they collide, and were called separate"
-                                           : fmt::format("false alarm: {:.3g} m apart, certified to be within {:.3g} m",
-                                                         scenario.at.distance, scenario.at.bound);
+    const std::string what = scenario.miss
+                                 ? "missed: they collide, and were called separate"
+                                 : fmt::format("false positive: {:.3g} m apart, certified to be within {:.3g} m",
+                                               scenario.at.distance, scenario.at.bound);
     return {fmt::format("{}, frame {}: {} and {}; {}.", scenario.row->variant.name, workload.number(scenario.at.frame),
                         scene.names[pair.a], scene.names[pair.b], what),
             packed_png(image)};

@@ -16,8 +16,8 @@ struct StudyPictures {
     std::string none; ///< why there are none; empty when there could be some
 };
 
-/// Pairs that were missed, and the worst false alarms of each series at its widest and its narrowest error: both bodies
-/// from afar, and the place where they are nearest. Each is found by playing the workload again up to its frame.
+/// Pairs that were missed, and the worst false positives of each series at its widest and its narrowest error: both
+/// bodies from afar, and the place where they are nearest. Each is found by playing the workload again up to its frame.
 /// Without a renderer there are none.
 StudyPictures draw_study_pictures(StudyCourse& workload, const Study& study);
 

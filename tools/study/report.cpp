@@ -25,9 +25,9 @@ std::uint64_t count(const StudyRow& row, Verdict verdict)
     return row.verdicts[std::size_t(verdict)];
 }
 
-std::string alarm_text(double distance, const StudyRow& row)
+std::string false_positive_text(double distance, const StudyRow& row)
 {
-    return row.false_alarms ? fmt::format("{:.3g}", distance) : "-";
+    return row.false_positives ? fmt::format("{:.3g}", distance) : "-";
 }
 
 nlohmann::ordered_json json_of(std::optional<double> number)
@@ -71,12 +71,12 @@ nlohmann::ordered_json json_of(const Study& study, const StudyRow& row)
             {"undecided", count(row, Verdict::undecided)},
             {"colliding", count(row, Verdict::colliding)},
             {"missed", row.missed},
-            {"false_alarms", row.false_alarms},
+            {"false_positives", row.false_positives},
             {"invented", row.invented},
             {"bounds_broken", row.broken},
-            {"alarm_distance_median", alarm_quantile(row, 0.5)},
-            {"alarm_distance_worst", alarm_quantile(row, 1)},
-            {"alarms_by_tenth_of_bound", row.alarms_by_share},
+            {"false_positive_distance_median", false_positive_quantile(row, 0.5)},
+            {"false_positive_distance_worst", false_positive_quantile(row, 1)},
+            {"false_positives_by_tenth_of_bound", row.false_positives_by_share},
             {"node_pairs", row.trees.node_pairs},
             {"triangle_pairs", row.trees.triangle_pairs},
             {"queries", row.trees.queries},
@@ -105,10 +105,10 @@ std::string error_text(const StudyRow& row)
     return fmt::format("{:.3g}", row.error);
 }
 
-double alarm_quantile(const StudyRow& row, double q)
+double false_positive_quantile(const StudyRow& row, double q)
 {
-    if (row.alarm_distances.empty()) return 0;
-    std::vector<double> sorted = row.alarm_distances;
+    if (row.false_positive_distances.empty()) return 0;
+    std::vector<double> sorted = row.false_positive_distances;
     std::ranges::sort(sorted);
     return sorted[std::size_t(q * double(sorted.size() - 1))];
 }
@@ -124,10 +124,11 @@ void print_study(const Study& study)
             count(row, Verdict::within) + count(row, Verdict::undecided) + count(row, Verdict::colliding);
         say("{:<32}{:>10}{:>8.3g}{:>11.4f}{:>11.4f}{:>7}{:>10}{:>8}{:>8}{:>10}{:>10}{:>11}{:>11}{:>9.3f}{:>9}{}\n",
             row.variant.name, error_text(row), 100 * row.error / study.size, study.mean_ms(row.ms),
-            study.median_ms(row.ms), ratio_text(study, row.ms), left_over, row.false_alarms, row.missed,
-            alarm_text(alarm_quantile(row, 0.5), row), alarm_text(alarm_quantile(row, 1), row),
-            mean_count(row.trees.node_pairs, n), mean_count(row.trees.triangle_pairs, n), double(row.trees.bytes) / 1e6,
-            needed_text(row), on_front(study, row) ? "  *" : "");
+            study.median_ms(row.ms), ratio_text(study, row.ms), left_over, row.false_positives, row.missed,
+            false_positive_text(false_positive_quantile(row, 0.5), row),
+            false_positive_text(false_positive_quantile(row, 1), row), mean_count(row.trees.node_pairs, n),
+            mean_count(row.trees.triangle_pairs, n), double(row.trees.bytes) / 1e6, needed_text(row),
+            on_front(study, row) ? "  *" : "");
         if (row.invented) say("FAULT      {}: {} collisions invented\n", row.variant.name, row.invented);
         if (row.broken) say("FAULT      {}: {} bounds broken\n", row.variant.name, row.broken);
     }
@@ -139,15 +140,16 @@ void print_study(const Study& study)
         for (const std::string& error : peer.errors) say("{:<10} {}\n", peer.name + " errs", error);
     if (study.contradicted)
         say("FAULT      the answers beside the poses contradict the truth {} times\n", study.contradicted);
-    say("(* fastest for its error; counts over all frames, tests a frame in the mean)\n");
+    say("(* fastest for its error; counts over all frames, tests per frame in the mean)\n");
 }
 
 void write_study_csv(OutputFile& file, const Study& study)
 {
     file.print(
         "variant,backend,certified,error,ms_mean,ms_median,times_fcl,on_front,bounds_ms,delimitation_ms,broad_ms,"
-        "ocst_ms,exact_ms,separate,within,undecided,colliding,missed,false_alarms,invented,bounds_broken,"
-        "alarm_median,alarm_worst,node_pairs,triangle_pairs,queries,peak_bytes,nodes_needed,nodes_all\n");
+        "ocst_ms,exact_ms,separate,within,undecided,colliding,missed,false_positives,invented,bounds_broken,"
+        "false_positive_median,false_positive_worst,node_pairs,triangle_pairs,queries,peak_bytes,nodes_needed,nodes_"
+        "all\n");
     for (const StudyRow& row : study.rows) {
         const std::array<double, 5> ms = mean_stages(study, row);
         file.print("\"{}\",\"{}\",{:d},{},{},{},{},{:d},{},{},{},{},{},", row.variant.name, row.backend,
@@ -155,8 +157,8 @@ void write_study_csv(OutputFile& file, const Study& study)
                    study.ratio(row.ms).value_or(0), on_front(study, row), ms[0], ms[1], ms[2], ms[3], ms[4]);
         file.print("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", count(row, Verdict::separate),
                    count(row, Verdict::within), count(row, Verdict::undecided), count(row, Verdict::colliding),
-                   row.missed, row.false_alarms, row.invented, row.broken, alarm_quantile(row, 0.5),
-                   alarm_quantile(row, 1), row.trees.node_pairs, row.trees.triangle_pairs, row.trees.queries,
+                   row.missed, row.false_positives, row.invented, row.broken, false_positive_quantile(row, 0.5),
+                   false_positive_quantile(row, 1), row.trees.node_pairs, row.trees.triangle_pairs, row.trees.queries,
                    row.trees.bytes, row.nodes_needed, row.nodes_all ? fmt::format("{}", *row.nodes_all) : "");
     }
     for (const StudyPeer& peer : study.peers)

@@ -18,7 +18,7 @@ std::string needed_text(const StudyRow& row);
 std::string ratio_text(const Study& study, const std::vector<double>& ms);
 /// Certified bound: "0.0123", "0" where the exact level decided all.
 std::string error_text(const StudyRow& row);
-/// Of the false alarms' true distances, m; q from 0 to 1. 0 when there are none.
-double alarm_quantile(const StudyRow& row, double q);
+/// Of the false positives' true distances, m; q from 0 to 1. 0 when there are none.
+double false_positive_quantile(const StudyRow& row, double q);
 
 } // namespace oncollide::tools

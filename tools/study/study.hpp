@@ -25,25 +25,25 @@ struct Sighting {
     double distance = 0, bound = 0; ///< metres
 };
 
-/// Of the distance of false alarms over their bound: bins of a tenth.
-constexpr std::size_t alarm_bins = 10;
+/// Of the distance of false positives over their bound: bins of a tenth.
+constexpr std::size_t false_positive_bins = 10;
 
 struct StudyRow {
     StudyVariant variant;
     std::string backend;
-    std::vector<double> ms;                      ///< by frame played; the least of the repeats
-    std::vector<std::array<double, 5>> stage_ms; ///< of that repeat
-    std::vector<StageStats> stages;              ///< over all frames
-    std::array<std::uint64_t, 4> verdicts{};     ///< by Verdict, over all frames
-    TreeStats trees;                             ///< sums; nodes and bytes at their largest
-    std::uint64_t false_alarms = 0;              ///< left over, but apart
-    std::uint64_t missed = 0;                    ///< they collide, and were called separate
-    std::uint64_t invented = 0;                  ///< called colliding, but apart
-    std::uint64_t broken = 0;                    ///< false alarms farther apart than their bound
-    double error = 0;                            ///< the largest bound of a pair within or undecided, m
-    std::vector<double> alarm_distances;         ///< m
-    std::array<std::uint64_t, alarm_bins> alarms_by_share{};
-    std::optional<Sighting> worst_alarm, first_miss;
+    std::vector<double> ms;                       ///< by frame played; the least of the repeats
+    std::vector<std::array<double, 5>> stage_ms;  ///< of that repeat
+    std::vector<StageStats> stages;               ///< over all frames
+    std::array<std::uint64_t, 4> verdicts{};      ///< by Verdict, over all frames
+    TreeStats trees;                              ///< sums; nodes and bytes at their largest
+    std::uint64_t false_positives = 0;            ///< left over, but apart
+    std::uint64_t missed = 0;                     ///< they collide, and were called separate
+    std::uint64_t invented = 0;                   ///< called colliding, but apart
+    std::uint64_t broken = 0;                     ///< false positives farther apart than their bound
+    double error = 0;                             ///< the largest bound of a pair within or undecided, m
+    std::vector<double> false_positive_distances; ///< m
+    std::array<std::uint64_t, false_positive_bins> false_positives_by_share{};
+    std::optional<Sighting> worst_false_positive, first_miss;
     std::uint64_t nodes_needed = 0;         ///< that a test ever reached
     std::optional<std::uint64_t> nodes_all; ///< of the same trees grown everywhere; none: too many to count
 
