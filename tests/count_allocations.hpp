@@ -1,14 +1,10 @@
 // Counts what a program allocates, for what promises to allocate nothing. For one source file of a program. Sanitizers
 // bring their own operators: there nothing is counted.
 #pragma once
-#include <atomic>
-#include <cstddef>
 #include <cstdlib>
 #include <new>
 
-namespace oncollide {
-inline std::atomic<std::size_t> allocations{0};
-}
+#include "allocations.hpp"
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 [[gnu::noinline]] void* operator new(std::size_t size)

@@ -47,10 +47,10 @@ Header read_header(const MeshSource& source, bool binary)
         else if (keyword == "res" && parse(value, header.resolution))
             continue;
         else
-            source.fail(fmt::format("invalid header line {}; known are id, size, res, data", quoted(text)), line);
+            source.fail(fmt::format("invalid header line {}; known are id, size, res, data", oncollide::quoted(text)), line);
     }
     if (header.id != "OcTree")
-        source.fail(fmt::format("the tree's id is {}; only OcTree can be read", quoted(header.id)));
+        source.fail(fmt::format("the tree's id is {}; only OcTree can be read", oncollide::quoted(header.id)));
     if (!(header.resolution >= least_resolution && header.resolution <= most_resolution))
         source.fail(fmt::format("the resolution is {}; it must be from {} to {} m", header.resolution, least_resolution,
                                 most_resolution));

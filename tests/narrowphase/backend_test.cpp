@@ -6,6 +6,7 @@
 #include <bit>
 
 #include "octant_truth.hpp"
+#include "narrowphase/geometry_surface.hpp"
 
 namespace oncollide {
 namespace {

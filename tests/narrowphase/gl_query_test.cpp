@@ -7,6 +7,7 @@
 #include <oncollide/narrowphase/gl/gpu.hpp>
 
 #include "octant_truth.hpp"
+#include "narrowphase/geometry_surface.hpp"
 
 namespace oncollide {
 namespace {

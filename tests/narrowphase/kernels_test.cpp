@@ -10,6 +10,8 @@
 #include <oncollide/narrowphase/spheres/surface.hpp>
 #include <oncollide/scenes/catalogue/mesh_generators.hpp>
 
+#include "narrowphase/geometry_surface.hpp"
+
 namespace oncollide {
 namespace {
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "octant_truth.hpp"
+#include "narrowphase/geometry_surface.hpp"
 #include "spheres/box_levels.hpp"
 #include "spheres/level_quality.hpp"
 
@@ -17,6 +18,7 @@ struct WholeTree {
         : geometry{"mesh", mesh, {}}, tree(root_cell_of(geometry), depth, 0),
           backend(make_cpu_backend()), levels{{root_cell}}
     {
+        tree.admit_backend(*backend);
         backend->attach(0, make_surface(geometry, tree.root()));
         for (int l = 0; l < depth; ++l) {
             std::vector<OctantRow> rows;
@@ -77,7 +79,7 @@ TEST(WholeTrees, SpheresHoldTheSurfaceOnEveryLevelAndReachNoFartherThanCertified
         for (int level = 0; level <= depth; ++level) {
             SCOPED_TRACE(c.name + ", level " + std::to_string(level));
             expect_to_stand_for(c.mesh, index, whole.spheres(level),
-                                2 * whole.tree.radius(level) + whole.tree.reach(*whole.backend, level));
+                                2 * whole.tree.radius(level) + whole.tree.error(level));
         }
     }
 }

@@ -5,6 +5,8 @@
 #include <oncollide/narrowphase/spheres/ocst.hpp>
 #include <oncollide/scenes/catalogue/mesh_generators.hpp>
 
+#include "narrowphase/geometry_surface.hpp"
+
 namespace oncollide {
 namespace {
 

@@ -10,6 +10,8 @@
 #include <oncollide/scenes/catalogue/mesh_generators.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 
+#include "narrowphase/geometry_surface.hpp"
+
 namespace oncollide {
 
 using Polygon = std::vector<Eigen::Vector3d>;

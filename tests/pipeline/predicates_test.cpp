@@ -7,6 +7,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/boxes/traversal.hpp>
+#include <oncollide/narrowphase/boxes/traversal.hpp>
 #include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
@@ -112,19 +113,22 @@ TEST(Predicates, GiveOneHashForThreadsBackendsAndCoherence)
 TEST(Contacts, AreAllPairsOfBruteForceWithPointsOnBothTriangles)
 {
     const Mesh knot = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 300);
+    World world;
+    const ModelId model = world.add(knot);
+    const BodyId a = world.add_body({.model = model}), b = world.add_body({.model = model});
     Scene scene = two(knot, knot);
-    ContactFinder finder(scene);
     std::size_t found = 0;
     for (std::uint64_t seed = 20; seed < 26; ++seed) {
         scene.poses[0] = random_pose(seed, 100), scene.poses[1] = scene.poses[0] * random_pose(seed + 50, 0.7);
         const auto expected = brute_force(knot, knot, scene.poses[0], scene.poses[1]);
-        const std::vector<Contact>& contacts = finder.find(scene, BodyId{0}, BodyId{1});
+        world.set_pose(a, scene.poses[0]), world.set_pose(b, scene.poses[1]);
+        const std::vector<Contact> contacts = world.contacts(a, b);
         ASSERT_EQ(contacts.size(), expected.size());
         found += contacts.size();
         for (std::size_t k = 0; k < contacts.size(); ++k) {
             const Contact& c = contacts[k];
             EXPECT_EQ((TrianglePair{c.triangle_a, c.triangle_b}), expected[k]);
-            EXPECT_EQ(c.kind, TriangleContact::crossing);
+            EXPECT_EQ(c.kind, ContactKind::crossing);
             for (const auto& [body, triangle, normal] :
                  {std::tuple(0, c.triangle_a, c.normal_a), std::tuple(1, c.triangle_b, c.normal_b)}) {
                 const Eigen::Vector3d corner =
@@ -136,19 +140,19 @@ TEST(Contacts, AreAllPairsOfBruteForceWithPointsOnBothTriangles)
     }
     EXPECT_GT(found, 50u);
 
-    Scene crowd;
-    const GeometryId shape = crowd.add("knot", knot);
-    std::vector<BodyPair> pairs;
+    World crowd({.threads = 3});
+    const ModelId shape = crowd.add(knot);
+    std::vector<PairOfBodies> pairs;
     for (std::uint32_t i = 0; i < 30; ++i) {
-        crowd.add_body({.name = std::to_string(i), .geometry = shape, .pose = random_pose(i, 1.2)});
-        for (std::uint32_t j = 0; j < i; ++j) pairs.push_back({j, i});
+        crowd.add_body({.model = shape, .pose = random_pose(i, 1.2)});
+        for (std::uint32_t j = 0; j < i; ++j) pairs.push_back({BodyId{j}, BodyId{i}});
     }
-    ContactFinder many(crowd), one(crowd);
-    const ContactLists& lists = many.find_all(crowd, pairs, 3);
+    ContactLists lists;
+    crowd.contacts(pairs, lists);
     ASSERT_EQ(lists.ends.size(), pairs.size());
     std::size_t begin = 0;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-        const auto& alone = one.find(crowd, BodyId{pairs[i].a}, BodyId{pairs[i].b});
+        const auto alone = crowd.contacts(pairs[i].a, pairs[i].b);
         ASSERT_EQ(lists.ends[i] - begin, alone.size());
         for (std::size_t k = 0; k < alone.size(); ++k) {
             EXPECT_EQ(lists.contacts[begin + k].triangle_a, alone[k].triangle_a);
@@ -158,9 +162,10 @@ TEST(Contacts, AreAllPairsOfBruteForceWithPointsOnBothTriangles)
     }
     EXPECT_GT(begin, 1000u);
 
-    EXPECT_THROW(finder.find(scene, BodyId{0}, BodyId{7}), Error);
+    EXPECT_THROW(world.contacts(a, BodyId{7}), Error);
     scene.poses[1].translation().x() += 50;
-    EXPECT_TRUE(finder.find(scene, BodyId{0}, BodyId{1}).empty());
+    world.set_pose(b, scene.poses[1]);
+    EXPECT_TRUE(world.contacts(a, b).empty());
 }
 
 TEST(MeshQueries, AnswerAsBruteForceForManyPosesAndSizes)
@@ -174,9 +179,9 @@ TEST(MeshQueries, AnswerAsBruteForceForManyPosesAndSizes)
     }
     MeshQueries conservative(meshes), exact(meshes, {.exact = ExactLevel::predicates}),
         threaded(meshes, {.exact = ExactLevel::predicates, .threads = 3});
-    std::vector<MeshAnswer> wide(queries.size()), sharp(queries.size()), same(queries.size());
+    std::vector<MeshResult> wide(queries.size()), sharp(queries.size()), same(queries.size());
     for (int call = 0; call < 2; ++call) {
-        conservative.ask(queries, wide), exact.ask(queries, sharp), threaded.ask(queries, same);
+        conservative.run(queries, wide), exact.run(queries, sharp), threaded.run(queries, same);
         int colliding = 0;
         for (std::size_t i = 0; i < queries.size(); ++i) {
             const MeshQuery& q = queries[i];
@@ -207,18 +212,19 @@ TEST(MeshQueries, BoundDistancesForAnyNumberOfThreads)
         scene.add_body({.name = fmt::format("b{}", i), .geometry = GeometryId{1}, .pose = queries[i].pose_b});
     }
     MeshQueries one(meshes), three(meshes, {.threads = 3});
-    std::vector<MeshDistance> distances(queries.size()), same(queries.size()), near(queries.size());
+    std::vector<Distance> distances(queries.size()), same(queries.size()), near(queries.size());
     one.distances(queries, 1e-3, distances), three.distances(queries, 1e-3, same), one.distances(queries, 0, near, 0.1);
-    ContactFinder finder(scene);
+    const Pipeline pipeline(scene);
+    const World& world = pipeline.world();
     int apart = 0;
     for (std::uint32_t i = 0; i < queries.size(); ++i) {
-        const MeshDistance exact = finder.distance(scene, BodyId{2 * i}, BodyId{2 * i + 1});
+        const Distance exact = world.distance(BodyId{2 * i}, BodyId{2 * i + 1});
         EXPECT_LE(distances[i].lower, exact.upper);
         EXPECT_GE(distances[i].upper, exact.lower);
         EXPECT_LE(distances[i].upper - distances[i].lower, 1e-3 + 1e-8);
         EXPECT_EQ(distances[i].lower, same[i].lower);
         EXPECT_EQ(distances[i].upper, same[i].upper);
-        EXPECT_EQ(exact.upper == 0, !finder.find(scene, BodyId{2 * i}, BodyId{2 * i + 1}).empty());
+        EXPECT_EQ(exact.upper == 0, !world.contacts(BodyId{2 * i}, BodyId{2 * i + 1}).empty());
         EXPECT_EQ(std::isinf(near[i].upper), exact.lower > 0.1) << exact.lower;
         apart += exact.lower > 0.1;
     }
@@ -234,18 +240,18 @@ TEST(MeshQueries, RefuseWhatMakesNoSense)
     MeshQueries queries(meshes);
     const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
     std::vector<MeshQuery> asked{{0, 1, here, here}};
-    std::vector<MeshAnswer> answers(1);
-    EXPECT_THROW(queries.ask(asked, answers), Error) << "no such mesh";
+    std::vector<MeshResult> answers(1);
+    EXPECT_THROW(queries.run(asked, answers), Error) << "no such mesh";
     asked = {{0, 0, here, here}};
-    EXPECT_THROW(queries.ask(asked, {}), Error) << "no room";
+    EXPECT_THROW(queries.run(asked, {}), Error) << "no room";
     asked[0].pose_b.linear()(0, 0) = std::nan("");
-    EXPECT_THROW(queries.ask(asked, answers), Error) << "not rigid";
+    EXPECT_THROW(queries.run(asked, answers), Error) << "not rigid";
     asked[0].pose_b = here;
-    queries.ask(asked, answers);
+    queries.run(asked, answers);
     EXPECT_EQ(answers[0].verdict, Verdict::within) << "and none of it did harm";
     EXPECT_THROW(MeshQueries(meshes, {.exact = ExactLevel::fcl}), Error);
     EXPECT_THROW(MeshQueries(meshes, {.clearance = 0.1, .exact = ExactLevel::predicates}), Error);
-    queries.ask({}, {});
+    queries.run({}, {});
 }
 
 } // namespace

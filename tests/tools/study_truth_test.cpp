@@ -143,16 +143,15 @@ TEST(StudyTruth, KnowsWhatLiesInsideWhat)
     }
 }
 
-TEST(StudyTruth, BoundsDistancesAsContactFinderDoes)
+TEST(StudyTruth, BoundsDistancesAsTheLibraryDoes)
 {
     Scene scene = two(make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 300), make_torus_mesh(1, 0.3, 200));
     StudyTruth truth(scene, exact());
-    ContactFinder contacts(scene);
     for (std::uint64_t k = 0; k < 60; ++k) {
         scene.poses[0] = random_pose(2 * k, 100), scene.poses[1] = scene.poses[0] * random_pose(2 * k + 1, 3);
         truth.step();
         if (!truth.colliding().empty()) continue;
-        const MeshDistance found = contacts.distance(scene, BodyId{0}, BodyId{1});
+        const Distance found = Pipeline(scene).world().distance(BodyId{0}, BodyId{1});
         const DistanceTruth distance = truth.distance({0, 1});
         EXPECT_LE(distance.low, found.upper);
         EXPECT_GE(distance.high, found.lower);

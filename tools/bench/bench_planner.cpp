@@ -82,12 +82,12 @@ int bench_planner(const PlannerOptions& options)
             Settings settings;
             settings.threads = threads, settings.exact = exact;
             MeshQueries ours({fixed, moving}, settings);
-            std::vector<MeshAnswer> answers(queries.size());
+            std::vector<MeshResult> answers(queries.size());
             from = Clock::now();
-            ours.ask(queries, answers);
+            ours.run(queries, answers);
             const double cold = seconds_since(from);
             from = Clock::now();
-            ours.ask(queries, answers);
+            ours.run(queries, answers);
             const double warm = seconds_since(from);
             std::uint64_t false_positives = 0;
             for (std::size_t i = 0; i < queries.size(); ++i) {

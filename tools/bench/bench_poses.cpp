@@ -84,12 +84,12 @@ private:
         contenders_.push_back({"FCL OBBRSS", [this](const KnownPose& p) { return rss_->collide(p.b) > 0; }});
         for (const auto& tree : trees_)
             contenders_.push_back({fmt::format("depth {}", tree->depth), [t = tree.get()](const KnownPose& p) {
-                                       return t->walk(p.b).status != WalkStatus::separate;
+                                       return t->walk(p.b).verdict != Verdict::separate;
                                    }});
         for (const auto& tree : trees_)
             contenders_.push_back(
                 {fmt::format("depth {} + fcl", tree->depth), [this, t = tree.get()](const KnownPose& p) {
-                     return t->walk(p.b).status != WalkStatus::separate && obb_->collide(p.b) > 0;
+                     return t->walk(p.b).verdict != Verdict::separate && obb_->collide(p.b) > 0;
                  }});
     }
 
@@ -144,12 +144,12 @@ private:
         for (std::size_t k = 0; k < trees_.size(); ++k) {
             double bound = 0;
             for (const KnownPose& pose : poses_)
-                if (const WalkResult walk = trees_[k]->walk(pose.b); walk.status == WalkStatus::touching)
+                if (const PairAnswer walk = trees_[k]->walk(pose.b); walk.verdict == Verdict::within)
                     bound = std::max(bound, walk.bound);
-            const Forest& forest = trees_[k]->forest();
+            const ModelStore& models = trees_[k]->models();
             say("{:<8}{:>14.6f}{:>16.2f}{:>18.1f}{:>14}{:>20.2f}{:>12.3f}\n", fmt::format("depth {}", trees_[k]->depth),
-                bound, 100 * bound / diagonal, cell_pairs_[k], grouped(forest.nodes()), growth_[k],
-                double(forest.bytes()) / 1e6);
+                bound, 100 * bound / diagonal, cell_pairs_[k], grouped(models.nodes()), growth_[k],
+                double(models.bytes()) / 1e6);
         }
     }
 

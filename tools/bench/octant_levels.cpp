@@ -50,7 +50,7 @@ void OctantLevels::find_truth(Cell& cell, const std::vector<std::vector<std::uin
     }
 }
 
-OctantLevels::OctantLevels(const Mesh& mesh, int depth) : geometry_{"mesh", mesh, {}}, root_(root_cell_of(geometry_))
+OctantLevels::OctantLevels(const Mesh& mesh, int depth) : mesh_(mesh), root_(root_cell_around(mesh.bounds))
 {
     const auto backend = make_cpu_backend();
     backend->attach(0, surface());

@@ -22,15 +22,15 @@ public:
     OctantLevels(const Mesh& mesh, int depth);
 
     const RootCell& root() const { return root_; }
-    Surface surface() const { return make_surface(geometry_, root_); }
-    const Mesh& mesh() const { return std::get<Mesh>(geometry_.data); }
+    Surface surface() const { return mesh_surface(mesh_, root_); }
+    const Mesh& mesh() const { return mesh_; }
     int depth() const { return static_cast<int>(levels_.size()); }
     const std::vector<Cell>& level(int l) const { return levels_[static_cast<std::size_t>(l)]; }
 
 private:
     void find_truth(Cell& cell, const std::vector<std::vector<std::uint32_t>>& triangles) const;
 
-    Geometry geometry_;
+    Mesh mesh_;
     RootCell root_;
     std::vector<std::vector<Cell>> levels_;
 };

@@ -41,8 +41,8 @@ private:
                 } else {
                     Pipeline pipeline(scene_, settings_);
                     const FrameView view = pipeline.step(scene_);
-                    ContactFinder finder(scene_);
-                    if (options_.contacts) finder.find_all(scene_, colliding(view), settings_.threads);
+                    ContactLists contacts;
+                    if (options_.contacts) pipeline.world().contacts(colliding(view), contacts);
                     runs_.our_cold.push_back(milliseconds_since(from));
                 }
             }
@@ -55,7 +55,7 @@ private:
         mover.move(scene_, 0);
         std::optional<FclWorld> world;
         std::optional<Pipeline> pipeline;
-        ContactFinder finder(scene_);
+        ContactLists contacts;
         if (with_fcl_) world.emplace(scene_), runs_.fcl_bytes = world->model_bytes();
         if (with_ours_) pipeline.emplace(scene_, settings_), runs_.backend = pipeline->backend();
         for (int frame = 0; frame < scene_.frames; ++frame) {
@@ -68,7 +68,7 @@ private:
                 if (fcl && world) theirs = world->step(options_.contacts);
                 if (!fcl && pipeline) {
                     ours.emplace(pipeline->step(scene_));
-                    if (options_.contacts) find_contacts(row, finder, *ours);
+                    if (options_.contacts) find_contacts(row, pipeline->world(), contacts, *ours);
                 }
             }
             if (world) take(row, theirs);
@@ -82,19 +82,20 @@ private:
         runs_.hash = pipeline->hash();
     }
 
-    static std::vector<BodyPair> colliding(const FrameView& frame)
+    static std::vector<PairOfBodies> colliding(const FrameView& frame)
     {
-        std::vector<BodyPair> pairs;
+        std::vector<PairOfBodies> pairs;
         for (const PairResult& pair : frame.pairs)
-            if (pair.verdict == Verdict::colliding) pairs.push_back({index(pair.a), index(pair.b)});
+            if (pair.verdict == Verdict::colliding) pairs.push_back({pair.a, pair.b});
         return pairs;
     }
 
     /// What this takes counts as the exact level's.
-    void find_contacts(SceneRow& row, ContactFinder& finder, FrameView& frame) const
+    void find_contacts(SceneRow& row, const World& world, ContactLists& contacts, FrameView& frame) const
     {
         const Clock::time_point from = Clock::now();
-        row.our_contacts = finder.find_all(scene_, colliding(frame), settings_.threads).contacts.size();
+        world.contacts(colliding(frame), contacts);
+        row.our_contacts = contacts.contacts.size();
         row.contacts_ms = milliseconds_since(from);
         frame.ms += row.contacts_ms;
     }

@@ -108,14 +108,13 @@ std::string describe(const Scene& scene, const Settings& settings, const PairRes
 }
 
 /// One row for each two triangles that meet.
-void write_contacts(const Scene& scene, OutputFile& file)
+void write_contacts(const World& world, OutputFile& file)
 {
-    ContactFinder finder(scene);
     file.print("triangle_a,triangle_b,kind,x0,y0,z0,x1,y1,z1,normal_a_x,normal_a_y,normal_a_z,normal_b_x,normal_b_y,"
                "normal_b_z\n");
-    for (const Contact& c : finder.find(scene, BodyId{0}, BodyId{1})) {
+    for (const Contact& c : world.contacts(BodyId{0}, BodyId{1})) {
         file.print("{},{},{}", c.triangle_a, c.triangle_b,
-                   c.kind == TriangleContact::crossing ? "crossing" : "touching");
+                   name_of(c.kind));
         for (const Eigen::Vector3d& v : {c.ends[0], c.ends[1], c.normal_a, c.normal_b})
             file.print(",{:.17g},{:.17g},{:.17g}", v.x(), v.y(), v.z());
         file.print("\n");
@@ -123,9 +122,9 @@ void write_contacts(const Scene& scene, OutputFile& file)
     file.commit();
 }
 
-std::string describe_distance(const Scene& scene, double tolerance)
+std::string describe_distance(const Scene& scene, const World& world, double tolerance)
 {
-    const MeshDistance d = ContactFinder(scene).distance(scene, BodyId{0}, BodyId{1}, tolerance);
+    const Distance d = world.distance(BodyId{0}, BodyId{1}, tolerance);
     if (d.upper == 0)
         return fmt::format("distance: 0, triangle {} of '{}' meets triangle {} of '{}'.", d.triangle_a, scene.names[0],
                            d.triangle_b, scene.names[1]);
@@ -138,7 +137,8 @@ std::string describe_distance(const Scene& scene, double tolerance)
 int check_pair(const CheckOptions& options)
 {
     Settings settings = settings_from(options.settings);
-    if (options.distance) check_distance(*options.distance, 0);
+    if (options.distance && !(*options.distance >= 0))
+        throw Error(ErrorKind::usage, fmt::format("--distance: a tolerance of {}; must be 0 or more", *options.distance));
     if (!options.contacts.empty() && settings.exact != ExactLevel::predicates)
         throw Error(ErrorKind::usage, "--contacts: needs --exact predicates");
     settings.contact_kinds = settings.exact == ExactLevel::predicates;
@@ -166,9 +166,9 @@ int check_pair(const CheckOptions& options)
             : frame.pairs.front();
     std::ostream& said = options.json == "-" ? std::cerr : std::cout;
     if (!options.quiet) said << describe(scene, settings, pair) << "\n";
-    if (!options.quiet && options.distance) said << describe_distance(scene, *options.distance) << "\n";
+    if (!options.quiet && options.distance) said << describe_distance(scene, pipeline.world(), *options.distance) << "\n";
     if (!options.json.empty()) report.write_json(options.json);
-    if (contacts) write_contacts(scene, *contacts);
+    if (contacts) write_contacts(pipeline.world(), *contacts);
     return pair.verdict == Verdict::separate ? 0 : pair.verdict == Verdict::colliding ? 1 : 2;
 }
 

@@ -17,7 +17,7 @@ class SpheresPeer final : public NarrowPeer {
 public:
     SpheresPeer(const Mesh& a, const Mesh& b, const Settings& settings) : trees_(fill(scene_, a, b), settings) {}
 
-    bool collides(const Eigen::Isometry3d& b) override { return trees_.walk(b).status != WalkStatus::separate; }
+    bool collides(const Eigen::Isometry3d& b) override { return trees_.walk(b).verdict != Verdict::separate; }
 
 private:
     static Scene& fill(Scene& scene, const Mesh& a, const Mesh& b)

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/narrowphase/model.hpp>
 #include <oncollide/base/error.hpp>
 
 namespace oncollide::tools {
@@ -60,11 +61,11 @@ const Ocst* WholeTrees::tree(GeometryId id)
     trees_.resize(scene_.geometries.size());
     auto& tree = trees_[index(id)];
     if (tree) return tree.get();
-    const Geometry& geometry = scene_.geometries[index(id)];
-    const RootCell root = root_cell_of(geometry);
-    tree = std::make_unique<Ocst>(root, std::max(depth_, 1), covering_error_of(geometry));
+    const Model model(scene_.geometries.share(index(id)));
+    const RootCell root = model.root_cell();
+    tree = std::make_unique<Ocst>(root, std::max(depth_, 1), model.covering_error());
     const std::unique_ptr<OcclusionBackend> backend = make_cpu_backend();
-    backend->attach(0, make_surface(geometry, root));
+    backend->attach(0, model.surface(root));
 
     std::vector<CellKey> level{root_cell}, next;
     std::vector<OctantRow> rows;
@@ -83,13 +84,13 @@ const Ocst* WholeTrees::tree(GeometryId id)
             throw Error(ErrorKind::usage,
                         fmt::format("--whole: level {} of '{}' has {} cells, and {} are drawn at most; ask for a "
                                     "smaller --level",
-                                    l + 1, geometry.name, next.size(), most_cells));
+                                    l + 1, scene_.geometries[index(id)].name, next.size(), most_cells));
     }
     return tree.get();
 }
 
 ScenePictures::ScenePictures(const Scene& scene, Shown shown)
-    : scene_(scene), shown_(std::move(shown)), made_(scene.geometries.size()), contacts_(scene)
+    : scene_(scene), shown_(std::move(shown)), made_(scene.geometries.size())
 {
 }
 
@@ -169,7 +170,8 @@ void ScenePictures::find_meeting(std::span<const PairResult> pairs)
     for (const PairResult& pair : pairs) {
         if (pair.verdict != Verdict::colliding || !is_mesh(pair.a) || !is_mesh(pair.b)) continue;
         if (!shown_.bodies[index(pair.a)] && !shown_.bodies[index(pair.b)]) continue;
-        for (const Contact& contact : contacts_.find(scene_, pair.a, pair.b)) {
+        for (const Contact& contact : contacts(*mesh_of(scene_.geometry[index(pair.a)]), scene_.poses[index(pair.a)],
+                                                *mesh_of(scene_.geometry[index(pair.b)]), scene_.poses[index(pair.b)])) {
             meeting_of_[index(pair.a)].push_back(contact.triangle_a);
             meeting_of_[index(pair.b)].push_back(contact.triangle_b);
         }

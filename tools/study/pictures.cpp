@@ -52,7 +52,7 @@ std::optional<Eigen::Vector3d> nearest_place(const Scene& scene, BodyPair pair)
         return std::get_if<Mesh>(&scene.geometries[index(scene.geometry[body])].data);
     };
     if (!mesh(pair.a) || !mesh(pair.b)) return std::nullopt;
-    const MeshDistance found = ContactFinder(scene).distance(scene, BodyId{pair.a}, BodyId{pair.b});
+    const Distance found = distance(*mesh(pair.a), scene.poses[pair.a], *mesh(pair.b), scene.poses[pair.b]);
     const auto centre = [&](std::uint32_t body, std::uint32_t triangle) {
         const Triangle& t = mesh(body)->triangles[triangle];
         const auto& v = mesh(body)->vertices;

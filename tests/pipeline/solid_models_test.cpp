@@ -3,10 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/narrowphase/exact/solid.hpp>
+#include <oncollide/narrowphase/model.hpp>
+#include <oncollide/pipeline/world.hpp>
 #include <oncollide/scenes/catalogue/mesh_generators.hpp>
 
-#include "mesh_parts.hpp"
+#include "narrowphase/mesh_parts.hpp"
 
 namespace oncollide {
 namespace {
@@ -20,11 +21,11 @@ Mesh holed_box()
 
 TEST(Solids, RefuseAMeshThatIsNotClosedAndNameItsOpenEdges)
 {
-    Scene scene;
     const Mesh box = holed_box();
-    scene.add_body({.name = "body", .geometry = scene.add("holed", box)});
+    World world({.mode = Mode::solid});
+    const ModelId holed = world.add(box, "holed");
     try {
-        Solids(scene, false);
+        world.add_body({.model = holed});
         FAIL() << "accepted";
     } catch (const Error& error) {
         const std::string text = error.what();
@@ -37,16 +38,18 @@ TEST(Solids, RefuseAMeshThatIsNotClosedAndNameItsOpenEdges)
                 << text;
         EXPECT_NE(text.find("open-as-surface"), std::string::npos) << text;
     }
-    const Solids taken(scene, true);
-    EXPECT_FALSE(taken.solid(scene.geometry[0]));
+    EXPECT_EQ(world.size(), 0u);
+    World taken({.mode = Mode::solid, .open_as_surface = true});
+    taken.add_body({.model = taken.add(box)});
+    EXPECT_EQ(taken.size(), 1u);
 }
 
 TEST(Solids, NameOnlyTheFirstOfManyOpenEdges)
 {
-    Scene scene;
-    scene.add_body({.name = "body", .geometry = scene.add("ground", make_terrain_mesh(8, 1, 8, 1))});
+    World world({.mode = Mode::solid});
+    const ModelId ground = world.add(make_terrain_mesh(8, 1, 8, 1), "ground");
     try {
-        Solids(scene, false);
+        world.add_body({.model = ground});
         FAIL() << "accepted";
     } catch (const Error& error) {
         const std::string text = error.what();
@@ -55,26 +58,23 @@ TEST(Solids, NameOnlyTheFirstOfManyOpenEdges)
     }
 }
 
-TEST(Solids, AskOnlyWhatBodiesUse)
+TEST(Solids, AreOnlyRequiredOfWhatBodiesUse)
 {
-    Scene scene;
-    scene.add("holed", holed_box());
-    const GeometryId ball = scene.add("ball", make_sphere_mesh(1, 200)), shape = scene.add("shape", Box{{1, 1, 1}});
-    scene.add_body({.name = "a", .geometry = ball});
-    scene.add_body({.name = "b", .geometry = shape});
-    const Solids solids(scene, false);
-    EXPECT_TRUE(solids.solid(ball));
-    EXPECT_FALSE(solids.solid(shape)) << "its tree has an inside already";
-    EXPECT_EQ(solids.parts(shape).size(), 1u);
+    World world({.mode = Mode::solid});
+    world.add(holed_box());
+    world.add_body({.model = world.add(make_sphere_mesh(1, 200))});
+    world.add_body({.model = world.add(Shape(Box{{1, 1, 1}}))});
+    EXPECT_EQ(world.size(), 2u);
+    const Model shape(std::make_shared<const Geometry>(Geometry{"shape", Shape(Box{{1, 1, 1}}), {}}));
+    EXPECT_FALSE(shape.closed()) << "its tree has an inside already";
+    EXPECT_EQ(shape.parts().size(), 1u);
 }
 
 TEST(Solids, KnowTheExtremePointsOfEveryPart)
 {
-    Scene scene;
     const Mesh two = joined({make_box_mesh({1, 2, 3}), moved(make_sphere_mesh(1, 200), {10, 0, 0})});
-    scene.add_body({.name = "two", .geometry = scene.add("two", two)});
-    const Solids solids(scene, false);
-    const auto parts = solids.parts(scene.geometry[0]);
+    const Model model(std::make_shared<const Geometry>(Geometry{"two", two, {}}));
+    const auto parts = model.parts();
     ASSERT_EQ(parts.size(), 2u);
     for (const auto& [part, mesh] : {std::pair(parts[0], make_box_mesh({1, 2, 3})),
                                      std::pair(parts[1], moved(make_sphere_mesh(1, 200), {10, 0, 0}))}) {

@@ -1,0 +1,8 @@
+#pragma once
+#include <atomic>
+#include <cstddef>
+
+namespace oncollide {
+/// Counted where one source file of the program includes count_allocations.hpp.
+inline std::atomic<std::size_t> allocations{0};
+} // namespace oncollide

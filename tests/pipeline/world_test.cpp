@@ -1,0 +1,306 @@
+// A World: bodies that come, go and change give the results of a World made anew, and queries those of frames.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <random>
+#include <thread>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/pipeline/world.hpp>
+#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+
+#include "allocations.hpp"
+#include "random_pose.hpp"
+
+namespace oncollide {
+namespace {
+
+Mesh knot()
+{
+    return make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 300);
+}
+
+Eigen::Isometry3d at(double x, double y = 0, double z = 0)
+{
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.translation() = Eigen::Vector3d(x, y, z);
+    return pose;
+}
+
+/// Verdicts of the pairs that are not separate, by the users' numbers of their bodies.
+using Outcome = std::map<std::pair<std::uint64_t, std::uint64_t>, Verdict>;
+
+Outcome outcome_of(World& world)
+{
+    Outcome outcome;
+    for (const PairResult& pair : world.step().pairs) {
+        if (pair.verdict == Verdict::separate) continue;
+        const std::uint64_t a = world.user(pair.a), b = world.user(pair.b);
+        outcome[{std::min(a, b), std::max(a, b)}] = pair.verdict;
+    }
+    return outcome;
+}
+
+/// What a body is, to make it again elsewhere.
+struct Described {
+    BodySpec spec;
+    std::size_t mesh;
+    BodyId id;
+};
+
+TEST(World, GivesAfterAnyChangesWhatAFreshOneGives)
+{
+    for (const BroadPhaseKind broad : {BroadPhaseKind::kd_tree, BroadPhaseKind::octree, BroadPhaseKind::brute_force})
+        for (const ExactLevel exact : {ExactLevel::off, ExactLevel::predicates}) {
+            const Settings settings{.depth = 4, .exact = exact, .broad_phase = broad};
+            std::vector<Mesh> meshes{knot(), make_sphere_mesh(0.7, 200), make_box_mesh({0.4, 0.5, 0.6})};
+            World world(settings);
+            std::vector<ModelId> models;
+            for (const Mesh& mesh : meshes) models.push_back(world.add(mesh));
+            std::vector<Described> bodies;
+            std::vector<std::pair<std::uint64_t, std::uint64_t>> excluded;
+            std::uint64_t next = 0;
+            std::mt19937_64 random(7);
+            const auto below = [&](std::size_t n) { return std::size_t(random() % n); };
+            const auto add = [&] {
+                Described body{{}, below(meshes.size()), {}};
+                body.spec = {.model = models[body.mesh],
+                             .pose = random_pose(random() % 1000, 3.5),
+                             .fixed = below(4) == 0,
+                             .layer = below(5) ? 1u : 2u,
+                             .group = std::uint32_t(below(6) ? 0 : 1 + below(2)),
+                             .user = next++};
+                body.id = world.add_body(body.spec);
+                bodies.push_back(body);
+            };
+            for (int i = 0; i < 90; ++i) add();
+            for (int frame = 0; frame < 12; ++frame) {
+                for (int change = 0; change < 12; ++change) {
+                    const std::size_t k = below(bodies.size());
+                    Described& body = bodies[k];
+                    switch (below(8)) {
+                    case 0: add(); break;
+                    case 1:
+                        world.remove_body(body.id);
+                        std::erase_if(excluded, [&](const auto& pair) {
+                            return pair.first == body.spec.user || pair.second == body.spec.user;
+                        });
+                        bodies.erase(bodies.begin() + std::ptrdiff_t(k));
+                        break;
+                    case 2: world.set_fixed(body.id, body.spec.fixed = !body.spec.fixed); break;
+                    case 3: world.set_layers(body.id, body.spec.layer = 1u << below(2), body.spec.mask = 3u); break;
+                    case 4: world.set_group(body.id, body.spec.group = std::uint32_t(below(3))); break;
+                    case 5: {
+                        const Described& other = bodies[(k + 1) % bodies.size()];
+                        world.exclude(body.id, other.id);
+                        excluded.emplace_back(body.spec.user, other.spec.user);
+                        break;
+                    }
+                    case 6:
+                        body.mesh = below(meshes.size());
+                        world.set_model(body.id, body.spec.model = models[body.mesh]);
+                        break;
+                    default: world.set_pose(body.id, body.spec.pose = random_pose(random() % 1000, 3.5)); break;
+                    }
+                }
+                if (frame == 6) {
+                    meshes[1] = make_torus_mesh(0.8, 0.2, 150);
+                    world.replace(models[1], meshes[1]);
+                }
+                World fresh(settings);
+                std::vector<ModelId> fresh_models;
+                for (const Mesh& mesh : meshes) fresh_models.push_back(fresh.add(mesh));
+                std::map<std::uint64_t, BodyId> ids;
+                for (const Described& body : bodies) {
+                    BodySpec spec = body.spec;
+                    spec.model = fresh_models[body.mesh];
+                    ids[spec.user] = fresh.add_body(spec);
+                }
+                for (const auto& [a, b] : excluded) fresh.exclude(ids[a], ids[b]);
+                const Outcome expected = outcome_of(fresh);
+                EXPECT_EQ(outcome_of(world), expected) << "frame " << frame;
+                EXPECT_GT(expected.size(), 5u);
+            }
+        }
+}
+
+TEST(World, RefusesStaleIdsAndLeavesEverythingAsItWas)
+{
+    World world;
+    const ModelId model = world.add(make_box_mesh({1, 1, 1}));
+    const BodyId first = world.add_body({.model = model});
+    EXPECT_THROW(world.remove(model), Error) << "a body uses it";
+    world.remove_body(first);
+    const BodyId second = world.add_body({.model = model});
+    EXPECT_EQ(second.slot, first.slot);
+    EXPECT_NE(second, first);
+    EXPECT_THROW(world.set_pose(first, at(1)), Error);
+    EXPECT_THROW(world.remove_body(first), Error);
+    EXPECT_THROW(world.remove_bodies(std::vector{second, second}), Error);
+    EXPECT_THROW(world.contacts(first, second), Error);
+    EXPECT_TRUE(world.contains(second));
+    EXPECT_FALSE(world.contains(first));
+    Eigen::Isometry3d wrong = at(0);
+    wrong.linear() *= 2;
+    EXPECT_THROW(world.set_pose(second, wrong), Error);
+    EXPECT_EQ(world.pose(second).matrix(), at(0).matrix());
+    world.remove_body(second);
+    world.remove(model);
+    EXPECT_THROW(world.add_body({.model = model}), Error);
+    Mesh broken = make_box_mesh({1, 1, 1});
+    broken.triangles[3][1] = 77;
+    EXPECT_THROW(world.add(broken), Error);
+}
+
+TEST(World, TellsWhichPairsBeganAndEnded)
+{
+    World world({.exact = ExactLevel::predicates});
+    const ModelId model = world.add(make_box_mesh({1, 1, 1}));
+    const BodyId a = world.add_body({.model = model}), b = world.add_body({.model = model, .pose = at(1.5)});
+    FrameView frame = world.step();
+    ASSERT_EQ(frame.began.size(), 1u);
+    EXPECT_EQ(frame.began[0], (PairOfBodies{a, b}));
+    frame = world.step();
+    EXPECT_TRUE(frame.began.empty() && frame.ended.empty());
+    world.set_pose(b, at(9));
+    frame = world.step();
+    ASSERT_EQ(frame.ended.size(), 1u);
+    world.set_pose(b, at(1.5));
+    world.step();
+    world.remove_body(b);
+    const BodyId c = world.add_body({.model = model, .pose = at(1.5)});
+    ASSERT_EQ(c.slot, b.slot);
+    frame = world.step();
+    ASSERT_EQ(frame.began.size(), 1u);
+    ASSERT_EQ(frame.ended.size(), 1u);
+    EXPECT_EQ(frame.began[0], (PairOfBodies{a, c}));
+    EXPECT_EQ(frame.ended[0], (PairOfBodies{a, b})) << "another body in the same slot";
+}
+
+TEST(World, TouchesNoGeometryOfBodiesThatMayNotCollide)
+{
+    World world({.exact = ExactLevel::predicates});
+    const ModelId model = world.add(make_sphere_mesh(1, 500));
+    for (std::uint32_t robot = 0; robot < 100; ++robot) {
+        std::vector<BodyId> links;
+        for (int link = 0; link < 12; ++link)
+            links.push_back(world.add_body({.model = model, .pose = at(30.0 * robot, link), .group = robot % 2 ? robot : 0}));
+        if (robot % 2 == 0)
+            for (std::size_t i = 0; i < links.size(); ++i)
+                for (std::size_t j = 0; j < i; ++j) world.exclude(links[i], links[j]);
+    }
+    const FrameView frame = world.step();
+    EXPECT_TRUE(frame.pairs.empty());
+    EXPECT_EQ(frame.trees.node_pairs, 0u);
+    EXPECT_EQ(frame.trees.nodes, 0u);
+}
+
+TEST(World, GivesQueriesWhatAFrameWouldGiveABody)
+{
+    for (const ExactLevel exact : {ExactLevel::off, ExactLevel::predicates}) {
+        World world({.depth = 5, .exact = exact});
+        const ModelId shapes[] = {world.add(knot()), world.add(make_sphere_mesh(0.6, 300)),
+                                  world.add(Shape(Capsule{0.3, 1}))};
+        for (std::uint64_t i = 0; i < 80; ++i)
+            world.add_body({.model = shapes[i % 3], .pose = random_pose(i, 4), .layer = i % 7 ? 1u : 2u});
+        std::vector<ModelQuery> queries;
+        for (std::uint64_t i = 0; i < 24; ++i) queries.push_back({shapes[i % 3], random_pose(i + 900, 4), {.mask = 1}});
+        QueryHits many;
+        world.query(queries, many);
+        ASSERT_EQ(many.ends.size(), queries.size());
+        std::vector<std::vector<QueryHit>> beside(queries.size());
+        std::vector<std::thread> threads;
+        for (std::size_t t = 0; t < 3; ++t)
+            threads.emplace_back([&, t] {
+                for (std::size_t i = t; i < queries.size(); i += 3)
+                    beside[i] = world.query(queries[i].model, queries[i].pose, queries[i].filter);
+            });
+        for (std::thread& thread : threads) thread.join();
+        std::size_t begin = 0;
+        for (std::size_t i = 0; i < queries.size(); ++i) {
+            // As the last body it is B of every pair in a frame, and A of a query: exact results are symmetric here.
+            const BodyId added = world.add_body({.model = queries[i].model, .pose = queries[i].pose, .mask = 1});
+            std::map<std::uint32_t, Verdict> expected;
+            for (const PairResult& pair : world.step().pairs)
+                if (pair.b == added && pair.verdict != Verdict::separate) expected[pair.a.slot] = pair.verdict;
+            world.remove_body(added);
+            std::map<std::uint32_t, Verdict> found, alone;
+            for (; begin < many.ends[i]; ++begin) found[many.hits[begin].body.slot] = many.hits[begin].verdict;
+            for (const QueryHit& hit : beside[i]) alone[hit.body.slot] = hit.verdict;
+            EXPECT_EQ(found, expected) << i;
+            EXPECT_EQ(alone, expected) << i;
+        }
+        EXPECT_GT(begin, 10u);
+    }
+}
+
+TEST(World, FindsWhatSegmentsAndBoxesReach)
+{
+    World world({.exact = ExactLevel::predicates});
+    const ModelId ball = world.add(make_sphere_mesh(1, 500));
+    const BodyId near = world.add_body({.model = ball, .pose = at(5)}), far = world.add_body({.model = ball, .pose = at(20)});
+    const auto through = world.query(Segment{{0, 0, 0}, {10, 0, 0}});
+    ASSERT_EQ(through.size(), 1u);
+    EXPECT_EQ(through[0].body, near);
+    EXPECT_TRUE(world.query(Segment{{0, 3, 0}, {30, 3, 0}}).empty());
+    Aabb box;
+    box.min = Eigen::Vector3d(15, -5, -5), box.max = Eigen::Vector3d(25, 5, 5);
+    const auto inside = world.query(box);
+    ASSERT_EQ(inside.size(), 1u);
+    EXPECT_EQ(inside[0].body, far);
+    EXPECT_EQ(inside[0].kind, ContactKind::enclosed);
+    world.set_pose(far, at(50));
+    EXPECT_TRUE(world.query(box).empty()) << "queries see changes before the next step";
+    EXPECT_EQ(world.query(box, {.layer = 2, .mask = 2}).size(), 0u);
+}
+
+TEST(World, BoundsDistancesOfMeshesAndShapes)
+{
+    World world;
+    const BodyId a = world.add_body({.model = world.add(make_box_mesh({1, 1, 1}))});
+    const BodyId b = world.add_body({.model = world.add(Shape(Sphere{1})), .pose = at(5)});
+    const BodyId c = world.add_body({.model = world.add(Shape(Box{{0.1, 0.1, 0.1}})), .pose = at(5)});
+    const Distance apart = world.distance(a, b), inside = world.distance(b, c);
+    EXPECT_LE(apart.lower, 3);
+    EXPECT_GE(apart.upper, 3);
+    EXPECT_NEAR(apart.lower, apart.upper, 0.03);
+    EXPECT_EQ(inside.lower, 0);
+    EXPECT_LT(inside.upper, 0.02);
+    EXPECT_THROW(world.contacts(a, b), Error);
+    EXPECT_THROW(world.distance(a, b, -1), Error);
+}
+
+TEST(World, AllocatesNothingInAWarmFrameWithoutAdditions)
+{
+    World world({.depth = 5, .exact = ExactLevel::predicates, .age_limit = 100000});
+    const ModelId model = world.add(knot());
+    std::vector<BodyId> ids;
+    for (std::uint64_t i = 0; i < 100; ++i) ids.push_back(world.add_body({.model = model, .pose = random_pose(i, 5)}));
+    std::vector<Eigen::Isometry3d> poses(ids.size());
+    for (int lap = 0; lap < 3; ++lap)
+        for (std::uint64_t frame = 0; frame < 6; ++frame) {
+            for (std::uint64_t i = 0; i < ids.size(); ++i) poses[i] = random_pose(i + 1000 * frame, 5);
+            const std::size_t before = allocations;
+            world.set_poses(ids, poses);
+            world.step();
+            if (lap == 2) {
+                EXPECT_EQ(allocations - before, 0u) << "frame " << frame;
+            }
+        }
+}
+
+TEST(Meshes, AreTestedInOneLine)
+{
+    const Mesh box = make_box_mesh({1, 1, 1});
+    EXPECT_EQ(collide(box, at(0), box, at(1.5)).verdict, Verdict::colliding);
+    EXPECT_EQ(collide(box, at(0), box, at(2.5)).verdict, Verdict::separate);
+    EXPECT_NEAR(distance(box, at(0), box, at(2.5)).upper, 0.5, 1e-9);
+    EXPECT_FALSE(contacts(box, at(0), box, at(1.5, 0.3, 0.2)).empty());
+    Eigen::Isometry3d wrong = at(0);
+    wrong.linear()(0, 0) = 3;
+    EXPECT_THROW(collide(box, wrong, box, at(0)), Error);
+}
+
+} // namespace
+} // namespace oncollide
