@@ -3,17 +3,48 @@
 #include <algorithm>
 
 #include <oncollide/narrowphase/boxes/traversal_steps.hpp>
+#include <oncollide/narrowphase/exact/triangle_distance.hpp>
+#include <oncollide/narrowphase/exact/triangle_gap.hpp>
 
 namespace oncollide {
 
-/// found(pair) for those that meet, the hint's first, while it returns true. The hint may come twice.
-template <class Found>
-void Traversal::meetings(const Query& query, std::optional<TrianglePair> hint, Found found)
+/// At least so far apart are meshes of which no two triangles met: the gaps of boxes that were left, and those of the
+/// triangles tested.
+double Traversal::least_gap(const Query& query) const
 {
-    if (query.apart > 0) return;
+    double least = std::numeric_limits<double>::infinity();
+    for (float gap : nearest_) least = std::min(least, double(gap) - query.rounding);
+    for (std::size_t first = 0; first < tested_; first += 8) {
+        const std::span pairs = std::span(waiting_).subspan(first, std::min<std::size_t>(8, tested_ - first));
+        double gaps[8];
+        triangle_kernel().gaps(query.corners(pairs), query.b_to_a.rotation.data(), query.b_to_a.translation.data(),
+                               gaps);
+        for (std::size_t i = 0; i < pairs.size(); ++i) {
+            if (gaps[i] == 0) { // left to exact arithmetic
+                const TrianglePoints a = query.points_a(pairs[i].a), b = query.points_b(pairs[i].b);
+                gaps[i] = triangle_distance(a, b) - query.triangle_rounding;
+                if (!(gaps[i] > 0)) gaps[i] = triangle_gap(a, b);
+            }
+            least = std::min(least, gaps[i]);
+        }
+    }
+    return least * (1 - 0x1p-18); // poses may be 2^-20 from rigid
+}
+
+/// found(pair) for those that meet, the hint's first, while it returns true. The hint may come twice. At least so far
+/// are the meshes apart, if none meet.
+template <class Found>
+double Traversal::meetings(const Query& query, std::optional<TrianglePair> hint, Found found)
+{
+    if (query.apart > 0) return query.apart;
+    bool met = false;
+    const auto take = [&](TrianglePair pair) {
+        met = true;
+        return found(pair);
+    };
     if (hint) {
-        waiting_.assign(1, *hint);
-        if (!test_waiting(query, found)) return;
+        waiting_.assign(1, *hint), tested_ = 0;
+        if (!test_waiting(query, take)) return 0;
     }
     bool go_on = true;
     std::size_t batch = first_batch;
@@ -22,31 +53,32 @@ void Traversal::meetings(const Query& query, std::optional<TrianglePair> hint, F
             waiting_.push_back(pair);
             return true;
         });
-        return go_on = test_if_enough(query, batch, found);
+        return go_on = test_if_enough(query, batch, take);
     });
-    if (go_on) test_waiting(query, found);
+    if (go_on) test_waiting(query, take);
+    return met ? 0 : least_gap(query);
 }
 
-std::optional<TrianglePair> Traversal::first_meeting(ObbTree& a, ObbTree& b, const RelativePose& b_to_a,
-                                                     std::optional<TrianglePair> hint)
+Traversal::Meeting Traversal::first_meeting(ObbTree& a, ObbTree& b, const RelativePose& b_to_a,
+                                            std::optional<TrianglePair> hint)
 {
-    std::optional<TrianglePair> meeting;
-    meetings(Query(a, b, b_to_a), hint, [&](TrianglePair pair) {
-        meeting = pair;
+    Meeting meeting;
+    meeting.bound = meetings(Query(a, b, b_to_a), hint, [&](TrianglePair pair) {
+        meeting.pair = pair;
         return false;
     });
     return meeting;
 }
 
-std::optional<TrianglePair> Traversal::contact(ObbTree& a, ObbTree& b, const RelativePose& b_to_a,
-                                               TriangleContact& contact, std::optional<TrianglePair> hint)
+Traversal::Meeting Traversal::contact(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, TriangleContact& contact,
+                                      std::optional<TrianglePair> hint)
 {
     const Query query(a, b, b_to_a);
-    std::optional<TrianglePair> meeting;
+    Meeting meeting;
     contact = TriangleContact::separate;
-    meetings(query, hint, [&](TrianglePair pair) {
+    meeting.bound = meetings(query, hint, [&](TrianglePair pair) {
         const TriangleContact how = triangle_contact(query.points_a(pair.a), query.points_b(pair.b));
-        if (how > contact) meeting = pair, contact = how;
+        if (how > contact) meeting.pair = pair, contact = how;
         return contact != TriangleContact::crossing;
     });
     return meeting;

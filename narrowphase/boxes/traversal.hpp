@@ -25,15 +25,18 @@ struct TrianglePair {
 /// One thread's working memory; others may walk the same trees meanwhile. Distances are metres.
 class alignas(128) Traversal { // lines of its own: one a thread
 public:
+    struct Meeting {
+        std::optional<TrianglePair> pair; ///< two triangles that meet
+        double bound; ///< else at least so far are the meshes apart, as placed: > 0 unless doubles cannot express it
+    };
     /// Some two triangles that meet; those of `hint` if they do. Which ones depends on the meshes and poses alone.
     /// Cost: for meshes of 5,000 triangles some 3 microseconds; what the trees grow besides.
-    std::optional<TrianglePair> first_meeting(ObbTree& a, ObbTree& b, const RelativePose& b_to_a,
-                                              std::optional<TrianglePair> hint = {});
+    Meeting first_meeting(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, std::optional<TrianglePair> hint = {});
 
     /// Some two that cross, or where none do, some two that touch; `contact` says which. Costs more than
     /// first_meeting() where many touch, for all are looked at.
-    std::optional<TrianglePair> contact(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, TriangleContact& contact,
-                                        std::optional<TrianglePair> hint = {});
+    Meeting contact(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, TriangleContact& contact,
+                    std::optional<TrianglePair> hint = {});
 
     /// All, each once, sorted, to `out`, overwritten.
     void all_meeting(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out);
@@ -41,7 +44,7 @@ public:
     struct Nearness {
         bool near;
         double bound; ///< near: the distance is at most this, clearance + tolerance (or, if that is less, + rounding);
-                      ///< else at least this, and more than the clearance
+                      ///< else at least this, and no less than the clearance; > 0 as of Meeting
         std::optional<TrianglePair> meeting; ///< two triangles that meet, where such were found
     };
     /// Are they within `clearance`? Meshes farther apart than that, but not than clearance + tolerance, may be called
@@ -88,12 +91,14 @@ private:
     template <class Found>
     bool test_if_enough(const Query& query, std::size_t& batch, Found found);
     template <class Found>
-    void meetings(const Query& query, std::optional<TrianglePair> hint, Found found);
+    double meetings(const Query& query, std::optional<TrianglePair> hint, Found found);
+    double least_gap(const Query& query) const;
 
     OpenedTree a_, b_;
     std::vector<Entry> stack_; ///< its first top_ are in use
     std::size_t top_ = 0;
-    std::vector<TrianglePair> waiting_; ///< pairs of triangles to be tested together
+    std::vector<TrianglePair> waiting_; ///< pairs of triangles to be tested together, after those that are apart
+    std::size_t tested_ = 0;            ///< of them
     alignas(32) float nearest_[8];      ///< least gaps of boxes that were left
     Counts counts_;
 };

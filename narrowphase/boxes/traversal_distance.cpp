@@ -28,10 +28,10 @@ Traversal::Nearness Traversal::near(ObbTree& a, ObbTree& b, const RelativePose& 
         return false;
     };
     if (hint) {
-        waiting_.assign(1, *hint);
+        waiting_.assign(1, *hint), tested_ = 0;
         if (!test_waiting(query, take)) return answer;
     }
-    double lower = infinity; // of triangles that were left
+    double lower = infinity; // of triangles that do not wait
     const auto take_pair = [&](TrianglePair pair, bool small) {
         if (small || clearance > 0) {
             const TrianglePoints of_a = query.points_a(pair.a), of_b = query.points_b(pair.b);
@@ -45,7 +45,6 @@ Traversal::Nearness Traversal::near(ObbTree& a, ObbTree& b, const RelativePose& 
                 return !answer.near;
             }
         }
-        lower = 0;
         waiting_.push_back(pair);
         return true;
     };
@@ -58,8 +57,7 @@ Traversal::Nearness Traversal::near(ObbTree& a, ObbTree& b, const RelativePose& 
                test_if_enough(query, batch, take);
     });
     if (answer.near || !test_waiting(query, take)) return answer;
-    for (float gap : nearest_) lower = std::min(lower, double(gap) - query.rounding);
-    return {false, std::max(lower * (1 - 0x1p-18), clearance), {}};
+    return {false, std::max(std::min(lower * (1 - 0x1p-18), least_gap(query)), clearance), {}};
 }
 
 Traversal::Distance Traversal::distance(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, double tolerance,

@@ -36,6 +36,10 @@ inline F64 max(F64 a, F64 b)
 {
     return _mm512_maskz_max_pd(0xff, a, b);
 }
+inline F64 sqrt(F64 v)
+{
+    return _mm512_maskz_sqrt_pd(0xff, v);
+}
 /// One bit a lane.
 inline unsigned bits(I64 mask)
 {
@@ -50,6 +54,10 @@ inline F64 max(F64 a, F64 b)
 {
     return _mm256_max_pd(a, b);
 }
+inline F64 sqrt(F64 v)
+{
+    return _mm256_sqrt_pd(v);
+}
 inline unsigned bits(I64 mask)
 {
     return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(mask)));
@@ -63,6 +71,10 @@ inline F64 max(F64 a, F64 b)
 {
     return _mm_max_pd(a, b);
 }
+inline F64 sqrt(F64 v)
+{
+    return _mm_sqrt_pd(v);
+}
 inline unsigned bits(I64 mask)
 {
     return static_cast<unsigned>(_mm_movemask_pd(reinterpret_cast<__m128d>(mask)));
@@ -75,6 +87,10 @@ inline F64 min(F64 a, F64 b)
 inline F64 max(F64 a, F64 b)
 {
     return a > b ? a : b;
+}
+inline F64 sqrt(F64 v)
+{
+    return F64{__builtin_sqrt(v[0]), __builtin_sqrt(v[1])};
 }
 inline unsigned bits(I64 mask)
 {
@@ -114,27 +130,43 @@ struct Corners {
     Vec p, q, r;
 };
 
-inline F64 error_bound(const Corners& a, const Corners& b)
+/// Of the box of both, made a little larger.
+inline Vec sides(const Corners& a, const Corners& b)
 {
     const Vec lo = min(min(min(a.p, a.q), a.r), min(min(b.p, b.q), b.r));
     const Vec hi = max(max(max(a.p, a.q), a.r), max(max(b.p, b.q), b.r));
     const Vec side = hi - lo;
-    const F64 x = side.x + 0x1p-300, y = side.y + 0x1p-300, z = side.z + 0x1p-300;
+    return {side.x + 0x1p-300, side.y + 0x1p-300, side.z + 0x1p-300};
+}
+
+inline F64 error_bound(const Corners& a, const Corners& b)
+{
+    const auto [x, y, z] = sides(a, b);
     const F64 bound = x * y * z * (56 * 0x1p-53);
     return max(max(x, y), z) < 0x1p300 ? bound : F64{} + __builtin_inf();
+}
+
+/// How much the length of an axis may be off.
+inline F64 axis_error(const Corners& a, const Corners& b)
+{
+    const auto [x, y, z] = sides(a, b);
+    return (x * y + y * z + z * x) * 0x1p-49;
 }
 
 /// Of a triangle's corners against a plane: lanes in which p, q, r are certainly above, or below.
 struct Sides {
     I64 p_above, q_above, r_above, p_below, q_below, r_below;
+    Vec normal;
+    F64 beyond; ///< the least of them, where all are on one side, times the normal's length
 
     Sides(const Corners& corners, const Corners& plane, F64 bound)
     {
-        const Vec normal = cross(plane.q - plane.p, plane.r - plane.p);
+        normal = cross(plane.q - plane.p, plane.r - plane.p);
         const F64 p = dot(normal, corners.p - plane.p), q = dot(normal, corners.q - plane.p),
                   r = dot(normal, corners.r - plane.p);
         p_above = p > bound, q_above = q > bound, r_above = r > bound;
         p_below = p < -bound, q_below = q < -bound, r_below = r < -bound;
+        beyond = max(min(min(p, q), r), -max(max(p, q), r));
     }
     I64 apart() const { return (p_above & q_above & r_above) | (p_below & q_below & r_below); }
     I64 known() const { return (p_above | p_below) & (q_above | q_below) & (r_above | r_below); }
@@ -156,13 +188,17 @@ struct Verdicts {
     I64 separate, known;
 };
 
-inline Verdicts judge(Corners a, Corners b)
+/// widest(value, axis) for determinants whose magnitude is how far an axis parts the triangles, times its length, up to
+/// the error bound.
+template <class Widest>
+inline Verdicts judge(Corners a, Corners b, F64 bound, Widest widest)
 {
-    const F64 bound = error_bound(a, b);
     const Sides of_b(b, a, bound);
+    widest(of_b.beyond, of_b.normal);
     I64 separate = of_b.apart();
     if (bits(~separate) == 0) return {separate, separate};
     const Sides of_a(a, b, bound);
+    widest(of_a.beyond, of_a.normal);
     separate |= of_a.apart();
     if (bits(~separate) == 0) return {separate, separate};
     const I64 known = of_a.known() & of_b.known() & ~separate;
@@ -170,11 +206,16 @@ inline Verdicts judge(Corners a, Corners b)
     // As in triangle_contact: the edges that leave the lone corners, in the order that the sides of these ask for.
     const I64 a_above = rotation(a, of_a), b_above = rotation(b, of_b), alike = ~(a_above ^ b_above);
     const Vec w = b.p - a.p, t = b.q - b.p, u = b.r - b.p;
-    const F64 first = dot(cross(a.q - a.p, select(alike, t, u)), w);
-    const F64 second = dot(cross(a.r - a.p, select(alike, u, t)), w);
+    const Vec first_axis = cross(a.q - a.p, select(alike, t, u)), second_axis = cross(a.r - a.p, select(alike, u, t));
+    const F64 first = dot(first_axis, w), second = dot(second_axis, w);
     const I64 first_above = first > bound, first_below = first < -bound;
     const I64 second_above = second > bound, second_below = second < -bound;
-    separate |= known & ((b_above & (first_below | second_above)) | (~b_above & (first_above | second_below)));
+    const I64 by_first = known & ((b_above & first_below) | (~b_above & first_above));
+    const I64 by_second = known & ((b_above & second_above) | (~b_above & second_below));
+    // Their intervals on the line of the planes do not meet, so the plane of the two edges parts the triangles.
+    widest(by_first ? max(first, -first) : F64{}, first_axis);
+    widest(by_second ? max(second, -second) : F64{}, second_axis);
+    separate |= by_first | by_second;
     return {separate, separate | (known & (first_above | first_below) & (second_above | second_below))};
 }
 
@@ -204,25 +245,57 @@ inline Vec moved(const Vec& p, const double* rotation, const double* translation
     return {row(0), row(1), row(2)};
 }
 
+struct Eight {
+    const CornersOfPairs& corners;
+    const double *rotation, *translation;
+
+    Corners of_a(unsigned first) const
+    {
+        return {gather(corners.a[0] + first), gather(corners.a[1] + first), gather(corners.a[2] + first)};
+    }
+    Corners of_b(unsigned first) const
+    {
+        return {moved(gather(corners.b[0] + first), rotation, translation),
+                moved(gather(corners.b[1] + first), rotation, translation),
+                moved(gather(corners.b[2] + first), rotation, translation)};
+    }
+};
+
 PairVerdicts judge_all(const CornersOfPairs& corners, const double* rotation, const double* translation)
 {
+    const Eight eight{corners, rotation, translation};
     PairVerdicts all{0, 0};
     for (unsigned first = 0; first < 8; first += width) {
-        const Corners a{gather(corners.a[0] + first), gather(corners.a[1] + first), gather(corners.a[2] + first)};
-        const Corners b{moved(gather(corners.b[0] + first), rotation, translation),
-                        moved(gather(corners.b[1] + first), rotation, translation),
-                        moved(gather(corners.b[2] + first), rotation, translation)};
-        const Verdicts verdicts = judge(a, b);
+        const Corners a = eight.of_a(first), b = eight.of_b(first);
+        const Verdicts verdicts = judge(a, b, error_bound(a, b), [](F64, const Vec&) {});
         all.separate |= bits(verdicts.separate) << first, all.known |= bits(verdicts.known) << first;
     }
     return all;
 }
 
+/// What is left of the determinant after its error, over no less than the axis' length: each of its components errs by
+/// at most 2^-50 times the product of two sides. 2^-960 is more than what underflows in the squares.
+void gaps_of_all(const CornersOfPairs& corners, const double* rotation, const double* translation, double (&gaps)[8])
+{
+    const Eight eight{corners, rotation, translation};
+    for (unsigned first = 0; first < 8; first += width) {
+        const Corners a = eight.of_a(first), b = eight.of_b(first);
+        const F64 bound = error_bound(a, b), off = axis_error(a, b);
+        F64 gap{};
+        judge(a, b, bound, [&](F64 value, const Vec& axis) {
+            const F64 length = sqrt(dot(axis, axis) + 0x1p-960) + off;
+            const F64 shown = (value - bound) / length * (1 - 0x1p-48);
+            gap = shown > gap ? shown : gap;
+        });
+        __builtin_memcpy(gaps + first, &gap, sizeof gap);
+    }
+}
+
 } // namespace
 
-JudgePairs* judge_pairs()
+TriangleKernel triangle_kernel()
 {
-    return judge_all;
+    return {judge_all, gaps_of_all};
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

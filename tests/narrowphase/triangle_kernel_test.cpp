@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/cpu_features.hpp>
+#include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/exact/triangle_kernel.hpp>
 #include <oncollide/narrowphase/relative_pose.hpp>
 
@@ -12,14 +13,14 @@ namespace {
 
 struct Kernel {
     std::string name;
-    JudgePairs* judge;
+    TriangleKernel kernel;
 };
 
 std::vector<Kernel> kernels()
 {
-    std::vector<Kernel> all{{"baseline", baseline::judge_pairs()}};
-    if (instruction_set() >= InstructionSet::avx2) all.push_back({"avx2", avx2::judge_pairs()});
-    if (instruction_set() >= InstructionSet::avx512) all.push_back({"avx512", avx512::judge_pairs()});
+    std::vector<Kernel> all{{"baseline", baseline::triangle_kernel()}};
+    if (instruction_set() >= InstructionSet::avx2) all.push_back({"avx2", avx2::triangle_kernel()});
+    if (instruction_set() >= InstructionSet::avx512) all.push_back({"avx512", avx512::triangle_kernel()});
     return all;
 }
 
@@ -69,10 +70,25 @@ TEST_P(EveryFamilyInEights, IsJudgedAsTheExactTestDoesOrLeftOpen)
             pairs += count;
             const RelativePose stay(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
             for (const Kernel& kernel : kernels()) {
-                const PairVerdicts verdicts = kernel.judge(corners, stay.rotation.data(), stay.translation.data());
+                const PairVerdicts verdicts =
+                    kernel.kernel.judge(corners, stay.rotation.data(), stay.translation.data());
+                double gaps[8];
+                kernel.kernel.gaps(corners, stay.rotation.data(), stay.translation.data(), gaps);
                 for (unsigned i = 0; i < count; ++i) {
                     const bool separate = verdicts.separate >> i & 1, known = verdicts.known >> i & 1;
                     EXPECT_TRUE(known || !separate) << kernel.name;
+                    if (truth[i]) {
+                        EXPECT_EQ(gaps[i], 0) << kernel.name;
+                    } else if (ordinary(map)) {
+                        EXPECT_EQ(gaps[i] > 0, separate) << kernel.name;
+                        double extent = 0;
+                        for (unsigned k = 0; k < 3; ++k)
+                            for (unsigned j = 0; j < 3; ++j)
+                                extent = std::max(extent, (eight[i].first[k] - eight[i].second[j]).norm());
+                        const double distance = triangle_distance(eight[i].first, eight[i].second);
+                        EXPECT_LE(gaps[i], distance + 0x1p-38 * extent + 0x1p-48 * eight[i].first[0].norm())
+                            << kernel.name;
+                    }
                     if (known) {
                         EXPECT_EQ(separate, !truth[i]) << kernel.name << " map\n" << map;
                     } else {
@@ -102,7 +118,8 @@ TEST(TriangleKernel, MovesPointsToTheLastBitAsTheExactTestIsTold)
         for (unsigned i = 0; i < 8; ++i)
             for (unsigned k = 0; k < 3; ++k) corners.a[k][i] = of_a[k].data(), corners.b[k][i] = of_b[k].data();
         for (const Kernel& kernel : kernels()) {
-            const PairVerdicts verdicts = kernel.judge(corners, b_to_a.rotation.data(), b_to_a.translation.data());
+            const PairVerdicts verdicts =
+                kernel.kernel.judge(corners, b_to_a.rotation.data(), b_to_a.translation.data());
             EXPECT_EQ(verdicts.separate, 0u) << kernel.name << ": they meet";
         }
     }
