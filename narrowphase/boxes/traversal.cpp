@@ -8,25 +8,23 @@
 
 namespace oncollide {
 
-/// At least so far apart are meshes of which no two triangles met: the gaps of boxes that were left, and those of the
-/// triangles tested.
-double Traversal::least_gap(const Query& query) const
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+} // namespace
+
+/// At least so far apart are meshes of which no two triangles met: by the gaps of boxes that were left, and of
+/// triangles that were tested.
+double Traversal::least_gap(const Query& query)
 {
-    double least = std::numeric_limits<double>::infinity();
+    double least = infinity;
     for (float gap : nearest_) least = std::min(least, double(gap) - query.rounding);
-    for (std::size_t first = 0; first < tested_; first += 8) {
-        const std::span pairs = std::span(waiting_).subspan(first, std::min<std::size_t>(8, tested_ - first));
-        double gaps[8];
-        triangle_kernel().gaps(query.corners(pairs), query.b_to_a.rotation.data(), query.b_to_a.translation.data(),
-                               gaps);
-        for (std::size_t i = 0; i < pairs.size(); ++i) {
-            if (gaps[i] == 0) { // left to exact arithmetic
-                const TrianglePoints a = query.points_a(pairs[i].a), b = query.points_b(pairs[i].b);
-                gaps[i] = triangle_distance(a, b) - query.triangle_rounding;
-                if (!(gaps[i] > 0)) gaps[i] = triangle_gap(a, b);
-            }
-            least = std::min(least, gaps[i]);
-        }
+    for (double gap2 : nearest_triangles2_) least = std::min(least, std::sqrt(gap2) * (1 - 0x1p-50));
+    for (const TrianglePair& pair : barely_apart_) {
+        const TrianglePoints a = query.points_a(pair.a), b = query.points_b(pair.b);
+        const double gap = triangle_distance(a, b) - query.triangle_rounding;
+        least = std::min(least, gap > 0 ? gap : triangle_gap(a, b));
     }
     return least * (1 - 0x1p-18); // poses may be 2^-20 from rigid
 }
@@ -43,7 +41,7 @@ double Traversal::meetings(const Query& query, std::optional<TrianglePair> hint,
         return found(pair);
     };
     if (hint) {
-        waiting_.assign(1, *hint), tested_ = 0;
+        waiting_.assign(1, *hint);
         if (!test_waiting(query, take)) return 0;
     }
     bool go_on = true;

@@ -92,14 +92,15 @@ private:
     bool test_if_enough(const Query& query, std::size_t& batch, Found found);
     template <class Found>
     double meetings(const Query& query, std::optional<TrianglePair> hint, Found found);
-    double least_gap(const Query& query) const;
+    double least_gap(const Query& query);
 
     OpenedTree a_, b_;
     std::vector<Entry> stack_; ///< its first top_ are in use
     std::size_t top_ = 0;
-    std::vector<TrianglePair> waiting_; ///< pairs of triangles to be tested together, after those that are apart
-    std::size_t tested_ = 0;            ///< of them
-    alignas(32) float nearest_[8];      ///< least gaps of boxes that were left
+    std::vector<TrianglePair> waiting_;        ///< pairs of triangles to be tested together
+    std::vector<TrianglePair> barely_apart_;   ///< pairs that exact arithmetic alone could part
+    alignas(32) float nearest_[8];             ///< least gaps of boxes that were left
+    alignas(64) double nearest_triangles2_[8]; ///< least squared gaps of triangles that were found apart
     Counts counts_;
 };
 

@@ -28,7 +28,7 @@ Traversal::Nearness Traversal::near(ObbTree& a, ObbTree& b, const RelativePose& 
         return false;
     };
     if (hint) {
-        waiting_.assign(1, *hint), tested_ = 0;
+        waiting_.assign(1, *hint);
         if (!test_waiting(query, take)) return answer;
     }
     double lower = infinity; // of triangles that do not wait

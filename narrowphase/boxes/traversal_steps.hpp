@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <span>
 #include <utility>
 
 #include <oncollide/narrowphase/boxes/traversal.hpp>
@@ -13,9 +12,9 @@ namespace oncollide {
 
 constexpr std::size_t first_batch = 4, most_batch = 64; ///< pairs of triangles tested together
 
-inline const TriangleKernel& triangle_kernel()
+inline JudgePairs* judge()
 {
-    static const TriangleKernel kernel = ONCOLLIDE_CHOOSE(triangle_kernel);
+    static JudgePairs* const kernel = ONCOLLIDE_CHOOSE(judge_pairs);
     return kernel;
 }
 
@@ -59,26 +58,14 @@ struct Traversal::Query {
         const Triangle& t = triangles_b[triangle];
         return {b_to_a(vertices_b[t[0]]), b_to_a(vertices_b[t[1]]), b_to_a(vertices_b[t[2]])};
     }
-    /// Of up to eight pairs; places past the last hold it once more.
-    CornersOfPairs corners(std::span<const TrianglePair> pairs) const
-    {
-        CornersOfPairs corners;
-        for (std::size_t i = 0; i < 8; ++i) {
-            const TrianglePair& pair = pairs[std::min(i, pairs.size() - 1)];
-            for (std::size_t k = 0; k < 3; ++k) {
-                corners.a[k][i] = vertices_a[triangles_a[pair.a][k]].data();
-                corners.b[k][i] = vertices_b[triangles_b[pair.b][k]].data();
-            }
-        }
-        return corners;
-    }
 };
 
 inline void Traversal::start(const Query& query)
 {
     a_.start(query.a, nullptr), b_.start(query.b, &query.place_b);
-    waiting_.clear(), tested_ = 0;
+    waiting_.clear(), barely_apart_.clear();
     std::fill(std::begin(nearest_), std::end(nearest_), std::numeric_limits<float>::infinity());
+    std::fill(std::begin(nearest_triangles2_), std::end(nearest_triangles2_), std::numeric_limits<double>::infinity());
     if (stack_.empty()) stack_.resize(64);
     stack_[0] = {0, 0, 0, 0, 0}, top_ = 1;
 }
@@ -151,28 +138,36 @@ void Traversal::walk(const Query& query, float reach, TakeLeaves take_leaves)
     }
 }
 
-/// found(pair) for those that meet, while it returns true. False when it did not. Pairs that are apart stay in
-/// waiting_, as long as none meets.
+/// found(pair) for those that meet, while it returns true. False when it did not.
 template <class Found>
 bool Traversal::test_waiting(const Query& query, Found found)
 {
-    bool go_on = true, met = false;
-    for (; tested_ < waiting_.size() && go_on; tested_ += 8) {
-        const auto count = static_cast<unsigned>(std::min<std::size_t>(8, waiting_.size() - tested_));
-        const CornersOfPairs corners = query.corners(std::span(waiting_).subspan(tested_, count));
+    bool go_on = true;
+    for (std::size_t first = 0; first < waiting_.size() && go_on; first += 8) {
+        const auto count = static_cast<unsigned>(std::min<std::size_t>(8, waiting_.size() - first));
+        CornersOfPairs corners;
+        for (unsigned i = 0; i < 8; ++i) { // places past the last pair hold it once more
+            const TrianglePair& pair = waiting_[first + std::min(i, count - 1)];
+            for (std::size_t k = 0; k < 3; ++k) {
+                corners.a[k][i] = query.vertices_a[query.triangles_a[pair.a][k]].data();
+                corners.b[k][i] = query.vertices_b[query.triangles_b[pair.b][k]].data();
+            }
+        }
         const PairVerdicts verdicts =
-            triangle_kernel().judge(corners, query.b_to_a.rotation.data(), query.b_to_a.translation.data());
+            judge()(corners, query.b_to_a.rotation.data(), query.b_to_a.translation.data(), nearest_triangles2_);
         counts_.triangles += count;
         for (unsigned rest = ~verdicts.separate & ((1u << count) - 1); rest && go_on; rest &= rest - 1) {
             const auto i = static_cast<unsigned>(__builtin_ctz(rest));
-            const TrianglePair pair = waiting_[tested_ + i];
+            const TrianglePair pair = waiting_[first + i];
             bool meet = verdicts.known >> i & 1;
-            if (!meet) ++counts_.unsure, meet = triangles_meet(query.points_a(pair.a), query.points_b(pair.b));
-            if (meet) met = true, go_on = found(pair);
+            if (!meet) {
+                ++counts_.unsure, meet = triangles_meet(query.points_a(pair.a), query.points_b(pair.b));
+                if (!meet) barely_apart_.push_back(pair);
+            }
+            if (meet) go_on = found(pair);
         }
     }
-    if (met) waiting_.clear();
-    tested_ = waiting_.size();
+    waiting_.clear();
     return go_on;
 }
 
@@ -180,7 +175,7 @@ bool Traversal::test_waiting(const Query& query, Found found)
 template <class Found>
 bool Traversal::test_if_enough(const Query& query, std::size_t& batch, Found found)
 {
-    if (waiting_.size() - tested_ < batch) return true;
+    if (waiting_.size() < batch) return true;
     batch = std::min(2 * batch, most_batch);
     return test_waiting(query, found);
 }

@@ -36,10 +36,6 @@ inline F64 max(F64 a, F64 b)
 {
     return _mm512_maskz_max_pd(0xff, a, b);
 }
-inline F64 sqrt(F64 v)
-{
-    return _mm512_maskz_sqrt_pd(0xff, v);
-}
 /// One bit a lane.
 inline unsigned bits(I64 mask)
 {
@@ -54,10 +50,6 @@ inline F64 max(F64 a, F64 b)
 {
     return _mm256_max_pd(a, b);
 }
-inline F64 sqrt(F64 v)
-{
-    return _mm256_sqrt_pd(v);
-}
 inline unsigned bits(I64 mask)
 {
     return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(mask)));
@@ -71,10 +63,6 @@ inline F64 max(F64 a, F64 b)
 {
     return _mm_max_pd(a, b);
 }
-inline F64 sqrt(F64 v)
-{
-    return _mm_sqrt_pd(v);
-}
 inline unsigned bits(I64 mask)
 {
     return static_cast<unsigned>(_mm_movemask_pd(reinterpret_cast<__m128d>(mask)));
@@ -87,10 +75,6 @@ inline F64 min(F64 a, F64 b)
 inline F64 max(F64 a, F64 b)
 {
     return a > b ? a : b;
-}
-inline F64 sqrt(F64 v)
-{
-    return F64{__builtin_sqrt(v[0]), __builtin_sqrt(v[1])};
 }
 inline unsigned bits(I64 mask)
 {
@@ -146,12 +130,31 @@ inline F64 error_bound(const Corners& a, const Corners& b)
     return max(max(x, y), z) < 0x1p300 ? bound : F64{} + __builtin_inf();
 }
 
-/// How much the length of an axis may be off.
+/// By how much each component of an axis errs at most: 2^-50 times the product of two sides.
 inline F64 axis_error(const Corners& a, const Corners& b)
 {
     const auto [x, y, z] = sides(a, b);
     return (x * y + y * z + z * x) * 0x1p-49;
 }
+
+/// Squared lower bounds on distances, lane by lane, of axes that part the triangles.
+struct Gaps {
+    F64 bound, length_error2;
+    F64 height = F64{}, length2 = F64{} + 1;
+
+    Gaps(const Corners& a, const Corners& b, F64 bound_of_determinants) : bound(bound_of_determinants)
+    {
+        const F64 error = axis_error(a, b);
+        length_error2 = error * error * 1040 + 0x1p-960; // more than what underflows in squares
+    }
+    /// Where the axis parts them: by the determinant over the length of the axis.
+    void take(I64 where, F64 determinant, const Vec& axis)
+    {
+        height = where ? determinant - bound : height, length2 = where ? dot(axis, axis) : length2;
+    }
+    /// (l + e)^2 <= (1 + 2^-10) l^2 + (1 + 2^10) e^2; roundings are far below that.
+    F64 squared() const { return height * height / (length2 * (1 + 0x1p-9) + length_error2); }
+};
 
 /// Of a triangle's corners against a plane: lanes in which p, q, r are certainly above, or below.
 struct Sides {
@@ -188,17 +191,14 @@ struct Verdicts {
     I64 separate, known;
 };
 
-/// widest(value, axis) for determinants whose magnitude is how far an axis parts the triangles, times its length, up to
-/// the error bound.
-template <class Widest>
-inline Verdicts judge(Corners a, Corners b, F64 bound, Widest widest)
+inline Verdicts judge(Corners a, Corners b, F64 bound, Gaps& gaps)
 {
     const Sides of_b(b, a, bound);
-    widest(of_b.beyond, of_b.normal);
     I64 separate = of_b.apart();
+    gaps.take(separate, of_b.beyond, of_b.normal);
     if (bits(~separate) == 0) return {separate, separate};
     const Sides of_a(a, b, bound);
-    widest(of_a.beyond, of_a.normal);
+    gaps.take(of_a.apart() & ~separate, of_a.beyond, of_a.normal);
     separate |= of_a.apart();
     if (bits(~separate) == 0) return {separate, separate};
     const I64 known = of_a.known() & of_b.known() & ~separate;
@@ -212,9 +212,9 @@ inline Verdicts judge(Corners a, Corners b, F64 bound, Widest widest)
     const I64 second_above = second > bound, second_below = second < -bound;
     const I64 by_first = known & ((b_above & first_below) | (~b_above & first_above));
     const I64 by_second = known & ((b_above & second_above) | (~b_above & second_below));
-    // Their intervals on the line of the planes do not meet, so the plane of the two edges parts the triangles.
-    widest(by_first ? max(first, -first) : F64{}, first_axis);
-    widest(by_second ? max(second, -second) : F64{}, second_axis);
+    // Where their intervals on the line of the planes do not meet, an axis square to the two edges parts the triangles.
+    gaps.take(by_first, max(first, -first), first_axis);
+    gaps.take(by_second, max(second, -second), second_axis);
     separate |= by_first | by_second;
     return {separate, separate | (known & (first_above | first_below) & (second_above | second_below))};
 }
@@ -245,57 +245,36 @@ inline Vec moved(const Vec& p, const double* rotation, const double* translation
     return {row(0), row(1), row(2)};
 }
 
-struct Eight {
-    const CornersOfPairs& corners;
-    const double *rotation, *translation;
-
-    Corners of_a(unsigned first) const
-    {
-        return {gather(corners.a[0] + first), gather(corners.a[1] + first), gather(corners.a[2] + first)};
-    }
-    Corners of_b(unsigned first) const
-    {
-        return {moved(gather(corners.b[0] + first), rotation, translation),
-                moved(gather(corners.b[1] + first), rotation, translation),
-                moved(gather(corners.b[2] + first), rotation, translation)};
-    }
-};
-
-PairVerdicts judge_all(const CornersOfPairs& corners, const double* rotation, const double* translation)
+PairVerdicts judge_all(const CornersOfPairs& corners, const double* rotation, const double* translation,
+                       double (&nearest2)[8])
 {
-    const Eight eight{corners, rotation, translation};
     PairVerdicts all{0, 0};
     for (unsigned first = 0; first < 8; first += width) {
-        const Corners a = eight.of_a(first), b = eight.of_b(first);
-        const Verdicts verdicts = judge(a, b, error_bound(a, b), [](F64, const Vec&) {});
-        all.separate |= bits(verdicts.separate) << first, all.known |= bits(verdicts.known) << first;
+        const Corners a{gather(corners.a[0] + first), gather(corners.a[1] + first), gather(corners.a[2] + first)};
+        const Corners b{moved(gather(corners.b[0] + first), rotation, translation),
+                        moved(gather(corners.b[1] + first), rotation, translation),
+                        moved(gather(corners.b[2] + first), rotation, translation)};
+        const F64 bound = error_bound(a, b);
+        Gaps gaps(a, b, bound);
+        const Verdicts verdicts = judge(a, b, bound, gaps);
+        const F64 squared = gaps.squared();
+        // A gap too small or too large for squares is left to exact arithmetic.
+        const I64 none = verdicts.separate & ~((squared > F64{}) & (squared < F64{} + __builtin_inf()));
+        const I64 separate = verdicts.separate & ~none;
+        F64 least;
+        __builtin_memcpy(&least, nearest2 + first, sizeof least);
+        least = separate ? min(squared, least) : least;
+        __builtin_memcpy(nearest2 + first, &least, sizeof least);
+        all.separate |= bits(separate) << first, all.known |= bits(verdicts.known & ~none) << first;
     }
     return all;
 }
 
-/// What is left of the determinant after its error, over no less than the axis' length: each of its components errs by
-/// at most 2^-50 times the product of two sides. 2^-960 is more than what underflows in the squares.
-void gaps_of_all(const CornersOfPairs& corners, const double* rotation, const double* translation, double (&gaps)[8])
-{
-    const Eight eight{corners, rotation, translation};
-    for (unsigned first = 0; first < 8; first += width) {
-        const Corners a = eight.of_a(first), b = eight.of_b(first);
-        const F64 bound = error_bound(a, b), off = axis_error(a, b);
-        F64 gap{};
-        judge(a, b, bound, [&](F64 value, const Vec& axis) {
-            const F64 length = sqrt(dot(axis, axis) + 0x1p-960) + off;
-            const F64 shown = (value - bound) / length * (1 - 0x1p-48);
-            gap = shown > gap ? shown : gap;
-        });
-        __builtin_memcpy(gaps + first, &gap, sizeof gap);
-    }
-}
-
 } // namespace
 
-TriangleKernel triangle_kernel()
+JudgePairs* judge_pairs()
 {
-    return {judge_all, gaps_of_all};
+    return judge_all;
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

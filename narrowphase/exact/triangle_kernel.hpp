@@ -15,21 +15,18 @@ struct PairVerdicts {
 };
 
 /// Triangles of A against triangles of B, moved as RelativePose does. `rotation` is column-major.
-struct TriangleKernel {
-    PairVerdicts (*judge)(const CornersOfPairs& corners, const double* rotation, const double* translation);
-    /// Certified lower bounds on the distances of the triangles; > 0 for pairs that `judge` calls separate, unless
-    /// some length leaves 2^-300 to 2^300. Costs half as much again.
-    void (*gaps)(const CornersOfPairs& corners, const double* rotation, const double* translation, double (&gaps)[8]);
-};
+/// @param nearest2  in and out, by pair: the least squared distance, as certified, of triangles that were separate
+using JudgePairs = PairVerdicts(const CornersOfPairs& corners, const double* rotation, const double* translation,
+                                double (&nearest2)[8]);
 
 namespace baseline {
-TriangleKernel triangle_kernel();
+JudgePairs* judge_pairs();
 }
 namespace avx2 {
-TriangleKernel triangle_kernel();
+JudgePairs* judge_pairs();
 }
 namespace avx512 {
-TriangleKernel triangle_kernel();
+JudgePairs* judge_pairs();
 }
 
 } // namespace oncollide
