@@ -57,11 +57,10 @@ PairAnswer ObbRefiner::exact(const RefineContext& context, const PairTask& task,
         if (meeting) return {Verdict::colliding, ContactKind::unknown, 0};
         bound = gap;
     } else {
-        TriangleContact contact{};
-        const auto [meeting, gap] = worker.walk.contact(a, b, b_to_a, contact, hint_of(memory));
+        auto [meeting, gap, contact, parted] = worker.walk.contact(a, b, b_to_a, hint_of(memory));
         remember(memory, meeting);
         // Closed meshes of which every two triangles only touch may share a point inside all the same.
-        if (contact == TriangleContact::touching && task.a->closed() && task.b->closed() &&
+        if (contact == TriangleContact::touching && !parted && task.a->closed() && task.b->closed() &&
             worker.inside.find(a, b, b_to_a))
             contact = TriangleContact::crossing;
         const bool touching = contact == TriangleContact::touching;

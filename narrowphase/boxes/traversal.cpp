@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <oncollide/narrowphase/boxes/traversal_steps.hpp>
+#include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/exact/triangle_gap.hpp>
 
@@ -11,6 +12,8 @@ namespace oncollide {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+
+constexpr auto none = [](TrianglePair) { return false; };
 
 } // namespace
 
@@ -31,8 +34,9 @@ double Traversal::least_gap(const Query& query)
 
 /// found(pair) for those that meet, the hint's first, while it returns true. The hint may come twice. At least so far
 /// are the meshes apart, if none meet.
-template <class Found>
-double Traversal::meetings(const Query& query, std::optional<TrianglePair> hint, Found found)
+/// @param leave  pairs of triangles that need not be tested
+template <class Found, class Leave>
+double Traversal::meetings(const Query& query, std::optional<TrianglePair> hint, Found found, Leave leave)
 {
     if (query.apart > 0) return query.apart;
     bool met = false;
@@ -48,7 +52,7 @@ double Traversal::meetings(const Query& query, std::optional<TrianglePair> hint,
     std::size_t batch = first_batch;
     walk(query, static_cast<float>(query.rounding * (1 + 0x1p-20)), [&](const Entry& e) {
         each_pair(e, [&](TrianglePair pair) {
-            waiting_.push_back(pair);
+            if (!leave(pair)) waiting_.push_back(pair);
             return true;
         });
         return go_on = test_if_enough(query, batch, take);
@@ -61,34 +65,62 @@ Traversal::Meeting Traversal::first_meeting(ObbTree& a, ObbTree& b, const Relati
                                             std::optional<TrianglePair> hint)
 {
     Meeting meeting;
-    meeting.bound = meetings(Query(a, b, b_to_a), hint, [&](TrianglePair pair) {
-        meeting.pair = pair;
-        return false;
-    });
+    meeting.bound = meetings(
+        Query(a, b, b_to_a), hint,
+        [&](TrianglePair pair) {
+            meeting.pair = pair;
+            return false;
+        },
+        none);
     return meeting;
 }
 
-Traversal::Meeting Traversal::contact(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, TriangleContact& contact,
+Traversal::Contact Traversal::contact(ObbTree& a, ObbTree& b, const RelativePose& b_to_a,
                                       std::optional<TrianglePair> hint)
 {
     const Query query(a, b, b_to_a);
-    Meeting meeting;
-    contact = TriangleContact::separate;
-    meeting.bound = meetings(query, hint, [&](TrianglePair pair) {
+    Contact contact;
+    // Where two fans of n triangles touch n^2 pairs do, in one plane or in a point: one plane tells of all of them.
+    std::size_t planes = 0;
+    std::uint64_t looked = 0;
+    const std::uint64_t most_looks = 8 * (a.mesh().vertices.size() + b.mesh().vertices.size());
+    const auto parted = [&](TrianglePair pair) {
+        const Triangle &of_a = query.triangles_a[pair.a], &of_b = query.triangles_b[pair.b];
+        return std::any_of(planes_.begin(),
+                           planes_.begin() + static_cast<std::ptrdiff_t>(std::min(planes, planes_.size())),
+                           [&](PlaneSides& plane) { return plane.part(of_a, of_b); });
+    };
+    const auto add_planes = [&](TrianglePair pair) {
+        for (const TrianglePoints& face : {query.points_a(pair.a), query.points_b(pair.b)}) {
+            if (collinear(face[0], face[1], face[2])) continue;
+            PlaneSides& plane = planes_[planes % planes_.size()];
+            plane.start(face, a.mesh(), b.mesh(), b_to_a);
+            if (!plane.part(query.triangles_a[pair.a], query.triangles_b[pair.b])) continue;
+            ++planes;
+            contact.parted = looked < most_looks && plane.part_all(looked);
+            return;
+        }
+    };
+    const auto found = [&](TrianglePair pair) {
         const TriangleContact how = triangle_contact(query.points_a(pair.a), query.points_b(pair.b));
-        if (how > contact) meeting.pair = pair, contact = how;
-        return contact != TriangleContact::crossing;
-    });
-    return meeting;
+        if (how > contact.kind) contact.pair = pair, contact.kind = how;
+        if (how == TriangleContact::touching && !parted(pair)) add_planes(pair);
+        return contact.kind != TriangleContact::crossing && !contact.parted;
+    };
+    contact.bound = meetings(query, hint, found, [&](TrianglePair pair) { return planes && parted(pair); });
+    return contact;
 }
 
 void Traversal::all_meeting(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out)
 {
     out.clear();
-    meetings(Query(a, b, b_to_a), {}, [&](TrianglePair pair) {
-        out.push_back(pair);
-        return true;
-    });
+    meetings(
+        Query(a, b, b_to_a), {},
+        [&](TrianglePair pair) {
+            out.push_back(pair);
+            return true;
+        },
+        none);
     std::sort(out.begin(), out.end());
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <compare>
 #include <cstdint>
 #include <limits>
@@ -6,6 +7,7 @@
 #include <vector>
 
 #include <oncollide/narrowphase/boxes/opened_tree.hpp>
+#include <oncollide/narrowphase/exact/plane_sides.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 #include <oncollide/narrowphase/relative_pose.hpp>
 
@@ -33,10 +35,16 @@ public:
     /// Cost: for meshes of 5,000 triangles some 3 microseconds; what the trees grow besides.
     Meeting first_meeting(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, std::optional<TrianglePair> hint = {});
 
-    /// Some two that cross, or where none do, some two that touch; `contact` says which. Costs more than
-    /// first_meeting() where many touch, for all are looked at.
-    Meeting contact(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, TriangleContact& contact,
-                    std::optional<TrianglePair> hint = {});
+    struct Contact {
+        std::optional<TrianglePair> pair; ///< two triangles that cross, or where none do, two that touch
+        double bound;                     ///< as of Meeting
+        TriangleContact kind = TriangleContact::separate;
+        bool parted = false; ///< touching: a plane was found that has all of A on one closed side and all of B on the
+                             ///< other, so they share no inside
+    };
+    /// Costs more than first_meeting() where they touch: then all triangles that meet are looked at, unless a plane is
+    /// seen to part the meshes.
+    Contact contact(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, std::optional<TrianglePair> hint = {});
 
     /// All, each once, sorted, to `out`, overwritten.
     void all_meeting(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out);
@@ -90,8 +98,8 @@ private:
     bool test_waiting(const Query& query, Found found);
     template <class Found>
     bool test_if_enough(const Query& query, std::size_t& batch, Found found);
-    template <class Found>
-    double meetings(const Query& query, std::optional<TrianglePair> hint, Found found);
+    template <class Found, class Leave>
+    double meetings(const Query& query, std::optional<TrianglePair> hint, Found found, Leave leave);
     double least_gap(const Query& query);
 
     OpenedTree a_, b_;
@@ -101,6 +109,7 @@ private:
     std::vector<TrianglePair> barely_apart_;   ///< pairs that exact arithmetic alone could part
     alignas(32) float nearest_[8];             ///< least gaps of boxes that were left
     alignas(64) double nearest_triangles2_[8]; ///< least squared gaps of triangles that were found apart
+    std::array<PlaneSides, 4> planes_;         ///< that have triangles which touch on their two sides
     Counts counts_;
 };
 

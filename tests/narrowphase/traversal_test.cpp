@@ -130,10 +130,9 @@ TEST(Traversal, BoundsTheDistanceOfMeshesThatDoNotMeet)
         int apart = 0;
         for (const Isometry3d& pose : poses_of(c, 14)) {
             const double distance = brute_force(c.a, c.b, at(pose)).distance;
-            TriangleContact contact;
-            for (const auto& [pair, bound] :
-                 {walk.first_meeting(a, b, at(pose)), walk.first_meeting(a, b, at(pose), TrianglePair{0, 0}),
-                  walk.contact(a, b, at(pose), contact)}) {
+            for (const double bound :
+                 {walk.first_meeting(a, b, at(pose)).bound,
+                  walk.first_meeting(a, b, at(pose), TrianglePair{0, 0}).bound, walk.contact(a, b, at(pose)).bound}) {
                 EXPECT_LE(bound, distance) << c.name;
                 EXPECT_EQ(bound > 0, distance > 0) << c.name;
                 EXPECT_GE(bound, 1e-4 * std::min(distance, 0.1 * (a.radius() + b.radius()))) << c.name;
