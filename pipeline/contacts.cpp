@@ -34,8 +34,8 @@ CollideResult collide(const Mesh& a, const Eigen::Isometry3d& pose_a, const Mesh
 {
     TwoTrees trees(a, pose_a, b, pose_b);
     Traversal walk;
-    if (walk.first_meeting(trees.a, trees.b, RelativePose(pose_a, pose_b))) return {Verdict::colliding, 0};
-    return {Verdict::separate, 0};
+    const auto [meeting, bound] = walk.first_meeting(trees.a, trees.b, RelativePose(pose_a, pose_b));
+    return {meeting ? Verdict::colliding : Verdict::separate, bound};
 }
 
 Distance distance(const Mesh& a, const Eigen::Isometry3d& pose_a, const Mesh& b, const Eigen::Isometry3d& pose_b,

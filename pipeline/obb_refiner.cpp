@@ -50,25 +50,27 @@ PairAnswer ObbRefiner::exact(const RefineContext& context, const PairTask& task,
     ObbTree &a = *task.a->boxes, &b = *task.b->boxes;
     const RelativePose b_to_a(*task.pose_a, *task.pose_b);
     const Settings& settings = context.settings;
+    double bound = 0;
     if (!wants_kinds(settings)) {
-        const auto meeting = worker.walk.first_meeting(a, b, b_to_a, hint_of(memory));
+        const auto [meeting, gap] = worker.walk.first_meeting(a, b, b_to_a, hint_of(memory));
         remember(memory, meeting);
         if (meeting) return {Verdict::colliding, ContactKind::unknown, 0};
+        bound = gap;
     } else {
-        TriangleContact contact{};
-        const auto meeting = worker.walk.contact(a, b, b_to_a, contact, hint_of(memory));
+        auto [meeting, gap, contact, parted] = worker.walk.contact(a, b, b_to_a, hint_of(memory));
         remember(memory, meeting);
         // Closed meshes of which every two triangles only touch may share a point inside all the same.
-        if (contact == TriangleContact::touching && task.a->closed() && task.b->closed() &&
+        if (contact == TriangleContact::touching && !parted && task.a->closed() && task.b->closed() &&
             worker.inside.find(a, b, b_to_a))
             contact = TriangleContact::crossing;
         const bool touching = contact == TriangleContact::touching;
         if (meeting)
             return {touching && settings.ignore_touching ? Verdict::separate : Verdict::colliding,
                     touching ? ContactKind::touching : ContactKind::crossing, 0};
+        bound = gap;
     }
     if (settings.clearance > 0) return within_clearance(worker.walk, a, b, b_to_a, settings.clearance);
-    return {Verdict::separate, ContactKind::unknown, 0};
+    return {Verdict::separate, ContactKind::unknown, bound};
 }
 
 void ObbRefiner::refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,

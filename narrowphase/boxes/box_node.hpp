@@ -21,6 +21,12 @@ struct alignas(16) BoxNode {
     std::uint32_t singles;  ///< and for each of one triangle
 };
 
+/// Into A's frame: p -> rotation p + translation.
+struct BoxPlacement {
+    float rotation[9]; ///< row-major, a rotation
+    float translation[3];
+};
+
 /// Eight boxes of one node as the box test reads them: in A's frame, metres. Box k is the points c + u a1 + v a2 + w a3
 /// with |u|, |v|, |w| up to h1, h2, h3.
 struct alignas(32) OpenBoxes {

@@ -24,7 +24,7 @@ ObbTree::ObbTree(const Mesh& mesh)
     radius_ = std::sqrt(radius_) * (1 + 0x1p-50) + 1e-150;
 
     BoxNode& node = at(add_node());
-    set_frame(node, Eigen::Vector3d::Zero(), 2 * radius_); // the box's corners reach farther
+    set_frame(node, Eigen::Vector3d::Zero(), 2 * radius_); // the box's corners are farther out
     const Eigen::Vector3d half = mesh.bounds.half_extent();
     const OrientedBox box{Eigen::Vector3d::Zero(), half, Eigen::Matrix3d::Identity()};
     const TrianglePoints diagonal{half, -half, half};
@@ -32,6 +32,13 @@ ObbTree::ObbTree(const Mesh& mesh)
     node.lanes = 1, node.begin[0] = 0, node.count[0] = static_cast<std::uint32_t>(mesh.triangles.size());
     node.leaves = node.count[0] <= leaf_triangles, node.singles = node.count[0] == 1;
     if (node.leaves) number_triangles();
+}
+
+LaneMasks ObbTree::open(Node index, const BoxPlacement* placement, OpenBoxes& boxes) const
+{
+    const BoxNode& from = node(index);
+    oriented_box_kernel().open(from, placement, boxes);
+    return {from.leaves, from.singles};
 }
 
 void ObbTree::number_triangles()

@@ -131,8 +131,8 @@ void set_frame(BoxNode& node, const Vector3d& centre, double radius)
     for (int axis = 0; axis < 3; ++axis) node.origin[axis] = static_cast<float>(centre[axis]);
     // Centres lie in the ball, half-extents are below its radius; twice that leaves room for quantised axes. The origin
     // as a float may be off by 2^-24 of its size.
-    const double reach = 2 * (radius + 0x1p-23 * centre.norm());
-    node.unit = std::max(static_cast<float>(reach / most_centre), 1e-30f);
+    const double most = 2 * (radius + 0x1p-23 * centre.norm());
+    node.unit = std::max(static_cast<float>(most / most_centre), 1e-30f);
 }
 
 Vector3d centre_of(const BoxNode& node, unsigned k)

@@ -1,10 +1,18 @@
 #pragma once
 #include <span>
 
-#include <oncollide/narrowphase/boxes/box_node.hpp>
+#include <oncollide/base/cpu_features.hpp>
+#include <oncollide/narrowphase/boxes/oriented_box_kernel.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 
 namespace oncollide {
+
+/// The build of the kernel for this processor.
+inline const OrientedBoxKernel& oriented_box_kernel()
+{
+    static const OrientedBoxKernel kernel = ONCOLLIDE_CHOOSE(oriented_box_kernel);
+    return kernel;
+}
 
 /// A box around points, not yet quantised: axes are the columns of a rotation.
 struct OrientedBox {

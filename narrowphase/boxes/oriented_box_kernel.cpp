@@ -41,7 +41,7 @@ inline void store(float (&to)[3][8], const Vec& v)
     store(to[0], v.x), store(to[1], v.y), store(to[2], v.z);
 }
 
-constexpr float out_of_reach = 1e30f;
+constexpr float far_away = 1e30f;
 
 /// As axes_of() in oriented_box.cpp, operation by operation.
 void open(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out)
@@ -65,7 +65,7 @@ void open(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out)
         for (Vec& axis : axes) axis = turned(placement->rotation, axis);
     }
     const int last = static_cast<int>(node.lanes);
-    centre.x = I32x8{0, 1, 2, 3, 4, 5, 6, 7} < last ? centre.x : splat(out_of_reach);
+    centre.x = I32x8{0, 1, 2, 3, 4, 5, 6, 7} < last ? centre.x : splat(far_away);
     store(out.c, centre);
     for (int i = 0; i < 3; ++i) store(out.axis[i], axes[i]);
     const Vec half{widen(node.hx) * unit, widen(node.hy) * unit, widen(node.hz) * unit};
@@ -74,7 +74,7 @@ void open(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out)
 }
 
 template <bool far>
-unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, float reach, float (&gaps)[8],
+unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, float cutoff, float (&gaps)[8],
                  float (&nearest)[8])
 {
     const F32x8 dx = load(boxes.c[0]) - other.c[0][k], dy = load(boxes.c[1]) - other.c[1][k],
@@ -111,7 +111,7 @@ unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, flo
         const F32x8 length = sqrt(dx * dx + dy * dy + dz * dz);
         gap = max(gap, length > splat(0) ? length - radii_by_length / length : gap);
     }
-    if (bits(gap <= splat(reach))) {
+    if (bits(gap <= splat(cutoff))) {
         // Cross products are at most of length 1: what they show, the distance is at least.
 #pragma GCC unroll 3
         for (int i = 0; i < 3; ++i) {
@@ -125,7 +125,7 @@ unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, flo
             }
         }
     }
-    const I32x8 near = gap <= splat(reach);
+    const I32x8 near = gap <= splat(cutoff);
     const F32x8 before = load(nearest);
     store(gaps, gap);
     store(nearest, near ? before : min(before, gap));

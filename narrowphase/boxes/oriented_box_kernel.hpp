@@ -6,23 +6,17 @@
 
 namespace oncollide {
 
-/// Into A's frame: p -> rotation p + translation.
-struct BoxPlacement {
-    float rotation[9]; ///< row-major, a rotation
-    float translation[3];
-};
-
 struct OrientedBoxKernel {
     /// @param placement  null: the boxes stay where they are
-    /// Lanes past the node's last box are put out of reach.
+    /// Lanes past the node's last box get centres at 1e30: far from everything.
     void (*open)(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out);
-    /// One bit for each box that box `k` of `other` may touch: whose gap is at most `reach`.
+    /// One bit for each box that box `k` of `other` may touch: whose gap is at most `cutoff`.
     /// @param gaps     out: lower bounds on the distances, rounding aside: the most that a separating axis shows, be it
     ///                 one of the six face normals or of the nine cross products of edges. Negative: overlap
-    /// @param nearest  in and out, by lane: the smallest gap above `reach`
+    /// @param nearest  in and out, by lane: the smallest gap above `cutoff`
     /// Source: Gottschalk, Lin and Manocha, "OBBTree: a hierarchical structure for rapid interference detection",
     /// SIGGRAPH 1996.
-    using Compare = unsigned(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, float reach, float (&gaps)[8],
+    using Compare = unsigned(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, float cutoff, float (&gaps)[8],
                              float (&nearest)[8]);
     Compare* compare;
     /// The same, with the line of centres for one axis more: for boxes far apart the gaps come much nearer to the

@@ -1,65 +1,89 @@
 #include <oncollide/narrowphase/boxes/traversal.hpp>
 
 #include <algorithm>
+#include <span>
 
-#include <oncollide/narrowphase/boxes/traversal_steps.hpp>
+#include <oncollide/narrowphase/exact/exact_predicates.hpp>
 
 namespace oncollide {
 
-/// found(pair) for those that meet, the hint's first, while it returns true. The hint may come twice.
-template <class Found>
-void Traversal::meetings(const Query& query, std::optional<TrianglePair> hint, Found found)
-{
-    if (query.apart > 0) return;
-    if (hint) {
-        waiting_.assign(1, *hint);
-        if (!test_waiting(query, found)) return;
-    }
-    bool go_on = true;
-    std::size_t batch = first_batch;
-    walk(query, static_cast<float>(query.rounding * (1 + 0x1p-20)), [&](const Entry& e) {
-        each_pair(e, [&](TrianglePair pair) {
-            waiting_.push_back(pair);
-            return true;
-        });
-        return go_on = test_if_enough(query, batch, found);
-    });
-    if (go_on) test_waiting(query, found);
-}
+static_assert(BoxHierarchy<ObbTree> && LeafTests<TriangleTests, ObbTree, ObbTree>);
+template class BoxWalk<ObbTree, ObbTree, TriangleTests>;
 
-std::optional<TrianglePair> Traversal::first_meeting(ObbTree& a, ObbTree& b, const RelativePose& b_to_a,
-                                                     std::optional<TrianglePair> hint)
+namespace {
+
+constexpr auto leave_none = [](TrianglePair) { return false; };
+
+} // namespace
+
+Traversal::Meeting Traversal::first_meeting(ObbTree& a, ObbTree& b, const RelativePose& b_to_a,
+                                            std::optional<TrianglePair> hint)
 {
-    std::optional<TrianglePair> meeting;
-    meetings(Query(a, b, b_to_a), hint, [&](TrianglePair pair) {
-        meeting = pair;
+    Meeting meeting;
+    const auto found = [&](TrianglePair pair) {
+        meeting.pair = pair;
         return false;
-    });
+    };
+    meeting.bound = walk_.meetings(a, b, b_to_a, hint, found, leave_none);
     return meeting;
 }
 
-std::optional<TrianglePair> Traversal::contact(ObbTree& a, ObbTree& b, const RelativePose& b_to_a,
-                                               TriangleContact& contact, std::optional<TrianglePair> hint)
+Traversal::Contact Traversal::contact(ObbTree& a, ObbTree& b, const RelativePose& b_to_a,
+                                      std::optional<TrianglePair> hint)
 {
-    const Query query(a, b, b_to_a);
-    std::optional<TrianglePair> meeting;
-    contact = TriangleContact::separate;
-    meetings(query, hint, [&](TrianglePair pair) {
-        const TriangleContact how = triangle_contact(query.points_a(pair.a), query.points_b(pair.b));
-        if (how > contact) meeting = pair, contact = how;
-        return contact != TriangleContact::crossing;
-    });
-    return meeting;
+    const TriangleTests& triangles = walk_.leaves();
+    Contact contact;
+    // Where two fans of n triangles touch n^2 pairs do, in one plane or in a point: one plane tells of all of them.
+    std::size_t planes = 0;
+    std::uint64_t looked = 0;
+    const std::uint64_t most_looks = 8 * (a.mesh().vertices.size() + b.mesh().vertices.size());
+    const auto parted = [&](TrianglePair pair) {
+        return std::ranges::any_of(std::span(planes_).first(std::min(planes, planes_.size())), [&](PlaneSides& plane) {
+            return plane.part(triangles.corners_a(pair.a), triangles.corners_b(pair.b));
+        });
+    };
+    const auto add_plane = [&](TrianglePair pair) {
+        for (const TrianglePoints& face : {triangles.points_a(pair.a), triangles.points_b(pair.b)}) {
+            if (collinear(face[0], face[1], face[2])) continue;
+            PlaneSides& plane = planes_[planes % planes_.size()];
+            plane.start(face, a.mesh(), b.mesh(), b_to_a);
+            if (!plane.part(triangles.corners_a(pair.a), triangles.corners_b(pair.b))) continue;
+            ++planes;
+            contact.parted = looked < most_looks && plane.part_all(looked);
+            return;
+        }
+    };
+    const auto found = [&](TrianglePair pair) {
+        const TriangleContact how = triangle_contact(triangles.points_a(pair.a), triangles.points_b(pair.b));
+        if (how > contact.kind) contact.pair = pair, contact.kind = how;
+        if (how == TriangleContact::touching && !parted(pair)) add_plane(pair);
+        return contact.kind != TriangleContact::crossing && !contact.parted;
+    };
+    contact.bound = walk_.meetings(a, b, b_to_a, hint, found, parted);
+    return contact;
 }
 
 void Traversal::all_meeting(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out)
 {
     out.clear();
-    meetings(Query(a, b, b_to_a), {}, [&](TrianglePair pair) {
+    const auto found = [&](TrianglePair pair) {
         out.push_back(pair);
         return true;
-    });
+    };
+    walk_.meetings(a, b, b_to_a, {}, found, leave_none);
     std::sort(out.begin(), out.end());
+}
+
+Traversal::Nearness Traversal::near(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, double clearance,
+                                    double tolerance, std::optional<TrianglePair> hint)
+{
+    return walk_.near(a, b, b_to_a, clearance, tolerance, hint);
+}
+
+Traversal::Distance Traversal::distance(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, double tolerance,
+                                        double farthest)
+{
+    return walk_.distance(a, b, b_to_a, tolerance, farthest);
 }
 
 } // namespace oncollide

@@ -71,16 +71,16 @@ PointPlace PointLocator::place(const Eigen::Vector3d& point, const Mesh& mesh, O
     // All of the moved mesh is that near its centre: poses may be 2^-20 from rigid, and coordinates round.
     const double largest =
         std::max({mesh.bounds.centre().stableNorm(), into.translation.stableNorm(), point.stableNorm()});
-    const double reach =
+    const double radius =
         0.5 * (mesh.bounds.max - mesh.bounds.min).stableNorm() * (1 + 0x1p-16) + 0x1p-46 * largest + 1e-30;
-    if (from_centre.stableNorm() > reach) return PointPlace::outside;
+    if (from_centre.stableNorm() > radius) return PointPlace::outside;
     // Out by a short way, but never along an axis or an edge of the many meshes that have these in line. Directions
     // that touch an edge have measure zero, so this ends.
     for (std::uint64_t attempt = 0;; ++attempt) {
-        Eigen::Vector3d way = from_centre / reach;
+        Eigen::Vector3d way = from_centre / radius;
         for (std::uint64_t k = 0; k < 3; ++k) way[int(k)] += 0.25 * double(attempt + 1) * (u01(1, attempt, k) - 0.5);
         way.normalize();
-        const Mesh ray = ray_from(point, point + (1.0625 * reach - from_centre.dot(way)) * way);
+        const Mesh ray = ray_from(point, point + (1.0625 * radius - from_centre.dot(way)) * way);
         if (tree) {
             ObbTree ray_tree(ray);
             walk_.all_meeting(ray_tree, *tree, into, hits_);

@@ -1,5 +1,8 @@
 #pragma once
+#include <cstdint>
 #include <optional>
+#include <set>
+#include <tuple>
 #include <vector>
 
 #include <oncollide/narrowphase/exact/point_place.hpp>
@@ -19,13 +22,22 @@ public:
     /// A point found is inside both, for b's corners as they round in a's frame; it is in that frame. None: where the
     /// meshes touch their insides do not, as far as regions wider than 2^-19 of the contact's length and 2^-33 of the
     /// largest coordinate go.
-    /// Cost: eight points placed in each mesh for every two triangles that meet along a segment, four where in a point.
+    /// Cost: where a face's plane parts the meshes, a look at each vertex. Else eight points placed for every two
+    /// triangles that meet along a segment, and two for each triangle and each point in which others meet it.
     std::optional<Eigen::Vector3d> find(ObbTree& a, ObbTree& b, const RelativePose& b_to_a);
 
+    std::uint64_t points_placed() const { return placed_; } ///< by the last find()
+
 private:
+    /// A triangle of A (0) or B (1), by number, and a point of it where others meet it, and how far away that is.
+    using Tried = std::tuple<int, std::uint32_t, double, double, double, double>;
+
     Traversal walk_;
     PointLocator locator_;
     std::vector<TrianglePair> contacts_;
+    std::vector<Eigen::Vector3d> points_;
+    std::set<Tried> seen_;
+    std::uint64_t placed_ = 0;
 };
 
 } // namespace oncollide

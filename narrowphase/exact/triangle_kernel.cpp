@@ -114,27 +114,62 @@ struct Corners {
     Vec p, q, r;
 };
 
-inline F64 error_bound(const Corners& a, const Corners& b)
+/// Of the box of both, made a little larger.
+inline Vec sides(const Corners& a, const Corners& b)
 {
     const Vec lo = min(min(min(a.p, a.q), a.r), min(min(b.p, b.q), b.r));
     const Vec hi = max(max(max(a.p, a.q), a.r), max(max(b.p, b.q), b.r));
     const Vec side = hi - lo;
-    const F64 x = side.x + 0x1p-300, y = side.y + 0x1p-300, z = side.z + 0x1p-300;
+    return {side.x + 0x1p-300, side.y + 0x1p-300, side.z + 0x1p-300};
+}
+
+inline F64 error_bound(const Corners& a, const Corners& b)
+{
+    const auto [x, y, z] = sides(a, b);
     const F64 bound = x * y * z * (56 * 0x1p-53);
     return max(max(x, y), z) < 0x1p300 ? bound : F64{} + __builtin_inf();
 }
 
+/// By how much each component of an axis errs at most: 2^-50 times the product of two sides.
+inline F64 axis_error(const Corners& a, const Corners& b)
+{
+    const auto [x, y, z] = sides(a, b);
+    return (x * y + y * z + z * x) * 0x1p-49;
+}
+
+/// Squared lower bounds on distances, lane by lane, of axes that part the triangles.
+struct Gaps {
+    F64 bound, length_error2;
+    F64 height = F64{}, length2 = F64{} + 1;
+
+    Gaps(const Corners& a, const Corners& b, F64 bound_of_determinants) : bound(bound_of_determinants)
+    {
+        const F64 error = axis_error(a, b);
+        length_error2 = error * error * 1040 + 0x1p-960; // more than what underflows in squares
+    }
+    /// Where the axis parts them: by the determinant over the length of the axis.
+    void take(I64 where, F64 determinant, const Vec& axis)
+    {
+        height = where ? determinant - bound : height, length2 = where ? dot(axis, axis) : length2;
+    }
+    /// (l + e)^2 <= (1 + 2^-10) l^2 + (1 + 2^10) e^2; roundings are far below that.
+    F64 squared() const { return height * height / (length2 * (1 + 0x1p-9) + length_error2); }
+};
+
 /// Of a triangle's corners against a plane: lanes in which p, q, r are certainly above, or below.
 struct Sides {
     I64 p_above, q_above, r_above, p_below, q_below, r_below;
+    Vec normal;
+    F64 beyond; ///< the least of them, where all are on one side, times the normal's length
 
     Sides(const Corners& corners, const Corners& plane, F64 bound)
     {
-        const Vec normal = cross(plane.q - plane.p, plane.r - plane.p);
+        normal = cross(plane.q - plane.p, plane.r - plane.p);
         const F64 p = dot(normal, corners.p - plane.p), q = dot(normal, corners.q - plane.p),
                   r = dot(normal, corners.r - plane.p);
         p_above = p > bound, q_above = q > bound, r_above = r > bound;
         p_below = p < -bound, q_below = q < -bound, r_below = r < -bound;
+        beyond = max(min(min(p, q), r), -max(max(p, q), r));
     }
     I64 apart() const { return (p_above & q_above & r_above) | (p_below & q_below & r_below); }
     I64 known() const { return (p_above | p_below) & (q_above | q_below) & (r_above | r_below); }
@@ -156,13 +191,14 @@ struct Verdicts {
     I64 separate, known;
 };
 
-inline Verdicts judge(Corners a, Corners b)
+inline Verdicts judge(Corners a, Corners b, F64 bound, Gaps& gaps)
 {
-    const F64 bound = error_bound(a, b);
     const Sides of_b(b, a, bound);
     I64 separate = of_b.apart();
+    gaps.take(separate, of_b.beyond, of_b.normal);
     if (bits(~separate) == 0) return {separate, separate};
     const Sides of_a(a, b, bound);
+    gaps.take(of_a.apart() & ~separate, of_a.beyond, of_a.normal);
     separate |= of_a.apart();
     if (bits(~separate) == 0) return {separate, separate};
     const I64 known = of_a.known() & of_b.known() & ~separate;
@@ -170,11 +206,16 @@ inline Verdicts judge(Corners a, Corners b)
     // As in triangle_contact: the edges that leave the lone corners, in the order that the sides of these ask for.
     const I64 a_above = rotation(a, of_a), b_above = rotation(b, of_b), alike = ~(a_above ^ b_above);
     const Vec w = b.p - a.p, t = b.q - b.p, u = b.r - b.p;
-    const F64 first = dot(cross(a.q - a.p, select(alike, t, u)), w);
-    const F64 second = dot(cross(a.r - a.p, select(alike, u, t)), w);
+    const Vec first_axis = cross(a.q - a.p, select(alike, t, u)), second_axis = cross(a.r - a.p, select(alike, u, t));
+    const F64 first = dot(first_axis, w), second = dot(second_axis, w);
     const I64 first_above = first > bound, first_below = first < -bound;
     const I64 second_above = second > bound, second_below = second < -bound;
-    separate |= known & ((b_above & (first_below | second_above)) | (~b_above & (first_above | second_below)));
+    const I64 by_first = known & ((b_above & first_below) | (~b_above & first_above));
+    const I64 by_second = known & ((b_above & second_above) | (~b_above & second_below));
+    // Where their intervals on the line of the planes do not meet, an axis square to the two edges parts the triangles.
+    gaps.take(by_first, max(first, -first), first_axis);
+    gaps.take(by_second, max(second, -second), second_axis);
+    separate |= by_first | by_second;
     return {separate, separate | (known & (first_above | first_below) & (second_above | second_below))};
 }
 
@@ -204,7 +245,8 @@ inline Vec moved(const Vec& p, const double* rotation, const double* translation
     return {row(0), row(1), row(2)};
 }
 
-PairVerdicts judge_all(const CornersOfPairs& corners, const double* rotation, const double* translation)
+PairVerdicts judge_all(const CornersOfPairs& corners, const double* rotation, const double* translation,
+                       double (&nearest2)[8])
 {
     PairVerdicts all{0, 0};
     for (unsigned first = 0; first < 8; first += width) {
@@ -212,8 +254,18 @@ PairVerdicts judge_all(const CornersOfPairs& corners, const double* rotation, co
         const Corners b{moved(gather(corners.b[0] + first), rotation, translation),
                         moved(gather(corners.b[1] + first), rotation, translation),
                         moved(gather(corners.b[2] + first), rotation, translation)};
-        const Verdicts verdicts = judge(a, b);
-        all.separate |= bits(verdicts.separate) << first, all.known |= bits(verdicts.known) << first;
+        const F64 bound = error_bound(a, b);
+        Gaps gaps(a, b, bound);
+        const Verdicts verdicts = judge(a, b, bound, gaps);
+        const F64 squared = gaps.squared();
+        // A gap too small or too large for squares is left to exact arithmetic.
+        const I64 none = verdicts.separate & ~((squared > F64{}) & (squared < F64{} + __builtin_inf()));
+        const I64 separate = verdicts.separate & ~none;
+        F64 least;
+        __builtin_memcpy(&least, nearest2 + first, sizeof least);
+        least = separate ? min(squared, least) : least;
+        __builtin_memcpy(nearest2 + first, &least, sizeof least);
+        all.separate |= bits(separate) << first, all.known |= bits(verdicts.known & ~none) << first;
     }
     return all;
 }

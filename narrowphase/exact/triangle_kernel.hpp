@@ -15,7 +15,9 @@ struct PairVerdicts {
 };
 
 /// Triangles of A against triangles of B, moved as RelativePose does. `rotation` is column-major.
-using JudgePairs = PairVerdicts(const CornersOfPairs& corners, const double* rotation, const double* translation);
+/// @param nearest2  in and out, by pair: the least squared distance, as certified, of triangles that were separate
+using JudgePairs = PairVerdicts(const CornersOfPairs& corners, const double* rotation, const double* translation,
+                                double (&nearest2)[8]);
 
 namespace baseline {
 JudgePairs* judge_pairs();

@@ -62,9 +62,7 @@ Cells random_cells(std::uint64_t seed, std::size_t count)
 TriangleContact contact(const Mesh& a, const Mesh& b, const RelativePose& b_to_a)
 {
     ObbTree tree_a(a), tree_b(b);
-    TriangleContact how;
-    Traversal().contact(tree_a, tree_b, b_to_a, how);
-    return how;
+    return Traversal().contact(tree_a, tree_b, b_to_a).kind;
 }
 
 bool found(const Mesh& a, const Mesh& b, const RelativePose& b_to_a)
@@ -141,6 +139,90 @@ TEST(SharedInside, IsNoneWhereBodiesFitExactly)
     EXPECT_TRUE(found(mesh_of(frame), mesh_of(peg), {0x1p-30, 0, 0}));
     EXPECT_FALSE(found(mesh_of(frame), mesh_of(peg), {0, 0, 1}));
     EXPECT_TRUE(found(mesh_of(frame), mesh_of(frame), {0, 0, 0}));
+}
+
+/// A cylinder whose caps are fans around a vertex in the middle.
+Mesh fan_cylinder(std::uint32_t segments, double turn = 0)
+{
+    std::vector<Vector3d> vertices{{0, 0, 0}, {0, 0, 1}};
+    std::vector<Triangle> triangles;
+    for (std::uint32_t i = 0; i < segments; ++i) {
+        const double angle = 2 * 3.141592653589793 * (i + turn) / segments;
+        for (const double z : {0.0, 1.0}) vertices.emplace_back(std::cos(angle), std::sin(angle), z);
+        const std::uint32_t low = 2 + 2 * i, next = 2 + 2 * ((i + 1) % segments);
+        triangles.insert(triangles.end(),
+                         {{0, next, low}, {1, low + 1, next + 1}, {low, next, next + 1}, {low, next + 1, low + 1}});
+    }
+    return make_mesh("cylinder", std::move(vertices), std::move(triangles));
+}
+
+Isometry3d above(double height)
+{
+    Isometry3d pose = Isometry3d::Identity();
+    pose.translation().z() = height;
+    return pose;
+}
+
+TEST(SharedInside, LooksAtNoPairsOfFansWhereAPlanePartsStackedCylinders)
+{
+    for (const double turn : {0.0, 0.5, 0.3}) {
+        const Mesh low = fan_cylinder(512), high = fan_cylinder(512, turn);
+        ASSERT_TRUE(is_closed(low));
+        const RelativePose b_to_a(Isometry3d::Identity(), above(1));
+        ObbTree a(low), b(high);
+        Traversal walk;
+        const Traversal::Contact contact = walk.contact(a, b, b_to_a);
+        EXPECT_TRUE(contact.parted) << turn;
+        EXPECT_EQ(contact.kind, TriangleContact::touching);
+        EXPECT_LT(walk.counts().triangles, 1000u) << "of 262,144 pairs that meet";
+        SharedInside inside;
+        EXPECT_FALSE(inside.find(a, b, b_to_a));
+        EXPECT_EQ(inside.points_placed(), 0u);
+    }
+}
+
+TEST(SharedInside, LooksAtNoPairsOfFansWhereAPlanePartsStackedGears)
+{
+    const Mesh gear = make_gear_mesh(100, 0.9, 1, 0.5, 0.3);
+    Isometry3d turned = above(0.5);
+    turned.rotate(Eigen::AngleAxisd(0.01, Vector3d::UnitZ()));
+    const RelativePose b_to_a(Isometry3d::Identity(), turned);
+    ObbTree a(gear), b(gear);
+    EXPECT_TRUE(Traversal().contact(a, b, b_to_a).parted);
+    SharedInside inside;
+    EXPECT_FALSE(inside.find(a, b, b_to_a));
+    EXPECT_EQ(inside.points_placed(), 0u);
+}
+
+/// Two fans touch in their middles, and a hook around them keeps any plane from parting the bodies.
+TEST(SharedInside, TriesEachFaceOnceAroundAPointThatManyPairsShare)
+{
+    constexpr std::uint32_t segments = 64;
+    const Mesh low = fan_cylinder(segments);
+    // B: a cone upside down on A's cap, and a box beside A.
+    std::vector<Vector3d> vertices{{0, 0, 1}, {0, 0, 2}};
+    std::vector<Triangle> triangles;
+    for (std::uint32_t i = 0; i < segments; ++i) {
+        const double angle = 2 * 3.141592653589793 * i / segments;
+        vertices.emplace_back(std::cos(angle), std::sin(angle), 2);
+        const std::uint32_t here = 2 + i, next = 2 + (i + 1) % segments;
+        triangles.insert(triangles.end(), {{0, next, here}, {1, here, next}});
+    }
+    const Mesh box = make_box_mesh({0.1, 0.1, 0.1});
+    const auto first = static_cast<std::uint32_t>(vertices.size());
+    for (const Vector3d& v : box.vertices) vertices.push_back(v + Vector3d(3, 0, 0));
+    for (const Triangle& t : box.triangles) triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    const Mesh cone = make_mesh("cone and box", std::move(vertices), std::move(triangles));
+    const RelativePose stay(Isometry3d::Identity(), Isometry3d::Identity());
+    ObbTree a(low), b(cone);
+    Traversal walk;
+    const Traversal::Contact contact = walk.contact(a, b, stay);
+    EXPECT_FALSE(contact.parted);
+    EXPECT_EQ(contact.kind, TriangleContact::touching);
+    SharedInside inside;
+    EXPECT_FALSE(inside.find(a, b, stay));
+    EXPECT_GT(inside.points_placed(), 0u);
+    EXPECT_LE(inside.points_placed(), 4u * segments) << "two a face, where " << segments * segments << " pairs meet";
 }
 
 /// A ball that a box holds, with corners on its walls: surfaces meet in points alone.

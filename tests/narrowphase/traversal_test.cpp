@@ -105,20 +105,59 @@ TEST(Traversal, FindsEveryPairOfTrianglesOfBruteForce)
             std::vector<TrianglePair> pairs;
             walk.all_meeting(a, b, at(pose), pairs);
             EXPECT_EQ(pairs, truth.meeting) << c.name;
-            const auto first = walk.first_meeting(a, b, at(pose));
+            const auto [first, gap] = walk.first_meeting(a, b, at(pose));
             EXPECT_EQ(first.has_value(), !truth.meeting.empty()) << c.name;
             if (first) {
                 EXPECT_TRUE(std::binary_search(pairs.begin(), pairs.end(), *first)) << c.name;
-                EXPECT_EQ(walk.first_meeting(a, b, at(pose), pairs.back()), pairs.back()) << "a hint that holds";
+                EXPECT_EQ(walk.first_meeting(a, b, at(pose), pairs.back()).pair, pairs.back()) << "a hint that holds";
             }
             const TrianglePair wrong{0, static_cast<std::uint32_t>(c.b.triangles.size() - 1)};
-            EXPECT_EQ(walk.first_meeting(a, b, at(pose), wrong).has_value(), first.has_value()) << c.name;
+            EXPECT_EQ(walk.first_meeting(a, b, at(pose), wrong).pair.has_value(), first.has_value()) << c.name;
             colliding += first.has_value();
         }
         EXPECT_GT(colliding, 1u) << c.name;
         EXPECT_LT(colliding, 14u) << c.name;
         EXPECT_LE(a.nodes(), ObbTree::most_nodes(c.a));
         EXPECT_LE(a.bytes(), ObbTree::most_bytes(c.a));
+    }
+}
+
+TEST(Traversal, BoundsTheDistanceOfMeshesThatDoNotMeet)
+{
+    Traversal walk;
+    for (const Case& c : cases()) {
+        ObbTree a(c.a), b(c.b);
+        int apart = 0;
+        for (const Isometry3d& pose : poses_of(c, 14)) {
+            const double distance = brute_force(c.a, c.b, at(pose)).distance;
+            for (const double bound :
+                 {walk.first_meeting(a, b, at(pose)).bound,
+                  walk.first_meeting(a, b, at(pose), TrianglePair{0, 0}).bound, walk.contact(a, b, at(pose)).bound}) {
+                EXPECT_LE(bound, distance) << c.name;
+                EXPECT_EQ(bound > 0, distance > 0) << c.name;
+                EXPECT_GE(bound, 1e-4 * std::min(distance, 0.1 * (a.radius() + b.radius()))) << c.name;
+            }
+            const auto near = walk.near(a, b, at(pose), 0, 0);
+            EXPECT_EQ(near.bound > 0 || near.near, true) << c.name;
+            apart += distance > 0;
+        }
+        EXPECT_GT(apart, 0) << c.name;
+    }
+}
+
+TEST(Traversal, BoundsTheDistanceOfBoxesAUnitInTheLastPlaceApart)
+{
+    const Mesh box = make_box_mesh({1, 1, 1});
+    ObbTree tree(box);
+    Isometry3d beside = Isometry3d::Identity();
+    for (const Vector3d& way : {Vector3d(1, 0, 0), Vector3d(1, 0.5, 0.25), Vector3d(1, 1, 1)}) {
+        beside.translation() = 2 * way;
+        EXPECT_EQ(Traversal().first_meeting(tree, tree, at(beside)).bound, 0) << "they touch";
+        beside.translation().x() = 2 + 0x1p-51;
+        const auto [pair, bound] = Traversal().first_meeting(tree, tree, at(beside));
+        EXPECT_FALSE(pair);
+        EXPECT_GT(bound, 0.99 * 0x1p-52);
+        EXPECT_LE(bound, 0x1p-51);
     }
 }
 
@@ -386,7 +425,7 @@ TEST(ObbTree, IsTheSameForManyThreadsAtOnce)
             running.emplace_back([&, t] {
                 Traversal walk;
                 for (std::size_t i = std::size_t(t); i < poses.size(); i += std::size_t(threads))
-                    all[i] = walk.first_meeting(a, b, at(poses[i]));
+                    all[i] = walk.first_meeting(a, b, at(poses[i])).pair;
             });
         for (std::thread& thread : running) thread.join();
         return std::pair(all, std::pair(a.nodes(), b.nodes()));

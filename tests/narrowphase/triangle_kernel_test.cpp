@@ -1,7 +1,11 @@
 // Eight pairs of triangles at a time against the exact test of one.
+#include <cmath>
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include <oncollide/base/cpu_features.hpp>
+#include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/exact/triangle_kernel.hpp>
 #include <oncollide/narrowphase/relative_pose.hpp>
 
@@ -69,10 +73,23 @@ TEST_P(EveryFamilyInEights, IsJudgedAsTheExactTestDoesOrLeftOpen)
             pairs += count;
             const RelativePose stay(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
             for (const Kernel& kernel : kernels()) {
-                const PairVerdicts verdicts = kernel.judge(corners, stay.rotation.data(), stay.translation.data());
+                double nearest2[8];
+                std::fill(std::begin(nearest2), std::end(nearest2), std::numeric_limits<double>::infinity());
+                const PairVerdicts verdicts =
+                    kernel.judge(corners, stay.rotation.data(), stay.translation.data(), nearest2);
                 for (unsigned i = 0; i < count; ++i) {
                     const bool separate = verdicts.separate >> i & 1, known = verdicts.known >> i & 1;
                     EXPECT_TRUE(known || !separate) << kernel.name;
+                    EXPECT_EQ(std::isfinite(nearest2[i]), separate) << kernel.name;
+                    if (separate && ordinary(map)) {
+                        const auto& [p, q] = eight[i];
+                        double extent = 0;
+                        for (unsigned k = 0; k < 3; ++k)
+                            for (unsigned j = 0; j < 3; ++j) extent = std::max(extent, (p[k] - q[j]).norm());
+                        const double rounding = 0x1p-38 * extent + 0x1p-48 * p[0].norm();
+                        EXPECT_GT(nearest2[i], 0) << kernel.name;
+                        EXPECT_LE(std::sqrt(nearest2[i]), triangle_distance(p, q) + rounding) << kernel.name;
+                    }
                     if (known) {
                         EXPECT_EQ(separate, !truth[i]) << kernel.name << " map\n" << map;
                     } else {
@@ -102,7 +119,9 @@ TEST(TriangleKernel, MovesPointsToTheLastBitAsTheExactTestIsTold)
         for (unsigned i = 0; i < 8; ++i)
             for (unsigned k = 0; k < 3; ++k) corners.a[k][i] = of_a[k].data(), corners.b[k][i] = of_b[k].data();
         for (const Kernel& kernel : kernels()) {
-            const PairVerdicts verdicts = kernel.judge(corners, b_to_a.rotation.data(), b_to_a.translation.data());
+            double nearest2[8]{};
+            const PairVerdicts verdicts =
+                kernel.judge(corners, b_to_a.rotation.data(), b_to_a.translation.data(), nearest2);
             EXPECT_EQ(verdicts.separate, 0u) << kernel.name << ": they meet";
         }
     }

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
+#include <oncollide/narrowphase/exact/triangle_distance.hpp>
+#include <oncollide/narrowphase/exact/triangle_gap.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 
 #include "hard/exact_oracle.hpp"
@@ -8,6 +10,29 @@
 
 namespace oncollide {
 namespace {
+
+/// The longest edge of the two and of what is between them.
+double extent(const TrianglePair& pair)
+{
+    double most = 0;
+    for (const Eigen::Vector3d& p : pair.first)
+        for (const TrianglePoints* t : {&pair.first, &pair.second})
+            for (const Eigen::Vector3d& q : *t) most = std::max(most, (p - q).cwiseAbs().maxCoeff());
+    return most;
+}
+
+/// A gap shows exactly between those that the oracle parts, and none wider than the distance.
+void check_gaps(const std::vector<TrianglePair>& pairs)
+{
+    for (const TrianglePair& pair : pairs) {
+        const double gap = triangle_gap(pair.first, pair.second);
+        EXPECT_EQ(gap > 0, oracle::contact(pair.first, pair.second) == TriangleContact::separate) << shown(pair);
+        if (gap > 0) {
+            const double rounding = 0x1p-38 * extent(pair) + 0x1p-48 * pair.first[0].norm();
+            EXPECT_LE(gap, triangle_distance(pair.first, pair.second) + rounding) << shown(pair);
+        }
+    }
+}
 
 /// Counts by TriangleContact; a failure for each answer that is not the oracle's.
 std::array<int, 3> check(const std::vector<TrianglePair>& pairs)
@@ -76,6 +101,13 @@ TEST_P(EveryFamily, DoesNotDependOnOrder)
             }
 }
 
+TEST_P(EveryFamily, ShowsAGapExactlyWhereTrianglesAreApart)
+{
+    check_gaps(pairs(300, 7));
+    check_gaps(all_moved(pairs(300, 8), 1, 0));
+    check_gaps(all_moved(pairs(60, 9), 1e-9, 1e3));
+}
+
 INSTANTIATE_TEST_SUITE_P(TriangleTest, EveryFamily, testing::ValuesIn(triangle_families()),
                          [](const auto& family) { return test_name(family.param); });
 
@@ -85,6 +117,7 @@ TEST(TriangleTest, IsExactOnATinyGrid)
     GridPoints random(6);
     std::vector<TrianglePair> pairs;
     for (int i = 0; i < 20000; ++i) pairs.emplace_back(random.triangle(1), random.triangle(1));
+    check_gaps(pairs);
     const std::array<int, 3> count = check(pairs);
     for (int n : count) EXPECT_GT(n, 500);
 }

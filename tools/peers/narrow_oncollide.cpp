@@ -49,7 +49,7 @@ class BoxesPeer : public NarrowPeer {
 public:
     BoxesPeer(const Mesh& a, const Mesh& b) : a_(a), b_(b) {}
 
-    bool collides(const Eigen::Isometry3d& b) override { return walk_.first_meeting(a_, b_, at(b)).has_value(); }
+    bool collides(const Eigen::Isometry3d& b) override { return walk_.first_meeting(a_, b_, at(b)).pair.has_value(); }
     void all_pairs(const Eigen::Isometry3d& b, std::vector<TrianglePair>& pairs) override
     {
         walk_.all_meeting(a_, b_, at(b), found_);

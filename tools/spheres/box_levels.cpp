@@ -1,7 +1,5 @@
 #include "spheres/box_levels.hpp"
 
-#include <oncollide/narrowphase/boxes/opened_tree.hpp>
-
 namespace oncollide::tools {
 namespace {
 
@@ -14,7 +12,7 @@ void add_boxes(const ObbTree& tree, std::uint32_t index, std::vector<Place>& pla
                std::vector<CoveringVolume>& volumes)
 {
     OpenBoxes boxes;
-    oriented_box_kernel().open(tree.node(index), nullptr, boxes);
+    tree.open(index, nullptr, boxes);
     for (unsigned k = 0; k < tree.node(index).lanes; ++k) {
         CoveringVolume& box = volumes.emplace_back();
         places.push_back({index, k});

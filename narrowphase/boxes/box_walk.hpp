@@ -1,0 +1,316 @@
+// Two hierarchies of oriented boxes walked at once: the larger box first, the deepest overlap first. All queries of
+// boxes are made of these steps.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include <oncollide/narrowphase/boxes/open_nodes.hpp>
+#include <oncollide/narrowphase/boxes/oriented_box.hpp>
+
+namespace oncollide {
+
+/// Where B's boxes are in A's frame, and what rounding does to the distances found there.
+struct BoxFrame {
+    BoxPlacement place_b;
+    double box_rounding;  ///< of gaps between boxes
+    double leaf_rounding; ///< of distances between primitives
+    double apart;         ///< of the balls around the geometries, at least
+
+    /// Coordinates, relative to A's centre, are at most m = |d| + rA + rB. With u = 2^-24: floats of the placement and
+    /// of centres and axes moved by it err by at most 50 u m along any axis of the test; the relative pose may be 2^-19
+    /// = 32 u from a rotation (two poses, each 2^-20), by which a box's own axes are not square: 4 * 32 u of its
+    /// half-extents, summed to at most sqrt 2 r. Together below 256 u m. RelativePose rounds in double, relative to the
+    /// files' origins and to the bodies' distance.
+    BoxFrame(const auto& a, const auto& b, const RelativePose& b_to_a)
+    {
+        const Eigen::Vector3d d = b_to_a(b.centre()) - a.centre();
+        for (int i = 0; i < 9; ++i) place_b.rotation[i] = static_cast<float>(b_to_a.rotation(i / 3, i % 3));
+        for (int i = 0; i < 3; ++i) place_b.translation[i] = static_cast<float>(d[i]);
+        const double both = a.radius() + b.radius(), m = d.norm() + both;
+        const double far = a.centre().norm() + b.centre().norm() + b_to_a.translation.norm();
+        box_rounding = 0x1p-16 * m + 0x1p-48 * far + 1e-30;
+        leaf_rounding = std::max(0x1p-38 * m, 0x1p-48 * far) + 1e-150; // squares of less underflow
+        apart = d.norm() - both - box_rounding;
+    }
+};
+
+/// Bounds on a distance.
+template <class Pair>
+struct DistanceBounds {
+    double lower, upper;         ///< both 0 where the geometries were seen to meet
+    std::optional<Pair> nearest; ///< two primitives that are `upper` apart, or that meet
+};
+
+template <class Pair>
+struct NearBounds {
+    bool near;
+    double bound; ///< near: the distance is at most this, clearance + tolerance (or, if that is less, + rounding);
+                  ///< else at least this, and no less than the clearance; > 0 unless doubles cannot express it
+    std::optional<Pair> meeting; ///< two primitives that meet, where such were found
+};
+
+/// The queries about two hierarchies. One thread's working memory; others may walk the same hierarchies meanwhile.
+/// Distances are metres. A hint is two primitives that met last: they are tested first.
+template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
+class BoxWalk {
+public:
+    using Pair = typename Leaves::Pair;
+
+    /// found(pair) for primitives that meet, the hint's first, while it returns true. The hint may come twice. Returns
+    /// how far apart the geometries are at least, if none meet; else 0.
+    /// @param leave  leave(pair): need the pair not be tested?
+    double meetings(A& a, B& b, const RelativePose& b_to_a, std::optional<Pair> hint, auto found, auto leave);
+
+    /// Are they within `clearance`? Geometries farther apart than that, but not than clearance + tolerance, may be
+    /// called near. The answer does not depend on `hint`.
+    NearBounds<Pair> near(A& a, B& b, const RelativePose& b_to_a, double clearance, double tolerance,
+                          std::optional<Pair> hint);
+
+    /// Bounds on the distance, at most `tolerance` and rounding apart; nearest boxes first. Of geometries that are
+    /// farther apart than `farthest` only a lower bound above that is found; the upper one is then infinite, else
+    /// never.
+    DistanceBounds<Pair> distance(A& a, B& b, const RelativePose& b_to_a, double tolerance, double farthest);
+
+    Leaves& leaves() { return leaves_; }
+    std::uint64_t box_rows = 0; ///< tests of one box against those of a node
+
+private:
+    /// Where a walk stands: a box of an open node on both sides.
+    struct Entry {
+        std::uint32_t a, b;
+        std::uint8_t lane_a, lane_b;
+        float gap;
+    };
+    static constexpr std::size_t first_batch = 4, most_batch = 64; ///< pairs of primitives tested together
+    static constexpr double infinity = std::numeric_limits<double>::infinity();
+
+    void start(A& a, B& b, const RelativePose& b_to_a, const BoxFrame& frame)
+    {
+        a_.start(a, nullptr), b_.start(b, &frame.place_b);
+        leaves_.start(a, b, b_to_a);
+        waiting_.clear();
+        std::fill(std::begin(nearest_), std::end(nearest_), std::numeric_limits<float>::infinity());
+        if (stack_.empty()) stack_.resize(64);
+        stack_[0] = {0, 0, 0, 0, 0}, top_ = 1;
+    }
+    /// Before start(), so that a hint that does not meet leaves nothing behind.
+    bool go_on_after_hint(A& a, B& b, const RelativePose& b_to_a, const std::optional<Pair>& hint, auto found)
+    {
+        if (!hint) return true;
+        leaves_.start(a, b, b_to_a);
+        return leaves_.meeting(std::span<const Pair>(&*hint, 1), found);
+    }
+    bool both_leaves(const Entry& e) const { return a_[e.a].leaf(e.lane_a) && b_[e.b].leaf(e.lane_b); }
+    bool each_pair(const Entry& e, auto visit) const;
+    template <bool far>
+    unsigned open(const Entry& e, float cutoff);
+    void walk(float cutoff, auto take_leaves);
+    bool test_waiting(auto found)
+    {
+        const bool go_on = leaves_.meeting(std::span<const Pair>(waiting_), found);
+        waiting_.clear();
+        return go_on;
+    }
+    bool test_if_enough(std::size_t& batch, auto found);
+    double least_box_gap(const BoxFrame& frame) const
+    {
+        double least = infinity;
+        for (const float gap : nearest_) least = std::min(least, double(gap) - frame.box_rounding);
+        return least;
+    }
+    /// Of geometries of which no two primitives met: by the boxes that were left, and the primitives that were tested.
+    double least_gap(const BoxFrame& frame)
+    {
+        const double least = std::min(least_box_gap(frame), leaves_.least_gap(frame.leaf_rounding));
+        return least * (1 - 0x1p-18); // poses may be 2^-20 from rigid
+    }
+
+    OpenNodes<A> a_;
+    OpenNodes<B> b_;
+    std::vector<Entry> stack_; ///< its first top_ are in use
+    std::size_t top_ = 0;
+    std::vector<Pair> waiting_;    ///< to be tested together
+    alignas(32) float nearest_[8]; ///< least gaps of boxes that were left
+    Leaves leaves_;
+};
+
+/// Of the primitives in two leaves, while visit(pair) returns true. False when it did not.
+template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
+bool BoxWalk<A, B, Leaves>::each_pair(const Entry& e, auto visit) const
+{
+    const auto of_b = b_.primitives(e.b, e.lane_b);
+    for (const auto a : a_.primitives(e.a, e.lane_a))
+        for (const auto b : of_b)
+            if (!visit(Pair{a, b})) return false;
+    return true;
+}
+
+/// Opens the larger box; pushes its parts within `cutoff` of the other, the nearest last. Returns how many.
+template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
+template <bool far>
+unsigned BoxWalk<A, B, Leaves>::open(const Entry& e, float cutoff)
+{
+    const bool down_a =
+        b_[e.b].single(e.lane_b) || (!a_[e.a].single(e.lane_a) && a_[e.a].size(e.lane_a) >= b_[e.b].size(e.lane_b));
+    const std::uint32_t slot = down_a ? a_.descend(e.a, e.lane_a) : b_.descend(e.b, e.lane_b);
+    const OpenBoxes &boxes = down_a ? a_[slot].boxes : b_[slot].boxes, &other = down_a ? b_[e.b].boxes : a_[e.a].boxes;
+    ++box_rows;
+    float gaps[8];
+    const auto compare = far ? oriented_box_kernel().compare_far : oriented_box_kernel().compare;
+    unsigned near = compare(boxes, other, down_a ? e.lane_b : e.lane_a, cutoff, gaps, nearest_);
+    if (!near) return 0;
+    if (stack_.size() < top_ + 8) stack_.resize(2 * (top_ + 8));
+    Entry* const first = &stack_[top_];
+    Entry *out = first, child = e, nearest;
+    for (bool any = false; near; near &= near - 1, any = true) {
+        const auto k = static_cast<std::uint8_t>(__builtin_ctz(near));
+        (down_a ? child.a : child.b) = slot;
+        (down_a ? child.lane_a : child.lane_b) = k;
+        child.gap = gaps[k];
+        if (!any) {
+            nearest = child;
+        } else if (child.gap < nearest.gap) {
+            *out++ = nearest;
+            nearest = child;
+        } else {
+            *out++ = child;
+        }
+    }
+    *out++ = nearest;
+    const auto count = static_cast<unsigned>(out - first);
+    top_ += count;
+    return count;
+}
+
+/// Depth first; take_leaves(entry) for leaves within `cutoff`, while it returns true.
+template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
+void BoxWalk<A, B, Leaves>::walk(float cutoff, auto take_leaves)
+{
+    while (top_) {
+        const Entry e = stack_[--top_];
+        if (!both_leaves(e))
+            open<false>(e, cutoff);
+        else if (!take_leaves(e))
+            return;
+    }
+}
+
+/// test_waiting() once `batch` pairs wait, twice as many the next time: a first meeting is likely among the first.
+template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
+bool BoxWalk<A, B, Leaves>::test_if_enough(std::size_t& batch, auto found)
+{
+    if (waiting_.size() < batch) return true;
+    batch = std::min(2 * batch, most_batch);
+    return test_waiting(found);
+}
+
+template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
+double BoxWalk<A, B, Leaves>::meetings(A& a, B& b, const RelativePose& b_to_a, std::optional<Pair> hint, auto found,
+                                       auto leave)
+{
+    const BoxFrame frame(a, b, b_to_a);
+    if (frame.apart > 0) return frame.apart;
+    bool met = false, go_on = true;
+    const auto take = [&](Pair pair) {
+        met = true;
+        return found(pair);
+    };
+    if (!go_on_after_hint(a, b, b_to_a, hint, take)) return 0;
+    std::size_t batch = first_batch;
+    start(a, b, b_to_a, frame);
+    walk(static_cast<float>(frame.box_rounding * (1 + 0x1p-20)), [&](const Entry& e) {
+        each_pair(e, [&](Pair pair) {
+            if (!leave(pair)) waiting_.push_back(pair);
+            return true;
+        });
+        return go_on = test_if_enough(batch, take);
+    });
+    if (go_on) test_waiting(take);
+    return met ? 0 : least_gap(frame);
+}
+
+template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
+NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const RelativePose& b_to_a, double clearance,
+                                                              double tolerance, std::optional<Pair> hint)
+{
+    const BoxFrame frame(a, b, b_to_a);
+    // Poses may be 2^-20 from rigid: so far may a distance in A's frame be from that in the world.
+    const double rounding = frame.leaf_rounding + 0x1p-18 * clearance;
+    NearBounds<Pair> result{false, clearance + std::max(tolerance, 2 * rounding), {}};
+    const double enough = result.bound - rounding;
+    if (frame.apart > clearance) return {false, frame.apart, {}};
+    const auto take = [&](Pair pair) {
+        result.near = true, result.meeting = pair;
+        return false;
+    };
+    if (!go_on_after_hint(a, b, b_to_a, hint, take)) return result;
+    double lower = infinity; // of primitives that do not wait
+    const auto take_pair = [&](Pair pair, bool small) {
+        if (small || clearance > 0) {
+            result.near = leaves_.most(pair) <= enough;
+            if (result.near) return false;
+            if (clearance > 0) {
+                const double distance = leaves_.distance(pair);
+                result.near = distance - rounding <= clearance || leaves_.meet(pair);
+                lower = std::min(lower, distance - rounding);
+                return !result.near;
+            }
+        }
+        waiting_.push_back(pair);
+        return true;
+    };
+    std::size_t batch = first_batch;
+    start(a, b, b_to_a, frame);
+    walk(static_cast<float>((clearance + frame.box_rounding) * (1 + 0x1p-20)), [&](const Entry& e) {
+        const float size2 = a_[e.a].size(e.lane_a) + b_[e.b].size(e.lane_b);
+        const bool small = double(size2) <= 16 * enough * enough; // else their corners are hardly so near
+        return each_pair(e, [&](Pair pair) { return take_pair(pair, small); }) && test_if_enough(batch, take);
+    });
+    if (result.near || !test_waiting(take)) return result;
+    return {false, std::max(std::min(lower * (1 - 0x1p-18), least_gap(frame)), clearance), {}};
+}
+
+template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
+DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b, const RelativePose& b_to_a,
+                                                                      double tolerance, double farthest)
+{
+    const BoxFrame frame(a, b, b_to_a);
+    if (frame.apart > farthest) return {frame.apart, infinity, {}};
+    DistanceBounds<Pair> best{infinity, infinity, {}};
+    const auto take_pair = [&](Pair pair) {
+        if (leaves_.meet(pair)) {
+            best = {0, 0, pair};
+            return false;
+        }
+        const double distance = leaves_.distance(pair), lower = distance - frame.leaf_rounding;
+        const double upper = distance + frame.leaf_rounding;
+        best.lower = std::min(best.lower, lower);
+        if (upper < best.upper && lower <= farthest) best.upper = upper, best.nearest = pair;
+        return true;
+    };
+    const auto farther = [](const Entry& x, const Entry& y) { return x.gap > y.gap; };
+    start(a, b, b_to_a, frame);
+    while (top_) {
+        const Entry e = stack_[0]; // of a heap: the least gap
+        const double cutoff = std::min(std::min(best.upper - tolerance, farthest) + frame.box_rounding, 0x1p90);
+        if (e.gap > cutoff) {
+            best.lower = std::min(best.lower, e.gap - frame.box_rounding);
+            break;
+        }
+        std::pop_heap(stack_.data(), stack_.data() + top_--, farther);
+        if (both_leaves(e)) {
+            if (!each_pair(e, take_pair)) return best;
+            continue;
+        }
+        for (unsigned added = open<true>(e, static_cast<float>(cutoff)); added-- > 0;)
+            std::push_heap(stack_.data(), stack_.data() + top_ - added, farther);
+    }
+    best.lower = std::max(std::min(best.lower, least_box_gap(frame)), 0.0);
+    return best;
+}
+
+} // namespace oncollide

@@ -1,0 +1,59 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <oncollide/narrowphase/boxes/hierarchy.hpp>
+
+namespace oncollide {
+
+/// The nodes of one hierarchy that a query has opened, in A's frame, each once. One thread's working memory.
+template <BoxHierarchy Hierarchy>
+class OpenNodes {
+public:
+    struct Node {
+        OpenBoxes boxes;
+        typename Hierarchy::Node node;
+        LaneMasks masks;
+        std::array<std::uint32_t, 8> below; ///< slot of the node below box k; 0: not open
+
+        bool leaf(unsigned k) const { return masks.leaves >> k & 1; }
+        bool single(unsigned k) const { return masks.singles >> k & 1; }
+        float size(unsigned k) const { return boxes.size[k]; }
+    };
+
+    /// Starts a query: slot 0 is the root. Keeps both.
+    void start(Hierarchy& hierarchy, const BoxPlacement* placement)
+    {
+        hierarchy_ = &hierarchy, placement_ = placement;
+        used_ = 0;
+        open(Hierarchy::root);
+    }
+    const Node& operator[](std::uint32_t slot) const { return nodes_[slot]; }
+
+    /// The slot of the node below box `k`. References to nodes end here.
+    std::uint32_t descend(std::uint32_t slot, unsigned k)
+    {
+        if (const std::uint32_t below = nodes_[slot].below[k]) return below;
+        const std::uint32_t below = open(hierarchy_->child(nodes_[slot].node, k));
+        return nodes_[slot].below[k] = below;
+    }
+    auto primitives(std::uint32_t slot, unsigned k) const { return hierarchy_->primitives(nodes_[slot].node, k); }
+
+private:
+    std::uint32_t open(typename Hierarchy::Node node)
+    {
+        if (used_ == nodes_.size()) nodes_.resize(2 * std::size_t(used_) + 16);
+        Node& open = nodes_[used_];
+        open.node = node, open.below = {};
+        open.masks = hierarchy_->open(node, placement_, open.boxes);
+        return used_++;
+    }
+
+    Hierarchy* hierarchy_ = nullptr;
+    const BoxPlacement* placement_ = nullptr;
+    std::vector<Node> nodes_; ///< by slot
+    std::uint32_t used_ = 0;
+};
+
+} // namespace oncollide
