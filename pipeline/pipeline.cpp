@@ -92,7 +92,9 @@ void Pipeline::play(const Scene& scene)
         const std::string_view what = error.what();
         const std::size_t colon = what.find(": ");
         const bool of_body = what.starts_with("body ") || what.starts_with("new body");
-        throw Error(error.kind(), of_body ? fmt::format("{}{}", scene.label(BodyId{body}), what.substr(colon)) : std::string(what));
+        const std::string name =
+            scene.names[body].empty() ? fmt::format("body {}", body) : fmt::format("body '{}'", scene.names[body]);
+        throw Error(error.kind(), of_body ? fmt::format("{}{}", name, what.substr(colon)) : std::string(what));
     }
     for (; p.excluded < scene.excluded.size(); ++p.excluded)
         world_.exclude({scene.excluded[p.excluded].a}, {scene.excluded[p.excluded].b});

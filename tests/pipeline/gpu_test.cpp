@@ -87,8 +87,8 @@ TEST(Gpu, RoundsTellWhatTheyCost)
     std::uint64_t rows = 0;
     double before = 0;
     for (const Round& round : view.rounds) {
-        EXPECT_GT(round.work.gpu_ms, 0);
-        EXPECT_GT(round.work.bytes, 0u);
+        EXPECT_GT(round.gpu_ms, 0);
+        EXPECT_GT(round.bytes, 0u);
         EXPECT_LE(before, round.submitted_ms);
         EXPECT_LE(round.submitted_ms, round.waited_ms);
         EXPECT_LE(round.waited_ms, round.done_ms);

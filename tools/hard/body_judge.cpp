@@ -128,7 +128,7 @@ bool decides(const Settings& settings)
 
 bool fcl_decides(const Settings& s)
 {
-    return s.exact == ExactLevel::fcl || (s.exact == ExactLevel::predicates && (s.node_budget || s.memory_budget));
+    return s.exact == ExactLevel::fcl;
 }
 
 bool fcl_is_sure(const PairTruth& truth, const Settings& settings)
@@ -142,8 +142,11 @@ void judge(const PairTruth& truth, const Settings& settings, const BodyAnswer& a
 {
     ++tally.answers;
     const bool exact = decides(settings);
-    const Fault fault =
-        exact ? fault_of_exact(answer.verdict, expected(truth, settings)) : fault_of_spheres(answer, truth, settings);
+    // Where a budget has no room for what would decide, a pair may stay undecided; its bound is judged all the same.
+    const bool no_room = answer.verdict == Verdict::undecided && (settings.node_budget || settings.memory_budget);
+    const Fault fault = !exact    ? fault_of_spheres(answer, truth, settings)
+                        : no_room ? Fault{}
+                                  : fault_of_exact(answer.verdict, expected(truth, settings));
     if (fault.kind)
         tally.fault(fault.kind, fmt::format("{}: {}{}", what, name_of(answer.verdict), fault.why));
     else if (!right_kind(answer, truth, settings))

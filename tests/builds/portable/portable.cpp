@@ -80,7 +80,7 @@ void oriented_boxes(Hash& hash)
     for (std::uint64_t i = 0; i < 200; ++i) {
         const RelativePose b_to_a(random_pose(2 * i + 10, 1.5), random_pose(2 * i + 11, 1.5));
         const auto first = walk.first_meeting(a, b, b_to_a);
-        hash.add(first ? std::uint64_t{first->a} << 32 | first->b : ~std::uint64_t{0});
+        hash.add(first.pair ? std::uint64_t{first.pair->a} << 32 | first.pair->b : ~std::uint64_t{0});
         walk.all_meeting(a, b, b_to_a, meeting);
         for (const TrianglePair& pair : meeting) hash.add(std::uint64_t{pair.a} << 32 | pair.b);
         const auto near = walk.near(a, b, b_to_a, 0.05, 0.01);
