@@ -36,12 +36,12 @@ std::string counts_json(const Name (&names)[shown], const std::array<std::uint64
     return text + "}";
 }
 
-/// The file's names quoted once, not once a row.
+/// What bodies are called, quoted once, not once per row.
 template <class Quote>
-std::vector<std::string> quote_all(const std::vector<std::string>& names, Quote quote)
+std::vector<std::string> quote_all(const Scene& scene, Quote quote)
 {
-    std::vector<std::string> result(names.size());
-    std::transform(names.begin(), names.end(), result.begin(), quote);
+    std::vector<std::string> result;
+    for (std::uint32_t body = 0; body < scene.size(); ++body) result.push_back(quote(scene.label(BodyId{body})));
     return result;
 }
 
@@ -195,7 +195,7 @@ void Report::print_stages(OutputFile& file) const
 
 void Report::print_frames(OutputFile& file) const
 {
-    const std::vector<std::string> names = quote_all(scene_.names, json_string);
+    const std::vector<std::string> names = quote_all(scene_, json_string);
     const char* comma = "";
     for (const FrameRow& f : frames_) {
         file.print("{}\n  {{\"frame\": {}, \"ms\": {:.4f}, \"hash\": \"{:016x}\", \"rounds\": {}, \"rows\": {}, "
@@ -215,7 +215,7 @@ void Report::print_frames(OutputFile& file) const
 void Report::write_csv(const std::filesystem::path& path) const
 {
     OutputFile file(path);
-    const std::vector<std::string> names = quote_all(scene_.names, csv_field);
+    const std::vector<std::string> names = quote_all(scene_, csv_field);
     file.print("frame,a,b,verdict,gap_bound,stage,kind\n");
     for (const FrameRow& f : frames_)
         for (std::size_t k = f.first_pair; k < f.first_pair + f.pairs; ++k) {
