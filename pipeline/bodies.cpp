@@ -103,7 +103,8 @@ void Bodies::take_changes(BodyChanges& changes)
             if (state & moved_bit) changes.moved.push_back(slot);
             if (fixed != was_fixed) (fixed ? changes.slept : changes.woken).push_back(slot);
         }
-        state_[slot] = static_cast<std::uint8_t>(!alive ? 0 : alive_bit | known_bit | (fixed ? fixed_bit | known_fixed_bit : 0));
+        state_[slot] =
+            static_cast<std::uint8_t>(!alive ? 0 : alive_bit | known_bit | (fixed ? fixed_bit | known_fixed_bit : 0));
     }
     changed_.clear();
 }
@@ -127,7 +128,8 @@ std::size_t Bodies::bytes() const
 {
     return state_.capacity() +
            (generation_.capacity() + layers_.capacity() + masks_.capacity() + groups_.capacity() + free_.capacity() +
-            changed_.capacity()) * sizeof(std::uint32_t) +
+            changed_.capacity()) *
+               sizeof(std::uint32_t) +
            models_.capacity() * sizeof(Model*) + model_ids_.capacity() * sizeof(ModelId) +
            poses_.capacity() * sizeof(Eigen::Isometry3d) + user_.capacity() * sizeof(std::uint64_t) +
            boxes_.capacity() * sizeof(Aabb) + excluded_.size() * 40;

@@ -75,8 +75,8 @@ void ContainmentTest::find(const RefineContext& context, std::span<const PairTas
     locators_.resize(static_cast<std::size_t>(std::max(context.threads, 1)));
     parallel_chunks(queries_.size(), 4, context.threads, [&](std::size_t begin, std::size_t end, int thread) {
         for (Query& query : std::span(queries_).subspan(begin, end - begin))
-            query.holds = holds(tasks[query.task], query.outer_is_a, query.tree,
-                                locators_[static_cast<std::size_t>(thread)]);
+            query.holds =
+                holds(tasks[query.task], query.outer_is_a, query.tree, locators_[static_cast<std::size_t>(thread)]);
     });
     for (const Query& query : queries_)
         if (query.holds) answers[query.task] = {Verdict::colliding, ContactKind::enclosed, 0};

@@ -13,8 +13,8 @@ void FclRefiner::refine(RefineContext& context, std::span<const PairTask> tasks,
             const PairTask& task = tasks[i];
             const FclResult found = fcl_result(task.a->fcl(clearance > 0), *task.pose_a, task.b->fcl(clearance > 0),
                                                *task.pose_b, clearance);
-            answers[i] = {found.verdict,
-                          found.verdict == Verdict::within ? ContactKind::near : ContactKind::unknown, found.bound};
+            answers[i] = {found.verdict, found.verdict == Verdict::within ? ContactKind::near : ContactKind::unknown,
+                          found.bound};
         }
     });
 }

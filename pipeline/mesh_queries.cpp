@@ -43,15 +43,19 @@ struct MeshQueries::Impl {
     std::vector<ContactFinding> finders; ///< by thread
 
     Impl(std::vector<Mesh> meshes, const Settings& s)
-        : settings(checked(s)), store(settings, make_cpu_backend()), refine(settings, store, Level::refine, runs_exact()),
-          exact(settings, store, Level::exact, runs_exact()),
-          context{.settings = settings, .trees = {}, .rounds = {}, .began = {}}
+        : settings(checked(s)), store(settings, make_cpu_backend()),
+          refine(settings, store, Level::refine, runs_exact()),
+          exact(settings, store, Level::exact, runs_exact()), context{.settings = settings,
+                                                                      .trees = {},
+                                                                      .rounds = {},
+                                                                      .began = {}}
     {
         context.threads = settings.threads ? settings.threads : hardware_threads();
         for (std::size_t i = 0; i < meshes.size(); ++i) {
             const std::string name = fmt::format("mesh {}", i);
             check_mesh(name, meshes[i]);
-            models.push_back(&store[store.add(std::make_shared<const Geometry>(Geometry{name, std::move(meshes[i]), {}}))]);
+            models.push_back(
+                &store[store.add(std::make_shared<const Geometry>(Geometry{name, std::move(meshes[i]), {}}))]);
         }
     }
 
@@ -79,7 +83,8 @@ struct MeshQueries::Impl {
         for (std::size_t first = 0; first < queries.size(); first += batch) {
             tasks.clear();
             for (const MeshQuery& q : queries.subspan(first, std::min(batch, queries.size() - first)))
-                tasks.push_back({static_cast<std::uint32_t>(tasks.size()), models[q.a], models[q.b], &q.pose_a, &q.pose_b});
+                tasks.push_back(
+                    {static_cast<std::uint32_t>(tasks.size()), models[q.a], models[q.b], &q.pose_a, &q.pose_b});
             work(first);
         }
         store.age(context.frame++);
@@ -111,7 +116,8 @@ MeshQueries::MeshQueries(MeshQueries&&) noexcept = default;
 void MeshQueries::run(std::span<const MeshQuery> queries, std::span<MeshResult> results)
 {
     Impl& p = *impl_;
-    p.in_batches(queries, results.size(), [&](std::size_t first) { p.run_batch(results.subspan(first, p.tasks.size())); });
+    p.in_batches(queries, results.size(),
+                 [&](std::size_t first) { p.run_batch(results.subspan(first, p.tasks.size())); });
 }
 
 void MeshQueries::distances(std::span<const MeshQuery> queries, double tolerance, std::span<Distance> distances,

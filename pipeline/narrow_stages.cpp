@@ -26,8 +26,8 @@ bool open(const PairResult& result)
 /// What is known of a pair by its boxes alone.
 PairResult undecided(const Bodies& bodies, BodyPair pair)
 {
-    return {bodies.id(pair.a),  bodies.id(pair.b), Verdict::undecided, ocst_stage_index, ContactKind::unknown,
-            farthest_apart(bodies.boxes()[pair.a], bodies.boxes()[pair.b])};
+    return {bodies.id(pair.a), bodies.id(pair.b),    Verdict::undecided,
+            ocst_stage_index,  ContactKind::unknown, farthest_apart(bodies.boxes()[pair.a], bodies.boxes()[pair.b])};
 }
 
 /// Runs one level on some of the frame's results, and takes its answers over.
@@ -72,8 +72,7 @@ private:
 /// predicates decide, pairs of meshes are left to the exact level from the start.
 class OcstStage final : public Stage {
 public:
-    OcstStage(const Settings& settings, ModelStore& models)
-        : level_(settings, models, Level::refine, ocst_stage_index)
+    OcstStage(const Settings& settings, ModelStore& models) : level_(settings, models, Level::refine, ocst_stage_index)
     {
     }
     std::string_view name() const override { return "ocst"; }
@@ -108,8 +107,7 @@ private:
 /// Decides the pairs that are left: by predicates on the triangles, or by FCL.
 class ExactStage final : public Stage {
 public:
-    ExactStage(const Settings& settings, ModelStore& models)
-        : level_(settings, models, Level::exact, exact_stage_index)
+    ExactStage(const Settings& settings, ModelStore& models) : level_(settings, models, Level::exact, exact_stage_index)
     {
     }
     std::string_view name() const override { return "exact"; }

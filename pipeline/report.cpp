@@ -156,7 +156,8 @@ void Report::print_header(OutputFile& file) const
     file.print("{{\"version\": \"{}\", \"scene\": {}, \"bodies\": {},\n  \"settings\": {},\n", version,
                json_string(scene_.name), scene_.size(), settings_json(pipeline_.settings()));
     const std::string note = pipeline_.backend_note();
-    file.print("  \"threads\": {}, \"backend\": {}, \"backend_note\": {}, \"renderer\": {}, \"hash\": \"{:016x}\", \"interrupted\": {}, "
+    file.print("  \"threads\": {}, \"backend\": {}, \"backend_note\": {}, \"renderer\": {}, \"hash\": \"{:016x}\", "
+               "\"interrupted\": {}, "
                "\"frames\": {},\n",
                threads(), json_string(pipeline_.backend()), note.empty() ? "null" : json_string(note),
                pipeline_.renderer().empty() ? "null" : json_string(pipeline_.renderer()), pipeline_.hash(),

@@ -8,8 +8,14 @@ namespace oncollide {
 
 WalkPair SphereRefiner::pair_of(const PairTask& task, LeafPair hint)
 {
-    return {&models_.spheres(*task.a), &models_.spheres(*task.b), task.a->number, task.b->number, task.pose_a,
-            task.pose_b, context_->settings.clearance, hint};
+    return {&models_.spheres(*task.a),
+            &models_.spheres(*task.b),
+            task.a->number,
+            task.b->number,
+            task.pose_a,
+            task.pose_b,
+            context_->settings.clearance,
+            hint};
 }
 
 void SphereRefiner::refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
@@ -102,8 +108,7 @@ bool SphereRefiner::gather_parked()
 void SphereRefiner::gather_requests()
 {
     requests_.clear();
-    for (const Parked& p : parked_)
-        parked_workers_[p.worker].walker.requests(walks_[p.walk].pair, p.work, requests_);
+    for (const Parked& p : parked_) parked_workers_[p.worker].walker.requests(walks_[p.walk].pair, p.work, requests_);
     std::sort(requests_.begin(), requests_.end());
     requests_.erase(std::unique(requests_.begin(), requests_.end()), requests_.end());
 }
@@ -116,7 +121,8 @@ void SphereRefiner::resume_all()
             const Parked& p = parked_[i];
             ParkedWork work = p.work;
             WalkResult& result = walks_[p.walk].result;
-            result = worker.walker.resume(walks_[p.walk].pair, context_->frame, parked_workers_[p.worker].walker, result, p.resumed + 1, give_up_, work);
+            result = worker.walker.resume(walks_[p.walk].pair, context_->frame, parked_workers_[p.worker].walker,
+                                          result, p.resumed + 1, give_up_, work);
             if (work.count) worker.parked.push_back({p.walk, static_cast<std::uint32_t>(t), p.resumed + 1, work});
         }
     });

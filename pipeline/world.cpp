@@ -34,8 +34,7 @@ std::shared_ptr<const Geometry> checked(std::string name, Shape shape)
 }
 std::shared_ptr<const Geometry> checked(std::string name, OccupancyMap map)
 {
-    if (map.cells.empty())
-        throw Error(ErrorKind::bad_data, name_or(name, "map") + ": the map has no occupied cell");
+    if (map.cells.empty()) throw Error(ErrorKind::bad_data, name_or(name, "map") + ": the map has no occupied cell");
     return share(std::move(name), std::move(map));
 }
 std::shared_ptr<const Geometry> checked(std::shared_ptr<const Geometry> geometry)
@@ -65,8 +64,9 @@ World::Impl::Impl(const Settings& s, std::unique_ptr<OcclusionBackend> backend, 
 std::uint32_t World::Impl::slot_of(BodyId id) const
 {
     if (bodies.valid(id)) return id.slot;
-    throw Error(ErrorKind::usage, text_of("body", id.slot, id.generation) +
-                                      (id.slot < bodies.slots() ? ": was removed; its id is stale" : ": there is none"));
+    throw Error(ErrorKind::usage,
+                text_of("body", id.slot, id.generation) +
+                    (id.slot < bodies.slots() ? ": was removed; its id is stale" : ": there is none"));
 }
 
 Model& World::Impl::model_of(ModelId id)
@@ -79,8 +79,7 @@ void World::Impl::check_pose(std::optional<std::uint32_t> slot, const Eigen::Iso
 {
     std::string why = why_not_rigid(pose);
     if (why.empty() && !(pose.translation().cwiseAbs().maxCoeff() <= 1e15)) why = "the pose is beyond 1e15 m";
-    if (!why.empty())
-        throw Error(ErrorKind::bad_data, fmt::format("{}: {}", slot ? label(*slot) : "new body", why));
+    if (!why.empty()) throw Error(ErrorKind::bad_data, fmt::format("{}: {}", slot ? label(*slot) : "new body", why));
 }
 
 void World::Impl::check_body(const BodySpec& body)
@@ -96,8 +95,8 @@ BodyId World::Impl::add_checked(const BodySpec& body)
     Model& model = models[body.model];
     if (users.size() <= body.model.slot) users.resize(body.model.slot + std::size_t{1});
     ++users[body.model.slot];
-    return bodies.id(bodies.add(
-        {&model, body.model, body.pose, body.layer, body.mask, body.group, body.user, body.fixed}));
+    return bodies.id(
+        bodies.add({&model, body.model, body.pose, body.layer, body.mask, body.group, body.user, body.fixed}));
 }
 
 void World::Impl::remove_checked(std::uint32_t slot)

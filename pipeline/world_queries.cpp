@@ -38,8 +38,8 @@ bool reaches_into(const Bodies& bodies, std::uint32_t slot, const Aabb& box)
 } // namespace
 
 World::Impl::QueryWorker::QueryWorker(const Settings& s, ModelStore& models, bool exact_runs)
-    : refine(s, models, Level::refine, exact_runs), exact(s, models, Level::exact, exact_runs),
-      context{.settings = s, .trees = {}, .rounds = {}, .began = {}}
+    : refine(s, models, Level::refine, exact_runs),
+      exact(s, models, Level::exact, exact_runs), context{.settings = s, .trees = {}, .rounds = {}, .began = {}}
 {
 }
 
@@ -50,8 +50,7 @@ public:
     {
         {
             const std::lock_guard lock(impl.guard);
-            if (!impl.idle_workers.empty())
-                worker_ = std::move(impl.idle_workers.back()), impl.idle_workers.pop_back();
+            if (!impl.idle_workers.empty()) worker_ = std::move(impl.idle_workers.back()), impl.idle_workers.pop_back();
         }
         if (!worker_) worker_ = std::make_unique<QueryWorker>(impl.settings, impl.models, impl.exact_runs());
         worker_->context.frame = impl.frame.number;
@@ -76,8 +75,8 @@ public:
         for (const BoxHit& hit : w.hits) {
             if (!allows(probe.filter, bodies, hit.body)) continue;
             w.tasks.push_back({hit.body, probe.model, &bodies.model(hit.body), &probe.pose, &bodies.pose(hit.body)});
-            w.answers.push_back({Verdict::undecided, ContactKind::unknown,
-                                 farthest_apart(w.boxes.front(), bodies.boxes()[hit.body])});
+            w.answers.push_back(
+                {Verdict::undecided, ContactKind::unknown, farthest_apart(w.boxes.front(), bodies.boxes()[hit.body])});
         }
         narrow();
         for (std::size_t i = 0; i < w.tasks.size(); ++i) {
@@ -144,8 +143,18 @@ Mesh box_mesh(const Aabb& box)
         corners.emplace_back(i & 1 ? box.max.x() : box.min.x(), i & 2 ? box.max.y() : box.min.y(),
                              i & 4 ? box.max.z() : box.min.z());
     return make_mesh("box", std::move(corners),
-                     {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                      {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}});
+                     {{0, 2, 1},
+                      {1, 2, 3},
+                      {4, 5, 6},
+                      {5, 7, 6},
+                      {0, 1, 4},
+                      {1, 5, 4},
+                      {2, 6, 3},
+                      {3, 6, 7},
+                      {0, 4, 2},
+                      {2, 4, 6},
+                      {1, 3, 5},
+                      {3, 7, 5}});
 }
 
 } // namespace
@@ -191,7 +200,8 @@ void World::query(std::span<const ModelQuery> queries, QueryHits& out) const
     parallel_chunks(parts.size(), 1, p.frame.threads, [&](std::size_t begin, std::size_t end, int) {
         Impl::Borrowed worker(p);
         for (std::size_t part = begin; part < end; ++part)
-            for (const ModelQuery& query : queries.subspan(part * chunk, std::min(chunk, queries.size() - part * chunk))) {
+            for (const ModelQuery& query :
+                 queries.subspan(part * chunk, std::min(chunk, queries.size() - part * chunk))) {
                 worker.run({&p.models[query.model], query.pose, query.filter}, parts[part].hits);
                 parts[part].ends.push_back(parts[part].hits.size());
             }
@@ -268,8 +278,8 @@ void World::contacts(std::span<const PairOfBodies> pairs, ContactLists& lists) c
         for (std::size_t part = begin; part < end; ++part)
             for (const PairOfBodies& pair : pairs.subspan(part * chunk, std::min(chunk, pairs.size() - part * chunk))) {
                 const std::uint32_t a = pair.a.slot, b = pair.b.slot;
-                worker->contacts.find(*p.bodies.model(a).boxes, p.bodies.pose(a),
-                                      *p.bodies.model(b).boxes, p.bodies.pose(b), parts[part].contacts);
+                worker->contacts.find(*p.bodies.model(a).boxes, p.bodies.pose(a), *p.bodies.model(b).boxes,
+                                      p.bodies.pose(b), parts[part].contacts);
                 parts[part].ends.push_back(parts[part].contacts.size());
             }
     });

@@ -182,11 +182,16 @@ FrameView World::step()
     trees.bytes = p.models.bytes();
     const std::uint64_t hash = hash_of(frame.results, wants_kinds(p.settings));
     mix(p.hash, hash);
-    return {frame.number++, milliseconds(Clock::now() - begin),
-            frame.results,  p.began,
-            p.ended,        p.stats,
-            frame.delimitation, trees,
-            frame.context.rounds, hash};
+    return {frame.number++,
+            milliseconds(Clock::now() - begin),
+            frame.results,
+            p.began,
+            p.ended,
+            p.stats,
+            frame.delimitation,
+            trees,
+            frame.context.rounds,
+            hash};
 }
 
 /// Both lists are sorted by the slots; a pair of slots that other bodies have by now is another pair.

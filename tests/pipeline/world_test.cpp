@@ -80,7 +80,9 @@ TEST(World, GivesAfterAnyChangesWhatAFreshOneGives)
                     const std::size_t k = below(bodies.size());
                     Described& body = bodies[k];
                     switch (below(8)) {
-                    case 0: add(); break;
+                    case 0:
+                        add();
+                        break;
                     case 1:
                         world.remove_body(body.id);
                         std::erase_if(excluded, [&](const auto& pair) {
@@ -88,9 +90,15 @@ TEST(World, GivesAfterAnyChangesWhatAFreshOneGives)
                         });
                         bodies.erase(bodies.begin() + std::ptrdiff_t(k));
                         break;
-                    case 2: world.set_fixed(body.id, body.spec.fixed = !body.spec.fixed); break;
-                    case 3: world.set_layers(body.id, body.spec.layer = 1u << below(2), body.spec.mask = 3u); break;
-                    case 4: world.set_group(body.id, body.spec.group = std::uint32_t(below(3))); break;
+                    case 2:
+                        world.set_fixed(body.id, body.spec.fixed = !body.spec.fixed);
+                        break;
+                    case 3:
+                        world.set_layers(body.id, body.spec.layer = 1u << below(2), body.spec.mask = 3u);
+                        break;
+                    case 4:
+                        world.set_group(body.id, body.spec.group = std::uint32_t(below(3)));
+                        break;
                     case 5: {
                         const Described& other = bodies[(k + 1) % bodies.size()];
                         world.exclude(body.id, other.id);
@@ -101,7 +109,9 @@ TEST(World, GivesAfterAnyChangesWhatAFreshOneGives)
                         body.mesh = below(meshes.size());
                         world.set_model(body.id, body.spec.model = models[body.mesh]);
                         break;
-                    default: world.set_pose(body.id, body.spec.pose = random_pose(random() % 1000, 3.5)); break;
+                    default:
+                        world.set_pose(body.id, body.spec.pose = random_pose(random() % 1000, 3.5));
+                        break;
                     }
                 }
                 if (frame == 6) {
@@ -184,7 +194,8 @@ TEST(World, TouchesNoGeometryOfBodiesThatMayNotCollide)
     for (std::uint32_t robot = 0; robot < 100; ++robot) {
         std::vector<BodyId> links;
         for (int link = 0; link < 12; ++link)
-            links.push_back(world.add_body({.model = model, .pose = at(30.0 * robot, link), .group = robot % 2 ? robot : 0}));
+            links.push_back(
+                world.add_body({.model = model, .pose = at(30.0 * robot, link), .group = robot % 2 ? robot : 0}));
         if (robot % 2 == 0)
             for (std::size_t i = 0; i < links.size(); ++i)
                 for (std::size_t j = 0; j < i; ++j) world.exclude(links[i], links[j]);
@@ -238,7 +249,8 @@ TEST(World, FindsWhatSegmentsAndBoxesReach)
 {
     World world({.exact = ExactLevel::predicates});
     const ModelId ball = world.add(make_sphere_mesh(1, 500));
-    const BodyId near = world.add_body({.model = ball, .pose = at(5)}), far = world.add_body({.model = ball, .pose = at(20)});
+    const BodyId near = world.add_body({.model = ball, .pose = at(5)}),
+                 far = world.add_body({.model = ball, .pose = at(20)});
     const auto through = world.query(Segment{{0, 0, 0}, {10, 0, 0}});
     ASSERT_EQ(through.size(), 1u);
     EXPECT_EQ(through[0].body, near);
