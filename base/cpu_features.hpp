@@ -26,8 +26,11 @@ Kernel choose(Kernel baseline, Kernel avx2, Kernel avx512)
 /// calls walk_kernel() in one of the namespaces baseline, avx2 and avx512.
 #if defined(__x86_64__)
 #define ONCOLLIDE_CHOOSE(kernel) choose(baseline::kernel(), avx2::kernel(), avx512::kernel())
+/// The same of kernels that are not built for AVX-512.
+#define ONCOLLIDE_CHOOSE_TO_AVX2(kernel) choose(baseline::kernel(), avx2::kernel(), avx2::kernel())
 #else
 #define ONCOLLIDE_CHOOSE(kernel) baseline::kernel()
+#define ONCOLLIDE_CHOOSE_TO_AVX2(kernel) baseline::kernel()
 #endif
 
 } // namespace oncollide

@@ -89,7 +89,7 @@ function(oncollide_add_part module part)
 endfunction()
 
 # Compiles KERNEL once per instruction set: oncollide_add_kernel(TARGET kernel.cpp) builds it with ONCOLLIDE_ISA set to
-# baseline and, on x86-64, avx2 and avx512. The kernel puts everything it defines in namespace ONCOLLIDE_ISA and shares no inline
+# baseline and, on x86-64, avx2 and avx512; WITHOUT avx512 where that gains too little. The kernel puts everything it defines in namespace ONCOLLIDE_ISA and shares no inline
 # function with the rest of the program: the linker must never hand AVX code to a machine without it.
 set(ONCOLLIDE_ISAS baseline)
 set(ONCOLLIDE_ISA_FLAGS_baseline)
@@ -99,8 +99,13 @@ endif()
 set(ONCOLLIDE_ISA_FLAGS_avx2 -mavx2 -mbmi -mbmi2 -mpopcnt)
 set(ONCOLLIDE_ISA_FLAGS_avx512 ${ONCOLLIDE_ISA_FLAGS_avx2} -mavx512f -mavx512vl -mavx512bw -mavx512dq)
 function(oncollide_add_kernel target source)
+  cmake_parse_arguments(arg "" "" WITHOUT ${ARGN})
+  set(isas ${ONCOLLIDE_ISAS})
+  if(arg_WITHOUT)
+    list(REMOVE_ITEM isas ${arg_WITHOUT})
+  endif()
   get_filename_component(source ${source} ABSOLUTE)
-  foreach(isa IN LISTS ONCOLLIDE_ISAS)
+  foreach(isa IN LISTS isas)
     get_filename_component(stem ${source} NAME_WE)
     set(unit ${CMAKE_CURRENT_BINARY_DIR}/${stem}_${isa}.cpp)
     file(CONFIGURE OUTPUT ${unit} CONTENT "#define ONCOLLIDE_ISA ${isa}\n#include \"${source}\"\n")

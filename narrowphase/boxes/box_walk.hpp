@@ -66,7 +66,7 @@ public:
     double meetings(A& a, B& b, const RelativePose& b_to_a, std::optional<Pair> hint, auto found, auto leave);
 
     /// Are they within `clearance`? Geometries farther apart than that, but not than clearance + tolerance, may be
-    /// called near. The answer does not depend on `hint`.
+    /// called near. The result does not depend on `hint`.
     NearBounds<Pair> near(A& a, B& b, const RelativePose& b_to_a, double clearance, double tolerance,
                           std::optional<Pair> hint);
 

@@ -17,7 +17,7 @@ namespace oncollide {
 /// others.
 ///
 /// The triangles of a box are halved three times at the median of their centres, so the tree is at most log2(n) / 3 + 1
-/// nodes deep whatever the triangles. What a node holds depends on the mesh alone, not on who asked first.
+/// nodes deep whatever the triangles. What a node holds depends on the mesh alone, not on who walked first.
 /// Walks may grow the tree side by side.
 class ObbTree {
 public:

@@ -64,7 +64,7 @@ private:
 
 std::shared_ptr<const FclModel> make_fcl_model(const GeometryData& geometry, bool for_distances)
 {
-    // OBBs alone answer faster; distances need the swept spheres of OBBRSS.
+    // OBBs alone are faster; distances need the swept spheres of OBBRSS.
     if (const auto* mesh = std::get_if<Mesh>(&geometry))
         return std::make_shared<FclModel>(for_distances ? make_bvh<fcl::OBBRSSd>(*mesh) : make_bvh<fcl::OBBd>(*mesh));
     if (const auto* shape = std::get_if<Shape>(&geometry))

@@ -203,7 +203,7 @@ inline Verdicts judge(Corners a, Corners b, F64 bound, Gaps& gaps)
     if (bits(~separate) == 0) return {separate, separate};
     const I64 known = of_a.known() & of_b.known() & ~separate;
 
-    // As in triangle_contact: the edges that leave the lone corners, in the order that the sides of these ask for.
+    // As in triangle_contact: the edges that leave the lone corners, in the order that the sides of these call for.
     const I64 a_above = rotation(a, of_a), b_above = rotation(b, of_b), alike = ~(a_above ^ b_above);
     const Vec w = b.p - a.p, t = b.q - b.p, u = b.r - b.p;
     const Vec first_axis = cross(a.q - a.p, select(alike, t, u)), second_axis = cross(a.r - a.p, select(alike, u, t));

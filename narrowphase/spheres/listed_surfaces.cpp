@@ -30,7 +30,7 @@ void ListedSurfaces::find(std::span<const OctantRow> rows, const Find& how, int 
 
 ListedSurfaces::Found ListedSurfaces::test(const OctantRow& row, const Find& how, std::uint32_t worker_index)
 {
-    static OctantTest* const octant_test = ONCOLLIDE_CHOOSE(octant_test);
+    static OctantTest* const octant_test = ONCOLLIDE_CHOOSE_TO_AVX2(octant_test);
     const Surface& surface = trees_[row.tree]->surface;
     OctantCell cell = octant_cell(surface.root, row.cell);
     cell.slack += how.inflation * *std::max_element(cell.half, cell.half + 3);

@@ -31,8 +31,5 @@ OctantTest* octant_test();
 namespace avx2 {
 OctantTest* octant_test();
 }
-namespace avx512 {
-OctantTest* octant_test();
-}
 
 } // namespace oncollide
