@@ -109,7 +109,7 @@ function(oncollide_add_kernel target source)
     get_filename_component(stem ${source} NAME_WE)
     set(unit ${CMAKE_CURRENT_BINARY_DIR}/${stem}_${isa}.cpp)
     file(CONFIGURE OUTPUT ${unit} CONTENT "#define ONCOLLIDE_ISA ${isa}\n#include \"${source}\"\n")
-    set_source_files_properties(${unit} PROPERTIES COMPILE_OPTIONS "-O2;-Wno-psabi;${ONCOLLIDE_ISA_FLAGS_${isa}}"
+    set_source_files_properties(${unit} PROPERTIES COMPILE_OPTIONS "-O2;-falign-functions=64;-Wno-psabi;${ONCOLLIDE_ISA_FLAGS_${isa}}"
                                 OBJECT_DEPENDS ${source} SKIP_PRECOMPILE_HEADERS ON)
     target_sources(${target} PRIVATE ${unit})
   endforeach()
