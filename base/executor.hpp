@@ -1,10 +1,10 @@
 #pragma once
-#include <oncollide/base/function_ref.hpp>
+#include <functional>
 
 namespace oncollide {
 
 /// Runs the tasks of parallel loops. The library brings two; an application with threads of its own derives a third and
-/// hands it to the World. An executor must outlive its use. Results do not depend on it.
+/// puts it into Settings::executor. It must outlive what uses it. Results do not depend on it.
 class Executor {
 public:
     virtual ~Executor() = default;
@@ -15,7 +15,7 @@ public:
     /// Calls work(task) once for each task in [0, tasks), and returns when all calls have returned. Tasks never wait
     /// for each other: they may run on any threads, in any order, at the same time or one after the other. `work` does
     /// not throw, and never calls run(). Several threads may call run() at the same time.
-    virtual void run(int tasks, FunctionRef<void(int task)> work) = 0;
+    virtual void run(int tasks, const std::function<void(int task)>& work) = 0;
 };
 
 /// The default: threads of the library's own, which sleep while there is nothing to do. They start when they are first
@@ -27,20 +27,5 @@ Executor& thread_pool();
 /// loop where other programs want the same cores; and it does not survive fork().
 /// Throws Error{usage} in builds without it (ONCOLLIDE_OPENMP=OFF).
 Executor& openmp_executor();
-
-/// Within its life, the parallel loops that this thread starts run on `executor`. Scopes nest.
-class ExecutorScope {
-public:
-    explicit ExecutorScope(Executor& executor);
-    ~ExecutorScope();
-    ExecutorScope(const ExecutorScope&) = delete;
-    ExecutorScope& operator=(const ExecutorScope&) = delete;
-
-private:
-    Executor* outer_;
-};
-
-/// The executor of this thread's innermost scope, else thread_pool().
-Executor& current_executor();
 
 } // namespace oncollide

@@ -12,7 +12,7 @@ namespace {
 class OpenMpExecutor final : public Executor {
 public:
     int threads() const override { return std::max(1, omp_get_max_threads()); }
-    void run(int tasks, FunctionRef<void(int)> work) override
+    void run(int tasks, const std::function<void(int)>& work) override
     {
 #pragma omp parallel for num_threads(tasks) schedule(static, 1)
         for (int task = 0; task < tasks; ++task) work(task);

@@ -2,8 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
-
-#include <oncollide/base/executor.hpp>
+#include <functional>
 
 namespace oncollide {
 namespace {
@@ -13,9 +12,9 @@ thread_local bool inside_a_loop = false;
 
 } // namespace
 
-ExecutorScope::ExecutorScope(Executor& executor) : outer_(scope_executor)
+ExecutorScope::ExecutorScope(Executor* executor) : outer_(scope_executor)
 {
-    scope_executor = &executor;
+    if (executor) scope_executor = executor;
 }
 
 ExecutorScope::~ExecutorScope()
@@ -42,7 +41,7 @@ void parallel_chunks(std::size_t count, std::size_t grain, int threads,
     // Each task takes chunks until none is left, so a task that starts late, or never beside the others, delays
     // nothing.
     std::atomic<std::size_t> next{0};
-    current_executor().run(threads, [&](int task) noexcept {
+    const auto take_chunks = [&](int task) noexcept {
         inside_a_loop = true;
         for (;;) {
             const std::size_t begin = next.fetch_add(grain, std::memory_order_relaxed);
@@ -50,7 +49,8 @@ void parallel_chunks(std::size_t count, std::size_t grain, int threads,
             work(begin, std::min(count, begin + grain), task);
         }
         inside_a_loop = false;
-    });
+    };
+    current_executor().run(threads, std::ref(take_chunks)); // a reference, which needs no allocation
 }
 
 } // namespace oncollide

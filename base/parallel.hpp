@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 
+#include <oncollide/base/executor.hpp>
 #include <oncollide/base/function_ref.hpp>
 
 namespace oncollide {
@@ -11,6 +12,22 @@ namespace oncollide {
 /// plain call. `work` must not throw.
 void parallel_chunks(std::size_t count, std::size_t grain, int threads,
                      FunctionRef<void(std::size_t begin, std::size_t end, int thread)> work);
+
+/// Within its life, the parallel loops that this thread starts run on `executor`; with null nothing changes. Scopes
+/// nest.
+class ExecutorScope {
+public:
+    explicit ExecutorScope(Executor* executor);
+    ~ExecutorScope();
+    ExecutorScope(const ExecutorScope&) = delete;
+    ExecutorScope& operator=(const ExecutorScope&) = delete;
+
+private:
+    Executor* outer_;
+};
+
+/// The executor of this thread's innermost scope, else thread_pool().
+Executor& current_executor();
 
 /// The number of hardware threads that this process may use; >= 1.
 int hardware_threads();

@@ -2,11 +2,11 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <system_error>
 #include <thread>
 
-#include <oncollide/base/executor.hpp>
 #include <oncollide/base/parallel.hpp>
 
 #if defined(__linux__)
@@ -61,7 +61,7 @@ class ThreadPool final : public Executor {
 public:
     int threads() const override { return spin_limit_; }
 
-    void run(int tasks, FunctionRef<void(int)> work) override
+    void run(int tasks, const std::function<void(int)>& work) override
     {
         Job job{.work = work, .tasks = tasks, .unfinished{tasks}};
         int wake = 0;
@@ -84,7 +84,7 @@ public:
 
 private:
     struct Job {
-        FunctionRef<void(int)> work;
+        const std::function<void(int)>& work;
         const int tasks;
         int next = 0; ///< task that nobody has taken
         Job* later = nullptr;

@@ -19,7 +19,7 @@ public:
 private:
     static void update(Bodies& bodies, const Frame& frame, bool tight, StageStats& stats)
     {
-        update_boxes(bodies, frame.changes, tight, frame.threads);
+        update_boxes(bodies, frame.changes, tight, frame.context.threads);
         stats.in = stats.out = bodies.size();
     }
 };

@@ -19,7 +19,6 @@ struct Frame {
 
     const Settings& settings;
     std::uint32_t number = 0; ///< frames since the World was made
-    int threads = 1;
 
     BodyChanges changes;                         ///< as they were last taken in
     std::vector<std::uint8_t> fresh;             ///< by slot: since the last frame the body is new, or its geometry is

@@ -50,7 +50,7 @@ struct MeshQueries::Impl {
                                                                       .rounds = {},
                                                                       .began = {}}
     {
-        context.threads = settings.threads ? settings.threads : hardware_threads();
+        context.threads = thread_count(settings);
         for (std::size_t i = 0; i < meshes.size(); ++i) {
             const std::string name = fmt::format("mesh {}", i);
             check_mesh(name, meshes[i]);
@@ -79,6 +79,7 @@ struct MeshQueries::Impl {
             throw Error(ErrorKind::usage,
                         fmt::format("MeshQueries: {} queries, room for {} results", queries.size(), room));
         for (std::size_t i = 0; i < queries.size(); ++i) check_query(queries[i], i);
+        const ExecutorScope scope(settings.executor);
         context.trees = {}, context.rounds.clear();
         for (std::size_t first = 0; first < queries.size(); first += batch) {
             tasks.clear();

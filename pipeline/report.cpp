@@ -115,7 +115,7 @@ std::array<std::uint64_t, 4> Report::verdicts() const
 
 int Report::threads() const
 {
-    return pipeline_.settings().threads ? pipeline_.settings().threads : hardware_threads();
+    return thread_count(pipeline_.settings());
 }
 
 std::string Report::title() const

@@ -1,5 +1,6 @@
 #include <oncollide/pipeline/settings.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -7,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/parallel.hpp>
 #include <oncollide/narrowphase/exact/exact_fcl.hpp>
 #include <oncollide/narrowphase/spheres/cell_key.hpp>
 
@@ -111,6 +113,12 @@ void check(const Settings& s)
                     "backend = gl-raster: left out, gl-compute was faster wherever both ran; use gl-compute");
     require(s.gpu >= -1 && s.gpu < 64, "gpu", s.gpu, "0 to 63, or -1 for the first that is one");
     require(s.viewport >= 1 && s.viewport <= 1024, "viewport", s.viewport, "1 to 1024 pixels");
+}
+
+int thread_count(const Settings& s)
+{
+    if (s.threads != 0) return s.threads;
+    return std::max(1, (s.executor ? *s.executor : current_executor()).threads());
 }
 
 } // namespace oncollide

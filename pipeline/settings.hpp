@@ -8,6 +8,8 @@
 
 namespace oncollide {
 
+class Executor;
+
 enum class ExactLevel : std::uint8_t { off, predicates, fcl };
 enum class Mode : std::uint8_t { surface, solid };
 enum class BackendKind : std::uint8_t { automatic, cpu, gl_compute, gl_query, gl_raster };
@@ -38,7 +40,8 @@ struct Settings {
     int gpu = -1;      ///< number in gpu_devices(); -1: the first that is one. GPU backends only
     int viewport = 16; ///< pixels a side that gl-query draws, 1 to 1024
     BroadPhaseKind broad_phase = BroadPhaseKind::kd_tree;
-    int threads = 1;                 ///< 0: all hardware threads. Never changes the result
+    int threads = 1;                 ///< 0: as many as the executor has. Never changes the result
+    Executor* executor = nullptr;    ///< runs the parallel loops; null: threads of the library's own
     std::vector<std::string> skip{}; ///< names of stages to leave out; the answer gets wider, never wrong
     int age_limit = 60;              ///< frames after which cells that no test reached are dropped; >= 1
     std::size_t node_budget = 0;     ///< cells that all trees together may hold; 0: no limit
@@ -56,6 +59,9 @@ inline bool wants_kinds(const Settings& s)
 {
     return s.contact_kinds || s.ignore_touching;
 }
+
+/// The number of threads that `settings` stand for; >= 1.
+int thread_count(const Settings& settings);
 
 /// Throws Error{usage} naming the setting, its value and the valid range.
 void check(const Settings& settings);

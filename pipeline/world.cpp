@@ -58,7 +58,7 @@ void same_length(const char* what, std::size_t a, std::size_t b)
 World::Impl::Impl(const Settings& s, std::unique_ptr<OcclusionBackend> backend, std::string note)
     : settings(s), models(settings, std::move(backend)), frame(settings), backend_note(std::move(note))
 {
-    frame.threads = frame.context.threads = settings.threads ? settings.threads : hardware_threads();
+    frame.context.threads = thread_count(settings);
 }
 
 std::uint32_t World::Impl::slot_of(BodyId id) const

@@ -169,8 +169,9 @@ void World::Impl::bring_up_to_date()
     if (taken_in.load(std::memory_order_acquire)) return;
     const std::lock_guard lock(guard);
     if (taken_in.load(std::memory_order_relaxed)) return;
+    const ExecutorScope scope(settings.executor);
     take_in_changes();
-    update_boxes(bodies, frame.changes, true, 1);
+    update_boxes(bodies, frame.changes, true, frame.context.threads);
     broad->take_in(bodies.columns());
     taken_in.store(true, std::memory_order_release);
 }
@@ -197,7 +198,8 @@ void World::query(std::span<const ModelQuery> queries, QueryHits& out) const
         std::vector<std::size_t> ends;
     };
     std::vector<Part> parts((queries.size() + chunk - 1) / chunk);
-    parallel_chunks(parts.size(), 1, p.frame.threads, [&](std::size_t begin, std::size_t end, int) {
+    const ExecutorScope scope(p.settings.executor);
+    parallel_chunks(parts.size(), 1, p.frame.context.threads, [&](std::size_t begin, std::size_t end, int) {
         Impl::Borrowed worker(p);
         for (std::size_t part = begin; part < end; ++part)
             for (const ModelQuery& query :
@@ -273,7 +275,8 @@ void World::contacts(std::span<const PairOfBodies> pairs, ContactLists& lists) c
         std::vector<std::size_t> ends;
     };
     std::vector<Part> parts((pairs.size() + chunk - 1) / chunk);
-    parallel_chunks(parts.size(), 1, p.frame.threads, [&](std::size_t begin, std::size_t end, int) {
+    const ExecutorScope scope(p.settings.executor);
+    parallel_chunks(parts.size(), 1, p.frame.context.threads, [&](std::size_t begin, std::size_t end, int) {
         Impl::Borrowed worker(p);
         for (std::size_t part = begin; part < end; ++part)
             for (const PairOfBodies& pair : pairs.subspan(part * chunk, std::min(chunk, pairs.size() - part * chunk))) {

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/parallel.hpp>
 #include <oncollide/base/random.hpp>
 #include <oncollide/narrowphase/gl/gpu.hpp>
 #include <oncollide/pipeline/world_impl.hpp>
@@ -103,7 +104,8 @@ World::World(const Settings& settings, std::unique_ptr<OcclusionBackend> backend
     impl_ = std::make_unique<Impl>(settings, std::move(backend), std::move(note));
 
     Impl& p = *impl_;
-    p.broad = make_broad_phase(settings.broad_phase, {.margin = settings.clearance, .threads = p.frame.threads});
+    p.broad =
+        make_broad_phase(settings.broad_phase, {.margin = settings.clearance, .threads = p.frame.context.threads});
     p.stages.push_back(make_bounds_stage());
     p.stages.push_back(make_delimitation_stage(*p.broad));
     p.stages.push_back(make_broad_stage(*p.broad));
@@ -141,6 +143,7 @@ void World::Impl::take_in_changes()
 FrameView World::step()
 {
     Impl& p = *impl_;
+    const ExecutorScope scope(p.settings.executor);
     Frame& frame = p.frame;
     const auto begin = frame.context.began = Clock::now();
     if (!p.models.lost().empty() && p.settings.backend != BackendKind::automatic)

@@ -8,7 +8,6 @@
 #include <Eigen/Geometry>
 
 #include <oncollide/base/aabb.hpp>
-#include <oncollide/base/random.hpp>
 
 namespace oncollide {
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <oncollide/base/random.hpp>
 #include <oncollide/scenes/catalogue/catalogue.hpp>
 
 #include <oncollide/scenes/files/geometry_recipe.hpp>

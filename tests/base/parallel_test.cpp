@@ -18,7 +18,7 @@ namespace {
 class OneAfterTheOther final : public Executor {
 public:
     int threads() const override { return 1; }
-    void run(int tasks, FunctionRef<void(int)> work) override
+    void run(int tasks, const std::function<void(int)>& work) override
     {
         while (tasks--) std::thread([&] { work(tasks); }).join();
     }
@@ -33,7 +33,7 @@ Executor& named(std::string_view name)
 
 /// Every executor keeps what parallel_chunks promises.
 class ParallelChunks : public testing::TestWithParam<const char*> {
-    ExecutorScope scope_{named(GetParam())};
+    ExecutorScope scope_{&named(GetParam())};
 };
 
 TEST_P(ParallelChunks, CoversEveryItemOnceForAnyCountGrainAndThreads)
@@ -155,10 +155,10 @@ TEST(ExecutorScope, HoldsForItsThreadUntilItEnds)
     OneAfterTheOther mine, inner;
     EXPECT_EQ(&current_executor(), &thread_pool());
     {
-        const ExecutorScope scope(mine);
+        const ExecutorScope scope(&mine);
         EXPECT_EQ(&current_executor(), &mine);
         {
-            const ExecutorScope nested(inner);
+            const ExecutorScope nested(&inner);
             EXPECT_EQ(&current_executor(), &inner);
         }
         EXPECT_EQ(&current_executor(), &mine);

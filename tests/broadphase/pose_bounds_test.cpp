@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <oncollide/base/random.hpp>
 #include <oncollide/broadphase/pose_bounds.hpp>
 #include <oncollide/scenes/catalogue/catalogue.hpp>
 #include <oncollide/scenes/catalogue/mesh_generators.hpp>

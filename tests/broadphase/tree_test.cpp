@@ -5,6 +5,8 @@
 
 #include "boxes.hpp"
 
+#include <oncollide/base/random.hpp>
+
 namespace oncollide {
 namespace {
 

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <oncollide/base/random.hpp>
 #include <oncollide/scenes/catalogue/catalogue.hpp>
 #include <oncollide/scenes/catalogue/mesh_generators.hpp>
 

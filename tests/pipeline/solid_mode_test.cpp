@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/random.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 #include <oncollide/narrowphase/relative_pose.hpp>
 #include <oncollide/pipeline/pipeline.hpp>

@@ -7,6 +7,8 @@
 #include <thread>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/executor.hpp>
+#include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/scenes/catalogue/mesh_generators.hpp>
 
@@ -280,6 +282,50 @@ TEST(World, BoundsDistancesOfMeshesAndShapes)
     EXPECT_LT(inside.upper, 0.02);
     EXPECT_THROW(world.contacts(a, b), Error);
     EXPECT_THROW(world.distance(a, b, -1), Error);
+}
+
+/// An application's threads, here none: tasks run one after the other, last one first.
+class CountingExecutor final : public Executor {
+public:
+    int threads() const override { return 3; }
+    void run(int tasks, const std::function<void(int)>& work) override
+    {
+        loops += 1, most = std::max(most, tasks);
+        while (tasks--) work(tasks);
+    }
+    int loops = 0, most = 0;
+};
+
+TEST(World, RunsItsLoopsOnTheExecutorOfItsSettings)
+{
+    CountingExecutor executor;
+    const auto run = [](const Settings& settings) {
+        World world(settings);
+        const ModelId model = world.add(knot());
+        std::vector<BodySpec> bodies(200);
+        std::vector<ModelQuery> queries;
+        std::vector<BodyId> ids(bodies.size());
+        for (std::size_t i = 0; i < bodies.size(); ++i) {
+            bodies[i] = {.model = model, .pose = at(1.5 * double(i % 20), 1.5 * double(i / 20))};
+            queries.push_back({model, bodies[i].pose});
+        }
+        world.add_bodies(bodies, ids);
+        QueryHits hits;
+        world.query(queries, hits);
+        const std::uint64_t hash = (world.step(), world.step().hash);
+        return std::pair(hash, hits.hits.size());
+    };
+    const auto alone = run({.depth = 4}), spread = run({.depth = 4, .threads = 0, .executor = &executor});
+    EXPECT_EQ(alone, spread);
+    EXPECT_GT(executor.loops, 2);
+    EXPECT_EQ(executor.most, 3); // what threads = 0 stands for
+
+    executor.loops = 0;
+    MeshQueries many({knot()}, {.threads = 0, .executor = &executor});
+    const std::vector<MeshQuery> queries(500, MeshQuery{0, 0, at(0), at(1)});
+    std::vector<MeshResult> results(queries.size());
+    many.run(queries, results);
+    EXPECT_GT(executor.loops, 0);
 }
 
 TEST(World, AllocatesNothingInAWarmFrameWithoutAdditions)

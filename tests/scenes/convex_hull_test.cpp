@@ -1,3 +1,4 @@
+#include <oncollide/base/random.hpp>
 #include <oncollide/scenes/model/convex_hull.hpp>
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+#include <oncollide/base/random.hpp>
 #include <oncollide/scenes/files/json_tape.hpp>
 
 #include <optional>

@@ -1,3 +1,4 @@
+#include <oncollide/base/random.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 
 #include <array>

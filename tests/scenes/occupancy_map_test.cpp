@@ -1,3 +1,4 @@
+#include <oncollide/base/random.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 
 #include <algorithm>

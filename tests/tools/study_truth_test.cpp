@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <oncollide/base/random.hpp>
 #include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
 #include <oncollide/scenes/catalogue/catalogue.hpp>

@@ -8,6 +8,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/parallel.hpp>
+#include <oncollide/base/random.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/scenes/catalogue/mesh_generators.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/random.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 namespace oncollide::tools {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <malloc.h>
 
+#include <oncollide/base/random.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 #include "bench/bench.hpp"

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/base/random.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 #include "bench/bench.hpp"

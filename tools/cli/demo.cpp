@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/random.hpp>
 #include <oncollide/scenes/catalogue/mesh_generators.hpp>
 
 namespace oncollide::tools {

@@ -27,7 +27,7 @@ void play(Scene& scene, const RenderOptions& options, const Settings& settings, 
 {
     ScenePictures pictures(scene, shown_from(options, scene));
     Pipeline pipeline(scene, settings);
-    WholeTrees whole(scene, plan.deepest, settings.threads ? settings.threads : hardware_threads());
+    WholeTrees whole(scene, plan.deepest, thread_count(settings));
     const TreeOf tree_of = [&](GeometryId id) { return options.whole ? whole.tree(id) : pipeline.tree(id); };
     Mover mover;
     int next = 0;
