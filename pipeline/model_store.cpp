@@ -13,7 +13,7 @@ ModelStore::ModelStore(const Settings& settings, std::unique_ptr<OcclusionBacken
 
 Model& ModelStore::by_number(std::uint32_t number) const
 {
-    return number >= first_passing ? *passing_[number - first_passing] : *slots_[number].model;
+    return number % 2 ? *passing_[number / 2] : *slots_[number / 2].model;
 }
 
 ModelId ModelStore::add(std::shared_ptr<const Geometry> geometry)
@@ -22,7 +22,7 @@ ModelId ModelStore::add(std::shared_ptr<const Geometry> geometry)
     if (free_.empty()) free_.push_back(static_cast<std::uint32_t>(slots_.size())), slots_.emplace_back();
     const std::uint32_t slot = free_.back();
     free_.pop_back();
-    model->number = slot;
+    model->number = 2 * slot;
     slots_[slot].model = std::move(model);
     ++size_;
     return {slot, slots_[slot].generation};
@@ -38,7 +38,7 @@ void ModelStore::drop(Model& model)
 void ModelStore::replace(ModelId id, std::shared_ptr<const Geometry> geometry)
 {
     auto model = std::make_unique<Model>(std::move(geometry));
-    model->number = id.slot;
+    model->number = 2 * id.slot;
     drop(*slots_[id.slot].model);
     slots_[id.slot].model = std::move(model);
 }
@@ -56,14 +56,14 @@ Model& ModelStore::add_passing(std::shared_ptr<const Geometry> geometry)
 {
     auto model = std::make_unique<Model>(std::move(geometry));
     const auto free = std::find(passing_.begin(), passing_.end(), nullptr);
-    model->number = first_passing + static_cast<std::uint32_t>(free - passing_.begin());
+    model->number = 2 * static_cast<std::uint32_t>(free - passing_.begin()) + 1;
     return **(free == passing_.end() ? passing_.insert(free, std::move(model)) : (*free = std::move(model), free));
 }
 
 void ModelStore::remove_passing(Model& model)
 {
     drop(model);
-    passing_[model.number - first_passing].reset();
+    passing_[model.number / 2].reset();
 }
 
 /// The smallest depth at which two such trees certify the error that the settings give.

@@ -89,10 +89,9 @@ private:
     template <class Work>
     void survive(Work work);
 
-    static constexpr std::uint32_t first_passing = 0x80000000u; ///< numbers below are slots
-
     const Settings& settings_;
     std::unique_ptr<OcclusionBackend> backend_;
+    // Model::number is 2 * slot for a model of a slot, odd for one that passes: backends keep arrays by number.
     std::vector<Slot> slots_;
     std::vector<std::uint32_t> free_;
     std::vector<std::unique_ptr<Model>> passing_;

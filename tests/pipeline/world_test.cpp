@@ -268,6 +268,22 @@ TEST(World, FindsWhatSegmentsAndBoxesReach)
     EXPECT_EQ(world.query(box, {.layer = 2, .mask = 2}).size(), 0u);
 }
 
+TEST(World, QueriesSegmentsAndBoxesWhereSpheresRefine)
+{
+    World world({.max_error = 0.05});
+    const ModelId ball = world.add(make_sphere_mesh(1, 500));
+    const BodyId near = world.add_body({.model = ball, .pose = at(5)});
+    for (int repeat = 0; repeat < 3; ++repeat) {
+        const auto through = world.query(Segment{{0, 0, 0}, {10, 0, 0}});
+        ASSERT_EQ(through.size(), 1u);
+        EXPECT_EQ(through[0].body, near);
+        EXPECT_EQ(through[0].verdict, Verdict::within);
+        EXPECT_TRUE(world.query(Segment{{0, -2, 0.2}, {7, 3, 0.2}}).empty()) << "the boxes overlap";
+        EXPECT_EQ(world.query(Aabb{{5.5, -0.1, -0.1}, {7, 0.1, 0.1}}).size(), 1u);
+        world.add(make_box_mesh({1, 1, 1}));
+    }
+}
+
 TEST(World, BoundsDistancesOfMeshesAndShapes)
 {
     World world;
