@@ -1,7 +1,8 @@
-# Installs a build to a prefix of its own and uses it from there: the example, README's snippets, every header.
+# Installs a build to a prefix of its own and uses it from there: the example, the programs of README and docs/, every header.
 #   cmake -DSOURCE=project -DBUILD=its build -DWORK=scratch folder -DDOC=share/doc/oncollide -DFLAGS=C++ flags
 #         -DCOMPILER=c++ [-DCLANG=clang++] -P install_test.cmake
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
+include(${CMAKE_CURRENT_LIST_DIR}/pages.cmake)
 file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
 
@@ -20,16 +21,37 @@ if(EXISTS ${WORK}/prefix/bin/oncollide)
   run(${WORK}/prefix/bin/oncollide --version)
 endif()
 
-# README's program and its lines for CMake, as they stand.
-file(READ ${SOURCE}/README.md readme)
-foreach(language IN ITEMS cpp cmake)
-  string(REGEX MATCH "```${language}\n([^`]*)```" block "${readme}")
-  set(${language} "${CMAKE_MATCH_1}")
-endforeach()
-file(WRITE ${WORK}/readme_source/main.cpp "${cpp}")
-file(WRITE ${WORK}/readme_source/CMakeLists.txt
-     "cmake_minimum_required(VERSION 3.22)\nproject(readme LANGUAGES C CXX)\nadd_executable(my_program main.cpp)\n${cmake}")
+# The pages' programs and lines for CMake, as they stand.
+set(cmake_start "cmake_minimum_required(VERSION 3.22)\nproject(page LANGUAGES C CXX)\n")
+blocks(${SOURCE}/README.md cpp program)
+blocks(${SOURCE}/README.md cmake lines)
+file(WRITE ${WORK}/readme_source/main.cpp "${program}")
+file(WRITE ${WORK}/readme_source/CMakeLists.txt "${cmake_start}add_executable(my_program main.cpp)\n${lines}")
 build(readme ${WORK}/readme_source ${COMPILER})
+
+set(page ${SOURCE}/docs/tutorial.md)
+blocks(${page} cpp program)
+blocks(${page} cmake lines)
+file(WRITE ${WORK}/tutorial_source/yard.cpp "${program}")
+file(WRITE ${WORK}/tutorial_source/CMakeLists.txt "${lines}")
+build(tutorial ${WORK}/tutorial_source ${COMPILER})
+run_as_shown(${page} ${WORK}/tutorial/yard)
+
+set(page ${SOURCE}/docs/from-fcl.md)
+foreach(library IN ITEMS fcl oncollide)
+  set(fence cpp)
+  set(target oncollide::oncollide)
+  if(library STREQUAL fcl)
+    set(fence "cpp fcl")
+    set(target fcl)
+  endif()
+  blocks(${page} "${fence}" program)
+  file(WRITE ${WORK}/${library}_source/main.cpp "${program}")
+  file(WRITE ${WORK}/${library}_source/CMakeLists.txt "${cmake_start}find_package(${library} REQUIRED)\n"
+       "add_executable(tasks main.cpp)\ntarget_link_libraries(tasks PRIVATE ${target})\n")
+  build(${library} ${WORK}/${library}_source ${COMPILER})
+  run_as_shown(${page} ${WORK}/${library}/tasks)
+endforeach()
 
 build(headers ${CMAKE_CURRENT_LIST_DIR}/headers ${COMPILER})
 if(CLANG)

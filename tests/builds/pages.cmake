@@ -1,0 +1,24 @@
+# Code and output as the pages of docs/ show them.
+
+# All blocks of `page` that open with ```<fence>, one after the other.
+function(blocks page fence result)
+  file(READ ${page} rest)
+  set(text)
+  while("${rest}" MATCHES "```${fence}\n([^`]*)```(.*)")
+    string(APPEND text "${CMAKE_MATCH_1}")
+    set(rest "${CMAKE_MATCH_2}")
+  endwhile()
+  if(text STREQUAL "")
+    message(FATAL_ERROR "${page}: no block opens with ```${fence}")
+  endif()
+  set(${result} "${text}" PARENT_SCOPE)
+endfunction()
+
+# Runs a program; its output must be what `page` shows in its blocks of text.
+function(run_as_shown page program)
+  run(${program})
+  blocks(${page} text shown)
+  if(NOT output STREQUAL shown)
+    message(FATAL_ERROR "${page} shows\n${shown}\nbut ${program} prints\n${output}")
+  endif()
+endfunction()
