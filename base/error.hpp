@@ -6,16 +6,16 @@ namespace oncollide {
 
 /// What went wrong, as the process exit code that the command line gives for it (numbers after BSD sysexits).
 enum class ErrorKind : int {
-    usage = 64,        ///< the caller asked for something that does not exist or makes no sense
+    usage = 64,        ///< the caller requested something that does not exist or makes no sense
     bad_data = 65,     ///< a file or an array was read and its content is invalid
     no_input = 66,     ///< a file is missing or unreadable
     internal = 70,     ///< a fault of oncollide itself
-    no_gpu = 71,       ///< the asked backend has no device to run on
+    no_gpu = 71,       ///< the requested backend has no device to run on
     cannot_write = 73, ///< an output file cannot be created or written
 };
 
 /// The one exception of the library. The message says where, what, and what would be valid; it stands alone on a line:
-/// control characters, which names in a file may hold, become question marks.
+/// control characters, which names in a file may hold, become '?'.
 /// Thrown at load or creation only, never half-way through a frame.
 class Error : public std::runtime_error {
 public:

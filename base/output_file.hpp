@@ -47,7 +47,7 @@ private:
     fmt::memory_buffer buffer_;
 };
 
-/// Throws Error{cannot_write} with the reason if `path` could not be written now; leaves nothing behind. Ask before
+/// Throws Error{cannot_write} with the reason if `path` could not be written now; leaves nothing behind. Call before
 /// long work. "-" is standard output.
 void check_writable(const std::filesystem::path& path);
 

@@ -190,7 +190,7 @@ void append_in_order(BoxOrder kind, std::span<const Aabb> boxes, std::span<const
         const std::size_t unit = counts[c] >= 8 * width * width ? width * width : width;
         places += c > 0 ? (counts[c] + unit - 1) / unit * unit : counts[c];
     }
-    std::vector<Item> items(places, {{0, 0, 0}, nobody});
+    std::vector<Item> items(places, {{0, 0, 0}, no_body});
     for (std::uint32_t body : bodies) {
         const Eigen::Vector3d centre = 0.5 * (boxes[body].min + boxes[body].max) - origin;
         items[next[size_class(boxes[body], median)]++] = {

@@ -79,14 +79,14 @@ void BoxTree::append(std::span<const Aabb> boxes, std::span<const std::uint32_t>
 {
     if (order_.empty()) return build(boxes, bodies, margin, threads);
     const std::uint32_t first = nodes_over(size()) * width;
-    order_.resize(first, nobody);
+    order_.resize(first, no_body);
     append_in_order(kind_, boxes, bodies, origin_, threads, order_);
     bodies_ += static_cast<std::uint32_t>(bodies.size());
     places_.resize(std::max(places_.size(), boxes.size()));
     extend_levels();
     const Taker take(*this, boxes, margin);
     for (std::uint32_t place = first; place < size(); ++place)
-        if (order_[place] != nobody) take(place, order_[place]);
+        if (order_[place] != no_body) take(place, order_[place]);
     bound_from(first);
     const double before = leaf_extent_;
     measure();
@@ -99,7 +99,7 @@ void BoxTree::erase(std::span<const std::uint32_t> bodies)
     for (std::uint32_t body : bodies) {
         std::uint32_t place = places_[body];
         for (std::size_t c = 0; c < 6; ++c) coordinate(levels_[0], place, c) = c < 3 ? far_away : -far_away;
-        order_[place] = nobody;
+        order_[place] = no_body;
         for (std::size_t level = 1; level < levels_.size(); ++level) --levels_[level].nodes[place /= width].bodies;
     }
 }
@@ -109,7 +109,7 @@ void BoxTree::extend_levels()
 {
     const std::uint32_t old = levels_.empty() ? 0 : levels_[0].count;
     for (std::uint32_t place = old; place < size(); ++place)
-        if (order_[place] != nobody) places_[order_[place]] = place;
+        if (order_[place] != no_body) places_[order_[place]] = place;
     std::uint32_t count = size();
     std::size_t level = 0;
     for (bool top = false; !top; ++level) {
@@ -130,7 +130,7 @@ void BoxTree::extend_levels()
             for (std::uint32_t node = level == 1 ? old / width : 0; node < count; ++node) {
                 l.nodes[node].bodies = 0;
                 for (std::uint32_t i = node * width; i < std::min((node + 1) * width, below.count); ++i)
-                    l.nodes[node].bodies += level == 1 ? order_[i] != nobody : below.nodes[i].bodies;
+                    l.nodes[node].bodies += level == 1 ? order_[i] != no_body : below.nodes[i].bodies;
             }
         }
         count = nodes;
@@ -169,18 +169,18 @@ void BoxTree::refit(std::span<const Aabb> boxes, double margin, int threads)
         const auto end = std::min(static_cast<std::uint32_t>(last * width), size());
         for (auto place = static_cast<std::uint32_t>(first * width); place < end; ++place) {
             constexpr std::uint32_t ahead = 16; // bodies lie in memory in another order
-            if (place + ahead < end && order_[place + ahead] != nobody) {
+            if (place + ahead < end && order_[place + ahead] != no_body) {
                 const auto* next = reinterpret_cast<const char*>(&boxes[order_[place + ahead]]);
                 __builtin_prefetch(next), __builtin_prefetch(next + sizeof(Aabb) - 1);
             }
-            if (order_[place] != nobody && !take(place, order_[place])) refused = true;
+            if (order_[place] != no_body && !take(place, order_[place])) refused = true;
         }
         if (view_.levels > 1)
             for (auto node = static_cast<std::uint32_t>(first); node < last; ++node) bound(1, node);
     });
     if (refused) {
         std::vector<std::uint32_t> bodies = order_;
-        std::erase(bodies, nobody);
+        std::erase(bodies, no_body);
         std::sort(bodies.begin(), bodies.end());
         refuse_unusable(boxes, bodies);
     }
@@ -283,7 +283,7 @@ void BoxTree::set_moving(const std::uint8_t* states, std::uint8_t bits)
             unsigned mask = 0;
             for (std::uint32_t i = node * width; i < std::min((node + 1) * width, l.count); ++i) {
                 const bool moves =
-                    level == 0 ? order_[i] != nobody && (states[order_[i]] & bits) : levels_[level - 1].moving[i] != 0;
+                    level == 0 ? order_[i] != no_body && (states[order_[i]] & bits) : levels_[level - 1].moving[i] != 0;
                 mask |= unsigned(moves) << i % width;
             }
             l.moving[node] = static_cast<std::uint16_t>(mask);
@@ -297,7 +297,7 @@ void BoxTree::set_layers(const BodyColumns& columns)
     layers_known_ = true;
     extend_levels();
     for (std::uint32_t body : order_)
-        if (body != nobody) add_layers(body, columns);
+        if (body != no_body) add_layers(body, columns);
 }
 
 void BoxTree::add_layers(std::uint32_t body, const BodyColumns& columns)

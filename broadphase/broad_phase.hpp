@@ -103,7 +103,7 @@ public:
 
     /// Bodies whose boxes, grown by the margin in all, overlap each of `boxes`, whatever their layers, group and sleep;
     /// sorted. Overwrites `hits`, and allocates nothing but what these need. Safe from many threads at once while
-    /// nobody changes anything.
+    /// nothing is changed.
     /// Throws Error{usage} if changes have not been taken in, Error{bad_data} naming a box that is not finite or beyond
     /// 1e30 m.
     /// @param columns  as they were when the changes were taken in

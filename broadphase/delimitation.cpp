@@ -194,7 +194,7 @@ void Delimitation::survivors(const BoxTree& tree, std::vector<std::uint32_t>& bo
     for (std::uint32_t leaf : left_[1])
         for (std::uint32_t place = leaf * width; place < std::min<std::size_t>(tree.size(), (leaf + 1) * width);
              ++place)
-            if (tree.body_at(place) != nobody) bodies.push_back(tree.body_at(place));
+            if (tree.body_at(place) != no_body) bodies.push_back(tree.body_at(place));
     std::sort(bodies.begin(), bodies.end());
 }
 

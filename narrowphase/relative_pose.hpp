@@ -3,7 +3,7 @@
 
 namespace oncollide {
 
-/// Moves points of B into A's frame, in double: what the exact level calls their coordinates. All who ask must get the
+/// Moves points of B into A's frame, in double: what the exact level calls their coordinates. All callers must get the
 /// same bits, so the operations and their order are fixed; the triangle kernel does the same.
 struct RelativePose {
     Eigen::Matrix3d rotation;

@@ -21,7 +21,7 @@ constexpr std::string_view name_of(Verdict verdict)
 /// How a pair collides or is near, where an exact level found out. It speaks of surfaces by their pairs of triangles,
 /// as TriangleContact does.
 enum class ContactKind : std::uint8_t {
-    unknown,  ///< nobody found out, or there is no contact
+    unknown,  ///< not determined, or there is no contact
     near,     ///< no contact; the distance is at most the clearance
     touching, ///< triangles meet, no two of them cross, and no point was found inside both
     crossing, ///< at least two triangles cross, or the insides of closed meshes overlap

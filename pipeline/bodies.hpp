@@ -17,7 +17,8 @@ namespace oncollide {
 /// What changed since the last frame, as lists of slots for the broad phase, each slot at most once in each.
 struct BodyChanges {
     std::vector<std::uint32_t> removed, added_moving, added_fixed, moved, slept, woken;
-    std::vector<std::uint32_t> fresh; ///< bodies that are new or have a new geometry: what is remembered of them is void
+    std::vector<std::uint32_t>
+        fresh; ///< bodies that are new or have a new geometry: what is remembered of them is void
     void clear();
 };
 
@@ -71,7 +72,8 @@ public:
     /// What the broad phase reads.
     BodyColumns columns() const
     {
-        return {boxes_, layers_, masks_, any_group_ ? std::span<const std::uint32_t>(groups_) : std::span<const std::uint32_t>{}};
+        return {boxes_, layers_, masks_,
+                any_group_ ? std::span<const std::uint32_t>(groups_) : std::span<const std::uint32_t>{}};
     }
 
     /// Overwrites `changes` with what changed since the last call, and forgets it.

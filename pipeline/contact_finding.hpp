@@ -12,8 +12,8 @@ void check_distance(double tolerance, double farthest);
 
 /// Contacts and distances of two meshes by their trees. One thread's working memory; others may walk the same trees.
 ///
-/// Exact, as the exact level: b's triangles are moved into a's frame in double, and for the coordinates so rounded every
-/// two triangles with a common point are found, touching included.
+/// Exact, as the exact level: b's triangles are moved into a's frame in double, and for the coordinates so rounded
+/// every two triangles with a common point are found, touching included.
 class ContactFinding {
 public:
     /// Appends, sorted by (triangle_a, triangle_b), each pair once. Cost: about 15 microseconds for two meshes of 5,000

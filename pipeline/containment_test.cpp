@@ -61,7 +61,7 @@ bool one_holds_the_other(const PairTask& task, PointLocator& locator, FunctionRe
 }
 
 void ContainmentTest::find(const RefineContext& context, std::span<const PairTask> tasks,
-                           std::span<const std::uint8_t> apart, std::mutex* guard, std::span<PairAnswer> answers)
+                           std::span<const std::uint8_t> apart, std::mutex* guard, std::span<RefineResult> results)
 {
     if (context.settings.mode != Mode::solid) return;
     gather(context, tasks, apart);
@@ -79,7 +79,7 @@ void ContainmentTest::find(const RefineContext& context, std::span<const PairTas
                 holds(tasks[query.task], query.outer_is_a, query.tree, locators_[static_cast<std::size_t>(thread)]);
     });
     for (const Query& query : queries_)
-        if (query.holds) answers[query.task] = {Verdict::colliding, ContactKind::enclosed, 0};
+        if (query.holds) results[query.task] = {Verdict::colliding, ContactKind::enclosed, 0};
 }
 
 void ContainmentTest::gather(const RefineContext& context, std::span<const PairTask> tasks,

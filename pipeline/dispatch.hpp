@@ -35,7 +35,8 @@ class Dispatch {
 public:
     /// @param exact_runs  will the exact level run? It does not where it is off or skipped
     Dispatch(const Settings& settings, bool exact_runs)
-        : obb_(wants_obbs(settings)), exact_(settings.exact), left_to_exact_(exact_runs && exact_ == ExactLevel::predicates)
+        : obb_(wants_obbs(settings)), exact_(settings.exact),
+          left_to_exact_(exact_runs && exact_ == ExactLevel::predicates)
     {
     }
 

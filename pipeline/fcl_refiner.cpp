@@ -5,7 +5,7 @@
 namespace oncollide {
 
 void FclRefiner::refine(RefineContext& context, std::span<const PairTask> tasks, PairCache*,
-                        std::span<PairAnswer> answers)
+                        std::span<RefineResult> results)
 {
     const double clearance = context.settings.clearance;
     parallel_chunks(tasks.size(), 32, context.threads, [&](std::size_t begin, std::size_t end, int) {
@@ -13,7 +13,7 @@ void FclRefiner::refine(RefineContext& context, std::span<const PairTask> tasks,
             const PairTask& task = tasks[i];
             const FclResult found = fcl_result(task.a->fcl(clearance > 0), *task.pose_a, task.b->fcl(clearance > 0),
                                                *task.pose_b, clearance);
-            answers[i] = {found.verdict, found.verdict == Verdict::within ? ContactKind::near : ContactKind::unknown,
+            results[i] = {found.verdict, found.verdict == Verdict::within ? ContactKind::near : ContactKind::unknown,
                           found.bound};
         }
     });

@@ -7,7 +7,7 @@ namespace oncollide {
 class FclRefiner final : public PairRefiner {
 public:
     void refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
-                std::span<PairAnswer> answers) override;
+                std::span<RefineResult> results) override;
 };
 
 } // namespace oncollide

@@ -39,7 +39,7 @@ struct MeshQueries::Impl {
     Narrowing refine, exact;
     RefineContext context;
     std::vector<PairTask> tasks, open_tasks;
-    std::vector<PairAnswer> answers, open_answers;
+    std::vector<RefineResult> refined, open_refined;
     std::vector<ContactFinding> finders; ///< by thread
 
     Impl(std::vector<Mesh> meshes, const Settings& s)
@@ -93,17 +93,17 @@ struct MeshQueries::Impl {
 
     void run_batch(std::span<MeshResult> results)
     {
-        answers.assign(tasks.size(), {Verdict::undecided, ContactKind::unknown, 0});
-        refine.run(context, tasks, nullptr, nullptr, answers);
+        refined.assign(tasks.size(), {Verdict::undecided, ContactKind::unknown, 0});
+        refine.run(context, tasks, nullptr, nullptr, refined);
         if (runs_exact()) {
-            open_tasks.clear(), open_answers.clear();
+            open_tasks.clear(), open_refined.clear();
             for (const PairTask& task : tasks)
-                if (answers[task.number].verdict != Verdict::separate)
-                    open_tasks.push_back(task), open_answers.push_back(answers[task.number]);
-            exact.run(context, open_tasks, nullptr, nullptr, open_answers);
-            for (std::size_t i = 0; i < open_tasks.size(); ++i) answers[open_tasks[i].number] = open_answers[i];
+                if (refined[task.number].verdict != Verdict::separate)
+                    open_tasks.push_back(task), open_refined.push_back(refined[task.number]);
+            exact.run(context, open_tasks, nullptr, nullptr, open_refined);
+            for (std::size_t i = 0; i < open_tasks.size(); ++i) refined[open_tasks[i].number] = open_refined[i];
         }
-        for (std::size_t i = 0; i < answers.size(); ++i) results[i] = {answers[i].verdict, answers[i].bound};
+        for (std::size_t i = 0; i < refined.size(); ++i) results[i] = {refined[i].verdict, refined[i].bound};
     }
 };
 

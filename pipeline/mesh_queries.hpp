@@ -34,8 +34,8 @@ struct MeshResult {
 class MeshQueries {
 public:
     /// Of the settings depth, max_error, clearance, exact (off or predicates), spheres, threads, age_limit (in calls)
-    /// and the budgets count; the automatic bounding volume is obb here. Throws Error{usage} for others than their defaults, and
-    /// for a clearance with predicates.
+    /// and the budgets count; the automatic bounding volume is obb here. Throws Error{usage} for others than their
+    /// defaults, and for a clearance with predicates.
     explicit MeshQueries(std::vector<Mesh> meshes, const Settings& settings = {});
     ~MeshQueries();
     MeshQueries(MeshQueries&&) noexcept;

@@ -153,7 +153,7 @@ void ModelStore::take_over(const GpuLost& why)
         tree.admit_backend(*backend_);
         if (!tree.nodes()[0].expanded()) continue;
         attach(slot);
-        tree.ask_lists_again(slot, *backend_, threads_);
+        tree.rebuild_lists(slot, *backend_, threads_);
     }
 }
 
@@ -199,17 +199,17 @@ std::uint64_t ModelStore::submit(std::span<const CellRequest> requests, int thre
 
 BatchWork ModelStore::grow(std::uint32_t frame)
 {
-    answers_.resize(rows_.size());
+    results_.resize(rows_.size());
     const auto tree_of = [&](const OctantRow& row) -> Ocst& { return *by_number(row.tree).spheres; };
     BatchWork work;
     try {
-        work = backend_->collect(answers_);
+        work = backend_->collect(results_);
     } catch (const GpuLost& lost) {
         take_over(lost);
         for (OctantRow& row : rows_) attach(row.tree), row = tree_of(row).row(row.tree, row.cell);
-        work = backend_->ask(rows_, threads_, answers_);
+        work = backend_->run(rows_, threads_, results_);
     }
-    for (std::size_t i = 0; i < rows_.size(); ++i) tree_of(rows_[i]).expand(rows_[i].cell, answers_[i], frame);
+    for (std::size_t i = 0; i < rows_.size(); ++i) tree_of(rows_[i]).expand(rows_[i].cell, results_[i], frame);
     return work;
 }
 

@@ -23,7 +23,10 @@ public:
     /// The model gets another geometry; all that was derived from the old one goes.
     void replace(ModelId id, std::shared_ptr<const Geometry> geometry);
     void remove(ModelId id);
-    bool valid(ModelId id) const { return id.slot < slots_.size() && slots_[id.slot].model && slots_[id.slot].generation == id.generation; }
+    bool valid(ModelId id) const
+    {
+        return id.slot < slots_.size() && slots_[id.slot].model && slots_[id.slot].generation == id.generation;
+    }
     Model& operator[](ModelId id) { return *slots_[id.slot].model; }
     const Model& operator[](ModelId id) const { return *slots_[id.slot].model; }
     std::size_t size() const { return size_; }
@@ -56,7 +59,7 @@ public:
     /// is back to its root gives its surface up too. Returns how many stored cells and nodes went.
     std::uint64_t age(std::uint32_t frame);
 
-    /// Why the GPU no longer answers; empty while it does, or if it never did.
+    /// Why the GPU no longer results; empty while it does, or if it never did.
     const std::string& lost() const { return lost_; }
 
     std::uint64_t nodes() const; ///< stored cells of all sphere-trees, and nodes of oriented boxes
@@ -100,7 +103,7 @@ private:
     std::vector<Model*> with_boxes_;          ///< models that have a tree of oriented boxes
     Room reserved_;                           ///< for these, all grown
     std::vector<OctantRow> rows_;             ///< of the batch under way
-    std::vector<OctantAnswer> answers_;
+    std::vector<OctantResult> results_;
     int threads_ = 1;
     std::string lost_;
 };

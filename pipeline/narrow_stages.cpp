@@ -30,7 +30,7 @@ PairResult undecided(const Bodies& bodies, BodyPair pair)
             ocst_stage_index,  ContactKind::unknown, farthest_apart(bodies.boxes()[pair.a], bodies.boxes()[pair.b])};
 }
 
-/// Runs one level on some of the frame's results, and takes its answers over.
+/// Runs one level on some of the frame's results, and takes over what it found.
 class LevelRun {
 public:
     LevelRun(const Settings& settings, ModelStore& models, Level level, std::uint8_t stage)
@@ -38,26 +38,26 @@ public:
     {
     }
 
-    void clear() { tasks_.clear(), answers_.clear(); }
+    void clear() { tasks_.clear(), refined_.clear(); }
     void add(const Bodies& bodies, const PairResult& result, std::uint32_t number)
     {
         const std::uint32_t a = result.a.slot, b = result.b.slot;
         tasks_.push_back({number, &bodies.model(a), &bodies.model(b), &bodies.pose(a), &bodies.pose(b)});
-        answers_.push_back({result.verdict, result.kind, result.bound});
+        refined_.push_back({result.verdict, result.kind, result.bound});
     }
     void run(Frame& frame, StageStats& stats)
     {
-        level_.run(frame.context, tasks_, frame.settings.coherence ? &frame.cache : nullptr, nullptr, answers_);
+        level_.run(frame.context, tasks_, frame.settings.coherence ? &frame.cache : nullptr, nullptr, refined_);
         stats.in = tasks_.size();
         for (std::size_t i = 0; i < tasks_.size(); ++i) {
             PairResult& result = frame.results[tasks_[i].number];
-            const PairAnswer& answer = answers_[i];
-            result.verdict = answer.verdict, result.kind = answer.kind, result.bound = answer.bound;
+            const RefineResult& refined = refined_[i];
+            result.verdict = refined.verdict, result.kind = refined.kind, result.bound = refined.bound;
             if (level_.decided(i)) {
                 result.stage = stage_;
-                stats.undecided += answer.verdict == Verdict::undecided;
+                stats.undecided += refined.verdict == Verdict::undecided;
             }
-            stats.out += answer.verdict != Verdict::separate;
+            stats.out += refined.verdict != Verdict::separate;
         }
     }
 
@@ -65,7 +65,7 @@ private:
     Narrowing level_;
     std::uint8_t stage_;
     std::vector<PairTask> tasks_;
-    std::vector<PairAnswer> answers_;
+    std::vector<RefineResult> refined_;
 };
 
 /// Down to the error: sphere-trees, or the oriented boxes of meshes. These lead on to the triangles, so where

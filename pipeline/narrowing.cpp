@@ -19,37 +19,37 @@ void Narrowing::sort_out(const RefineContext& context, std::span<const PairTask>
 }
 
 void Narrowing::refine(Refiner which, PairRefiner& refiner, RefineContext& context, std::span<const PairTask> tasks,
-                       PairCache* cache, std::span<PairAnswer> answers)
+                       PairCache* cache, std::span<RefineResult> results)
 {
     const std::vector<std::uint32_t>& mine = taken_[static_cast<std::size_t>(which)];
     if (mine.empty()) return;
-    if (mine.size() == tasks.size()) return refiner.refine(context, tasks, cache, answers);
+    if (mine.size() == tasks.size()) return refiner.refine(context, tasks, cache, results);
     tasks_.clear();
     for (std::uint32_t i : mine) tasks_.push_back(tasks[i]);
-    answers_.resize(mine.size());
-    refiner.refine(context, tasks_, cache, answers_);
-    for (std::size_t k = 0; k < mine.size(); ++k) answers[mine[k]] = answers_[k];
+    results_.resize(mine.size());
+    refiner.refine(context, tasks_, cache, results_);
+    for (std::size_t k = 0; k < mine.size(); ++k) results[mine[k]] = results_[k];
 }
 
 void Narrowing::run(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache, std::mutex* guard,
-                    std::span<PairAnswer> answers)
+                    std::span<RefineResult> results)
 {
     {
         const std::unique_lock lock = guard ? std::unique_lock(*guard) : std::unique_lock<std::mutex>();
         sort_out(context, tasks);
-        refine(Refiner::spheres, spheres_, context, tasks, cache, answers);
+        refine(Refiner::spheres, spheres_, context, tasks, cache, results);
     }
-    refine(Refiner::boxes, boxes_, context, tasks, cache, answers);
-    refine(Refiner::exact_boxes, exact_boxes_, context, tasks, cache, answers);
-    refine(Refiner::fcl, fcl_, context, tasks, cache, answers);
+    refine(Refiner::boxes, boxes_, context, tasks, cache, results);
+    refine(Refiner::exact_boxes, exact_boxes_, context, tasks, cache, results);
+    refine(Refiner::fcl, fcl_, context, tasks, cache, results);
     for (std::uint32_t i : taken_[static_cast<std::size_t>(Refiner::no_room)])
-        if (answers[i].verdict == Verdict::within) answers[i].verdict = Verdict::undecided;
+        if (results[i].verdict == Verdict::within) results[i].verdict = Verdict::undecided;
 
     apart_.resize(tasks.size());
     for (std::size_t i = 0; i < tasks.size(); ++i)
-        apart_[i] = decided(i) && (answers[i].verdict == Verdict::separate ||
-                                   (answers[i].verdict == Verdict::within && level_ == Level::exact));
-    containment_.find(context, tasks, apart_, guard, answers);
+        apart_[i] = decided(i) && (results[i].verdict == Verdict::separate ||
+                                   (results[i].verdict == Verdict::within && level_ == Level::exact));
+    containment_.find(context, tasks, apart_, guard, results);
 }
 
 } // namespace oncollide

@@ -18,18 +18,18 @@ public:
     /// @param exact_runs  see Dispatch
     Narrowing(const Settings& settings, ModelStore& models, Level level, bool exact_runs);
 
-    /// answers[i] for tasks[i]; those that the level leaves keep what they are, but that where a budget has no room
+    /// results[i] for tasks[i]; those that the level leaves keep what they are, but that where a budget has no room
     /// for an exact decision, `within` becomes `undecided`.
-    /// @param guard  held while the models' trees are made or sphere-trees grow; null: nobody else uses the models
+    /// @param guard  held while the models' trees are made or sphere-trees grow; null: no other thread uses the models
     void run(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache, std::mutex* guard,
-             std::span<PairAnswer> answers);
+             std::span<RefineResult> results);
     /// Did the last run() decide task i?
     bool decided(std::size_t i) const { return refiners_[i] > Refiner::no_room; }
 
 private:
     void sort_out(const RefineContext& context, std::span<const PairTask> tasks);
     void refine(Refiner which, PairRefiner& refiner, RefineContext& context, std::span<const PairTask> tasks,
-                PairCache* cache, std::span<PairAnswer> answers);
+                PairCache* cache, std::span<RefineResult> results);
 
     ModelStore& models_;
     const Level level_;
@@ -38,10 +38,10 @@ private:
     ObbRefiner boxes_, exact_boxes_;
     FclRefiner fcl_;
     ContainmentTest containment_;
-    std::vector<Refiner> refiners_; ///< by task
+    std::vector<Refiner> refiners_;                               ///< by task
     std::array<std::vector<std::uint32_t>, refiner_count> taken_; ///< tasks by refiner
     std::vector<PairTask> tasks_;                                 ///< of one refiner
-    std::vector<PairAnswer> answers_;
+    std::vector<RefineResult> results_;
     std::vector<std::uint8_t> apart_;
 };
 

@@ -22,7 +22,7 @@ void remember(PairMemory* memory, const std::optional<TrianglePair>& meeting)
     if (meeting) memory->triangles = *meeting;
 }
 
-PairAnswer within_clearance(Traversal& walk, ObbTree& a, ObbTree& b, const RelativePose& b_to_a, double clearance)
+RefineResult within_clearance(Traversal& walk, ObbTree& a, ObbTree& b, const RelativePose& b_to_a, double clearance)
 {
     // Poses may be 2^-20 from rigid: so far may a distance in A's frame be from that in the world.
     constexpr double rigid = 0x1p-18;
@@ -35,8 +35,8 @@ PairAnswer within_clearance(Traversal& walk, ObbTree& a, ObbTree& b, const Relat
 
 } // namespace
 
-PairAnswer ObbRefiner::near(const RefineContext& context, const PairTask& task, PairMemory* memory,
-                            Traversal& walk) const
+RefineResult ObbRefiner::near(const RefineContext& context, const PairTask& task, PairMemory* memory,
+                              Traversal& walk) const
 {
     const auto found = walk.near(*task.a->boxes, *task.b->boxes, RelativePose(*task.pose_a, *task.pose_b),
                                  context.settings.clearance, models_.tolerance(*task.a, *task.b), hint_of(memory));
@@ -44,8 +44,8 @@ PairAnswer ObbRefiner::near(const RefineContext& context, const PairTask& task, 
     return {found.near ? Verdict::within : Verdict::separate, ContactKind::unknown, found.bound};
 }
 
-PairAnswer ObbRefiner::exact(const RefineContext& context, const PairTask& task, PairMemory* memory,
-                             Worker& worker) const
+RefineResult ObbRefiner::exact(const RefineContext& context, const PairTask& task, PairMemory* memory,
+                               Worker& worker) const
 {
     ObbTree &a = *task.a->boxes, &b = *task.b->boxes;
     const RelativePose b_to_a(*task.pose_a, *task.pose_b);
@@ -74,7 +74,7 @@ PairAnswer ObbRefiner::exact(const RefineContext& context, const PairTask& task,
 }
 
 void ObbRefiner::refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
-                        std::span<PairAnswer> answers)
+                        std::span<RefineResult> results)
 {
     while (workers_.size() < static_cast<std::size_t>(std::max(context.threads, 1))) workers_.emplace_back();
     parallel_chunks(tasks.size(), pairs_per_chunk, context.threads,
@@ -82,7 +82,7 @@ void ObbRefiner::refine(RefineContext& context, std::span<const PairTask> tasks,
                         Worker& worker = workers_[static_cast<std::size_t>(thread)];
                         for (std::size_t i = begin; i < end; ++i) {
                             PairMemory* memory = cache ? &(*cache)[tasks[i].number] : nullptr;
-                            answers[i] = goal_ == Goal::near ? near(context, tasks[i], memory, worker.walk)
+                            results[i] = goal_ == Goal::near ? near(context, tasks[i], memory, worker.walk)
                                                              : exact(context, tasks[i], memory, worker);
                         }
                     });

@@ -13,12 +13,13 @@ class ObbRefiner final : public PairRefiner {
 public:
     enum class Goal : std::uint8_t {
         near, ///< within clearance + error, or separate
-        exact ///< do the triangles meet, and how, if kinds are requested? With a clearance, the distance decides the rest
+        exact ///< do the triangles meet, and how, if kinds are requested? With a clearance, the distance decides the
+              ///< rest
     };
     ObbRefiner(const ModelStore& models, Goal goal) : models_(models), goal_(goal) {}
 
     void refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
-                std::span<PairAnswer> answers) override;
+                std::span<RefineResult> results) override;
 
 private:
     /// One thread's.
@@ -26,8 +27,8 @@ private:
         Traversal walk;
         SharedInside inside;
     };
-    PairAnswer near(const RefineContext& context, const PairTask& task, PairMemory* memory, Traversal& walk) const;
-    PairAnswer exact(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;
+    RefineResult near(const RefineContext& context, const PairTask& task, PairMemory* memory, Traversal& walk) const;
+    RefineResult exact(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;
 
     const ModelStore& models_;
     const Goal goal_;

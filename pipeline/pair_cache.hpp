@@ -13,9 +13,9 @@ namespace oncollide {
 /// where it holds again, so results do not depend on it.
 struct PairMemory {
     BodyPair pair;
-    bool met = false;           ///< `triangles` met
-    TrianglePair triangles{};   ///< witness of contact
-    LeafPair leaves;            ///< leaves of the sphere-trees that touched
+    bool met = false;         ///< `triangles` met
+    TrianglePair triangles{}; ///< witness of contact
+    LeafPair leaves;          ///< leaves of the sphere-trees that touched
 };
 
 /// The memory of the candidate pairs, in their order.

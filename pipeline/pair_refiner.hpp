@@ -21,7 +21,7 @@ struct PairTask {
     const Eigen::Isometry3d *pose_a, *pose_b;
 };
 
-struct PairAnswer {
+struct RefineResult {
     Verdict verdict;
     ContactKind kind;
     double bound; ///< as PairResult::bound
@@ -48,11 +48,11 @@ struct RefineContext {
 class PairRefiner {
 public:
     virtual ~PairRefiner() = default;
-    /// answers[i] for tasks[i], for any number of threads and in any company the same.
+    /// results[i] for tasks[i], for any number of threads and in any company the same.
     /// @param tasks  by ascending number; what their models need was admitted (Dispatch)
     /// @param cache  of the frame's pairs; null: nothing is remembered
     virtual void refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
-                        std::span<PairAnswer> answers) = 0;
+                        std::span<RefineResult> results) = 0;
 };
 
 } // namespace oncollide

@@ -108,7 +108,7 @@ void draw_funnel(OutputFile& file, std::span<const StageStats> stages, double bo
         if (s.skipped) words = "skipped";
         text(file, bar_right + 12, y + 12, Anchor::start, "value", words);
         if (s.skipped)
-            text(file, left + 10, y + 17, Anchor::start, "value", s.note.empty() ? "skipped as asked" : s.note);
+            text(file, left + 10, y + 17, Anchor::start, "value", s.note.empty() ? "skipped by request" : s.note);
         else
             text(file, bar_right + 12, y + 26, Anchor::start, "tick",
                  fmt::format("{} culled, {} undecided", count_text(double(s.culled) / frames),

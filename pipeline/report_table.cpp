@@ -58,7 +58,7 @@ void Report::print_table(std::ostream& out) const
             fmt::format("{:<13}{:<8}{}{}{}{}{}   {}\n", s.stage, s.unit, cell(mean(s.in, s.frames)),
                         cell(mean(s.out, s.frames)), cell(mean(s.culled, s.frames)), cell(mean(s.undecided, s.frames)),
                         cell(fmt::format("{:.3f}", s.frames ? s.cpu_ms / double(s.frames) : 0.0)),
-                        s.skipped ? fmt::format("skipped: {}", s.note.empty() ? "as asked" : s.note) : words);
+                        s.skipped ? fmt::format("skipped: {}", s.note.empty() ? "by request" : s.note) : words);
     }
     double ms = 0, slowest = 0;
     std::uint64_t rounds = 0, rows = 0, refused = 0, queries = 0, gpu_bytes = 0, repeats = 0;

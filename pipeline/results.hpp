@@ -71,9 +71,10 @@ struct FrameView {
     double ms;           ///< wall time of the frame, all stages
     /// Every pair that the broad phase kept, sorted by the slots of (a, b), separate ones included.
     std::span<const PairResult> pairs;
-    std::span<const PairOfBodies> began; ///< pairs that are not separate, and were separate or no candidates before; sorted
+    std::span<const PairOfBodies>
+        began; ///< pairs that are not separate, and were separate or no candidates before; sorted
     std::span<const PairOfBodies> ended; ///< the reverse; also where a body was removed, whose id is stale by then
-    std::span<const StageStats> stages;              ///< of this frame, in order
+    std::span<const StageStats> stages;  ///< of this frame, in order
     std::span<const DelimitationLevel> delimitation; ///< per level of the region hierarchy
     const TreeStats& trees;
     std::span<const Round> rounds; ///< in order

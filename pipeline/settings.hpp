@@ -19,7 +19,7 @@ enum class BroadPhaseKind : std::uint8_t { kd_tree, octree, brute_force };
 /// the surface, which separate it sooner. Automatic: OBBs where predicates decide. Shapes and maps keep the spheres.
 enum class BoundingVolume : std::uint8_t { automatic, sphere, obb };
 
-/// How a pipeline answers. The defaults suit most scenes.
+/// How a World decides pairs, and how exactly. The defaults suit most scenes.
 struct Settings {
     /// The error dial. `max_error` (m, > 0): two bodies reported `within` are closer than clearance + max_error; the
     /// depth of each tree follows. `depth` (1 to 16) sets it directly, as in the paper. At most one; neither: depth 6.
@@ -42,7 +42,7 @@ struct Settings {
     BroadPhaseKind broad_phase = BroadPhaseKind::kd_tree;
     int threads = 1;                 ///< 0: as many as the executor has. Never changes the result
     Executor* executor = nullptr;    ///< runs the parallel loops; null: threads of the library's own
-    std::vector<std::string> skip{}; ///< names of stages to leave out; the answer gets wider, never wrong
+    std::vector<std::string> skip{}; ///< names of stages to leave out; results get wider, never wrong
     int age_limit = 60;              ///< frames after which cells that no test reached are dropped; >= 1
     std::size_t node_budget = 0;     ///< cells that all trees together may hold; 0: no limit
     std::size_t memory_budget = 0;   ///< bytes that trees and triangle lists may hold; 0: no limit

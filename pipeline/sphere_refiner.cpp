@@ -19,7 +19,7 @@ WalkPair SphereRefiner::pair_of(const PairTask& task, LeafPair hint)
 }
 
 void SphereRefiner::refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
-                           std::span<PairAnswer> answers)
+                           std::span<RefineResult> results)
 {
     context_ = &context;
     give_up_ = false;
@@ -36,7 +36,7 @@ void SphereRefiner::refine(RefineContext& context, std::span<const PairTask> tas
                                 : walk.status == WalkStatus::separate ? Verdict::separate
                                                                       : Verdict::undecided;
         if (cache) (*cache)[tasks[i].number].leaves = verdict == Verdict::within ? walk.leaves : LeafPair{};
-        answers[i] = {verdict, ContactKind::unknown, walk.bound};
+        results[i] = {verdict, ContactKind::unknown, walk.bound};
     }
     count();
 }

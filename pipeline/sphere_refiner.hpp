@@ -21,7 +21,7 @@ public:
     explicit SphereRefiner(ModelStore& models) : models_(models) {}
 
     void refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
-                std::span<PairAnswer> answers) override;
+                std::span<RefineResult> results) override;
 
 private:
     struct Walk {

@@ -82,8 +82,8 @@ struct Segment {
 ///
 /// Ids carry a generation: the id of what was removed is stale, and using it is an error, not another body.
 /// Errors are thrown at the call that brings them in, and then nothing has changed: Error{usage} for stale or unknown
-/// ids and spans of different lengths, Error{bad_data} for poses that are not rigid (R^T R off the identity by more than
-/// 1e-6, or a mirror), not finite or beyond 1e15 m, and for geometry that is not valid.
+/// ids and spans of different lengths, Error{bad_data} for poses that are not rigid (R^T R off the identity by more
+/// than 1e-6, or a mirror), not finite or beyond 1e15 m, and for geometry that is not valid.
 ///
 /// Const calls may run on many threads at once as long as no other call does. With a GPU backend a World belongs to the
 /// thread that made it.
@@ -139,12 +139,13 @@ public:
     std::optional<BodyId> body_at(std::uint32_t slot) const;
 
     // --- Frames.
-    /// All pairs as the bodies are now. Throws Error{no_gpu} if a GPU backend that was requested by name was lost in the
-    /// frame before. That frame is whole: the CPU finished it. Under `auto` it goes on.
+    /// All pairs as the bodies are now. Throws Error{no_gpu} if a GPU backend that was requested by name was lost in
+    /// the frame before. That frame is whole: the CPU finished it. Under `auto` it goes on.
     FrameView step();
 
     // --- Queries, which add no body: of the bodies as they are now, with the settings' error, exactness and clearance.
-    // Each gives what step() would give a body of that geometry and pose. Cost: of the pairs that boxes cannot rule out.
+    // Each gives what step() would give a body of that geometry and pose. Cost: of the pairs that boxes cannot rule
+    // out.
     std::vector<QueryHit> query(ModelId model, const Eigen::Isometry3d& pose, const QueryFilter& filter = {}) const;
     /// Many at once; on up to Settings::threads threads. Overwrites `hits`.
     void query(std::span<const ModelQuery> queries, QueryHits& hits) const;
@@ -160,8 +161,8 @@ public:
     void contacts(std::span<const PairOfBodies> pairs, ContactLists& lists) const;
     /// Certified bounds on the distance of two bodies, to `tolerance` (m, >= 0) besides rounding and, of curved shapes,
     /// the covering error of their bounding meshes. Bodies farther apart than `farthest` get only a lower bound above
-    /// that. Solids that overlap, and closed meshes in solid mode, are 0 apart. Throws Error{usage} for maps, which have
-    /// no distances yet, and for a tolerance or a limit that is negative or no number.
+    /// that. Solids that overlap, and closed meshes in solid mode, are 0 apart. Throws Error{usage} for maps, which
+    /// have no distances yet, and for a tolerance or a limit that is negative or no number.
     Distance distance(BodyId a, BodyId b, double tolerance = 0,
                       double farthest = std::numeric_limits<double>::infinity()) const;
 

@@ -36,9 +36,9 @@ struct World::Impl {
         std::vector<Aabb> boxes;
         std::vector<BoxHit> hits;
         std::vector<PairTask> tasks, open_tasks;
-        std::vector<PairAnswer> answers, open_answers;
+        std::vector<RefineResult> refined, open_refined;
     };
-    std::mutex guard;               ///< for const calls: of the models' trees and of what is below
+    std::mutex guard;                  ///< for const calls: of the models' trees and of what is below
     std::atomic<bool> taken_in{false}; ///< are all changes in the boxes and the broad phase?
     std::vector<std::unique_ptr<QueryWorker>> idle_workers;
 

@@ -27,7 +27,7 @@ bool allows(const QueryFilter& q, const Bodies& bodies, std::uint32_t slot)
 }
 
 /// Does some point of the body lie in the box?
-bool reaches_into(const Bodies& bodies, std::uint32_t slot, const Aabb& box)
+bool has_point_in(const Bodies& bodies, std::uint32_t slot, const Aabb& box)
 {
     return std::ranges::any_of(bodies.model(slot).parts(), [&](const PartPoints& part) {
         const Eigen::Vector3d point = bodies.pose(slot) * part[0];
@@ -71,21 +71,21 @@ public:
         const Bodies& bodies = impl_.bodies;
         w.boxes.assign(1, probe.model->bounds().box(probe.pose));
         impl_.broad->query(bodies.columns(), w.boxes, w.hits);
-        w.tasks.clear(), w.answers.clear();
+        w.tasks.clear(), w.refined.clear();
         for (const BoxHit& hit : w.hits) {
             if (!allows(probe.filter, bodies, hit.body)) continue;
             w.tasks.push_back({hit.body, probe.model, &bodies.model(hit.body), &probe.pose, &bodies.pose(hit.body)});
-            w.answers.push_back(
+            w.refined.push_back(
                 {Verdict::undecided, ContactKind::unknown, farthest_apart(w.boxes.front(), bodies.boxes()[hit.body])});
         }
         narrow();
         for (std::size_t i = 0; i < w.tasks.size(); ++i) {
             const std::uint32_t slot = w.tasks[i].number;
-            PairAnswer& answer = w.answers[i];
-            if (probe.solid_box && answer.verdict != Verdict::colliding && reaches_into(bodies, slot, *probe.solid_box))
-                answer = {Verdict::colliding, ContactKind::enclosed, 0};
-            if (answer.verdict != Verdict::separate)
-                hits.push_back({bodies.id(slot), answer.verdict, answer.kind, answer.bound});
+            RefineResult& result = w.refined[i];
+            if (probe.solid_box && result.verdict != Verdict::colliding && has_point_in(bodies, slot, *probe.solid_box))
+                result = {Verdict::colliding, ContactKind::enclosed, 0};
+            if (result.verdict != Verdict::separate)
+                hits.push_back({bodies.id(slot), result.verdict, result.kind, result.bound});
         }
     }
 
@@ -94,16 +94,16 @@ private:
     void narrow()
     {
         QueryWorker& w = *worker_;
-        if (impl_.runs("ocst")) w.refine.run(w.context, w.tasks, nullptr, &impl_.guard, w.answers);
+        if (impl_.runs("ocst")) w.refine.run(w.context, w.tasks, nullptr, &impl_.guard, w.refined);
         if (!impl_.exact_runs()) return;
-        w.open_tasks.clear(), w.open_answers.clear();
+        w.open_tasks.clear(), w.open_refined.clear();
         for (std::size_t i = 0; i < w.tasks.size(); ++i)
-            if (w.answers[i].verdict == Verdict::within || w.answers[i].verdict == Verdict::undecided)
-                w.open_tasks.push_back(w.tasks[i]), w.open_answers.push_back(w.answers[i]);
-        w.exact.run(w.context, w.open_tasks, nullptr, &impl_.guard, w.open_answers);
-        auto open = w.open_answers.begin();
-        for (PairAnswer& answer : w.answers)
-            if (answer.verdict == Verdict::within || answer.verdict == Verdict::undecided) answer = *open++;
+            if (w.refined[i].verdict == Verdict::within || w.refined[i].verdict == Verdict::undecided)
+                w.open_tasks.push_back(w.tasks[i]), w.open_refined.push_back(w.refined[i]);
+        w.exact.run(w.context, w.open_tasks, nullptr, &impl_.guard, w.open_refined);
+        auto open = w.open_refined.begin();
+        for (RefineResult& result : w.refined)
+            if (result.verdict == Verdict::within || result.verdict == Verdict::undecided) result = *open++;
     }
 
     Impl& impl_;

@@ -51,14 +51,14 @@ std::unique_ptr<OcclusionBackend> make_automatic_backend(int gpu, std::string& n
         const std::vector<GpuDevice> devices = gpu_devices();
         const auto hardware = [](const GpuDevice& d) { return !d.software; };
         if (gpu < 0 && std::none_of(devices.begin(), devices.end(), hardware)) {
-            note = "auto: the CPU answers, for only software renderers are here";
+            note = "auto: the CPU was chosen, because only software renderers are here";
             return make_cpu_backend();
         }
         const GpuInfo info = describe_gpu(gpu);
         if (!info.software) return make_gl_compute_backend({.gpu = gpu});
-        note = fmt::format("auto: the CPU answers, for {} is a software renderer", info.renderer);
+        note = fmt::format("auto: the CPU was chosen, because {} is a software renderer", info.renderer);
     } catch (const Error& error) {
-        note = fmt::format("auto: the CPU answers; {}", error.what());
+        note = fmt::format("auto: the CPU was chosen; {}", error.what());
     }
     return make_cpu_backend();
 }

@@ -22,7 +22,7 @@ std::string who_is(const std::string& name, std::size_t body)
     return name.empty() ? fmt::format("body {}", body) : fmt::format("body '{}'", name);
 }
 
-constexpr std::uint32_t nobody = 0xffffffffu;
+constexpr std::uint32_t no_body = 0xffffffffu;
 
 std::uint32_t hash_of(std::string_view name)
 {
@@ -35,7 +35,7 @@ void place(std::vector<Slot>& slots, const Slot& slot)
 {
     const std::size_t mask = slots.size() - 1;
     std::size_t at = slot.hash & mask;
-    while (slots[at].index != nobody) at = (at + 1) & mask;
+    while (slots[at].index != no_body) at = (at + 1) & mask;
     slots[at] = slot;
 }
 
@@ -101,16 +101,16 @@ std::optional<std::uint32_t> NameIndex::find(std::string_view name, NameOf name_
     if (slots_.empty()) return std::nullopt;
     const std::uint32_t hash = hash_of(name);
     const std::size_t mask = slots_.size() - 1;
-    for (std::size_t at = hash & mask; slots_[at].index != nobody; at = (at + 1) & mask)
+    for (std::size_t at = hash & mask; slots_[at].index != no_body; at = (at + 1) & mask)
         if (slots_[at].hash == hash && name_of(slots_[at].index) == name) return slots_[at].index;
     return std::nullopt;
 }
 
 void NameIndex::grow()
 {
-    std::vector<Slot> larger(std::max<std::size_t>(16, 2 * slots_.size()), Slot{0, nobody});
+    std::vector<Slot> larger(std::max<std::size_t>(16, 2 * slots_.size()), Slot{0, no_body});
     for (const Slot& slot : slots_)
-        if (slot.index != nobody) place(larger, slot);
+        if (slot.index != no_body) place(larger, slot);
     slots_ = std::move(larger);
 }
 

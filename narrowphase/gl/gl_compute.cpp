@@ -64,7 +64,7 @@ public:
 
     std::string name() const override { return fmt::format("gl-compute ({})", context_.info().renderer); }
     std::string renderer() const override { return context_.info().renderer; }
-    double reach(double) const override { return 0; }
+    double error(double) const override { return 0; }
 
     void attach(std::uint32_t tree, Surface surface) override
     {
@@ -95,8 +95,8 @@ public:
     void submit(std::span<const OctantRow> rows, int threads) override
     {
         context_.use();
-        asked_ = rows;
-        gpu_rows_.clear(), oversize_rows_.clear(), answers_.assign(rows.size(), {}), work_ = {};
+        requested_ = rows;
+        gpu_rows_.clear(), oversize_rows_.clear(), results_.assign(rows.size(), {}), work_ = {};
         for (std::size_t i = 0; i < rows.size(); ++i) {
             const OctantRow& row = rows[i];
             Tree& tree = *trees_[row.tree];
@@ -105,10 +105,10 @@ public:
                 continue;
             }
             if (row.keep_list) {
-                answers_[i].list = lists_.add();
-                remember(tree.lists, answers_[i].list);
+                results_[i].list = lists_.add();
+                remember(tree.lists, results_[i].list);
             }
-            gpu_rows_.push_back(gpu_row(tree, row, answers_[i].list));
+            gpu_rows_.push_back(gpu_row(tree, row, results_[i].list));
         }
         if (!gpu_rows_.empty()) {
             lists_.make_list_room();
@@ -117,7 +117,7 @@ public:
         oversize_->submit(oversize_rows_, threads);
     }
 
-    BatchWork collect(std::span<OctantAnswer> answers) override
+    BatchWork collect(std::span<OctantResult> results) override
     {
         context_.use();
         if (!gpu_rows_.empty()) {
@@ -126,21 +126,21 @@ public:
                 dispatch();
             }
         }
-        oversize_answers_.resize(oversize_rows_.size());
-        oversize_->collect(oversize_answers_);
+        oversize_results_.resize(oversize_rows_.size());
+        oversize_->collect(oversize_results_);
         std::size_t gpu = 0, oversize = 0;
-        for (std::size_t i = 0; i < asked_.size(); ++i) {
-            const Tree& tree = *trees_[asked_[i].tree];
+        for (std::size_t i = 0; i < requested_.size(); ++i) {
+            const Tree& tree = *trees_[requested_[i].tree];
             if (!tree.on_gpu) {
-                answers[i] = oversize_answers_[oversize++];
+                results[i] = oversize_results_[oversize++];
                 continue;
             }
             const std::uint8_t grey = masks_[gpu++];
-            answers[i] = answers_[i];
-            answers[i].grey = grey;
+            results[i] = results_[i];
+            results[i].grey = grey;
             if (!tree.inside.empty())
-                answers[i].grey |= static_cast<std::uint8_t>(
-                    octants_inside(tree.inside, octant_cell(tree.root, asked_[i].cell), grey));
+                results[i].grey |= static_cast<std::uint8_t>(
+                    octants_inside(tree.inside, octant_cell(tree.root, requested_[i].cell), grey));
         }
         return work_;
     }
@@ -158,7 +158,7 @@ public:
               std::vector<std::size_t>& ends) override
     {
         context_.use();
-        std::vector<ListRead> far; // runs of reads that the store answers
+        std::vector<ListRead> far; // runs of reads that the store results
         const auto flush = [&] {
             lists_.read(far, triangles, ends);
             far.clear();
@@ -230,8 +230,8 @@ private:
         grow(rows_, count * sizeof(GpuRow), 0, most_, "rows");
         grow(cursors_, 4 * words::cursors * count, 0, most_, "rows");
         grow(tiles_, 4 * words::tile * std::max<std::size_t>(4 * count, 1024), 0, most_, "tiles");
-        grow(out_, out_bytes(), 0, most_, "answers");
-        if (answer_.bytes() < out_bytes()) make_answer_buffer();
+        grow(out_, out_bytes(), 0, most_, "results");
+        if (readback_.bytes() < out_bytes()) make_readback_buffer();
 
         clock_.start();
         glNamedBufferSubData(rows_.name(), 0, static_cast<GLsizeiptr>(count * sizeof(GpuRow)), gpu_rows_.data());
@@ -254,7 +254,7 @@ private:
         run(test_, for_tiles);
         if (keep) run(scatter_, for_tiles);
         glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-        glCopyNamedBufferSubData(out_.name(), answer_.name(), 0, 0, static_cast<GLsizeiptr>(out_bytes()));
+        glCopyNamedBufferSubData(out_.name(), readback_.name(), 0, 0, static_cast<GLsizeiptr>(out_bytes()));
         clock_.stop();
         glMemoryBarrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
         if (fence_) glDeleteSync(fence_);
@@ -273,14 +273,14 @@ private:
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     }
 
-    void make_answer_buffer()
+    void make_readback_buffer()
     {
         constexpr GLbitfield flags = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
-        answer_ = Buffer(std::bit_ceil(out_bytes()), flags);
-        answer_data_ = static_cast<const std::byte*>(
-            glMapNamedBufferRange(answer_.name(), 0, static_cast<GLsizeiptr>(answer_.bytes()), flags));
-        if (!answer_data_)
-            context_.check("the mapping of answers"), throw GpuLost("gl-compute: answers cannot be mapped");
+        readback_ = Buffer(std::bit_ceil(out_bytes()), flags);
+        readback_data_ = static_cast<const std::byte*>(
+            glMapNamedBufferRange(readback_.name(), 0, static_cast<GLsizeiptr>(readback_.bytes()), flags));
+        if (!readback_data_)
+            context_.check("the mapping of results"), throw GpuLost("gl-compute: results cannot be mapped");
     }
 
     /// Waits for the batch. False: a buffer was too small, and is larger now.
@@ -290,7 +290,7 @@ private:
         context_.check("a batch of octant tests");
         work_.gpu_ms += clock_.ms();
         std::uint32_t header[words::header];
-        std::memcpy(header, answer_data_, sizeof header);
+        std::memcpy(header, readback_data_, sizeof header);
         const std::size_t tiles = header[0], entries = header[1], tile_bytes = 4 * words::tile;
         if (tiles > tiles_.bytes() / tile_bytes) {
             grow(tiles_, tiles * tile_bytes, 0, most_, "tiles");
@@ -301,7 +301,7 @@ private:
             return false;
         }
         lists_.commit(entries);
-        masks_ = reinterpret_cast<const std::uint8_t*>(answer_data_) + sizeof header;
+        masks_ = reinterpret_cast<const std::uint8_t*>(readback_data_) + sizeof header;
         return true;
     }
 
@@ -310,18 +310,18 @@ private:
     PrimitiveStore primitives_;
     ListStore lists_;
     Program plan_, test_, scatter_;
-    Buffer rows_, cursors_, tiles_, out_, answer_;
-    const std::byte* answer_data_ = nullptr; ///< answer_, mapped for good
+    Buffer rows_, cursors_, tiles_, out_, readback_;
+    const std::byte* readback_data_ = nullptr; ///< readback_, mapped for good
     GLsync fence_ = nullptr;
     BatchClock clock_;
 
     std::vector<std::optional<Tree>> trees_;
     std::vector<std::uint32_t> place_in_tree_;   ///< by list: where it is in Tree::lists
     std::unique_ptr<OcclusionBackend> oversize_; ///< has the surfaces that do not fit
-    std::span<const OctantRow> asked_;
+    std::span<const OctantRow> requested_;
     std::vector<GpuRow> gpu_rows_;
     std::vector<OctantRow> oversize_rows_;
-    std::vector<OctantAnswer> answers_, oversize_answers_;
+    std::vector<OctantResult> results_, oversize_results_;
     const std::uint8_t* masks_ = nullptr; ///< by GPU row
     BatchWork work_;
 };

@@ -1,4 +1,4 @@
-// The paper's way to find the octants that a surface enters: make the octant the view volume, draw the mesh, and ask
+// The paper's way to find the octants that a surface enters: make the octant the view volume, draw the mesh, and query
 // the GPU whether any fragment came out.
 //
 //        camera      near          far          The camera stands one box length outside the octant and looks along
@@ -76,10 +76,10 @@ public:
     /// A fragment is the centre of a pixel within the triangle, clipped to the view volume and its corners snapped to
     /// at most 1/16 of a pixel (GL_SUBPIXEL_BITS is at least 4). So the triangle has a point within the volume's depth
     /// and 1/16 pixel beside that centre. Pixel centres lie half a texel inside the plain volume: that point is in the
-    /// octant, but for the rounding of float, which false_reach() covers. The inflated volume is half a texel deeper on
+    /// octant, but for the rounding of float, which test_error() covers. The inflated volume is half a texel deeper on
     /// either side, and its outermost pixel centres are just inside the octant: at most 1.02 times half a texel. Half a
     /// texel more allows for hardware that clips by a depth interpolated at the pixel's centre.
-    double reach(double half) const override { return (options_.inflated ? 2 : 1) * half / options_.viewport; }
+    double error(double half) const override { return (options_.inflated ? 2 : 1) * half / options_.viewport; }
 
     void attach(std::uint32_t tree, Surface surface) override
     {
@@ -106,16 +106,16 @@ public:
         // Half a texel of an octant is this part of its cell.
         const float inflation = options_.inflated ? 0.5f / static_cast<float>(options_.viewport) : 0.0f;
         surfaces_.find(rows, {.boxes = true, .inflation = inflation, .all = options_.draw == Draw::inherited}, threads);
-        answer_without_queries();
+        settle_without_queries();
         if (open_.empty()) return;
         clock_.start();
         issue();
         glFlush();
     }
 
-    BatchWork collect(std::span<OctantAnswer> answers) override
+    BatchWork collect(std::span<OctantResult> results) override
     {
-        ONCOLLIDE_ASSERT(answers.size() == answers_.size());
+        ONCOLLIDE_ASSERT(results.size() == results_.size());
         context_.use();
         if (!open_.empty()) {
             do read_back();
@@ -124,7 +124,7 @@ public:
             work_.gpu_ms = clock_.ms();
         }
         context_.check("a batch of occlusion queries");
-        std::copy(answers_.begin(), answers_.end(), answers.begin());
+        std::copy(results_.begin(), results_.end(), results.begin());
         return work_;
     }
 
@@ -143,30 +143,30 @@ public:
     }
 
 private:
-    struct Question { ///< an octant that no fragment was seen of yet
+    struct OpenOctant { ///< an octant that no fragment was seen of yet
         std::uint32_t row;
         unsigned octant;
     };
 
     /// Lists, insides of solid shapes, and maps, whose boxes are solid: a query would see their faces alone. All other
-    /// octants are asked for.
-    void answer_without_queries()
+    /// octants are tested.
+    void settle_without_queries()
     {
-        open_.clear(), answers_.resize(rows_.size());
+        open_.clear(), results_.resize(rows_.size());
         for (std::uint32_t i = 0; i < rows_.size(); ++i) {
             const OctantRow& row = rows_[i];
             const bool boxes = surfaces_.surface(row.tree).boxes;
-            answers_[i].grey = boxes ? surfaces_.entered(i) : surfaces_.inside(i);
-            answers_[i].list = row.keep_list ? surfaces_.keep(row.tree, i) : all_triangles;
+            results_[i].grey = boxes ? surfaces_.entered(i) : surfaces_.inside(i);
+            results_[i].list = row.keep_list ? surfaces_.keep(row.tree, i) : all_triangles;
             for (unsigned k = 0; k < 8 && !boxes; ++k)
                 if (!seen({i, k})) open_.push_back({i, k});
         }
     }
 
-    bool seen(const Question& q) const { return answers_[q.row].grey >> q.octant & 1; }
+    bool seen(const OpenOctant& q) const { return results_[q.row].grey >> q.octant & 1; }
 
-    /// The open questions that are in flight together.
-    std::span<const Question> in_flight() const
+    /// The open octants that are in flight together.
+    std::span<const OpenOctant> in_flight() const
     {
         return std::span(open_).subspan(begin_, std::min(most_in_flight, open_.size() - begin_));
     }
@@ -175,11 +175,11 @@ private:
     {
         if (options_.draw == Draw::inherited) stream_triangles();
         queries_.look_along(axis_);
-        const auto questions = in_flight();
-        for (std::size_t i = 0; i < questions.size(); ++i) {
-            const OctantRow& row = rows_[questions[i].row];
-            const CellKey octant = child_cell(row.cell, questions[i].octant);
-            queries_.ask(i, octant_cell(surfaces_.surface(row.tree).root, octant), [&] {
+        const auto octants = in_flight();
+        for (std::size_t i = 0; i < octants.size(); ++i) {
+            const OctantRow& row = rows_[octants[i].row];
+            const CellKey octant = child_cell(row.cell, octants[i].octant);
+            queries_.issue(i, octant_cell(surfaces_.surface(row.tree).root, octant), [&] {
                 const gl::QueryMesh& mesh = *meshes_[row.tree];
                 if (options_.draw == Draw::mesh)
                     mesh.draw();
@@ -187,14 +187,14 @@ private:
                     stream_.draw(mesh, i);
             });
         }
-        work_.queries += questions.size();
+        work_.queries += octants.size();
     }
 
     /// The triangles whose boxes meet each octant in flight.
     void stream_triangles()
     {
         stream_.clear();
-        for (const Question& q : in_flight())
+        for (const OpenOctant& q : in_flight())
             stream_.add(*meshes_[rows_[q.row].tree], surfaces_.triangles(q.row, q.octant));
         work_.bytes += stream_.upload();
     }
@@ -202,20 +202,20 @@ private:
     void read_back()
     {
         const auto from = std::chrono::steady_clock::now();
-        const auto questions = in_flight();
-        const std::span<const GLuint> samples = queries_.read(questions.size());
-        for (std::size_t i = 0; i < questions.size(); ++i)
-            answers_[questions[i].row].grey |= static_cast<std::uint8_t>((samples[i] != 0) << questions[i].octant);
+        const auto octants = in_flight();
+        const std::span<const GLuint> samples = queries_.read(octants.size());
+        for (std::size_t i = 0; i < octants.size(); ++i)
+            results_[octants[i].row].grey |= static_cast<std::uint8_t>((samples[i] != 0) << octants[i].octant);
         work_.bytes += samples.size_bytes();
         work_.wait_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - from).count();
     }
 
-    /// The next questions along this axis, or else along the next one those that showed nothing. False: all is asked.
+    /// The next octants along this axis, or else along the next one those that showed nothing. False: none is left.
     bool issue_next()
     {
         begin_ += in_flight().size();
         if (begin_ == open_.size()) {
-            std::erase_if(open_, [&](const Question& q) { return seen(q); });
+            std::erase_if(open_, [&](const OpenOctant& q) { return seen(q); });
             begin_ = 0;
             if (++axis_ == 3 || open_.empty()) return false;
         }
@@ -234,8 +234,8 @@ private:
 
     // The batch under way.
     std::span<const OctantRow> rows_;
-    std::vector<OctantAnswer> answers_;
-    std::vector<Question> open_;
+    std::vector<OctantResult> results_;
+    std::vector<OpenOctant> open_;
     std::size_t begin_ = 0; ///< of those in flight, within open_
     int axis_ = 0;
     BatchWork work_;

@@ -17,7 +17,7 @@ struct GpuDevice {
 /// Throws Error{no_gpu} naming the missing library or extension.
 std::vector<GpuDevice> gpu_devices();
 
-/// What answers once a device is opened.
+/// What an opened device is.
 struct GpuInfo {
     std::string renderer, vendor, version; ///< GL_RENDERER, GL_VENDOR, GL_VERSION
     std::string platform;
@@ -29,19 +29,19 @@ struct GpuInfo {
 /// Throws Error{no_gpu} that says which step failed.
 GpuInfo describe_gpu(int gpu);
 
-/// Separating axes in a compute shader: the answers of the cpu backend, bit for bit. Triangle lists stay on the GPU.
+/// Separating axes in a compute shader: the results of the cpu backend, bit for bit. Triangle lists stay on the GPU.
 /// The backend belongs to the thread that made it.
 struct GlComputeOptions {
     int gpu = -1;
     /// Most that one buffer may hold (bytes); 0: what the driver allows, at most 2 GiB. A mesh that does not fit is
-    /// answered by the cpu backend; triangle lists that do not fit are a GpuLost.
+    /// left to the cpu backend; triangle lists that do not fit are a GpuLost.
     std::size_t most_buffer_bytes = 0;
     std::size_t first_entries = 1 << 16; ///< room for list entries at the start; it grows
 };
 std::unique_ptr<OcclusionBackend> make_gl_compute_backend(const GlComputeOptions& options = {});
 
 /// The method of the paper, for reference: is any fragment drawn when the cell is the view volume? Not conservative:
-/// triangles seen edge-on or smaller than a pixel leave no fragment. reach() allows for grey octants without surface,
+/// triangles seen edge-on or smaller than a pixel leave no fragment. error() allows for grey octants without surface,
 /// nothing allows for those that it misses.
 /// Source: Franquesa-Niubó and Rodríguez González, GRAPP 2006, section 4.
 struct GlQueryOptions {

@@ -50,7 +50,7 @@ public:
     void look_along(int axis);
     /// Query number i, below most_in_flight: does draw() leave a fragment in the octant?
     template <class Draw>
-    void ask(std::size_t i, const OctantCell& octant, Draw draw)
+    void issue(std::size_t i, const OctantCell& octant, Draw draw)
     {
         look_at(octant);
         glBeginQuery(target_, queries_[i]);

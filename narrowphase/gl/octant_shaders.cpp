@@ -58,7 +58,7 @@ void main()
 }
 )";
 
-// The arithmetic is that of octant_kernel.cpp, operation by operation, and `precise` forbids to fuse it: so the answers
+// The arithmetic is that of octant_kernel.cpp, operation by operation, and `precise` forbids to fuse it: so the results
 // are the same bits. There a lane is an octant. Here a lane is a tile, and use is made of the symmetry of the octants:
 // along the cross product of an edge and an axis their centres project to d, t, -t and -d only.
 constexpr const char* test_main = R"(

@@ -162,7 +162,7 @@ void Painter::Tools::begin(const Picture& picture, const Canvas& canvas)
     glDepthMask(GL_TRUE);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     glEnable(GL_DEPTH_TEST);
-    // A ball's outline is inside its square: it is smooth only if each sample asks for itself.
+    // A ball's outline is inside its square: it is smooth only if each sample is shaded by itself.
     glEnable(GL_SAMPLE_SHADING);
     glMinSampleShading(1);
 }

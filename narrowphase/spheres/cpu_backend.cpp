@@ -13,25 +13,25 @@ namespace {
 class CpuBackend final : public OcclusionBackend {
 public:
     std::string name() const override { return fmt::format("cpu ({})", name_of(instruction_set())); }
-    double reach(double) const override { return 0; }
+    double error(double) const override { return 0; }
 
     void attach(std::uint32_t tree, Surface surface) override { surfaces_.attach(tree, std::move(surface)); }
     bool attached(std::uint32_t tree) const override { return surfaces_.attached(tree); }
     void detach(std::uint32_t tree) override { surfaces_.detach(tree); }
 
-    /// Answers at once: there is nobody else to do the work.
+    /// Tests at once: nothing else could do the work meanwhile.
     void submit(std::span<const OctantRow> rows, int threads) override
     {
         surfaces_.find(rows, {}, threads);
-        answers_.resize(rows.size());
+        results_.resize(rows.size());
         // In the order of the rows, so that threads leave no trace in the lists.
-        for (std::size_t i = 0; i < rows.size(); ++i) answers_[i] = answer(rows[i], i);
+        for (std::size_t i = 0; i < rows.size(); ++i) results_[i] = find(rows[i], i);
     }
 
-    BatchWork collect(std::span<OctantAnswer> answers) override
+    BatchWork collect(std::span<OctantResult> results) override
     {
-        ONCOLLIDE_ASSERT(answers.size() == answers_.size());
-        std::copy(answers_.begin(), answers_.end(), answers.begin());
+        ONCOLLIDE_ASSERT(results.size() == results_.size());
+        std::copy(results_.begin(), results_.end(), results.begin());
         return {};
     }
 
@@ -44,14 +44,14 @@ public:
     std::size_t bytes() const override { return surfaces_.bytes(); }
 
 private:
-    OctantAnswer answer(const OctantRow& row, std::size_t i)
+    OctantResult find(const OctantRow& row, std::size_t i)
     {
         const auto grey = static_cast<std::uint8_t>(surfaces_.entered(i) | surfaces_.inside(i));
         return {grey, row.keep_list ? surfaces_.keep(row.tree, i) : all_triangles};
     }
 
     ListedSurfaces surfaces_;
-    std::vector<OctantAnswer> answers_;
+    std::vector<OctantResult> results_;
 };
 
 } // namespace

@@ -10,7 +10,7 @@
 namespace oncollide {
 
 /// The surfaces of trees with the triangle lists of their cells, in main memory, and the octant test that fills them.
-/// For backends that answer, or choose what to draw, on the CPU.
+/// For backends that test octants, or choose what to draw, on the CPU.
 class ListedSurfaces {
 public:
     void attach(std::uint32_t tree, Surface surface);

@@ -16,20 +16,20 @@ namespace oncollide {
 enum class ListId : std::uint32_t {};
 constexpr ListId all_triangles{std::numeric_limits<std::uint32_t>::max()}; ///< the whole surface: the root's list
 
-/// One question: which of the eight octants of this cell does the surface enter?
+/// A query: which of the eight octants of this cell does the surface enter?
 struct OctantRow {
     std::uint32_t tree; ///< a surface given to attach()
     CellKey cell;
-    ListId list;    ///< the parent's answer, or all_triangles for the root
-    bool keep_list; ///< the triangles will be asked for again, by deeper cells
+    ListId list;    ///< of the parent's result, or all_triangles for the root
+    bool keep_list; ///< the triangles will be needed again, by deeper cells
 };
 
-struct OctantAnswer {
+struct OctantResult {
     std::uint8_t grey = 0;       ///< bit k: octant k
     ListId list = all_triangles; ///< the cell's triangles, when kept
 };
 
-/// The triangles of one octant of a cell that was answered.
+/// The triangles of one octant of a tested cell.
 struct ListRead {
     std::uint32_t tree;
     ListId list;
@@ -51,9 +51,9 @@ public:
     explicit GpuLost(const std::string& message) : Error(ErrorKind::no_gpu, message) {}
 };
 
-/// Who answers. The one rule: *never clear the bit of an octant that the surface enters; a set bit may be false*, and
-/// then the surface is no farther from the octant than RootCell::false_reach() plus reach(). Answers depend on the rows
-/// alone, not on their order or number, nor on what was asked before.
+/// Who results. The one rule: *never clear the bit of an octant that the surface enters; a set bit may be false*, and
+/// then the surface is no farther from the octant than RootCell::test_error() plus error(). Results depend on the rows
+/// alone, not on their order or number, nor on earlier batches.
 ///
 /// Any call may throw GpuLost; the backend is of no use after that.
 class OcclusionBackend {
@@ -63,8 +63,8 @@ public:
     virtual std::string name() const = 0;
     /// GL_RENDERER; empty on the CPU.
     virtual std::string renderer() const { return {}; }
-    /// What a grey octant may be wrong by beyond RootCell::false_reach() (m), for cells of half-extent `half`.
-    virtual double reach(double half) const = 0;
+    /// What a grey octant may be wrong by beyond RootCell::test_error() (m), for cells of half-extent `half`.
+    virtual double error(double half) const = 0;
 
     /// Gives the surface of a tree before its first row.
     virtual void attach(std::uint32_t tree, Surface surface) = 0;
@@ -75,13 +75,13 @@ public:
     /// Starts a batch: one a round, for all pairs and all trees. `rows` stay as they are until collect(), and no other
     /// call comes in between: the caller has other work to do meanwhile.
     virtual void submit(std::span<const OctantRow> rows, int threads) = 0;
-    /// Waits for the batch: answers[i] for rows[i].
-    virtual BatchWork collect(std::span<OctantAnswer> answers) = 0;
+    /// Waits for the batch: results[i] for rows[i].
+    virtual BatchWork collect(std::span<OctantResult> results) = 0;
     /// Both in one.
-    BatchWork ask(std::span<const OctantRow> rows, int threads, std::span<OctantAnswer> answers)
+    BatchWork run(std::span<const OctantRow> rows, int threads, std::span<OctantResult> results)
     {
         submit(rows, threads);
-        return collect(answers);
+        return collect(results);
     }
 
     /// The cell of that list was dropped.

@@ -37,7 +37,7 @@ double Ocst::radius(int level) const
 void Ocst::admit_backend(const OcclusionBackend& backend)
 {
     for (int level = 0; level <= deepest_level; ++level) {
-        const double error = root_.false_reach() + covering_error_ + backend.reach(std::ldexp(root_.scale, -level));
+        const double error = root_.test_error() + covering_error_ + backend.error(std::ldexp(root_.scale, -level));
         errors_[static_cast<std::size_t>(level)] = std::max(errors_[static_cast<std::size_t>(level)], error);
     }
 }
@@ -109,18 +109,18 @@ std::uint32_t Ocst::add_block(unsigned count)
     return block;
 }
 
-void Ocst::expand(CellKey cell, const OctantAnswer& answer, std::uint32_t frame)
+void Ocst::expand(CellKey cell, const OctantResult& result, std::uint32_t frame)
 {
     const std::uint32_t node = find(cell);
     ONCOLLIDE_ASSERT(!nodes_[node].expanded());
-    const auto children = static_cast<unsigned>(std::popcount(answer.grey));
+    const auto children = static_cast<unsigned>(std::popcount(result.grey));
     const bool stored = level_of(cell) + 1 < depth_ && children > 0;
     const std::uint32_t first = stored ? add_block(children) : 0; // may move nodes_
-    nodes_[node] = {first, expanded_state(answer.grey, frame)};
-    lists_[node] = answer.list;
+    nodes_[node] = {first, expanded_state(result.grey, frame)};
+    lists_[node] = result.list;
 }
 
-void Ocst::ask_lists_again(std::uint32_t tree, OcclusionBackend& backend, int threads)
+void Ocst::rebuild_lists(std::uint32_t tree, OcclusionBackend& backend, int threads)
 {
     struct Place {
         std::uint32_t node;
@@ -129,21 +129,21 @@ void Ocst::ask_lists_again(std::uint32_t tree, OcclusionBackend& backend, int th
     };
     std::vector<Place> level{{0, root_cell, all_triangles}}, next;
     std::vector<OctantRow> rows;
-    std::vector<OctantAnswer> answers;
+    std::vector<OctantResult> results;
     while (!level.empty()) {
         std::erase_if(level, [&](const Place& p) { return !nodes_[p.node].expanded(); });
         rows.clear(), next.clear();
         for (const Place& p : level) rows.push_back({tree, p.cell, p.parent, level_of(p.cell) + 1 < depth_});
-        answers.resize(rows.size());
-        backend.ask(rows, threads, answers);
+        results.resize(rows.size());
+        backend.run(rows, threads, results);
         for (std::size_t i = 0; i < level.size(); ++i) {
             const OcstNode& n = nodes_[level[i].node];
-            lists_[level[i].node] = answers[i].list;
+            lists_[level[i].node] = results[i].list;
             if (level_of(level[i].cell) + 1 < depth_)
                 for (unsigned k = 0; k < 8; ++k)
                     if (n.grey() >> k & 1)
                         next.push_back(
-                            {n.first_child + rank(n.grey(), k), child_cell(level[i].cell, k), answers[i].list});
+                            {n.first_child + rank(n.grey(), k), child_cell(level[i].cell, k), results[i].list});
         }
         level.swap(next);
     }

@@ -12,7 +12,7 @@
 namespace oncollide {
 
 /// The sphere-tree of one geometry, built while collisions are detected ("on-collide"): a cell is expanded only when a
-/// test reaches it, by asking a backend which of its octants are grey.
+/// test reaches it, when a backend finds which of its octants are grey.
 ///
 /// Cells of level `depth` are the leaves. They are not stored: their parent's grey mask says which exist. All cells of
 /// level l share one half-extent and one sphere radius, root radius / 2^l.
@@ -31,13 +31,13 @@ public:
     /// Cells may come from `backend` from now on. Those that came from others stay: the errors are the largest.
     void admit_backend(const OcclusionBackend& backend);
 
-    /// What a backend is asked to expand `cell`: finds its parent's list. The cell must be stored and not
-    /// expanded. The triangles of the last stored level are not kept: nothing below it asks for them.
+    /// The request to expand `cell`: finds its parent's list. The cell must be stored and not
+    /// expanded. The triangles of the last stored level are not kept: nothing below it needs them.
     OctantRow row(std::uint32_t tree, CellKey cell) const;
-    /// Stores the answer for `cell` and stamps it.
-    void expand(CellKey cell, const OctantAnswer& answer, std::uint32_t frame);
-    /// Asks `backend` for the lists of all cells again, after those of another were lost. Masks stay.
-    void ask_lists_again(std::uint32_t tree, OcclusionBackend& backend, int threads);
+    /// Stores the result for `cell` and stamps it.
+    void expand(CellKey cell, const OctantResult& result, std::uint32_t frame);
+    /// Has `backend` make the lists of all cells again, after those of another were lost. Masks stay.
+    void rebuild_lists(std::uint32_t tree, OcclusionBackend& backend, int threads);
     /// Drops the children of every expanded cell that no test has reached for `age` frames, releasing lists.
     /// Returns how many stored cells went.
     std::uint64_t collapse(std::uint32_t frame, std::uint32_t age, std::uint32_t tree, OcclusionBackend& backend);

@@ -19,7 +19,7 @@ struct RootCell {
     double slack() const { return scale * 0x1p-18; }
     /// A grey cell has surface no farther from it than this. Octants grow by slack, every axis of the test is rounded
     /// by less than slack again, and the worst corner of a box against a triangle multiplies that by at most sqrt 3.
-    double false_reach() const { return 4 * slack(); }
+    double test_error() const { return 4 * slack(); }
 };
 
 /// The root cell around a geometry with these bounds.

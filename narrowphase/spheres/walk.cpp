@@ -76,10 +76,10 @@ double make_plan(const WalkPair& pair, std::uint32_t frame, WalkPlan& plan)
     for (Descent down(a, b); !down.done();) {
         bool open_a, open_b;
         down.next(open_a, open_b);
-        const double reach = down.ra + down.rb + pair.clearance + rounding;
+        const double cutoff = down.ra + down.rb + pair.clearance + rounding;
         plan.steps[plan.count++] = {open_a ? static_cast<float>(std::ldexp(1.0, -down.level_a)) : 0.0f,
                                     open_b ? static_cast<float>(std::ldexp(1.0, -down.level_b)) : 0.0f,
-                                    static_cast<float>(reach * reach * (1 + 0x1p-20) + tiny2)};
+                                    static_cast<float>(cutoff * cutoff * (1 + 0x1p-20) + tiny2)};
     }
     return rounding;
 }
@@ -93,8 +93,7 @@ double upper_bound(const WalkPair& pair, int steps, double rounding)
         down.next(open_a, open_b);
     }
     const double spheres = 2 * (down.ra + down.rb) + pair.clearance + 2 * rounding;
-    return spheres * (1 + 0x1p-19) + pair.a->error(down.level_a) + pair.b->error(down.level_b) +
-           2 * std::sqrt(tiny2);
+    return spheres * (1 + 0x1p-19) + pair.a->error(down.level_a) + pair.b->error(down.level_b) + 2 * std::sqrt(tiny2);
 }
 
 double lower_bound(const WalkPair& pair, const WalkPlan& plan, const WalkState& state, double rounding)
@@ -131,8 +130,8 @@ void Walker::park(const WalkEntry* entries, std::size_t count)
     parked_used_ += count;
 }
 
-WalkResult Walker::run(const WalkPair& pair, const WalkPlan& plan, double rounding,
-                       std::uint32_t top, double lower_so_far, std::uint32_t patience, bool give_up, ParkedWork& parked)
+WalkResult Walker::run(const WalkPair& pair, const WalkPlan& plan, double rounding, std::uint32_t top,
+                       double lower_so_far, std::uint32_t patience, bool give_up, ParkedWork& parked)
 {
     if (aside_.size() < patience) aside_.resize(patience);
     WalkState state{};
@@ -172,9 +171,9 @@ WalkResult Walker::start(const WalkPair& pair, std::uint32_t frame, ParkedWork& 
     const double rounding = make_plan(pair, frame, plan);
     parked = {parked_used_, 0, 0};
 
-    const double root_reach = pair.a->radius(0) + pair.b->radius(0) + pair.clearance + rounding;
+    const double root_cutoff = pair.a->radius(0) + pair.b->radius(0) + pair.clearance + rounding;
     const double x = plan.d[0], y = plan.d[1], z = plan.d[2], apart2 = x * x + y * y + z * z;
-    if (apart2 > root_reach * root_reach)
+    if (apart2 > root_cutoff * root_cutoff)
         return {WalkStatus::separate,
                 std::max(std::sqrt(apart2) - pair.a->radius(0) - pair.b->radius(0) - rounding, pair.clearance),
                 {}};
@@ -182,11 +181,12 @@ WalkResult Walker::start(const WalkPair& pair, std::uint32_t frame, ParkedWork& 
         return {WalkStatus::touching, upper_bound(pair, plan.count, rounding), pair.hint};
 
     stack_[0] = {0, 0, {plan.d[0], plan.d[1], plan.d[2]}, 0, root_cell, root_cell};
-    return run(pair, plan, rounding, 1, std::numeric_limits<double>::infinity(), patience_in(0, plan.count),
-               false, parked);
+    return run(pair, plan, rounding, 1, std::numeric_limits<double>::infinity(), patience_in(0, plan.count), false,
+               parked);
 }
 
-WalkResult Walker::resume(const WalkPair& pair, std::uint32_t frame, const Walker& from, const WalkResult& so_far, int round, bool give_up, ParkedWork& parked)
+WalkResult Walker::resume(const WalkPair& pair, std::uint32_t frame, const Walker& from, const WalkResult& so_far,
+                          int round, bool give_up, ParkedWork& parked)
 {
     WalkPlan plan;
     const double rounding = make_plan(pair, frame, plan);

@@ -58,13 +58,13 @@ struct CellRequest {
 /// A walk goes down both trees at once, the larger sphere first, both when they are of similar size, depth first and
 /// the closest pair first. Where it needs a cell that is not expanded it sets that pair of cells aside and goes on with
 /// the next, until it holds `patience` of them: then it parks, and what it set aside becomes requests. A small patience
-/// asks for little that a touching pair does not need, a large one keeps rounds few; patience_in() starts small and
+/// requests little that a touching pair does not need, a large one keeps rounds few; patience_in() starts small and
 /// doubles once a pair has had a round for each of its levels, so that the rounds of a frame depend on depth, not on
 /// the number of pairs.
 ///
 /// Bounds. With cells of radius rA, rB, errors eA, eB (Ocst::error), clearance c and rounding s, touching leaves mean
 /// distance <= |cA - cB| + rA + rB + eA + eB <= c + 2 (rA + rB) + eA + eB + 2 s: the same for every pair of leaves, so
-/// the answer does not depend on the order of the walk. If no leaves touch, the smallest |cA - cB| - rA - rB - s over
+/// the result does not depend on the order of the walk. If no leaves touch, the smallest |cA - cB| - rA - rB - s over
 /// the pairs that were cut is a lower bound.
 class Walker {
 public:
@@ -77,8 +77,8 @@ public:
     /// Goes on with work parked in `from` (another walker or round), given the last result.
     /// @param round    1 for the first resumption in a frame
     /// @param give_up  cells were refused: take what is not expanded as undecided instead of parking again
-    WalkResult resume(const WalkPair& pair, std::uint32_t frame, const Walker& from,
-                      const WalkResult& so_far, int round, bool give_up, ParkedWork& parked);
+    WalkResult resume(const WalkPair& pair, std::uint32_t frame, const Walker& from, const WalkResult& so_far,
+                      int round, bool give_up, ParkedWork& parked);
     /// Appends the cells that parked work waits for.
     void requests(const WalkPair& pair, const ParkedWork& parked, std::vector<CellRequest>& out) const;
 
@@ -88,8 +88,8 @@ public:
     void reset_counters() { node_pairs_ = 0; }
 
 private:
-    WalkResult run(const WalkPair& pair, const WalkPlan& plan, double rounding,
-                   std::uint32_t top, double lower_so_far, std::uint32_t patience, bool give_up, ParkedWork& parked);
+    WalkResult run(const WalkPair& pair, const WalkPlan& plan, double rounding, std::uint32_t top, double lower_so_far,
+                   std::uint32_t patience, bool give_up, ParkedWork& parked);
     void park(const WalkEntry* entries, std::size_t count);
 
     std::vector<WalkEntry> stack_, aside_, parked_; ///< parked_ is filled up to parked_used_

@@ -38,10 +38,10 @@ struct Near {
     unsigned mask; ///< lanes that touch and are grey
 };
 
-inline Near measure(F32x8 x, F32x8 y, F32x8 z, float reach2, I32x8 grey, F32x8& nearest2)
+inline Near measure(F32x8 x, F32x8 y, F32x8 z, float cutoff2, I32x8 grey, F32x8& nearest2)
 {
     Near near{x, y, z, x * x + y * y + z * z, 0};
-    const I32x8 touch = near.d2 <= splat(reach2);
+    const I32x8 touch = near.d2 <= splat(cutoff2);
     near.mask = bits(touch & grey);
     nearest2 = min(nearest2, (grey & ~touch) ? near.d2 : splat(__builtin_inff()));
     return near;
@@ -109,12 +109,12 @@ WalkEnd walk(const WalkPlan& plan, WalkState& s)
             store(child_x, x), store(child_y, y), store(child_z, z);
             for (unsigned rest = open_b ? grey_b : 1; rest; rest &= rest - 1) {
                 const auto j = static_cast<unsigned>(__builtin_ctz(rest));
-                if (take(measure(splat(child_x[j]) - oax, splat(child_y[j]) - oay, splat(child_z[j]) - oaz, step.reach2,
-                                 lanes, nearest2[e.step]),
+                if (take(measure(splat(child_x[j]) - oax, splat(child_y[j]) - oay, splat(child_z[j]) - oaz,
+                                 step.cutoff2, lanes, nearest2[e.step]),
                          true, j))
                     return WalkEnd::hit;
             }
-        } else if (take(measure(x, y, z, step.reach2, lanes, nearest2[e.step]), false, 0)) {
+        } else if (take(measure(x, y, z, step.cutoff2, lanes, nearest2[e.step]), false, 0)) {
             return WalkEnd::hit;
         }
         if (s.top > first_pushed) { // the closest pair next: deep contacts end the walk soonest
@@ -156,7 +156,7 @@ bool replay(const WalkPlan& plan, CellKey key_a, CellKey key_b)
         }
         x = x + plan.bx[ob] * step.scale_b, y = y + plan.by[ob] * step.scale_b, z = z + plan.bz[ob] * step.scale_b;
         x = x - plan.ax[oa] * step.scale_a, y = y - plan.ay[oa] * step.scale_a, z = z - plan.az[oa] * step.scale_a;
-        if (!(x * x + y * y + z * z <= step.reach2)) return false;
+        if (!(x * x + y * y + z * z <= step.cutoff2)) return false;
     }
     return true;
 }

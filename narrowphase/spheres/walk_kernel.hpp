@@ -12,7 +12,7 @@ constexpr int most_steps = 2 * deepest_level;
 /// What one step down does. All pairs of cells at step s have the same two levels.
 struct WalkStep {
     float scale_a, scale_b; ///< of the child offsets; 0: that side is not descended
-    float reach2;           ///< squared distance up to which the children's spheres touch, widened for rounding
+    float cutoff2;          ///< squared distance up to which the children's spheres touch, widened for rounding
 };
 
 /// Two trees at one relative pose, everything in A's frame.

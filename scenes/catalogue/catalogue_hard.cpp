@@ -173,7 +173,7 @@ void HardScene::terrain_and_soup()
     next_group();
 }
 
-/// Two touching cubes and two linked rings a thousand kilometres out: the answer must be that at the origin.
+/// Two touching cubes and two linked rings a thousand kilometres out: the result must be that at the origin.
 void HardScene::far_away()
 {
     const Eigen::Quaterniond upright(Eigen::AngleAxisd(2 * std::atan(1.0), Vector3d::UnitX()));

@@ -1,4 +1,4 @@
-// Scenes drawn by lot, for finding what nobody thought of: every kind of geometry, sizes over orders of magnitude, near
+// Scenes drawn by lot, to find what no one thought of: every kind of geometry, sizes over orders of magnitude, near
 // and far from the origin, static and moving, on layers.
 #include <cmath>
 

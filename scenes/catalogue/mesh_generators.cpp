@@ -8,8 +8,8 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include <oncollide/base/error.hpp>
 #include <Eigen/Geometry>
+#include <oncollide/base/error.hpp>
 
 #include <oncollide/base/random.hpp>
 #include <oncollide/scenes/model/surface_grid.hpp>

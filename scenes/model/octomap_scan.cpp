@@ -47,7 +47,8 @@ Header read_header(const MeshSource& source, bool binary)
         else if (keyword == "res" && parse(value, header.resolution))
             continue;
         else
-            source.fail(fmt::format("invalid header line {}; known are id, size, res, data", oncollide::quoted(text)), line);
+            source.fail(fmt::format("invalid header line {}; known are id, size, res, data", oncollide::quoted(text)),
+                        line);
     }
     if (header.id != "OcTree")
         source.fail(fmt::format("the tree's id is {}; only OcTree can be read", oncollide::quoted(header.id)));

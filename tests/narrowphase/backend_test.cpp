@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <bit>
 
-#include "octant_truth.hpp"
 #include "narrowphase/geometry_surface.hpp"
+#include "octant_truth.hpp"
 
 namespace oncollide {
 namespace {
@@ -28,7 +28,7 @@ TEST_P(EveryBackend, NeverClearsAnOctantThatTheSurfaceEntersNorKeepsOneFarFromIt
         grow(*backend_, c.mesh, 4, [&](const RootCell& root, CellKey cell, unsigned grey) {
             ++cells;
             lost += std::popcount(octants_entered(c.mesh, root, cell, 0) & ~grey);
-            far += std::popcount(grey & ~octants_entered(c.mesh, root, cell, root.false_reach()));
+            far += std::popcount(grey & ~octants_entered(c.mesh, root, cell, root.test_error()));
             return grey;
         });
         EXPECT_EQ(lost, 0) << c.name;
@@ -67,8 +67,8 @@ TEST_P(EveryBackend, FillsTheInsideOfSolidShapes)
     backend_->attach(0, make_surface(ball, root));
     CellKey inner = root_cell;
     for (unsigned octant : {0u, 7u, 7u}) inner = child_cell(inner, octant); // next to the centre
-    std::vector<OctantAnswer> answer(1);
-    backend_->ask(std::vector<OctantRow>{{0, inner, all_triangles, false}}, 1, answer);
+    std::vector<OctantResult> answer(1);
+    backend_->run(std::vector<OctantRow>{{0, inner, all_triangles, false}}, 1, answer);
     EXPECT_EQ(answer[0].grey, 0xff);
 }
 

@@ -28,7 +28,7 @@ public:
         std::vector<OctantRow> rows;
         for (CellKey cell : cells) rows.push_back(tree_.row(0, cell));
         answers_.resize(rows.size());
-        work_ = backend_->ask(rows, 1, answers_);
+        work_ = backend_->run(rows, 1, answers_);
         repeats_ += work_.repeats, gpu_bytes_ += work_.bytes;
         for (std::size_t i = 0; i < rows.size(); ++i) tree_.expand(cells[i], answers_[i], frame);
     }
@@ -94,7 +94,7 @@ private:
     int depth_;
     Ocst tree_;
     std::unique_ptr<OcclusionBackend> backend_;
-    std::vector<OctantAnswer> answers_;
+    std::vector<OctantResult> answers_;
     BatchWork work_;
     std::uint64_t repeats_ = 0, gpu_bytes_ = 0;
 };

@@ -6,8 +6,8 @@
 
 #include <oncollide/narrowphase/gl/gpu.hpp>
 
-#include "octant_truth.hpp"
 #include "narrowphase/geometry_surface.hpp"
+#include "octant_truth.hpp"
 
 namespace oncollide {
 namespace {
@@ -34,7 +34,7 @@ Score score(OcclusionBackend& backend, const Mesh& mesh, int depth)
         const double octant = std::ldexp(root.scale, -level_of(cell) - 1);
         if (grey & ~truth)
             score.far +=
-                std::popcount(grey & ~octants_entered(mesh, root, cell, root.false_reach() + backend.reach(octant)));
+                std::popcount(grey & ~octants_entered(mesh, root, cell, root.test_error() + backend.error(octant)));
         return truth;
     });
     return score;
@@ -135,8 +135,8 @@ Mesh squares_facing(int axis)
 std::pair<unsigned, std::uint64_t> ask_root(OcclusionBackend& backend, const Geometry& geometry)
 {
     backend.attach(0, make_surface(geometry, root_cell_of(geometry)));
-    std::vector<OctantAnswer> answer(1);
-    const BatchWork work = backend.ask(std::vector<OctantRow>{{0, root_cell, all_triangles, false}}, 1, answer);
+    std::vector<OctantResult> answer(1);
+    const BatchWork work = backend.run(std::vector<OctantRow>{{0, root_cell, all_triangles, false}}, 1, answer);
     return {answer[0].grey, work.queries};
 }
 
@@ -158,8 +158,8 @@ TEST(GlQuery, AsksThreeTimesInVainWhereNoSurfaceIs)
         backend->attach(0, make_surface(geometry, root_cell_of(geometry)));
         CellKey middle = root_cell;
         for (unsigned octant : {0u, 7u, 7u, 7u}) middle = child_cell(middle, octant);
-        std::vector<OctantAnswer> answer(1);
-        const BatchWork work = backend->ask(std::vector<OctantRow>{{0, middle, all_triangles, true}}, 1, answer);
+        std::vector<OctantResult> answer(1);
+        const BatchWork work = backend->run(std::vector<OctantRow>{{0, middle, all_triangles, true}}, 1, answer);
         EXPECT_EQ(answer[0].grey, 0);
         EXPECT_EQ(work.queries, 24u);
     }
@@ -189,14 +189,14 @@ TEST(GlQuery, AnswersABatchOfMoreQueriesThanAreInFlightLikeItsRows)
     const std::size_t cells = rows.size();
     while (rows.size() < 1200) rows.push_back(rows[rows.size() - cells]);
 
-    std::vector<OctantAnswer> answers(rows.size()), one(1);
-    const BatchWork work = backend->ask(rows, 2, answers);
+    std::vector<OctantResult> answers(rows.size()), one(1);
+    const BatchWork work = backend->run(rows, 2, answers);
     EXPECT_GT(work.queries, 2 * 4096u);
     EXPECT_LE(work.queries, 24 * rows.size());
     EXPECT_GT(work.bytes, 0u);
     EXPECT_GT(work.wait_ms, 0);
     for (std::size_t i = 0; i < rows.size(); ++i) {
-        if (i < cells) backend->ask(std::span(rows).subspan(i, 1), 1, one);
+        if (i < cells) backend->run(std::span(rows).subspan(i, 1), 1, one);
         EXPECT_EQ(answers[i].grey, i < cells ? one[0].grey : answers[i - cells].grey) << i;
     }
 }
@@ -238,8 +238,8 @@ TEST(GlQuery, FillsTheInsideOfSolidShapes)
     backend->attach(0, make_surface(ball, root));
     CellKey inner = root_cell;
     for (unsigned octant : {0u, 7u, 7u}) inner = child_cell(inner, octant); // next to the centre
-    std::vector<OctantAnswer> answer(1);
-    const BatchWork work = backend->ask(std::vector<OctantRow>{{0, inner, all_triangles, false}}, 1, answer);
+    std::vector<OctantResult> answer(1);
+    const BatchWork work = backend->run(std::vector<OctantRow>{{0, inner, all_triangles, false}}, 1, answer);
     EXPECT_EQ(answer[0].grey, 0xff);
     EXPECT_EQ(work.queries, 0u) << "nothing is left to ask";
 }

@@ -1,8 +1,8 @@
 // What a whole tree says about a surface, judged by code that shares nothing with the trees.
 #include <gtest/gtest.h>
 
-#include "octant_truth.hpp"
 #include "narrowphase/geometry_surface.hpp"
+#include "octant_truth.hpp"
 #include "spheres/box_levels.hpp"
 #include "spheres/level_quality.hpp"
 
@@ -23,8 +23,8 @@ struct WholeTree {
         for (int l = 0; l < depth; ++l) {
             std::vector<OctantRow> rows;
             for (const CellKey cell : levels.back()) rows.push_back(tree.row(0, cell));
-            std::vector<OctantAnswer> answers(rows.size());
-            backend->ask(rows, 1, answers);
+            std::vector<OctantResult> answers(rows.size());
+            backend->run(rows, 1, answers);
             for (std::size_t i = 0; i < rows.size(); ++i) tree.expand(rows[i].cell, answers[i], 1);
             levels.emplace_back();
             tree.for_each_cell([&](CellKey cell, bool) {

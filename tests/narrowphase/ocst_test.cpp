@@ -33,8 +33,8 @@ protected:
     void expand(Ocst& tree, CellKey cell, std::uint32_t frame)
     {
         const OctantRow row = tree.row(0, cell);
-        OctantAnswer answer;
-        backend_->ask({&row, 1}, 1, {&answer, 1});
+        OctantResult answer;
+        backend_->run({&row, 1}, 1, {&answer, 1});
         tree.expand(cell, answer, frame);
     }
     /// The root's first grey octant.

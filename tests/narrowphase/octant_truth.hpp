@@ -112,8 +112,8 @@ Ocst grow(OcclusionBackend& backend, const Mesh& mesh, int depth, Visit visit)
     while (!level.empty()) {
         std::vector<OctantRow> rows;
         for (CellKey cell : level) rows.push_back(tree.row(0, cell));
-        std::vector<OctantAnswer> answers(rows.size());
-        backend.ask(rows, 2, answers);
+        std::vector<OctantResult> answers(rows.size());
+        backend.run(rows, 2, answers);
         std::vector<CellKey> next;
         for (std::size_t i = 0; i < rows.size(); ++i) {
             const unsigned follow = visit(root, level[i], unsigned(answers[i].grey));

@@ -18,12 +18,12 @@ class DyingBackend final : public OcclusionBackend {
 public:
     explicit DyingBackend(int calls) : left_(calls) {}
     std::string name() const override { return "dying"; }
-    double reach(double half) const override { return cpu_->reach(half); }
+    double error(double half) const override { return cpu_->error(half); }
     void attach(std::uint32_t tree, Surface surface) override { count(), cpu_->attach(tree, std::move(surface)); }
     bool attached(std::uint32_t tree) const override { return cpu_->attached(tree); }
     void detach(std::uint32_t tree) override { cpu_->detach(tree); }
     void submit(std::span<const OctantRow> rows, int threads) override { count(), cpu_->submit(rows, threads); }
-    BatchWork collect(std::span<OctantAnswer> answers) override { return count(), cpu_->collect(answers); }
+    BatchWork collect(std::span<OctantResult> answers) override { return count(), cpu_->collect(answers); }
     void release(std::uint32_t tree, ListId list) override { cpu_->release(tree, list); }
     void read(std::span<const ListRead> reads, std::vector<std::uint32_t>& triangles,
               std::vector<std::size_t>& ends) override

@@ -7,7 +7,6 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/boxes/traversal.hpp>
-#include <oncollide/narrowphase/boxes/traversal.hpp>
 #include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/pipeline/pipeline.hpp>

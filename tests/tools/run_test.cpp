@@ -139,9 +139,9 @@ TEST_F(CommandLine, WithoutAGpuABackendByNameIsAnErrorAndAutoSaysWhyOnce)
     EXPECT_NE(by_name.err.find("EGL"), std::string::npos) << by_name.err;
     const Outcome any = run({"run", "many", "--bodies", "10", "--frames", "3", "--backend", "auto"}, no_driver);
     EXPECT_EQ(any.code, 0);
-    const std::size_t note = any.err.find("auto: the CPU answers");
+    const std::size_t note = any.err.find("auto: the CPU was chosen");
     EXPECT_NE(note, std::string::npos) << any.err;
-    EXPECT_EQ(any.err.find("auto: the CPU answers", note + 1), std::string::npos) << "once";
+    EXPECT_EQ(any.err.find("auto: the CPU was chosen", note + 1), std::string::npos) << "once";
     expect_error(71, {"run", "city", "--backend", "gl-compute", "--gpu", "63"}, {"63", "doctor"});
 }
 

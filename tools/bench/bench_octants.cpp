@@ -72,7 +72,7 @@ public:
         rows_.clear();
         for (const auto& cell : cells) rows_.push_back(row(cell.key));
         answers_.resize(rows_.size());
-        const BatchWork work = backend_->ask(rows_, contender_.threads, answers_);
+        const BatchWork work = backend_->run(rows_, contender_.threads, answers_);
         for (std::size_t i = 0; i < cells.size(); ++i) {
             see(cells[i].truth, answers_[i].grey);
             answers_[i].grey = cells[i].truth;
@@ -96,9 +96,9 @@ public:
         double best = 1e300;
         for (int repeat = 0; repeat < repeats; ++repeat) {
             const Clock::time_point from = Clock::now();
-            backend_->ask(rows_, contender_.threads, answers_);
+            backend_->run(rows_, contender_.threads, answers_);
             best = std::min(best, milliseconds_since(from));
-            for (const OctantAnswer& answer : answers_)
+            for (const OctantResult& answer : answers_)
                 if (answer.list != all_triangles) backend_->release(0, answer.list);
         }
         return best;
@@ -117,7 +117,7 @@ private:
     std::optional<Ocst> tree_;
     int grown_ = 0; ///< levels
     std::vector<OctantRow> rows_;
-    std::vector<OctantAnswer> answers_;
+    std::vector<OctantResult> answers_;
 };
 
 class OctantBench {

@@ -144,11 +144,11 @@ private:
     {
         backend.attach(0, levels.surface());
         const std::vector<OctantRow> rows{{0, root_cell, all_triangles, false}};
-        std::vector<OctantAnswer> answers(1);
+        std::vector<OctantResult> answers(1);
         std::pair<double, BatchWork> best{1e300, {}};
         for (int repeat = 0; repeat < 10; ++repeat) {
             const Clock::time_point from = Clock::now();
-            const BatchWork work = backend.ask(rows, 1, answers);
+            const BatchWork work = backend.run(rows, 1, answers);
             const double ms = milliseconds_since(from);
             if (ms < best.first) best = {ms, work};
         }

@@ -59,8 +59,8 @@ OctantLevels::OctantLevels(const Mesh& mesh, int depth) : mesh_(mesh), root_(roo
     for (int level = 0; level < depth; ++level) {
         std::vector<OctantRow> rows;
         for (const Cell& cell : levels_.back()) rows.push_back(tree.row(0, cell.key));
-        std::vector<OctantAnswer> answers(rows.size());
-        backend->ask(rows, 1, answers);
+        std::vector<OctantResult> answers(rows.size());
+        backend->run(rows, 1, answers);
         std::vector<Cell> next;
         for (std::size_t i = 0; i < rows.size(); ++i) {
             Cell& cell = levels_.back()[i];

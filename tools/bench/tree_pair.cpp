@@ -10,10 +10,10 @@ TreePair::TreePair(const Scene& scene, const Settings& settings)
 {
 }
 
-PairAnswer TreePair::walk(const Eigen::Isometry3d& b)
+RefineResult TreePair::walk(const Eigen::Isometry3d& b)
 {
     const PairTask task{0, &a_, &b_, &pose_a_, &b};
-    PairAnswer answer{};
+    RefineResult answer{};
     context_.rounds.clear();
     refiner_.refine(context_, {&task, 1}, nullptr, {&answer, 1});
     return answer;

@@ -75,7 +75,7 @@ std::string describe(const Scene& scene, const Settings& settings, const PairRes
     switch (pair.verdict) {
     case Verdict::separate:
         if (pair.kind == ContactKind::touching)
-            return fmt::format("separate: {} touch without crossing, which is ignored as asked.", both);
+            return fmt::format("separate: {} touch without crossing, which is ignored by request.", both);
         if (const double gap = std::max(pair.bound, settings.clearance); gap > 0)
             return fmt::format("separate: {} are at least {:.6g} m apart (certified).", both, gap);
         return fmt::format("separate: {} do not meet (tested triangle by triangle).", both);
@@ -113,8 +113,7 @@ void write_contacts(const World& world, OutputFile& file)
     file.print("triangle_a,triangle_b,kind,x0,y0,z0,x1,y1,z1,normal_a_x,normal_a_y,normal_a_z,normal_b_x,normal_b_y,"
                "normal_b_z\n");
     for (const Contact& c : world.contacts(BodyId{0}, BodyId{1})) {
-        file.print("{},{},{}", c.triangle_a, c.triangle_b,
-                   name_of(c.kind));
+        file.print("{},{},{}", c.triangle_a, c.triangle_b, name_of(c.kind));
         for (const Eigen::Vector3d& v : {c.ends[0], c.ends[1], c.normal_a, c.normal_b})
             file.print(",{:.17g},{:.17g},{:.17g}", v.x(), v.y(), v.z());
         file.print("\n");
@@ -138,7 +137,8 @@ int check_pair(const CheckOptions& options)
 {
     Settings settings = settings_from(options.settings);
     if (options.distance && !(*options.distance >= 0))
-        throw Error(ErrorKind::usage, fmt::format("--distance: a tolerance of {}; must be 0 or more", *options.distance));
+        throw Error(ErrorKind::usage,
+                    fmt::format("--distance: a tolerance of {}; must be 0 or more", *options.distance));
     if (!options.contacts.empty() && settings.exact != ExactLevel::predicates)
         throw Error(ErrorKind::usage, "--contacts: needs --exact predicates");
     settings.contact_kinds = settings.exact == ExactLevel::predicates;
@@ -166,7 +166,8 @@ int check_pair(const CheckOptions& options)
             : frame.pairs.front();
     std::ostream& said = options.json == "-" ? std::cerr : std::cout;
     if (!options.quiet) said << describe(scene, settings, pair) << "\n";
-    if (!options.quiet && options.distance) said << describe_distance(scene, pipeline.world(), *options.distance) << "\n";
+    if (!options.quiet && options.distance)
+        said << describe_distance(scene, pipeline.world(), *options.distance) << "\n";
     if (!options.json.empty()) report.write_json(options.json);
     if (contacts) write_contacts(pipeline.world(), *contacts);
     return pair.verdict == Verdict::separate ? 0 : pair.verdict == Verdict::colliding ? 1 : 2;

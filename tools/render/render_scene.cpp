@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/narrowphase/model.hpp>
 #include <oncollide/base/error.hpp>
+#include <oncollide/narrowphase/model.hpp>
 
 namespace oncollide::tools {
 
@@ -69,12 +69,12 @@ const Ocst* WholeTrees::tree(GeometryId id)
 
     std::vector<CellKey> level{root_cell}, next;
     std::vector<OctantRow> rows;
-    std::vector<OctantAnswer> answers;
+    std::vector<OctantResult> answers;
     for (int l = 0; l < depth_; ++l, level.swap(next)) {
         rows.clear(), next.clear();
         for (CellKey cell : level) rows.push_back(tree->row(0, cell));
         answers.resize(rows.size());
-        backend->ask(rows, threads_, answers);
+        backend->run(rows, threads_, answers);
         for (std::size_t i = 0; i < level.size(); ++i) {
             tree->expand(level[i], answers[i], 0);
             for (unsigned k = 0; k < 8; ++k)
@@ -171,7 +171,7 @@ void ScenePictures::find_meeting(std::span<const PairResult> pairs)
         if (pair.verdict != Verdict::colliding || !is_mesh(pair.a) || !is_mesh(pair.b)) continue;
         if (!shown_.bodies[index(pair.a)] && !shown_.bodies[index(pair.b)]) continue;
         for (const Contact& contact : contacts(*mesh_of(scene_.geometry[index(pair.a)]), scene_.poses[index(pair.a)],
-                                                *mesh_of(scene_.geometry[index(pair.b)]), scene_.poses[index(pair.b)])) {
+                                               *mesh_of(scene_.geometry[index(pair.b)]), scene_.poses[index(pair.b)])) {
             meeting_of_[index(pair.a)].push_back(contact.triangle_a);
             meeting_of_[index(pair.b)].push_back(contact.triangle_b);
         }
@@ -191,8 +191,7 @@ void ScenePictures::add_mesh(ScenePicture& picture, std::uint32_t body)
     const auto add_part = [&](bool red) {
         std::vector<Triangle> triangles;
         for (std::uint32_t t = 0; t < whole->triangles.size(); ++t)
-            if (std::binary_search(meeting.begin(), meeting.end(), t) == red)
-                triangles.push_back(whole->triangles[t]);
+            if (std::binary_search(meeting.begin(), meeting.end(), t) == red) triangles.push_back(whole->triangles[t]);
         if (triangles.empty()) return;
         picture.made.push_back(std::make_unique<Mesh>(make_mesh("part", whole->vertices, std::move(triangles))));
         picture.bodies.push_back({picture.made.back().get(), pose, red ? touching : paler(colour_of(body))});

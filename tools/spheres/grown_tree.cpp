@@ -9,8 +9,8 @@
 namespace oncollide::tools {
 
 GrownTree::GrownTree(const Scene& scene, const Settings& settings, std::size_t most)
-    : settings_(settings), models_(settings_, make_cpu_backend()), model_(models_[models_.add(scene.geometries.share(0))]),
-      levels_{{root_cell}}
+    : settings_(settings), models_(settings_, make_cpu_backend()),
+      model_(models_[models_.add(scene.geometries.share(0))]), levels_{{root_cell}}
 {
     const Ocst& tree = models_.spheres(model_);
     std::vector<CellRequest> requests;

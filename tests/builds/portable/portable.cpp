@@ -122,8 +122,8 @@ void octants(Hash& hash)
     backend->attach(0, std::move(surface));
     std::vector<OctantRow> rows{{0, root_cell, all_triangles, true}};
     for (int level = 0; level < 4; ++level) {
-        std::vector<OctantAnswer> answers(rows.size());
-        backend->ask(rows, 2, answers);
+        std::vector<OctantResult> answers(rows.size());
+        backend->run(rows, 2, answers);
         std::vector<OctantRow> below;
         for (std::size_t i = 0; i < rows.size(); ++i) {
             hash.add(rows[i].cell << 8 | answers[i].grey);
