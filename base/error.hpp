@@ -33,6 +33,12 @@ private:
     ErrorKind kind_;
 };
 
+/// Throws Error{bad_data}: "NAME: WHAT".
+[[noreturn]] inline void refuse(const std::string& name, const std::string& what)
+{
+    throw Error(ErrorKind::bad_data, name + ": " + what);
+}
+
 } // namespace oncollide
 
 /// A contract of the caller; checked in debug and sanitizer builds only.

@@ -12,8 +12,6 @@ namespace oncollide {
 
 namespace {
 
-constexpr std::size_t width = 16; // boxes per node
-
 struct Item {
     float centre[3];
     std::uint32_t body;
@@ -66,8 +64,8 @@ struct Extent {
 std::size_t split_once(std::span<Item> items)
 {
     const int axis = Extent(items).longest_axis();
-    std::size_t unit = width;
-    while (unit * width < items.size()) unit *= width;
+    std::size_t unit = node_width;
+    while (unit * node_width < items.size()) unit *= node_width;
     const std::size_t middle = (items.size() + 2 * unit - 1) / (2 * unit) * unit;
     // The body number breaks ties, so that the order does not depend on where a run was cut for threads.
     std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(middle), items.end(),
@@ -80,7 +78,7 @@ std::size_t split_once(std::span<Item> items)
 
 void split(std::span<Item> items)
 {
-    if (items.size() <= width) return;
+    if (items.size() <= node_width) return;
     const std::size_t middle = split_once(items);
     split(items.first(middle));
     split(items.subspan(middle));
@@ -91,7 +89,7 @@ void order_kd(std::vector<std::span<Item>> runs, int threads)
     std::size_t count = 0;
     for (std::span<Item> run : runs) count += run.size();
     // Halves are split off until there are enough runs to share among the threads.
-    const std::size_t least = count / static_cast<std::size_t>(8 * std::max(threads, 1)) + width * width;
+    const std::size_t least = count / static_cast<std::size_t>(8 * std::max(threads, 1)) + node_width * node_width;
     for (std::size_t i = 0; threads > 1 && i < runs.size(); ++i)
         while (runs[i].size() > least) {
             const std::size_t middle = split_once(runs[i]);
@@ -187,7 +185,7 @@ void append_in_order(BoxOrder kind, std::span<const Aabb> boxes, std::span<const
         next[c] = places;
         if (counts[c]) begins.push_back({places, counts[c]});
         // Whole nodes two levels up where that costs little, so that the next run's nodes are its own.
-        const std::size_t unit = counts[c] >= 8 * width * width ? width * width : width;
+        const std::size_t unit = counts[c] >= 8 * node_width * node_width ? node_width * node_width : node_width;
         places += c > 0 ? (counts[c] + unit - 1) / unit * unit : counts[c];
     }
     std::vector<Item> items(places, {{0, 0, 0}, no_body});

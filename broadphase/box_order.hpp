@@ -15,7 +15,8 @@ enum class BoxOrder {
     octree, ///< by the path to the centre's cell in an octree (Morton code), radix sorted: looser nodes. O(n), a third
 };
 
-constexpr std::uint32_t no_body = ~0u; ///< at places of padding
+constexpr std::uint32_t node_width = 16; ///< boxes per leaf and children per node
+constexpr std::uint32_t no_body = ~0u;   ///< at places of padding
 
 /// Appends `bodies` to `order`, whose size is a multiple of 16: runs of bodies of one size class, the largest first,
 /// each in the order requested and all but the last padded to whole nodes of 16 or 256. Large boxes among small ones

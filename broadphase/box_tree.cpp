@@ -14,12 +14,11 @@ namespace oncollide {
 
 namespace {
 
-constexpr std::uint32_t width = 16;
 constexpr float far_away = std::numeric_limits<float>::infinity();
 
 std::uint32_t nodes_over(std::uint32_t count)
 {
-    return (count + width - 1) / width;
+    return (count + node_width - 1) / node_width;
 }
 
 } // namespace
@@ -43,10 +42,10 @@ public:
     {
         const Aabb& box = boxes_[body];
         if (!usable(box)) return false;
-        float* p = blocks_ + std::size_t{place / width} * box_block + place % width;
-        for (int axis = 0; axis < 3; ++axis, p += width) {
+        float* p = blocks_ + std::size_t{place / node_width} * box_block + place % node_width;
+        for (int axis = 0; axis < 3; ++axis, p += node_width) {
             p[0] = below(box.min[axis] - half_margin_ - origin_[axis]);
-            p[3 * width] = above(box.max[axis] + half_margin_ - origin_[axis]);
+            p[3 * node_width] = above(box.max[axis] + half_margin_ - origin_[axis]);
         }
         return true;
     }
@@ -78,7 +77,7 @@ void BoxTree::build(std::span<const Aabb> boxes, std::span<const std::uint32_t> 
 void BoxTree::append(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, double margin, int threads)
 {
     if (order_.empty()) return build(boxes, bodies, margin, threads);
-    const std::uint32_t first = nodes_over(size()) * width;
+    const std::uint32_t first = nodes_over(size()) * node_width;
     order_.resize(first, no_body);
     append_in_order(kind_, boxes, bodies, origin_, threads, order_);
     bodies_ += static_cast<std::uint32_t>(bodies.size());
@@ -100,7 +99,7 @@ void BoxTree::erase(std::span<const std::uint32_t> bodies)
         std::uint32_t place = places_[body];
         for (std::size_t c = 0; c < 6; ++c) coordinate(levels_[0], place, c) = c < 3 ? far_away : -far_away;
         order_[place] = no_body;
-        for (std::size_t level = 1; level < levels_.size(); ++level) --levels_[level].nodes[place /= width].bodies;
+        for (std::size_t level = 1; level < levels_.size(); ++level) --levels_[level].nodes[place /= node_width].bodies;
     }
 }
 
@@ -113,7 +112,7 @@ void BoxTree::extend_levels()
     std::uint32_t count = size();
     std::size_t level = 0;
     for (bool top = false; !top; ++level) {
-        top = count <= width;
+        top = count <= node_width;
         if (levels_.size() <= level) levels_.emplace_back();
         Level& l = levels_[level];
         l.count = count;
@@ -127,9 +126,9 @@ void BoxTree::extend_levels()
         if (level > 0) {
             const Level& below = levels_[level - 1];
             l.nodes.resize(count);
-            for (std::uint32_t node = level == 1 ? old / width : 0; node < count; ++node) {
+            for (std::uint32_t node = level == 1 ? old / node_width : 0; node < count; ++node) {
                 l.nodes[node].bodies = 0;
-                for (std::uint32_t i = node * width; i < std::min((node + 1) * width, below.count); ++i)
+                for (std::uint32_t i = node * node_width; i < std::min((node + 1) * node_width, below.count); ++i)
                     l.nodes[node].bodies += level == 1 ? order_[i] != no_body : below.nodes[i].bodies;
             }
         }
@@ -148,7 +147,7 @@ void BoxTree::extend_levels()
 
 inline float& BoxTree::coordinate(Level& level, std::uint32_t place, std::size_t c)
 {
-    return level.blocks[std::size_t{place / width} * box_block + c * width + place % width];
+    return level.blocks[std::size_t{place / node_width} * box_block + c * node_width + place % node_width];
 }
 
 /// The bounds of a node, from the level below it.
@@ -166,8 +165,8 @@ void BoxTree::refit(std::span<const Aabb> boxes, double margin, int threads)
     const Taker take(*this, boxes, margin);
     std::atomic<bool> refused = false;
     parallel_chunks(nodes_over(size()), grain, threads, [&](std::size_t first, std::size_t last, int) {
-        const auto end = std::min(static_cast<std::uint32_t>(last * width), size());
-        for (auto place = static_cast<std::uint32_t>(first * width); place < end; ++place) {
+        const auto end = std::min(static_cast<std::uint32_t>(last * node_width), size());
+        for (auto place = static_cast<std::uint32_t>(first * node_width); place < end; ++place) {
             constexpr std::uint32_t ahead = 16; // bodies lie in memory in another order
             if (place + ahead < end && order_[place + ahead] != no_body) {
                 const auto* next = reinterpret_cast<const char*>(&boxes[order_[place + ahead]]);
@@ -193,7 +192,7 @@ void BoxTree::refit(std::span<const Aabb> boxes, double margin, int threads)
 void BoxTree::bound_from(std::uint32_t place)
 {
     for (int level = 1; level < view_.levels; ++level) {
-        place /= width;
+        place /= node_width;
         for (std::uint32_t node = place; node < view_.level[level].count; ++node) bound(level, node);
     }
 }
@@ -214,9 +213,9 @@ void BoxTree::measure()
 
 float BoxTree::volume_of(int level, std::uint32_t node) const
 {
-    const float* p = at(level).blocks.data() + std::size_t{node / width} * box_block + node % width;
+    const float* p = at(level).blocks.data() + std::size_t{node / node_width} * box_block + node % node_width;
     double product = 1;
-    for (int axis = 0; axis < 3; ++axis, p += width) product *= std::max(0.0, double(p[3 * width]) - p[0]);
+    for (int axis = 0; axis < 3; ++axis, p += node_width) product *= std::max(0.0, double(p[3 * node_width]) - p[0]);
     return static_cast<float>(product);
 }
 
@@ -237,7 +236,7 @@ void BoxTree::refit_bodies(std::span<const Aabb> boxes, double margin, std::span
         if (k + 2 * ahead < bodies.size()) __builtin_prefetch(&boxes[bodies[k + 2 * ahead]]);
         if (k + ahead < bodies.size()) {
             std::uint32_t next = places_[bodies[k + ahead]];
-            for (int level = 0; level < std::min(view_.levels, 2); ++level, next /= width)
+            for (int level = 0; level < std::min(view_.levels, 2); ++level, next /= node_width)
                 for (std::size_t c = 0; c < 6; ++c)
                     __builtin_prefetch(&coordinate(levels_[static_cast<std::size_t>(level)], next, c));
         }
@@ -247,7 +246,7 @@ void BoxTree::refit_bodies(std::span<const Aabb> boxes, double margin, std::span
         box_at(place, box);
         for (float x : box) farthest_ = std::max(farthest_, std::abs(x));
         for (std::size_t level = 1; level < levels_.size(); ++level) {
-            place /= width;
+            place /= node_width;
             bool wider = false;
             for (std::size_t c = 0; c < 3; ++c) {
                 float &lo = coordinate(levels_[level], place, c), &hi = coordinate(levels_[level], place, 3 + c);
@@ -281,10 +280,10 @@ void BoxTree::set_moving(const std::uint8_t* states, std::uint8_t bits)
         Level& l = levels_[level];
         for (std::uint32_t node = 0; node < l.moving.size(); ++node) {
             unsigned mask = 0;
-            for (std::uint32_t i = node * width; i < std::min((node + 1) * width, l.count); ++i) {
+            for (std::uint32_t i = node * node_width; i < std::min((node + 1) * node_width, l.count); ++i) {
                 const bool moves =
                     level == 0 ? order_[i] != no_body && (states[order_[i]] & bits) : levels_[level - 1].moving[i] != 0;
-                mask |= unsigned(moves) << i % width;
+                mask |= unsigned(moves) << i % node_width;
             }
             l.moving[node] = static_cast<std::uint16_t>(mask);
         }
@@ -306,7 +305,7 @@ void BoxTree::add_layers(std::uint32_t body, const BodyColumns& columns)
     std::uint32_t node = places_[body];
     for (std::size_t level = 1; level < levels_.size(); ++level) {
         Level& l = levels_[level];
-        node /= width;
+        node /= node_width;
         if ((l.layers[node] & layers) == layers && (l.masks[node] & masks) == masks) return; // so has all above
         l.layers[node] |= layers, l.masks[node] |= masks;
     }
@@ -321,8 +320,8 @@ void BoxTree::extend_layers()
         l.layers.resize(l.count, 0), l.masks.resize(l.count, 0);
         if (level == 1) continue;
         const Level& below = levels_[level - 1];
-        for (std::uint32_t i = old * width; i < below.count; ++i)
-            l.layers[i / width] |= below.layers[i], l.masks[i / width] |= below.masks[i];
+        for (std::uint32_t i = old * node_width; i < below.count; ++i)
+            l.layers[i / node_width] |= below.layers[i], l.masks[i / node_width] |= below.masks[i];
     }
 }
 

@@ -10,7 +10,6 @@ namespace oncollide {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::size_t width = 16; // children per node
 constexpr std::size_t queries_worth_threads = 4096;
 
 double ms_since(Clock::time_point from)
@@ -152,7 +151,7 @@ void Delimitation::mark(const BoxTree& tree)
             std::uint32_t node = reached->j()[k];
             for (std::size_t level = 1; level <= levels && !std::exchange(is_left_[level][node], 1); ++level) {
                 left_[level].push_back(node);
-                node /= width;
+                node /= node_width;
             }
         }
 }
@@ -173,7 +172,7 @@ void Delimitation::count_rejected(const BoxTree& tree)
         DelimitationLevel& counts = level_of(level);
         const std::uint32_t nodes = tree.view().level[level].count;
         for (std::uint32_t parent : left_[at(level + 1)])
-            counts.regions += std::min<std::uint64_t>(width, nodes - parent * width);
+            counts.regions += std::min<std::uint64_t>(node_width, nodes - parent * node_width);
         counts.regions_rejected = counts.regions - left_[at(level)].size();
         counts.bodies_rejected = bodies;
         bodies = 0;
@@ -192,8 +191,8 @@ void Delimitation::survivors(const BoxTree& tree, std::vector<std::uint32_t>& bo
     bodies.clear();
     if (left_.size() < 2 || levels_.empty()) return;
     for (std::uint32_t leaf : left_[1])
-        for (std::uint32_t place = leaf * width; place < std::min<std::size_t>(tree.size(), (leaf + 1) * width);
-             ++place)
+        for (std::uint32_t place = leaf * node_width;
+             place < std::min<std::size_t>(tree.size(), (leaf + 1) * node_width); ++place)
             if (tree.body_at(place) != no_body) bodies.push_back(tree.body_at(place));
     std::sort(bodies.begin(), bodies.end());
 }

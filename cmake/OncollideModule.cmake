@@ -35,11 +35,6 @@ if(TARGET nlohmann_json::nlohmann_json) # tests/builds/portable has no modules
   oncollide_precompile(oncollide_precompiled <nlohmann/json.hpp>)
 endif()
 
-# Sources of the folder that run once or wait for a disk: half the optimisation is compiled in half the time.
-function(oncollide_rarely_run)
-  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O1>)
-endfunction()
-
 function(oncollide_add_module name)
   cmake_parse_arguments(arg "" "" "HEADERS;SOURCES;DEPENDS;LINK" ${ARGN})
   list(FIND ONCOLLIDE_LAYERS ${name} layer)

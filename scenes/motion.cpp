@@ -34,17 +34,12 @@ double reflected(double x, double lo, double hi)
     return std::clamp(phase <= width ? lo + phase : hi - (phase - width), lo, hi);
 }
 
-[[noreturn]] void fail(const std::string& name, const std::string& what)
-{
-    throw Error(ErrorKind::bad_data, fmt::format("{}: {}", name, what));
-}
-
 void check_numbers(const std::string& name, std::string_view what, const Eigen::Vector3d& v)
 {
     constexpr double most = 1e15;
     if (!(v.cwiseAbs().maxCoeff() <= most) || !v.allFinite())
-        fail(name, fmt::format("{} ({}, {}, {}): numbers must be finite and at most {} in size", what, v.x(), v.y(),
-                               v.z(), most));
+        refuse(name, fmt::format("{} ({}, {}, {}): numbers must be finite and at most {} in size", what, v.x(), v.y(),
+                                 v.z(), most));
 }
 
 void check_walls(const std::string& name, const Aabb& walls)
@@ -66,22 +61,22 @@ void check(const std::string& name, const Drift& motion)
 void check(const std::string& name, const Jitter& motion)
 {
     check_numbers(name, "step", {motion.step, 0, 0});
-    if (motion.step < 0) fail(name, fmt::format("step {}: must not be negative", motion.step));
+    if (motion.step < 0) refuse(name, fmt::format("step {}: must not be negative", motion.step));
     check_walls(name, motion.walls);
 }
 
 void check(const std::string& name, const Keyed& motion)
 {
-    if (motion.keys.empty()) fail(name, "the motion has no key; give at least one");
+    if (motion.keys.empty()) refuse(name, "the motion has no key; give at least one");
     for (std::size_t i = 0; i < motion.keys.size(); ++i) {
         const Keyed::Key& key = motion.keys[i];
         check_numbers(name, fmt::format("key {}: time", i), {key.time, 0, 0});
         check_numbers(name, fmt::format("key {}: position", i), key.position);
         if (i > 0 && !(motion.keys[i - 1].time < key.time))
-            fail(name, fmt::format("key {}: time {} does not come after the time before it, {}", i, key.time,
-                                   motion.keys[i - 1].time));
+            refuse(name, fmt::format("key {}: time {} does not come after the time before it, {}", i, key.time,
+                                     motion.keys[i - 1].time));
         if (!(std::abs(key.rotation.norm() - 1) <= 1e-6))
-            fail(name, fmt::format("key {}: the quaternion's length is {}, it must be 1", i, key.rotation.norm()));
+            refuse(name, fmt::format("key {}: the quaternion's length is {}, it must be 1", i, key.rotation.norm()));
     }
 }
 

@@ -11,11 +11,6 @@ namespace oncollide {
 
 namespace {
 
-[[noreturn]] void fail(const std::string& who, const std::string& what)
-{
-    throw Error(ErrorKind::bad_data, fmt::format("{}: {}", who, what));
-}
-
 /// "body 'crane'", or "body 17" for one without a name.
 std::string who_is(const std::string& name, std::size_t body)
 {
@@ -119,7 +114,7 @@ GeometryId Scene::add(std::string geometry_name, GeometryData data, std::string 
     if (const Shape* shape = std::get_if<Shape>(&data)) check_shape(geometry_name, *shape);
     const auto number = static_cast<std::uint32_t>(geometries.size());
     if (!geometry_index_.add(geometry_name, number, geometry_names(*this)))
-        fail(fmt::format("geometry '{}'", geometry_name), "the scene has another one of this name");
+        refuse(fmt::format("geometry '{}'", geometry_name), "the scene has another one of this name");
     geometries.items_.push_back(
         std::make_shared<const Geometry>(Geometry{std::move(geometry_name), std::move(data), std::move(recipe)}));
     return GeometryId{number};
@@ -127,17 +122,17 @@ GeometryId Scene::add(std::string geometry_name, GeometryData data, std::string 
 
 BodyId Scene::add_body(BodyInit body)
 {
-    const auto refuse = [&](const std::string& what) { fail(who_is(body.name, size()), what); };
+    const auto fail = [&](const std::string& what) { refuse(who_is(body.name, size()), what); };
     if (index(body.geometry) >= geometries.size())
-        refuse(fmt::format("uses geometry number {}, but the scene has {}", index(body.geometry), geometries.size()));
-    if (const std::string why = why_not_rigid(body.pose); !why.empty()) refuse(why);
+        fail(fmt::format("uses geometry number {}, but the scene has {}", index(body.geometry), geometries.size()));
+    if (const std::string why = why_not_rigid(body.pose); !why.empty()) fail(why);
     if (!std::holds_alternative<Still>(body.motion)) {
-        if (body.is_static) refuse("is static, so it cannot have a motion");
+        if (body.is_static) fail("is static, so it cannot have a motion");
         check_motion(who_is(body.name, size()), body.motion);
     }
     const auto number = static_cast<std::uint32_t>(size());
     if (!body.name.empty() && !body_index_.add(body.name, number, body_names(*this)))
-        refuse("the scene has another one of this name");
+        fail("the scene has another one of this name");
 
     names.push_back(std::move(body.name));
     geometry.push_back(body.geometry);
@@ -162,11 +157,11 @@ void Scene::exclude(BodyId a, BodyId b)
 {
     for (const BodyId body : {a, b}) {
         if (body.generation != 0)
-            fail("exclude", fmt::format("there is no body {} of generation {}", index(body), body.generation));
+            refuse("exclude", fmt::format("there is no body {} of generation {}", index(body), body.generation));
         if (index(body) >= size())
-            fail("exclude", fmt::format("there is no body {}; the scene has {} bodies", index(body), size()));
+            refuse("exclude", fmt::format("there is no body {}; the scene has {} bodies", index(body), size()));
     }
-    if (a == b) fail("exclude", fmt::format("{} with itself", who_is(names[index(a)], index(a))));
+    if (a == b) refuse("exclude", fmt::format("{} with itself", who_is(names[index(a)], index(a))));
     excluded.push_back({std::min(index(a), index(b)), std::max(index(a), index(b))});
 }
 

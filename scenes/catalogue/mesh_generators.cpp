@@ -18,7 +18,7 @@ namespace oncollide {
 
 namespace {
 
-constexpr int most_triangles = 100'000'000;
+constexpr int most_per_mesh = 100'000'000;
 
 void check_size(const char* mesh, const char* what, double value)
 {
@@ -175,7 +175,7 @@ Mesh make_box_mesh(const Eigen::Vector3d& half)
 Mesh make_sphere_mesh(double radius, int triangles)
 {
     check_size("sphere", "the radius", radius);
-    check_count("sphere", "the number of triangles", triangles, 8, most_triangles);
+    check_count("sphere", "the number of triangles", triangles, 8, most_per_mesh);
     int levels = 0;
     while ((8LL << (2 * levels)) < triangles) ++levels;
     if ((8LL << (2 * levels)) == triangles) return subdivided_octahedron(radius, levels);
@@ -188,7 +188,7 @@ Mesh make_torus_mesh(double major, double minor, int triangles)
     check_size("torus", "the tube radius", minor);
     check_size("torus", "the ring radius", major);
     check_order("torus", "the tube radius", minor, "the ring radius", major);
-    check_count("torus", "the number of triangles", triangles, 18, most_triangles);
+    check_count("torus", "the number of triangles", triangles, 18, most_per_mesh);
     return closed_tube("torus", triangles, major, minor, [&](double u, double v) -> Eigen::Vector3d {
         const Circle ring = circle(u), tube = circle(v);
         const double radius = major + minor * tube.cosine;
@@ -207,7 +207,7 @@ Mesh make_torus_knot_mesh(int p, int q, double major, double minor, double tube,
     check_size("torus knot", "the minor radius", minor);
     check_size("torus knot", "the major radius", major);
     check_order("torus knot", "the minor radius", minor, "the major radius", major);
-    check_count("torus knot", "the number of triangles", triangles, 18, most_triangles);
+    check_count("torus knot", "the number of triangles", triangles, 18, most_per_mesh);
 
     // The centre line winds p times around z on a torus, q times around its tube. The torus' own normal stands at a
     // right angle to the line everywhere and closes with it, so it serves as the tube's frame.
@@ -227,7 +227,7 @@ Mesh make_torus_knot_mesh(int p, int q, double major, double minor, double tube,
 
 Mesh make_gear_mesh(int teeth, double root_radius, double tip_radius, double thickness, double bore_radius)
 {
-    check_count("gear", "the number of teeth", teeth, 3, most_triangles / 32);
+    check_count("gear", "the number of teeth", teeth, 3, most_per_mesh / 32);
     check_size("gear", "the bore radius", bore_radius);
     check_size("gear", "the root radius", root_radius);
     check_size("gear", "the tip radius", tip_radius);
@@ -264,7 +264,7 @@ Mesh make_terrain_mesh(double size, double height, int cells, std::uint64_t seed
 
 Mesh make_needles_mesh(int count, double length, double aspect, double size, std::uint64_t seed)
 {
-    check_count("needles", "the count", count, 1, most_triangles);
+    check_count("needles", "the count", count, 1, most_per_mesh);
     check_size("needles", "the length", length);
     check_size("needles", "the aspect", aspect);
     check_size("needles", "the size", size);
@@ -278,7 +278,7 @@ Mesh make_needles_mesh(int count, double length, double aspect, double size, std
 
 Mesh make_soup_mesh(int count, double edge, double size, std::uint64_t seed)
 {
-    check_count("soup", "the count", count, 1, most_triangles);
+    check_count("soup", "the count", count, 1, most_per_mesh);
     check_size("soup", "the edge", edge);
     check_size("soup", "the size", size);
     return separate_triangles("soup", count, [&](std::uint64_t i) -> std::array<Eigen::Vector3d, 3> {

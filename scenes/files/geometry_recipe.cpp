@@ -13,9 +13,9 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Generators take no more than this from a file: a typing error should not fill the memory.
-constexpr int most_triangles = 10'000'000;
+constexpr int most_per_recipe = 10'000'000;
 
-int count(const Node& node, std::string_view key, int most = most_triangles)
+int count(const Node& node, std::string_view key, int most = most_per_recipe)
 {
     return static_cast<int>(node[key].integer(1, most));
 }

@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr int deepest_json = 100, deepest_node = 500;
-constexpr std::size_t most_triangles = 50'000'000;
+constexpr std::size_t most_per_file = 50'000'000;
 
 /// The JSON chunk of a GLB file, or the whole of a glTF file.
 std::string_view json_text(const MeshSource& source)
@@ -128,7 +128,7 @@ private:
         const Json& corners = indices == primitive.end() ? positions : at("accessors", *indices);
         if (indices != primitive.end()) check_indices(corners);
         const auto count = corners.at("count").get<std::size_t>();
-        if (count > most_triangles) source_.fail(fmt::format("a primitive has more than {} corners", most_triangles));
+        if (count > most_per_file) source_.fail(fmt::format("a primitive has more than {} corners", most_per_file));
 
         const int mode = primitive.value("mode", 4);
         if (mode < 0 || mode > 6) source_.fail(fmt::format("a primitive has mode {}; modes are 0 to 6", mode));
@@ -140,8 +140,8 @@ private:
         if (mode == 4 ? count % 3 != 0 : count < 3)
             source_.fail(fmt::format("{} corners make no whole triangles", count));
         triangles_ += mode == 4 ? count / 3 : count - 2;
-        if (triangles_ > most_triangles)
-            source_.fail(fmt::format("the scene has more than {} triangles", most_triangles));
+        if (triangles_ > most_per_file)
+            source_.fail(fmt::format("the scene has more than {} triangles", most_per_file));
     }
 
     const MeshSource& source_;
@@ -151,7 +151,7 @@ private:
 };
 
 /// The first line of nlohmann's message, without its prefix `[json.exception.type_error.302] `.
-std::string first_line(const std::string& message)
+std::string reason_of(const std::string& message)
 {
     const std::size_t prefix = message.find("] ");
     const std::string text = message.substr(prefix == message.npos ? 0 : prefix + 2);
@@ -174,7 +174,7 @@ std::size_t check_gltf(const MeshSource& source)
         check.check_buffers();
         return check.count_triangles();
     } catch (const Json::exception& error) {
-        source.fail(fmt::format("not a valid glTF file: {}", first_line(error.what())));
+        source.fail(fmt::format("not a valid glTF file: {}", reason_of(error.what())));
     }
 }
 

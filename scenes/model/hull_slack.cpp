@@ -10,8 +10,6 @@ namespace oncollide {
 
 namespace {
 
-constexpr double epsilon = std::numeric_limits<double>::epsilon();
-
 /// The cone over one triangle from the inner point (the origin here). A point p of it is the sum of shares of the
 /// corners, and shares >= 0 with a sum <= 1 prove that p lies in the hull of the corners and the inner point.
 struct Cone {
@@ -128,7 +126,8 @@ double prove_slack(std::span<const Eigen::Vector3d> points, std::span<const std:
     }
     // Both differences, the shares' combination (three products, three sums) and the length are each off by a few half
     // ulps of `size`; the mean by half an ulp and the sum's rounding.
-    const double rounding = 24 * epsilon * size + static_cast<double>(vertices.size()) * 0x1p-63 * size;
+    const double rounding =
+        24 * std::numeric_limits<double>::epsilon() * size + static_cast<double>(vertices.size()) * 0x1p-63 * size;
 
     std::vector<Cone> cones;
     cones.reserve(triangles.size());

@@ -14,19 +14,14 @@ namespace {
 
 constexpr double largest_coordinate = 1e15;
 
-[[noreturn]] void fail(const std::string& name, const std::string& what)
-{
-    throw Error(ErrorKind::bad_data, fmt::format("{}: {}", name, what));
-}
-
 void check_vertices(const std::string& name, const std::vector<Eigen::Vector3d>& vertices)
 {
     for (std::size_t i = 0; i < vertices.size(); ++i) {
         const Eigen::Vector3d& v = vertices[i];
-        if (!v.allFinite()) fail(name, fmt::format("vertex {} is not finite: ({}, {}, {})", i, v.x(), v.y(), v.z()));
+        if (!v.allFinite()) refuse(name, fmt::format("vertex {} is not finite: ({}, {}, {})", i, v.x(), v.y(), v.z()));
         if (v.cwiseAbs().maxCoeff() > largest_coordinate)
-            fail(name, fmt::format("vertex {} is too far from the origin: ({}, {}, {}), at most {} m are allowed", i,
-                                   v.x(), v.y(), v.z(), largest_coordinate));
+            refuse(name, fmt::format("vertex {} is too far from the origin: ({}, {}, {}), at most {} m are allowed", i,
+                                     v.x(), v.y(), v.z(), largest_coordinate));
     }
 }
 
@@ -35,10 +30,10 @@ void check_vertices(const std::string& name, const std::vector<Eigen::Vector3d>&
 Mesh make_mesh(const std::string& name, std::vector<Eigen::Vector3d> vertices, std::vector<Triangle> triangles)
 {
     constexpr std::size_t most = std::numeric_limits<std::uint32_t>::max();
-    if (triangles.empty()) fail(name, "the mesh has no triangle");
+    if (triangles.empty()) refuse(name, "the mesh has no triangle");
     if (vertices.size() > most || triangles.size() > most)
-        fail(name, fmt::format("the mesh has {} vertices and {} triangles; at most {} of each are allowed",
-                               vertices.size(), triangles.size(), most));
+        refuse(name, fmt::format("the mesh has {} vertices and {} triangles; at most {} of each are allowed",
+                                 vertices.size(), triangles.size(), most));
     check_vertices(name, vertices);
 
     Mesh mesh{.vertices = std::move(vertices), .triangles = std::move(triangles), .bounds = {}, .zero_area = 0};
@@ -46,8 +41,8 @@ Mesh make_mesh(const std::string& name, std::vector<Eigen::Vector3d> vertices, s
         const Triangle& t = mesh.triangles[i];
         for (const std::uint32_t v : t)
             if (v >= mesh.vertices.size())
-                fail(name, fmt::format("triangle {} uses vertex {}, but the mesh has {} vertices", i, v,
-                                       mesh.vertices.size()));
+                refuse(name, fmt::format("triangle {} uses vertex {}, but the mesh has {} vertices", i, v,
+                                         mesh.vertices.size()));
         for (const std::uint32_t v : t) mesh.bounds.add(mesh.vertices[v]);
         mesh.zero_area += has_zero_area(mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]);
     }
@@ -56,18 +51,18 @@ Mesh make_mesh(const std::string& name, std::vector<Eigen::Vector3d> vertices, s
 
 void check_mesh(const std::string& name, const Mesh& mesh)
 {
-    if (mesh.triangles.empty()) fail(name, "the mesh has no triangle");
+    if (mesh.triangles.empty()) refuse(name, "the mesh has no triangle");
     check_vertices(name, mesh.vertices);
     Aabb bounds;
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
         for (const std::uint32_t v : mesh.triangles[i]) {
             if (v >= mesh.vertices.size())
-                fail(name, fmt::format("triangle {} uses vertex {}, but the mesh has {} vertices", i, v,
-                                       mesh.vertices.size()));
+                refuse(name, fmt::format("triangle {} uses vertex {}, but the mesh has {} vertices", i, v,
+                                         mesh.vertices.size()));
             bounds.add(mesh.vertices[v]);
         }
     if (bounds.min != mesh.bounds.min || bounds.max != mesh.bounds.max)
-        fail(name, "the bounds of the mesh are not those of its triangles; make it with make_mesh");
+        refuse(name, "the bounds of the mesh are not those of its triangles; make it with make_mesh");
 }
 
 Mesh transformed(const std::string& name, Mesh mesh, double scale, const Eigen::Vector3d& origin)

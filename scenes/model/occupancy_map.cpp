@@ -17,11 +17,6 @@ namespace oncollide {
 
 namespace {
 
-[[noreturn]] void fail(const std::string& name, const char* what)
-{
-    throw Error(ErrorKind::bad_data, fmt::format("{}: {}", name, what));
-}
-
 /// Boxes from the leaves' integer keys, in double: neighbours share their faces exactly. (OctoMap's own coordinates are
 /// floats.)
 Aabb cell_box(const octomap::OcTree::leaf_iterator& leaf, double resolution)
@@ -40,12 +35,12 @@ void check_tree(const std::string& name, const octomap::OcTree& tree)
     if (!(tree.getResolution() >= least_resolution && tree.getResolution() <= most_resolution))
         throw Error(ErrorKind::bad_data, fmt::format("{}: the resolution is {}; it must be from {} to {} m", name,
                                                      tree.getResolution(), least_resolution, most_resolution));
-    if (tree.size() == 0) fail(name, "the map is empty");
+    if (tree.size() == 0) refuse(name, "the map is empty");
     for (auto node = tree.begin_tree(), end = tree.end_tree(); node != end; ++node) {
-        if (!std::isfinite(node->getLogOdds())) fail(name, "an occupancy is not finite");
+        if (!std::isfinite(node->getLogOdds())) refuse(name, "an occupancy is not finite");
         if (tree.nodeHasChildren(&*node) && !tree.isNodeOccupied(*node) &&
             node->getMaxChildLogOdds() >= tree.getOccupancyThresLog())
-            fail(name, "an inner node is free though a cell in it is occupied; call updateInnerOccupancy() first");
+            refuse(name, "an inner node is free though a cell in it is occupied; call updateInnerOccupancy() first");
     }
 }
 
@@ -60,7 +55,7 @@ OccupancyMap map_of(const std::string& name, std::shared_ptr<const octomap::OcTr
             map.cells.push_back(cell_box(leaf, map.resolution));
             map.bounds.add(map.cells.back());
         }
-    if (map.cells.empty()) fail(name, "no cell of the map is occupied");
+    if (map.cells.empty()) refuse(name, "no cell of the map is occupied");
     map.tree = std::move(tree);
     return map;
 }
@@ -75,7 +70,7 @@ OccupancyMap make_occupancy_map(const octomap::OcTree& tree)
 OccupancyMap make_occupancy_map(std::shared_ptr<const octomap::OcTree> tree)
 {
     const std::string name = "octree";
-    if (!tree) fail(name, "there is none");
+    if (!tree) refuse(name, "there is none");
     check_tree(name, *tree);
     return map_of(name, std::move(tree));
 }
@@ -101,7 +96,7 @@ OccupancyMap load_octomap(const std::filesystem::path& path)
         tree->readBinaryData(in);
     else
         tree->readData(in);
-    if (!in) fail(name, "OctoMap cannot read the file");
+    if (!in) refuse(name, "OctoMap cannot read the file");
     tree->updateInnerOccupancy(); // a `.ot` file may say that an inner node is free though a cell in it is occupied
     return map_of(name, tree);
 }

@@ -27,16 +27,11 @@ struct Match : Cases... {
 template <class... Cases>
 Match(Cases...) -> Match<Cases...>; // Clang 14 does not deduce aggregates
 
-[[noreturn]] void fail(const std::string& name, const std::string& what)
-{
-    throw Error(ErrorKind::bad_data, fmt::format("{}: {}", name, what));
-}
-
 void check_dimension(const std::string& name, const char* what, double value, bool zero_too = false)
 {
     if (!(value > 0 || (zero_too && value == 0)) || !(value <= largest))
-        fail(name, fmt::format("{} is {}; it must be {} and at most {}", what, value,
-                               zero_too ? "0 or above" : "above 0", largest));
+        refuse(name, fmt::format("{} is {}; it must be {} and at most {}", what, value,
+                                 zero_too ? "0 or above" : "above 0", largest));
 }
 
 /// A ball's polytope: unit octasphere and the factor that pushes every facet out of the unit ball.
@@ -165,7 +160,7 @@ BoundingMesh enclose_hull(const std::string& name, const std::vector<Eigen::Vect
 {
     const Hull hull = convex_hull(points);
     if (hull.triangles.empty())
-        fail(name, fmt::format("the {} points of the convex hull lie in a plane", points.size()));
+        refuse(name, fmt::format("the {} points of the convex hull lie in a plane", points.size()));
     const Eigen::Vector3d inner = mean_of(points, hull.vertices);
     std::vector<Eigen::Vector3d> corners;
     double rounding = 0; // of a corner's coordinates
@@ -201,7 +196,8 @@ BoundingMesh enclose_hull(const std::string& name, const std::vector<Eigen::Vect
         for (Triangle& t : triangles) t = {place[t[0]], place[t[1]], place[t[2]]};
         return {make_mesh(name, std::move(pushed), std::move(triangles)), error * (1 + 8 * epsilon)};
     }
-    fail(name, fmt::format("the {} points of the convex hull lie in a plane, as far as rounding tells", points.size()));
+    refuse(name,
+           fmt::format("the {} points of the convex hull lie in a plane, as far as rounding tells", points.size()));
 }
 
 } // namespace
@@ -210,10 +206,10 @@ void check_shape(const std::string& name, const Shape& shape)
 {
     const auto check_points = [&](const ConvexHull& hull) {
         if (hull.points.size() < 4)
-            fail(name, fmt::format("the convex hull has {} points; it needs at least 4", hull.points.size()));
+            refuse(name, fmt::format("the convex hull has {} points; it needs at least 4", hull.points.size()));
         for (std::size_t i = 0; i < hull.points.size(); ++i)
             if (!(hull.points[i].cwiseAbs().maxCoeff() <= largest) || !hull.points[i].allFinite())
-                fail(name, fmt::format("point {} of the convex hull is not finite or beyond {}", i, largest));
+                refuse(name, fmt::format("point {} of the convex hull is not finite or beyond {}", i, largest));
         enclose_hull(name, hull.points);
     };
     std::visit(Match{[&](const Sphere& s) { check_dimension(name, "the radius", s.radius); },

@@ -26,10 +26,10 @@ void listen(int signal)
 }
 
 /// One line on the terminal that is drawn over itself, ten times a second at most.
-class Progress {
+class FrameProgress {
 public:
-    Progress(int frames, bool quiet) : frames_(frames), on_(!quiet && ::isatty(STDERR_FILENO)) {}
-    ~Progress()
+    FrameProgress(int total, bool quiet) : frames_(total), on_(!quiet && ::isatty(STDERR_FILENO)) {}
+    ~FrameProgress()
     {
         if (shown_) std::cerr << "\r\033[K" << std::flush;
     }
@@ -70,7 +70,7 @@ int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, bool quie
     if (!quiet) say_note();
     int done = 0;
     {
-        Progress progress(frames, quiet);
+        FrameProgress progress(frames, quiet);
         try {
             for (; done < frames && !stop; progress.done(++done)) {
                 mover.move(scene, done);
