@@ -2,6 +2,10 @@
 #include <Eigen/Core>
 #include <limits>
 
+// What the library was compiled with; without it, vectors and poses would have another layout under -mavx.
+static_assert(alignof(Eigen::Matrix4d) == 16,
+              "compile with -DEIGEN_MAX_STATIC_ALIGN_BYTES=16, as the CMake target oncollide::oncollide says");
+
 namespace oncollide {
 
 /// Axis-aligned box, closed: touching boxes overlap. Metres. Starts empty (min > max).

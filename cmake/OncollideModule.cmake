@@ -12,7 +12,12 @@
 
 set(ONCOLLIDE_LAYERS base scenes broadphase narrowphase pipeline) # bottom first
 
+# Eigen aligns its types as the processor's widest registers want, so that poses would lie elsewhere in the structures of
+# a program compiled with -march=native. All who use the library have those of the baseline.
+set(ONCOLLIDE_EIGEN_LAYOUT EIGEN_MAX_STATIC_ALIGN_BYTES=16)
+
 add_library(oncollide_flags INTERFACE)
+target_compile_definitions(oncollide_flags INTERFACE ${ONCOLLIDE_EIGEN_LAYOUT})
 target_compile_features(oncollide_flags INTERFACE cxx_std_20)
 # No contraction: every path and every optimisation level must compute the same bits. No straight-line vectoriser: GCC 12's
 # drops the rounding of double -> float -> double, on which the bounds rest.
@@ -51,6 +56,7 @@ function(oncollide_add_module name)
   add_library(oncollide::${name} ALIAS oncollide_${name})
   set_target_properties(oncollide_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   target_compile_features(oncollide_${name} PUBLIC cxx_std_20)
+  target_compile_definitions(oncollide_${name} INTERFACE ${ONCOLLIDE_EIGEN_LAYOUT})
   target_include_directories(oncollide_${name} PUBLIC
     $<BUILD_INTERFACE:${include_tree}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(oncollide_${name} PUBLIC Eigen3::Eigen

@@ -36,6 +36,11 @@ file(WRITE ${WORK}/tutorial_source/yard.cpp "${program}")
 file(WRITE ${WORK}/tutorial_source/CMakeLists.txt "${lines}")
 build(tutorial ${WORK}/tutorial_source ${COMPILER})
 run_as_shown(${page} ${WORK}/tutorial/yard)
+set(plain "${FLAGS}")
+set(FLAGS "${FLAGS} -march=native") # must change neither the layout of what is passed nor a result
+build(tutorial_native ${WORK}/tutorial_source ${COMPILER})
+run_as_shown(${page} ${WORK}/tutorial_native/yard)
+set(FLAGS "${plain}")
 
 set(page ${SOURCE}/docs/from-fcl.md)
 foreach(library IN ITEMS fcl oncollide)
