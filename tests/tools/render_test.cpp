@@ -100,6 +100,14 @@ TEST_F(Render, SpheresTouchBodiesThatAreNotShown)
     EXPECT_GT(picture("touching.json", spheres).count(is_red), 0);
 }
 
+TEST_F(Render, BodiesWithoutNamesAreShownByNumberAndListed)
+{
+    folder_.write("unnamed.json", R"({"geometries": {"box": {"shape": {"kind": "box", "half": [0.5, 0.5, 0.5]}}},
+        "bodies": [{"geometry": "box"}, {"geometry": "box", "position": [3, 0, 0]}]})");
+    EXPECT_GT(picture("unnamed.json", {"--body", "body 1"}).count(is_drawn), 0);
+    expect_error(64, {"render", "unnamed.json", "--body", "body 2", "--out", "x.png"}, {"body 0, body 1"});
+}
+
 TEST_F(Render, LevelsAndFramesStandSideBySide)
 {
     const Decoded levels = picture("touching.json", {"--show", "spheres", "--whole", "--level", "0,4"});

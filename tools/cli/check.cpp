@@ -71,7 +71,7 @@ Scene load_pair(const CheckOptions& options)
 
 std::string describe(const Scene& scene, const Settings& settings, const PairResult& pair)
 {
-    const std::string both = fmt::format("'{}' and '{}'", scene.names[0], scene.names[1]);
+    const std::string both = fmt::format("'{}' and '{}'", scene.label(BodyId{0}), scene.label(BodyId{1}));
     switch (pair.verdict) {
     case Verdict::separate:
         if (pair.kind == ContactKind::touching)
@@ -125,12 +125,12 @@ std::string describe_distance(const Scene& scene, const World& world, double tol
 {
     const Distance d = world.distance(BodyId{0}, BodyId{1}, tolerance);
     if (d.upper == 0)
-        return fmt::format("distance: 0, triangle {} of '{}' meets triangle {} of '{}'.", d.triangle_a, scene.names[0],
-                           d.triangle_b, scene.names[1]);
+        return fmt::format("distance: 0, triangle {} of '{}' meets triangle {} of '{}'.", d.triangle_a, scene.label(BodyId{0}),
+                           d.triangle_b, scene.label(BodyId{1}));
     return fmt::format(
         "distance: from {:.12g} to {:.12g} m (certified), between triangle {} of '{}' and triangle {} of "
         "'{}'.",
-        d.lower, d.upper, d.triangle_a, scene.names[0], d.triangle_b, scene.names[1]);
+        d.lower, d.upper, d.triangle_a, scene.label(BodyId{0}), d.triangle_b, scene.label(BodyId{1}));
 }
 
 int check_pair(const CheckOptions& options)
@@ -151,10 +151,10 @@ int check_pair(const CheckOptions& options)
     std::optional<OutputFile> contacts;
     if (!options.contacts.empty()) contacts.emplace(options.contacts);
     const Scene scene = load_pair(options);
-    for (std::size_t body = 0; (contacts || options.distance) && body < scene.size(); ++body)
+    for (std::uint32_t body = 0; (contacts || options.distance) && body < scene.size(); ++body)
         if (!std::holds_alternative<Mesh>(scene.geometries[index(scene.geometry[body])].data))
             throw Error(ErrorKind::usage,
-                        fmt::format("{}: '{}' is no mesh", contacts ? "--contacts" : "--distance", scene.names[body]));
+                        fmt::format("{}: '{}' is no mesh", contacts ? "--contacts" : "--distance", scene.label(BodyId{body})));
     if (!options.quiet) print_warnings(scene);
     Pipeline pipeline(scene, settings);
     Report report(scene, pipeline, true);

@@ -41,7 +41,7 @@ void play(Scene& scene, const RenderOptions& options, const Settings& settings, 
                 pairs = pipeline.step(scene).pairs;
             }
             for (std::optional<int> level : plan.levels) {
-                ScenePicture picture = pictures.make(tree_of, pairs, level);
+                ScenePicture picture = pictures.make(pipeline.world(), tree_of, pairs, level);
                 picture.width = plan.width / plan.panels(), picture.height = plan.height;
                 panels.pictures.push_back(std::move(picture));
                 panels.spheres += pictures.spheres(), panels.red += pictures.red();

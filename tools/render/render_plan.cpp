@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <span>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -72,6 +71,19 @@ std::vector<ImagePlan> images_from(const RenderOptions& o, const Scene& scene)
     return images;
 }
 
+/// By its name, or by what stands for one: "body 3".
+BodyId body_of(const Scene& scene, const std::string& name)
+{
+    if (const std::optional<BodyId> body = scene.find(name)) return *body;
+    std::vector<std::string> labels;
+    for (std::uint32_t body = 0; body < scene.size(); ++body) {
+        if (scene.names[body].empty() && scene.label(BodyId{body}) == name) return BodyId{body};
+        if (body < 20) labels.push_back(scene.label(BodyId{body}));
+    }
+    usage(fmt::format("--body {}: no body of that name; '{}' has: {}{}", name, scene.name, fmt::join(labels, ", "),
+                      labels.size() < scene.size() ? fmt::format(" and {} more", scene.size() - labels.size()) : ""));
+}
+
 } // namespace
 
 RenderPlan plan_from(const RenderOptions& o, const Settings& settings, const Scene& scene)
@@ -103,16 +115,7 @@ ScenePictures::Shown shown_from(const RenderOptions& o, const Scene& scene)
                                .bodies = std::vector<std::uint8_t>(scene.size(), o.bodies.empty()),
                                .clearance = o.settings.clearance,
                                .meeting = exact_from_name(o.settings.exact) == ExactLevel::predicates};
-    for (const std::string& name : o.bodies) {
-        const std::optional<BodyId> body = scene.find(name);
-        if (!body) {
-            const std::size_t told = std::min<std::size_t>(scene.size(), 20);
-            usage(fmt::format("--body {}: no body of that name; '{}' has: {}{}", name, scene.name,
-                              fmt::join(std::span(scene.names).first(told), ", "),
-                              told < scene.size() ? fmt::format(" and {} more", scene.size() - told) : ""));
-        }
-        shown.bodies[index(*body)] = 1;
-    }
+    for (const std::string& name : o.bodies) shown.bodies[index(body_of(scene, name))] = 1;
     return shown;
 }
 

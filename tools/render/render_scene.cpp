@@ -160,22 +160,26 @@ void ScenePictures::add_spheres(Picture& picture, std::uint32_t body)
     }
 }
 
-void ScenePictures::find_meeting(std::span<const PairResult> pairs)
+void ScenePictures::find_meeting(const World& world, std::span<const PairResult> pairs)
 {
     meeting_of_.assign(scene_.size(), {});
     if (!shown_.meeting) return;
     const auto is_mesh = [&](BodyId body) {
         return std::holds_alternative<Mesh>(scene_.geometries[index(scene_.geometry[index(body)])].data);
     };
+    std::vector<PairOfBodies> colliding;
     for (const PairResult& pair : pairs) {
         if (pair.verdict != Verdict::colliding || !is_mesh(pair.a) || !is_mesh(pair.b)) continue;
         if (!shown_.bodies[index(pair.a)] && !shown_.bodies[index(pair.b)]) continue;
-        for (const Contact& contact : contacts(*mesh_of(scene_.geometry[index(pair.a)]), scene_.poses[index(pair.a)],
-                                               *mesh_of(scene_.geometry[index(pair.b)]), scene_.poses[index(pair.b)])) {
-            meeting_of_[index(pair.a)].push_back(contact.triangle_a);
-            meeting_of_[index(pair.b)].push_back(contact.triangle_b);
-        }
+        colliding.push_back({pair.a, pair.b});
     }
+    ContactLists found;
+    world.contacts(colliding, found);
+    for (std::size_t k = 0, c = 0; k < colliding.size(); ++k)
+        for (; c < found.ends[k]; ++c) {
+            meeting_of_[index(colliding[k].a)].push_back(found.contacts[c].triangle_a);
+            meeting_of_[index(colliding[k].b)].push_back(found.contacts[c].triangle_b);
+        }
     for (std::vector<std::uint32_t>& triangles : meeting_of_) {
         std::sort(triangles.begin(), triangles.end());
         triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
@@ -205,11 +209,12 @@ void ScenePictures::add_mesh(ScenePicture& picture, std::uint32_t body)
         add_part(false);
 }
 
-ScenePicture ScenePictures::make(const TreeOf& tree_of, std::span<const PairResult> pairs, std::optional<int> level)
+ScenePicture ScenePictures::make(const World& world, const TreeOf& tree_of, std::span<const PairResult> pairs,
+                                 std::optional<int> level)
 {
     ScenePicture picture;
     spheres_ = red_ = meeting_ = 0;
-    find_meeting(pairs);
+    find_meeting(world, pairs);
     for (std::uint32_t body = 0; body < scene_.size(); ++body)
         if (shown_.bodies[body]) add_mesh(picture, body);
     if (!shown_.spheres) return picture;

@@ -8,7 +8,6 @@
 
 #include <oncollide/narrowphase/gl/picture.hpp>
 #include <oncollide/narrowphase/spheres/ocst.hpp>
-#include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
 #include <oncollide/scenes/scene.hpp>
 
@@ -48,9 +47,11 @@ public:
     ScenePictures(const Scene& scene, Shown shown);
 
     /// The scene at its current poses, without a camera.
+    /// @param world  of the scene, after this frame
     /// @param pairs  of this frame
     /// @param level  of the spheres; none: the finest that are known, wherever that is
-    ScenePicture make(const TreeOf& tree_of, std::span<const PairResult> pairs, std::optional<int> level);
+    ScenePicture make(const World& world, const TreeOf& tree_of, std::span<const PairResult> pairs,
+                      std::optional<int> level);
     /// Spheres of the last picture, and how many of them are red.
     std::size_t spheres() const { return spheres_; }
     std::size_t red() const { return red_; }
@@ -70,7 +71,7 @@ private:
     const std::vector<Sphere>& spheres_of(std::uint32_t body, const TreeOf& tree_of, std::optional<int> level);
     void add_spheres(Picture& picture, std::uint32_t body);
     void mark_touching(std::uint32_t a, std::uint32_t b);
-    void find_meeting(std::span<const PairResult> pairs);
+    void find_meeting(const World& world, std::span<const PairResult> pairs);
     void add_mesh(ScenePicture& picture, std::uint32_t body);
 
     const Scene& scene_;

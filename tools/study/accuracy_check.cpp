@@ -9,7 +9,7 @@ namespace {
 
 std::string names_of(const Scene& scene, BodyPair pair)
 {
-    return fmt::format("{} and {}", scene.names[pair.a], scene.names[pair.b]);
+    return fmt::format("{} and {}", scene.label(BodyId{pair.a}), scene.label(BodyId{pair.b}));
 }
 
 /// What FCL's distance may be wrong by: 1e-9 of the bodies' size, and what double leaves far from the origin.

@@ -62,7 +62,7 @@ void judge(StudyPeer& peer, std::span<const BodyPair> colliding, StudyTruth& tru
     const auto tell = [&](BodyPair pair, std::string_view what) {
         if (peer.errors.size() < most_errors)
             peer.errors.push_back(
-                fmt::format("frame {}: {} {} and {}", number, what, scene.names[pair.a], scene.names[pair.b]));
+                fmt::format("frame {}: {} {} and {}", number, what, scene.label(BodyId{pair.a}), scene.label(BodyId{pair.b})));
     };
     for (BodyPair pair : truth.colliding())
         if (!std::ranges::binary_search(colliding, pair)) ++peer.missed, tell(pair, "misses");

@@ -89,7 +89,7 @@ StudyPicture draw(StudyCourse& workload, const Scenario& scenario, Painter& pain
                                .clearance = settings.clearance};
     shown.bodies[pair.a] = shown.bodies[pair.b] = 1;
     ScenePictures pictures(scene, shown);
-    ScenePicture picture = pictures.make([&](GeometryId id) { return pipeline.tree(id); }, pairs, std::nullopt);
+    ScenePicture picture = pictures.make(pipeline.world(), [&](GeometryId id) { return pipeline.tree(id); }, pairs, std::nullopt);
     picture.width = picture.height = side;
     Framing framing;
     framing.add(picture);
@@ -107,7 +107,7 @@ StudyPicture draw(StudyCourse& workload, const Scenario& scenario, Painter& pain
                                  : fmt::format("false positive: {:.3g} m apart, certified to be within {:.3g} m",
                                                scenario.at.distance, scenario.at.bound);
     return {fmt::format("{}, frame {}: {} and {}; {}.", scenario.row->variant.name, workload.number(scenario.at.frame),
-                        scene.names[pair.a], scene.names[pair.b], what),
+                        scene.label(BodyId{pair.a}), scene.label(BodyId{pair.b}), what),
             packed_png(image)};
 }
 
