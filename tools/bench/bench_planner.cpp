@@ -42,12 +42,12 @@ std::vector<MeshQuery> sample(const Mesh& fixed, const Mesh& moving, std::size_t
 }
 
 /// FCL in a loop, on so many threads.
-double ask_fcl(const FclPair<fcl::OBBd>& fcl, std::span<const MeshQuery> queries, int threads,
-               std::vector<std::uint8_t>& answers)
+double query_fcl(const FclPair& fcl, std::span<const MeshQuery> queries, int threads,
+                 std::vector<std::uint8_t>& answers)
 {
     const auto from = Clock::now();
     parallel_chunks(queries.size(), 64, threads, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t i = begin; i < end; ++i) answers[i] = fcl.collide(queries[i].pose_b) > 0;
+        for (std::size_t i = begin; i < end; ++i) answers[i] = fcl.contacts(queries[i].pose_b) > 0;
     });
     return seconds_since(from);
 }
@@ -68,15 +68,15 @@ int bench_planner(const PlannerOptions& options)
         grouped(fixed.triangles.size()), grouped(moving.triangles.size()), grouped(queries.size()), options.seed);
 
     auto from = Clock::now();
-    const FclPair<fcl::OBBd> fcl(fixed, moving);
+    const FclPair fcl(fixed, moving, FclNodes::obb);
     const double fcl_build = seconds_since(from);
     std::vector<std::uint8_t> expected(queries.size());
     std::uint64_t wrong = 0;
     say("{:<28}{:>8}{:>16}{:>16}{:>8}{:>12}{:>8}\n", "", "threads", "first call, s", "second call, s", "ratio",
         "queries/s", "false");
     for (int threads = 1; threads <= std::min(2, hardware_threads()); ++threads) {
-        const double first = ask_fcl(fcl, queries, threads, expected),
-                     second = ask_fcl(fcl, queries, threads, expected);
+        const double first = query_fcl(fcl, queries, threads, expected),
+                     second = query_fcl(fcl, queries, threads, expected);
         say("{:<28}{:>8}{:>16.3f}{:>16.3f}{:>8.2f}{:>12}\n", "FCL OBB in a loop", threads, first + fcl_build, second,
             1.0, grouped(std::uint64_t(double(queries.size()) / second)));
         for (const ExactLevel exact : {ExactLevel::off, ExactLevel::predicates}) {

@@ -51,8 +51,8 @@ public:
             scene_.add_body({.name = name, .geometry = scene_.add(name, load_mesh(path))});
         }
         const Mesh &bunny = std::get<Mesh>(scene_.geometries[0].data), &cow = std::get<Mesh>(scene_.geometries[1].data);
-        obb_ms_ = milliseconds([&] { obb_ = std::make_unique<FclPair<fcl::OBBd>>(bunny, cow); });
-        rss_ms_ = milliseconds([&] { rss_ = std::make_unique<FclPair<fcl::OBBRSSd>>(bunny, cow); });
+        obb_ms_ = milliseconds([&] { obb_ = std::make_unique<FclPair>(bunny, cow, FclNodes::obb); });
+        rss_ms_ = milliseconds([&] { rss_ = std::make_unique<FclPair>(bunny, cow, FclNodes::obbrss); });
         for (int depth : parse_depths("--depths", options.depths))
             trees_.push_back(std::make_unique<TreePair>(scene_, at_depth(depth)));
         add_contenders();
@@ -80,8 +80,8 @@ public:
 private:
     void add_contenders()
     {
-        contenders_.push_back({"FCL OBB", [this](const KnownPose& p) { return obb_->collide(p.b) > 0; }});
-        contenders_.push_back({"FCL OBBRSS", [this](const KnownPose& p) { return rss_->collide(p.b) > 0; }});
+        contenders_.push_back({"FCL OBB", [this](const KnownPose& p) { return obb_->collides(p.b); }});
+        contenders_.push_back({"FCL OBBRSS", [this](const KnownPose& p) { return rss_->collides(p.b); }});
         for (const auto& tree : trees_)
             contenders_.push_back({fmt::format("depth {}", tree->depth), [t = tree.get()](const KnownPose& p) {
                                        return t->walk(p.b).verdict != Verdict::separate;
@@ -89,7 +89,7 @@ private:
         for (const auto& tree : trees_)
             contenders_.push_back(
                 {fmt::format("depth {} + fcl", tree->depth), [this, t = tree.get()](const KnownPose& p) {
-                     return t->walk(p.b).verdict != Verdict::separate && obb_->collide(p.b) > 0;
+                     return t->walk(p.b).verdict != Verdict::separate && obb_->collides(p.b);
                  }});
     }
 
@@ -158,7 +158,7 @@ private:
     {
         std::uint64_t sum = 0, expected = 0, differing = 0, wrong = 0;
         for (const KnownPose& pose : poses_) {
-            const std::size_t pairs = obb_->collide(pose.b, 10'000'000);
+            const std::size_t pairs = obb_->contacts(pose.b, 10'000'000);
             sum += pairs, expected += *pose.triangle_pairs;
             differing += pairs != *pose.triangle_pairs, wrong += (pairs > 0) != *pose.colliding;
         }
@@ -184,8 +184,7 @@ private:
     PosesOptions options_;
     std::vector<KnownPose> poses_;
     Scene scene_;
-    std::unique_ptr<FclPair<fcl::OBBd>> obb_;
-    std::unique_ptr<FclPair<fcl::OBBRSSd>> rss_;
+    std::unique_ptr<FclPair> obb_, rss_;
     double obb_ms_ = 0, rss_ms_ = 0; ///< to build them
     std::vector<std::unique_ptr<TreePair>> trees_;
     std::vector<double> growth_, cell_pairs_; ///< by tree

@@ -75,7 +75,7 @@ struct Approach {
 class PoseFinder {
 public:
     PoseFinder(const Mesh& a, const Mesh& b, std::uint64_t seed)
-        : a_(a), b_(b), seed_(seed), models_(a, b), diagonal_(a.bounds.diagonal()),
+        : a_(a), b_(b), seed_(seed), models_(a, b, FclNodes::obbrss), diagonal_(a.bounds.diagonal()),
           reach_(diagonal_ + b.bounds.diagonal())
     {
     }
@@ -92,7 +92,7 @@ public:
             const Eigen::Vector3d of_a = centroid(a_, dice.below(a_.triangles.size())),
                                   of_b = centroid(b_, dice.below(b_.triangles.size()));
             approach.start.translation() = of_a - approach.start.linear() * of_b;
-            if (models_.collide(approach.start) && !models_.collide(approach.at(1.01 * reach_))) return approach;
+            if (models_.contacts(approach.start) && !models_.contacts(approach.at(1.01 * reach_))) return approach;
         }
         throw Error(ErrorKind::bad_data,
                     fmt::format("the meshes do not collide in any of {} poses that let two of their triangles cross",
@@ -105,7 +105,7 @@ public:
         double in = 0, out = 1.01 * reach_;
         while (out - in > 1e-9 * diagonal_) {
             const double middle = 0.5 * (in + out);
-            (models_.collide(approach.at(middle)) ? in : out) = middle;
+            (models_.contacts(approach.at(middle)) ? in : out) = middle;
         }
         return out;
     }
@@ -136,12 +136,12 @@ public:
 private:
     double error(const Approach& approach, double distance, double place) const
     {
-        return models_.distance(approach.at(place)) - distance;
+        return models_.apart(approach.at(place)) - distance;
     }
 
     const Mesh &a_, &b_;
     std::uint64_t seed_;
-    FclPair<fcl::OBBRSSd> models_;
+    FclPair models_;
     double diagonal_, reach_; ///< of a's box; so far from place 0 nothing touches
 };
 

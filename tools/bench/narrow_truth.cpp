@@ -24,8 +24,8 @@ std::unique_ptr<NarrowPeer> make_exact_judge(const Mesh& a, const Mesh& b)
 class Judge {
 public:
     Judge(const Mesh& a, const Mesh& b, const NarrowCourse& workload, const std::vector<Ask>& asks)
-        : course_(workload), all_(wants(asks, Ask::all)), distances_(wants(asks, Ask::distance)), fcl_(a, b),
-          exact_(make_exact_judge(a, b)), diagonal_(a.bounds.diagonal())
+        : course_(workload), all_(wants(asks, Ask::all)), distances_(wants(asks, Ask::distance)),
+          fcl_(a, b, FclNodes::obbrss), exact_(make_exact_judge(a, b)), diagonal_(a.bounds.diagonal())
     {
     }
 
@@ -33,7 +33,8 @@ public:
     {
         Progress progress("judging", course_.poses.size());
         for (const NarrowPose& pose : course_.poses) judge(pose), progress.step();
-        truth_.notes.push_back(exact_ ? "CGAL, exact predicates" : "FCL; CGAL, which is exact, is not in this build");
+        truth_.notes.emplace_back(exact_ ? "CGAL, exact predicates"
+                                         : "FCL; CGAL, which is exact, is not in this build");
         if (differ_)
             truth_.notes.push_back(
                 fmt::format("FCL differs from CGAL in {} of {} poses", grouped(differ_), course_.poses.size()));
@@ -59,7 +60,7 @@ private:
     void judge(const NarrowPose& pose)
     {
         const KnownPose& known = pose.known;
-        std::vector<TrianglePair> pairs = ask_fcl(known.b);
+        std::vector<TrianglePair> pairs = pairs_by_fcl(known.b);
         bool colliding = !pairs.empty();
         if (exact_) {
             std::vector<TrianglePair> exact;
@@ -79,12 +80,12 @@ private:
     }
 
     /// One pair only, when not all are asked for.
-    std::vector<TrianglePair> ask_fcl(const Eigen::Isometry3d& b) const
+    std::vector<TrianglePair> pairs_by_fcl(const Eigen::Isometry3d& b)
     {
         std::vector<TrianglePair> pairs;
         if (all_)
-            fcl_.all_pairs(b, [&](std::uint32_t i, std::uint32_t j) { pairs.push_back({i, j}); });
-        else if (fcl_.collide(b))
+            fcl_.all_pairs(b, pairs);
+        else if (fcl_.collides(b))
             pairs.push_back({0, 0});
         std::sort(pairs.begin(), pairs.end());
         return pairs;
@@ -92,7 +93,7 @@ private:
 
     const NarrowCourse& course_;
     bool all_, distances_;
-    FclPair<fcl::OBBRSSd> fcl_;
+    FclPair fcl_;
     std::unique_ptr<NarrowPeer> exact_;
     double diagonal_;
     NarrowTruth truth_;

@@ -1,22 +1,16 @@
 #include "hard/triangle_trial.hpp"
 
-#include <fcl/fcl.h>
-#include <fcl/narrowphase/detail/traversal/collision/intersect.h>
 #include <fmt/format.h>
 
 #include <oncollide/base/parallel.hpp>
 
 #include "hard/exact_oracle.hpp"
+#include "peers/fcl_pair.hpp"
 
 namespace oncollide::tools {
 namespace {
 
-bool fcl_says_they_meet(const TrianglePoints& a, const TrianglePoints& b)
-{
-    return fcl::detail::Intersect<double>::intersect_Triangle(a[0], a[1], a[2], b[0], b[1], b[2]);
-}
-
-void try_pair(const TrianglePair& pair, Tally& tally)
+void try_pair(const oncollide::TrianglePair& pair, Tally& tally)
 {
     const auto& [a, b] = pair;
     const TriangleContact truth = oracle::contact(a, b);
@@ -32,7 +26,7 @@ void try_pair(const TrianglePair& pair, Tally& tally)
     if (contact != truth && contact != TriangleContact::separate && meet)
         tally.fault(&Tally::wrong, "kind of contact:" + shown(pair));
     if (swapped != contact) tally.fault(&Tally::changed, "swapped:" + shown(pair));
-    const bool theirs = fcl_says_they_meet(a, b);
+    const bool theirs = fcl_triangles_meet(a, b);
     tally.fcl_missed += meet && !theirs, tally.fcl_false += theirs && !meet;
 }
 
@@ -42,7 +36,7 @@ Tally try_triangles(const TriangleFamily& family, std::uint64_t count, bool turn
 {
     constexpr std::uint64_t batch = 10'000, grain = 250;
     GridPoints random(turned ? 2 : 1), turns(3);
-    std::vector<TrianglePair> pairs;
+    std::vector<oncollide::TrianglePair> pairs;
     std::vector<Tally> tallies;
     Tally sum{.family = family.name + (turned ? ", turned" : "")};
     for (std::uint64_t first = 0; first < count; first += batch) {

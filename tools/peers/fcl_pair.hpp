@@ -1,62 +1,59 @@
 #pragma once
 #include <cstdint>
-#include <vector>
+#include <memory>
 
-#include <fcl/fcl.h>
+#include <oncollide/scenes/scene.hpp>
 
-#include <oncollide/scenes/model/mesh.hpp>
+#include "peers/narrow_peer.hpp"
 
+namespace fcl {
+template <typename Scalar>
+class CollisionGeometry;
+}
+
+// FCL on single geometries and on two of them. Its headers take seconds to compile: fcl_pair.cpp, fcl_world.cpp and
+// peer_fcl.cpp alone include them.
 namespace oncollide::tools {
 
-/// FCL's trees of `Volume` over two meshes, of which the second is moved. No contacts: FCL is fastest so.
-template <class Volume>
-class FclPair {
+/// The nodes of FCL's trees of triangles: OBB is the fastest for yes and no, and only OBBRSS knows distances.
+enum class FclNodes { obb, obbrss };
+
+/// A geometry as FCL has it: a tree over a mesh's triangles, a primitive shape, or an octree.
+using FclGeometry = std::shared_ptr<fcl::CollisionGeometry<double>>;
+FclGeometry make_fcl_geometry(const GeometryData& geometry, FclNodes nodes);
+
+/// A geometry somewhere.
+struct FclBody {
+    const FclGeometry& geometry;
+    const Eigen::Isometry3d& pose;
+};
+
+/// The number of contacts (of meshes, pairs of triangles that intersect), counted up to `most`.
+/// @param details  with depths, places and normals, which cost time
+std::size_t fcl_contacts(const FclBody& a, const FclBody& b, std::size_t most = 1, bool details = false);
+/// Of the surfaces, 0 when they touch; not sure to be so when one is deep inside the other. Meshes need OBBRSS.
+double fcl_distance(const FclBody& a, const FclBody& b);
+/// The depth of the deepest contact; 0 when they do not collide.
+double fcl_penetration(const FclBody& a, const FclBody& b);
+/// FCL's own test of two triangles.
+bool fcl_triangles_meet(const std::array<Eigen::Vector3d, 3>& a, const std::array<Eigen::Vector3d, 3>& b);
+/// What a mesh's tree takes, as it would be with nodes of that kind; 0 for what is no mesh. Bytes.
+std::size_t fcl_mesh_bytes(const FclGeometry& geometry, FclNodes as);
+
+/// Two meshes, of which the second is moved. No details of contacts: FCL is fastest so. Thread-safe.
+class FclPair final : public NarrowPeer {
 public:
-    FclPair(const Mesh& a, const Mesh& b) { fill(a_, a), fill(b_, b); }
+    FclPair(const Mesh& a, const Mesh& b, FclNodes nodes);
 
     /// The number of intersecting triangle pairs, counted up to `most`.
-    std::size_t collide(const Eigen::Isometry3d& b, std::size_t most = 1) const { return ask(b, most).numContacts(); }
-
-    /// Calls `take` with the numbers of every two triangles that intersect.
-    template <class Take>
-    void all_pairs(const Eigen::Isometry3d& b, Take take) const
-    {
-        const fcl::CollisionResultd result = ask(b, 1'000'000'000);
-        for (std::size_t k = 0; k < result.numContacts(); ++k) {
-            const fcl::Contactd& contact = result.getContact(k);
-            take(std::uint32_t(contact.b1), std::uint32_t(contact.b2));
-        }
-    }
-
-    /// Of the surfaces, 0 when they touch. Only trees with swept spheres (RSS, OBBRSS) answer this.
-    double distance(const Eigen::Isometry3d& b) const
-    {
-        const fcl::DistanceRequestd request;
-        fcl::DistanceResultd result;
-        const double distance = fcl::distance(&a_, Eigen::Isometry3d::Identity(), &b_, b, request, result);
-        return distance > 0 ? distance : 0;
-    }
+    std::size_t contacts(const Eigen::Isometry3d& b, std::size_t most = 1) const;
+    bool collides(const Eigen::Isometry3d& b) override { return contacts(b) > 0; }
+    void all_pairs(const Eigen::Isometry3d& b, std::vector<TrianglePair>& pairs) override;
+    double distance(const Eigen::Isometry3d& b) override { return apart(b); }
+    double apart(const Eigen::Isometry3d& b) const; ///< distance()
 
 private:
-    static void fill(fcl::BVHModel<Volume>& model, const Mesh& mesh)
-    {
-        std::vector<fcl::Triangle> triangles;
-        triangles.reserve(mesh.triangles.size());
-        for (const Triangle& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
-        model.beginModel(int(triangles.size()), int(mesh.vertices.size()));
-        model.addSubModel(mesh.vertices, triangles);
-        model.endModel();
-    }
-
-    fcl::CollisionResultd ask(const Eigen::Isometry3d& b, std::size_t most) const
-    {
-        const fcl::CollisionRequestd request(most, false);
-        fcl::CollisionResultd result;
-        fcl::collide(&a_, Eigen::Isometry3d::Identity(), &b_, b, request, result);
-        return result;
-    }
-
-    fcl::BVHModel<Volume> a_, b_;
+    FclGeometry a_, b_;
 };
 
 } // namespace oncollide::tools

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <chrono>
 
-#include <fcl/fcl.h>
+#include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
 
-#include <oncollide/scenes/model/convex_hull.hpp>
+#include "peers/fcl_pair.hpp"
 
 namespace oncollide::tools {
 namespace {
 
-using ModelPtr = std::shared_ptr<fcl::CollisionGeometryd>;
 using Clock = std::chrono::steady_clock;
 
 double milliseconds_since(Clock::time_point& from)
@@ -21,62 +20,13 @@ double milliseconds_since(Clock::time_point& from)
     return ms;
 }
 
-template <class Volume>
-ModelPtr make_bvh(const Mesh& mesh)
-{
-    auto model = std::make_shared<fcl::BVHModel<Volume>>();
-    std::vector<fcl::Triangle> triangles;
-    triangles.reserve(mesh.triangles.size());
-    for (const Triangle& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
-    model->beginModel(static_cast<int>(triangles.size()), static_cast<int>(mesh.vertices.size()));
-    model->addSubModel(mesh.vertices, triangles);
-    model->endModel();
-    return model;
-}
-
-ModelPtr make_convex(const ConvexHull& shape)
-{
-    const Hull hull = convex_hull(shape.points);
-    std::vector<int> place(shape.points.size(), -1);
-    auto points = std::make_shared<std::vector<fcl::Vector3d>>();
-    for (std::uint32_t v : hull.vertices) {
-        place[v] = static_cast<int>(points->size());
-        points->push_back(shape.points[v]);
-    }
-    auto faces = std::make_shared<std::vector<int>>();
-    for (const Triangle& t : hull.triangles) faces->insert(faces->end(), {3, place[t[0]], place[t[1]], place[t[2]]});
-    return std::make_shared<fcl::Convexd>(points, static_cast<int>(hull.triangles.size()), faces);
-}
-
-struct ShapeModel {
-    ModelPtr operator()(const Sphere& s) const { return std::make_shared<fcl::Sphered>(s.radius); }
-    ModelPtr operator()(const Box& b) const { return std::make_shared<fcl::Boxd>(fcl::Vector3d(2 * b.half)); }
-    ModelPtr operator()(const Capsule& c) const { return std::make_shared<fcl::Capsuled>(c.radius, c.length); }
-    ModelPtr operator()(const Cylinder& c) const { return std::make_shared<fcl::Cylinderd>(c.radius, c.length); }
-    ModelPtr operator()(const ConvexHull& h) const { return make_convex(h); }
-};
-
-template <class Volume>
-ModelPtr make_model(const Geometry& geometry)
-{
-    ModelPtr model;
-    if (const auto* mesh = std::get_if<Mesh>(&geometry.data))
-        model = make_bvh<Volume>(*mesh);
-    else if (const auto* shape = std::get_if<Shape>(&geometry.data))
-        model = std::visit(ShapeModel{}, *shape);
-    else
-        model = std::make_shared<fcl::OcTreed>(std::get<OccupancyMap>(geometry.data).tree);
-    model->computeLocalAABB();
-    return model;
-}
-
 } // namespace
 
 struct FclWorld::Impl {
     explicit Impl(const Scene& s) : scene(s) {}
 
     const Scene& scene;
-    std::vector<ModelPtr> models, distance_models; ///< by geometry; the second when first needed
+    std::vector<FclGeometry> models, distance_models; ///< by geometry; the second when first needed
     std::vector<std::unique_ptr<fcl::CollisionObjectd>> objects;
     std::vector<std::uint32_t> moving;
     fcl::DynamicAABBTreeCollisionManagerd moving_tree, static_tree;
@@ -94,34 +44,22 @@ struct FclWorld::Impl {
         return false; // go on
     }
 
-    bool collide(BodyPair pair) const
-    {
-        const fcl::CollisionRequestd request(1, false);
-        fcl::CollisionResultd result;
-        return fcl::collide(objects[pair.a].get(), objects[pair.b].get(), request, result) > 0;
-    }
+    FclBody body(std::uint32_t b) const { return {models[index(scene.geometry[b])], scene.poses[b]}; }
 
-    std::size_t contacts(BodyPair pair) const
+    FclBody body_for_distance(std::uint32_t b)
     {
-        const fcl::CollisionRequestd request(1'000'000, true);
-        fcl::CollisionResultd result;
-        fcl::collide(objects[pair.a].get(), objects[pair.b].get(), request, result);
-        return result.numContacts();
-    }
-
-    const fcl::CollisionGeometryd* distance_model(std::uint32_t body)
-    {
-        const std::uint32_t geometry = index(scene.geometry[body]);
-        ModelPtr& model = distance_models[geometry];
-        if (!model) model = make_model<fcl::OBBRSSd>(scene.geometries[geometry]);
-        return model.get();
+        const std::uint32_t geometry = index(scene.geometry[b]);
+        FclGeometry& model = distance_models[geometry];
+        if (!model) model = make_fcl_geometry(scene.geometries[geometry].data, FclNodes::obbrss);
+        return {model, scene.poses[b]};
     }
 };
 
 FclWorld::FclWorld(const Scene& scene) : impl_(std::make_unique<Impl>(scene))
 {
     Impl& w = *impl_;
-    for (const Geometry& geometry : scene.geometries) w.models.push_back(make_model<fcl::OBBd>(geometry));
+    for (const Geometry& geometry : scene.geometries)
+        w.models.push_back(make_fcl_geometry(geometry.data, FclNodes::obb));
     w.distance_models.resize(scene.geometries.size());
     std::vector<fcl::CollisionObjectd*> moving, fixed;
     for (std::uint32_t body = 0; body < scene.size(); ++body) {
@@ -156,7 +94,7 @@ FclFrame FclWorld::step(bool contacts)
     frame.pairs_ms = milliseconds_since(from);
     w.colliding.clear();
     for (BodyPair pair : w.candidates) {
-        const std::size_t found = contacts ? w.contacts(pair) : w.collide(pair);
+        const std::size_t found = fcl_contacts(w.body(pair.a), w.body(pair.b), contacts ? 1'000'000 : 1, contacts);
         if (found) w.colliding.push_back(pair);
         if (contacts) frame.contacts += found;
     }
@@ -168,35 +106,18 @@ FclFrame FclWorld::step(bool contacts)
 
 bool FclWorld::collides(BodyPair pair) const
 {
-    const Impl& w = *impl_;
-    const auto model = [&](std::uint32_t body) { return w.models[index(w.scene.geometry[body])].get(); };
-    const fcl::CollisionRequestd request(1, false);
-    fcl::CollisionResultd result;
-    return fcl::collide(model(pair.a), w.scene.poses[pair.a], model(pair.b), w.scene.poses[pair.b], request, result) >
-           0;
+    return fcl_contacts(impl_->body(pair.a), impl_->body(pair.b)) > 0;
 }
 
 double FclWorld::distance(BodyPair pair)
 {
-    Impl& w = *impl_;
-    if (collides(pair)) return 0; // distance() between meshes does not see one deep inside the other's surface
-    const fcl::DistanceRequestd request;
-    fcl::DistanceResultd result;
-    const double distance = fcl::distance(w.distance_model(pair.a), w.scene.poses[pair.a], w.distance_model(pair.b),
-                                          w.scene.poses[pair.b], request, result);
-    return std::max(distance, 0.0);
+    if (collides(pair)) return 0; // FCL's distance between meshes does not see one deep inside the other's surface
+    return fcl_distance(impl_->body_for_distance(pair.a), impl_->body_for_distance(pair.b));
 }
 
 double FclWorld::penetration(BodyPair pair) const
 {
-    const Impl& w = *impl_;
-    const fcl::CollisionRequestd request(10'000, true);
-    fcl::CollisionResultd result;
-    fcl::collide(w.objects[pair.a].get(), w.objects[pair.b].get(), request, result);
-    double deepest = 0;
-    for (std::size_t i = 0; i < result.numContacts(); ++i)
-        deepest = std::max(deepest, std::abs(result.getContact(i).penetration_depth));
-    return deepest;
+    return fcl_penetration(impl_->body(pair.a), impl_->body(pair.b));
 }
 
 bool FclWorld::has_shape(BodyPair pair) const
@@ -209,16 +130,11 @@ bool FclWorld::has_shape(BodyPair pair) const
 
 FclWorld::ModelBytes FclWorld::model_bytes() const
 {
-    using Model = fcl::BVHModel<fcl::OBBd>; // its memUsage() returns a status, not a size
     ModelBytes sum;
-    for (const ModelPtr& model : impl_->models)
-        if (const auto* mesh = dynamic_cast<const Model*>(model.get())) {
-            const auto nodes = static_cast<std::size_t>(mesh->getNumBVs());
-            const std::size_t rest = static_cast<std::size_t>(mesh->num_tris) * (sizeof(fcl::Triangle) + sizeof(int)) +
-                                     static_cast<std::size_t>(mesh->num_vertices) * sizeof(fcl::Vector3d);
-            sum.obb += nodes * sizeof(fcl::BVNode<fcl::OBBd>) + rest;
-            sum.obbrss += nodes * sizeof(fcl::BVNode<fcl::OBBRSSd>) + rest;
-        }
+    for (const FclGeometry& model : impl_->models) {
+        sum.obb += fcl_mesh_bytes(model, FclNodes::obb);
+        sum.obbrss += fcl_mesh_bytes(model, FclNodes::obbrss);
+    }
     return sum;
 }
 

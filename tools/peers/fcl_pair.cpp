@@ -1,0 +1,150 @@
+#include "peers/fcl_pair.hpp"
+
+#include <fcl/fcl.h>
+#include <fcl/narrowphase/detail/traversal/collision/intersect.h>
+
+#include <oncollide/scenes/model/convex_hull.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+const Eigen::Isometry3d nowhere = Eigen::Isometry3d::Identity();
+
+template <class Volume>
+FclGeometry make_bvh(const Mesh& mesh)
+{
+    auto model = std::make_shared<fcl::BVHModel<Volume>>();
+    std::vector<fcl::Triangle> triangles;
+    triangles.reserve(mesh.triangles.size());
+    for (const Triangle& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
+    model->beginModel(static_cast<int>(triangles.size()), static_cast<int>(mesh.vertices.size()));
+    model->addSubModel(mesh.vertices, triangles);
+    model->endModel();
+    return model;
+}
+
+FclGeometry make_tree(const Mesh& mesh, FclNodes nodes)
+{
+    return nodes == FclNodes::obb ? make_bvh<fcl::OBBd>(mesh) : make_bvh<fcl::OBBRSSd>(mesh);
+}
+
+FclGeometry make_convex(const ConvexHull& shape)
+{
+    const Hull hull = convex_hull(shape.points);
+    std::vector<int> place(shape.points.size(), -1);
+    auto points = std::make_shared<std::vector<fcl::Vector3d>>();
+    for (std::uint32_t v : hull.vertices) {
+        place[v] = static_cast<int>(points->size());
+        points->push_back(shape.points[v]);
+    }
+    auto faces = std::make_shared<std::vector<int>>();
+    for (const Triangle& t : hull.triangles) faces->insert(faces->end(), {3, place[t[0]], place[t[1]], place[t[2]]});
+    return std::make_shared<fcl::Convexd>(points, static_cast<int>(hull.triangles.size()), faces);
+}
+
+struct ShapeGeometry {
+    FclGeometry operator()(const Sphere& s) const { return std::make_shared<fcl::Sphered>(s.radius); }
+    FclGeometry operator()(const Box& b) const { return std::make_shared<fcl::Boxd>(fcl::Vector3d(2 * b.half)); }
+    FclGeometry operator()(const Capsule& c) const { return std::make_shared<fcl::Capsuled>(c.radius, c.length); }
+    FclGeometry operator()(const Cylinder& c) const { return std::make_shared<fcl::Cylinderd>(c.radius, c.length); }
+    FclGeometry operator()(const ConvexHull& h) const { return make_convex(h); }
+};
+
+fcl::CollisionResultd collide(const FclBody& a, const FclBody& b, std::size_t most, bool details)
+{
+    const fcl::CollisionRequestd request(most, details);
+    fcl::CollisionResultd result;
+    fcl::collide(a.geometry.get(), a.pose, b.geometry.get(), b.pose, request, result);
+    return result;
+}
+
+NarrowContender contender(const char* name, const char* what, FclNodes nodes)
+{
+    return {.name = name,
+            .what = what,
+            .answers_all = true,
+            .answers_distance = nodes == FclNodes::obbrss,
+            .make = [nodes](const Mesh& a, const Mesh& b) { return std::make_unique<FclPair>(a, b, nodes); }};
+}
+
+} // namespace
+
+FclGeometry make_fcl_geometry(const GeometryData& geometry, FclNodes nodes)
+{
+    FclGeometry made;
+    if (const auto* mesh = std::get_if<Mesh>(&geometry))
+        made = make_tree(*mesh, nodes);
+    else if (const auto* shape = std::get_if<Shape>(&geometry))
+        made = std::visit(ShapeGeometry{}, *shape);
+    else
+        made = std::make_shared<fcl::OcTreed>(std::get<OccupancyMap>(geometry).tree);
+    made->computeLocalAABB();
+    return made;
+}
+
+std::size_t fcl_contacts(const FclBody& a, const FclBody& b, std::size_t most, bool details)
+{
+    return collide(a, b, most, details).numContacts();
+}
+
+double fcl_distance(const FclBody& a, const FclBody& b)
+{
+    const fcl::DistanceRequestd request;
+    fcl::DistanceResultd result;
+    return std::max(0.0, fcl::distance(a.geometry.get(), a.pose, b.geometry.get(), b.pose, request, result));
+}
+
+double fcl_penetration(const FclBody& a, const FclBody& b)
+{
+    const fcl::CollisionResultd result = collide(a, b, 10'000, true);
+    double deepest = 0;
+    for (std::size_t i = 0; i < result.numContacts(); ++i)
+        deepest = std::max(deepest, std::abs(result.getContact(i).penetration_depth));
+    return deepest;
+}
+
+bool fcl_triangles_meet(const std::array<Eigen::Vector3d, 3>& a, const std::array<Eigen::Vector3d, 3>& b)
+{
+    return fcl::detail::Intersect<double>::intersect_Triangle(a[0], a[1], a[2], b[0], b[1], b[2]);
+}
+
+std::size_t fcl_mesh_bytes(const FclGeometry& geometry, FclNodes as)
+{
+    // FCL's own memUsage() returns a status, not a size.
+    const auto* mesh = dynamic_cast<const fcl::BVHModel<fcl::OBBd>*>(geometry.get());
+    if (!mesh) return 0;
+    const std::size_t node = as == FclNodes::obb ? sizeof(fcl::BVNode<fcl::OBBd>) : sizeof(fcl::BVNode<fcl::OBBRSSd>);
+    return static_cast<std::size_t>(mesh->getNumBVs()) * node +
+           static_cast<std::size_t>(mesh->num_tris) * (sizeof(fcl::Triangle) + sizeof(int)) +
+           static_cast<std::size_t>(mesh->num_vertices) * sizeof(fcl::Vector3d);
+}
+
+FclPair::FclPair(const Mesh& a, const Mesh& b, FclNodes nodes) : a_(make_tree(a, nodes)), b_(make_tree(b, nodes)) {}
+
+std::size_t FclPair::contacts(const Eigen::Isometry3d& b, std::size_t most) const
+{
+    return fcl_contacts({a_, nowhere}, {b_, b}, most);
+}
+
+void FclPair::all_pairs(const Eigen::Isometry3d& b, std::vector<TrianglePair>& pairs)
+{
+    const fcl::CollisionResultd result = collide({a_, nowhere}, {b_, b}, 1'000'000'000, false);
+    pairs.clear();
+    for (std::size_t k = 0; k < result.numContacts(); ++k) {
+        const fcl::Contactd& contact = result.getContact(k);
+        pairs.push_back({std::uint32_t(contact.b1), std::uint32_t(contact.b2)});
+    }
+}
+
+double FclPair::apart(const Eigen::Isometry3d& b) const
+{
+    return fcl_distance({a_, nowhere}, {b_, b});
+}
+
+void add_narrow_fcl(std::vector<NarrowContender>& all)
+{
+    all.push_back(contender("fcl-obb", "FCL BVHModel<OBB>, no contacts", FclNodes::obb));
+    all.push_back(contender("fcl-obbrss", "FCL BVHModel<OBBRSS>, no contacts", FclNodes::obbrss));
+}
+
+} // namespace oncollide::tools
