@@ -1,6 +1,7 @@
 #include "cli/command.hpp"
 #include "render/png.hpp"
 #include "render/render_plan.hpp"
+#include "spheres/grown_tree.hpp"
 
 #include <algorithm>
 #include <iostream>
@@ -27,8 +28,8 @@ void play(Scene& scene, const RenderOptions& options, const Settings& settings, 
 {
     ScenePictures pictures(scene, shown_from(options, scene));
     Pipeline pipeline(scene, settings);
-    WholeTrees whole(scene, plan.deepest, thread_count(settings));
-    const TreeOf tree_of = [&](GeometryId id) { return options.whole ? whole.tree(id) : pipeline.tree(id); };
+    GrownTrees whole(scene, plan.deepest, thread_count(settings));
+    const TreeOf tree_of = [&](GeometryId id) { return options.whole ? &whole[id].tree() : pipeline.tree(id); };
     Mover mover;
     int next = 0;
     for (const ImagePlan& image : plan.images) {

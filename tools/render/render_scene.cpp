@@ -3,16 +3,9 @@
 #include <algorithm>
 #include <array>
 
-#include <fmt/format.h>
-
-#include <oncollide/base/error.hpp>
-#include <oncollide/narrowphase/model.hpp>
-
 namespace oncollide::tools {
 
 namespace {
-
-constexpr std::size_t most_cells = 1'000'000; ///< of one level of a whole tree
 
 constexpr Colour touching{214, 40, 40};
 /// Told apart by hue, none near red, all of about the same lightness.
@@ -55,39 +48,6 @@ Mesh mesh_of_boxes(const std::string& name, const std::vector<Aabb>& boxes)
 }
 
 } // namespace
-
-const Ocst* WholeTrees::tree(GeometryId id)
-{
-    trees_.resize(scene_.geometries.size());
-    auto& tree = trees_[index(id)];
-    if (tree) return tree.get();
-    const Model model(scene_.geometries.share(index(id)));
-    const RootCell root = model.root_cell();
-    tree = std::make_unique<Ocst>(root, std::max(depth_, 1), model.covering_error());
-    const std::unique_ptr<OcclusionBackend> backend = make_cpu_backend();
-    backend->attach(0, model.surface(root));
-
-    std::vector<CellKey> level{root_cell}, next;
-    std::vector<OctantRow> rows;
-    std::vector<OctantResult> answers;
-    for (int l = 0; l < depth_; ++l, level.swap(next)) {
-        rows.clear(), next.clear();
-        for (CellKey cell : level) rows.push_back(tree->row(0, cell));
-        answers.resize(rows.size());
-        backend->run(rows, threads_, answers);
-        for (std::size_t i = 0; i < level.size(); ++i) {
-            tree->expand(level[i], answers[i], 0);
-            for (unsigned k = 0; k < 8; ++k)
-                if (answers[i].grey >> k & 1) next.push_back(child_cell(level[i], k));
-        }
-        if (next.size() > most_cells)
-            throw Error(ErrorKind::usage,
-                        fmt::format("--whole: level {} of '{}' has {} cells, and {} are drawn at most; ask for a "
-                                    "smaller --level",
-                                    l + 1, scene_.geometries[index(id)].name, next.size(), most_cells));
-    }
-    return tree.get();
-}
 
 ScenePictures::ScenePictures(const Scene& scene, Shown shown)
     : scene_(scene), shown_(std::move(shown)), made_(scene.geometries.size())

@@ -16,19 +16,6 @@ namespace oncollide::tools {
 /// The sphere-tree of a geometry, null when there is none.
 using TreeOf = std::function<const Ocst*(GeometryId)>;
 
-/// Sphere-trees grown everywhere, whether or not anything collides there; each when first asked for.
-class WholeTrees {
-public:
-    WholeTrees(const Scene& scene, int depth, int threads) : scene_(scene), depth_(depth), threads_(threads) {}
-    /// Throws Error{usage} when the tree would have more cells than anyone can see.
-    const Ocst* tree(GeometryId geometry);
-
-private:
-    const Scene& scene_;
-    int depth_, threads_;
-    std::vector<std::unique_ptr<Ocst>> trees_;
-};
-
 /// A picture with the meshes that were made for it alone.
 struct ScenePicture : Picture {
     std::vector<std::unique_ptr<Mesh>> made;

@@ -5,29 +5,33 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/scenes/scene.hpp>
 
 namespace oncollide::tools {
 
-GrownTree::GrownTree(const Scene& scene, const Settings& settings, std::size_t most)
+GrownTree::GrownTree(std::shared_ptr<const Geometry> geometry, const Settings& settings, std::optional<int> levels,
+                     std::size_t most)
     : settings_(settings), models_(settings_, make_cpu_backend()),
-      model_(models_[models_.add(scene.geometries.share(0))]), levels_{{root_cell}}
+      model_(models_[models_.add(geometry)]), levels_{{root_cell}}
 {
     const Ocst& tree = models_.spheres(model_);
     std::vector<CellRequest> requests;
-    for (int l = 0; l < tree.depth(); ++l) {
+    for (int l = 0; l < std::min(tree.depth(), levels.value_or(tree.depth())); ++l) {
         requests.clear();
-        for (const CellKey cell : levels_.back()) requests.push_back({0, cell});
+        for (const CellKey cell : levels_.back()) requests.push_back({model_.number, cell});
         std::sort(requests.begin(), requests.end());
-        models_.submit(requests, 1);
+        models_.submit(requests, thread_count(settings_));
         models_.grow(0);
         std::vector<CellKey>& next = levels_.emplace_back();
         tree.for_each_cell([&](CellKey cell, bool) {
             if (level_of(cell) == l + 1) next.push_back(cell);
         });
         if (next.size() > most)
-            throw Error(ErrorKind::usage, fmt::format("depth {}: level {} has {} spheres, at most {} are listed; give "
-                                                      "a smaller --depth or a larger --max-error",
-                                                      tree.depth(), l + 1, next.size(), most));
+            throw Error(
+                ErrorKind::usage,
+                fmt::format("level {} of '{}' has {} cells, and at most {} are shown; give a smaller --level or "
+                            "--depth, or a larger --max-error",
+                            l + 1, geometry->name, next.size(), most));
     }
 }
 
@@ -42,6 +46,16 @@ std::vector<CoveringVolume> GrownTree::spheres(int level) const
 double GrownTree::certified_reach(int level) const
 {
     return 2 * tree().radius(level) + tree().error(level);
+}
+
+const GrownTree& GrownTrees::operator[](GeometryId id)
+{
+    trees_.resize(scene_.geometries.size());
+    std::unique_ptr<GrownTree>& tree = trees_[index(id)];
+    if (!tree)
+        tree = std::make_unique<GrownTree>(scene_.geometries.share(index(id)),
+                                           Settings{.depth = std::max(depth_, 1), .threads = threads_}, depth_);
+    return *tree;
 }
 
 } // namespace oncollide::tools

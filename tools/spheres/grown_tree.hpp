@@ -1,5 +1,7 @@
 #pragma once
 #include <cstddef>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "peers/bounding_volume.hpp"
@@ -7,16 +9,17 @@
 
 namespace oncollide::tools {
 
-/// The whole sphere-tree of one geometry, grown by the library's model store on the cpu backend as if tests had reached
-/// every cell.
+/// The sphere-tree of one geometry, grown by the library's model store on the cpu backend as if tests had reached every
+/// cell.
 class GrownTree {
 public:
-    /// @param scene     its first geometry is taken
-    /// @param settings  depth or max_error
+    /// @param settings  depth or max_error, and threads
+    /// @param levels    grow so many below the root alone; none: all
     /// Throws Error{usage} when a level has more than `most` cells.
-    GrownTree(const Scene& scene, const Settings& settings, std::size_t most = 1'000'000);
+    GrownTree(std::shared_ptr<const Geometry> geometry, const Settings& settings, std::optional<int> levels = {},
+              std::size_t most = 1'000'000);
 
-    int depth() const { return static_cast<int>(levels_.size()) - 1; }
+    int depth() const { return static_cast<int>(levels_.size()) - 1; } ///< of what is grown
     /// The cells of a level, 0 to depth(), that the surface enters.
     const std::vector<CellKey>& level(int l) const { return levels_[std::size_t(l)]; }
     std::vector<CoveringVolume> spheres(int level) const;
@@ -30,6 +33,20 @@ private:
     ModelStore models_;
     Model& model_;
     std::vector<std::vector<CellKey>> levels_;
+};
+
+/// The trees of a scene's geometries, of one depth, each grown when it is first needed.
+class GrownTrees {
+public:
+    /// The scene must outlive it.
+    GrownTrees(const Scene& scene, int depth, int threads) : scene_(scene), depth_(depth), threads_(threads) {}
+    /// Throws Error{usage} when the tree would have too many cells.
+    const GrownTree& operator[](GeometryId geometry);
+
+private:
+    const Scene& scene_;
+    int depth_, threads_;
+    std::vector<std::unique_ptr<GrownTree>> trees_;
 };
 
 } // namespace oncollide::tools

@@ -209,7 +209,7 @@ int spheres(const SpheresOptions& options)
     Scene scene;
     const GeometryId geometry = scene.add(options.mesh, load_mesh(options.mesh));
     const Mesh& mesh = std::get<Mesh>(scene.geometries[index(geometry)].data);
-    const GrownTree tree(scene, settings);
+    const GrownTree tree(scene.geometries.share(index(geometry)), settings);
     Judged judged{mesh, is_closed(mesh), (mesh.bounds.max - mesh.bounds.min).maxCoeff(), {}};
     ObbTree boxes(mesh);
     judge(judged, tree, boxes, options);

@@ -4,10 +4,9 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/boxes/obb_tree.hpp>
-#include <oncollide/narrowphase/spheres/cell_key.hpp>
 
 #include "cli/progress.hpp"
-#include "render/render_scene.hpp"
+#include "spheres/grown_tree.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -44,16 +43,13 @@ public:
     {
         std::vector<std::uint64_t>& levels = cells_[geometry];
         if (int(levels.size()) < depth) {
-            WholeTrees trees(scene_, depth - 1, 1);
-            const Ocst* tree = nullptr;
+            levels.clear();
             try {
-                tree = trees.tree(GeometryId{geometry});
+                const GrownTree tree(scene_.geometries.share(geometry), {.depth = depth}, depth - 1);
+                for (int level = 0; level < depth; ++level) levels.push_back(tree.level(level).size());
             } catch (const Error&) {
                 return std::nullopt;
             }
-            levels.assign(std::size_t(depth) + 1, 0); // a tree is at least one level deep
-            tree->for_each_cell([&](CellKey cell, bool) { ++levels[std::size_t(level_of(cell))]; });
-            levels.resize(std::size_t(depth));
         }
         std::uint64_t sum = 0;
         for (int level = 0; level < depth; ++level) sum += levels[std::size_t(level)];
