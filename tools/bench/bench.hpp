@@ -102,9 +102,6 @@ std::vector<std::string> split(const std::string& list);
 std::string describe_program(const std::string& backend);
 /// The settings that shape a result, on one line; without the accuracy when `accuracy` stands in for it.
 std::string describe(const Settings& settings, const std::string& accuracy = {});
-/// The most memory that this process has held, and what it holds now, bytes.
-std::size_t peak_memory();
-std::size_t resident_memory();
 
 template <class... Args>
 void say(fmt::format_string<Args...> format, Args&&... args)

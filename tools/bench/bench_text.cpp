@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -12,19 +9,9 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/parallel.hpp>
 
+#include "cli/system.hpp"
+
 namespace oncollide::tools {
-namespace {
-
-std::string processor()
-{
-    std::ifstream file("/proc/cpuinfo");
-    for (std::string line; std::getline(file, line);)
-        if (line.starts_with("model name")) return line.substr(std::min(line.size(), line.find(':') + 2));
-    return "unknown processor";
-}
-
-} // namespace
-
 std::vector<int> parse_depths(const std::string& option, const std::string& text)
 {
     constexpr int deepest = 16;
@@ -77,7 +64,7 @@ std::string describe_program(const std::string& backend)
     return fmt::format("program    oncollide {}, {}; {}, {}, flags '{}'; FCL {} as installed, one thread\n"
                        "machine    {}, {} hardware threads\n",
                        version, backend, ONCOLLIDE_BUILD_TYPE, ONCOLLIDE_COMPILER, ONCOLLIDE_BUILD_FLAGS,
-                       ONCOLLIDE_FCL_VERSION, processor(), hardware_threads());
+                       ONCOLLIDE_FCL_VERSION, processor_name(), hardware_threads());
 }
 
 std::vector<std::string> split(const std::string& list)
@@ -89,21 +76,6 @@ std::vector<std::string> split(const std::string& list)
         at = comma + 1;
     }
     return parts;
-}
-
-std::size_t peak_memory()
-{
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
-}
-
-std::size_t resident_memory()
-{
-    std::ifstream file("/proc/self/statm");
-    std::size_t pages = 0;
-    file >> pages >> pages;
-    return pages * std::size_t(sysconf(_SC_PAGESIZE));
 }
 
 std::string grouped(std::uint64_t value)

@@ -1,9 +1,9 @@
 #include "bench/broad_race.hpp"
 #include "bench/bench.hpp"
+#include "cli/system.hpp"
 
 #include <algorithm>
 #include <limits>
-#include <malloc.h>
 
 namespace oncollide::tools {
 namespace {
@@ -98,7 +98,7 @@ private:
     template <class Work>
     double measured(Entrant& entrant, Work work)
     {
-        malloc_trim(0);
+        trim_memory();
         const double before = double(resident_memory());
         const Clock::time_point from = Clock::now();
         work();

@@ -4,13 +4,13 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
-#include <malloc.h>
 
 #include <oncollide/base/random.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 #include "bench/bench.hpp"
 #include "cli/progress.hpp"
+#include "cli/system.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -78,7 +78,7 @@ public:
         entrant.row.contender = &contender;
         for (Ask ask : asks_)
             if (answers(contender, ask)) entrant.row.asks[std::size_t(ask)] = empty_result(ask);
-        malloc_trim(0);
+        trim_memory();
         const double before = double(resident_memory());
         Clock::time_point from = Clock::now();
         entrant.peer = contender.make(a_, b_);
@@ -91,7 +91,7 @@ public:
             progress.step();
         }
         entrant.row.warm_up_ms = 1e-3 * microseconds_since(from);
-        malloc_trim(0);
+        trim_memory();
         entrant.row.bytes = std::max(0.0, double(resident_memory()) - before);
         entrants_.push_back(std::move(entrant));
     }

@@ -4,6 +4,8 @@
 
 #include <oncollide/base/output_file.hpp>
 
+#include "cli/system.hpp"
+
 namespace oncollide::tools {
 
 std::uint64_t SceneReport::print() const

@@ -1,9 +1,9 @@
 #include "cli/arguments.hpp"
 #include "cli/command.hpp"
 #include "cli/options.hpp"
+#include "cli/system.hpp"
 
 #include <cstdlib>
-#include <fstream>
 #include <iostream>
 #include <memory>
 
@@ -21,15 +21,6 @@ namespace {
 void say(std::string_view topic, const std::string& text)
 {
     std::cout << fmt::format("{:<14}{}\n", topic, text);
-}
-
-std::string processor()
-{
-    std::ifstream file("/proc/cpuinfo");
-    for (std::string line; std::getline(file, line);)
-        if (line.starts_with("model name") && line.find(": ") != std::string::npos)
-            return line.substr(line.find(": ") + 2);
-    return "unknown";
 }
 
 std::string instruction_sets()
@@ -104,7 +95,7 @@ int doctor(const std::string& data_option)
     std::string backend = "none";
     const std::string fault = self_test(backend);
     say("oncollide", std::string(version));
-    say("processor", processor());
+    say("processor", processor_name());
     say("instructions", fmt::format("{}; in use: {}", instruction_sets(), backend));
     say_gpus();
     say("threads", fmt::format("{} usable", hardware_threads()));

@@ -5,10 +5,11 @@
 
 namespace oncollide::tools {
 
-/// A line on standard error that says how far long work has come, while it is a terminal. Gone when the work is done.
+/// A line on standard error that says how far long work has come and how long the rest will take, drawn over itself ten
+/// times a second at most. Only on a terminal; gone when the work is done.
 class Progress {
 public:
-    Progress(std::string what, std::size_t total);
+    Progress(std::string what, std::size_t total, bool quiet = false);
     ~Progress();
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
@@ -17,10 +18,11 @@ public:
     void step();
 
 private:
+    using Clock = std::chrono::steady_clock;
     std::string what_;
     std::size_t total_, done_ = 0;
-    bool seen_; ///< somebody can look
-    std::chrono::steady_clock::time_point shown_;
+    bool seen_; ///< on a terminal
+    Clock::time_point start_ = Clock::now(), shown_ = start_;
 };
 
 } // namespace oncollide::tools

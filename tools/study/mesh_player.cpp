@@ -1,7 +1,6 @@
 #include "study/peers.hpp"
 
 #include <algorithm>
-#include <malloc.h>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -9,6 +8,7 @@
 #include <oncollide/broadphase/pose_bounds.hpp>
 
 #include "bench/bench.hpp"
+#include "cli/system.hpp"
 #include "peers/narrow_peer.hpp"
 
 namespace oncollide::tools {
@@ -142,11 +142,11 @@ std::unique_ptr<StudyPlayer> make_mesh_player(const PeerKind& kind, const StudyC
 {
     const NarrowContenders narrow = narrow_contenders();
     const Contenders broad = broad_contenders();
-    malloc_trim(0);
+    trim_memory();
     const std::size_t before = resident_memory();
     auto player = std::make_unique<MeshPlayer>(workload.scene, contender(narrow.all, kind.narrow),
                                                workload.is_poses() ? nullptr : &contender(broad.all, kind.broad));
-    malloc_trim(0);
+    trim_memory();
     player->set_bytes(std::max(before, resident_memory()) - before);
     return player;
 }
