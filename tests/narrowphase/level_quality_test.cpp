@@ -1,9 +1,9 @@
 // What a whole tree says about a surface, judged by code that shares nothing with the trees.
 #include <gtest/gtest.h>
 
-#include "narrowphase/geometry_surface.hpp"
 #include "octant_truth.hpp"
 #include "spheres/box_levels.hpp"
+#include "spheres/grown_tree.hpp"
 #include "spheres/level_quality.hpp"
 
 namespace oncollide {
@@ -12,40 +12,10 @@ namespace {
 using Eigen::Vector3d;
 using tools::CoveringVolume;
 
-/// A sphere-tree grown whole; its cells by level.
-struct WholeTree {
-    explicit WholeTree(const Mesh& mesh, int depth)
-        : geometry{"mesh", mesh, {}}, tree(root_cell_of(geometry), depth, 0),
-          backend(make_cpu_backend()), levels{{root_cell}}
-    {
-        tree.admit_backend(*backend);
-        backend->attach(0, make_surface(geometry, tree.root()));
-        for (int l = 0; l < depth; ++l) {
-            std::vector<OctantRow> rows;
-            for (const CellKey cell : levels.back()) rows.push_back(tree.row(0, cell));
-            std::vector<OctantResult> answers(rows.size());
-            backend->run(rows, 1, answers);
-            for (std::size_t i = 0; i < rows.size(); ++i) tree.expand(rows[i].cell, answers[i], 1);
-            levels.emplace_back();
-            tree.for_each_cell([&](CellKey cell, bool) {
-                if (level_of(cell) == l + 1) levels.back().push_back(cell);
-            });
-        }
-    }
-
-    std::vector<CoveringVolume> spheres(int level) const
-    {
-        std::vector<CoveringVolume> all;
-        for (const CellKey cell : levels[std::size_t(level)])
-            all.push_back(CoveringVolume::of_ball(tree.centre(cell), tree.radius(level)));
-        return all;
-    }
-
-    Geometry geometry;
-    Ocst tree;
-    std::unique_ptr<OcclusionBackend> backend;
-    std::vector<std::vector<CellKey>> levels;
-};
+tools::GrownTree whole_tree(Mesh mesh, int depth)
+{
+    return {std::make_shared<Geometry>(Geometry{"mesh", std::move(mesh), {}}), {.depth = depth}};
+}
 
 std::vector<Case> hard_cases()
 {
@@ -74,12 +44,11 @@ TEST(WholeTrees, SpheresHoldTheSurfaceOnEveryLevelAndReachNoFartherThanCertified
 {
     for (const Case& c : hard_cases()) {
         const int depth = c.mesh.triangles.size() < 100 ? 5 : 4;
-        const WholeTree whole(c.mesh, depth);
+        const tools::GrownTree whole = whole_tree(c.mesh, depth);
         const tools::SurfaceIndex index(c.mesh);
         for (int level = 0; level <= depth; ++level) {
             SCOPED_TRACE(c.name + ", level " + std::to_string(level));
-            expect_to_stand_for(c.mesh, index, whole.spheres(level),
-                                2 * whole.tree.radius(level) + whole.tree.error(level));
+            expect_to_stand_for(c.mesh, index, whole.spheres(level), whole.certified_reach(level));
         }
     }
 }
@@ -108,7 +77,7 @@ TEST(WholeTrees, BoxesHoldTheSurfaceOnEveryLevelAndReachNoFartherThanTheyAreLong
 TEST(WholeTrees, BoxesLeaveLessOfACurvedSurfacesNeighbourhoodThanAsManySpheres)
 {
     const Mesh mesh = make_sphere_mesh(1, 20000);
-    const WholeTree whole(mesh, 5);
+    const tools::GrownTree whole = whole_tree(mesh, 5);
     const auto spheres = whole.spheres(5);
     ObbTree tree(mesh);
     const auto boxes = tools::box_levels(tree).at(4);
@@ -119,7 +88,7 @@ TEST(WholeTrees, BoxesLeaveLessOfACurvedSurfacesNeighbourhoodThanAsManySpheres)
     const auto quality = tools::judge_level(mesh, index, spheres, options);
     const auto better = tools::judge_level(mesh, index, boxes, options);
     // The octree's law: beyond a closed surface the mean tends to the radius and the worst to twice as much.
-    const double radius = whole.tree.radius(5);
+    const double radius = whole.tree().radius(5);
     EXPECT_NEAR(quality.mean.beyond, radius, 0.1 * radius);
     EXPECT_GT(quality.worst.beyond, 1.6 * radius);
     EXPECT_LT(better.mean.beyond, 0.05 * radius);
@@ -132,19 +101,20 @@ TEST(WholeTrees, BoxesLeaveLessOfACurvedSurfacesNeighbourhoodThanAsManySpheres)
 
 TEST(WholeTrees, SpheresOfABoxAreTheCellsOfItsHull)
 {
-    const WholeTree whole(make_box_mesh({1, 2, 3}), 4);
+    const tools::GrownTree whole = whole_tree(make_box_mesh({1, 2, 3}), 4);
     for (int level = 0; level <= 4; ++level) {
         const std::size_t n = std::size_t(1) << level, inner = n < 2 ? 0 : n - 2;
-        EXPECT_EQ(whole.levels[std::size_t(level)].size(), n * n * n - inner * inner * inner) << "level " << level;
+        EXPECT_EQ(whole.level(level).size(), n * n * n - inner * inner * inner) << "level " << level;
     }
 }
 
 TEST(WholeTrees, SpheresOfOneTriangleAreTheSquaresBelowItsDiagonalOnBothSides)
 {
-    const WholeTree whole(make_mesh("half a square", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}), 5);
+    const tools::GrownTree whole =
+        whole_tree(make_mesh("half a square", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}), 5);
     for (int level = 1; level <= 5; ++level) {
         const std::size_t n = std::size_t(1) << level; // squares (i, j) with i + j <= n: the last touch in a corner
-        EXPECT_EQ(whole.levels[std::size_t(level)].size(), 2 * (n * (n + 1) / 2 + n - 1)) << "level " << level;
+        EXPECT_EQ(whole.level(level).size(), 2 * (n * (n + 1) / 2 + n - 1)) << "level " << level;
     }
 }
 

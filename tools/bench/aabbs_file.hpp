@@ -5,7 +5,7 @@
 
 namespace oncollide::tools {
 
-/// Opens a recording in Broadmark's format and reads its initial frame; later frames are read as they are asked for.
+/// Opens a recording in Broadmark's format and reads its initial frame; later frames are read as they are needed.
 ///
 ///     char[128] scene   char[128] type of objects   int32 N, frames, 0, 0   world: min, max
 ///     then frames + 1 times: N boxes: min, max        each vector is four floats, the last of them 0

@@ -18,7 +18,7 @@ void add_compare_options(Arguments sub, CompareOptions& o)
     sub.add_option("--repeats", o.repeats, "runs from frame 0; of each frame the fastest counts").type_name("N");
     sub.add_option("--only", o.only, "run fcl or oncollide alone, to measure its memory").type_name("WHO");
     sub.add_flag("--contacts", o.contacts,
-                 "ask for every contact of every pair that collides, instead of yes or no; needs --exact predicates");
+                 "find every contact of every pair that collides, instead of yes or no; needs --exact predicates");
     sub.add_option("--timeline", o.timeline, "a line every so many frames: cells alive, pairs, times").type_name("N");
     sub.add_option("--csv", o.csv, "write one row per frame").type_name("FILE");
 }
@@ -65,7 +65,7 @@ void add_poses(Arguments bench)
 
 void add_octants(Arguments bench)
 {
-    Arguments sub = bench.add_command("octants", "Batches of the question \"which octants does the surface enter?\"");
+    Arguments sub = bench.add_command("octants", "Batches of the query \"which octants does the surface enter?\"");
     auto options = std::make_shared<OctantsOptions>();
     sub.add_option("--data", options->data, "folder with meshes/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
         .type_name("DIR");
@@ -118,12 +118,12 @@ void add_narrow(Arguments bench)
     sub.add_option("--count", options->count, "poses a distance (default 100), or of the file (default: all)")
         .type_name("N");
     sub.add_option("--ask", options->ask,
-                   "questions: boolean (do they collide?), all (which triangles meet?), distance (default: all three)")
+                   "queries: boolean (do they collide?), all (which triangles meet?), distance (default: all three)")
         .type_name("LIST");
     sub.add_option("--only", options->only, "these contenders alone").type_name("LIST");
     sub.add_option("--repeats", options->repeats, "of each query the fastest counts (default 3)").type_name("N");
-    sub.add_option("--csv", options->csv, "write one row per contender, question and distance").type_name("FILE");
-    sub.add_option("--plot", options->plot, "draw time against distance, one panel a question").type_name("FILE.svg");
+    sub.add_option("--csv", options->csv, "write one row per contender, query and distance").type_name("FILE");
+    sub.add_option("--plot", options->plot, "draw time against distance, one panel a query").type_name("FILE.svg");
     sub.add_option("--seed", options->seed, "seed of the poses (default 12345)").type_name("S");
     sub.add_option("--data", options->data, "folder with poses/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
         .type_name("DIR");
@@ -131,9 +131,9 @@ void add_narrow(Arguments bench)
                "  oncollide bench narrow                                     two generated knots, no files needed\n"
                "  oncollide bench narrow cup.obj spoon.stl --distances 0,1,10 --plot narrow.svg\n"
                "  oncollide bench narrow --poses --ask boolean --only walk-6,fcl-obb,fcl-obbrss\n"
-               "Every answer is checked, by CGAL where this build has it. In 'answers', +k are false positives and\n"
+               "Every result is checked, by CGAL where this build has it. In 'results', +k are false positives and\n"
                "MISSED k collisions lost (of 'all': pairs of triangles). Exit code 70: oncollide lost one, or an\n"
-               "exact answer of it is wrong. What each contender counts: docs/benchmarks.md.");
+               "exact result of it is wrong. What each contender counts: docs/benchmarks.md.");
     sub.action([options, poses] {
         options->use_poses = poses.given();
         return bench_narrow(*options);
@@ -162,8 +162,8 @@ void add_bench(Arguments app)
         app.add_command("bench", "Measure against other libraries in one run, on the same work, turn about");
     bench.at_most_one_command();
     bench.action([]() -> int {
-        throw Error(ErrorKind::usage, "bench: which one? broad, narrow, planner, many, octants, paper, poses "
-                                      "or scene (oncollide bench --help)");
+        usage("bench: which one? broad, narrow, planner, many, octants, paper, poses "
+              "or scene (oncollide bench --help)");
     });
     add_broad(bench);
     add_narrow(bench);

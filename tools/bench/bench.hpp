@@ -54,7 +54,7 @@ struct OctantsOptions {
     double limit_s = 2; ///< batches that would take longer are left out
 };
 
-/// Batches of octant questions, asked of every backend.
+/// Batches of octant queries to every backend.
 int bench_octants(const OctantsOptions& options);
 
 struct BroadOptions {
@@ -79,7 +79,7 @@ struct NarrowOptions {
 };
 
 /// The narrow phase alone, one pair of meshes in many poses, beside those of other libraries. Returns the exit code: 70
-/// when oncollide missed a collision or an exact answer of it is wrong.
+/// when oncollide missed a collision or an exact result of it is wrong.
 int bench_narrow(const NarrowOptions& options);
 
 struct PlannerOptions {

@@ -8,8 +8,6 @@
 #include <charconv>
 #include <map>
 
-#include <fmt/ranges.h>
-
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/parallel.hpp>
@@ -25,8 +23,8 @@ std::size_t parse_count(const char* option, const std::string& text, std::size_t
     auto [rest, error] = std::from_chars(text.data(), end, value);
     if (rest != end && (*rest == 'k' || *rest == 'M')) unit = *rest++ == 'k' ? 1'000 : 1'000'000;
     if (error != std::errc{} || rest != end || value < 1 || value > most / unit)
-        throw Error(ErrorKind::usage, fmt::format("{} {}: expected numbers from 1 to {}, like {}", option, text, most,
-                                                  most > 10'000 ? "2500,10k,1M" : "1,2"));
+        usage(fmt::format("{} {}: expected numbers from 1 to {}, like {}", option, text, most,
+                          most > 10'000 ? "2500,10k,1M" : "1,2"));
     return value * unit;
 }
 
@@ -75,7 +73,7 @@ public:
         : options_(options), contenders_(broad_contenders()),
           threads_(parse_counts<int>("--threads", options.threads.empty() ? "1" : options.threads, 256))
     {
-        choose_contenders();
+        contenders_.keep(options.only);
         choose_scenes();
         if (!options.csv.empty()) csv_.emplace(options.csv);
         if (!options.plot.empty()) plot_.emplace(options.plot);
@@ -102,39 +100,22 @@ public:
     }
 
 private:
-    void choose_contenders()
-    {
-        if (options_.only.empty()) return;
-        std::vector<Contender> chosen;
-        std::vector<std::string> names;
-        for (const Contender& contender : contenders_.all) names.push_back(contender.name);
-        for (const std::string& name : split(options_.only)) {
-            const auto found = std::find(names.begin(), names.end(), name);
-            if (found == names.end())
-                throw Error(ErrorKind::usage, fmt::format("--only {}: no such contender; this build has: {}", name,
-                                                          fmt::join(names, ", ")));
-            chosen.push_back(contenders_.all[std::size_t(found - names.begin())]);
-        }
-        contenders_.all = std::move(chosen);
-    }
-
     /// Everything that could be wrong with them shows here, before any work.
     void choose_scenes()
     {
         sizes_ =
             parse_counts<std::size_t>("--sizes", options_.sizes.empty() ? "1k,10k,100k" : options_.sizes, most_boxes);
         if (options_.frames && (*options_.frames < 2 || *options_.frames > 100'000))
-            throw Error(ErrorKind::usage, fmt::format("--frames {}: must be from 2 to 100000", *options_.frames));
+            usage(fmt::format("--frames {}: must be from 2 to 100000", *options_.frames));
         scenes_ = is_recording(options_.scene) ? std::vector{options_.scene} : split(options_.scene);
         for (const std::string& scene : scenes_)
             if (!is_recording(scene)) make_box_scene(scene, 1, options_.seed);
         if (!is_recording(options_.scene)) return;
-        if (!options_.sizes.empty())
-            throw Error(ErrorKind::usage, fmt::format("--sizes: the recording {} has its own", options_.scene));
+        if (!options_.sizes.empty()) usage(fmt::format("--sizes: the recording {} has its own", options_.scene));
         const std::uint64_t last = open_aabbs(options_.scene).last_frame;
         if (last < 2 || std::uint64_t(options_.frames.value_or(2)) > last)
-            throw Error(ErrorKind::usage, fmt::format("{}: has {} frames after the initial one; {} are to be played",
-                                                      options_.scene, last, options_.frames.value_or(2)));
+            usage(fmt::format("{}: has {} frames after the initial one; {} are to be played", options_.scene, last,
+                              options_.frames.value_or(2)));
     }
 
     void run(BoxScene scene)
@@ -211,8 +192,7 @@ private:
 
 int bench_broad(const BroadOptions& options)
 {
-    if (!options.csv.empty() && options.csv == options.plot)
-        throw Error(ErrorKind::usage, fmt::format("--csv and --plot both go to {}", options.csv));
+    check_files({{"--csv", options.csv}, {"--plot", options.plot}});
     return BroadBench(options).run();
 }
 

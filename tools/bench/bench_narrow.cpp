@@ -1,4 +1,4 @@
-// How long does one question about two meshes take? oncollide beside the narrow phases of other libraries.
+// How long does one query of two meshes take? oncollide beside the narrow phases of other libraries.
 #include "bench/bench.hpp"
 #include "bench/narrow_report.hpp"
 
@@ -16,40 +16,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int most_poses = 100'000;
-
-std::vector<Ask> parse_asks(const std::string& list)
+std::vector<NarrowQuery> parse_queries(const std::string& list)
 {
     std::array<bool, 3> wanted{};
     for (const std::string& part : split(list)) {
-        const auto found = std::find(ask_names.begin(), ask_names.end(), part);
-        if (found == ask_names.end())
-            throw Error(ErrorKind::usage,
-                        fmt::format("--ask {}: no such question; there are: {}", part, fmt::join(ask_names, ", ")));
-        wanted[std::size_t(found - ask_names.begin())] = true;
+        const auto found = std::find(query_names.begin(), query_names.end(), part);
+        if (found == query_names.end())
+            usage(fmt::format("--ask {}: no such query; there are: {}", part, fmt::join(query_names, ", ")));
+        wanted[std::size_t(found - query_names.begin())] = true;
     }
-    std::vector<Ask> asks;
-    for (Ask ask : {Ask::boolean, Ask::all, Ask::distance})
-        if (wanted[std::size_t(ask)]) asks.push_back(ask);
-    return asks;
-}
-
-std::vector<NarrowContender> chosen_contenders(const std::vector<NarrowContender>& all, const std::string& only)
-{
-    if (only.empty()) return all;
-    std::vector<std::string> names;
-    for (const NarrowContender& contender : all) names.push_back(contender.name);
-    std::vector<NarrowContender> chosen;
-    for (const std::string& name : split(only)) {
-        const auto found = std::find(names.begin(), names.end(), name);
-        if (found == names.end())
-            throw Error(ErrorKind::usage,
-                        fmt::format("--only {}: no such contender; this build has: {}", name, fmt::join(names, ", ")));
-        const NarrowContender& contender = all[std::size_t(found - names.begin())];
-        if (std::none_of(chosen.begin(), chosen.end(), [&](const auto& c) { return c.name == name; }))
-            chosen.push_back(contender);
-    }
-    return chosen;
+    std::vector<NarrowQuery> queries;
+    for (NarrowQuery query : {NarrowQuery::boolean, NarrowQuery::all, NarrowQuery::distance})
+        if (wanted[std::size_t(query)]) queries.push_back(query);
+    return queries;
 }
 
 struct NamedMesh {
@@ -83,30 +62,26 @@ std::array<NamedMesh, 2> open_meshes(const NarrowOptions& options)
             NamedMesh{"knot-2-3", make_torus_knot_mesh(2, 3, 1, 0.4, 0.18, 5144)}};
 }
 
-/// Poses of a file, with the exact answers beside it when there are any.
-NarrowCourse read_course(const NarrowOptions& options)
+/// Poses of a file, with the exact results beside it when there are any.
+NarrowWorkload read_workload(const NarrowOptions& options)
 {
     std::vector<KnownPose> poses =
         read_known_poses(options.poses.empty() ? pose_set(data_folder(options.data)).poses : fs::path(options.poses));
     if (options.count && std::size_t(*options.count) < poses.size()) poses.resize(std::size_t(*options.count));
-    return course_of(std::move(poses));
+    return workload_of(std::move(poses));
 }
 
 void check(const NarrowOptions& options)
 {
-    const auto refuse = [](const std::string& why) { throw Error(ErrorKind::usage, why); };
-    if (options.meshes.size() == 1) refuse(fmt::format("{}: a second mesh is missing", options.meshes[0]));
+    if (options.meshes.size() == 1) usage(fmt::format("{}: a second mesh is missing", options.meshes[0]));
     if (!options.poses.empty() && options.meshes.empty())
-        refuse(fmt::format("--poses {}: needs the two meshes that it is about: MESH_A MESH_B", options.poses));
+        usage(fmt::format("--poses {}: needs the two meshes that it is about: MESH_A MESH_B", options.poses));
     if (options.use_poses && options.poses.empty() && !options.meshes.empty())
-        refuse("--poses: the data folder's poses have meshes of their own; name a pose file or no meshes");
-    if (options.use_poses && !options.distances.empty()) refuse("--distances: the poses of a file have their own");
-    if (options.repeats < 1 || options.repeats > 1000)
-        refuse(fmt::format("--repeats {}: must be from 1 to 1000", options.repeats));
-    if (options.count && (*options.count < 1 || *options.count > most_poses))
-        refuse(fmt::format("--count {}: must be from 1 to {}", *options.count, most_poses));
-    if (!options.csv.empty() && options.csv == options.plot)
-        refuse(fmt::format("--csv and --plot both go to {}", options.csv));
+        usage("--poses: the data folder's poses have meshes of their own; name a pose file or no meshes");
+    if (options.use_poses && !options.distances.empty()) usage("--distances: the poses of a file have their own");
+    check_range("--repeats", options.repeats, 1, 1000);
+    check_range("--count", options.count.value_or(1), 1, 100'000);
+    check_files({{"--csv", options.csv}, {"--plot", options.plot}});
 }
 
 void print_settings(const NarrowOptions& options, const NarrowResult& result, const NarrowContenders& contenders)
@@ -139,16 +114,17 @@ int bench_narrow(const NarrowOptions& options)
 {
     check(options);
     NarrowResult result;
-    result.asks = parse_asks(options.ask.empty() ? "boolean,all,distance" : options.ask);
+    result.queries = parse_queries(options.ask.empty() ? "boolean,all,distance" : options.ask);
     const std::vector<double> percents =
         parse_distances(options.distances.empty() ? "0,0.1,1,5,10,20,40" : options.distances);
     NarrowContenders contenders = narrow_contenders();
-    contenders.all = chosen_contenders(contenders.all, options.only);
-    const auto answers_any = [&](const NarrowContender& contender) {
-        return std::any_of(result.asks.begin(), result.asks.end(), [&](Ask ask) { return answers(contender, ask); });
+    contenders.keep(options.only);
+    const auto supports_any = [&](const NarrowContender& contender) {
+        return std::any_of(result.queries.begin(), result.queries.end(),
+                           [&](NarrowQuery query) { return supports(contender, query); });
     };
-    if (std::none_of(contenders.all.begin(), contenders.all.end(), answers_any))
-        throw Error(ErrorKind::usage, fmt::format("--only {}: answers none of --ask {}", options.only, options.ask));
+    if (std::none_of(contenders.all.begin(), contenders.all.end(), supports_any))
+        usage(fmt::format("--only {}: supports none of --ask {}", options.only, options.ask));
     std::optional<OutputFile> csv, plot;
     if (!options.csv.empty()) csv.emplace(options.csv);
     if (!options.plot.empty()) plot.emplace(options.plot);
@@ -159,12 +135,12 @@ int bench_narrow(const NarrowOptions& options)
     result.mesh_b = meshes[1].name, result.triangles_b = b.triangles.size();
     result.diagonal = a.bounds.diagonal(), result.seed = options.seed;
     result.workload = options.use_poses
-                          ? read_course(options)
-                          : make_course(a, b, percents, std::size_t(options.count.value_or(100)), options.seed);
-    result.truth = judge(a, b, result.workload, result.asks);
+                          ? read_workload(options)
+                          : make_workload(a, b, percents, std::size_t(options.count.value_or(100)), options.seed);
+    result.truth = judge(a, b, result.workload, result.queries);
     print_settings(options, result, contenders);
     leave_out_fragile(contenders.all, std::min(result.triangles_a, result.triangles_b));
-    result.rows = race(a, b, result.workload, result.truth, contenders.all, result.asks, options.repeats);
+    result.rows = race(a, b, result.workload, result.truth, contenders.all, result.queries, options.repeats);
     print_narrow(result);
     if (csv) write_narrow_csv(*csv, result), csv->commit();
     if (plot) draw_narrow_plot(*plot, result), plot->commit();

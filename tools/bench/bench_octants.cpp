@@ -1,4 +1,4 @@
-// Who answers "which octants does the surface enter?" how fast, and how wrong?
+// How fast, and how wrong, is each backend about which octants a surface enters?
 #include "bench/bench.hpp"
 #include "bench/octant_levels.hpp"
 
@@ -64,26 +64,26 @@ public:
         grown_ = 0;
     }
 
-    /// Asks the cells of the next level and grows there; `seen` gets each cell's true and answered octants.
+    /// Queries the cells of the next level and grows there; `see` gets each cell's true octants and those found.
     template <class See>
     BatchWork grow_level(See see)
     {
         const auto& cells = levels_.level(grown_++);
         rows_.clear();
         for (const auto& cell : cells) rows_.push_back(row(cell.key));
-        answers_.resize(rows_.size());
-        const BatchWork work = backend_->run(rows_, contender_.threads, answers_);
+        results_.resize(rows_.size());
+        const BatchWork work = backend_->run(rows_, contender_.threads, results_);
         for (std::size_t i = 0; i < cells.size(); ++i) {
-            see(cells[i].truth, answers_[i].grey);
-            answers_[i].grey = cells[i].truth;
-            tree_->expand(cells[i].key, answers_[i], 1);
+            see(cells[i].truth, results_[i].grey);
+            results_[i].grey = cells[i].truth;
+            tree_->expand(cells[i].key, results_[i], 1);
         }
         return work;
     }
 
-    /// `count` questions of one level, the last of at least so many cells if there is one; the fastest of `repeats`,
+    /// `count` queries of one level, the last of at least so many cells if there is one; the fastest of `repeats`,
     /// ms.
-    double ask(std::size_t count, int repeats)
+    double measure(std::size_t count, int repeats)
     {
         int level = 0;
         while (level + 1 < levels_.depth() && levels_.level(level).size() < count) ++level;
@@ -92,14 +92,14 @@ public:
         const auto& cells = levels_.level(level);
         for (std::size_t i = 0; i < count; ++i) // from all over the level; again from its start if it has too few
             rows_.push_back(row(cells[cells.size() >= count ? i * cells.size() / count : i % cells.size()].key));
-        answers_.resize(count);
+        results_.resize(count);
         double best = 1e300;
         for (int repeat = 0; repeat < repeats; ++repeat) {
             const Clock::time_point from = Clock::now();
-            backend_->run(rows_, contender_.threads, answers_);
+            backend_->run(rows_, contender_.threads, results_);
             best = std::min(best, milliseconds_since(from));
-            for (const OctantResult& answer : answers_)
-                if (answer.list != all_triangles) backend_->release(0, answer.list);
+            for (const OctantResult& result : results_)
+                if (result.list != all_triangles) backend_->release(0, result.list);
         }
         return best;
     }
@@ -117,7 +117,7 @@ private:
     std::optional<Ocst> tree_;
     int grown_ = 0; ///< levels
     std::vector<OctantRow> rows_;
-    std::vector<OctantResult> answers_;
+    std::vector<OctantResult> results_;
 };
 
 class OctantBench {
@@ -179,7 +179,7 @@ private:
                     say("{:>12}", "-"); // the row before says what it would be
                     continue;
                 }
-                const double ms = candidate.ask(rows, row_ms * double(rows) > 200 ? 1 : options_.repeats);
+                const double ms = candidate.measure(rows, row_ms * double(rows) > 200 ? 1 : options_.repeats);
                 row_ms = ms / double(rows);
                 say("{:>12.4f}", 8e-3 * double(rows) / ms);
                 std::cout.flush();
@@ -234,9 +234,9 @@ private:
             std::uint64_t missed = 0, extra = 0, queries = 0;
             for (int level = 0; level < depth; ++level)
                 queries += candidate
-                               .grow_level([&](unsigned truth, unsigned answer) {
-                                   missed += std::uint64_t(std::popcount(truth & ~answer));
-                                   extra += std::uint64_t(std::popcount(answer & ~truth));
+                               .grow_level([&](unsigned truth, unsigned found) {
+                                   missed += std::uint64_t(std::popcount(truth & ~found));
+                                   extra += std::uint64_t(std::popcount(found & ~truth));
                                })
                                .queries;
             const auto share = [&](std::uint64_t n) { return 100 * double(n) / double(grey); };
@@ -259,11 +259,9 @@ int bench_octants(const OctantsOptions& options)
 {
     const std::vector<std::string> parts{"", "speed", "trees", "misses"};
     if (std::find(parts.begin(), parts.end(), options.only) == parts.end())
-        throw Error(ErrorKind::usage, fmt::format("--only {}: valid are speed, trees, misses", options.only));
-    if (options.repeats < 1 || options.repeats > 1000)
-        throw Error(ErrorKind::usage, fmt::format("--repeats {}: must be from 1 to 1000", options.repeats));
-    if (!(options.limit_s > 0))
-        throw Error(ErrorKind::usage, fmt::format("--limit {}: must be above 0 seconds", options.limit_s));
+        usage(fmt::format("--only {}: valid are speed, trees, misses", options.only));
+    check_range("--repeats", options.repeats, 1, 1000);
+    if (!(options.limit_s > 0)) usage(fmt::format("--limit {}: must be above 0 seconds", options.limit_s));
     OctantBench(options).run();
     return 0;
 }

@@ -144,11 +144,11 @@ private:
     {
         backend.attach(0, levels.surface());
         const std::vector<OctantRow> rows{{0, root_cell, all_triangles, false}};
-        std::vector<OctantResult> answers(1);
+        std::vector<OctantResult> results(1);
         std::pair<double, BatchWork> best{1e300, {}};
         for (int repeat = 0; repeat < 10; ++repeat) {
             const Clock::time_point from = Clock::now();
-            const BatchWork work = backend.run(rows, 1, answers);
+            const BatchWork work = backend.run(rows, 1, results);
             const double ms = milliseconds_since(from);
             if (ms < best.first) best = {ms, work};
         }
@@ -222,8 +222,7 @@ private:
 
 int bench_paper(const PaperOptions& options)
 {
-    if (options.frames && *options.frames < 12)
-        throw Error(ErrorKind::usage, fmt::format("--frames {}: must be at least 12", *options.frames));
+    check_range("--frames", options.frames.value_or(12), 12);
     check(Settings{.depth = options.depth, .viewport = options.viewport, .age_limit = options.age});
     PaperBench(options).run();
     return 0;

@@ -1,4 +1,4 @@
-// A planner's question: at which of many sampled poses does a body collide with a large one that stays?
+// What a planner needs: at which of many sampled poses does a body collide with a large one that stays?
 #include "bench/bench.hpp"
 #include "peers/fcl_pair.hpp"
 
@@ -17,11 +17,9 @@
 namespace oncollide::tools {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 double seconds_since(Clock::time_point from)
 {
-    return std::chrono::duration<double>(Clock::now() - from).count();
+    return 1e-3 * milliseconds_since(from);
 }
 
 /// Random orientations, places in the fixed mesh's box grown by half the moving one's size.
@@ -43,11 +41,11 @@ std::vector<MeshQuery> sample(const Mesh& fixed, const Mesh& moving, std::size_t
 
 /// FCL in a loop, on so many threads.
 double query_fcl(const FclPair& fcl, std::span<const MeshQuery> queries, int threads,
-                 std::vector<std::uint8_t>& answers)
+                 std::vector<std::uint8_t>& results)
 {
     const auto from = Clock::now();
     parallel_chunks(queries.size(), 64, threads, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t i = begin; i < end; ++i) answers[i] = fcl.contacts(queries[i].pose_b) > 0;
+        for (std::size_t i = begin; i < end; ++i) results[i] = fcl.contacts(queries[i].pose_b) > 0;
     });
     return seconds_since(from);
 }
@@ -56,10 +54,9 @@ double query_fcl(const FclPair& fcl, std::span<const MeshQuery> queries, int thr
 
 int bench_planner(const PlannerOptions& options)
 {
-    if (options.poses < 1 || options.poses > 10'000'000)
-        throw Error(ErrorKind::usage, fmt::format("--poses {}: must be from 1 to 10000000", options.poses));
+    check_range("--poses", options.poses, 1, 10'000'000);
     if (options.meshes.size() != 0 && options.meshes.size() != 2)
-        throw Error(ErrorKind::usage, "bench planner: give no meshes or two, the fixed one and the moving one");
+        usage("bench planner: give no meshes or two, the fixed one and the moving one");
     const bool given = !options.meshes.empty();
     const Mesh fixed = given ? load_mesh(options.meshes[0]) : make_terrain_mesh(4, 0.8, 186, 1);
     const Mesh moving = given ? load_mesh(options.meshes[1]) : make_torus_knot_mesh(2, 3, 0.3, 0.12, 0.05, 5000);
@@ -83,16 +80,16 @@ int bench_planner(const PlannerOptions& options)
             Settings settings;
             settings.threads = threads, settings.exact = exact;
             MeshQueries ours({fixed, moving}, settings);
-            std::vector<MeshResult> answers(queries.size());
+            std::vector<MeshResult> results(queries.size());
             from = Clock::now();
-            ours.run(queries, answers);
+            ours.run(queries, results);
             const double cold = seconds_since(from);
             from = Clock::now();
-            ours.run(queries, answers);
+            ours.run(queries, results);
             const double warm = seconds_since(from);
             std::uint64_t false_positives = 0;
             for (std::size_t i = 0; i < queries.size(); ++i) {
-                const bool yes = answers[i].verdict != Verdict::separate;
+                const bool yes = results[i].verdict != Verdict::separate;
                 wrong += exact == ExactLevel::off ? !yes && expected[i] : yes != bool(expected[i]);
                 false_positives += yes && !expected[i];
             }
@@ -101,7 +98,7 @@ int bench_planner(const PlannerOptions& options)
                 grouped(std::uint64_t(double(queries.size()) / warm)), grouped(false_positives));
         }
     }
-    say("\ncolliding  {} of {}; answers that FCL contradicts: {}\n",
+    say("\ncolliding  {} of {}; results that FCL contradicts: {}\n",
         grouped(std::uint64_t(std::count(expected.begin(), expected.end(), 1))), grouped(queries.size()),
         grouped(wrong));
     return wrong ? int(ErrorKind::internal) : 0;

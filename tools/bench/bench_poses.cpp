@@ -1,4 +1,4 @@
-// One pair of meshes in many poses, a question at a time: the walk of two sphere-trees against FCL's trees of boxes.
+// One pair of meshes in many poses, a query at a time: the walk of two sphere-trees against FCL's trees of boxes.
 #include "bench/bench.hpp"
 #include "bench/pose_file.hpp"
 #include "bench/tree_pair.hpp"
@@ -195,9 +195,8 @@ private:
 
 int bench_poses(const PosesOptions& options)
 {
-    if (options.repeats < 1 || options.repeats > 1000)
-        throw Error(ErrorKind::usage, fmt::format("--repeats {}: must be from 1 to 1000", options.repeats));
-    if (!options.csv.empty()) check_writable(options.csv);
+    check_range("--repeats", options.repeats, 1, 1000);
+    check_files({{"--csv", options.csv}});
     return PosesBench(options).run();
 }
 

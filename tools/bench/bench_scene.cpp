@@ -8,19 +8,15 @@
 
 namespace oncollide::tools {
 
-int bench_scene(const CompareOptions& asked)
+int bench_scene(const CompareOptions& given)
 {
-    CompareOptions options = asked;
+    CompareOptions options = given;
     if (!options.only.empty() && options.only != "fcl" && options.only != "oncollide")
-        throw Error(ErrorKind::usage, fmt::format("--only {}: valid are fcl, oncollide", options.only));
-    if (options.warm_up < 0)
-        throw Error(ErrorKind::usage, fmt::format("--warm-up {}: must be at least 0", options.warm_up));
-    if (options.repeats < 1 || options.repeats > 1000)
-        throw Error(ErrorKind::usage, fmt::format("--repeats {}: must be from 1 to 1000", options.repeats));
-    if (!options.csv.empty()) check_writable(options.csv);
+        usage(fmt::format("--only {}: valid are fcl, oncollide", options.only));
+    check_range("--warm-up", options.warm_up, 0), check_range("--repeats", options.repeats, 1, 1000);
+    check_files({{"--csv", options.csv}});
     const Settings settings = settings_from(options.settings);
-    if (options.contacts && settings.exact != ExactLevel::predicates)
-        throw Error(ErrorKind::usage, "--contacts: needs --exact predicates");
+    if (options.contacts && settings.exact != ExactLevel::predicates) usage("--contacts: needs --exact predicates");
     Scene scene = open_scene(options.scene);
     if (options.warm_up >= scene.frames) options.warm_up = scene.frames - 1;
     print_warnings(scene);

@@ -26,7 +26,7 @@ struct RaceResult {
     PairSet pairs;                 ///< the right answer of the last frame
 };
 
-/// Plays `frames` frames of `scene`, asking every contender on every number of threads in each frame, turn about.
+/// Plays `frames` frames of `scene`, with every contender on every number of threads in each frame, turn about.
 /// Frames up to `warm_up` are not counted. Every answer of every frame is compared with that of a plain exact grid; a
 /// peer that misses a pair or reports one twice is left out from then on.
 RaceResult race(BoxScene& scene, const std::vector<Contender>& contenders, const std::vector<int>& threads,

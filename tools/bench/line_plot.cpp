@@ -23,12 +23,6 @@ constexpr std::string_view markers[] = {"M-4 0A4 4 0 1 0 4 0A4 4 0 1 0-4 0Z",
                                         "M0-5V5M-5 0H5",
                                         "M-5-2H5V2H-5Z"};
 
-void text(OutputFile& file, double x, double y, std::string_view anchor, std::string_view style, std::string_view words)
-{
-    file.print("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" class=\"{}\">{}</text>\n", x, y, anchor, style,
-               escaped(words));
-}
-
 void segment(OutputFile& file, double x1, double y1, double x2, double y2, std::string_view style)
 {
     file.print("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" class=\"{}\"/>\n", x1, y1, x2, y2, style);
@@ -63,17 +57,17 @@ void draw_axes(OutputFile& file, const Axis& x, const Axis& y, const PlotAxes& a
         segment(file, x.at_tick(tick), y.from, x.at_tick(tick), y.to, tick == x.low ? "axis" : "grid");
         const bool named = !x.names.empty() && tick < double(x.names.size());
         if (tick == x.low && !axes.x_least_name.empty())
-            text(file, x.at_tick(tick), y.from + 17, "middle", "tick", axes.x_least_name);
+            svg_text(file, x.at_tick(tick), y.from + 17, "middle", "tick", axes.x_least_name);
         else if (x.names.empty() || named)
-            text(file, x.at_tick(tick), y.from + 17, "middle", "tick",
-                 named ? x.names[std::size_t(tick)] : tick_text(std::pow(10, tick)));
+            svg_text(file, x.at_tick(tick), y.from + 17, "middle", "tick",
+                     named ? x.names[std::size_t(tick)] : tick_text(std::pow(10, tick)));
     }
     for (double decade = y.low; decade <= y.high; ++decade) {
         const double value = std::pow(10, decade);
         segment(file, x.from, y.at(value), x.to, y.at(value), decade == y.low ? "axis" : "grid");
-        text(file, x.from - 8, y.at(value) + 4, "end", "tick", fmt::format("{:g}", value));
+        svg_text(file, x.from - 8, y.at(value) + 4, "end", "tick", fmt::format("{:g}", value));
     }
-    text(file, 0.5 * (x.from + x.to), y.from + 36, "middle", "label", axes.x_label);
+    svg_text(file, 0.5 * (x.from + x.to), y.from + 36, "middle", "label", axes.x_label);
     file.print(
         "<text transform=\"translate(18 {:.1f}) rotate(-90)\" text-anchor=\"middle\" class=\"label\">{}</text>\n",
         0.5 * (y.from + y.to), escaped(axes.y_label));
@@ -115,13 +109,13 @@ void draw_line(OutputFile& file, const PlotLine& line, double label_y, const Axi
                label_x - 16, label_y);
     mark(label_x - 9, label_y);
     file.print("</g>\n");
-    text(file, label_x, label_y + 4, "start", main ? "main" : "value",
-         fmt::format("{}  {}", line.label, axes.value_text(last.y)));
+    svg_text(file, label_x, label_y + 4, "start", main ? "main" : "value",
+             fmt::format("{}  {}", line.label, axes.value_text(last.y)));
 }
 
 void draw_panel(OutputFile& file, const PlotPanel& panel, double top, const PlotAxes& axes)
 {
-    text(file, 20, top + 24, "start", "heading", panel.title);
+    svg_text(file, 20, top + 24, "start", "heading", panel.title);
     Axis x{.from = left, .to = right, .names = axes.x_names}, y{.from = top + plot_bottom, .to = top + plot_top};
     std::vector<const PlotLine*> lines;
     for (const PlotLine& line : panel.lines) {

@@ -155,10 +155,9 @@ std::vector<double> parse_distances(const std::string& list)
         const char* const end = part.data() + part.size();
         const auto [rest, error] = std::from_chars(part.data(), end, value);
         if (error != std::errc{} || rest != end || !(value >= -50 && value <= 1000))
-            throw Error(ErrorKind::usage,
-                        fmt::format("--distances {}: expected percents of the first mesh's diagonal from -50 to 1000, "
-                                    "like 0,0.1,1,5",
-                                    part));
+            usage(fmt::format("--distances {}: expected percents of the first mesh's diagonal from -50 to 1000, "
+                              "like 0,0.1,1,5",
+                              part));
         percents.push_back(value == 0 ? 0 : value); // no -0
     }
     std::sort(percents.begin(), percents.end());
@@ -166,11 +165,11 @@ std::vector<double> parse_distances(const std::string& list)
     return percents;
 }
 
-NarrowCourse make_course(const Mesh& a, const Mesh& b, std::span<const double> percents, std::size_t count,
-                         std::uint64_t seed)
+NarrowWorkload make_workload(const Mesh& a, const Mesh& b, std::span<const double> percents, std::size_t count,
+                             std::uint64_t seed)
 {
     const PoseFinder finder(a, b, seed);
-    NarrowCourse workload;
+    NarrowWorkload workload;
     for (double percent : percents) workload.groups.push_back(fmt::format("{:g} %", percent));
     workload.poses.resize(percents.size() * count);
     Progress progress("finding poses", count);
@@ -196,12 +195,12 @@ NarrowCourse make_course(const Mesh& a, const Mesh& b, std::span<const double> p
     return workload;
 }
 
-NarrowCourse course_of(std::vector<KnownPose> poses)
+NarrowWorkload workload_of(std::vector<KnownPose> poses)
 {
-    std::map<int, double> reach; // by kind
-    for (const KnownPose& pose : poses) reach[pose.kind] = std::max(reach[pose.kind], std::abs(pose.offset));
-    NarrowCourse workload;
-    for (const auto& [kind, most] : reach) {
+    std::map<int, double> farthest; // by kind
+    for (const KnownPose& pose : poses) farthest[pose.kind] = std::max(farthest[pose.kind], std::abs(pose.offset));
+    NarrowWorkload workload;
+    for (const auto& [kind, most] : farthest) {
         for (const KnownPose& pose : poses)
             if (pose.kind == kind) workload.poses.push_back({pose, workload.groups.size()});
         workload.groups.push_back(fmt::format("within {:g} %", rounded_up(100 * most)));

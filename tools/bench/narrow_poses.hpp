@@ -11,15 +11,15 @@
 
 namespace oncollide::tools {
 
-/// A pose to be asked about.
+/// A pose to be queried.
 struct NarrowPose {
     KnownPose known;
-    std::size_t group;                   ///< of NarrowCourse::groups
-    std::optional<double> distance = {}; ///< of the surfaces, as it was asked for
+    std::size_t group;                   ///< of NarrowWorkload::groups
+    std::optional<double> distance = {}; ///< of the surfaces, as it was requested
 };
 
 /// All poses of a benchmark, group by group.
-struct NarrowCourse {
+struct NarrowWorkload {
     std::vector<std::string> groups; ///< "5 %": so far apart; "within 2 %": the reach of one kind in a pose file
     std::vector<NarrowPose> poses;
 };
@@ -32,10 +32,10 @@ std::vector<double> parse_distances(const std::string& list);
 /// the diagonal out of contact and into it, alternately. Negative: moved in from touching by so much.
 /// Deterministic for equal arguments. Throws Error{bad_data} when the meshes cannot be made to touch.
 /// Cost: about ten of FCL's distances and forty of its yes or no a pose; shown while it lasts.
-NarrowCourse make_course(const Mesh& a, const Mesh& b, std::span<const double> percents, std::size_t count,
-                         std::uint64_t seed);
+NarrowWorkload make_workload(const Mesh& a, const Mesh& b, std::span<const double> percents, std::size_t count,
+                             std::uint64_t seed);
 
 /// The poses of a file, grouped by kind.
-NarrowCourse course_of(std::vector<KnownPose> poses);
+NarrowWorkload workload_of(std::vector<KnownPose> poses);
 
 } // namespace oncollide::tools

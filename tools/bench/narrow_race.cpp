@@ -15,39 +15,37 @@
 namespace oncollide::tools {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr double long_us = 5'000; // what a query may take in all before it is repeated no more
 
 double microseconds_since(Clock::time_point from)
 {
-    return std::chrono::duration<double, std::micro>(Clock::now() - from).count();
+    return 1e3 * milliseconds_since(from);
 }
 
-/// An answer to any of the asks.
-struct Answer {
+/// The result of any of the queries.
+struct Found {
     bool colliding = false;
     std::vector<TrianglePair> pairs;
     double distance = 0;
 };
 
-void give(NarrowPeer& peer, Ask ask, const Eigen::Isometry3d& pose, Answer& answer)
+void give(NarrowPeer& peer, NarrowQuery query, const Eigen::Isometry3d& pose, Found& found)
 {
-    if (ask == Ask::boolean)
-        answer.colliding = peer.collides(pose);
-    else if (ask == Ask::all)
-        peer.all_pairs(pose, answer.pairs);
+    if (query == NarrowQuery::boolean)
+        found.colliding = peer.collides(pose);
+    else if (query == NarrowQuery::all)
+        peer.all_pairs(pose, found.pairs);
     else
-        answer.distance = peer.distance(pose);
+        found.distance = peer.distance(pose);
 }
 
 /// Independent of the order of pairs.
-std::uint64_t hash_of(Ask ask, const Answer& answer)
+std::uint64_t hash_of(NarrowQuery query, const Found& found)
 {
-    if (ask == Ask::boolean) return splitmix(answer.colliding);
-    if (ask == Ask::distance) return splitmix(std::bit_cast<std::uint64_t>(answer.distance));
+    if (query == NarrowQuery::boolean) return splitmix(found.colliding);
+    if (query == NarrowQuery::distance) return splitmix(std::bit_cast<std::uint64_t>(found.distance));
     std::uint64_t sum = 0;
-    for (const TrianglePair& pair : answer.pairs) sum += splitmix(std::uint64_t{pair.a} << 32 | pair.b);
+    for (const TrianglePair& pair : found.pairs) sum += splitmix(std::uint64_t{pair.a} << 32 | pair.b);
     return splitmix(sum);
 }
 
@@ -65,9 +63,9 @@ struct Entrant {
 
 class Race {
 public:
-    Race(const Mesh& a, const Mesh& b, const NarrowCourse& workload, const NarrowTruth& truth,
-         const std::vector<Ask>& asks, int repeats)
-        : a_(a), b_(b), course_(workload), truth_(truth), asks_(asks), repeats_(repeats)
+    Race(const Mesh& a, const Mesh& b, const NarrowWorkload& workload, const NarrowTruth& truth,
+         const std::vector<NarrowQuery>& queries, int repeats)
+        : a_(a), b_(b), workload_(workload), truth_(truth), queries_(queries), repeats_(repeats)
     {
     }
 
@@ -76,18 +74,18 @@ public:
     {
         Entrant entrant;
         entrant.row.contender = &contender;
-        for (Ask ask : asks_)
-            if (answers(contender, ask)) entrant.row.asks[std::size_t(ask)] = empty_result(ask);
+        for (NarrowQuery query : queries_)
+            if (supports(contender, query)) entrant.row.queries[std::size_t(query)] = empty_result(query);
         trim_memory();
         const double before = double(resident_memory());
         Clock::time_point from = Clock::now();
         entrant.peer = contender.make(a_, b_);
         entrant.row.build_ms = 1e-3 * microseconds_since(from);
         from = Clock::now();
-        Progress progress("warming up " + contender.name, course_.poses.size());
-        for (const NarrowPose& pose : course_.poses) {
-            for (Ask ask : asks_)
-                if (answers(contender, ask)) give(*entrant.peer, ask, pose.known.b, answer_);
+        Progress progress("warming up " + contender.name, workload_.poses.size());
+        for (const NarrowPose& pose : workload_.poses) {
+            for (NarrowQuery query : queries_)
+                if (supports(contender, query)) give(*entrant.peer, query, pose.known.b, found_);
             progress.step();
         }
         entrant.row.warm_up_ms = 1e-3 * microseconds_since(from);
@@ -98,53 +96,53 @@ public:
 
     std::vector<NarrowRow> run()
     {
-        Progress progress("measuring", course_.poses.size());
-        for (std::size_t pose = 0; pose < course_.poses.size(); ++pose, progress.step())
-            for (Ask ask : asks_)
+        Progress progress("measuring", workload_.poses.size());
+        for (std::size_t pose = 0; pose < workload_.poses.size(); ++pose, progress.step())
+            for (NarrowQuery query : queries_)
                 for (std::size_t k = 0; k < entrants_.size(); ++k)
                     if (Entrant& entrant = entrants_[(k + pose) % entrants_.size()];
-                        answers(*entrant.row.contender, ask))
-                        measure(entrant, ask, pose);
+                        supports(*entrant.row.contender, query))
+                        measure(entrant, query, pose);
         std::vector<NarrowRow> rows;
         for (Entrant& entrant : entrants_) rows.push_back(std::move(entrant.row));
         return rows;
     }
 
 private:
-    AskResult empty_result(Ask ask) const
+    QueryResult empty_result(NarrowQuery query) const
     {
-        const std::size_t poses = course_.poses.size();
-        AskResult result;
+        const std::size_t poses = workload_.poses.size();
+        QueryResult result;
         result.us.resize(poses), result.hashes.resize(poses);
-        if (ask == Ask::distance)
+        if (query == NarrowQuery::distance)
             result.errors.resize(poses);
         else
             result.missed.resize(poses), result.extra.resize(poses);
         return result;
     }
 
-    void measure(Entrant& entrant, Ask ask, std::size_t pose)
+    void measure(Entrant& entrant, NarrowQuery query, std::size_t pose)
     {
         double least = 1e300, sum = 0;
         for (int repeat = 0; repeat < repeats_ && sum < long_us; ++repeat) {
             const Clock::time_point from = Clock::now();
-            give(*entrant.peer, ask, course_.poses[pose].known.b, answer_);
+            give(*entrant.peer, query, workload_.poses[pose].known.b, found_);
             const double us = microseconds_since(from);
             least = std::min(least, us), sum += us;
         }
-        AskResult& result = *entrant.row.asks[std::size_t(ask)];
+        QueryResult& result = *entrant.row.queries[std::size_t(query)];
         result.us[pose] = least;
-        result.hashes[pose] = hash_of(ask, answer_);
-        compare(ask, pose, result);
+        result.hashes[pose] = hash_of(query, found_);
+        compare(query, pose, result);
     }
 
-    void compare(Ask ask, std::size_t pose, AskResult& result)
+    void compare(NarrowQuery query, std::size_t pose, QueryResult& result)
     {
-        if (ask == Ask::boolean) {
-            result.missed[pose] = !answer_.colliding && truth_.colliding[pose];
-            result.extra[pose] = answer_.colliding && !truth_.colliding[pose];
-        } else if (ask == Ask::all) {
-            std::vector<TrianglePair>& given = answer_.pairs;
+        if (query == NarrowQuery::boolean) {
+            result.missed[pose] = !found_.colliding && truth_.colliding[pose];
+            result.extra[pose] = found_.colliding && !truth_.colliding[pose];
+        } else if (query == NarrowQuery::all) {
+            std::vector<TrianglePair>& given = found_.pairs;
             std::sort(given.begin(), given.end());
             const auto once = std::unique(given.begin(), given.end());
             const std::uint64_t twice = std::uint64_t(given.end() - once);
@@ -152,32 +150,34 @@ private:
             result.missed[pose] = not_in(truth_.pairs[pose], given);
             result.extra[pose] = not_in(given, truth_.pairs[pose]) + twice;
         } else {
-            result.errors[pose] = std::abs(answer_.distance - truth_.distances[pose]);
+            result.errors[pose] = std::abs(found_.distance - truth_.distances[pose]);
         }
     }
 
     const Mesh &a_, &b_;
-    const NarrowCourse& course_;
+    const NarrowWorkload& workload_;
     const NarrowTruth& truth_;
-    const std::vector<Ask>& asks_;
+    const std::vector<NarrowQuery>& queries_;
     int repeats_;
     std::vector<Entrant> entrants_;
-    Answer answer_;
+    Found found_;
 };
 
 } // namespace
 
-bool answers(const NarrowContender& contender, Ask ask)
+bool supports(const NarrowContender& contender, NarrowQuery query)
 {
-    return ask == Ask::boolean || (ask == Ask::all ? contender.answers_all : contender.answers_distance);
+    return query == NarrowQuery::boolean ||
+           (query == NarrowQuery::all ? contender.has_all_pairs : contender.has_distance);
 }
 
-std::vector<NarrowRow> race(const Mesh& a, const Mesh& b, const NarrowCourse& workload, const NarrowTruth& truth,
-                            const std::vector<NarrowContender>& contenders, const std::vector<Ask>& asks, int repeats)
+std::vector<NarrowRow> race(const Mesh& a, const Mesh& b, const NarrowWorkload& workload, const NarrowTruth& truth,
+                            const std::vector<NarrowContender>& contenders, const std::vector<NarrowQuery>& queries,
+                            int repeats)
 {
-    Race race(a, b, workload, truth, asks, repeats);
+    Race race(a, b, workload, truth, queries, repeats);
     for (const NarrowContender& contender : contenders)
-        if (std::any_of(asks.begin(), asks.end(), [&](Ask ask) { return answers(contender, ask); }))
+        if (std::any_of(queries.begin(), queries.end(), [&](NarrowQuery query) { return supports(contender, query); }))
             race.enter(contender);
     return race.run();
 }

@@ -15,32 +15,33 @@ struct NarrowResult {
     std::size_t triangles_a = 0, triangles_b = 0;
     double diagonal = 0; ///< of a's box
     std::uint64_t seed = 0;
-    NarrowCourse workload;
+    NarrowWorkload workload;
     NarrowTruth truth;
-    std::vector<Ask> asks;
+    std::vector<NarrowQuery> queries;
     std::vector<NarrowRow> rows;
 };
 
-/// One contender's answers to one ask over some of the poses, in microseconds.
+/// One contender's results of one query over some of the poses, in microseconds.
 struct NarrowSummary {
     double median = 0, mean = 0, mean_colliding = 0, mean_separate = 0;
     std::uint64_t poses = 0, colliding = 0;
     std::uint64_t missed = 0, extra = 0; ///< poses; of all pairs, triangle pairs
     double error = 0;                    ///< of distances, the largest, over the diagonal
-    std::uint64_t hash = 0;              ///< of all answers
+    std::uint64_t hash = 0;              ///< of all results
 };
 
 constexpr std::size_t every_group = ~std::size_t{0};
-NarrowSummary summarise(const NarrowResult& result, const NarrowRow& row, Ask ask, std::size_t group = every_group);
+NarrowSummary summarise(const NarrowResult& result, const NarrowRow& row, NarrowQuery query,
+                        std::size_t group = every_group);
 
-/// True when an answer of oncollide breaks its promise: something missed, or, where it is exact, something wrong.
+/// True when a result of oncollide breaks its promise: something missed, or, where it is exact, something wrong.
 bool broken_promise(const NarrowResult& result);
 
-/// A table of the contenders, and one an ask: medians by group, then over all poses.
+/// A table of the contenders, and one an query: medians by group, then over all poses.
 void print_narrow(const NarrowResult& result);
-/// One row a contender, ask and group.
+/// One row a contender, query and group.
 void write_narrow_csv(OutputFile& file, const NarrowResult& result);
-/// Median against group, one panel an ask.
+/// Median against group, one panel an query.
 void draw_narrow_plot(OutputFile& file, const NarrowResult& result);
 
 } // namespace oncollide::tools

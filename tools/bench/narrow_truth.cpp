@@ -13,7 +13,7 @@
 namespace oncollide::tools {
 namespace {
 
-/// CGAL's answers, if this build has it.
+/// CGAL's results, if this build has it.
 std::unique_ptr<NarrowPeer> make_exact_judge(const Mesh& a, const Mesh& b)
 {
     for (const NarrowContender& contender : narrow_contenders().all)
@@ -23,38 +23,39 @@ std::unique_ptr<NarrowPeer> make_exact_judge(const Mesh& a, const Mesh& b)
 
 class Judge {
 public:
-    Judge(const Mesh& a, const Mesh& b, const NarrowCourse& workload, const std::vector<Ask>& asks)
-        : course_(workload), all_(wants(asks, Ask::all)), distances_(wants(asks, Ask::distance)),
-          fcl_(a, b, FclNodes::obbrss), exact_(make_exact_judge(a, b)), diagonal_(a.bounds.diagonal())
+    Judge(const Mesh& a, const Mesh& b, const NarrowWorkload& workload, const std::vector<NarrowQuery>& queries)
+        : workload_(workload), all_(wants(queries, NarrowQuery::all)),
+          distances_(wants(queries, NarrowQuery::distance)), fcl_(a, b, FclNodes::obbrss),
+          exact_(make_exact_judge(a, b)), diagonal_(a.bounds.diagonal())
     {
     }
 
     NarrowTruth run()
     {
-        Progress progress("judging", course_.poses.size());
-        for (const NarrowPose& pose : course_.poses) judge(pose), progress.step();
+        Progress progress("judging", workload_.poses.size());
+        for (const NarrowPose& pose : workload_.poses) judge(pose), progress.step();
         truth_.notes.emplace_back(exact_ ? "CGAL, exact predicates"
                                          : "FCL; CGAL, which is exact, is not in this build");
         if (differ_)
             truth_.notes.push_back(
-                fmt::format("FCL differs from CGAL in {} of {} poses", grouped(differ_), course_.poses.size()));
+                fmt::format("FCL differs from CGAL in {} of {} poses", grouped(differ_), workload_.poses.size()));
         if (expected_)
             truth_.notes.push_back(
-                fmt::format("expected answers: {} poses, of which the judge differs in {} about colliding{}",
+                fmt::format("expected results: {} poses, of which the judge differs in {} about colliding{}",
                             grouped(expected_), unexpected_,
                             all_ ? fmt::format("; {} triangle pairs, of which the judge finds {}",
                                                grouped(expected_pairs_), grouped(found_pairs_))
                                  : ""));
         if (distances_ && misplaced_ > 1e-6)
             truth_.notes.push_back(
-                fmt::format("FCL's distances differ by up to {:.2g} % from those asked for", 100 * misplaced_));
+                fmt::format("FCL's distances differ by up to {:.2g} % from those requested", 100 * misplaced_));
         return std::move(truth_);
     }
 
 private:
-    static bool wants(const std::vector<Ask>& asks, Ask ask)
+    static bool wants(const std::vector<NarrowQuery>& queries, NarrowQuery query)
     {
-        return std::find(asks.begin(), asks.end(), ask) != asks.end();
+        return std::find(queries.begin(), queries.end(), query) != queries.end();
     }
 
     void judge(const NarrowPose& pose)
@@ -79,7 +80,7 @@ private:
             misplaced_ = std::max(misplaced_, std::abs(truth_.distances.back() - *pose.distance) / diagonal_);
     }
 
-    /// One pair only, when not all are asked for.
+    /// One pair only, when not all are requested.
     std::vector<TrianglePair> pairs_by_fcl(const Eigen::Isometry3d& b)
     {
         std::vector<TrianglePair> pairs;
@@ -91,21 +92,21 @@ private:
         return pairs;
     }
 
-    const NarrowCourse& course_;
+    const NarrowWorkload& workload_;
     bool all_, distances_;
     FclPair fcl_;
     std::unique_ptr<NarrowPeer> exact_;
     double diagonal_;
     NarrowTruth truth_;
     std::uint64_t differ_ = 0, expected_ = 0, unexpected_ = 0, expected_pairs_ = 0, found_pairs_ = 0;
-    double misplaced_ = 0; ///< the most by which a distance is not as asked for, over the diagonal
+    double misplaced_ = 0; ///< the most by which a distance is not as requested, over the diagonal
 };
 
 } // namespace
 
-NarrowTruth judge(const Mesh& a, const Mesh& b, const NarrowCourse& workload, const std::vector<Ask>& asks)
+NarrowTruth judge(const Mesh& a, const Mesh& b, const NarrowWorkload& workload, const std::vector<NarrowQuery>& queries)
 {
-    return Judge(a, b, workload, asks).run();
+    return Judge(a, b, workload, queries).run();
 }
 
 } // namespace oncollide::tools

@@ -59,17 +59,17 @@ OctantLevels::OctantLevels(const Mesh& mesh, int depth) : mesh_(mesh), root_(roo
     for (int level = 0; level < depth; ++level) {
         std::vector<OctantRow> rows;
         for (const Cell& cell : levels_.back()) rows.push_back(tree.row(0, cell.key));
-        std::vector<OctantResult> answers(rows.size());
-        backend->run(rows, 1, answers);
+        std::vector<OctantResult> results(rows.size());
+        backend->run(rows, 1, results);
         std::vector<Cell> next;
         for (std::size_t i = 0; i < rows.size(); ++i) {
             Cell& cell = levels_.back()[i];
             std::vector<std::vector<std::uint32_t>> triangles(8);
             std::vector<std::size_t> ends;
             for (unsigned k = 0; k < 8; ++k)
-                backend->read(std::vector<ListRead>{{0, answers[i].list, k}}, triangles[k], ends);
+                backend->read(std::vector<ListRead>{{0, results[i].list, k}}, triangles[k], ends);
             find_truth(cell, triangles);
-            tree.expand(cell.key, answers[i], 1);
+            tree.expand(cell.key, results[i], 1);
             for (unsigned k = 0; k < 8; ++k)
                 if (cell.truth >> k & 1) next.push_back({child_cell(cell.key, k), 0});
         }

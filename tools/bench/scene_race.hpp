@@ -37,7 +37,7 @@ struct SceneRuns {
     std::string backend = "not run";
 };
 
-/// Plays `scene` with those that options.only leaves, so many times as asked. Throws Error{internal} when two runs
+/// Plays `scene` with those that options.only leaves, as often as the options say. Throws Error{internal} when two runs
 /// differ.
 SceneRuns race(const CompareOptions& options, const Settings& settings, Scene& scene);
 

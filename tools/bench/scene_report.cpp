@@ -82,7 +82,7 @@ std::uint64_t SceneReport::print_counts() const
             mean_count(sum.fcl_colliding, n));
     if (with_ours_)
         say("  oncollide  candidates {}, left over {} (colliding {}, undecided {}); cell pairs compared {}, cells "
-            "asked {}\n",
+            "requested {}\n",
             mean_count(sum.pairs, n), mean_count(sum.left_over, n), mean_count(sum.colliding, n),
             mean_count(sum.undecided, n), mean_count(node_pairs, n), mean_count(rows, n));
     if (options_.contacts) {
@@ -140,7 +140,7 @@ SceneReport::InMeshes SceneReport::in_meshes() const
     return sum;
 }
 
-/// What the sphere-trees asked of the backend, warm and in the first frame.
+/// What the sphere-trees requested of the backend, warm and in the first frame.
 void SceneReport::print_rounds() const
 {
     std::uint64_t rounds = 0, rows = 0, bytes = 0, queries = 0;
@@ -165,18 +165,18 @@ void SceneReport::print_rounds() const
 void SceneReport::print_timeline() const
 {
     say("\n{:>8}{:>14}{:>12}{:>14}{:>14}{:>12}{:>14}{:>14}\n", "frame", "cells alive", "left over", "FCL collides",
-        "cells asked", "dropped", "oncollide ms", "FCL ms");
+        "requested", "dropped", "oncollide ms", "FCL ms");
     for (std::size_t from = 0; from < runs_.rows.size(); from += static_cast<std::size_t>(options_.timeline)) {
         const std::size_t to = std::min(from + static_cast<std::size_t>(options_.timeline), runs_.rows.size());
-        std::uint64_t asked = 0, dropped = 0;
+        std::uint64_t requested = 0, dropped = 0;
         double ours = 0, fcl = 0;
         for (std::size_t f = from; f < to; ++f) {
-            asked += runs_.rows[f].trees.rows, dropped += runs_.rows[f].trees.collapsed;
+            requested += runs_.rows[f].trees.rows, dropped += runs_.rows[f].trees.collapsed;
             ours += runs_.rows[f].our_ms / double(to - from), fcl += runs_.rows[f].fcl_ms / double(to - from);
         }
         const SceneRow& last = runs_.rows[to - 1];
         say("{:>8}{:>14}{:>12}{:>14}{:>14}{:>12}{:>14.5f}{:>14.5f}\n", to - 1, last.trees.nodes, last.counts.left_over,
-            last.counts.fcl_colliding, asked, dropped, ours, fcl);
+            last.counts.fcl_colliding, requested, dropped, ours, fcl);
     }
 }
 

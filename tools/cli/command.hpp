@@ -17,4 +17,8 @@ void add_bench(Arguments app);
 void add_accuracy(Arguments app);
 void add_doctor(Arguments app);
 
+// Commands of `oncollide accuracy`.
+void add_accuracy_hard(Arguments accuracy);
+void add_accuracy_study(Arguments accuracy);
+
 } // namespace oncollide::tools

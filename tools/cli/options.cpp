@@ -1,6 +1,5 @@
 #include "cli/options.hpp"
 
-#include <array>
 #include <charconv>
 #include <cstdlib>
 #include <iostream>
@@ -17,11 +16,6 @@ namespace oncollide::tools {
 namespace {
 
 namespace fs = std::filesystem;
-
-[[noreturn]] void usage(const std::string& message)
-{
-    throw Error(ErrorKind::usage, message);
-}
 
 fs::path must_be_folder(const fs::path& path, std::string_view who)
 {
@@ -170,14 +164,13 @@ Scene make_catalogue_scene(const SceneOptions& o)
 {
     CatalogueOptions options{.bodies = o.bodies, .frames = o.frames, .data = data_folder(o.data)};
     if (o.seed) options.seed = *o.seed;
-    if (o.frames && *o.frames < 1) usage(fmt::format("--frames {}: must be at least 1", *o.frames));
-    if (o.bodies && *o.bodies < 1) usage(fmt::format("--bodies {}: must be at least 1", *o.bodies));
+    check_range("--frames", o.frames.value_or(1), 1), check_range("--bodies", o.bodies.value_or(1), 1);
     return make_scene(o.scene, options);
 }
 
 Scene open_scene(const SceneOptions& o)
 {
-    if (o.frames && *o.frames < 1) usage(fmt::format("--frames {}: must be at least 1", *o.frames));
+    check_range("--frames", o.frames.value_or(1), 1);
     if (!is_scene_file(o.scene)) return make_catalogue_scene(o);
     if (o.bodies || o.seed)
         usage(
@@ -215,18 +208,35 @@ void add_output_options(Arguments command, OutputOptions& o)
 
 void check_outputs(const OutputOptions& o, const std::string& input)
 {
-    const std::array<std::pair<const char*, const std::string*>, 4> files{
-        {{"--json", &o.json}, {"--csv", &o.csv}, {"--trace", &o.trace}, {"--picture", &o.picture}}};
+    check_files({{"--json", o.json}, {"--csv", o.csv}, {"--trace", o.trace}, {"--picture", o.picture}}, {input});
+}
+
+void check_files(const std::vector<std::pair<const char*, std::string>>& files, const std::vector<std::string>& inputs)
+{
     for (std::size_t k = 0; k < files.size(); ++k) {
         const auto& [option, file] = files[k];
-        if (file->empty()) continue;
-        if (!input.empty() && same_place(*file, input))
-            usage(fmt::format("{} {}: would overwrite the input", option, *file));
+        if (file.empty()) continue;
+        for (const std::string& input : inputs)
+            if (!input.empty() && same_place(file, input))
+                usage(fmt::format("{} {}: would overwrite the input", option, file));
         for (std::size_t j = 0; j < k; ++j)
-            if (!files[j].second->empty() && same_place(*file, *files[j].second) && !fs::is_character_file(*file))
-                usage(fmt::format("{} and {} both go to '{}'", files[j].first, option, *file));
-        check_writable(*file);
+            if (!files[j].second.empty() && same_place(file, files[j].second) && !fs::is_character_file(file))
+                usage(fmt::format("{} and {} both go to '{}'", files[j].first, option, file));
+        check_writable(file);
     }
+}
+
+void usage(const std::string& message)
+{
+    throw Error(ErrorKind::usage, message);
+}
+
+void check_range(const char* option, std::int64_t value, std::int64_t least, std::int64_t most)
+{
+    if (value >= least && value <= most) return;
+    const bool open = most == std::numeric_limits<std::int64_t>::max();
+    usage(fmt::format("{} {}: must be {}", option, value,
+                      open ? fmt::format("at least {}", least) : fmt::format("from {} to {}", least, most)));
 }
 
 void write_outputs(const Report& report, const OutputOptions& o)

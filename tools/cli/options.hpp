@@ -1,8 +1,10 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cli/arguments.hpp"
@@ -65,11 +67,21 @@ struct OutputOptions {
 };
 
 void add_output_options(Arguments command, OutputOptions& options);
-/// Finds out before any work that a file could not be written, or that two results (or a result and `input`) would go
-/// to the same place. Throws Error{cannot_write} or Error{usage}.
+/// check_files() of these; an empty input is none.
 void check_outputs(const OutputOptions& options, const std::string& input);
-/// The stage table to standard output (standard error when results go there), then every file asked for.
+/// The stage table to standard output (standard error when results go there), then every file requested.
 void write_outputs(const Report& report, const OutputOptions& options);
+
+/// Finds out before any work that a file could not be written, or that two of them, or one and an input, are the same
+/// place. Files come with the option that names them; empty ones are not written. Throws Error{cannot_write} or
+/// Error{usage}.
+void check_files(const std::vector<std::pair<const char*, std::string>>& files,
+                 const std::vector<std::string>& inputs = {});
+/// Throws Error{usage}.
+[[noreturn]] void usage(const std::string& message);
+/// The same for a value that is out of range.
+void check_range(const char* option, std::int64_t value, std::int64_t least,
+                 std::int64_t most = std::numeric_limits<std::int64_t>::max());
 
 /// What loading put right, one line each on standard error; the first ten.
 void print_warnings(const Scene& scene);

@@ -9,7 +9,7 @@ namespace oncollide::tools {
 /// standard error when that is a terminal and not `quiet`.
 ///
 /// Returns the exit code of the run. Ctrl-C or SIGTERM ends it after the frame in hand; a second one ends the program
-/// at once. A GPU that was asked for by name and is lost ends it too. Either way the report is marked interrupted and
+/// at once. A GPU that was requested by name and is lost ends it too. Either way the report is marked interrupted and
 /// is worth writing.
 int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, bool quiet);
 

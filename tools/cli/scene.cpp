@@ -32,10 +32,9 @@ int list_scenes()
 int write_scene(const WriteOptions& options)
 {
     if (options.list) return list_scenes();
-    if (options.scene.scene.empty()) throw Error(ErrorKind::usage, "scene: give a NAME, or --list to see the names");
+    if (options.scene.scene.empty()) usage("scene: give a NAME, or --list to see the names");
     if (options.out.empty() || options.out == "-")
-        throw Error(ErrorKind::usage,
-                    "scene: --out FILE.json is needed; a scene may bring mesh files that stand beside it");
+        usage("scene: --out FILE.json is needed; a scene may bring mesh files that stand beside it");
     check_writable(options.out);
     const Scene scene = make_catalogue_scene(options.scene);
     print_warnings(scene);

@@ -1,6 +1,6 @@
-// oncollide accuracy hard: what collision detection gets wrong, asked of every combination of stages and held against
+// oncollide accuracy hard: what collision detection gets wrong, by every combination of stages, held against
 // exact arithmetic.
-#include "hard/accuracy_hard.hpp"
+#include "cli/command.hpp"
 
 #include <algorithm>
 #include <exception>
@@ -41,7 +41,7 @@ std::vector<std::string> families_of(const std::vector<BodyCase>& cases)
     return names;
 }
 
-/// The families that were asked for.
+/// The families that were requested.
 class Choice {
 public:
     Choice(const HardOptions& options, const std::vector<BodyCase>& cases) : chosen_(options.families)
@@ -51,8 +51,7 @@ public:
         known_.push_back(crowd_family), known_.push_back(solid_crowd_family);
         for (const std::string& name : chosen_)
             if (std::find(known_.begin(), known_.end(), name) == known_.end())
-                throw Error(ErrorKind::usage,
-                            fmt::format("--family: no '{}'; there are: {}", name, fmt::join(known_, ", ")));
+                usage(fmt::format("--family: no '{}'; there are: {}", name, fmt::join(known_, ", ")));
     }
     bool operator()(const std::string& name) const
     {
@@ -109,7 +108,7 @@ void print_header()
 /// At once, for the next takes a while.
 void print_row(const Tally& t)
 {
-    say("{:<34}{:>9}{:>11}{:>8}{:>7}{:>9}{:>9}{:>8}{:>9}{:>12}{:>11}\n", t.family, t.cases, t.answers, t.missed,
+    say("{:<34}{:>9}{:>11}{:>8}{:>7}{:>9}{:>9}{:>8}{:>9}{:>12}{:>11}\n", t.family, t.cases, t.results, t.missed,
         t.wrong, t.false_positives, t.bounds, t.broken, t.changed, t.fcl_missed, t.fcl_false);
     if (!t.first_fault.empty()) say("FAULT      {}\n", t.first_fault);
     std::cout.flush();
@@ -143,7 +142,7 @@ void write_csv(const std::string& path, const std::vector<Tally>& rows)
     OutputFile file(path);
     file.print("family,cases,answers,missed,wrong,false_positives,bounds,bounds_broken,changed,fcl_missed,fcl_false\n");
     for (const Tally& t : rows)
-        file.print("\"{}\",{},{},{},{},{},{},{},{},{},{}\n", t.family, t.cases, t.answers, t.missed, t.wrong,
+        file.print("\"{}\",{},{},{},{},{},{},{},{},{},{}\n", t.family, t.cases, t.results, t.missed, t.wrong,
                    t.false_positives, t.bounds, t.broken, t.changed, t.fcl_missed, t.fcl_false);
     file.commit();
 }
@@ -157,7 +156,7 @@ void write_json(const std::string& path, const std::vector<Tally>& rows)
             "{}\n  {{\"family\": \"{}\", \"cases\": {}, \"answers\": {}, \"missed\": {}, \"wrong\": {}, "
             "\"false_positives\": {}, \"bounds\": {}, \"bounds_broken\": {}, \"changed\": {}, \"fcl_missed\": {}, "
             "\"fcl_false\": {}}}",
-            &t == rows.data() ? "" : ",", t.family, t.cases, t.answers, t.missed, t.wrong, t.false_positives, t.bounds,
+            &t == rows.data() ? "" : ",", t.family, t.cases, t.results, t.missed, t.wrong, t.false_positives, t.bounds,
             t.broken, t.changed, t.fcl_missed, t.fcl_false);
     file.print("\n]}}\n");
     file.commit();
@@ -165,14 +164,9 @@ void write_json(const std::string& path, const std::vector<Tally>& rows)
 
 int accuracy_hard(HardOptions options)
 {
-    if (options.count < 1) throw Error(ErrorKind::usage, fmt::format("--count {}: must be at least 1", options.count));
-    if (options.threads < 0)
-        throw Error(ErrorKind::usage, fmt::format("--threads {}: must be at least 0", options.threads));
+    check_range("--count", options.count, 1), check_range("--threads", options.threads, 0);
     if (options.threads == 0) options.threads = hardware_threads();
-    for (const std::string* file : {&options.csv, &options.json})
-        if (!file->empty()) check_writable(*file);
-    if (!options.csv.empty() && options.csv == options.json)
-        throw Error(ErrorKind::usage, fmt::format("--csv and --json both go to {}", options.csv));
+    check_files({{"--csv", options.csv}, {"--json", options.json}});
     std::vector<BodyCase> cases = body_cases();
     std::vector<BodyCase> queries = query_cases(data_folder(options.data));
     const bool no_queries = queries.empty();
@@ -193,7 +187,7 @@ int accuracy_hard(HardOptions options)
             ? fmt::format("{} VIOLATIONS", grouped(sum.faults()))
             : fmt::format("{} cases, {} answers: no collision missed, no exact answer wrong, no bound broken, none "
                           "changed that must not",
-                          grouped(sum.cases), grouped(sum.answers)),
+                          grouped(sum.cases), grouped(sum.results)),
         grouped(sum.fcl_missed), grouped(sum.fcl_false));
     return sum.faults() ? int(ErrorKind::internal) : 0;
 }
@@ -225,7 +219,7 @@ void add_accuracy_hard(Arguments accuracy)
         "triangles and corners in another order, turned by a quarter, and turned anyhow and so rounded. With "
         "clearances "
         "below,\n"
-        "at and above the distance; as solids; and asked how they touch. Then all at once, for several numbers of "
+        "at and above the distance; as solids; and with kinds of contact. Then all at once, for several numbers of "
         "threads\n"
         "and on a GPU where there is one.\n\n"
         "Columns:\n"

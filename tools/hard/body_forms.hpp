@@ -16,10 +16,10 @@ struct PairTruth {
     double fcl_distance = 0; ///< 0 where surfaces or FCL say that they collide
 };
 
-/// Who may be asked a form: all, those for whom meshes are surfaces alone, or those for whom insides count.
+/// Whom a form is for: all, those for whom meshes are surfaces alone, or those for whom insides count.
 enum class FormFor { all, surfaces, solids };
 
-/// A case's question in one of its forms, with its truth.
+/// A case in one of its forms, with its truth.
 struct BodyForm {
     std::string name;
     Mesh a, b;

@@ -66,56 +66,56 @@ Fault fault_of_exact(Verdict verdict, const Expected& e)
 }
 
 /// Spheres may leave anything open, and say of solids that they are inside.
-Fault fault_of_spheres(const BodyAnswer& answer, const PairTruth& truth, const Settings& settings)
+Fault fault_of_spheres(const BodyResult& result, const PairTruth& truth, const Settings& settings)
 {
     const bool enclosed = settings.mode == Mode::solid && truth.solids.enclosed;
     const bool near = settings.clearance > 0 && truth.surfaces.distance.high <= settings.clearance;
-    if (answer.verdict == Verdict::separate && (truth.surfaces.collide || enclosed || near))
+    if (result.verdict == Verdict::separate && (truth.surfaces.collide || enclosed || near))
         return {&Tally::missed, ""};
-    if (answer.verdict == Verdict::colliding && !enclosed) return {&Tally::wrong, ": invented"};
+    if (result.verdict == Verdict::colliding && !enclosed) return {&Tally::wrong, ": invented"};
     return {};
 }
 
-bool right_kind(const BodyAnswer& answer, const PairTruth& truth, const Settings& settings)
+bool right_kind(const BodyResult& result, const PairTruth& truth, const Settings& settings)
 {
-    if (truth.solids.vague && answer.kind == ContactKind::touching) return wants_kinds(settings);
+    if (truth.solids.vague && result.kind == ContactKind::touching) return wants_kinds(settings);
     const ContactKind surfaces = truth.solids.contact == TriangleContact::crossing   ? ContactKind::crossing
                                  : truth.solids.contact == TriangleContact::touching ? ContactKind::touching
                                                                                      : ContactKind::unknown;
     const bool solid = settings.mode == Mode::solid, by_fcl = decides(settings) && fcl_decides(settings);
-    switch (answer.verdict) {
+    switch (result.verdict) {
     case Verdict::separate:
-        return answer.kind == (settings.ignore_touching ? surfaces : ContactKind::unknown);
+        return result.kind == (settings.ignore_touching ? surfaces : ContactKind::unknown);
     case Verdict::within:
-        return answer.kind == (decides(settings) ? ContactKind::near : ContactKind::unknown);
+        return result.kind == (decides(settings) ? ContactKind::near : ContactKind::unknown);
     case Verdict::colliding:
-        if (solid && truth.solids.enclosed) return answer.kind == ContactKind::enclosed || by_fcl;
-        if (by_fcl && answer.kind != surfaces)
-            return answer.kind == ContactKind::unknown || (solid && answer.kind == ContactKind::enclosed);
-        return answer.kind == (wants_kinds(settings) ? surfaces : ContactKind::unknown);
+        if (solid && truth.solids.enclosed) return result.kind == ContactKind::enclosed || by_fcl;
+        if (by_fcl && result.kind != surfaces)
+            return result.kind == ContactKind::unknown || (solid && result.kind == ContactKind::enclosed);
+        return result.kind == (wants_kinds(settings) ? surfaces : ContactKind::unknown);
     case Verdict::undecided:
         break;
     }
-    return answer.kind == ContactKind::unknown;
+    return result.kind == ContactKind::unknown;
 }
 
 /// Is the certified bound true?
-bool holds(const BodyAnswer& answer, const PairTruth& truth, const Settings& settings)
+bool holds(const BodyResult& result, const PairTruth& truth, const Settings& settings)
 {
     const DistanceTruth& distance = truth.surfaces.distance;
     const double clearance = settings.clearance, rounding = 0x1p-50 * distance.size;
     const bool exact = decides(settings), by_fcl = exact && fcl_decides(settings);
     const double its_own = by_fcl && clearance > 0 ? fcl_rounding * distance.size + 1e-140 : 0; // FCL's error
-    if (answer.verdict == Verdict::colliding) return answer.bound == 0;
-    if (answer.verdict == Verdict::separate) {
-        const double bound = answer.listed ? answer.bound : clearance;
+    if (result.verdict == Verdict::colliding) return result.bound == 0;
+    if (result.verdict == Verdict::separate) {
+        const double bound = result.listed ? result.bound : clearance;
         const double most = its_own > 0 ? std::max(distance.high, truth.fcl_distance) : distance.high;
         return truth.surfaces.collide || (bound >= clearance && bound <= most + rounding + its_own);
     }
     const double least = its_own > 0 ? std::min(distance.low, truth.fcl_distance) : distance.low;
     const bool near =
-        answer.verdict != Verdict::within || !exact || answer.bound <= clearance + clearance_rounding(truth, clearance);
-    return least <= answer.bound + rounding + its_own && near && std::isfinite(answer.bound);
+        result.verdict != Verdict::within || !exact || result.bound <= clearance + clearance_rounding(truth, clearance);
+    return least <= result.bound + rounding + its_own && near && std::isfinite(result.bound);
 }
 
 } // namespace
@@ -137,30 +137,30 @@ bool fcl_is_sure(const PairTruth& truth, const Settings& settings)
            std::abs(truth.fcl_distance - settings.clearance) > fcl_rounding * truth.surfaces.distance.size;
 }
 
-void judge(const PairTruth& truth, const Settings& settings, const BodyAnswer& answer, Tally& tally,
+void judge(const PairTruth& truth, const Settings& settings, const BodyResult& result, Tally& tally,
            const std::string& what)
 {
-    ++tally.answers;
+    ++tally.results;
     const bool exact = decides(settings);
     // Where a budget has no room for what would decide, a pair may stay undecided; its bound is judged all the same.
-    const bool no_room = answer.verdict == Verdict::undecided && (settings.node_budget || settings.memory_budget);
-    const Fault fault = !exact    ? fault_of_spheres(answer, truth, settings)
+    const bool no_room = result.verdict == Verdict::undecided && (settings.node_budget || settings.memory_budget);
+    const Fault fault = !exact    ? fault_of_spheres(result, truth, settings)
                         : no_room ? Fault{}
-                                  : fault_of_exact(answer.verdict, expected(truth, settings));
+                                  : fault_of_exact(result.verdict, expected(truth, settings));
     if (fault.kind)
-        tally.fault(fault.kind, fmt::format("{}: {}{}", what, name_of(answer.verdict), fault.why));
-    else if (!right_kind(answer, truth, settings))
+        tally.fault(fault.kind, fmt::format("{}: {}{}", what, name_of(result.verdict), fault.why));
+    else if (!right_kind(result, truth, settings))
         tally.fault(&Tally::wrong,
-                    fmt::format("{}: {}, of kind {}", what, name_of(answer.verdict), name_of(answer.kind)));
+                    fmt::format("{}: {}, of kind {}", what, name_of(result.verdict), name_of(result.kind)));
     const bool enclosed = settings.mode == Mode::solid && truth.solids.enclosed;
-    const bool open = answer.verdict == Verdict::within || answer.verdict == Verdict::undecided;
+    const bool open = result.verdict == Verdict::within || result.verdict == Verdict::undecided;
     const bool near = settings.clearance > 0 && truth.surfaces.distance.low <= settings.clearance;
     tally.false_positives += open && !truth.surfaces.collide && !enclosed && !near;
-    tally.bounds += answer.verdict != Verdict::colliding;
-    if (!holds(answer, truth, settings))
+    tally.bounds += result.verdict != Verdict::colliding;
+    if (!holds(result, truth, settings))
         tally.fault(&Tally::broken,
-                    fmt::format("{}: {}, bound {:.9g} m, distance {:.9g} to {:.9g} m", what, name_of(answer.verdict),
-                                answer.bound, truth.surfaces.distance.low, truth.surfaces.distance.high));
+                    fmt::format("{}: {}, bound {:.9g} m, distance {:.9g} to {:.9g} m", what, name_of(result.verdict),
+                                result.bound, truth.surfaces.distance.low, truth.surfaces.distance.high));
 }
 
 } // namespace oncollide::tools

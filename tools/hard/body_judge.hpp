@@ -10,22 +10,22 @@
 namespace oncollide::tools {
 
 /// What the pipeline says of a pair.
-struct BodyAnswer {
+struct BodyResult {
     Verdict verdict = Verdict::separate;
     ContactKind kind = ContactKind::unknown;
     double bound = 0;
     bool listed = false; ///< false: the broad phase left the pair out
 };
 
-/// True when an exact level is asked and not skipped.
+/// True when an exact level is on and not skipped.
 bool decides(const Settings& settings);
 /// True when FCL, which may err, has the last word.
 bool fcl_decides(const Settings& settings);
 /// What FCL says about surfaces, the clearance included, leaves no doubt: it is not at the clearance but for rounding.
 bool fcl_is_sure(const PairTruth& truth, const Settings& settings);
 
-/// Holds one answer against the truth: verdict, kind and bound. What FCL decides may be wrong where FCL is.
-void judge(const PairTruth& truth, const Settings& settings, const BodyAnswer& answer, Tally& tally,
+/// Holds one result against the truth: verdict, kind and bound. What FCL decides may be wrong where FCL is.
+void judge(const PairTruth& truth, const Settings& settings, const BodyResult& result, Tally& tally,
            const std::string& what);
 
 } // namespace oncollide::tools

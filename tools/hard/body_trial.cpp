@@ -31,18 +31,18 @@ Scene scene_of(const BodyForm& form, bool among_others)
     return scene;
 }
 
-std::vector<BodyAnswer> answers_of(const BodyForm& form, const Settings& settings, bool among_others)
+std::vector<BodyResult> results_of(const BodyForm& form, const Settings& settings, bool among_others)
 {
     Scene scene = scene_of(form, among_others);
     Pipeline pipeline(scene, settings);
-    std::vector<BodyAnswer> answers;
+    std::vector<BodyResult> results;
     for (std::size_t k = 0; k < form.poses_b.size(); ++k) {
         scene.poses[0] = form.poses_a[k], scene.poses[1] = form.poses_b[k];
-        BodyAnswer& answer = answers.emplace_back();
+        BodyResult& result = results.emplace_back();
         for (const PairResult& pair : pipeline.step(scene).pairs)
-            if (index(pair.a) == 0 && index(pair.b) == 1) answer = {pair.verdict, pair.kind, pair.bound, true};
+            if (index(pair.a) == 0 && index(pair.b) == 1) result = {pair.verdict, pair.kind, pair.bound, true};
     }
-    return answers;
+    return results;
 }
 
 /// Throws where the case was made for something else than the oracles say.
@@ -81,7 +81,7 @@ void must_be_refused(const BodyCase& c, const BodyForm& form, const Settings& as
 {
     Settings settings = as_surfaces;
     settings.open_as_surface = false;
-    ++tally.answers;
+    ++tally.results;
     try {
         const Scene scene = scene_of(form, false);
         Pipeline pipeline(scene, settings);
@@ -92,13 +92,13 @@ void must_be_refused(const BodyCase& c, const BodyForm& form, const Settings& as
     }
 }
 
-bool may_ask(const BodyForm& form, const Settings& settings)
+bool is_for(const BodyForm& form, const Settings& settings)
 {
     const bool insides = settings.mode == Mode::solid || wants_kinds(settings);
     return form.whom == FormFor::all || (form.whom == FormFor::solids) == insides;
 }
 
-/// True where the answer must be that of the case as it is.
+/// True where the result must be that of the case as it is.
 bool must_hold(const BodyForm& form, const BodyForm& plain, std::size_t k, const Settings& settings)
 {
     const PairTruth &now = form.truths[k], &before = plain.truths[k];
@@ -131,18 +131,18 @@ Tally try_bodies(const BodyCase& c, const std::vector<Variant>& variants)
         const std::optional<Settings> settings = settings_for(variant, plain, closed);
         if (!settings) continue;
         if (settings->open_as_surface) must_be_refused(c, plain, *settings, tally);
-        std::vector<BodyAnswer> first;
+        std::vector<BodyResult> first;
         for (const BodyForm& form : forms) {
-            if (!may_ask(form, *settings)) continue;
-            const std::vector<BodyAnswer> answers = answers_of(form, *settings, variant.among_others);
-            if (&form == &plain) first = answers;
-            for (std::size_t k = 0; k < answers.size(); ++k) {
+            if (!is_for(form, *settings)) continue;
+            const std::vector<BodyResult> results = results_of(form, *settings, variant.among_others);
+            if (&form == &plain) first = results;
+            for (std::size_t k = 0; k < results.size(); ++k) {
                 const std::string what =
                     fmt::format("{}: {}, pose {}, {}: {}", c.family, c.name, k, form.name, variant.name);
-                judge(form.truths[k], *settings, answers[k], tally, what);
-                if (must_hold(form, plain, k, *settings) && answers[k].verdict != first[k].verdict)
+                judge(form.truths[k], *settings, results[k], tally, what);
+                if (must_hold(form, plain, k, *settings) && results[k].verdict != first[k].verdict)
                     tally.fault(&Tally::changed, fmt::format("{}: {} became {}", what, name_of(first[k].verdict),
-                                                             name_of(answers[k].verdict)));
+                                                             name_of(results[k].verdict)));
             }
         }
     }

@@ -35,13 +35,13 @@ bool pierced(const TrianglePoints& t, const TrianglePoints& of, double spare)
 bool deep(const BoxedTriangles& a, const BoxedTriangles& b)
 {
     const double spare = 0x1p-30 * std::max(a.largest(), b.largest());
-    double reach = 0;
-    for_near_pairs(a, b, reach, [&](std::uint32_t i, std::uint32_t j) {
+    double cutoff = 0;
+    for_near_pairs(a, b, cutoff, [&](std::uint32_t i, std::uint32_t j) {
         const TrianglePoints p = a.triangle(i), q = b.triangle(j);
         if ((pierced(p, q, spare) || pierced(q, p, spare)) && oracle::contact(p, q) != TriangleContact::separate)
-            reach = -1;
+            cutoff = -1;
     });
-    return reach < 0;
+    return cutoff < 0;
 }
 
 /// Is there a gap wider than `least` across a face or two edges?
@@ -83,12 +83,12 @@ TriangleContact contact_of(const BoxedTriangles& a, const BoxedTriangles& b, Tri
 {
     const double rounding = 0x1p-46 * std::max(a.largest(), b.largest());
     TriangleContact most = TriangleContact::separate;
-    double reach = 0;
-    for_near_pairs(a, b, reach, [&](std::uint32_t i, std::uint32_t j) {
+    double cutoff = 0;
+    for_near_pairs(a, b, cutoff, [&](std::uint32_t i, std::uint32_t j) {
         const TrianglePoints p = a.triangle(i), q = b.triangle(j);
         if (surely_parted(p, q, rounding)) return;
         most = std::max(most, oracle::contact(p, q));
-        if (most >= enough) reach = -1;
+        if (most >= enough) cutoff = -1;
     });
     return most;
 }
@@ -114,19 +114,19 @@ DistanceTruth distance_of(const HalvedMesh& a, const Eigen::Isometry3d& pose_a, 
     const double slack = 0x1p-46 * truth.size;
     constexpr long double far = std::numeric_limits<long double>::infinity();
     long double low = far, high = far;
-    double reach = std::numeric_limits<double>::infinity();
-    for_near_pairs(at_a, at_b, reach, [&](std::uint32_t i, std::uint32_t j) {
+    double cutoff = std::numeric_limits<double>::infinity();
+    for_near_pairs(at_a, at_b, cutoff, [&](std::uint32_t i, std::uint32_t j) {
         const TrianglePoints near_p = at_a.triangle(i), near_q = at_b.triangle(j);
         const Eigen::Vector3d between_corners = nearest_corners(near_p, near_q);
-        reach = std::min(reach, between_corners.norm() + slack);
-        if (parted(near_p, near_q, between_corners) > reach || surely_parted(near_p, near_q, reach)) return;
+        cutoff = std::min(cutoff, between_corners.norm() + slack);
+        if (parted(near_p, near_q, between_corners) > cutoff || surely_parted(near_p, near_q, cutoff)) return;
         const TriangleL p = corners(a, i, [&](const Vector3l& v) { return Vector3l(turn_a * v); });
         const TriangleL q = corners(b, j, [&](const Vector3l& v) { return Vector3l(turn_b * v + between_l); });
         const long double boxes = box_of(p).exteriorDistance(box_of(q));
         if (boxes >= high) return;
         const DistanceRange range = triangle_distance(p, q);
         low = std::min(low, std::max(range.low, boxes)), high = std::min(high, range.high);
-        reach = std::min(reach, double(high) + slack);
+        cutoff = std::min(cutoff, double(high) + slack);
     });
     truth.low = double(std::min(low, high)), truth.high = double(high);
     return truth;

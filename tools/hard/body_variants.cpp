@@ -5,41 +5,42 @@
 namespace oncollide::tools {
 namespace {
 
-Variant variant(int depth, ExactLevel exact, BoundingVolume volume)
+/// Plain, predicates and FCL on both bounding volumes.
+std::vector<Variant> plain(int depth)
 {
-    Variant v;
-    v.settings.depth = depth, v.settings.exact = exact, v.settings.bounding_volume = volume;
-    v.name = fmt::format("depth {}, {}, exact {}", depth, name_of(volume), name_of(exact));
-    return v;
+    constexpr ExactLevel levels[] = {ExactLevel::off, ExactLevel::predicates, ExactLevel::fcl};
+    std::vector<Variant> all;
+    for (SettingVariant& v : levels_and_volumes(levels, {.depth = depth}))
+        all.emplace_back(Variant{std::move(v)}).name.insert(0, fmt::format("depth {}, ", depth));
+    return all;
 }
 
-/// Plain, predicates and FCL on both bounding volumes, each changed.
+/// These, each changed.
 template <class Change>
 void add(std::vector<Variant>& all, int depth, const std::string& name, Change change)
 {
-    for (ExactLevel exact : {ExactLevel::off, ExactLevel::predicates, ExactLevel::fcl})
-        for (BoundingVolume volume : {BoundingVolume::sphere, BoundingVolume::obb}) {
-            Variant& v = all.emplace_back(variant(depth, exact, volume));
-            v.name += ", " + name;
-            change(v);
-        }
+    for (Variant& v : plain(depth)) {
+        v.name += ", " + name;
+        change(v);
+        all.push_back(std::move(v));
+    }
 }
-
-constexpr const char* stages[] = {"bounds", "delimitation", "broad", "ocst", "exact"};
 
 /// Each set of stages left out, at two depths.
 std::vector<Variant> sets_of_stages()
 {
     std::vector<Variant> all;
     for (int depth : {2, 7})
-        for (ExactLevel exact : {ExactLevel::off, ExactLevel::predicates, ExactLevel::fcl})
-            for (BoundingVolume volume : {BoundingVolume::sphere, BoundingVolume::obb})
-                for (unsigned skipped = 0; skipped < (exact == ExactLevel::off ? 16u : 32u); ++skipped) {
-                    Variant& v = all.emplace_back(variant(depth, exact, volume));
-                    for (unsigned k = 0; k < 5; ++k)
-                        if (skipped >> k & 1)
-                            v.settings.skip.emplace_back(stages[k]), v.name += fmt::format(", no {}", stages[k]);
-                }
+        for (const Variant& v : plain(depth))
+            for (unsigned skipped = 0; skipped < (v.settings.exact == ExactLevel::off ? 16u : 32u); ++skipped) {
+                Variant& changed = all.emplace_back(v);
+                for (unsigned k = 0; k < 5; ++k)
+                    if (skipped >> k & 1) {
+                        const SettingChange without = without_stage(stage_names[k]);
+                        changed.name += ", " + without.name;
+                        without.apply(changed.settings);
+                    }
+            }
     return all;
 }
 
@@ -47,10 +48,9 @@ std::vector<Variant> other_settings()
 {
     std::vector<Variant> all;
     for (int depth : {1, 4, 10}) add(all, depth, "alone", [](Variant&) {});
-    add(all, 6, "octree", [](Variant& v) { v.settings.broad_phase = BroadPhaseKind::octree; });
-    add(all, 6, "brute force", [](Variant& v) { v.settings.broad_phase = BroadPhaseKind::brute_force; });
-    add(all, 6, "no coherence", [](Variant& v) { v.settings.coherence = false; });
-    add(all, 6, "cells dropped at once", [](Variant& v) { v.settings.age_limit = 1; });
+    for (const SettingChange& change : changes_of_method())
+        if (change.name != "2 threads") // two bodies leave nothing to share; the crowd has threads
+            add(all, 6, change.name, [&](Variant& v) { change.apply(v.settings); });
     add(all, 6, "20 cells", [](Variant& v) { v.settings.node_budget = 20; });
     add(all, 6, "no memory", [](Variant& v) { v.settings.memory_budget = 1; });
     add(all, 6, "among others", [](Variant& v) { v.among_others = true; });
@@ -69,9 +69,9 @@ std::vector<Variant> clearances()
     const auto at_distance = [&](const std::string& name, auto change) {
         add(all, 4, "clearance the distance, " + name, [&](Variant& v) { v.of_distance = 1, change(v); });
     };
-    for (const char* stage : stages)
-        at_distance(fmt::format("no {}", stage), [&](Variant& v) { v.settings.skip.emplace_back(stage); });
-    std::erase_if(all, [](const Variant& v) { // FCL asks again whatever came before
+    for (const char* stage : stage_names)
+        at_distance(without_stage(stage).name, [&](Variant& v) { without_stage(stage).apply(v.settings); });
+    std::erase_if(all, [](const Variant& v) { // FCL decides again whatever came before
         return v.settings.exact == ExactLevel::fcl && !v.settings.skip.empty();
     });
     at_distance("octree", [](Variant& v) { v.settings.broad_phase = BroadPhaseKind::octree; });
@@ -90,8 +90,8 @@ std::vector<Variant> solids()
         add(all, 4, "solid, " + name,
             [&](Variant& v) { v.settings.mode = Mode::solid, v.closed_alone = true, change(v); });
     };
-    for (const char* stage : stages)
-        solid(fmt::format("no {}", stage), [&](Variant& v) { v.settings.skip.emplace_back(stage); });
+    for (const char* stage : stage_names)
+        solid(without_stage(stage).name, [&](Variant& v) { without_stage(stage).apply(v.settings); });
     solid("no memory", [](Variant& v) { v.settings.memory_budget = 1; });
     solid("among others", [](Variant& v) { v.among_others = true; });
     solid("clearance 0.1 of the size", [](Variant& v) { v.of_size = 0.1; });

@@ -68,9 +68,9 @@ const BoxedTriangles::Box& BoxedTriangles::fill(std::uint32_t node, std::uint32_
 
 class NearPairs {
 public:
-    NearPairs(const BoxedTriangles& a, const BoxedTriangles& b, const double& reach,
+    NearPairs(const BoxedTriangles& a, const BoxedTriangles& b, const double& cutoff,
               FunctionRef<void(std::uint32_t, std::uint32_t)> look)
-        : a_(a), b_(b), reach_(reach), look_(look)
+        : a_(a), b_(b), cutoff_(cutoff), look_(look)
     {
         search(whole(a), whole(b), a.box().exteriorDistance(b.box()));
     }
@@ -90,7 +90,7 @@ private:
 
     void search(Part p, Part q, double apart)
     {
-        if (apart > reach_) return;
+        if (apart > cutoff_) return;
         if (p.is_leaf() && q.is_leaf()) return compare(p, q);
         const bool of_a = q.is_leaf() || (!p.is_leaf() &&
                                           a_.boxes_[p.node].sizes().maxCoeff() >= b_.boxes_[q.node].sizes().maxCoeff());
@@ -106,19 +106,19 @@ private:
     {
         for (std::uint32_t i = p.begin; i < p.end; ++i)
             for (std::uint32_t j = q.begin; j < q.end; ++j)
-                if (a_.triangle_boxes_[i].exteriorDistance(b_.triangle_boxes_[j]) <= reach_)
+                if (a_.triangle_boxes_[i].exteriorDistance(b_.triangle_boxes_[j]) <= cutoff_)
                     look_(a_.halved_->order[i], b_.halved_->order[j]);
     }
 
     const BoxedTriangles &a_, &b_;
-    const double& reach_;
+    const double& cutoff_;
     FunctionRef<void(std::uint32_t, std::uint32_t)> look_;
 };
 
-void for_near_pairs(const BoxedTriangles& a, const BoxedTriangles& b, const double& reach,
+void for_near_pairs(const BoxedTriangles& a, const BoxedTriangles& b, const double& cutoff,
                     FunctionRef<void(std::uint32_t i, std::uint32_t j)> look)
 {
-    NearPairs(a, b, reach, look);
+    NearPairs(a, b, cutoff, look);
 }
 
 } // namespace oncollide::tools

@@ -42,9 +42,9 @@ private:
     std::vector<Box> boxes_, triangle_boxes_; ///< by node: the halves of node k are 2 k and 2 k + 1; by place in order
 };
 
-/// Calls look(i, j) for every two triangles whose boxes are at most `reach` apart, the nearer halves first. `reach` may
-/// shrink meanwhile; below 0 it ends the search.
-void for_near_pairs(const BoxedTriangles& a, const BoxedTriangles& b, const double& reach,
+/// Calls look(i, j) for every two triangles whose boxes are at most `cutoff` apart, the nearer halves first. `cutoff`
+/// may shrink meanwhile; below 0 it ends the search.
+void for_near_pairs(const BoxedTriangles& a, const BoxedTriangles& b, const double& cutoff,
                     FunctionRef<void(std::uint32_t i, std::uint32_t j)> look);
 
 } // namespace oncollide::tools

@@ -9,6 +9,7 @@
 
 #include "hard/body_truth.hpp"
 #include "hard/solid_truth.hpp"
+#include "study/setting_variants.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -59,7 +60,7 @@ public:
             tally_.fault(&Tally::changed, fmt::format("{}, {}: another result hash than with one thread", kind, name));
     }
 
-    void ask_queries(ExactLevel exact, int threads)
+    void run_queries(ExactLevel exact, int threads)
     {
         std::vector<Mesh> meshes;
         std::vector<MeshQuery> queries;
@@ -80,7 +81,7 @@ public:
 private:
     void judge(std::size_t k, Verdict verdict, bool exact, const std::string& how)
     {
-        ++tally_.answers;
+        ++tally_.results;
         const auto fault = [&](std::uint64_t Tally::*kind) {
             tally_.fault(kind, fmt::format("{}: {}, in the crowd: {}", cases_[k].family, cases_[k].name, how));
         };
@@ -101,27 +102,24 @@ private:
 Tally try_crowd(const std::vector<BodyCase>& cases, Mode mode, std::span<const int> threads, bool gpu)
 {
     Crowd crowd(cases, mode);
-    for (ExactLevel exact : {ExactLevel::off, ExactLevel::predicates})
-        for (BoundingVolume spheres : {BoundingVolume::sphere, BoundingVolume::obb}) {
-            Settings settings;
-            settings.depth = 5, settings.exact = exact, settings.bounding_volume = spheres;
-            settings.mode = mode, settings.open_as_surface = mode == Mode::solid;
-            const std::string kind = fmt::format("exact {}, {} spheres", name_of(exact), name_of(spheres));
-            for (int n : threads) {
-                settings.threads = n;
-                crowd.run(kind, fmt::format("{} threads", n), settings);
-            }
-            for (BroadPhaseKind broad : {BroadPhaseKind::octree, BroadPhaseKind::brute_force}) {
-                settings.broad_phase = broad;
-                crowd.run(kind, std::string(name_of(broad)), settings);
-            }
-            if (!gpu || spheres != BoundingVolume::sphere) continue;
-            settings.backend = BackendKind::gl_compute;
-            crowd.run(kind, "gl-compute", settings);
+    constexpr ExactLevel levels[] = {ExactLevel::off, ExactLevel::predicates};
+    const Settings base{.depth = 5, .mode = mode, .open_as_surface = mode == Mode::solid};
+    for (auto& [kind, settings] : levels_and_volumes(levels, base)) {
+        for (int n : threads) {
+            settings.threads = n;
+            crowd.run(kind, fmt::format("{} threads", n), settings);
         }
+        for (BroadPhaseKind broad : {BroadPhaseKind::octree, BroadPhaseKind::brute_force}) {
+            settings.broad_phase = broad;
+            crowd.run(kind, std::string(name_of(broad)), settings);
+        }
+        if (!gpu || settings.bounding_volume != BoundingVolume::sphere) continue;
+        settings.backend = BackendKind::gl_compute;
+        crowd.run(kind, "gl-compute", settings);
+    }
     if (mode == Mode::surface)
-        for (ExactLevel exact : {ExactLevel::off, ExactLevel::predicates})
-            for (int n : threads) crowd.ask_queries(exact, n);
+        for (ExactLevel exact : levels)
+            for (int n : threads) crowd.run_queries(exact, n);
     return crowd.tally();
 }
 

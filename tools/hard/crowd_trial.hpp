@@ -12,8 +12,8 @@ namespace oncollide::tools {
 
 /// All bodies of all cases at once, as stored, each at its first pose: those of one case are hard for those of the
 /// next, as most are in one place. The result hash must be the same for any number of threads and kind of broad phase;
-/// with `gpu` also for gl-compute, on the pairs of plain spheres. The pair of each case must be answered as exactly as
-/// alone, and so it must by MeshQueries, which know no solids. Throws Error{no_gpu} when `gpu` is asked for and there
+/// with `gpu` also for gl-compute, on the pairs of plain spheres. The pair of each case must come out as exactly as
+/// alone, and so it must from MeshQueries, which know no solids. Throws Error{no_gpu} when `gpu` is requested and there
 /// is none.
 Tally try_crowd(const std::vector<BodyCase>& cases, Mode mode, std::span<const int> threads, bool gpu);
 

@@ -9,13 +9,13 @@ namespace oncollide::tools {
 struct Tally {
     std::string family;
     std::uint64_t cases = 0;           ///< pairs of triangles, or of bodies at one pose
-    std::uint64_t answers = 0;         ///< asked of oncollide; each must be right
-    std::uint64_t missed = 0;          ///< answers that lose a collision, or what is within the clearance
-    std::uint64_t wrong = 0;           ///< exact answers that invent one, or name the wrong kind of contact
+    std::uint64_t results = 0;         ///< of oncollide; each must be right
+    std::uint64_t missed = 0;          ///< results that lose a collision, or what is within the clearance
+    std::uint64_t wrong = 0;           ///< exact results that invent one, or name the wrong kind of contact
     std::uint64_t false_positives = 0; ///< `within` for bodies that do not collide: allowed, the bound says how near
     std::uint64_t bounds = 0;          ///< certified bounds held against the true distance
     std::uint64_t broken = 0;          ///< of these, wrong
-    std::uint64_t changed = 0;         ///< answers that a change changed which must not
+    std::uint64_t changed = 0;         ///< results that a change changed which must not
     std::uint64_t fcl_missed = 0;      ///< cases that collide, but not for FCL
     std::uint64_t fcl_false = 0;       ///< cases that do not, but for FCL they do
     std::string first_fault{};         ///< which
@@ -29,7 +29,7 @@ struct Tally {
     }
     Tally& operator+=(const Tally& o)
     {
-        cases += o.cases, answers += o.answers, missed += o.missed, wrong += o.wrong,
+        cases += o.cases, results += o.results, missed += o.missed, wrong += o.wrong,
             false_positives += o.false_positives;
         bounds += o.bounds, broken += o.broken, changed += o.changed;
         fcl_missed += o.fcl_missed, fcl_false += o.fcl_false;

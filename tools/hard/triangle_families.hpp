@@ -24,12 +24,12 @@ public:
     explicit GridPoints(std::uint64_t seed) : random_(seed) {}
 
     int number(int low, int high) { return std::uniform_int_distribution<int>(low, high)(random_); }
-    /// Coordinates within `reach` units.
-    Eigen::Vector3d point(int reach)
+    /// Coordinates within `most` units.
+    Eigen::Vector3d point(int most)
     {
-        return Eigen::Vector3d(number(-reach, reach), number(-reach, reach), number(-reach, reach));
+        return Eigen::Vector3d(number(-most, most), number(-most, most), number(-most, most));
     }
-    TrianglePoints triangle(int reach) { return {point(reach), point(reach), point(reach)}; }
+    TrianglePoints triangle(int most) { return {point(most), point(most), point(most)}; }
     Eigen::Matrix3d rotation()
     {
         std::normal_distribution<double> normal;
@@ -77,9 +77,9 @@ inline Eigen::Vector3d inside(const TrianglePoints& t, GridPoints& random)
     return t[0] + (i * (t[1] - t[0]) + j * (t[2] - t[0])) / 16;
 }
 
-inline TrianglePoints of_sixteenths(GridPoints& random, int reach)
+inline TrianglePoints of_sixteenths(GridPoints& random, int most)
 {
-    TrianglePoints t = random.triangle(reach / 16);
+    TrianglePoints t = random.triangle(most / 16);
     for (Eigen::Vector3d& p : t) p *= 16;
     return t;
 }
@@ -130,31 +130,31 @@ inline TrianglePair corner_on_edge(GridPoints& random)
 
 inline std::vector<TriangleFamily> triangle_families()
 {
-    constexpr int reach = 1 << 20;
+    constexpr int most = 1 << 20;
     return {
-        {"random large", [](GridPoints& r) { return TrianglePair(r.triangle(reach), r.triangle(reach)); }},
-        {"random small", [](GridPoints& r) { return TrianglePair(r.triangle(reach / 100), r.triangle(reach / 100)); }},
+        {"random large", [](GridPoints& r) { return TrianglePair(r.triangle(most), r.triangle(most)); }},
+        {"random small", [](GridPoints& r) { return TrianglePair(r.triangle(most / 100), r.triangle(most / 100)); }},
         {"coplanar", coplanar},
         {"shared vertex",
          [](GridPoints& r) {
-             const TrianglePoints a = r.triangle(reach);
-             return TrianglePair(a, {r.point(reach), a[r.number(0, 2)], r.point(reach)});
+             const TrianglePoints a = r.triangle(most);
+             return TrianglePair(a, {r.point(most), a[r.number(0, 2)], r.point(most)});
          }},
         {"shared edge",
          [](GridPoints& r) {
-             const TrianglePoints a = r.triangle(reach);
+             const TrianglePoints a = r.triangle(most);
              const int k = r.number(0, 2);
-             return TrianglePair(a, {a[k], r.point(reach), a[(k + 1) % 3]});
+             return TrianglePair(a, {a[k], r.point(most), a[(k + 1) % 3]});
          }},
         {"vertex on face",
          [](GridPoints& r) {
-             const TrianglePoints a = of_sixteenths(r, reach);
-             return TrianglePair(a, {inside(a, r), r.point(reach), r.point(reach)});
+             const TrianglePoints a = of_sixteenths(r, most);
+             return TrianglePair(a, {inside(a, r), r.point(most), r.point(most)});
          }},
         {"vertex 1e-6 off a face",
          [](GridPoints& r) {
-             const TrianglePoints a = of_sixteenths(r, reach);
-             return TrianglePair(a, {inside(a, r) + r.point(1), r.point(reach), r.point(reach)});
+             const TrianglePoints a = of_sixteenths(r, most);
+             return TrianglePair(a, {inside(a, r) + r.point(1), r.point(most), r.point(most)});
          }},
         {"edge touches edge", edge_touching_edge},
         {"slivers", [](GridPoints& r) { return TrianglePair(sliver(r), sliver(r)); }},

@@ -15,7 +15,7 @@ void try_pair(const oncollide::TrianglePair& pair, Tally& tally)
     const auto& [a, b] = pair;
     const TriangleContact truth = oracle::contact(a, b);
     const bool meet = truth != TriangleContact::separate;
-    ++tally.cases, tally.answers += 3;
+    ++tally.cases, tally.results += 3;
     const auto judge = [&](bool said, const char* how) {
         if (said != meet) tally.fault(said ? &Tally::wrong : &Tally::missed, how + shown(pair));
     };

@@ -62,8 +62,8 @@ NarrowContender contender(const char* name, const char* what, FclNodes nodes)
 {
     return {.name = name,
             .what = what,
-            .answers_all = true,
-            .answers_distance = nodes == FclNodes::obbrss,
+            .has_all_pairs = true,
+            .has_distance = nodes == FclNodes::obbrss,
             .make = [nodes](const Mesh& a, const Mesh& b) { return std::make_unique<FclPair>(a, b, nodes); }};
 }
 

@@ -93,7 +93,7 @@ void add_narrow_bullet(std::vector<NarrowContender>& all)
     all.push_back({.name = "bullet-gimpact",
                    .what = "Bullet btGImpactMeshShape, margin 0, single precision",
                    .promise = NarrowContender::Promise::approximate,
-                   .answers_all = true,
+                   .has_all_pairs = true,
                    .make = [](const Mesh& a, const Mesh& b) { return std::make_unique<BulletNarrowPeer>(a, b); }});
 }
 

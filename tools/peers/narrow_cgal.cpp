@@ -16,8 +16,8 @@ using Iterator = std::vector<Kernel::Triangle_3>::const_iterator;
 using Primitive = CGAL::AABB_triangle_primitive<Kernel, Iterator>;
 using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
 
-/// A tree over the first mesh, asked for each triangle of the second at its place. Exact for the corners as rounded to
-/// double. A triangle without area is no triangle to CGAL: such are left out.
+/// A tree over the first mesh, searched for each triangle of the second at its place. Exact for the corners as rounded
+/// to double. A triangle without area is no triangle to CGAL: such are left out.
 class CgalNarrowPeer final : public NarrowPeer {
 public:
     CgalNarrowPeer(const Mesh& a, const Mesh& b) : b_(b), moved_(b.vertices.size())
@@ -77,8 +77,8 @@ private:
 void add_narrow_cgal(std::vector<NarrowContender>& all)
 {
     all.push_back({.name = "cgal",
-                   .what = "CGAL AABB_tree of A, asked for each triangle of B; exact predicates",
-                   .answers_all = true,
+                   .what = "CGAL AABB_tree of A, searched for each triangle of B; exact predicates",
+                   .has_all_pairs = true,
                    .make = [](const Mesh& a, const Mesh& b) { return std::make_unique<CgalNarrowPeer>(a, b); }});
 }
 

@@ -61,14 +61,14 @@ public:
     bool collides(const Eigen::Isometry3d& b) override
     {
         first_only_ = true;
-        ask(b);
+        search(b);
         return !found_.empty();
     }
 
     void all_pairs(const Eigen::Isometry3d& b, std::vector<TrianglePair>& pairs) override
     {
         first_only_ = false;
-        ask(b);
+        search(b);
         pairs = found_;
     }
 
@@ -93,7 +93,7 @@ private:
         boxes_b_->commit();
     }
 
-    void ask(const Eigen::Isometry3d& b)
+    void search(const Eigen::Isometry3d& b)
     {
         found_.clear();
         arena_.execute([&] {
@@ -127,7 +127,7 @@ private:
 
 NarrowContender contender(const char* name, const char* what, RTCBuildQuality quality)
 {
-    return {.name = name, .what = what, .answers_all = true, .make = [quality](const Mesh& a, const Mesh& b) {
+    return {.name = name, .what = what, .has_all_pairs = true, .make = [quality](const Mesh& a, const Mesh& b) {
                 return std::make_unique<EmbreeNarrowPeer>(a, b, quality);
             }};
 }

@@ -74,8 +74,8 @@ NarrowContender exact()
             .what = "oncollide oriented boxes, exact predicates",
             .group = Contender::Group::oncollide,
             .promise = Promise::exact,
-            .answers_all = true,
-            .answers_distance = true,
+            .has_all_pairs = true,
+            .has_distance = true,
             .make = [](const Mesh& a, const Mesh& b) { return std::make_unique<BoxesPeer>(a, b); }};
 }
 

@@ -40,16 +40,13 @@ struct NarrowContender {
     /// What its answers promise. Conservative: no collision is missed, but some are false. Approximate: nothing, its
     /// errors are only counted.
     enum class Promise { exact, conservative, approximate } promise = Promise::exact;
-    bool answers_all = false, answers_distance = false; ///< beside collides()
-    std::size_t least = 1;                              ///< triangles a mesh must have, or it crashes
-    /// Builds what it keeps between questions.
+    bool has_all_pairs = false, has_distance = false; ///< beside collides()
+    std::size_t least = 1;                            ///< triangles a mesh must have, or it crashes
+    /// Builds what it keeps between queries.
     std::function<std::unique_ptr<NarrowPeer>(const Mesh& a, const Mesh& b)> make;
 };
 
-struct NarrowContenders {
-    std::vector<NarrowContender> all;
-    std::vector<MissingPeer> missing;
-};
+using NarrowContenders = ContenderList<NarrowContender>;
 
 NarrowContenders narrow_contenders();
 

@@ -45,10 +45,15 @@ struct MissingPeer {
     std::string library, package; ///< Debian's name
 };
 
-struct Contenders {
-    std::vector<Contender> all;
+template <class Kind>
+struct ContenderList {
+    std::vector<Kind> all;
     std::vector<MissingPeer> missing;
+
+    /// Leaves those that the list names, in its order; an empty list leaves all. Throws Error{usage} with the names.
+    void keep(const std::string& only);
 };
+using Contenders = ContenderList<Contender>;
 
 Contenders broad_contenders();
 

@@ -73,7 +73,7 @@ private:
         return made;
     }
 
-    struct Question {
+    struct Search {
         EmbreePeer& peer;
         const BoxFrame& frame;
         const EmbreeBoxes &a, &b;
@@ -82,14 +82,14 @@ private:
 
     void collide(const BoxFrame& frame, const EmbreeBoxes& a, const EmbreeBoxes& b)
     {
-        Question question{*this, frame, a, b, &a == &b && quality_ == RTC_BUILD_QUALITY_LOW};
-        rtcCollide(a.scene, b.scene, take, &question);
+        Search search{*this, frame, a, b, &a == &b && quality_ == RTC_BUILD_QUALITY_LOW};
+        rtcCollide(a.scene, b.scene, take, &search);
     }
 
     /// Embree reports the contents of leaves that overlap, within one scene each pair in both orders.
     static void take(void* data, RTCCollision* collisions, unsigned count)
     {
-        const Question& q = *static_cast<const Question*>(data);
+        const Search& q = *static_cast<const Search*>(data);
         std::vector<BodyPair>& pairs = q.peer.parts_[thread_slot()];
         for (const RTCCollision& c : std::span(collisions, count)) {
             const std::uint32_t a = q.a.members[c.primID0], b = q.b.members[c.primID1];

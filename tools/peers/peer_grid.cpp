@@ -1,4 +1,4 @@
-// The baselines that anybody could write: every pair, and a uniform grid made anew each frame.
+// The obvious baselines: every pair, and a uniform grid made anew each frame.
 #include "peers/peer.hpp"
 
 #include <algorithm>

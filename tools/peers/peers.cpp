@@ -1,6 +1,36 @@
-#include "peers/peer.hpp"
+// Who takes part in this build.
+#include "peers/narrow_peer.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <oncollide/base/error.hpp>
+
+#include "bench/bench.hpp"
 
 namespace oncollide::tools {
+
+template <class Kind>
+void ContenderList<Kind>::keep(const std::string& only)
+{
+    if (only.empty()) return;
+    std::vector<std::string> names;
+    for (const Kind& contender : all) names.push_back(contender.name);
+    std::vector<Kind> chosen;
+    for (const std::string& name : split(only)) {
+        const auto found = std::ranges::find(all, name, &Kind::name);
+        if (found == all.end())
+            throw Error(ErrorKind::usage,
+                        fmt::format("--only {}: no such contender; this build has: {}", name, fmt::join(names, ", ")));
+        if (std::ranges::find(chosen, name, &Kind::name) == chosen.end()) chosen.push_back(*found);
+    }
+    all = std::move(chosen);
+}
+
+template struct ContenderList<Contender>;
+template struct ContenderList<NarrowContender>;
 
 Contenders broad_contenders()
 {
@@ -23,6 +53,34 @@ Contenders broad_contenders()
     contenders.missing.push_back({"Bullet", "libbullet-dev"});
 #endif
     add_baselines(contenders.all);
+    return contenders;
+}
+
+NarrowContenders narrow_contenders()
+{
+    NarrowContenders contenders;
+    add_narrow_oncollide(contenders.all);
+    add_narrow_fcl(contenders.all);
+#ifdef ONCOLLIDE_WITH_EMBREE
+    add_narrow_embree(contenders.all);
+#else
+    contenders.missing.push_back({"Embree", "libembree-dev"});
+#endif
+#ifdef ONCOLLIDE_WITH_BULLET
+    add_narrow_bullet(contenders.all);
+#else
+    contenders.missing.push_back({"Bullet", "libbullet-dev"});
+#endif
+#ifdef ONCOLLIDE_WITH_ODE
+    add_narrow_ode(contenders.all);
+#else
+    contenders.missing.push_back({"ODE", "libode-dev"});
+#endif
+#ifdef ONCOLLIDE_WITH_CGAL
+    add_narrow_cgal(contenders.all);
+#else
+    contenders.missing.push_back({"CGAL", "libcgal-dev"});
+#endif
     return contenders;
 }
 

@@ -74,12 +74,8 @@ int render(const RenderOptions& options)
     Scene scene = open_scene(options.scene);
     const RenderPlan plan = plan_from(options, settings, scene);
     shown_from(options, scene);
-    for (const ImagePlan& image : plan.images) {
-        std::error_code error;
-        if (is_scene_file(options.scene.scene) && std::filesystem::equivalent(image.file, options.scene.scene, error))
-            throw Error(ErrorKind::usage, fmt::format("--out {}: would overwrite the input", image.file));
-        check_writable(image.file);
-    }
+    const std::string input = is_scene_file(options.scene.scene) ? options.scene.scene : "";
+    for (const ImagePlan& image : plan.images) check_files({{"--out", image.file}}, {input});
     if (!options.quiet) print_warnings(scene);
     Painter painter(settings.gpu);
 

@@ -17,11 +17,6 @@ namespace {
 
 constexpr int least_side = 16, most_side = 4096; ///< pixels
 
-[[noreturn]] void usage(const std::string& message)
-{
-    throw Error(ErrorKind::usage, message);
-}
-
 std::pair<int, int> size_from(const std::string& text)
 {
     int width = 0, height = 0;
@@ -62,7 +57,7 @@ std::vector<ImagePlan> images_from(const RenderOptions& o, const Scene& scene)
     check_frames(o.frames, scene);
     const std::vector<int> frames = o.frames.empty() ? std::vector<int>{scene.frames - 1} : o.frames;
     if (!o.every) return {{o.out, frames}};
-    if (*o.every < 1) usage(fmt::format("--every {}: must be at least 1", *o.every));
+    check_range("--every", *o.every, 1);
     if (frames.size() > 1) usage("--every: goes up to one --frame, not to several");
     if (o.out == "-") usage("--every: several pictures cannot go to standard output");
     std::vector<ImagePlan> images;

@@ -19,6 +19,8 @@ public:
     GrownTree(std::shared_ptr<const Geometry> geometry, const Settings& settings, std::optional<int> levels = {},
               std::size_t most = 1'000'000);
 
+    GrownTree(const GrownTree&) = delete;
+
     int depth() const { return static_cast<int>(levels_.size()) - 1; } ///< of what is grown
     /// The cells of a level, 0 to depth(), that the surface enters.
     const std::vector<CellKey>& level(int l) const { return levels_[std::size_t(l)]; }

@@ -198,10 +198,8 @@ int spheres(const SpheresOptions& options)
     const Settings settings{.depth = options.depth, .max_error = options.max_error, .threads = options.threads};
     check(settings);
     const BoundingVolume kind = bounding_volume_from_name(options.bounding_volume);
-    if (kind == BoundingVolume::automatic)
-        throw Error(ErrorKind::usage, "--bounding-volume auto: must be sphere or obb here");
-    if (options.directions < 1 || options.directions > 100'000)
-        throw Error(ErrorKind::usage, fmt::format("--directions {}: must be from 1 to 100000", options.directions));
+    if (kind == BoundingVolume::automatic) usage("--bounding-volume auto: must be sphere or obb here");
+    check_range("--directions", options.directions, 1, 100'000);
     OutputOptions outputs;
     outputs.csv = options.csv, outputs.json = options.json;
     check_outputs(outputs, options.mesh);

@@ -9,7 +9,7 @@
 namespace oncollide::tools {
 
 /// Distances from points to a mesh, in double, by a tree of upright boxes: what trees of spheres and of oriented boxes
-/// are judged by, so it shares nothing with them. Cost of a question: about a microsecond.
+/// are judged by, so it shares nothing with them. Cost of a query: about a microsecond.
 class SurfaceIndex {
 public:
     explicit SurfaceIndex(const Mesh& mesh);

@@ -1,9 +1,8 @@
 // oncollide accuracy: is every collision found, and does every bound hold? FCL is the judge.
 #include "bench/bench.hpp"
 #include "cli/command.hpp"
-#include "hard/accuracy_hard.hpp"
 #include "study/accuracy_check.hpp"
-#include "study/accuracy_study.hpp"
+#include "study/setting_variants.hpp"
 
 #include <algorithm>
 #include <map>
@@ -58,13 +57,9 @@ std::vector<Variant> make_variants(const AccuracyOptions& options)
         };
         add("as asked", false, [](Settings&) {});
         if (!options.toggle) continue;
-        for (const char* stage : {"bounds", "delimitation", "broad", "ocst"})
-            add(fmt::format("without {}", stage), false, [&](Settings& s) { s.skip.push_back(stage); });
-        add("octree", true, [](Settings& s) { s.broad_phase = BroadPhaseKind::octree; });
-        add("brute", true, [](Settings& s) { s.broad_phase = BroadPhaseKind::brute_force; });
-        add("no coherence", true, [](Settings& s) { s.coherence = false; });
-        add("2 threads", true, [](Settings& s) { s.threads = 2; });
-        add("age 1", true, [](Settings& s) { s.age_limit = 1; });
+        for (const char* stage : std::span(stage_names).first(4)) // the exact level has variants of its own
+            add(without_stage(stage).name, false, without_stage(stage).apply);
+        for (const SettingChange& change : changes_of_method()) add(change.name, true, change.apply);
         add("100 cells", false, [](Settings& s) { s.node_budget = 100; });
         add("exact fcl", false, [](Settings& s) { s.exact = ExactLevel::fcl; });
         add("fcl, no ocst", false, [](Settings& s) { s.exact = ExactLevel::fcl, s.skip.push_back("ocst"); });
@@ -72,7 +67,7 @@ std::vector<Variant> make_variants(const AccuracyOptions& options)
     return variants;
 }
 
-/// FCL's distances at one frame, each asked once for all variants.
+/// FCL's distances at one frame, each found once for all variants.
 class Distances {
 public:
     explicit Distances(FclWorld& world) : world_(world) {}
@@ -104,7 +99,7 @@ BoundCheck check_bounds(const Scene& scene, const FrameView& frame, const Settin
     return sum;
 }
 
-/// Returns the backend that answered.
+/// Returns the backend that ran.
 std::string judge(Scene& scene, const AccuracyOptions& options, std::vector<Variant>& variants)
 {
     Mover mover;
@@ -192,16 +187,11 @@ int accuracy(const AccuracyOptions& options)
 {
     if (options.scene.scene.empty())
         throw Error(ErrorKind::usage, "accuracy: scene is required (oncollide accuracy --help)");
-    const auto at_least = [](const char* option, int value, int least) {
-        if (value < least)
-            throw Error(ErrorKind::usage, fmt::format("{} {}: must be at least {}", option, value, least));
-    };
-    at_least("--count", options.count, 1), at_least("--samples", options.samples, 0),
-        at_least("--every", options.every, 1);
+    check_range("--count", options.count, 1), check_range("--samples", options.samples, 0),
+        check_range("--every", options.every, 1);
     if (options.count > 1 && is_scene_file(options.scene.scene))
         throw Error(ErrorKind::usage, "--count is for scenes of the catalogue: it counts seeds");
-    for (const std::string* file : {&options.csv, &options.json})
-        if (!file->empty()) check_writable(*file);
+    check_files({{"--csv", options.csv}, {"--json", options.json}});
     std::vector<Variant> variants = make_variants(options);
     std::string name, backend;
     for (int k = 0; k < options.count; ++k) {

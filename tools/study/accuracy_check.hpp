@@ -5,7 +5,7 @@
 #include "peers/fcl_world.hpp"
 #include <oncollide/pipeline/pipeline.hpp>
 
-// Holds a frame of the pipeline against FCL's answer to the same frame.
+// Holds a frame of the pipeline against FCL's result for the same frame.
 namespace oncollide::tools {
 
 /// How a frame's pairs compare with FCL's. Sums over frames with +=.
@@ -26,7 +26,7 @@ struct Comparison {
     Comparison& operator+=(const Comparison& other);
 };
 
-/// libccd, which FCL asks about primitive shapes, stops within 1e-6; overlaps and gaps below this may be its error (m).
+/// libccd, which FCL uses for primitive shapes, stops within 1e-6; overlaps and gaps below this may be its error (m).
 constexpr double shape_rounding = 1e-5;
 
 /// @param world  as it stood when it answered `fcl`

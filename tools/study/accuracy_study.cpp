@@ -1,5 +1,5 @@
 // oncollide accuracy study: what a scene costs at which error, beside other libraries, as a table and as a page.
-#include "study/accuracy_study.hpp"
+#include "cli/command.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -19,17 +19,12 @@ namespace oncollide::tools {
 namespace {
 
 struct StudyOptions {
-    CourseOptions workload;
+    WorkloadOptions workload;
     SettingsOptions settings;
     std::string depths, max_errors, backends = "cpu", bounding_volumes = "sphere,obb", exact = "off,predicates";
     std::string viewports = "16", peers, html, csv, json;
     int warm_up = 3, repeats = 1;
 };
-
-[[noreturn]] void refuse(const std::string& why)
-{
-    throw Error(ErrorKind::usage, why);
-}
 
 /// Numbers of a list, in its order.
 template <class Number>
@@ -40,7 +35,7 @@ std::vector<Number> parse_list(const char* option, const std::string& list, cons
         Number value{};
         const auto [rest, error] = std::from_chars(part.data(), part.data() + part.size(), value);
         if (error != std::errc{} || rest != part.data() + part.size())
-            refuse(fmt::format("{} {}: '{}' is no number; expected a list like {}", option, list, part, form));
+            usage(fmt::format("{} {}: '{}' is no number; expected a list like {}", option, list, part, form));
         numbers.push_back(value);
     }
     return numbers;
@@ -56,7 +51,7 @@ struct Dial {
 std::vector<Dial> dials_of(const StudyOptions& o)
 {
     if (!o.depths.empty() && !o.max_errors.empty())
-        refuse("--depths and --max-errors: give one of them, they set the same dial");
+        usage("--depths and --max-errors: give one of them, they set the same dial");
     std::vector<Dial> dials;
     if (!o.max_errors.empty())
         for (double error : parse_list<double>("--max-errors", o.max_errors, "0.1,0.01")) dials.push_back({{}, error});
@@ -66,77 +61,62 @@ std::vector<Dial> dials_of(const StudyOptions& o)
 }
 
 /// Who finds the cells: a backend by name, gl-query once a viewport.
-struct Asker {
+struct Source {
     std::string prefix; ///< of names; empty for the cpu
     SettingsOptions settings;
 };
 
-std::vector<Asker> askers_of(const StudyOptions& o)
+std::vector<Source> sources_of(const StudyOptions& o)
 {
-    std::vector<Asker> askers;
+    std::vector<Source> sources;
     for (const std::string& backend : split(o.backends)) {
-        Asker asker{backend == "cpu" ? "" : backend + ", ", o.settings};
-        asker.settings.backend = backend;
+        Source source{backend == "cpu" ? "" : backend + ", ", o.settings};
+        source.settings.backend = backend;
         if (backend_from_name(backend) != BackendKind::gl_query) {
-            askers.push_back(asker);
+            sources.push_back(source);
             continue;
         }
         for (int viewport : parse_list<int>("--viewport", o.viewports, "8,16,64")) {
-            asker.prefix = fmt::format("{} {} px, ", backend, viewport), asker.settings.viewport = viewport;
-            askers.push_back(asker);
+            source.prefix = fmt::format("{} {} px, ", backend, viewport), source.settings.viewport = viewport;
+            sources.push_back(source);
         }
     }
-    return askers;
+    return sources;
 }
 
-/// Every combination that differs: only spheres are asked of a GPU, and an exact answer has no dial.
+/// Every combination that differs: only spheres are found by a GPU, and an exact result has no dial.
 std::vector<StudyVariant> variants_of(const StudyOptions& o)
 {
     std::vector<StudyVariant> variants;
     const std::vector<Dial> dials = dials_of(o);
-    for (const Asker& asker : askers_of(o))
+    for (const Source& source : sources_of(o))
         for (const std::string& volume : split(o.bounding_volumes))
             for (const std::string& exact : split(o.exact)) {
-                SettingsOptions one = asker.settings;
+                SettingsOptions one = source.settings;
                 one.bounding_volume = volume, one.exact = exact;
-                // Without an exact level nobody can tell: what only touches is left over as a false positive.
+                // Without an exact level what only touches cannot be told, and is left over as a false positive.
                 if (exact_from_name(exact) == ExactLevel::off) one.kinds = one.ignore_touching = false;
                 const BoundingVolume kind = bounding_volume_from_name(volume);
                 if (kind == BoundingVolume::automatic)
-                    refuse("--bounding-volume auto: a study needs to know which; expected sphere, obb or both");
-                if (kind == BoundingVolume::obb && !asker.prefix.empty()) continue;
+                    usage("--bounding-volume auto: a study needs to know which; expected sphere, obb or both");
+                if (kind == BoundingVolume::obb && !source.prefix.empty()) continue;
                 const std::string form = kind == BoundingVolume::obb ? "OBBs" : "spheres";
                 if (exact_from_name(exact) != ExactLevel::off) {
-                    const std::string name = fmt::format("{}{}, {}", asker.prefix, form, exact);
+                    const std::string name = fmt::format("{}{}, {}", source.prefix, form, exact);
                     variants.push_back({name, name, settings_from(one)});
                     continue;
                 }
                 for (const Dial& dial : dials) {
                     one.depth = dial.depth, one.max_error = dial.max_error;
-                    const std::string series = asker.prefix + form;
+                    const std::string series = source.prefix + form;
                     variants.push_back({series, fmt::format("{}, {}", series, dial.text()), settings_from(one)});
                 }
             }
     if (o.settings.ignore_touching &&
         std::ranges::none_of(variants, [](const StudyVariant& v) { return v.settings.ignore_touching; }))
-        refuse("--ignore-touching: needs --exact predicates, alone or among others");
-    if (variants.empty()) refuse("--bounding-volume obb: OBBs need --backend cpu; nothing is left to study");
+        usage("--ignore-touching: needs --exact predicates, alone or among others");
+    if (variants.empty()) usage("--bounding-volume obb: OBBs need --backend cpu; nothing is left to study");
     return variants;
-}
-
-void check_files(const StudyOptions& o)
-{
-    const std::pair<const char*, const std::string*> files[] = {
-        {"--html", &o.html}, {"--csv", &o.csv}, {"--json", &o.json}};
-    for (const auto& [option, file] : files) {
-        if (file->empty()) continue;
-        for (const auto& [other, same] : files)
-            if (option != other && *file == *same) refuse(fmt::format("{} and {} both go to {}", option, other, *file));
-        for (const std::string& input : {o.workload.poses, o.workload.what.empty() ? "" : o.workload.what.front(),
-                                         o.workload.what.size() < 2 ? "" : o.workload.what[1]})
-            if (*file == input) refuse(fmt::format("{} {}: would overwrite the input", option, *file));
-        check_writable(*file);
-    }
 }
 
 template <class Write>
@@ -148,7 +128,7 @@ void write_file(const std::string& path, Write write)
     file.commit();
 }
 
-/// ", FCL, ODE"; empty: nobody.
+/// ", FCL, ODE"; empty: none.
 std::string names_of(const std::vector<StudyPeer>& peers)
 {
     std::string names;
@@ -158,12 +138,13 @@ std::string names_of(const std::vector<StudyPeer>& peers)
 
 int accuracy_study(const StudyOptions& o)
 {
-    if (o.repeats < 1 || o.repeats > 1000) refuse(fmt::format("--repeats {}: must be from 1 to 1000", o.repeats));
-    if (o.warm_up < 0) refuse(fmt::format("--warm-up {}: must be at least 0", o.warm_up));
+    check_range("--repeats", o.repeats, 1, 1000), check_range("--warm-up", o.warm_up, 0);
     const std::vector<StudyVariant> variants = variants_of(o);
     const std::vector<PeerKind> peers = peers_from_names(o.peers);
-    check_files(o);
-    StudyCourse workload(o.workload);
+    std::vector<std::string> inputs = o.workload.what;
+    inputs.push_back(o.workload.poses);
+    check_files({{"--html", o.html}, {"--csv", o.csv}, {"--json", o.json}}, inputs);
+    StudyWorkload workload(o.workload);
     print_warnings(workload.scene);
     const Study study = play_study(workload, variants, peers, o.warm_up, o.repeats);
     const std::string about = fmt::format(

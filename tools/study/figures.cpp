@@ -19,12 +19,6 @@ struct BarRow {
 
 constexpr double width = 960, left = 310, row_height = 22, head = 34;
 
-void text(OutputFile& file, double x, double y, std::string_view anchor, std::string_view style, std::string_view words)
-{
-    file.print("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" class=\"{}\">{}</text>\n", x, y, anchor, style,
-               escaped(words));
-}
-
 void draw_bars(OutputFile& file, std::string_view title, const std::vector<std::string>& columns,
                const std::vector<BarRow>& rows)
 {
@@ -34,18 +28,18 @@ void draw_bars(OutputFile& file, std::string_view title, const std::vector<std::
                "height=\"{:.0f}\" viewBox=\"0 0 {:.0f} {:.0f}\">\n",
                escaped(title), width, height, width, height);
     for (std::size_t k = 0; k < columns.size(); ++k)
-        text(file, left + pitch * double(k), 16, "start", "head", columns[k]);
+        svg_text(file, left + pitch * double(k), 16, "start", "head", columns[k]);
     for (std::size_t r = 0; r < rows.size(); ++r) {
         const double y = head + row_height * double(r);
         if (r % 2 == 0)
             file.print("<rect x=\"0\" y=\"{:.1f}\" width=\"{}\" height=\"{}\" class=\"band\"/>\n", y - 3, width,
                        row_height);
-        text(file, left - 12, y + 12, "end", "name", rows[r].name);
+        svg_text(file, left - 12, y + 12, "end", "name", rows[r].name);
         for (std::size_t k = 0; k < columns.size(); ++k) {
             const double x = left + pitch * double(k), length = rows[r].lengths[k] * (pitch - room - 8);
             file.print("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"14\" class=\"bar\"/>\n", x, y,
                        length);
-            text(file, x + length + 4, y + 12, "start", "number", rows[r].texts[k]);
+            svg_text(file, x + length + 4, y + 12, "start", "number", rows[r].texts[k]);
         }
     }
     file.print("</svg>\n");

@@ -28,6 +28,13 @@ std::string escaped(std::string_view text)
     return result;
 }
 
+void svg_text(OutputFile& file, double x, double y, std::string_view anchor, std::string_view style,
+              std::string_view words)
+{
+    file.print("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" class=\"{}\">{}</text>\n", x, y, anchor, style,
+               escaped(words));
+}
+
 std::string base64(std::string_view bytes)
 {
     constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

@@ -59,17 +59,17 @@ public:
         broad_->start(frame());
     }
 
-    Answer step() override
+    Result step() override
     {
         const Clock::time_point from = Clock::now();
         find_candidates();
-        Answer answer;
-        answer.candidates = candidates_.size();
+        Result result;
+        result.candidates = candidates_.size();
         for (BodyPair pair : candidates_)
-            if (collide(pair)) answer.colliding.push_back({std::min(pair.a, pair.b), std::max(pair.a, pair.b)});
-        answer.ms = milliseconds_since(from);
-        std::ranges::sort(answer.colliding);
-        return answer;
+            if (collide(pair)) result.colliding.push_back({std::min(pair.a, pair.b), std::max(pair.a, pair.b)});
+        result.ms = milliseconds_since(from);
+        std::ranges::sort(result.colliding);
+        return result;
     }
 
     std::size_t bytes() const override { return bytes_; }
@@ -114,7 +114,7 @@ private:
     std::vector<PoseBounds> bounds_;                 ///< by geometry
     std::vector<Aabb> boxes_;
     std::vector<std::uint32_t> moving_;
-    std::unique_ptr<BroadPeer> broad_; ///< none: the two bodies are always asked about
+    std::unique_ptr<BroadPeer> broad_; ///< none: the two bodies are always the pair
     std::vector<BodyPair> candidates_;
     std::size_t bytes_ = 0;
 };
@@ -138,7 +138,7 @@ std::string why_not(const PeerKind& kind, const Scene& scene)
     return {};
 }
 
-std::unique_ptr<StudyPlayer> make_mesh_player(const PeerKind& kind, const StudyCourse& workload)
+std::unique_ptr<StudyPlayer> make_mesh_player(const PeerKind& kind, const StudyWorkload& workload)
 {
     const NarrowContenders narrow = narrow_contenders();
     const Contenders broad = broad_contenders();

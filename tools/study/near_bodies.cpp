@@ -12,9 +12,9 @@ Aabb world_box(const Scene& scene, std::uint32_t body, double clearance)
     const Geometry& geometry = scene.geometries[index(scene.geometry[body])];
     const Eigen::Isometry3d& pose = scene.poses[body];
     Aabb box;
-    double reach = 0;
+    double largest = 0;
     const auto add = [&](const Eigen::Vector3d& p) {
-        box.add(pose * p), reach = std::max(reach, p.cwiseAbs().maxCoeff());
+        box.add(pose * p), largest = std::max(largest, p.cwiseAbs().maxCoeff());
     };
     if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) {
         for (const Eigen::Vector3d& v : mesh->vertices) add(v);
@@ -25,7 +25,7 @@ Aabb world_box(const Scene& scene, std::uint32_t body, double clearance)
                  (corner & 4 ? own.max : own.min).z()});
     }
     const double slack =
-        clearance / 2 + 0x1p-16 * (reach + clearance) + 0x1p-40 * pose.translation().cwiseAbs().maxCoeff();
+        clearance / 2 + 0x1p-16 * (largest + clearance) + 0x1p-40 * pose.translation().cwiseAbs().maxCoeff();
     box.min.array() -= slack, box.max.array() += slack;
     return box;
 }

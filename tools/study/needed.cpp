@@ -63,7 +63,7 @@ private:
 };
 
 /// The workload once more, without ageing where it dropped something. What trees hold at its end.
-void count(StudyCourse& workload, StudyRow& row, WholeModel& whole, const std::vector<std::uint8_t>& used)
+void count(StudyWorkload& workload, StudyRow& row, WholeModel& whole, const std::vector<std::uint8_t>& used)
 {
     Settings settings = row.variant.settings;
     settings.age_limit = no_ageing;
@@ -91,7 +91,7 @@ void count(StudyCourse& workload, StudyRow& row, WholeModel& whole, const std::v
 
 } // namespace
 
-void count_needed(StudyCourse& workload, Study& study)
+void count_needed(StudyWorkload& workload, Study& study)
 {
     WholeModel whole(workload.scene);
     std::vector<std::uint8_t> used(workload.scene.geometries.size());

@@ -28,7 +28,7 @@ class FclPlayer final : public StudyPlayer {
 public:
     explicit FclPlayer(const Scene& scene) : world_(scene) {}
 
-    Answer step() override
+    Result step() override
     {
         const FclFrame frame = world_.step();
         return {frame.ms(), frame.candidates, {frame.colliding.begin(), frame.colliding.end()}};
@@ -39,12 +39,12 @@ private:
     FclWorld world_;
 };
 
-/// What the peers cannot be asked; empty: nothing.
-std::string no_question(const Settings& question)
+/// What the peers cannot do; empty: nothing.
+std::string why_not_by_peers(const Settings& request)
 {
-    if (question.clearance > 0) return "has no question for a clearance";
-    if (question.mode == Mode::solid) return "has no question for solids";
-    return question.ignore_touching ? "cannot leave out what only touches" : "";
+    if (request.clearance > 0) return "has no query for a clearance";
+    if (request.mode == Mode::solid) return "has no query for solids";
+    return request.ignore_touching ? "cannot leave out what only touches" : "";
 }
 
 /// Debian's package of a library that this build does without; empty: it is there.
@@ -74,11 +74,11 @@ std::vector<PeerKind> peers_from_names(const std::string& list)
     return chosen;
 }
 
-std::vector<std::string> leave_out(std::vector<PeerKind>& kinds, const StudyCourse& workload, const Settings& question)
+std::vector<std::string> leave_out(std::vector<PeerKind>& kinds, const StudyWorkload& workload, const Settings& request)
 {
     std::vector<std::string> notes;
     std::erase_if(kinds, [&](const PeerKind& kind) {
-        std::string why = no_question(question);
+        std::string why = why_not_by_peers(request);
         if (const std::string package = missing_package(kind); !package.empty())
             why = fmt::format("not in this build (Debian: {})", package);
         else if (why.empty() && kind.name != "fcl")
@@ -89,7 +89,7 @@ std::vector<std::string> leave_out(std::vector<PeerKind>& kinds, const StudyCour
     return notes;
 }
 
-std::unique_ptr<StudyPlayer> make_player(const PeerKind& kind, const StudyCourse& workload)
+std::unique_ptr<StudyPlayer> make_player(const PeerKind& kind, const StudyWorkload& workload)
 {
     if (kind.name == "fcl") return std::make_unique<FclPlayer>(workload.scene);
     return make_mesh_player(kind, workload);

@@ -68,7 +68,7 @@ void paste(Painter& painter, const Picture& picture, Image& image, int column)
         std::copy_n(pixels.begin() + 3 * side * y, 3 * side, image.pixels.begin() + 3 * (image.width * y + column));
 }
 
-StudyPicture draw(StudyCourse& workload, const Scenario& scenario, Painter& painter)
+StudyPicture draw(StudyWorkload& workload, const Scenario& scenario, Painter& painter)
 {
     const Settings& settings = scenario.row->variant.settings;
     const BodyPair pair = scenario.at.pair;
@@ -89,7 +89,8 @@ StudyPicture draw(StudyCourse& workload, const Scenario& scenario, Painter& pain
                                .clearance = settings.clearance};
     shown.bodies[pair.a] = shown.bodies[pair.b] = 1;
     ScenePictures pictures(scene, shown);
-    ScenePicture picture = pictures.make(pipeline.world(), [&](GeometryId id) { return pipeline.tree(id); }, pairs, std::nullopt);
+    ScenePicture picture = pictures.make(
+        pipeline.world(), [&](GeometryId id) { return pipeline.tree(id); }, pairs, std::nullopt);
     picture.width = picture.height = side;
     Framing framing;
     framing.add(picture);
@@ -113,7 +114,7 @@ StudyPicture draw(StudyCourse& workload, const Scenario& scenario, Painter& pain
 
 } // namespace
 
-StudyPictures draw_study_pictures(StudyCourse& workload, const Study& study)
+StudyPictures draw_study_pictures(StudyWorkload& workload, const Study& study)
 {
     StudyPictures result;
     const std::vector<Scenario> chosen = choose(study);

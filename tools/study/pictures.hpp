@@ -19,6 +19,6 @@ struct StudyPictures {
 /// Pairs that were missed, and the worst false positives of each series at its widest and its narrowest error: both
 /// bodies from afar, and the place where they are nearest. Each is found by playing the workload again up to its frame.
 /// Without a renderer there are none.
-StudyPictures draw_study_pictures(StudyCourse& workload, const Study& study);
+StudyPictures draw_study_pictures(StudyWorkload& workload, const Study& study);
 
 } // namespace oncollide::tools

@@ -49,16 +49,16 @@ struct Players {
     std::vector<Pipeline> pipelines;
     std::vector<std::unique_ptr<StudyPlayer>> peers;
 
-    Players(const StudyCourse& workload, const std::vector<StudyRow>& rows, const std::vector<PeerKind>& kinds,
-            const Settings& question)
-        : truth(workload.scene, question)
+    Players(const StudyWorkload& workload, const std::vector<StudyRow>& rows, const std::vector<PeerKind>& kinds,
+            const Settings& request)
+        : truth(workload.scene, request)
     {
         for (const StudyRow& row : rows) pipelines.emplace_back(workload.scene, row.variant.settings);
         for (const PeerKind& kind : kinds) peers.push_back(make_player(kind, workload));
     }
 };
 
-void play_once(StudyCourse& workload, Study& study, Players& all, int repeat, Progress& progress)
+void play_once(StudyWorkload& workload, Study& study, Players& all, int repeat, Progress& progress)
 {
     const bool first = repeat == 0;
     auto& [truth, pipelines, peers] = all;
@@ -74,11 +74,11 @@ void play_once(StudyCourse& workload, Study& study, Players& all, int repeat, Pr
             const std::size_t k = (turn + std::size_t(frame + repeat)) % players;
             if (k >= study.rows.size()) {
                 StudyPeer& peer = study.peers[k - study.rows.size()];
-                const StudyPlayer::Answer answer = peers[k - study.rows.size()]->step();
-                take_time(peer.ms, frame, answer.ms);
+                const StudyPlayer::Result result = peers[k - study.rows.size()]->step();
+                take_time(peer.ms, frame, result.ms);
                 if (!first) continue;
-                peer.candidates += answer.candidates;
-                judge(peer, answer.colliding, truth, workload.scene, workload.number(frame));
+                peer.candidates += result.candidates;
+                judge(peer, result.colliding, truth, workload.scene, workload.number(frame));
                 continue;
             }
             StudyRow& row = study.rows[k];
@@ -96,18 +96,18 @@ void play_once(StudyCourse& workload, Study& study, Players& all, int repeat, Pr
     }
 }
 
-/// What all variants are asked; those without an exact level cannot tell what only touches.
-Settings question_of(const std::vector<StudyVariant>& variants)
+/// What all variants are to find; those without an exact level cannot tell what only touches.
+Settings request_of(const std::vector<StudyVariant>& variants)
 {
-    Settings question = variants.front().settings;
-    question.ignore_touching =
+    Settings request = variants.front().settings;
+    request.ignore_touching =
         std::ranges::any_of(variants, [](const StudyVariant& v) { return v.settings.ignore_touching; });
-    return question;
+    return request;
 }
 
 } // namespace
 
-Study play_study(StudyCourse& workload, const std::vector<StudyVariant>& variants, std::vector<PeerKind> peers,
+Study play_study(StudyWorkload& workload, const std::vector<StudyVariant>& variants, std::vector<PeerKind> peers,
                  int warm_up, int repeats)
 {
     Study study;
@@ -120,15 +120,15 @@ Study play_study(StudyCourse& workload, const std::vector<StudyVariant>& variant
     for (const Geometry& geometry : scene.geometries)
         if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) study.triangles += mesh->triangles.size();
     for (const StudyVariant& variant : variants) study.rows.emplace_back().variant = variant;
-    const Settings question = question_of(variants);
-    study.left_out = leave_out(peers, workload, question);
+    const Settings request = request_of(variants);
+    study.left_out = leave_out(peers, workload, request);
     for (const PeerKind& kind : peers) study.peers.emplace_back().name = kind.library;
     {
         Progress progress("frame", std::size_t(workload.frames()) * std::size_t(repeats));
         std::optional<Players> players;
         for (int repeat = 0; repeat < repeats; ++repeat) {
             workload.move(0);
-            if (!players || !workload.is_poses()) players.emplace(workload, study.rows, peers, question);
+            if (!players || !workload.is_poses()) players.emplace(workload, study.rows, peers, request);
             play_once(workload, study, *players, repeat, progress);
         }
     }

@@ -9,7 +9,7 @@ namespace oncollide::tools {
 /// nothing, poses with the trees of the run before. Answers are judged in the first run; of a frame's times the least
 /// counts. Shows progress.
 /// @param variants  of one clearance and mode
-Study play_study(StudyCourse& workload, const std::vector<StudyVariant>& variants, std::vector<PeerKind> peers,
+Study play_study(StudyWorkload& workload, const std::vector<StudyVariant>& variants, std::vector<PeerKind> peers,
                  int warm_up, int repeats);
 
 } // namespace oncollide::tools

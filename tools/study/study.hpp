@@ -70,7 +70,7 @@ struct Study {
     std::uint64_t contradicted = 0; ///< of the answers beside a pose file, by the truth
     std::vector<StudyRow> rows;
     std::vector<StudyPeer> peers;
-    std::vector<std::string> left_out; ///< peers that were asked for and do not play, and why
+    std::vector<std::string> left_out; ///< peers that were requested and do not play, and why
 
     double mean_ms(const std::vector<double>& ms) const;
     double median_ms(const std::vector<double>& ms) const;

@@ -67,12 +67,12 @@ struct StudyTruth::Model {
     }
 };
 
-StudyTruth::StudyTruth(const Scene& scene, const Settings& asked)
-    : scene_(scene), asked_(asked), models_(scene.geometries.size())
+StudyTruth::StudyTruth(const Scene& scene, const Settings& request)
+    : scene_(scene), request_(request), models_(scene.geometries.size())
 {
     for (GeometryId used : scene.geometry) {
         const auto* mesh = std::get_if<Mesh>(&scene.geometries[index(used)].data);
-        if (mesh && !models_[index(used)]) models_[index(used)] = std::make_unique<Model>(*mesh, asked.mode);
+        if (mesh && !models_[index(used)]) models_[index(used)] = std::make_unique<Model>(*mesh, request.mode);
         if (!mesh && !fcl_) fcl_ = std::make_unique<FclWorld>(scene);
     }
 }
@@ -87,46 +87,46 @@ const StudyTruth::Model* StudyTruth::model(std::uint32_t body) const
 void StudyTruth::step()
 {
     colliding_.clear(), open_.clear(), known_.clear();
-    const std::vector<BodyPair> pairs = near_bodies(scene_, asked_.clearance);
-    std::vector<Answer> answers(pairs.size());
+    const std::vector<BodyPair> pairs = near_bodies(scene_, request_.clearance);
+    std::vector<Decision> decisions(pairs.size());
     const auto are_meshes = [&](BodyPair pair) { return model(pair.a) && model(pair.b); };
     parallel_chunks(pairs.size(), 8, hardware_threads(), [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t k = begin; k < end; ++k)
-            if (are_meshes(pairs[k])) answers[k] = decide_meshes(pairs[k]);
+            if (are_meshes(pairs[k])) decisions[k] = decide_meshes(pairs[k]);
     });
     for (std::size_t k = 0; k < pairs.size(); ++k) {
-        if (!are_meshes(pairs[k])) answers[k] = decide_other(pairs[k]);
-        if (answers[k] == Answer::collide) colliding_.push_back(pairs[k]);
-        if (answers[k] == Answer::open) open_.push_back(pairs[k]);
+        if (!are_meshes(pairs[k])) decisions[k] = decide_other(pairs[k]);
+        if (decisions[k] == Decision::collide) colliding_.push_back(pairs[k]);
+        if (decisions[k] == Decision::open) open_.push_back(pairs[k]);
     }
 }
 
-StudyTruth::Answer StudyTruth::decide_meshes(BodyPair pair) const
+StudyTruth::Decision StudyTruth::decide_meshes(BodyPair pair) const
 {
     const Model &a = *model(pair.a), &b = *model(pair.b);
     const BoxedTriangles b_in_a(b.halved, RelativePose(scene_.poses[pair.a], scene_.poses[pair.b]));
-    const TriangleContact least = asked_.ignore_touching ? TriangleContact::crossing : TriangleContact::touching;
+    const TriangleContact least = request_.ignore_touching ? TriangleContact::crossing : TriangleContact::touching;
     const TriangleContact contact = contact_of(a.at_home, b_in_a, least);
-    if (contact >= least) return Answer::collide;
+    if (contact >= least) return Decision::collide;
     if (contact == TriangleContact::touching) { // ignored, unless insides overlap
         const SolidTruth solid = touching_truth_of(a.at_home, b_in_a);
-        return solid.vague ? Answer::open : solid.contact == least ? Answer::collide : Answer::apart;
+        return solid.vague ? Decision::open : solid.contact == least ? Decision::collide : Decision::apart;
     }
-    if (a.holds(a.at_home, b, b_in_a) || b.holds(b_in_a, a, a.at_home)) return Answer::collide;
-    if (asked_.clearance == 0) return Answer::apart;
+    if (a.holds(a.at_home, b, b_in_a) || b.holds(b_in_a, a, a.at_home)) return Decision::collide;
+    if (request_.clearance == 0) return Decision::apart;
     const DistanceTruth distance = mesh_distance(pair);
     const double rounding = distance_rounding * distance.size;
-    if (distance.high <= asked_.clearance - rounding) return Answer::collide;
-    return distance.low <= asked_.clearance + rounding ? Answer::open : Answer::apart;
+    if (distance.high <= request_.clearance - rounding) return Decision::collide;
+    return distance.low <= request_.clearance + rounding ? Decision::open : Decision::apart;
 }
 
-StudyTruth::Answer StudyTruth::decide_other(BodyPair pair) const
+StudyTruth::Decision StudyTruth::decide_other(BodyPair pair) const
 {
-    if (fcl_->collides(pair) || holds_other(pair.a, pair.b) || holds_other(pair.b, pair.a)) return Answer::collide;
-    if (asked_.clearance == 0) return Answer::apart;
+    if (fcl_->collides(pair) || holds_other(pair.a, pair.b) || holds_other(pair.b, pair.a)) return Decision::collide;
+    if (request_.clearance == 0) return Decision::apart;
     const double distance = fcl_->distance(pair);
-    if (std::abs(distance - asked_.clearance) <= shape_rounding) return Answer::open;
-    return distance < asked_.clearance ? Answer::collide : Answer::apart;
+    if (std::abs(distance - request_.clearance) <= shape_rounding) return Decision::open;
+    return distance < request_.clearance ? Decision::collide : Decision::apart;
 }
 
 bool StudyTruth::holds_other(std::uint32_t outer, std::uint32_t inner) const

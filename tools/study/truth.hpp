@@ -11,13 +11,13 @@
 
 namespace oncollide::tools {
 
-/// The right answers to a frame, by nothing that is under test: the boxes of every two bodies are compared, and every
+/// The right results of a frame, by nothing that is under test: the boxes of every two bodies are compared, and every
 /// two meshes whose boxes overlap are decided by exact arithmetic on their triangles (tools/hard). Solid mode: by
-/// winding numbers. FCL is asked where a shape or a map takes part.
+/// winding numbers. FCL decides where a shape or a map takes part.
 class StudyTruth {
 public:
-    /// Clearance, mode and whether touching counts are taken from `asked`. Keeps a reference to `scene`.
-    StudyTruth(const Scene& scene, const Settings& asked);
+    /// Clearance, mode and whether touching counts are taken from `request`. Keeps a reference to `scene`.
+    StudyTruth(const Scene& scene, const Settings& request);
     ~StudyTruth();
 
     /// At the scene's poses.
@@ -25,22 +25,22 @@ public:
     /// Pairs that collide, or are within the clearance, sorted.
     const std::vector<BodyPair>& colliding() const { return colliding_; }
     bool collide(BodyPair pair) const;
-    /// So near the clearance that rounding decides: either answer is right.
+    /// So near the clearance that rounding decides: either result is right.
     bool open(BodyPair pair) const;
     /// Of this frame: between meshes in long double, less what the pipeline's own bounds may round by; else FCL's.
     DistanceTruth distance(BodyPair pair);
 
 private:
-    enum class Answer : std::uint8_t { apart, open, collide };
+    enum class Decision : std::uint8_t { apart, open, collide };
     struct Model;
     const Model* model(std::uint32_t body) const; ///< null: no mesh
-    Answer decide_meshes(BodyPair pair) const;
-    Answer decide_other(BodyPair pair) const;
+    Decision decide_meshes(BodyPair pair) const;
+    Decision decide_other(BodyPair pair) const;
     DistanceTruth mesh_distance(BodyPair pair) const;
     bool holds_other(std::uint32_t outer, std::uint32_t inner) const;
 
     const Scene& scene_;
-    Settings asked_;
+    Settings request_;
     std::vector<std::unique_ptr<Model>> models_; ///< by geometry
     std::unique_ptr<FclWorld> fcl_;              ///< where there is a shape or a map
     std::vector<BodyPair> colliding_, open_;

@@ -12,36 +12,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse(const std::string& why)
-{
-    throw Error(ErrorKind::usage, why);
-}
-
-void check_scene(const CourseOptions& o)
+void check_scene(const WorkloadOptions& o)
 {
     if (o.use_poses || o.count || !o.distances.empty())
-        refuse(fmt::format("{}: poses, distances and counts are for two meshes: MESH_A MESH_B", o.what[0]));
+        usage(fmt::format("{}: poses, distances and counts are for two meshes: MESH_A MESH_B", o.what[0]));
 }
 
-void check_meshes(const CourseOptions& o)
+void check_meshes(const WorkloadOptions& o)
 {
-    if (o.what.size() > 2) refuse(fmt::format("'{}': expected a scene or two meshes", o.what[2]));
+    if (o.what.size() > 2) usage(fmt::format("'{}': expected a scene or two meshes", o.what[2]));
     if (o.use_poses && o.poses.empty() == !o.what.empty())
-        refuse(o.what.empty() ? fmt::format("--poses {}: needs the two meshes that it is about", o.poses)
-                              : "--poses: the data folder's poses have meshes of their own; name a pose file or no "
-                                "meshes");
-    if (o.use_poses && !o.distances.empty()) refuse("--distances: the poses of a file have their own");
-    if (o.scene.bodies || o.scene.frames) refuse("--bodies and --frames are for scenes; --count for poses");
-    if (o.count && (*o.count < 1 || *o.count > 100'000))
-        refuse(fmt::format("--count {}: must be from 1 to 100000", *o.count));
+        usage(o.what.empty() ? fmt::format("--poses {}: needs the two meshes that it is about", o.poses)
+                             : "--poses: the data folder's poses have meshes of their own; name a pose file or no "
+                               "meshes");
+    if (o.use_poses && !o.distances.empty()) usage("--distances: the poses of a file have their own");
+    if (o.scene.bodies || o.scene.frames) usage("--bodies and --frames are for scenes; --count for poses");
+    check_range("--count", o.count.value_or(1), 1, 100'000);
 }
 
 } // namespace
 
-StudyCourse::StudyCourse(const CourseOptions& o) : every_(o.every)
+StudyWorkload::StudyWorkload(const WorkloadOptions& o) : every_(o.every)
 {
-    if (o.every < 1) refuse(fmt::format("--every {}: must be at least 1", o.every));
-    if (o.what.empty() && !o.use_poses) refuse("study: needs a scene or two meshes");
+    check_range("--every", o.every, 1);
+    if (o.what.empty() && !o.use_poses) usage("study: needs a scene or two meshes");
     if (o.what.size() == 1) {
         check_scene(o);
         SceneOptions one = o.scene;
@@ -56,7 +50,7 @@ StudyCourse::StudyCourse(const CourseOptions& o) : every_(o.every)
     }
 }
 
-void StudyCourse::open_meshes(const CourseOptions& o)
+void StudyWorkload::open_meshes(const WorkloadOptions& o)
 {
     fs::path poses = o.poses;
     std::vector<fs::path> files(o.what.begin(), o.what.end());
@@ -75,8 +69,8 @@ void StudyCourse::open_meshes(const CourseOptions& o)
         if (o.count && std::size_t(*o.count) < poses_.size()) poses_.resize(std::size_t(*o.count));
     } else {
         const std::vector<double> percents = parse_distances(o.distances.empty() ? "0,0.1,1,5" : o.distances);
-        const NarrowCourse workload =
-            make_course(mesh(0), mesh(1), percents, std::size_t(o.count.value_or(100)), o.scene.seed.value_or(12345));
+        const NarrowWorkload workload =
+            make_workload(mesh(0), mesh(1), percents, std::size_t(o.count.value_or(100)), o.scene.seed.value_or(12345));
         for (const NarrowPose& pose : workload.poses) poses_.push_back(pose.known);
     }
     title = fmt::format("{} and {} in {} poses", files[0].stem().string(), files[1].stem().string(), poses_.size());
@@ -85,7 +79,7 @@ void StudyCourse::open_meshes(const CourseOptions& o)
     scene.add_body({.name = scene.geometries[1].name, .geometry = meshes[1], .pose = poses_.front().b});
 }
 
-void StudyCourse::move(int frame)
+void StudyWorkload::move(int frame)
 {
     if (poses_.empty())
         mover_.move(scene, number(frame));
@@ -93,7 +87,7 @@ void StudyCourse::move(int frame)
         scene.poses[1] = poses_[std::size_t(number(frame))].b;
 }
 
-std::optional<bool> StudyCourse::known(int frame) const
+std::optional<bool> StudyWorkload::known(int frame) const
 {
     if (poses_.empty()) return std::nullopt;
     return poses_[std::size_t(number(frame))].colliding;

@@ -8,21 +8,21 @@
 
 namespace oncollide::tools {
 
-struct CourseOptions {
+struct WorkloadOptions {
     std::vector<std::string> what; ///< a scene, or two mesh files
     SceneOptions scene;
     bool use_poses = false; ///< a pose file instead of generated poses
     std::string poses;      ///< that file; empty: the data folder's, with its own meshes
-    std::string distances;  ///< of generated poses, as make_course() takes them
+    std::string distances;  ///< of generated poses, as make_workload() takes them
     std::optional<int> count;
     int every = 1;
 };
 
 /// What a study looks at: a scene as it moves, or two meshes, of which the second is put into one pose a frame.
-class StudyCourse {
+class StudyWorkload {
 public:
     /// Throws Error{usage} for options that make no sense together, and whatever reading files throws.
-    explicit StudyCourse(const CourseOptions& options);
+    explicit StudyWorkload(const WorkloadOptions& options);
 
     Scene scene;
     std::string title;
@@ -36,7 +36,7 @@ public:
     std::optional<bool> known(int frame) const;
 
 private:
-    void open_meshes(const CourseOptions& options);
+    void open_meshes(const WorkloadOptions& options);
 
     std::vector<KnownPose> poses_; ///< empty: the scene moves by itself
     Mover mover_;
