@@ -260,7 +260,7 @@ TEST_F(Study, RefusesWhatMakesNoSense)
     refuse({"cubes.json", "--warm-up", "-1"}, {"--warm-up -1"});
     refuse({"cubes.json", "--count", "3"}, {"cubes.json", "two meshes"});
     refuse({"cubes.json", "--poses"}, {"cubes.json", "two meshes"});
-    refuse({"cubes.json", "--csv", "x", "--html", "x"}, {"both go to x"});
+    refuse({"cubes.json", "--csv", "x", "--html", "x"}, {"both go to 'x'"});
     refuse({"cubes.json", "--html", "cubes.json"}, {"overwrite the input"});
     refuse({"cube.off", "cube.off", "cube.off"}, {"a scene or two meshes"});
     refuse({"cube.off", "cube.off", "--poses"}, {"--poses", "own"});

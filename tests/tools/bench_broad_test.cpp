@@ -15,7 +15,7 @@ TEST_F(CommandLine, BenchBroadRefusesWhatDoesNotExistBeforeItStarts)
     expect_error(66, {"bench", "broad", "--scene", "none.aabbs"}, {"none.aabbs"});
     expect_error(73, {"bench", "broad", "--csv", "no/where.csv"}, {"no/where.csv"});
     expect_error(73, {"bench", "broad", "--plot", "no/where.svg"}, {"no/where.svg"});
-    expect_error(64, {"bench", "broad", "--csv", "x", "--plot", "x"}, {"both go to x"});
+    expect_error(64, {"bench", "broad", "--csv", "x", "--plot", "x"}, {"both go to 'x'"});
 }
 
 TEST_F(CommandLine, BenchBroadComparesEverybodyOnTheSameBoxes)

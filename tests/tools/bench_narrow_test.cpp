@@ -54,7 +54,7 @@ TEST_F(CommandLine, BenchNarrowRefusesWhatDoesNotExistBeforeItStarts)
     expect_error(64, {"bench", "narrow", "cube.off", "cube.off", "--poses"}, {"--poses", "own"});
     expect_error(64, {"bench", "narrow", "--poses", "--distances", "1"}, {"--distances"});
     expect_error(64, {"bench", "narrow", "--only", "walk-5", "--ask", "all"}, {"walk-5", "none", "all"});
-    expect_error(64, {"bench", "narrow", "--csv", "x", "--plot", "x"}, {"both go to x"});
+    expect_error(64, {"bench", "narrow", "--csv", "x", "--plot", "x"}, {"both go to 'x'"});
     expect_error(66, {"bench", "narrow", "cube.off", "none.obj"}, {"none.obj"});
     expect_error(66, {"bench", "narrow", "--poses"}, {"bunny"});
     expect_error(73, {"bench", "narrow", "--csv", "no/where.csv"}, {"no/where.csv"});

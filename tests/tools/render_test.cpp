@@ -170,7 +170,7 @@ TEST_F(Render, RefusesWhatMakesNoSense)
     refuse({"--size", "64x48", "--level", "0,1,2,3,4"}, {"--size 64x48", "5 pictures"});
     refuse({"--level", "7"}, {"--level 7", "0 to 6", "--depth"});
     refuse({"--level", "17", "--whole"}, {"--level 17", "0 to 16"});
-    refuse({"--level", "16", "--whole"}, {"--whole", "'ball'", "smaller --level"});
+    refuse({"--level", "16", "--whole"}, {"level 9 of 'ball'", "smaller --level"});
     refuse({"--whole"}, {"--whole", "--level"});
     refuse({"--show", "nothing"}, {"nothing", "meshes, spheres or both"});
     refuse({"--body", "three"}, {"--body three", "one, other"});

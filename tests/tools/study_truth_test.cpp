@@ -12,7 +12,7 @@
 
 #include "narrowphase/mesh_parts.hpp"
 #include "random_pose.hpp"
-#include "study/judge.hpp"
+#include "study/play.hpp"
 
 namespace oncollide::tools {
 namespace {

@@ -11,7 +11,6 @@
 #include <oncollide/base/output_file.hpp>
 
 #include "bench/bench.hpp"
-#include "study/page.hpp"
 #include "study/play.hpp"
 #include "study/report.hpp"
 

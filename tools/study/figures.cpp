@@ -1,4 +1,4 @@
-#include "study/figures.hpp"
+#include "study/report.hpp"
 
 #include <algorithm>
 #include <cmath>

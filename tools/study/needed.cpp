@@ -1,4 +1,4 @@
-#include "study/needed.hpp"
+#include "study/play.hpp"
 
 #include <algorithm>
 

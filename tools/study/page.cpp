@@ -1,11 +1,9 @@
-#include "study/page.hpp"
+#include "study/report.hpp"
 
 #include <algorithm>
 
 #include "bench/bench.hpp"
-#include "study/figures.hpp"
 #include "study/markup.hpp"
-#include "study/report.hpp"
 
 namespace oncollide::tools {
 namespace {

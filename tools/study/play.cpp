@@ -9,8 +9,6 @@
 
 #include "bench/bench.hpp"
 #include "cli/progress.hpp"
-#include "study/judge.hpp"
-#include "study/needed.hpp"
 
 namespace oncollide::tools {
 namespace {
