@@ -13,6 +13,8 @@ struct RelativePose {
         : rotation(a.linear().transpose() * b.linear()),
           translation(a.linear().transpose() * (b.translation() - a.translation()))
     {
+        // Rounding must not turn one body against the other: two copies of a mesh in one place lie on each other.
+        if (a.linear() == b.linear()) rotation.setIdentity();
     }
     Eigen::Vector3d operator()(const Eigen::Vector3d& p) const
     {

@@ -64,4 +64,13 @@ double triangle_gap(const TrianglePoints& a, const TrianglePoints& b)
     });
 }
 
+double least_possible_gap(const TrianglePoints& a, const TrianglePoints& b)
+{
+    // In units of the grid, edges are below 2^(bits + 1) and cross products of two below 2^(2 bits + 4); an axis along
+    // which triangles are apart shows a whole number, so at least 1, over its length.
+    const BinaryGrid grid = grid_of_points(a[0], a[1], a[2], b[0], b[1], b[2]);
+    const double gap = std::ldexp(1.0, grid.exponent - 2 * grid.bits - 4);
+    return gap >= std::numeric_limits<double>::min() ? gap : 0;
+}
+
 } // namespace oncollide

@@ -10,4 +10,7 @@ namespace oncollide {
 /// apart.
 double triangle_gap(const TrianglePoints& a, const TrianglePoints& b);
 
+/// The least distance that triangles of such coordinates can have unless they meet: coarser, and 100 times as fast.
+double least_possible_gap(const TrianglePoints& a, const TrianglePoints& b);
+
 } // namespace oncollide

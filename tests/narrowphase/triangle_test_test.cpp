@@ -28,6 +28,8 @@ void check_gaps(const std::vector<TrianglePair>& pairs)
         const double gap = triangle_gap(pair.first, pair.second);
         EXPECT_EQ(gap > 0, oracle::contact(pair.first, pair.second) == TriangleContact::separate) << shown(pair);
         if (gap > 0) {
+            EXPECT_GT(least_possible_gap(pair.first, pair.second), 0) << shown(pair);
+            EXPECT_LE(least_possible_gap(pair.first, pair.second), gap) << shown(pair);
             const double rounding = 0x1p-38 * extent(pair) + 0x1p-48 * pair.first[0].norm();
             EXPECT_LE(gap, triangle_distance(pair.first, pair.second) + rounding) << shown(pair);
         }

@@ -366,6 +366,22 @@ TEST(World, AllocatesNothingInAWarmFrameWithoutAdditions)
         }
 }
 
+/// Rounding of the relative rotation used to part them, after exact tests of every two neighbouring triangles.
+TEST(World, FindsThatCopiesInOnePlaceCollide)
+{
+    World world({.exact = ExactLevel::predicates});
+    const ModelId model = world.add(make_sphere_mesh(1, 5000));
+    for (std::uint64_t k = 0; k < 20; ++k) {
+        Eigen::Isometry3d pose = random_pose(k, 1);
+        pose.translation().x() += 10 * double(k);
+        world.add_body({.model = model, .pose = pose});
+        world.add_body({.model = model, .pose = pose});
+    }
+    const FrameView frame = world.step();
+    ASSERT_EQ(frame.pairs.size(), 20u);
+    for (const PairResult& pair : frame.pairs) EXPECT_EQ(pair.verdict, Verdict::colliding);
+}
+
 TEST(Meshes, AreTestedInOneLine)
 {
     const Mesh box = make_box_mesh({1, 1, 1});

@@ -154,6 +154,25 @@ void add_planner(Arguments bench)
     sub.action([options] { return bench_planner(*options); });
 }
 
+void add_world(Arguments bench)
+{
+    Arguments sub = bench.add_command("world", "Bodies that come, go and move between frames, and queries beside them");
+    auto options = std::make_shared<WorldOptions>();
+    auto settings = std::make_shared<SettingsOptions>();
+    sub.add_option("--bodies", options->bodies, "bodies (default 100000)").type_name("N");
+    sub.add_option("--changes", options->changes, "bodies that move, or come and go, per frame (default 1000)")
+        .type_name("N");
+    sub.add_option("--frames", options->frames, "frames to time (default 20)").type_name("N");
+    sub.add_option("--seed", options->seed, "seed of the scene (default 12345)").type_name("S");
+    add_accuracy_options(sub, *settings);
+    add_pipeline_options(sub, *settings);
+    sub.footer("The results are held against those of a World made anew. Exit code 70: they differ.");
+    sub.action([options, settings] {
+        options->settings = settings_from(*settings);
+        return bench_world(*options);
+    });
+}
+
 } // namespace
 
 void add_bench(Arguments app)
@@ -162,12 +181,13 @@ void add_bench(Arguments app)
         app.add_command("bench", "Measure against other libraries in one run, on the same work, turn about");
     bench.at_most_one_command();
     bench.action([]() -> int {
-        usage("bench: which one? broad, narrow, planner, many, octants, paper, poses "
+        usage("bench: which one? broad, narrow, planner, world, many, octants, paper, poses "
               "or scene (oncollide bench --help)");
     });
     add_broad(bench);
     add_narrow(bench);
     add_planner(bench);
+    add_world(bench);
     add_scene_bench(bench, "many", "Bunnies, dragons and cows in a cube");
     add_paper(bench);
     add_poses(bench);

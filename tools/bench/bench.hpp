@@ -92,6 +92,18 @@ struct PlannerOptions {
 /// an answer.
 int bench_planner(const PlannerOptions& options);
 
+struct WorldOptions {
+    int bodies = 100'000;
+    int changes = 1000; ///< bodies that move, or are removed and added, per frame
+    int frames = 20;
+    std::uint64_t seed = 12345;
+    Settings settings;
+};
+
+/// What frames of a World cost, by how many bodies change, and queries of it. Returns the exit code: 70 when a World
+/// made anew finds other pairs.
+int bench_world(const WorldOptions& options);
+
 /// "4-8", "6" or "2,5-7" as ascending numbers; `option` names it in errors. Each 1 to 16.
 std::vector<int> parse_depths(const std::string& option, const std::string& text);
 

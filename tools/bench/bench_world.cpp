@@ -1,0 +1,208 @@
+// A World whose bodies come, go and move: what does a frame cost, by how many of them changed? And queries beside it.
+#include "bench/bench.hpp"
+#include "bench/statistics.hpp"
+#include "cli/system.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <set>
+#include <thread>
+#include <tuple>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/random.hpp>
+#include <oncollide/pipeline/world.hpp>
+#include <oncollide/scenes/catalogue/catalogue.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+/// The bodies of the catalogue's scene `many` in a World. Each body's user number says where in the list it is.
+class Crowd {
+public:
+    Crowd(const WorldOptions& options, std::uint32_t bodies)
+        : scene_(make_scene("many", {.bodies = bodies, .frames = {}, .seed = options.seed, .data = {}})),
+          world_(options.settings)
+    {
+        for (std::size_t g = 0; g < scene_.geometries.size(); ++g)
+            models_.push_back(world_.add(scene_.geometries.share(g)));
+        std::vector<BodySpec> specs;
+        for (std::size_t i = 0; i < scene_.size(); ++i) specs.push_back(spec_of(i));
+        ids_.resize(specs.size());
+        world_.add_bodies(specs, ids_);
+    }
+
+    World& world() { return world_; }
+    std::size_t size() const { return ids_.size(); }
+
+    /// Moves `count` bodies, other ones each time, to where another body was at the start.
+    void move(std::size_t count)
+    {
+        some_ids_.clear(), some_poses_.clear();
+        for (const std::size_t i : pick(count)) {
+            some_ids_.push_back(ids_[i]);
+            some_poses_.push_back(scene_.poses[place()]);
+        }
+        world_.set_poses(some_ids_, some_poses_);
+    }
+
+    /// Removes `count` bodies and adds as many at other places.
+    void exchange(std::size_t count)
+    {
+        const std::vector<std::size_t> chosen = pick(count);
+        some_ids_.clear(), some_specs_.clear();
+        for (const std::size_t i : chosen) {
+            some_ids_.push_back(ids_[i]);
+            some_specs_.push_back(spec_of(i));
+            some_specs_.back().pose = scene_.poses[place()];
+        }
+        world_.remove_bodies(some_ids_);
+        world_.add_bodies(some_specs_, some_ids_);
+        for (std::size_t k = 0; k < chosen.size(); ++k) ids_[chosen[k]] = some_ids_[k];
+    }
+
+    /// The pairs that are not separate, by the bodies' places in the list.
+    using Pairs = std::set<std::tuple<std::uint64_t, std::uint64_t, Verdict>>;
+    static Pairs pairs(World& world)
+    {
+        Pairs found;
+        for (const PairResult& pair : world.step().pairs) {
+            if (pair.verdict == Verdict::separate) continue;
+            const auto [a, b] = std::minmax({world.user(pair.a), world.user(pair.b)});
+            found.insert({a, b, pair.verdict});
+        }
+        return found;
+    }
+
+    /// Do a World made anew and this one find the same?
+    bool is_as_made_anew()
+    {
+        World fresh(world_.settings());
+        std::vector<ModelId> models;
+        for (std::size_t g = 0; g < scene_.geometries.size(); ++g)
+            models.push_back(fresh.add(scene_.geometries.share(g)));
+        for (std::size_t i = 0; i < ids_.size(); ++i) {
+            BodySpec spec = spec_of(i);
+            spec.model = models[index(scene_.geometry[i])], spec.pose = world_.pose(ids_[i]);
+            fresh.add_body(spec);
+        }
+        return pairs(world_) == pairs(fresh);
+    }
+
+    /// Queries of the first bodies' models at places of others.
+    std::vector<ModelQuery> queries(std::size_t count)
+    {
+        std::vector<ModelQuery> queries;
+        for (std::size_t i = 0; i < count; ++i)
+            queries.push_back({models_[index(scene_.geometry[i % size()])], scene_.poses[place()]});
+        return queries;
+    }
+
+private:
+    BodySpec spec_of(std::size_t i) const
+    {
+        return {.model = models_[index(scene_.geometry[i])], .pose = scene_.poses[i], .user = i};
+    }
+    std::size_t place() { return std::size_t(u01(7, draws_++, 0) * double(size())); }
+    /// The next `count` bodies in turn, spread over the list.
+    std::vector<std::size_t> pick(std::size_t count)
+    {
+        std::vector<std::size_t> chosen(count);
+        std::iota(chosen.begin(), chosen.end(), next_);
+        next_ = (next_ + count) % size();
+        for (std::size_t& i : chosen) i = i % size() * stride_ % size();
+        return chosen;
+    }
+
+    Scene scene_;
+    World world_;
+    std::vector<ModelId> models_;
+    std::vector<BodyId> ids_, some_ids_;
+    std::vector<Eigen::Isometry3d> some_poses_;
+    std::vector<BodySpec> some_specs_;
+    std::size_t next_ = 0;
+    std::uint64_t draws_ = 0;
+    static constexpr std::size_t stride_ =
+        7919; ///< a prime: visits each body once where it does not divide their number
+};
+
+/// Milliseconds per frame, the median: of the calls that change something, and of step().
+template <class Change>
+std::pair<double, double> time_frames(Crowd& crowd, int frames, Change change)
+{
+    std::vector<double> changes, steps;
+    for (int frame = -3; frame < frames; ++frame) {
+        const auto begin = Clock::now();
+        change();
+        const double changed = milliseconds_since(begin);
+        crowd.world().step();
+        if (frame < 0) continue; // warming up
+        changes.push_back(changed), steps.push_back(milliseconds_since(begin) - changed);
+    }
+    return {median(changes), median(steps)};
+}
+
+/// Queries per second with so many threads that each make a part of them, one by one.
+double time_queries(const World& world, std::span<const ModelQuery> queries, std::size_t threads)
+{
+    const auto begin = Clock::now();
+    std::vector<std::thread> workers;
+    for (std::size_t w = 0; w < threads; ++w)
+        workers.emplace_back([&, w] {
+            for (std::size_t i = w; i < queries.size(); i += threads) world.query(queries[i].model, queries[i].pose);
+        });
+    for (std::thread& worker : workers) worker.join();
+    return double(queries.size()) / milliseconds_since(begin) * 1000;
+}
+
+} // namespace
+
+int bench_world(const WorldOptions& options)
+{
+    if (options.frames < 1 || options.frames > 1'000'000)
+        throw Error(ErrorKind::usage, fmt::format("--frames {}: must be from 1 to 1000000", options.frames));
+    if (options.bodies < 2 || options.bodies > 1'000'000 || options.bodies % 7919 == 0)
+        throw Error(ErrorKind::usage,
+                    fmt::format("--bodies {}: must be from 2 to 1000000, and no multiple of 7919", options.bodies));
+    if (options.changes < 1 || options.changes > options.bodies)
+        throw Error(ErrorKind::usage,
+                    fmt::format("--changes {}: must be from 1 to the number of bodies", options.changes));
+
+    const auto begin = Clock::now();
+    Crowd crowd(options, std::uint32_t(options.bodies));
+    const double made = milliseconds_since(begin);
+    World& world = crowd.world();
+    const std::size_t pairs = world.step().pairs.size();
+    say("{}scene      many, {} bodies, {} pairs; made in {:.0f} ms, first frame after {:.0f} ms\n"
+        "settings   {}\nframes     {}, the median of each\n\n",
+        describe_program(world.backend()), grouped(crowd.size()), grouped(pairs), made, milliseconds_since(begin),
+        describe(world.settings()), options.frames);
+
+    const auto changes = std::size_t(options.changes);
+    say("{:<34}{:>14}{:>14}{:>14}\n", "ms per frame", "changes", "step", "together");
+    const auto row = [&](const std::string& what, auto change) {
+        const auto [changed, step] = time_frames(crowd, options.frames, change);
+        say("{:<34}{:>14.3f}{:>14.3f}{:>14.3f}\n", what, changed, step, changed + step);
+        return changed + step;
+    };
+    row("nothing changes", [] {});
+    const double moved = row(grouped(changes) + " move", [&] { crowd.move(changes); });
+    const double exchanged =
+        row(fmt::format("{0} removed, {0} added", grouped(changes)), [&] { crowd.exchange(changes); });
+    row("all move", [&] { crowd.move(crowd.size()); });
+    say("\nremoved and added / moved  {:.2f}\n", exchanged / moved);
+
+    const std::vector<ModelQuery> queries = crowd.queries(10'000);
+    world.query(queries.front().model, queries.front().pose); // takes in what changed
+    time_queries(world, queries, 1);                          // warms up
+    const double one = time_queries(world, queries, 1), two = time_queries(world, queries, 2);
+    say("queries    {} per second from one thread, {} from two beside each other ({:.2f} times)\n",
+        grouped(std::uint64_t(one)), grouped(std::uint64_t(two)), two / one);
+    say("memory     World {} MB; process {} MB at its peak\n", world.bytes() / 1'000'000, peak_memory() / 1'000'000);
+
+    const bool same = crowd.is_as_made_anew();
+    say("results    {} a World made anew\n", same ? "those of" : "WRONG: not those of");
+    return same ? 0 : int(ErrorKind::internal);
+}
+
+} // namespace oncollide::tools
