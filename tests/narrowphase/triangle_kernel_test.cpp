@@ -59,7 +59,7 @@ TEST_P(EveryFamilyInEights, IsJudgedAsTheExactTestDoesOrLeftOpen)
         std::size_t open = 0, pairs = 0, meeting = 0;
         for (unsigned turn = 0; turn < 70; ++turn) {
             constexpr unsigned count = 8;
-            std::vector<TrianglePair> eight;
+            std::vector<TwoTriangles> eight;
             std::vector<bool> truth;
             for (unsigned i = 0; i < count; ++i) {
                 eight.push_back(moved(GetParam().make(random), map, Eigen::Vector3d::Zero()));

@@ -12,7 +12,7 @@ namespace oncollide {
 namespace {
 
 /// The longest edge of the two and of what is between them.
-double extent(const TrianglePair& pair)
+double extent(const TwoTriangles& pair)
 {
     double most = 0;
     for (const Eigen::Vector3d& p : pair.first)
@@ -22,9 +22,9 @@ double extent(const TrianglePair& pair)
 }
 
 /// A gap shows exactly between those that the oracle parts, and none wider than the distance.
-void check_gaps(const std::vector<TrianglePair>& pairs)
+void check_gaps(const std::vector<TwoTriangles>& pairs)
 {
-    for (const TrianglePair& pair : pairs) {
+    for (const TwoTriangles& pair : pairs) {
         const double gap = triangle_gap(pair.first, pair.second);
         EXPECT_EQ(gap > 0, oracle::contact(pair.first, pair.second) == TriangleContact::separate) << shown(pair);
         if (gap > 0) {
@@ -37,10 +37,10 @@ void check_gaps(const std::vector<TrianglePair>& pairs)
 }
 
 /// Counts by TriangleContact; a failure for each answer that is not the oracle's.
-std::array<int, 3> check(const std::vector<TrianglePair>& pairs)
+std::array<int, 3> check(const std::vector<TwoTriangles>& pairs)
 {
     std::array<int, 3> count{};
-    for (const TrianglePair& pair : pairs) {
+    for (const TwoTriangles& pair : pairs) {
         const TriangleContact truth = oracle::contact(pair.first, pair.second);
         EXPECT_EQ(static_cast<int>(triangle_contact(pair.first, pair.second)), static_cast<int>(truth)) << shown(pair);
         EXPECT_EQ(triangles_meet(pair.first, pair.second), truth != TriangleContact::separate) << shown(pair);
@@ -51,19 +51,19 @@ std::array<int, 3> check(const std::vector<TrianglePair>& pairs)
 
 class EveryFamily : public testing::TestWithParam<TriangleFamily> {
 protected:
-    std::vector<TrianglePair> pairs(int count, std::uint64_t seed) const
+    std::vector<TwoTriangles> pairs(int count, std::uint64_t seed) const
     {
         GridPoints random(seed);
-        std::vector<TrianglePair> all;
+        std::vector<TwoTriangles> all;
         for (int i = 0; i < count; ++i) all.push_back(GetParam().make(random));
         return all;
     }
 };
 
-std::vector<TrianglePair> all_moved(std::vector<TrianglePair> pairs, double scale, double offset)
+std::vector<TwoTriangles> all_moved(std::vector<TwoTriangles> pairs, double scale, double offset)
 {
     GridPoints random(5);
-    for (TrianglePair& pair : pairs) pair = moved(pair, scale * random.rotation(), offset * random.rotation().col(0));
+    for (TwoTriangles& pair : pairs) pair = moved(pair, scale * random.rotation(), offset * random.rotation().col(0));
     return pairs;
 }
 
@@ -81,15 +81,15 @@ TEST_P(EveryFamily, IsAnsweredAsByTheOracleWhenTurnedAndRounded)
 
 TEST_P(EveryFamily, IsAnsweredAsByTheOracleAtEveryScaleAndOffset)
 {
-    const std::vector<TrianglePair> some = pairs(150, 3);
+    const std::vector<TwoTriangles> some = pairs(150, 3);
     for (double scale : {1e-15, 1e-9, 1e-3, 1e3})
         for (double offset : {0.0, 1.0, 1e8}) check(all_moved(some, scale, offset));
 }
 
 TEST_P(EveryFamily, DoesNotDependOnOrder)
 {
-    std::vector<TrianglePair> some = pairs(60, 4);
-    for (const TrianglePair& pair : all_moved(some, 1, 0)) some.push_back(pair);
+    std::vector<TwoTriangles> some = pairs(60, 4);
+    for (const TwoTriangles& pair : all_moved(some, 1, 0)) some.push_back(pair);
     constexpr int orders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
     const auto reordered = [&](const TrianglePoints& t, const int o[3]) {
         return TrianglePoints{t[o[0]], t[o[1]], t[o[2]]};
@@ -117,7 +117,7 @@ INSTANTIATE_TEST_SUITE_P(TriangleTest, EveryFamily, testing::ValuesIn(triangle_f
 TEST(TriangleTest, IsExactOnATinyGrid)
 {
     GridPoints random(6);
-    std::vector<TrianglePair> pairs;
+    std::vector<TwoTriangles> pairs;
     for (int i = 0; i < 20000; ++i) pairs.emplace_back(random.triangle(1), random.triangle(1));
     check_gaps(pairs);
     const std::array<int, 3> count = check(pairs);
@@ -138,7 +138,7 @@ TEST(TriangleTest, TakesSegmentsAndPointsAsWhatTheyAre)
     GridPoints random(7);
     for (int of_a = 1; of_a <= 3; ++of_a)
         for (int of_b = 1; of_b <= 3; ++of_b) {
-            std::vector<TrianglePair> pairs;
+            std::vector<TwoTriangles> pairs;
             for (int i = 0; i < 600; ++i) {
                 const TrianglePoints a = degenerate(of_a, random);
                 TrianglePoints b = degenerate(of_b, random);
@@ -161,7 +161,7 @@ TEST(TriangleTest, IsExactForSubnormalAndHugeCoordinates)
 {
     GridPoints random(8);
     for (double scale : {0x1p-1074, 0x1p-1060, 0x1p-1000, 0x1p-400, 0x1p400, 0x1p1000, 0x1.8p1022}) {
-        std::vector<TrianglePair> pairs;
+        std::vector<TwoTriangles> pairs;
         for (int i = 0; i < 300; ++i) {
             pairs.emplace_back(random.triangle(1), random.triangle(1));
             for (TrianglePoints* t : {&pairs.back().first, &pairs.back().second})
@@ -176,7 +176,7 @@ TEST(TriangleTest, IsExactWhereMagnitudesAreFarApart)
     GridPoints random(9);
     const auto any = [&](int spread) { return std::ldexp(random.number(-3, 3), random.number(-spread, spread)); };
     for (int spread : {50, 300, 1000}) {
-        std::vector<TrianglePair> pairs;
+        std::vector<TwoTriangles> pairs;
         for (int i = 0; i < (spread == 1000 ? 4 : 300); ++i) {
             auto& [a, b] = pairs.emplace_back();
             for (TrianglePoints* t : {&a, &b})
@@ -225,8 +225,8 @@ double length_of_contact(const TrianglePoints& a, const TrianglePoints& b)
 TEST_P(EveryFamily, HasContactsInBothTriangles)
 {
     int met = 0;
-    std::vector<TrianglePair> some = pairs(1000, 10);
-    for (const TrianglePair& pair : all_moved(some, 1e-6, 0)) some.push_back(pair);
+    std::vector<TwoTriangles> some = pairs(1000, 10);
+    for (const TwoTriangles& pair : all_moved(some, 1e-6, 0)) some.push_back(pair);
     for (const auto& [a, b] : some) {
         const TriangleContact contact = triangle_contact(a, b);
         if (contact == TriangleContact::separate) continue;

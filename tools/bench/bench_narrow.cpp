@@ -31,13 +31,13 @@ std::vector<NarrowQuery> parse_queries(const std::string& list)
     return queries;
 }
 
-struct NamedMesh {
+struct BenchedMesh {
     std::string name;
     Mesh mesh;
 };
 
 /// The mesh without its triangles that have no area: whether these meet anything, the peers cannot agree.
-NamedMesh with_area(NamedMesh named)
+BenchedMesh with_area(BenchedMesh named)
 {
     const Mesh& mesh = named.mesh;
     if (mesh.zero_area == 0) return named;
@@ -50,7 +50,7 @@ NamedMesh with_area(NamedMesh named)
 }
 
 /// Two files, the pair of the pose set, or generated.
-std::array<NamedMesh, 2> open_meshes(const NarrowOptions& options)
+std::array<BenchedMesh, 2> open_meshes(const NarrowOptions& options)
 {
     const auto load = [](const fs::path& path) { return with_area({path.stem().string(), load_mesh(path)}); };
     if (options.meshes.size() == 2) return {load(options.meshes[0]), load(options.meshes[1])};
@@ -58,8 +58,8 @@ std::array<NamedMesh, 2> open_meshes(const NarrowOptions& options)
         const PoseSet set = pose_set(data_folder(options.data));
         return {load(set.mesh_a), load(set.mesh_b)};
     }
-    return {NamedMesh{"knot-3-4", make_torus_knot_mesh(3, 4, 1, 0.4, 0.18, 5082)},
-            NamedMesh{"knot-2-3", make_torus_knot_mesh(2, 3, 1, 0.4, 0.18, 5144)}};
+    return {BenchedMesh{"knot-3-4", make_torus_knot_mesh(3, 4, 1, 0.4, 0.18, 5082)},
+            BenchedMesh{"knot-2-3", make_torus_knot_mesh(2, 3, 1, 0.4, 0.18, 5144)}};
 }
 
 /// Poses of a file, with the exact results beside it when there are any.
@@ -129,7 +129,7 @@ int bench_narrow(const NarrowOptions& options)
     if (!options.csv.empty()) csv.emplace(options.csv);
     if (!options.plot.empty()) plot.emplace(options.plot);
 
-    const std::array<NamedMesh, 2> meshes = open_meshes(options);
+    const std::array<BenchedMesh, 2> meshes = open_meshes(options);
     const Mesh &a = meshes[0].mesh, &b = meshes[1].mesh;
     result.mesh_a = meshes[0].name, result.triangles_a = a.triangles.size();
     result.mesh_b = meshes[1].name, result.triangles_b = b.triangles.size();

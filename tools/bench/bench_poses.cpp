@@ -24,7 +24,7 @@ double milliseconds(Work work)
 }
 
 /// One way to answer, and what it took.
-struct Contender {
+struct PoseContender {
     std::string name;
     std::function<bool(const KnownPose&)> answer; ///< true: not known to be separate
     std::vector<double> us = {};                  ///< by pose, the least of the repeats
@@ -66,14 +66,14 @@ public:
             grouped(poses_.size()),
             std::count_if(poses_.begin(), poses_.end(), [](const KnownPose& p) { return *p.colliding; }),
             options_.repeats, describe_program(make_cpu_backend()->name()));
-        for (Contender& who : contenders_) who.us.assign(poses_.size(), 1e300);
+        for (PoseContender& who : contenders_) who.us.assign(poses_.size(), 1e300);
         grow();
         for (std::size_t i = 0; i < poses_.size(); ++i) measure(i);
         print_table();
         check_fcl();
         if (!options_.csv.empty()) write_csv();
         std::uint64_t missed = 0;
-        for (const Contender& who : contenders_) missed += who.name.starts_with("FCL") ? 0 : who.missed;
+        for (const PoseContender& who : contenders_) missed += who.name.starts_with("FCL") ? 0 : who.missed;
         return missed ? int(ErrorKind::internal) : 0;
     }
 
@@ -110,7 +110,7 @@ private:
     {
         const KnownPose& pose = poses_[i];
         for (std::size_t k = 0; k < contenders_.size(); ++k) {
-            Contender& who = contenders_[(i + k) % contenders_.size()]; // turn about
+            PoseContender& who = contenders_[(i + k) % contenders_.size()]; // turn about
             bool answer = false;
             for (int repeat = 0; repeat < options_.repeats; ++repeat) {
                 const auto from = Clock::now();
@@ -124,7 +124,7 @@ private:
 
     void print_table() const
     {
-        const auto part = [&](const Contender& who, bool colliding) {
+        const auto part = [&](const PoseContender& who, bool colliding) {
             std::vector<double> us;
             for (std::size_t i = 0; i < poses_.size(); ++i)
                 if (poses_[i].colliding == colliding) us.push_back(who.us[i]);
@@ -133,7 +133,7 @@ private:
         const double fcl_median = median(contenders_[0].us), fcl_mean = mean(contenders_[0].us);
         say("{:<16}{:>10}{:>10}{:>12}{:>12}{:>12}{:>12}{:>10}{:>10}\n", "microseconds", "median", "mean", "mean, hits",
             "mean, misses", "OBB/median", "OBB/mean", "false", "missed");
-        for (const Contender& who : contenders_)
+        for (const PoseContender& who : contenders_)
             say("{:<16}{:>10.2f}{:>10.2f}{:>12.2f}{:>12.2f}{:>12.2f}{:>12.2f}{:>10}{:>10}\n", who.name, median(who.us),
                 mean(who.us), mean(part(who, true)), mean(part(who, false)), fcl_median / median(who.us),
                 fcl_mean / mean(who.us), who.false_positives, who.missed);
@@ -171,11 +171,11 @@ private:
     {
         OutputFile file(options_.csv);
         file.print("pose,colliding,triangle_pairs");
-        for (const Contender& who : contenders_) file.print(",{} us", who.name);
+        for (const PoseContender& who : contenders_) file.print(",{} us", who.name);
         file.print("\n");
         for (std::size_t i = 0; i < poses_.size(); ++i) {
             file.print("{},{},{}", i, int(*poses_[i].colliding), *poses_[i].triangle_pairs);
-            for (const Contender& who : contenders_) file.print(",{:.3f}", who.us[i]);
+            for (const PoseContender& who : contenders_) file.print(",{:.3f}", who.us[i]);
             file.print("\n");
         }
         file.commit();
@@ -188,7 +188,7 @@ private:
     double obb_ms_ = 0, rss_ms_ = 0; ///< to build them
     std::vector<std::unique_ptr<TreePair>> trees_;
     std::vector<double> growth_, cell_pairs_; ///< by tree
-    std::vector<Contender> contenders_;
+    std::vector<PoseContender> contenders_;
 };
 
 } // namespace

@@ -18,13 +18,13 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double grid = 0x1p-13; // metres
-constexpr std::string_view names[] = {"brown",          "large",
-                                      "mixed",          "flat",
-                                      "clustered",      "static",
-                                      "giant",          "jump",
-                                      "freefall-cubes", "freefall-assorted",
-                                      "brownian-cubes", "brownian-assorted",
-                                      "gravity-cubes",  "gravity-assorted"};
+constexpr std::string_view scene_names[] = {"brown",          "large",
+                                            "mixed",          "flat",
+                                            "clustered",      "static",
+                                            "giant",          "jump",
+                                            "freefall-cubes", "freefall-assorted",
+                                            "brownian-cubes", "brownian-assorted",
+                                            "gravity-cubes",  "gravity-assorted"};
 
 /// What the boxes of a scene are made from.
 struct Swarm {
@@ -204,7 +204,7 @@ BoxScene make(std::string_view name, std::size_t count, std::uint64_t seed)
 
 std::span<const std::string_view> box_scene_names()
 {
-    return names;
+    return scene_names;
 }
 
 Aabb box_on_grid(const Vector3d& position, const Vector3d& half)
@@ -219,9 +219,9 @@ Aabb box_on_grid(const Vector3d& position, const Vector3d& half)
 
 BoxScene make_box_scene(std::string_view name, std::size_t count, std::uint64_t seed)
 {
-    if (std::find(std::begin(names), std::end(names), name) == std::end(names))
+    if (std::find(std::begin(scene_names), std::end(scene_names), name) == std::end(scene_names))
         throw Error(ErrorKind::usage, fmt::format("no scene '{}' of boxes; there are: {}, or a recording FILE.aabbs",
-                                                  name, fmt::join(names, ", ")));
+                                                  name, fmt::join(scene_names, ", ")));
     if (count < 1 || count > most_boxes)
         throw Error(ErrorKind::usage, fmt::format("{} boxes: must be from 1 to {}", count, most_boxes));
     BoxScene scene = make(name, count, seed);

@@ -56,15 +56,15 @@ std::uint64_t not_in(const std::vector<TrianglePair>& these, const std::vector<T
     return count;
 }
 
-struct Entrant {
+struct NarrowEntrant {
     NarrowRow row;
     std::unique_ptr<NarrowPeer> peer;
 };
 
-class Race {
+class NarrowRace {
 public:
-    Race(const Mesh& a, const Mesh& b, const NarrowWorkload& workload, const NarrowTruth& truth,
-         const std::vector<NarrowQuery>& queries, int repeats)
+    NarrowRace(const Mesh& a, const Mesh& b, const NarrowWorkload& workload, const NarrowTruth& truth,
+               const std::vector<NarrowQuery>& queries, int repeats)
         : a_(a), b_(b), workload_(workload), truth_(truth), queries_(queries), repeats_(repeats)
     {
     }
@@ -72,7 +72,7 @@ public:
     /// Builds the contender and lets it meet every pose once.
     void enter(const NarrowContender& contender)
     {
-        Entrant entrant;
+        NarrowEntrant entrant;
         entrant.row.contender = &contender;
         for (NarrowQuery query : queries_)
             if (supports(contender, query)) entrant.row.queries[std::size_t(query)] = empty_result(query);
@@ -100,11 +100,11 @@ public:
         for (std::size_t pose = 0; pose < workload_.poses.size(); ++pose, progress.step())
             for (NarrowQuery query : queries_)
                 for (std::size_t k = 0; k < entrants_.size(); ++k)
-                    if (Entrant& entrant = entrants_[(k + pose) % entrants_.size()];
+                    if (NarrowEntrant& entrant = entrants_[(k + pose) % entrants_.size()];
                         supports(*entrant.row.contender, query))
                         measure(entrant, query, pose);
         std::vector<NarrowRow> rows;
-        for (Entrant& entrant : entrants_) rows.push_back(std::move(entrant.row));
+        for (NarrowEntrant& entrant : entrants_) rows.push_back(std::move(entrant.row));
         return rows;
     }
 
@@ -121,7 +121,7 @@ private:
         return result;
     }
 
-    void measure(Entrant& entrant, NarrowQuery query, std::size_t pose)
+    void measure(NarrowEntrant& entrant, NarrowQuery query, std::size_t pose)
     {
         double least = 1e300, sum = 0;
         for (int repeat = 0; repeat < repeats_ && sum < long_us; ++repeat) {
@@ -159,7 +159,7 @@ private:
     const NarrowTruth& truth_;
     const std::vector<NarrowQuery>& queries_;
     int repeats_;
-    std::vector<Entrant> entrants_;
+    std::vector<NarrowEntrant> entrants_;
     Found found_;
 };
 
@@ -175,7 +175,7 @@ std::vector<NarrowRow> race(const Mesh& a, const Mesh& b, const NarrowWorkload& 
                             const std::vector<NarrowContender>& contenders, const std::vector<NarrowQuery>& queries,
                             int repeats)
 {
-    Race race(a, b, workload, truth, queries, repeats);
+    NarrowRace race(a, b, workload, truth, queries, repeats);
     for (const NarrowContender& contender : contenders)
         if (std::any_of(queries.begin(), queries.end(), [&](NarrowQuery query) { return supports(contender, query); }))
             race.enter(contender);

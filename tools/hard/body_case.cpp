@@ -70,4 +70,9 @@ Eigen::Matrix3d turn_by(double angle, const Eigen::Vector3d& axis)
     return Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
 }
 
+Mesh scaled(const Mesh& mesh, double scale)
+{
+    return transformed("hard case", mesh, scale, Eigen::Vector3d::Zero());
+}
+
 } // namespace oncollide::tools

@@ -47,4 +47,7 @@ Eigen::Isometry3d at(const Eigen::Vector3d& place, const Eigen::Matrix3d& turn);
 /// By an angle about an axis.
 Eigen::Matrix3d turn_by(double angle, const Eigen::Vector3d& axis);
 
+/// About the origin.
+Mesh scaled(const Mesh& mesh, double scale);
+
 } // namespace oncollide::tools

@@ -12,11 +12,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-Mesh scaled(const Mesh& mesh, double scale)
-{
-    return transformed("hard case", mesh, scale, Vector3d::Zero());
-}
-
 /// As surfaces: they collide only where these meet.
 void nested(std::vector<BodyCase>& cases)
 {

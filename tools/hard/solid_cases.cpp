@@ -29,11 +29,6 @@ Mesh shifted(const Mesh& mesh, const Vector3d& by)
     return turned(mesh, Eigen::Matrix3d::Identity(), by);
 }
 
-Mesh scaled(const Mesh& mesh, double scale)
-{
-    return transformed("hard case", mesh, scale, Vector3d::Zero());
-}
-
 /// A case of `family` with both truths known.
 struct Family {
     std::vector<BodyCase>& cases;

@@ -16,7 +16,7 @@
 
 namespace oncollide {
 
-using TrianglePair = std::pair<TrianglePoints, TrianglePoints>;
+using TwoTriangles = std::pair<TrianglePoints, TrianglePoints>;
 
 /// Random integers, as points of a grid of 2^-20.
 class GridPoints {
@@ -42,7 +42,7 @@ private:
 };
 
 /// Its corners, to the last bit.
-inline std::string shown(const TrianglePair& pair)
+inline std::string shown(const TwoTriangles& pair)
 {
     std::ostringstream out;
     out << std::hexfloat;
@@ -53,7 +53,7 @@ inline std::string shown(const TrianglePair& pair)
 
 struct TriangleFamily {
     std::string name;
-    std::function<TrianglePair(GridPoints&)> make; ///< in units
+    std::function<TwoTriangles(GridPoints&)> make; ///< in units
 };
 
 inline std::ostream& operator<<(std::ostream& out, const TriangleFamily& family)
@@ -84,7 +84,7 @@ inline TrianglePoints of_sixteenths(GridPoints& random, int most)
     return t;
 }
 
-inline TrianglePair edge_touching_edge(GridPoints& random)
+inline TwoTriangles edge_touching_edge(GridPoints& random)
 {
     const TrianglePoints a = of_sixteenths(random, 1 << 19);
     const Eigen::Vector3d at = a[0] + random.number(0, 16) * (a[1] - a[0]) / 16, along = random.point(1 << 12);
@@ -97,7 +97,7 @@ inline TrianglePoints sliver(GridPoints& random)
     return {t[0], t[1], t[0] + random.number(-4, 20) * (t[1] - t[0]) / 16 + random.point(1)};
 }
 
-inline TrianglePair coplanar(GridPoints& random)
+inline TwoTriangles coplanar(GridPoints& random)
 {
     const Eigen::Vector3d origin = random.point(1 << 18), u = random.point(1 << 8), v = random.point(1 << 8);
     const auto corner = [&] {
@@ -107,7 +107,7 @@ inline TrianglePair coplanar(GridPoints& random)
     return {triangle(), triangle()};
 }
 
-inline TrianglePair near_parallel(GridPoints& random)
+inline TwoTriangles near_parallel(GridPoints& random)
 {
     auto [a, b] = coplanar(random);
     for (Eigen::Vector3d& p : b) p += random.point(1);
@@ -115,11 +115,11 @@ inline TrianglePair near_parallel(GridPoints& random)
 }
 
 /// A corner on an edge, in a plane across z and turned in it: what the signs of two dimensions decide.
-inline TrianglePair corner_on_edge(GridPoints& random)
+inline TwoTriangles corner_on_edge(GridPoints& random)
 {
     TrianglePoints a = of_sixteenths(random, 1 << 20);
     const Eigen::Vector3d at = a[0] + random.number(0, 16) * (a[1] - a[0]) / 16;
-    TrianglePair pair{a, {at, random.point(1 << 20), random.point(1 << 20)}};
+    TwoTriangles pair{a, {at, random.point(1 << 20), random.point(1 << 20)}};
     const double angle = random.number(1, 1 << 20) * 0x1p-18;
     for (TrianglePoints* t : {&pair.first, &pair.second})
         for (Eigen::Vector3d& p : *t)
@@ -132,35 +132,35 @@ inline std::vector<TriangleFamily> triangle_families()
 {
     constexpr int most = 1 << 20;
     return {
-        {"random large", [](GridPoints& r) { return TrianglePair(r.triangle(most), r.triangle(most)); }},
-        {"random small", [](GridPoints& r) { return TrianglePair(r.triangle(most / 100), r.triangle(most / 100)); }},
+        {"random large", [](GridPoints& r) { return TwoTriangles(r.triangle(most), r.triangle(most)); }},
+        {"random small", [](GridPoints& r) { return TwoTriangles(r.triangle(most / 100), r.triangle(most / 100)); }},
         {"coplanar", coplanar},
         {"shared vertex",
          [](GridPoints& r) {
              const TrianglePoints a = r.triangle(most);
-             return TrianglePair(a, {r.point(most), a[r.number(0, 2)], r.point(most)});
+             return TwoTriangles(a, {r.point(most), a[r.number(0, 2)], r.point(most)});
          }},
         {"shared edge",
          [](GridPoints& r) {
              const TrianglePoints a = r.triangle(most);
              const int k = r.number(0, 2);
-             return TrianglePair(a, {a[k], r.point(most), a[(k + 1) % 3]});
+             return TwoTriangles(a, {a[k], r.point(most), a[(k + 1) % 3]});
          }},
         {"vertex on face",
          [](GridPoints& r) {
              const TrianglePoints a = of_sixteenths(r, most);
-             return TrianglePair(a, {inside(a, r), r.point(most), r.point(most)});
+             return TwoTriangles(a, {inside(a, r), r.point(most), r.point(most)});
          }},
         {"vertex 1e-6 off a face",
          [](GridPoints& r) {
              const TrianglePoints a = of_sixteenths(r, most);
-             return TrianglePair(a, {inside(a, r) + r.point(1), r.point(most), r.point(most)});
+             return TwoTriangles(a, {inside(a, r) + r.point(1), r.point(most), r.point(most)});
          }},
         {"edge touches edge", edge_touching_edge},
-        {"slivers", [](GridPoints& r) { return TrianglePair(sliver(r), sliver(r)); }},
+        {"slivers", [](GridPoints& r) { return TwoTriangles(sliver(r), sliver(r)); }},
         {"far from the origin",
          [](GridPoints& r) {
-             TrianglePair pair(r.triangle(1 << 10), r.triangle(1 << 10));
+             TwoTriangles pair(r.triangle(1 << 10), r.triangle(1 << 10));
              for (TrianglePoints* t : {&pair.first, &pair.second})
                  for (Eigen::Vector3d& p : *t) p.array() += 0x1p40;
              return pair;
@@ -171,7 +171,7 @@ inline std::vector<TriangleFamily> triangle_families()
 }
 
 /// Every corner p becomes turn * p + by, rounded.
-inline TrianglePair moved(TrianglePair pair, const Eigen::Matrix3d& turn, const Eigen::Vector3d& by)
+inline TwoTriangles moved(TwoTriangles pair, const Eigen::Matrix3d& turn, const Eigen::Vector3d& by)
 {
     for (TrianglePoints* t : {&pair.first, &pair.second})
         for (Eigen::Vector3d& p : *t) p = turn * p + by;

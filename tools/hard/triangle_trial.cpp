@@ -10,7 +10,7 @@
 namespace oncollide::tools {
 namespace {
 
-void try_pair(const oncollide::TrianglePair& pair, Tally& tally)
+void try_pair(const oncollide::TwoTriangles& pair, Tally& tally)
 {
     const auto& [a, b] = pair;
     const TriangleContact truth = oracle::contact(a, b);
@@ -36,7 +36,7 @@ Tally try_triangles(const TriangleFamily& family, std::uint64_t count, bool turn
 {
     constexpr std::uint64_t batch = 10'000, grain = 250;
     GridPoints random(turned ? 2 : 1), turns(3);
-    std::vector<oncollide::TrianglePair> pairs;
+    std::vector<oncollide::TwoTriangles> pairs;
     std::vector<Tally> tallies;
     Tally sum{.family = family.name + (turned ? ", turned" : "")};
     for (std::uint64_t first = 0; first < count; first += batch) {
