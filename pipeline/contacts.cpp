@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/pipeline/contact_finding.hpp>
+#include <oncollide/pipeline/refine/contact_finding.hpp>
 #include <oncollide/scenes/scene.hpp>
 
 namespace oncollide {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include <oncollide/pipeline/bodies.hpp>
-#include <oncollide/pipeline/pair_refiner.hpp>
+#include <oncollide/pipeline/refine/pair_refiner.hpp>
 #include <oncollide/pipeline/results.hpp>
 #include <oncollide/pipeline/settings.hpp>
 

@@ -6,8 +6,8 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/pipeline/contact_finding.hpp>
-#include <oncollide/pipeline/narrowing.hpp>
+#include <oncollide/pipeline/refine/contact_finding.hpp>
+#include <oncollide/pipeline/refine/narrowing.hpp>
 
 namespace oncollide {
 

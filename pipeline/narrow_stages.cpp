@@ -1,7 +1,7 @@
 // The stages that narrow pairs down: ocst, exact.
 #include <algorithm>
 
-#include <oncollide/pipeline/narrowing.hpp>
+#include <oncollide/pipeline/refine/narrowing.hpp>
 #include <oncollide/pipeline/stage.hpp>
 
 namespace oncollide {

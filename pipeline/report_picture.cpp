@@ -93,7 +93,7 @@ void draw_funnel(OutputFile& file, std::span<const StageStats> stages, double bo
         text(file, x_of(n), bottom + 15, Anchor::middle, "tick", fmt::format("{:.0f}", n));
     }
     text(file, (left + bar_right) / 2, bottom + 33, Anchor::middle, "label",
-         "bodies or pairs, mean of a frame (logarithmic)");
+         "bodies or pairs, mean per frame (logarithmic)");
     for (std::size_t k = 0; k < stages.size(); ++k) {
         const StageStats& s = stages[k];
         const double y = funnel_top + row_height * double(k), frames = std::max<double>(1, double(s.frames));

@@ -2,8 +2,8 @@
 #include <atomic>
 #include <mutex>
 
-#include <oncollide/pipeline/contact_finding.hpp>
-#include <oncollide/pipeline/narrowing.hpp>
+#include <oncollide/pipeline/refine/contact_finding.hpp>
+#include <oncollide/pipeline/refine/narrowing.hpp>
 #include <oncollide/pipeline/stage.hpp>
 #include <oncollide/pipeline/world.hpp>
 

@@ -1,8 +1,9 @@
 // A hierarchy of its own for tests: cubes of a regular grid, as an implicit octree over it, and their tests against
 // triangles. It is all that the walk over boxes needs to know of a new kind of geometry.
 #pragma once
+#include <algorithm>
+#include <array>
 #include <cstdint>
-#include <ranges>
 #include <vector>
 
 #include <oncollide/narrowphase/boxes/hierarchy.hpp>
@@ -59,7 +60,7 @@ public:
     auto primitives(const Node& node, unsigned k) const
     {
         const Node cube = below(node, k);
-        return std::views::single((cube.z * size_ + cube.y) * size_ + cube.x);
+        return std::array{(cube.z * size_ + cube.y) * size_ + cube.x};
     }
 
     /// The corners of a cube: bit 0 of the number is x, bit 1 y, bit 2 z.

@@ -94,7 +94,8 @@ TEST(OccupancyMap, ImpossibleBuildingsAreRefused)
 {
     for (const auto& [rooms, resolution] : {std::pair{0, 0.1}, {101, 0.1}, {2, 0.0}, {2, -0.1}, {2, 2.0}, {50, 0.01}})
         expect_error(
-            ErrorKind::usage, [&] { make_building_map(rooms, resolution, 1); }, "building: ");
+            ErrorKind::usage, [rooms = rooms, resolution = resolution] { make_building_map(rooms, resolution, 1); },
+            "building: ");
     expect_error(
         ErrorKind::usage, [&] { make_building_map(2, std::nan(""), 1); }, "resolution is nan");
 }

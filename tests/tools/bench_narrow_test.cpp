@@ -44,7 +44,7 @@ TEST_F(CommandLine, BenchNarrowRefusesWhatDoesNotExistBeforeItStarts)
 {
     write_cube("cube.off");
     expect_error(64, {"bench", "narrow", "--only", "walk-5,fcl"}, {"--only fcl", "walk-6", "fcl-obbrss"});
-    expect_error(64, {"bench", "narrow", "--ask", "bool"}, {"--ask bool", "boolean, all, distance"});
+    expect_error(64, {"bench", "narrow", "--query", "bool"}, {"--query bool", "boolean, all, distance"});
     for (const char* bad : {"x", "", "1,", "-60", "nan", "5%"})
         expect_error(64, {"bench", "narrow", fmt::format("--distances={}", *bad ? bad : ",")}, {"--distances", "-50"});
     expect_error(64, {"bench", "narrow", "--count", "0"}, {"--count 0", "1 to"});
@@ -118,7 +118,7 @@ TEST_F(CommandLine, BenchNarrowReadsMeshesPosesAndTheirAnswers)
         all.insert(all.end(), more.begin(), more.end());
         return run(all);
     };
-    const Outcome outcome = ask({"--ask", "boolean", "--csv", "-"});
+    const Outcome outcome = ask({"--query", "boolean", "--csv", "-"});
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_NE(outcome.out.find("2 poses, of which the judge differs in 0"), std::string::npos) << outcome.out;
     EXPECT_NE(outcome.out.find("within 50 %"), std::string::npos) << outcome.out;

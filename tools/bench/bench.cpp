@@ -52,7 +52,7 @@ void add_paper(Arguments bench)
 void add_poses(Arguments bench)
 {
     Arguments sub =
-        bench.add_command("poses", "One pair of meshes in 1,000 poses with known answers (needs the data folder)");
+        bench.add_command("poses", "One pair of meshes in 1,000 poses with known results (needs the data folder)");
     auto options = std::make_shared<PosesOptions>();
     sub.add_option("--data", options->data, "folder with poses/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
         .type_name("DIR");
@@ -112,12 +112,12 @@ void add_narrow(Arguments bench)
                                       "(default 0,0.1,1,5,10,20,40); 0 just touches, negative collides");
     distances.type_name("LIST");
     Option poses = sub.add_option("--poses", options->poses,
-                                  "poses from a file for these meshes, with its exact answers if FILE_expected lies "
+                                  "poses from a file for these meshes, with its exact results if FILE_expected lies "
                                   "beside it; without FILE the data folder's set with its own meshes");
     poses.type_name("FILE").expected(0, 1);
     sub.add_option("--count", options->count, "poses a distance (default 100), or of the file (default: all)")
         .type_name("N");
-    sub.add_option("--ask", options->ask,
+    sub.add_option("--query,--ask", options->ask,
                    "queries: boolean (do they collide?), all (which triangles meet?), distance (default: all three)")
         .type_name("LIST");
     sub.add_option("--only", options->only, "these contenders alone").type_name("LIST");
@@ -130,7 +130,7 @@ void add_narrow(Arguments bench)
     sub.footer("Examples:\n"
                "  oncollide bench narrow                                     two generated knots, no files needed\n"
                "  oncollide bench narrow cup.obj spoon.stl --distances 0,1,10 --plot narrow.svg\n"
-               "  oncollide bench narrow --poses --ask boolean --only walk-6,fcl-obb,fcl-obbrss\n"
+               "  oncollide bench narrow --poses --query boolean --only walk-6,fcl-obb,fcl-obbrss\n"
                "Every result is checked, by CGAL where this build has it. In 'results', +k are false positives and\n"
                "MISSED k collisions lost (of 'all': pairs of triangles). Exit code 70: oncollide lost one, or an\n"
                "exact result of it is wrong. What each contender counts: docs/benchmarks.md.");

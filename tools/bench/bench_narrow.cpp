@@ -22,7 +22,7 @@ std::vector<NarrowQuery> parse_queries(const std::string& list)
     for (const std::string& part : split(list)) {
         const auto found = std::find(query_names.begin(), query_names.end(), part);
         if (found == query_names.end())
-            usage(fmt::format("--ask {}: no such query; there are: {}", part, fmt::join(query_names, ", ")));
+            usage(fmt::format("--query {}: no such query; there are: {}", part, fmt::join(query_names, ", ")));
         wanted[std::size_t(found - query_names.begin())] = true;
     }
     std::vector<NarrowQuery> queries;
@@ -124,7 +124,7 @@ int bench_narrow(const NarrowOptions& options)
                            [&](NarrowQuery query) { return supports(contender, query); });
     };
     if (std::none_of(contenders.all.begin(), contenders.all.end(), supports_any))
-        usage(fmt::format("--only {}: supports none of --ask {}", options.only, options.ask));
+        usage(fmt::format("--only {}: supports none of --query {}", options.only, options.ask));
     std::optional<OutputFile> csv, plot;
     if (!options.csv.empty()) csv.emplace(options.csv);
     if (!options.plot.empty()) plot.emplace(options.plot);

@@ -119,7 +119,7 @@ void SceneReport::print_memory(std::uint64_t nodes) const
     say("process {:.1f} MB at its peak{}\n", double(peak_memory()) / 1e6,
         with_fcl_ && with_ours_ ? " (both; --only tells them apart)" : "");
     if (const auto [triangles, bytes] = in_meshes(); triangles) {
-        const auto each = [&](std::size_t all) { return double(all) / double(triangles); };
+        const auto each = [count = double(triangles)](std::size_t all) { return double(all) / count; };
         say("           bytes a triangle:");
         if (with_ours_)
             say(" trees {:.0f}, with the meshes {:.0f};", each(runs_.our_bytes), each(runs_.our_bytes + bytes));

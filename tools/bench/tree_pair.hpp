@@ -1,7 +1,7 @@
 #pragma once
 #include <cstdint>
 
-#include <oncollide/pipeline/sphere_refiner.hpp>
+#include <oncollide/pipeline/refine/sphere_refiner.hpp>
 
 namespace oncollide::tools {
 

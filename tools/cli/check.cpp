@@ -125,8 +125,8 @@ std::string describe_distance(const Scene& scene, const World& world, double tol
 {
     const Distance d = world.distance(BodyId{0}, BodyId{1}, tolerance);
     if (d.upper == 0)
-        return fmt::format("distance: 0, triangle {} of '{}' meets triangle {} of '{}'.", d.triangle_a, scene.label(BodyId{0}),
-                           d.triangle_b, scene.label(BodyId{1}));
+        return fmt::format("distance: 0, triangle {} of '{}' meets triangle {} of '{}'.", d.triangle_a,
+                           scene.label(BodyId{0}), d.triangle_b, scene.label(BodyId{1}));
     return fmt::format(
         "distance: from {:.12g} to {:.12g} m (certified), between triangle {} of '{}' and triangle {} of "
         "'{}'.",
@@ -153,8 +153,8 @@ int check_pair(const CheckOptions& options)
     const Scene scene = load_pair(options);
     for (std::uint32_t body = 0; (contacts || options.distance) && body < scene.size(); ++body)
         if (!std::holds_alternative<Mesh>(scene.geometries[index(scene.geometry[body])].data))
-            throw Error(ErrorKind::usage,
-                        fmt::format("{}: '{}' is no mesh", contacts ? "--contacts" : "--distance", scene.label(BodyId{body})));
+            throw Error(ErrorKind::usage, fmt::format("{}: '{}' is no mesh", contacts ? "--contacts" : "--distance",
+                                                      scene.label(BodyId{body})));
     if (!options.quiet) print_warnings(scene);
     Pipeline pipeline(scene, settings);
     Report report(scene, pipeline, true);
@@ -194,7 +194,7 @@ void add_check(Arguments app)
     sub.add_option("--distance", options->distance,
                    "also bound the distance of two meshes, to this tolerance in metres; 0: as exact as doubles allow")
         .type_name("M");
-    sub.add_flag("--quiet", options->quiet, "print nothing but errors; the exit code is the answer");
+    sub.add_flag("--quiet", options->quiet, "print nothing but errors; the exit code is the result");
     sub.footer("Exit codes: 0 separate, 1 colliding, 2 within or undecided, 64 and above: error.\n"
                "Without --exact nothing is called colliding: bodies that may touch are 'within' a bound.\n"
                "Examples:\n"

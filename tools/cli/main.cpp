@@ -18,7 +18,7 @@ int parse_and_run(int argc, char** argv)
                      fmt::format("oncollide {}", version));
     line.arguments().footer(
         "Exit codes: 0 success, 64 usage, 65 bad data, 66 no input, 70 internal fault, 71 no GPU, 73 cannot write,\n"
-        "130 interrupted. 'check' answers with 0 separate, 1 colliding, 2 within or undecided.\n"
+        "130 interrupted. 'check' returns 0 separate, 1 colliding, 2 within or undecided.\n"
         "Start with:  oncollide demo\n"
         "Then:        oncollide COMMAND --help");
     add_commands(line.arguments());

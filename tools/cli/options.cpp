@@ -57,7 +57,8 @@ bool same_place(const std::string& a, const std::string& b)
 void add_accuracy_options(Arguments command, SettingsOptions& o)
 {
     command.add_option("--depth", o.depth, "depth of the sphere-trees, 1 to 16 (default 6)").type_name("D");
-    command.add_option("--max-error", o.max_error, "instead of --depth: largest error in metres of the answer 'within'")
+    command
+        .add_option("--max-error", o.max_error, "instead of --depth: largest error in metres of the verdict 'within'")
         .type_name("M");
     command.add_option("--clearance", o.clearance, "metres: bodies this close count as touching (default 0)")
         .type_name("M");
@@ -79,7 +80,7 @@ void add_pipeline_options(Arguments command, SettingsOptions& o)
 {
     command
         .add_option("--backend", o.backend,
-                    "who finds the grey cells: cpu (default), gl-compute (a GPU, the same answers), gl-query (the "
+                    "what finds the grey cells: cpu (default), gl-compute (a GPU, the same results), gl-query (the "
                     "paper's occlusion queries, which miss some), or auto: gl-compute on a real GPU, else cpu")
         .type_name("NAME");
     command.add_option("--gpu", o.gpu, "number of the GPU, as 'oncollide doctor' lists them (default: the first)")
@@ -94,7 +95,7 @@ void add_pipeline_options(Arguments command, SettingsOptions& o)
         .type_name("NAME");
     command.add_option("--broad", o.broad, "broad phase: kd, octree or brute (default kd)").type_name("NAME");
     command.add_option("--threads", o.threads, "threads; 0: all. Never changes the result (default 1)").type_name("N");
-    command.add_option("--skip", o.skip, "leave out a stage (repeatable); the answer gets wider, never wrong")
+    command.add_option("--skip", o.skip, "leave out a stage (repeatable); results get wider, never wrong")
         .type_name("STAGE")
         .repeatable();
     command.add_option("--age", o.age, fmt::format("frames after which unused cells are dropped (default {})", o.age))

@@ -54,7 +54,7 @@ void grains(std::vector<BodyCase>& cases)
             const auto off = [&](double by) { // of those coordinates that are on the boundary
                 return Vector3d(place.array() + (place.array() == 1).cast<double>() * by);
             };
-            const auto name = [&](const char* how) {
+            const auto name = [&, what = what](const char* how) {
                 return fmt::format("{} by 2^{}, {}", what, std::log2(half), how);
             };
             const double ulp = 0x1p-52;

@@ -240,7 +240,7 @@ void add_spheres(Arguments app)
                    "depth of the sphere-tree, 1 to 16 (default 6); boxes go down to single triangles")
         .type_name("D");
     sub.add_option("--max-error", options->max_error,
-                   "instead of --depth: largest error in metres of the answer 'within' for two such trees")
+                   "instead of --depth: largest error in metres of the verdict 'within' for two such trees")
         .type_name("M");
     sub.add_option("--bounding-volume,--spheres", options->bounding_volume,
                    "which to write. sphere: spheres around cells (default); obb: oriented boxes around triangles")

@@ -55,7 +55,7 @@ std::vector<Variant> make_variants(const AccuracyOptions& options)
             v.name = std::move(name), v.settings = plain, v.same_hash = same_hash, v.plain = first;
             change(v.settings);
         };
-        add("as asked", false, [](Settings&) {});
+        add("as given", false, [](Settings&) {});
         if (!options.toggle) continue;
         for (const char* stage : std::span(stage_names).first(4)) // the exact level has variants of its own
             add(without_stage(stage).name, false, without_stage(stage).apply);
@@ -209,7 +209,7 @@ int accuracy(const AccuracyOptions& options)
         backend = judge(scene, options, variants);
         if (options.count > 1 && before() > faults) say("FAULT      first seen with --seed {}\n", *one.seed);
     }
-    say("scene      {}{}; FCL judges every {}frame, {} bounds a frame and variant against its distances\n"
+    say("scene      {}{}; FCL judges every {}frame, {} bounds per frame and variant against its distances\n"
         "settings   {}\n{}\n",
         name, options.count > 1 ? fmt::format(", {} seeds", options.count) : "",
         options.every > 1 ? fmt::format("{}. ", options.every) : "", options.samples,
@@ -241,7 +241,7 @@ void add_accuracy(Arguments app)
     sub.add_flag("--toggle", options->toggle, "also check with each stage left out and each setting changed in turn");
     sub.add_option("--count", options->count, "so many scenes, each with the next seed").type_name("N");
     sub.add_option("--every", options->every, "only every so manieth frame").type_name("N");
-    sub.add_option("--samples", options->samples, "bounds to check a frame (default 10)").type_name("N");
+    sub.add_option("--samples", options->samples, "bounds to check per frame (default 10)").type_name("N");
     add_catalogue_options(sub, options->scene);
     add_accuracy_options(sub, options->settings);
     sub.remove_option("--depth");

@@ -235,7 +235,7 @@ void add_accuracy_study(Arguments accuracy)
         "  oncollide accuracy study a.obj b.obj --poses poses.txt --max-errors 0.1,0.01,0.001 --csv study.csv\n"
         "  oncollide accuracy study many --bodies 200 --frames 5 --peers all --csv peers.csv\n"
         "  oncollide accuracy study paper --backend cpu,gl-query --viewport 8,64 --bounding-volume sphere\n"
-        "Exit code 70: a certified answer was wrong.");
+        "Exit code 70: a certified result was wrong.");
     sub.action([options, poses] {
         options->workload.use_poses = poses.given();
         return accuracy_study(*options);

@@ -67,7 +67,7 @@ void write_summary(OutputFile& file, const Study& study)
                                 "poses contradicted.",
                                 missed, invented, broken, study.contradicted));
     else
-        paragraph(file, "Of the variants that certify their answers, none missed or invented a collision, and every "
+        paragraph(file, "Of the variants that certify their results, none missed or invented a collision, and every "
                         "false positive lies within its bound.");
     if (lost) fault(file, fmt::format("gl-query, which certifies nothing, missed {} collisions.", lost));
     write_errors_of_peers(file, study);
@@ -133,7 +133,7 @@ void write_study_page(OutputFile& file, const Study& study, const StudyPictures&
     write_table(file, study);
     paragraph(
         file,
-        "Verdicts, missed and false positives are counted over all frames, tests are means of a frame. Missed: "
+        "Verdicts, missed and false positives are counted over all frames, tests are means per frame. Missed: "
         "the bodies collide by exact arithmetic, and were called separate. False positives: left over, but "
         "apart; their true distance is bounded in long double between meshes. Needed: cells and boxes that a test ever "
         "reached, of those that the same trees have when they are grown everywhere.");

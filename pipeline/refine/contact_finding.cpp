@@ -1,4 +1,4 @@
-#include <oncollide/pipeline/contact_finding.hpp>
+#include <oncollide/pipeline/refine/contact_finding.hpp>
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include <oncollide/pipeline/pair_cache.hpp>
+#include <oncollide/pipeline/refine/pair_cache.hpp>
 
 namespace oncollide {
 

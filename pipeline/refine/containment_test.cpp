@@ -1,4 +1,4 @@
-#include <oncollide/pipeline/containment_test.hpp>
+#include <oncollide/pipeline/refine/containment_test.hpp>
 
 #include <algorithm>
 

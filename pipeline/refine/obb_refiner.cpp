@@ -1,4 +1,4 @@
-#include <oncollide/pipeline/obb_refiner.hpp>
+#include <oncollide/pipeline/refine/obb_refiner.hpp>
 
 #include <algorithm>
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <oncollide/pipeline/model_store.hpp>
-#include <oncollide/pipeline/pair_refiner.hpp>
+#include <oncollide/pipeline/refine/pair_refiner.hpp>
 
 namespace oncollide {
 

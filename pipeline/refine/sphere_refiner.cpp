@@ -1,4 +1,4 @@
-#include <oncollide/pipeline/sphere_refiner.hpp>
+#include <oncollide/pipeline/refine/sphere_refiner.hpp>
 
 #include <algorithm>
 

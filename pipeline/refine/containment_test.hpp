@@ -5,7 +5,7 @@
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/narrowphase/exact/point_place.hpp>
 #include <oncollide/pipeline/model_store.hpp>
-#include <oncollide/pipeline/pair_refiner.hpp>
+#include <oncollide/pipeline/refine/pair_refiner.hpp>
 
 namespace oncollide {
 

@@ -1,5 +1,5 @@
 #pragma once
-#include <oncollide/pipeline/pair_refiner.hpp>
+#include <oncollide/pipeline/refine/pair_refiner.hpp>
 
 namespace oncollide {
 

@@ -3,11 +3,11 @@
 #include <mutex>
 #include <vector>
 
-#include <oncollide/pipeline/containment_test.hpp>
-#include <oncollide/pipeline/dispatch.hpp>
-#include <oncollide/pipeline/fcl_refiner.hpp>
-#include <oncollide/pipeline/obb_refiner.hpp>
-#include <oncollide/pipeline/sphere_refiner.hpp>
+#include <oncollide/pipeline/refine/containment_test.hpp>
+#include <oncollide/pipeline/refine/dispatch.hpp>
+#include <oncollide/pipeline/refine/fcl_refiner.hpp>
+#include <oncollide/pipeline/refine/obb_refiner.hpp>
+#include <oncollide/pipeline/refine/sphere_refiner.hpp>
 
 namespace oncollide {
 

@@ -4,7 +4,7 @@
 #include <oncollide/narrowphase/boxes/traversal.hpp>
 #include <oncollide/narrowphase/exact/shared_inside.hpp>
 #include <oncollide/pipeline/model_store.hpp>
-#include <oncollide/pipeline/pair_refiner.hpp>
+#include <oncollide/pipeline/refine/pair_refiner.hpp>
 
 namespace oncollide {
 

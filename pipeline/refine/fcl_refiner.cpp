@@ -1,4 +1,4 @@
-#include <oncollide/pipeline/fcl_refiner.hpp>
+#include <oncollide/pipeline/refine/fcl_refiner.hpp>
 
 #include <oncollide/base/parallel.hpp>
 

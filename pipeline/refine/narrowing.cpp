@@ -1,4 +1,4 @@
-#include <oncollide/pipeline/narrowing.hpp>
+#include <oncollide/pipeline/refine/narrowing.hpp>
 
 namespace oncollide {
 
