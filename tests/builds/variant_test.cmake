@@ -1,13 +1,16 @@
-# Builds and installs the libraries by COMPILER, without the part OFF where that is given, and finds them from there.
-#   cmake -DSOURCE=project -DWORK=scratch folder -DCOMPILER=c++ [-DOFF=FCL] -P variant_test.cmake
+# Builds and installs the libraries by COMPILER, without the part OFF where that is given, or with the tools and tests if
+# WHOLE, and finds them from there.
+#   cmake -DSOURCE=project -DWORK=scratch folder -DCOMPILER=c++ [-DOFF=FCL | -DWHOLE=ON] -P variant_test.cmake
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 file(REMOVE_RECURSE ${WORK})
-set(off)
-if(OFF)
-  set(off -DONCOLLIDE_${OFF}=OFF)
+set(parts -DONCOLLIDE_TOOLS=OFF -DONCOLLIDE_TESTS=OFF)
+if(WHOLE)
+  set(parts -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=8)
+elseif(OFF)
+  list(APPEND parts -DONCOLLIDE_${OFF}=OFF)
 endif()
 run(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G Ninja -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG"
-    -DCMAKE_CXX_COMPILER=${COMPILER} -DONCOLLIDE_TOOLS=OFF -DONCOLLIDE_TESTS=OFF ${off})
+    -DCMAKE_CXX_COMPILER=${COMPILER} ${parts})
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${CMAKE_COMMAND} --install ${WORK}/build --prefix ${WORK}/prefix)
 file(WRITE ${WORK}/user/CMakeLists.txt "cmake_minimum_required(VERSION 3.22)\nproject(user LANGUAGES C CXX)\n"
