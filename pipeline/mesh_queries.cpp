@@ -36,19 +36,15 @@ struct MeshQueries::Impl {
     Settings settings;
     ModelStore store;
     std::vector<Model*> models; ///< by mesh
-    Narrowing refine, exact;
+    BothLevels levels;
     RefineContext context;
-    std::vector<PairTask> tasks, open_tasks;
-    std::vector<RefineResult> refined, open_refined;
+    std::vector<PairTask> tasks;
+    std::vector<RefineResult> refined;
     std::vector<ContactFinding> finders; ///< by thread
 
     Impl(std::vector<Mesh> meshes, const Settings& s)
         : settings(checked(s)), store(settings, make_cpu_backend()),
-          refine(settings, store, Level::refine, runs_exact()),
-          exact(settings, store, Level::exact, runs_exact()), context{.settings = settings,
-                                                                      .trees = {},
-                                                                      .rounds = {},
-                                                                      .began = {}}
+          levels(settings, store), context{.settings = settings, .trees = {}, .rounds = {}, .began = {}}
     {
         context.threads = thread_count(settings);
         for (std::size_t i = 0; i < meshes.size(); ++i) {
@@ -58,8 +54,6 @@ struct MeshQueries::Impl {
                 &store[store.add(std::make_shared<const Geometry>(Geometry{name, std::move(meshes[i]), {}}))]);
         }
     }
-
-    bool runs_exact() const { return settings.exact == ExactLevel::predicates; }
 
     void check_query(const MeshQuery& query, std::size_t number) const
     {
@@ -94,15 +88,7 @@ struct MeshQueries::Impl {
     void run_batch(std::span<MeshResult> results)
     {
         refined.assign(tasks.size(), {Verdict::undecided, ContactKind::unknown, 0});
-        refine.run(context, tasks, nullptr, nullptr, refined);
-        if (runs_exact()) {
-            open_tasks.clear(), open_refined.clear();
-            for (const PairTask& task : tasks)
-                if (refined[task.number].verdict != Verdict::separate)
-                    open_tasks.push_back(task), open_refined.push_back(refined[task.number]);
-            exact.run(context, open_tasks, nullptr, nullptr, open_refined);
-            for (std::size_t i = 0; i < open_tasks.size(); ++i) refined[open_tasks[i].number] = open_refined[i];
-        }
+        levels.run(context, tasks, nullptr, refined);
         for (std::size_t i = 0; i < refined.size(); ++i) results[i] = {refined[i].verdict, refined[i].bound};
     }
 };

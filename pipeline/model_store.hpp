@@ -59,7 +59,7 @@ public:
     /// is back to its root gives its surface up too. Returns how many stored cells and nodes went.
     std::uint64_t age(std::uint32_t frame);
 
-    /// Why the GPU no longer results; empty while it does, or if it never did.
+    /// Why the GPU is no longer used; empty while it is, or if it never was.
     const std::string& lost() const { return lost_; }
 
     std::uint64_t nodes() const; ///< stored cells of all sphere-trees, and nodes of oriented boxes

@@ -1,27 +1,10 @@
 // The stages that narrow pairs down: ocst, exact.
-#include <algorithm>
-
 #include <oncollide/pipeline/refine/narrowing.hpp>
 #include <oncollide/pipeline/stage.hpp>
 
 namespace oncollide {
 
 namespace {
-
-bool skips(const Settings& settings, std::string_view stage)
-{
-    return std::ranges::count(settings.skip, stage) > 0;
-}
-
-bool exact_runs(const Settings& settings)
-{
-    return settings.exact != ExactLevel::off && !skips(settings, "exact");
-}
-
-bool open(const PairResult& result)
-{
-    return result.verdict == Verdict::within || result.verdict == Verdict::undecided;
-}
 
 /// What is known of a pair by its boxes alone.
 PairResult undecided(const Bodies& bodies, BodyPair pair)
@@ -34,7 +17,7 @@ PairResult undecided(const Bodies& bodies, BodyPair pair)
 class LevelRun {
 public:
     LevelRun(const Settings& settings, ModelStore& models, Level level, std::uint8_t stage)
-        : level_(settings, models, level, exact_runs(settings)), stage_(stage)
+        : level_(settings, models, level), stage_(stage)
     {
     }
 
@@ -121,7 +104,7 @@ public:
     {
         level_.clear();
         for (std::uint32_t i = 0; i < frame.results.size(); ++i)
-            if (open(frame.results[i])) level_.add(bodies, frame.results[i], i);
+            if (is_open(frame.results[i].verdict)) level_.add(bodies, frame.results[i], i);
         level_.run(frame, stats);
     }
 

@@ -115,6 +115,11 @@ void check(const Settings& s)
     require(s.viewport >= 1 && s.viewport <= 1024, "viewport", s.viewport, "1 to 1024 pixels");
 }
 
+bool exact_runs(const Settings& s)
+{
+    return s.exact != ExactLevel::off && std::ranges::count(s.skip, "exact") == 0;
+}
+
 int thread_count(const Settings& s)
 {
     if (s.threads != 0) return s.threads;

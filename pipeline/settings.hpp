@@ -60,6 +60,9 @@ inline bool wants_kinds(const Settings& s)
     return s.contact_kinds || s.ignore_touching;
 }
 
+/// Is the exact level on, and not skipped?
+bool exact_runs(const Settings& settings);
+
 /// The number of threads that `settings` stand for; >= 1.
 int thread_count(const Settings& settings);
 

@@ -28,15 +28,15 @@ struct World::Impl {
 
     /// One query thread's working memory.
     struct QueryWorker {
-        QueryWorker(const Settings& settings, ModelStore& models, bool exact_runs);
-        Narrowing refine, exact;
+        QueryWorker(const Settings& settings, ModelStore& models);
+        BothLevels levels;
         RefineContext context;
         ContactFinding contacts;
         PointLocator locator;
         std::vector<Aabb> boxes;
         std::vector<BoxHit> hits;
-        std::vector<PairTask> tasks, open_tasks;
-        std::vector<RefineResult> refined, open_refined;
+        std::vector<PairTask> tasks;
+        std::vector<RefineResult> refined;
     };
     std::mutex guard;                  ///< for const calls: of the models' trees and of what is below
     std::atomic<bool> taken_in{false}; ///< are all changes in the boxes and the broad phase?
@@ -57,7 +57,6 @@ struct World::Impl {
     void changed() { taken_in.store(false, std::memory_order_release); }
 
     bool runs(std::string_view stage) const;
-    bool exact_runs() const;
     bool is_solid(const Model& model) const;
     ObbTree& surface_tree(std::uint32_t slot, const char* what, bool shapes);
     /// Hands what changed to the broad phase and makes the boxes that are out of date.
@@ -67,6 +66,9 @@ struct World::Impl {
     void bring_up_to_date();
 
     class Borrowed;
+    template <class Found, class Item, class Work>
+    void in_parts(std::span<const Item> items, std::size_t chunk, std::vector<Found>& found,
+                  std::vector<std::size_t>& ends, Work work);
 };
 
 } // namespace oncollide

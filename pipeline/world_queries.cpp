@@ -37,9 +37,8 @@ bool has_point_in(const Bodies& bodies, std::uint32_t slot, const Aabb& box)
 
 } // namespace
 
-World::Impl::QueryWorker::QueryWorker(const Settings& s, ModelStore& models, bool exact_runs)
-    : refine(s, models, Level::refine, exact_runs),
-      exact(s, models, Level::exact, exact_runs), context{.settings = s, .trees = {}, .rounds = {}, .began = {}}
+World::Impl::QueryWorker::QueryWorker(const Settings& s, ModelStore& models)
+    : levels(s, models), context{.settings = s, .trees = {}, .rounds = {}, .began = {}}
 {
 }
 
@@ -52,7 +51,7 @@ public:
             const std::lock_guard lock(impl.guard);
             if (!impl.idle_workers.empty()) worker_ = std::move(impl.idle_workers.back()), impl.idle_workers.pop_back();
         }
-        if (!worker_) worker_ = std::make_unique<QueryWorker>(impl.settings, impl.models, impl.exact_runs());
+        if (!worker_) worker_ = std::make_unique<QueryWorker>(impl.settings, impl.models);
         worker_->context.frame = impl.frame.number;
         worker_->context.trees = {}, worker_->context.rounds.clear();
     }
@@ -78,7 +77,7 @@ public:
             w.refined.push_back(
                 {Verdict::undecided, ContactKind::unknown, farthest_apart(w.boxes.front(), bodies.boxes()[hit.body])});
         }
-        narrow();
+        w.levels.run(w.context, w.tasks, &impl_.guard, w.refined);
         for (std::size_t i = 0; i < w.tasks.size(); ++i) {
             const std::uint32_t slot = w.tasks[i].number;
             RefineResult& result = w.refined[i];
@@ -90,25 +89,36 @@ public:
     }
 
 private:
-    /// Both levels, as in a frame.
-    void narrow()
-    {
-        QueryWorker& w = *worker_;
-        if (impl_.runs("ocst")) w.refine.run(w.context, w.tasks, nullptr, &impl_.guard, w.refined);
-        if (!impl_.exact_runs()) return;
-        w.open_tasks.clear(), w.open_refined.clear();
-        for (std::size_t i = 0; i < w.tasks.size(); ++i)
-            if (w.refined[i].verdict == Verdict::within || w.refined[i].verdict == Verdict::undecided)
-                w.open_tasks.push_back(w.tasks[i]), w.open_refined.push_back(w.refined[i]);
-        w.exact.run(w.context, w.open_tasks, nullptr, &impl_.guard, w.open_refined);
-        auto open = w.open_refined.begin();
-        for (RefineResult& result : w.refined)
-            if (result.verdict == Verdict::within || result.verdict == Verdict::undecided) result = *open++;
-    }
-
     Impl& impl_;
     std::unique_ptr<QueryWorker> worker_;
 };
+
+/// Appends what work(worker, item, found) finds for each item, on the World's threads; `ends` says where each item's
+/// end. Overwrites both.
+template <class Found, class Item, class Work>
+void World::Impl::in_parts(std::span<const Item> items, std::size_t chunk, std::vector<Found>& found,
+                           std::vector<std::size_t>& ends, Work work)
+{
+    struct Part {
+        std::vector<Found> found;
+        std::vector<std::size_t> ends;
+    };
+    std::vector<Part> parts((items.size() + chunk - 1) / chunk);
+    const ExecutorScope scope(settings.executor);
+    parallel_chunks(parts.size(), 1, frame.context.threads, [&](std::size_t begin, std::size_t end, int) {
+        Borrowed worker(*this);
+        for (std::size_t i = begin; i < end; ++i)
+            for (const Item& item : items.subspan(i * chunk, std::min(chunk, items.size() - i * chunk))) {
+                work(worker, item, parts[i].found);
+                parts[i].ends.push_back(parts[i].found.size());
+            }
+    });
+    found.clear(), ends.clear();
+    for (const Part& part : parts) {
+        for (std::size_t end : part.ends) ends.push_back(found.size() + end);
+        found.insert(found.end(), part.found.begin(), part.found.end());
+    }
+}
 
 namespace {
 
@@ -159,11 +169,6 @@ Mesh box_mesh(const Aabb& box)
 
 } // namespace
 
-bool World::Impl::exact_runs() const
-{
-    return settings.exact != ExactLevel::off && runs("exact");
-}
-
 void World::Impl::bring_up_to_date()
 {
     if (taken_in.load(std::memory_order_acquire)) return;
@@ -191,27 +196,9 @@ void World::query(std::span<const ModelQuery> queries, QueryHits& out) const
     Impl& p = *impl_;
     for (const ModelQuery& query : queries) p.model_of(query.model), p.check_pose(std::nullopt, query.pose);
     p.bring_up_to_date();
-    out.hits.clear(), out.ends.clear();
-    constexpr std::size_t chunk = 64;
-    struct Part {
-        std::vector<QueryHit> hits;
-        std::vector<std::size_t> ends;
-    };
-    std::vector<Part> parts((queries.size() + chunk - 1) / chunk);
-    const ExecutorScope scope(p.settings.executor);
-    parallel_chunks(parts.size(), 1, p.frame.context.threads, [&](std::size_t begin, std::size_t end, int) {
-        Impl::Borrowed worker(p);
-        for (std::size_t part = begin; part < end; ++part)
-            for (const ModelQuery& query :
-                 queries.subspan(part * chunk, std::min(chunk, queries.size() - part * chunk))) {
-                worker.run({&p.models[query.model], query.pose, query.filter}, parts[part].hits);
-                parts[part].ends.push_back(parts[part].hits.size());
-            }
+    p.in_parts<QueryHit>(queries, 64, out.hits, out.ends, [&](auto& worker, const ModelQuery& query, auto& hits) {
+        worker.run({&p.models[query.model], query.pose, query.filter}, hits);
     });
-    for (const Part& part : parts) {
-        for (std::size_t end : part.ends) out.ends.push_back(out.hits.size() + end);
-        out.hits.insert(out.hits.end(), part.hits.begin(), part.hits.end());
-    }
 }
 
 std::vector<QueryHit> World::query(const Segment& segment, const QueryFilter& filter) const
@@ -269,28 +256,12 @@ void World::contacts(std::span<const PairOfBodies> pairs, ContactLists& lists) c
     Impl& p = *impl_;
     for (const PairOfBodies& pair : pairs)
         for (const BodyId body : {pair.a, pair.b}) p.surface_tree(p.slot_of(body), "contacts", false);
-    constexpr std::size_t chunk = 16;
-    struct Part {
-        std::vector<Contact> contacts;
-        std::vector<std::size_t> ends;
-    };
-    std::vector<Part> parts((pairs.size() + chunk - 1) / chunk);
-    const ExecutorScope scope(p.settings.executor);
-    parallel_chunks(parts.size(), 1, p.frame.context.threads, [&](std::size_t begin, std::size_t end, int) {
-        Impl::Borrowed worker(p);
-        for (std::size_t part = begin; part < end; ++part)
-            for (const PairOfBodies& pair : pairs.subspan(part * chunk, std::min(chunk, pairs.size() - part * chunk))) {
-                const std::uint32_t a = pair.a.slot, b = pair.b.slot;
-                worker->contacts.find(*p.bodies.model(a).boxes, p.bodies.pose(a), *p.bodies.model(b).boxes,
-                                      p.bodies.pose(b), parts[part].contacts);
-                parts[part].ends.push_back(parts[part].contacts.size());
-            }
-    });
-    lists.contacts.clear(), lists.ends.clear();
-    for (const Part& part : parts) {
-        for (std::size_t end : part.ends) lists.ends.push_back(lists.contacts.size() + end);
-        lists.contacts.insert(lists.contacts.end(), part.contacts.begin(), part.contacts.end());
-    }
+    p.in_parts<Contact>(pairs, 16, lists.contacts, lists.ends,
+                        [&](auto& worker, const PairOfBodies& pair, auto& found) {
+                            const std::uint32_t a = pair.a.slot, b = pair.b.slot;
+                            worker->contacts.find(*p.bodies.model(a).boxes, p.bodies.pose(a), *p.bodies.model(b).boxes,
+                                                  p.bodies.pose(b), found);
+                        });
 }
 
 Distance World::distance(BodyId body_a, BodyId body_b, double tolerance, double farthest) const

@@ -158,7 +158,7 @@ public:
               std::vector<std::size_t>& ends) override
     {
         context_.use();
-        std::vector<ListRead> far; // runs of reads that the store results
+        std::vector<ListRead> far; // runs of reads that the store serves
         const auto flush = [&] {
             lists_.read(far, triangles, ends);
             far.clear();

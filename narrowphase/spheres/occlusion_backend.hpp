@@ -51,7 +51,7 @@ public:
     explicit GpuLost(const std::string& message) : Error(ErrorKind::no_gpu, message) {}
 };
 
-/// Who results. The one rule: *never clear the bit of an octant that the surface enters; a set bit may be false*, and
+/// What finds grey octants. The one rule: *never clear the bit of an octant that the surface enters; a set bit may be false*, and
 /// then the surface is no farther from the octant than RootCell::test_error() plus error(). Results depend on the rows
 /// alone, not on their order or number, nor on earlier batches.
 ///

@@ -33,10 +33,9 @@ constexpr std::size_t refiner_count = 6;
 /// Where a budget has no room for a tree of oriented boxes, spheres refine, and the exact level decides nothing.
 class Dispatch {
 public:
-    /// @param exact_runs  will the exact level run? It does not where it is off or skipped
-    Dispatch(const Settings& settings, bool exact_runs)
+    explicit Dispatch(const Settings& settings)
         : obb_(wants_obbs(settings)), exact_(settings.exact),
-          left_to_exact_(exact_runs && exact_ == ExactLevel::predicates)
+          left_to_exact_(exact_ == ExactLevel::predicates && exact_runs(settings))
     {
     }
 

@@ -1,10 +1,12 @@
 #include <oncollide/pipeline/refine/narrowing.hpp>
 
+#include <algorithm>
+
 namespace oncollide {
 
-Narrowing::Narrowing(const Settings& settings, ModelStore& models, Level level, bool exact_runs)
-    : models_(models), level_(level), dispatch_(settings, exact_runs), spheres_(models),
-      boxes_(models, ObbRefiner::Goal::near), exact_boxes_(models, ObbRefiner::Goal::exact), containment_(models)
+Narrowing::Narrowing(const Settings& settings, ModelStore& models, Level level)
+    : models_(models), level_(level), dispatch_(settings), spheres_(models), boxes_(models, ObbRefiner::Goal::near),
+      exact_boxes_(models, ObbRefiner::Goal::exact), containment_(models)
 {
 }
 
@@ -50,6 +52,18 @@ void Narrowing::run(RefineContext& context, std::span<const PairTask> tasks, Pai
         apart_[i] = decided(i) && (results[i].verdict == Verdict::separate ||
                                    (results[i].verdict == Verdict::within && level_ == Level::exact));
     containment_.find(context, tasks, apart_, guard, results);
+}
+
+void BothLevels::run(RefineContext& context, std::span<const PairTask> tasks, std::mutex* guard,
+                     std::span<RefineResult> results)
+{
+    if (std::ranges::count(settings_.skip, "ocst") == 0) refine_.run(context, tasks, nullptr, guard, results);
+    if (!exact_runs(settings_)) return;
+    open_.clear(), tasks_.clear(), results_.clear();
+    for (std::uint32_t i = 0; i < tasks.size(); ++i)
+        if (is_open(results[i].verdict)) open_.push_back(i), tasks_.push_back(tasks[i]), results_.push_back(results[i]);
+    exact_.run(context, tasks_, nullptr, guard, results_);
+    for (std::size_t k = 0; k < open_.size(); ++k) results[open_[k]] = results_[k];
 }
 
 } // namespace oncollide

@@ -11,12 +11,17 @@
 
 namespace oncollide {
 
+/// Is there something left for the exact level to decide?
+inline bool is_open(Verdict verdict)
+{
+    return verdict == Verdict::within || verdict == Verdict::undecided;
+}
+
 /// One level of narrowing down: gives each pair to its refiner and then, in solid mode, tests for containment.
 /// Frames and queries go through the same levels.
 class Narrowing {
 public:
-    /// @param exact_runs  see Dispatch
-    Narrowing(const Settings& settings, ModelStore& models, Level level, bool exact_runs);
+    Narrowing(const Settings& settings, ModelStore& models, Level level);
 
     /// results[i] for tasks[i]; those that the level leaves keep what they are, but that where a budget has no room
     /// for an exact decision, `within` becomes `undecided`.
@@ -43,6 +48,26 @@ private:
     std::vector<PairTask> tasks_;                                 ///< of one refiner
     std::vector<RefineResult> results_;
     std::vector<std::uint8_t> apart_;
+};
+
+/// Both levels one after the other, for queries: what step() does with its stages between them.
+class BothLevels {
+public:
+    BothLevels(const Settings& settings, ModelStore& models)
+        : settings_(settings), refine_(settings, models, Level::refine), exact_(settings, models, Level::exact)
+    {
+    }
+
+    /// As Narrowing::run(); without a cache, as queries come once.
+    void run(RefineContext& context, std::span<const PairTask> tasks, std::mutex* guard,
+             std::span<RefineResult> results);
+
+private:
+    const Settings& settings_;
+    Narrowing refine_, exact_;
+    std::vector<std::uint32_t> open_; ///< tasks left to the exact level
+    std::vector<PairTask> tasks_;     ///< these
+    std::vector<RefineResult> results_;
 };
 
 } // namespace oncollide

@@ -24,8 +24,7 @@ public:
         : scene_(make_scene("many", {.bodies = bodies, .frames = {}, .seed = options.seed, .data = {}})),
           world_(options.settings)
     {
-        for (std::size_t g = 0; g < scene_.geometries.size(); ++g)
-            models_.push_back(world_.add(scene_.geometries.share(g)));
+        add_models(world_);
         std::vector<BodySpec> specs;
         for (std::size_t i = 0; i < scene_.size(); ++i) specs.push_back(spec_of(i));
         ids_.resize(specs.size());
@@ -78,12 +77,10 @@ public:
     bool is_as_made_anew()
     {
         World fresh(world_.settings());
-        std::vector<ModelId> models;
-        for (std::size_t g = 0; g < scene_.geometries.size(); ++g)
-            models.push_back(fresh.add(scene_.geometries.share(g)));
+        add_models(fresh);
         for (std::size_t i = 0; i < ids_.size(); ++i) {
             BodySpec spec = spec_of(i);
-            spec.model = models[index(scene_.geometry[i])], spec.pose = world_.pose(ids_[i]);
+            spec.pose = world_.pose(ids_[i]);
             fresh.add_body(spec);
         }
         return pairs(world_) == pairs(fresh);
@@ -93,37 +90,36 @@ public:
     std::vector<ModelQuery> queries(std::size_t count)
     {
         std::vector<ModelQuery> queries;
-        for (std::size_t i = 0; i < count; ++i)
-            queries.push_back({models_[index(scene_.geometry[i % size()])], scene_.poses[place()]});
+        for (std::size_t i = 0; i < count; ++i) queries.push_back({model_of(i % size()), scene_.poses[place()]});
         return queries;
     }
 
 private:
-    BodySpec spec_of(std::size_t i) const
+    /// The scene's geometries, in order: in a World without models their ids are their numbers.
+    void add_models(World& world) const
     {
-        return {.model = models_[index(scene_.geometry[i])], .pose = scene_.poses[i], .user = i};
+        for (std::size_t g = 0; g < scene_.geometries.size(); ++g) world.add(scene_.geometries.share(g));
     }
+    ModelId model_of(std::size_t i) const { return {index(scene_.geometry[i])}; }
+    BodySpec spec_of(std::size_t i) const { return {.model = model_of(i), .pose = scene_.poses[i], .user = i}; }
     std::size_t place() { return std::size_t(u01(7, draws_++, 0) * double(size())); }
-    /// The next `count` bodies in turn, spread over the list.
+    /// The next `count` bodies in turn.
     std::vector<std::size_t> pick(std::size_t count)
     {
         std::vector<std::size_t> chosen(count);
         std::iota(chosen.begin(), chosen.end(), next_);
         next_ = (next_ + count) % size();
-        for (std::size_t& i : chosen) i = i % size() * stride_ % size();
+        for (std::size_t& i : chosen) i %= size();
         return chosen;
     }
 
     Scene scene_;
     World world_;
-    std::vector<ModelId> models_;
     std::vector<BodyId> ids_, some_ids_;
     std::vector<Eigen::Isometry3d> some_poses_;
     std::vector<BodySpec> some_specs_;
     std::size_t next_ = 0;
     std::uint64_t draws_ = 0;
-    static constexpr std::size_t stride_ =
-        7919; ///< a prime: visits each body once where it does not divide their number
 };
 
 /// Milliseconds per frame, the median: of the calls that change something, and of step().
@@ -159,14 +155,9 @@ double time_queries(const World& world, std::span<const ModelQuery> queries, std
 
 int bench_world(const WorldOptions& options)
 {
-    if (options.frames < 1 || options.frames > 1'000'000)
-        throw Error(ErrorKind::usage, fmt::format("--frames {}: must be from 1 to 1000000", options.frames));
-    if (options.bodies < 2 || options.bodies > 1'000'000 || options.bodies % 7919 == 0)
-        throw Error(ErrorKind::usage,
-                    fmt::format("--bodies {}: must be from 2 to 1000000, and no multiple of 7919", options.bodies));
-    if (options.changes < 1 || options.changes > options.bodies)
-        throw Error(ErrorKind::usage,
-                    fmt::format("--changes {}: must be from 1 to the number of bodies", options.changes));
+    check_range("--frames", options.frames, 1, 1'000'000);
+    check_range("--bodies", options.bodies, 2, 1'000'000);
+    check_range("--changes", options.changes, 1, options.bodies);
 
     const auto begin = Clock::now();
     Crowd crowd(options, std::uint32_t(options.bodies));

@@ -37,11 +37,11 @@ NarrowSummary summarise(const NarrowResult& result, const NarrowRow& row, Narrow
 /// True when a result of oncollide breaks its promise: something missed, or, where it is exact, something wrong.
 bool broken_promise(const NarrowResult& result);
 
-/// A table of the contenders, and one an query: medians by group, then over all poses.
+/// A table of the contenders, and one a query: medians by group, then over all poses.
 void print_narrow(const NarrowResult& result);
 /// One row a contender, query and group.
 void write_narrow_csv(OutputFile& file, const NarrowResult& result);
-/// Median against group, one panel an query.
+/// Median against group, one panel a query.
 void draw_narrow_plot(OutputFile& file, const NarrowResult& result);
 
 } // namespace oncollide::tools
