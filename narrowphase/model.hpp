@@ -1,4 +1,5 @@
 #pragma once
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -56,7 +57,8 @@ public:
     std::uint32_t number = 0;       ///< by which backends know its sphere-tree
     std::unique_ptr<Ocst> spheres;  ///< the sphere-tree; null until a test reaches it
     std::unique_ptr<ObbTree> boxes; ///< the hierarchy of oriented boxes of a mesh; null until a test reaches it
-    std::uint32_t boxes_used = 0;   ///< frame in which a pair last needed it
+    /// Frame in which a pair last needed it.
+    std::atomic<std::uint32_t> boxes_used = 0;
 
 private:
     std::shared_ptr<const Geometry> geometry_;

@@ -88,7 +88,7 @@ struct MeshQueries::Impl {
     void run_batch(std::span<MeshResult> results)
     {
         refined.assign(tasks.size(), {Verdict::undecided, ContactKind::unknown, 0});
-        levels.run(context, tasks, nullptr, refined);
+        levels.run(context, tasks, refined);
         for (std::size_t i = 0; i < refined.size(); ++i) results[i] = {refined[i].verdict, refined[i].bound};
     }
 };

@@ -99,7 +99,7 @@ ModelStore::Room ModelStore::all_grown(const Mesh& mesh)
 
 bool ModelStore::admit_boxes(Model& model, std::uint32_t frame)
 {
-    model.boxes_used = frame;
+    if (model.boxes_used.load(std::memory_order_relaxed) != frame) model.boxes_used = frame;
     if (model.boxes) return true;
     if (!model.surface_mesh()) return false;
     const auto left = [](auto budget, auto held) -> decltype(budget) {

@@ -38,7 +38,7 @@ public:
     /// The sphere-tree of a model, made of its root alone when it is first needed.
     Ocst& spheres(Model& model);
     /// Sees to it that a mesh, or the mesh around a shape, has its tree of oriented boxes. False for a map, and when a
-    /// budget has no room for the tree all grown. Not while the model's tree is being walked.
+    /// budget has no room for the tree all grown. Not while the model's tree is being walked, unless it is there.
     bool admit_boxes(Model& model, std::uint32_t frame);
     /// The same, whatever the budgets say; not for a map.
     ObbTree& boxes(Model& model, std::uint32_t frame);

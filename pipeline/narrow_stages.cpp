@@ -30,7 +30,7 @@ public:
     }
     void run(Frame& frame, StageStats& stats)
     {
-        level_.run(frame.context, tasks_, frame.settings.coherence ? &frame.cache : nullptr, nullptr, refined_);
+        level_.run(frame.context, tasks_, frame.settings.coherence ? &frame.cache : nullptr, refined_);
         stats.in = tasks_.size();
         for (std::size_t i = 0; i < tasks_.size(); ++i) {
             PairResult& result = frame.results[tasks_[i].number];

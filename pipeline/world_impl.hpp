@@ -1,6 +1,7 @@
 #pragma once
 #include <atomic>
 #include <mutex>
+#include <shared_mutex>
 
 #include <oncollide/pipeline/refine/contact_finding.hpp>
 #include <oncollide/pipeline/refine/narrowing.hpp>
@@ -28,7 +29,7 @@ struct World::Impl {
 
     /// One query thread's working memory.
     struct QueryWorker {
-        QueryWorker(const Settings& settings, ModelStore& models);
+        explicit QueryWorker(Impl& impl);
         BothLevels levels;
         RefineContext context;
         ContactFinding contacts;
@@ -38,7 +39,8 @@ struct World::Impl {
         std::vector<PairTask> tasks;
         std::vector<RefineResult> refined;
     };
-    std::mutex guard;                  ///< for const calls: of the models' trees and of what is below
+    std::shared_mutex guard;           ///< for const calls: of the models' trees
+    std::mutex idle_guard;             ///< of idle_workers
     std::atomic<bool> taken_in{false}; ///< are all changes in the boxes and the broad phase?
     std::vector<std::unique_ptr<QueryWorker>> idle_workers;
 

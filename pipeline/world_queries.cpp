@@ -37,8 +37,12 @@ bool has_point_in(const Bodies& bodies, std::uint32_t slot, const Aabb& box)
 
 } // namespace
 
-World::Impl::QueryWorker::QueryWorker(const Settings& s, ModelStore& models)
-    : levels(s, models), context{.settings = s, .trees = {}, .rounds = {}, .began = {}}
+World::Impl::QueryWorker::QueryWorker(Impl& impl)
+    : levels(impl.settings, impl.models), context{.settings = impl.settings,
+                                                  .trees = {},
+                                                  .rounds = {},
+                                                  .began = {},
+                                                  .guard = &impl.guard}
 {
 }
 
@@ -48,16 +52,16 @@ public:
     explicit Borrowed(Impl& impl) : impl_(impl)
     {
         {
-            const std::lock_guard lock(impl.guard);
+            const std::lock_guard lock(impl.idle_guard);
             if (!impl.idle_workers.empty()) worker_ = std::move(impl.idle_workers.back()), impl.idle_workers.pop_back();
         }
-        if (!worker_) worker_ = std::make_unique<QueryWorker>(impl.settings, impl.models);
+        if (!worker_) worker_ = std::make_unique<QueryWorker>(impl);
         worker_->context.frame = impl.frame.number;
         worker_->context.trees = {}, worker_->context.rounds.clear();
     }
     ~Borrowed()
     {
-        const std::lock_guard lock(impl_.guard);
+        const std::lock_guard lock(impl_.idle_guard);
         impl_.idle_workers.push_back(std::move(worker_));
     }
     QueryWorker* operator->() { return worker_.get(); }
@@ -77,7 +81,7 @@ public:
             w.refined.push_back(
                 {Verdict::undecided, ContactKind::unknown, farthest_apart(w.boxes.front(), bodies.boxes()[hit.body])});
         }
-        w.levels.run(w.context, w.tasks, &impl_.guard, w.refined);
+        w.levels.run(w.context, w.tasks, w.refined);
         for (std::size_t i = 0; i < w.tasks.size(); ++i) {
             const std::uint32_t slot = w.tasks[i].number;
             RefineResult& result = w.refined[i];
@@ -125,7 +129,7 @@ namespace {
 /// A model that lives as long as one query.
 class PassingModel {
 public:
-    PassingModel(ModelStore& models, std::mutex& guard, Mesh mesh) : models_(models), guard_(guard)
+    PassingModel(ModelStore& models, std::shared_mutex& guard, Mesh mesh) : models_(models), guard_(guard)
     {
         auto geometry = std::make_shared<const Geometry>(Geometry{{}, std::move(mesh), {}});
         const std::lock_guard lock(guard);
@@ -142,7 +146,7 @@ public:
 
 private:
     ModelStore& models_;
-    std::mutex& guard_;
+    std::shared_mutex& guard_;
     Model* model_;
 };
 

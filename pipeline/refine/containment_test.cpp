@@ -61,12 +61,13 @@ bool one_holds_the_other(const PairTask& task, PointLocator& locator, FunctionRe
 }
 
 void ContainmentTest::find(const RefineContext& context, std::span<const PairTask> tasks,
-                           std::span<const std::uint8_t> apart, std::mutex* guard, std::span<RefineResult> results)
+                           std::span<const std::uint8_t> apart, std::span<RefineResult> results)
 {
     if (context.settings.mode != Mode::solid) return;
     gather(context, tasks, apart);
+    if (queries_.empty()) return;
     {
-        const std::unique_lock lock = guard ? std::unique_lock(*guard) : std::unique_lock<std::mutex>();
+        const auto lock = context.changing();
         for (Query& query : queries_) {
             Model& outer = query.outer_is_a ? *tasks[query.task].a : *tasks[query.task].b;
             query.tree = models_.admit_boxes(outer, context.frame) ? outer.boxes.get() : nullptr;

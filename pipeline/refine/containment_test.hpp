@@ -21,9 +21,8 @@ public:
 
     /// Pairs with `apart[i]`, whose surfaces are known not to meet, become colliding where one encloses the other.
     /// In surface mode there are none.
-    /// @param guard  held while trees are admitted; null: no other thread uses the models
     void find(const RefineContext& context, std::span<const PairTask> tasks, std::span<const std::uint8_t> apart,
-              std::mutex* guard, std::span<RefineResult> results);
+              std::span<RefineResult> results);
 
 private:
     /// Does one body of a pair, the outer one, hold the other?

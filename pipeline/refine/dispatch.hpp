@@ -39,17 +39,27 @@ public:
     {
     }
 
-    /// Makes the trees that the refiner needs. Not while walks are under way.
+    /// Makes the trees that the refiner needs. Not while walks are under way, unless they are there().
     Refiner of(Level level, ModelStore& models, Model& a, Model& b, std::uint32_t frame) const
     {
         const bool meshes = a.mesh() && b.mesh();
         const auto room = [&] { return models.admit_boxes(a, frame) && models.admit_boxes(b, frame); };
         if (level == Level::refine) {
-            if (!obb_ || !meshes || !room()) return Refiner::spheres;
-            return left_to_exact_ ? Refiner::none : Refiner::boxes;
+            if (obb_ && meshes && room()) return left_to_exact_ ? Refiner::none : Refiner::boxes;
+            models.spheres(a), models.spheres(b);
+            return Refiner::spheres;
         }
         if (exact_ == ExactLevel::fcl || !meshes) return fcl_available() ? Refiner::fcl : Refiner::none;
         return room() ? Refiner::exact_boxes : Refiner::no_room;
+    }
+
+    /// Are all the trees there that of() would make?
+    bool there(Level level, const Model& a, const Model& b) const
+    {
+        const bool meshes = a.mesh() && b.mesh();
+        if (level == Level::refine && !(obb_ && meshes)) return a.spheres && b.spheres;
+        if (level == Level::exact && (exact_ == ExactLevel::fcl || !meshes)) return true;
+        return a.boxes && b.boxes;
     }
 
 private:

@@ -10,7 +10,19 @@ Narrowing::Narrowing(const Settings& settings, ModelStore& models, Level level)
 {
 }
 
+/// Queries whose trees are there do not wait for each other.
 void Narrowing::sort_out(const RefineContext& context, std::span<const PairTask> tasks)
+{
+    if (context.guard) {
+        const auto lock = context.walking();
+        if (std::ranges::all_of(tasks, [&](const PairTask& t) { return dispatch_.there(level_, *t.a, *t.b); }))
+            return give_out(context, tasks);
+    }
+    const auto alone = context.changing();
+    give_out(context, tasks);
+}
+
+void Narrowing::give_out(const RefineContext& context, std::span<const PairTask> tasks)
 {
     refiners_.resize(tasks.size());
     for (auto& list : taken_) list.clear();
@@ -33,14 +45,11 @@ void Narrowing::refine(Refiner which, PairRefiner& refiner, RefineContext& conte
     for (std::size_t k = 0; k < mine.size(); ++k) results[mine[k]] = results_[k];
 }
 
-void Narrowing::run(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache, std::mutex* guard,
+void Narrowing::run(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
                     std::span<RefineResult> results)
 {
-    {
-        const std::unique_lock lock = guard ? std::unique_lock(*guard) : std::unique_lock<std::mutex>();
-        sort_out(context, tasks);
-        refine(Refiner::spheres, spheres_, context, tasks, cache, results);
-    }
+    sort_out(context, tasks);
+    refine(Refiner::spheres, spheres_, context, tasks, cache, results);
     refine(Refiner::boxes, boxes_, context, tasks, cache, results);
     refine(Refiner::exact_boxes, exact_boxes_, context, tasks, cache, results);
     refine(Refiner::fcl, fcl_, context, tasks, cache, results);
@@ -51,18 +60,17 @@ void Narrowing::run(RefineContext& context, std::span<const PairTask> tasks, Pai
     for (std::size_t i = 0; i < tasks.size(); ++i)
         apart_[i] = decided(i) && (results[i].verdict == Verdict::separate ||
                                    (results[i].verdict == Verdict::within && level_ == Level::exact));
-    containment_.find(context, tasks, apart_, guard, results);
+    containment_.find(context, tasks, apart_, results);
 }
 
-void BothLevels::run(RefineContext& context, std::span<const PairTask> tasks, std::mutex* guard,
-                     std::span<RefineResult> results)
+void BothLevels::run(RefineContext& context, std::span<const PairTask> tasks, std::span<RefineResult> results)
 {
-    if (std::ranges::count(settings_.skip, "ocst") == 0) refine_.run(context, tasks, nullptr, guard, results);
+    if (std::ranges::count(settings_.skip, "ocst") == 0) refine_.run(context, tasks, nullptr, results);
     if (!exact_runs(settings_)) return;
     open_.clear(), tasks_.clear(), results_.clear();
     for (std::uint32_t i = 0; i < tasks.size(); ++i)
         if (is_open(results[i].verdict)) open_.push_back(i), tasks_.push_back(tasks[i]), results_.push_back(results[i]);
-    exact_.run(context, tasks_, nullptr, guard, results_);
+    exact_.run(context, tasks_, nullptr, results_);
     for (std::size_t k = 0; k < open_.size(); ++k) results[open_[k]] = results_[k];
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 #include <array>
-#include <mutex>
 #include <vector>
 
 #include <oncollide/pipeline/refine/containment_test.hpp>
@@ -25,14 +24,14 @@ public:
 
     /// results[i] for tasks[i]; those that the level leaves keep what they are, but that where a budget has no room
     /// for an exact decision, `within` becomes `undecided`.
-    /// @param guard  held while the models' trees are made or sphere-trees grow; null: no other thread uses the models
-    void run(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache, std::mutex* guard,
+    void run(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
              std::span<RefineResult> results);
     /// Did the last run() decide task i?
     bool decided(std::size_t i) const { return refiners_[i] > Refiner::no_room; }
 
 private:
     void sort_out(const RefineContext& context, std::span<const PairTask> tasks);
+    void give_out(const RefineContext& context, std::span<const PairTask> tasks);
     void refine(Refiner which, PairRefiner& refiner, RefineContext& context, std::span<const PairTask> tasks,
                 PairCache* cache, std::span<RefineResult> results);
 
@@ -59,8 +58,7 @@ public:
     }
 
     /// As Narrowing::run(); without a cache, as queries come once.
-    void run(RefineContext& context, std::span<const PairTask> tasks, std::mutex* guard,
-             std::span<RefineResult> results);
+    void run(RefineContext& context, std::span<const PairTask> tasks, std::span<RefineResult> results);
 
 private:
     const Settings& settings_;

@@ -1,6 +1,7 @@
 #pragma once
 #include <chrono>
 #include <cstdint>
+#include <shared_mutex>
 #include <span>
 #include <vector>
 
@@ -35,6 +36,18 @@ struct RefineContext {
     TreeStats trees;           ///< counted up
     std::vector<Round> rounds; ///< appended to
     std::chrono::steady_clock::time_point began;
+    std::shared_mutex* guard = nullptr; ///< of the models' trees; null: no other thread uses them
+
+    /// Held while sphere-trees are walked.
+    std::shared_lock<std::shared_mutex> walking() const
+    {
+        return guard ? std::shared_lock(*guard) : std::shared_lock<std::shared_mutex>();
+    }
+    /// Held while trees are made and while sphere-trees grow.
+    std::unique_lock<std::shared_mutex> changing() const
+    {
+        return guard ? std::unique_lock(*guard) : std::unique_lock<std::shared_mutex>();
+    }
 
     /// Milliseconds since the frame began.
     double clock_ms() const

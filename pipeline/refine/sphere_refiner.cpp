@@ -6,10 +6,10 @@
 
 namespace oncollide {
 
-WalkPair SphereRefiner::pair_of(const PairTask& task, LeafPair hint)
+WalkPair SphereRefiner::pair_of(const PairTask& task, LeafPair hint) const
 {
-    return {&models_.spheres(*task.a),
-            &models_.spheres(*task.b),
+    return {task.a->spheres.get(),
+            task.b->spheres.get(),
             task.a->number,
             task.b->number,
             task.pose_a,
@@ -27,7 +27,7 @@ void SphereRefiner::refine(RefineContext& context, std::span<const PairTask> tas
     for (auto* side : {&workers_, &parked_workers_})
         while (side->size() < threads) side->emplace_back();
     walks_.clear();
-    for (const PairTask& task : tasks) // trees are made here, in order: walks run side by side
+    for (const PairTask& task : tasks)
         walks_.push_back({pair_of(task, cache ? (*cache)[task.number].leaves : LeafPair{}), {}});
     run_rounds();
     for (std::size_t i = 0; i < tasks.size(); ++i) {
@@ -50,32 +50,46 @@ void SphereRefiner::run_rounds()
         walk(walked, end);
         walked = end;
     };
-    walk_slice();
+    const auto start_slice = [&] {
+        const auto lock = context_->walking();
+        walk_slice();
+    };
+    start_slice();
     bool grown = false; // the first slice has found all of its cells
     while (true) {
         if (!gather_parked()) {
             if (walked == count) break;
             grown = true;
-            walk_slice();
+            start_slice();
             continue;
         }
-        gather_requests();
-        Round round;
-        round.submitted_ms = context_->clock_ms();
-        const std::uint64_t refused = models_.submit(requests_, context_->threads);
-        if (grown) walk_slice();
-        round.waited_ms = context_->clock_ms();
-        const BatchWork work = models_.grow(context_->frame);
-        round.done_ms = context_->clock_ms();
-        round.rows = requests_.size() - refused;
-        round.gpu_ms = work.gpu_ms, round.wait_ms = work.wait_ms, round.bytes = work.bytes;
-        context_->rounds.push_back(round);
-        TreeStats& trees = context_->trees;
-        ++trees.rounds, trees.rows += round.rows, trees.refused += refused;
-        trees.queries += work.queries, trees.gpu_bytes += work.bytes, trees.repeats += work.repeats;
-        give_up_ |= refused > 0;
+        grow_trees([&] {
+            if (grown) walk_slice();
+        });
         resume_all();
     }
+}
+
+/// One batch of what parked walks wait for; does `meanwhile` while the backend works.
+template <class Meanwhile>
+void SphereRefiner::grow_trees(Meanwhile meanwhile)
+{
+    const auto lock = context_->changing();
+    gather_requests();
+    Round round;
+    round.submitted_ms = context_->clock_ms();
+    const std::uint64_t refused = models_.submit(requests_, context_->threads);
+    meanwhile();
+    round.waited_ms = context_->clock_ms();
+    const BatchWork work = models_.grow(context_->frame);
+    round.done_ms = context_->clock_ms();
+    round.rows = requests_.size() - refused;
+    round.gpu_ms = work.gpu_ms, round.wait_ms = work.wait_ms, round.bytes = work.bytes;
+    context_->rounds.push_back(round);
+    TreeStats& trees = context_->trees;
+    ++trees.rounds, trees.rows += round.rows, trees.refused += refused;
+    trees.queries += work.queries, trees.gpu_bytes += work.bytes, trees.repeats += work.repeats;
+    give_up_ |= refused > 0;
 }
 
 void SphereRefiner::walk(std::size_t first, std::size_t last)
@@ -115,6 +129,7 @@ void SphereRefiner::gather_requests()
 
 void SphereRefiner::resume_all()
 {
+    const auto lock = context_->walking();
     parallel_chunks(parked_.size(), pairs_per_chunk, context_->threads, [&](std::size_t begin, std::size_t end, int t) {
         Worker& worker = workers_[static_cast<std::size_t>(t)];
         for (std::size_t i = begin; i < end; ++i) {

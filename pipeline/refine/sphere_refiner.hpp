@@ -38,11 +38,13 @@ private:
         std::vector<Parked> parked;
     };
 
-    WalkPair pair_of(const PairTask& task, LeafPair hint);
+    WalkPair pair_of(const PairTask& task, LeafPair hint) const;
     void run_rounds();
     void walk(std::size_t first, std::size_t last);
     bool gather_parked();
     void gather_requests();
+    template <class Meanwhile>
+    void grow_trees(Meanwhile meanwhile);
     void resume_all();
     void count();
 

@@ -218,9 +218,6 @@ TEST(World, GivesQueriesWhatAFrameWouldGiveABody)
             world.add_body({.model = shapes[i % 3], .pose = random_pose(i, 4), .layer = i % 7 ? 1u : 2u});
         std::vector<ModelQuery> queries;
         for (std::uint64_t i = 0; i < 24; ++i) queries.push_back({shapes[i % 3], random_pose(i + 900, 4), {.mask = 1}});
-        QueryHits many;
-        world.query(queries, many);
-        ASSERT_EQ(many.ends.size(), queries.size());
         std::vector<std::vector<QueryHit>> beside(queries.size());
         std::vector<std::thread> threads;
         for (std::size_t t = 0; t < 3; ++t)
@@ -228,7 +225,10 @@ TEST(World, GivesQueriesWhatAFrameWouldGiveABody)
                 for (std::size_t i = t; i < queries.size(); i += 3)
                     beside[i] = world.query(queries[i].model, queries[i].pose, queries[i].filter);
             });
-        for (std::thread& thread : threads) thread.join();
+        for (std::thread& thread : threads) thread.join(); // the trees grew under them
+        QueryHits many;
+        world.query(queries, many);
+        ASSERT_EQ(many.ends.size(), queries.size());
         std::size_t begin = 0;
         for (std::size_t i = 0; i < queries.size(); ++i) {
             // As the last body it is B of every pair in a frame, and A of a query: exact results are symmetric here.
