@@ -3,7 +3,7 @@ include(CMakePackageConfigHelpers)
 
 add_library(oncollide INTERFACE)
 add_library(oncollide::oncollide ALIAS oncollide)
-target_link_libraries(oncollide INTERFACE oncollide_pipeline)
+target_link_libraries(oncollide INTERFACE oncollide_pipeline oncollide_files)
 install(TARGETS oncollide EXPORT oncollide)
 
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/oncollide)

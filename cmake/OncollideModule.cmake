@@ -5,12 +5,13 @@
 #       SOURCES kd_tree.cpp ...
 #       DEPENDS scenes               lower modules only
 #       LINK    Qhull::qhull_r)      private third-party libraries
+#   FOLDER: where its headers are, if not in the folder of its name
 #
 # A module sees its own headers and those of the modules it depends on, as <oncollide/MODULE/x.hpp>, and no others:
 # each module's folder is linked into an include tree of its own under cmake/include, so including upward does not compile,
 # and an editor follows every include in a fresh clone (compile_flags.txt).
 
-set(ONCOLLIDE_LAYERS base scenes broadphase narrowphase pipeline) # bottom first
+set(ONCOLLIDE_LAYERS base scenes files broadphase narrowphase pipeline) # bottom first; none needs files
 
 # Eigen aligns its types as the processor's widest registers want, so that poses would lie elsewhere in the structures of
 # a program compiled with -march=native. All who use the library have those of the baseline.
@@ -41,7 +42,10 @@ if(TARGET nlohmann_json::nlohmann_json) # tests/builds/portable has no modules
 endif()
 
 function(oncollide_add_module name)
-  cmake_parse_arguments(arg "" "" "HEADERS;SOURCES;DEPENDS;LINK" ${ARGN})
+  cmake_parse_arguments(arg "" "FOLDER" "HEADERS;SOURCES;DEPENDS;LINK" ${ARGN})
+  if(NOT arg_FOLDER)
+    set(arg_FOLDER ${name})
+  endif()
   list(FIND ONCOLLIDE_LAYERS ${name} layer)
   foreach(dependency IN LISTS arg_DEPENDS)
     list(FIND ONCOLLIDE_LAYERS ${dependency} below)
@@ -50,7 +54,7 @@ function(oncollide_add_module name)
     endif()
   endforeach()
 
-  set(include_tree ${PROJECT_SOURCE_DIR}/cmake/include/${name}) # a link to the folder: nothing else is seen through it
+  set(include_tree ${PROJECT_SOURCE_DIR}/cmake/include/${arg_FOLDER}) # a link to the folder: nothing else is seen through it
 
   add_library(oncollide_${name} STATIC ${arg_SOURCES})
   add_library(oncollide::${name} ALIAS oncollide_${name})
@@ -74,7 +78,7 @@ function(oncollide_add_module name)
   install(TARGETS oncollide_${name} EXPORT oncollide ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
   foreach(header IN LISTS arg_HEADERS)
     get_filename_component(folder ${header} DIRECTORY)
-    install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/oncollide/${name}/${folder})
+    install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/oncollide/${arg_FOLDER}/${folder})
   endforeach()
 endfunction()
 

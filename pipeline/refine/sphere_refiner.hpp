@@ -8,7 +8,7 @@
 
 namespace oncollide {
 
-/// Any pairs by their sphere-trees, in rounds:
+/// Any pairs by their sphere-trees, which must be there (ModelStore::spheres), in rounds:
 ///
 ///     pairs walk ──> parked ──> requests ──> one batch ──> trees grow ──> parked pairs walk on ──> ...
 ///                                              └─ meanwhile the next pairs start to walk

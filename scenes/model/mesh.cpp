@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/scenes/files/exact_area.hpp>
+#include <oncollide/scenes/model/exact_area.hpp>
 
 namespace oncollide {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include <oncollide/scenes/files/exact_area.hpp>
+#include <oncollide/scenes/model/exact_area.hpp>
 
 namespace oncollide {
 

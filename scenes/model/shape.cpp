@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/model/convex_hull.hpp>
 #include <oncollide/scenes/model/hull_slack.hpp>
 #include <oncollide/scenes/model/surface_grid.hpp>

@@ -3,7 +3,7 @@
 #include <oncollide/base/random.hpp>
 #include <oncollide/broadphase/pose_bounds.hpp>
 #include <oncollide/scenes/catalogue/catalogue.hpp>
-#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 
 namespace oncollide {
 namespace {

@@ -5,7 +5,7 @@
 #include <octomap/OcTree.h>
 
 #include "scenes/mesh_writers.hpp"
-#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 
 namespace oncollide::test {

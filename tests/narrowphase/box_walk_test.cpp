@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/narrowphase/boxes/box_walk.hpp>
-#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 
 #include "random_pose.hpp"
 #include "voxel_grid.hpp"

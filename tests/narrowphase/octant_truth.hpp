@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <oncollide/narrowphase/spheres/ocst.hpp>
-#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 
 #include "narrowphase/geometry_surface.hpp"

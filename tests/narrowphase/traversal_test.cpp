@@ -9,7 +9,7 @@
 #include <oncollide/base/random.hpp>
 #include <oncollide/narrowphase/boxes/traversal.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
-#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 
 #include "random_pose.hpp"
 

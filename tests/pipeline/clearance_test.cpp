@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/pipeline/pipeline.hpp>
-#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 
 #include "hard/body_case.hpp"
 #include "hard/body_truth.hpp"

@@ -10,7 +10,7 @@
 #include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
-#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 #include "random_pose.hpp"

@@ -10,7 +10,7 @@
 #include <oncollide/base/executor.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/pipeline/world.hpp>
-#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 
 #include "allocations.hpp"
 #include "random_pose.hpp"

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "test_files.hpp"
-#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 #include <oncollide/scenes/motion.hpp>
 

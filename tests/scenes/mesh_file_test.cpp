@@ -11,7 +11,7 @@
 
 #include "mesh_writers.hpp"
 #include "test_files.hpp"
-#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 namespace oncollide {

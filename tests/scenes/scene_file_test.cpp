@@ -8,7 +8,7 @@
 #include "same_scene.hpp"
 #include "test_files.hpp"
 #include <oncollide/base/random.hpp>
-#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
 
 namespace oncollide {

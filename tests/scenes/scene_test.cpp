@@ -4,7 +4,7 @@
 
 #include "same_scene.hpp"
 #include "test_files.hpp"
-#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 
 #include "count_allocations.hpp"
 

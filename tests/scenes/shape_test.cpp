@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "test_files.hpp"
-#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/model/convex_hull.hpp>
 #include <oncollide/scenes/motion.hpp>
 

@@ -8,7 +8,7 @@
 #include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
 #include <oncollide/scenes/catalogue/catalogue.hpp>
-#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 
 #include "narrowphase/mesh_parts.hpp"
 #include "random_pose.hpp"

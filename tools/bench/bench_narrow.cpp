@@ -8,7 +8,7 @@
 #include <fmt/ranges.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 
 namespace oncollide::tools {

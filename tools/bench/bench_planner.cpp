@@ -10,7 +10,7 @@
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/base/random.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
-#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 #include <oncollide/scenes/motion.hpp>
 

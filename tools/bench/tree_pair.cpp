@@ -8,6 +8,7 @@ TreePair::TreePair(const Scene& scene, const Settings& settings)
       b_(models_[models_.add(scene.geometries.share(index(scene.geometry[1])))]), pose_a_(scene.poses[0]),
       refiner_(models_), context_{.settings = settings_, .trees = {}, .rounds = {}, .began = {}}
 {
+    for (Model* model : {&a_, &b_}) models_.spheres(*model);
 }
 
 RefineResult TreePair::walk(const Eigen::Isometry3d& b)

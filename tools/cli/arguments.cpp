@@ -238,4 +238,17 @@ Command CommandLine::parse(int argc, char** argv)
     return chosen_;
 }
 
+void usage(const std::string& message)
+{
+    throw Error(ErrorKind::usage, message);
+}
+
+void check_range(const char* option, std::int64_t value, std::int64_t least, std::int64_t most)
+{
+    if (value >= least && value <= most) return;
+    const bool open = most == std::numeric_limits<std::int64_t>::max();
+    usage(fmt::format("{} {}: must be {}", option, value,
+                      open ? fmt::format("at least {}", least) : fmt::format("from {} to {}", least, most)));
+}
+
 } // namespace oncollide::tools

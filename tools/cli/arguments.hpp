@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -73,5 +74,11 @@ private:
     std::unique_ptr<CLI::App> app_;
     Command chosen_;
 };
+
+/// Throws Error{usage}.
+[[noreturn]] void usage(const std::string& message);
+/// The same for a value that is out of range.
+void check_range(const char* option, std::int64_t value, std::int64_t least,
+                 std::int64_t most = std::numeric_limits<std::int64_t>::max());
 
 } // namespace oncollide::tools

@@ -1,5 +1,5 @@
 #include "cli/command.hpp"
-#include "cli/options.hpp"
+#include "cli/outputs.hpp"
 #include "cli/play.hpp"
 
 #include <cmath>
@@ -12,7 +12,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/random.hpp>
-#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 
 namespace oncollide::tools {
 namespace {

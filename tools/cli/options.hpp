@@ -1,15 +1,13 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "cli/arguments.hpp"
+#include "cli/outputs.hpp"
 
-#include <oncollide/pipeline/report.hpp>
 #include <oncollide/pipeline/settings.hpp>
 #include <oncollide/scenes/scene.hpp>
 
@@ -58,30 +56,6 @@ bool is_scene_file(const std::string& text);
 /// The data folder: `option` if given, else $ONCOLLIDE_DATA, else ../shared/data if it is there, else empty.
 /// Throws Error{no_input} when the first two name something that is not a folder.
 std::filesystem::path data_folder(const std::string& option);
-
-/// Files that results go to; empty: not written.
-struct OutputOptions {
-    std::string json, csv, trace, picture;
-    bool quiet = false;
-    bool separate = false;
-};
-
-void add_output_options(Arguments command, OutputOptions& options);
-/// check_files() of these; an empty input is none.
-void check_outputs(const OutputOptions& options, const std::string& input);
-/// The stage table to standard output (standard error when results go there), then every file requested.
-void write_outputs(const Report& report, const OutputOptions& options);
-
-/// Finds out before any work that a file could not be written, or that two of them, or one and an input, are the same
-/// place. Files come with the option that names them; empty ones are not written. Throws Error{cannot_write} or
-/// Error{usage}.
-void check_files(const std::vector<std::pair<const char*, std::string>>& files,
-                 const std::vector<std::string>& inputs = {});
-/// Throws Error{usage}.
-[[noreturn]] void usage(const std::string& message);
-/// The same for a value that is out of range.
-void check_range(const char* option, std::int64_t value, std::int64_t least,
-                 std::int64_t most = std::numeric_limits<std::int64_t>::max());
 
 /// What loading put right, one line each on standard error; the first ten.
 void print_warnings(const Scene& scene);

@@ -13,7 +13,7 @@
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
-#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 
 #include "bench/bench.hpp"
 #include "hard/body_trial.hpp"

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 
 #include "hard/body_case.hpp"
 

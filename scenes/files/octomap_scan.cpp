@@ -1,4 +1,4 @@
-#include <oncollide/scenes/model/octomap_scan.hpp>
+#include <oncollide/scenes/files/octomap_scan.hpp>
 
 #include <bit>
 #include <cmath>
@@ -10,6 +10,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/scenes/files/mesh_source.hpp>
+#include <oncollide/scenes/model/occupancy_cells.hpp>
 
 namespace oncollide {
 

@@ -1,4 +1,4 @@
-#include <oncollide/scenes/files/exact_area.hpp>
+#include <oncollide/scenes/model/exact_area.hpp>
 
 #include <algorithm>
 #include <array>

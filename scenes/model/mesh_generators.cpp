@@ -1,4 +1,4 @@
-#include <oncollide/scenes/catalogue/mesh_generators.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 
 #include <algorithm>
 #include <array>

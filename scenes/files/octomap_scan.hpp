@@ -4,9 +4,6 @@
 
 namespace oncollide {
 
-/// Of a map's smallest cells, m.
-constexpr double least_resolution = 1e-6, most_resolution = 1e6;
-
 struct OctomapScan {
     double resolution;
     std::size_t nodes_begin; ///< the byte at which the nodes start

@@ -1,0 +1,74 @@
+#include "cli/outputs.hpp"
+
+#include <filesystem>
+#include <iostream>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/output_file.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool same_place(const std::string& a, const std::string& b)
+{
+    if (a == "-" || b == "-") return a == b;
+    std::error_code error;
+    return fs::weakly_canonical(fs::absolute(a), error) == fs::weakly_canonical(fs::absolute(b), error);
+}
+
+} // namespace
+
+void add_output_options(Arguments command, OutputOptions& o)
+{
+    // An empty text means "not given" here, and would come from an unset variable of a script.
+    const auto named = [](const std::string& file) {
+        return std::string(file.empty() ? "the file name is empty" : "");
+    };
+    const auto add = [&](const char* option, std::string& file, const char* what) {
+        command.add_option(option, file, what).type_name("FILE").check(named);
+    };
+    add("--json", o.json, "write results as JSON; '-' is standard output");
+    add("--csv", o.csv, "write one row per frame and pair");
+    add("--trace", o.trace, "write a trace for Perfetto or chrome://tracing");
+    add("--picture", o.picture, "write a picture of stages and times (SVG)");
+    command.add_flag("--separate", o.separate, "also keep the pairs that were found separate");
+    command.add_flag("--quiet", o.quiet, "print nothing but errors");
+}
+
+void check_outputs(const OutputOptions& o, const std::string& input)
+{
+    check_files({{"--json", o.json}, {"--csv", o.csv}, {"--trace", o.trace}, {"--picture", o.picture}}, {input});
+}
+
+void check_files(const std::vector<std::pair<const char*, std::string>>& files, const std::vector<std::string>& inputs)
+{
+    for (std::size_t k = 0; k < files.size(); ++k) {
+        const auto& [option, file] = files[k];
+        if (file.empty()) continue;
+        for (const std::string& input : inputs)
+            if (!input.empty() && same_place(file, input))
+                usage(fmt::format("{} {}: would overwrite the input", option, file));
+        for (std::size_t j = 0; j < k; ++j)
+            if (!files[j].second.empty() && same_place(file, files[j].second) && !fs::is_character_file(file))
+                usage(fmt::format("{} and {} both go to '{}'", files[j].first, option, file));
+        check_writable(file);
+    }
+}
+
+void write_outputs(const Report& report, const OutputOptions& o)
+{
+    const bool stdout_taken = o.json == "-" || o.csv == "-" || o.trace == "-" || o.picture == "-";
+    // The table first: if a disk is full after a long run, the numbers are at least on the screen.
+    if (!o.quiet) report.print_table(stdout_taken ? std::cerr : std::cout);
+    std::cout.flush();
+    if (!o.json.empty()) report.write_json(o.json);
+    if (!o.csv.empty()) report.write_csv(o.csv);
+    if (!o.trace.empty()) report.write_trace(o.trace);
+    if (!o.picture.empty()) report.write_picture(o.picture);
+}
+
+} // namespace oncollide::tools

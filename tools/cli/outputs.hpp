@@ -1,0 +1,31 @@
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cli/arguments.hpp"
+
+#include <oncollide/pipeline/report.hpp>
+
+namespace oncollide::tools {
+
+/// Files that results go to; empty: not written.
+struct OutputOptions {
+    std::string json, csv, trace, picture;
+    bool quiet = false;
+    bool separate = false;
+};
+
+void add_output_options(Arguments command, OutputOptions& options);
+/// check_files() of these; an empty input is none.
+void check_outputs(const OutputOptions& options, const std::string& input);
+/// The stage table to standard output (standard error when results go there), then every file requested.
+void write_outputs(const Report& report, const OutputOptions& options);
+
+/// Finds out before any work that a file could not be written, or that two of them, or one and an input, are the same
+/// place. Files come with the option that names them; empty ones are not written. Throws Error{cannot_write} or
+/// Error{usage}.
+void check_files(const std::vector<std::pair<const char*, std::string>>& files,
+                 const std::vector<std::string>& inputs = {});
+
+} // namespace oncollide::tools
