@@ -10,6 +10,18 @@ const BoundingMesh& Model::bounding_mesh() const
     return *bounding_mesh_;
 }
 
+const ShapeCore& Model::core() const
+{
+    std::call_once(core_once_, [this] { core_ = core_of(*shape()); });
+    return *core_;
+}
+
+MapTree& Model::cells() const
+{
+    std::call_once(cells_once_, [this] { cells_ = std::make_unique<MapTree>(*map()); });
+    return *cells_;
+}
+
 RootCell Model::root_cell() const
 {
     return root_cell_around(shape() ? bounding_mesh().mesh.bounds : bounds_of(geometry_->data));

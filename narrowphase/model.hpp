@@ -8,9 +8,11 @@
 #include <vector>
 
 #include <oncollide/broadphase/pose_bounds.hpp>
+#include <oncollide/narrowphase/boxes/map_tree.hpp>
 #include <oncollide/narrowphase/boxes/obb_tree.hpp>
 #include <oncollide/narrowphase/exact/exact_fcl.hpp>
 #include <oncollide/narrowphase/exact/parts.hpp>
+#include <oncollide/narrowphase/exact/shape_core.hpp>
 #include <oncollide/narrowphase/spheres/ocst.hpp>
 #include <oncollide/narrowphase/spheres/surface.hpp>
 
@@ -39,8 +41,12 @@ public:
     const BoundingMesh& bounding_mesh() const;
     /// How far the surface that trees are built over may lie outside the geometry (m): 0 but for shapes.
     double covering_error() const { return shape() ? bounding_mesh().covering_error : 0.0; }
-    /// What trees are built over: the mesh, or the mesh around a shape; null for a map.
-    const Mesh* surface_mesh() const { return shape() ? &bounding_mesh().mesh : mesh(); }
+    /// What exact tests of a shape run on. The model must be a shape.
+    const ShapeCore& core() const;
+    /// What trees of oriented boxes are built over: the mesh, or the core of a shape; null for a map.
+    const Mesh* surface_mesh() const { return shape() ? &core().inner : mesh(); }
+    /// The octree of a map. The model must be a map.
+    MapTree& cells() const;
     /// Around the geometry, or around the bounding mesh of a shape.
     RootCell root_cell() const;
     /// What occlusion backends see. Not kept: backends own it. Cost: 10 ns a primitive.
@@ -48,23 +54,29 @@ public:
 
     /// Is it a mesh in which every edge is shared by two triangles that run along it in opposite directions?
     bool closed() const;
+    /// Has surface_mesh() an inside? That of a closed mesh, of a box, a hull or a cylinder.
+    bool has_inside() const { return shape() ? core().has_volume() : closed(); }
     /// Connected parts, each by points of it.
     std::span<const PartPoints> parts() const;
-    /// FCL's model, for exact = fcl and as long as shapes and maps have no exact level of their own.
+    /// FCL's model, for exact = fcl.
     /// @param for_distances  the same in every call
     const FclModel& fcl(bool for_distances) const;
 
     std::uint32_t number = 0;       ///< by which backends know its sphere-tree
     std::unique_ptr<Ocst> spheres;  ///< the sphere-tree; null until a test reaches it
-    std::unique_ptr<ObbTree> boxes; ///< the hierarchy of oriented boxes of a mesh; null until a test reaches it
+    std::unique_ptr<ObbTree> boxes; ///< the hierarchy of oriented boxes of surface_mesh(); null until a test reaches it
+    std::unique_ptr<ObbTree> outer_boxes; ///< of the core's outer mesh, where it has one; made with `boxes`
     /// Frame in which a pair last needed it.
     std::atomic<std::uint32_t> boxes_used = 0;
 
 private:
     std::shared_ptr<const Geometry> geometry_;
     PoseBounds bounds_;
-    mutable std::once_flag bounding_mesh_once_, closed_once_, parts_once_, fcl_once_;
+    mutable std::once_flag bounding_mesh_once_, closed_once_, parts_once_, fcl_once_,
+        core_once_, cells_once_;
     mutable std::optional<BoundingMesh> bounding_mesh_;
+    mutable std::optional<ShapeCore> core_;
+    mutable std::unique_ptr<MapTree> cells_;
     mutable bool closed_ = false;
     mutable std::vector<PartPoints> parts_;
     mutable std::shared_ptr<const FclModel> fcl_;

@@ -6,6 +6,16 @@
 
 namespace oncollide {
 
+namespace {
+
+/// Of its trees of oriented boxes.
+std::uint64_t nodes_of(const Model& model)
+{
+    return model.boxes->nodes() + (model.outer_boxes ? model.outer_boxes->nodes() : 0);
+}
+
+} // namespace
+
 ModelStore::ModelStore(const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
     : settings_(settings), backend_(std::move(backend))
 {
@@ -92,21 +102,27 @@ Ocst& ModelStore::spheres(Model& model)
     return *model.spheres;
 }
 
-ModelStore::Room ModelStore::all_grown(const Mesh& mesh)
+ModelStore::Room ModelStore::all_grown(const Model& model)
 {
-    return {ObbTree::most_nodes(mesh), ObbTree::most_bytes(mesh)};
+    Room room;
+    const auto add = [&](const Mesh& mesh) {
+        room.nodes += ObbTree::most_nodes(mesh), room.bytes += ObbTree::most_bytes(mesh);
+    };
+    add(*model.surface_mesh());
+    if (model.shape() && model.core().outer) add(*model.core().outer);
+    return room;
 }
 
 bool ModelStore::admit_boxes(Model& model, std::uint32_t frame)
 {
     if (model.boxes_used.load(std::memory_order_relaxed) != frame) model.boxes_used = frame;
     if (model.boxes) return true;
-    if (!model.surface_mesh()) return false;
+    if (model.map()) return model.cells(), true;
     const auto left = [](auto budget, auto held) -> decltype(budget) {
         if (budget == 0) return std::numeric_limits<decltype(budget)>::max();
         return budget > held ? budget - held : 0;
     };
-    const Room more = all_grown(*model.surface_mesh());
+    const Room more = all_grown(model);
     if (more.nodes > left(std::uint64_t(settings_.node_budget), cells() + reserved_.nodes) ||
         more.bytes > left(settings_.memory_budget, sphere_bytes() + reserved_.bytes))
         return false;
@@ -117,13 +133,14 @@ bool ModelStore::admit_boxes(Model& model, std::uint32_t frame)
 ObbTree& ModelStore::boxes(Model& model, std::uint32_t frame)
 {
     model.boxes_used = frame;
-    if (!model.boxes) make_boxes(model, all_grown(*model.surface_mesh()));
+    if (!model.boxes) make_boxes(model, all_grown(model));
     return *model.boxes;
 }
 
 void ModelStore::make_boxes(Model& model, const Room& room)
 {
     model.boxes = std::make_unique<ObbTree>(*model.surface_mesh());
+    if (model.shape() && model.core().outer) model.outer_boxes = std::make_unique<ObbTree>(*model.core().outer);
     with_boxes_.push_back(&model);
     reserved_.nodes += room.nodes, reserved_.bytes += room.bytes;
 }
@@ -217,10 +234,10 @@ BatchWork ModelStore::grow(std::uint32_t frame)
 std::uint64_t ModelStore::drop_boxes(Model& model)
 {
     if (!model.boxes) return 0;
-    const Room less = all_grown(*model.surface_mesh());
+    const Room less = all_grown(model);
     reserved_.nodes -= less.nodes, reserved_.bytes -= less.bytes;
-    const std::uint64_t dropped = model.boxes->nodes();
-    model.boxes.reset();
+    const std::uint64_t dropped = nodes_of(model);
+    model.boxes.reset(), model.outer_boxes.reset();
     return dropped;
 }
 
@@ -272,7 +289,7 @@ std::uint64_t ModelStore::cells() const
 std::uint64_t ModelStore::nodes() const
 {
     std::uint64_t sum = cells();
-    for (const Model* model : with_boxes_) sum += model->boxes->nodes();
+    for (const Model* model : with_boxes_) sum += nodes_of(*model);
     return sum;
 }
 
@@ -286,7 +303,8 @@ std::size_t ModelStore::sphere_bytes() const
 std::size_t ModelStore::bytes() const
 {
     std::size_t sum = sphere_bytes();
-    for (const Model* model : with_boxes_) sum += model->boxes->bytes();
+    for (const Model* model : with_boxes_)
+        sum += model->boxes->bytes() + (model->outer_boxes ? model->outer_boxes->bytes() : 0);
     return sum;
 }
 

@@ -37,8 +37,8 @@ public:
 
     /// The sphere-tree of a model, made of its root alone when it is first needed.
     Ocst& spheres(Model& model);
-    /// Sees to it that a mesh, or the mesh around a shape, has its tree of oriented boxes. False for a map, and when a
-    /// budget has no room for the tree all grown. Not while the model's tree is being walked, unless it is there.
+    /// Sees to it that a mesh, or the core of a shape, has its tree of oriented boxes, and a map its octree. False when
+    /// a budget has no room for the tree all grown. Not while the model's tree is being walked, unless it is there.
     bool admit_boxes(Model& model, std::uint32_t frame);
     /// The same, whatever the budgets say; not for a map.
     ObbTree& boxes(Model& model, std::uint32_t frame);
@@ -75,7 +75,7 @@ private:
         std::uint64_t nodes = 0;
         std::size_t bytes = 0;
     };
-    static Room all_grown(const Mesh& mesh);
+    static Room all_grown(const Model& model);
 
     void make_boxes(Model& model, const Room& room);
     void drop(Model& model);

@@ -276,15 +276,18 @@ Distance World::distance(BodyId body_a, BodyId body_b, double tolerance, double 
     ObbTree &tree_a = p.surface_tree(a, "distance", true), &tree_b = p.surface_tree(b, "distance", true);
     const Model &model_a = p.bodies.model(a), &model_b = p.bodies.model(b);
     const Eigen::Isometry3d &pose_a = p.bodies.pose(a), &pose_b = p.bodies.pose(b);
-    // The mesh around a shape is no farther from it than the covering error.
-    const double covering = model_a.covering_error() + model_b.covering_error();
+    // The cores of shapes: the balls around them are nearer, and no point is farther outside them than the error.
+    double radius = 0, error = 0;
+    for (const Model* model : {&model_a, &model_b})
+        if (model->shape()) radius += model->core().radius, error += model->core().error;
     Impl::Borrowed worker(p);
-    Distance found = worker->contacts.distance(tree_a, pose_a, tree_b, pose_b, tolerance, farthest + covering);
-    found.upper += covering;
+    Distance found = worker->contacts.distance(tree_a, pose_a, tree_b, pose_b, tolerance, farthest + radius + error);
+    found.lower = std::max(0.0, found.lower * (1 - 0x1p-50) - radius - error);
+    found.upper = std::max(0.0, found.upper * (1 + 0x1p-50) - radius);
     if (found.lower > 0 && (p.is_solid(model_a) || p.is_solid(model_b))) {
         const PairTask task{0, &p.bodies.model(a), &p.bodies.model(b), &pose_a, &pose_b};
         if (one_holds_the_other(task, worker->locator, [&](const Model& m) { return p.is_solid(m); }))
-            found = {0, covering, 0, 0};
+            found = {0, 0, 0, 0};
     }
     return found;
 }

@@ -45,6 +45,12 @@ struct DistanceBounds {
     std::optional<Pair> nearest; ///< two primitives that are `upper` apart, or that meet
 };
 
+/// How a distance compares with a cutoff.
+struct Comparison {
+    int sign;     ///< -1: it is at most the cutoff; 1: it is more; 0: it differs by no more than rounding
+    double bound; ///< 1: a lower bound on it, above the cutoff; else an upper bound, that of 0 at least the cutoff
+};
+
 template <class Pair>
 struct NearBounds {
     bool near;
@@ -69,6 +75,10 @@ public:
     /// called near. The result does not depend on `hint`.
     NearBounds<Pair> near(A& a, B& b, const RelativePose& b_to_a, double clearance, double tolerance,
                           std::optional<Pair> hint);
+
+    /// Is the distance, in A's frame, at most `cutoff`?
+    /// @param slack  besides rounding: what the caller's cutoff may be off by
+    Comparison compare(A& a, B& b, const RelativePose& b_to_a, double cutoff, double slack);
 
     /// Bounds on the distance, at most `tolerance` and rounding apart; nearest boxes first. Of geometries that are
     /// farther apart than `farthest` only a lower bound above that is found; the upper one is then infinite, else
@@ -160,8 +170,8 @@ unsigned BoxWalk<A, B, Leaves>::open(const Entry& e, float cutoff)
     const OpenBoxes &boxes = down_a ? a_[slot].boxes : b_[slot].boxes, &other = down_a ? b_[e.b].boxes : a_[e.a].boxes;
     ++box_rows;
     float gaps[8];
-    const auto compare = far ? oriented_box_kernel().compare_far : oriented_box_kernel().compare;
-    unsigned near = compare(boxes, other, down_a ? e.lane_b : e.lane_a, cutoff, gaps, nearest_);
+    const auto kernel = far ? oriented_box_kernel().compare_far : oriented_box_kernel().compare;
+    unsigned near = kernel(boxes, other, down_a ? e.lane_b : e.lane_a, cutoff, gaps, nearest_);
     if (!near) return 0;
     if (stack_.size() < top_ + 8) stack_.resize(2 * (top_ + 8));
     Entry* const first = &stack_[top_];
@@ -272,6 +282,35 @@ NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const 
     });
     if (result.near || !test_waiting(take)) return result;
     return {false, std::max(std::min(lower * (1 - 0x1p-18), least_gap(frame)), clearance), {}};
+}
+
+template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
+Comparison BoxWalk<A, B, Leaves>::compare(A& a, B& b, const RelativePose& b_to_a, double cutoff, double slack)
+{
+    const BoxFrame frame(a, b, b_to_a);
+    const double most = cutoff + slack;
+    if (frame.apart > most) return {1, frame.apart};
+    double lower = infinity, upper = infinity;
+    const auto at_most = [&](double distance) {
+        upper = std::min(upper, distance + frame.leaf_rounding);
+        return upper + slack <= cutoff;
+    };
+    const auto take_pair = [&](Pair pair) {
+        if (at_most(leaves_.most(pair))) return false;
+        const double distance = leaves_.distance(pair);
+        if (at_most(distance)) return false;
+        if (leaves_.meet(pair)) return upper = 0, false;
+        lower = std::min(lower, distance - frame.leaf_rounding);
+        return true;
+    };
+    start(a, b, b_to_a, frame);
+    bool go_on = true;
+    walk(static_cast<float>((most + frame.box_rounding) * (1 + 0x1p-20)),
+         [&](const Entry& e) { return go_on = each_pair(e, take_pair); });
+    if (!go_on) return {-1, upper};
+    lower = std::min(lower, least_box_gap(frame));
+    if (lower > most) return {1, lower};
+    return {0, std::max(upper, most)};
 }
 
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>

@@ -10,12 +10,12 @@ namespace oncollide {
 enum class Level : std::uint8_t { refine, exact };
 
 enum class Refiner : std::uint8_t {
-    none,        ///< the level leaves the pair as it is
-    no_room,     ///< so too, for a budget has no room for what would decide it
-    spheres,     ///< sphere-trees
-    boxes,       ///< oriented boxes, down to the error
-    exact_boxes, ///< oriented boxes, down to the triangles
-    fcl,         ///< FCL, on the bodies as a whole
+    none,    ///< the level leaves the pair as it is
+    no_room, ///< so too, for a budget has no room for what would decide it
+    spheres, ///< sphere-trees
+    boxes,   ///< oriented boxes, down to the error
+    exact,   ///< boxes, down to triangles, shapes and cells
+    fcl,     ///< FCL, on the bodies as a whole, where the exact refiner agrees
 };
 constexpr std::size_t refiner_count = 6;
 
@@ -26,10 +26,9 @@ constexpr std::size_t refiner_count = 6;
 /// | refine | sphere                   | spheres     | spheres                     |
 /// | refine | obb                      | boxes       | spheres                     |
 /// | refine | obb, predicates to come  | none        | spheres                     |
-/// | exact  | predicates               | exact_boxes | fcl                         |
+/// | exact  | predicates               | exact       | exact                       |
 /// | exact  | fcl                      | fcl         | fcl                         |
 ///
-/// In builds without FCL the exact level leaves its pairs as they are.
 /// Where a budget has no room for a tree of oriented boxes, spheres refine, and the exact level decides nothing.
 class Dispatch {
 public:
@@ -49,8 +48,8 @@ public:
             models.spheres(a), models.spheres(b);
             return Refiner::spheres;
         }
-        if (exact_ == ExactLevel::fcl || !meshes) return fcl_available() ? Refiner::fcl : Refiner::none;
-        return room() ? Refiner::exact_boxes : Refiner::no_room;
+        if (!room()) return Refiner::no_room;
+        return exact_ == ExactLevel::fcl ? Refiner::fcl : Refiner::exact;
     }
 
     /// Are all the trees there that of() would make?
@@ -58,8 +57,7 @@ public:
     {
         const bool meshes = a.mesh() && b.mesh();
         if (level == Level::refine && !(obb_ && meshes)) return a.spheres && b.spheres;
-        if (level == Level::exact && (exact_ == ExactLevel::fcl || !meshes)) return true;
-        return a.boxes && b.boxes;
+        return (a.boxes || a.map()) && (b.boxes || b.map());
     }
 
 private:

@@ -6,7 +6,7 @@ namespace oncollide {
 
 Narrowing::Narrowing(const Settings& settings, ModelStore& models, Level level)
     : models_(models), level_(level), dispatch_(settings), spheres_(models), boxes_(models, ObbRefiner::Goal::near),
-      exact_boxes_(models, ObbRefiner::Goal::exact), containment_(models)
+      exact_(models, ObbRefiner::Goal::exact), fcl_(exact_), containment_(models)
 {
 }
 
@@ -51,15 +51,14 @@ void Narrowing::run(RefineContext& context, std::span<const PairTask> tasks, Pai
     sort_out(context, tasks);
     refine(Refiner::spheres, spheres_, context, tasks, cache, results);
     refine(Refiner::boxes, boxes_, context, tasks, cache, results);
-    refine(Refiner::exact_boxes, exact_boxes_, context, tasks, cache, results);
+    refine(Refiner::exact, exact_, context, tasks, cache, results);
     refine(Refiner::fcl, fcl_, context, tasks, cache, results);
     for (std::uint32_t i : taken_[static_cast<std::size_t>(Refiner::no_room)])
         if (results[i].verdict == Verdict::within) results[i].verdict = Verdict::undecided;
 
     apart_.resize(tasks.size());
     for (std::size_t i = 0; i < tasks.size(); ++i)
-        apart_[i] = decided(i) && (results[i].verdict == Verdict::separate ||
-                                   (results[i].verdict == Verdict::within && level_ == Level::exact));
+        apart_[i] = decided(i) && (results[i].verdict == Verdict::separate || results[i].kind == ContactKind::near);
     containment_.find(context, tasks, apart_, results);
 }
 

@@ -39,7 +39,7 @@ private:
     const Level level_;
     const Dispatch dispatch_;
     SphereRefiner spheres_;
-    ObbRefiner boxes_, exact_boxes_;
+    ObbRefiner boxes_, exact_;
     FclRefiner fcl_;
     ContainmentTest containment_;
     std::vector<Refiner> refiners_;                               ///< by task

@@ -47,6 +47,7 @@ RefineResult ObbRefiner::near(const RefineContext& context, const PairTask& task
 RefineResult ObbRefiner::exact(const RefineContext& context, const PairTask& task, PairMemory* memory,
                                Worker& worker) const
 {
+    if (!is_polytope(*task.a) || !is_polytope(*task.b)) return worker.solids.exact(context, task);
     ObbTree &a = *task.a->boxes, &b = *task.b->boxes;
     const RelativePose b_to_a(*task.pose_a, *task.pose_b);
     const Settings& settings = context.settings;
@@ -60,7 +61,7 @@ RefineResult ObbRefiner::exact(const RefineContext& context, const PairTask& tas
         auto [meeting, gap, contact, parted] = worker.walk.contact(a, b, b_to_a, hint_of(memory));
         remember(memory, meeting);
         // Closed meshes of which every two triangles only touch may share a point inside all the same.
-        if (contact == TriangleContact::touching && !parted && task.a->closed() && task.b->closed() &&
+        if (contact == TriangleContact::touching && !parted && task.a->has_inside() && task.b->has_inside() &&
             worker.inside.find(a, b, b_to_a))
             contact = TriangleContact::crossing;
         const bool touching = contact == TriangleContact::touching;
@@ -69,6 +70,8 @@ RefineResult ObbRefiner::exact(const RefineContext& context, const PairTask& tas
                     touching ? ContactKind::touching : ContactKind::crossing, 0};
         bound = gap;
     }
+    if ((task.a->shape() || task.b->shape()) && worker.solids.shape_holds(task, b_to_a))
+        return {Verdict::colliding, ContactKind::enclosed, 0};
     if (settings.clearance > 0) return within_clearance(worker.walk, a, b, b_to_a, settings.clearance);
     return {Verdict::separate, ContactKind::unknown, bound};
 }
@@ -91,6 +94,9 @@ void ObbRefiner::refine(RefineContext& context, std::span<const PairTask> tasks,
         context.trees.node_pairs += counts.box_rows, context.trees.triangle_pairs += counts.triangles;
         context.trees.unsure_pairs += counts.unsure;
         worker.walk.reset_counts();
+        const SolidPairs::Counts solids = worker.solids.counts();
+        context.trees.node_pairs += solids.box_rows, context.trees.triangle_pairs += solids.primitives;
+        worker.solids.reset_counts();
     }
 }
 

@@ -5,16 +5,17 @@
 #include <oncollide/narrowphase/exact/shared_inside.hpp>
 #include <oncollide/pipeline/model_store.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
+#include <oncollide/pipeline/refine/solid_pairs.hpp>
 
 namespace oncollide {
 
-/// Pairs of meshes by their trees of oriented boxes: down to the error, or, exact, to the triangles.
+/// Pairs of meshes by their trees of oriented boxes down to the error; any pairs exactly, down to triangles, shapes and
+/// cells.
 class ObbRefiner final : public PairRefiner {
 public:
     enum class Goal : std::uint8_t {
         near, ///< within clearance + error, or separate
-        exact ///< do the triangles meet, and how, if kinds are requested? With a clearance, the distance decides the
-              ///< rest
+        exact ///< do they meet, and how, if kinds are requested? With a clearance, the distance decides the rest
     };
     ObbRefiner(const ModelStore& models, Goal goal) : models_(models), goal_(goal) {}
 
@@ -26,6 +27,7 @@ private:
     struct Worker {
         Traversal walk;
         SharedInside inside;
+        SolidPairs solids;
     };
     RefineResult near(const RefineContext& context, const PairTask& task, PairMemory* memory, Traversal& walk) const;
     RefineResult exact(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;

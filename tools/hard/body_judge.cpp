@@ -8,9 +8,6 @@
 namespace oncollide::tools {
 namespace {
 
-/// FCL's distances err by this much of the bodies' size.
-constexpr double fcl_rounding = 1e-9;
-
 /// What may be said and what must be, where an exact level decides.
 struct Expected {
     bool may_collide, must_collide, may_be_near, must_be_near;
@@ -25,20 +22,14 @@ double clearance_rounding(const PairTruth& truth, double clearance)
 Expected expected(const PairTruth& truth, const Settings& settings)
 {
     const bool collide = truth.surfaces.collide;
-    const auto& [low, high, size] = truth.surfaces.distance;
+    const DistanceTruth& distance = truth.surfaces.distance;
     const double clearance = settings.clearance;
     const bool enclosed = settings.mode == Mode::solid && truth.solids.enclosed;
     const bool touching = truth.solids.contact == TriangleContact::touching;
     const bool may_meet = collide && !(settings.ignore_touching && touching);
     const bool must_meet = may_meet && !(settings.ignore_touching && truth.solids.vague);
-    Expected e{may_meet || enclosed, must_meet || enclosed, low <= clearance + clearance_rounding(truth, clearance),
-               high <= clearance};
-    if (fcl_decides(settings)) { // which may err about surfaces; then a point that is on one has no side
-        const bool no_side = settings.mode == Mode::solid && collide;
-        e.may_collide |= truth.fcl_collide || no_side, e.must_collide &= truth.fcl_collide || enclosed;
-        e.may_be_near |= truth.fcl_distance <= clearance + fcl_rounding * size;
-        e.must_be_near &= truth.fcl_distance <= clearance - fcl_rounding * size;
-    }
+    Expected e{may_meet || enclosed, must_meet || enclosed,
+               distance.low <= clearance + clearance_rounding(truth, clearance), distance.high <= clearance};
     e.may_be_near &= clearance > 0, e.must_be_near &= clearance > 0;
     return e;
 }
@@ -76,22 +67,30 @@ Fault fault_of_spheres(const BodyResult& result, const PairTruth& truth, const S
     return {};
 }
 
-bool right_kind(const BodyResult& result, const PairTruth& truth, const Settings& settings)
+/// Where FCL errs, or exact tests cannot say that it does not, a pair stays as it came: open. So it must not where FCL
+/// is right about surfaces and no distance counts.
+bool left_open_by_fcl(const BodyResult& result, const PairTruth& truth, const Settings& settings)
+{
+    const bool open =
+        (result.verdict == Verdict::within && result.kind != ContactKind::near) || result.verdict == Verdict::undecided;
+    return open && decides(settings) && fcl_decides(settings) &&
+           (settings.clearance > 0 || truth.fcl_collide != truth.surfaces.collide);
+}
+
+bool right_kind(const BodyResult& result, const PairTruth& truth, const Settings& settings, bool exact)
 {
     if (truth.solids.vague && result.kind == ContactKind::touching) return wants_kinds(settings);
     const ContactKind surfaces = truth.solids.contact == TriangleContact::crossing   ? ContactKind::crossing
                                  : truth.solids.contact == TriangleContact::touching ? ContactKind::touching
                                                                                      : ContactKind::unknown;
-    const bool solid = settings.mode == Mode::solid, by_fcl = decides(settings) && fcl_decides(settings);
+    const bool solid = settings.mode == Mode::solid;
     switch (result.verdict) {
     case Verdict::separate:
         return result.kind == (settings.ignore_touching ? surfaces : ContactKind::unknown);
     case Verdict::within:
-        return result.kind == (decides(settings) ? ContactKind::near : ContactKind::unknown);
+        return result.kind == (exact ? ContactKind::near : ContactKind::unknown);
     case Verdict::colliding:
-        if (solid && truth.solids.enclosed) return result.kind == ContactKind::enclosed || by_fcl;
-        if (by_fcl && result.kind != surfaces)
-            return result.kind == ContactKind::unknown || (solid && result.kind == ContactKind::enclosed);
+        if (solid && truth.solids.enclosed) return result.kind == ContactKind::enclosed;
         return result.kind == (wants_kinds(settings) ? surfaces : ContactKind::unknown);
     case Verdict::undecided:
         break;
@@ -104,18 +103,15 @@ bool holds(const BodyResult& result, const PairTruth& truth, const Settings& set
 {
     const DistanceTruth& distance = truth.surfaces.distance;
     const double clearance = settings.clearance, rounding = 0x1p-50 * distance.size;
-    const bool exact = decides(settings), by_fcl = exact && fcl_decides(settings);
-    const double its_own = by_fcl && clearance > 0 ? fcl_rounding * distance.size + 1e-140 : 0; // FCL's error
+    const bool exact = decides(settings) && !left_open_by_fcl(result, truth, settings);
     if (result.verdict == Verdict::colliding) return result.bound == 0;
     if (result.verdict == Verdict::separate) {
         const double bound = result.listed ? result.bound : clearance;
-        const double most = its_own > 0 ? std::max(distance.high, truth.fcl_distance) : distance.high;
-        return truth.surfaces.collide || (bound >= clearance && bound <= most + rounding + its_own);
+        return truth.surfaces.collide || (bound >= clearance && bound <= distance.high + rounding);
     }
-    const double least = its_own > 0 ? std::min(distance.low, truth.fcl_distance) : distance.low;
     const bool near =
         result.verdict != Verdict::within || !exact || result.bound <= clearance + clearance_rounding(truth, clearance);
-    return least <= result.bound + rounding + its_own && near && std::isfinite(result.bound);
+    return distance.low <= result.bound + rounding && near && std::isfinite(result.bound);
 }
 
 } // namespace
@@ -134,14 +130,14 @@ bool fcl_decides(const Settings& s)
 bool fcl_is_sure(const PairTruth& truth, const Settings& settings)
 {
     return settings.clearance == 0 ||
-           std::abs(truth.fcl_distance - settings.clearance) > fcl_rounding * truth.surfaces.distance.size;
+           std::abs(truth.fcl_distance - settings.clearance) > 1e-9 * truth.surfaces.distance.size;
 }
 
 void judge(const PairTruth& truth, const Settings& settings, const BodyResult& result, Tally& tally,
            const std::string& what)
 {
     ++tally.results;
-    const bool exact = decides(settings);
+    const bool exact = decides(settings) && !left_open_by_fcl(result, truth, settings);
     // Where a budget has no room for what would decide, a pair may stay undecided; its bound is judged all the same.
     const bool no_room = result.verdict == Verdict::undecided && (settings.node_budget || settings.memory_budget);
     const Fault fault = !exact    ? fault_of_spheres(result, truth, settings)
@@ -149,7 +145,7 @@ void judge(const PairTruth& truth, const Settings& settings, const BodyResult& r
                                   : fault_of_exact(result.verdict, expected(truth, settings));
     if (fault.kind)
         tally.fault(fault.kind, fmt::format("{}: {}{}", what, name_of(result.verdict), fault.why));
-    else if (!right_kind(result, truth, settings))
+    else if (!right_kind(result, truth, settings, exact))
         tally.fault(&Tally::wrong,
                     fmt::format("{}: {}, of kind {}", what, name_of(result.verdict), name_of(result.kind)));
     const bool enclosed = settings.mode == Mode::solid && truth.solids.enclosed;

@@ -1,0 +1,130 @@
+#include <oncollide/narrowphase/boxes/map_tree.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace oncollide {
+
+namespace {
+
+constexpr std::int32_t lowest = -32768, whole = 65536; ///< OctoMap's address space
+
+/// Of the octant that holds the cell's least corner, in a cube twice as large.
+unsigned octant_in(const MapCell& cube, const MapCell& cell)
+{
+    const std::int32_t half = cube.side / 2;
+    return unsigned(cell.x >= cube.x + half) | unsigned(cell.y >= cube.y + half) << 1 |
+           unsigned(cell.z >= cube.z + half) << 2;
+}
+
+/// In the order of an octree's leaves.
+bool before(const MapCell& a, const MapCell& b)
+{
+    const auto ax = std::uint32_t(a.x - lowest), ay = std::uint32_t(a.y - lowest), az = std::uint32_t(a.z - lowest);
+    const auto bx = std::uint32_t(b.x - lowest), by = std::uint32_t(b.y - lowest), bz = std::uint32_t(b.z - lowest);
+    const std::uint32_t x = ax ^ bx, y = ay ^ by, z = az ^ bz;
+    // The axis that differs in the highest bit; of equal ones z, then y, then x.
+    if (z >= std::max(x, y) || !((z ^ std::max(x, y)) > z)) return az < bz;
+    if (y >= x || !((y ^ x) > y)) return ay < by;
+    return ax < bx;
+}
+
+} // namespace
+
+MapTree::MapTree(const OccupancyMap& map)
+    : resolution_(map.resolution), bounds_(map.bounds), centre_(map.bounds.centre()),
+      radius_(0.5 * map.bounds.diagonal() * (1 + 0x1p-50))
+{
+    std::vector<MapCell> cells;
+    cells.reserve(map.cells.size());
+    for (const Aabb& box : map.cells) {
+        const auto grid = [&](double x) { return static_cast<std::int32_t>(std::lround(x / resolution_)); };
+        cells.push_back(
+            {grid(box.min.x()), grid(box.min.y()), grid(box.min.z()), grid(box.max.x()) - grid(box.min.x())});
+    }
+    if (!std::ranges::is_sorted(cells, before)) std::ranges::sort(cells, before);
+
+    // A cube twice the address space, so that a map that is all occupied is an octant of a node, too.
+    top_ = {0, {lowest, lowest, lowest, 2 * whole}};
+    nodes_.emplace_back();
+    build(0, top_.cube, cells.data(), cells.data() + cells.size());
+    nodes_.shrink_to_fit();
+    top_ = forked(top_);
+}
+
+void MapTree::build(std::uint32_t index, const MapCell& cube, const MapCell* begin, const MapCell* end)
+{
+    std::array<const MapCell*, 9> ends;
+    Inner node{};
+    ends[0] = begin;
+    for (unsigned k = 0; k < 8; ++k) {
+        const MapCell* stop = ends[k];
+        while (stop != end && octant_in(cube, *stop) == k) ++stop;
+        ends[k + 1] = stop;
+        if (stop == ends[k]) continue;
+        (ends[k]->side == cube.side / 2 ? node.full : node.parted) |= static_cast<std::uint8_t>(1u << k);
+    }
+    node.first = static_cast<std::uint32_t>(nodes_.size());
+    nodes_[index] = node;
+    nodes_.resize(nodes_.size() + static_cast<std::size_t>(__builtin_popcount(node.parted)));
+    for (unsigned k = 0; k < 8; ++k)
+        if (node.parted >> k & 1) {
+            const Node child = below({index, cube}, k);
+            build(child.index, child.cube, ends[k], ends[k + 1]);
+        }
+}
+
+/// An octree has long chains of only children, above all where a map lies around the origin.
+MapTree::Node MapTree::forked(Node node) const
+{
+    for (Inner inner = nodes_[node.index]; !inner.full && (inner.parted & (inner.parted - 1)) == 0;
+         inner = nodes_[node.index])
+        node = below(node, static_cast<unsigned>(__builtin_ctz(inner.parted)));
+    return node;
+}
+
+MapTree::Node MapTree::child(const Node& node, unsigned lane) const
+{
+    return node.index == root.index ? top_ : forked(below(node, octant_of(nodes_[node.index], lane)));
+}
+
+LaneMasks MapTree::open(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const
+{
+    unsigned lanes = 0;
+    const auto add = [&](Aabb box) {
+        // Octants reach far beyond the cells, and floats so large would err by more than the walk allows for.
+        box.min = box.min.cwiseMax(bounds_.min), box.max = box.max.cwiseMin(bounds_.max);
+        const Eigen::Vector3f c = (box.centre() - centre_).cast<float>(), h = box.half_extent().cast<float>();
+        for (int i = 0; i < 3; ++i) {
+            boxes.c[i][lanes] = c[i];
+            if (placement) {
+                const float* row = placement->rotation + 3 * i;
+                boxes.c[i][lanes] = row[0] * c[0] + row[1] * c[1] + row[2] * c[2] + placement->translation[i];
+            }
+            boxes.h[i][lanes] = h[i];
+        }
+        boxes.size[lanes++] = h.squaredNorm();
+    };
+    LaneMasks masks{0, 0};
+    if (node.index == root.index) {
+        add(bounds_);
+    } else {
+        const Inner inner = nodes_[node.index];
+        for (unsigned all = inner.parted | inner.full; all; all &= all - 1) {
+            const auto k = static_cast<unsigned>(__builtin_ctz(all));
+            if (inner.full >> k & 1) masks.leaves |= 1u << lanes;
+            add(node.cube.octant(k).box(resolution_));
+        }
+        masks.singles = masks.leaves;
+    }
+    for (unsigned k = lanes; k < 8; ++k) {
+        for (int i = 0; i < 3; ++i) boxes.c[i][k] = 1e30f, boxes.h[i][k] = 0;
+        boxes.size[k] = 0;
+    }
+    for (int axis = 0; axis < 3; ++axis)
+        for (int i = 0; i < 3; ++i)
+            std::fill_n(boxes.axis[axis][i], 8, placement ? placement->rotation[3 * i + axis] : float(axis == i));
+    return masks;
+}
+
+} // namespace oncollide

@@ -1,0 +1,9 @@
+#include <oncollide/narrowphase/boxes/map_walk.hpp>
+
+namespace oncollide {
+
+static_assert(BoxHierarchy<const MapTree> && LeafTests<CellTests<PlacedTriangles>, const MapTree, ObbTree>);
+template class BoxWalk<MapTree, ObbTree, CellTests<PlacedTriangles>>;
+template class BoxWalk<MapTree, MapTree, CellTests<PlacedCells>>;
+
+} // namespace oncollide

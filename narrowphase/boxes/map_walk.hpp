@@ -1,0 +1,13 @@
+#pragma once
+#include <oncollide/narrowphase/boxes/box_walk.hpp>
+#include <oncollide/narrowphase/exact/cell_tests.hpp>
+
+namespace oncollide {
+
+/// Walks of a map, A, against a mesh or the core of a shape, and against another map.
+using MapMeshWalk = BoxWalk<MapTree, ObbTree, CellTests<PlacedTriangles>>;
+using MapMapWalk = BoxWalk<MapTree, MapTree, CellTests<PlacedCells>>;
+extern template class BoxWalk<MapTree, ObbTree, CellTests<PlacedTriangles>>;
+extern template class BoxWalk<MapTree, MapTree, CellTests<PlacedCells>>;
+
+} // namespace oncollide

@@ -1,0 +1,145 @@
+#include <oncollide/narrowphase/exact/cell_test.hpp>
+
+#include <algorithm>
+#include <limits>
+
+#include <oncollide/narrowphase/exact/exact_predicates.hpp>
+#include <oncollide/narrowphase/exact/flat_triangles.hpp>
+#include <oncollide/narrowphase/exact/triangle_distance.hpp>
+#include <oncollide/narrowphase/exact/triangle_gap.hpp>
+
+namespace oncollide {
+
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+Vector3d corner(const Aabb& cell, unsigned k)
+{
+    return {k & 1 ? cell.max.x() : cell.min.x(), k & 2 ? cell.max.y() : cell.min.y(),
+            k & 4 ? cell.max.z() : cell.min.z()};
+}
+
+/// Of the triangle beyond the cell along the axes; negative where it is not.
+double gap_along_axes(const Aabb& cell, const TrianglePoints& t)
+{
+    const Vector3d low = t[0].cwiseMin(t[1]).cwiseMin(t[2]), high = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
+    return std::max((low - cell.max).maxCoeff(), (cell.min - high).maxCoeff());
+}
+
+bool parted_along_axes(const Aabb& cell, const TrianglePoints& t)
+{
+    for (int i = 0; i < 3; ++i)
+        if (std::min({t[0][i], t[1][i], t[2][i]}) > cell.max[i] || std::max({t[0][i], t[1][i], t[2][i]}) < cell.min[i])
+            return true;
+    return false;
+}
+
+/// Are all corners of the cell strictly on one side of the triangle's plane?
+bool parted_by_plane(const Aabb& cell, const TrianglePoints& t)
+{
+    const int first = orient3d(t[0], t[1], t[2], corner(cell, 0));
+    if (first == 0) return false;
+    for (unsigned k = 1; k < 8; ++k)
+        if (orient3d(t[0], t[1], t[2], corner(cell, k)) != first) return false;
+    return true;
+}
+
+/// Seen along an axis: does the line of an edge part the cell from the triangle?
+bool parted_by_edges(const Aabb& cell, const TrianglePoints& t)
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        std::array<Vector2d, 4> square;
+        for (unsigned k = 0; k < 4; ++k) {
+            const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+            square[k] = {k & 1 ? cell.max[u] : cell.min[u], k & 2 ? cell.max[v] : cell.min[v]};
+        }
+        for (std::size_t e = 0; e < 3; ++e) {
+            const Vector2d p = projected(t[e], axis), q = projected(t[(e + 1) % 3], axis);
+            const int first = orient2d(p, q, square[0]);
+            if (first == 0 || orient2d(p, q, square[1]) != first || orient2d(p, q, square[2]) != first ||
+                orient2d(p, q, square[3]) != first)
+                continue;
+            if (orient2d(p, q, projected(t[(e + 2) % 3], axis)) != first) return true;
+        }
+    }
+    return false;
+}
+
+TrianglePoints face_of(const CellCorners& corners, std::size_t face)
+{
+    const auto& [a, b, c] = cell_faces[face];
+    return {corners[a], corners[b], corners[c]};
+}
+
+CellCorners corners_of(const Aabb& cell)
+{
+    CellCorners corners;
+    for (unsigned k = 0; k < 8; ++k) corners[k] = corner(cell, k);
+    return corners;
+}
+
+} // namespace
+
+bool cell_meets(const Aabb& cell, const TrianglePoints& t)
+{
+    // Two polytopes are apart when a face of either or an edge of each parts them; a triangle without area has edges
+    // alone, for which the cell's own axes and those across the edges suffice.
+    if (parted_along_axes(cell, t)) return false;
+    return !parted_by_plane(cell, t) && !parted_by_edges(cell, t);
+}
+
+double cell_distance_at_most(const Aabb& cell, const TrianglePoints& t)
+{
+    double least2 = std::numeric_limits<double>::infinity();
+    for (const Vector3d& p : t) least2 = std::min(least2, (p - p.cwiseMax(cell.min).cwiseMin(cell.max)).squaredNorm());
+    return std::sqrt(least2) * (1 + 0x1p-50);
+}
+
+double cell_distance(const Aabb& cell, const TrianglePoints& t)
+{
+    if (t[0] == t[1] && t[0] == t[2]) return cell_distance_at_most(cell, t);
+    const CellCorners corners = corners_of(cell);
+    double least = cell_distance_at_most(cell, t);
+    for (std::size_t f = 0; f < 12; ++f) {
+        // Nearest is a face that the triangle is in front of. Two triangles a face: z, y and x, low and high.
+        const int axis = 2 - static_cast<int>(f / 4);
+        const bool high = f % 4 >= 2;
+        const bool in_front = std::ranges::any_of(
+            t, [&](const Vector3d& p) { return high ? p[axis] > cell.max[axis] : p[axis] < cell.min[axis]; });
+        if (in_front) least = std::min(least, triangle_distance(face_of(corners, f), t));
+    }
+    return least;
+}
+
+double cell_gap(const Aabb& cell, const TrianglePoints& t, double rounding)
+{
+    const double along_axes = gap_along_axes(cell, t) * (1 - 0x1p-50);
+    if (along_axes > 0) return along_axes;
+    const double gap = cell_distance(cell, t) - rounding;
+    if (gap > 0) return gap;
+    return least_possible_gap({cell.min, cell.max, {cell.min.x(), cell.max.y(), cell.min.z()}}, t);
+}
+
+bool cells_meet(const Aabb& cell, const CellCorners& other)
+{
+    for (std::size_t f = 0; f < 12; ++f)
+        if (cell_meets(cell, face_of(other, f))) return true;
+    // No face of the other touches the cell, which is then all in it or all out of it.
+    const Vector3d p = cell.centre();
+    for (std::size_t f = 0; f < 12; ++f) {
+        const auto& [a, b, c] = cell_faces[f];
+        if (orient3d(other[a], other[b], other[c], p) > 0) return false;
+    }
+    return true;
+}
+
+double cells_distance(const Aabb& cell, const CellCorners& other)
+{
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t f = 0; f < 12; ++f) least = std::min(least, cell_distance(cell, face_of(other, f)));
+    return least;
+}
+
+} // namespace oncollide

@@ -1,0 +1,42 @@
+#pragma once
+#include <oncollide/base/aabb.hpp>
+#include <oncollide/narrowphase/exact/triangle_test.hpp>
+
+namespace oncollide {
+
+/// Have the cell, a solid box, and the triangle a point in common? Exact for the coordinates as stored; touching
+/// counts. Cost: 10 to 100 ns. Source: Akenine-Möller, "Fast 3D triangle-box overlap testing", JGT 2001, with exact
+/// signs.
+bool cell_meets(const Aabb& cell, const TrianglePoints& triangle);
+
+/// Distance of a cell and a triangle that do not meet, metres; errs as triangle_distance().
+double cell_distance(const Aabb& cell, const TrianglePoints& triangle);
+
+/// Upper bound on the distance, of a corner of the triangle.
+double cell_distance_at_most(const Aabb& cell, const TrianglePoints& triangle);
+
+/// A lower bound on the distance of a cell and a triangle that do not meet: > 0 unless doubles cannot express it.
+/// @param rounding  by which cell_distance() may err
+double cell_gap(const Aabb& cell, const TrianglePoints& triangle, double rounding);
+
+/// Have two cells a point in common, the second given by its corners (bit 0 of the place along x, 1 along y, 2 along z
+/// of its own frame)?
+using CellCorners = std::array<Eigen::Vector3d, 8>;
+bool cells_meet(const Aabb& cell, const CellCorners& other);
+double cells_distance(const Aabb& cell, const CellCorners& other);
+
+/// The surface of a cell, two triangles a face, outward orientation, as places of its corners.
+constexpr std::array<std::array<unsigned, 3>, 12> cell_faces{{{0, 2, 1},
+                                                              {1, 2, 3},
+                                                              {4, 5, 6},
+                                                              {5, 7, 6},
+                                                              {0, 1, 4},
+                                                              {1, 5, 4},
+                                                              {2, 6, 3},
+                                                              {3, 6, 7},
+                                                              {0, 4, 2},
+                                                              {2, 4, 6},
+                                                              {1, 3, 5},
+                                                              {3, 7, 5}}};
+
+} // namespace oncollide

@@ -1,0 +1,105 @@
+#pragma once
+#include <algorithm>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include <oncollide/narrowphase/boxes/map_tree.hpp>
+#include <oncollide/narrowphase/boxes/obb_tree.hpp>
+#include <oncollide/narrowphase/exact/cell_test.hpp>
+
+namespace oncollide {
+
+/// What B is made of in tests of a map's cells against it: the triangles of a mesh, or another map's cells; its
+/// primitives come moved into A's frame in double.
+struct PlacedTriangles {
+    using Tree = ObbTree;
+    using Placed = TrianglePoints;
+    static Placed place(const ObbTree& b, const RelativePose& b_to_a, std::uint32_t triangle)
+    {
+        const Triangle& t = b.mesh().triangles[triangle];
+        const auto& v = b.mesh().vertices;
+        return {b_to_a(v[t[0]]), b_to_a(v[t[1]]), b_to_a(v[t[2]])};
+    }
+    static bool meet(const Aabb& cell, const Placed& b) { return cell_meets(cell, b); }
+    static double distance(const Aabb& cell, const Placed& b) { return cell_distance(cell, b); }
+    static double most(const Aabb& cell, const Placed& b) { return cell_distance_at_most(cell, b); }
+    static double gap(const Aabb& cell, const Placed& b, double rounding) { return cell_gap(cell, b, rounding); }
+};
+struct PlacedCells {
+    using Tree = MapTree;
+    using Placed = CellCorners;
+    static Placed place(const MapTree& b, const RelativePose& b_to_a, const MapCell& cell)
+    {
+        const Aabb box = cell.box(b.resolution());
+        CellCorners corners;
+        for (unsigned k = 0; k < 8; ++k)
+            corners[k] = b_to_a({k & 1 ? box.max.x() : box.min.x(), k & 2 ? box.max.y() : box.min.y(),
+                                 k & 4 ? box.max.z() : box.min.z()});
+        return corners;
+    }
+    static bool meet(const Aabb& cell, const Placed& b) { return cells_meet(cell, b); }
+    static double distance(const Aabb& cell, const Placed& b) { return cells_distance(cell, b); }
+    static double most(const Aabb& cell, const Placed& b) { return cell_distance_at_most(cell, {b[0], b[3], b[7]}); }
+    static double gap(const Aabb& cell, const Placed& b, double rounding)
+    {
+        double least = std::numeric_limits<double>::infinity();
+        for (const auto& [i, j, k] : cell_faces) least = std::min(least, cell_gap(cell, {b[i], b[j], b[k]}, rounding));
+        return least;
+    }
+};
+
+/// The leaf tests of a map, A, against a mesh or another map (see hierarchy.hpp): exact signs, a cell being a solid box
+/// of the map's own coordinates.
+template <class Placing>
+class CellTests {
+public:
+    using B = typename Placing::Tree;
+    struct Pair {
+        MapCell a;
+        typename B::Primitive b;
+    };
+
+    void start(const MapTree& a, const B& b, const RelativePose& b_to_a)
+    {
+        b_ = &b, b_to_a_ = &b_to_a, resolution_ = a.resolution();
+        apart_.clear();
+    }
+    template <class Found>
+    bool meeting(std::span<const Pair> pairs, Found found)
+    {
+        for (const Pair& pair : pairs) {
+            if (!meet(pair))
+                apart_.push_back(pair);
+            else if (!found(pair))
+                return false;
+        }
+        return true;
+    }
+    double least_gap(double rounding) const
+    {
+        double least = std::numeric_limits<double>::infinity();
+        for (const Pair& pair : apart_) least = std::min(least, Placing::gap(cell(pair), placed(pair), rounding));
+        return least;
+    }
+    bool meet(const Pair& pair)
+    {
+        ++tested;
+        return Placing::meet(cell(pair), placed(pair));
+    }
+    double distance(const Pair& pair) const { return Placing::distance(cell(pair), placed(pair)); }
+    double most(const Pair& pair) const { return Placing::most(cell(pair), placed(pair)); }
+
+    std::uint64_t tested = 0; ///< pairs
+
+private:
+    Aabb cell(const Pair& pair) const { return pair.a.box(resolution_); }
+    typename Placing::Placed placed(const Pair& pair) const { return Placing::place(*b_, *b_to_a_, pair.b); }
+
+    const B* b_ = nullptr;
+    const RelativePose* b_to_a_ = nullptr;
+    double resolution_ = 0;
+    std::vector<Pair> apart_;
+};
+
+} // namespace oncollide

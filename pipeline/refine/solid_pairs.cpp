@@ -1,0 +1,178 @@
+#include <oncollide/pipeline/refine/solid_pairs.hpp>
+
+#include <algorithm>
+
+namespace oncollide {
+
+namespace {
+
+constexpr double rigid = 0x1p-18; ///< poses may be 2^-20 from rigid: so far may distances in A's frame be off
+
+/// How much longer or shorter the pose makes lengths at most, relative.
+double stretch(const Eigen::Isometry3d& pose)
+{
+    const Eigen::Matrix3d error = pose.linear().transpose() * pose.linear() - Eigen::Matrix3d::Identity();
+    return 3 * error.cwiseAbs().maxCoeff() + 0x1p-50;
+}
+
+double radius_of(const Model& model)
+{
+    return model.shape() ? model.core().radius : 0;
+}
+
+double error_of(const Model& model)
+{
+    return model.shape() ? model.core().error : 0;
+}
+
+/// What stands around the pair's cores.
+struct Margins {
+    double radius, error; ///< of both together
+    double slack;         ///< by which a distance may differ from the world's where it is about the radius
+
+    Margins(const PairTask& task)
+        : radius(radius_of(*task.a) + radius_of(*task.b)), error(error_of(*task.a) + error_of(*task.b)),
+          slack((stretch(*task.pose_a) + stretch(*task.pose_b)) * radius)
+    {
+    }
+};
+
+/// -1: the cores, each with the ball around it, meet; 1: they are apart by the bound.
+template <class Walk, class A, class B>
+Comparison compare(Walk& walk, A& a, B& b, const RelativePose& b_to_a, const Margins& margins)
+{
+    if (margins.radius > 0) {
+        Comparison c = walk.compare(a, b, b_to_a, margins.radius, margins.slack);
+        c.bound -= margins.radius;
+        if (c.sign > 0) c.bound -= margins.slack;
+        return c;
+    }
+    bool met = false;
+    const double gap = walk.meetings(
+        a, b, b_to_a, {}, [&](const auto&) { return met = true, false; }, [](const auto&) { return false; });
+    return met ? Comparison{-1, 0} : Comparison{1, gap};
+}
+
+template <class Walk, class A, class B>
+RefineResult within_clearance(Walk& walk, A& a, B& b, const RelativePose& b_to_a, const Margins& margins,
+                              double clearance)
+{
+    const double farthest = (clearance + margins.radius + margins.error) * (1 + 4 * rigid);
+    const auto distance = walk.distance(a, b, b_to_a, 0, farthest);
+    const double lower = distance.lower * (1 - rigid) - margins.radius - margins.error;
+    if (lower > clearance) return {Verdict::separate, ContactKind::unknown, lower};
+    return {Verdict::within, ContactKind::near, std::max(distance.upper * (1 + rigid) - margins.radius, 0.0)};
+}
+
+/// @param outer_a, outer_b  hold the shapes; the inner ones are held by them
+/// @param holds(a, b)       does the inside of one of the cores hold a part of the other?
+template <class Walk, class A, class B>
+RefineResult decide(Walk& walk, A& inner_a, A& outer_a, B& inner_b, B& outer_b, const RelativePose& b_to_a,
+                    const Margins& margins, double clearance, auto holds)
+{
+    const Comparison inner = compare(walk, inner_a, inner_b, b_to_a, margins);
+    if (inner.sign < 0) return {Verdict::colliding, ContactKind::unknown, 0};
+    if (inner.sign > 0 && holds(inner_a, inner_b)) return {Verdict::colliding, ContactKind::enclosed, 0};
+    const bool prisms = &outer_a != &inner_a || &outer_b != &inner_b;
+    const Comparison outer = prisms ? compare(walk, outer_a, outer_b, b_to_a, margins) : inner;
+    const bool apart = outer.sign > 0 && outer.bound > 0 && !(prisms && holds(outer_a, outer_b));
+    if (clearance > 0) {
+        const RefineResult near = within_clearance(walk, inner_a, inner_b, b_to_a, margins, clearance);
+        if (apart || near.verdict == Verdict::within) return near;
+    }
+    if (apart) return {Verdict::separate, ContactKind::unknown, outer.bound * (1 - rigid)};
+    // The outer ones meet, or rounding hides that they do not; nowhere are the shapes farther inside than the error.
+    const double upper = (outer.sign == 0 ? std::max(outer.bound, 0.0) + margins.slack : 0) + margins.error;
+    return {Verdict::within, ContactKind::unknown, upper * (1 + rigid) + 0x1p-1000};
+}
+
+bool has_volume(const Model& model)
+{
+    return model.shape() && model.core().has_volume();
+}
+
+ObbTree& inner_of(Model& model)
+{
+    return *model.boxes;
+}
+
+ObbTree& outer_of(Model& model)
+{
+    return model.outer_boxes ? *model.outer_boxes : *model.boxes;
+}
+
+const RelativePose stay(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
+
+/// Is a part of `model`, moved by `move`, inside the surface, which is moved by `into`?
+bool holds_part(PointLocator& locator, ObbTree& surface, const RelativePose& into, const Model& model,
+                const RelativePose& move)
+{
+    return std::ranges::any_of(model.parts(), [&](const PartPoints& part) {
+        return locator.place(move(part[0]), surface.mesh(), &surface, into) != PointPlace::outside;
+    });
+}
+
+/// Is a cell of the map inside the surface, which is moved into the map's frame by `into` and touches no cell?
+bool holds_cell(PointLocator& locator, ObbTree& surface, const RelativePose& into, const MapTree& map)
+{
+    Aabb box;
+    for (const Eigen::Vector3d& v : surface.mesh().vertices) box.add(into(v));
+    return !map.each_cell(box, [&](const MapCell& cell) {
+        return locator.place(cell.box(map.resolution()).centre(), surface.mesh(), &surface, into) ==
+               PointPlace::outside;
+    });
+}
+
+} // namespace
+
+bool is_polytope(const Model& model)
+{
+    return model.mesh() || (model.shape() && model.core().polytope());
+}
+
+bool SolidPairs::shape_holds(const PairTask& task, const RelativePose& b_to_a)
+{
+    return (has_volume(*task.a) && holds_part(locator_, inner_of(*task.a), stay, *task.b, b_to_a)) ||
+           (has_volume(*task.b) && holds_part(locator_, inner_of(*task.b), b_to_a, *task.a, stay));
+}
+
+RefineResult SolidPairs::exact(const RefineContext& context, const PairTask& task)
+{
+    const double clearance = context.settings.clearance;
+    const Margins margins(task);
+    if (!task.a->map() && !task.b->map()) {
+        const RelativePose b_to_a(*task.pose_a, *task.pose_b);
+        const auto holds = [&](ObbTree& a, ObbTree& b) {
+            return (has_volume(*task.a) && holds_part(locator_, a, stay, *task.b, b_to_a)) ||
+                   (has_volume(*task.b) && holds_part(locator_, b, b_to_a, *task.a, stay));
+        };
+        return decide(meshes_, inner_of(*task.a), outer_of(*task.a), inner_of(*task.b), outer_of(*task.b), b_to_a,
+                      margins, clearance, holds);
+    }
+    // The map's frame, in which its cells are boxes along the axes.
+    const bool map_is_a = task.a->map();
+    Model &map = map_is_a ? *task.a : *task.b, &other = map_is_a ? *task.b : *task.a;
+    const RelativePose other_to_map(map_is_a ? *task.pose_a : *task.pose_b, map_is_a ? *task.pose_b : *task.pose_a);
+    MapTree& cells = map.cells();
+    if (other.map())
+        return decide(map_map_, cells, cells, other.cells(), other.cells(), other_to_map, margins, clearance,
+                      [](const auto&, const auto&) { return false; });
+    const auto holds = [&](MapTree& tree, ObbTree& surface) {
+        return has_volume(other) && holds_cell(locator_, surface, other_to_map, tree);
+    };
+    return decide(map_mesh_, cells, cells, inner_of(other), outer_of(other), other_to_map, margins, clearance, holds);
+}
+
+SolidPairs::Counts SolidPairs::counts()
+{
+    return {meshes_.box_rows + map_mesh_.box_rows + map_map_.box_rows,
+            meshes_.leaves().counts.tested + map_mesh_.leaves().tested + map_map_.leaves().tested};
+}
+
+void SolidPairs::reset_counts()
+{
+    meshes_.box_rows = map_mesh_.box_rows = map_map_.box_rows = 0;
+    meshes_.leaves().counts = {}, map_mesh_.leaves().tested = 0, map_map_.leaves().tested = 0;
+}
+
+} // namespace oncollide

@@ -1,0 +1,36 @@
+#pragma once
+#include <oncollide/narrowphase/boxes/map_walk.hpp>
+#include <oncollide/narrowphase/exact/point_place.hpp>
+#include <oncollide/pipeline/refine/pair_refiner.hpp>
+
+namespace oncollide {
+
+/// Can the triangles of the mesh, or of the surface of the shape, tell exactly? So it is of boxes and hulls.
+bool is_polytope(const Model& model);
+
+/// The exact level of pairs in which a round shape or a map takes part, with certificates of its own: colliding where
+/// points of both are certainly one, separate where a gap is certain. In between, by rounding (2^-36 of the bodies'
+/// sizes and distance) and by what a cylinder's prisms leave (4e-5 of its radius), such pairs stay `within`.
+/// Shapes and cells are solid. One thread's working memory.
+class SolidPairs {
+public:
+    /// The trees of both models must be there.
+    RefineResult exact(const RefineContext& context, const PairTask& task);
+
+    /// Does a shape with a volume, one of the two, enclose a part of the other? Their surfaces are apart.
+    bool shape_holds(const PairTask& task, const RelativePose& b_to_a);
+
+    struct Counts {
+        std::uint64_t box_rows = 0, primitives = 0;
+    };
+    Counts counts();
+    void reset_counts();
+
+private:
+    BoxWalk<ObbTree, ObbTree, TriangleTests> meshes_;
+    MapMeshWalk map_mesh_;
+    MapMapWalk map_map_;
+    PointLocator locator_;
+};
+
+} // namespace oncollide

@@ -1,0 +1,154 @@
+#include "hard/convex_truth.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/LU>
+
+namespace oncollide::tools {
+namespace {
+
+using Vec = ExtendedVector;
+using Real = long double;
+
+/// The nearest point to the origin of the hull of at most four points, and which of them it needs.
+struct Nearest {
+    Vec point;
+    std::vector<Vec> simplex;
+};
+
+/// Tries the relative insides of all faces of the simplex.
+Nearest nearest_to_origin(const std::vector<Vec>& points)
+{
+    Nearest best{Vec::Zero(), {}};
+    Real least = std::numeric_limits<Real>::infinity();
+    for (unsigned face = 1; face < 1u << points.size(); ++face) {
+        std::vector<Vec> corners;
+        for (std::size_t i = 0; i < points.size(); ++i)
+            if (face >> i & 1) corners.push_back(points[i]);
+        const auto n = static_cast<Eigen::Index>(corners.size()) - 1;
+        Eigen::Matrix<Real, 3, Eigen::Dynamic> edges(3, n);
+        for (Eigen::Index i = 0; i < n; ++i) edges.col(i) = corners[std::size_t(i) + 1] - corners[0];
+        Eigen::Matrix<Real, Eigen::Dynamic, 1> weights(n);
+        if (n > 0) {
+            const Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic> squares = edges.transpose() * edges;
+            const Eigen::FullPivLU<Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>> lu(squares);
+            if (!lu.isInvertible()) continue;
+            weights = lu.solve(-edges.transpose() * corners[0]);
+            if (weights.minCoeff() < 0 || weights.sum() > 1) continue;
+        }
+        const Vec point = corners[0] + edges * weights;
+        if (point.norm() < least) least = point.norm(), best = {point, corners};
+    }
+    return best;
+}
+
+ConvexSet hull_of(std::vector<Vec> points)
+{
+    return [points = std::move(points)](const Vec& direction) {
+        return *std::ranges::max_element(points, {}, [&](const Vec& p) { return p.dot(direction); });
+    };
+}
+
+struct SetOfShape {
+    Eigen::Isometry3d pose;
+
+    Vec placed(const Eigen::Vector3d& p) const
+    {
+        return pose.linear().cast<Real>() * p.cast<Real>() + pose.translation().cast<Real>();
+    }
+    ConvexSet corners(const std::vector<Eigen::Vector3d>& points) const
+    {
+        std::vector<Vec> moved;
+        for (const Eigen::Vector3d& p : points) moved.push_back(placed(p));
+        return hull_of(std::move(moved));
+    }
+    ConvexSet operator()(const Box& b) const
+    {
+        std::vector<Eigen::Vector3d> points;
+        for (int k = 0; k < 8; ++k)
+            points.push_back(b.half.cwiseProduct(Eigen::Vector3d(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1)));
+        return corners(points);
+    }
+    ConvexSet operator()(const ConvexHull& h) const { return corners(h.points); }
+    ConvexSet operator()(const Sphere& s) const { return (*this)(Capsule{s.radius, 0}); }
+    ConvexSet operator()(const Capsule& c) const
+    {
+        const ConvexSet axis = corners({{0, 0, -0.5 * c.length}, {0, 0, 0.5 * c.length}});
+        return [axis, radius = Real(c.radius)](const Vec& direction) -> Vec {
+            return axis(direction) + radius * direction.normalized();
+        };
+    }
+    ConvexSet operator()(const Cylinder& c) const
+    {
+        return [*this, radius = Real(c.radius), half = Real(c.length) / 2](const Vec& direction) -> Vec {
+            const Eigen::Matrix<Real, 3, 3> turn = pose.linear().cast<Real>();
+            const Vec local = turn.transpose() * direction;
+            const Real across = std::hypot(local.x(), local.y());
+            Vec p(0, 0, local.z() < 0 ? -half : half);
+            if (across > 0) p.x() = radius * local.x() / across, p.y() = radius * local.y() / across;
+            return turn * p + pose.translation().cast<Real>();
+        };
+    }
+};
+
+} // namespace
+
+TrueDistance convex_distance(const ConvexSet& a, const ConvexSet& b)
+{
+    const auto support = [&](const Vec& direction) -> Vec { return a(-direction) - b(direction); };
+    Nearest nearest{support(Vec(1, 0, 0)), {}};
+    nearest.simplex = {nearest.point};
+    TrueDistance distance{0, nearest.point.norm()};
+    for (int step = 0; step < 500 && distance.upper > 0; ++step) {
+        const Vec next = support(nearest.point.normalized());
+        distance.lower = std::max(distance.lower, next.dot(nearest.point.normalized()));
+        if (distance.upper - distance.lower < 1e-17L * next.norm()) break;
+        if (std::ranges::find(nearest.simplex, next) != nearest.simplex.end()) break;
+        std::vector<Vec> simplex = nearest.simplex;
+        simplex.push_back(next);
+        Nearest better = nearest_to_origin(simplex);
+        if (!(better.point.norm() < distance.upper)) break;
+        nearest = std::move(better);
+        distance.upper = nearest.point.norm();
+        if (nearest.simplex.size() == 4) return {0, 0};
+    }
+    return distance;
+}
+
+std::vector<ConvexSet> convex_sets(const GeometryData& geometry, const Eigen::Isometry3d& pose)
+{
+    const SetOfShape of{pose};
+    std::vector<ConvexSet> sets;
+    if (const auto* mesh = std::get_if<Mesh>(&geometry)) {
+        for (const Triangle& t : mesh->triangles)
+            sets.push_back(of.corners({mesh->vertices[t[0]], mesh->vertices[t[1]], mesh->vertices[t[2]]}));
+    } else if (const auto* shape = std::get_if<Shape>(&geometry)) {
+        sets.push_back(std::visit(of, *shape));
+    } else {
+        for (const Aabb& cell : std::get<OccupancyMap>(geometry).cells) {
+            std::vector<Eigen::Vector3d> points;
+            for (int k = 0; k < 8; ++k)
+                points.emplace_back(k & 1 ? cell.max.x() : cell.min.x(), k & 2 ? cell.max.y() : cell.min.y(),
+                                    k & 4 ? cell.max.z() : cell.min.z());
+            sets.push_back(of.corners(points));
+        }
+    }
+    return sets;
+}
+
+TrueDistance true_distance(const std::vector<ConvexSet>& a, const std::vector<ConvexSet>& b)
+{
+    constexpr Real infinity = std::numeric_limits<Real>::infinity();
+    TrueDistance least{infinity, infinity};
+    for (const ConvexSet& x : a)
+        for (const ConvexSet& y : b) {
+            const TrueDistance d = convex_distance(x, y);
+            least = {std::min(least.lower, d.lower), std::min(least.upper, d.upper)};
+        }
+    return least;
+}
+
+} // namespace oncollide::tools
