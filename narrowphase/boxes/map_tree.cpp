@@ -38,7 +38,7 @@ MapTree::MapTree(const OccupancyMap& map)
     std::vector<MapCell> cells;
     cells.reserve(map.cells.size());
     for (const Aabb& box : map.cells) {
-        const auto grid = [&](double x) { return static_cast<std::int32_t>(std::lround(x / resolution_)); };
+        const auto grid = [&](double x) { return static_cast<std::int32_t>(std::floor(x / resolution_ + 0.5)); };
         cells.push_back(
             {grid(box.min.x()), grid(box.min.y()), grid(box.min.z()), grid(box.max.x()) - grid(box.min.x())});
     }
@@ -54,19 +54,20 @@ MapTree::MapTree(const OccupancyMap& map)
 
 void MapTree::build(std::uint32_t index, const MapCell& cube, const MapCell* begin, const MapCell* end)
 {
+    constexpr std::ptrdiff_t few = 64; // sooner looked through than halved
     std::array<const MapCell*, 9> ends;
     Inner node{};
     ends[0] = begin;
     for (unsigned k = 0; k < 8; ++k) {
-        const MapCell* stop = ends[k];
-        while (stop != end && octant_in(cube, *stop) == k) ++stop;
-        ends[k + 1] = stop;
-        if (stop == ends[k]) continue;
+        const auto here = [&](const MapCell& cell) { return octant_in(cube, cell) == k; };
+        ends[k + 1] =
+            end - ends[k] > few ? std::partition_point(ends[k], end, here) : std::find_if_not(ends[k], end, here);
+        if (ends[k + 1] == ends[k]) continue;
         (ends[k]->side == cube.side / 2 ? node.full : node.parted) |= static_cast<std::uint8_t>(1u << k);
     }
     node.first = static_cast<std::uint32_t>(nodes_.size());
     nodes_[index] = node;
-    nodes_.resize(nodes_.size() + static_cast<std::size_t>(__builtin_popcount(node.parted)));
+    nodes_.resize(nodes_.size() + bits_in(node.parted));
     for (unsigned k = 0; k < 8; ++k)
         if (node.parted >> k & 1) {
             const Node child = below({index, cube}, k);

@@ -66,6 +66,13 @@ private:
         std::uint8_t parted; ///< octants that are inner nodes
         std::uint8_t full;   ///< occupied as a whole
     };
+    /// Of eight; portable code would call a function for it.
+    static std::uint32_t bits_in(std::uint32_t bits)
+    {
+        bits -= bits >> 1 & 0x55;
+        bits = (bits & 0x33) + (bits >> 2 & 0x33);
+        return (bits + (bits >> 4)) & 0xf;
+    }
     static unsigned octant_of(const Inner& node, unsigned lane)
     {
         unsigned all = node.parted | node.full;
@@ -75,8 +82,7 @@ private:
     Node below(const Node& node, unsigned octant) const
     {
         const Inner& inner = nodes_[node.index];
-        const unsigned before = inner.parted & ((1u << octant) - 1);
-        return {inner.first + static_cast<std::uint32_t>(__builtin_popcount(before)), node.cube.octant(octant)};
+        return {inner.first + bits_in(inner.parted & ((1u << octant) - 1)), node.cube.octant(octant)};
     }
     Node forked(Node node) const;
     template <class Visit>

@@ -25,7 +25,7 @@ constexpr std::size_t refiner_count = 6;
 /// |--------|--------------------------|-------------|-----------------------------|
 /// | refine | sphere                   | spheres     | spheres                     |
 /// | refine | obb                      | boxes       | spheres                     |
-/// | refine | obb, predicates to come  | none        | spheres                     |
+/// | refine | obb, predicates to come  | none        | none                        |
 /// | exact  | predicates               | exact       | exact                       |
 /// | exact  | fcl                      | fcl         | fcl                         |
 ///
@@ -44,7 +44,7 @@ public:
         const bool meshes = a.mesh() && b.mesh();
         const auto room = [&] { return models.admit_boxes(a, frame) && models.admit_boxes(b, frame); };
         if (level == Level::refine) {
-            if (obb_ && meshes && room()) return left_to_exact_ ? Refiner::none : Refiner::boxes;
+            if (obb_ && (meshes || left_to_exact_) && room()) return left_to_exact_ ? Refiner::none : Refiner::boxes;
             models.spheres(a), models.spheres(b);
             return Refiner::spheres;
         }
@@ -56,14 +56,14 @@ public:
     bool there(Level level, const Model& a, const Model& b) const
     {
         const bool meshes = a.mesh() && b.mesh();
-        if (level == Level::refine && !(obb_ && meshes)) return a.spheres && b.spheres;
+        if (level == Level::refine && !(obb_ && (meshes || left_to_exact_))) return a.spheres && b.spheres;
         return (a.boxes || a.map()) && (b.boxes || b.map());
     }
 
 private:
     bool obb_;
     ExactLevel exact_;
-    bool left_to_exact_; ///< pairs of meshes, if obb
+    bool left_to_exact_; ///< by obb
 };
 
 } // namespace oncollide
