@@ -18,6 +18,7 @@ void add_accuracy(Arguments app);
 void add_doctor(Arguments app);
 
 // Commands of `oncollide accuracy`.
+void add_accuracy_fuzz(Arguments accuracy);
 void add_accuracy_hard(Arguments accuracy);
 void add_accuracy_study(Arguments accuracy);
 

@@ -139,14 +139,53 @@ std::vector<ConvexSet> convex_sets(const GeometryData& geometry, const Eigen::Is
     return sets;
 }
 
+namespace {
+
+struct Boxed {
+    const ConvexSet* set;
+    Vec low, high;
+};
+
+std::vector<Boxed> boxed(const std::vector<ConvexSet>& sets)
+{
+    std::vector<Boxed> all;
+    for (const ConvexSet& set : sets) {
+        Boxed& b = all.emplace_back(Boxed{&set, Vec::Zero(), Vec::Zero()});
+        for (int i = 0; i < 3; ++i) b.low[i] = set(-Vec::Unit(i))[i], b.high[i] = set(Vec::Unit(i))[i];
+    }
+    return all;
+}
+
+Real gap(const Boxed& a, const Boxed& b)
+{
+    return (a.low - b.high).cwiseMax(b.low - a.high).cwiseMax(Vec::Zero()).norm();
+}
+
+/// Leaves those that are farther from all of `others` together than `farthest`.
+void keep_near(std::vector<Boxed>& sets, const std::vector<Boxed>& others, Real farthest)
+{
+    Boxed all = others.front();
+    for (const Boxed& b : others) all.low = all.low.cwiseMin(b.low), all.high = all.high.cwiseMax(b.high);
+    std::erase_if(sets, [&](const Boxed& b) { return gap(b, all) > farthest; });
+}
+
+} // namespace
+
 TrueDistance true_distance(const std::vector<ConvexSet>& a, const std::vector<ConvexSet>& b)
 {
-    constexpr Real infinity = std::numeric_limits<Real>::infinity();
-    TrueDistance least{infinity, infinity};
-    for (const ConvexSet& x : a)
-        for (const ConvexSet& y : b) {
-            const TrueDistance d = convex_distance(x, y);
+    std::vector<Boxed> boxed_a = boxed(a), boxed_b = boxed(b);
+    // Some upper bound: from one part of B to the part of A that is nearest to it by its box.
+    const Boxed& one = boxed_b.front();
+    const auto nearest = std::ranges::min_element(boxed_a, {}, [&](const Boxed& x) { return gap(x, one); });
+    TrueDistance least = convex_distance(*nearest->set, *one.set);
+    const Real slack = 1e-15L * (one.high.cwiseAbs().maxCoeff() + nearest->high.cwiseAbs().maxCoeff());
+    keep_near(boxed_a, boxed_b, least.upper + slack), keep_near(boxed_b, boxed_a, least.upper + slack);
+    for (const Boxed& x : boxed_a)
+        for (const Boxed& y : boxed_b) {
+            if (gap(x, y) > least.upper + slack) continue;
+            const TrueDistance d = convex_distance(*x.set, *y.set);
             least = {std::min(least.lower, d.lower), std::min(least.upper, d.upper)};
+            if (least.upper == 0) return least;
         }
     return least;
 }

@@ -234,6 +234,7 @@ void add_accuracy(Arguments app)
     // Not marked as required: a word in its place that names a subcommand would be taken for it.
     sub.add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
         .type_name("SCENE.json|NAME");
+    add_accuracy_fuzz(sub);
     add_accuracy_hard(sub);
     add_accuracy_study(sub);
     sub.at_most_one_command(); // what follows is theirs, even if it is called 'hard'

@@ -7,6 +7,7 @@
 #include <oncollide/narrowphase/relative_pose.hpp>
 #include <oncollide/scenes/model/mesh_topology.hpp>
 
+#include "hard/convex_truth.hpp"
 #include "hard/solid_truth.hpp"
 #include "hard/winding_number.hpp"
 #include "study/accuracy_check.hpp"
@@ -73,7 +74,6 @@ StudyTruth::StudyTruth(const Scene& scene, const Settings& request)
     for (GeometryId used : scene.geometry) {
         const auto* mesh = std::get_if<Mesh>(&scene.geometries[index(used)].data);
         if (mesh && !models_[index(used)]) models_[index(used)] = std::make_unique<Model>(*mesh, request.mode);
-        if (!mesh && !fcl_) fcl_ = std::make_unique<FclWorld>(scene);
     }
 }
 
@@ -89,13 +89,11 @@ void StudyTruth::step()
     colliding_.clear(), open_.clear(), known_.clear();
     const std::vector<BodyPair> pairs = near_bodies(scene_, request_.clearance);
     std::vector<Decision> decisions(pairs.size());
-    const auto are_meshes = [&](BodyPair pair) { return model(pair.a) && model(pair.b); };
     parallel_chunks(pairs.size(), 8, hardware_threads(), [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t k = begin; k < end; ++k)
-            if (are_meshes(pairs[k])) decisions[k] = decide_meshes(pairs[k]);
+            decisions[k] = model(pairs[k].a) && model(pairs[k].b) ? decide_meshes(pairs[k]) : decide_other(pairs[k]);
     });
     for (std::size_t k = 0; k < pairs.size(); ++k) {
-        if (!are_meshes(pairs[k])) decisions[k] = decide_other(pairs[k]);
         if (decisions[k] == Decision::collide) colliding_.push_back(pairs[k]);
         if (decisions[k] == Decision::open) open_.push_back(pairs[k]);
     }
@@ -122,11 +120,10 @@ StudyTruth::Decision StudyTruth::decide_meshes(BodyPair pair) const
 
 StudyTruth::Decision StudyTruth::decide_other(BodyPair pair) const
 {
-    if (fcl_->collides(pair) || holds_other(pair.a, pair.b) || holds_other(pair.b, pair.a)) return Decision::collide;
-    if (request_.clearance == 0) return Decision::apart;
-    const double distance = fcl_->distance(pair);
-    if (std::abs(distance - request_.clearance) <= shape_rounding) return Decision::open;
-    return distance < request_.clearance ? Decision::collide : Decision::apart;
+    const DistanceTruth distance = convex_distance(pair);
+    if (distance.high == 0 || holds_other(pair.a, pair.b) || holds_other(pair.b, pair.a)) return Decision::collide;
+    if (distance.high < request_.clearance) return Decision::collide;
+    return distance.low <= request_.clearance ? Decision::open : Decision::apart;
 }
 
 bool StudyTruth::holds_other(std::uint32_t outer, std::uint32_t inner) const
@@ -154,6 +151,22 @@ DistanceTruth StudyTruth::mesh_distance(BodyPair pair) const
     return distance_of(model(pair.a)->halved, scene_.poses[pair.a], model(pair.b)->halved, scene_.poses[pair.b]);
 }
 
+/// Of shapes, cells and triangles, each a convex set. Extended precision errs by less than what is taken off.
+DistanceTruth StudyTruth::convex_distance(BodyPair pair) const
+{
+    const auto sets = [&](std::uint32_t body) {
+        return convex_sets(geometry_of(scene_, body).data, scene_.poses[body]);
+    };
+    const TrueDistance found = true_distance(sets(pair.a), sets(pair.b));
+    DistanceTruth distance;
+    distance.size =
+        std::max(bounds_of(geometry_of(scene_, pair.a)).diagonal(), bounds_of(geometry_of(scene_, pair.b)).diagonal());
+    const double rounding = distance_rounding * distance.size;
+    distance.low = std::max(0.0, double(found.lower) - rounding);
+    distance.high = found.upper > 0 ? double(found.upper) + rounding : 0;
+    return distance;
+}
+
 DistanceTruth StudyTruth::distance(BodyPair pair)
 {
     const auto [at, fresh] = known_.try_emplace(pair);
@@ -163,8 +176,7 @@ DistanceTruth StudyTruth::distance(BodyPair pair)
         found = mesh_distance(pair);
         found.low = std::max(0.0, found.low - distance_rounding * found.size);
     } else {
-        found.high = fcl_->distance(pair);
-        found.low = std::max(0.0, found.high - shape_rounding);
+        found = convex_distance(pair);
     }
     return at->second = found;
 }

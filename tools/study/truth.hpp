@@ -7,13 +7,12 @@
 #include <oncollide/pipeline/settings.hpp>
 
 #include "hard/body_truth.hpp"
-#include "peers/fcl_world.hpp"
 
 namespace oncollide::tools {
 
 /// The right results of a frame, by nothing that is under test: the boxes of every two bodies are compared, and every
 /// two meshes whose boxes overlap are decided by exact arithmetic on their triangles (tools/hard). Solid mode: by
-/// winding numbers. FCL decides where a shape or a map takes part.
+/// winding numbers. Where a shape or a map takes part: the distance of convex sets, in extended precision.
 class StudyTruth {
 public:
     /// Clearance, mode and whether touching counts are taken from `request`. Keeps a reference to `scene`.
@@ -27,7 +26,7 @@ public:
     bool collide(BodyPair pair) const;
     /// So near the clearance that rounding decides: either result is right.
     bool open(BodyPair pair) const;
-    /// Of this frame: between meshes in long double, less what the pipeline's own bounds may round by; else FCL's.
+    /// Of this frame: between meshes in long double, less what the pipeline's own bounds may round by.
     DistanceTruth distance(BodyPair pair);
 
 private:
@@ -37,12 +36,12 @@ private:
     Decision decide_meshes(BodyPair pair) const;
     Decision decide_other(BodyPair pair) const;
     DistanceTruth mesh_distance(BodyPair pair) const;
+    DistanceTruth convex_distance(BodyPair pair) const;
     bool holds_other(std::uint32_t outer, std::uint32_t inner) const;
 
     const Scene& scene_;
     Settings request_;
     std::vector<std::unique_ptr<Model>> models_; ///< by geometry
-    std::unique_ptr<FclWorld> fcl_;              ///< where there is a shape or a map
     std::vector<BodyPair> colliding_, open_;
     std::map<BodyPair, DistanceTruth> known_;
 };

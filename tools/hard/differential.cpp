@@ -1,0 +1,323 @@
+#include "hard/differential.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <map>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/pipeline/pipeline.hpp>
+
+#include "hard/convex_truth.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+/// The truth is certain to this, as are bodies of a few metres.
+constexpr double tie = 1e-11;
+/// Cylinders are decided to this, see SolidPairs.
+constexpr double cylinder_tie = 2e-4;
+
+struct Result {
+    Verdict verdict;
+    ContactKind kind;
+    double bound;
+    friend bool operator==(const Result&, const Result&) = default;
+};
+using FrameResults = std::map<std::pair<std::uint32_t, std::uint32_t>, Result>; ///< of the pairs that were candidates
+
+/// Frame by frame; calls look(scene, results) after each.
+void run(Scene scene, const Settings& settings, auto look)
+{
+    Pipeline pipeline(scene, settings);
+    Mover mover;
+    for (int frame = 0; frame < scene.frames; ++frame) {
+        mover.move(scene, frame);
+        FrameResults results;
+        for (const PairResult& pair : pipeline.step(scene).pairs)
+            results[{pair.a.slot, pair.b.slot}] = {pair.verdict, pair.kind, pair.bound};
+        look(scene, results);
+    }
+}
+
+std::vector<FrameResults> results_of(const Scene& scene, const Settings& settings)
+{
+    std::vector<FrameResults> all;
+    run(scene, settings, [&](const Scene&, const FrameResults& results) { all.push_back(results); });
+    return all;
+}
+
+const GeometryData& data_of(const Scene& scene, std::uint32_t body)
+{
+    return scene.geometries[index(scene.geometry[body])].data;
+}
+
+/// A mesh of a box's corners is drawn closed; others are open.
+bool is_solid(const GeometryData& geometry, const Settings& settings)
+{
+    const auto* mesh = std::get_if<Mesh>(&geometry);
+    return !mesh || (settings.mode == Mode::solid && is_closed(*mesh));
+}
+
+std::vector<ConvexSet> sets_of(const Scene& scene, std::uint32_t body, const Settings& settings)
+{
+    const GeometryData& geometry = data_of(scene, body);
+    const auto* mesh = std::get_if<Mesh>(&geometry);
+    if (mesh && is_solid(geometry, settings)) return convex_sets(Shape(ConvexHull{mesh->vertices}), scene.poses[body]);
+    return convex_sets(geometry, scene.poses[body]);
+}
+
+bool is_cylinder(const GeometryData& geometry)
+{
+    const auto* shape = std::get_if<Shape>(&geometry);
+    return shape && std::holds_alternative<Cylinder>(*shape);
+}
+
+bool is_round(const GeometryData& geometry)
+{
+    const auto* shape = std::get_if<Shape>(&geometry);
+    return shape && !std::holds_alternative<Box>(*shape) && !std::holds_alternative<ConvexHull>(*shape);
+}
+
+/// Null: the result is true.
+const char* fault_of(const Result& r, const TrueDistance& truth, const Settings& s, bool round, double doubt)
+{
+    const bool touching = truth.lower < tie;
+    switch (r.verdict) {
+    case Verdict::separate:
+        if (s.ignore_touching && touching) return nullptr;
+        if (truth.upper < r.bound - tie) return "nearer than the bound";
+        if (truth.upper < s.clearance - tie) return "within the clearance";
+        if (s.exact == ExactLevel::predicates && !round && truth.upper == 0 && s.clearance == 0) return "missed";
+        break;
+    case Verdict::colliding:
+        if (truth.lower > tie) return "invented";
+        if (r.bound != 0) return "a bound of a collision";
+        break;
+    default:
+        if (truth.lower > r.bound + tie) return "farther than the bound";
+    }
+    const bool decided = s.exact == ExactLevel::predicates && s.node_budget == 0 && s.memory_budget == 0;
+    if (!decided || s.clearance > 0) return nullptr;
+    if (truth.lower > doubt && r.verdict != Verdict::separate) return "left open, though apart";
+    if (truth.upper == 0 && !round && !s.ignore_touching && r.verdict != Verdict::colliding)
+        return "left open, though colliding";
+    return nullptr;
+}
+
+std::string fault_against_truth(const DrawnScene& drawn)
+{
+    const Settings& s = drawn.settings;
+    std::string fault;
+    int frame = 0;
+    run(drawn.scene, s, [&](const Scene& scene, const FrameResults& results) {
+        const auto bodies = static_cast<std::uint32_t>(scene.size());
+        std::vector<std::vector<ConvexSet>> sets;
+        for (std::uint32_t body = 0; body < bodies; ++body) sets.push_back(sets_of(scene, body, s));
+        for (std::uint32_t a = 0; a < bodies && fault.empty(); ++a)
+            for (std::uint32_t b = a + 1; b < bodies && fault.empty(); ++b) {
+                const TrueDistance truth = true_distance(sets[a], sets[b]);
+                const auto found = results.find({a, b});
+                const Result r = found != results.end() ? found->second
+                                                        : Result{Verdict::separate, ContactKind::unknown, s.clearance};
+                const GeometryData &of_a = data_of(scene, a), &of_b = data_of(scene, b);
+                const double doubt = is_cylinder(of_a) || is_cylinder(of_b) ? cylinder_tie : tie;
+                if (const char* why = fault_of(r, truth, s, is_round(of_a) || is_round(of_b), doubt))
+                    fault = fmt::format(
+                        "frame {}, bodies {} and {}: {} with bound {:.17g}, {}; the distance is {:.17g} to {:.17g}",
+                        frame, a, b, name_of(r.verdict), r.bound, why, double(truth.lower), double(truth.upper));
+            }
+        ++frame;
+    });
+    return fault;
+}
+
+Scene reversed(const Scene& scene)
+{
+    Scene other;
+    other.name = scene.name, other.frames = scene.frames;
+    for (std::size_t i = scene.size(); i-- > 0;) {
+        const Geometry& geometry = scene.geometries[index(scene.geometry[i])];
+        other.add_body({.name = scene.names[i],
+                        .geometry = other.add(geometry.name, geometry.data),
+                        .pose = scene.start_poses[i],
+                        .motion = scene.motions[i]});
+    }
+    return other;
+}
+
+std::string fault_against_others(const DrawnScene& drawn)
+{
+    const auto results = results_of(drawn.scene, drawn.settings);
+    const auto same = [&](const char* what, auto change) -> std::string {
+        Settings other = drawn.settings;
+        change(other);
+        return results_of(drawn.scene, other) == results ? "" : fmt::format("other results {}", what);
+    };
+    if (auto fault = same("on other threads", [](Settings& s) { s.threads = s.threads % 3 + 1; }); !fault.empty())
+        return fault;
+    // Within a budget, cells that a hint spares are there for other pairs.
+    const bool budget = drawn.settings.node_budget || drawn.settings.memory_budget;
+    if (!budget)
+        if (auto fault = same("with the other coherence", [](Settings& s) { s.coherence = !s.coherence; });
+            !fault.empty())
+            return fault;
+    if (auto fault = same("of another broad phase",
+                          [](Settings& s) {
+                              s.broad_phase = s.broad_phase == BroadPhaseKind::kd_tree ? BroadPhaseKind::octree
+                                                                                       : BroadPhaseKind::kd_tree;
+                          });
+        !fault.empty())
+        return fault;
+    // Rounding turns by who comes first, and budgets by the order: of exact results the verdicts, on the grid.
+    const bool exact =
+        drawn.settings.exact == ExactLevel::predicates && !drawn.settings.node_budget && !drawn.settings.memory_budget;
+    const bool quarter_turns = std::ranges::all_of(drawn.scene.poses, [](const Eigen::Isometry3d& pose) {
+        return pose.linear().cwiseAbs().sum() == 3 &&
+               (8 * pose.translation()).array().round().matrix() / 8 == pose.translation();
+    });
+    if (!exact || !quarter_turns) return {};
+    const auto last = static_cast<std::uint32_t>(drawn.scene.size() - 1);
+    const auto turned = results_of(reversed(drawn.scene), drawn.settings);
+    for (const auto& [pair, r] : results[0]) {
+        const auto other = turned[0].find({last - pair.second, last - pair.first});
+        const Verdict verdict = other == turned[0].end() ? Verdict::separate : other->second.verdict;
+        if (verdict != r.verdict)
+            return fmt::format("bodies {} and {} in frame 0: {}, and {} when they come in reverse", pair.first,
+                               pair.second, name_of(r.verdict), name_of(verdict));
+    }
+    return {};
+}
+
+/// The scene with one of its bodies left out, or with other data for one.
+Scene with(const Scene& scene, std::size_t left_out,
+           const std::function<void(std::size_t, GeometryData&, BodyInit&)>& change)
+{
+    Scene other;
+    other.name = scene.name, other.frames = scene.frames;
+    for (std::size_t i = 0; i < scene.size(); ++i) {
+        if (i == left_out) continue;
+        const Geometry& geometry = scene.geometries[index(scene.geometry[i])];
+        GeometryData data = geometry.data;
+        BodyInit body{.name = scene.names[i], .pose = scene.start_poses[i], .motion = scene.motions[i]};
+        change(i, data, body);
+        body.geometry = other.add(geometry.name, std::move(data));
+        other.add_body(body);
+    }
+    return other;
+}
+
+/// Calls tried(data) for versions of the geometry with one part less.
+void with_one_part_less(const GeometryData& geometry, const std::function<bool(GeometryData)>& tried)
+{
+    if (const auto* mesh = std::get_if<Mesh>(&geometry)) {
+        for (std::size_t t = 0; t < mesh->triangles.size() && mesh->triangles.size() > 1; ++t) {
+            auto triangles = mesh->triangles;
+            triangles.erase(triangles.begin() + std::ptrdiff_t(t));
+            if (tried(make_mesh("mesh", mesh->vertices, triangles))) return;
+        }
+    } else if (const auto* shape = std::get_if<Shape>(&geometry)) {
+        const auto* hull = std::get_if<ConvexHull>(shape);
+        for (std::size_t p = 0; hull && p < hull->points.size() && hull->points.size() > 4; ++p) {
+            ConvexHull less = *hull;
+            less.points.erase(less.points.begin() + std::ptrdiff_t(p));
+            if (tried(Shape(less))) return;
+        }
+    }
+}
+
+} // namespace
+
+std::string fault_in(const DrawnScene& drawn)
+try {
+    const std::string fault = fault_against_truth(drawn);
+    return fault.empty() ? fault_against_others(drawn) : fault;
+} catch (const std::exception& error) {
+    return fmt::format("an error: {}", error.what());
+}
+
+DrawnScene shrunk(DrawnScene drawn, const std::function<bool(const DrawnScene&)>& faulty)
+{
+    const auto keep_if_faulty = [&](DrawnScene smaller) {
+        if (!faulty(smaller)) return false;
+        drawn = std::move(smaller);
+        return true;
+    };
+    const auto try_scene = [&](std::size_t left_out,
+                               const std::function<void(std::size_t, GeometryData&, BodyInit&)>& change) {
+        try {
+            return keep_if_faulty({with(drawn.scene, left_out, change), drawn.settings});
+        } catch (const Error&) { // not a scene
+            return false;
+        }
+    };
+    const auto same = [](std::size_t, GeometryData&, BodyInit&) {};
+    bool smaller = true;
+    while (smaller) {
+        smaller = false;
+        for (std::size_t i = 0; i < drawn.scene.size() && drawn.scene.size() > 2; ++i) smaller |= try_scene(i, same);
+        for (std::size_t i = 0; i < drawn.scene.size(); ++i) {
+            if (drawn.scene.motions[i].index() != 0)
+                smaller |= try_scene(~std::size_t(0), [i](std::size_t k, GeometryData&, BodyInit& body) {
+                    if (k == i) body.motion = Still{};
+                });
+            if (!drawn.scene.start_poses[i].linear().isIdentity(0))
+                smaller |= try_scene(~std::size_t(0), [i](std::size_t k, GeometryData&, BodyInit& body) {
+                    if (k == i) body.pose.linear().setIdentity();
+                });
+            with_one_part_less(data_of(drawn.scene, std::uint32_t(i)), [&](GeometryData less) {
+                const bool kept = try_scene(~std::size_t(0), [&](std::size_t k, GeometryData& data, BodyInit&) {
+                    if (k == i) data = less;
+                });
+                smaller |= kept;
+                return kept;
+            });
+        }
+        const auto plainer = [&](auto change) {
+            DrawnScene other = drawn;
+            change(other.settings);
+            if (options_of(other.settings) != options_of(drawn.settings)) smaller |= keep_if_faulty(std::move(other));
+        };
+        if (drawn.scene.frames > 1) {
+            DrawnScene other = drawn;
+            other.scene.frames = 1;
+            smaller |= keep_if_faulty(std::move(other));
+        }
+        plainer([](Settings& s) { s.threads = 1; });
+        plainer([](Settings& s) { s.skip.clear(); });
+        plainer([](Settings& s) { s.coherence = true; });
+        plainer([](Settings& s) { s.node_budget = 0; });
+        plainer([](Settings& s) { s.memory_budget = 0; });
+        plainer([](Settings& s) { s.clearance = 0; });
+        plainer([](Settings& s) { s.age_limit = 60; });
+        plainer([](Settings& s) { s.contact_kinds = false; });
+        plainer([](Settings& s) { s.ignore_touching = false; });
+        plainer([](Settings& s) { s.mode = Mode::surface, s.open_as_surface = false; });
+        plainer([](Settings& s) { s.bounding_volume = BoundingVolume::automatic; });
+        plainer([](Settings& s) { s.broad_phase = BroadPhaseKind::kd_tree; });
+        plainer([](Settings& s) { s.depth.reset(), s.max_error.reset(); });
+    }
+    return drawn;
+}
+
+std::string options_of(const Settings& s)
+{
+    std::string text =
+        fmt::format("--exact {} --mode {} --broad {} --bounding-volume {} --threads {} --age {}", name_of(s.exact),
+                    name_of(s.mode), name_of(s.broad_phase), name_of(s.bounding_volume), s.threads, s.age_limit);
+    if (s.depth) text += fmt::format(" --depth {}", *s.depth);
+    if (s.max_error) text += fmt::format(" --max-error {}", *s.max_error);
+    if (s.clearance > 0) text += fmt::format(" --clearance {:.17g}", s.clearance);
+    if (s.contact_kinds) text += " --kinds";
+    if (s.ignore_touching) text += " --ignore-touching";
+    if (s.mode == Mode::solid && s.open_as_surface) text += " --open-as-surface";
+    if (!s.coherence) text += " --no-coherence";
+    if (s.node_budget) text += fmt::format(" --node-budget {}", s.node_budget);
+    if (s.memory_budget) text += fmt::format(" --memory-budget {}", s.memory_budget);
+    for (const std::string& stage : s.skip) text += " --skip " + stage;
+    return text;
+}
+
+} // namespace oncollide::tools

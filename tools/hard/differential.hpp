@@ -1,0 +1,21 @@
+#pragma once
+#include <functional>
+#include <string>
+
+#include "hard/drawn_scene.hpp"
+
+namespace oncollide::tools {
+
+/// Plays the scene and holds every pair of every frame against the truth about convex sets (convex_truth.hpp), and the
+/// run against others that must give the same: on another number of threads, without coherence, with another broad
+/// phase, with the bodies in reverse. Returns what is wrong first; empty: nothing.
+/// Cost: about 2 ms.
+std::string fault_in(const DrawnScene& drawn);
+
+/// The smallest scene and plainest settings found by leaving things out, one after the other, that are still faulty.
+DrawnScene shrunk(DrawnScene drawn, const std::function<bool(const DrawnScene&)>& faulty);
+
+/// The options of `oncollide run` that stand for the settings.
+std::string options_of(const Settings& settings);
+
+} // namespace oncollide::tools

@@ -1,0 +1,173 @@
+#include "hard/drawn_scene.hpp"
+
+#include <random>
+
+#include <fmt/format.h>
+#include <octomap/OcTree.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+class Draw {
+public:
+    explicit Draw(std::uint64_t seed) : random_(seed), on_grid_(seed % 4 != 0) {}
+
+    int number(int least, int most) { return std::uniform_int_distribution<int>(least, most)(random_); }
+    bool one_in(int n) { return number(1, n) == 1; }
+    double between(double least, double most) { return std::uniform_real_distribution<double>(least, most)(random_); }
+    double length() { return on_grid_ ? 0.125 * number(1, 12) : between(0.1, 1.5); }
+    double coordinate() { return on_grid_ ? 0.125 * number(-10, 10) : between(-1.3, 1.3); }
+    Eigen::Vector3d lengths()
+    {
+        return by_axis([this] { return length(); });
+    }
+    Eigen::Vector3d point()
+    {
+        return by_axis([this] { return coordinate(); });
+    }
+
+    Eigen::Isometry3d pose()
+    {
+        Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+        pose.translation() = 2 * point();
+        if (!on_grid_ && one_in(2))
+            pose.linear() = Eigen::Quaterniond(between(-1, 1), between(-1, 1), between(-1, 1), between(0.01, 1))
+                                .normalized()
+                                .toRotationMatrix();
+        else
+            for (int turns = number(0, 5); turns > 0; --turns) pose.linear() = (quarter_turn() * pose.linear()).eval();
+        return pose;
+    }
+    Motion motion()
+    {
+        if (one_in(3)) return Still{};
+        const double speed = on_grid_ ? 0.0625 : 0.05;
+        return Drift{.velocity = speed * point(), .spin = Eigen::Vector3d::Zero(), .walls = {}};
+    }
+    GeometryData geometry()
+    {
+        switch (number(0, 8)) {
+        case 0:
+            return Shape(Sphere{length()});
+        case 1:
+            return Shape(Box{lengths()});
+        case 2:
+            return Shape(Capsule{length(), one_in(5) ? 0 : length()});
+        case 3:
+            return Shape(Cylinder{length(), length()});
+        case 4:
+            return make_box_mesh(lengths());
+        case 5:
+            return triangles();
+        case 6:
+            return map();
+        default:
+            return hull();
+        }
+    }
+    Settings settings()
+    {
+        Settings s;
+        if (one_in(2))
+            s.depth = number(1, 6);
+        else if (one_in(2))
+            s.max_error = one_in(2) ? 0.05 : 0.5;
+        if (one_in(3)) s.clearance = length();
+        s.exact = one_in(4) ? ExactLevel::off : one_in(3) ? ExactLevel::fcl : ExactLevel::predicates;
+        s.mode = one_in(3) ? Mode::solid : Mode::surface, s.open_as_surface = s.mode == Mode::solid;
+        if (s.exact == ExactLevel::predicates) {
+            s.contact_kinds = one_in(3);
+            s.ignore_touching = one_in(6) && s.mode == Mode::surface && s.clearance == 0;
+        }
+        s.bounding_volume = static_cast<BoundingVolume>(number(0, 2));
+        s.broad_phase = static_cast<BroadPhaseKind>(number(0, 2));
+        s.threads = number(1, 3);
+        s.coherence = !one_in(4);
+        s.age_limit = number(1, 3);
+        if (one_in(8)) s.node_budget = std::size_t(number(1, 400));
+        if (one_in(8)) s.memory_budget = std::size_t(number(1, 200'000));
+        if (one_in(6)) s.skip = {one_in(2) ? "ocst" : "delimitation"};
+        return s;
+    }
+
+private:
+    template <class Number>
+    Eigen::Vector3d by_axis(Number number)
+    {
+        const double x = number(), y = number(), z = number();
+        return {x, y, z};
+    }
+    Eigen::Matrix3d quarter_turn()
+    {
+        const int axis = number(0, 2), u = (axis + 1) % 3, v = (axis + 2) % 3;
+        Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();
+        turn(axis, axis) = 1, turn(u, v) = -1, turn(v, u) = 1;
+        return turn;
+    }
+    GeometryData triangles()
+    {
+        std::vector<Eigen::Vector3d> vertices;
+        std::vector<Triangle> faces;
+        for (auto k = static_cast<std::uint32_t>(number(1, 5)); k-- > 0;) {
+            const auto first = static_cast<std::uint32_t>(vertices.size());
+            for (int i = 0; i < 3; ++i) vertices.push_back(point());
+            faces.push_back({first, first + 1, one_in(10) ? first : first + 2}); // some without area
+        }
+        return make_mesh("triangles", vertices, faces);
+    }
+    GeometryData map()
+    {
+        octomap::OcTree tree(on_grid_ ? 0.25 : 0.3);
+        const auto occupy = [&](const Eigen::Vector3d& p) {
+            tree.updateNode(octomap::point3d(float(p.x()), float(p.y()), float(p.z())), true);
+        };
+        for (int k = number(1, 12); k > 0; --k) occupy(point());
+        if (one_in(4)) // cells that the octree joins to a larger one
+            for (int k = 0; k < 8; ++k) occupy({k & 1 ? 0.1 : 0.4, k & 2 ? 0.1 : 0.4, k & 4 ? 0.1 : 0.4});
+        tree.prune();
+        return make_occupancy_map(tree);
+    }
+    GeometryData hull()
+    {
+        while (true) {
+            ConvexHull hull;
+            if (one_in(3)) {
+                const Eigen::Vector3d half = lengths();
+                for (int k = 0; k < 8; ++k)
+                    hull.points.push_back(
+                        half.cwiseProduct(Eigen::Vector3d(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1)));
+            }
+            for (int k = number(4, 12); k > 0; --k) hull.points.push_back(point());
+            try {
+                check_shape("hull", hull);
+                return Shape(hull);
+            } catch (const Error&) { // flat: draw again
+            }
+        }
+    }
+
+    std::mt19937_64 random_;
+    bool on_grid_;
+};
+
+} // namespace
+
+DrawnScene draw_scene(std::uint64_t seed)
+{
+    Draw draw(seed);
+    DrawnScene drawn;
+    drawn.scene.name = fmt::format("drawn {}", seed), drawn.scene.frames = 3;
+    for (int k = 0, bodies = draw.one_in(3) ? draw.number(3, 4) : 2; k < bodies; ++k) {
+        const GeometryId geometry = drawn.scene.add(fmt::format("g{}", k), draw.geometry());
+        const Eigen::Isometry3d pose = draw.pose();
+        drawn.scene.add_body(
+            {.name = fmt::format("b{}", k), .geometry = geometry, .pose = pose, .motion = draw.motion()});
+    }
+    drawn.settings = draw.settings();
+    return drawn;
+}
+
+} // namespace oncollide::tools
