@@ -52,7 +52,7 @@ private:
 };
 
 /// Down to the error: sphere-trees, or the oriented boxes of meshes. These lead on to the triangles, so where
-/// predicates decide, pairs of meshes are left to the exact level from the start.
+/// predicates decide, pairs are left to the exact level from the start.
 class OcstStage final : public Stage {
 public:
     OcstStage(const Settings& settings, ModelStore& models) : level_(settings, models, Level::refine, ocst_stage_index)
@@ -87,7 +87,7 @@ private:
     LevelRun level_;
 };
 
-/// Decides the pairs that are left: by predicates on the triangles, or by FCL.
+/// Decides the pairs that are left: by exact tests, or by FCL where these agree.
 class ExactStage final : public Stage {
 public:
     ExactStage(const Settings& settings, ModelStore& models) : level_(settings, models, Level::exact, exact_stage_index)

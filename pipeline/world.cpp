@@ -307,7 +307,9 @@ std::string World::backend_note() const
     const std::string& lost = impl_->models.lost();
     if (!lost.empty()) return "the CPU took over when the GPU was lost: " + lost;
     if (impl_->backend_note.empty() && wants_obbs(impl_->settings) && backend().starts_with("gl"))
-        return "the GPU takes no part in pairs of meshes: oriented boxes separate them, on the CPU";
+        return impl_->settings.exact == ExactLevel::predicates && exact_runs(impl_->settings)
+                   ? "the GPU takes no part: exact tests decide, on the CPU"
+                   : "the GPU takes no part in pairs of meshes: oriented boxes separate them, on the CPU";
     return impl_->backend_note;
 }
 std::size_t World::bytes() const
