@@ -2,6 +2,8 @@
 // library.
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
@@ -120,6 +122,20 @@ TEST(ConvexSolids, BallsAreDecidedButForRounding)
               Verdict::colliding);
     EXPECT_EQ(result_of(settings, at(ball, 0, 0, 0), at(Shape(Cylinder{0.5, 1}), 1.5 + 1e-3, 0, 0)).verdict,
               Verdict::separate);
+}
+
+/// Its prisms have corners at the quarters; between two of them lies what only the outer one holds.
+TEST(ConvexSolids, ACylinderIsNotPartedBetweenTheCornersOfItsPrism)
+{
+    Body box = at(Shape(Box{{1, 1, 1}}), 0, 0, 0);
+    const Eigen::AngleAxisd between_corners(std::numbers::pi / 512, Eigen::Vector3d::UnitZ());
+    box.pose = between_corners * Eigen::Translation3d(2 - 1e-7, 0, 0);
+    const Settings settings{.exact = ExactLevel::predicates};
+    const PairResult result = result_of(settings, at(Shape(Cylinder{1, 1}), 0, 0, 0), box);
+    EXPECT_NE(result.verdict, Verdict::separate);
+    EXPECT_LT(result.bound, 1e-4);
+    box.pose = between_corners * Eigen::Translation3d(2 + 1e-4, 0, 0);
+    EXPECT_EQ(result_of(settings, at(Shape(Cylinder{1, 1}), 0, 0, 0), box).verdict, Verdict::separate);
 }
 
 } // namespace
