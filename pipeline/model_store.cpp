@@ -148,7 +148,7 @@ void ModelStore::make_boxes(Model& model, const Room& room)
 double ModelStore::tolerance(const Model& a, const Model& b) const
 {
     if (settings_.max_error) return *settings_.max_error;
-    const double diagonals = a.mesh()->bounds.diagonal() + b.mesh()->bounds.diagonal();
+    const double diagonals = bounds_of(a.geometry()).diagonal() + bounds_of(b.geometry()).diagonal();
     return std::ldexp(diagonals, -settings_.depth.value_or(6));
 }
 

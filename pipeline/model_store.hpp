@@ -42,7 +42,7 @@ public:
     bool admit_boxes(Model& model, std::uint32_t frame);
     /// The same, whatever the budgets say; not for a map.
     ObbTree& boxes(Model& model, std::uint32_t frame);
-    /// How far apart, above the clearance, two meshes may be that are called near: the error that the settings give, or
+    /// How far apart, above the clearance, two bodies may be that are called near: the error that the settings give, or
     /// what spheres of that depth would certify. Metres.
     double tolerance(const Model& a, const Model& b) const;
 

@@ -21,13 +21,13 @@ constexpr std::size_t refiner_count = 6;
 
 /// The one place that decides which refiner takes a pair.
 ///
-/// | level  | settings                 | two meshes  | a shape or a map takes part |
-/// |--------|--------------------------|-------------|-----------------------------|
-/// | refine | sphere                   | spheres     | spheres                     |
-/// | refine | obb                      | boxes       | spheres                     |
-/// | refine | obb, predicates to come  | none        | none                        |
-/// | exact  | predicates               | exact       | exact                       |
-/// | exact  | fcl                      | fcl         | fcl                         |
+/// | level  | settings                                          | refiner |
+/// |--------|---------------------------------------------------|---------|
+/// | refine | bounding volume sphere                            | spheres |
+/// | refine | bounding volume obb                               | boxes   |
+/// | refine | bounding volume obb, and predicates are to decide | none    |
+/// | exact  | predicates                                        | exact   |
+/// | exact  | fcl                                               | fcl     |
 ///
 /// Where a budget has no room for a tree of oriented boxes, spheres refine, and the exact level decides nothing.
 class Dispatch {
@@ -41,10 +41,9 @@ public:
     /// Makes the trees that the refiner needs. Not while walks are under way, unless they are there().
     Refiner of(Level level, ModelStore& models, Model& a, Model& b, std::uint32_t frame) const
     {
-        const bool meshes = a.mesh() && b.mesh();
         const auto room = [&] { return models.admit_boxes(a, frame) && models.admit_boxes(b, frame); };
         if (level == Level::refine) {
-            if (obb_ && (meshes || left_to_exact_) && room()) return left_to_exact_ ? Refiner::none : Refiner::boxes;
+            if (obb_ && room()) return left_to_exact_ ? Refiner::none : Refiner::boxes;
             models.spheres(a), models.spheres(b);
             return Refiner::spheres;
         }
@@ -55,8 +54,7 @@ public:
     /// Are all the trees there that of() would make?
     bool there(Level level, const Model& a, const Model& b) const
     {
-        const bool meshes = a.mesh() && b.mesh();
-        if (level == Level::refine && !(obb_ && (meshes || left_to_exact_))) return a.spheres && b.spheres;
+        if (level == Level::refine && !obb_) return a.spheres && b.spheres;
         return (a.boxes || a.map()) && (b.boxes || b.map());
     }
 

@@ -36,10 +36,12 @@ RefineResult within_clearance(Traversal& walk, ObbTree& a, ObbTree& b, const Rel
 } // namespace
 
 RefineResult ObbRefiner::near(const RefineContext& context, const PairTask& task, PairMemory* memory,
-                              Traversal& walk) const
+                              Worker& worker) const
 {
-    const auto found = walk.near(*task.a->boxes, *task.b->boxes, RelativePose(*task.pose_a, *task.pose_b),
-                                 context.settings.clearance, models_.tolerance(*task.a, *task.b), hint_of(memory));
+    const double tolerance = models_.tolerance(*task.a, *task.b);
+    if (!task.a->mesh() || !task.b->mesh()) return worker.solids.near(context, task, tolerance);
+    const auto found = worker.walk.near(*task.a->boxes, *task.b->boxes, RelativePose(*task.pose_a, *task.pose_b),
+                                        context.settings.clearance, tolerance, hint_of(memory));
     remember(memory, found.meeting);
     return {found.near ? Verdict::within : Verdict::separate, ContactKind::unknown, found.bound};
 }
@@ -85,7 +87,7 @@ void ObbRefiner::refine(RefineContext& context, std::span<const PairTask> tasks,
                         Worker& worker = workers_[static_cast<std::size_t>(thread)];
                         for (std::size_t i = begin; i < end; ++i) {
                             PairMemory* memory = cache ? &(*cache)[tasks[i].number] : nullptr;
-                            results[i] = goal_ == Goal::near ? near(context, tasks[i], memory, worker.walk)
+                            results[i] = goal_ == Goal::near ? near(context, tasks[i], memory, worker)
                                                              : exact(context, tasks[i], memory, worker);
                         }
                     });

@@ -29,7 +29,7 @@ private:
         SharedInside inside;
         SolidPairs solids;
     };
-    RefineResult near(const RefineContext& context, const PairTask& task, PairMemory* memory, Traversal& walk) const;
+    RefineResult near(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;
     RefineResult exact(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;
 
     const ModelStore& models_;

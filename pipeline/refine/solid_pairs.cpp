@@ -86,6 +86,21 @@ RefineResult decide(Walk& walk, A& inner_a, A& outer_a, B& inner_b, B& outer_b, 
     return {Verdict::within, ContactKind::unknown, upper * (1 + rigid) + 0x1p-1000};
 }
 
+/// Of shapes the outer cores, so that what is separate is.
+template <class Walk, class A, class B>
+RefineResult decide_near(Walk& walk, A& a, B& b, const RelativePose& b_to_a, const Margins& margins, double clearance,
+                         double tolerance, auto holds)
+{
+    const auto found = walk.near(a, b, b_to_a, clearance + margins.radius + margins.slack, tolerance, {});
+    if (!found.near && !holds(a, b)) {
+        const double gap =
+            found.bound - margins.radius - margins.slack; // certainly above the clearance, rounding aside
+        return {Verdict::separate, ContactKind::unknown, std::max({gap, clearance, 0x1p-1000})};
+    }
+    const double bound = found.near ? found.bound - margins.radius : clearance;
+    return {Verdict::within, ContactKind::unknown, std::max(bound, 0.0) + margins.error + margins.slack};
+}
+
 bool has_volume(const Model& model)
 {
     return model.shape() && model.core().has_volume();
@@ -136,18 +151,16 @@ bool SolidPairs::shape_holds(const PairTask& task, const RelativePose& b_to_a)
            (has_volume(*task.b) && holds_part(locator_, inner_of(*task.b), b_to_a, *task.a, stay));
 }
 
-RefineResult SolidPairs::exact(const RefineContext& context, const PairTask& task)
+/// Calls work(walk, inner_a, outer_a, inner_b, outer_b, b_to_a, holds) with what decides the pair.
+RefineResult SolidPairs::with_cores(const PairTask& task, auto work)
 {
-    const double clearance = context.settings.clearance;
-    const Margins margins(task);
     if (!task.a->map() && !task.b->map()) {
         const RelativePose b_to_a(*task.pose_a, *task.pose_b);
         const auto holds = [&](ObbTree& a, ObbTree& b) {
             return (has_volume(*task.a) && holds_part(locator_, a, stay, *task.b, b_to_a)) ||
                    (has_volume(*task.b) && holds_part(locator_, b, b_to_a, *task.a, stay));
         };
-        return decide(meshes_, inner_of(*task.a), outer_of(*task.a), inner_of(*task.b), outer_of(*task.b), b_to_a,
-                      margins, clearance, holds);
+        return work(meshes_, inner_of(*task.a), outer_of(*task.a), inner_of(*task.b), outer_of(*task.b), b_to_a, holds);
     }
     // The map's frame, in which its cells are boxes along the axes.
     const bool map_is_a = task.a->map();
@@ -155,12 +168,29 @@ RefineResult SolidPairs::exact(const RefineContext& context, const PairTask& tas
     const RelativePose other_to_map(map_is_a ? *task.pose_a : *task.pose_b, map_is_a ? *task.pose_b : *task.pose_a);
     MapTree& cells = map.cells();
     if (other.map())
-        return decide(map_map_, cells, cells, other.cells(), other.cells(), other_to_map, margins, clearance,
-                      [](const auto&, const auto&) { return false; });
+        return work(map_map_, cells, cells, other.cells(), other.cells(), other_to_map,
+                    [](const auto&, const auto&) { return false; });
     const auto holds = [&](MapTree& tree, ObbTree& surface) {
         return has_volume(other) && holds_cell(locator_, surface, other_to_map, tree);
     };
-    return decide(map_mesh_, cells, cells, inner_of(other), outer_of(other), other_to_map, margins, clearance, holds);
+    return work(map_mesh_, cells, cells, inner_of(other), outer_of(other), other_to_map, holds);
+}
+
+RefineResult SolidPairs::exact(const RefineContext& context, const PairTask& task)
+{
+    return with_cores(task, [&](auto& walk, auto& inner_a, auto& outer_a, auto& inner_b, auto& outer_b,
+                                const RelativePose& b_to_a, auto holds) {
+        return decide(walk, inner_a, outer_a, inner_b, outer_b, b_to_a, Margins(task), context.settings.clearance,
+                      holds);
+    });
+}
+
+RefineResult SolidPairs::near(const RefineContext& context, const PairTask& task, double tolerance)
+{
+    return with_cores(task, [&](auto& walk, auto&, auto& outer_a, auto&, auto& outer_b, const RelativePose& b_to_a,
+                                auto holds) {
+        return decide_near(walk, outer_a, outer_b, b_to_a, Margins(task), context.settings.clearance, tolerance, holds);
+    });
 }
 
 SolidPairs::Counts SolidPairs::counts()

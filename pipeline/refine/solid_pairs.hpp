@@ -17,6 +17,9 @@ public:
     /// The trees of both models must be there.
     RefineResult exact(const RefineContext& context, const PairTask& task);
 
+    /// Any pair but two meshes: within clearance + tolerance (metres), or separate.
+    RefineResult near(const RefineContext& context, const PairTask& task, double tolerance);
+
     /// Does a shape with a volume, one of the two, enclose a part of the other? Their surfaces are apart.
     bool shape_holds(const PairTask& task, const RelativePose& b_to_a);
 
@@ -27,6 +30,8 @@ public:
     void reset_counts();
 
 private:
+    RefineResult with_cores(const PairTask& task, auto work);
+
     BoxWalk<ObbTree, ObbTree, TriangleTests> meshes_;
     MapMeshWalk map_mesh_;
     MapMapWalk map_map_;
