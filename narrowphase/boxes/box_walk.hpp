@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include <oncollide/base/aabb.hpp>
 #include <oncollide/narrowphase/boxes/open_nodes.hpp>
 #include <oncollide/narrowphase/boxes/oriented_box.hpp>
 
@@ -106,6 +107,21 @@ private:
         std::fill(std::begin(nearest_), std::end(nearest_), std::numeric_limits<float>::infinity());
         if (stack_.empty()) stack_.resize(64);
         stack_[0] = {0, 0, 0, 0, 0}, top_ = 1;
+    }
+    /// The same for what is within `cutoff`: of a large geometry only the surroundings of the other one.
+    void start_near(A& a, B& b, const RelativePose& b_to_a, const BoxFrame& frame, double cutoff)
+    {
+        start(a, b, b_to_a, frame);
+        if constexpr (requires(const Aabb& box) { a.entry(box); }) {
+            const Eigen::Vector3d centre = b_to_a(b.centre());
+            const double out = b.radius() + cutoff + 2 * frame.box_rounding;
+            const auto entry = a.entry(Aabb{centre.array() - out, centre.array() + out});
+            nearest_[0] = static_cast<float>(cutoff + entry.gap);
+            if (entry.node)
+                a_.start(a, nullptr, *entry.node);
+            else
+                top_ = 0;
+        }
     }
     /// Before start(), so that a hint that does not meet leaves nothing behind.
     bool go_on_after_hint(A& a, B& b, const RelativePose& b_to_a, const std::optional<Pair>& hint, auto found)
@@ -231,7 +247,7 @@ double BoxWalk<A, B, Leaves>::meetings(A& a, B& b, const RelativePose& b_to_a, s
     };
     if (!go_on_after_hint(a, b, b_to_a, hint, take)) return 0;
     std::size_t batch = first_batch;
-    start(a, b, b_to_a, frame);
+    start_near(a, b, b_to_a, frame, 0);
     walk(static_cast<float>(frame.box_rounding * (1 + 0x1p-20)), [&](const Entry& e) {
         each_pair(e, [&](Pair pair) {
             if (!leave(pair)) waiting_.push_back(pair);
@@ -274,7 +290,7 @@ NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const 
         return true;
     };
     std::size_t batch = first_batch;
-    start(a, b, b_to_a, frame);
+    start_near(a, b, b_to_a, frame, clearance);
     walk(static_cast<float>((clearance + frame.box_rounding) * (1 + 0x1p-20)), [&](const Entry& e) {
         const float size2 = a_[e.a].size(e.lane_a) + b_[e.b].size(e.lane_b);
         const bool small = double(size2) <= 16 * enough * enough; // else their corners are hardly so near
@@ -303,7 +319,7 @@ Comparison BoxWalk<A, B, Leaves>::compare(A& a, B& b, const RelativePose& b_to_a
         lower = std::min(lower, distance - frame.leaf_rounding);
         return true;
     };
-    start(a, b, b_to_a, frame);
+    start_near(a, b, b_to_a, frame, most);
     bool go_on = true;
     walk(static_cast<float>((most + frame.box_rounding) * (1 + 0x1p-20)),
          [&](const Entry& e) { return go_on = each_pair(e, take_pair); });

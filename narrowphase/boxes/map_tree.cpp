@@ -7,7 +7,7 @@ namespace oncollide {
 
 namespace {
 
-constexpr std::int32_t lowest = -32768, whole = 65536; ///< OctoMap's address space
+constexpr std::int32_t lowest = -32768, all = 65536; ///< OctoMap's address space
 
 /// Of the octant that holds the cell's least corner, in a cube twice as large.
 unsigned octant_in(const MapCell& cube, const MapCell& cell)
@@ -45,7 +45,7 @@ MapTree::MapTree(const OccupancyMap& map)
     if (!std::ranges::is_sorted(cells, before)) std::ranges::sort(cells, before);
 
     // A cube twice the address space, so that a map that is all occupied is an octant of a node, too.
-    top_ = {0, {lowest, lowest, lowest, 2 * whole}};
+    top_ = {0, {lowest, lowest, lowest, 2 * all}};
     nodes_.emplace_back();
     build(0, top_.cube, cells.data(), cells.data() + cells.size());
     nodes_.shrink_to_fit();
@@ -86,7 +86,34 @@ MapTree::Node MapTree::forked(Node node) const
 
 MapTree::Node MapTree::child(const Node& node, unsigned lane) const
 {
-    return node.index == root.index ? top_ : forked(below(node, octant_of(nodes_[node.index], lane)));
+    if (node.index == root.index) return top_;
+    if (node.index & whole) return {node.index & ~whole, node.cube};
+    return forked(below(node, octant_of(nodes_[node.index], lane)));
+}
+
+MapTree::Entry MapTree::entry(const Aabb& box) const
+{
+    // A margin of half the box, so that what is left out is not merely apart.
+    const double margin = 0.25 * (box.max - box.min).maxCoeff() + resolution_;
+    const Eigen::Array3d low = ((box.min.array() - margin) / resolution_).floor(),
+                         high = ((box.max.array() + margin) / resolution_).ceil();
+    Node node = top_;
+    while (true) {
+        const Inner inner = nodes_[node.index];
+        const std::int32_t half = node.cube.side / 2;
+        const Eigen::Array3d middle(node.cube.x + half, node.cube.y + half, node.cube.z + half);
+        unsigned there = inner.parted | inner.full; // octants that the box and the margin touch
+        if (high.x() < middle.x()) there &= 0x55;
+        if (low.x() > middle.x()) there &= 0xAA;
+        if (high.y() < middle.y()) there &= 0x33;
+        if (low.y() > middle.y()) there &= 0xCC;
+        if (high.z() < middle.z()) there &= 0x0F;
+        if (low.z() > middle.z()) there &= 0xF0;
+        const double gap = margin * (1 - 0x1p-20);
+        if (there == 0) return {std::nullopt, gap};
+        if ((there & (there - 1)) || (there & inner.full)) return {Node{node.index | whole, node.cube}, gap};
+        node = below(node, static_cast<unsigned>(__builtin_ctz(there)));
+    }
 }
 
 LaneMasks MapTree::open(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const
@@ -109,6 +136,8 @@ LaneMasks MapTree::open(const Node& node, const BoxPlacement* placement, OpenBox
     LaneMasks masks{0, 0};
     if (node.index == root.index) {
         add(bounds_);
+    } else if (node.index & whole) {
+        add(node.cube.box(resolution_));
     } else {
         const Inner inner = nodes_[node.index];
         for (unsigned all = inner.parted | inner.full; all; all &= all - 1) {
@@ -123,8 +152,10 @@ LaneMasks MapTree::open(const Node& node, const BoxPlacement* placement, OpenBox
         boxes.size[k] = 0;
     }
     for (int axis = 0; axis < 3; ++axis)
-        for (int i = 0; i < 3; ++i)
-            std::fill_n(boxes.axis[axis][i], 8, placement ? placement->rotation[3 * i + axis] : float(axis == i));
+        for (int i = 0; i < 3; ++i) {
+            const float along = placement ? placement->rotation[3 * i + axis] : float(axis == i);
+            for (float& of_lane : boxes.axis[axis][i]) of_lane = along;
+        }
     return masks;
 }
 

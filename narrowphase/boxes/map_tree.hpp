@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <oncollide/base/aabb.hpp>
@@ -39,6 +40,13 @@ public:
     };
     using Primitive = MapCell;
     static constexpr Node root{~0u, {}};
+    /// Where to start for what is in the box, in the map's frame: a node that holds one box around all cells there, and
+    /// how far the other cells are from the box at least, metres. No node: there are none there.
+    struct Entry {
+        std::optional<Node> node;
+        double gap;
+    };
+    Entry entry(const Aabb& box) const;
 
     const Eigen::Vector3d& centre() const { return centre_; }
     double radius() const { return radius_; }
@@ -60,6 +68,7 @@ public:
     std::size_t bytes() const { return nodes_.capacity() * sizeof(Inner); }
 
 private:
+    static constexpr std::uint32_t whole = 1u << 31; ///< marks a node that stands for itself, as one box
     /// An inner node of the octree. Octant k is along x, y and z by the bits of k.
     struct Inner {
         std::uint32_t first; ///< of its inner children, which lie side by side

@@ -22,12 +22,13 @@ public:
         float size(unsigned k) const { return boxes.size[k]; }
     };
 
-    /// Starts a query: slot 0 is the root. Keeps both.
-    void start(Hierarchy& hierarchy, const BoxPlacement* placement)
+    /// Starts a query: slot 0 is the root, or a node that holds one box. Keeps both.
+    void start(Hierarchy& hierarchy, const BoxPlacement* placement,
+               const typename Hierarchy::Node& node = Hierarchy::root)
     {
         hierarchy_ = &hierarchy, placement_ = placement;
         used_ = 0;
-        open(Hierarchy::root);
+        open(node);
     }
     const Node& operator[](std::uint32_t slot) const { return nodes_[slot]; }
 
