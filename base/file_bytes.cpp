@@ -13,6 +13,7 @@ std::string read_file(const std::filesystem::path& path, std::uintmax_t most)
     const auto fail = [&](ErrorKind kind, const std::string& what) {
         throw Error(kind, fmt::format("{}: {}", path.string(), what));
     };
+    if (path.native().find('\0') != path.native().npos) fail(ErrorKind::no_input, "a name cannot hold a zero byte");
     std::error_code error;
     const std::filesystem::file_status status = std::filesystem::status(path, error);
     if (status.type() == std::filesystem::file_type::not_found) fail(ErrorKind::no_input, "no such file");
@@ -28,6 +29,12 @@ std::string read_file(const std::filesystem::path& path, std::uintmax_t most)
     in.read(bytes.data(), static_cast<std::streamsize>(size));
     if (in.gcount() != static_cast<std::streamsize>(size)) fail(ErrorKind::no_input, "cannot be read to its end");
     return bytes;
+}
+
+std::string_view without_byte_order_mark(std::string_view text)
+{
+    constexpr std::string_view mark = "\xef\xbb\xbf";
+    return text.starts_with(mark) ? text.substr(mark.size()) : text;
 }
 
 } // namespace oncollide

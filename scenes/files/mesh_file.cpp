@@ -17,10 +17,10 @@ namespace {
 struct Format {
     const char* extension;
     RawMesh (*read)(const MeshSource&);
-    bool shares_vertices; ///< the file itself says which triangles share a vertex
+    bool weld; ///< the format repeats vertices for every triangle
 };
-constexpr Format formats[] = {{"obj", read_obj, true}, {"stl", read_stl, false},   {"ply", read_ply, true},
-                              {"off", read_off, true}, {"gltf", read_gltf, false}, {"glb", read_gltf, false}};
+constexpr Format formats[] = {{"obj", read_obj, false}, {"stl", read_stl, true},    {"ply", read_ply, false},
+                              {"off", read_off, false}, {"gltf", read_gltf, false}, {"glb", read_gltf, false}};
 
 const Format& format_of(const std::filesystem::path& path)
 {
@@ -56,7 +56,7 @@ Mesh load_mesh(const std::filesystem::path& path, const MeshOptions& options)
         raw = format.read({name, bytes});
         if (raw.triangles.empty())
             throw Error(ErrorKind::bad_data, fmt::format("{}: the file holds no triangle", name));
-        if (!format.shares_vertices) weld(raw);
+        if (format.weld) weld(raw);
     }
     Mesh mesh = make_mesh(name, std::move(raw.vertices), std::move(raw.triangles));
     double scale = options.scale;
