@@ -122,7 +122,7 @@ const std::string& GltfBuffers::beside(const Node& uri)
     if (const auto found = files_.find(name); found != files_.end()) return found->second;
     const std::filesystem::path folder = std::filesystem::path(document_.source().name).parent_path();
     try {
-        const std::string& bytes = files_[name] = read_file(folder / name, most_bytes - bytes_read_);
+        const std::string& bytes = files_[name] = read_file(file_in(folder, name), most_bytes - bytes_read_);
         bytes_read_ += bytes.size();
         return bytes;
     } catch (const Error& error) { // of whatever kind: the file that was requested is there, and is not whole

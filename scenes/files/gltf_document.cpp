@@ -20,7 +20,8 @@ constexpr std::array list_names = {"scenes", "nodes", "meshes", "accessors", "bu
 
 /// Extensions that a file may require: all but the first say nothing about the shape of a mesh.
 constexpr std::array known_extensions = {"KHR_mesh_quantization", "KHR_texture_transform", "KHR_texture_basisu",
-                                         "KHR_lights_punctual",   "EXT_texture_webp",      "EXT_texture_avif"};
+                                         "KHR_lights_punctual",   "KHR_technique_webgl",   "KHR_techniques_webgl",
+                                         "EXT_texture_webp",      "EXT_texture_avif"};
 constexpr std::string_view materials = "KHR_materials_";
 
 std::uint32_t number_at(std::string_view bytes, std::size_t at)
@@ -31,6 +32,12 @@ std::uint32_t number_at(std::string_view bytes, std::size_t at)
 }
 
 } // namespace
+
+Node list_of(const Node& node)
+{
+    node.size();
+    return node;
+}
 
 GltfDocument::GltfDocument(const MeshSource& source) : source_(source)
 {
@@ -87,9 +94,9 @@ std::string_view GltfDocument::split_glb()
 void GltfDocument::check_extensions()
 {
     if (root().has("extensionsUsed"))
-        for (const Node& name : root()["extensionsUsed"]) is_quantized_ |= name.text() == known_extensions[0];
+        for (const Node& name : list_of(root()["extensionsUsed"])) is_quantized_ |= name.text() == known_extensions[0];
     if (!root().has("extensionsRequired")) return;
-    for (const Node& name : root()["extensionsRequired"]) {
+    for (const Node& name : list_of(root()["extensionsRequired"])) {
         const std::string_view text = name.text();
         if (!text.starts_with(materials) &&
             std::find(known_extensions.begin(), known_extensions.end(), text) == known_extensions.end())

@@ -8,6 +8,9 @@
 
 namespace oncollide {
 
+/// `node`, which must be an array, to walk over.
+Node list_of(const Node& node);
+
 /// The JSON of a glTF or GLB file, and GLB's binary chunk. Private to scenes.
 class GltfDocument {
 public:

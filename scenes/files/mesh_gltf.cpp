@@ -71,7 +71,7 @@ NodeTree node_tree(const Document& document)
     std::vector<std::vector<std::uint32_t>> children(nodes.size());
     for (std::uint32_t i = 0; i < nodes.size(); ++i) {
         if (!nodes[i].has("children")) continue;
-        for (const Node& number : nodes[i]["children"]) {
+        for (const Node& number : list_of(nodes[i]["children"])) {
             const auto child = static_cast<std::uint32_t>(document.index(Document::nodes, number));
             if (std::exchange(tree.parents[child], i) != none)
                 number.fail(fmt::format("nodes[{}] has two parents; nodes must form a tree", child));
@@ -94,7 +94,7 @@ NodeTree node_tree(const Document& document)
     const Node& scene =
         root.has("scene") ? document.at(Document::scenes, root["scene"]) : document.all(Document::scenes).front();
     if (scene.has("nodes"))
-        for (const Node& number : scene["nodes"]) {
+        for (const Node& number : list_of(scene["nodes"])) {
             const std::size_t i = document.index(Document::nodes, number);
             if (tree.parents[i] != none || tree.shown[i])
                 number.fail(fmt::format("nodes[{}] has two parents, the scene and {}", i,
@@ -135,7 +135,7 @@ private:
         std::optional<std::vector<Primitive>>& parts = meshes_[document_.index(Document::meshes, number)];
         if (parts) return *parts;
         parts.emplace();
-        for (const Node& node : document_.at(Document::meshes, number)["primitives"])
+        for (const Node& node : list_of(document_.at(Document::meshes, number)["primitives"]))
             if (std::optional<Primitive> part = primitive(node)) parts->push_back(std::move(*part));
         return *parts;
     }

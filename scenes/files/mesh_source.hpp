@@ -31,6 +31,7 @@ RawMesh read_obj(const MeshSource& source);
 RawMesh read_off(const MeshSource& source);
 RawMesh read_ply(const MeshSource& source);
 RawMesh read_stl(const MeshSource& source);
+bool is_binary_stl(std::string_view bytes);
 /// glTF and GLB: the triangles of the default scene (of all nodes where there is no scene), placed by its nodes and
 /// welded. Buffers in files of their own are found beside the file at source.name. Skins, animations, morph targets,
 /// points and lines are left out. Triangles, vertices and parts of meshes are at most as many as all files together

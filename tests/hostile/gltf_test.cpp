@@ -113,6 +113,8 @@ TEST_F(HostileGltf, NodesThatAreNoTreesAreRefused)
     refuse(gltf({.more = R"(,"scenes":[{"nodes":[0,0]}])"}), "two parents");
     refuse(gltf({.more = R"(,"scene":1,"scenes":[{"nodes":[0]}])"}), "scenes[1]");
     refuse(gltf({.nodes = R"([{"mesh":-1}])"}), "nodes[0].mesh: is -1");
+    refuse(gltf({.nodes = R"([{"mesh":0,"children":{"a":1}}])"}), "nodes[0].children: is an object, must be an array");
+    refuse(gltf({.more = R"(,"scenes":[{"nodes":7}])"}), "scenes[0].nodes: is a number, must be an array");
     refuse(gltf({.nodes = R"([{"mesh":0,"rotation":[0,0,0,0]}])"}), "no direction");
     refuse(gltf({.nodes = R"([{"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,1,0,0,0,1]}])"}), "last row");
     refuse(gltf({.nodes = R"([{"mesh":0,"scale":[1e308,1e308,1e308],"children":[1]},{"mesh":0,"scale":[1e308,1,1]}])"}),
