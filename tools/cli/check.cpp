@@ -144,9 +144,7 @@ int check_pair(const CheckOptions& options)
     settings.contact_kinds = settings.exact == ExactLevel::predicates;
     // Both cull without a bound on the distance, and one pair needs neither.
     for (const char* stage : {"delimitation", "broad"}) settings.skip.push_back(stage);
-    OutputOptions outputs;
-    outputs.json = options.json;
-    for (const std::string& input : {options.a, options.b}) check_outputs(outputs, input);
+    check_files({{"--json", options.json}, {"--contacts", options.contacts}}, {options.a, options.b});
 
     std::optional<OutputFile> contacts;
     if (!options.contacts.empty()) contacts.emplace(options.contacts);
@@ -179,7 +177,7 @@ void add_check(Arguments app)
 {
     Arguments sub = app.add_command("check", "Check two files against each other, once");
     auto options = std::make_shared<CheckOptions>();
-    sub.add_option("A", options->a, "mesh (OBJ, STL, PLY, OFF, glTF) or OctoMap (.bt, .ot)")
+    sub.add_option("A", options->a, "mesh (OBJ, STL, PLY, OFF, glTF; '-': standard input) or OctoMap (.bt, .ot)")
         .required()
         .type_name("FILE");
     sub.add_option("B", options->b, "the other one; may be the same file").required().type_name("FILE");

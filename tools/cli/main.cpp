@@ -1,5 +1,6 @@
 // The oncollide command: subcommands are added here, each lives in a file of its own.
 #include "cli/command.hpp"
+#include "cli/outputs.hpp"
 
 #include <iostream>
 
@@ -32,12 +33,16 @@ int main(int argc, char** argv)
 {
     using namespace oncollide;
     try {
+        tools::watch_files();
         int code = tools::parse_and_run(argc, argv);
         if (!std::cout.flush()) throw Error(ErrorKind::cannot_write, "standard output: cannot write");
         return code;
     } catch (const Error& error) {
         std::cerr << "oncollide: " << error.what() << "\n";
         return int(error.kind());
+    } catch (const tools::OverwritesInput& error) {
+        std::cerr << "oncollide: " << error.what() << "\n";
+        return int(ErrorKind::usage);
     } catch (const std::bad_alloc&) {
         std::cerr << "oncollide: out of memory\n";
     } catch (const std::exception& error) {

@@ -1,11 +1,15 @@
 #include "cli/system.hpp"
 
 #include <csignal>
+#include <filesystem>
 #include <fstream>
+
+#include <fmt/format.h>
 
 #ifdef __linux__
 #include <malloc.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #endif
 
@@ -22,6 +26,12 @@ bool interrupted()
 }
 
 #ifdef __linux__
+
+std::string file_identity(const std::string& path)
+{
+    struct stat status {};
+    return ::stat(path.c_str(), &status) == 0 ? fmt::format("{}:{}", status.st_dev, status.st_ino) : "";
+}
 
 bool stderr_is_terminal()
 {
@@ -71,6 +81,12 @@ void trim_memory()
 }
 
 #else
+
+std::string file_identity(const std::string& path)
+{
+    std::error_code error;
+    return std::filesystem::canonical(path, error).string();
+}
 
 bool stderr_is_terminal()
 {

@@ -5,6 +5,9 @@
 // What only the operating system can say or do. Systems other than Linux have less of it; nothing depends on it.
 namespace oncollide::tools {
 
+/// Says which file that is, whatever name or link leads to it; empty: there is none.
+std::string file_identity(const std::string& path);
+
 /// Does somebody see what goes to standard error?
 bool stderr_is_terminal();
 /// Makes Ctrl-C and SIGTERM set interrupted(); a second one ends the program at once. Signals that the parent wants to
