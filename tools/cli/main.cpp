@@ -1,6 +1,7 @@
 // The oncollide command: subcommands are added here, each lives in a file of its own.
 #include "cli/command.hpp"
 #include "cli/outputs.hpp"
+#include "cli/system.hpp"
 
 #include <iostream>
 
@@ -33,6 +34,7 @@ int main(int argc, char** argv)
 {
     using namespace oncollide;
     try {
+        tools::prepare_process();
         tools::watch_files();
         int code = tools::parse_and_run(argc, argv);
         if (!std::cout.flush()) throw Error(ErrorKind::cannot_write, "standard output: cannot write");
