@@ -103,9 +103,7 @@ Eigen::Vector3d TextReader::point()
 
 std::string quoted(std::string_view word)
 {
-    std::string text;
-    for (const char c : word.substr(0, 40)) text += c >= ' ' && c <= '~' ? c : '?';
-    return fmt::format("'{}{}'", text, word.size() > 40 ? "..." : "");
+    return fmt::format("'{}{}'", printable(word.substr(0, 40)), word.size() > 40 ? "..." : "");
 }
 
 bool parse(std::string_view word, double& value)

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include <oncollide/base/file_bytes.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 
 namespace oncollide {
@@ -38,10 +39,11 @@ bool is_binary_stl(std::string_view bytes);
 /// have bytes, 200 million at the very most; but 10 million are always allowed.
 RawMesh read_gltf(const MeshSource& source);
 
-/// Cuts text into lines and lines into words; knows the line for messages. Lines end with LF or CR LF.
+/// Cuts text into lines and lines into words; knows the line for messages. Lines end with LF or CR LF. A byte-order
+/// mark is skipped.
 class TextReader {
 public:
-    explicit TextReader(const MeshSource& source) : source_(source), rest_(source.bytes) {}
+    explicit TextReader(const MeshSource& source) : source_(source), rest_(without_byte_order_mark(source.bytes)) {}
 
     /// Goes to the next line that has a word; `#` starts a comment, and a backslash at the end joins lines where
     /// `continued`. False at the end of the file.

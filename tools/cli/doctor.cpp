@@ -13,6 +13,7 @@
 #include <oncollide/base/cpu_features.hpp>
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/parallel.hpp>
+#include <oncollide/base/printable.hpp>
 #include <oncollide/narrowphase/gl/gpu.hpp>
 
 namespace oncollide::tools {
@@ -20,7 +21,7 @@ namespace {
 
 void say(std::string_view topic, const std::string& text)
 {
-    std::cout << fmt::format("{:<14}{}\n", topic, text);
+    std::cout << fmt::format("{:<14}{}\n", topic, printable(text));
 }
 
 std::string instruction_sets()

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/printable.hpp>
 #include <oncollide/pipeline/report.hpp>
 
 namespace oncollide::tools {
@@ -43,12 +44,14 @@ int main(int argc, char** argv)
         std::cerr << "oncollide: " << error.what() << "\n";
         return int(error.kind());
     } catch (const tools::OverwritesInput& error) {
-        std::cerr << "oncollide: " << error.what() << "\n";
+        std::cerr << "oncollide: " << printable(error.what()) << "\n";
         return int(ErrorKind::usage);
     } catch (const std::bad_alloc&) {
         std::cerr << "oncollide: out of memory\n";
+    } catch (const std::length_error&) { // a vector of more than the address space
+        std::cerr << "oncollide: out of memory\n";
     } catch (const std::exception& error) {
-        std::cerr << "oncollide: internal fault: " << error.what() << "\n";
+        std::cerr << "oncollide: internal fault: " << printable(error.what()) << "\n";
     }
     return int(ErrorKind::internal);
 }

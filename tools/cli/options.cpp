@@ -187,7 +187,7 @@ void print_warnings(const Scene& scene)
 {
     constexpr std::size_t most = 10;
     for (std::size_t k = 0; k < std::min(scene.warnings.size(), most); ++k)
-        std::cerr << "oncollide: warning: " << scene.warnings[k] << "\n";
+        std::cerr << "oncollide: warning: " << printable(scene.warnings[k]) << "\n";
     if (scene.warnings.size() > most)
         std::cerr << fmt::format("oncollide: warning: and {} more of these\n", scene.warnings.size() - most);
 }

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/printable.hpp>
 #include <oncollide/scenes/catalogue/catalogue.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
 
@@ -39,7 +40,7 @@ int write_scene(const WriteOptions& options)
     const Scene scene = make_catalogue_scene(options.scene);
     print_warnings(scene);
     save_scene(scene, options.out);
-    std::cout << fmt::format("{}: {} bodies, {} geometries, {} frames\n", options.out, scene.size(),
+    std::cout << fmt::format("{}: {} bodies, {} geometries, {} frames\n", printable(options.out), scene.size(),
                              scene.geometries.size(), scene.frames);
     return 0;
 }
