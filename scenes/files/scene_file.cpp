@@ -54,11 +54,12 @@ Keyed read_keys(const Node& node, std::vector<std::string>& warnings)
 {
     Keyed motion;
     motion.keys.reserve(node.size());
+    // Not row.place(), which counts the rows before it: each may need a warning.
+    const auto place = [&] { return fmt::format("{}[{}]", node.place(), motion.keys.size()); };
     for (const Node& row : node) {
         Eigen::Matrix<double, 8, 1> n;
         row.numbers(8, n.data());
-        motion.keys.push_back(
-            {n[0], n.segment<3>(1), quaternion_of([&] { return row.place(); }, n.segment<4>(4), warnings)});
+        motion.keys.push_back({n[0], n.segment<3>(1), quaternion_of(place, n.segment<4>(4), warnings)});
     }
     at(node, [&] { check_motion("motion", motion); });
     return motion;
