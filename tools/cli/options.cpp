@@ -141,7 +141,7 @@ void add_catalogue_options(Arguments command, SceneOptions& o)
 
 bool is_scene_file(const std::string& text)
 {
-    if (text == "-" || text.find('/') != std::string::npos || text.ends_with(".json")) return true;
+    if (text.find('/') != std::string::npos || text.ends_with(".json") || text == "-") return true;
     std::error_code error;
     const bool exists = fs::is_regular_file(text, error);
     for (const CatalogueEntry& entry : catalogue())
