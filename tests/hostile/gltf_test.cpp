@@ -4,10 +4,12 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <sys/stat.h>
 
 #include "scenes/mesh_writers.hpp"
 #include "scenes/test_files.hpp"
+#include <oncollide/base/random.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
@@ -224,6 +226,70 @@ TEST_F(HostileGltf, StripsFansSparseAndQuantizedPositionsAreRead)
     };
     EXPECT_EQ(load(with_place(1)).vertices[1], Vector3d(7, 8, 9));
     refuse(with_place(3), "must ascend");
+}
+
+/// Every value of `json` and what lies in it.
+void collect(nlohmann::json& json, std::vector<nlohmann::json*>& values)
+{
+    values.push_back(&json);
+    if (json.is_structured())
+        for (nlohmann::json& child : json) collect(child, values);
+}
+
+TEST_F(HostileGltf, MutationsOfTheStructureGiveAMeshOrOneError)
+{
+    using nlohmann::json;
+    Parts parts{.nodes = R"([{"children":[1,2],"scale":[1,-2,3]},{"mesh":0,"rotation":[0,0,0.6,0.8]},)"
+                         R"({"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,5,6,7,1]}])",
+                .more = R"(,"scene":0,"scenes":[{"nodes":[0]}],"extensionsUsed":["KHR_mesh_quantization"])"};
+    parts.views = R"(,{"buffer":0,"byteOffset":34,"byteLength":2},{"buffer":0,"byteOffset":12,"byteLength":12})";
+    parts.accessor +=
+        R"(,"sparse":{"count":1,"indices":{"bufferView":1,"componentType":5121},"values":{"bufferView":2}})";
+    const json valid = json::parse(gltf(parts));
+    std::vector<json> drawn = {0,  1,  2,   3,     4,  11,      12,   13,     35,      36,
+                               37, -1, 1.5, 1e308, "", nullptr, true, "VEC3", "SCALAR"};
+    for (const int shift : {8, 16, 31, 32, 53, 63}) drawn.push_back(std::uint64_t(1) << shift);
+    for (const std::uint64_t below : {1, 12, 36}) drawn.push_back(0 - below);
+    for (int type = 5120; type <= 5126; ++type) drawn.push_back(type);
+    drawn.push_back(json::array()), drawn.push_back(json::object());
+
+    int accepted = 0;
+    constexpr int rounds = 4000;
+    for (int round = 0; round < rounds; ++round) {
+        std::uint64_t draws = 0;
+        const auto pick = [&](std::size_t n) {
+            return static_cast<std::size_t>(u01(14, static_cast<std::uint64_t>(round), draws++) *
+                                            static_cast<double>(n));
+        };
+        json file = valid;
+        for (std::size_t change = 0; change < 1 + pick(3); ++change) {
+            std::vector<json*> values;
+            collect(file, values);
+            json& value = *values[pick(values.size())];
+            switch (pick(4)) {
+            case 0:
+                if (value.is_object() && !value.empty())
+                    value.erase(std::next(value.begin(), static_cast<int>(pick(value.size()))));
+                break;
+            case 1:
+                value = json(*values[pick(values.size())]);
+                break;
+            default:
+                value = drawn[pick(drawn.size())];
+            }
+        }
+        const auto path = folder_.write("a.gltf", file.dump());
+        try {
+            const Mesh mesh = load_mesh(path);
+            EXPECT_NO_THROW(make_mesh("again", mesh.vertices, mesh.triangles));
+            ++accepted;
+        } catch (const Error& error) {
+            EXPECT_EQ(static_cast<int>(error.kind()), static_cast<int>(ErrorKind::bad_data)) << error.what();
+            EXPECT_TRUE(std::string(error.what()).starts_with(path.string() + ": ")) << error.what();
+        }
+    }
+    EXPECT_GT(accepted, rounds / 20);
+    EXPECT_LT(accepted, rounds / 2);
 }
 
 } // namespace
