@@ -2,6 +2,8 @@
 #include <stdexcept>
 #include <string>
 
+#include <oncollide/base/printable.hpp>
+
 namespace oncollide {
 
 /// What went wrong, as the process exit code that the command line gives for it (numbers after BSD sysexits).
@@ -14,22 +16,15 @@ enum class ErrorKind : int {
     cannot_write = 73, ///< an output file cannot be created or written
 };
 
-/// The one exception of the library. The message says where, what, and what would be valid; it stands alone on a line:
-/// control characters, which names in a file may hold, become '?'.
+/// The one exception of the library. The message says where, what, and what would be valid; it stands alone on a line
+/// and is safe to print: what names in a file may hold is escaped (printable).
 /// Thrown at load or creation only, never half-way through a frame.
 class Error : public std::runtime_error {
 public:
-    Error(ErrorKind kind, const std::string& message) : std::runtime_error(one_line(message)), kind_(kind) {}
+    Error(ErrorKind kind, const std::string& message) : std::runtime_error(printable(message)), kind_(kind) {}
     ErrorKind kind() const { return kind_; }
 
 private:
-    static std::string one_line(std::string message)
-    {
-        for (char& c : message)
-            if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = '?';
-        return message;
-    }
-
     ErrorKind kind_;
 };
 

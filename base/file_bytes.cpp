@@ -1,5 +1,8 @@
 #include <oncollide/base/file_bytes.hpp>
 
+#include <array>
+#include <cstdio>
+#include <cstring>
 #include <fstream>
 
 #include <fmt/format.h>
@@ -8,26 +11,100 @@
 
 namespace oncollide {
 
-std::string read_file(const std::filesystem::path& path, std::uintmax_t most)
+namespace {
+
+namespace fs = std::filesystem;
+
+void (*read_visitor)(const fs::path&) = nullptr;
+
+[[noreturn]] void fail(const fs::path& path, ErrorKind kind, const std::string& what)
 {
-    const auto fail = [&](ErrorKind kind, const std::string& what) {
-        throw Error(kind, fmt::format("{}: {}", path.string(), what));
-    };
-    std::error_code error;
-    const std::filesystem::file_status status = std::filesystem::status(path, error);
-    if (status.type() == std::filesystem::file_type::not_found) fail(ErrorKind::no_input, "no such file");
-    if (std::filesystem::is_directory(status)) fail(ErrorKind::no_input, "is a folder, not a file");
-    if (!std::filesystem::is_regular_file(status)) fail(ErrorKind::no_input, "is not a readable file");
-    const std::uintmax_t size = std::filesystem::file_size(path, error);
-    std::ifstream in(path, std::ios::binary);
-    if (error || !in) fail(ErrorKind::no_input, "cannot be read; check its permissions");
-    if (size == 0) fail(ErrorKind::bad_data, "the file is empty");
-    if (size > most)
-        fail(ErrorKind::bad_data, fmt::format("the file has {} bytes; at most {} are allowed", size, most));
-    std::string bytes(size, '\0');
-    in.read(bytes.data(), static_cast<std::streamsize>(size));
-    if (in.gcount() != static_cast<std::streamsize>(size)) fail(ErrorKind::no_input, "cannot be read to its end");
+    throw Error(kind, fmt::format("{}: {}", path == "-" ? "standard input" : path.string(), what));
+}
+
+[[noreturn]] void fail_size(const fs::path& path, std::uintmax_t size, std::uintmax_t most)
+{
+    fail(path, ErrorKind::bad_data, fmt::format("the file has {} bytes; at most {} are allowed", size, most));
+}
+
+const char* name_of(fs::file_type type)
+{
+    switch (type) {
+    case fs::file_type::fifo:
+        return "it is a pipe";
+    case fs::file_type::socket:
+        return "it is a socket";
+    case fs::file_type::block:
+    case fs::file_type::character:
+        return "it is a device";
+    default:
+        return "its kind is unknown";
+    }
+}
+
+std::string read_standard_input(std::uintmax_t most)
+{
+    std::string bytes;
+    std::array<char, 1 << 16> piece;
+    while (const std::size_t size = std::fread(piece.data(), 1, piece.size(), stdin)) {
+        bytes.append(piece.data(), size);
+        if (bytes.size() > most) fail_size("-", bytes.size(), most);
+    }
+    if (std::ferror(stdin)) fail("-", ErrorKind::no_input, "cannot be read");
     return bytes;
+}
+
+} // namespace
+
+std::string read_file(const fs::path& path, std::uintmax_t most)
+{
+    std::string bytes;
+    if (path == "-") {
+        bytes = read_standard_input(most);
+    } else {
+        check_readable(path);
+        std::error_code error;
+        const std::uintmax_t size = fs::file_size(path, error);
+        std::ifstream in(path, std::ios::binary);
+        if (error || !in) fail(path, ErrorKind::no_input, "cannot be read; check its permissions");
+        if (size > most) fail_size(path, size, most);
+        bytes.resize(size);
+        in.read(bytes.data(), static_cast<std::streamsize>(size));
+        if (in.gcount() != static_cast<std::streamsize>(size))
+            fail(path, ErrorKind::no_input, "cannot be read to its end");
+    }
+    if (bytes.empty()) fail(path, ErrorKind::bad_data, "the file is empty");
+    return bytes;
+}
+
+void check_readable(const fs::path& path)
+{
+    const auto refuse_it = [&](const std::string& what) { fail(path, ErrorKind::no_input, what); };
+    if (std::strlen(path.c_str()) != path.native().size()) refuse_it("a name cannot hold a zero byte");
+    std::error_code error;
+    const fs::file_status status = fs::status(path, error);
+    if (status.type() == fs::file_type::not_found) refuse_it("no such file");
+    if (status.type() == fs::file_type::none) refuse_it(fmt::format("cannot be read: {}", error.message()));
+    if (fs::is_directory(status)) refuse_it("is a folder, not a file");
+    if (!fs::is_regular_file(status)) refuse_it(fmt::format("is not a readable file: {}", name_of(status.type())));
+    if (read_visitor) read_visitor(path);
+}
+
+void on_file_read(void (*visit)(const fs::path&))
+{
+    read_visitor = visit;
+}
+
+fs::path file_in(const fs::path& folder, std::string_view name)
+{
+    const fs::path path = folder / name;
+    return path == "-" ? fs::path("./-") : path;
+}
+
+std::string_view without_byte_order_mark(std::string_view text)
+{
+    constexpr std::string_view mark = "\xef\xbb\xbf";
+    return text.starts_with(mark) ? text.substr(mark.size()) : text;
 }
 
 } // namespace oncollide

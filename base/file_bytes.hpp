@@ -2,11 +2,26 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace oncollide {
 
-/// A whole file. Private to scenes. Throws Error{no_input} when it is missing, a folder or unreadable, Error{bad_data}
-/// when it is empty or larger than `most` bytes.
+/// A whole file; "-" is all of standard input. Throws Error{no_input} when it is missing, unreadable or no file (a
+/// folder, pipe, socket or device: nothing is opened that could block), Error{bad_data} when it is empty or larger than
+/// `most` bytes.
 std::string read_file(const std::filesystem::path& path, std::uintmax_t most);
+
+/// Throws the Error{no_input} of read_file, for files that are read piece by piece.
+void check_readable(const std::filesystem::path& path);
+
+/// Calls `visit` with each file that is about to be read from now on, null: nobody. For a program that must not
+/// overwrite what it reads; set while nothing is read. What `visit` throws, if it is no Error, ends the reading.
+void on_file_read(void (*visit)(const std::filesystem::path&));
+
+/// The file that another file, in `folder`, calls `name`; never standard input.
+std::filesystem::path file_in(const std::filesystem::path& folder, std::string_view name);
+
+/// `text` without the byte-order mark that some editors put before UTF-8.
+std::string_view without_byte_order_mark(std::string_view text);
 
 } // namespace oncollide

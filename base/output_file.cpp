@@ -1,12 +1,15 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/output_file.hpp>
 
+#include <array>
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <random>
 #include <utility>
 
 #if __has_include(<unistd.h>)
+#include <sys/stat.h>
 #include <unistd.h>
 #endif
 
@@ -36,6 +39,23 @@ bool may_write([[maybe_unused]] const fs::path& path)
 #endif
 }
 
+/// Names of temporary files, for a handler of signals, which can use little else. Files beyond these are not removed by
+/// it.
+std::array<std::atomic<const char*>, 64> unfinished{};
+
+int enlist(const char* name)
+{
+    for (std::size_t slot = 0; slot < unfinished.size(); ++slot)
+        if (const char* free = nullptr; unfinished[slot].compare_exchange_strong(free, name))
+            return static_cast<int>(slot);
+    return -1;
+}
+
+void discharge(int& slot)
+{
+    if (slot >= 0) unfinished[static_cast<std::size_t>(std::exchange(slot, -1))] = nullptr;
+}
+
 std::FILE* open(const fs::path& path, const char* how)
 {
     return std::fopen(path.string().c_str(), how);
@@ -52,11 +72,17 @@ Target resolve(const fs::path& path)
     if (path.empty()) refuse("(no name)", "the file name is empty");
     std::error_code error;
     const fs::file_status status = fs::status(path, error);
+    if (status.type() == fs::file_type::none) refuse(path, error.message());
     if (fs::is_directory(status)) refuse(path, "it is a folder");
     if (fs::exists(status) && !may_write(path)) refuse(path, std::strerror(errno));
     if (fs::exists(status) && !fs::is_regular_file(status)) return {path, true};
-    fs::path target = fs::exists(status) ? fs::canonical(path, error) : path;
-    if (error && fs::exists(status)) refuse(path, error.message());
+    fs::path target = path;
+    if (fs::exists(status)) {
+        target = fs::canonical(path, error);
+        if (error) refuse(path, error.message());
+    }
+    while (fs::is_symlink(target, error)) // to what is not there yet; loops have been refused
+        target = target.parent_path() / fs::read_symlink(target, error);
     const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
     if (!fs::is_directory(folder, error)) refuse(path, fmt::format("there is no folder '{}'", folder.string()));
     return {target, false};
@@ -77,20 +103,57 @@ OutputFile::OutputFile(const fs::path& path) : path_(path)
         if (!file_) fail(errno);
         return;
     }
-    // A random number keeps two runs that write the same file apart; "x" never follows a link that waits there.
-    temporary_ = target.parent_path() / fmt::format(".{}.{}.part", target.filename().string(), std::random_device{}());
-    file_ = open(temporary_, create);
-    if (!file_) {
+    create_temporary();
+    take_over(target);
+}
+
+/// A random number keeps it apart from those of other runs, killed ones too; "x" never follows a link that waits there.
+void OutputFile::create_temporary()
+{
+    const std::string name = target_.filename().string().substr(0, 200); // file systems allow 255 bytes
+    std::random_device random;
+    for (int tries = 0; !file_ && tries < 100; ++tries) {
+        temporary_ = target_.parent_path() / fmt::format(".{}.{:08x}.part", name, random());
+        slot_ = enlist(temporary_.c_str());
+        file_ = open(temporary_, create);
+        if (file_) return;
         const int error = errno;
+        discharge(slot_);
         temporary_.clear();
-        fail(error);
+        if (error != EEXIST) fail(error);
     }
+    fail(EEXIST);
+}
+
+/// Owner first: changing it takes the bits that give the file's rights to those who run it.
+void OutputFile::take_over([[maybe_unused]] const fs::path& replaced)
+{
+#if __has_include(<unistd.h>)
+    struct stat old {};
+    if (::stat(replaced.c_str(), &old) != 0) return;
+    const int file = ::fileno(file_);
+    const bool owned = ::fchown(file, old.st_uid, old.st_gid) == 0;
+    [[maybe_unused]] const int ignored = ::fchmod(file, old.st_mode & (owned ? 07777 : 0777));
+#endif
 }
 
 OutputFile::~OutputFile()
 {
     if (file_ && file_ != stdout) std::fclose(file_);
     if (!temporary_.empty()) std::remove(temporary_.string().c_str());
+    discharge(slot_);
+}
+
+void remove_unfinished_files() noexcept
+{
+    for (const std::atomic<const char*>& name : unfinished)
+        if (const char* file = name.load()) {
+#if __has_include(<unistd.h>)
+            ::unlink(file);
+#else
+            std::remove(file);
+#endif
+        }
 }
 
 void OutputFile::flush()
@@ -109,6 +172,7 @@ void OutputFile::commit()
     if (std::fclose(std::exchange(file_, nullptr)) != 0) fail(errno);
     if (temporary_.empty()) return;
     if (std::rename(temporary_.string().c_str(), target_.string().c_str()) != 0) fail(errno);
+    discharge(slot_);
     temporary_.clear();
 }
 

@@ -12,6 +12,7 @@ namespace oncollide {
 
 /// A file that appears whole or not at all: written under a temporary name beside `path`, renamed by commit().
 /// "-" is standard output. Devices and pipes are written in place, and a symbolic link's target is what gets replaced.
+/// A file that is replaced keeps its permissions and, where the system allows it, its owner.
 class OutputFile {
 public:
     /// Throws Error{cannot_write}.
@@ -37,15 +38,22 @@ public:
     void commit();
 
 private:
+    void create_temporary();
+    void take_over(const std::filesystem::path& replaced);
     void flush();
     [[noreturn]] void fail(int error) const;
 
     std::filesystem::path path_;      ///< as the user named it, for errors
     std::filesystem::path target_;    ///< links resolved
     std::filesystem::path temporary_; ///< empty when written in place
+    int slot_ = -1;                   ///< among the unfinished files
     std::FILE* file_ = nullptr;
     fmt::memory_buffer buffer_;
 };
+
+/// Removes the temporary files of all OutputFiles. Only for handlers of signals that end the program: it may be called
+/// in these, and what is written afterwards is lost.
+void remove_unfinished_files() noexcept;
 
 /// Throws Error{cannot_write} with the reason if `path` could not be written now; leaves nothing behind. Call before
 /// long work. "-" is standard output.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <exception>
 #include <functional>
 
 namespace oncollide {
@@ -41,16 +42,23 @@ void parallel_chunks(std::size_t count, std::size_t grain, int threads,
     // Each task takes chunks until none is left, so a task that starts late, or never beside the others, delays
     // nothing.
     std::atomic<std::size_t> next{0};
+    std::atomic<bool> failed{false};
+    std::exception_ptr fault; // of the first that failed
     const auto take_chunks = [&](int task) noexcept {
         inside_a_loop = true;
-        for (;;) {
-            const std::size_t begin = next.fetch_add(grain, std::memory_order_relaxed);
-            if (begin >= count) break;
-            work(begin, std::min(count, begin + grain), task);
+        try {
+            while (!failed.load(std::memory_order_relaxed)) {
+                const std::size_t begin = next.fetch_add(grain, std::memory_order_relaxed);
+                if (begin >= count) break;
+                work(begin, std::min(count, begin + grain), task);
+            }
+        } catch (...) {
+            if (!failed.exchange(true)) fault = std::current_exception();
         }
         inside_a_loop = false;
     };
     current_executor().run(threads, std::ref(take_chunks)); // a reference, which needs no allocation
+    if (fault) std::rethrow_exception(fault);
 }
 
 } // namespace oncollide

@@ -3,6 +3,7 @@
 #include <oncollide/pipeline/report.hpp>
 
 #include <oncollide/base/output_file.hpp>
+#include <oncollide/base/printable.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -24,15 +25,13 @@ std::string_view colour(std::size_t stage)
 std::string escaped(std::string_view text)
 {
     std::string result;
-    for (char c : text) {
+    for (const char c : printable(text)) {
         if (c == '<')
             result += "&lt;";
         else if (c == '>')
             result += "&gt;";
         else if (c == '&')
             result += "&amp;";
-        else if (static_cast<unsigned char>(c) < 0x20)
-            result += ' '; // XML allows no control characters
         else
             result += c;
     }

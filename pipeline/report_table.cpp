@@ -1,5 +1,7 @@
 #include <oncollide/pipeline/report.hpp>
 
+#include <oncollide/base/printable.hpp>
+
 #include <algorithm>
 #include <ostream>
 
@@ -49,7 +51,7 @@ std::string bytes_text(std::size_t bytes)
 
 void Report::print_table(std::ostream& out) const
 {
-    std::string text = title() + "\n\n";
+    std::string text = printable(title()) + "\n\n";
     text += fmt::format("{:<13}{:<8}{:>11}{:>11}{:>11}{:>11}{:>11}   mean per frame\n", "stage", "counts", "in", "out",
                         "culled", "undecided", "ms");
     for (const StageStats& s : pipeline_.totals()) {

@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/base/file_bytes.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 
 namespace oncollide {
 
@@ -118,7 +119,7 @@ Mesh read_mesh(const Node& node, const std::string& name, const fs::path& folder
                               .centre = node.has("centre") && node["centre"].boolean()};
     if (node.has("file")) {
         const Node file = node["file"];
-        return at(file, [&] { return load_mesh(folder / file.text(), options); });
+        return at(file, [&] { return load_mesh(file_in(folder, file.text()), options); });
     }
     if (node.has("generate")) {
         const Node generator = node["generate"];
@@ -151,7 +152,7 @@ OccupancyMap read_map(const Node& node, const fs::path& folder)
 {
     const std::string_view source = node.one_of({"file", "building"});
     const Node value = node[source];
-    if (source == "file") return at(value, [&] { return load_octomap(folder / value.text()); });
+    if (source == "file") return at(value, [&] { return load_octomap(file_in(folder, value.text())); });
     value.only({"rooms", "resolution", "seed"});
     return at(value,
               [&] { return make_building_map(count(value, "rooms", 100), size(value, "resolution"), seed(value)); });

@@ -26,7 +26,8 @@ GeometryId add_geometry(Scene& scene, const std::string& name, const Json& entry
 /// without a recipe gets the entry of the file `map_file`, to be written by the caller.
 Json entry_of(const Geometry& geometry, const std::filesystem::path& folder, const std::string& map_file);
 
-/// Calls `work`, putting the node's place in front of what it throws. Wrong arguments are wrong data in a file.
+/// Calls `work`, putting the node's place in front of what it throws, unless that names a place in the node already.
+/// Wrong arguments are wrong data in a file.
 template <class Work>
 auto at(const Node& node, Work work)
 {
@@ -34,7 +35,8 @@ auto at(const Node& node, Work work)
         return work();
     } catch (const Error& error) {
         const ErrorKind kind = error.kind() == ErrorKind::usage ? ErrorKind::bad_data : error.kind();
-        throw Error(kind, node.place() + ": " + error.what());
+        const std::string place = node.place(), what = error.what();
+        throw Error(kind, what.starts_with(printable(place)) ? what : place + ": " + what);
     }
 }
 

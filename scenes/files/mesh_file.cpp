@@ -17,14 +17,27 @@ namespace {
 struct Format {
     const char* extension;
     RawMesh (*read)(const MeshSource&);
-    bool shares_vertices; ///< the file itself says which triangles share a vertex
+    bool weld; ///< the format repeats vertices for every triangle
 };
-constexpr Format formats[] = {{"obj", read_obj, true}, {"stl", read_stl, false},   {"ply", read_ply, true},
-                              {"off", read_off, true}, {"gltf", read_gltf, false}, {"glb", read_gltf, false}};
+constexpr Format formats[] = {{"obj", read_obj, false}, {"stl", read_stl, true},    {"ply", read_ply, false},
+                              {"off", read_off, false}, {"gltf", read_gltf, false}, {"glb", read_gltf, false}};
 
-const Format& format_of(const std::filesystem::path& path)
+/// Standard input has no extension, but what it begins with tells.
+std::string extension_of(std::string_view bytes)
 {
-    std::string extension = path.extension().string();
+    if (bytes.starts_with("glTF")) return ".glb";
+    if (is_binary_stl(bytes)) return ".stl";
+    bytes = without_byte_order_mark(bytes);
+    bytes.remove_prefix(std::min(bytes.find_first_not_of(" \t\r\n"), bytes.size()));
+    if (bytes.starts_with('{')) return ".gltf";
+    if (bytes.starts_with("ply")) return ".ply";
+    if (bytes.starts_with("solid")) return ".stl";
+    return bytes.substr(0, bytes.find_first_of(" \t\r\n")).ends_with("OFF") ? ".off" : ".obj";
+}
+
+const Format& format_of(const std::filesystem::path& path, std::string_view bytes)
+{
+    std::string extension = path == "-" ? extension_of(bytes) : path.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return std::tolower(c); });
     for (const Format& format : formats)
@@ -47,16 +60,16 @@ void check(const std::string& name, const MeshOptions& options)
 
 Mesh load_mesh(const std::filesystem::path& path, const MeshOptions& options)
 {
-    const std::string name = path.string();
+    const std::string name = path == "-" ? "standard input" : path.string();
     check(name, options);
     RawMesh raw;
     {
         const std::string bytes = read_file(path, std::uintmax_t(2) << 30);
-        const Format& format = format_of(path);
+        const Format& format = format_of(path, bytes);
         raw = format.read({name, bytes});
         if (raw.triangles.empty())
             throw Error(ErrorKind::bad_data, fmt::format("{}: the file holds no triangle", name));
-        if (!format.shares_vertices) weld(raw);
+        if (format.weld) weld(raw);
     }
     Mesh mesh = make_mesh(name, std::move(raw.vertices), std::move(raw.triangles));
     double scale = options.scale;

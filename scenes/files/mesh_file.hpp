@@ -14,15 +14,14 @@ struct MeshOptions {
     bool centre = false;     ///< move the bounding box's centre to the origin
 };
 
-/// Reads OBJ, STL (text and binary), PLY (text and binary), OFF (text), and, through Assimp, glTF and GLB. Coordinates
-/// are the file's own, in double: no digit of a text file is lost. Polygons are triangulated; zero-area triangles stay;
-/// points and lines are left out; all parts of the file, placed by its node tree, become one mesh. Vertices keep the
-/// file's order (OBJ, PLY, OFF); where the format repeats them for every triangle (STL, glTF), equal positions become
-/// one vertex. Throws Error{no_input} when the file is missing, unreadable or a folder; Error{bad_data} when it is
-/// empty, too large (over 2 GiB), truncated, malformed, of an unknown kind, or holds no triangle; Error{usage} for
-/// options out of range. Messages begin with the path and name the line of a text file. (A text file cut at the end of
-/// a line may be whole as far as its format tells: OBJ announces no counts.) Cost: reading the file; peak memory about
-/// ten times its size.
+/// Reads OBJ, STL (text and binary), PLY (text and binary), OFF (text), glTF and GLB. Coordinates are the file's own,
+/// in double: no digit of a text file is lost. Polygons are triangulated; zero-area triangles stay; points and lines
+/// are left out; all parts of the file, placed by its node tree, become one mesh. Vertices keep the file's order (OBJ,
+/// PLY, OFF); where the format repeats them for every triangle (STL, glTF), equal positions become one vertex. Throws
+/// Error{no_input} when the file is missing, unreadable or a folder; Error{bad_data} when it is empty, too large (over
+/// 2 GiB), truncated, malformed, of an unknown kind, or holds no triangle; Error{usage} for options out of range.
+/// Messages begin with the path and name the line of a text file. (A text file cut at the end of a line may be whole as
+/// far as its format tells: OBJ announces no counts.) Cost: reading the file; peak memory about ten times its size.
 Mesh load_mesh(const std::filesystem::path& path, const MeshOptions& options = {});
 
 /// The extensions that load_mesh knows, lower case, without the dot.

@@ -1,10 +1,10 @@
 #include <oncollide/scenes/files/mesh_source.hpp>
 
+#include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
-#include <unordered_map>
 
 #include <fmt/format.h>
 
@@ -16,15 +16,24 @@ namespace {
 
 constexpr std::string_view blank = " \t\r\v\f";
 
-struct HashPoint {
-    std::size_t operator()(const Eigen::Vector3d& p) const
-    {
-        std::uint64_t hash = 0;
-        for (int axis = 0; axis < 3; ++axis) // + 0.0: the two zeros are equal
-            hash = (hash ^ std::bit_cast<std::uint64_t>(p[axis] + 0.0)) * 0x9E3779B97F4A7C15u, hash ^= hash >> 29;
-        return hash;
-    }
-};
+constexpr std::uint32_t empty = 0xffffffffu;
+
+std::size_t hash_of(const Eigen::Vector3d& p)
+{
+    std::uint64_t hash = 0;
+    for (int axis = 0; axis < 3; ++axis) // + 0.0: the two zeros are equal
+        hash = (hash ^ std::bit_cast<std::uint64_t>(p[axis] + 0.0)) * 0x9E3779B97F4A7C15u, hash ^= hash >> 29;
+    return hash;
+}
+
+/// Where `point` is among the slots, or the empty one where it belongs.
+std::size_t slot_of(const Eigen::Vector3d& point, const std::vector<Eigen::Vector3d>& points,
+                    const std::vector<std::uint32_t>& slots)
+{
+    std::size_t at = hash_of(point) & (slots.size() - 1);
+    while (slots[at] != empty && points[slots[at]] != point) at = (at + 1) & (slots.size() - 1);
+    return at;
+}
 
 } // namespace
 
@@ -94,9 +103,7 @@ Eigen::Vector3d TextReader::point()
 
 std::string quoted(std::string_view word)
 {
-    std::string text;
-    for (const char c : word.substr(0, 40)) text += c >= ' ' && c <= '~' ? c : '?';
-    return fmt::format("'{}{}'", text, word.size() > 40 ? "..." : "");
+    return fmt::format("'{}{}'", printable(word.substr(0, 40)), word.size() > 40 ? "..." : "");
 }
 
 bool parse(std::string_view word, double& value)
@@ -138,18 +145,29 @@ std::vector<Triangle> PolygonList::triangulate(const MeshSource& source, std::sp
     return triangles;
 }
 
+std::uint32_t Welder::add(const Eigen::Vector3d& point)
+{
+    if (2 * (points_.size() + 1) > slots_.size()) grow();
+    std::uint32_t& slot = slots_[slot_of(point, points_, slots_)];
+    if (slot == empty) {
+        slot = static_cast<std::uint32_t>(points_.size());
+        points_.push_back(point);
+    }
+    return slot;
+}
+
+void Welder::grow()
+{
+    slots_.assign(std::max<std::size_t>(64, 2 * slots_.size()), empty);
+    for (std::uint32_t i = 0; i < points_.size(); ++i) slots_[slot_of(points_[i], points_, slots_)] = i;
+}
+
 void weld(RawMesh& mesh)
 {
-    std::unordered_map<Eigen::Vector3d, std::uint32_t, HashPoint> known;
-    std::vector<Eigen::Vector3d> vertices;
+    Welder weld;
     for (Triangle& t : mesh.triangles)
-        for (std::uint32_t& v : t) {
-            const auto [place, added] =
-                known.try_emplace(mesh.vertices[v], static_cast<std::uint32_t>(vertices.size()));
-            if (added) vertices.push_back(mesh.vertices[v]);
-            v = place->second;
-        }
-    mesh.vertices = std::move(vertices);
+        for (std::uint32_t& v : t) v = weld.add(mesh.vertices[v]);
+    mesh.vertices = weld.take();
 }
 
 } // namespace oncollide

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include <oncollide/base/file_bytes.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 
 namespace oncollide {
@@ -31,13 +32,18 @@ RawMesh read_obj(const MeshSource& source);
 RawMesh read_off(const MeshSource& source);
 RawMesh read_ply(const MeshSource& source);
 RawMesh read_stl(const MeshSource& source);
-/// glTF and GLB, by Assimp. Buffers in files of their own are found beside the file at source.name.
+bool is_binary_stl(std::string_view bytes);
+/// glTF and GLB: the triangles of the default scene (of all nodes where there is no scene), placed by its nodes and
+/// welded. Buffers in files of their own are found beside the file at source.name. Skins, animations, morph targets,
+/// points and lines are left out. Triangles, vertices and parts of meshes are at most as many as all files together
+/// have bytes, 200 million at the very most; but 10 million are always allowed.
 RawMesh read_gltf(const MeshSource& source);
 
-/// Cuts text into lines and lines into words; knows the line for messages. Lines end with LF or CR LF.
+/// Cuts text into lines and lines into words; knows the line for messages. Lines end with LF or CR LF. A byte-order
+/// mark is skipped.
 class TextReader {
 public:
-    explicit TextReader(const MeshSource& source) : source_(source), rest_(source.bytes) {}
+    explicit TextReader(const MeshSource& source) : source_(source), rest_(without_byte_order_mark(source.bytes)) {}
 
     /// Goes to the next line that has a word; `#` starts a comment, and a backslash at the end joins lines where
     /// `continued`. False at the end of the file.
@@ -89,6 +95,20 @@ private:
 constexpr std::size_t most_concave_corners = 4096;
 bool triangulate(std::span<const Eigen::Vector3d> vertices, std::span<const std::uint32_t> polygon,
                  std::vector<Triangle>& triangles);
+
+/// Gives points at equal positions one number, in order of first use. 32 to 48 bytes a point.
+class Welder {
+public:
+    std::uint32_t add(const Eigen::Vector3d& point);
+    std::size_t size() const { return points_.size(); }
+    std::vector<Eigen::Vector3d> take() { return std::move(points_); }
+
+private:
+    void grow();
+
+    std::vector<Eigen::Vector3d> points_;
+    std::vector<std::uint32_t> slots_; ///< a power of two of them, at most half in use
+};
 
 /// Vertices at equal positions become one, in order of first use; unused ones go.
 void weld(RawMesh& mesh);

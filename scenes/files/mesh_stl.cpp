@@ -89,12 +89,18 @@ RawMesh read_text(const MeshSource& source)
 
 } // namespace
 
+bool is_binary_stl(std::string_view bytes)
+{
+    return bytes.size() >= header_bytes && bytes.size() == header_bytes + facet_bytes * announced(bytes);
+}
+
 RawMesh read_stl(const MeshSource& source)
 {
     const std::string_view bytes = source.bytes;
-    const bool binary = bytes.size() >= header_bytes && bytes.size() == header_bytes + facet_bytes * announced(bytes);
-    const std::size_t start = bytes.find_first_not_of(" \t\r\n");
-    const bool text = start != bytes.npos && lower(bytes.substr(start, 5)) == "solid";
+    const bool binary = is_binary_stl(bytes);
+    const std::string_view words = without_byte_order_mark(bytes);
+    const std::size_t start = words.find_first_not_of(" \t\r\n");
+    const bool text = start != words.npos && lower(words.substr(start, 5)) == "solid";
     if (!binary && !text) {
         if (bytes.size() < header_bytes)
             source.fail(fmt::format("neither text ('solid ...') nor binary STL: {} bytes are too short", bytes.size()));

@@ -21,7 +21,10 @@ constexpr std::array<std::array<const char*, 2>, 8> type_names = {{{"char", "int
 /// Takes the header apart line by line; PLY's comments are statements, so TextReader's do not fit.
 class HeaderParser {
 public:
-    explicit HeaderParser(const MeshSource& source) : source_(source) {}
+    explicit HeaderParser(const MeshSource& source)
+        : source_(source), at_(source.bytes.size() - without_byte_order_mark(source.bytes).size())
+    {
+    }
 
     Header parse_header()
     {
@@ -124,7 +127,7 @@ private:
 
     const MeshSource& source_;
     std::string_view words_;
-    std::size_t at_ = 0, line_ = 0;
+    std::size_t at_, line_ = 0;
     Header header_;
 };
 

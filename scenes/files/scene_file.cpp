@@ -54,11 +54,12 @@ Keyed read_keys(const Node& node, std::vector<std::string>& warnings)
 {
     Keyed motion;
     motion.keys.reserve(node.size());
+    // Not row.place(), which counts the rows before it: each may need a warning.
+    const auto place = [&] { return fmt::format("{}[{}]", node.place(), motion.keys.size()); };
     for (const Node& row : node) {
         Eigen::Matrix<double, 8, 1> n;
         row.numbers(8, n.data());
-        motion.keys.push_back(
-            {n[0], n.segment<3>(1), quaternion_of([&] { return row.place(); }, n.segment<4>(4), warnings)});
+        motion.keys.push_back({n[0], n.segment<3>(1), quaternion_of(place, n.segment<4>(4), warnings)});
     }
     at(node, [&] { check_motion("motion", motion); });
     return motion;
@@ -72,7 +73,7 @@ Motion read_motion(const Node& node, const fs::path& folder, std::vector<std::st
     if (kind == "tum") {
         value.only({"file", "frames_per_second"});
         const double rate = value["frames_per_second"].number();
-        return at(value, [&] { return load_tum(folder / value["file"].text(), rate, warnings); });
+        return at(value, [&] { return load_tum(file_in(folder, value["file"].text()), rate, warnings); });
     }
     if (kind == "drift") {
         value.only({"velocity", "spin", "walls"});
@@ -199,13 +200,11 @@ Scene read_scene(SceneText& text, const fs::path& path)
 
 Scene load_scene(const fs::path& path)
 {
-    const std::string file = path.string();
+    const std::string file = path == "-" ? "standard input" : path.string();
     std::error_code ignored;
     if (fs::is_regular_file(path, ignored)) refuse_other_files(path);
     const std::string bytes = read_file(path, most_bytes);
-    constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
-    std::string_view json = bytes;
-    if (json.starts_with(byte_order_mark)) json.remove_prefix(byte_order_mark.size());
+    const std::string_view json = without_byte_order_mark(bytes);
     try {
         SceneText text(file, json);
         try {

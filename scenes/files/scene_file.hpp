@@ -6,6 +6,7 @@
 namespace oncollide {
 
 /// Reads a scene file (JSON; schema in docs/scene-format.md). Paths in it are relative to the file's own folder.
+/// "-" is standard input, whose folder is the current one.
 /// Throws Error{no_input} or Error{bad_data}; messages begin with the path and the place in it (`bodies[3].mesh`), and
 /// for an unknown key or name list the valid ones.
 Scene load_scene(const std::filesystem::path& path);

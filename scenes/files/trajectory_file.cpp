@@ -56,7 +56,7 @@ Keyed load_tum(const std::filesystem::path& path, double frames_per_second, std:
     Keyed motion;
     double first_time = 0;
     std::size_t line_number = 0;
-    for (std::string_view rest = text; !rest.empty();) {
+    for (std::string_view rest = without_byte_order_mark(text); !rest.empty();) {
         const std::size_t end = std::min(rest.find('\n'), rest.size());
         std::string_view line = rest.substr(0, end);
         rest.remove_prefix(std::min(end + 1, rest.size()));

@@ -8,9 +8,3 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
     load_bytes(format, {reinterpret_cast<const char*>(data), size});
     return 0;
 }
-
-/// Debian's Assimp leaks a little where it throws; what oncollide itself leaks is still found.
-extern "C" const char* __lsan_default_suppressions()
-{
-    return "leak:libassimp\n";
-}

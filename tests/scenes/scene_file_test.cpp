@@ -193,8 +193,8 @@ TEST_F(SceneFile, NamesThePlaceAndTheValidKeysForAnUnknownKey)
 
 TEST_F(SceneFile, KeepsAMessageOnOneLineWhateverAKeyHolds)
 {
-    refuses_body(ball + R"(, "two\nlines\u001b": 1)", "two?lines?: unknown key");
-    refuses(R"({"geometries": {"a\rb": {"shape": {"kind": "x"}}}, "bodies": []})", "geometries.a?b");
+    refuses_body(ball + R"(, "two\nlines\u001b": 1)", R"(two\x0alines\x1b: unknown key)");
+    refuses(R"({"geometries": {"a\rb": {"shape": {"kind": "x"}}}, "bodies": []})", R"(geometries.a\x0db)");
 }
 
 TEST_F(SceneFile, NamesWhatIsMissing)

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "run_command.hpp"
+#include "tools/run_command.hpp"
 
 namespace oncollide::test {
 

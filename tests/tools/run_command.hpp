@@ -53,6 +53,7 @@ struct Outcome {
 
 struct Surroundings {
     std::filesystem::path folder; ///< where it runs
+    std::string in = "/dev/null"; ///< file that is standard input
     std::string out = {};         ///< file that takes standard output instead of Outcome::out
     std::vector<std::pair<std::string, std::string>> environment = {};
     std::function<void(pid_t)> meanwhile = {}; ///< called while it runs
@@ -68,7 +69,7 @@ inline Outcome run_program(const std::string& program, std::vector<std::string> 
     const pid_t child = ::fork();
     if (child == 0) {
         for (const auto& [name, value] : around.environment) ::setenv(name.c_str(), value.c_str(), 1);
-        const int in_file = ::open("/dev/null", O_RDONLY);
+        const int in_file = ::open(around.in.c_str(), O_RDONLY);
         const int out_file = ::open(out.c_str(), O_WRONLY | O_CREAT, 0600);
         const int err_file = ::open(err.c_str(), O_WRONLY | O_CREAT, 0600);
         ::dup2(in_file, 0), ::dup2(out_file, 1), ::dup2(err_file, 2);

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/file_bytes.hpp>
 
 namespace oncollide::tools {
 namespace {
@@ -27,8 +28,10 @@ using FileBox = std::array<float, 8>; // min and max, each with a 0 behind it
 
 class Recording {
 public:
-    explicit Recording(const std::filesystem::path& path) : path_(path), in_(path, std::ios::binary)
+    explicit Recording(const std::filesystem::path& path) : path_(path)
     {
+        check_readable(path);
+        in_.open(path, std::ios::binary);
         std::error_code error;
         const std::uintmax_t size = std::filesystem::file_size(path, error);
         if (error || !in_) throw Error(ErrorKind::no_input, fmt::format("{}: cannot be read", path.string()));

@@ -10,6 +10,8 @@
 #include "bench/statistics.hpp"
 #include "cli/options.hpp"
 
+#include <oncollide/base/printable.hpp>
+
 // What the benchmarks share. Each runs FCL and oncollide on the same work in one program, turn about, and reports
 // ratios.
 namespace oncollide::tools {
@@ -118,7 +120,7 @@ std::string describe(const Settings& settings, const std::string& accuracy = {})
 template <class... Args>
 void say(fmt::format_string<Args...> format, Args&&... args)
 {
-    std::cout << fmt::format(format, std::forward<Args>(args)...);
+    std::cout << printable_lines(fmt::format(format, std::forward<Args>(args)...));
 }
 
 /// 1,234,567

@@ -123,8 +123,9 @@ private:
         const std::uint64_t usual = usual_frames(scene.boxes.size());
         const std::uint64_t frames = std::min(scene.last_frame, std::uint64_t(options_.frames.value_or(int(usual))));
         const auto statics = std::size_t(std::count(scene.is_static.begin(), scene.is_static.end(), 1));
-        say("\n{}, {} boxes ({} static), seed {}: frames {} to {}\n", scene.name, grouped(scene.boxes.size()),
-            grouped(statics), options_.seed, std::max<std::uint64_t>(2, frames / 3 + 1), frames);
+        say("\n{}, {} boxes ({} static), seed {}: frames {} to {}\n", printable(scene.name),
+            grouped(scene.boxes.size()), grouped(statics), options_.seed, std::max<std::uint64_t>(2, frames / 3 + 1),
+            frames);
         std::cout.flush();
         const RaceResult result = race(scene, contenders_.all, threads_, frames, frames / 3);
         print(scene, result);

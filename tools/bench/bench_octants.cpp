@@ -262,6 +262,7 @@ int bench_octants(const OctantsOptions& options)
         usage(fmt::format("--only {}: valid are speed, trees, misses", options.only));
     check_range("--repeats", options.repeats, 1, 1000);
     if (!(options.limit_s > 0)) usage(fmt::format("--limit {}: must be above 0 seconds", options.limit_s));
+    check_files({{"--csv", options.csv}});
     OctantBench(options).run();
     return 0;
 }

@@ -223,6 +223,7 @@ private:
 int bench_paper(const PaperOptions& options)
 {
     check_range("--frames", options.frames.value_or(12), 12);
+    check_files({{"--csv", options.csv}});
     check(Settings{.depth = options.depth, .viewport = options.viewport, .age_limit = options.age});
     PaperBench(options).run();
     return 0;

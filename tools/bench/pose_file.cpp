@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <limits>
 #include <sstream>
 
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/file_bytes.hpp>
 #include <oncollide/scenes/scene.hpp>
 
 namespace oncollide::tools {
@@ -17,19 +17,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::ifstream open(const fs::path& path)
+std::istringstream open(const fs::path& path)
 {
-    std::ifstream file(path);
-    if (!file || fs::is_directory(path))
-        throw Error(ErrorKind::no_input, fmt::format("{}: cannot be read", path.string()));
-    return file;
+    constexpr std::uintmax_t most = std::uintmax_t(1) << 30;
+    return std::istringstream(std::string(without_byte_order_mark(read_file(path, most))));
 }
 
 } // namespace
 
 std::vector<KnownPose> read_poses(const fs::path& path)
 {
-    std::ifstream file = open(path);
+    std::istringstream file = open(path);
     std::vector<KnownPose> poses;
     for (std::string line; std::getline(file, line);) {
         std::istringstream words(line);
@@ -58,7 +56,7 @@ std::vector<KnownPose> read_poses(const fs::path& path)
 
 void read_expected(const fs::path& path, std::vector<KnownPose>& poses)
 {
-    std::ifstream file = open(path);
+    std::istringstream file = open(path);
     std::size_t index, count = 0;
     for (std::uint64_t colliding, pairs; file >> index >> colliding >> pairs; ++count) {
         if (index >= poses.size())

@@ -23,7 +23,7 @@ void SceneReport::print_head() const
     say("scene      {}, {} bodies, {} geometries of {} triangles together; frames {} to {}, {} before them to warm "
         "up, least of {} {}\n"
         "settings   {}\n{}\n",
-        scene_.name, grouped(scene_.size()), scene_.geometries.size(), grouped(triangles), options_.warm_up,
+        printable(scene_.name), grouped(scene_.size()), scene_.geometries.size(), grouped(triangles), options_.warm_up,
         scene_.frames - 1, options_.warm_up, options_.repeats, options_.repeats == 1 ? "run" : "runs",
         describe(settings_), describe_program(runs_.backend));
 }

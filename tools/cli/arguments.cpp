@@ -1,6 +1,7 @@
 #include "cli/arguments.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cstdint>
 #include <iostream>
 #include <optional>
@@ -94,6 +95,15 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error)
     return fmt::format("{}{} {}", place, text, help);
 }
 
+/// CLI11 takes -1 for 2^64 - 1, and what is too large for the largest number.
+std::string not_natural(const std::string& text)
+{
+    std::uint64_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error == std::errc{} && end == text.data() + text.size()) return {};
+    return fmt::format("{} is no whole number from 0 to 2^64 - 1", text);
+}
+
 } // namespace
 
 Option Option::type_name(const std::string& name)
@@ -157,7 +167,10 @@ Arguments Arguments::add_command(const std::string& name, const std::string& sum
 template <class Value>
 Option Arguments::add_option(const std::string& names, Value& value, const std::string& help)
 {
-    return Option(app_->add_option(names, value, help));
+    CLI::Option* const option = app_->add_option(names, value, help);
+    if constexpr (std::is_same_v<Value, std::uint64_t> || std::is_same_v<Value, std::optional<std::uint64_t>>)
+        option->check(&not_natural);
+    return Option(option);
 }
 
 template Option Arguments::add_option(const std::string&, int&, const std::string&);

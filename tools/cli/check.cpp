@@ -13,6 +13,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/output_file.hpp>
+#include <oncollide/base/printable.hpp>
 #include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
@@ -71,7 +72,8 @@ Scene load_pair(const CheckOptions& options)
 
 std::string describe(const Scene& scene, const Settings& settings, const PairResult& pair)
 {
-    const std::string both = fmt::format("'{}' and '{}'", scene.label(BodyId{0}), scene.label(BodyId{1}));
+    const std::string both =
+        fmt::format("'{}' and '{}'", printable(scene.label(BodyId{0})), printable(scene.label(BodyId{1})));
     switch (pair.verdict) {
     case Verdict::separate:
         if (pair.kind == ContactKind::touching)
@@ -123,14 +125,15 @@ void write_contacts(const World& world, OutputFile& file)
 
 std::string describe_distance(const Scene& scene, const World& world, double tolerance)
 {
+    const std::string name_a = printable(scene.label(BodyId{0})), name_b = printable(scene.label(BodyId{1}));
     const Distance d = world.distance(BodyId{0}, BodyId{1}, tolerance);
     if (d.upper == 0)
-        return fmt::format("distance: 0, triangle {} of '{}' meets triangle {} of '{}'.", d.triangle_a,
-                           scene.label(BodyId{0}), d.triangle_b, scene.label(BodyId{1}));
+        return fmt::format("distance: 0, triangle {} of '{}' meets triangle {} of '{}'.", d.triangle_a, name_a,
+                           d.triangle_b, name_b);
     return fmt::format(
         "distance: from {:.12g} to {:.12g} m (certified), between triangle {} of '{}' and triangle {} of "
         "'{}'.",
-        d.lower, d.upper, d.triangle_a, scene.label(BodyId{0}), d.triangle_b, scene.label(BodyId{1}));
+        d.lower, d.upper, d.triangle_a, name_a, d.triangle_b, name_b);
 }
 
 int check_pair(const CheckOptions& options)
@@ -144,9 +147,7 @@ int check_pair(const CheckOptions& options)
     settings.contact_kinds = settings.exact == ExactLevel::predicates;
     // Both cull without a bound on the distance, and one pair needs neither.
     for (const char* stage : {"delimitation", "broad"}) settings.skip.push_back(stage);
-    OutputOptions outputs;
-    outputs.json = options.json;
-    for (const std::string& input : {options.a, options.b}) check_outputs(outputs, input);
+    check_files({{"--json", options.json}, {"--contacts", options.contacts}}, {options.a, options.b});
 
     std::optional<OutputFile> contacts;
     if (!options.contacts.empty()) contacts.emplace(options.contacts);
@@ -179,7 +180,7 @@ void add_check(Arguments app)
 {
     Arguments sub = app.add_command("check", "Check two files against each other, once");
     auto options = std::make_shared<CheckOptions>();
-    sub.add_option("A", options->a, "mesh (OBJ, STL, PLY, OFF, glTF) or OctoMap (.bt, .ot)")
+    sub.add_option("A", options->a, "mesh (OBJ, STL, PLY, OFF, glTF; '-': standard input) or OctoMap (.bt, .ot)")
         .required()
         .type_name("FILE");
     sub.add_option("B", options->b, "the other one; may be the same file").required().type_name("FILE");

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/printable.hpp>
 #include <oncollide/base/random.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
@@ -145,7 +146,7 @@ int demo(const DemoOptions& options)
                              "  results.json  settings, counts and every pair of every frame\n"
                              "  results.csv   the same pairs as a table\n"
                              "  trace.json    for https://ui.perfetto.dev or chrome://tracing\n",
-                             folder.string());
+                             printable(folder.string()));
     return code;
 }
 

@@ -13,6 +13,7 @@
 #include <oncollide/base/cpu_features.hpp>
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/parallel.hpp>
+#include <oncollide/base/printable.hpp>
 #include <oncollide/narrowphase/gl/gpu.hpp>
 
 namespace oncollide::tools {
@@ -20,7 +21,7 @@ namespace {
 
 void say(std::string_view topic, const std::string& text)
 {
-    std::cout << fmt::format("{:<14}{}\n", topic, text);
+    std::cout << fmt::format("{:<14}{}\n", topic, printable(text));
 }
 
 std::string instruction_sets()
@@ -101,10 +102,10 @@ int doctor(const std::string& data_option)
     say("threads", fmt::format("{} usable", hardware_threads()));
     say("data", data(data_option));
     say("libraries",
-        fmt::format("Eigen {}.{}.{}, FCL {}, Assimp {}, OctoMap {}, Qhull {}, fmt {}.{}.{}, JSON {}, CLI11 {}",
+        fmt::format("Eigen {}.{}.{}, FCL {}, OctoMap {}, Qhull {}, fmt {}.{}.{}, JSON {}, CLI11 {}",
                     EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION, ONCOLLIDE_FCL_VERSION,
-                    ONCOLLIDE_ASSIMP_VERSION, ONCOLLIDE_OCTOMAP_VERSION, ONCOLLIDE_QHULL_VERSION, FMT_VERSION / 10000,
-                    FMT_VERSION / 100 % 100, FMT_VERSION % 100, ONCOLLIDE_JSON_VERSION, ONCOLLIDE_CLI11_VERSION));
+                    ONCOLLIDE_OCTOMAP_VERSION, ONCOLLIDE_QHULL_VERSION, FMT_VERSION / 10000, FMT_VERSION / 100 % 100,
+                    FMT_VERSION % 100, ONCOLLIDE_JSON_VERSION, ONCOLLIDE_CLI11_VERSION));
     say("compiler", __VERSION__);
     say("self-test", fault.empty() ? "passed" : "FAILED: " + fault);
     return fault.empty() ? 0 : int(ErrorKind::internal);

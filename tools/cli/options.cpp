@@ -141,7 +141,7 @@ void add_catalogue_options(Arguments command, SceneOptions& o)
 
 bool is_scene_file(const std::string& text)
 {
-    if (text.find('/') != std::string::npos || text.ends_with(".json")) return true;
+    if (text.find('/') != std::string::npos || text.ends_with(".json") || text == "-") return true;
     std::error_code error;
     const bool exists = fs::is_regular_file(text, error);
     for (const CatalogueEntry& entry : catalogue())
@@ -187,7 +187,7 @@ void print_warnings(const Scene& scene)
 {
     constexpr std::size_t most = 10;
     for (std::size_t k = 0; k < std::min(scene.warnings.size(), most); ++k)
-        std::cerr << "oncollide: warning: " << scene.warnings[k] << "\n";
+        std::cerr << "oncollide: warning: " << printable(scene.warnings[k]) << "\n";
     if (scene.warnings.size() > most)
         std::cerr << fmt::format("oncollide: warning: and {} more of these\n", scene.warnings.size() - most);
 }

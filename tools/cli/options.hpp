@@ -49,8 +49,8 @@ void add_catalogue_options(Arguments command, SceneOptions& options); ///< bodie
 Scene open_scene(const SceneOptions& options);
 /// Makes a scene of the catalogue only.
 Scene make_catalogue_scene(const SceneOptions& options);
-/// True when `text` names a file rather than a scene of the catalogue: it holds a '/' or ends in .json, or is no known
-/// name but a file that exists. Throws Error{usage} when it could be both.
+/// True when `text` names a file rather than a scene of the catalogue: it is "-" (standard input), holds a '/' or ends
+/// in .json, or is no known name but a file that exists. Throws Error{usage} when it could be both.
 bool is_scene_file(const std::string& text);
 
 /// The data folder: `option` if given, else $ONCOLLIDE_DATA, else ../shared/data if it is there, else empty.

@@ -2,11 +2,16 @@
 
 #include <filesystem>
 #include <iostream>
+#include <map>
+#include <set>
 
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/file_bytes.hpp>
 #include <oncollide/base/output_file.hpp>
+
+#include "cli/system.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -16,11 +21,37 @@ namespace fs = std::filesystem;
 bool same_place(const std::string& a, const std::string& b)
 {
     if (a == "-" || b == "-") return a == b;
+    if (const std::string identity = file_identity(a); !identity.empty() && identity == file_identity(b)) return true;
     std::error_code error;
     return fs::weakly_canonical(fs::absolute(a), error) == fs::weakly_canonical(fs::absolute(b), error);
 }
 
+/// Of the whole program, which runs one command: what it has read, and what it will write, by identity.
+std::set<std::string> files_read;
+std::map<std::string, std::string> files_to_write; ///< with the option that names each
+
+void note_read(const fs::path& path)
+{
+    const std::string identity = file_identity(path.string());
+    files_read.insert(identity);
+    if (const auto found = files_to_write.find(identity); found != files_to_write.end())
+        throw OverwritesInput(fmt::format("{}: would overwrite the input {}", found->second, path.string()));
+}
+
+void note_output(const char* option, const std::string& file)
+{
+    const std::string identity = file_identity(file);
+    if (identity.empty() || file == "-") return;
+    if (files_read.contains(identity)) usage(fmt::format("{} {}: would overwrite an input", option, file));
+    files_to_write.emplace(identity, fmt::format("{} {}", option, file));
+}
+
 } // namespace
+
+void watch_files()
+{
+    on_file_read(&note_read);
+}
 
 void add_output_options(Arguments command, OutputOptions& o)
 {
@@ -50,12 +81,13 @@ void check_files(const std::vector<std::pair<const char*, std::string>>& files, 
         const auto& [option, file] = files[k];
         if (file.empty()) continue;
         for (const std::string& input : inputs)
-            if (!input.empty() && same_place(file, input))
+            if (!input.empty() && file != "-" && same_place(file, input))
                 usage(fmt::format("{} {}: would overwrite the input", option, file));
         for (std::size_t j = 0; j < k; ++j)
             if (!files[j].second.empty() && same_place(file, files[j].second) && !fs::is_character_file(file))
                 usage(fmt::format("{} and {} both go to '{}'", files[j].first, option, file));
         check_writable(file);
+        note_output(option, file);
     }
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,9 +23,19 @@ void check_outputs(const OutputOptions& options, const std::string& input);
 /// The stage table to standard output (standard error when results go there), then every file requested.
 void write_outputs(const Report& report, const OutputOptions& options);
 
+/// An output is also an input, which must not be lost; the message is that of an Error{usage}. No Error itself: readers
+/// say of those where in their file they happened, and make wrong data of them.
+struct OverwritesInput : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// To be called before anything is read.
+void watch_files();
+
 /// Finds out before any work that a file could not be written, or that two of them, or one and an input, are the same
 /// place. Files come with the option that names them; empty ones are not written. Throws Error{cannot_write} or
-/// Error{usage}.
+/// Error{usage}. Where files are watched, what was read before counts
+/// as an input, and whoever reads one of the files later, wherever it is named, throws OverwritesInput.
 void check_files(const std::vector<std::pair<const char*, std::string>>& files,
                  const std::vector<std::string>& inputs = {});
 

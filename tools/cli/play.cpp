@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/printable.hpp>
 
 #include "cli/progress.hpp"
 #include "cli/system.hpp"
@@ -17,7 +18,7 @@ int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, bool quie
     std::string note, lost;
     const auto say_note = [&] {
         const std::string now = pipeline.backend_note();
-        if (now != note) std::cerr << "oncollide: note: " << now << "\n";
+        if (now != note) std::cerr << "oncollide: note: " << printable(now) << "\n";
         note = now;
     };
     if (!quiet) say_note();

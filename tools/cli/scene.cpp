@@ -1,5 +1,6 @@
 #include "cli/command.hpp"
 #include "cli/options.hpp"
+#include "cli/outputs.hpp"
 
 #include <iostream>
 #include <memory>
@@ -7,7 +8,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/printable.hpp>
 #include <oncollide/scenes/catalogue/catalogue.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
 
@@ -35,11 +36,11 @@ int write_scene(const WriteOptions& options)
     if (options.scene.scene.empty()) usage("scene: give a NAME, or --list to see the names");
     if (options.out.empty() || options.out == "-")
         usage("scene: --out FILE.json is needed; a scene may bring mesh files that stand beside it");
-    check_writable(options.out);
+    check_files({{"--out", options.out}});
     const Scene scene = make_catalogue_scene(options.scene);
     print_warnings(scene);
     save_scene(scene, options.out);
-    std::cout << fmt::format("{}: {} bodies, {} geometries, {} frames\n", options.out, scene.size(),
+    std::cout << fmt::format("{}: {} bodies, {} geometries, {} frames\n", printable(options.out), scene.size(),
                              scene.geometries.size(), scene.frames);
     return 0;
 }

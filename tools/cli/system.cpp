@@ -1,20 +1,32 @@
 #include "cli/system.hpp"
 
 #include <csignal>
+#include <filesystem>
 #include <fstream>
 
+#include <fmt/format.h>
+
+#include <oncollide/base/output_file.hpp>
+
 #ifdef __linux__
+#include <fcntl.h>
 #include <malloc.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #endif
 
 namespace oncollide::tools {
 namespace {
 
-volatile std::sig_atomic_t stop = 0;
+volatile std::sig_atomic_t catching = 0, stop = 0;
 
 } // namespace
+
+void catch_interrupts()
+{
+    catching = 1;
+}
 
 bool interrupted()
 {
@@ -23,20 +35,41 @@ bool interrupted()
 
 #ifdef __linux__
 
+std::string file_identity(const std::string& path)
+{
+    struct stat status {};
+    return ::stat(path.c_str(), &status) == 0 ? fmt::format("{}:{}", status.st_dev, status.st_ino) : "";
+}
+
 bool stderr_is_terminal()
 {
     return ::isatty(STDERR_FILENO);
 }
 
-void catch_interrupts()
+void prepare_process()
 {
-    for (int signal : {SIGINT, SIGTERM}) {
+    // The lowest number that is free is taken first.
+    for (int file = ::open("/dev/null", O_RDWR); file >= 0; file = ::open("/dev/null", O_RDWR))
+        if (file > STDERR_FILENO) {
+            ::close(file);
+            break;
+        }
+    std::signal(SIGXFSZ, SIG_IGN);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGQUIT, SIGXCPU}) {
         struct sigaction old {};
         sigaction(signal, nullptr, &old);
         if (old.sa_handler == SIG_IGN) continue;
         struct sigaction action {};
-        action.sa_handler = [](int) { stop = 1; };
-        action.sa_flags = int(SA_RESETHAND) | SA_RESTART;
+        action.sa_handler = [](int number) {
+            if (catching && !stop && (number == SIGINT || number == SIGTERM)) {
+                stop = 1;
+                return;
+            }
+            remove_unfinished_files();
+            std::signal(number, SIG_DFL);
+            std::raise(number); // when this returns
+        };
+        action.sa_flags = SA_RESTART;
         sigaction(signal, &action, nullptr);
     }
 }
@@ -72,15 +105,29 @@ void trim_memory()
 
 #else
 
+std::string file_identity(const std::string& path)
+{
+    std::error_code error;
+    return std::filesystem::canonical(path, error).string();
+}
+
 bool stderr_is_terminal()
 {
     return false;
 }
 
-void catch_interrupts()
+void prepare_process()
 {
     // The default action comes back by itself when the handler is called.
-    for (int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stop = 1; });
+    for (int signal : {SIGINT, SIGTERM})
+        std::signal(signal, [](int number) {
+            if (catching) {
+                stop = 1;
+                return;
+            }
+            remove_unfinished_files();
+            std::raise(number);
+        });
 }
 
 std::string processor_name()

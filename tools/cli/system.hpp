@@ -5,10 +5,17 @@
 // What only the operating system can say or do. Systems other than Linux have less of it; nothing depends on it.
 namespace oncollide::tools {
 
+/// Says which file that is, whatever name or link leads to it; empty: there is none.
+std::string file_identity(const std::string& path);
+
 /// Does somebody see what goes to standard error?
 bool stderr_is_terminal();
-/// Makes Ctrl-C and SIGTERM set interrupted(); a second one ends the program at once. Signals that the parent wants to
-/// be ignored (nohup, background jobs) stay so.
+/// To be called first. Standard input, output and error are open afterwards, on /dev/null where they were closed: else
+/// the next file opened would be one of them. Signals that end the program remove unfinished files before. A file that
+/// outgrows its limit (ulimit -f) is an error of writing, no signal. What the parent wants to be ignored (nohup,
+/// background jobs) stays so.
+void prepare_process();
+/// From now on the first Ctrl-C or SIGTERM only sets interrupted(); a second one ends the program.
 void catch_interrupts();
 bool interrupted();
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/file_bytes.hpp>
 
 #include "hard/body_case.hpp"
 
@@ -32,6 +33,7 @@ Vector3d point_of(const std::string& line, const std::string& where)
 void read_queries(const std::filesystem::path& path, const std::string& family, bool edges,
                   std::vector<BodyCase>& cases)
 {
+    check_readable(path);
     std::ifstream file(path);
     if (!file) throw Error(ErrorKind::no_input, fmt::format("{}: cannot be read", path.string()));
     std::string line;

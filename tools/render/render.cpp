@@ -12,6 +12,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/parallel.hpp>
+#include <oncollide/base/printable.hpp>
 
 namespace oncollide::tools {
 namespace {
@@ -91,7 +92,7 @@ int render(const RenderOptions& options)
         save_png(draw(painter, panels.pictures, view.camera(framing), plan), image.file);
         if (!options.quiet)
             (image.file == "-" ? std::cerr : std::cout)
-                << fmt::format("{}: {} spheres, {} of them red{}\n", image.file, panels.spheres, panels.red,
+                << fmt::format("{}: {} spheres, {} of them red{}\n", printable(image.file), panels.spheres, panels.red,
                                panels.meeting ? fmt::format("; {} triangles that meet", panels.meeting) : "");
     });
     return 0;

@@ -14,6 +14,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/output_file.hpp>
+#include <oncollide/base/printable.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 
 namespace oncollide::tools {
@@ -90,8 +91,8 @@ void print_table(const Judged& judged, const GrownTree& tree, const ObbTree& box
         "over-reach worst, mean, certified: the farthest that a point of a sphere or box is from the surface, m\n"
         "           worst out, mean out: of its points outside a closed mesh, in thousandths of the longest side\n"
         "volume     of all spheres or boxes, over that of the root cell\n",
-        options.mesh, judged.mesh.triangles.size(), judged.closed ? "closed" : "open", judged.side, tree.depth(),
-        tree.tree().size(), tree.bytes(), boxes.nodes(), boxes.bytes());
+        printable(options.mesh), judged.mesh.triangles.size(), judged.closed ? "closed" : "open", judged.side,
+        tree.depth(), tree.tree().size(), tree.bytes(), boxes.nodes(), boxes.bytes());
     const RootCell& root = tree.tree().root();
     const double cell = 8.0 * root.half[0] * root.half[1] * root.half[2];
     const auto out = [&](double length) {
@@ -179,7 +180,8 @@ void write_json(const std::string& path, const SpheresOptions& options, const Ju
                                    {"closed", judged.closed},
                                    {"longest_side", judged.side}};
     OutputFile file(path);
-    file.print("{{\"header\": {}, \"levels\": [", header.dump());
+    file.print("{{\"header\": {}, \"levels\": [",
+               header.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
     for (const Row& row : judged.rows)
         file.print("{}\n  {}", &row == &judged.rows.front() ? "" : ",", as_json(row, judged).dump());
     file.print("\n], \"columns\": {}, \"rows\": [", nlohmann::json(columns(kind, judged.closed)).dump());

@@ -211,7 +211,7 @@ int accuracy(const AccuracyOptions& options)
     }
     say("scene      {}{}; FCL judges every {}frame, {} bounds per frame and variant against its distances\n"
         "settings   {}\n{}\n",
-        name, options.count > 1 ? fmt::format(", {} seeds", options.count) : "",
+        printable(name), options.count > 1 ? fmt::format(", {} seeds", options.count) : "",
         options.every > 1 ? fmt::format("{}. ", options.every) : "", options.samples,
         describe(settings_from(options.settings), "depths " + options.depths), describe_program(backend));
     print_table(variants);

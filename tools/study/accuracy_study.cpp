@@ -152,8 +152,8 @@ int accuracy_study(const StudyOptions& o)
         "distances;\n"
         "           FCL where a shape or a map takes part\n"
         "settings   {}\n{}",
-        study.title, study.frames, study.warm_up, o.repeats, o.repeats == 1 ? "run" : "runs", names_of(study.peers),
-        describe(variants.front().settings, "the dial as each variant says"),
+        printable(study.title), study.frames, study.warm_up, o.repeats, o.repeats == 1 ? "run" : "runs",
+        names_of(study.peers), describe(variants.front().settings, "the dial as each variant says"),
         describe_program(study.rows.front().backend));
     say("{}{} bodies of {} triangles, {:.3g} m in the median; {} collisions in all frames\n\n", about,
         grouped(study.bodies), grouped(study.triangles), study.size, grouped(study.colliding));

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 
+#include <oncollide/base/printable.hpp>
+
 namespace oncollide::tools {
 
 std::string escaped(std::string_view text)
 {
     std::string result;
-    for (char c : text) {
+    for (const char c : printable(text)) { // XML allows no control characters
         switch (c) {
         case '<':
             result += "&lt;";
@@ -22,7 +24,7 @@ std::string escaped(std::string_view text)
             result += "&quot;";
             break;
         default:
-            result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+            result += c;
         }
     }
     return result;

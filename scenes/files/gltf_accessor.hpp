@@ -1,0 +1,41 @@
+#pragma once
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include <oncollide/scenes/files/gltf_buffers.hpp>
+
+namespace oncollide {
+
+/// Numbers of one type that lie at equal steps in a buffer.
+struct GltfColumn {
+    const char* data = nullptr;
+    std::size_t step = 0;
+    int type = 0; ///< glTF's componentType
+
+    const char* at(std::size_t i) const { return data + i * step; }
+};
+
+/// The elements of an accessor, read where they lie; some may be replaced (sparse accessors). Private to scenes.
+class GltfAccessor {
+public:
+    /// Of corners: whole numbers. Of vertices: points. Throw Error{bad_data} unless all elements lie in their buffers.
+    static GltfAccessor of_corners(const GltfDocument& document, GltfBuffers& buffers, const Node& number);
+    static GltfAccessor of_positions(const GltfDocument& document, GltfBuffers& buffers, const Node& number);
+
+    std::size_t size() const { return size_; }
+    std::size_t replaced() const { return replaced_; } ///< elements of the sparse part
+    std::uint32_t corner(std::size_t i) const;         ///< i < size()
+    Eigen::Vector3d position(std::size_t i) const;
+
+private:
+    void read(const GltfDocument& document, GltfBuffers& buffers, const Node& accessor, std::size_t numbers);
+    void read_sparse(GltfBuffers& buffers, const Node& sparse, std::size_t numbers);
+    const char* element(std::size_t i) const; ///< null: zeros
+
+    GltfColumn elements_, places_, values_; ///< places_ ascend
+    std::size_t size_ = 0, replaced_ = 0;
+    bool normalized_ = false;
+};
+
+} // namespace oncollide
