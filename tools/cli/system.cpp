@@ -41,6 +41,15 @@ void catch_interrupts()
     }
 }
 
+void release_interrupts()
+{
+    for (int signal : {SIGINT, SIGTERM}) {
+        struct sigaction old {};
+        sigaction(signal, nullptr, &old);
+        if (old.sa_handler != SIG_IGN) std::signal(signal, SIG_DFL);
+    }
+}
+
 std::string processor_name()
 {
     std::ifstream file("/proc/cpuinfo");
@@ -81,6 +90,11 @@ void catch_interrupts()
 {
     // The default action comes back by itself when the handler is called.
     for (int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stop = 1; });
+}
+
+void release_interrupts()
+{
+    for (int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
 }
 
 std::string processor_name()

@@ -11,6 +11,8 @@ bool stderr_is_terminal();
 /// be ignored (nohup, background jobs) stay so.
 void catch_interrupts();
 bool interrupted();
+/// They end the program at once again: nothing waits for interrupted() any more.
+void release_interrupts();
 
 /// The processor's name, or "unknown".
 std::string processor_name();
