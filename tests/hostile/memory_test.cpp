@@ -108,5 +108,35 @@ TEST_F(HostileMemory, ABodyThatLeavesTheWorldEndsTheRunWithTheFramesBeforeIt)
     EXPECT_GT(folder_.read("r.csv").size(), 100u);
 }
 
+TEST_F(HostileMemory, AShortFileOfManyGeometriesIsRefused)
+{
+    const auto scene = [&](const std::string& geometry, int count) {
+        std::string text = R"({"geometries": {)";
+        for (int i = 0; i < count; ++i) text += fmt::format("{}\"g{}\": {}", i ? ", " : "", i, geometry);
+        folder_.write("many.json", text + R"(}, "bodies": [{"geometry": "g0"}]})");
+        return "many.json";
+    };
+    write_cube("cube.off");
+    fits(60, {"run", scene(R"({"mesh": {"file": "cube.off"}})", 1000), "--quiet"});
+    const std::vector<std::string> words{"too much for one scene", "10000000 cells", "20000000 triangles"};
+    // 1.3 MB, which would be 8.7 GB.
+    expect_error(65, {"run", scene(R"({"octomap": {"building": {"rooms": 2, "resolution": 0.25}}})", 16'000)}, words);
+    expect_error(65,
+                 {"run", scene(R"({"mesh": {"generate": {"kind": "sphere", "radius": 1, "triangles": 500000}}})", 50)},
+                 words);
+    std::string large = "OFF\n300 2000000 0\n";
+    for (int i = 0; i < 300; ++i) large += fmt::format("{} {} 0\n", i, i % 7);
+    for (int i = 0; i < 2'000'000; ++i) large += "3 0 1 2\n";
+    folder_.write("large.off", large);
+    expect_error(65, {"run", scene(R"({"mesh": {"file": "large.off"}})", 20)}, words);
+}
+
+TEST_F(HostileMemory, AMapOfTooManyNodesIsRefused)
+{
+    folder_.write("map.bt", "# Octomap OcTree binary file\nid OcTree\nsize 20000001\nres 0.1\ndata\n");
+    write_cube("cube.off");
+    expect_error(65, {"check", "map.bt", "cube.off"}, {"20000001 nodes", "at most 20000000"});
+}
+
 } // namespace
 } // namespace oncollide::test
