@@ -1,4 +1,6 @@
 // The stages that narrow pairs down: ocst, exact.
+#include <algorithm>
+
 #include <oncollide/pipeline/refine/narrowing.hpp>
 #include <oncollide/pipeline/stage.hpp>
 
@@ -21,7 +23,12 @@ public:
     {
     }
 
-    void clear() { tasks_.clear(), refined_.clear(); }
+    /// Forgets what was added, and makes room for so many.
+    void clear(std::size_t room)
+    {
+        tasks_.clear(), refined_.clear();
+        tasks_.reserve(room), refined_.reserve(room);
+    }
     void add(const Bodies& bodies, const PairResult& result, std::uint32_t number)
     {
         const std::uint32_t a = result.a.slot, b = result.b.slot;
@@ -64,7 +71,7 @@ public:
     void run(Bodies& bodies, Frame& frame, StageStats& stats) override
     {
         begin(bodies, frame);
-        level_.clear();
+        level_.clear(frame.results.size());
         for (std::uint32_t i = 0; i < frame.results.size(); ++i) level_.add(bodies, frame.results[i], i);
         level_.run(frame, stats);
         for (const Round& round : frame.context.rounds) stats.gpu_ms += round.gpu_ms, stats.wait_ms += round.wait_ms;
@@ -80,7 +87,7 @@ private:
     static void begin(const Bodies& bodies, Frame& frame)
     {
         if (frame.settings.coherence) frame.cache.begin_frame(frame.pairs, frame.fresh);
-        frame.results.clear();
+        frame.results.clear(), frame.results.reserve(frame.pairs.size());
         for (const BodyPair pair : frame.pairs) frame.results.push_back(undecided(bodies, pair));
     }
 
@@ -102,7 +109,8 @@ public:
 
     void run(Bodies& bodies, Frame& frame, StageStats& stats) override
     {
-        level_.clear();
+        const auto open = [](const PairResult& result) { return is_open(result.verdict); };
+        level_.clear(static_cast<std::size_t>(std::ranges::count_if(frame.results, open)));
         for (std::uint32_t i = 0; i < frame.results.size(); ++i)
             if (is_open(frame.results[i].verdict)) level_.add(bodies, frame.results[i], i);
         level_.run(frame, stats);

@@ -1,5 +1,6 @@
-#include <oncollide/pipeline/report.hpp>
+#include <oncollide/pipeline/report_kept.hpp>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/parallel.hpp>
 
@@ -67,33 +68,65 @@ std::string settings_json(const Settings& s)
         s.age_limit, s.node_budget, s.memory_budget, s.coherence);
 }
 
+void refuse_unless(bool kept, std::string_view what)
+{
+    if (!kept) throw Error(ErrorKind::usage, fmt::format("report: {} was not among the parts to keep", what));
+}
+
+void copy(const Spool& from, OutputFile& to)
+{
+    from.read([&](std::string_view piece) { to.write(piece); });
+}
+
 } // namespace
 
-Report::Report(const Scene& scene, const Pipeline& pipeline, bool separate)
-    : scene_(scene), pipeline_(pipeline), separate_(separate)
+Report::Report(const Scene& scene, const Pipeline& pipeline, const ReportParts& parts)
+    : scene_(scene), pipeline_(pipeline), separate_(parts.separate), kept_(std::make_unique<Kept>())
 {
+    if (parts.json) kept_->json.emplace(Kept::Part{Spool(parts.folder), quote_all(scene, json_string)});
+    if (parts.csv) kept_->csv.emplace(Kept::Part{Spool(parts.folder), quote_all(scene, csv_field)});
+    if (parts.trace) kept_->trace.emplace(parts.folder);
+    look_at_pipeline();
 }
+
+Report::~Report() = default;
 
 void Report::add(const FrameView& frame)
 {
-    FrameRow row{.frame = frame.frame,
-                 .ms = frame.ms,
-                 .hash = frame.hash,
-                 .first_pair = rows_.size(),
-                 .pairs = 0,
-                 .verdicts = {},
-                 .trees = frame.trees,
-                 .first_stage = stage_ms_.size(),
-                 .first_round = rounds_.size()};
-    rounds_.insert(rounds_.end(), frame.rounds.begin(), frame.rounds.end());
+    Verdicts verdicts{};
     for (const PairResult& pair : frame.pairs) {
-        ++row.verdicts[int(pair.verdict)], ++kinds_[int(pair.kind)];
-        if (pair.verdict == Verdict::separate && !separate_) continue;
-        rows_.push_back({index(pair.a), index(pair.b), pair.verdict, pair.stage, pair.kind, pair.bound});
-        ++row.pairs;
+        ++verdicts[int(pair.verdict)], ++kinds_[int(pair.kind)];
+        pairs_ += keeps(pair);
     }
-    for (const StageStats& stage : frame.stages) stage_ms_.push_back(stage.cpu_ms);
-    stage_ms_.resize(row.first_stage + pipeline_.stages().size());
+    for (std::size_t k = 0; k < verdicts.size(); ++k) verdicts_[k] += verdicts[k];
+    if (kept_->json) add_json(frame, verdicts);
+    if (kept_->csv) add_csv(frame);
+    if (kept_->trace) add_trace(frame, verdicts);
+    add_sums(frame);
+    look_at_pipeline();
+}
+
+void Report::look_at_pipeline()
+{
+    totals_.assign(pipeline_.totals().begin(), pipeline_.totals().end());
+    hash_ = pipeline_.hash();
+    backend_ = pipeline_.backend(), renderer_ = pipeline_.renderer(), backend_note_ = pipeline_.backend_note();
+}
+
+void Report::add_sums(const FrameView& frame)
+{
+    ++frames_;
+    ms_ += frame.ms, slowest_ms_ = std::max(slowest_ms_, frame.ms);
+    const TreeStats& trees = frame.trees;
+    trees_.rounds += trees.rounds, trees_.rows += trees.rows;
+    trees_.node_pairs += trees.node_pairs, trees_.triangle_pairs += trees.triangle_pairs;
+    trees_.unsure_pairs += trees.unsure_pairs;
+    trees_.collapsed += trees.collapsed, trees_.refused += trees.refused;
+    trees_.queries += trees.queries, trees_.gpu_bytes += trees.gpu_bytes;
+    trees_.repeats += trees.repeats;
+    trees_.nodes = trees.nodes, trees_.bytes = trees.bytes;
+    peak_nodes_ = std::max(peak_nodes_, trees.nodes), peak_bytes_ = std::max(peak_bytes_, trees.bytes);
+    kept_->stage_times.add(frame.stages, pipeline_.stages().size());
     delimitation_.resize(std::max(delimitation_.size(), frame.delimitation.size()));
     for (std::size_t level = 0; level < frame.delimitation.size(); ++level) {
         delimitation_[level].regions += frame.delimitation[level].regions;
@@ -102,15 +135,6 @@ void Report::add(const FrameView& frame)
         delimitation_[level].volume_rejected += frame.delimitation[level].volume_rejected;
         delimitation_[level].ms += frame.delimitation[level].ms;
     }
-    frames_.push_back(row);
-}
-
-std::array<std::uint64_t, 4> Report::verdicts() const
-{
-    std::array<std::uint64_t, 4> sum{};
-    for (const FrameRow& frame : frames_)
-        for (int k = 0; k < 4; ++k) sum[k] += frame.verdicts[k];
-    return sum;
 }
 
 int Report::threads() const
@@ -121,62 +145,48 @@ int Report::threads() const
 std::string Report::title() const
 {
     return fmt::format("{}: {} bodies, {} frame{}{}; {}, {} thread{}", scene_.name.empty() ? "scene" : scene_.name,
-                       scene_.size(), frames_.size(), frames_.size() == 1 ? "" : "s",
-                       interrupted_ ? " (interrupted)" : "", pipeline_.backend(), threads(), threads() == 1 ? "" : "s");
+                       scene_.size(), frames_, frames_ == 1 ? "" : "s", interrupted_ ? " (interrupted)" : "", backend_,
+                       threads(), threads() == 1 ? "" : "s");
 }
 
 void Report::write_json(const std::filesystem::path& path) const
 {
+    refuse_unless(kept_->json.has_value(), "JSON");
     OutputFile file(path);
     file.print("{{\n\"header\": ");
     print_header(file);
     file.print(",\n\"stages\": [");
     print_stages(file);
     file.print("],\n\"frames\": [");
-    print_frames(file);
+    copy(kept_->json->text, file);
     file.print("]\n}}\n");
     file.commit();
 }
 
 void Report::print_header(OutputFile& file) const
 {
-    TreeStats trees;
-    std::size_t peak_nodes = 0, peak_bytes = 0;
-    for (const FrameRow& frame : frames_) {
-        trees.rounds += frame.trees.rounds, trees.rows += frame.trees.rows;
-        trees.node_pairs += frame.trees.node_pairs, trees.triangle_pairs += frame.trees.triangle_pairs;
-        trees.unsure_pairs += frame.trees.unsure_pairs;
-        trees.collapsed += frame.trees.collapsed, trees.refused += frame.trees.refused;
-        trees.queries += frame.trees.queries, trees.gpu_bytes += frame.trees.gpu_bytes;
-        trees.repeats += frame.trees.repeats;
-        trees.nodes = frame.trees.nodes, trees.bytes = frame.trees.bytes;
-        peak_nodes = std::max<std::size_t>(peak_nodes, frame.trees.nodes);
-        peak_bytes = std::max(peak_bytes, frame.trees.bytes);
-    }
     file.print("{{\"version\": \"{}\", \"scene\": {}, \"bodies\": {},\n  \"settings\": {},\n", version,
                json_string(scene_.name), scene_.size(), settings_json(pipeline_.settings()));
-    const std::string note = pipeline_.backend_note();
     file.print("  \"threads\": {}, \"backend\": {}, \"backend_note\": {}, \"renderer\": {}, \"hash\": \"{:016x}\", "
                "\"interrupted\": {}, "
                "\"frames\": {},\n",
-               threads(), json_string(pipeline_.backend()), note.empty() ? "null" : json_string(note),
-               pipeline_.renderer().empty() ? "null" : json_string(pipeline_.renderer()), pipeline_.hash(),
-               interrupted_, frames_.size());
+               threads(), json_string(backend_), backend_note_.empty() ? "null" : json_string(backend_note_),
+               renderer_.empty() ? "null" : json_string(renderer_), hash_, interrupted_, frames_);
     file.print("  \"verdicts\": {}, \"kinds\": {},\n", counts_json(verdict_order, verdicts()),
                counts_json(kind_order, kinds()));
     file.print("  \"trees\": {{\"rounds\": {}, \"rows\": {}, \"node_pairs\": {}, \"triangle_pairs\": {}, "
                "\"unsure_pairs\": {}, \"collapsed\": {}, \"refused\": {}, "
                "\"queries\": {}, \"gpu_bytes\": {}, "
                "\"repeats\": {}, \"nodes\": {}, \"bytes\": {}, \"peak_nodes\": {}, \"peak_bytes\": {}}}}}",
-               trees.rounds, trees.rows, trees.node_pairs, trees.triangle_pairs, trees.unsure_pairs, trees.collapsed,
-               trees.refused, trees.queries, trees.gpu_bytes, trees.repeats, trees.nodes, trees.bytes, peak_nodes,
-               peak_bytes);
+               trees_.rounds, trees_.rows, trees_.node_pairs, trees_.triangle_pairs, trees_.unsure_pairs,
+               trees_.collapsed, trees_.refused, trees_.queries, trees_.gpu_bytes, trees_.repeats, trees_.nodes,
+               trees_.bytes, peak_nodes_, peak_bytes_);
 }
 
 void Report::print_stages(OutputFile& file) const
 {
     const char* comma = "";
-    for (const StageStats& s : pipeline_.totals()) {
+    for (const StageStats& s : totals_) {
         file.print("{}\n  {{\"stage\": {}, \"unit\": {}, \"frames\": {}, \"in\": {}, \"out\": {}, \"culled\": {}, "
                    "\"undecided\": {}, \"cpu_ms\": {:.4f}, \"gpu_ms\": {:.4f}, \"wait_ms\": {:.4f}, \"skipped\": {}, "
                    "\"note\": {}}}",
@@ -190,46 +200,86 @@ void Report::print_stages(OutputFile& file) const
         file.print("{}\n  {{\"level\": {}, \"regions\": {}, \"regions_rejected\": {}, \"bodies_rejected\": {}, "
                    "\"volume_rejected\": {}, \"ms\": {:.4f}}}",
                    std::exchange(comma, ","), level, d.regions, d.regions_rejected, d.bodies_rejected,
-                   number(d.volume_rejected / double(frames_.size())), d.ms);
+                   number(d.volume_rejected / double(frames_)), d.ms);
     }
 }
 
-void Report::print_frames(OutputFile& file) const
+void Report::add_json(const FrameView& f, const Verdicts& verdicts)
 {
-    const std::vector<std::string> names = quote_all(scene_, json_string);
+    auto& [file, names] = *kept_->json;
+    file.print("{}\n  {{\"frame\": {}, \"ms\": {:.4f}, \"hash\": \"{:016x}\", \"rounds\": {}, \"rows\": {}, "
+               "\"nodes\": {}, \"bytes\": {}, \"verdicts\": {}, \"pairs\": [",
+               frames_ ? "," : "", f.frame, f.ms, f.hash, f.trees.rounds, f.trees.rows, f.trees.nodes, f.trees.bytes,
+               counts_json(verdict_order, verdicts));
     const char* comma = "";
-    for (const FrameRow& f : frames_) {
-        file.print("{}\n  {{\"frame\": {}, \"ms\": {:.4f}, \"hash\": \"{:016x}\", \"rounds\": {}, \"rows\": {}, "
-                   "\"nodes\": {}, \"bytes\": {}, \"verdicts\": {}, \"pairs\": [",
-                   std::exchange(comma, ","), f.frame, f.ms, f.hash, f.trees.rounds, f.trees.rows, f.trees.nodes,
-                   f.trees.bytes, counts_json(verdict_order, f.verdicts));
-        for (std::size_t k = f.first_pair; k < f.first_pair + f.pairs; ++k) {
-            const Row& row = rows_[k];
-            file.print("{}[{}, {}, \"{}\", {}, \"{}\", {}]", k == f.first_pair ? "" : ", ", names[row.a], names[row.b],
-                       name_of(row.verdict), number(row.bound), pipeline_.stages()[row.stage],
-                       row.kind == ContactKind::unknown ? "null" : json_string(name_of(row.kind)));
-        }
-        file.print("]}}");
-    }
+    for (const PairResult& pair : f.pairs)
+        if (keeps(pair))
+            file.print("{}[{}, {}, \"{}\", {}, \"{}\", {}]", std::exchange(comma, ", "), names[index(pair.a)],
+                       names[index(pair.b)], name_of(pair.verdict), number(pair.bound), pipeline_.stages()[pair.stage],
+                       pair.kind == ContactKind::unknown ? "null" : json_string(name_of(pair.kind)));
+    file.print("]}}");
+}
+
+void Report::add_csv(const FrameView& f)
+{
+    auto& [file, names] = *kept_->csv;
+    for (const PairResult& pair : f.pairs)
+        if (keeps(pair))
+            file.print("{},{},{},{},{},{},{}\n", f.frame, names[index(pair.a)], names[index(pair.b)],
+                       name_of(pair.verdict), std::isfinite(pair.bound) ? number(pair.bound) : "",
+                       pipeline_.stages()[pair.stage], pair.kind == ContactKind::unknown ? "" : name_of(pair.kind));
 }
 
 void Report::write_csv(const std::filesystem::path& path) const
 {
+    refuse_unless(kept_->csv.has_value(), "CSV");
     OutputFile file(path);
-    const std::vector<std::string> names = quote_all(scene_, csv_field);
     file.print("frame,a,b,verdict,gap_bound,stage,kind\n");
-    for (const FrameRow& f : frames_)
-        for (std::size_t k = f.first_pair; k < f.first_pair + f.pairs; ++k) {
-            const Row& row = rows_[k];
-            file.print("{},{},{},{},{},{},{}\n", f.frame, names[row.a], names[row.b], name_of(row.verdict),
-                       std::isfinite(row.bound) ? number(row.bound) : "", pipeline_.stages()[row.stage],
-                       row.kind == ContactKind::unknown ? "" : name_of(row.kind));
-        }
+    copy(kept_->csv->text, file);
     file.commit();
+}
+
+/// Frames stand end to end, and so do the stages in a frame. Times are microseconds.
+void Report::add_trace(const FrameView& f, const Verdicts& verdicts)
+{
+    const std::span<const std::string_view> stages = pipeline_.stages();
+    Spool& file = *kept_->trace;
+    const double begin = kept_->trace_us;
+    double stage_begin = begin;
+    std::string inner;
+    for (std::size_t k = 0; k < stages.size(); ++k) {
+        const double us = k < f.stages.size() ? 1000 * f.stages[k].cpu_ms : 0;
+        inner +=
+            fmt::format(",\n{{\"ph\": \"X\", \"pid\": 1, \"tid\": 1, \"name\": {}, \"ts\": {:.3f}, \"dur\": {:.3f}}}",
+                        json_string(stages[k]), stage_begin, us);
+        stage_begin += us;
+    }
+    for (std::size_t k = 0; k < f.rounds.size(); ++k) {
+        const Round& r = f.rounds[k];
+        inner += fmt::format(",\n{{\"ph\": \"X\", \"pid\": 1, \"tid\": 2, \"name\": \"round {}\", \"ts\": {:.3f}, "
+                             "\"dur\": {:.3f}, \"args\": {{\"rows\": {}, \"gpu_ms\": {:.4f}, \"bytes\": {}}}}}",
+                             k, begin + 1000 * r.submitted_ms, 1000 * (r.done_ms - r.submitted_ms), r.rows, r.gpu_ms,
+                             r.bytes);
+        if (r.wait_ms > 0)
+            inner += fmt::format(",\n{{\"ph\": \"X\", \"pid\": 1, \"tid\": 3, \"name\": \"wait\", \"ts\": {:.3f}, "
+                                 "\"dur\": {:.3f}}}",
+                                 begin + 1000 * r.waited_ms, 1000 * r.wait_ms);
+    }
+    // Viewers nest by time, so a frame must reach to the end of its last stage.
+    const double end = kept_->trace_us = std::max(begin + 1000 * f.ms, stage_begin);
+    file.print(",\n{{\"ph\": \"X\", \"pid\": 1, \"tid\": 1, \"name\": \"frame {}\", \"ts\": {:.3f}, \"dur\": {:.3f}, "
+               "\"args\": {{\"rounds\": {}, \"rows\": {}, \"node pairs\": {}}}}}{}",
+               f.frame, begin, end - begin, f.trees.rounds, f.trees.rows, f.trees.node_pairs, inner);
+    file.print(
+        ",\n{{\"ph\": \"C\", \"pid\": 1, \"name\": \"nodes alive\", \"ts\": {:.3f}, \"args\": {{\"nodes\": {}}}}}",
+        begin, f.trees.nodes);
+    file.print(",\n{{\"ph\": \"C\", \"pid\": 1, \"name\": \"pairs\", \"ts\": {:.3f}, \"args\": {}}}", begin,
+               counts_json(verdict_order, verdicts));
 }
 
 void Report::write_trace(const std::filesystem::path& path) const
 {
+    refuse_unless(kept_->trace.has_value(), "a trace");
     OutputFile file(path);
     file.print(
         "{{\"displayTimeUnit\": \"ms\", \"traceEvents\": [\n"
@@ -238,42 +288,7 @@ void Report::write_trace(const std::filesystem::path& path) const
         "{{\"ph\": \"M\", \"pid\": 1, \"tid\": 2, \"name\": \"thread_name\", \"args\": {{\"name\": \"rounds\"}}}},\n"
         "{{\"ph\": \"M\", \"pid\": 1, \"tid\": 3, \"name\": \"thread_name\", \"args\": {{\"name\": \"waiting\"}}}}",
         json_string("oncollide " + title()));
-    const std::span<const std::string_view> stages = pipeline_.stages();
-    double begin = 0; // microseconds; frames stand end to end, and so do the stages in a frame
-    for (const FrameRow& f : frames_) {
-        double stage_begin = begin;
-        std::string inner;
-        for (std::size_t k = 0; k < stages.size(); ++k) {
-            const double us = 1000 * stage_ms_[f.first_stage + k];
-            inner += fmt::format(
-                ",\n{{\"ph\": \"X\", \"pid\": 1, \"tid\": 1, \"name\": {}, \"ts\": {:.3f}, \"dur\": {:.3f}}}",
-                json_string(stages[k]), stage_begin, us);
-            stage_begin += us;
-        }
-        for (std::size_t k = 0; k < f.trees.rounds; ++k) {
-            const Round& r = rounds_[f.first_round + k];
-            inner += fmt::format(",\n{{\"ph\": \"X\", \"pid\": 1, \"tid\": 2, \"name\": \"round {}\", \"ts\": {:.3f}, "
-                                 "\"dur\": {:.3f}, \"args\": {{\"rows\": {}, \"gpu_ms\": {:.4f}, \"bytes\": {}}}}}",
-                                 k, begin + 1000 * r.submitted_ms, 1000 * (r.done_ms - r.submitted_ms), r.rows,
-                                 r.gpu_ms, r.bytes);
-            if (r.wait_ms > 0)
-                inner += fmt::format(",\n{{\"ph\": \"X\", \"pid\": 1, \"tid\": 3, \"name\": \"wait\", \"ts\": {:.3f}, "
-                                     "\"dur\": {:.3f}}}",
-                                     begin + 1000 * r.waited_ms, 1000 * r.wait_ms);
-        }
-        // Viewers nest by time, so a frame must reach to the end of its last stage.
-        const double end = std::max(begin + 1000 * f.ms, stage_begin);
-        file.print(
-            ",\n{{\"ph\": \"X\", \"pid\": 1, \"tid\": 1, \"name\": \"frame {}\", \"ts\": {:.3f}, \"dur\": {:.3f}, "
-            "\"args\": {{\"rounds\": {}, \"rows\": {}, \"node pairs\": {}}}}}{}",
-            f.frame, begin, end - begin, f.trees.rounds, f.trees.rows, f.trees.node_pairs, inner);
-        file.print(
-            ",\n{{\"ph\": \"C\", \"pid\": 1, \"name\": \"nodes alive\", \"ts\": {:.3f}, \"args\": {{\"nodes\": {}}}}}",
-            begin, f.trees.nodes);
-        file.print(",\n{{\"ph\": \"C\", \"pid\": 1, \"name\": \"pairs\", \"ts\": {:.3f}, \"args\": {}}}", begin,
-                   counts_json(verdict_order, f.verdicts));
-        begin = end;
-    }
+    copy(*kept_->trace, file);
     file.print("\n]}}\n");
     file.commit();
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <iosfwd>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,19 +17,33 @@ inline constexpr std::string_view version = "0.1.0";
 
 class OutputFile;
 
+/// What a report keeps of each frame, besides sums.
+struct ReportParts {
+    bool json = true, csv = true, trace = true; ///< the files that can be written at the end
+    bool separate = false;                      ///< pairs that were found separate, too
+    std::filesystem::path folder{};             ///< for what does not stay in memory; empty: that of temporary files
+};
+
 /// Collects frames and writes them out as JSON, CSV, a Chrome trace, a stage table and a picture.
 /// Formats: docs/results.md. Files are written to a temporary name and renamed: whole or not at all.
+///
+/// Frames are kept as text, part by part, of which at most a megabyte each is in memory (Spool): however long the run,
+/// a report does not grow. Of what is not requested there are only sums.
 class Report {
 public:
     /// Keeps references to both. Make it before the first step, and add every step: totals and hash are the pipeline's.
-    /// @param separate  also keep the pairs that were found separate
-    Report(const Scene& scene, const Pipeline& pipeline, bool separate = false);
+    /// Another thread may write while the pipeline steps, but not while a frame is added.
+    Report(const Scene& scene, const Pipeline& pipeline, const ReportParts& parts = {});
+    ~Report();
 
+    /// Throws Error{cannot_write} when there is no room for what is kept.
     void add(const FrameView& frame);
     /// Marks the results as cut short by the user.
     void interrupted() { interrupted_ = true; }
+    std::uint64_t frames() const { return frames_; }
 
-    // Each throws Error{cannot_write} naming the path. "-" writes to standard output.
+    // Each throws Error{cannot_write} naming the path, and Error{usage} if the part was not kept. "-" writes to
+    // standard output.
     void write_json(const std::filesystem::path& path) const;
     void write_csv(const std::filesystem::path& path) const;
     void write_trace(const std::filesystem::path& path) const;
@@ -38,44 +53,42 @@ public:
     void print_table(std::ostream& out) const;
 
     /// Pairs of each verdict, indexed by Verdict, over all frames.
-    std::array<std::uint64_t, 4> verdicts() const;
+    std::array<std::uint64_t, 4> verdicts() const { return verdicts_; }
     /// Pairs of each kind of contact, indexed by ContactKind, over all frames; separate ones too, if touching is
     /// ignored.
     std::array<std::uint64_t, 5> kinds() const { return kinds_; }
 
 private:
-    struct Row {
-        std::uint32_t a, b;
-        Verdict verdict;
-        std::uint8_t stage;
-        ContactKind kind;
-        double bound;
-    };
-    struct FrameRow {
-        std::uint64_t frame;
-        double ms;
-        std::uint64_t hash;
-        std::size_t first_pair, pairs; ///< its part of rows_
-        std::array<std::uint64_t, 4> verdicts;
-        TreeStats trees;
-        std::size_t first_stage; ///< its part of stage_ms_, as long as Pipeline::stages()
-        std::size_t first_round; ///< its part of rounds_, trees.rounds long
-    };
+    struct Kept; ///< of each frame
+    using Verdicts = std::array<std::uint64_t, 4>;
+
+    bool keeps(const PairResult& pair) const { return pair.verdict != Verdict::separate || separate_; }
+    void add_json(const FrameView& frame, const Verdicts& verdicts);
+    void add_csv(const FrameView& frame);
+    void add_trace(const FrameView& frame, const Verdicts& verdicts);
+    void add_sums(const FrameView& frame);
+    void look_at_pipeline();
     std::string title() const;
     int threads() const; ///< what --threads 0 came to
     void print_header(OutputFile& file) const;
     void print_stages(OutputFile& file) const;
-    void print_frames(OutputFile& file) const;
 
     const Scene& scene_;
     const Pipeline& pipeline_;
     bool separate_, interrupted_ = false;
-    std::vector<Row> rows_;
-    std::vector<FrameRow> frames_;
+    std::unique_ptr<Kept> kept_;
+    std::uint64_t frames_ = 0, pairs_ = 0; ///< pairs: those kept, or that would be
+    Verdicts verdicts_{};
     std::array<std::uint64_t, 5> kinds_{};
-    std::vector<double> stage_ms_; ///< frames x stages, CPU time
-    std::vector<Round> rounds_;
+    double ms_ = 0, slowest_ms_ = 0;
+    TreeStats trees_; ///< summed; nodes and bytes are the last frame's
+    std::uint64_t peak_nodes_ = 0;
+    std::size_t peak_bytes_ = 0;
     std::vector<DelimitationLevel> delimitation_; ///< summed over frames
+    // As of the last frame:
+    std::vector<StageStats> totals_;
+    std::uint64_t hash_ = 0;
+    std::string backend_, renderer_, backend_note_;
 };
 
 } // namespace oncollide

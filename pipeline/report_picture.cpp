@@ -1,6 +1,6 @@
 // The picture of a run: left to right how many bodies and pairs each stage takes in and passes on, below it where the
 // time of every frame went. Plain SVG, readable on a light page and in print.
-#include <oncollide/pipeline/report.hpp>
+#include <oncollide/pipeline/report_kept.hpp>
 
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/printable.hpp>
@@ -115,26 +115,7 @@ void draw_funnel(OutputFile& file, std::span<const StageStats> stages, double bo
     }
 }
 
-/// Time by stage in one column of the chart: the mean of the frames that fall in it.
-struct Column {
-    std::vector<double> ms;
-    double sum;
-};
-
-std::vector<Column> make_columns(std::span<const double> stage_ms, std::size_t frames, std::size_t stages)
-{
-    const std::size_t count = std::min<std::size_t>(frames, 200);
-    std::vector<Column> columns;
-    for (std::size_t c = 0; c < count; ++c) {
-        const std::size_t begin = c * frames / count, end = (c + 1) * frames / count;
-        Column column{std::vector<double>(stages), 0};
-        for (std::size_t f = begin; f < end; ++f)
-            for (std::size_t k = 0; k < stages; ++k) column.ms[k] += stage_ms[f * stages + k] / double(end - begin);
-        for (double ms : column.ms) column.sum += ms;
-        columns.push_back(std::move(column));
-    }
-    return columns;
-}
+using Column = StageTimes::Column;
 
 /// The height of the axis: all columns, unless a few (cold frames) would flatten the rest.
 double axis_top(const std::vector<Column>& columns)
@@ -148,8 +129,7 @@ double axis_top(const std::vector<Column>& columns)
     return std::max(top, 1e-4);
 }
 
-void draw_times(OutputFile& file, std::span<const StageStats> stages, std::span<const double> stage_ms,
-                std::size_t frames, double chart_top)
+void draw_times(OutputFile& file, std::span<const StageStats> stages, const StageTimes& times, double chart_top)
 {
     text(file, 20, chart_top - 42, Anchor::start, "heading", "Time of each frame by stage");
     double x = 20;
@@ -160,7 +140,8 @@ void draw_times(OutputFile& file, std::span<const StageStats> stages, std::span<
         text(file, x + 16, chart_top - 20, Anchor::start, "value", words);
         x += 36 + 7.0 * double(words.size());
     }
-    const std::vector<Column> columns = make_columns(stage_ms, frames, stages.size());
+    const std::vector<Column> columns = times.columns(200);
+    const std::size_t frames = times.frames();
     const double top = axis_top(columns), bottom = chart_top + chart_height, step = nice_step(top, 5);
     const auto y_of = [&](double ms) { return bottom - chart_height * std::min(ms, top) / top; };
     for (double ms = 0; ms <= top * 1.0001; ms += step) {
@@ -198,7 +179,7 @@ void draw_times(OutputFile& file, std::span<const StageStats> stages, std::span<
 
 void Report::write_picture(const std::filesystem::path& path) const
 {
-    const std::span<const StageStats> stages = pipeline_.totals();
+    const std::span<const StageStats> stages = totals_;
     const double funnel_bottom = funnel_top + row_height * double(stages.size());
     const double chart_top = funnel_bottom + 108, height = chart_top + chart_height + 78;
     const std::array<std::uint64_t, 4> counts = verdicts();
@@ -216,9 +197,9 @@ void Report::write_picture(const std::filesystem::path& path) const
     text(file, 20, height - 14, Anchor::start, "tick",
          fmt::format("Over all frames: {} colliding, {} within, {} undecided, {} separate pairs. Result hash {:016x}.",
                      counts[int(Verdict::colliding)], counts[int(Verdict::within)], counts[int(Verdict::undecided)],
-                     counts[int(Verdict::separate)], pipeline_.hash()));
+                     counts[int(Verdict::separate)], hash_));
     draw_funnel(file, stages, funnel_bottom);
-    draw_times(file, stages, stage_ms_, frames_.size(), chart_top);
+    draw_times(file, stages, kept_->stage_times, chart_top);
     file.print("</svg>\n");
     file.commit();
 }

@@ -54,7 +54,7 @@ void Report::print_table(std::ostream& out) const
     std::string text = printable(title()) + "\n\n";
     text += fmt::format("{:<13}{:<8}{:>11}{:>11}{:>11}{:>11}{:>11}   mean per frame\n", "stage", "counts", "in", "out",
                         "culled", "undecided", "ms");
-    for (const StageStats& s : pipeline_.totals()) {
+    for (const StageStats& s : totals_) {
         const std::string_view words = plain_words(s.stage);
         text +=
             fmt::format("{:<13}{:<8}{}{}{}{}{}   {}\n", s.stage, s.unit, cell(mean(s.in, s.frames)),
@@ -62,41 +62,34 @@ void Report::print_table(std::ostream& out) const
                         cell(fmt::format("{:.3f}", s.frames ? s.cpu_ms / double(s.frames) : 0.0)),
                         s.skipped ? fmt::format("skipped: {}", s.note.empty() ? "by request" : s.note) : words);
     }
-    double ms = 0, slowest = 0;
-    std::uint64_t rounds = 0, rows = 0, refused = 0, queries = 0, gpu_bytes = 0, repeats = 0;
-    for (const FrameRow& frame : frames_) {
-        ms += frame.ms, slowest = std::max(slowest, frame.ms);
-        rounds += frame.trees.rounds, rows += frame.trees.rows, refused += frame.trees.refused;
-        queries += frame.trees.queries, gpu_bytes += frame.trees.gpu_bytes, repeats += frame.trees.repeats;
-    }
     const std::array<std::uint64_t, 4> counts = verdicts();
-    const TreeStats last = frames_.empty() ? TreeStats{} : frames_.back().trees;
     text += fmt::format("\nframe      {:.3f} ms in the mean, {:.3f} ms the slowest\n",
-                        frames_.empty() ? 0.0 : ms / double(frames_.size()), slowest);
+                        frames_ == 0 ? 0.0 : ms_ / double(frames_), slowest_ms_);
     text += fmt::format("verdicts   {} colliding, {} within their bound, {} undecided, {} separate (over all frames)\n",
                         grouped(counts[int(Verdict::colliding)]), grouped(counts[int(Verdict::within)]),
                         grouped(counts[int(Verdict::undecided)]), grouped(counts[int(Verdict::separate)]));
-    if (kinds_[int(ContactKind::unknown)] < rows_.size() || wants_kinds(pipeline_.settings()))
+    if (kinds_[int(ContactKind::unknown)] < pairs_ || wants_kinds(pipeline_.settings()))
         text += fmt::format("contacts   {} touching{}, {} crossing, {} enclosed, {} near; the others not classified\n",
                             grouped(kinds_[int(ContactKind::touching)]),
                             pipeline_.settings().ignore_touching ? " (ignored)" : "",
                             grouped(kinds_[int(ContactKind::crossing)]), grouped(kinds_[int(ContactKind::enclosed)]),
                             grouped(kinds_[int(ContactKind::near)]));
-    text += fmt::format("trees      {} cells requested in {} rounds; at the end {} cells, {}", grouped(rows),
-                        grouped(rounds), grouped(last.nodes), bytes_text(last.bytes));
-    text += refused ? fmt::format("; {} cells refused by a budget\n", grouped(refused)) : "\n";
+    text += fmt::format("trees      {} cells requested in {} rounds; at the end {} cells, {}", grouped(trees_.rows),
+                        grouped(trees_.rounds), grouped(trees_.nodes), bytes_text(trees_.bytes));
+    text += trees_.refused ? fmt::format("; {} cells refused by a budget\n", grouped(trees_.refused)) : "\n";
     double gpu_ms = 0, wait_ms = 0;
-    for (const StageStats& s : pipeline_.totals()) gpu_ms += s.gpu_ms, wait_ms += s.wait_ms;
-    if (gpu_bytes) {
-        const double n = double(frames_.size());
+    for (const StageStats& s : totals_) gpu_ms += s.gpu_ms, wait_ms += s.wait_ms;
+    if (trees_.gpu_bytes) {
+        const double n = double(frames_);
         text += fmt::format(
             "gpu        {:.3f} ms of its time per frame, {:.3f} ms of the frame waiting for it; {} moved in all",
-            gpu_ms / n, wait_ms / n, bytes_text(gpu_bytes));
-        if (queries) text += fmt::format("; {} occlusion queries", grouped(queries));
-        text += repeats ? fmt::format("; {} batches done again with larger buffers\n", grouped(repeats)) : "\n";
+            gpu_ms / n, wait_ms / n, bytes_text(trees_.gpu_bytes));
+        if (trees_.queries) text += fmt::format("; {} occlusion queries", grouped(trees_.queries));
+        text += trees_.repeats ? fmt::format("; {} batches done again with larger buffers\n", grouped(trees_.repeats))
+                               : "\n";
     }
-    if (const std::string note = pipeline_.backend_note(); !note.empty()) text += "note       " + note + "\n";
-    text += fmt::format("hash       {:016x}\n", pipeline_.hash());
+    if (!backend_note_.empty()) text += "note       " + backend_note_ + "\n";
+    text += fmt::format("hash       {:016x}\n", hash_);
     out << text;
 }
 

@@ -45,7 +45,8 @@ struct Settings {
     std::vector<std::string> skip{}; ///< names of stages to leave out; results get wider, never wrong
     int age_limit = 60;              ///< frames after which cells that no test reached are dropped; >= 1
     std::size_t node_budget = 0;     ///< cells that all trees together may hold; 0: no limit
-    std::size_t memory_budget = 0;   ///< bytes that trees and triangle lists may hold; 0: no limit
+    std::size_t memory_budget = 0;   ///< bytes that trees and triangle lists may hold; 0: no limit. A quarter of it, 1
+                                     ///< to 16 MiB, bounds the walks that wait for trees to grow
     bool coherence = true;           ///< try last frame's deciding cells first. Never changes the result
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <span>
 
+#include <oncollide/narrowphase/exact/common_corner.hpp>
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 
 namespace oncollide {
@@ -59,7 +60,11 @@ Traversal::Contact Traversal::contact(ObbTree& a, ObbTree& b, const RelativePose
         if (how == TriangleContact::touching && !parted(pair)) add_plane(pair);
         return contact.kind != TriangleContact::crossing && !contact.parted;
     };
-    contact.bound = walk_.meetings(a, b, b_to_a, hint, found, parted);
+    const auto touch_at_most = [&](TrianglePair pair) {
+        return parted(pair) || (contact.kind == TriangleContact::touching &&
+                                only_common_corner(triangles.points_a(pair.a), triangles.points_b(pair.b)));
+    };
+    contact.bound = walk_.meetings(a, b, b_to_a, hint, found, touch_at_most);
     return contact;
 }
 
@@ -71,6 +76,26 @@ void Traversal::all_meeting(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, 
         return true;
     };
     walk_.meetings(a, b, b_to_a, {}, found, leave_none);
+    std::sort(out.begin(), out.end());
+}
+
+void Traversal::all_meeting(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out,
+                            CommonCorners& corners)
+{
+    out.clear();
+    corners.of_a.assign(a.mesh().triangles.size(), 0), corners.of_b.assign(b.mesh().triangles.size(), 0);
+    const TriangleTests& triangles = walk_.leaves();
+    const auto found = [&](TrianglePair pair) {
+        out.push_back(pair);
+        return true;
+    };
+    const auto only_a_corner = [&](TrianglePair pair) {
+        const auto corner = only_common_corner(triangles.points_a(pair.a), triangles.points_b(pair.b));
+        if (!corner) return false;
+        corners.of_a[pair.a] |= 1u << corner->a, corners.of_b[pair.b] |= 1u << corner->b;
+        return true;
+    };
+    walk_.meetings(a, b, b_to_a, {}, found, only_a_corner);
     std::sort(out.begin(), out.end());
 }
 

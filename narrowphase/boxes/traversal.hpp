@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -41,6 +42,15 @@ public:
 
     /// All, each once, sorted, to `out`, overwritten.
     void all_meeting(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out);
+
+    /// Of each triangle: bit i for a corner i that is all that it and some triangle of the other mesh have in common.
+    struct CommonCorners {
+        std::vector<std::uint8_t> of_a, of_b;
+    };
+    /// As above, but without pairs that were seen to have a corner in common and nothing else: of these only the
+    /// corners, as fans of n triangles that touch in a point are n^2 pairs. `corners` is overwritten, too.
+    void all_meeting(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out,
+                     CommonCorners& corners);
 
     /// As BoxWalk::near() and BoxWalk::distance().
     using Nearness = NearBounds<TrianglePair>;

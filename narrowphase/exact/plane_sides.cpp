@@ -51,17 +51,17 @@ bool PlaneSides::part(const Triangle& of_a, const Triangle& of_b)
 
 bool PlaneSides::part_all(std::uint64_t& looked)
 {
-    int side = 0;
-    for (std::uint32_t v = 0; v < a_->vertices.size(); ++v, ++looked) {
-        const int s = side_of_a(v);
-        if (s * side < 0) return false;
-        side = s ? s : side;
-    }
-    for (std::uint32_t v = 0; v < b_->vertices.size(); ++v, ++looked) {
-        const int s = -side_of_b(v);
-        if (s * side < 0) return false;
-        side = s ? s : side;
-    }
+    const std::size_t of_a = a_->vertices.size(), of_b = b_->vertices.size();
+    int side = 0; // of A's; B's have the other
+    // In turns: most planes have the nearest of A and of B on one side, so that two looks are enough.
+    for (std::uint32_t v = 0; v < std::max(of_a, of_b); ++v)
+        for (const bool is_b : {false, true}) {
+            if (v >= (is_b ? of_b : of_a)) continue;
+            ++looked;
+            const int s = is_b ? -side_of_b(v) : side_of_a(v);
+            if (s * side < 0) return false;
+            side = s ? s : side;
+        }
     return true;
 }
 

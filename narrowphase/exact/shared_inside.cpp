@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <oncollide/narrowphase/exact/corner_fans.hpp>
+
 namespace oncollide {
 
 namespace {
@@ -38,6 +40,23 @@ void beside_point(const Vector3d& contact, const TrianglePoints& t, double far, 
         points.push_back(contact + step_of(length, far) * (inward / length + side * unit_normal_of(t)));
 }
 
+/// The same for the ends in either order.
+std::array<double, 6> as_array(const std::array<Vector3d, 2>& ends)
+{
+    const auto& [p, q] = ends;
+    const std::array<double, 6> there{p.x(), p.y(), p.z(), q.x(), q.y(), q.z()},
+        back{q.x(), q.y(), q.z(), p.x(), p.y(), p.z()};
+    return std::min(there, back);
+}
+
+/// A point of the face near a contact that is a point.
+Vector3d in_face(const Vector3d& contact, const TrianglePoints& t, double far)
+{
+    const Vector3d inward = (t[0] + t[1] + t[2]) / 3 - contact;
+    const double length = inward.stableNorm();
+    return contact + step_of(length, far) * (inward / length);
+}
+
 /// Points beside a contact that is a segment, on both sides of the triangle and of the contact.
 void beside_segment(const std::array<Vector3d, 2>& ends, const TrianglePoints& t, double far,
                     std::vector<Vector3d>& points)
@@ -49,30 +68,67 @@ void beside_segment(const std::array<Vector3d, 2>& ends, const TrianglePoints& t
         for (const double side : {lean, -lean}) points.push_back(middle + way * (in_face + side * up));
 }
 
-TrianglePoints corners(const Mesh& mesh, std::uint32_t triangle)
+/// What meets a triangle of the other mesh there along a segment is seen to by that.
+void leave_out_corners_on(const TrianglePoints& other, const TrianglePoints& t, std::uint8_t& flags)
 {
-    const Triangle& t = mesh.triangles[triangle];
-    return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
+    for (std::size_t i = 0; i < 3; ++i)
+        if ((flags >> i & 1) && triangles_meet({t[i], t[i], t[i]}, other))
+            flags = static_cast<std::uint8_t>(flags & ~(1u << i));
 }
 
 } // namespace
+
+TrianglePoints SharedInside::corners(const Side& side, std::uint32_t triangle)
+{
+    const Mesh& mesh = side.tree->mesh();
+    const Triangle& t = mesh.triangles[triangle];
+    return {side.to_a(mesh.vertices[t[0]]), side.to_a(mesh.vertices[t[1]]), side.to_a(mesh.vertices[t[2]])};
+}
+
+bool SharedInside::inside(const Side& side, const Vector3d& point)
+{
+    ++placed_;
+    return locator_.place(point, side.tree->mesh(), side.tree, side.to_a) == PointPlace::inside;
+}
+
+std::optional<Vector3d> SharedInside::beside_corners(const Side& side, const std::vector<std::uint8_t>& flags,
+                                                     const Side& other)
+{
+    const Mesh& mesh = side.tree->mesh();
+    const std::vector<FanCorner> fans = fans_of(mesh, flags);
+    enum : std::uint8_t { unknown, in, out };
+    std::vector<std::uint8_t> place(fans.size(), unknown); // of the fan, in the other mesh
+    for (const auto& [t, corner, fan] : fans) {
+        const TrianglePoints points = corners(side, t);
+        const double far = largest(points);
+        if (place[fan] == unknown) place[fan] = inside(other, in_face(points[corner], points, far)) ? in : out;
+        if (place[fan] == out) continue;
+        points_.clear();
+        beside_point(points[corner], points, far, points_);
+        for (const Vector3d& point : points_)
+            if (inside(side, point) && inside(other, point)) return point;
+    }
+    return std::nullopt;
+}
 
 std::optional<Vector3d> SharedInside::find(ObbTree& a, ObbTree& b, const RelativePose& b_to_a)
 {
     placed_ = 0;
     if (walk_.contact(a, b, b_to_a).parted) return std::nullopt;
-    const RelativePose stay(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
-    const auto shared = [&](const Vector3d& point) {
-        ++placed_;
-        return locator_.place(point, a.mesh(), &a, stay) == PointPlace::inside &&
-               locator_.place(point, b.mesh(), &b, b_to_a) == PointPlace::inside;
-    };
-    walk_.all_meeting(a, b, b_to_a, contacts_);
+    const Side side_a{&a, RelativePose(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity())};
+    const Side side_b{&b, b_to_a};
+    const auto shared = [&](const Vector3d& point) { return inside(side_a, point) && inside(side_b, point); };
+    walk_.all_meeting(a, b, b_to_a, contacts_, corners_);
+    for (const auto& [of_a, of_b] : contacts_) {
+        if (!corners_.of_a[of_a] && !corners_.of_b[of_b]) continue;
+        const TrianglePoints here = corners(side_a, of_a), moved = corners(side_b, of_b);
+        leave_out_corners_on(moved, here, corners_.of_a[of_a]), leave_out_corners_on(here, moved, corners_.of_b[of_b]);
+    }
+    if (const auto point = beside_corners(side_a, corners_.of_a, side_b)) return point;
+    if (const auto point = beside_corners(side_b, corners_.of_b, side_a)) return point;
     seen_.clear();
     for (const auto& [of_a, of_b] : contacts_) {
-        TrianglePoints moved = corners(b.mesh(), of_b);
-        for (Vector3d& p : moved) p = b_to_a(p);
-        const TrianglePoints here = corners(a.mesh(), of_a);
+        const TrianglePoints here = corners(side_a, of_a), moved = corners(side_b, of_b);
         const auto ends = common_segment(here, moved).ends;
         // Rounded up to a power of two, so that what is tried around a point does not depend on the other triangle.
         const double far = std::exp2(std::ceil(std::log2(std::max(largest(here), largest(moved)))));
@@ -80,11 +136,11 @@ std::optional<Vector3d> SharedInside::find(ObbTree& a, ObbTree& b, const Relativ
         points_.clear();
         for (const int side : {0, 1}) {
             const TrianglePoints& t = side ? moved : here;
-            const Vector3d& at = ends[0];
-            if (!is_point)
+            if (!seen_.emplace(side, side ? of_b : of_a, as_array(ends), far).second) continue;
+            if (is_point)
+                beside_point(ends[0], t, far, points_);
+            else
                 beside_segment(ends, t, far, points_);
-            else if (seen_.emplace(side, side ? of_b : of_a, at.x(), at.y(), at.z(), far).second)
-                beside_point(at, t, far, points_);
         }
         for (const Vector3d& point : points_)
             if (shared(point)) return point;

@@ -10,6 +10,8 @@
 
 namespace oncollide {
 
+static_assert(sizeof(WalkEntry) == Walker::bytes_per_parked);
+
 namespace {
 
 const WalkKernel& kernel()
@@ -125,7 +127,7 @@ Walker::Walker(Walker&&) noexcept = default;
 
 void Walker::park(const WalkEntry* entries, std::size_t count)
 {
-    if (parked_.size() < parked_used_ + count) parked_.resize(2 * (parked_used_ + count));
+    if (parked_.size() < parked_used_ + count) parked_.resize(3 * (parked_used_ + count) / 2);
     std::copy_n(entries, count, parked_.begin() + static_cast<std::ptrdiff_t>(parked_used_));
     parked_used_ += count;
 }

@@ -82,6 +82,8 @@ public:
     /// Appends the cells that parked work waits for.
     void requests(const WalkPair& pair, const ParkedWork& parked, std::vector<CellRequest>& out) const;
 
+    static constexpr std::size_t bytes_per_parked = 40; ///< of each entry of parked work
+
     /// Forgets parked work; keeps its memory.
     void clear() { parked_used_ = 0; }
     std::uint64_t node_pairs() const { return node_pairs_; }

@@ -6,8 +6,9 @@
 
 namespace oncollide {
 
-WalkPair SphereRefiner::pair_of(const PairTask& task, LeafPair hint) const
+WalkPair SphereRefiner::pair_of(std::uint32_t pair) const
 {
+    const PairTask& task = tasks_[pair];
     return {task.a->spheres.get(),
             task.b->spheres.get(),
             task.a->number,
@@ -15,42 +16,39 @@ WalkPair SphereRefiner::pair_of(const PairTask& task, LeafPair hint) const
             task.pose_a,
             task.pose_b,
             context_->settings.clearance,
-            hint};
+            cache_ ? (*cache_)[task.number].leaves : LeafPair{}};
+}
+
+void SphereRefiner::settle(std::uint32_t pair, const WalkResult& walk)
+{
+    const Verdict verdict = walk.status == WalkStatus::touching   ? Verdict::within
+                            : walk.status == WalkStatus::separate ? Verdict::separate
+                                                                  : Verdict::undecided;
+    if (cache_) (*cache_)[tasks_[pair].number].leaves = verdict == Verdict::within ? walk.leaves : LeafPair{};
+    results_[pair] = {verdict, ContactKind::unknown, walk.bound};
 }
 
 void SphereRefiner::refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
                            std::span<RefineResult> results)
 {
-    context_ = &context;
-    give_up_ = false;
+    context_ = &context, tasks_ = tasks, cache_ = cache, results_ = results;
+    give_up_ = false, started_ = 0, again_.clear();
+    const std::size_t budget = context.settings.memory_budget;
+    parked_room_ = (budget ? std::clamp(budget / 4, least_parked_bytes, most_parked_bytes) : most_parked_bytes) /
+                   Walker::bytes_per_parked;
     const auto threads = static_cast<std::size_t>(std::max(context.threads, 1));
     for (auto* side : {&workers_, &parked_workers_})
         while (side->size() < threads) side->emplace_back();
-    walks_.clear();
-    for (const PairTask& task : tasks)
-        walks_.push_back({pair_of(task, cache ? (*cache)[task.number].leaves : LeafPair{}), {}});
     run_rounds();
-    for (std::size_t i = 0; i < tasks.size(); ++i) {
-        const WalkResult& walk = walks_[i].result;
-        const Verdict verdict = walk.status == WalkStatus::touching   ? Verdict::within
-                                : walk.status == WalkStatus::separate ? Verdict::separate
-                                                                      : Verdict::undecided;
-        if (cache) (*cache)[tasks[i].number].leaves = verdict == Verdict::within ? walk.leaves : LeafPair{};
-        results[i] = {verdict, ContactKind::unknown, walk.bound};
-    }
     count();
 }
 
 void SphereRefiner::run_rounds()
 {
-    const std::size_t count = walks_.size();
-    std::size_t walked = 0, slice = count < pairs_worth_slices ? count : std::max<std::size_t>(count / slices, 1);
-    const auto walk_slice = [&] {
-        const std::size_t end = std::min(walked + slice, count);
-        walk(walked, end);
-        walked = end;
-    };
+    const std::size_t all = tasks_.size();
+    slice_size_ = all < pairs_worth_slices ? all : std::clamp<std::size_t>(all / slices, 1, most_in_slice);
     const auto start_slice = [&] {
+        next_slice();
         const auto lock = context_->walking();
         walk_slice();
     };
@@ -58,16 +56,28 @@ void SphereRefiner::run_rounds()
     bool grown = false; // the first slice has found all of its cells
     while (true) {
         if (!gather_parked()) {
-            if (walked == count) break;
+            if (started_ == all && again_.empty()) break;
             grown = true;
             start_slice();
             continue;
         }
         grow_trees([&] {
-            if (grown) walk_slice();
+            if (!grown || parked_entries_ > parked_room_ / 2) return;
+            next_slice();
+            walk_slice();
         });
         resume_all();
     }
+}
+
+/// Those that were put back come first.
+void SphereRefiner::next_slice()
+{
+    const auto back = again_.begin() + static_cast<std::ptrdiff_t>(std::min(slice_size_, again_.size()));
+    slice_.assign(again_.begin(), back);
+    again_.erase(again_.begin(), back);
+    while (slice_.size() < slice_size_ && started_ < tasks_.size())
+        slice_.push_back(static_cast<std::uint32_t>(started_++));
 }
 
 /// One batch of what parked walks wait for; does `meanwhile` while the backend works.
@@ -92,20 +102,24 @@ void SphereRefiner::grow_trees(Meanwhile meanwhile)
     give_up_ |= refused > 0;
 }
 
-void SphereRefiner::walk(std::size_t first, std::size_t last)
+void SphereRefiner::walk_slice()
 {
-    parallel_chunks(last - first, pairs_per_chunk, context_->threads, [&](std::size_t begin, std::size_t end, int t) {
+    parallel_chunks(slice_.size(), pairs_per_chunk, context_->threads, [&](std::size_t begin, std::size_t end, int t) {
         Worker& worker = workers_[static_cast<std::size_t>(t)];
-        for (std::size_t i = first + begin; i < first + end; ++i) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::uint32_t pair = slice_[i];
             ParkedWork work;
-            walks_[i].result = worker.walker.start(walks_[i].pair, context_->frame, work);
+            const WalkResult found = worker.walker.start(pair_of(pair), context_->frame, work);
             if (work.count)
-                worker.parked.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(t), 0, work});
+                worker.parked.push_back({pair, static_cast<std::uint32_t>(t), 0, found, work});
+            else
+                settle(pair, found);
         }
     });
 }
 
-/// Joins the threads' parked walks in the order of the pairs, and makes room for the next round's.
+/// Joins the threads' parked walks in the order of the pairs, and makes room for the next round's. What is too much
+/// is put back.
 bool SphereRefiner::gather_parked()
 {
     workers_.swap(parked_workers_);
@@ -114,15 +128,25 @@ bool SphereRefiner::gather_parked()
         parked_.insert(parked_.end(), worker.parked.begin(), worker.parked.end());
         worker.parked.clear();
     }
-    std::sort(parked_.begin(), parked_.end(), [](const Parked& x, const Parked& y) { return x.walk < y.walk; });
+    std::sort(parked_.begin(), parked_.end(), [](const Parked& x, const Parked& y) { return x.pair < y.pair; });
     for (Worker& worker : workers_) worker.walker.clear();
+    parked_entries_ = 0;
+    std::size_t kept = 0;
+    while (kept < parked_.size() && (kept == 0 || parked_entries_ + parked_[kept].work.count <= parked_room_))
+        parked_entries_ += parked_[kept++].work.count;
+    if (kept < parked_.size()) {
+        for (std::size_t i = kept; i < parked_.size(); ++i) again_.push_back(parked_[i].pair);
+        std::sort(again_.begin(), again_.end());
+        parked_.resize(kept);
+        slice_size_ = std::min(slice_size_, kept); // so many find room
+    }
     return !parked_.empty();
 }
 
 void SphereRefiner::gather_requests()
 {
     requests_.clear();
-    for (const Parked& p : parked_) parked_workers_[p.worker].walker.requests(walks_[p.walk].pair, p.work, requests_);
+    for (const Parked& p : parked_) parked_workers_[p.worker].walker.requests(pair_of(p.pair), p.work, requests_);
     std::sort(requests_.begin(), requests_.end());
     requests_.erase(std::unique(requests_.begin(), requests_.end()), requests_.end());
 }
@@ -135,10 +159,13 @@ void SphereRefiner::resume_all()
         for (std::size_t i = begin; i < end; ++i) {
             const Parked& p = parked_[i];
             ParkedWork work = p.work;
-            WalkResult& result = walks_[p.walk].result;
-            result = worker.walker.resume(walks_[p.walk].pair, context_->frame, parked_workers_[p.worker].walker,
-                                          result, p.resumed + 1, give_up_, work);
-            if (work.count) worker.parked.push_back({p.walk, static_cast<std::uint32_t>(t), p.resumed + 1, work});
+            const WalkResult found =
+                worker.walker.resume(pair_of(p.pair), context_->frame, parked_workers_[p.worker].walker, p.found,
+                                     p.resumed + 1, give_up_, work);
+            if (work.count)
+                worker.parked.push_back({p.pair, static_cast<std::uint32_t>(t), p.resumed + 1, found, work});
+            else
+                settle(p.pair, found);
         }
     });
 }

@@ -14,8 +14,12 @@ namespace oncollide {
 ///                                              └─ meanwhile the next pairs start to walk
 ///
 /// until none is parked. Many pairs start in slices, one per round: while a GPU works, the CPU has walks to start, and
-/// later slices find most of their cells grown by earlier ones, which keeps what is parked small. The number of slices
-/// is bounded, so rounds do not grow with the number of pairs.
+/// later slices find most of their cells grown by earlier ones, which keeps what is parked small. Slices are an eighth
+/// of the pairs, so rounds hardly grow with the number of pairs, but at most 16,384 of them.
+///
+/// What is parked is bounded: no slice starts while it takes over half of `most_parked_bytes` (with a memory budget, a
+/// quarter of that if it is less, but a megabyte), and what goes beyond starts again from its roots later. That costs
+/// time, but changes no result, as these do not depend on the order of a walk.
 class SphereRefiner final : public PairRefiner {
 public:
     explicit SphereRefiner(ModelStore& models) : models_(models) {}
@@ -23,24 +27,27 @@ public:
     void refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
                 std::span<RefineResult> results) override;
 
+    /// Of parked walks. The vectors that hold them may be three times as large.
+    static constexpr std::size_t most_parked_bytes = std::size_t{16} << 20;
+    static constexpr std::size_t least_parked_bytes = std::size_t{1} << 20; ///< however small the budget
+
 private:
-    struct Walk {
-        WalkPair pair;
-        WalkResult result;
-    };
     struct Parked {
-        std::uint32_t walk, worker;
-        int resumed;     ///< times that the pair was taken up again
-        ParkedWork work; ///< in the worker's walker
+        std::uint32_t pair, worker;
+        int resumed;      ///< times that the pair was taken up again
+        WalkResult found; ///< so far
+        ParkedWork work;  ///< in the worker's walker
     };
     struct Worker {
         Walker walker;
         std::vector<Parked> parked;
     };
 
-    WalkPair pair_of(const PairTask& task, LeafPair hint) const;
+    WalkPair pair_of(std::uint32_t pair) const;
+    void settle(std::uint32_t pair, const WalkResult& walk);
     void run_rounds();
-    void walk(std::size_t first, std::size_t last);
+    void next_slice();
+    void walk_slice();
     bool gather_parked();
     void gather_requests();
     template <class Meanwhile>
@@ -49,12 +56,20 @@ private:
     void count();
 
     static constexpr std::size_t pairs_per_chunk = 256;
-    static constexpr std::size_t pairs_worth_slices = 1024, slices = 8;
+    static constexpr std::size_t pairs_worth_slices = 1024, slices = 8, most_in_slice = 16384;
 
     ModelStore& models_;
-    RefineContext* context_ = nullptr; ///< of the run under way
-    std::vector<Walk> walks_;
+    RefineContext* context_ = nullptr; ///< of the run under way, and so the next three
+    std::span<const PairTask> tasks_;
+    PairCache* cache_ = nullptr;
+    std::span<RefineResult> results_;
     bool give_up_ = false;
+    std::size_t started_ = 0; ///< pairs
+    std::size_t slice_size_ = 0;
+    std::vector<std::uint32_t> again_; ///< started, and put back; sorted
+    std::vector<std::uint32_t> slice_; ///< pairs to start now
+    std::size_t parked_room_ = 0;      ///< entries that may be parked
+    std::size_t parked_entries_ = 0;   ///< that are
     std::vector<Worker> workers_, parked_workers_;
     std::vector<Parked> parked_;
     std::vector<CellRequest> requests_;

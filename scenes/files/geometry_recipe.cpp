@@ -237,6 +237,23 @@ GeometryId add_geometry(Scene& scene, const std::string& name, const Json& entry
     return add_geometry(scene, name, Node(tape, {name}), {});
 }
 
+void Expansion::count(const Geometry& geometry, const Node& entry)
+{
+    if (std::holds_alternative<Shape>(geometry.data)) return;
+    const Mesh* mesh = std::get_if<Mesh>(&geometry.data);
+    const Node node = entry[mesh ? "mesh" : "octomap"];
+    if (node.has("vertices")) return;
+    if (node.has("file") && files_.emplace(node["file"].text()).second) return;
+    if (mesh)
+        triangles_ += mesh->triangles.size();
+    else
+        cells_ += std::get<OccupancyMap>(geometry.data).cells.size();
+    if (triangles_ > most_triangles || cells_ > most_cells)
+        entry.fail(fmt::format("too much for one scene: generated geometries and files used again may together have at "
+                               "most {} triangles and {} cells; bodies can share a geometry",
+                               most_triangles, most_cells));
+}
+
 Json entry_of(const Geometry& geometry, const fs::path& folder, const std::string& map_file)
 {
     if (const Shape* shape = std::get_if<Shape>(&geometry.data))

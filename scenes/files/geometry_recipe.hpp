@@ -1,5 +1,8 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <set>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -39,5 +42,19 @@ auto at(const Node& node, Work work)
         throw Error(kind, what.starts_with(printable(place)) ? what : place + ": " + what);
     }
 }
+
+/// Keeps a short file from filling the memory: what its geometries are made of without a text or file of their own,
+/// which are the generated ones and files named before, is limited for all of them together.
+class Expansion {
+public:
+    static constexpr std::uint64_t most_triangles = 20'000'000, most_cells = 10'000'000;
+
+    /// Of the geometry that `entry` has just become. Throws Error{bad_data} naming the place.
+    void count(const Geometry& geometry, const Node& entry);
+
+private:
+    std::set<std::string, std::less<>> files_;
+    std::uint64_t triangles_ = 0, cells_ = 0;
+};
 
 } // namespace oncollide

@@ -17,6 +17,7 @@ namespace oncollide {
 namespace {
 
 constexpr int tree_depth = 16;
+constexpr std::int64_t most_nodes = 20'000'000; ///< two bytes of a file may be eight nodes, which take over a kilobyte
 
 /// The text before the nodes.
 struct Header {
@@ -130,6 +131,8 @@ OctomapScan scan_octomap(const std::string& name, std::string_view bytes, bool b
     const MeshSource source{name, bytes};
     const Header header = read_header(source, binary);
     if (header.nodes == 0) source.fail("the map is empty");
+    if (header.nodes > most_nodes)
+        source.fail(fmt::format("the map has {} nodes; at most {} are allowed", header.nodes, most_nodes));
     const std::int64_t nodes = NodeWalk(source, header.bytes, binary).count();
     if (nodes != header.nodes)
         source.fail(fmt::format("damaged: the header announces {} nodes, but there are {}", header.nodes, nodes));

@@ -186,7 +186,9 @@ Scene read_scene(SceneText& text, const fs::path& path)
     const fs::path folder = path.parent_path();
     const Node geometries = root["geometries"], bodies = root["bodies"];
     if (!geometries.is_object()) geometries.fail("must be an object: a name and a geometry for each");
-    for (const Node& geometry : geometries) add_geometry(scene, geometry.key(), geometry, folder);
+    Expansion expansion;
+    for (const Node& geometry : geometries)
+        expansion.count(scene.geometries[index(add_geometry(scene, geometry.key(), geometry, folder))], geometry);
     if (bodies.size() > most_bodies)
         bodies.fail(fmt::format("{} bodies, at most {} are allowed", bodies.size(), most_bodies));
     constexpr std::size_t least_bytes = 16; // of a body: commas alone reserve nothing

@@ -67,7 +67,7 @@ protected:
 TEST_F(ReportTest, JsonHoldsEveryPairWithNamesAndBoundsToTheLastBit)
 {
     Pipeline pipeline(scene_);
-    Report report(scene_, pipeline, true);
+    Report report(scene_, pipeline, {.separate = true});
     play(pipeline, report);
     report.write_json(folder_ / "r.json");
     const json results = json::parse(read("r.json"));
@@ -143,7 +143,7 @@ TEST_F(ReportTest, SettingsAndInterruptionAreInTheHeader)
 TEST_F(ReportTest, CsvQuotesNamesAsRfc4180Asks)
 {
     Pipeline pipeline(scene_);
-    Report report(scene_, pipeline, true);
+    Report report(scene_, pipeline, {.separate = true});
     play(pipeline, report);
     report.write_csv(folder_ / "r.csv");
     const std::string text = read("r.csv");

@@ -158,7 +158,7 @@ int check_pair(const CheckOptions& options)
                                                       scene.label(BodyId{body})));
     if (!options.quiet) print_warnings(scene);
     Pipeline pipeline(scene, settings);
-    Report report(scene, pipeline, true);
+    Report report(scene, pipeline, {.csv = false, .trace = false, .separate = true});
     const FrameView frame = pipeline.step(scene);
     report.add(frame);
     const PairResult pair =

@@ -138,8 +138,8 @@ int demo(const DemoOptions& options)
         scene.size(), scene.geometries.size(), frames);
     std::cout.flush();
     Pipeline pipeline(scene, settings);
-    Report report(scene, pipeline);
-    const int code = play(scene, pipeline, report, frames, false);
+    Report report(scene, pipeline, parts_of(outputs));
+    const int code = play(scene, pipeline, report, frames, outputs);
     write_outputs(report, outputs);
     std::cout << fmt::format("\nWritten to {}/:\n"
                              "  picture.svg   stages and times, for a browser\n"

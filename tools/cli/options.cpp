@@ -97,7 +97,8 @@ void add_pipeline_options(Arguments command, SettingsOptions& o)
         .type_name("N");
     command
         .add_option("--memory-budget", o.memory_budget,
-                    "bytes that all trees may hold, e.g. 64M; 0: no limit (default)")
+                    "bytes that all trees may hold, e.g. 64M; 0: no limit (default). A quarter of it, 1 to 16 MiB, "
+                    "bounds the walks that wait for cells")
         .type_name("BYTES");
     command.add_flag("--no-coherence", o.no_coherence, "do not try last frame's deciding cells first; same result");
 }

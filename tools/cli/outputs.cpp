@@ -91,6 +91,23 @@ void check_files(const std::vector<std::pair<const char*, std::string>>& files, 
     }
 }
 
+ReportParts parts_of(const OutputOptions& o)
+{
+    ReportParts parts{
+        .json = !o.json.empty(), .csv = !o.csv.empty(), .trace = !o.trace.empty(), .separate = o.separate};
+    for (const std::string& file : {o.json, o.csv, o.trace})
+        if (parts.folder.empty() && !file.empty() && file != "-") parts.folder = fs::absolute(file).parent_path();
+    return parts;
+}
+
+std::string names_of(const OutputOptions& o)
+{
+    std::string names;
+    for (const std::string& file : {o.json, o.csv, o.trace, o.picture})
+        if (!file.empty()) names += (names.empty() ? "" : ", ") + (file == "-" ? "standard output" : file);
+    return names;
+}
+
 void write_outputs(const Report& report, const OutputOptions& o)
 {
     const bool stdout_taken = o.json == "-" || o.csv == "-" || o.trace == "-" || o.picture == "-";

@@ -20,6 +20,10 @@ struct OutputOptions {
 void add_output_options(Arguments command, OutputOptions& options);
 /// check_files() of these; an empty input is none.
 void check_outputs(const OutputOptions& options, const std::string& input);
+/// What the report must keep for them: in the folder of the first file, if it outgrows memory.
+ReportParts parts_of(const OutputOptions& options);
+/// The files, for a message: "a.json, b.csv"; empty if there are none.
+std::string names_of(const OutputOptions& options);
 /// The stage table to standard output (standard error when results go there), then every file requested.
 void write_outputs(const Report& report, const OutputOptions& options);
 

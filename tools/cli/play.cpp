@@ -1,6 +1,12 @@
 #include "cli/play.hpp"
 
+#include <chrono>
+#include <condition_variable>
+#include <cstdlib>
+#include <functional>
 #include <iostream>
+#include <mutex>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -11,37 +17,112 @@
 #include "cli/system.hpp"
 
 namespace oncollide::tools {
-int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, bool quiet)
+namespace {
+
+constexpr int interrupted_code = 130; // as shells have it for Ctrl-C
+
+/// Ends the program when somebody interrupts it and the frame in hand does not end: a thread that looks every 50 ms,
+/// and writes what the frames before have given.
+class Watchdog {
+public:
+    explicit Watchdog(std::function<void()> end) : end_(std::move(end)), thread_([this] { watch(); }) {}
+    ~Watchdog()
+    {
+        {
+            const std::lock_guard lock(mutex_);
+            over_ = true;
+        }
+        wake_.notify_all();
+        thread_.join();
+    }
+    /// Held while the report changes. Once the watchdog has it, it stays there.
+    std::mutex& mutex() { return mutex_; }
+
+private:
+    void watch()
+    {
+        using namespace std::chrono_literals;
+        std::unique_lock lock(mutex_);
+        const auto over = [&] { return over_; };
+        while (!interrupted())
+            if (wake_.wait_for(lock, 50ms, over)) return;
+        if (!wake_.wait_for(lock, 500ms, over)) end_();
+    }
+
+    std::function<void()> end_;
+    std::mutex mutex_;
+    std::condition_variable wake_;
+    bool over_ = false;
+    std::thread thread_;
+};
+
+/// Where the frames that were done are to be found.
+std::string told(const OutputOptions& outputs, int done, int all)
+{
+    const std::string names = names_of(outputs);
+    return fmt::format("after {} of {} frames; results up to there {}", done, all,
+                       names.empty() ? "follow" : "are in " + names);
+}
+
+[[noreturn]] void end_in_a_frame(Report& report, const OutputOptions& outputs, int done, int all)
+{
+    int code = interrupted_code;
+    try {
+        report.interrupted();
+        std::cerr << "oncollide: interrupted " << told(outputs, done, all) << "\n";
+        write_outputs(report, outputs);
+        std::cout.flush();
+    } catch (const Error& error) {
+        std::cerr << "oncollide: " << error.what() << "\n";
+        code = int(error.kind());
+    }
+    std::_Exit(code); // the frame is still under way
+}
+
+} // namespace
+
+int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const OutputOptions& outputs)
 {
     catch_interrupts();
     Mover mover;
-    std::string note, lost;
+    std::string note, why;
+    int done = 0, code = interrupted_code;
     const auto say_note = [&] {
         const std::string now = pipeline.backend_note();
         if (now != note) std::cerr << "oncollide: note: " << printable(now) << "\n";
         note = now;
     };
-    if (!quiet) say_note();
-    int done = 0;
+    if (!outputs.quiet) say_note();
     {
-        Progress progress("frame", std::size_t(frames), quiet);
+        Progress progress("frame", std::size_t(frames), outputs.quiet);
+        Watchdog watchdog([&] { end_in_a_frame(report, outputs, done, frames); });
         try {
-            for (; done < frames && !interrupted(); ++done, progress.step()) {
+            while (done < frames && !interrupted()) {
                 mover.move(scene, done);
-                report.add(pipeline.step(scene));
+                const FrameView frame = pipeline.step(scene);
+                {
+                    const std::lock_guard lock(watchdog.mutex());
+                    report.add(frame);
+                    ++done;
+                }
+                progress.step();
             }
         } catch (const Error& error) {
-            if (error.kind() != ErrorKind::no_gpu) throw;
-            lost = error.what();
+            if (done == 0 || error.kind() == ErrorKind::cannot_write) throw;
+            why = error.what(), code = int(error.kind());
+        } catch (const std::bad_alloc&) {
+            if (done == 0) throw;
+            why = "out of memory", code = int(ErrorKind::internal);
         }
     }
-    if (lost.empty() && !quiet) say_note();
-    if (done == frames) return 0;
+    if (why.empty() && !outputs.quiet) say_note();
+    if (done == frames) {
+        release_interrupts();
+        return 0;
+    }
     report.interrupted();
-    std::cerr << fmt::format("oncollide: {} after {} of {} frames; results up to there follow\n",
-                             lost.empty() ? "interrupted" : lost, done, frames);
-    constexpr int interrupted_code = 130; // as shells have it for Ctrl-C
-    return lost.empty() ? interrupted_code : int(ErrorKind::no_gpu);
+    std::cerr << fmt::format("oncollide: {} {}\n", why.empty() ? "interrupted" : why, told(outputs, done, frames));
+    return code;
 }
 
 } // namespace oncollide::tools

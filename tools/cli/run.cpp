@@ -22,8 +22,8 @@ int run(const RunOptions& options)
     if (!options.outputs.quiet) print_warnings(scene);
 
     Pipeline pipeline(scene, settings);
-    Report report(scene, pipeline, options.outputs.separate);
-    const int code = play(scene, pipeline, report, scene.frames, options.outputs.quiet);
+    Report report(scene, pipeline, parts_of(options.outputs));
+    const int code = play(scene, pipeline, report, scene.frames, options.outputs);
     write_outputs(report, options.outputs);
     return code;
 }
@@ -46,7 +46,8 @@ void add_run(Arguments app)
                "  oncollide run town.json --max-error 0.01 --exact fcl --json results.json\n"
                "  oncollide run city --bodies 500 --skip exact --threads 0 --csv pairs.csv --trace trace.json\n"
                "Stages: bounds, delimitation, broad, ocst, exact. Formats of the results: docs/results.md.\n"
-               "Ctrl-C stops after the frame in hand; what was computed is written, and the exit code is 130.");
+               "Ctrl-C stops after the frame in hand, or in it if that takes over half a second; what was computed is "
+               "written, and the exit code is 130.");
     sub.action([options] { return run(*options); });
 }
 

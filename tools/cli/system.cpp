@@ -74,6 +74,15 @@ void prepare_process()
     }
 }
 
+void release_interrupts()
+{
+    for (int signal : {SIGINT, SIGTERM}) {
+        struct sigaction old {};
+        sigaction(signal, nullptr, &old);
+        if (old.sa_handler != SIG_IGN) std::signal(signal, SIG_DFL);
+    }
+}
+
 std::string processor_name()
 {
     std::ifstream file("/proc/cpuinfo");
@@ -128,6 +137,11 @@ void prepare_process()
             remove_unfinished_files();
             std::raise(number);
         });
+}
+
+void release_interrupts()
+{
+    for (int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
 }
 
 std::string processor_name()

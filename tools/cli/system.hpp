@@ -18,6 +18,8 @@ void prepare_process();
 /// From now on the first Ctrl-C or SIGTERM only sets interrupted(); a second one ends the program.
 void catch_interrupts();
 bool interrupted();
+/// They end the program at once again: nothing waits for interrupted() any more.
+void release_interrupts();
 
 /// The processor's name, or "unknown".
 std::string processor_name();

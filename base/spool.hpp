@@ -1,0 +1,44 @@
+#pragma once
+#include <cstddef>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <iterator>
+#include <memory>
+#include <string_view>
+
+#include <fmt/format.h>
+
+namespace oncollide {
+
+/// Text that is kept until it is known what stands before it: a megabyte in memory, the rest in a file without a name,
+/// which no end of the program leaves behind.
+class Spool {
+public:
+    /// @param folder  for the file; empty, or without room for such a file: the system's folder for temporary files
+    explicit Spool(std::filesystem::path folder = {}) : folder_(std::move(folder)) {}
+    Spool(Spool&&) = default;
+
+    /// Throws Error{cannot_write} when the disk is full.
+    template <class... Args>
+    void print(fmt::format_string<Args...> format, Args&&... args)
+    {
+        fmt::format_to(std::back_inserter(buffer_), format, std::forward<Args>(args)...);
+        if (buffer_.size() > most_in_memory) flush();
+    }
+    /// All of it, in pieces.
+    void read(const std::function<void(std::string_view)>& take) const;
+
+private:
+    struct Close {
+        void operator()(std::FILE* file) const { std::fclose(file); }
+    };
+    static constexpr std::size_t most_in_memory = std::size_t{1} << 20;
+    void flush();
+
+    std::filesystem::path folder_;
+    std::unique_ptr<std::FILE, Close> file_; ///< what came before the buffer, if that is anything
+    fmt::memory_buffer buffer_;
+};
+
+} // namespace oncollide

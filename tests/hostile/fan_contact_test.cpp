@@ -1,0 +1,130 @@
+// Vertices in which hundreds of triangles meet, touching others of that kind: n^2 pairs of triangles touch.
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
+
+namespace oncollide {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+struct Drum {
+    double bottom, top;               ///< of the rim
+    double middle_bottom, middle_top; ///< of the caps' middle vertices: a cone where they are not the rim's
+    double radius = 1, dent = 1;      ///< every other corner of the rim is `dent` times as far out
+    double phase = 0;                 ///< in corners
+    Vector3d centre = Vector3d::Zero();
+};
+
+/// Two fans of n triangles, and a wall between them.
+Mesh drum(std::uint32_t n, const Drum& d, const Matrix3d& rotation = Matrix3d::Identity())
+{
+    std::vector<Vector3d> vertices;
+    std::vector<Triangle> triangles;
+    for (const auto& [z, middle] : {std::pair(d.bottom, d.middle_bottom), std::pair(d.top, d.middle_top)}) {
+        vertices.push_back(rotation * (d.centre + Vector3d(0, 0, middle)));
+        for (std::uint32_t i = 0; i < n; ++i) {
+            const double angle = 2 * std::numbers::pi * (i + d.phase) / n, r = d.radius * (i % 2 ? d.dent : 1);
+            vertices.push_back(rotation * (d.centre + Vector3d(r * std::cos(angle), r * std::sin(angle), z)));
+        }
+    }
+    for (std::uint32_t i = 0; i < n; ++i) {
+        const std::uint32_t low = 1 + i, next = 1 + (i + 1) % n, up = n + 1;
+        triangles.push_back({0, next, low}), triangles.push_back({up, up + low, up + next});
+        triangles.push_back({low, next, up + next}), triangles.push_back({low, up + next, up + low});
+    }
+    return make_mesh("drum", std::move(vertices), std::move(triangles));
+}
+
+const Matrix3d turned = Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+
+struct Outcome {
+    ContactKind kind;
+    double ms;
+};
+
+Outcome check(const Mesh& a, const Mesh& b)
+{
+    Scene scene;
+    scene.add_body({.name = "a", .geometry = scene.add("a", a)});
+    scene.add_body({.name = "b", .geometry = scene.add("b", b)});
+    Settings settings;
+    settings.exact = ExactLevel::predicates, settings.contact_kinds = true;
+    Pipeline pipeline(scene, settings);
+    const auto start = std::chrono::steady_clock::now();
+    const FrameView frame = pipeline.step(scene);
+    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return {frame.pairs.empty() ? ContactKind::unknown : frame.pairs[0].kind, ms};
+}
+
+constexpr std::uint32_t segments = 512;
+const Drum lower{-1, 0, -1, 0}, upper{0, 1, 0, 1};
+
+/// What is exactly in one plane takes a few milliseconds; ten times that for a busy machine.
+void expect_quick(const Mesh& a, const Mesh& b, ContactKind kind, double most_ms)
+{
+    const Outcome outcome = check(a, b), swapped = check(b, a);
+    EXPECT_EQ(outcome.kind, kind);
+    EXPECT_EQ(swapped.kind, kind);
+    EXPECT_LT(std::min(outcome.ms, swapped.ms), most_ms);
+}
+
+TEST(FanContact, StackedCylindersTakeMilliseconds)
+{
+    expect_quick(drum(segments, lower), drum(segments, upper), ContactKind::touching, 100);
+    for (const double radius : {0.1, 1.0}) { // slender ones have walls that touch first
+        Drum a = lower, b = upper;
+        a.radius = b.radius = radius;
+        for (const double phase : {0.0, 0.37})
+            for (const Vector3d& centre : {Vector3d(0, 0, 0), Vector3d(0.3 * radius, 0.11 * radius, 0)}) {
+                SCOPED_TRACE(testing::Message() << radius << ' ' << phase << ' ' << centre.x());
+                b.phase = phase, b.centre = centre;
+                expect_quick(drum(segments, a), drum(segments, b), ContactKind::touching, 100);
+            }
+    }
+}
+
+TEST(FanContact, StackedCylindersAtAnyAngleDoNotTakeSeconds)
+{
+    // The caps' corners are the same, but in no plane.
+    expect_quick(drum(segments, lower, turned), drum(segments, upper, turned), ContactKind::touching, 1500);
+}
+
+TEST(FanContact, ConesThatTouchInAPointDoNotTakeSeconds)
+{
+    const Drum low{-1, -0.5, -1, 0}, high{0.5, 1, 0, 1};
+    expect_quick(drum(segments, low), drum(segments, high), ContactKind::touching, 500);
+    expect_quick(drum(segments, low, turned), drum(segments, high, turned), ContactKind::touching, 500);
+    Drum star = low, other = high;
+    star.dent = other.dent = 0.5, other.phase = 0.3;
+    expect_quick(drum(segments, star), drum(segments, other), ContactKind::touching, 500);
+    expect_quick(drum(segments, star, turned), drum(segments, other, turned), ContactKind::touching, 500);
+}
+
+TEST(FanContact, CoaxialGearsTakeMilliseconds)
+{
+    Drum low = lower, high = upper;
+    low.dent = high.dent = 0.9, high.phase = 0.5;
+    expect_quick(drum(segments, low), drum(segments, high), ContactKind::touching, 100);
+}
+
+/// A cone in the dent of another, which is hollowed out from above: they touch in the point alone.
+TEST(FanContact, ACornerInsideACornerCrosses)
+{
+    const Drum cup{0.25, -1, 0, -1}, outer{1, 2, 0, 2}, inner{2, 2.5, 0, 2.5, 0.5};
+    // A dent above z = 0 of slope 0.25: the cone of slope 2 stands in it outside of the cup's body.
+    expect_quick(drum(64, cup), drum(64, inner), ContactKind::touching, 500);
+    // One cone inside another: their surfaces meet in the point alone, but they share an inside.
+    const Drum narrow{0.75, 0.9, 0, 0.9, 0.25};
+    expect_quick(drum(64, outer), drum(64, narrow), ContactKind::crossing, 500);
+    expect_quick(drum(64, outer, turned), drum(64, narrow, turned), ContactKind::crossing, 500);
+}
+
+} // namespace
+} // namespace oncollide
