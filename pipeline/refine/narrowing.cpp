@@ -38,9 +38,8 @@ void Narrowing::refine(Refiner which, PairRefiner& refiner, RefineContext& conte
     const std::vector<std::uint32_t>& mine = taken_[static_cast<std::size_t>(which)];
     if (mine.empty()) return;
     if (mine.size() == tasks.size()) return refiner.refine(context, tasks, cache, results);
-    tasks_.clear();
-    for (std::uint32_t i : mine) tasks_.push_back(tasks[i]);
-    results_.resize(mine.size());
+    tasks_.clear(), results_.clear();
+    for (std::uint32_t i : mine) tasks_.push_back(tasks[i]), results_.push_back(results[i]);
     refiner.refine(context, tasks_, cache, results_);
     for (std::size_t k = 0; k < mine.size(); ++k) results[mine[k]] = results_[k];
 }

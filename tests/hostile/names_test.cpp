@@ -142,7 +142,7 @@ TEST_F(HostileNames, APlaceIsSaidOnce)
               "s.json: geometries.g.octomap.building.rooms: ");
 }
 
-TEST(HostileMemory, WantOfMemoryInAWorkerIsThrownToTheCaller)
+TEST(HostileWorkers, WantOfMemoryInAWorkerIsThrownToTheCaller)
 {
     for (const int threads : {1, 4})
         for (Executor* executor : {&thread_pool(), &openmp_executor()}) {
