@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <sys/stat.h>
 
+#include "hostile/structure.hpp"
 #include "scenes/mesh_writers.hpp"
 #include "scenes/test_files.hpp"
-#include <oncollide/base/random.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
@@ -228,14 +228,6 @@ TEST_F(HostileGltf, StripsFansSparseAndQuantizedPositionsAreRead)
     refuse(with_place(3), "must ascend");
 }
 
-/// Every value of `json` and what lies in it.
-void collect(nlohmann::json& json, std::vector<nlohmann::json*>& values)
-{
-    values.push_back(&json);
-    if (json.is_structured())
-        for (nlohmann::json& child : json) collect(child, values);
-}
-
 TEST_F(HostileGltf, MutationsOfTheStructureGiveAMeshOrOneError)
 {
     using nlohmann::json;
@@ -255,30 +247,9 @@ TEST_F(HostileGltf, MutationsOfTheStructureGiveAMeshOrOneError)
 
     int accepted = 0;
     constexpr int rounds = 4000;
+    const test::StructureMutator mutated(valid, drawn);
     for (int round = 0; round < rounds; ++round) {
-        std::uint64_t draws = 0;
-        const auto pick = [&](std::size_t n) {
-            return static_cast<std::size_t>(u01(14, static_cast<std::uint64_t>(round), draws++) *
-                                            static_cast<double>(n));
-        };
-        json file = valid;
-        for (std::size_t change = 0; change < 1 + pick(3); ++change) {
-            std::vector<json*> values;
-            collect(file, values);
-            json& value = *values[pick(values.size())];
-            switch (pick(4)) {
-            case 0:
-                if (value.is_object() && !value.empty())
-                    value.erase(std::next(value.begin(), static_cast<int>(pick(value.size()))));
-                break;
-            case 1:
-                value = json(*values[pick(values.size())]);
-                break;
-            default:
-                value = drawn[pick(drawn.size())];
-            }
-        }
-        const auto path = folder_.write("a.gltf", file.dump());
+        const auto path = folder_.write("a.gltf", mutated(std::uint64_t(round)).dump());
         try {
             const Mesh mesh = load_mesh(path);
             EXPECT_NO_THROW(make_mesh("again", mesh.vertices, mesh.triangles));
