@@ -1,10 +1,8 @@
 // oncollide accuracy fuzz: small scenes drawn by lot, held against the truth and against each other.
 #include "cli/command.hpp"
 
-#include <atomic>
 #include <iostream>
 #include <memory>
-#include <mutex>
 
 #include <fmt/format.h>
 
@@ -31,30 +29,20 @@ int fuzz(const FuzzOptions& options)
     check_range("--scenes", options.scenes, 1);
     check_range("--threads", options.threads, 0, 1024);
     check_files({{"--out", options.out}});
-    std::atomic<std::uint64_t> first = ~std::uint64_t(0); // seed that has a fault
-    std::mutex guard;
     Progress progress("scenes", std::size_t(options.scenes));
     const int threads = options.threads ? options.threads : hardware_threads();
-    parallel_chunks(std::size_t(options.scenes), 64, threads, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t k = begin; k < end; ++k) {
-            const std::uint64_t seed = options.seed + k;
-            if (seed < first && !fault_in(draw_scene(seed)).empty())
-                for (std::uint64_t before = first; seed < before && !first.compare_exchange_weak(before, seed);) {}
-            const std::lock_guard lock(guard);
-            progress.step();
-        }
-    });
-    if (first == ~std::uint64_t(0)) {
+    const auto first =
+        first_faulty_seed(options.seed, std::uint64_t(options.scenes), threads, [&] { progress.step(); });
+    if (!first) {
         std::cout << fmt::format("{} scenes, seeds {} to {}: no fault\n", options.scenes, options.seed,
                                  options.seed + std::uint64_t(options.scenes) - 1);
         return 0;
     }
-    const DrawnScene drawn = draw_scene(first),
+    const DrawnScene drawn = draw_scene(*first),
                      small = shrunk(drawn, [](const DrawnScene&d) { return !fault_in(d).empty(); });
     save_scene(small.scene, options.out);
-    std::cout << fmt::format("seed {}: {}\nshrunk to {} bodies: {}\noncollide run {} {}\n", first.load(),
-                             fault_in(drawn), small.scene.size(), fault_in(small), options.out,
-                             options_of(small.settings));
+    std::cout << fmt::format("seed {}: {}\nshrunk to {} bodies: {}\noncollide run {} {}\n", *first, fault_in(drawn),
+                             small.scene.size(), fault_in(small), options.out, options_of(small.settings));
     return int(ErrorKind::internal);
 }
 

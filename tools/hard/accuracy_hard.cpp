@@ -18,6 +18,7 @@
 #include "bench/bench.hpp"
 #include "hard/body_trial.hpp"
 #include "hard/crowd_trial.hpp"
+#include "hard/differential.hpp"
 #include "hard/triangle_trial.hpp"
 
 namespace oncollide::tools {
@@ -30,7 +31,8 @@ struct HardOptions {
     int threads = 1;
 };
 
-constexpr const char *crowd_family = "all of them at once", *solid_crowd_family = "all solids at once";
+constexpr const char *crowd_family = "all of them at once", *solid_crowd_family = "all solids at once",
+                     *drawn_family = "scenes with shapes and maps";
 
 /// Names in the order of their first appearance.
 std::vector<std::string> families_of(const std::vector<BodyCase>& cases)
@@ -48,7 +50,7 @@ public:
     {
         for (const TriangleFamily& family : triangle_families()) known_.push_back(family.name);
         for (const std::string& name : families_of(cases)) known_.push_back(name);
-        known_.push_back(crowd_family), known_.push_back(solid_crowd_family);
+        known_.push_back(crowd_family), known_.push_back(solid_crowd_family), known_.push_back(drawn_family);
         for (const std::string& name : chosen_)
             if (std::find(known_.begin(), known_.end(), name) == known_.end())
                 usage(fmt::format("--family: no '{}'; there are: {}", name, fmt::join(known_, ", ")));
@@ -83,6 +85,16 @@ Tally try_family(const std::string& family, const std::vector<BodyCase>& cases, 
     Tally sum{.family = family};
     for (const Tally& tally : tallies) sum += tally;
     return sum;
+}
+
+/// Small scenes of all kinds of geometry, as `accuracy fuzz` draws them.
+Tally try_drawn(std::uint64_t scenes, int threads)
+{
+    Tally tally{.family = drawn_family, .cases = scenes, .results = scenes};
+    if (const auto seed = first_faulty_seed(1, scenes, threads, [] {}))
+        tally.fault(&Tally::wrong, fmt::format("'oncollide accuracy fuzz --seed {0}' shrinks it: {1}", *seed,
+                                               fault_in(draw_scene(*seed))));
+    return tally;
 }
 
 /// Why gl-compute cannot run here; empty: it can.
@@ -127,6 +139,7 @@ std::vector<Tally> try_all(const HardOptions& options, const Choice& chosen, con
             if (chosen(family.name)) add(try_triangles(family, std::uint64_t(options.count), turned, options.threads));
     for (const std::string& family : families_of(cases))
         if (chosen(family)) add(try_family(family, cases, options.threads));
+    if (chosen(drawn_family)) add(try_drawn(std::uint64_t(options.count + 49) / 50, options.threads));
     const bool surfaces = chosen(crowd_family), solids = chosen(solid_crowd_family);
     if (!surfaces && !solids) return rows;
     const std::string no_gpu = why_no_gpu();

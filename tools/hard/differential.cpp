@@ -1,13 +1,16 @@
 #include "hard/differential.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <functional>
 #include <map>
+#include <mutex>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/parallel.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
 
 #include "hard/convex_truth.hpp"
@@ -236,6 +239,24 @@ try {
     return fault.empty() ? fault_against_others(drawn) : fault;
 } catch (const std::exception& error) {
     return fmt::format("an error: {}", error.what());
+}
+
+std::optional<std::uint64_t> first_faulty_seed(std::uint64_t first, std::uint64_t count, int threads,
+                                               const std::function<void()>& done)
+{
+    constexpr std::uint64_t none = ~std::uint64_t(0);
+    std::mutex guard;
+    std::atomic<std::uint64_t> faulty = none;
+    parallel_chunks(count, 64, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const std::uint64_t seed = first + k;
+            const bool has_fault = seed < faulty && !fault_in(draw_scene(seed)).empty();
+            const std::lock_guard lock(guard);
+            if (has_fault) faulty = std::min<std::uint64_t>(faulty, seed);
+            done();
+        }
+    });
+    return faulty == none ? std::nullopt : std::optional<std::uint64_t>(faulty);
 }
 
 DrawnScene shrunk(DrawnScene drawn, const std::function<bool(const DrawnScene&)>& faulty)
