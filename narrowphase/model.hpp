@@ -11,8 +11,8 @@
 #include <oncollide/narrowphase/boxes/map_tree.hpp>
 #include <oncollide/narrowphase/boxes/obb_tree.hpp>
 #include <oncollide/narrowphase/exact/exact_fcl.hpp>
-#include <oncollide/narrowphase/exact/parts.hpp>
-#include <oncollide/narrowphase/exact/shape_core.hpp>
+#include <oncollide/narrowphase/inside/parts.hpp>
+#include <oncollide/narrowphase/solids/shape_core.hpp>
 #include <oncollide/narrowphase/spheres/ocst.hpp>
 #include <oncollide/narrowphase/spheres/surface.hpp>
 
@@ -72,8 +72,7 @@ public:
 private:
     std::shared_ptr<const Geometry> geometry_;
     PoseBounds bounds_;
-    mutable std::once_flag bounding_mesh_once_, closed_once_, parts_once_, fcl_once_,
-        core_once_, cells_once_;
+    mutable std::once_flag bounding_mesh_once_, closed_once_, parts_once_, fcl_once_, core_once_, cells_once_;
     mutable std::optional<BoundingMesh> bounding_mesh_;
     mutable std::optional<ShapeCore> core_;
     mutable std::unique_ptr<MapTree> cells_;

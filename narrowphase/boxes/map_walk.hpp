@@ -1,6 +1,6 @@
 #pragma once
 #include <oncollide/narrowphase/boxes/box_walk.hpp>
-#include <oncollide/narrowphase/exact/cell_tests.hpp>
+#include <oncollide/narrowphase/solids/cell_tests.hpp>
 
 namespace oncollide {
 

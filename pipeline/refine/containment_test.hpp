@@ -3,7 +3,7 @@
 #include <vector>
 
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/narrowphase/exact/point_place.hpp>
+#include <oncollide/narrowphase/inside/point_place.hpp>
 #include <oncollide/pipeline/model_store.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
 

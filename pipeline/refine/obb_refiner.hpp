@@ -2,7 +2,7 @@
 #include <vector>
 
 #include <oncollide/narrowphase/boxes/traversal.hpp>
-#include <oncollide/narrowphase/exact/shared_inside.hpp>
+#include <oncollide/narrowphase/inside/shared_inside.hpp>
 #include <oncollide/pipeline/model_store.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
 #include <oncollide/pipeline/refine/solid_pairs.hpp>

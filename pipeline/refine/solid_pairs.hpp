@@ -1,6 +1,6 @@
 #pragma once
 #include <oncollide/narrowphase/boxes/map_walk.hpp>
-#include <oncollide/narrowphase/exact/point_place.hpp>
+#include <oncollide/narrowphase/inside/point_place.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
 
 namespace oncollide {

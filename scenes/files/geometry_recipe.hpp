@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/scenes/files/json_node.hpp>
+#include <oncollide/scenes/files/json/json_node.hpp>
 #include <oncollide/scenes/scene.hpp>
 
 namespace oncollide {

@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include <oncollide/scenes/files/gltf_accessor.hpp>
+#include <oncollide/scenes/files/gltf/gltf_accessor.hpp>
 #include <oncollide/scenes/files/mesh_source.hpp>
 
 namespace oncollide {

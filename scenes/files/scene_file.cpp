@@ -8,8 +8,8 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/scenes/files/geometry_recipe.hpp>
-#include <oncollide/scenes/files/json_fault.hpp>
-#include <oncollide/scenes/files/json_node.hpp>
+#include <oncollide/scenes/files/json/json_fault.hpp>
+#include <oncollide/scenes/files/json/json_node.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 #include <oncollide/scenes/files/quaternion.hpp>
 #include <oncollide/scenes/files/scene_pose.hpp>

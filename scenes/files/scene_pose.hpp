@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <oncollide/scenes/files/json_node.hpp>
+#include <oncollide/scenes/files/json/json_node.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 namespace oncollide {

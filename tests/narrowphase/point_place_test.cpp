@@ -8,7 +8,7 @@
 
 #include <oncollide/base/random.hpp>
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
-#include <oncollide/narrowphase/exact/point_place.hpp>
+#include <oncollide/narrowphase/inside/point_place.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
 #include "mesh_parts.hpp"

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/random.hpp>
-#include <oncollide/narrowphase/exact/shared_inside.hpp>
+#include <oncollide/narrowphase/inside/shared_inside.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
 #include "mesh_parts.hpp"

@@ -7,7 +7,7 @@
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
-#include "hard/differential.hpp"
+#include "differential/differential.hpp"
 
 namespace oncollide {
 namespace {

@@ -1,5 +1,5 @@
 #include <oncollide/base/random.hpp>
-#include <oncollide/scenes/files/json_tape.hpp>
+#include <oncollide/scenes/files/json/json_tape.hpp>
 
 #include <optional>
 
@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/scenes/files/json_fault.hpp>
+#include <oncollide/scenes/files/json/json_fault.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 namespace oncollide {

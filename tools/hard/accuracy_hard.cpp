@@ -16,9 +16,9 @@
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
 #include "bench/bench.hpp"
+#include "differential/differential.hpp"
 #include "hard/body_trial.hpp"
 #include "hard/crowd_trial.hpp"
-#include "hard/differential.hpp"
 #include "hard/triangle_trial.hpp"
 
 namespace oncollide::tools {

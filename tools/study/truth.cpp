@@ -7,7 +7,7 @@
 #include <oncollide/narrowphase/relative_pose.hpp>
 #include <oncollide/scenes/model/mesh_topology.hpp>
 
-#include "hard/convex_truth.hpp"
+#include "differential/convex_truth.hpp"
 #include "hard/solid_truth.hpp"
 #include "hard/winding_number.hpp"
 #include "study/accuracy_check.hpp"

@@ -1,4 +1,4 @@
-#include <oncollide/scenes/files/json_tape.hpp>
+#include <oncollide/scenes/files/json/json_tape.hpp>
 
 #include <charconv>
 #include <cmath>

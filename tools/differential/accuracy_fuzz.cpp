@@ -12,7 +12,7 @@
 
 #include "cli/outputs.hpp"
 #include "cli/progress.hpp"
-#include "hard/differential.hpp"
+#include "differential/differential.hpp"
 
 namespace oncollide::tools {
 namespace {

@@ -1,9 +1,9 @@
-#include <oncollide/narrowphase/exact/shared_inside.hpp>
+#include <oncollide/narrowphase/inside/shared_inside.hpp>
 
 #include <algorithm>
 #include <cmath>
 
-#include <oncollide/narrowphase/exact/corner_fans.hpp>
+#include <oncollide/narrowphase/inside/corner_fans.hpp>
 
 namespace oncollide {
 

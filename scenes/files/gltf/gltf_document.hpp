@@ -3,7 +3,7 @@
 #include <string_view>
 #include <vector>
 
-#include <oncollide/scenes/files/json_node.hpp>
+#include <oncollide/scenes/files/json/json_node.hpp>
 #include <oncollide/scenes/files/mesh_source.hpp>
 
 namespace oncollide {

@@ -1,4 +1,4 @@
-#include <oncollide/narrowphase/exact/corner_fans.hpp>
+#include <oncollide/narrowphase/inside/corner_fans.hpp>
 
 #include <map>
 #include <utility>

@@ -1,4 +1,4 @@
-#include <oncollide/narrowphase/exact/point_place.hpp>
+#include <oncollide/narrowphase/inside/point_place.hpp>
 
 #include <optional>
 

@@ -1,4 +1,4 @@
-#include <oncollide/scenes/files/json_node.hpp>
+#include <oncollide/scenes/files/json/json_node.hpp>
 
 #include <algorithm>
 #include <limits>

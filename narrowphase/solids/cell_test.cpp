@@ -1,4 +1,4 @@
-#include <oncollide/narrowphase/exact/cell_test.hpp>
+#include <oncollide/narrowphase/solids/cell_test.hpp>
 
 #include <algorithm>
 #include <limits>

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <oncollide/scenes/files/gltf_document.hpp>
+#include <oncollide/scenes/files/gltf/gltf_document.hpp>
 
 namespace oncollide {
 

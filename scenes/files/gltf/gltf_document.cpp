@@ -1,4 +1,4 @@
-#include <oncollide/scenes/files/gltf_document.hpp>
+#include <oncollide/scenes/files/gltf/gltf_document.hpp>
 
 #include <algorithm>
 #include <bit>
@@ -8,7 +8,7 @@
 #include <fmt/ranges.h>
 
 #include <oncollide/base/file_bytes.hpp>
-#include <oncollide/scenes/files/json_fault.hpp>
+#include <oncollide/scenes/files/json/json_fault.hpp>
 
 namespace oncollide {
 

@@ -1,6 +1,6 @@
-#include <oncollide/narrowphase/exact/shape_core.hpp>
+#include <oncollide/narrowphase/solids/shape_core.hpp>
 
-#include <oncollide/narrowphase/exact/convex_surface.hpp>
+#include <oncollide/narrowphase/solids/convex_surface.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/model/surface_grid.hpp>
 

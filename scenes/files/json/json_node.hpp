@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include <oncollide/scenes/files/json_tape.hpp>
+#include <oncollide/scenes/files/json/json_tape.hpp>
 
 namespace oncollide {
 

@@ -1,4 +1,4 @@
-#include <oncollide/scenes/files/gltf_buffers.hpp>
+#include <oncollide/scenes/files/gltf/gltf_buffers.hpp>
 
 #include <filesystem>
 

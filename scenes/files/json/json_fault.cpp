@@ -1,4 +1,4 @@
-#include <oncollide/scenes/files/json_fault.hpp>
+#include <oncollide/scenes/files/json/json_fault.hpp>
 
 #include <set>
 #include <vector>
@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/scenes/files/json_tape.hpp>
+#include <oncollide/scenes/files/json/json_tape.hpp>
 
 namespace oncollide {
 

@@ -1,4 +1,4 @@
-#include <oncollide/narrowphase/exact/parts.hpp>
+#include <oncollide/narrowphase/inside/parts.hpp>
 
 #include <algorithm>
 

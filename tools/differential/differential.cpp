@@ -1,4 +1,4 @@
-#include "hard/differential.hpp"
+#include "differential/differential.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -13,7 +13,7 @@
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
 
-#include "hard/convex_truth.hpp"
+#include "differential/convex_truth.hpp"
 
 namespace oncollide::tools {
 namespace {

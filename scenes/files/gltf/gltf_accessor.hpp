@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include <oncollide/scenes/files/gltf_buffers.hpp>
+#include <oncollide/scenes/files/gltf/gltf_buffers.hpp>
 
 namespace oncollide {
 

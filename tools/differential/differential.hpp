@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "hard/drawn_scene.hpp"
+#include "differential/drawn_scene.hpp"
 
 namespace oncollide::tools {
 

@@ -1,4 +1,4 @@
-#include "hard/drawn_scene.hpp"
+#include "differential/drawn_scene.hpp"
 
 #include <random>
 

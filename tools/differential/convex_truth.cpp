@@ -1,4 +1,4 @@
-#include "hard/convex_truth.hpp"
+#include "differential/convex_truth.hpp"
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,7 @@
 
 #include <oncollide/narrowphase/boxes/map_tree.hpp>
 #include <oncollide/narrowphase/boxes/obb_tree.hpp>
-#include <oncollide/narrowphase/exact/cell_test.hpp>
+#include <oncollide/narrowphase/solids/cell_test.hpp>
 
 namespace oncollide {
 

@@ -1,4 +1,4 @@
-#include <oncollide/narrowphase/exact/convex_surface.hpp>
+#include <oncollide/narrowphase/solids/convex_surface.hpp>
 
 #include <algorithm>
 #include <set>

@@ -1,4 +1,4 @@
-#include <oncollide/scenes/files/gltf_accessor.hpp>
+#include <oncollide/scenes/files/gltf/gltf_accessor.hpp>
 
 #include <algorithm>
 #include <cstring>
