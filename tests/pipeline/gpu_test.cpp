@@ -16,9 +16,10 @@ Scene many(int bodies)
 /// The cpu backend, until the call at which it is lost.
 class DyingBackend final : public OcclusionBackend {
 public:
-    explicit DyingBackend(int calls) : left_(calls) {}
+    /// @param coarse  added to the error that the cells have, as a share of their half side
+    explicit DyingBackend(int calls, double coarse = 0) : left_(calls), coarse_(coarse) {}
     std::string name() const override { return "dying"; }
-    double error(double half) const override { return cpu_->error(half); }
+    double error(double half) const override { return cpu_->error(half) + coarse_ * half; }
     void attach(std::uint32_t tree, Surface surface) override { count(), cpu_->attach(tree, std::move(surface)); }
     bool attached(std::uint32_t tree) const override { return cpu_->attached(tree); }
     void detach(std::uint32_t tree) override { cpu_->detach(tree); }
@@ -39,6 +40,7 @@ private:
     }
     std::unique_ptr<OcclusionBackend> cpu_ = make_cpu_backend();
     int left_;
+    double coarse_;
 };
 
 struct Played {
@@ -125,6 +127,36 @@ TEST(Gpu, AFrameInWhichItIsLostIsFinishedOnTheCpu)
         lost += played.note.find("it died") != std::string::npos;
     }
     EXPECT_GT(lost, 10);
+}
+
+/// As those of gl-query are found on pixels: the bound must allow for it whoever goes on.
+TEST(Gpu, CellsThatALostOneFoundKeepTheirError)
+{
+    constexpr int never = 1 << 30;
+    const Scene scene = many(60);
+    const Settings settings{.depth = 5, .backend = BackendKind::automatic};
+    const auto coarse = play(scene, settings, 1, std::make_unique<DyingBackend>(never, 0.25)).hashes;
+    EXPECT_NE(coarse, play(scene, settings, 1, std::make_unique<DyingBackend>(never)).hashes);
+    int lost = 0;
+    for (const int calls : {3, 8, 16}) {
+        const Played played = play(scene, settings, 1, std::make_unique<DyingBackend>(calls, 0.25));
+        lost += !played.note.empty();
+        EXPECT_EQ(played.hashes, coarse) << calls;
+    }
+    EXPECT_EQ(lost, 3);
+}
+
+TEST(Gpu, TakesNoPartWhereExactTestsDecideAndSaysSo)
+{
+    try {
+        Pipeline pipeline(many(5), {.exact = ExactLevel::predicates, .backend = BackendKind::gl_compute});
+        EXPECT_NE(pipeline.backend_note().find("takes no part"), std::string::npos) << pipeline.backend_note();
+        Pipeline spheres(many(5), {.backend = BackendKind::gl_compute});
+        EXPECT_EQ(spheres.backend_note().find("takes no part"), std::string::npos) << spheres.backend_note();
+    } catch (const Error& error) {
+        if (error.kind() != ErrorKind::no_gpu) throw;
+        GTEST_SKIP() << error.what();
+    }
 }
 
 TEST(Gpu, OneAskedForByNameThatIsLostEndsTheRunAfterTheFrame)

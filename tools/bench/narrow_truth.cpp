@@ -66,9 +66,9 @@ private:
         if (exact_) {
             std::vector<TrianglePair> exact;
             if (all_) exact_->all_pairs(known.b, exact), std::sort(exact.begin(), exact.end());
-            const bool right = all_ ? !exact.empty() : exact_->collides(known.b);
-            differ_ += all_ ? exact != pairs : right != colliding;
-            pairs = std::move(exact), colliding = right;
+            const bool meet = all_ ? !exact.empty() : exact_->collides(known.b);
+            differ_ += all_ ? exact != pairs : meet != colliding;
+            pairs = std::move(exact), colliding = meet;
         }
         if (known.colliding) ++expected_, unexpected_ += colliding != *known.colliding;
         if (known.triangle_pairs) expected_pairs_ += *known.triangle_pairs, found_pairs_ += pairs.size();
