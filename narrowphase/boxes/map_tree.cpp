@@ -118,44 +118,56 @@ MapTree::Entry MapTree::entry(const Aabb& box) const
 
 LaneMasks MapTree::open(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const
 {
-    unsigned lanes = 0;
-    const auto add = [&](Aabb box) {
-        // Octants reach far beyond the cells, and floats so large would err by more than the walk allows for.
-        box.min = box.min.cwiseMax(bounds_.min), box.max = box.max.cwiseMin(bounds_.max);
-        const Eigen::Vector3f c = (box.centre() - centre_).cast<float>(), h = box.half_extent().cast<float>();
-        for (int i = 0; i < 3; ++i) {
-            boxes.c[i][lanes] = c[i];
-            if (placement) {
-                const float* row = placement->rotation + 3 * i;
-                boxes.c[i][lanes] = row[0] * c[0] + row[1] * c[1] + row[2] * c[2] + placement->translation[i];
+    // Octants are combinations of two halves along each axis, or of the whole. They reach far beyond the cells, and
+    // floats so large would err by more than the walk allows for, so they are cut to the cells' bounds.
+    const bool one = node.index & whole; // the root, too
+    const double half = one ? node.cube.side : node.cube.side / 2;
+    const std::int32_t low[3] = {node.cube.x, node.cube.y, node.cube.z};
+    float centre[3][2], extent[3][2];
+    for (int i = 0; i < 3; ++i)
+        for (int side = 0; side < 2 - one; ++side) {
+            double from = bounds_.min[i], to = bounds_.max[i];
+            if (node.index != root.index) {
+                from = std::max(from, (low[i] + side * half) * resolution_);
+                to = std::min(to, (low[i] + (side + 1) * half) * resolution_);
             }
-            boxes.h[i][lanes] = h[i];
+            centre[i][side] = static_cast<float>(0.5 * (from + to) - centre_[i]);
+            extent[i][side] = static_cast<float>(0.5 * (to - from));
         }
-        boxes.size[lanes++] = h.squaredNorm();
-    };
+
     LaneMasks masks{0, 0};
-    if (node.index == root.index) {
-        add(bounds_);
-    } else if (node.index & whole) {
-        add(node.cube.box(resolution_));
-    } else {
-        const Inner inner = nodes_[node.index];
-        for (unsigned all = inner.parted | inner.full; all; all &= all - 1) {
-            const auto k = static_cast<unsigned>(__builtin_ctz(all));
-            if (inner.full >> k & 1) masks.leaves |= 1u << lanes;
-            add(node.cube.octant(k).box(resolution_));
+    const Inner inner = one ? Inner{0, 1, 0} : nodes_[node.index];
+    unsigned lanes = 0;
+    for (unsigned all = inner.parted | inner.full; all; all &= all - 1, ++lanes) {
+        const auto k = static_cast<unsigned>(__builtin_ctz(all));
+        if (inner.full >> k & 1) masks.leaves |= 1u << lanes;
+        float size = 0;
+        for (unsigned i = 0; i < 3; ++i) {
+            const unsigned side = k >> i & 1;
+            boxes.c[i][lanes] = centre[i][side], boxes.h[i][lanes] = extent[i][side];
+            size += extent[i][side] * extent[i][side];
         }
-        masks.singles = masks.leaves;
+        boxes.size[lanes] = size;
     }
+    masks.singles = masks.leaves;
     for (unsigned k = lanes; k < 8; ++k) {
         for (int i = 0; i < 3; ++i) boxes.c[i][k] = 1e30f, boxes.h[i][k] = 0;
         boxes.size[k] = 0;
     }
+    if (!placement) {
+        static constexpr float along[3][8] = {{1, 1, 1, 1, 1, 1, 1, 1}, {}, {}};
+        for (int axis = 0; axis < 3; ++axis)
+            for (int i = 0; i < 3; ++i) std::copy_n(along[(i - axis + 3) % 3], 8, boxes.axis[axis][i]);
+        return masks;
+    }
+    const float* r = placement->rotation;
+    for (unsigned k = 0; k < lanes; ++k) {
+        const float x = boxes.c[0][k], y = boxes.c[1][k], z = boxes.c[2][k];
+        for (int i = 0; i < 3; ++i)
+            boxes.c[i][k] = r[3 * i] * x + r[3 * i + 1] * y + r[3 * i + 2] * z + placement->translation[i];
+    }
     for (int axis = 0; axis < 3; ++axis)
-        for (int i = 0; i < 3; ++i) {
-            const float along = placement ? placement->rotation[3 * i + axis] : float(axis == i);
-            for (float& of_lane : boxes.axis[axis][i]) of_lane = along;
-        }
+        for (int i = 0; i < 3; ++i) std::fill_n(boxes.axis[axis][i], 8, r[3 * i + axis]);
     return masks;
 }
 
