@@ -47,10 +47,16 @@ void ObbTree::number_triangles()
     std::iota(order_.begin(), order_.end(), 0u);
 }
 
+/// No more than there can be: rays and boxes are small meshes.
+std::size_t ObbTree::room_in(const Mesh& mesh, std::size_t number)
+{
+    return std::min<std::size_t>(chunk, most_nodes(mesh) - number * chunk);
+}
+
 std::uint32_t ObbTree::add_node()
 {
     const std::uint32_t index = used_.fetch_add(1);
-    if (!chunks_[index / chunk]) chunks_[index / chunk] = std::make_unique<BoxNode[]>(chunk);
+    if (!chunks_[index / chunk]) chunks_[index / chunk] = std::make_unique<BoxNode[]>(room_in(mesh_, index / chunk));
     return index;
 }
 
@@ -135,15 +141,16 @@ void ObbTree::add_lane(BoxNode& node, std::span<const Item> items, std::uint32_t
 std::size_t ObbTree::most_bytes(const Mesh& mesh)
 {
     const std::size_t triangles = mesh.triangles.size(), chunks = most_nodes(mesh) / chunk + 1;
-    return chunks * (chunk * sizeof(BoxNode) + sizeof(chunks_[0])) +
+    return most_nodes(mesh) * sizeof(BoxNode) + chunks * sizeof(chunks_[0]) +
            triangles * (sizeof(order_[0]) + 2 * (sizeof(Item) + sizeof(TrianglePoints)));
 }
 
 std::size_t ObbTree::bytes() const
 {
-    std::size_t chunks = 0;
-    for (const auto& c : chunks_) chunks += c != nullptr;
-    return chunks * chunk * sizeof(BoxNode) + chunks_.capacity() * sizeof(chunks_[0]) +
+    std::size_t nodes = 0;
+    for (std::size_t c = 0; c < chunks_.size(); ++c)
+        if (chunks_[c]) nodes += room_in(mesh_, c);
+    return nodes * sizeof(BoxNode) + chunks_.capacity() * sizeof(chunks_[0]) +
            order_.capacity() * sizeof(order_[0]) + items_.capacity() * sizeof(Item) +
            points_.capacity() * sizeof(TrianglePoints);
 }

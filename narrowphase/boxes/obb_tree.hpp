@@ -60,6 +60,7 @@ public:
 
 private:
     static constexpr std::uint32_t chunk = 64;
+    static std::size_t room_in(const Mesh& mesh, std::size_t number); ///< nodes of a chunk
 
     BoxNode& at(std::uint32_t index) { return chunks_[index / chunk][index % chunk]; }
     void number_triangles();
