@@ -20,8 +20,8 @@ struct Comparison {
     /// Colliding for FCL, but not left over, where a primitive shape takes part and the overlap is below
     /// `shape_rounding`.
     std::uint64_t missed_by_rounding = 0;
-    std::uint64_t wrong_exact =
-        0;                    ///< `colliding` where FCL says no, or not where it says yes: must be 0 with exact fcl
+    /// `colliding` where FCL says no, and, where a shape takes part, extended precision too. 0 with exact fcl.
+    std::uint64_t wrong_exact = 0;
     std::string first_missed; ///< names of the bodies
     Comparison& operator+=(const Comparison& other);
 };
