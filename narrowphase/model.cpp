@@ -46,9 +46,9 @@ std::span<const PartPoints> Model::parts() const
     return parts_;
 }
 
-const FclModel& Model::fcl(bool for_distances) const
+const FclModel& Model::fcl() const
 {
-    std::call_once(fcl_once_, [&] { fcl_ = make_fcl_model(geometry_->data, for_distances); });
+    std::call_once(fcl_once_, [&] { fcl_ = make_fcl_model(geometry_->data); });
     return *fcl_;
 }
 

@@ -59,8 +59,7 @@ public:
     /// Connected parts, each by points of it.
     std::span<const PartPoints> parts() const;
     /// FCL's model, for exact = fcl.
-    /// @param for_distances  the same in every call
-    const FclModel& fcl(bool for_distances) const;
+    const FclModel& fcl() const;
 
     std::uint32_t number = 0;       ///< by which backends know its sphere-tree
     std::unique_ptr<Ocst> spheres;  ///< the sphere-tree; null until a test reaches it

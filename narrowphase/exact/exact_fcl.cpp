@@ -10,10 +10,9 @@ namespace {
 
 using ModelPtr = std::shared_ptr<fcl::CollisionGeometryd>;
 
-template <class Volume>
 ModelPtr make_bvh(const Mesh& mesh)
 {
-    auto model = std::make_shared<fcl::BVHModel<Volume>>();
+    auto model = std::make_shared<fcl::BVHModel<fcl::OBBd>>();
     std::vector<fcl::Triangle> triangles;
     triangles.reserve(mesh.triangles.size());
     for (const Triangle& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
@@ -62,31 +61,21 @@ private:
     ModelPtr geometry_;
 };
 
-std::shared_ptr<const FclModel> make_fcl_model(const GeometryData& geometry, bool for_distances)
+std::shared_ptr<const FclModel> make_fcl_model(const GeometryData& geometry)
 {
-    // OBBs alone are faster; distances need the swept spheres of OBBRSS.
-    if (const auto* mesh = std::get_if<Mesh>(&geometry))
-        return std::make_shared<FclModel>(for_distances ? make_bvh<fcl::OBBRSSd>(*mesh) : make_bvh<fcl::OBBd>(*mesh));
+    if (const auto* mesh = std::get_if<Mesh>(&geometry)) return std::make_shared<FclModel>(make_bvh(*mesh));
     if (const auto* shape = std::get_if<Shape>(&geometry))
         return std::make_shared<FclModel>(std::visit(ShapeModel{}, *shape));
     return std::make_shared<FclModel>(std::make_shared<fcl::OcTreed>(std::get<OccupancyMap>(geometry).tree));
 }
 
-FclResult fcl_result(const FclModel& a, const Eigen::Isometry3d& pose_a, const FclModel& b,
-                     const Eigen::Isometry3d& pose_b, double clearance)
+bool fcl_collides(const FclModel& a, const Eigen::Isometry3d& pose_a, const FclModel& b,
+                  const Eigen::Isometry3d& pose_b)
 {
     fcl::CollisionRequestd request(1, false);
     fcl::CollisionResultd result;
     fcl::collide(a.get(), pose_a, b.get(), pose_b, request, result);
-    if (result.isCollision()) return {Verdict::colliding, 0};
-    if (clearance <= 0) return {Verdict::separate, 0};
-    fcl::DistanceRequestd distance_request;
-    fcl::DistanceResultd distance_result;
-    // At the origin: FCL measures in world coordinates, which round where bodies are far away.
-    Eigen::Isometry3d here_a = pose_a, here_b = pose_b;
-    here_b.translation() -= here_a.translation(), here_a.translation().setZero();
-    const double distance = fcl::distance(a.get(), here_a, b.get(), here_b, distance_request, distance_result);
-    return {distance <= clearance ? Verdict::within : Verdict::separate, std::max(distance, 0.0)};
+    return result.isCollision();
 }
 
 } // namespace oncollide

@@ -19,12 +19,12 @@ bool fcl_available()
 
 class FclModel {};
 
-std::shared_ptr<const FclModel> make_fcl_model(const GeometryData&, bool)
+std::shared_ptr<const FclModel> make_fcl_model(const GeometryData&)
 {
     refuse();
 }
 
-FclResult fcl_result(const FclModel&, const Eigen::Isometry3d&, const FclModel&, const Eigen::Isometry3d&, double)
+bool fcl_collides(const FclModel&, const Eigen::Isometry3d&, const FclModel&, const Eigen::Isometry3d&)
 {
     refuse();
 }
