@@ -73,6 +73,29 @@ TEST_F(HostileOutputs, TemporaryFilesOfOtherRunsBlockNobody)
     EXPECT_TRUE(folder_.list().empty());
 }
 
+/// After the run, when nothing asks for interrupted() any more, and results that took a while to write are half there.
+TEST_F(HostileOutputs, AnInterruptWhileResultsAreWrittenLeavesNoTemporaryFile)
+{
+    const std::string program = ONCOLLIDE_COMMAND;
+    Surroundings around{.folder = folder_.path()};
+    around.environment.emplace_back("ONCOLLIDE_DATA", "");
+    around.meanwhile = [&](pid_t child) {
+        const auto begun = [&] { // what only tries whether it can write leaves files empty
+            for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
+                if (std::error_code gone; entry.file_size(gone) > 0 && !gone) return true;
+            return false;
+        };
+        for (int k = 0; k < 60'000 && !begun(); ++k) ::usleep(500);
+        ::kill(child, SIGINT);
+    };
+    const Outcome outcome = run_program(
+        program, {"run", "many", "--bodies", "2000", "--frames", "40", "--separate", "--json", "out.json", "--quiet"},
+        around);
+    if (outcome.code == 0) GTEST_SKIP() << "it was written too soon";
+    EXPECT_EQ(outcome.code, 1000 + SIGINT);
+    EXPECT_TRUE(folder_.list().empty());
+}
+
 class Ended : public HostileOutputs, public ::testing::WithParamInterface<int> {};
 
 TEST_P(Ended, ASignalLeavesNoTemporaryFile)

@@ -28,6 +28,11 @@ void catch_interrupts()
     catching = 1;
 }
 
+void release_interrupts()
+{
+    catching = 0;
+}
+
 bool interrupted()
 {
     return stop;
@@ -71,15 +76,6 @@ void prepare_process()
         };
         action.sa_flags = SA_RESTART;
         sigaction(signal, &action, nullptr);
-    }
-}
-
-void release_interrupts()
-{
-    for (int signal : {SIGINT, SIGTERM}) {
-        struct sigaction old {};
-        sigaction(signal, nullptr, &old);
-        if (old.sa_handler != SIG_IGN) std::signal(signal, SIG_DFL);
     }
 }
 
@@ -137,11 +133,6 @@ void prepare_process()
             remove_unfinished_files();
             std::raise(number);
         });
-}
-
-void release_interrupts()
-{
-    for (int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
 }
 
 std::string processor_name()
