@@ -9,8 +9,7 @@ namespace oncollide {
 /// Calls work(begin, end, thread) for chunks of at most `grain` items that cover [0, count) once, as up to `threads`
 /// tasks of current_executor(); `thread`, in [0, threads), is that of one call at a time. Which thread gets which chunk
 /// is not fixed: results must be joined by item. With one thread or one chunk, and inside another such loop, it is a
-/// plain call. What `work` throws, for want of memory, ends the
-/// loop, which throws it on.
+/// plain call. What `work` throws, for want of memory, ends the loop, which throws it on.
 void parallel_chunks(std::size_t count, std::size_t grain, int threads,
                      FunctionRef<void(std::size_t begin, std::size_t end, int thread)> work);
 

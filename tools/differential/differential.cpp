@@ -110,12 +110,14 @@ const char* fault_of(const Result& r, const TrueDistance& truth, const Settings&
     return nullptr;
 }
 
-std::string fault_against_truth(const DrawnScene& drawn)
+/// Fills `all` with the results, frame by frame.
+std::string fault_against_truth(const DrawnScene& drawn, std::vector<FrameResults>& all)
 {
     const Settings& s = drawn.settings;
     std::string fault;
     int frame = 0;
     run(drawn.scene, s, [&](const Scene& scene, const FrameResults& results) {
+        all.push_back(results);
         const auto bodies = static_cast<std::uint32_t>(scene.size());
         std::vector<std::vector<ConvexSet>> sets;
         for (std::uint32_t body = 0; body < bodies; ++body) sets.push_back(sets_of(scene, body, s));
@@ -151,9 +153,9 @@ Scene reversed(const Scene& scene)
     return other;
 }
 
-std::string fault_against_others(const DrawnScene& drawn)
+/// @param results  of the scene as it is
+std::string fault_against_others(const DrawnScene& drawn, const std::vector<FrameResults>& results)
 {
-    const auto results = results_of(drawn.scene, drawn.settings);
     const auto same = [&](const char* what, auto change) -> std::string {
         Settings other = drawn.settings;
         change(other);
@@ -235,8 +237,9 @@ void with_one_part_less(const GeometryData& geometry, const std::function<bool(G
 
 std::string fault_in(const DrawnScene& drawn)
 try {
-    const std::string fault = fault_against_truth(drawn);
-    return fault.empty() ? fault_against_others(drawn) : fault;
+    std::vector<FrameResults> results;
+    const std::string fault = fault_against_truth(drawn, results);
+    return fault.empty() ? fault_against_others(drawn, results) : fault;
 } catch (const std::exception& error) {
     return fmt::format("an error: {}", error.what());
 }

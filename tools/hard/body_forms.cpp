@@ -70,14 +70,12 @@ BodyForm moved(BodyForm form, const char* name, const Isometry3d& motion)
 void find_truth(BodyForm& form)
 {
     FclPair fcl(form.a, form.b, FclNodes::obb);
-    FclPair fcl_distances(form.a, form.b, FclNodes::obbrss);
     for (std::size_t k = 0; k < form.poses_b.size(); ++k) {
         const Isometry3d &a = form.poses_a[k], &b = form.poses_b[k];
         PairTruth& truth = form.truths.emplace_back();
         truth.surfaces = truth_of(form.a, a, form.b, b);
         truth.solids = solid_truth_of(form.a, a, form.b, b, truth.surfaces.deep);
         truth.fcl_collide = fcl.collides(between(a, b));
-        if (!truth.surfaces.collide && !truth.fcl_collide) truth.fcl_distance = fcl_distances.distance(between(a, b));
     }
 }
 

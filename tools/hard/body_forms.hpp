@@ -13,7 +13,6 @@ struct PairTruth {
     BodyTruth surfaces;
     SolidTruth solids;
     bool fcl_collide = false;
-    double fcl_distance = 0; ///< 0 where surfaces or FCL say that they collide
 };
 
 /// Whom a form is for: all, those for whom meshes are surfaces alone, or those for whom insides count.

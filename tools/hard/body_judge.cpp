@@ -73,8 +73,7 @@ bool left_open_by_fcl(const BodyResult& result, const PairTruth& truth, const Se
 {
     const bool open =
         (result.verdict == Verdict::within && result.kind != ContactKind::near) || result.verdict == Verdict::undecided;
-    return open && decides(settings) && fcl_decides(settings) &&
-           (settings.clearance > 0 || truth.fcl_collide != truth.surfaces.collide);
+    return open && decides(settings) && fcl_decides(settings) && truth.fcl_collide != truth.surfaces.collide;
 }
 
 bool right_kind(const BodyResult& result, const PairTruth& truth, const Settings& settings, bool exact)
@@ -125,12 +124,6 @@ bool decides(const Settings& settings)
 bool fcl_decides(const Settings& s)
 {
     return s.exact == ExactLevel::fcl;
-}
-
-bool fcl_is_sure(const PairTruth& truth, const Settings& settings)
-{
-    return settings.clearance == 0 ||
-           std::abs(truth.fcl_distance - settings.clearance) > 1e-9 * truth.surfaces.distance.size;
 }
 
 void judge(const PairTruth& truth, const Settings& settings, const BodyResult& result, Tally& tally,

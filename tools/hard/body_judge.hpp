@@ -21,9 +21,6 @@ struct BodyResult {
 bool decides(const Settings& settings);
 /// True when FCL, which may err, must agree with what exact tests say.
 bool fcl_decides(const Settings& settings);
-/// What FCL says about surfaces, the clearance included, leaves no doubt: it is not at the clearance but for rounding.
-bool fcl_is_sure(const PairTruth& truth, const Settings& settings);
-
 /// Holds one result against the truth: verdict, kind and bound. Where FCL errs a pair may stay open.
 void judge(const PairTruth& truth, const Settings& settings, const BodyResult& result, Tally& tally,
            const std::string& what);

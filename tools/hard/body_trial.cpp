@@ -55,7 +55,7 @@ void check_truth(const BodyCase& c, const BodyForm& plain)
                                     c.family, c.name, k, how, *meant ? "collide" : "be apart"));
     };
     for (std::size_t k = 0; k < plain.truths.size(); ++k) {
-        const auto& [surfaces, solids, fcl_collide, fcl_distance] = plain.truths[k];
+        const auto& [surfaces, solids, fcl_collide] = plain.truths[k];
         check(k, "surfaces", surfaces.collide, c.collide);
         check(k, "solids", surfaces.collide || solids.enclosed, c.solids_collide);
         if (surfaces.collide != (solids.contact != TriangleContact::separate))
@@ -104,11 +104,8 @@ bool must_hold(const BodyForm& form, const BodyForm& plain, std::size_t k, const
     const PairTruth &now = form.truths[k], &before = plain.truths[k];
     if (settings.ignore_touching && (now.solids.vague || before.solids.vague)) return false;
     if (fcl_decides(settings)) { // FCL may change its mind, and where it misses a contact no point has a side
-        const auto near = [&](const PairTruth& truth) { return truth.fcl_distance <= settings.clearance; };
         const bool no_side = settings.mode == Mode::solid && now.fcl_collide != now.surfaces.collide;
-        if (now.fcl_collide != before.fcl_collide || near(now) != near(before) || !fcl_is_sure(now, settings) ||
-            no_side)
-            return false;
+        if (now.fcl_collide != before.fcl_collide || no_side) return false;
     }
     return form.exact || (before.surfaces.deep && now.surfaces.deep);
 }
