@@ -7,6 +7,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/parallel.hpp>
+#include <oncollide/scenes/model/box_corners.hpp>
 
 namespace oncollide {
 
@@ -153,22 +154,8 @@ private:
 Mesh box_mesh(const Aabb& box)
 {
     std::vector<Eigen::Vector3d> corners;
-    for (int i = 0; i < 8; ++i)
-        corners.emplace_back(i & 1 ? box.max.x() : box.min.x(), i & 2 ? box.max.y() : box.min.y(),
-                             i & 4 ? box.max.z() : box.min.z());
-    return make_mesh("box", std::move(corners),
-                     {{0, 2, 1},
-                      {1, 2, 3},
-                      {4, 5, 6},
-                      {5, 7, 6},
-                      {0, 1, 4},
-                      {1, 5, 4},
-                      {2, 6, 3},
-                      {3, 6, 7},
-                      {0, 4, 2},
-                      {2, 4, 6},
-                      {1, 3, 5},
-                      {3, 7, 5}});
+    for (unsigned k = 0; k < 8; ++k) corners.push_back(corner_of(box, k));
+    return make_mesh("box", std::move(corners), {box_faces.begin(), box_faces.end()});
 }
 
 } // namespace
@@ -286,7 +273,8 @@ Distance World::distance(BodyId body_a, BodyId body_b, double tolerance, double 
     found.upper = std::max(0.0, found.upper * (1 + 0x1p-50) - radius);
     if (found.lower > 0 && (p.is_solid(model_a) || p.is_solid(model_b))) {
         const PairTask task{0, &p.bodies.model(a), &p.bodies.model(b), &pose_a, &pose_b};
-        if (one_holds_the_other(task, worker->locator, [&](const Model& m) { return p.is_solid(m); }))
+        if (one_holds_the_other(task, worker->locator,
+                                [&](const Model& m) { return p.is_solid(m) ? m.boxes.get() : nullptr; }))
             found = {0, 0, 0, 0};
     }
     return found;

@@ -99,9 +99,9 @@ private:
     static constexpr std::size_t first_batch = 4, most_batch = 64; ///< pairs of primitives tested together
     static constexpr double infinity = std::numeric_limits<double>::infinity();
 
-    void start(A& a, B& b, const RelativePose& b_to_a, const BoxFrame& frame)
+    void start(A& a, B& b, const RelativePose& b_to_a, const BoxFrame& frame, const typename A::Node& of_a = A::root)
     {
-        a_.start(a, nullptr), b_.start(b, &frame.place_b);
+        a_.start(a, nullptr, of_a), b_.start(b, &frame.place_b);
         leaves_.start(a, b, b_to_a);
         waiting_.clear();
         std::fill(std::begin(nearest_), std::end(nearest_), std::numeric_limits<float>::infinity());
@@ -111,16 +111,15 @@ private:
     /// The same for what is within `cutoff`: of a large geometry only the surroundings of the other one.
     void start_near(A& a, B& b, const RelativePose& b_to_a, const BoxFrame& frame, double cutoff)
     {
-        start(a, b, b_to_a, frame);
         if constexpr (requires(const Aabb& box) { a.entry(box); }) {
             const Eigen::Vector3d centre = b_to_a(b.centre());
             const double out = b.radius() + cutoff + 2 * frame.box_rounding;
             const auto entry = a.entry(Aabb{centre.array() - out, centre.array() + out});
+            start(a, b, b_to_a, frame, entry.node.value_or(A::root));
             nearest_[0] = static_cast<float>(cutoff + entry.gap);
-            if (entry.node)
-                a_.start(a, nullptr, *entry.node);
-            else
-                top_ = 0;
+            if (!entry.node) top_ = 0;
+        } else {
+            start(a, b, b_to_a, frame);
         }
     }
     /// Before start(), so that a hint that does not meet leaves nothing behind.

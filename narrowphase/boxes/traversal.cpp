@@ -68,35 +68,35 @@ Traversal::Contact Traversal::contact(ObbTree& a, ObbTree& b, const RelativePose
     return contact;
 }
 
-void Traversal::all_meeting(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out)
+/// All that meet but those for which leave(pair).
+template <class Leave>
+void Traversal::collect(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out, Leave leave)
 {
     out.clear();
     const auto found = [&](TrianglePair pair) {
         out.push_back(pair);
         return true;
     };
-    walk_.meetings(a, b, b_to_a, {}, found, leave_none);
+    walk_.meetings(a, b, b_to_a, {}, found, leave);
     std::sort(out.begin(), out.end());
+}
+
+void Traversal::all_meeting(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out)
+{
+    collect(a, b, b_to_a, out, leave_none);
 }
 
 void Traversal::all_meeting(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out,
                             CommonCorners& corners)
 {
-    out.clear();
     corners.of_a.assign(a.mesh().triangles.size(), 0), corners.of_b.assign(b.mesh().triangles.size(), 0);
     const TriangleTests& triangles = walk_.leaves();
-    const auto found = [&](TrianglePair pair) {
-        out.push_back(pair);
-        return true;
-    };
-    const auto only_a_corner = [&](TrianglePair pair) {
+    collect(a, b, b_to_a, out, [&](TrianglePair pair) {
         const auto corner = only_common_corner(triangles.points_a(pair.a), triangles.points_b(pair.b));
         if (!corner) return false;
         corners.of_a[pair.a] |= 1u << corner->a, corners.of_b[pair.b] |= 1u << corner->b;
         return true;
-    };
-    walk_.meetings(a, b, b_to_a, {}, found, only_a_corner);
-    std::sort(out.begin(), out.end());
+    });
 }
 
 Traversal::Nearness Traversal::near(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, double clearance,

@@ -60,12 +60,6 @@ public:
     Distance distance(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, double tolerance,
                       double farthest = std::numeric_limits<double>::infinity());
 
-    /// As BoxWalk::compare().
-    Comparison compare(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, double cutoff, double slack)
-    {
-        return walk_.compare(a, b, b_to_a, cutoff, slack);
-    }
-
     struct Counts {
         std::uint64_t box_rows = 0;  ///< tests of one box against those of a node
         std::uint64_t triangles = 0; ///< pairs of triangles tested
@@ -75,6 +69,9 @@ public:
     void reset_counts() { walk_.box_rows = 0, walk_.leaves().counts = {}; }
 
 private:
+    template <class Leave>
+    void collect(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out, Leave leave);
+
     BoxWalk<ObbTree, ObbTree, TriangleTests> walk_;
     std::array<PlaneSides, 4> planes_; ///< that have triangles which touch on their two sides
 };

@@ -7,6 +7,7 @@
 #include <oncollide/narrowphase/exact/flat_triangles.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/exact/triangle_gap.hpp>
+#include <oncollide/scenes/model/box_corners.hpp>
 
 namespace oncollide {
 
@@ -14,12 +15,6 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-Vector3d corner(const Aabb& cell, unsigned k)
-{
-    return {k & 1 ? cell.max.x() : cell.min.x(), k & 2 ? cell.max.y() : cell.min.y(),
-            k & 4 ? cell.max.z() : cell.min.z()};
-}
 
 /// Of the triangle beyond the cell along the axes; negative where it is not.
 double gap_along_axes(const Aabb& cell, const TrianglePoints& t)
@@ -39,10 +34,10 @@ bool parted_along_axes(const Aabb& cell, const TrianglePoints& t)
 /// Are all corners of the cell strictly on one side of the triangle's plane?
 bool parted_by_plane(const Aabb& cell, const TrianglePoints& t)
 {
-    const int first = orient3d(t[0], t[1], t[2], corner(cell, 0));
+    const int first = orient3d(t[0], t[1], t[2], corner_of(cell, 0));
     if (first == 0) return false;
     for (unsigned k = 1; k < 8; ++k)
-        if (orient3d(t[0], t[1], t[2], corner(cell, k)) != first) return false;
+        if (orient3d(t[0], t[1], t[2], corner_of(cell, k)) != first) return false;
     return true;
 }
 
@@ -69,14 +64,14 @@ bool parted_by_edges(const Aabb& cell, const TrianglePoints& t)
 
 TrianglePoints face_of(const CellCorners& corners, std::size_t face)
 {
-    const auto& [a, b, c] = cell_faces[face];
+    const auto& [a, b, c] = box_faces[face];
     return {corners[a], corners[b], corners[c]};
 }
 
 CellCorners corners_of(const Aabb& cell)
 {
     CellCorners corners;
-    for (unsigned k = 0; k < 8; ++k) corners[k] = corner(cell, k);
+    for (unsigned k = 0; k < 8; ++k) corners[k] = corner_of(cell, k);
     return corners;
 }
 
@@ -103,7 +98,7 @@ double cell_distance(const Aabb& cell, const TrianglePoints& t)
     const CellCorners corners = corners_of(cell);
     double least = cell_distance_at_most(cell, t);
     for (std::size_t f = 0; f < 12; ++f) {
-        // Nearest is a face that the triangle is in front of. Two triangles a face: z, y and x, low and high.
+        // Nearest is a face that the triangle is in front of.
         const int axis = 2 - static_cast<int>(f / 4);
         const bool high = f % 4 >= 2;
         const bool in_front = std::ranges::any_of(
@@ -129,7 +124,7 @@ bool cells_meet(const Aabb& cell, const CellCorners& other)
     // No face of the other touches the cell, which is then all in it or all out of it.
     const Vector3d p = cell.centre();
     for (std::size_t f = 0; f < 12; ++f) {
-        const auto& [a, b, c] = cell_faces[f];
+        const auto& [a, b, c] = box_faces[f];
         if (orient3d(other[a], other[b], other[c], p) > 0) return false;
     }
     return true;

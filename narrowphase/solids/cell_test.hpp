@@ -25,18 +25,4 @@ using CellCorners = std::array<Eigen::Vector3d, 8>;
 bool cells_meet(const Aabb& cell, const CellCorners& other);
 double cells_distance(const Aabb& cell, const CellCorners& other);
 
-/// The surface of a cell, two triangles a face, outward orientation, as places of its corners.
-constexpr std::array<std::array<unsigned, 3>, 12> cell_faces{{{0, 2, 1},
-                                                              {1, 2, 3},
-                                                              {4, 5, 6},
-                                                              {5, 7, 6},
-                                                              {0, 1, 4},
-                                                              {1, 5, 4},
-                                                              {2, 6, 3},
-                                                              {3, 6, 7},
-                                                              {0, 4, 2},
-                                                              {2, 4, 6},
-                                                              {1, 3, 5},
-                                                              {3, 7, 5}}};
-
 } // namespace oncollide

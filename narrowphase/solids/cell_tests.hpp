@@ -7,6 +7,7 @@
 #include <oncollide/narrowphase/boxes/map_tree.hpp>
 #include <oncollide/narrowphase/boxes/obb_tree.hpp>
 #include <oncollide/narrowphase/solids/cell_test.hpp>
+#include <oncollide/scenes/model/box_corners.hpp>
 
 namespace oncollide {
 
@@ -33,9 +34,7 @@ struct PlacedCells {
     {
         const Aabb box = cell.box(b.resolution());
         CellCorners corners;
-        for (unsigned k = 0; k < 8; ++k)
-            corners[k] = b_to_a({k & 1 ? box.max.x() : box.min.x(), k & 2 ? box.max.y() : box.min.y(),
-                                 k & 4 ? box.max.z() : box.min.z()});
+        for (unsigned k = 0; k < 8; ++k) corners[k] = b_to_a(corner_of(box, k));
         return corners;
     }
     static bool meet(const Aabb& cell, const Placed& b) { return cells_meet(cell, b); }
@@ -44,7 +43,7 @@ struct PlacedCells {
     static double gap(const Aabb& cell, const Placed& b, double rounding)
     {
         double least = std::numeric_limits<double>::infinity();
-        for (const auto& [i, j, k] : cell_faces) least = std::min(least, cell_gap(cell, {b[i], b[j], b[k]}, rounding));
+        for (const auto& [i, j, k] : box_faces) least = std::min(least, cell_gap(cell, {b[i], b[j], b[k]}, rounding));
         return least;
     }
 };

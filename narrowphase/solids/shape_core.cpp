@@ -8,23 +8,6 @@ namespace oncollide {
 
 namespace {
 
-/// Its corners are on a circle of this radius.
-Mesh prism(double radius, double half, int sides)
-{
-    GridBuilder grid(sides, 1, false);
-    grid.build(0, [&](double u, double v) -> Eigen::Vector3d {
-        const Circle turn = circle(u / sides);
-        return {radius * turn.cosine, radius * turn.sine, v > 0 ? half : -half};
-    });
-    const auto bottom = static_cast<std::uint32_t>(grid.points.size()), top = bottom + 1;
-    grid.points.push_back({0, 0, -half}), grid.points.push_back({0, 0, half});
-    for (int i = 0; i < sides; ++i) {
-        grid.triangles.push_back({bottom, grid.at(i + 1, 0), grid.at(i, 0)});
-        grid.triangles.push_back({top, grid.at(i, 1), grid.at(i + 1, 1)});
-    }
-    return make_mesh("cylinder", std::move(grid.points), std::move(grid.triangles));
-}
-
 struct Core {
     ShapeCore operator()(const Sphere& s) const
     {
@@ -41,7 +24,8 @@ struct Core {
         constexpr int sides = 512;
         constexpr double slack = 1e-14; // far more than the corners' rounding
         const double within = c.radius * (1 - slack), half = 0.5 * c.length, cosine = circle(0.5 / sides).cosine;
-        return {prism(within, half, sides), 0, prism(c.radius / cosine * (1 + slack), half, sides),
+        return {make_prism("cylinder", within, half, sides), 0,
+                make_prism("cylinder", c.radius / cosine * (1 + slack), half, sides),
                 (c.radius - within * cosine) * (1 + slack) + slack * c.radius};
     }
     ShapeCore operator()(const ConvexHull& h) const

@@ -36,14 +36,14 @@ bool may_hold(const Model& outer, const Eigen::Isometry3d& pose_outer, const Mod
     return std::ranges::any_of(inner.parts(), [&](const PartPoints& part) { return may_hold(box, part, into); });
 }
 
-bool holds(const PairTask& task, bool outer_is_a, ObbTree* tree, PointLocator& locator)
+/// @param tree  of the mesh; null: it is looked through
+bool holds(const PairTask& task, bool outer_is_a, const Mesh& mesh, ObbTree* tree, PointLocator& locator)
 {
     // The coordinates of the exact level: those of B moved into A's frame.
     const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
     const RelativePose b_to_a(*task.pose_a, *task.pose_b), stay(here, here);
-    const Model &outer = outer_is_a ? *task.a : *task.b, &inner = outer_is_a ? *task.b : *task.a;
+    const Model& inner = outer_is_a ? *task.b : *task.a;
     const RelativePose into_outer = outer_is_a ? b_to_a : RelativePose(*task.pose_b, *task.pose_a);
-    const Mesh& mesh = *outer.surface_mesh();
     const Aabb box = box_around(mesh, into_outer);
     return std::ranges::any_of(inner.parts(), [&](const PartPoints& part) {
         if (!may_hold(box, part, into_outer)) return false;
@@ -54,10 +54,13 @@ bool holds(const PairTask& task, bool outer_is_a, ObbTree* tree, PointLocator& l
 
 } // namespace
 
-bool one_holds_the_other(const PairTask& task, PointLocator& locator, FunctionRef<bool(const Model&)> solid)
+bool one_holds_the_other(const PairTask& task, PointLocator& locator, FunctionRef<ObbTree*(const Model&)> around)
 {
-    return (solid(*task.a) && holds(task, true, task.a->boxes.get(), locator)) ||
-           (solid(*task.b) && holds(task, false, task.b->boxes.get(), locator));
+    const auto side_holds = [&](bool is_a) {
+        ObbTree* const tree = around(is_a ? *task.a : *task.b);
+        return tree && holds(task, is_a, tree->mesh(), tree, locator);
+    };
+    return side_holds(true) || side_holds(false);
 }
 
 void ContainmentTest::find(const RefineContext& context, std::span<const PairTask> tasks,
@@ -75,9 +78,12 @@ void ContainmentTest::find(const RefineContext& context, std::span<const PairTas
     }
     locators_.resize(static_cast<std::size_t>(std::max(context.threads, 1)));
     parallel_chunks(queries_.size(), 4, context.threads, [&](std::size_t begin, std::size_t end, int thread) {
-        for (Query& query : std::span(queries_).subspan(begin, end - begin))
-            query.holds =
-                holds(tasks[query.task], query.outer_is_a, query.tree, locators_[static_cast<std::size_t>(thread)]);
+        for (Query& query : std::span(queries_).subspan(begin, end - begin)) {
+            const PairTask& task = tasks[query.task];
+            const Model& outer = query.outer_is_a ? *task.a : *task.b;
+            query.holds = holds(task, query.outer_is_a, *outer.surface_mesh(), query.tree,
+                                locators_[static_cast<std::size_t>(thread)]);
+        }
     });
     for (const Query& query : queries_)
         if (query.holds) results[query.task] = {Verdict::colliding, ContactKind::enclosed, 0};

@@ -11,8 +11,8 @@ namespace oncollide {
 
 /// Does a part of one body lie inside the other, their surfaces being apart?
 /// @param task   neither is a map
-/// @param solid  which models have an inside
-bool one_holds_the_other(const PairTask& task, PointLocator& locator, FunctionRef<bool(const Model&)> solid);
+/// @param around  the surface around a model's inside; null: it has none
+bool one_holds_the_other(const PairTask& task, PointLocator& locator, FunctionRef<ObbTree*(const Model&)> around);
 
 /// Solid mode: finds the pairs of which one body is inside the other, or a part of it, their surfaces being apart.
 class ContainmentTest {

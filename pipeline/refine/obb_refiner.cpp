@@ -22,17 +22,6 @@ void remember(PairMemory* memory, const std::optional<TrianglePair>& meeting)
     if (meeting) memory->triangles = *meeting;
 }
 
-RefineResult within_clearance(Traversal& walk, ObbTree& a, ObbTree& b, const RelativePose& b_to_a, double clearance)
-{
-    // Poses may be 2^-20 from rigid: so far may a distance in A's frame be from that in the world.
-    constexpr double rigid = 0x1p-18;
-    const double farthest = clearance * (1 + 4 * rigid);
-    const auto distance = walk.distance(a, b, b_to_a, 0, farthest);
-    const double lower = distance.lower * (1 - rigid);
-    if (lower > clearance) return {Verdict::separate, ContactKind::unknown, lower};
-    return {Verdict::within, ContactKind::near, distance.upper * (1 + rigid)};
-}
-
 } // namespace
 
 RefineResult ObbRefiner::near(const RefineContext& context, const PairTask& task, PairMemory* memory,
@@ -72,9 +61,9 @@ RefineResult ObbRefiner::exact(const RefineContext& context, const PairTask& tas
                     touching ? ContactKind::touching : ContactKind::crossing, 0};
         bound = gap;
     }
-    if ((task.a->shape() || task.b->shape()) && worker.solids.shape_holds(task, b_to_a))
+    if ((task.a->shape() || task.b->shape()) && worker.solids.shape_holds(task))
         return {Verdict::colliding, ContactKind::enclosed, 0};
-    if (settings.clearance > 0) return within_clearance(worker.walk, a, b, b_to_a, settings.clearance);
+    if (settings.clearance > 0) return worker.solids.within_clearance(context, task);
     return {Verdict::separate, ContactKind::unknown, bound};
 }
 

@@ -61,8 +61,8 @@ struct RefineContext {
 class PairRefiner {
 public:
     virtual ~PairRefiner() = default;
-    /// results[i] for tasks[i], for any number of threads and in any company the same. A refiner that cannot tell leaves
-    /// what is there.
+    /// results[i] for tasks[i], for any number of threads and in any company the same. A refiner that cannot tell
+    /// leaves what is there.
     /// @param tasks  by ascending number; what their models need was admitted (Dispatch)
     /// @param cache  of the frame's pairs; null: nothing is remembered
     virtual void refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,

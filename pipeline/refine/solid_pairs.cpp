@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <oncollide/pipeline/refine/containment_test.hpp>
+
 namespace oncollide {
 
 namespace {
@@ -53,9 +55,9 @@ Comparison compare(Walk& walk, A& a, B& b, const RelativePose& b_to_a, const Mar
     return met ? Comparison{-1, 0} : Comparison{1, gap};
 }
 
+/// Separate beyond the clearance, or near.
 template <class Walk, class A, class B>
-RefineResult within_clearance(Walk& walk, A& a, B& b, const RelativePose& b_to_a, const Margins& margins,
-                              double clearance)
+RefineResult by_distance(Walk& walk, A& a, B& b, const RelativePose& b_to_a, const Margins& margins, double clearance)
 {
     const double farthest = (clearance + margins.radius + margins.error) * (1 + 4 * rigid);
     const auto distance = walk.distance(a, b, b_to_a, 0, farthest);
@@ -77,7 +79,7 @@ RefineResult decide(Walk& walk, A& inner_a, A& outer_a, B& inner_b, B& outer_b, 
     const Comparison outer = prisms ? compare(walk, outer_a, outer_b, b_to_a, margins) : inner;
     const bool apart = outer.sign > 0 && outer.bound > 0 && !(prisms && holds(outer_a, outer_b));
     if (clearance > 0) {
-        const RefineResult near = within_clearance(walk, inner_a, inner_b, b_to_a, margins, clearance);
+        const RefineResult near = by_distance(walk, inner_a, inner_b, b_to_a, margins, clearance);
         if (apart || near.verdict == Verdict::within) return near;
     }
     if (apart) return {Verdict::separate, ContactKind::unknown, outer.bound * (1 - rigid)};
@@ -116,17 +118,6 @@ ObbTree& outer_of(Model& model)
     return model.outer_boxes ? *model.outer_boxes : *model.boxes;
 }
 
-const RelativePose stay(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
-
-/// Is a part of `model`, moved by `move`, inside the surface, which is moved by `into`?
-bool holds_part(PointLocator& locator, ObbTree& surface, const RelativePose& into, const Model& model,
-                const RelativePose& move)
-{
-    return std::ranges::any_of(model.parts(), [&](const PartPoints& part) {
-        return locator.place(move(part[0]), surface.mesh(), &surface, into) != PointPlace::outside;
-    });
-}
-
 /// Is a cell of the map inside the surface, which is moved into the map's frame by `into` and touches no cell?
 bool holds_cell(PointLocator& locator, ObbTree& surface, const RelativePose& into, const MapTree& map)
 {
@@ -145,10 +136,17 @@ bool is_polytope(const Model& model)
     return model.mesh() || (model.shape() && model.core().polytope());
 }
 
-bool SolidPairs::shape_holds(const PairTask& task, const RelativePose& b_to_a)
+bool SolidPairs::shape_holds(const PairTask& task)
 {
-    return (has_volume(*task.a) && holds_part(locator_, inner_of(*task.a), stay, *task.b, b_to_a)) ||
-           (has_volume(*task.b) && holds_part(locator_, inner_of(*task.b), b_to_a, *task.a, stay));
+    return shape_holds(task, inner_of(*task.a), inner_of(*task.b));
+}
+
+/// @param a, b  of the two, as far as they have an inside
+bool SolidPairs::shape_holds(const PairTask& task, ObbTree& a, ObbTree& b)
+{
+    return one_holds_the_other(task, locator_, [&](const Model& model) -> ObbTree* {
+        return !has_volume(model) ? nullptr : &model == task.a ? &a : &b;
+    });
 }
 
 /// Calls work(walk, inner_a, outer_a, inner_b, outer_b, b_to_a, holds) with what decides the pair.
@@ -156,10 +154,7 @@ RefineResult SolidPairs::with_cores(const PairTask& task, auto work)
 {
     if (!task.a->map() && !task.b->map()) {
         const RelativePose b_to_a(*task.pose_a, *task.pose_b);
-        const auto holds = [&](ObbTree& a, ObbTree& b) {
-            return (has_volume(*task.a) && holds_part(locator_, a, stay, *task.b, b_to_a)) ||
-                   (has_volume(*task.b) && holds_part(locator_, b, b_to_a, *task.a, stay));
-        };
+        const auto holds = [&](ObbTree& a, ObbTree& b) { return shape_holds(task, a, b); };
         return work(meshes_, inner_of(*task.a), outer_of(*task.a), inner_of(*task.b), outer_of(*task.b), b_to_a, holds);
     }
     // The map's frame, in which its cells are boxes along the axes.
@@ -182,6 +177,13 @@ RefineResult SolidPairs::exact(const RefineContext& context, const PairTask& tas
                                 const RelativePose& b_to_a, auto holds) {
         return decide(walk, inner_a, outer_a, inner_b, outer_b, b_to_a, Margins(task), context.settings.clearance,
                       holds);
+    });
+}
+
+RefineResult SolidPairs::within_clearance(const RefineContext& context, const PairTask& task)
+{
+    return with_cores(task, [&](auto& walk, auto& a, auto&, auto& b, auto&, const RelativePose& b_to_a, auto) {
+        return by_distance(walk, a, b, b_to_a, Margins(task), context.settings.clearance);
     });
 }
 

@@ -20,8 +20,11 @@ public:
     /// Any pair but two meshes: within clearance + tolerance (metres), or separate.
     RefineResult near(const RefineContext& context, const PairTask& task, double tolerance);
 
+    /// Of bodies that do not meet, meshes too: separate beyond the clearance, or near.
+    RefineResult within_clearance(const RefineContext& context, const PairTask& task);
+
     /// Does a shape with a volume, one of the two, enclose a part of the other? Their surfaces are apart.
-    bool shape_holds(const PairTask& task, const RelativePose& b_to_a);
+    bool shape_holds(const PairTask& task);
 
     struct Counts {
         std::uint64_t box_rows = 0, primitives = 0;
@@ -31,6 +34,7 @@ public:
 
 private:
     RefineResult with_cores(const PairTask& task, auto work);
+    bool shape_holds(const PairTask& task, ObbTree& a, ObbTree& b);
 
     BoxWalk<ObbTree, ObbTree, TriangleTests> meshes_;
     MapMeshWalk map_mesh_;

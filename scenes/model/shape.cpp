@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/model/convex_hull.hpp>
 #include <oncollide/scenes/model/hull_slack.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/model/surface_grid.hpp>
 
 namespace oncollide {
@@ -110,19 +110,7 @@ BoundingMesh enclose_cylinder(const Cylinder& cylinder)
 {
     constexpr int sides = 32; // 1 / cos(pi / 32) = 1.0048
     const double radius = cylinder.radius / circle(0.5 / sides).cosine * (1 + 1e-12), half = 0.5 * cylinder.length;
-    GridBuilder grid(sides, 1, false);
-    grid.build(0, [&](double u, double v) -> Eigen::Vector3d {
-        const Circle turn = circle(u / sides);
-        return {radius * turn.cosine, radius * turn.sine, v > 0 ? half : -half};
-    });
-    const auto bottom = static_cast<std::uint32_t>(grid.points.size()), top = bottom + 1;
-    grid.points.push_back({0, 0, -half}), grid.points.push_back({0, 0, half});
-    for (int i = 0; i < sides; ++i) {
-        grid.triangles.push_back({bottom, grid.at(i + 1, 0), grid.at(i, 0)});
-        grid.triangles.push_back({top, grid.at(i, 1), grid.at(i + 1, 1)});
-    }
-    return {make_mesh("cylinder", std::move(grid.points), std::move(grid.triangles)),
-            radius * (1 + 4 * epsilon) - cylinder.radius};
+    return {make_prism("cylinder", radius, half, sides), radius * (1 + 4 * epsilon) - cylinder.radius};
 }
 
 /// How well a closed surface stands around an inner point and how far points lie outside its facets' planes.

@@ -60,4 +60,20 @@ void octasphere(int frequency, std::vector<Eigen::Vector3d>& points, std::vector
     }
 }
 
+Mesh make_prism(const std::string& name, double radius, double half, int sides)
+{
+    GridBuilder grid(sides, 1, false);
+    grid.build(0, [&](double u, double v) -> Eigen::Vector3d {
+        const Circle turn = circle(u / sides);
+        return {radius * turn.cosine, radius * turn.sine, v > 0 ? half : -half};
+    });
+    const auto bottom = static_cast<std::uint32_t>(grid.points.size()), top = bottom + 1;
+    grid.points.push_back({0, 0, -half}), grid.points.push_back({0, 0, half});
+    for (int i = 0; i < sides; ++i) {
+        grid.triangles.push_back({bottom, grid.at(i + 1, 0), grid.at(i, 0)});
+        grid.triangles.push_back({top, grid.at(i, 1), grid.at(i + 1, 1)});
+    }
+    return make_mesh(name, std::move(grid.points), std::move(grid.triangles));
+}
+
 } // namespace oncollide

@@ -75,4 +75,7 @@ private:
     int columns_, rows_, point_columns_, point_rows_;
 };
 
+/// A closed prism along z, from -half to half, whose corners are on a circle of that radius; its caps are fans.
+Mesh make_prism(const std::string& name, double radius, double half, int sides);
+
 } // namespace oncollide
