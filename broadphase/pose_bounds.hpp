@@ -26,6 +26,9 @@ public:
     /// The loose box: of the sphere around the geometry's own box, whatever the rotation.
     Aabb sphere_box(const Eigen::Isometry3d& pose) const;
 
+    /// Of the geometry's own box.
+    double diagonal() const { return 2 * half_.norm(); }
+
     std::size_t bytes() const { return (x_.capacity() + y_.capacity() + z_.capacity()) * sizeof(float); }
 
 private:

@@ -76,29 +76,32 @@ void ModelStore::remove_passing(Model& model)
     passing_[model.number / 2].reset();
 }
 
-/// The smallest depth at which two such trees certify the error that the settings give.
-int ModelStore::depth_for(const RootCell& root, double covering_error) const
+double ModelStore::max_error(const Model& a, const Model& b) const
 {
-    if (!settings_.max_error) return settings_.depth.value_or(6);
-    for (int depth = 1; depth < deepest_level; ++depth) {
-        Ocst tree(root, depth, covering_error);
-        tree.admit_backend(*backend_);
-        // Rounding of the walk (see make_plan) is below 2^-15 of the two root radii for bodies that touch.
-        const double error = 4 * tree.radius(depth) + 2 * tree.error(depth) + 4 * root.radius * 0x1p-15;
-        if (error <= *settings_.max_error) return depth;
-    }
-    return deepest_level;
+    if (settings_.max_error) return *settings_.max_error;
+    const double of_a = a.bounds().diagonal(), of_b = b.bounds().diagonal();
+    return settings_.depth ? std::ldexp(of_a + of_b, -*settings_.depth) : default_error * std::min(of_a, of_b);
 }
 
-Ocst& ModelStore::spheres(Model& model)
+int ModelStore::depth(const Model& model, double max_error) const
+{
+    if (settings_.depth) return *settings_.depth;
+    const Ocst& tree = *model.spheres;
+    // Rounding of the walk (see make_plan) is below 2^-15 of the two root radii for bodies that touch.
+    const double rounding = 4 * tree.radius(0) * 0x1p-15;
+    int depth = 1;
+    while (depth < deepest_level && 4 * tree.radius(depth) + 2 * tree.error(depth) + rounding > max_error) ++depth;
+    return depth;
+}
+
+Ocst& ModelStore::spheres(Model& model, double max_error)
 {
     if (!model.spheres) {
-        const RootCell root = model.root_cell();
-        const double covering_error = model.covering_error();
-        model.spheres = std::make_unique<Ocst>(root, depth_for(root, covering_error), covering_error);
+        model.spheres = std::make_unique<Ocst>(model.root_cell(), 1, model.covering_error());
         model.spheres->admit_backend(*backend_);
         with_spheres_.push_back(model.number);
     }
+    model.spheres->deepen(depth(model, max_error));
     return *model.spheres;
 }
 
@@ -143,13 +146,6 @@ void ModelStore::make_boxes(Model& model, const Room& room)
     if (model.shape() && model.core().outer) model.outer_boxes = std::make_unique<ObbTree>(*model.core().outer);
     with_boxes_.push_back(&model);
     reserved_.nodes += room.nodes, reserved_.bytes += room.bytes;
-}
-
-double ModelStore::tolerance(const Model& a, const Model& b) const
-{
-    if (settings_.max_error) return *settings_.max_error;
-    const double diagonals = bounds_of(a.geometry()).diagonal() + bounds_of(b.geometry()).diagonal();
-    return std::ldexp(diagonals, -settings_.depth.value_or(6));
 }
 
 void ModelStore::attach(std::uint32_t slot)

@@ -35,16 +35,24 @@ public:
     Model& add_passing(std::shared_ptr<const Geometry> geometry);
     void remove_passing(Model& model);
 
-    /// The sphere-tree of a model, made of its root alone when it is first needed.
-    Ocst& spheres(Model& model);
+    /// The largest error of the verdict `within` for a pair of the two (metres): the settings', or what spheres of
+    /// their depth certify, or default_error of the smaller one's diagonal.
+    double max_error(const Model& a, const Model& b) const;
+    /// The sphere-tree of a model, made of its root alone when it is first needed, for pairs with that error. Not while
+    /// cells are being expanded.
+    Ocst& spheres(Model& model, double max_error);
+    /// Is its sphere-tree there, and deep enough?
+    bool has_spheres(const Model& model, double max_error) const
+    {
+        return model.spheres && model.spheres->depth() >= depth(model, max_error);
+    }
+    /// The level at which walks of pairs with that error end: two such trees certify it. The tree must be there.
+    int depth(const Model& model, double max_error) const;
     /// Sees to it that a mesh, or the core of a shape, has its tree of oriented boxes, and a map its octree. False when
     /// a budget has no room for the tree all grown. Not while the model's tree is being walked, unless it is there.
     bool admit_boxes(Model& model, std::uint32_t frame);
     /// The same, whatever the budgets say; not for a map.
     ObbTree& boxes(Model& model, std::uint32_t frame);
-    /// How far apart, above the clearance, two bodies may be that are called near: the error that the settings give, or
-    /// what spheres of that depth would certify. Metres.
-    double tolerance(const Model& a, const Model& b) const;
 
     OcclusionBackend& backend() { return *backend_; }
     const OcclusionBackend& backend() const { return *backend_; }
@@ -80,7 +88,6 @@ private:
     void make_boxes(Model& model, const Room& room);
     void drop(Model& model);
     Model& by_number(std::uint32_t number) const;
-    int depth_for(const RootCell& root, double covering_error) const;
     std::uint64_t cells() const;
     std::size_t sphere_bytes() const;
     std::uint64_t collapse(std::uint32_t frame, std::uint32_t age);

@@ -214,9 +214,10 @@ void Report::add_json(const FrameView& f, const Verdicts& verdicts)
     const char* comma = "";
     for (const PairResult& pair : f.pairs)
         if (keeps(pair))
-            file.print("{}[{}, {}, \"{}\", {}, \"{}\", {}]", std::exchange(comma, ", "), names[index(pair.a)],
+            file.print("{}[{}, {}, \"{}\", {}, \"{}\", {}, {}]", std::exchange(comma, ", "), names[index(pair.a)],
                        names[index(pair.b)], name_of(pair.verdict), number(pair.bound), pipeline_.stages()[pair.stage],
-                       pair.kind == ContactKind::unknown ? "null" : json_string(name_of(pair.kind)));
+                       pair.kind == ContactKind::unknown ? "null" : json_string(name_of(pair.kind)),
+                       number(pipeline_.world().max_error(pair.a, pair.b)));
     file.print("]}}");
 }
 
@@ -225,16 +226,17 @@ void Report::add_csv(const FrameView& f)
     auto& [file, names] = *kept_->csv;
     for (const PairResult& pair : f.pairs)
         if (keeps(pair))
-            file.print("{},{},{},{},{},{},{}\n", f.frame, names[index(pair.a)], names[index(pair.b)],
+            file.print("{},{},{},{},{},{},{},{}\n", f.frame, names[index(pair.a)], names[index(pair.b)],
                        name_of(pair.verdict), std::isfinite(pair.bound) ? number(pair.bound) : "",
-                       pipeline_.stages()[pair.stage], pair.kind == ContactKind::unknown ? "" : name_of(pair.kind));
+                       pipeline_.stages()[pair.stage], pair.kind == ContactKind::unknown ? "" : name_of(pair.kind),
+                       number(pipeline_.world().max_error(pair.a, pair.b)));
 }
 
 void Report::write_csv(const std::filesystem::path& path) const
 {
     refuse_unless(kept_->csv.has_value(), "CSV");
     OutputFile file(path);
-    file.print("frame,a,b,verdict,gap_bound,stage,kind\n");
+    file.print("frame,a,b,verdict,gap_bound,stage,kind,max_error\n");
     copy(kept_->csv->text, file);
     file.commit();
 }

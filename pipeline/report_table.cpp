@@ -15,7 +15,7 @@ std::string_view plain_words(std::string_view stage)
     if (stage == "bounds") return "boxes around the bodies, in the world";
     if (stage == "delimitation") return "regions in which nothing can collide are dropped";
     if (stage == "broad") return "pairs whose boxes overlap";
-    if (stage == "ocst") return "sphere-trees, grown only where they touch";
+    if (stage == "ocst") return "sphere-trees or oriented boxes, grown only where they touch";
     if (stage == "exact") return "triangle against triangle";
     return "";
 }

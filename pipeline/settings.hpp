@@ -15,14 +15,17 @@ enum class Mode : std::uint8_t { surface, solid };
 enum class BackendKind : std::uint8_t { automatic, cpu, gl_compute, gl_query, gl_raster };
 enum class BroadPhaseKind : std::uint8_t { kd_tree, octree, brute_force };
 
-/// What refines pairs of meshes: spheres around octree cells, as in the paper, or oriented boxes (OBBs) around parts of
-/// the surface, which separate it sooner. Automatic: OBBs where predicates decide. Shapes and maps keep the spheres.
+/// What refines pairs: spheres around octree cells, as in the paper, or oriented boxes (OBBs) around parts of the
+/// surface, which separate it sooner. Automatic: spheres where `depth` is given or a GPU finds their cells, and
+/// predicates do not decide; else OBBs.
 enum class BoundingVolume : std::uint8_t { automatic, sphere, obb };
 
 /// How a World decides pairs, and how exactly. The defaults suit most scenes.
 struct Settings {
-    /// The error dial. `max_error` (m, > 0): two bodies reported `within` are closer than clearance + max_error; the
-    /// depth of each tree follows. `depth` (1 to 16) sets it directly, as in the paper. At most one; neither: depth 6.
+    /// The error dial. `max_error` (m, > 0): two bodies reported `within` are closer than clearance + max_error.
+    /// Neither this nor `depth`: it is, for each pair, default_error of the smaller box's diagonal, so that on one
+    /// terrain a pedestrian gets centimetres and an airship metres. `depth` (1 to 16) is the paper's dial: that of all
+    /// sphere-trees. At most one of the two.
     std::optional<int> depth{};
     std::optional<double> max_error{};
     double clearance = 0; ///< metres, >= 0: pairs this close count as touching, in every stage
@@ -50,10 +53,13 @@ struct Settings {
     bool coherence = true;           ///< try last frame's deciding cells first. Never changes the result
 };
 
+/// Of the smaller body's box diagonal (in its own frame): a pair's error where none is given.
+constexpr double default_error = 0.01;
+
 inline bool wants_obbs(const Settings& s)
 {
-    return s.bounding_volume == BoundingVolume::obb ||
-           (s.bounding_volume == BoundingVolume::automatic && s.exact == ExactLevel::predicates);
+    if (s.bounding_volume != BoundingVolume::automatic) return s.bounding_volume == BoundingVolume::obb;
+    return s.exact == ExactLevel::predicates || (!s.depth && s.backend == BackendKind::cpu);
 }
 
 inline bool wants_kinds(const Settings& s)

@@ -294,6 +294,11 @@ const Settings& World::settings() const
 {
     return impl_->settings;
 }
+double World::max_error(BodyId a, BodyId b) const
+{
+    const Bodies& bodies = impl_->bodies;
+    return impl_->models.max_error(bodies.model(impl_->slot_of(a)), bodies.model(impl_->slot_of(b)));
+}
 std::string World::backend() const
 {
     return impl_->models.backend().name();

@@ -154,6 +154,9 @@ public:
     /// What reaches into a box of the world. The box is solid: bodies wholly inside are colliding, too.
     std::vector<QueryHit> query(const Aabb& box, const QueryFilter& filter = {}) const;
 
+    /// The largest error of the verdict `within` that the settings give a pair of the two: metres, above the clearance.
+    double max_error(BodyId a, BodyId b) const;
+
     /// All pairs of triangles that meet, of two meshes, as they are now; sorted. Throws Error{usage} naming a body that
     /// is no mesh.
     std::vector<Contact> contacts(BodyId a, BodyId b) const;

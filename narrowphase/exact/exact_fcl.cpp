@@ -1,5 +1,7 @@
 #include <oncollide/narrowphase/exact/exact_fcl.hpp>
 
+#include <new>
+
 #include <fcl/fcl.h>
 
 #include <oncollide/scenes/model/convex_hull.hpp>
@@ -16,9 +18,13 @@ ModelPtr make_bvh(const Mesh& mesh)
     std::vector<fcl::Triangle> triangles;
     triangles.reserve(mesh.triangles.size());
     for (const Triangle& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
-    model->beginModel(static_cast<int>(triangles.size()), static_cast<int>(mesh.vertices.size()));
-    model->addSubModel(mesh.vertices, triangles);
-    model->endModel();
+    // Valid triangles leave one reason to fail; a model that went on without memory would crash.
+    const auto made = [](int result) {
+        if (result != fcl::BVH_OK) throw std::bad_alloc();
+    };
+    made(model->beginModel(static_cast<int>(triangles.size()), static_cast<int>(mesh.vertices.size())));
+    made(model->addSubModel(mesh.vertices, triangles));
+    made(model->endModel());
     return model;
 }
 

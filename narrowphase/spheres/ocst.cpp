@@ -29,6 +29,26 @@ Ocst::Ocst(const RootCell& root, int depth, double covering_error)
     ONCOLLIDE_ASSERT(depth >= 1 && depth <= deepest_level);
 }
 
+void Ocst::deepen(int depth)
+{
+    ONCOLLIDE_ASSERT(depth <= deepest_level);
+    if (depth <= depth_) return;
+    forget_leaves(0, 0);
+    depth_ = depth;
+}
+
+/// Expands no longer the cells whose children are leaves, which have no room and no list.
+void Ocst::forget_leaves(std::uint32_t node, int level)
+{
+    const OcstNode n = nodes_[node];
+    if (!n.expanded()) return;
+    if (level + 1 == depth_)
+        nodes_[node] = {};
+    else
+        for (unsigned c = 0; c < static_cast<unsigned>(std::popcount(n.grey())); ++c)
+            forget_leaves(n.first_child + c, level + 1);
+}
+
 double Ocst::radius(int level) const
 {
     return std::ldexp(root_.radius, -level);

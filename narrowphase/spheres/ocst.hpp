@@ -14,14 +14,17 @@ namespace oncollide {
 /// The sphere-tree of one geometry, built while collisions are detected ("on-collide"): a cell is expanded only when a
 /// test reaches it, when a backend finds which of its octants are grey.
 ///
-/// Cells of level `depth` are the leaves. They are not stored: their parent's grey mask says which exist. All cells of
-/// level l share one half-extent and one sphere radius, root radius / 2^l.
+/// Cells of level `depth` are the deepest that a walk has needed. They are not stored: their parent's grey mask says
+/// which exist. All cells of level l share one half-extent and one sphere radius, root radius / 2^l.
 /// Source: Franquesa-Niubó and Rodríguez González, "Sphere-trees generation as needed in real time to speed up
 /// collision detection", GRAPP 2006.
 class Ocst {
 public:
     /// A tree of the root alone. depth in [1, deepest_level].
     Ocst(const RootCell& root, int depth, double covering_error);
+    /// Sees to it that the depth is at least that. Cells above the new levels that were expanded without what those
+    /// need are no longer expanded. Cost: of the cells, where it is deeper.
+    void deepen(int depth);
 
     const RootCell& root() const { return root_; }
     int depth() const { return depth_; }
@@ -32,7 +35,7 @@ public:
     void admit_backend(const OcclusionBackend& backend);
 
     /// The request to expand `cell`: finds its parent's list. The cell must be stored and not
-    /// expanded. The triangles of the last stored level are not kept: nothing below it needs them.
+    /// expanded. The triangles of the last stored level are not kept: nothing below it needs them yet.
     OctantRow row(std::uint32_t tree, CellKey cell) const;
     /// Stores the result for `cell` and stamps it.
     void expand(CellKey cell, const OctantResult& result, std::uint32_t frame);
@@ -63,6 +66,7 @@ public:
 private:
     std::uint32_t find(CellKey cell) const; ///< index of a stored cell
     std::uint32_t add_block(unsigned count);
+    void forget_leaves(std::uint32_t node, int level);
     std::uint64_t drop_children(std::uint32_t node, int level, std::uint32_t tree, OcclusionBackend& backend);
     std::uint64_t collapse_below(std::uint32_t node, int level, std::uint32_t frame, std::uint32_t age,
                                  std::uint32_t tree, OcclusionBackend& backend);

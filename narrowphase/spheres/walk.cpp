@@ -34,7 +34,10 @@ struct Descent {
     double ra, rb;
     int left_a, left_b, level_a = 0, level_b = 0;
 
-    Descent(const Ocst& a, const Ocst& b) : ra(a.radius(0)), rb(b.radius(0)), left_a(a.depth()), left_b(b.depth()) {}
+    explicit Descent(const WalkPair& pair)
+        : ra(pair.a->radius(0)), rb(pair.b->radius(0)), left_a(pair.depth_a), left_b(pair.depth_b)
+    {
+    }
     bool done() const { return left_a == 0 && left_b == 0; }
     void next(bool& open_a, bool& open_b)
     {
@@ -68,14 +71,14 @@ double make_plan(const WalkPair& pair, std::uint32_t frame, WalkPlan& plan)
         plan.bz[k] = static_cast<float>(o.z());
     }
     const double m = d.norm() + a.radius(0) + b.radius(0);
-    const int most = a.depth() + b.depth();
+    const int most = pair.depth_a + pair.depth_b;
     const double far = between.norm() + a.root().centre.norm() + b.root().centre.norm();
     const double rounding = (4 * most + 80) * 0x1p-24 * m + 0x1p-48 * far;
 
     plan.count = 0;
     plan.nodes_a = pair.a->nodes(), plan.nodes_b = pair.b->nodes();
     plan.stamp = (frame & OcstNode::stamp_mask) << OcstNode::stamp_shift;
-    for (Descent down(a, b); !down.done();) {
+    for (Descent down(pair); !down.done();) {
         bool open_a, open_b;
         down.next(open_a, open_b);
         const double cutoff = down.ra + down.rb + pair.clearance + rounding;
@@ -89,7 +92,7 @@ double make_plan(const WalkPair& pair, std::uint32_t frame, WalkPlan& plan)
 /// Distance at most this, when spheres of the levels reached after `steps` steps touch.
 double upper_bound(const WalkPair& pair, int steps, double rounding)
 {
-    Descent down(*pair.a, *pair.b);
+    Descent down(pair);
     for (int i = 0; i < steps; ++i) {
         bool open_a, open_b;
         down.next(open_a, open_b);
@@ -101,7 +104,7 @@ double upper_bound(const WalkPair& pair, int steps, double rounding)
 double lower_bound(const WalkPair& pair, const WalkPlan& plan, const WalkState& state, double rounding)
 {
     double lower = std::numeric_limits<double>::infinity();
-    Descent down(*pair.a, *pair.b);
+    Descent down(pair);
     for (int i = 0; i < plan.count; ++i) {
         bool open_a, open_b;
         down.next(open_a, open_b);
@@ -203,7 +206,7 @@ void Walker::requests(const WalkPair& pair, const ParkedWork& parked, std::vecto
     const std::size_t end = parked.first + parked.count;
     for (std::size_t i = end - parked.wanted; i < end; ++i) {
         const WalkEntry& e = parked_[i];
-        Descent down(*pair.a, *pair.b);
+        Descent down(pair);
         bool open_a = false, open_b = false;
         for (int step = 0; step <= e.step; ++step) down.next(open_a, open_b);
         if (open_a && !pair.a->nodes()[e.a].expanded()) out.push_back({pair.tree_a, e.key_a});

@@ -31,6 +31,7 @@ struct WalkResult {
 struct WalkPair {
     Ocst *a, *b;
     std::uint32_t tree_a, tree_b;
+    int depth_a, depth_b; ///< of the leaves that decide, at most the trees'
     const Eigen::Isometry3d *pose_a, *pose_b;
     double clearance; ///< metres, >= 0
     LeafPair hint;    ///< what decided the pair last frame

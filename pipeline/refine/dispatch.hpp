@@ -23,9 +23,9 @@ constexpr std::size_t refiner_count = 6;
 ///
 /// | level  | settings                                          | refiner |
 /// |--------|---------------------------------------------------|---------|
-/// | refine | bounding volume sphere                            | spheres |
-/// | refine | bounding volume obb                               | boxes   |
-/// | refine | bounding volume obb, and predicates are to decide | none    |
+/// | refine | spheres                                           | spheres |
+/// | refine | OBBs                                              | boxes   |
+/// | refine | OBBs, and predicates are to decide                | none    |
 /// | exact  | predicates                                        | exact   |
 /// | exact  | fcl                                               | fcl     |
 ///
@@ -44,7 +44,8 @@ public:
         const auto room = [&] { return models.admit_boxes(a, frame) && models.admit_boxes(b, frame); };
         if (level == Level::refine) {
             if (obb_ && room()) return left_to_exact_ ? Refiner::none : Refiner::boxes;
-            models.spheres(a), models.spheres(b);
+            const double error = models.max_error(a, b);
+            models.spheres(a, error), models.spheres(b, error);
             return Refiner::spheres;
         }
         if (!room()) return Refiner::no_room;
@@ -52,9 +53,12 @@ public:
     }
 
     /// Are all the trees there that of() would make?
-    bool there(Level level, const Model& a, const Model& b) const
+    bool there(Level level, const ModelStore& models, const Model& a, const Model& b) const
     {
-        if (level == Level::refine && !obb_) return a.spheres && b.spheres;
+        if (level == Level::refine && !obb_) {
+            const double error = models.max_error(a, b);
+            return models.has_spheres(a, error) && models.has_spheres(b, error);
+        }
         return (a.boxes || a.map()) && (b.boxes || b.map());
     }
 

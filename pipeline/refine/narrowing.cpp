@@ -15,7 +15,7 @@ void Narrowing::sort_out(const RefineContext& context, std::span<const PairTask>
 {
     if (context.guard) {
         const auto lock = context.walking();
-        if (std::ranges::all_of(tasks, [&](const PairTask& t) { return dispatch_.there(level_, *t.a, *t.b); }))
+        if (std::ranges::all_of(tasks, [&](const PairTask& t) { return dispatch_.there(level_, models_, *t.a, *t.b); }))
             return give_out(context, tasks);
     }
     const auto alone = context.changing();

@@ -27,7 +27,7 @@ void remember(PairMemory* memory, const std::optional<TrianglePair>& meeting)
 RefineResult ObbRefiner::near(const RefineContext& context, const PairTask& task, PairMemory* memory,
                               Worker& worker) const
 {
-    const double tolerance = models_.tolerance(*task.a, *task.b);
+    const double tolerance = models_.max_error(*task.a, *task.b);
     if (!task.a->mesh() || !task.b->mesh()) return worker.solids.near(context, task, tolerance);
     const auto found = worker.walk.near(*task.a->boxes, *task.b->boxes, RelativePose(*task.pose_a, *task.pose_b),
                                         context.settings.clearance, tolerance, hint_of(memory));

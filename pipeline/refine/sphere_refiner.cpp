@@ -13,6 +13,8 @@ WalkPair SphereRefiner::pair_of(std::uint32_t pair) const
             task.b->spheres.get(),
             task.a->number,
             task.b->number,
+            depths_[pair][0],
+            depths_[pair][1],
             task.pose_a,
             task.pose_b,
             context_->settings.clearance,
@@ -33,6 +35,15 @@ void SphereRefiner::refine(RefineContext& context, std::span<const PairTask> tas
 {
     context_ = &context, tasks_ = tasks, cache_ = cache, results_ = results;
     give_up_ = false, started_ = 0, again_.clear();
+    depths_.clear();
+    {
+        const auto lock = context.walking();
+        for (const PairTask& task : tasks) {
+            const double error = models_.max_error(*task.a, *task.b);
+            const auto depth = [&](const Model& m) { return std::min(models_.depth(m, error), m.spheres->depth()); };
+            depths_.push_back({depth(*task.a), depth(*task.b)});
+        }
+    }
     const std::size_t budget = context.settings.memory_budget;
     parked_room_ = (budget ? std::clamp(budget / 4, least_parked_bytes, most_parked_bytes) : most_parked_bytes) /
                    Walker::bytes_per_parked;

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -63,6 +64,7 @@ private:
     std::span<const PairTask> tasks_;
     PairCache* cache_ = nullptr;
     std::span<RefineResult> results_;
+    std::vector<std::array<int, 2>> depths_; ///< by task: at which its walk ends; the trees' may grow meanwhile
     bool give_up_ = false;
     std::size_t started_ = 0; ///< pairs
     std::size_t slice_size_ = 0;

@@ -147,7 +147,8 @@ TEST_F(ReportTest, CsvQuotesNamesAsRfc4180Asks)
     play(pipeline, report);
     report.write_csv(folder_ / "r.csv");
     const std::string text = read("r.csv");
-    EXPECT_TRUE(text.starts_with("frame,a,b,verdict,gap_bound,stage,kind\n0,plain,\"with, comma and \"\"quotes\"\"\","))
+    EXPECT_TRUE(text.starts_with(
+        "frame,a,b,verdict,gap_bound,stage,kind,max_error\n0,plain,\"with, comma and \"\"quotes\"\"\","))
         << text;
     EXPECT_NE(text.find(",\"line\nbreak and \xff\","), std::string::npos) << text;
     // One row a pair, one header, and the line break inside a name once a row that names it.
@@ -180,7 +181,8 @@ TEST_F(ReportTest, HoldsTheKindOfEveryContact)
     for (std::size_t k = 0; k < 3; ++k) {
         EXPECT_EQ(pairs.at(k).at(5), kinds[k]);
         std::getline(rows, row);
-        EXPECT_TRUE(row.ends_with(std::string(",exact,") + kinds[k])) << row;
+        EXPECT_NE(row.find(std::string(",exact,") + kinds[k] + ",0.01732"), std::string::npos) << row;
+        EXPECT_DOUBLE_EQ(pairs.at(k).at(6).get<double>(), 0.01 * std::sqrt(3.0));
     }
     std::ostringstream table;
     report.print_table(table);

@@ -60,7 +60,8 @@ std::string describe(const Settings& s, const std::string& stand_in)
 {
     const std::string accuracy = !stand_in.empty() ? stand_in
                                  : s.max_error     ? fmt::format("max error {} m", *s.max_error)
-                                                   : fmt::format("depth {}", s.depth.value_or(6));
+                                 : s.depth         ? fmt::format("depth {}", *s.depth)
+                                           : fmt::format("max error {} % of the smaller body", 100 * default_error);
     std::string text = fmt::format("{}, exact {}, mode {}, broad {}, threads {}, age {}", accuracy, name_of(s.exact),
                                    name_of(s.mode), name_of(s.broad_phase), thread_count(s), s.age_limit);
     if (s.clearance > 0) text += fmt::format(", clearance {} m", s.clearance);

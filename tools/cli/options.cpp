@@ -49,10 +49,13 @@ std::size_t parse_amount(const char* option, const std::string& text)
 
 void add_accuracy_options(Arguments command, SettingsOptions& o)
 {
-    command.add_option("--depth", o.depth, "depth of the sphere-trees, 1 to 16 (default 6)").type_name("D");
     command
-        .add_option("--max-error", o.max_error, "instead of --depth: largest error in metres of the verdict 'within'")
+        .add_option("--max-error", o.max_error,
+                    fmt::format("largest error in metres of the verdict 'within' (default: of each pair {} % of the "
+                                "diagonal of the smaller body's box)",
+                                100 * default_error))
         .type_name("M");
+    command.add_option("--depth", o.depth, "instead of --max-error: depth of the sphere-trees, 1 to 16").type_name("D");
     command.add_option("--clearance", o.clearance, "metres: bodies this close count as touching (default 0)")
         .type_name("M");
     command.add_option("--exact", o.exact, "exact level on triangles: off, predicates or fcl (default off)")

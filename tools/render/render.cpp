@@ -70,7 +70,8 @@ Image draw(Painter& painter, std::vector<ScenePicture>& panels, const Camera& ca
 
 int render(const RenderOptions& options)
 {
-    const Settings settings = settings_from(options.settings);
+    Settings settings = settings_from(options.settings);
+    if (!settings.depth && !settings.max_error) settings.depth = 6; // what is drawn is the sphere-trees
     const View view(options);
     Scene scene = open_scene(options.scene);
     const RenderPlan plan = plan_from(options, settings, scene);

@@ -14,7 +14,7 @@ GrownTree::GrownTree(std::shared_ptr<const Geometry> geometry, const Settings& s
     : settings_(settings), models_(settings_, make_cpu_backend()),
       model_(models_[models_.add(geometry)]), levels_{{root_cell}}
 {
-    const Ocst& tree = models_.spheres(model_);
+    const Ocst& tree = models_.spheres(model_, models_.max_error(model_, model_));
     std::vector<CellRequest> requests;
     for (int l = 0; l < std::min(tree.depth(), levels.value_or(tree.depth())); ++l) {
         requests.clear();

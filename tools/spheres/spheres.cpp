@@ -197,7 +197,8 @@ void write_json(const std::string& path, const SpheresOptions& options, const Ju
 
 int spheres(const SpheresOptions& options)
 {
-    const Settings settings{.depth = options.depth, .max_error = options.max_error, .threads = options.threads};
+    Settings settings{.depth = options.depth, .max_error = options.max_error, .threads = options.threads};
+    if (!settings.depth && !settings.max_error) settings.depth = 6;
     check(settings);
     const BoundingVolume kind = bounding_volume_from_name(options.bounding_volume);
     if (kind == BoundingVolume::automatic) usage("--bounding-volume auto: must be sphere or obb here");
