@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include <oncollide/narrowphase/boxes/box_node.hpp>
+#include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/relative_pose.hpp>
 
 namespace oncollide {
@@ -72,7 +73,10 @@ concept BoxHierarchy = requires(H& h, const H& same, typename H::Node node, unsi
 ///   returns whether it always did. Given many pairs at a time; eight fit the kernels.
 /// - `least_gap(rounding)`: at least so far apart are the pairs that meeting() saw and did not find, since start(); > 0
 ///   where doubles can express it. Distances by `distance` err by at most `rounding`.
-/// - `meet(pair)`, exactly; `distance(pair)` of a pair that does not meet; `most(pair)`, a cheap upper bound on it.
+/// - `meet(pair)`, exactly; `distance(pair)` of a pair that does not meet; `most(pair)`, a cheap upper bound on it;
+///   `nearest(pair)`: the nearest points.
+/// - `high_a(primitive, line)`, `low_b(primitive, line)`: the most and the least that points of theirs show along a
+///   line. Cheap: they bound distances.
 template <class L, class A, class B>
 concept LeafTests = requires(L& tests, A& a, B& b, const RelativePose& b_to_a, typename L::Pair pair,
                              std::span<const typename L::Pair> pairs, double rounding)
@@ -95,6 +99,15 @@ concept LeafTests = requires(L& tests, A& a, B& b, const RelativePose& b_to_a, t
     {
         tests.most(pair)
         } -> std::same_as<double>;
+    {
+        tests.high_a(pair.a, Eigen::Vector3d())
+        } -> std::same_as<double>;
+    {
+        tests.low_b(pair.b, Eigen::Vector3d())
+        } -> std::same_as<double>;
+    {
+        tests.nearest(pair)
+        } -> std::same_as<NearestPoints>;
 };
 
 } // namespace oncollide

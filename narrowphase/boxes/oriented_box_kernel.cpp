@@ -73,9 +73,10 @@ void open(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out)
     store(out.size, half.x * half.x + half.y * half.y + half.z * half.z);
 }
 
+/// @param line  null where not `far`
 template <bool far>
-unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, float cutoff, float (&gaps)[8],
-                 float (&nearest)[8])
+inline unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, const BoxLine* line, float cutoff,
+                        float (&gaps)[8], float (&nearest)[8])
 {
     const F32x8 dx = load(boxes.c[0]) - other.c[0][k], dy = load(boxes.c[1]) - other.c[1][k],
                 dz = load(boxes.c[2]) - other.c[2][k];
@@ -110,6 +111,11 @@ unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, flo
         for (int i = 0; i < 3; ++i) radii_by_length = radii_by_length + oh[i] * abs(t[i]);
         const F32x8 length = sqrt(dx * dx + dy * dy + dz * dz);
         gap = max(gap, length > splat(0) ? length - radii_by_length / length : gap);
+        const float x = line->direction[0], y = line->direction[1], z = line->direction[2];
+        F32x8 least = x * load(boxes.c[0]) + y * load(boxes.c[1]) + z * load(boxes.c[2]);
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i) least = least - h[i] * abs(x * axis[i][0] + y * axis[i][1] + z * axis[i][2]);
+        gap = max(gap, least - line->other_reach);
     }
     if (bits(gap <= splat(cutoff))) {
         // Cross products are at most of length 1: what they show, the distance is at least.
@@ -132,11 +138,23 @@ unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, flo
     return bits(near);
 }
 
+unsigned compare_near(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, float cutoff, float (&gaps)[8],
+                      float (&nearest)[8])
+{
+    return compare<false>(boxes, other, k, nullptr, cutoff, gaps, nearest);
+}
+
+unsigned compare_far(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, const BoxLine& line, float cutoff,
+                     float (&gaps)[8], float (&nearest)[8])
+{
+    return compare<true>(boxes, other, k, &line, cutoff, gaps, nearest);
+}
+
 } // namespace
 
 OrientedBoxKernel oriented_box_kernel()
 {
-    return {open, compare<false>, compare<true>};
+    return {open, compare_near, compare_far};
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

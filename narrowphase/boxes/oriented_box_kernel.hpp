@@ -6,6 +6,12 @@
 
 namespace oncollide {
 
+/// A direction of length 1 at most, in A's frame, and how far in it the other box, or what is in it, reaches.
+struct BoxLine {
+    float direction[3];
+    float other_reach;
+};
+
 struct OrientedBoxKernel {
     /// @param placement  null: the boxes stay where they are
     /// Lanes past the node's last box get centres at 1e30: far from everything.
@@ -19,9 +25,11 @@ struct OrientedBoxKernel {
     using Compare = unsigned(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, float cutoff, float (&gaps)[8],
                              float (&nearest)[8]);
     Compare* compare;
-    /// The same, with the line of centres for one axis more: for boxes far apart the gaps come much nearer to the
-    /// distances.
-    Compare* compare_far;
+    /// The same, with the line of centres for one axis more, and the line for another: for boxes far apart the gaps
+    /// come much nearer to the distances, above all along the line that joins the nearest points.
+    using CompareFar = unsigned(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, const BoxLine& line,
+                                float cutoff, float (&gaps)[8], float (&nearest)[8]);
+    CompareFar* compare_far;
 };
 
 namespace baseline {

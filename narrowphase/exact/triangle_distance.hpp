@@ -3,6 +3,14 @@
 
 namespace oncollide {
 
+struct NearestPoints {
+    Eigen::Vector3d a, b;
+    double distance;
+};
+
+/// The nearest points of two triangles that do not meet, and their distance as triangle_distance() has it.
+NearestPoints nearest_points(const TrianglePoints& a, const TrianglePoints& b);
+
 /// Distance of two triangles that do not meet, metres. What it returns is the distance of two points of theirs but for
 /// rounding: it errs by at most 2^-40 times the largest difference of two coordinates. Cost: about 250 ns.
 /// Source: Ericson, "Real-Time Collision Detection", 2004, 5.1.5 and 5.1.9.

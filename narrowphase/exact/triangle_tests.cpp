@@ -42,6 +42,12 @@ double TriangleTests::distance(TrianglePair pair)
     return triangle_distance(points_a(pair.a), points_b(pair.b));
 }
 
+NearestPoints TriangleTests::nearest(TrianglePair pair)
+{
+    ++counts.tested;
+    return nearest_points(points_a(pair.a), points_b(pair.b));
+}
+
 double TriangleTests::most(TrianglePair pair) const
 {
     return corner_distance(points_a(pair.a), points_b(pair.b));

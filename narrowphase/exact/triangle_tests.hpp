@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <compare>
 #include <cstdint>
 #include <span>
@@ -6,6 +7,7 @@
 
 #include <oncollide/base/cpu_features.hpp>
 #include <oncollide/narrowphase/boxes/obb_tree.hpp>
+#include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/exact/triangle_kernel.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 #include <oncollide/narrowphase/relative_pose.hpp>
@@ -39,6 +41,17 @@ public:
     bool meet(TrianglePair pair) const { return triangles_meet(points_a(pair.a), points_b(pair.b)); }
     double distance(TrianglePair pair);
     double most(TrianglePair pair) const;
+    double high_a(std::uint32_t triangle, const Eigen::Vector3d& line) const
+    {
+        const Triangle& t = triangles_a_[triangle];
+        return std::max({line.dot(vertices_a_[t[0]]), line.dot(vertices_a_[t[1]]), line.dot(vertices_a_[t[2]])});
+    }
+    double low_b(std::uint32_t triangle, const Eigen::Vector3d& line) const
+    {
+        const TrianglePoints p = points_b(triangle);
+        return std::min({line.dot(p[0]), line.dot(p[1]), line.dot(p[2])});
+    }
+    NearestPoints nearest(TrianglePair pair);
 
     const Triangle& corners_a(std::uint32_t triangle) const { return triangles_a_[triangle]; }
     const Triangle& corners_b(std::uint32_t triangle) const { return triangles_b_[triangle]; }

@@ -5,7 +5,6 @@
 
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/exact/flat_triangles.hpp>
-#include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/exact/triangle_gap.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>
 
@@ -68,14 +67,14 @@ TrianglePoints face_of(const CellCorners& corners, std::size_t face)
     return {corners[a], corners[b], corners[c]};
 }
 
+} // namespace
+
 CellCorners corners_of(const Aabb& cell)
 {
     CellCorners corners;
     for (unsigned k = 0; k < 8; ++k) corners[k] = corner_of(cell, k);
     return corners;
 }
-
-} // namespace
 
 bool cell_meets(const Aabb& cell, const TrianglePoints& t)
 {
@@ -92,20 +91,32 @@ double cell_distance_at_most(const Aabb& cell, const TrianglePoints& t)
     return std::sqrt(least2) * (1 + 0x1p-50);
 }
 
-double cell_distance(const Aabb& cell, const TrianglePoints& t)
+NearestPoints cell_nearest(const Aabb& cell, const TrianglePoints& t)
 {
-    if (t[0] == t[1] && t[0] == t[2]) return cell_distance_at_most(cell, t);
+    NearestPoints nearest{{}, {}, std::numeric_limits<double>::infinity()};
+    for (const Vector3d& p : t) {
+        const Vector3d q = p.cwiseMax(cell.min).cwiseMin(cell.max);
+        const double distance = (p - q).norm() * (1 + 0x1p-50);
+        if (distance < nearest.distance) nearest = {q, p, distance};
+    }
+    if (t[0] == t[1] && t[0] == t[2]) return nearest;
     const CellCorners corners = corners_of(cell);
-    double least = cell_distance_at_most(cell, t);
     for (std::size_t f = 0; f < 12; ++f) {
         // Nearest is a face that the triangle is in front of.
         const int axis = 2 - static_cast<int>(f / 4);
         const bool high = f % 4 >= 2;
         const bool in_front = std::ranges::any_of(
             t, [&](const Vector3d& p) { return high ? p[axis] > cell.max[axis] : p[axis] < cell.min[axis]; });
-        if (in_front) least = std::min(least, triangle_distance(face_of(corners, f), t));
+        if (!in_front) continue;
+        const NearestPoints found = nearest_points(face_of(corners, f), t);
+        if (found.distance < nearest.distance) nearest = found;
     }
-    return least;
+    return nearest;
+}
+
+double cell_distance(const Aabb& cell, const TrianglePoints& t)
+{
+    return cell_nearest(cell, t).distance;
 }
 
 double cell_gap(const Aabb& cell, const TrianglePoints& t, double rounding)
@@ -130,11 +141,19 @@ bool cells_meet(const Aabb& cell, const CellCorners& other)
     return true;
 }
 
+NearestPoints cells_nearest(const Aabb& cell, const CellCorners& other)
+{
+    NearestPoints nearest{{}, {}, std::numeric_limits<double>::infinity()};
+    for (std::size_t f = 0; f < 12; ++f) {
+        const NearestPoints found = cell_nearest(cell, face_of(other, f));
+        if (found.distance < nearest.distance) nearest = found;
+    }
+    return nearest;
+}
+
 double cells_distance(const Aabb& cell, const CellCorners& other)
 {
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t f = 0; f < 12; ++f) least = std::min(least, cell_distance(cell, face_of(other, f)));
-    return least;
+    return cells_nearest(cell, other).distance;
 }
 
 } // namespace oncollide

@@ -1,5 +1,6 @@
 #pragma once
 #include <oncollide/base/aabb.hpp>
+#include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 
 namespace oncollide {
@@ -11,6 +12,9 @@ bool cell_meets(const Aabb& cell, const TrianglePoints& triangle);
 
 /// Distance of a cell and a triangle that do not meet, metres; errs as triangle_distance().
 double cell_distance(const Aabb& cell, const TrianglePoints& triangle);
+
+/// The nearest points, the cell's first, and that distance.
+NearestPoints cell_nearest(const Aabb& cell, const TrianglePoints& triangle);
 
 /// Upper bound on the distance, of a corner of the triangle.
 double cell_distance_at_most(const Aabb& cell, const TrianglePoints& triangle);
@@ -24,5 +28,8 @@ double cell_gap(const Aabb& cell, const TrianglePoints& triangle, double roundin
 using CellCorners = std::array<Eigen::Vector3d, 8>;
 bool cells_meet(const Aabb& cell, const CellCorners& other);
 double cells_distance(const Aabb& cell, const CellCorners& other);
+NearestPoints cells_nearest(const Aabb& cell, const CellCorners& other);
+
+CellCorners corners_of(const Aabb& cell);
 
 } // namespace oncollide

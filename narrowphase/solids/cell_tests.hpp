@@ -24,6 +24,7 @@ struct PlacedTriangles {
     }
     static bool meet(const Aabb& cell, const Placed& b) { return cell_meets(cell, b); }
     static double distance(const Aabb& cell, const Placed& b) { return cell_distance(cell, b); }
+    static NearestPoints nearest(const Aabb& cell, const Placed& b) { return cell_nearest(cell, b); }
     static double most(const Aabb& cell, const Placed& b) { return cell_distance_at_most(cell, b); }
     static double gap(const Aabb& cell, const Placed& b, double rounding) { return cell_gap(cell, b, rounding); }
 };
@@ -39,6 +40,7 @@ struct PlacedCells {
     }
     static bool meet(const Aabb& cell, const Placed& b) { return cells_meet(cell, b); }
     static double distance(const Aabb& cell, const Placed& b) { return cells_distance(cell, b); }
+    static NearestPoints nearest(const Aabb& cell, const Placed& b) { return cells_nearest(cell, b); }
     static double most(const Aabb& cell, const Placed& b) { return cell_distance_at_most(cell, {b[0], b[3], b[7]}); }
     static double gap(const Aabb& cell, const Placed& b, double rounding)
     {
@@ -88,6 +90,22 @@ public:
     }
     double distance(const Pair& pair) const { return Placing::distance(cell(pair), placed(pair)); }
     double most(const Pair& pair) const { return Placing::most(cell(pair), placed(pair)); }
+    double high_a(const MapCell& a, const Eigen::Vector3d& line) const
+    {
+        const Aabb box = a.box(resolution_);
+        return line.cwiseProduct(box.min).cwiseMax(line.cwiseProduct(box.max)).sum();
+    }
+    double low_b(const typename B::Primitive& b, const Eigen::Vector3d& line) const
+    {
+        double low = std::numeric_limits<double>::infinity();
+        for (const Eigen::Vector3d& p : Placing::place(*b_, *b_to_a_, b)) low = std::min(low, line.dot(p));
+        return low;
+    }
+    NearestPoints nearest(const Pair& pair)
+    {
+        ++tested;
+        return Placing::nearest(cell(pair), placed(pair));
+    }
 
     std::uint64_t tested = 0; ///< pairs
 

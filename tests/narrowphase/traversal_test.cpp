@@ -328,13 +328,18 @@ TEST(OrientedBoxKernel, NeverShowsAGapLargerThanTheDistance)
             const Vector3d by = point_in(other, k, seed + lane) - point_in(boxes, lane, seed + 31);
             for (int i = 0; i < 3; ++i) boxes.c[i][lane] += static_cast<float>(by[i]);
         }
+        const Vector3d line = (point_in(boxes, seed % 5, seed) - point_in(other, k, seed + 5)).normalized();
+        const auto along = [&](const auto& v) { return line.x() * v[0][k] + line.y() * v[1][k] + line.z() * v[2][k]; };
+        BoxLine reach{{float(line.x()), float(line.y()), float(line.z())}, float(along(other.c))};
+        for (int i = 0; i < 3; ++i) reach.other_reach += float(other.h[i][k] * std::abs(along(other.axis[i])));
         for (const bool far : {false, true}) {
             float first_gaps[8];
             for (const Kernel& kernel : kernels()) {
-                const auto compare = far ? kernel.kernel.compare_far : kernel.kernel.compare;
                 float gaps[8], nearest[8];
                 std::fill(std::begin(nearest), std::end(nearest), std::numeric_limits<float>::infinity());
-                const unsigned near = compare(boxes, other, k, 1e-5f, gaps, nearest);
+                const auto& compare = kernel.kernel;
+                const unsigned near = far ? compare.compare_far(boxes, other, k, reach, 1e-5f, gaps, nearest)
+                                          : compare.compare(boxes, other, k, 1e-5f, gaps, nearest);
                 for (unsigned lane = 0; lane < 8; ++lane) {
                     EXPECT_EQ(near >> lane & 1, unsigned(gaps[lane] <= 1e-5f));
                     if (!(near >> lane & 1)) {

@@ -132,12 +132,40 @@ public:
         }
         return inside;
     }
-    double distance(const Pair& pair) const
+    double distance(const Pair& pair) const { return nearest(pair).distance; }
+    NearestPoints nearest(const Pair& pair) const
     {
         const TrianglePoints t = triangle(pair);
-        double least = std::numeric_limits<double>::infinity();
-        for (const TrianglePoints& face : faces(pair)) least = std::min(least, triangle_distance(face, t));
+        NearestPoints least{{}, {}, std::numeric_limits<double>::infinity()};
+        for (const TrianglePoints& face : faces(pair)) {
+            const NearestPoints points = cubes_first ? nearest_points(face, t) : nearest_points(t, face);
+            if (points.distance < least.distance) least = points;
+        }
         return least;
+    }
+    double high_a(std::uint32_t a, const Eigen::Vector3d& line) const
+    {
+        double high = -std::numeric_limits<double>::infinity();
+        const auto look = [&](const auto& points) {
+            for (const Eigen::Vector3d& p : points) high = std::max(high, line.dot(p));
+        };
+        if constexpr (cubes_first)
+            look(a_->corners(a));
+        else
+            look(triangle({a, 0}));
+        return high;
+    }
+    double low_b(std::uint32_t b, const Eigen::Vector3d& line) const
+    {
+        double low = std::numeric_limits<double>::infinity();
+        const auto look = [&](const auto& points) {
+            for (const Eigen::Vector3d& p : points) low = std::min(low, line.dot(p));
+        };
+        if constexpr (cubes_first)
+            look(triangle({0, b}));
+        else
+            for (const TrianglePoints& face : faces({0, b})) look(face);
+        return low;
     }
     double most(const Pair& pair) const { return corner_distance(faces(pair)[0], triangle(pair)); }
 
