@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include <oncollide/narrowphase/boxes/grid_split.hpp>
 #include <oncollide/narrowphase/boxes/hierarchy.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
@@ -66,6 +67,8 @@ private:
     void number_triangles();
     std::uint32_t grow(std::uint32_t parent, unsigned k);
     std::uint32_t add_node();
+    std::uint32_t grow_by_grid(BoxNode& above, unsigned k);
+    std::uint32_t add_nodes(const GridPart& part, std::uint32_t begin);
 
     const Mesh& mesh_;
     Eigen::Vector3d centre_;
@@ -80,6 +83,7 @@ private:
         std::uint32_t triangle;
     };
     bool before(const Item& x, const Item& y, int axis) const;
+    void halve(std::span<Item> items, std::size_t half, int axis, float low, float high) const;
     void split(BoxNode& node, std::span<Item> items, unsigned lanes, std::uint32_t begin);
     void add_lane(BoxNode& node, std::span<const Item> items, std::uint32_t begin);
     std::vector<Item> items_; ///< of the box that grows

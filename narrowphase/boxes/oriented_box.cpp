@@ -1,13 +1,13 @@
 #include <oncollide/narrowphase/boxes/oriented_box.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
-
-#include <oncollide/base/aabb.hpp>
 
 namespace oncollide {
 
@@ -19,8 +19,25 @@ using Eigen::Vector3d;
 constexpr double quaternion_steps = 32767;
 constexpr double most_centre = 32767, most_half = 65535;
 
-/// Second moments of the surface; of the corners when it has no area. On a grid of 2^15 steps and in integers, so that
-/// the order of triangles and corners does not show, not even where all directions are alike.
+/// A triangle on a grid of 2^15 steps.
+struct GridTriangle {
+    std::array<Eigen::Matrix<std::int64_t, 3, 1>, 3> corners;
+    double area; ///< twice
+
+    GridTriangle() = default;
+    GridTriangle(const TrianglePoints& t, const Vector3d& middle, double half)
+    {
+        for (std::size_t k = 0; k < 3; ++k)
+            for (int axis = 0; axis < 3; ++axis) {
+                const double x = (t[k][axis] - middle[axis]) / half * 0x1p14;
+                corners[k][axis] = static_cast<std::int64_t>(x + std::copysign(0.5, x));
+            }
+        area = (corners[1] - corners[0]).cross(corners[2] - corners[0]).cast<double>().norm();
+    }
+};
+
+/// Second moments of the surface; of the corners when it has no area. In integers, so that the order of triangles and
+/// corners does not show, not even where all directions are alike.
 Matrix3d spread_of(std::span<const TrianglePoints> triangles)
 {
     using Vector = Eigen::Matrix<std::int64_t, 3, 1>;
@@ -30,25 +47,25 @@ Matrix3d spread_of(std::span<const TrianglePoints> triangles)
         for (const Vector3d& p : t) extent.add(p);
     const double half = extent.half_extent().maxCoeff();
     if (!(half > 0)) return Matrix3d::Zero();
-    const Vector3d middle = extent.centre();
-    const auto on_grid = [&](const Vector3d& p) {
-        return Vector(((p - middle) / half * 0x1p14).array().round().matrix().cast<std::int64_t>());
-    };
-    const auto area_of = [](const Vector& p, const Vector& q, const Vector& r) {
-        const Vector u = q - p, v = r - p;
-        return Vector(u.cross(v)).cast<double>().norm();
-    };
+    std::array<GridTriangle, 16> few;
+    std::vector<GridTriangle> many(triangles.size() > few.size() ? triangles.size() : 0);
+    const std::span<GridTriangle> grid = many.empty() ? std::span(few).first(triangles.size()) : std::span(many);
     double largest = 0;
-    for (const TrianglePoints& t : triangles)
-        largest = std::max(largest, area_of(on_grid(t[0]), on_grid(t[1]), on_grid(t[2])));
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+        grid[i] = GridTriangle(triangles[i], extent.centre(), half);
+        largest = std::max(largest, grid[i].area);
+    }
     // A term of the sum is below 2^32 times its weight.
     const double heaviest = triangles.size() < std::size_t(1) << 20 ? 1024 : 1;
     Matrix squares = Matrix::Zero();
     Vector sum = Vector::Zero();
     std::int64_t weights = 0;
-    for (const TrianglePoints& t : triangles) {
-        const Vector p = on_grid(t[0]), q = on_grid(t[1]), r = on_grid(t[2]), s = p + q + r;
-        const auto weight = largest > 0 ? std::int64_t(std::ceil(heaviest * area_of(p, q, r) / largest)) : 1;
+    for (const GridTriangle& t : grid) {
+        const auto& [p, q, r] = t.corners;
+        const Vector s = p + q + r;
+        const double share = heaviest * t.area / largest;
+        const auto whole = largest > 0 ? std::int64_t(share) : 1;
+        const std::int64_t weight = whole + (largest > 0 && double(whole) < share);
         // Twelve times the integral of x x' over a triangle of area 1.
         squares += weight * (s * s.transpose() + p * p.transpose() + q * q.transpose() + r * r.transpose());
         sum += weight * s, weights += weight;
@@ -168,6 +185,12 @@ void quantise(BoxNode& node, unsigned k, const OrientedBox& box, std::span<const
     std::uint16_t* const halves[3] = {&node.hx[k], &node.hy[k], &node.hz[k]};
     for (int axis = 0; axis < 3; ++axis)
         *halves[axis] = static_cast<std::uint16_t>(std::min(std::ceil(half[axis] / unit * (1 + 0x1p-20)), most_half));
+}
+
+void quantise_along_axes(BoxNode& node, unsigned k, const Aabb& box)
+{
+    const TrianglePoints diagonal{box.min, box.max, box.max};
+    quantise(node, k, {box.centre(), box.half_extent(), Matrix3d::Identity()}, {&diagonal, 1});
 }
 
 } // namespace oncollide

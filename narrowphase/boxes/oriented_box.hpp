@@ -1,6 +1,7 @@
 #pragma once
 #include <span>
 
+#include <oncollide/base/aabb.hpp>
 #include <oncollide/base/cpu_features.hpp>
 #include <oncollide/narrowphase/boxes/oriented_box_kernel.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
@@ -35,5 +36,7 @@ double radius_of(const BoxNode& node, unsigned k);
 /// Stores a box around the triangles as box k, its axes near those of `box`. Conservative: the box as the box test will
 /// read it holds every point of the triangles.
 void quantise(BoxNode& node, unsigned k, const OrientedBox& box, std::span<const TrianglePoints> triangles);
+/// The same of a box along the axes of the tree's frame.
+void quantise_along_axes(BoxNode& node, unsigned k, const Aabb& box);
 
 } // namespace oncollide
