@@ -16,6 +16,15 @@ const ShapeCore& Model::core() const
     return *core_;
 }
 
+const Convex& Model::convex() const
+{
+    std::call_once(convex_once_, [this] {
+        const bool hull = std::holds_alternative<ConvexHull>(*shape());
+        convex_ = hull ? convex_of_hull(core().inner) : convex_of(*shape());
+    });
+    return convex_;
+}
+
 MapTree& Model::cells() const
 {
     std::call_once(cells_once_, [this] { cells_ = std::make_unique<MapTree>(*map()); });

@@ -12,6 +12,7 @@
 #include <oncollide/narrowphase/boxes/obb_tree.hpp>
 #include <oncollide/narrowphase/exact/exact_fcl.hpp>
 #include <oncollide/narrowphase/inside/parts.hpp>
+#include <oncollide/narrowphase/solids/convex.hpp>
 #include <oncollide/narrowphase/solids/shape_core.hpp>
 #include <oncollide/narrowphase/spheres/ocst.hpp>
 #include <oncollide/narrowphase/spheres/surface.hpp>
@@ -43,6 +44,8 @@ public:
     double covering_error() const { return shape() ? bounding_mesh().covering_error : 0.0; }
     /// What exact tests of a shape run on. The model must be a shape.
     const ShapeCore& core() const;
+    /// The shape as pairs of shapes take it. The model must be a shape.
+    const Convex& convex() const;
     /// What trees of oriented boxes are built over: the mesh, or the core of a shape; null for a map.
     const Mesh* surface_mesh() const { return shape() ? &core().inner : mesh(); }
     /// The octree of a map. The model must be a map.
@@ -71,9 +74,11 @@ public:
 private:
     std::shared_ptr<const Geometry> geometry_;
     PoseBounds bounds_;
-    mutable std::once_flag bounding_mesh_once_, closed_once_, parts_once_, fcl_once_, core_once_, cells_once_;
+    mutable std::once_flag bounding_mesh_once_, closed_once_, parts_once_, fcl_once_, core_once_, convex_once_,
+        cells_once_;
     mutable std::optional<BoundingMesh> bounding_mesh_;
     mutable std::optional<ShapeCore> core_;
+    mutable Convex convex_;
     mutable std::unique_ptr<MapTree> cells_;
     mutable bool closed_ = false;
     mutable std::vector<PartPoints> parts_;

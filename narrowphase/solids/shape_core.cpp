@@ -1,5 +1,7 @@
 #include <oncollide/narrowphase/solids/shape_core.hpp>
 
+#include <limits>
+
 #include <oncollide/narrowphase/solids/convex_surface.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/model/surface_grid.hpp>
@@ -7,6 +9,8 @@
 namespace oncollide {
 
 namespace {
+
+constexpr auto not_yet = std::numeric_limits<std::uint32_t>::max();
 
 struct Core {
     ShapeCore operator()(const Sphere& s) const
@@ -30,7 +34,16 @@ struct Core {
     }
     ShapeCore operator()(const ConvexHull& h) const
     {
-        return {make_mesh("convex hull", h.points, convex_surface(h.points)), 0, {}, 0};
+        std::vector<Triangle> faces = convex_surface(h.points);
+        std::vector<Eigen::Vector3d> corners;
+        std::vector<std::uint32_t> place(h.points.size(), not_yet);
+        for (Triangle& face : faces)
+            for (std::uint32_t& v : face) {
+                if (place[v] == not_yet)
+                    place[v] = static_cast<std::uint32_t>(corners.size()), corners.push_back(h.points[v]);
+                v = place[v];
+            }
+        return {make_mesh("convex hull", std::move(corners), std::move(faces)), 0, {}, 0};
     }
 };
 

@@ -2,6 +2,7 @@
 #include <cstdint>
 
 #include <oncollide/pipeline/model_store.hpp>
+#include <oncollide/pipeline/refine/solid_pairs.hpp>
 #include <oncollide/pipeline/settings.hpp>
 
 namespace oncollide {
@@ -34,14 +35,16 @@ class Dispatch {
 public:
     explicit Dispatch(const Settings& settings)
         : obb_(wants_obbs(settings)), exact_(settings.exact),
-          left_to_exact_(exact_ == ExactLevel::predicates && exact_runs(settings))
+          left_to_exact_(exact_ == ExactLevel::predicates && exact_runs(settings)), kinds_(wants_kinds(settings))
     {
     }
 
     /// Makes the trees that the refiner needs. Not while walks are under way, unless they are there().
     Refiner of(Level level, ModelStore& models, Model& a, Model& b, std::uint32_t frame) const
     {
-        const auto room = [&] { return models.admit_boxes(a, frame) && models.admit_boxes(b, frame); };
+        const auto room = [&] {
+            return !needs_trees(a, b, kinds_) || (models.admit_boxes(a, frame) && models.admit_boxes(b, frame));
+        };
         if (level == Level::refine) {
             if (obb_ && room()) return left_to_exact_ ? Refiner::none : Refiner::boxes;
             const double error = models.max_error(a, b);
@@ -59,13 +62,14 @@ public:
             const double error = models.max_error(a, b);
             return models.has_spheres(a, error) && models.has_spheres(b, error);
         }
-        return (a.boxes || a.map()) && (b.boxes || b.map());
+        return !needs_trees(a, b, kinds_) || ((a.boxes || a.map()) && (b.boxes || b.map()));
     }
 
 private:
     bool obb_;
     ExactLevel exact_;
     bool left_to_exact_; ///< by obb
+    bool kinds_;
 };
 
 } // namespace oncollide

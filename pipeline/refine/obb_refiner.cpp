@@ -38,10 +38,11 @@ RefineResult ObbRefiner::near(const RefineContext& context, const PairTask& task
 RefineResult ObbRefiner::exact(const RefineContext& context, const PairTask& task, PairMemory* memory,
                                Worker& worker) const
 {
-    if (!is_polytope(*task.a) || !is_polytope(*task.b)) return worker.solids.exact(context, task);
+    const Settings& settings = context.settings;
+    if (!is_polytope(*task.a) || !is_polytope(*task.b) || !needs_trees(*task.a, *task.b, wants_kinds(settings)))
+        return worker.solids.exact(context, task);
     ObbTree &a = *task.a->boxes, &b = *task.b->boxes;
     const RelativePose b_to_a(*task.pose_a, *task.pose_b);
-    const Settings& settings = context.settings;
     double bound = 0;
     if (!wants_kinds(settings)) {
         const auto [meeting, gap] = worker.walk.first_meeting(a, b, b_to_a, hint_of(memory));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <oncollide/narrowphase/solids/shape_pair.hpp>
 #include <oncollide/pipeline/refine/containment_test.hpp>
 
 namespace oncollide {
@@ -10,16 +11,55 @@ namespace {
 
 constexpr double rigid = 0x1p-18; ///< poses may be 2^-20 from rigid: so far may distances in A's frame be off
 
-/// How much longer or shorter the pose makes lengths at most, relative.
+/// How much longer or shorter the pose makes lengths at most, relative; 0 of quarter turns.
 double stretch(const Eigen::Isometry3d& pose)
 {
     const Eigen::Matrix3d error = pose.linear().transpose() * pose.linear() - Eigen::Matrix3d::Identity();
+    if (error.isZero(0) && (pose.linear().array().square() == pose.linear().array().abs()).all()) return 0;
     return 3 * error.cwiseAbs().maxCoeff() + 0x1p-50;
 }
 
+bool are_shapes(const PairTask& task)
+{
+    return task.a->shape() && task.b->shape();
+}
+
+/// Two shapes, in A's frame, and by how much its lengths may differ from the world's, relative.
+struct PlacedShapes {
+    RelativePose b_to_a;
+    double slack;
+    ShapePair pair;
+
+    explicit PlacedShapes(const PairTask& task)
+        : b_to_a(*task.pose_a, *task.pose_b), slack(stretch(*task.pose_a) + stretch(*task.pose_b)),
+          pair(*task.a, *task.b, b_to_a, slack)
+    {
+    }
+    double below(double bound) const { return bound * (1 - slack); }
+    double above(double bound) const { return bound * (1 + slack); }
+
+    /// Separate beyond the clearance, or near.
+    RefineResult by_distance(double clearance, EnoughDistance enough) const
+    {
+        enough.above = above(above(clearance));
+        const ConvexDistance d = pair.distance(enough);
+        if (const double lower = below(d.lower); lower > clearance)
+            return {Verdict::separate, ContactKind::unknown, lower};
+        return {Verdict::within, ContactKind::near, above(d.upper)};
+    }
+    RefineResult exact(double clearance) const
+    {
+        const ConvexMeeting m = pair.meeting();
+        if (m.sign < 0) return {Verdict::colliding, ContactKind::unknown, 0};
+        if (m.sign == 0) return {Verdict::within, ContactKind::unknown, above(m.bound)};
+        if (clearance > 0) return by_distance(clearance, {});
+        return {Verdict::separate, ContactKind::unknown, below(m.bound)};
+    }
+};
+
 double radius_of(const Model& model)
 {
-    return model.shape() ? model.core().radius : 0;
+    return model.shape() ? model.convex().radius : 0;
 }
 
 double error_of(const Model& model)
@@ -133,7 +173,12 @@ bool holds_cell(PointLocator& locator, ObbTree& surface, const RelativePose& int
 
 bool is_polytope(const Model& model)
 {
-    return model.mesh() || (model.shape() && model.core().polytope());
+    return model.mesh() || (model.shape() && model.convex().flat_sided && model.convex().radius == 0);
+}
+
+bool needs_trees(const Model& a, const Model& b, bool kinds)
+{
+    return !a.shape() || !b.shape() || (kinds && is_polytope(a) && is_polytope(b));
 }
 
 bool SolidPairs::shape_holds(const PairTask& task)
@@ -173,6 +218,7 @@ RefineResult SolidPairs::with_cores(const PairTask& task, auto work)
 
 RefineResult SolidPairs::exact(const RefineContext& context, const PairTask& task)
 {
+    if (are_shapes(task)) return PlacedShapes(task).exact(context.settings.clearance);
     return with_cores(task, [&](auto& walk, auto& inner_a, auto& outer_a, auto& inner_b, auto& outer_b,
                                 const RelativePose& b_to_a, auto holds) {
         return decide(walk, inner_a, outer_a, inner_b, outer_b, b_to_a, Margins(task), context.settings.clearance,
@@ -182,6 +228,7 @@ RefineResult SolidPairs::exact(const RefineContext& context, const PairTask& tas
 
 RefineResult SolidPairs::within_clearance(const RefineContext& context, const PairTask& task)
 {
+    if (are_shapes(task)) return PlacedShapes(task).by_distance(context.settings.clearance, {});
     return with_cores(task, [&](auto& walk, auto& a, auto&, auto& b, auto&, const RelativePose& b_to_a, auto) {
         return by_distance(walk, a, b, b_to_a, Margins(task), context.settings.clearance);
     });
@@ -189,6 +236,12 @@ RefineResult SolidPairs::within_clearance(const RefineContext& context, const Pa
 
 RefineResult SolidPairs::near(const RefineContext& context, const PairTask& task, double tolerance)
 {
+    if (are_shapes(task)) {
+        const double clearance = context.settings.clearance;
+        RefineResult result = PlacedShapes(task).by_distance(clearance, {.below = clearance + tolerance});
+        result.kind = ContactKind::unknown;
+        return result;
+    }
     return with_cores(task, [&](auto& walk, auto&, auto& outer_a, auto&, auto& outer_b, const RelativePose& b_to_a,
                                 auto holds) {
         return decide_near(walk, outer_a, outer_b, b_to_a, Margins(task), context.settings.clearance, tolerance, holds);

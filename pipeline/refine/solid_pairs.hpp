@@ -8,6 +8,9 @@ namespace oncollide {
 /// Can the triangles of the mesh, or of the surface of the shape, tell exactly? So it is of boxes and hulls.
 bool is_polytope(const Model& model);
 
+/// Are trees walked for the pair? Not for two shapes, unless kinds of contact are wanted of polytopes.
+bool needs_trees(const Model& a, const Model& b, bool kinds);
+
 /// The exact level of pairs in which a round shape or a map takes part, with certificates of its own: colliding where
 /// points of both are certainly one, separate where a gap is certain. In between, by rounding (2^-36 of the bodies'
 /// sizes and distance) and by what a cylinder's prisms leave (4e-5 of its radius), such pairs stay `within`.

@@ -1,0 +1,81 @@
+#pragma once
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include <oncollide/base/aabb.hpp>
+#include <oncollide/scenes/model/shape.hpp>
+
+namespace oncollide {
+
+/// A bounded convex solid as the tests in convex_pair.hpp take it: all points within `radius` of a core, that its
+/// support function gives. Metres, in the solid's own frame. A small value; it may refer to points that others own.
+struct Convex {
+    enum class Core : std::uint8_t {
+        box,      ///< from `low` to `high`; a point where the two are one, a segment where they differ along z
+        points,   ///< the hull of `points`
+        cylinder, ///< along z: radius high.x, half-length high.z
+        cone,     ///< along z: radius high.x at z = -high.z, apex at high.z
+        ellipsoid ///< semi-axes `high`
+    };
+    Core core = Core::box;
+    bool flat_sided = true; ///< is the core a polytope? Then its support points are exact
+    Eigen::Vector3d low, high;
+    const Eigen::Vector3d* points = nullptr;
+    std::uint32_t count = 0;
+
+    double radius = 0;      ///< of the ball around the core
+    double extent = 0;      ///< the core is within this of the origin, rounded up
+    Eigen::Vector3d centre; ///< a point inside
+    double inner = 0;       ///< the core holds a ball of this radius around `centre`, rounded down; 0 for flat ones
+
+    /// A point of the core that is farthest along d, each coordinate but for a few roundings.
+    Eigen::Vector3d support(const Eigen::Vector3d& d) const;
+};
+
+/// Of a shape that is no hull. It must have passed check_shape.
+Convex convex_of(const Shape& shape);
+/// Of a convex hull, given by its surface, all of whose vertices are corners; refers to these.
+Convex convex_of_hull(const Mesh& surface);
+/// A cell's, or any other box along the axes.
+Convex convex_of(const Aabb& box);
+/// A triangle's; refers to its corners.
+Convex convex_of(const std::array<Eigen::Vector3d, 3>& triangle);
+
+inline Eigen::Vector3d Convex::support(const Eigen::Vector3d& d) const
+{
+    switch (core) {
+    case Core::box:
+        return {d.x() < 0 ? low.x() : high.x(), d.y() < 0 ? low.y() : high.y(), d.z() < 0 ? low.z() : high.z()};
+    case Core::points: {
+        const Eigen::Vector3d* best = points;
+        double most = best->dot(d);
+        for (std::uint32_t i = 1; i < count; ++i)
+            if (const double along = points[i].dot(d); along > most) most = along, best = points + i;
+        return *best;
+    }
+    case Core::cylinder: {
+        const double across = std::sqrt(d.x() * d.x() + d.y() * d.y()), z = d.z() < 0 ? -high.z() : high.z();
+        if (!(across > 0)) return {high.x(), 0, z};
+        const double scale = high.x() / across;
+        return {scale * d.x(), scale * d.y(), z};
+    }
+    case Core::cone: {
+        const double across = std::sqrt(d.x() * d.x() + d.y() * d.y());
+        if (2 * high.z() * d.z() >= high.x() * across) return {0, 0, high.z()};
+        if (!(across > 0)) return {high.x(), 0, -high.z()};
+        const double scale = high.x() / across;
+        return {scale * d.x(), scale * d.y(), -high.z()};
+    }
+    case Core::ellipsoid: {
+        const Eigen::Vector3d scaled = high.cwiseProduct(d);
+        const double length = scaled.norm();
+        if (!(length > 0)) return {high.x(), 0, 0};
+        return high.cwiseProduct(scaled / length);
+    }
+    }
+    __builtin_unreachable();
+}
+
+} // namespace oncollide

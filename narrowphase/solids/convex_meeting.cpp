@@ -1,0 +1,135 @@
+#include <oncollide/narrowphase/solids/convex_meeting.hpp>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
+
+#include <oncollide/narrowphase/solids/simplex.hpp>
+
+namespace oncollide {
+
+namespace {
+
+using Eigen::Vector3d;
+
+class Portal {
+public:
+    explicit Portal(const ConvexDifference& cores)
+        : cores_(cores), rounding_(cores.rounding()), inside_(cores.middle()), inner_(cores.inner())
+    {
+    }
+
+    ConvexMeeting find()
+    {
+        if (const double least = cores_.least(); least > 0) return {1, least};
+        if (inside_.norm() + rounding_ < inner_) return {-1, 0};
+        if (!look(-inside_, 0)) return {1, bound_};
+        if (met_on_segment()) return {-1, 0};
+        // 0, the point inside and the first corner are on one line: any plane through it will do.
+        Vector3d n = corner_[0].w.cross(inside_);
+        if (!(n.norm() > 0x1p-40 * inside_.norm() * corner_[0].w.norm())) n = inside_.unitOrthogonal() * inside_.norm();
+        if (!look(n, 1)) return {1, bound_};
+        n = normal(inside_, 0, 1);
+        if (n.dot(inside_) > 0) std::swap(corner_[0], corner_[1]), n = -n;
+        return refine(n);
+    }
+
+private:
+    Vector3d normal(const Vector3d& from, int i, int j) const
+    {
+        return (corner_[i].w - from).cross(corner_[j].w - from);
+    }
+    /// Puts the farthest point along d at corner i. False: the difference is certainly short of 0 along d.
+    bool look(const Vector3d& d, int i)
+    {
+        corner_[i] = cores_.support(d);
+        bound_ = -d.dot(corner_[i].w) / d.norm() - rounding_;
+        return !(bound_ > 0);
+    }
+    bool met_on_segment() const
+    {
+        const Vector3d d = corner_[0].w - inside_;
+        const double t = std::clamp(-inside_.dot(d) / d.squaredNorm(), 0.0, 1.0);
+        return (inside_ + t * d).norm() + rounding_ < (1 - t) * inner_;
+    }
+    /// Is 0 certainly a mixture of the corners and of the ball around the point inside?
+    bool met() const
+    {
+        const Vector3d p = corner_[0].w - inside_, q = corner_[1].w - inside_, r = corner_[2].w - inside_;
+        const Vector3d by_volume[3] = {q.cross(r), r.cross(p), p.cross(q)};
+        const double volume = p.dot(by_volume[0]);
+        if (!(volume != 0)) return false;
+        double share[4] = {1, 0, 0, 0};
+        const auto mixed = [&]() -> Vector3d {
+            return share[0] * inside_ + share[1] * corner_[0].w + share[2] * corner_[1].w + share[3] * corner_[2].w;
+        };
+        Vector3d rest = inside_;
+        for (int round = 0; round < 3 && rest.norm() > rounding_; ++round) { // a thin portal takes more than one
+            for (int k = 0; k < 3; ++k) {
+                const double more = -rest.dot(by_volume[k]) / volume;
+                share[k + 1] += more, share[0] -= more;
+            }
+            rest = mixed();
+        }
+        double sum = 0;
+        for (double& s : share) s = std::max(s, 0.0), sum += s;
+        return mixed().norm() / sum + 2 * rounding_ < share[0] / sum * inner_;
+    }
+    /// Looks along n for a third corner until the ray passes between the three; then moves the portal outward.
+    ConvexMeeting refine(Vector3d n)
+    {
+        constexpr int most_steps = 128;
+        for (int step = 0;; ++step) {
+            if (!look(n, 2)) return {1, bound_};
+            if (step == most_steps) return open();
+            if (corner_[0].w.cross(corner_[2].w).dot(inside_) < 0)
+                corner_[1] = corner_[2];
+            else if (corner_[2].w.cross(corner_[1].w).dot(inside_) < 0)
+                corner_[0] = corner_[2];
+            else
+                break;
+            n = normal(inside_, 0, 1);
+        }
+        for (int step = 0; step < most_steps; ++step) {
+            n = normal(corner_[0].w, 1, 2);
+            const double length = n.norm(), height = n.dot(corner_[0].w) / length;
+            if (!(length > 0)) break;
+            if (height >= 0 && met()) return {-1, 0};
+            if (!look(n, 3)) return {1, bound_};
+            if (corner_[3].w.dot(n) / length - height <= rounding_) break;
+            // Of the three portals that the new corner makes with two of the old ones, the one that the ray passes.
+            const Vector3d across = corner_[3].w.cross(inside_);
+            if (across.dot(corner_[0].w) > 0)
+                corner_[across.dot(corner_[1].w) > 0 ? 0 : 2] = corner_[3];
+            else
+                corner_[across.dot(corner_[2].w) > 0 ? 1 : 0] = corner_[3];
+        }
+        return open();
+    }
+    ConvexMeeting open() const
+    {
+        Simplex4 simplex;
+        for (simplex.count = 0; simplex.count < 3; ++simplex.count)
+            simplex.corner[simplex.count] = corner_[simplex.count];
+        simplex.corner[simplex.count++] = {inside_, Vector3d::Zero()};
+        simplex.reduce();
+        return {0, simplex.nearest().norm() + rounding_};
+    }
+
+    const ConvexDifference& cores_;
+    const double rounding_;
+    const Vector3d inside_;
+    const double inner_;
+    std::array<ConvexDifference::Point, 4> corner_; ///< three of the portal, and a new one
+    double bound_ = 0;
+};
+
+} // namespace
+
+ConvexMeeting convex_meeting(const ConvexDifference& cores)
+{
+    return Portal(cores).find();
+}
+
+} // namespace oncollide
