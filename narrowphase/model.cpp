@@ -31,6 +31,12 @@ MapTree& Model::cells() const
     return *cells_;
 }
 
+TerrainTree& Model::heights() const
+{
+    std::call_once(heights_once_, [this] { heights_ = std::make_unique<TerrainTree>(*terrain()); });
+    return *heights_;
+}
+
 RootCell Model::root_cell() const
 {
     return root_cell_around(shape() ? bounding_mesh().mesh.bounds : bounds_of(geometry_->data));

@@ -10,6 +10,7 @@
 #include <oncollide/broadphase/pose_bounds.hpp>
 #include <oncollide/narrowphase/boxes/map_tree.hpp>
 #include <oncollide/narrowphase/boxes/obb_tree.hpp>
+#include <oncollide/narrowphase/boxes/terrain_tree.hpp>
 #include <oncollide/narrowphase/exact/exact_fcl.hpp>
 #include <oncollide/narrowphase/inside/parts.hpp>
 #include <oncollide/narrowphase/solids/convex.hpp>
@@ -33,6 +34,7 @@ public:
     const Mesh* mesh() const { return std::get_if<Mesh>(&geometry_->data); } ///< null: it is no mesh
     const Shape* shape() const { return std::get_if<Shape>(&geometry_->data); }
     const OccupancyMap* map() const { return std::get_if<OccupancyMap>(&geometry_->data); }
+    const Terrain* terrain() const { return std::get_if<Terrain>(&geometry_->data); }
 
     /// World boxes at any pose.
     PoseBounds& bounds() { return bounds_; }
@@ -46,13 +48,15 @@ public:
     const ShapeCore& core() const;
     /// The shape as pairs of shapes take it. The model must be a shape.
     const Convex& convex() const;
-    /// What trees of oriented boxes are built over: the mesh, or the core of a shape; null for a map.
+    /// What trees of oriented boxes are built over: the mesh, or the core of a shape; null for a map or a terrain.
     const Mesh* surface_mesh() const { return shape() ? &core().inner : mesh(); }
     /// The octree of a map. The model must be a map.
     MapTree& cells() const;
+    /// The quadtree of a terrain. The model must be a terrain.
+    TerrainTree& heights() const;
     /// Around the geometry, or around the bounding mesh of a shape.
     RootCell root_cell() const;
-    /// What occlusion backends see. Not kept: backends own it. Cost: 10 ns a primitive.
+    /// What occlusion backends see, but not of a terrain. Not kept: backends own it. Cost: 10 ns a primitive.
     Surface surface(const RootCell& root) const;
 
     /// Is it a mesh in which every edge is shared by two triangles that run along it in opposite directions?
@@ -75,11 +79,12 @@ private:
     std::shared_ptr<const Geometry> geometry_;
     PoseBounds bounds_;
     mutable std::once_flag bounding_mesh_once_, closed_once_, parts_once_, fcl_once_, core_once_, convex_once_,
-        cells_once_;
+        cells_once_, heights_once_;
     mutable std::optional<BoundingMesh> bounding_mesh_;
     mutable std::optional<ShapeCore> core_;
     mutable Convex convex_;
     mutable std::unique_ptr<MapTree> cells_;
+    mutable std::unique_ptr<TerrainTree> heights_;
     mutable bool closed_ = false;
     mutable std::vector<PartPoints> parts_;
     mutable std::shared_ptr<const FclModel> fcl_;

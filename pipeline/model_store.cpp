@@ -121,6 +121,7 @@ bool ModelStore::admit_boxes(Model& model, std::uint32_t frame)
     if (model.boxes_used.load(std::memory_order_relaxed) != frame) model.boxes_used = frame;
     if (model.boxes) return true;
     if (model.map()) return model.cells(), true;
+    if (model.terrain()) return model.heights(), true;
     const auto left = [](auto budget, auto held) -> decltype(budget) {
         if (budget == 0) return std::numeric_limits<decltype(budget)>::max();
         return budget > held ? budget - held : 0;

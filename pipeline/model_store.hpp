@@ -48,10 +48,11 @@ public:
     }
     /// The level at which walks of pairs with that error end: two such trees certify it. The tree must be there.
     int depth(const Model& model, double max_error) const;
-    /// Sees to it that a mesh, or the core of a shape, has its tree of oriented boxes, and a map its octree. False when
-    /// a budget has no room for the tree all grown. Not while the model's tree is being walked, unless it is there.
+    /// Sees to it that a mesh, or the core of a shape, has its tree of oriented boxes, and a map or a terrain its own.
+    /// False when a budget has no room for the tree all grown. Not while the model's tree is being walked, unless it is
+    /// there.
     bool admit_boxes(Model& model, std::uint32_t frame);
-    /// The same, whatever the budgets say; not for a map.
+    /// The same, whatever the budgets say; not for a map or a terrain.
     ObbTree& boxes(Model& model, std::uint32_t frame);
 
     OcclusionBackend& backend() { return *backend_; }

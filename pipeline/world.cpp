@@ -37,6 +37,10 @@ std::shared_ptr<const Geometry> checked(std::string name, OccupancyMap map)
     if (map.cells.empty()) throw Error(ErrorKind::bad_data, name_or(name, "map") + ": the map has no occupied cell");
     return share(std::move(name), std::move(map));
 }
+std::shared_ptr<const Geometry> checked(std::string name, Terrain terrain)
+{
+    return share(std::move(name), std::move(terrain));
+}
 std::shared_ptr<const Geometry> checked(std::shared_ptr<const Geometry> geometry)
 {
     if (!geometry) throw Error(ErrorKind::usage, "model: no geometry given");
@@ -133,6 +137,10 @@ ModelId World::add(OccupancyMap map, std::string name)
 {
     return impl_->models.add(checked(std::move(name), std::move(map)));
 }
+ModelId World::add(Terrain terrain, std::string name)
+{
+    return impl_->models.add(checked(std::move(name), std::move(terrain)));
+}
 ModelId World::add(std::shared_ptr<const Geometry> geometry)
 {
     return impl_->models.add(checked(std::move(geometry)));
@@ -148,6 +156,10 @@ void World::replace(ModelId model, Shape shape)
 void World::replace(ModelId model, OccupancyMap map)
 {
     impl_->replace(model, checked(impl_->model_of(model).geometry().name, std::move(map)));
+}
+void World::replace(ModelId model, Terrain terrain)
+{
+    impl_->replace(model, checked(impl_->model_of(model).geometry().name, std::move(terrain)));
 }
 void World::replace(ModelId model, std::shared_ptr<const Geometry> geometry)
 {

@@ -17,6 +17,7 @@
 #include <oncollide/scenes/model/mesh.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 #include <oncollide/scenes/model/shape.hpp>
+#include <oncollide/scenes/model/terrain.hpp>
 
 namespace oncollide {
 
@@ -100,11 +101,13 @@ public:
     ModelId add(Mesh mesh, std::string name = {});
     ModelId add(Shape shape, std::string name = {});
     ModelId add(OccupancyMap map, std::string name = {});
+    ModelId add(Terrain terrain, std::string name = {});
     ModelId add(std::shared_ptr<const Geometry> geometry); ///< shares what a Scene holds
     /// Gives the model another geometry; all its bodies have it from now on. Cost: O(bodies of the World).
     void replace(ModelId model, Mesh mesh);
     void replace(ModelId model, Shape shape);
     void replace(ModelId model, OccupancyMap map);
+    void replace(ModelId model, Terrain terrain);
     void replace(ModelId model, std::shared_ptr<const Geometry> geometry);
     /// Throws Error{usage} while a body uses it.
     void remove(ModelId model);
@@ -157,8 +160,8 @@ public:
     /// The largest error of the verdict `within` that the settings give a pair of the two: metres, above the clearance.
     double max_error(BodyId a, BodyId b) const;
 
-    /// All pairs of triangles that meet, of two meshes, as they are now; sorted. Throws Error{usage} naming a body that
-    /// is no mesh.
+    /// All pairs of triangles that meet, of meshes and terrains, as they are now; sorted. Throws Error{usage} naming a
+    /// body that is neither.
     std::vector<Contact> contacts(BodyId a, BodyId b) const;
     /// The same for many pairs, on up to Settings::threads threads. Overwrites `lists`.
     void contacts(std::span<const PairOfBodies> pairs, ContactLists& lists) const;

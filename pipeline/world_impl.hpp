@@ -60,7 +60,7 @@ struct World::Impl {
 
     bool runs(std::string_view stage) const;
     bool is_solid(const Model& model) const;
-    ObbTree& surface_tree(std::uint32_t slot, const char* what, bool shapes);
+    void need_surface(std::uint32_t slot, const char* what, bool shapes);
     /// Hands what changed to the broad phase and makes the boxes that are out of date.
     void take_in_changes();
     void find_events();

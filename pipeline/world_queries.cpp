@@ -218,20 +218,26 @@ namespace {
 std::string_view kind_of(const Model& model)
 {
     if (model.mesh()) return "a mesh";
+    if (model.terrain()) return "a terrain";
     return model.shape() ? "a shape" : "a map";
 }
 
 } // namespace
 
-/// The tree of the surface that contacts and distances are measured on: of a mesh, or of the mesh around a shape.
-ObbTree& World::Impl::surface_tree(std::uint32_t slot, const char* what, bool shapes)
+/// Makes the hierarchy of the surface that contacts and distances are measured on: a mesh, a terrain, the core of a
+/// shape.
+void World::Impl::need_surface(std::uint32_t slot, const char* what, bool shapes)
 {
     Model& model = bodies.model(slot);
-    if (!model.mesh() && !(shapes && model.shape()))
-        throw Error(ErrorKind::usage, fmt::format("{}: {} is {}; {} can be had of meshes{}", what, label(slot),
-                                                  kind_of(model), what, shapes ? " and shapes" : ""));
+    if (model.map() || (model.shape() && !shapes))
+        throw Error(ErrorKind::usage,
+                    fmt::format("{}: {} is {}; {} can be had of meshes{}", what, label(slot), kind_of(model), what,
+                                shapes ? ", terrains and shapes" : " and terrains"));
     const std::lock_guard lock(guard);
-    return models.boxes(model, frame.number);
+    if (!model.terrain())
+        models.boxes(model, frame.number);
+    else
+        model.heights();
 }
 
 std::vector<Contact> World::contacts(BodyId a, BodyId b) const
@@ -246,13 +252,12 @@ void World::contacts(std::span<const PairOfBodies> pairs, ContactLists& lists) c
 {
     Impl& p = *impl_;
     for (const PairOfBodies& pair : pairs)
-        for (const BodyId body : {pair.a, pair.b}) p.surface_tree(p.slot_of(body), "contacts", false);
-    p.in_parts<Contact>(pairs, 16, lists.contacts, lists.ends,
-                        [&](auto& worker, const PairOfBodies& pair, auto& found) {
-                            const std::uint32_t a = pair.a.slot, b = pair.b.slot;
-                            worker->contacts.find(*p.bodies.model(a).boxes, p.bodies.pose(a), *p.bodies.model(b).boxes,
-                                                  p.bodies.pose(b), found);
-                        });
+        for (const BodyId body : {pair.a, pair.b}) p.need_surface(p.slot_of(body), "contacts", false);
+    p.in_parts<Contact>(
+        pairs, 16, lists.contacts, lists.ends, [&](auto& worker, const PairOfBodies& pair, auto& found) {
+            const std::uint32_t a = pair.a.slot, b = pair.b.slot;
+            worker->contacts.find(p.bodies.model(a), p.bodies.pose(a), p.bodies.model(b), p.bodies.pose(b), found);
+        });
 }
 
 Distance World::distance(BodyId body_a, BodyId body_b, double tolerance, double farthest) const
@@ -260,19 +265,22 @@ Distance World::distance(BodyId body_a, BodyId body_b, double tolerance, double 
     Impl& p = *impl_;
     check_distance(tolerance, farthest);
     const std::uint32_t a = p.slot_of(body_a), b = p.slot_of(body_b);
-    ObbTree &tree_a = p.surface_tree(a, "distance", true), &tree_b = p.surface_tree(b, "distance", true);
-    const Model &model_a = p.bodies.model(a), &model_b = p.bodies.model(b);
+    for (const std::uint32_t slot : {a, b}) p.need_surface(slot, "distance", true);
+    Model &model_a = p.bodies.model(a), &model_b = p.bodies.model(b);
     const Eigen::Isometry3d &pose_a = p.bodies.pose(a), &pose_b = p.bodies.pose(b);
     // The cores of shapes: the balls around them are nearer, and no point is farther outside them than the error.
-    double radius = 0, error = 0;
-    for (const Model* model : {&model_a, &model_b})
+    double radius = 0, error = 0, off = 0; // heights may be off in either direction
+    for (const Model* model : {&model_a, &model_b}) {
         if (model->shape()) radius += model->core().radius, error += model->core().error;
+        if (model->terrain()) off += model->terrain()->error();
+    }
     Impl::Borrowed worker(p);
-    Distance found = worker->contacts.distance(tree_a, pose_a, tree_b, pose_b, tolerance, farthest + radius + error);
-    found.lower = std::max(0.0, found.lower * (1 - 0x1p-50) - radius - error);
-    found.upper = std::max(0.0, found.upper * (1 + 0x1p-50) - radius);
+    Distance found =
+        worker->contacts.distance(model_a, pose_a, model_b, pose_b, tolerance, farthest + radius + error + off);
+    found.lower = std::max(0.0, found.lower * (1 - 0x1p-50) - radius - error - off);
+    found.upper = std::max(0.0, found.upper * (1 + 0x1p-50) - radius + off);
     if (found.lower > 0 && (p.is_solid(model_a) || p.is_solid(model_b))) {
-        const PairTask task{0, &p.bodies.model(a), &p.bodies.model(b), &pose_a, &pose_b};
+        const PairTask task{0, &model_a, &model_b, &pose_a, &pose_b};
         if (one_holds_the_other(task, worker->locator,
                                 [&](const Model& m) { return p.is_solid(m) ? m.boxes.get() : nullptr; }))
             found = {0, 0, 0, 0};

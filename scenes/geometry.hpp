@@ -10,10 +10,11 @@
 #include <oncollide/scenes/model/mesh.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 #include <oncollide/scenes/model/shape.hpp>
+#include <oncollide/scenes/model/terrain.hpp>
 
 namespace oncollide {
 
-using GeometryData = std::variant<Mesh, Shape, OccupancyMap>;
+using GeometryData = std::variant<Mesh, Shape, OccupancyMap, Terrain>;
 
 /// What a body is made of, in its own frame. Shared by its instances.
 struct Geometry {

@@ -54,6 +54,11 @@ Aabb bounds_of(const OccupancyMap& map)
     return map.bounds;
 }
 
+Aabb bounds_of(const Terrain& terrain)
+{
+    return terrain.bounds();
+}
+
 } // namespace
 
 Aabb bounds_of(const GeometryData& geometry)

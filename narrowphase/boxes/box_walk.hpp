@@ -87,6 +87,7 @@ public:
     DistanceBounds<Pair> distance(A& a, B& b, const RelativePose& b_to_a, double tolerance, double farthest);
 
     Leaves& leaves() { return leaves_; }
+    const Leaves& leaves() const { return leaves_; }
     std::uint64_t box_rows = 0; ///< tests of one box against those of a node
 
 private:
@@ -99,9 +100,10 @@ private:
     static constexpr std::size_t first_batch = 4, most_batch = 64; ///< pairs of primitives tested together
     static constexpr double infinity = std::numeric_limits<double>::infinity();
 
-    void start(A& a, B& b, const RelativePose& b_to_a, const BoxFrame& frame, const typename A::Node& of_a = A::root)
+    void start(A& a, B& b, const RelativePose& b_to_a, const BoxFrame& frame, const typename A::Node& of_a = A::root,
+               const typename B::Node& of_b = B::root)
     {
-        a_.start(a, nullptr, of_a), b_.start(b, &frame.place_b);
+        a_.start(a, nullptr, of_a), b_.start(b, &frame.place_b, of_b);
         leaves_.start(a, b, b_to_a);
         waiting_.clear();
         if (stack_.empty()) stack_.resize(64);
@@ -116,15 +118,31 @@ private:
     /// The same for what is within `cutoff`: of a large geometry only the surroundings of the other one.
     void start_near(A& a, B& b, const RelativePose& b_to_a, const BoxFrame& frame, double cutoff)
     {
-        if constexpr (requires(const Aabb& box) { a.entry(box); }) {
-            const Eigen::Vector3d centre = b_to_a(b.centre());
-            const double out = b.radius() + cutoff + 2 * frame.box_rounding;
-            const auto entry = a.entry(Aabb{centre.array() - out, centre.array() + out});
-            start(a, b, b_to_a, frame, entry.node.value_or(A::root));
-            nearest_[0] = static_cast<float>(cutoff + entry.gap);
-            if (!entry.node) top_ = 0;
+        const auto around = [&](const Eigen::Vector3d& centre, double radius) {
+            const double out = radius + cutoff + 2 * frame.box_rounding;
+            return Aabb{centre.array() - out, centre.array() + out};
+        };
+        const auto of_a = entry(a, [&] { return around(b_to_a(b.centre()), b.radius()); });
+        const auto of_b = entry(b, [&] {
+            const Eigen::Vector3d between = a.centre() - b_to_a(b.centre());
+            return around(b.centre() + b_to_a.rotation.transpose() * between, a.radius());
+        });
+        start(a, b, b_to_a, frame, of_a.node.value_or(A::root), of_b.node.value_or(B::root));
+        nearest_[0] = static_cast<float>(cutoff + std::min(of_a.gap, of_b.gap));
+        if (!of_a.node || !of_b.node) top_ = 0;
+    }
+    /// Where to start in a hierarchy for what is in box(): at its root unless it can tell.
+    template <class Hierarchy>
+    static auto entry(const Hierarchy& hierarchy, auto box)
+    {
+        if constexpr (requires(const Aabb& b) { hierarchy.entry(b); }) {
+            return hierarchy.entry(box());
         } else {
-            start(a, b, b_to_a, frame);
+            struct Entry {
+                std::optional<typename Hierarchy::Node> node;
+                double gap;
+            };
+            return Entry{Hierarchy::root, infinity};
         }
     }
     /// Before start(), so that a hint that does not meet leaves nothing behind.

@@ -4,10 +4,12 @@
 
 namespace oncollide {
 
-/// Walks of a map, A, against a mesh or the core of a shape, and against another map.
+/// Walks of a map, A, against a mesh or the core of a shape, against another map, and against a terrain.
 using MapMeshWalk = BoxWalk<MapTree, ObbTree, CellTests<PlacedTriangles>>;
 using MapMapWalk = BoxWalk<MapTree, MapTree, CellTests<PlacedCells>>;
+using MapTerrainWalk = BoxWalk<MapTree, TerrainTree, CellTests<PlacedTerrain>>;
 extern template class BoxWalk<MapTree, ObbTree, CellTests<PlacedTriangles>>;
 extern template class BoxWalk<MapTree, MapTree, CellTests<PlacedCells>>;
+extern template class BoxWalk<MapTree, TerrainTree, CellTests<PlacedTerrain>>;
 
 } // namespace oncollide

@@ -9,7 +9,11 @@
 namespace oncollide {
 
 static_assert(BoxHierarchy<ObbTree> && LeafTests<TriangleTests, ObbTree, ObbTree>);
+static_assert(BoxHierarchy<TerrainTree> && LeafTests<TriangleTestsOf<TerrainTree, ObbTree>, TerrainTree, ObbTree>);
 template class BoxWalk<ObbTree, ObbTree, TriangleTests>;
+template class BoxWalk<TerrainTree, ObbTree, TriangleTestsOf<TerrainTree, ObbTree>>;
+template class BoxWalk<ObbTree, TerrainTree, TriangleTestsOf<ObbTree, TerrainTree>>;
+template class BoxWalk<TerrainTree, TerrainTree, TriangleTestsOf<TerrainTree, TerrainTree>>;
 
 namespace {
 
@@ -17,8 +21,9 @@ constexpr auto leave_none = [](TrianglePair) { return false; };
 
 } // namespace
 
-Traversal::Meeting Traversal::first_meeting(ObbTree& a, ObbTree& b, const RelativePose& b_to_a,
-                                            std::optional<TrianglePair> hint)
+template <class A, class B>
+typename TraversalOf<A, B>::Meeting TraversalOf<A, B>::first_meeting(A& a, B& b, const RelativePose& b_to_a,
+                                                                     std::optional<TrianglePair> hint)
 {
     Meeting meeting;
     const auto found = [&](TrianglePair pair) {
@@ -29,48 +34,61 @@ Traversal::Meeting Traversal::first_meeting(ObbTree& a, ObbTree& b, const Relati
     return meeting;
 }
 
-Traversal::Contact Traversal::contact(ObbTree& a, ObbTree& b, const RelativePose& b_to_a,
-                                      std::optional<TrianglePair> hint)
+template <class A, class B>
+typename TraversalOf<A, B>::Contact TraversalOf<A, B>::contact(A& a, B& b, const RelativePose& b_to_a,
+                                                               std::optional<TrianglePair> hint)
 {
-    const TriangleTests& triangles = walk_.leaves();
+    const Tests& triangles = walk_.leaves();
     Contact contact;
-    // Where two fans of n triangles touch n^2 pairs do, in one plane or in a point: one plane tells of all of them.
-    std::size_t planes = 0;
-    std::uint64_t looked = 0;
-    const std::uint64_t most_looks = 8 * (a.mesh().vertices.size() + b.mesh().vertices.size());
-    const auto parted = [&](TrianglePair pair) {
-        return std::ranges::any_of(std::span(planes_).first(std::min(planes, planes_.size())), [&](PlaneSides& plane) {
-            return plane.part(triangles.corners_a(pair.a), triangles.corners_b(pair.b));
-        });
-    };
-    const auto add_plane = [&](TrianglePair pair) {
-        for (const TrianglePoints& face : {triangles.points_a(pair.a), triangles.points_b(pair.b)}) {
-            if (collinear(face[0], face[1], face[2])) continue;
-            PlaneSides& plane = planes_[planes % planes_.size()];
-            plane.start(face, a.mesh(), b.mesh(), b_to_a);
-            if (!plane.part(triangles.corners_a(pair.a), triangles.corners_b(pair.b))) continue;
-            ++planes;
-            contact.parted = looked < most_looks && plane.part_all(looked);
-            return;
-        }
-    };
-    const auto found = [&](TrianglePair pair) {
+    const auto take = [&](TrianglePair pair) {
         const TriangleContact how = triangle_contact(triangles.points_a(pair.a), triangles.points_b(pair.b));
         if (how > contact.kind) contact.pair = pair, contact.kind = how;
-        if (how == TriangleContact::touching && !parted(pair)) add_plane(pair);
-        return contact.kind != TriangleContact::crossing && !contact.parted;
+        return how;
     };
-    const auto touch_at_most = [&](TrianglePair pair) {
-        return parted(pair) || (contact.kind == TriangleContact::touching &&
-                                only_common_corner(triangles.points_a(pair.a), triangles.points_b(pair.b)));
+    const auto only_corner = [&](TrianglePair pair) {
+        return contact.kind == TriangleContact::touching &&
+               only_common_corner(triangles.points_a(pair.a), triangles.points_b(pair.b));
     };
-    contact.bound = walk_.meetings(a, b, b_to_a, hint, found, touch_at_most);
-    return contact;
+    if constexpr (!two_meshes<A, B>) { // few of a terrain's triangles meet in a point, and they have no inside to share
+        contact.bound = walk_.meetings(
+            a, b, b_to_a, hint, [&](TrianglePair pair) { return take(pair) != TriangleContact::crossing; },
+            only_corner);
+        return contact;
+    } else {
+        // Where two fans of n triangles touch n^2 pairs do, in one plane or in a point: one plane tells of all of them.
+        std::size_t planes = 0;
+        std::uint64_t looked = 0;
+        const std::uint64_t most_looks = 8 * (a.mesh().vertices.size() + b.mesh().vertices.size());
+        const auto parted = [&](TrianglePair pair) {
+            return std::ranges::any_of(
+                std::span(planes_).first(std::min(planes, planes_.size())),
+                [&](PlaneSides& plane) { return plane.part(a.mesh().triangles[pair.a], b.mesh().triangles[pair.b]); });
+        };
+        const auto add_plane = [&](TrianglePair pair) {
+            for (const TrianglePoints& face : {triangles.points_a(pair.a), triangles.points_b(pair.b)}) {
+                if (collinear(face[0], face[1], face[2])) continue;
+                PlaneSides& plane = planes_[planes % planes_.size()];
+                plane.start(face, a.mesh(), b.mesh(), b_to_a);
+                if (!plane.part(a.mesh().triangles[pair.a], b.mesh().triangles[pair.b])) continue;
+                ++planes;
+                contact.parted = looked < most_looks && plane.part_all(looked);
+                return;
+            }
+        };
+        const auto found = [&](TrianglePair pair) {
+            if (take(pair) == TriangleContact::touching && !parted(pair)) add_plane(pair);
+            return contact.kind != TriangleContact::crossing && !contact.parted;
+        };
+        const auto touch_at_most = [&](TrianglePair pair) { return parted(pair) || only_corner(pair); };
+        contact.bound = walk_.meetings(a, b, b_to_a, hint, found, touch_at_most);
+        return contact;
+    }
 }
 
 /// All that meet but those for which leave(pair).
+template <class A, class B>
 template <class Leave>
-void Traversal::collect(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out, Leave leave)
+void TraversalOf<A, B>::collect(A& a, B& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out, Leave leave)
 {
     out.clear();
     const auto found = [&](TrianglePair pair) {
@@ -81,16 +99,18 @@ void Traversal::collect(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, std:
     std::sort(out.begin(), out.end());
 }
 
-void Traversal::all_meeting(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out)
+template <class A, class B>
+void TraversalOf<A, B>::all_meeting(A& a, B& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out)
 {
     collect(a, b, b_to_a, out, leave_none);
 }
 
-void Traversal::all_meeting(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out,
-                            CommonCorners& corners)
+template <class A, class B>
+void TraversalOf<A, B>::all_meeting(A& a, B& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out,
+                                    CommonCorners& corners) requires two_meshes<A, B>
 {
     corners.of_a.assign(a.mesh().triangles.size(), 0), corners.of_b.assign(b.mesh().triangles.size(), 0);
-    const TriangleTests& triangles = walk_.leaves();
+    const Tests& triangles = walk_.leaves();
     collect(a, b, b_to_a, out, [&](TrianglePair pair) {
         const auto corner = only_common_corner(triangles.points_a(pair.a), triangles.points_b(pair.b));
         if (!corner) return false;
@@ -99,16 +119,23 @@ void Traversal::all_meeting(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, 
     });
 }
 
-Traversal::Nearness Traversal::near(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, double clearance,
-                                    double tolerance, std::optional<TrianglePair> hint)
+template <class A, class B>
+typename TraversalOf<A, B>::Nearness TraversalOf<A, B>::near(A& a, B& b, const RelativePose& b_to_a, double clearance,
+                                                             double tolerance, std::optional<TrianglePair> hint)
 {
     return walk_.near(a, b, b_to_a, clearance, tolerance, hint);
 }
 
-Traversal::Distance Traversal::distance(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, double tolerance,
-                                        double farthest)
+template <class A, class B>
+typename TraversalOf<A, B>::Distance TraversalOf<A, B>::distance(A& a, B& b, const RelativePose& b_to_a,
+                                                                 double tolerance, double farthest)
 {
     return walk_.distance(a, b, b_to_a, tolerance, farthest);
 }
+
+template class TraversalOf<ObbTree, ObbTree>;
+template class TraversalOf<TerrainTree, ObbTree>;
+template class TraversalOf<ObbTree, TerrainTree>;
+template class TraversalOf<TerrainTree, TerrainTree>;
 
 } // namespace oncollide

@@ -72,6 +72,8 @@ std::shared_ptr<const FclModel> make_fcl_model(const GeometryData& geometry)
     if (const auto* mesh = std::get_if<Mesh>(&geometry)) return std::make_shared<FclModel>(make_bvh(*mesh));
     if (const auto* shape = std::get_if<Shape>(&geometry))
         return std::make_shared<FclModel>(std::visit(ShapeModel{}, *shape));
+    if (const auto* terrain = std::get_if<Terrain>(&geometry))
+        return std::make_shared<FclModel>(make_bvh(mesh_of(*terrain)));
     return std::make_shared<FclModel>(std::make_shared<fcl::OcTreed>(std::get<OccupancyMap>(geometry).tree));
 }
 

@@ -9,16 +9,17 @@
 
 namespace oncollide {
 
-void TriangleTests::start(const ObbTree& a, const ObbTree& b, const RelativePose& b_to_a)
+template <class A, class B>
+void TriangleTestsOf<A, B>::start(const A& a, const B& b, const RelativePose& b_to_a)
 {
     b_to_a_ = &b_to_a;
-    vertices_a_ = a.mesh().vertices.data(), vertices_b_ = b.mesh().vertices.data();
-    triangles_a_ = a.mesh().triangles.data(), triangles_b_ = b.mesh().triangles.data();
+    a_.start(a), b_.start(b);
     barely_apart_.clear();
     std::fill(std::begin(nearest2_), std::end(nearest2_), std::numeric_limits<double>::infinity());
 }
 
-double TriangleTests::least_gap(double rounding) const
+template <class A, class B>
+double TriangleTestsOf<A, B>::least_gap(double rounding) const
 {
     double least = std::numeric_limits<double>::infinity();
     for (const double gap2 : nearest2_) least = std::min(least, std::sqrt(gap2) * (1 - 0x1p-50));
@@ -36,21 +37,29 @@ double TriangleTests::least_gap(double rounding) const
     return least;
 }
 
-double TriangleTests::distance(TrianglePair pair)
+template <class A, class B>
+double TriangleTestsOf<A, B>::distance(TrianglePair pair)
 {
     ++counts.tested;
     return triangle_distance(points_a(pair.a), points_b(pair.b));
 }
 
-NearestPoints TriangleTests::nearest(TrianglePair pair)
+template <class A, class B>
+NearestPoints TriangleTestsOf<A, B>::nearest(TrianglePair pair)
 {
     ++counts.tested;
     return nearest_points(points_a(pair.a), points_b(pair.b));
 }
 
-double TriangleTests::most(TrianglePair pair) const
+template <class A, class B>
+double TriangleTestsOf<A, B>::most(TrianglePair pair) const
 {
     return corner_distance(points_a(pair.a), points_b(pair.b));
 }
+
+template class TriangleTestsOf<ObbTree, ObbTree>;
+template class TriangleTestsOf<TerrainTree, ObbTree>;
+template class TriangleTestsOf<ObbTree, TerrainTree>;
+template class TriangleTestsOf<TerrainTree, TerrainTree>;
 
 } // namespace oncollide

@@ -7,6 +7,7 @@
 
 #include <oncollide/base/cpu_features.hpp>
 #include <oncollide/narrowphase/boxes/obb_tree.hpp>
+#include <oncollide/narrowphase/boxes/terrain_tree.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/exact/triangle_kernel.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
@@ -27,13 +28,60 @@ inline JudgePairs* judge_pairs()
     return kernel;
 }
 
-/// The leaf tests of two meshes (see hierarchy.hpp): exact predicates on the file's own coordinates, those of B moved
-/// into A's frame in double.
-class TriangleTests {
+/// The triangles of a hierarchy, as the tests read them: where their corners are stored.
+template <class Tree>
+class TriangleCorners;
+
+template <>
+class TriangleCorners<ObbTree> {
+public:
+    void start(const ObbTree& tree)
+    {
+        vertices_ = tree.mesh().vertices.data(), triangles_ = tree.mesh().triangles.data();
+    }
+    TrianglePoints points(std::uint32_t triangle) const
+    {
+        const Triangle& t = triangles_[triangle];
+        return {vertices_[t[0]], vertices_[t[1]], vertices_[t[2]]};
+    }
+    /// Tells the kernel where those of pair `i` are.
+    void put(std::uint32_t triangle, unsigned i, const double* (&corners)[3][8])
+    {
+        for (std::size_t k = 0; k < 3; ++k) corners[k][i] = vertices_[triangles_[triangle][k]].data();
+    }
+
+private:
+    const Eigen::Vector3d* vertices_ = nullptr;
+    const Triangle* triangles_ = nullptr;
+};
+
+/// A terrain's are made where they are needed.
+template <>
+class TriangleCorners<TerrainTree> {
+public:
+    void start(const TerrainTree& tree) { tree_ = &tree; }
+    TrianglePoints points(std::uint32_t triangle) const { return tree_->points(triangle); }
+    void put(std::uint32_t triangle, unsigned i, const double* (&corners)[3][8])
+    {
+        if (i == 0 || triangle != last_) made_[at_ = i] = points(last_ = triangle);
+        for (std::size_t k = 0; k < 3; ++k) corners[k][i] = made_[at_][k].data();
+    }
+
+private:
+    const TerrainTree* tree_ = nullptr;
+    std::array<TrianglePoints, 8> made_;
+    std::uint32_t last_ = 0;
+    unsigned at_ = 0;
+};
+
+/// The leaf tests of meshes and terrains (see hierarchy.hpp): exact predicates on their own coordinates, those of B
+/// moved into A's frame in double.
+template <class A, class B>
+class TriangleTestsOf {
 public:
     using Pair = TrianglePair;
 
-    void start(const ObbTree& a, const ObbTree& b, const RelativePose& b_to_a);
+    void start(const A& a, const B& b, const RelativePose& b_to_a);
 
     template <class Found>
     bool meeting(std::span<const TrianglePair> pairs, Found found);
@@ -43,8 +91,8 @@ public:
     double most(TrianglePair pair) const;
     double high_a(std::uint32_t triangle, const Eigen::Vector3d& line) const
     {
-        const Triangle& t = triangles_a_[triangle];
-        return std::max({line.dot(vertices_a_[t[0]]), line.dot(vertices_a_[t[1]]), line.dot(vertices_a_[t[2]])});
+        const TrianglePoints p = points_a(triangle);
+        return std::max({line.dot(p[0]), line.dot(p[1]), line.dot(p[2])});
     }
     double low_b(std::uint32_t triangle, const Eigen::Vector3d& line) const
     {
@@ -53,17 +101,12 @@ public:
     }
     NearestPoints nearest(TrianglePair pair);
 
-    const Triangle& corners_a(std::uint32_t triangle) const { return triangles_a_[triangle]; }
-    const Triangle& corners_b(std::uint32_t triangle) const { return triangles_b_[triangle]; }
-    TrianglePoints points_a(std::uint32_t triangle) const
-    {
-        const Triangle& t = triangles_a_[triangle];
-        return {vertices_a_[t[0]], vertices_a_[t[1]], vertices_a_[t[2]]};
-    }
+    TrianglePoints points_a(std::uint32_t triangle) const { return a_.points(triangle); }
     TrianglePoints points_b(std::uint32_t triangle) const
     {
-        const Triangle& t = triangles_b_[triangle];
-        return {(*b_to_a_)(vertices_b_[t[0]]), (*b_to_a_)(vertices_b_[t[1]]), (*b_to_a_)(vertices_b_[t[2]])};
+        TrianglePoints points = b_.points(triangle);
+        for (Eigen::Vector3d& p : points) p = (*b_to_a_)(p);
+        return points;
     }
 
     struct Counts {
@@ -74,24 +117,23 @@ public:
 
 private:
     const RelativePose* b_to_a_ = nullptr;
-    const Eigen::Vector3d *vertices_a_ = nullptr, *vertices_b_ = nullptr;
-    const Triangle *triangles_a_ = nullptr, *triangles_b_ = nullptr;
+    TriangleCorners<A> a_;
+    TriangleCorners<B> b_;
     std::vector<TrianglePair> barely_apart_; ///< that exact arithmetic alone could part
     alignas(64) double nearest2_[8];         ///< least squared gaps of those that the kernel found apart
 };
+using TriangleTests = TriangleTestsOf<ObbTree, ObbTree>;
 
+template <class A, class B>
 template <class Found>
-bool TriangleTests::meeting(std::span<const TrianglePair> pairs, Found found)
+bool TriangleTestsOf<A, B>::meeting(std::span<const TrianglePair> pairs, Found found)
 {
     for (; !pairs.empty(); pairs = pairs.subspan(std::min<std::size_t>(8, pairs.size()))) {
         const auto count = static_cast<unsigned>(std::min<std::size_t>(8, pairs.size()));
         CornersOfPairs corners;
         for (unsigned i = 0; i < 8; ++i) { // places past the last pair hold it once more
             const TrianglePair& pair = pairs[std::min(i, count - 1)];
-            for (std::size_t k = 0; k < 3; ++k) {
-                corners.a[k][i] = vertices_a_[triangles_a_[pair.a][k]].data();
-                corners.b[k][i] = vertices_b_[triangles_b_[pair.b][k]].data();
-            }
+            a_.put(pair.a, i, corners.a), b_.put(pair.b, i, corners.b);
         }
         const PairVerdicts verdicts =
             judge_pairs()(corners, b_to_a_->rotation.data(), b_to_a_->translation.data(), nearest2_);

@@ -12,6 +12,14 @@ namespace oncollide {
 
 namespace {
 
+void add(PartPoints& points, const Eigen::Vector3d& vertex)
+{
+    for (std::size_t k = 0; k < 6; ++k) {
+        const auto axis = static_cast<Eigen::Index>(k / 2);
+        if (k % 2 ? vertex[axis] > points[k][axis] : vertex[axis] < points[k][axis]) points[k] = vertex;
+    }
+}
+
 std::vector<PartPoints> points_of(const Mesh& mesh)
 {
     std::vector<PartPoints> points;
@@ -20,12 +28,69 @@ std::vector<PartPoints> points_of(const Mesh& mesh)
         for (const std::uint32_t v : mesh.triangles[i]) {
             const Eigen::Vector3d& vertex = mesh.vertices[v];
             if (parts[i] == points.size()) points.emplace_back().fill(vertex);
-            for (std::size_t k = 0; k < 6; ++k) {
-                Eigen::Vector3d& extreme = points[parts[i]][k];
-                const auto axis = static_cast<Eigen::Index>(k / 2);
-                if (k % 2 ? vertex[axis] > extreme[axis] : vertex[axis] < extreme[axis]) extreme = vertex;
-            }
+            add(points[parts[i]], vertex);
         }
+    return points;
+}
+
+/// A connected part of a terrain, by the columns and rows of its outermost heights.
+struct TerrainPart {
+    Terrain::Place left, right, front, back;
+
+    void add(Terrain::Place place)
+    {
+        if (place.column < left.column) left = place;
+        if (place.column > right.column) right = place;
+        if (place.row < front.row) front = place;
+        if (place.row > back.row) back = place;
+    }
+};
+
+/// Cells that share a corner are in one part.
+std::vector<PartPoints> points_of(const Terrain& terrain)
+{
+    const std::uint32_t nx = terrain.cells_x(), ny = terrain.cells_y();
+    if (!terrain.holes()) {
+        const Eigen::Vector3d least = terrain.point(0, 0), right = terrain.point(nx, 0), back = terrain.point(0, ny);
+        return {{least, right, back, terrain.point(nx, ny), right, back}};
+    }
+    constexpr std::uint32_t none = 0xffffffff;
+    std::vector<TerrainPart> parts;
+    std::vector<std::uint32_t> joined; // by part: one of a lower number that it is joined to, or itself
+    const auto part_of = [&](std::uint32_t part) {
+        while (joined[part] != part) part = joined[part] = joined[joined[part]];
+        return part;
+    };
+    std::vector<std::uint32_t> below(nx + 2, none), here(nx + 2, none); // parts of two rows of cells
+    std::vector<bool> there;
+    for (std::uint32_t y = 0; y < ny; ++y, below.swap(here)) {
+        terrain.read_cells(y, there);
+        for (std::uint32_t x = 0; x < nx; ++x) {
+            std::uint32_t& part = here[x + 1] = none;
+            if (!there[x]) continue;
+            for (const std::uint32_t other : {here[x], below[x], below[x + 1], below[x + 2]}) {
+                if (other == none || other == part) continue;
+                const std::uint32_t p = part_of(other), q = part == none ? p : part_of(part);
+                joined[std::max(p, q)] = part = std::min(p, q);
+            }
+            if (part == none) {
+                joined.push_back(part = static_cast<std::uint32_t>(joined.size()));
+                parts.push_back({{x, y}, {x, y}, {x, y}, {x, y}});
+            }
+            parts[part].add({x, y}), parts[part].add({x + 1, y + 1});
+        }
+    }
+    std::vector<PartPoints> points;
+    for (auto i = static_cast<std::uint32_t>(parts.size()); i-- > 0;) {
+        const TerrainPart& part = parts[i];
+        const std::array<Terrain::Place, 6> places{part.left, part.right, part.front, part.back, part.left, part.right};
+        if (joined[i] != i) { // joined to one that comes later
+            for (const Terrain::Place& place : places) parts[joined[i]].add(place);
+            continue;
+        }
+        PartPoints& of = points.emplace_back();
+        for (std::size_t k = 0; k < 6; ++k) of[k] = terrain.point(places[k].column, places[k].row);
+    }
     return points;
 }
 
@@ -43,6 +108,7 @@ std::vector<PartPoints> part_points_of(const GeometryData& geometry)
         const auto* hull = std::get_if<ConvexHull>(shape); // the middle of its box need not be in it
         return {point(hull ? hull->points.front() : bounds_of(*shape).centre())};
     }
+    if (const auto* terrain = std::get_if<Terrain>(&geometry)) return points_of(*terrain);
     std::vector<PartPoints> cells;
     for (const Aabb& cell : std::get<OccupancyMap>(geometry).cells) cells.push_back(point(cell.centre()));
     return cells;

@@ -6,13 +6,14 @@
 
 #include <oncollide/narrowphase/boxes/map_tree.hpp>
 #include <oncollide/narrowphase/boxes/obb_tree.hpp>
+#include <oncollide/narrowphase/boxes/terrain_tree.hpp>
 #include <oncollide/narrowphase/solids/cell_test.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>
 
 namespace oncollide {
 
-/// What B is made of in tests of a map's cells against it: the triangles of a mesh, or another map's cells; its
-/// primitives come moved into A's frame in double.
+/// What B is made of in tests of a map's cells against it: triangles of a mesh or a terrain, or another map's cells;
+/// its primitives come moved into A's frame in double.
 struct PlacedTriangles {
     using Tree = ObbTree;
     using Placed = TrianglePoints;
@@ -27,6 +28,15 @@ struct PlacedTriangles {
     static NearestPoints nearest(const Aabb& cell, const Placed& b) { return cell_nearest(cell, b); }
     static double most(const Aabb& cell, const Placed& b) { return cell_distance_at_most(cell, b); }
     static double gap(const Aabb& cell, const Placed& b, double rounding) { return cell_gap(cell, b, rounding); }
+};
+struct PlacedTerrain : PlacedTriangles {
+    using Tree = TerrainTree;
+    static Placed place(const TerrainTree& b, const RelativePose& b_to_a, std::uint32_t triangle)
+    {
+        TrianglePoints points = b.points(triangle);
+        for (Eigen::Vector3d& p : points) p = b_to_a(p);
+        return points;
+    }
 };
 struct PlacedCells {
     using Tree = MapTree;

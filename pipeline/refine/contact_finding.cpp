@@ -21,32 +21,43 @@ const Eigen::Vector3d& ContactFinding::Normals::of(std::uint32_t place, const Tr
     return kept.normal;
 }
 
-void ContactFinding::find(ObbTree& a, const Eigen::Isometry3d& pose_a, ObbTree& b, const Eigen::Isometry3d& pose_b,
+template <class Body>
+void ContactFinding::find(Body& body_a, const Eigen::Isometry3d& pose_a, Body& body_b, const Eigen::Isometry3d& pose_b,
                           std::vector<Contact>& contacts)
 {
-    const RelativePose b_to_a(pose_a, pose_b);
-    walk_.all_meeting(a, b, b_to_a, pairs_);
     normals_a_.forget(), normals_b_.forget();
-    const auto &v = a.mesh().vertices, &w = b.mesh().vertices;
-    for (const TrianglePair& pair : pairs_) {
-        const Triangle &s = a.mesh().triangles[pair.a], &t = b.mesh().triangles[pair.b];
-        const TrianglePoints of_a{v[s[0]], v[s[1]], v[s[2]]}, of_b{b_to_a(w[t[0]]), b_to_a(w[t[1]]), b_to_a(w[t[2]])};
-        const auto [ends, contact] = common_segment(of_a, of_b);
-        contacts.push_back({pair.a,
-                            pair.b,
-                            contact == TriangleContact::crossing ? ContactKind::crossing : ContactKind::touching,
-                            {pose_a * ends[0], pose_a * ends[1]},
-                            pose_a.linear() * normals_a_.of(pair.a, of_a),
-                            pose_a.linear() * normals_b_.of(pair.b, of_b)});
-    }
+    walks_.with(body_a, body_b, [&](auto& walk, auto& a, auto& b) {
+        const RelativePose b_to_a(pose_a, pose_b);
+        walk.all_meeting(a, b, b_to_a, pairs_);
+        const auto& triangles = walk.walk().leaves();
+        for (const TrianglePair& pair : pairs_) {
+            const TrianglePoints of_a = triangles.points_a(pair.a), of_b = triangles.points_b(pair.b);
+            const auto [ends, contact] = common_segment(of_a, of_b);
+            contacts.push_back({pair.a,
+                                pair.b,
+                                contact == TriangleContact::crossing ? ContactKind::crossing : ContactKind::touching,
+                                {pose_a * ends[0], pose_a * ends[1]},
+                                pose_a.linear() * normals_a_.of(pair.a, of_a),
+                                pose_a.linear() * normals_b_.of(pair.b, of_b)});
+        }
+    });
 }
 
-Distance ContactFinding::distance(ObbTree& a, const Eigen::Isometry3d& pose_a, ObbTree& b,
+template <class Body>
+Distance ContactFinding::distance(Body& body_a, const Eigen::Isometry3d& pose_a, Body& body_b,
                                   const Eigen::Isometry3d& pose_b, double tolerance, double farthest)
 {
-    const auto found = walk_.distance(a, b, RelativePose(pose_a, pose_b), tolerance, farthest);
-    const TrianglePair pair = found.nearest.value_or(TrianglePair{0, 0});
-    return {found.lower, found.upper, pair.a, pair.b};
+    return walks_.with(body_a, body_b, [&](auto& walk, auto& a, auto& b) -> Distance {
+        const auto found = walk.distance(a, b, RelativePose(pose_a, pose_b), tolerance, farthest);
+        const TrianglePair pair = found.nearest.value_or(TrianglePair{0, 0});
+        return {found.lower, found.upper, pair.a, pair.b};
+    });
 }
+
+using Pose = Eigen::Isometry3d;
+template void ContactFinding::find(ObbTree&, const Pose&, ObbTree&, const Pose&, std::vector<Contact>&);
+template void ContactFinding::find(Model&, const Pose&, Model&, const Pose&, std::vector<Contact>&);
+template Distance ContactFinding::distance(ObbTree&, const Pose&, ObbTree&, const Pose&, double, double);
+template Distance ContactFinding::distance(Model&, const Pose&, Model&, const Pose&, double, double);
 
 } // namespace oncollide

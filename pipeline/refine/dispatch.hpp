@@ -25,12 +25,13 @@ constexpr std::size_t refiner_count = 6;
 /// | level  | settings                                          | refiner |
 /// |--------|---------------------------------------------------|---------|
 /// | refine | spheres                                           | spheres |
-/// | refine | OBBs                                              | boxes   |
-/// | refine | OBBs, and predicates are to decide                | none    |
+/// | refine | OBBs, or one body is a terrain                    | boxes   |
+/// | refine | the same, and predicates are to decide            | none    |
 /// | exact  | predicates                                        | exact   |
 /// | exact  | fcl                                               | fcl     |
 ///
-/// Where a budget has no room for a tree of oriented boxes, spheres refine, and the exact level decides nothing.
+/// Where a budget has no room for a tree of oriented boxes, spheres refine, and the exact level decides nothing. A
+/// terrain has no sphere-tree.
 class Dispatch {
 public:
     explicit Dispatch(const Settings& settings)
@@ -46,7 +47,9 @@ public:
             return !needs_trees(a, b, kinds_) || (models.admit_boxes(a, frame) && models.admit_boxes(b, frame));
         };
         if (level == Level::refine) {
-            if (obb_ && room()) return left_to_exact_ ? Refiner::none : Refiner::boxes;
+            const bool terrain = a.terrain() || b.terrain();
+            if ((obb_ || terrain) && room()) return left_to_exact_ ? Refiner::none : Refiner::boxes;
+            if (terrain) return Refiner::no_room;
             const double error = models.max_error(a, b);
             models.spheres(a, error), models.spheres(b, error);
             return Refiner::spheres;
@@ -58,11 +61,12 @@ public:
     /// Are all the trees there that of() would make?
     bool there(Level level, const ModelStore& models, const Model& a, const Model& b) const
     {
-        if (level == Level::refine && !obb_) {
+        if (level == Level::refine && !obb_ && !a.terrain() && !b.terrain()) {
             const double error = models.max_error(a, b);
             return models.has_spheres(a, error) && models.has_spheres(b, error);
         }
-        return !needs_trees(a, b, kinds_) || ((a.boxes || a.map()) && (b.boxes || b.map()));
+        const auto has_boxes = [](const Model& model) { return model.boxes || model.map() || model.terrain(); };
+        return !needs_trees(a, b, kinds_) || (has_boxes(a) && has_boxes(b));
     }
 
 private:

@@ -28,34 +28,45 @@ RefineResult ObbRefiner::near(const RefineContext& context, const PairTask& task
                               Worker& worker) const
 {
     const double tolerance = models_.max_error(*task.a, *task.b);
-    if (!task.a->mesh() || !task.b->mesh()) return worker.solids.near(context, task, tolerance);
-    const auto found = worker.walk.near(*task.a->boxes, *task.b->boxes, RelativePose(*task.pose_a, *task.pose_b),
-                                        context.settings.clearance, tolerance, hint_of(memory));
-    remember(memory, found.meeting);
-    return {found.near ? Verdict::within : Verdict::separate, ContactKind::unknown, found.bound};
+    if (!is_surface(*task.a) || !is_surface(*task.b)) return worker.solids.near(context, task, tolerance);
+    return worker.walks.with(*task.a, *task.b, [&](auto& walk, auto& a, auto& b) -> RefineResult {
+        const auto found = walk.near(a, b, RelativePose(*task.pose_a, *task.pose_b), context.settings.clearance,
+                                     tolerance, hint_of(memory));
+        remember(memory, found.meeting);
+        return {found.near ? Verdict::within : Verdict::separate, ContactKind::unknown, found.bound};
+    });
 }
 
 RefineResult ObbRefiner::exact(const RefineContext& context, const PairTask& task, PairMemory* memory,
                                Worker& worker) const
 {
-    const Settings& settings = context.settings;
-    if (!is_polytope(*task.a) || !is_polytope(*task.b) || !needs_trees(*task.a, *task.b, wants_kinds(settings)))
+    if (!is_polytope(*task.a) || !is_polytope(*task.b) || !needs_trees(*task.a, *task.b, wants_kinds(context.settings)))
         return worker.solids.exact(context, task);
-    ObbTree &a = *task.a->boxes, &b = *task.b->boxes;
+    return worker.walks.with(*task.a, *task.b, [&](auto& walk, auto& a, auto& b) {
+        return exact(context, task, memory, worker, walk, a, b);
+    });
+}
+
+template <class A, class B>
+RefineResult ObbRefiner::exact(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker,
+                               TraversalOf<A, B>& walk, A& a, B& b) const
+{
+    const Settings& settings = context.settings;
     const RelativePose b_to_a(*task.pose_a, *task.pose_b);
     double bound = 0;
     if (!wants_kinds(settings)) {
-        const auto [meeting, gap] = worker.walk.first_meeting(a, b, b_to_a, hint_of(memory));
+        const auto [meeting, gap] = walk.first_meeting(a, b, b_to_a, hint_of(memory));
         remember(memory, meeting);
         if (meeting) return {Verdict::colliding, ContactKind::unknown, 0};
         bound = gap;
     } else {
-        auto [meeting, gap, contact, parted] = worker.walk.contact(a, b, b_to_a, hint_of(memory));
+        auto [meeting, gap, contact, parted] = walk.contact(a, b, b_to_a, hint_of(memory));
         remember(memory, meeting);
         // Closed meshes of which every two triangles only touch may share a point inside all the same.
-        if (contact == TriangleContact::touching && !parted && task.a->has_inside() && task.b->has_inside() &&
-            worker.inside.find(a, b, b_to_a))
-            contact = TriangleContact::crossing;
+        if constexpr (two_meshes<A, B>)
+            if (contact == TriangleContact::touching && !parted && task.a->has_inside() && task.b->has_inside() &&
+                worker.inside.find(a, b, b_to_a))
+                contact = TriangleContact::crossing;
         const bool touching = contact == TriangleContact::touching;
         if (meeting)
             return {touching && settings.ignore_touching ? Verdict::separate : Verdict::colliding,
@@ -82,10 +93,10 @@ void ObbRefiner::refine(RefineContext& context, std::span<const PairTask> tasks,
                         }
                     });
     for (Worker& worker : workers_) {
-        const Traversal::Counts& counts = worker.walk.counts();
+        const Traversal::Counts counts = worker.walks.counts();
         context.trees.node_pairs += counts.box_rows, context.trees.triangle_pairs += counts.triangles;
         context.trees.unsure_pairs += counts.unsure;
-        worker.walk.reset_counts();
+        worker.walks.reset_counts();
         const SolidPairs::Counts solids = worker.solids.counts();
         context.trees.node_pairs += solids.box_rows, context.trees.triangle_pairs += solids.primitives;
         worker.solids.reset_counts();

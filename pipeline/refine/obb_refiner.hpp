@@ -1,15 +1,15 @@
 #pragma once
 #include <vector>
 
-#include <oncollide/narrowphase/boxes/traversal.hpp>
 #include <oncollide/narrowphase/inside/shared_inside.hpp>
 #include <oncollide/pipeline/model_store.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
 #include <oncollide/pipeline/refine/solid_pairs.hpp>
+#include <oncollide/pipeline/refine/triangle_walks.hpp>
 
 namespace oncollide {
 
-/// Pairs of meshes by their trees of oriented boxes down to the error; any pairs exactly, down to triangles, shapes and
+/// Pairs of any kinds by their hierarchies of boxes: down to the error, or exactly, down to triangles, shapes and
 /// cells.
 class ObbRefiner final : public PairRefiner {
 public:
@@ -25,12 +25,16 @@ public:
 private:
     /// One thread's.
     struct Worker {
-        Traversal walk;
+        TriangleWalks walks;
         SharedInside inside;
         SolidPairs solids;
     };
     RefineResult near(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;
     RefineResult exact(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;
+    /// By triangles alone.
+    template <class A, class B>
+    RefineResult exact(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker,
+                       TraversalOf<A, B>& walk, A& a, B& b) const;
 
     const ModelStore& models_;
     const Goal goal_;

@@ -67,14 +67,22 @@ double error_of(const Model& model)
     return model.shape() ? model.core().error : 0;
 }
 
+/// By which a terrain's heights may be off.
+double height_error_of(const Model& model)
+{
+    return model.terrain() ? model.terrain()->error() : 0;
+}
+
 /// What stands around the pair's cores.
 struct Margins {
     double radius, error; ///< of both together
+    double off;           ///< so far may the cores be from where they should be: heights of terrains
     double slack;         ///< by which a distance may differ from the world's where it is about the radius
 
     Margins(const PairTask& task)
         : radius(radius_of(*task.a) + radius_of(*task.b)), error(error_of(*task.a) + error_of(*task.b)),
-          slack((stretch(*task.pose_a) + stretch(*task.pose_b)) * radius)
+          off(height_error_of(*task.a) + height_error_of(*task.b)),
+          slack((stretch(*task.pose_a) + stretch(*task.pose_b)) * (radius + off))
     {
     }
 };
@@ -99,11 +107,29 @@ Comparison compare(Walk& walk, A& a, B& b, const RelativePose& b_to_a, const Mar
 template <class Walk, class A, class B>
 RefineResult by_distance(Walk& walk, A& a, B& b, const RelativePose& b_to_a, const Margins& margins, double clearance)
 {
-    const double farthest = (clearance + margins.radius + margins.error) * (1 + 4 * rigid);
+    const double farthest = (clearance + margins.radius + margins.error + margins.off) * (1 + 4 * rigid);
     const auto distance = walk.distance(a, b, b_to_a, 0, farthest);
-    const double lower = distance.lower * (1 - rigid) - margins.radius - margins.error;
+    const double lower = distance.lower * (1 - rigid) - margins.radius - margins.error - margins.off;
     if (lower > clearance) return {Verdict::separate, ContactKind::unknown, lower};
-    return {Verdict::within, ContactKind::near, std::max(distance.upper * (1 + rigid) - margins.radius, 0.0)};
+    const double upper = distance.upper * (1 + rigid) - margins.radius + margins.off;
+    return {Verdict::within, ContactKind::near, std::max(upper, 0.0)};
+}
+
+/// Where the cores are off: what is no farther apart than that may meet or not.
+template <class Walk, class A, class B>
+RefineResult decide_off(Walk& walk, A& inner_a, A& outer_a, B& inner_b, B& outer_b, const RelativePose& b_to_a,
+                        const Margins& margins, double clearance, auto holds)
+{
+    const double cutoff = margins.radius + margins.off;
+    const Comparison outer = walk.compare(outer_a, outer_b, b_to_a, cutoff, margins.slack);
+    if (outer.sign > 0 && holds(inner_a, inner_b)) return {Verdict::colliding, ContactKind::enclosed, 0};
+    if (outer.sign > 0 && !holds(outer_a, outer_b)) {
+        if (clearance > 0) return by_distance(walk, inner_a, inner_b, b_to_a, margins, clearance);
+        const double bound = (outer.bound - cutoff - margins.slack) * (1 - rigid);
+        return {Verdict::separate, ContactKind::unknown, std::max(bound, 0x1p-1000)};
+    }
+    const double upper = std::max(outer.sign > 0 ? 0 : outer.bound - margins.radius, 0.0) + margins.off;
+    return {Verdict::within, ContactKind::unknown, (upper + margins.error + margins.slack) * (1 + rigid) + 0x1p-1000};
 }
 
 /// @param outer_a, outer_b  hold the shapes; the inner ones are held by them
@@ -112,6 +138,7 @@ template <class Walk, class A, class B>
 RefineResult decide(Walk& walk, A& inner_a, A& outer_a, B& inner_b, B& outer_b, const RelativePose& b_to_a,
                     const Margins& margins, double clearance, auto holds)
 {
+    if (margins.off > 0) return decide_off(walk, inner_a, outer_a, inner_b, outer_b, b_to_a, margins, clearance, holds);
     const Comparison inner = compare(walk, inner_a, inner_b, b_to_a, margins);
     if (inner.sign < 0) return {Verdict::colliding, ContactKind::unknown, 0};
     if (inner.sign > 0 && holds(inner_a, inner_b)) return {Verdict::colliding, ContactKind::enclosed, 0};
@@ -133,13 +160,13 @@ template <class Walk, class A, class B>
 RefineResult decide_near(Walk& walk, A& a, B& b, const RelativePose& b_to_a, const Margins& margins, double clearance,
                          double tolerance, auto holds)
 {
-    const auto found = walk.near(a, b, b_to_a, clearance + margins.radius + margins.slack, tolerance, {});
+    const double out = margins.radius + margins.slack + margins.off;
+    const auto found = walk.near(a, b, b_to_a, clearance + out, tolerance, {});
     if (!found.near && !holds(a, b)) {
-        const double gap =
-            found.bound - margins.radius - margins.slack; // certainly above the clearance, rounding aside
+        const double gap = found.bound - out; // certainly above the clearance, rounding aside
         return {Verdict::separate, ContactKind::unknown, std::max({gap, clearance, 0x1p-1000})};
     }
-    const double bound = found.near ? found.bound - margins.radius : clearance;
+    const double bound = found.near ? found.bound - margins.radius + margins.off : clearance;
     return {Verdict::within, ContactKind::unknown, std::max(bound, 0.0) + margins.error + margins.slack};
 }
 
@@ -158,6 +185,27 @@ ObbTree& outer_of(Model& model)
     return model.outer_boxes ? *model.outer_boxes : *model.boxes;
 }
 
+ObbTree& outer_of(Model& model, ObbTree&)
+{
+    return outer_of(model);
+}
+
+TerrainTree& outer_of(Model&, TerrainTree& tree)
+{
+    return tree;
+}
+
+/// What may have an inside.
+ObbTree* tree_of(ObbTree& tree)
+{
+    return &tree;
+}
+
+ObbTree* tree_of(TerrainTree&)
+{
+    return nullptr;
+}
+
 /// Is a cell of the map inside the surface, which is moved into the map's frame by `into` and touches no cell?
 bool holds_cell(PointLocator& locator, ObbTree& surface, const RelativePose& into, const MapTree& map)
 {
@@ -171,9 +219,14 @@ bool holds_cell(PointLocator& locator, ObbTree& surface, const RelativePose& int
 
 } // namespace
 
+bool is_surface(const Model& model)
+{
+    return model.mesh() || (model.terrain() && model.terrain()->error() == 0);
+}
+
 bool is_polytope(const Model& model)
 {
-    return model.mesh() || (model.shape() && model.convex().flat_sided && model.convex().radius == 0);
+    return is_surface(model) || (model.shape() && model.convex().flat_sided && model.convex().radius == 0);
 }
 
 bool needs_trees(const Model& a, const Model& b, bool kinds)
@@ -183,14 +236,15 @@ bool needs_trees(const Model& a, const Model& b, bool kinds)
 
 bool SolidPairs::shape_holds(const PairTask& task)
 {
-    return shape_holds(task, inner_of(*task.a), inner_of(*task.b));
+    return one_holds_the_other(task, locator_,
+                               [&](const Model& model) { return has_volume(model) ? model.boxes.get() : nullptr; });
 }
 
 /// @param a, b  of the two, as far as they have an inside
-bool SolidPairs::shape_holds(const PairTask& task, ObbTree& a, ObbTree& b)
+bool SolidPairs::shape_holds(const PairTask& task, ObbTree* a, ObbTree* b)
 {
     return one_holds_the_other(task, locator_, [&](const Model& model) -> ObbTree* {
-        return !has_volume(model) ? nullptr : &model == task.a ? &a : &b;
+        return !has_volume(model) ? nullptr : &model == task.a ? a : b;
     });
 }
 
@@ -199,17 +253,19 @@ RefineResult SolidPairs::with_cores(const PairTask& task, auto work)
 {
     if (!task.a->map() && !task.b->map()) {
         const RelativePose b_to_a(*task.pose_a, *task.pose_b);
-        const auto holds = [&](ObbTree& a, ObbTree& b) { return shape_holds(task, a, b); };
-        return work(meshes_, inner_of(*task.a), outer_of(*task.a), inner_of(*task.b), outer_of(*task.b), b_to_a, holds);
+        return triangles_.with(*task.a, *task.b, [&](auto& walk, auto& a, auto& b) {
+            const auto holds = [&](auto& of_a, auto& of_b) { return shape_holds(task, tree_of(of_a), tree_of(of_b)); };
+            return work(walk.walk(), a, outer_of(*task.a, a), b, outer_of(*task.b, b), b_to_a, holds);
+        });
     }
     // The map's frame, in which its cells are boxes along the axes.
     const bool map_is_a = task.a->map();
     Model &map = map_is_a ? *task.a : *task.b, &other = map_is_a ? *task.b : *task.a;
     const RelativePose other_to_map(map_is_a ? *task.pose_a : *task.pose_b, map_is_a ? *task.pose_b : *task.pose_a);
     MapTree& cells = map.cells();
-    if (other.map())
-        return work(map_map_, cells, cells, other.cells(), other.cells(), other_to_map,
-                    [](const auto&, const auto&) { return false; });
+    const auto never = [](const auto&, const auto&) { return false; }; // cells are solid, so what is in them meets them
+    if (other.map()) return work(map_map_, cells, cells, other.cells(), other.cells(), other_to_map, never);
+    if (other.terrain()) return work(map_terrain_, cells, cells, other.heights(), other.heights(), other_to_map, never);
     const auto holds = [&](MapTree& tree, ObbTree& surface) {
         return has_volume(other) && holds_cell(locator_, surface, other_to_map, tree);
     };
@@ -250,14 +306,16 @@ RefineResult SolidPairs::near(const RefineContext& context, const PairTask& task
 
 SolidPairs::Counts SolidPairs::counts()
 {
-    return {meshes_.box_rows + map_mesh_.box_rows + map_map_.box_rows,
-            meshes_.leaves().counts.tested + map_mesh_.leaves().tested + map_map_.leaves().tested};
+    const Traversal::Counts triangles = triangles_.counts();
+    return {triangles.box_rows + map_mesh_.box_rows + map_map_.box_rows + map_terrain_.box_rows,
+            triangles.triangles + map_mesh_.leaves().tested + map_map_.leaves().tested + map_terrain_.leaves().tested};
 }
 
 void SolidPairs::reset_counts()
 {
-    meshes_.box_rows = map_mesh_.box_rows = map_map_.box_rows = 0;
-    meshes_.leaves().counts = {}, map_mesh_.leaves().tested = 0, map_map_.leaves().tested = 0;
+    triangles_.reset_counts();
+    map_mesh_.box_rows = map_map_.box_rows = map_terrain_.box_rows = 0;
+    map_mesh_.leaves().tested = map_map_.leaves().tested = map_terrain_.leaves().tested = 0;
 }
 
 } // namespace oncollide

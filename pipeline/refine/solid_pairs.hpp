@@ -2,16 +2,21 @@
 #include <oncollide/narrowphase/boxes/map_walk.hpp>
 #include <oncollide/narrowphase/inside/point_place.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
+#include <oncollide/pipeline/refine/triangle_walks.hpp>
 
 namespace oncollide {
 
-/// Can the triangles of the mesh, or of the surface of the shape, tell exactly? So it is of boxes and hulls.
+/// A mesh, or a terrain with exact heights.
+bool is_surface(const Model& model);
+/// Can the triangles of the mesh, of the terrain or of the surface of the shape tell exactly? So it is of boxes and
+/// hulls.
 bool is_polytope(const Model& model);
 
 /// Are trees walked for the pair? Not for two shapes, unless kinds of contact are wanted of polytopes.
 bool needs_trees(const Model& a, const Model& b, bool kinds);
 
-/// The exact level of pairs in which a round shape or a map takes part, with certificates of its own: colliding where
+/// The exact level of pairs in which a round shape, a map or a terrain with heights that are off takes part, with
+/// certificates of its own: colliding where
 /// points of both are certainly one, separate where a gap is certain. In between, by rounding (2^-36 of the bodies'
 /// sizes and distance) and by what a cylinder's prisms leave (4e-5 of its radius), such pairs stay `within`.
 /// Shapes and cells are solid. One thread's working memory.
@@ -20,10 +25,10 @@ public:
     /// The trees of both models must be there.
     RefineResult exact(const RefineContext& context, const PairTask& task);
 
-    /// Any pair but two meshes: within clearance + tolerance (metres), or separate.
+    /// Any pair but two surfaces: within clearance + tolerance (metres), or separate.
     RefineResult near(const RefineContext& context, const PairTask& task, double tolerance);
 
-    /// Of bodies that do not meet, meshes too: separate beyond the clearance, or near.
+    /// Of bodies that do not meet, surfaces too: separate beyond the clearance, or near.
     RefineResult within_clearance(const RefineContext& context, const PairTask& task);
 
     /// Does a shape with a volume, one of the two, enclose a part of the other? Their surfaces are apart.
@@ -37,10 +42,11 @@ public:
 
 private:
     RefineResult with_cores(const PairTask& task, auto work);
-    bool shape_holds(const PairTask& task, ObbTree& a, ObbTree& b);
+    bool shape_holds(const PairTask& task, ObbTree* a, ObbTree* b);
 
-    BoxWalk<ObbTree, ObbTree, TriangleTests> meshes_;
+    TriangleWalks triangles_;
     MapMeshWalk map_mesh_;
+    MapTerrainWalk map_terrain_;
     MapMapWalk map_map_;
     PointLocator locator_;
 };

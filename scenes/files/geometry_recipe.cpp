@@ -5,6 +5,7 @@
 
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/files/terrain_file.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
 namespace oncollide {
@@ -158,6 +159,75 @@ OccupancyMap read_map(const Node& node, const fs::path& folder)
               [&] { return make_building_map(count(value, "rooms", 100), size(value, "resolution"), seed(value)); });
 }
 
+Terrain read_terrain(const Node& node, const fs::path& folder)
+{
+    const std::string_view source = node.has("hills") ? "hills" : "file";
+    if (source == "hills") {
+        node.only({"hills"});
+        const Node hills = node["hills"];
+        hills.only({"cells", "spacing", "height", "seed"});
+        return at(hills, [&] {
+            constexpr int most = 20'000;
+            const Node cells = hills["cells"];
+            const bool two = cells.is_array();
+            if (two && cells.size() != 2) cells.fail("must be one number or two");
+            const auto x = static_cast<std::uint32_t>((two ? cells[0] : cells).integer(1, most)),
+                       y = static_cast<std::uint32_t>((two ? cells[1] : cells).integer(1, most));
+            return make_hills(x, y, size(hills, "spacing"), size(hills, "height"), seed(hills));
+        });
+    }
+    node.only({"file", "spacing", "origin", "vertical_scale", "no_data", "bytes", "error", "centre", "diagonal",
+               "diagonals", "columns", "rows", "type"});
+    TerrainOptions options;
+    const auto pair = [&](const Node& value) {
+        Eigen::Vector2d both;
+        if (value.is_array())
+            value.numbers(2, both.data());
+        else
+            both.setConstant(value.number());
+        return both;
+    };
+    if (node.has("spacing")) options.spacing = pair(node["spacing"]);
+    if (node.has("origin")) options.origin = node["origin"].vector3();
+    options.vertical_scale = node.positive("vertical_scale", 1);
+    if (node.has("no_data")) {
+        const Node no_data = node["no_data"];
+        if (no_data.is_text() && no_data.text() != "nan") no_data.fail("must be a number or \"nan\"");
+        options.no_data = no_data.is_text() ? std::numeric_limits<double>::quiet_NaN() : no_data.number();
+    }
+    if (node.has("bytes")) options.bytes = static_cast<int>(node["bytes"].integer(0, 8));
+    options.error = node.number("error", 0);
+    options.centre = node.has("centre") && node["centre"].boolean();
+    if (node.has("diagonal")) {
+        const std::string_view diagonal = node["diagonal"].text();
+        if (diagonal != "rising" && diagonal != "falling") node["diagonal"].fail("must be \"rising\" or \"falling\"");
+        options.diagonal = diagonal == "rising" ? CellDiagonal::rising : CellDiagonal::falling;
+    }
+    if (node.has("diagonals")) options.diagonals = file_in(folder, node["diagonals"].text());
+    if (node.has("columns")) options.columns = static_cast<std::uint32_t>(node["columns"].integer(2, 0xffffffff));
+    if (node.has("rows")) options.rows = static_cast<std::uint32_t>(node["rows"].integer(2, 0xffffffff));
+    if (node.has("type")) options.type = node["type"].text();
+    const Node file = node["file"];
+    return at(file, [&] { return load_terrain(file_in(folder, file.text()), options); });
+}
+
+/// Of one made in code, whose heights are to be written to `file`, and diagonals beside it.
+Json terrain_entry(const Terrain& terrain, const std::string& file)
+{
+    const Eigen::Vector2d& spacing = terrain.spacing();
+    const Eigen::Vector3d& origin = terrain.origin();
+    Json entry = {{"file", file},
+                  {"spacing", {spacing.x(), spacing.y()}},
+                  {"origin", {origin.x(), origin.y(), origin.z()}},
+                  {"no_data", "nan"}};
+    if (terrain.error() > 0) entry["error"] = terrain.error();
+    if (terrain.mixed_diagonals())
+        entry["diagonals"] = diagonals_file(file);
+    else if (terrain.diagonal(0, 0) == CellDiagonal::falling)
+        entry["diagonal"] = "falling";
+    return entry;
+}
+
 Json list_of(const std::vector<Eigen::Vector3d>& points)
 {
     Json list = Json::array();
@@ -186,15 +256,16 @@ Json entry_of(const ConvexHull& h)
     return {{"kind", "convex_hull"}, {"points", list_of(h.points)}};
 }
 
-/// Gives the entry's file, if it has one, another path.
+/// Gives the entry's files, if it has some, other paths.
 template <class Change>
 void change_file(Json& entry, Change change)
 {
-    for (const char* kind : {"mesh", "octomap"})
-        if (entry.contains(kind) && entry[kind].contains("file")) {
-            Json& file = entry[kind]["file"];
-            file = change(fs::path(file.get<std::string>())).string();
-        }
+    for (const char* kind : {"mesh", "octomap", "terrain"})
+        for (const char* key : {"file", "diagonals"})
+            if (entry.contains(kind) && entry[kind].contains(key)) {
+                Json& file = entry[kind][key];
+                file = change(fs::path(file.get<std::string>())).string();
+            }
 }
 
 /// Of an entry that has been read, so it has the right types.
@@ -214,13 +285,17 @@ std::string recipe_of(const Node& entry, const fs::path& folder)
 GeometryId add_geometry(Scene& scene, std::string_view given_name, const Node& entry, const fs::path& folder)
 {
     const std::string name(given_name);
-    const std::string_view source = entry.one_of({"mesh", "shape", "octomap"});
+    const std::string_view source = entry.one_of({"mesh", "shape", "octomap", "terrain"});
     const Node node = entry[source];
     if (source == "shape") return at(node, [&] { return scene.add(name, read_shape(node)); });
 
     if (source == "octomap") {
         OccupancyMap map = read_map(node, folder);
         return at(entry, [&] { return scene.add(name, std::move(map), recipe_of(entry, folder)); });
+    }
+    if (source == "terrain") {
+        Terrain terrain = read_terrain(node, folder);
+        return at(entry, [&] { return scene.add(name, std::move(terrain), recipe_of(entry, folder)); });
     }
     Mesh mesh = read_mesh(node, name, folder);
     if (mesh.zero_area > 0)
@@ -241,11 +316,14 @@ void Expansion::count(const Geometry& geometry, const Node& entry)
 {
     if (std::holds_alternative<Shape>(geometry.data)) return;
     const Mesh* mesh = std::get_if<Mesh>(&geometry.data);
-    const Node node = entry[mesh ? "mesh" : "octomap"];
+    const Terrain* terrain = std::get_if<Terrain>(&geometry.data);
+    const Node node = entry[mesh ? "mesh" : terrain ? "terrain" : "octomap"];
     if (node.has("vertices")) return;
     if (node.has("file") && files_.emplace(node["file"].text()).second) return;
     if (mesh)
         triangles_ += mesh->triangles.size();
+    else if (terrain)
+        triangles_ += 2 * terrain->cells();
     else
         cells_ += std::get<OccupancyMap>(geometry.data).cells.size();
     if (triangles_ > most_triangles || cells_ > most_cells)
@@ -254,7 +332,7 @@ void Expansion::count(const Geometry& geometry, const Node& entry)
                                most_triangles, most_cells));
 }
 
-Json entry_of(const Geometry& geometry, const fs::path& folder, const std::string& map_file)
+Json entry_of(const Geometry& geometry, const fs::path& folder, const std::string& made_file)
 {
     if (const Shape* shape = std::get_if<Shape>(&geometry.data))
         return {{"shape", std::visit([](const auto& s) { return entry_of(s); }, *shape)}};
@@ -265,7 +343,9 @@ Json entry_of(const Geometry& geometry, const fs::path& folder, const std::strin
     }
     if (const Mesh* mesh = std::get_if<Mesh>(&geometry.data))
         return {{"mesh", {{"vertices", list_of(mesh->vertices)}, {"triangles", mesh->triangles}}}};
-    return {{"octomap", {{"file", map_file}}}};
+    if (const Terrain* terrain = std::get_if<Terrain>(&geometry.data))
+        return {{"terrain", terrain_entry(*terrain, made_file)}};
+    return {{"octomap", {{"file", made_file}}}};
 }
 
 } // namespace oncollide

@@ -26,8 +26,8 @@ GeometryId add_geometry(Scene& scene, std::string_view name, const Node& entry, 
 GeometryId add_geometry(Scene& scene, const std::string& name, const Json& entry);
 
 /// The entry that makes `geometry` again: its recipe with paths relative to `folder`, or its data written out. A map
-/// without a recipe gets the entry of the file `map_file`, to be written by the caller.
-Json entry_of(const Geometry& geometry, const std::filesystem::path& folder, const std::string& map_file);
+/// or terrain without a recipe gets the entry of the file `made_file`, to be written by the caller.
+Json entry_of(const Geometry& geometry, const std::filesystem::path& folder, const std::string& made_file);
 
 /// Calls `work`, putting the node's place in front of what it throws, unless that names a place in the node already.
 /// Wrong arguments are wrong data in a file.

@@ -1,4 +1,5 @@
 #include <oncollide/scenes/files/scene_file.hpp>
+#include <oncollide/scenes/files/terrain_file.hpp>
 
 #include <fmt/format.h>
 
@@ -94,13 +95,13 @@ struct Made {
 };
 
 /// One line for each geometry, each body and each excluded pair.
-void write_text(const Scene& scene, const fs::path& path, const std::vector<std::string>& map_files, OutputFile& file)
+void write_text(const Scene& scene, const fs::path& path, const std::vector<std::string>& made_files, OutputFile& file)
 {
     fs::path folder = fs::absolute(path).parent_path();
     file.print("{{\n\"name\": {},\n\"frames\": {},\n\"geometries\": {{", Json(scene.name).dump(), scene.frames);
     for (std::size_t i = 0; i < scene.geometries.size(); ++i)
         file.print("{}\n  {}: {}", i ? "," : "", Json(scene.geometries[i].name).dump(),
-                   entry_of(scene.geometries[i], folder, map_files[i]).dump());
+                   entry_of(scene.geometries[i], folder, made_files[i]).dump());
     file.print("\n}},\n\"bodies\": [");
     for (std::size_t i = 0; i < scene.size(); ++i) file.print("{}\n  {}", i ? "," : "", body_entry(scene, i).dump());
     file.print("\n]");
@@ -118,25 +119,29 @@ void write_text(const Scene& scene, const fs::path& path, const std::vector<std:
 
 void save_scene(const Scene& scene, const fs::path& path)
 {
-    std::vector<std::string> map_files(scene.geometries.size());
-    for (std::size_t i = 0; i < map_files.size(); ++i) map_files[i] = fmt::format("{}-{}.bt", path.stem().string(), i);
+    std::vector<std::string> made_files(scene.geometries.size());
+    for (std::size_t i = 0; i < made_files.size(); ++i) {
+        const bool terrain = std::holds_alternative<Terrain>(scene.geometries[i].data);
+        made_files[i] = fmt::format("{}-{}.{}", path.stem().string(), i, terrain ? "npy" : "bt");
+    }
     OutputFile file(path);
     try {
-        write_text(scene, path, map_files, file);
+        write_text(scene, path, made_files, file);
     } catch (const Json::exception&) {
         throw Error(ErrorKind::cannot_write,
                     fmt::format("{}: cannot write: a name or a path in the scene is not UTF-8 text", path.string()));
     }
     Made made;
-    for (std::size_t i = 0; i < map_files.size(); ++i) {
+    for (std::size_t i = 0; i < made_files.size(); ++i) {
         const Geometry& geometry = scene.geometries[i];
         const OccupancyMap* map = std::get_if<OccupancyMap>(&geometry.data);
-        if (!map || !geometry.recipe.empty()) continue;
-        const fs::path map_file = path.parent_path() / map_files[i];
+        const Terrain* terrain = std::get_if<Terrain>(&geometry.data);
+        if ((!map && !terrain) || !geometry.recipe.empty()) continue;
+        const fs::path made_file = path.parent_path() / made_files[i];
         std::error_code ignored;
-        const bool is_new = !fs::exists(map_file, ignored);
-        save_octomap(*map, map_file);
-        if (is_new) made.files.push_back(map_file);
+        const bool is_new = !fs::exists(made_file, ignored);
+        map ? save_octomap(*map, made_file) : save_terrain(*terrain, made_file);
+        if (is_new) made.files.push_back(made_file);
     }
     file.commit();
     made.files.clear();

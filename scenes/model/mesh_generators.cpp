@@ -12,6 +12,7 @@
 #include <oncollide/base/error.hpp>
 
 #include <oncollide/base/random.hpp>
+#include <oncollide/scenes/model/noise.hpp>
 #include <oncollide/scenes/model/surface_grid.hpp>
 
 namespace oncollide {
@@ -124,28 +125,6 @@ Mesh separate_triangles(const char* name, int count, Corners corners)
         triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
     }
     return make_mesh(name, std::move(points), std::move(triangles));
-}
-
-/// Value noise in [0, 1): random values at integer points, blended smoothly between.
-double value_noise(double x, double y, std::uint64_t seed)
-{
-    const double fx = std::floor(x), fy = std::floor(y), tx = x - fx, ty = y - fy;
-    const double sx = tx * tx * (3 - 2 * tx), sy = ty * ty * (3 - 2 * ty);
-    const auto ix = static_cast<std::uint64_t>(fx), iy = static_cast<std::uint64_t>(fy);
-    const double low = (1 - sx) * u01(seed, ix, iy) + sx * u01(seed, ix + 1, iy);
-    const double high = (1 - sx) * u01(seed, ix, iy + 1) + sx * u01(seed, ix + 1, iy + 1);
-    return (1 - sy) * low + sy * high;
-}
-
-/// Six octaves, each half as high and half as wide, in [0, 1). x and y in [0, 1].
-double fractal_noise(double x, double y, std::uint64_t seed)
-{
-    double sum = 0, weights = 0, weight = 1, frequency = 4;
-    for (std::uint64_t octave = 0; octave < 6; ++octave, weight *= 0.5, frequency *= 2) {
-        sum += weight * value_noise(frequency * x, frequency * y, seed + octave);
-        weights += weight;
-    }
-    return sum / weights;
 }
 
 } // namespace

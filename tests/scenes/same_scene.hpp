@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <cstring>
 
 #include <gtest/gtest.h>
@@ -36,6 +37,20 @@ inline bool same(const OccupancyMap& a, const OccupancyMap& b)
     if (a.cells.size() != b.cells.size() || a.resolution != b.resolution) return false;
     for (std::size_t i = 0; i < a.cells.size(); ++i)
         if (!same_box(a.cells[i], b.cells[i])) return false;
+    return true;
+}
+inline bool same(const Terrain& a, const Terrain& b)
+{
+    if (a.columns() != b.columns() || a.rows() != b.rows() || a.error() != b.error() || a.cells() != b.cells() ||
+        !same_bits(a.bounds().min, b.bounds().min) || !same_bits(a.bounds().max, b.bounds().max))
+        return false;
+    for (std::uint32_t r = 0; r < a.rows(); ++r)
+        for (std::uint32_t c = 0; c < a.columns(); ++c)
+            if (std::isnan(a.height(c, r)) ? !std::isnan(b.height(c, r)) : a.height(c, r) != b.height(c, r))
+                return false;
+    for (std::uint32_t y = 0; y < a.cells_y(); ++y)
+        for (std::uint32_t x = 0; x < a.cells_x(); ++x)
+            if (a.diagonal(x, y) != b.diagonal(x, y)) return false;
     return true;
 }
 inline bool same(const Sphere& a, const Sphere& b)

@@ -122,9 +122,14 @@ std::vector<ConvexSet> convex_sets(const GeometryData& geometry, const Eigen::Is
 {
     const SetOfShape of{pose};
     std::vector<ConvexSet> sets;
+    const auto add_triangles = [&](const Mesh& mesh) {
+        for (const Triangle& t : mesh.triangles)
+            sets.push_back(of.corners({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}));
+    };
     if (const auto* mesh = std::get_if<Mesh>(&geometry)) {
-        for (const Triangle& t : mesh->triangles)
-            sets.push_back(of.corners({mesh->vertices[t[0]], mesh->vertices[t[1]], mesh->vertices[t[2]]}));
+        add_triangles(*mesh);
+    } else if (const auto* terrain = std::get_if<Terrain>(&geometry)) {
+        add_triangles(mesh_of(*terrain));
     } else if (const auto* shape = std::get_if<Shape>(&geometry)) {
         sets.push_back(std::visit(of, *shape));
     } else {

@@ -24,7 +24,7 @@ struct TrueDistance {
 /// three-dimensional space", IEEE J. Robotics and Automation 1988; each simplex by trying all of its faces.
 TrueDistance convex_distance(const ConvexSet& a, const ConvexSet& b);
 
-/// The geometry as convex sets: a shape is one, each triangle of a mesh and each cell of a map is one.
+/// The geometry as convex sets: a shape is one, each triangle of a mesh or a terrain and each cell of a map is one.
 std::vector<ConvexSet> convex_sets(const GeometryData& geometry, const Eigen::Isometry3d& pose);
 
 /// Of two bodies: the least of all pairs of sets, of which those are left out whose boxes are farther apart than

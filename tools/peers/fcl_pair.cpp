@@ -74,6 +74,8 @@ FclGeometry make_fcl_geometry(const GeometryData& geometry, FclNodes nodes)
     FclGeometry made;
     if (const auto* mesh = std::get_if<Mesh>(&geometry))
         made = make_tree(*mesh, nodes);
+    else if (const auto* terrain = std::get_if<Terrain>(&geometry))
+        made = make_tree(mesh_of(*terrain), nodes);
     else if (const auto* shape = std::get_if<Shape>(&geometry))
         made = std::visit(ShapeGeometry{}, *shape);
     else

@@ -60,9 +60,12 @@ const Mesh* ScenePictures::mesh_of(GeometryId id)
     if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) return mesh;
     auto& made = made_[index(id)];
     if (!made) {
-        const auto* map = std::get_if<OccupancyMap>(&geometry.data);
-        made = std::make_unique<Mesh>(map ? mesh_of_boxes(geometry.name, map->cells)
-                                          : bounding_mesh_of(std::get<Shape>(geometry.data)).mesh);
+        if (const auto* map = std::get_if<OccupancyMap>(&geometry.data))
+            made = std::make_unique<Mesh>(mesh_of_boxes(geometry.name, map->cells));
+        else if (const auto* terrain = std::get_if<Terrain>(&geometry.data))
+            made = std::make_unique<Mesh>(oncollide::mesh_of(*terrain));
+        else
+            made = std::make_unique<Mesh>(bounding_mesh_of(std::get<Shape>(geometry.data)).mesh);
     }
     return made.get();
 }

@@ -63,7 +63,7 @@ private:
 
     const Scene& scene_;
     Shown shown_;
-    std::vector<std::unique_ptr<Mesh>> made_;                 ///< by geometry: of shapes and maps
+    std::vector<std::unique_ptr<Mesh>> made_;                 ///< by geometry: of shapes, maps and terrains
     std::vector<std::optional<std::vector<Sphere>>> of_body_; ///< sorted along x; none: not needed yet
     std::vector<std::vector<std::uint32_t>> meeting_of_;      ///< by body: its triangles that meet others, ascending
     std::size_t spheres_ = 0, red_ = 0, meeting_ = 0;

@@ -27,14 +27,14 @@ double distance_rounding(const Scene& scene, const PairResult& pair, bool has_sh
     return 1e-9 * size + 4e-15 * far + (has_shape ? shape_rounding : 0);
 }
 
-/// FCL parts hulls from meshes that they overlap: where it says no, extended precision has the last word. Not of maps,
-/// which have too many cells.
+/// FCL parts hulls from meshes that they overlap: where it says no, extended precision has the last word. Not of maps
+/// and terrains, which have too many cells.
 bool truly_meet(const Scene& scene, BodyPair pair)
 {
     const auto sets = [&](std::uint32_t body) {
         const GeometryData& geometry = scene.geometries[index(scene.geometry[body])].data;
-        return std::holds_alternative<OccupancyMap>(geometry) ? std::vector<ConvexSet>{}
-                                                              : convex_sets(geometry, scene.poses[body]);
+        const bool large = std::holds_alternative<OccupancyMap>(geometry) || std::holds_alternative<Terrain>(geometry);
+        return large ? std::vector<ConvexSet>{} : convex_sets(geometry, scene.poses[body]);
     };
     const std::vector<ConvexSet> a = sets(pair.a), b = sets(pair.b);
     return !a.empty() && !b.empty() && true_distance(a, b).lower < shape_rounding;

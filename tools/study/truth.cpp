@@ -24,12 +24,15 @@ const Geometry& geometry_of(const Scene& scene, std::uint32_t body)
     return scene.geometries[index(scene.geometry[body])];
 }
 
-/// Points that stand for all parts of a shape or a map: each is on one side of a surface that it does not meet.
+/// Points that stand for all parts of a shape, a map or a terrain: each is on one side of a surface that it does not
+/// meet.
 std::vector<Eigen::Vector3d> points_of(const Geometry& geometry)
 {
     std::vector<Eigen::Vector3d> points;
     if (const auto* map = std::get_if<OccupancyMap>(&geometry.data))
         for (const Aabb& cell : map->cells) points.push_back(cell.centre());
+    else if (const auto* terrain = std::get_if<Terrain>(&geometry.data))
+        points = mesh_of(*terrain).vertices;
     else if (const auto* hull = std::get_if<ConvexHull>(&std::get<Shape>(geometry.data)))
         points.push_back(hull->points.front());
     else

@@ -1,0 +1,16 @@
+// Stands for the reader that needs GDAL in builds without it.
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/file_bytes.hpp>
+#include <oncollide/scenes/files/terrain/height_raster.hpp>
+
+namespace oncollide {
+
+HeightRaster read_with_gdal(const std::filesystem::path& path)
+{
+    check_readable(path);
+    throw Error(ErrorKind::usage,
+                path.string() + ": this is a build without GDAL, which reads such files (ONCOLLIDE_GDAL=OFF): install "
+                                "Debian's libgdal-dev and configure again");
+}
+
+} // namespace oncollide

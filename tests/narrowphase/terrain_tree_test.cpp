@@ -1,0 +1,183 @@
+// The quadtree of a terrain: its boxes, where it starts, and walks of it, against brute force.
+#include <algorithm>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include <oncollide/base/random.hpp>
+#include <oncollide/narrowphase/boxes/traversal.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
+
+#include "random_pose.hpp"
+
+namespace oncollide {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+Terrain random_terrain(std::uint32_t columns, std::uint32_t rows, double holes, std::uint64_t seed)
+{
+    TerrainGrid grid{.columns = columns, .rows = rows};
+    grid.spacing = {0.1, 0.2}, grid.origin = {1000, -2000, 5}, grid.no_data = -1;
+    std::vector<double> heights;
+    for (std::uint64_t i = 0; i < std::uint64_t(columns) * rows; ++i)
+        heights.push_back(u01(seed, i, 1) < holes ? -1 : u01(seed, i, 0));
+    return make_terrain("random", grid, heights);
+}
+
+struct Size {
+    std::uint32_t columns, rows;
+};
+
+TEST(TerrainTree, BoxesHoldTheirTrianglesAndEveryTriangleIsInOneLeaf)
+{
+    for (const auto& [columns, rows] : {Size{2, 2}, Size{2, 40}, Size{700, 2}, Size{9, 9}, Size{10, 18}, Size{130, 67}})
+        for (const double holes : {0.0, 0.2}) {
+            const Terrain terrain = random_terrain(columns, rows, columns * rows < 5 ? 0 : holes, columns + rows);
+            const TerrainTree tree(terrain);
+            std::vector<int> seen(2 * std::size_t(terrain.cells_x()) * terrain.cells_y());
+            std::vector<Aabb> around; // the boxes on the way down
+            const double slack = 50 * 0x1p-24 * tree.radius();
+            std::function<void(const TerrainTree::Node&)> down = [&](const TerrainTree::Node& node) {
+                OpenBoxes boxes;
+                const LaneMasks masks = tree.open(node, nullptr, boxes);
+                for (unsigned k = 0; k < 8; ++k) {
+                    if (boxes.c[0][k] > 1e29f) continue;
+                    Aabb box;
+                    for (int i = 0; i < 3; ++i) {
+                        box.min[i] = tree.centre()[i] + boxes.c[i][k] - boxes.h[i][k] - slack;
+                        box.max[i] = tree.centre()[i] + boxes.c[i][k] + boxes.h[i][k] + slack;
+                    }
+                    around.push_back(box);
+                    if (masks.leaves >> k & 1) {
+                        for (const std::uint32_t t : tree.primitives(node, k)) {
+                            ++seen[t];
+                            for (const Vector3d& p : tree.points(t))
+                                for (const Aabb& outer : around) EXPECT_TRUE(outer.contains(Aabb{p, p}));
+                        }
+                    } else {
+                        down(tree.child(node, k));
+                    }
+                    around.pop_back();
+                }
+            };
+            down(TerrainTree::root);
+            for (std::uint32_t y = 0; y < terrain.cells_y(); ++y)
+                for (std::uint32_t x = 0; x < terrain.cells_x(); ++x)
+                    for (std::uint32_t half = 0; half < 2; ++half)
+                        EXPECT_EQ(seen[2 * (y * terrain.cells_x() + x) + half], terrain.has_cell(x, y));
+        }
+}
+
+TEST(TerrainTree, StartsAtANodeThatHoldsAllThatIsInTheBoxAndLittleElse)
+{
+    const Terrain terrain = random_terrain(130, 67, 0.1, 1);
+    const TerrainTree tree(terrain);
+    double cells = 0;
+    for (std::uint64_t seed = 0; seed < 500; ++seed) {
+        const Vector3d middle(1000 + 15 * u01(seed, 0, 0) - 1, -2000 + 15 * u01(seed, 0, 1) - 1, 5 + u01(seed, 0, 2));
+        const double out = 0.5 * u01(seed, 0, 3);
+        const Aabb box{middle.array() - out, middle.array() + out};
+        const TerrainTree::Entry entry = tree.entry(box);
+        std::vector<bool> in(std::size_t(terrain.cells_x()) * terrain.cells_y());
+        if (entry.node) {
+            const std::function<void(const TerrainTree::Node&)> down = [&](const TerrainTree::Node& node) {
+                OpenBoxes boxes;
+                const LaneMasks masks = tree.open(node, nullptr, boxes);
+                if (&node == &*entry.node) {
+                    EXPECT_GT(boxes.c[0][1], 1e29f) << "one box, in lane 0";
+                }
+                for (unsigned k = 0; k < 8; ++k) {
+                    if (boxes.c[0][k] > 1e29f) continue;
+                    if (masks.leaves >> k & 1)
+                        in[tree.primitives(node, k)[0] / 2] = true;
+                    else
+                        down(tree.child(node, k));
+                }
+            };
+            down(*entry.node);
+        }
+        for (std::uint32_t y = 0; y < terrain.cells_y(); ++y)
+            for (std::uint32_t x = 0; x < terrain.cells_x(); ++x) {
+                if (in[y * terrain.cells_x() + x] || !terrain.has_cell(x, y)) continue;
+                Aabb cell{{terrain.x(x), terrain.y(y), terrain.bounds().min.z()},
+                          {terrain.x(x + 1), terrain.y(y + 1), terrain.bounds().max.z()}};
+                const Vector3d apart = (cell.min - box.max).cwiseMax(box.min - cell.max);
+                EXPECT_GE(apart.maxCoeff(), entry.gap) << seed;
+            }
+        cells += double(std::count(in.begin(), in.end(), true));
+    }
+    EXPECT_LT(cells / 500, 700);
+}
+
+template <class A, class B>
+void compare_with_brute_force(A& a, std::uint32_t triangles_a, B& b, std::uint32_t triangles_b, auto there,
+                              const RelativePose& b_to_a, int& met)
+{
+    TriangleTestsOf<A, B> truth;
+    truth.start(a, b, b_to_a);
+    std::vector<TrianglePair> pairs, found;
+    double distance = std::numeric_limits<double>::infinity();
+    for (std::uint32_t s = 0; s < triangles_a; ++s)
+        for (std::uint32_t t = 0; t < triangles_b; ++t) {
+            const TrianglePair pair{s, t};
+            if (!there(pair)) continue;
+            if (truth.meet(pair))
+                pairs.push_back(pair), distance = 0;
+            else if (distance > 0)
+                distance = std::min(distance, truth.distance(pair));
+        }
+    met += !pairs.empty();
+    TraversalOf<A, B> walk;
+    walk.all_meeting(a, b, b_to_a, found);
+    EXPECT_EQ(found, pairs);
+    const auto first = walk.first_meeting(a, b, b_to_a);
+    EXPECT_EQ(first.pair.has_value(), !pairs.empty());
+    if (pairs.empty()) {
+        EXPECT_GT(first.bound, 0);
+        EXPECT_LE(first.bound, distance);
+    }
+    const auto bounds = walk.distance(a, b, b_to_a, 0);
+    EXPECT_NEAR(bounds.lower, distance, 1e-9);
+    EXPECT_NEAR(bounds.upper, distance, 1e-9);
+    for (const double clearance : {0.0, 0.05, 0.3}) {
+        const auto near = walk.near(a, b, b_to_a, clearance, 0.01);
+        if (distance <= clearance) {
+            EXPECT_TRUE(near.near);
+        }
+        EXPECT_TRUE(near.near ? distance <= near.bound : near.bound <= distance);
+    }
+}
+
+TEST(TerrainTree, WalksFindWhatBruteForceFinds)
+{
+    const Mesh knot = make_torus_knot_mesh(2, 3, 0.5, 0.2, 0.08, 60);
+    ObbTree mesh(knot);
+    int met = 0, all = 0;
+    for (std::uint64_t seed = 0; seed < 40; ++seed) {
+        const Terrain terrain = random_terrain(20, 12, seed % 2 ? 0.1 : 0, seed);
+        TerrainTree tree(terrain);
+        const std::uint32_t triangles = 2 * terrain.cells_x() * terrain.cells_y();
+        const auto there = [&](std::uint32_t t) {
+            return terrain.has_cell(t / 2 % terrain.cells_x(), t / 2 / terrain.cells_x());
+        };
+        const Isometry3d stay = Isometry3d::Identity(),
+                         moved = Eigen::Translation3d(1001, -1999, 5.5) * random_pose(seed, 1.5);
+        compare_with_brute_force(
+            tree, triangles, mesh, 60, [&](TrianglePair p) { return there(p.a); }, RelativePose(stay, moved), met);
+        compare_with_brute_force(
+            mesh, 60, tree, triangles, [&](TrianglePair p) { return there(p.b); }, RelativePose(moved, stay), met);
+        const Terrain small = random_terrain(5, 4, 0, seed);
+        TerrainTree other(small);
+        compare_with_brute_force(
+            tree, triangles, other, 24, [&](TrianglePair p) { return there(p.a); },
+            RelativePose(stay, moved * Eigen::Translation3d(-1000.2, 2000.3, -5.5)), met);
+        all += 3;
+    }
+    EXPECT_GT(met, all / 5);
+    EXPECT_LT(met, all * 4 / 5);
+}
+
+} // namespace
+} // namespace oncollide
