@@ -6,6 +6,7 @@
 #include <limits>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
@@ -29,23 +30,25 @@ HeightRaster read_raw(const std::string& name, const TerrainOptions& options, st
     return {options.columns, options.rows, decoded(type, bytes), type.kind != 'f'};
 }
 
+/// The first five need no other library.
+const std::vector<std::string> extensions{"pgm",  "png", "npy", "raw", "bin", "tif",
+                                          "tiff", "dem", "asc", "hgt", "vrt", "img"};
+
 HeightRaster read_raster(const fs::path& path, const TerrainOptions& options)
 {
     const std::string name = path.string();
     std::string ending = path.extension().string();
+    ending.erase(0, 1);
     std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
-    for (const char* of_gdal : {".tif", ".tiff", ".dem", ".asc", ".hgt", ".vrt", ".img"})
-        if (ending == of_gdal) return read_with_gdal(path);
-    const bool raw = ending == ".raw" || ending == ".bin";
-    if (!raw && ending != ".pgm" && ending != ".png" && ending != ".npy")
-        refuse(name, fmt::format("unknown kind of terrain file '{}'; known are pgm, png, npy, raw, bin, and with GDAL "
-                                 "tif, tiff, dem, asc, hgt, vrt, img",
-                                 ending));
+    const auto known = std::ranges::find(extensions, ending);
+    if (known == extensions.end())
+        refuse(name,
+               fmt::format("unknown kind of terrain file '.{}'; known are {}", ending, fmt::join(extensions, ", ")));
+    if (known - extensions.begin() >= 5) return read_with_gdal(path);
     const std::string bytes = read_file(path, most_bytes);
-    if (raw) return read_raw(name, options, bytes);
-    return ending == ".pgm"   ? read_pgm(name, bytes)
-           : ending == ".png" ? read_grey_png(name, bytes)
-                              : read_npy(name, bytes);
+    if (ending == "pgm") return read_pgm(name, bytes);
+    if (ending == "png") return read_grey_png(name, bytes);
+    return ending == "npy" ? read_npy(name, bytes) : read_raw(name, options, bytes);
 }
 
 std::vector<bool> read_diagonals(const fs::path& path, const HeightRaster& heights)
@@ -74,6 +77,11 @@ void write_npy(const fs::path& path, std::string_view type, std::uint32_t rows, 
 }
 
 } // namespace
+
+const std::vector<std::string>& terrain_extensions()
+{
+    return extensions;
+}
 
 Terrain load_terrain(const fs::path& path, const TerrainOptions& options)
 {

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <oncollide/scenes/model/terrain.hpp>
 
@@ -32,6 +33,9 @@ struct TerrainOptions {
 /// range, and for a file of GDAL in a build without it. Allocates nothing for what a header announces that the file
 /// cannot hold. Cost: reading the file; 8 bytes a height besides.
 Terrain load_terrain(const std::filesystem::path& path, const TerrainOptions& options = {});
+
+/// The extensions that load_terrain knows, lower case, without the dot.
+const std::vector<std::string>& terrain_extensions();
 
 /// Writes the heights as a .npy file of doubles, holes as not a number; and the diagonals, where cells differ, to
 /// diagonals_file(path). (Temporary names, then renamed.) Throws Error{cannot_write}.

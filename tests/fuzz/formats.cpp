@@ -12,6 +12,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
+#include <oncollide/scenes/files/terrain_file.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 
 namespace oncollide::test {
@@ -24,6 +25,7 @@ constexpr Format all_formats[] = {
     {"obj", "input.obj", obj_seeds},       {"off", "input.off", off_seeds},       {"ply", "input.ply", ply_seeds},
     {"stl", "input.stl", stl_seeds},       {"gltf", "input.gltf", gltf_seeds},    {"glb", "input.glb", glb_seeds},
     {"bt", "input.bt", bt_seeds},          {"ot", "input.ot", ot_seeds},          {"scene", "input.json", scene_seeds},
+    {"pgm", "input.pgm", pgm_seeds},       {"png", "input.png", png_seeds},       {"npy", "input.npy", npy_seeds},
     {"poses", "input.poses", poses_seeds}, {"aabbs", "input.aabbs", aabbs_seeds},
 };
 
@@ -60,6 +62,8 @@ void load(const fs::path& file)
             if (!why_not_rigid(pose).empty()) fault("a pose that is not rigid");
     } else if (ending == ".bt" || ending == ".ot") {
         check(load_octomap(file));
+    } else if (ending == ".pgm" || ending == ".png" || ending == ".npy") {
+        check(mesh_of(load_terrain(file, {.no_data = 7})));
     } else if (ending == ".poses") {
         auto poses = tools::read_poses(file);
         tools::read_expected(file.parent_path() / "expected", poses);

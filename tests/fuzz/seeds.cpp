@@ -2,6 +2,7 @@
 
 #include <sstream>
 
+#include <fmt/format.h>
 #include <octomap/OcTree.h>
 
 #include "scenes/mesh_writers.hpp"
@@ -147,12 +148,46 @@ std::vector<std::string> scene_seeds()
 "c": {"shape": {"kind": "cylinder", "radius": 1, "length": 2}},
 "d": {"shape": {"kind": "convex_hull", "points": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]}},
 "e": {"octomap": {"building": {"rooms": 1, "resolution": 1, "seed": 7}}},
-"f": {"octomap": {"file": "map.bt"}}},
+"f": {"octomap": {"file": "map.bt"}},
+"g": {"terrain": {"file": "land.pgm", "spacing": [2, 3], "vertical_scale": 0.1, "no_data": 97, "bytes": 2, "centre": true}},
+"h": {"terrain": {"hills": {"cells": [3, 2], "spacing": 1, "height": 2}}}},
 "bodies": [{"name": "a", "geometry": "a", "rotation": [[1, 0, 0], [0, 0, -1], [0, 1, 0]]}]}
 )",
         R"({"exclude": [["a", 1], [2, "a"]], "bodies": [{"name": "a", "geometry": "b", "group": 3},
 {"geometry": "b", "group": 3}, {"geometry": "b"}], "geometries": {"b": {"shape": {"kind": "sphere", "radius": 1}}}}
 )"};
+}
+
+std::vector<std::string> pgm_seeds()
+{
+    return {"P5 3 2 255\nabcdef", "P5\n# heights\n2 2\n65535\nabcdefgh"};
+}
+
+/// Three by two heights of 16 bits, two by two of 8.
+std::vector<std::string> png_seeds()
+{
+    std::vector<std::string> seeds;
+    for (const std::string_view hex :
+         {"89504e470d0a1a0a0000000d4948445200000003000000021000000000e88fe5850000001649444154789c636060606064606260d461"
+          "6061600500011b003a16a31ee20000000049454e44ae426082",
+          "89504e470d0a1a0a0000000d494844520000000200000002080000000057dd52f80000000e49444154789c6360606460fa0f00010d01"
+          "03d67c8ba80000000049454e44ae426082"}) {
+        std::string& bytes = seeds.emplace_back();
+        for (std::size_t i = 0; i < hex.size(); i += 2)
+            bytes += static_cast<char>(std::stoi(std::string(hex.substr(i, 2)), nullptr, 16));
+    }
+    return seeds;
+}
+
+std::vector<std::string> npy_seeds()
+{
+    const auto array = [](std::string_view type, std::string_view order, std::size_t bytes) {
+        const std::string header =
+            fmt::format("{{'descr': '{}', 'fortran_order': {}, 'shape': (3, 2), }}\n", type, order);
+        return std::string("\x93NUMPY\x01\0", 8) + static_cast<char>(header.size()) + '\0' + header +
+               std::string(6 * bytes, '\2');
+    };
+    return {array("<i2", "False", 2), array(">f4", "True", 4), array("|u1", "False", 1)};
 }
 
 std::vector<std::string> poses_seeds()
@@ -178,6 +213,7 @@ void add_companions(const TemporaryFolder& folder)
     folder.write("buffer.bin", gltf_buffer(soup()));
     folder.write("thing.off", as_off(box()));
     folder.write("walk.tum", "0 1 2 3 0 0 0 1\n0.5 1 2 4 0 0 0.6 0.8\n");
+    folder.write("land.pgm", pgm_seeds()[0]);
     folder.write("expected", "0 1 7\n");
     save_octomap(map(), folder / "map.bt");
 }

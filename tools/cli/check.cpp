@@ -16,6 +16,7 @@
 #include <oncollide/base/printable.hpp>
 #include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/files/terrain_file.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 
 namespace oncollide::tools {
@@ -53,6 +54,8 @@ GeometryId add_file(Scene& scene, const std::string& name, const std::string& pa
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return std::tolower(c); });
     if (extension == ".bt" || extension == ".ot") return scene.add(name, load_octomap(path));
+    if (std::ranges::count(terrain_extensions(), extension.substr(extension.empty() ? 0 : 1)))
+        return scene.add(name, load_terrain(path));
     return scene.add(name, load_mesh(path));
 }
 
@@ -153,9 +156,10 @@ int check_pair(const CheckOptions& options)
     if (!options.contacts.empty()) contacts.emplace(options.contacts);
     const Scene scene = load_pair(options);
     for (std::uint32_t body = 0; (contacts || options.distance) && body < scene.size(); ++body)
-        if (!std::holds_alternative<Mesh>(scene.geometries[index(scene.geometry[body])].data))
-            throw Error(ErrorKind::usage, fmt::format("{}: '{}' is no mesh", contacts ? "--contacts" : "--distance",
-                                                      scene.label(BodyId{body})));
+        if (std::holds_alternative<OccupancyMap>(scene.geometries[index(scene.geometry[body])].data))
+            throw Error(ErrorKind::usage,
+                        fmt::format("{}: '{}' is no mesh and no terrain", contacts ? "--contacts" : "--distance",
+                                    scene.label(BodyId{body})));
     if (!options.quiet) print_warnings(scene);
     Pipeline pipeline(scene, settings);
     Report report(scene, pipeline, {.csv = false, .trace = false, .separate = true});
@@ -180,7 +184,9 @@ void add_check(Arguments app)
 {
     Arguments sub = app.add_command("check", "Check two files against each other, once");
     auto options = std::make_shared<CheckOptions>();
-    sub.add_option("A", options->a, "mesh (OBJ, STL, PLY, OFF, glTF; '-': standard input) or OctoMap (.bt, .ot)")
+    sub.add_option("A", options->a,
+                   "mesh (OBJ, STL, PLY, OFF, glTF; '-': standard input), OctoMap (.bt, .ot) or terrain (PGM, PNG, "
+                   "NumPy, GDAL's)")
         .required()
         .type_name("FILE");
     sub.add_option("B", options->b, "the other one; may be the same file").required().type_name("FILE");
@@ -193,7 +199,8 @@ void add_check(Arguments app)
                    "write all pairs of triangles that meet, where, and their normals as CSV; needs --exact predicates")
         .type_name("FILE.csv");
     sub.add_option("--distance", options->distance,
-                   "also bound the distance of two meshes, to this tolerance in metres; 0: as exact as doubles allow")
+                   "also bound the distance of two meshes or terrains, to this tolerance in metres; 0: as exact as "
+                   "doubles allow")
         .type_name("M");
     sub.add_flag("--quiet", options->quiet, "print nothing but errors; the exit code is the result");
     sub.footer("Exit codes: 0 separate, 1 colliding, 2 within or undecided, 64 and above: error.\n"

@@ -58,7 +58,8 @@ void add_accuracy_fuzz(Arguments accuracy)
     sub.add_option("--threads", options->threads, "threads; 0: all (default 1)").type_name("N");
     sub.add_option("--out", options->out, "where the smallest faulty scene goes (default fault.json)")
         .type_name("FILE");
-    sub.footer("Meshes, shapes and maps, two to four at a time, on a grid of 1/8 where touching is common and off it, "
+    sub.footer("Meshes, shapes, maps and terrains, two to four at a time, on a grid of 1/8 where touching is common "
+               "and off it, "
                "with all settings. The truth comes from extended precision and shares no code with the library. Exit "
                "code 70: the first fault, shrunk by itself to a scene file and the options that show it.");
     sub.action([options] { return fuzz(*options); });

@@ -61,6 +61,7 @@ const GeometryData& data_of(const Scene& scene, std::uint32_t body)
 bool is_solid(const GeometryData& geometry, const Settings& settings)
 {
     const auto* mesh = std::get_if<Mesh>(&geometry);
+    if (std::holds_alternative<Terrain>(geometry)) return false;
     return !mesh || (settings.mode == Mode::solid && is_closed(*mesh));
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 class Draw {
 public:
-    explicit Draw(std::uint64_t seed) : random_(seed), on_grid_(seed % 4 != 0) {}
+    explicit Draw(std::uint64_t seed) : random_(seed), on_grid_(seed % 4 != 0), terrains_(seed % 7 == 3) {}
 
     int number(int least, int most) { return std::uniform_int_distribution<int>(least, most)(random_); }
     bool one_in(int n) { return number(1, n) == 1; }
@@ -49,6 +49,7 @@ public:
     }
     GeometryData geometry()
     {
+        if (terrains_ && one_in(2)) return terrain();
         switch (number(0, 8)) {
         case 0:
             return Shape(Sphere{length()});
@@ -118,6 +119,20 @@ private:
         }
         return make_mesh("triangles", vertices, faces);
     }
+    GeometryData terrain()
+    {
+        TerrainGrid grid{.columns = static_cast<std::uint32_t>(number(2, 5)),
+                         .rows = static_cast<std::uint32_t>(number(2, 4))};
+        grid.spacing = {length(), length()}, grid.origin = point(), grid.no_data = -9;
+        std::vector<double> heights;
+        for (std::uint32_t i = 0; i < grid.columns * grid.rows; ++i)
+            heights.push_back(i > 0 && one_in(12) ? -9 : coordinate());
+        const auto whole = [](double height) { return height == -9 ? 0.25 : height; };
+        heights[1] = whole(heights[1]); // one cell at least
+        for (const std::uint32_t i : {grid.columns, grid.columns + 1}) heights[i] = whole(heights[i]);
+        for (std::uint32_t i = 0; i < (grid.columns - 1) * (grid.rows - 1); ++i) grid.falling.push_back(one_in(2));
+        return make_terrain("terrain", grid, heights);
+    }
     GeometryData map()
     {
         octomap::OcTree tree(on_grid_ ? 0.25 : 0.3);
@@ -150,7 +165,7 @@ private:
     }
 
     std::mt19937_64 random_;
-    bool on_grid_;
+    bool on_grid_, terrains_;
 };
 
 } // namespace

@@ -13,22 +13,29 @@
 
 namespace oncollide {
 
+namespace {
+
+/// GDAL writes its errors to the terminal otherwise.
+struct Quiet {
+    Quiet() { CPLPushErrorHandler(CPLQuietErrorHandler), CPLErrorReset(); }
+    ~Quiet() { CPLPopErrorHandler(); }
+};
+
+} // namespace
+
 HeightRaster read_with_gdal(const std::filesystem::path& path)
 {
     const std::string name = path.string();
     check_readable(path);
     static std::once_flag once;
     std::call_once(once, GDALAllRegister);
-    CPLPushErrorHandler(CPLQuietErrorHandler); // not on the terminal
-    const auto pop = [](void*) { CPLPopErrorHandler(); };
-    const std::unique_ptr<const char, decltype(pop)> quiet("", pop);
+    const Quiet quiet;
     const auto fail = [&](const char* what) {
         const std::string why = CPLGetLastErrorMsg();
         refuse(name, why.empty() ? std::string(what) : fmt::format("{}: {}", what, why));
     };
-    const std::unique_ptr<void, GDALDatasetH (*)(GDALDatasetH)> data(
-        GDALOpen(name.c_str(), GA_ReadOnly),
-        [](GDALDatasetH dataset) -> GDALDatasetH { return GDALClose(dataset), nullptr; });
+    const std::unique_ptr<void, void (*)(void*)> data(GDALOpen(name.c_str(), GA_ReadOnly),
+                                                      [](void* dataset) { GDALClose(dataset); });
     if (!data) fail("GDAL cannot read the file");
     if (GDALGetRasterCount(data.get()) < 1) fail("the file has no raster");
     GDALRasterBandH band = GDALGetRasterBand(data.get(), 1);
