@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include <oncollide/narrowphase/boxes/oriented_box.hpp>
+
 namespace oncollide {
 
 namespace {
@@ -168,8 +170,49 @@ TerrainTree::Entry TerrainTree::entry(const Aabb& box) const
     return {Node{0, 0, top_.level, true}, gap};
 }
 
+namespace {
+
+/// @param centre, axes  relative to the hierarchy's centre; the axes are columns
+void put(OpenBoxes& boxes, unsigned k, const Eigen::Vector3f& centre, const Eigen::Matrix3f& axes,
+         const Eigen::Vector3f& half, const BoxPlacement* placement)
+{
+    for (int i = 0; i < 3; ++i) {
+        const float* r = placement ? placement->rotation + 3 * i : nullptr;
+        boxes.c[i][k] =
+            r ? r[0] * centre[0] + r[1] * centre[1] + r[2] * centre[2] + placement->translation[i] : centre[i];
+        for (int axis = 0; axis < 3; ++axis)
+            boxes.axis[axis][i][k] =
+                r ? r[0] * axes(0, axis) + r[1] * axes(1, axis) + r[2] * axes(2, axis) : axes(i, axis);
+        boxes.h[i][k] = half[i];
+    }
+    boxes.size[k] = half.squaredNorm();
+}
+
+void put_nothing(OpenBoxes& boxes, unsigned k)
+{
+    for (int i = 0; i < 3; ++i) boxes.c[i][k] = 1e30f, boxes.h[i][k] = 0;
+    boxes.size[k] = 0;
+}
+
+} // namespace
+
+LaneMasks TerrainTree::open_cell(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const
+{
+    for (unsigned k = 0; k < 8; ++k) put_nothing(boxes, k);
+    for (auto& axis : boxes.axis)
+        for (auto& component : axis) std::fill_n(component, 8, 0.0f);
+    for (unsigned k = 0; k < 2; ++k) {
+        TrianglePoints t = points(primitives(node, k).front());
+        for (Eigen::Vector3d& p : t) p -= centre_;
+        const OrientedBox box = fit_box({&t, 1});
+        put(boxes, k, box.centre.cast<float>(), box.axes.cast<float>(), box.half.cast<float>(), placement);
+    }
+    return {3, 3};
+}
+
 LaneMasks TerrainTree::open(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const
 {
+    if (node.level == triangles) return open_cell(node, placement, boxes);
     Range ranges[8];
     float centre[2][4], half[2][4]; // of the blocks' columns and rows
     unsigned lanes = 0;             // a bit for each block that is there
@@ -212,8 +255,7 @@ LaneMasks TerrainTree::open(const Node& node, const BoxPlacement* placement, Ope
 
     for (unsigned k = 0; k < 8; ++k) {
         if (!(lanes >> k & 1)) {
-            for (int i = 0; i < 3; ++i) boxes.c[i][k] = 1e30f, boxes.h[i][k] = 0;
-            boxes.size[k] = 0;
+            put_nothing(boxes, k);
             continue;
         }
         const unsigned i = k % w, j = k / w;
@@ -232,8 +274,7 @@ LaneMasks TerrainTree::open(const Node& node, const BoxPlacement* placement, Ope
     for (int axis = 0; axis < 3; ++axis)
         for (int i = 0; i < 3; ++i)
             std::fill_n(boxes.axis[axis][i], 8, placement ? placement->rotation[3 * i + axis] : float(axis == i));
-    const unsigned cells = level == 0 && !node.whole ? lanes : 0;
-    return {cells, cells};
+    return {level == 0 && !node.whole ? lanes : 0, 0};
 }
 
 std::size_t TerrainTree::bytes() const

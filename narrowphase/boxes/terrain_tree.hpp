@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <ranges>
 #include <vector>
 
 #include <oncollide/narrowphase/boxes/hierarchy.hpp>
@@ -15,7 +16,7 @@ namespace oncollide {
 ///
 /// Level 0 are the cells, level 1 blocks of four by two of them, level 2 blocks of two by four of these, so eight by
 /// eight cells, and so on in turns. A node is the eight blocks, wherever they begin, that one of the next level is made
-/// of; so any place has a node that fits it.
+/// of; so any place has a node that fits it. Below a cell are its two triangles, each in a flat box.
 class TerrainTree {
 public:
     /// Keeps a reference to the terrain. Cost: 3 ns a cell.
@@ -28,6 +29,7 @@ public:
     };
     using Primitive = std::uint32_t; ///< a triangle, by its number in the terrain
     static constexpr Node root{0, 0, ~0u, true};
+    static constexpr std::uint32_t triangles = ~0u - 1; ///< a level: a node of the two triangles of a cell
     /// As MapTree::Entry.
     struct Entry {
         std::optional<Node> node;
@@ -43,15 +45,17 @@ public:
         if (node.level == root.level) return top_;
         if (node.whole) return {node.x, node.y, node.level, false};
         const Block block = block_of(node, lane);
+        if (node.level == 0) return {block.x, block.y, triangles, false};
         const std::uint32_t below = node.level - 1;
         return {block.x * wide(below), block.y * high(below), below, false};
     }
-    /// Of a cell.
-    std::array<std::uint32_t, 2> primitives(const Node& node, unsigned lane) const
+    /// Of a cell, or of one of its triangles.
+    auto primitives(const Node& node, unsigned lane) const
     {
-        const Block cell = block_of(node, lane);
-        const std::uint32_t first = 2 * (cell.y * terrain_.cells_x() + cell.x);
-        return {first, first + 1};
+        const bool one = node.level == triangles;
+        const Block cell = one ? Block{node.x, node.y} : block_of(node, lane);
+        const std::uint32_t first = 2 * (cell.y * terrain_.cells_x() + cell.x) + (one ? lane : 0);
+        return std::views::iota(first, first + (one ? 1 : 2));
     }
     TrianglePoints points(std::uint32_t triangle) const
     {
@@ -96,6 +100,7 @@ private:
                 ((terrain_.cells_y() - 1) >> log_height(level)) + 1};
     }
     Range range(std::uint32_t level, std::uint32_t x, std::uint32_t y) const;
+    LaneMasks open_cell(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const;
     void cell_ranges(const Node& node, Range (&ranges)[8]) const;
     void make_squares();
     Square square_of(const float* z, std::size_t width) const;

@@ -140,6 +140,31 @@ TEST(TerrainFile, ReadsGreyPng)
     }
 }
 
+/// Its first row is the northernmost.
+TEST(TerrainFile, ReadsWithGdalOrSaysWhatToInstall)
+{
+    const TemporaryFolder folder;
+    const auto file = folder.write("a.asc", "ncols 3\nnrows 2\nxllcorner 5\nyllcorner 6\ncellsize 10\n"
+                                            "NODATA_value -9999\n300 4 5\n0 1 2\n");
+    try {
+        const Terrain terrain = load_terrain(file);
+        expect_six(terrain);
+        EXPECT_EQ(terrain.spacing(), Eigen::Vector2d(10, 10));
+    } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::usage);
+        EXPECT_NE(std::string(error.what()).find("libgdal-dev"), std::string::npos) << error.what();
+        return;
+    }
+    const auto refused = [&](const char* name, const char* text, auto... parts) {
+        expect_error(
+            ErrorKind::bad_data, [&] { load_terrain(folder.write(name, text)); }, name, parts...);
+    };
+    refused("b.asc", "ncols 3\nnrows 2\n", "GDAL cannot read");
+    refused("c.asc", "ncols 100000\nnrows 100000\nxllcorner 0\nyllcorner 0\ncellsize 1\n0 1 2\n", "");
+    refused("d.tif", "II*", "GDAL cannot read");
+    refused("e.asc", "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value 3\n3 3\n3 3\n", "hole");
+}
+
 TEST(TerrainFile, KnowsHoles)
 {
     const TemporaryFolder folder;
