@@ -72,7 +72,7 @@ std::shared_ptr<const FclModel> make_fcl_model(const GeometryData& geometry)
     if (const auto* mesh = std::get_if<Mesh>(&geometry)) return std::make_shared<FclModel>(make_bvh(*mesh));
     if (const auto* shape = std::get_if<Shape>(&geometry))
         return std::make_shared<FclModel>(std::visit(ShapeModel{}, *shape));
-    return std::make_shared<FclModel>(std::make_shared<fcl::OcTreed>(std::get<OccupancyMap>(geometry).tree));
+    return std::make_shared<FclModel>(std::make_shared<fcl::OcTreed>(make_octree(std::get<OccupancyMap>(geometry))));
 }
 
 bool fcl_collides(const FclModel& a, const Eigen::Isometry3d& pose_a, const FclModel& b,

@@ -43,9 +43,7 @@ std::vector<PartPoints> part_points_of(const GeometryData& geometry)
         const auto* hull = std::get_if<ConvexHull>(shape); // the middle of its box need not be in it
         return {point(hull ? hull->points.front() : bounds_of(*shape).centre())};
     }
-    std::vector<PartPoints> cells;
-    for (const Aabb& cell : std::get<OccupancyMap>(geometry).cells) cells.push_back(point(cell.centre()));
-    return cells;
+    return {}; // far too many
 }
 
 void refuse_open_mesh(const std::string& name, const Mesh& mesh)

@@ -28,10 +28,10 @@ RefineResult ObbRefiner::near(const RefineContext& context, const PairTask& task
                               Worker& worker) const
 {
     const double tolerance = models_.max_error(*task.a, *task.b);
-    if (!task.a->mesh() || !task.b->mesh()) return worker.solids.near(context, task, tolerance);
+    if (!task.a->mesh() || !task.b->mesh()) return worker.solids.near(context, task, memory, tolerance);
     const auto found = worker.walk.near(*task.a->boxes, *task.b->boxes, RelativePose(*task.pose_a, *task.pose_b),
                                         context.settings.clearance, tolerance, hint_of(memory));
-    remember(memory, found.meeting);
+    remember(memory, found.witness);
     return {found.near ? Verdict::within : Verdict::separate, ContactKind::unknown, found.bound};
 }
 
@@ -40,7 +40,7 @@ RefineResult ObbRefiner::exact(const RefineContext& context, const PairTask& tas
 {
     const Settings& settings = context.settings;
     if (!is_polytope(*task.a) || !is_polytope(*task.b) || !needs_trees(*task.a, *task.b, wants_kinds(settings)))
-        return worker.solids.exact(context, task);
+        return worker.solids.exact(context, task, memory);
     ObbTree &a = *task.a->boxes, &b = *task.b->boxes;
     const RelativePose b_to_a(*task.pose_a, *task.pose_b);
     double bound = 0;

@@ -46,7 +46,8 @@ void check(const Mesh& mesh)
 
 void check(const OccupancyMap& map)
 {
-    if (map.cells.empty() || !map.bounds.min.allFinite() || !map.bounds.max.allFinite()) fault("a map without bounds");
+    if (map.count() == 0 || !map.bounds().min.allFinite() || !map.bounds().max.allFinite())
+        fault("a map without bounds");
 }
 
 void load(const fs::path& file)
@@ -60,6 +61,7 @@ void load(const fs::path& file)
             if (!why_not_rigid(pose).empty()) fault("a pose that is not rigid");
     } else if (ending == ".bt" || ending == ".ot") {
         check(load_octomap(file));
+        check(load_octomap(file, {.unknown_is_occupied = true}));
     } else if (ending == ".poses") {
         auto poses = tools::read_poses(file);
         tools::read_expected(file.parent_path() / "expected", poses);
