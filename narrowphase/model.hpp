@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -17,6 +18,7 @@
 #include <oncollide/narrowphase/solids/shape_core.hpp>
 #include <oncollide/narrowphase/spheres/ocst.hpp>
 #include <oncollide/narrowphase/spheres/surface.hpp>
+#include <oncollide/scenes/model/box_corners.hpp>
 
 namespace oncollide {
 
@@ -63,8 +65,12 @@ public:
     bool closed() const;
     /// Has surface_mesh() an inside? That of a closed mesh, of a box, a hull or a cylinder.
     bool has_inside() const { return shape() ? core().has_volume() : closed(); }
-    /// Connected parts, each by points of it.
+    /// Connected parts, each by points of it; none of a map.
     std::span<const PartPoints> parts() const;
+    /// visit(part) until it returns true, for all parts that may be in a box, at least. Returns whether it did.
+    /// @param into  moves the box into the geometry's frame
+    template <class Visit>
+    bool any_part(const Aabb& box, const RelativePose& into, Visit visit) const;
     /// FCL's model, for exact = fcl.
     const FclModel& fcl() const;
 
@@ -89,5 +95,20 @@ private:
     mutable std::vector<PartPoints> parts_;
     mutable std::shared_ptr<const FclModel> fcl_;
 };
+
+template <class Visit>
+bool Model::any_part(const Aabb& box, const RelativePose& into, Visit visit) const
+{
+    if (!map()) return std::ranges::any_of(parts(), visit);
+    Aabb around;
+    for (unsigned k = 0; k < 8; ++k) around.add(into(corner_of(box, k)));
+    const double slack = 0x1p-16 * (around.max - around.min).maxCoeff() + 0x1p-40 * into.translation.stableNorm();
+    around.min.array() -= slack, around.max.array() += slack;
+    return !map()->each_cell(around, [&](const MapCell& cell) {
+        PartPoints points;
+        points.fill(map()->box(cell).centre());
+        return !visit(points);
+    });
+}
 
 } // namespace oncollide

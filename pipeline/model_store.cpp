@@ -49,14 +49,23 @@ void ModelStore::replace(ModelId id, std::shared_ptr<const Geometry> geometry)
 {
     auto model = std::make_unique<Model>(std::move(geometry));
     model->number = 2 * id.slot;
-    drop(*slots_[id.slot].model);
-    slots_[id.slot].model = std::move(model);
+    Slot& slot = slots_[id.slot];
+    drop(*slot.model);
+    if (&model->geometry() != slot.own.get()) slot.own.reset();
+    slot.model = std::move(model);
+}
+
+std::shared_ptr<Geometry> ModelStore::own(ModelId id)
+{
+    Slot& slot = slots_[id.slot];
+    if (!slot.own) slot.own = std::make_shared<Geometry>(slot.model->geometry());
+    return slot.own;
 }
 
 void ModelStore::remove(ModelId id)
 {
     drop(*slots_[id.slot].model);
-    slots_[id.slot].model.reset();
+    slots_[id.slot].model.reset(), slots_[id.slot].own.reset();
     ++slots_[id.slot].generation;
     free_.push_back(id.slot);
     --size_;

@@ -22,6 +22,8 @@ public:
     ModelId add(std::shared_ptr<const Geometry> geometry);
     /// The model gets another geometry; all that was derived from the old one goes.
     void replace(ModelId id, std::shared_ptr<const Geometry> geometry);
+    /// The model's geometry, to be changed and given to replace(): a copy, unless nobody else has it any more.
+    std::shared_ptr<Geometry> own(ModelId id);
     void remove(ModelId id);
     bool valid(ModelId id) const
     {
@@ -76,7 +78,8 @@ public:
 
 private:
     struct Slot {
-        std::unique_ptr<Model> model; ///< null: free
+        std::unique_ptr<Model> model;  ///< null: free
+        std::shared_ptr<Geometry> own; ///< the model's geometry, if it is a copy of the store's
         std::uint32_t generation = 0;
     };
     /// What trees may come to hold.

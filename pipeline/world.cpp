@@ -34,7 +34,6 @@ std::shared_ptr<const Geometry> checked(std::string name, Shape shape)
 }
 std::shared_ptr<const Geometry> checked(std::string name, OccupancyMap map)
 {
-    if (map.cells.empty()) throw Error(ErrorKind::bad_data, name_or(name, "map") + ": the map has no occupied cell");
     return share(std::move(name), std::move(map));
 }
 std::shared_ptr<const Geometry> checked(std::string name, Terrain terrain)
@@ -116,9 +115,26 @@ void World::Impl::replace(ModelId id, std::shared_ptr<const Geometry> geometry)
         if (const auto* mesh = std::get_if<Mesh>(&geometry->data); mesh && !is_closed(*mesh))
             refuse_open_mesh(name_or(geometry->name, "mesh"), *mesh);
     models.replace(id, std::move(geometry));
-    for (std::uint32_t slot = 0; slot < bodies.slots(); ++slot)
-        if (bodies.alive(slot) && bodies.model_id(slot) == id) bodies.set_model(slot, &models[id], id);
+    std::uint32_t left = id.slot < users.size() ? users[id.slot] : 0;
+    for (std::uint32_t slot = 0; left > 0; ++slot)
+        if (bodies.alive(slot) && bodies.model_id(slot) == id) bodies.set_model(slot, &models[id], id), --left;
     changed();
+}
+
+const OccupancyMap& World::Impl::map_of(ModelId id)
+{
+    const Model& model = model_of(id);
+    if (!model.map()) throw Error(ErrorKind::usage, text_of("model", id.slot, id.generation) + ": is no map");
+    return *model.map();
+}
+
+template <class Change>
+void World::Impl::change_map(ModelId id, Change change)
+{
+    map_of(id);
+    const std::shared_ptr<Geometry> own = models.own(id);
+    change(std::get<OccupancyMap>(own->data));
+    replace(id, own);
 }
 
 World::~World() = default;
@@ -164,6 +180,27 @@ void World::replace(ModelId model, Terrain terrain)
 void World::replace(ModelId model, std::shared_ptr<const Geometry> geometry)
 {
     impl_->replace(model, checked(std::move(geometry)));
+}
+void World::set_cells(ModelId map, std::span<const Eigen::Vector3d> points, CellState state)
+{
+    impl_->change_map(map, [&](OccupancyMap& own) { own.set(points, state); });
+}
+void World::set_cells(ModelId map, const Aabb& box, CellState state)
+{
+    impl_->change_map(map, [&](OccupancyMap& own) { own.set(box, state); });
+}
+void World::replace_cells(ModelId map, const Aabb& box, const OccupancyMap& by)
+{
+    impl_->change_map(map, [&](OccupancyMap& own) { own.replace(box, by); });
+}
+void World::insert_scan(ModelId map, std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& origin,
+                        double max_range)
+{
+    impl_->change_map(map, [&](OccupancyMap& own) { own.insert_scan(points, origin, max_range); });
+}
+const OccupancyMap& World::map(ModelId map) const
+{
+    return impl_->map_of(map);
 }
 void World::remove(ModelId model)
 {

@@ -109,6 +109,15 @@ public:
     void replace(ModelId model, OccupancyMap map);
     void replace(ModelId model, Terrain terrain);
     void replace(ModelId model, std::shared_ptr<const Geometry> geometry);
+    // Changes of a map's cells, as OccupancyMap's functions make them; all bodies of the model have them from now on.
+    // Cost: of the change; at the first one also of a copy of the map, 8 bytes an inner node. Sphere-trees of the map
+    // are grown anew. Throws Error{usage} for what is no map, too.
+    void set_cells(ModelId map, std::span<const Eigen::Vector3d> points, CellState state);
+    void set_cells(ModelId map, const Aabb& box, CellState state);
+    void replace_cells(ModelId map, const Aabb& box, const OccupancyMap& by);
+    void insert_scan(ModelId map, std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& origin,
+                     double max_range = -1);
+    const OccupancyMap& map(ModelId map) const; ///< valid until the next change of the model
     /// Throws Error{usage} while a body uses it.
     void remove(ModelId model);
     bool contains(ModelId model) const;

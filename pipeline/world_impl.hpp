@@ -56,6 +56,9 @@ struct World::Impl {
     BodyId add_checked(const BodySpec& body);
     void remove_checked(std::uint32_t slot);
     void replace(ModelId id, std::shared_ptr<const Geometry> geometry);
+    template <class Change>
+    void change_map(ModelId id, Change change);
+    const OccupancyMap& map_of(ModelId id);
     void changed() { taken_in.store(false, std::memory_order_release); }
 
     bool runs(std::string_view stage) const;

@@ -30,7 +30,8 @@ bool allows(const QueryFilter& q, const Bodies& bodies, std::uint32_t slot)
 /// Does some point of the body lie in the box?
 bool has_point_in(const Bodies& bodies, std::uint32_t slot, const Aabb& box)
 {
-    return std::ranges::any_of(bodies.model(slot).parts(), [&](const PartPoints& part) {
+    const RelativePose into(bodies.pose(slot), Eigen::Isometry3d::Identity());
+    return bodies.model(slot).any_part(box, into, [&](const PartPoints& part) {
         const Eigen::Vector3d point = bodies.pose(slot) * part[0];
         return (point.array() >= box.min.array()).all() && (point.array() <= box.max.array()).all();
     });

@@ -51,7 +51,7 @@ Aabb bounds_of(const Mesh& mesh)
 
 Aabb bounds_of(const OccupancyMap& map)
 {
-    return map.bounds;
+    return map.bounds();
 }
 
 Aabb bounds_of(const Terrain& terrain)

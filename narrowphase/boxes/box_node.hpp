@@ -36,4 +36,10 @@ struct alignas(32) OpenBoxes {
     float size[8]; ///< squared radii
 };
 
+/// Eight boxes along the axes, the combinations of two intervals on each axis: box k takes on x, y and z the interval
+/// that the bits of k say.
+struct OctantBoxes {
+    float centre[3][2], half[3][2];
+};
+
 } // namespace oncollide

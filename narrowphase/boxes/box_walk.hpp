@@ -47,9 +47,11 @@ struct DistanceBounds {
 };
 
 /// How a distance compares with a cutoff.
+template <class Pair>
 struct Comparison {
     int sign;     ///< -1: it is at most the cutoff; 1: it is more; 0: it differs by no more than rounding
     double bound; ///< 1: a lower bound on it, above the cutoff; else an upper bound, that of 0 at least the cutoff
+    std::optional<Pair> witness; ///< two primitives that are so near; where it is -1
 };
 
 template <class Pair>
@@ -57,7 +59,7 @@ struct NearBounds {
     bool near;
     double bound; ///< near: the distance is at most this, clearance + tolerance (or, if that is less, + rounding);
                   ///< else at least this, and no less than the clearance; > 0 unless doubles cannot express it
-    std::optional<Pair> meeting; ///< two primitives that meet, where such were found
+    std::optional<Pair> witness; ///< two primitives that are so near
 };
 
 /// The queries about two hierarchies. One thread's working memory; others may walk the same hierarchies meanwhile.
@@ -77,9 +79,10 @@ public:
     NearBounds<Pair> near(A& a, B& b, const RelativePose& b_to_a, double clearance, double tolerance,
                           std::optional<Pair> hint);
 
-    /// Is the distance, in A's frame, at most `cutoff`?
+    /// Is the distance, in A's frame, at most `cutoff`? A hint is two primitives that were that near.
     /// @param slack  besides rounding: what the caller's cutoff may be off by
-    Comparison compare(A& a, B& b, const RelativePose& b_to_a, double cutoff, double slack);
+    Comparison<Pair> compare(A& a, B& b, const RelativePose& b_to_a, double cutoff, double slack,
+                             std::optional<Pair> hint);
 
     /// Bounds on the distance, at most `tolerance` and rounding apart; depth first, the nearest boxes first. Of
     /// geometries that are farther apart than `farthest` only a lower bound above that is found; the upper one is then
@@ -88,6 +91,8 @@ public:
 
     Leaves& leaves() { return leaves_; }
     const Leaves& leaves() const { return leaves_; }
+    /// Did the last query, but distance(), see no box of A come as near as was asked to the box around all of B?
+    bool far_from_all() const { return far_; }
     std::uint64_t box_rows = 0; ///< tests of one box against those of a node
 
 private:
@@ -100,36 +105,65 @@ private:
     static constexpr std::size_t first_batch = 4, most_batch = 64; ///< pairs of primitives tested together
     static constexpr double infinity = std::numeric_limits<double>::infinity();
 
-    void start(A& a, B& b, const RelativePose& b_to_a, const BoxFrame& frame, const typename A::Node& of_a = A::root,
-               const typename B::Node& of_b = B::root)
+    void begin(A& a, B& b, const RelativePose& b_to_a, const BoxFrame& frame, const typename B::Node& of_b = B::root)
     {
-        a_.start(a, nullptr, of_a), b_.start(b, &frame.place_b, of_b);
+        a_.start(a, nullptr), b_.start(b, &frame.place_b);
         leaves_.start(a, b, b_to_a);
         waiting_.clear();
         if (stack_.empty()) stack_.resize(64);
+        b_.open(of_b);
+        reset();
+    }
+    void reset()
+    {
+        std::fill(std::begin(nearest_), std::end(nearest_), std::numeric_limits<float>::infinity());
+        top_ = 0, far_ = false;
+    }
+    void start(A& a, B& b, const RelativePose& b_to_a, const BoxFrame& frame, const typename A::Node& of_a = A::root,
+               const typename B::Node& of_b = B::root)
+    {
+        begin(a, b, b_to_a, frame, of_b);
+        a_.open(of_a);
         start_again();
     }
     /// From the roots, with what is open.
     void start_again()
     {
-        std::fill(std::begin(nearest_), std::end(nearest_), std::numeric_limits<float>::infinity());
-        stack_[0] = {0, 0, 0, 0, 0}, top_ = 1;
+        reset();
+        stack_[top_++] = {0, 0, 0, 0, 0};
     }
     /// The same for what is within `cutoff`: of a large geometry only the surroundings of the other one.
     void start_near(A& a, B& b, const RelativePose& b_to_a, const BoxFrame& frame, double cutoff)
     {
-        const auto around = [&](const Eigen::Vector3d& centre, double radius) {
-            const double out = radius + cutoff + 2 * frame.box_rounding;
-            return Aabb{centre.array() - out, centre.array() + out};
-        };
-        const auto of_a = entry(a, [&] { return around(b_to_a(b.centre()), b.radius()); });
-        const auto of_b = entry(b, [&] {
-            const Eigen::Vector3d between = a.centre() - b_to_a(b.centre());
-            return around(b.centre() + b_to_a.rotation.transpose() * between, a.radius());
-        });
-        start(a, b, b_to_a, frame, of_a.node.value_or(A::root), of_b.node.value_or(B::root));
-        nearest_[0] = static_cast<float>(cutoff + std::min(of_a.gap, of_b.gap));
-        if (!of_a.node || !of_b.node) top_ = 0;
+        if constexpr (requires(const Aabb& box) { a.starts(box, 0.0, starts_); }) {
+            begin(a, b, b_to_a, frame);
+            const OpenBoxes& root = b_[0].boxes;
+            Aabb box;
+            for (int i = 0; i < 3; ++i) {
+                double half = cutoff + 2 * frame.box_rounding;
+                for (int j = 0; j < 3; ++j) half += std::abs(double(root.axis[j][i][0])) * root.h[j][0];
+                const double centre = a.centre()[i] + root.c[i][0];
+                box.min[i] = centre - half, box.max[i] = centre + half;
+            }
+            const auto far = static_cast<float>((cutoff + frame.box_rounding) * (1 + 0x1p-20));
+            const double gap = a.starts(box, root.size[0], starts_);
+            for (const typename A::Node& node : starts_) compare<false>({0, 0, 0, 0, 0}, true, a_.open(node), far);
+            nearest_[0] = std::min(nearest_[0], static_cast<float>(cutoff + gap));
+            far_ = top_ == 0;
+        } else {
+            const auto around = [&](const Eigen::Vector3d& centre, double radius) {
+                const double out = radius + cutoff + 2 * frame.box_rounding;
+                return Aabb{centre.array() - out, centre.array() + out};
+            };
+            const auto of_a = entry(a, [&] { return around(b_to_a(b.centre()), b.radius()); });
+            const auto of_b = entry(b, [&] {
+                const Eigen::Vector3d between = a.centre() - b_to_a(b.centre());
+                return around(b.centre() + b_to_a.rotation.transpose() * between, a.radius());
+            });
+            start(a, b, b_to_a, frame, of_a.node.value_or(A::root), of_b.node.value_or(B::root));
+            nearest_[0] = static_cast<float>(cutoff + std::min(of_a.gap, of_b.gap));
+            if (!of_a.node || !of_b.node) top_ = 0;
+        }
     }
     /// Where to start in a hierarchy for what is in box(): at its root unless it can tell.
     template <class Hierarchy>
@@ -156,6 +190,8 @@ private:
     bool each_pair(const Entry& e, auto visit) const;
     template <bool far>
     unsigned open(const Entry& e, float cutoff);
+    template <bool far>
+    unsigned compare(const Entry& e, bool down_a, std::uint32_t slot, float cutoff);
     double high_a(const Entry& e) const
     {
         double high = -infinity;
@@ -223,6 +259,8 @@ private:
     OpenNodes<B> b_;
     std::vector<Entry> stack_; ///< its first top_ are in use
     std::size_t top_ = 0;
+    bool far_ = true;
+    std::vector<typename A::Node> starts_;
     std::vector<Pair> waiting_;       ///< to be tested together
     alignas(32) float nearest_[8];    ///< least gaps of boxes that were left
     Eigen::Vector3d line_, centre_a_; ///< from the nearest point of A found so far to that of B, of length 1 at most
@@ -240,14 +278,22 @@ bool BoxWalk<A, B, Leaves>::each_pair(const Entry& e, auto visit) const
     return true;
 }
 
-/// Opens the larger box; pushes its parts within `cutoff` of the other, the nearest last. Returns how many.
+/// Opens the larger box, and compares its parts with the other.
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 template <bool far>
 unsigned BoxWalk<A, B, Leaves>::open(const Entry& e, float cutoff)
 {
     const bool down_a =
         b_[e.b].single(e.lane_b) || (!a_[e.a].single(e.lane_a) && a_[e.a].size(e.lane_a) >= b_[e.b].size(e.lane_b));
-    const std::uint32_t slot = down_a ? a_.descend(e.a, e.lane_a) : b_.descend(e.b, e.lane_b);
+    return compare<far>(e, down_a, down_a ? a_.descend(e.a, e.lane_a) : b_.descend(e.b, e.lane_b), cutoff);
+}
+
+/// Pushes the boxes of the node in the slot, of A or of B, that are within `cutoff` of the other's, the nearest last.
+/// Returns how many.
+template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
+template <bool far>
+unsigned BoxWalk<A, B, Leaves>::compare(const Entry& e, bool down_a, std::uint32_t slot, float cutoff)
+{
     const OpenBoxes &boxes = down_a ? a_[slot].boxes : b_[slot].boxes, &other = down_a ? b_[e.b].boxes : a_[e.a].boxes;
     ++box_rows;
     float gaps[8];
@@ -308,6 +354,7 @@ double BoxWalk<A, B, Leaves>::meetings(A& a, B& b, const RelativePose& b_to_a, s
                                        auto leave)
 {
     const BoxFrame frame(a, b, b_to_a);
+    far_ = true;
     if (frame.apart > 0) return frame.apart;
     bool met = false, go_on = true;
     const auto take = [&](Pair pair) {
@@ -337,22 +384,22 @@ NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const 
     const double rounding = frame.leaf_rounding + 0x1p-18 * clearance;
     NearBounds<Pair> result{false, clearance + std::max(tolerance, 2 * rounding), {}};
     const double enough = result.bound - rounding;
+    far_ = true;
     if (frame.apart > clearance) return {false, frame.apart, {}};
     const auto take = [&](Pair pair) {
-        result.near = true, result.meeting = pair;
+        result.near = true, result.witness = pair;
         return false;
     };
     if (!go_on_after_hint(a, b, b_to_a, hint, take)) return result;
     double lower = infinity; // of primitives that do not wait
     const auto take_pair = [&](Pair pair, bool small) {
         if (small || clearance > 0) {
-            result.near = leaves_.most(pair) <= enough;
-            if (result.near) return false;
+            if (leaves_.most(pair) <= enough) return take(pair);
             if (clearance > 0) {
                 const double distance = leaves_.distance(pair);
-                result.near = distance - rounding <= clearance || leaves_.meet(pair);
+                if (distance - rounding <= clearance || leaves_.meet(pair)) return take(pair);
                 lower = std::min(lower, distance - rounding);
-                return !result.near;
+                return true;
             }
         }
         waiting_.push_back(pair);
@@ -370,17 +417,21 @@ NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const 
 }
 
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
-Comparison BoxWalk<A, B, Leaves>::compare(A& a, B& b, const RelativePose& b_to_a, double cutoff, double slack)
+Comparison<typename Leaves::Pair> BoxWalk<A, B, Leaves>::compare(A& a, B& b, const RelativePose& b_to_a, double cutoff,
+                                                                 double slack, std::optional<Pair> hint)
 {
     const BoxFrame frame(a, b, b_to_a);
     const double most = cutoff + slack;
-    if (frame.apart > most) return {1, frame.apart};
+    far_ = true;
+    if (frame.apart > most) return {1, frame.apart, {}};
     double lower = infinity, upper = infinity;
+    std::optional<Pair> witness;
     const auto at_most = [&](double distance) {
         upper = std::min(upper, distance + frame.leaf_rounding);
         return upper + slack <= cutoff;
     };
     const auto take_pair = [&](Pair pair) {
+        witness = pair;
         if (at_most(leaves_.most(pair))) return false;
         const double distance = leaves_.distance(pair);
         if (at_most(distance)) return false;
@@ -388,14 +439,19 @@ Comparison BoxWalk<A, B, Leaves>::compare(A& a, B& b, const RelativePose& b_to_a
         lower = std::min(lower, distance - frame.leaf_rounding);
         return true;
     };
+    if (hint) {
+        leaves_.start(a, b, b_to_a);
+        if (!take_pair(*hint)) return {-1, upper, witness};
+        lower = upper = infinity; // the walk alone decides
+    }
     start_near(a, b, b_to_a, frame, most);
     bool go_on = true;
     walk(static_cast<float>((most + frame.box_rounding) * (1 + 0x1p-20)),
          [&](const Entry& e) { return go_on = each_pair(e, take_pair); });
-    if (!go_on) return {-1, upper};
+    if (!go_on) return {-1, upper, witness};
     lower = std::min(lower, least_box_gap(frame));
-    if (lower > most) return {1, lower};
-    return {0, std::max(upper, most)};
+    if (lower > most) return {1, lower, {}};
+    return {0, std::max(upper, most), {}};
 }
 
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>

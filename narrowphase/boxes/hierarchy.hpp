@@ -35,7 +35,7 @@ struct LaneMasks {
 ///   (BoxFrame counts the roundings). Lanes past the last box have centres at 1e30.
 /// - `child(node, k)` names the node of the parts of box k, which is no single.
 /// - `primitives(node, k)` is a range of the primitives in box k, which must be a leaf.
-/// - optional, `entry(box)` of a large geometry: where to start for what is in a box (MapTree::entry).
+/// - optional, `starts(box, size, nodes)` of a large geometry: where to start for what is in a box (MapTree::starts).
 /// Many walks read a hierarchy side by side.
 template <class H>
 concept BoxHierarchy = requires(H& h, const H& same, typename H::Node node, unsigned k, const BoxPlacement* placement,

@@ -22,13 +22,20 @@ public:
         float size(unsigned k) const { return boxes.size[k]; }
     };
 
-    /// Starts a query: slot 0 is the root, or a node that holds one box. Keeps both.
-    void start(Hierarchy& hierarchy, const BoxPlacement* placement,
-               const typename Hierarchy::Node& node = Hierarchy::root)
+    /// Starts a query of which nothing is open. Keeps both.
+    void start(Hierarchy& hierarchy, const BoxPlacement* placement)
     {
         hierarchy_ = &hierarchy, placement_ = placement;
         used_ = 0;
-        open(node);
+    }
+    /// Opens a node that is not below another open one; the first, in slot 0, is never below one. Returns its slot.
+    std::uint32_t open(const typename Hierarchy::Node& node)
+    {
+        if (used_ == nodes_.size()) nodes_.resize(2 * std::size_t(used_) + 16);
+        Node& open = nodes_[used_];
+        open.node = node, open.below = {};
+        open.masks = hierarchy_->open(node, placement_, open.boxes);
+        return used_++;
     }
     const Node& operator[](std::uint32_t slot) const { return nodes_[slot]; }
 
@@ -42,15 +49,6 @@ public:
     auto primitives(std::uint32_t slot, unsigned k) const { return hierarchy_->primitives(nodes_[slot].node, k); }
 
 private:
-    std::uint32_t open(typename Hierarchy::Node node)
-    {
-        if (used_ == nodes_.size()) nodes_.resize(2 * std::size_t(used_) + 16);
-        Node& open = nodes_[used_];
-        open.node = node, open.below = {};
-        open.masks = hierarchy_->open(node, placement_, open.boxes);
-        return used_++;
-    }
-
     Hierarchy* hierarchy_ = nullptr;
     const BoxPlacement* placement_ = nullptr;
     std::vector<Node> nodes_; ///< by slot

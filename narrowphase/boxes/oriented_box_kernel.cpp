@@ -73,6 +73,33 @@ void open(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out)
     store(out.size, half.x * half.x + half.y * half.y + half.z * half.z);
 }
 
+void open_octants(const OctantBoxes& row, unsigned lanes, const BoxPlacement* placement, OpenBoxes& out)
+{
+    constexpr I32x8 lane{0, 1, 2, 3, 4, 5, 6, 7};
+    const auto chosen = [&](const float(&of)[3][2]) -> Vec {
+        return {(lane & 1) != 0 ? splat(of[0][1]) : splat(of[0][0]),
+                (lane & 2) != 0 ? splat(of[1][1]) : splat(of[1][0]),
+                (lane & 4) != 0 ? splat(of[2][1]) : splat(of[2][0])};
+    };
+    Vec centre = chosen(row.centre);
+    const Vec half = chosen(row.half);
+    if (placement) {
+        centre = turned(placement->rotation, centre);
+        centre = {centre.x + placement->translation[0], centre.y + placement->translation[1],
+                  centre.z + placement->translation[2]};
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) store(out.axis[i][j], splat(placement->rotation[3 * j + i]));
+    } else {
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) store(out.axis[i][j], splat(i == j ? 1.0f : 0.0f));
+    }
+    constexpr I32x8 bit{1, 2, 4, 8, 16, 32, 64, 128};
+    centre.x = (bit & static_cast<std::int32_t>(lanes)) != 0 ? centre.x : splat(far_away);
+    store(out.c, centre);
+    store(out.h, half);
+    store(out.size, half.x * half.x + half.y * half.y + half.z * half.z);
+}
+
 /// @param line  null where not `far`
 template <bool far>
 inline unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, const BoxLine* line, float cutoff,
@@ -154,7 +181,7 @@ unsigned compare_far(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k,
 
 OrientedBoxKernel oriented_box_kernel()
 {
-    return {open, compare_near, compare_far};
+    return {open, open_octants, compare_near, compare_far};
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

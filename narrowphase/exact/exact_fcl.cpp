@@ -74,7 +74,7 @@ std::shared_ptr<const FclModel> make_fcl_model(const GeometryData& geometry)
         return std::make_shared<FclModel>(std::visit(ShapeModel{}, *shape));
     if (const auto* terrain = std::get_if<Terrain>(&geometry))
         return std::make_shared<FclModel>(make_bvh(mesh_of(*terrain)));
-    return std::make_shared<FclModel>(std::make_shared<fcl::OcTreed>(std::get<OccupancyMap>(geometry).tree));
+    return std::make_shared<FclModel>(std::make_shared<fcl::OcTreed>(make_octree(std::get<OccupancyMap>(geometry))));
 }
 
 bool fcl_collides(const FclModel& a, const Eigen::Isometry3d& pose_a, const FclModel& b,

@@ -109,9 +109,7 @@ std::vector<PartPoints> part_points_of(const GeometryData& geometry)
         return {point(hull ? hull->points.front() : bounds_of(*shape).centre())};
     }
     if (const auto* terrain = std::get_if<Terrain>(&geometry)) return points_of(*terrain);
-    std::vector<PartPoints> cells;
-    for (const Aabb& cell : std::get<OccupancyMap>(geometry).cells) cells.push_back(point(cell.centre()));
-    return cells;
+    return {}; // far too many
 }
 
 void refuse_open_mesh(const std::string& name, const Mesh& mesh)

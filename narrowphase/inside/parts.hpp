@@ -12,8 +12,8 @@ namespace oncollide {
 /// the inside.
 using PartPoints = std::array<Eigen::Vector3d, 6>;
 
-/// The parts of a geometry. A shape is one part, each cell of a map is one, and so are
-/// cells of a terrain that share corners. Cost: O(triangles).
+/// The parts of a mesh; of a terrain, whose cells that share corners are one; of a shape, which is one; none of a map, of
+/// which each cell is one. Cost: O(triangles).
 std::vector<PartPoints> part_points_of(const GeometryData& geometry);
 
 /// Throws Error{bad_data} that names a mesh which is not closed, and its first open edges.

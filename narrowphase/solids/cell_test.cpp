@@ -61,6 +61,39 @@ bool parted_by_edges(const Aabb& cell, const TrianglePoints& t)
     return false;
 }
 
+/// Along a segment the squared distance is convex, and quadratic between the planes of the cell's faces.
+NearestPoints segment_nearest(const Aabb& cell, const Vector3d& from, const Vector3d& to)
+{
+    const Vector3d along = to - from;
+    const auto in_cell = [&](const Vector3d& p) -> Vector3d { return p.cwiseMax(cell.min).cwiseMin(cell.max); };
+    NearestPoints nearest{{}, {}, std::numeric_limits<double>::infinity()};
+    const auto take = [&](const Vector3d& p) {
+        const Vector3d q = in_cell(p);
+        const double distance = (p - q).norm() * (1 + 0x1p-50);
+        if (distance < nearest.distance) nearest = {q, p, distance};
+    };
+    take(from), take(to);
+    if (along.isZero(0)) return nearest;
+    std::array<double, 8> cuts{}; // from 0 to 1
+    std::size_t count = 1;
+    for (int i = 0; i < 3; ++i)
+        for (const double plane : {cell.min[i], cell.max[i]})
+            if (const double s = (plane - from[i]) / along[i]; s > 0 && s < 1) {
+                std::size_t k = count++;
+                for (; cuts[k - 1] > s; --k) cuts[k] = cuts[k - 1];
+                cuts[k] = s;
+            }
+    cuts[count++] = 1;
+    for (std::size_t k = 0; k + 1 < count; ++k) {
+        const double middle = 0.5 * (cuts[k] + cuts[k + 1]);
+        const Vector3d p = from + middle * along, out = p - in_cell(p);
+        const Vector3d moves = (out.array() != 0).select(along, 0.0);
+        const double slope2 = moves.squaredNorm();
+        if (slope2 > 0) take(from + std::clamp(middle - out.dot(moves) / slope2, cuts[k], cuts[k + 1]) * along);
+    }
+    return nearest;
+}
+
 TrianglePoints face_of(const CellCorners& corners, std::size_t face)
 {
     const auto& [a, b, c] = box_faces[face];
@@ -93,6 +126,7 @@ double cell_distance_at_most(const Aabb& cell, const TrianglePoints& t)
 
 NearestPoints cell_nearest(const Aabb& cell, const TrianglePoints& t)
 {
+    if (t[1] == t[2]) return segment_nearest(cell, t[0], t[1]);
     NearestPoints nearest{{}, {}, std::numeric_limits<double>::infinity()};
     for (const Vector3d& p : t) {
         const Vector3d q = p.cwiseMax(cell.min).cwiseMin(cell.max);

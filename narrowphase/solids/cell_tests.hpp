@@ -43,7 +43,7 @@ struct PlacedCells {
     using Placed = CellCorners;
     static Placed place(const MapTree& b, const RelativePose& b_to_a, const MapCell& cell)
     {
-        const Aabb box = cell.box(b.resolution());
+        const Aabb box = b.map().box(cell);
         CellCorners corners;
         for (unsigned k = 0; k < 8; ++k) corners[k] = b_to_a(corner_of(box, k));
         return corners;
@@ -73,7 +73,7 @@ public:
 
     void start(const MapTree& a, const B& b, const RelativePose& b_to_a)
     {
-        b_ = &b, b_to_a_ = &b_to_a, resolution_ = a.resolution();
+        map_ = &a.map(), b_ = &b, b_to_a_ = &b_to_a;
         apart_.clear();
     }
     template <class Found>
@@ -102,7 +102,7 @@ public:
     double most(const Pair& pair) const { return Placing::most(cell(pair), placed(pair)); }
     double high_a(const MapCell& a, const Eigen::Vector3d& line) const
     {
-        const Aabb box = a.box(resolution_);
+        const Aabb box = map_->box(a);
         return line.cwiseProduct(box.min).cwiseMax(line.cwiseProduct(box.max)).sum();
     }
     double low_b(const typename B::Primitive& b, const Eigen::Vector3d& line) const
@@ -120,12 +120,12 @@ public:
     std::uint64_t tested = 0; ///< pairs
 
 private:
-    Aabb cell(const Pair& pair) const { return pair.a.box(resolution_); }
+    Aabb cell(const Pair& pair) const { return map_->box(pair.a); }
     typename Placing::Placed placed(const Pair& pair) const { return Placing::place(*b_, *b_to_a_, pair.b); }
 
+    const OccupancyMap* map_ = nullptr;
     const B* b_ = nullptr;
     const RelativePose* b_to_a_ = nullptr;
-    double resolution_ = 0;
     std::vector<Pair> apart_;
 };
 

@@ -47,14 +47,14 @@ void add_triangles(Surface& surface, const Mesh& mesh)
 void add_boxes(Surface& surface, const OccupancyMap& map)
 {
     surface.boxes = true;
-    surface.primitives.resize(map.cells.size());
-    for (std::size_t c = 0; c < map.cells.size(); ++c) {
-        Primitive& primitive = surface.primitives[c];
-        put(primitive, 0, map.cells[c].min - surface.root.centre);
-        put(primitive, 1, map.cells[c].max - surface.root.centre);
-        put(primitive, 2, map.cells[c].max - surface.root.centre);
+    surface.primitives.reserve(map.count());
+    map.each_box([&](const Aabb& cell) {
+        Primitive& primitive = surface.primitives.emplace_back();
+        put(primitive, 0, cell.min - surface.root.centre);
+        put(primitive, 1, cell.max - surface.root.centre);
+        put(primitive, 2, cell.max - surface.root.centre);
         for (auto& point : primitive.point) point[3] = 0;
-    }
+    });
 }
 
 void add_inside(Surface& surface, const Mesh& convex)

@@ -33,7 +33,8 @@ bool may_hold(const Model& outer, const Eigen::Isometry3d& pose_outer, const Mod
 {
     const RelativePose into(pose_outer, pose_inner);
     const Aabb box = box_around(*outer.surface_mesh(), into);
-    return std::ranges::any_of(inner.parts(), [&](const PartPoints& part) { return may_hold(box, part, into); });
+    return inner.any_part(box, RelativePose(pose_inner, pose_outer),
+                          [&](const PartPoints& part) { return may_hold(box, part, into); });
 }
 
 /// @param tree  of the mesh; null: it is looked through
@@ -45,7 +46,9 @@ bool holds(const PairTask& task, bool outer_is_a, const Mesh& mesh, ObbTree* tre
     const Model& inner = outer_is_a ? *task.b : *task.a;
     const RelativePose into_outer = outer_is_a ? b_to_a : RelativePose(*task.pose_b, *task.pose_a);
     const Aabb box = box_around(mesh, into_outer);
-    return std::ranges::any_of(inner.parts(), [&](const PartPoints& part) {
+    const RelativePose into_inner =
+        outer_is_a ? RelativePose(*task.pose_b, *task.pose_a) : RelativePose(*task.pose_a, *task.pose_b);
+    return inner.any_part(box, into_inner, [&](const PartPoints& part) {
         if (!may_hold(box, part, into_outer)) return false;
         return locator.place(outer_is_a ? b_to_a(part[0]) : part[0], mesh, tree, outer_is_a ? stay : b_to_a) !=
                PointPlace::outside;

@@ -28,11 +28,11 @@ RefineResult ObbRefiner::near(const RefineContext& context, const PairTask& task
                               Worker& worker) const
 {
     const double tolerance = models_.max_error(*task.a, *task.b);
-    if (!is_surface(*task.a) || !is_surface(*task.b)) return worker.solids.near(context, task, tolerance);
+    if (!is_surface(*task.a) || !is_surface(*task.b)) return worker.solids.near(context, task, memory, tolerance);
     return worker.walks.with(*task.a, *task.b, [&](auto& walk, auto& a, auto& b) -> RefineResult {
         const auto found = walk.near(a, b, RelativePose(*task.pose_a, *task.pose_b), context.settings.clearance,
                                      tolerance, hint_of(memory));
-        remember(memory, found.meeting);
+        remember(memory, found.witness);
         return {found.near ? Verdict::within : Verdict::separate, ContactKind::unknown, found.bound};
     });
 }
@@ -41,7 +41,7 @@ RefineResult ObbRefiner::exact(const RefineContext& context, const PairTask& tas
                                Worker& worker) const
 {
     if (!is_polytope(*task.a) || !is_polytope(*task.b) || !needs_trees(*task.a, *task.b, wants_kinds(context.settings)))
-        return worker.solids.exact(context, task);
+        return worker.solids.exact(context, task, memory);
     return worker.walks.with(*task.a, *task.b, [&](auto& walk, auto& a, auto& b) {
         return exact(context, task, memory, worker, walk, a, b);
     });

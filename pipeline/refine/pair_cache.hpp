@@ -13,8 +13,9 @@ namespace oncollide {
 /// where it holds again, so results do not depend on it.
 struct PairMemory {
     BodyPair pair;
-    bool met = false;         ///< `triangles` met
+    bool met = false;         ///< `triangles` met, or were as near as was asked
     TrianglePair triangles{}; ///< witness of contact
+    MapCell cell{};           ///< of a map, in place of its triangle
     LeafPair leaves;          ///< leaves of the sphere-trees that touched
 };
 

@@ -1,6 +1,7 @@
 #include <oncollide/pipeline/refine/solid_pairs.hpp>
 
 #include <algorithm>
+#include <concepts>
 
 #include <oncollide/narrowphase/solids/shape_pair.hpp>
 #include <oncollide/pipeline/refine/containment_test.hpp>
@@ -82,25 +83,47 @@ struct Margins {
     Margins(const PairTask& task)
         : radius(radius_of(*task.a) + radius_of(*task.b)), error(error_of(*task.a) + error_of(*task.b)),
           off(height_error_of(*task.a) + height_error_of(*task.b)),
-          slack((stretch(*task.pose_a) + stretch(*task.pose_b)) * (radius + off))
+          slack(radius + off > 0 ? (stretch(*task.pose_a) + stretch(*task.pose_b)) * (radius + off) : 0)
     {
     }
 };
 
+/// What a walk's pair remembers, as far as it is of a map and a mesh.
+template <class Pair>
+std::optional<Pair> hint_of(const PairMemory* memory)
+{
+    if constexpr (std::same_as<Pair, MapMeshWalk::Pair>)
+        if (memory && memory->met) return Pair{memory->cell, memory->triangles.b};
+    return {};
+}
+
+template <class Pair>
+void remember(PairMemory* memory, const std::optional<Pair>& witness)
+{
+    if constexpr (std::same_as<Pair, MapMeshWalk::Pair>) {
+        if (!memory) return;
+        memory->met = witness.has_value();
+        if (witness) memory->cell = witness->a, memory->triangles.b = witness->b;
+    }
+}
+
 /// -1: the cores, each with the ball around it, meet; 1: they are apart by the bound.
 template <class Walk, class A, class B>
-Comparison compare(Walk& walk, A& a, B& b, const RelativePose& b_to_a, const Margins& margins)
+auto compare(Walk& walk, A& a, B& b, const RelativePose& b_to_a, const Margins& margins, PairMemory* memory)
 {
+    using Pair = typename Walk::Pair;
+    Comparison<Pair> c{1, 0, {}};
     if (margins.radius > 0) {
-        Comparison c = walk.compare(a, b, b_to_a, margins.radius, margins.slack);
+        c = walk.compare(a, b, b_to_a, margins.radius, margins.slack, hint_of<Pair>(memory));
         c.bound -= margins.radius;
         if (c.sign > 0) c.bound -= margins.slack;
-        return c;
+    } else {
+        c.bound = walk.meetings(
+            a, b, b_to_a, hint_of<Pair>(memory), [&](const Pair& pair) { return c.sign = -1, c.witness = pair, false; },
+            [](const Pair&) { return false; });
     }
-    bool met = false;
-    const double gap = walk.meetings(
-        a, b, b_to_a, {}, [&](const auto&) { return met = true, false; }, [](const auto&) { return false; });
-    return met ? Comparison{-1, 0} : Comparison{1, gap};
+    remember(memory, c.witness);
+    return c;
 }
 
 /// Separate beyond the clearance, or near.
@@ -121,7 +144,7 @@ RefineResult decide_off(Walk& walk, A& inner_a, A& outer_a, B& inner_b, B& outer
                         const Margins& margins, double clearance, auto holds)
 {
     const double cutoff = margins.radius + margins.off;
-    const Comparison outer = walk.compare(outer_a, outer_b, b_to_a, cutoff, margins.slack);
+    const auto outer = walk.compare(outer_a, outer_b, b_to_a, cutoff, margins.slack, {});
     if (outer.sign > 0 && holds(inner_a, inner_b)) return {Verdict::colliding, ContactKind::enclosed, 0};
     if (outer.sign > 0 && !holds(outer_a, outer_b)) {
         if (clearance > 0) return by_distance(walk, inner_a, inner_b, b_to_a, margins, clearance);
@@ -136,14 +159,14 @@ RefineResult decide_off(Walk& walk, A& inner_a, A& outer_a, B& inner_b, B& outer
 /// @param holds(a, b)       does the inside of one of the cores hold a part of the other?
 template <class Walk, class A, class B>
 RefineResult decide(Walk& walk, A& inner_a, A& outer_a, B& inner_b, B& outer_b, const RelativePose& b_to_a,
-                    const Margins& margins, double clearance, auto holds)
+                    const Margins& margins, double clearance, PairMemory* memory, auto holds)
 {
     if (margins.off > 0) return decide_off(walk, inner_a, outer_a, inner_b, outer_b, b_to_a, margins, clearance, holds);
-    const Comparison inner = compare(walk, inner_a, inner_b, b_to_a, margins);
+    const auto inner = compare(walk, inner_a, inner_b, b_to_a, margins, memory);
     if (inner.sign < 0) return {Verdict::colliding, ContactKind::unknown, 0};
     if (inner.sign > 0 && holds(inner_a, inner_b)) return {Verdict::colliding, ContactKind::enclosed, 0};
     const bool prisms = &outer_a != &inner_a || &outer_b != &inner_b;
-    const Comparison outer = prisms ? compare(walk, outer_a, outer_b, b_to_a, margins) : inner;
+    const auto outer = prisms ? compare(walk, outer_a, outer_b, b_to_a, margins, nullptr) : inner;
     const bool apart = outer.sign > 0 && outer.bound > 0 && !(prisms && holds(outer_a, outer_b));
     if (clearance > 0) {
         const RefineResult near = by_distance(walk, inner_a, inner_b, b_to_a, margins, clearance);
@@ -158,10 +181,11 @@ RefineResult decide(Walk& walk, A& inner_a, A& outer_a, B& inner_b, B& outer_b, 
 /// Of shapes the outer cores, so that what is separate is.
 template <class Walk, class A, class B>
 RefineResult decide_near(Walk& walk, A& a, B& b, const RelativePose& b_to_a, const Margins& margins, double clearance,
-                         double tolerance, auto holds)
+                         double tolerance, PairMemory* memory, auto holds)
 {
     const double out = margins.radius + margins.slack + margins.off;
-    const auto found = walk.near(a, b, b_to_a, clearance + out, tolerance, {});
+    const auto found = walk.near(a, b, b_to_a, clearance + out, tolerance, hint_of<typename Walk::Pair>(memory));
+    remember(memory, found.witness);
     if (!found.near && !holds(a, b)) {
         const double gap = found.bound - out; // certainly above the clearance, rounding aside
         return {Verdict::separate, ContactKind::unknown, std::max({gap, clearance, 0x1p-1000})};
@@ -211,9 +235,8 @@ bool holds_cell(PointLocator& locator, ObbTree& surface, const RelativePose& int
 {
     Aabb box;
     for (const Eigen::Vector3d& v : surface.mesh().vertices) box.add(into(v));
-    return !map.each_cell(box, [&](const MapCell& cell) {
-        return locator.place(cell.box(map.resolution()).centre(), surface.mesh(), &surface, into) ==
-               PointPlace::outside;
+    return !map.map().each_cell(box, [&](const MapCell& cell) {
+        return locator.place(map.map().box(cell).centre(), surface.mesh(), &surface, into) == PointPlace::outside;
     });
 }
 
@@ -267,18 +290,18 @@ RefineResult SolidPairs::with_cores(const PairTask& task, auto work)
     if (other.map()) return work(map_map_, cells, cells, other.cells(), other.cells(), other_to_map, never);
     if (other.terrain()) return work(map_terrain_, cells, cells, other.heights(), other.heights(), other_to_map, never);
     const auto holds = [&](MapTree& tree, ObbTree& surface) {
-        return has_volume(other) && holds_cell(locator_, surface, other_to_map, tree);
+        return has_volume(other) && !map_mesh_.far_from_all() && holds_cell(locator_, surface, other_to_map, tree);
     };
     return work(map_mesh_, cells, cells, inner_of(other), outer_of(other), other_to_map, holds);
 }
 
-RefineResult SolidPairs::exact(const RefineContext& context, const PairTask& task)
+RefineResult SolidPairs::exact(const RefineContext& context, const PairTask& task, PairMemory* memory)
 {
     if (are_shapes(task)) return PlacedShapes(task).exact(context.settings.clearance);
     return with_cores(task, [&](auto& walk, auto& inner_a, auto& outer_a, auto& inner_b, auto& outer_b,
                                 const RelativePose& b_to_a, auto holds) {
         return decide(walk, inner_a, outer_a, inner_b, outer_b, b_to_a, Margins(task), context.settings.clearance,
-                      holds);
+                      memory, holds);
     });
 }
 
@@ -290,7 +313,7 @@ RefineResult SolidPairs::within_clearance(const RefineContext& context, const Pa
     });
 }
 
-RefineResult SolidPairs::near(const RefineContext& context, const PairTask& task, double tolerance)
+RefineResult SolidPairs::near(const RefineContext& context, const PairTask& task, PairMemory* memory, double tolerance)
 {
     if (are_shapes(task)) {
         const double clearance = context.settings.clearance;
@@ -298,10 +321,11 @@ RefineResult SolidPairs::near(const RefineContext& context, const PairTask& task
         result.kind = ContactKind::unknown;
         return result;
     }
-    return with_cores(task, [&](auto& walk, auto&, auto& outer_a, auto&, auto& outer_b, const RelativePose& b_to_a,
-                                auto holds) {
-        return decide_near(walk, outer_a, outer_b, b_to_a, Margins(task), context.settings.clearance, tolerance, holds);
-    });
+    return with_cores(
+        task, [&](auto& walk, auto&, auto& outer_a, auto&, auto& outer_b, const RelativePose& b_to_a, auto holds) {
+            return decide_near(walk, outer_a, outer_b, b_to_a, Margins(task), context.settings.clearance, tolerance,
+                               memory, holds);
+        });
 }
 
 SolidPairs::Counts SolidPairs::counts()

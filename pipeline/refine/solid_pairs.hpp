@@ -23,10 +23,11 @@ bool needs_trees(const Model& a, const Model& b, bool kinds);
 class SolidPairs {
 public:
     /// The trees of both models must be there.
-    RefineResult exact(const RefineContext& context, const PairTask& task);
+    /// @param memory  what met last, of a map and a polytope, is tested first; null: nothing is remembered
+    RefineResult exact(const RefineContext& context, const PairTask& task, PairMemory* memory);
 
     /// Any pair but two surfaces: within clearance + tolerance (metres), or separate.
-    RefineResult near(const RefineContext& context, const PairTask& task, double tolerance);
+    RefineResult near(const RefineContext& context, const PairTask& task, PairMemory* memory, double tolerance);
 
     /// Of bodies that do not meet, surfaces too: separate beyond the clearance, or near.
     RefineResult within_clearance(const RefineContext& context, const PairTask& task);

@@ -2,11 +2,10 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <octomap/OcTree.h>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/random.hpp>
-#include <oncollide/scenes/model/occupancy_cells.hpp>
+#include <oncollide/scenes/model/occupancy_map.hpp>
 
 namespace oncollide {
 
@@ -17,31 +16,20 @@ constexpr double room_side = 4, room_height = 2.75; // metres
 /// Fills boxes of cells. Coordinates count cells; the building's floor is centred on the origin, at z = 0.
 class Builder {
 public:
-    Builder(double resolution, int offset) : tree_(std::make_shared<octomap::OcTree>(resolution)), offset_(offset) {}
+    explicit Builder(int offset) : offset_(offset, offset, 0) {}
 
-    void fill(int x0, int y0, int z0, int x1, int y1, int z1) { set(x0, y0, z0, x1, y1, z1, true); }
-    void clear(int x0, int y0, int z0, int x1, int y1, int z1) { set(x0, y0, z0, x1, y1, z1, false); }
-
-    std::shared_ptr<octomap::OcTree> finish()
-    {
-        tree_->updateInnerOccupancy();
-        tree_->prune();
-        return std::move(tree_);
-    }
+    void fill(int x0, int y0, int z0, int x1, int y1, int z1) { set({x0, y0, z0}, {x1, y1, z1}, CellState::occupied); }
+    void clear(int x0, int y0, int z0, int x1, int y1, int z1) { set({x0, y0, z0}, {x1, y1, z1}, CellState::free); }
+    CellTree finish() { return std::move(cells_); }
 
 private:
-    void set(int x0, int y0, int z0, int x1, int y1, int z1, bool occupied)
+    void set(const Eigen::Vector3i& low, const Eigen::Vector3i& high, CellState state)
     {
-        const float value = occupied ? tree_->getClampingThresMaxLog() : tree_->getClampingThresMinLog();
-        const auto key = [](int cell) { return static_cast<octomap::key_type>(32768 + cell); };
-        for (int x = x0; x < x1; ++x)
-            for (int y = y0; y < y1; ++y)
-                for (int z = z0; z < z1; ++z)
-                    tree_->setNodeValue(octomap::OcTreeKey(key(x - offset_), key(y - offset_), key(z)), value, true);
+        cells_.set({low - offset_, high - offset_}, state);
     }
 
-    std::shared_ptr<octomap::OcTree> tree_;
-    int offset_;
+    CellTree cells_;
+    Eigen::Vector3i offset_;
 };
 
 /// A piece of furniture: a box on the floor, in the room whose first cell is (x, y).
@@ -71,7 +59,7 @@ OccupancyMap make_building_map(int rooms, double resolution, std::uint64_t seed)
     const int height = std::max(2, static_cast<int>(std::lround(room_height / resolution)));
     const int side = rooms * room + 1, door = std::max(1, room / 4), lintel = std::max(2, 3 * height / 4);
 
-    Builder builder(resolution, side / 2);
+    Builder builder(side / 2);
     builder.fill(0, 0, 0, side, side, 1);
     for (int wall = 0; wall <= rooms; ++wall) {
         builder.fill(wall * room, 0, 1, wall * room + 1, side, 1 + height);
@@ -87,7 +75,7 @@ OccupancyMap make_building_map(int rooms, double resolution, std::uint64_t seed)
             for (int piece = 0; piece < pieces; ++piece)
                 furnish(builder, x, y, room, height, seed + 1, static_cast<std::uint64_t>(index) * 8 + piece);
         }
-    return map_of("building", builder.finish());
+    return {"building", builder.finish(), resolution};
 }
 
 } // namespace oncollide

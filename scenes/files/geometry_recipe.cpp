@@ -151,9 +151,19 @@ Shape read_shape(const Node& node)
 
 OccupancyMap read_map(const Node& node, const fs::path& folder)
 {
-    const std::string_view source = node.one_of({"file", "building"});
-    const Node value = node[source];
-    if (source == "file") return at(value, [&] { return load_octomap(file_in(folder, value.text())); });
+    if (node.has("file")) {
+        MapOptions options;
+        node.only({"file", "unknown", "occupancy_threshold"});
+        if (node.has("unknown")) {
+            const Node unknown = node["unknown"];
+            if (unknown.text() != "free" && unknown.text() != "occupied") unknown.fail("valid: free, occupied");
+            options.unknown_is_occupied = unknown.text() == "occupied";
+        }
+        if (node.has("occupancy_threshold")) options.occupancy_threshold = node["occupancy_threshold"].number();
+        const Node file = node["file"];
+        return at(file, [&] { return load_octomap(file_in(folder, file.text()), options); });
+    }
+    const Node value = node[node.one_of({"file", "building"})];
     value.only({"rooms", "resolution", "seed"});
     return at(value,
               [&] { return make_building_map(count(value, "rooms", 100), size(value, "resolution"), seed(value)); });
@@ -325,7 +335,7 @@ void Expansion::count(const Geometry& geometry, const Node& entry)
     else if (terrain)
         triangles_ += 2 * terrain->cells();
     else
-        cells_ += std::get<OccupancyMap>(geometry.data).cells.size();
+        cells_ += std::get<OccupancyMap>(geometry.data).count();
     if (triangles_ > most_triangles || cells_ > most_cells)
         entry.fail(fmt::format("too much for one scene: generated geometries and files used again may together have at "
                                "most {} triangles and {} cells; bodies can share a geometry",
@@ -345,7 +355,9 @@ Json entry_of(const Geometry& geometry, const fs::path& folder, const std::strin
         return {{"mesh", {{"vertices", list_of(mesh->vertices)}, {"triangles", mesh->triangles}}}};
     if (const Terrain* terrain = std::get_if<Terrain>(&geometry.data))
         return {{"terrain", terrain_entry(*terrain, made_file)}};
-    return {{"octomap", {{"file", made_file}}}};
+    Json map{{"file", made_file}};
+    if (std::get<OccupancyMap>(geometry.data).cells().unknown_is_solid()) map["unknown"] = "occupied";
+    return {{"octomap", std::move(map)}};
 }
 
 } // namespace oncollide

@@ -8,47 +8,79 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/base/output_file.hpp>
-#include <oncollide/scenes/files/octomap_scan.hpp>
-#include <oncollide/scenes/model/occupancy_cells.hpp>
+#include <oncollide/scenes/files/octomap_nodes.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 
 namespace oncollide {
 
-OccupancyMap load_octomap(const std::filesystem::path& path)
+namespace {
+
+/// For the probabilities. Not OctoMap's function for whole files: it reports its progress on the terminal.
+std::shared_ptr<const octomap::OcTree> octree_of(const OctomapNodes& nodes, std::string bytes, double threshold)
 {
-    constexpr std::uintmax_t most = std::uintmax_t(256) << 20; // OctoMap needs up to a hundred times that
+    std::istringstream in(std::move(bytes));
+    in.seekg(static_cast<std::streamoff>(nodes.begin));
+    const auto tree = std::make_shared<octomap::OcTree>(nodes.resolution);
+    tree->setOccupancyThres(threshold);
+    tree->readData(in);
+    tree->updateInnerOccupancy(); // a file may say that an inner node is free though a cell in it is occupied
+    return tree;
+}
+
+/// Two bits a child, depth first.
+void put(const CellTree& cells, const CellTree::Node& node, std::string& bytes)
+{
+    unsigned bits = 0;
+    for (unsigned k = 0; k < 8; ++k)
+        bits |= ((node.inner | node.free) >> k & 1) << 2 * k | ((node.inner | node.occupied) >> k & 1) << (2 * k + 1);
+    bytes += static_cast<char>(bits & 0xff), bytes += static_cast<char>(bits >> 8);
+    for (unsigned k = 0; k < 8; ++k)
+        if (node.inner >> k & 1) put(cells, cells.below(node, k), bytes);
+}
+
+} // namespace
+
+OccupancyMap load_octomap(const std::filesystem::path& path, const MapOptions& options)
+{
+    constexpr std::uintmax_t most = std::uintmax_t(256) << 20; // of a `.ot` file OctoMap needs ten times that
     const std::string name = path.string();
     std::string extension = path.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return std::tolower(c); });
     std::string bytes = read_file(path, most);
-    if (extension != ".bt" && extension != ".ot")
+    const double threshold = options.occupancy_threshold.value_or(0.5);
+    if (!(threshold > 0 && threshold < 1))
+        throw Error(ErrorKind::usage,
+                    fmt::format("{}: the occupancy threshold is {}; it must be above 0 and below 1", name, threshold));
+    if (extension == ".bt") {
+        if (options.occupancy_threshold)
+            throw Error(ErrorKind::usage,
+                        name + ": a .bt file has no probabilities that an occupancy threshold is for");
+        OctomapNodes nodes = read_binary_octomap(name, bytes, options.unknown_is_occupied);
+        return {name, std::move(nodes.cells), nodes.resolution};
+    }
+    if (extension != ".ot")
         throw Error(ErrorKind::bad_data,
                     fmt::format("{}: unknown kind of map file '{}'; known are bt, ot", name, extension));
-    const OctomapScan scan = scan_octomap(name, bytes, extension == ".bt");
-
-    // Not OctoMap's functions for whole files: they report their progress on the terminal.
-    std::istringstream in(std::move(bytes));
-    in.seekg(static_cast<std::streamoff>(scan.nodes_begin));
-    const auto tree = std::make_shared<octomap::OcTree>(scan.resolution);
-    if (extension == ".bt")
-        tree->readBinaryData(in);
-    else
-        tree->readData(in);
-    if (!in) refuse(name, "OctoMap cannot read the file");
-    tree->updateInnerOccupancy(); // a `.ot` file may say that an inner node is free though a cell in it is occupied
-    return map_of(name, tree);
+    OctomapNodes nodes = read_full_octomap(name, bytes, options.unknown_is_occupied, threshold);
+    OccupancyMap map(name, std::move(nodes.cells), nodes.resolution);
+    map.keep(octree_of(nodes, std::move(bytes), threshold));
+    return map;
 }
 
 void save_octomap(const OccupancyMap& map, const std::filesystem::path& path)
 {
-    std::ostringstream nodes;
-    if (!map.tree->writeBinaryData(nodes)) throw Error(ErrorKind::internal, "OctoMap cannot write its map");
+    const CellTree& cells = map.cells();
+    std::string nodes;
+    if (cells.top().inner & 1)
+        put(cells, cells.below(cells.top(), 0), nodes);
+    else
+        nodes.assign(2, '\0');
     // OctoMap's own header rounds the resolution to six digits.
     OutputFile file(path);
     file.print("# Octomap OcTree binary file\n# (feel free to add / change comments, but leave the first line as it "
                "is!)\n#\nid OcTree\nsize {}\nres {}\ndata\n{}",
-               map.tree->calcNumNodes(), map.resolution, nodes.view());
+               cells.count(), map.resolution(), nodes);
     file.commit();
 }
 

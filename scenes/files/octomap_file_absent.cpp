@@ -12,7 +12,7 @@ namespace {
 
 } // namespace
 
-OccupancyMap load_octomap(const std::filesystem::path& path)
+OccupancyMap load_octomap(const std::filesystem::path& path, const MapOptions&)
 {
     refuse(path.string());
 }

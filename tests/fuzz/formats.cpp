@@ -48,7 +48,8 @@ void check(const Mesh& mesh)
 
 void check(const OccupancyMap& map)
 {
-    if (map.cells.empty() || !map.bounds.min.allFinite() || !map.bounds.max.allFinite()) fault("a map without bounds");
+    if (map.count() == 0 || !map.bounds().min.allFinite() || !map.bounds().max.allFinite())
+        fault("a map without bounds");
 }
 
 void load(const fs::path& file)
@@ -64,6 +65,7 @@ void load(const fs::path& file)
         check(load_octomap(file));
     } else if (ending == ".pgm" || ending == ".png" || ending == ".npy") {
         check(mesh_of(load_terrain(file, {.no_data = 7})));
+        check(load_octomap(file, {.unknown_is_occupied = true}));
     } else if (ending == ".poses") {
         auto poses = tools::read_poses(file);
         tools::read_expected(file.parent_path() / "expected", poses);

@@ -123,7 +123,7 @@ TEST(HostileStructure, DrawnMapsAreReadOrRefused)
         const auto path = folder.write("a.bt", map.file(wrong_by));
         try {
             const OccupancyMap loaded = load_octomap(path);
-            EXPECT_FALSE(loaded.cells.empty());
+            EXPECT_GT(loaded.count(), 0u);
             EXPECT_TRUE(map.valid()) << round;
             EXPECT_TRUE(map.occupied()) << round;
             ++accepted;

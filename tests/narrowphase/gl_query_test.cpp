@@ -246,11 +246,9 @@ TEST(GlQuery, FillsTheInsideOfSolidShapes)
 
 TEST(GlQuery, AnswersMapsAsTheCpuDoes)
 {
-    OccupancyMap map;
-    map.bounds = {Eigen::Vector3d::Constant(-0.9), Eigen::Vector3d::Constant(0.9)};
-    for (const double at : {-0.9, -0.2, 0.3, 0.8})
-        map.cells.push_back({Eigen::Vector3d::Constant(at), Eigen::Vector3d::Constant(at + 0.1)});
-    const Geometry geometry{"map", map, {}};
+    CellTree cells;
+    for (const int at : {-9, -2, 3, 8}) cells.set(CellBox(MapCell{at, at, at, 1}), CellState::occupied);
+    const Geometry geometry{"map", OccupancyMap("map", cells, 0.1), {}};
     const auto queries = make_gl_query_backend(), cpu = make_cpu_backend();
     EXPECT_EQ(ask_root(*queries, geometry), ask_root(*cpu, geometry));
 }

@@ -34,10 +34,10 @@ inline bool same(const Mesh& a, const Mesh& b)
 }
 inline bool same(const OccupancyMap& a, const OccupancyMap& b)
 {
-    if (a.cells.size() != b.cells.size() || a.resolution != b.resolution) return false;
-    for (std::size_t i = 0; i < a.cells.size(); ++i)
-        if (!same_box(a.cells[i], b.cells[i])) return false;
-    return true;
+    std::vector<std::pair<MapCell, CellState>> of_a, of_b;
+    a.cells().each_leaf([&](const MapCell& cell, CellState state) { of_a.push_back({cell, state}); });
+    b.cells().each_leaf([&](const MapCell& cell, CellState state) { of_b.push_back({cell, state}); });
+    return a.resolution() == b.resolution() && same_box(a.bounds(), b.bounds()) && of_a == of_b;
 }
 inline bool same(const Terrain& a, const Terrain& b)
 {

@@ -8,8 +8,8 @@
 #include "same_scene.hpp"
 #include "test_files.hpp"
 #include <oncollide/base/random.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 
 namespace oncollide {
 namespace {
@@ -320,6 +320,25 @@ TEST_F(SceneFile, RefusesMeshesThatAreNotMeshes)
     refuses_geometry(R"({"mesh": {"file": "a.obj", "generate": {"kind": "box"}}})", "exactly one of");
     folder_.write("bad.obj", "v 0 0 0\nf 1 2 3\n");
     refuses_geometry(R"({"mesh": {"file": "bad.obj"}})", "geometries.thing.mesh.file: ", "bad.obj: ");
+}
+
+TEST_F(SceneFile, SaysHowAMapIsRead)
+{
+    CellTree cells;
+    cells.set({{0, 0, 0}, {1, 1, 1}}, CellState::occupied);
+    cells.set({{3, 3, 3}, {4, 4, 4}}, CellState::free);
+    save_octomap(OccupancyMap("map", cells, 1), folder_.path() / "map.bt");
+    const auto bounds = [&](const char* options) {
+        return bounds_of(load_geometry(R"({"octomap": {"file": "map.bt")" + std::string(options) + "}}").geometries[0]);
+    };
+    EXPECT_EQ(bounds("").max, Vector3d::Constant(1));
+    EXPECT_EQ(bounds(R"(, "unknown": "free")").max, Vector3d::Constant(1));
+    EXPECT_EQ(bounds(R"(, "unknown": "occupied")").max, Vector3d::Constant(4));
+    refuses_geometry(R"({"octomap": {"file": "map.bt", "unknown": "full"}})", "octomap.unknown: valid: free, occupied");
+    refuses_geometry(R"({"octomap": {"file": "map.bt", "unknowns": "free"}})", "unknowns: unknown key");
+    refuses_geometry(R"({"octomap": {"building": {"rooms": 2, "resolution": 1, "seed": 1}, "unknown": "free"}})",
+                     "unknown");
+    refuses_geometry(R"({"octomap": {"file": "map.bt", "occupancy_threshold": 0.7}})", "has no probabilities");
 }
 
 TEST_F(SceneFile, NamesAFileThatTheSceneLacks)

@@ -18,6 +18,7 @@ public:
 
     SceneRuns run()
     {
+        if (with_fcl_) octrees_ = FclWorld::octrees_of(scene_);
         measure_cold_starts();
         runs_.rows.resize(static_cast<std::size_t>(scene_.frames));
         for (int repeat = 0; repeat < options_.repeats; ++repeat) play(repeat);
@@ -35,7 +36,7 @@ private:
                 if (!(fcl ? with_fcl_ : with_ours_)) continue;
                 const Clock::time_point from = Clock::now();
                 if (fcl) {
-                    FclWorld world(scene_);
+                    FclWorld world(scene_, octrees_);
                     world.step(options_.contacts);
                     runs_.fcl_cold.push_back(milliseconds_since(from));
                 } else {
@@ -56,7 +57,7 @@ private:
         std::optional<FclWorld> world;
         std::optional<Pipeline> pipeline;
         ContactLists contacts;
-        if (with_fcl_) world.emplace(scene_), runs_.fcl_bytes = world->model_bytes();
+        if (with_fcl_) world.emplace(scene_, octrees_), runs_.fcl_bytes = world->model_bytes();
         if (with_ours_) pipeline.emplace(scene_, settings_), runs_.backend = pipeline->backend();
         for (int frame = 0; frame < scene_.frames; ++frame) {
             mover.move(scene_, frame);
@@ -129,6 +130,7 @@ private:
     const Settings& settings_;
     Scene& scene_;
     const bool with_fcl_, with_ours_;
+    FclWorld::Octrees octrees_;
     SceneRuns runs_;
 };
 

@@ -133,13 +133,13 @@ std::vector<ConvexSet> convex_sets(const GeometryData& geometry, const Eigen::Is
     } else if (const auto* shape = std::get_if<Shape>(&geometry)) {
         sets.push_back(std::visit(of, *shape));
     } else {
-        for (const Aabb& cell : std::get<OccupancyMap>(geometry).cells) {
+        std::get<OccupancyMap>(geometry).each_box([&](const Aabb& cell) {
             std::vector<Eigen::Vector3d> points;
             for (int k = 0; k < 8; ++k)
                 points.emplace_back(k & 1 ? cell.max.x() : cell.min.x(), k & 2 ? cell.max.y() : cell.min.y(),
                                     k & 4 ? cell.max.z() : cell.min.z());
             sets.push_back(of.corners(points));
-        }
+        });
     }
     return sets;
 }

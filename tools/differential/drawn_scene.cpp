@@ -142,8 +142,37 @@ private:
         for (int k = number(1, 12); k > 0; --k) occupy(point());
         if (one_in(4)) // cells that the octree joins to a larger one
             for (int k = 0; k < 8; ++k) occupy({k & 1 ? 0.1 : 0.4, k & 2 ? 0.1 : 0.4, k & 4 ? 0.1 : 0.4});
-        tree.prune();
-        return make_occupancy_map(tree);
+        if (one_in(2)) return changed(make_occupancy_map(tree, one_in(4)));
+        return changed(boxes(on_grid_ ? 0.0625 : 0.07));
+    }
+    /// Cells of many sizes: solid blocks with holes.
+    OccupancyMap boxes(double resolution)
+    {
+        CellTree cells;
+        const auto cell = [&] { return number(-20, 20); };
+        const auto block = [&](CellState state) {
+            const Eigen::Vector3i low(cell(), cell(), cell());
+            cells.set({low, low + Eigen::Vector3i(number(1, 16), number(1, 16), number(1, 16))}, state);
+        };
+        for (int k = number(1, 3); k > 0; --k) block(CellState::occupied);
+        for (int k = number(0, 3); k > 0; --k) block(one_in(2) ? CellState::free : CellState::unknown);
+        cells.set({{3, 3, 3}, {4, 4, 4}}, CellState::occupied);
+        return {"map", std::move(cells), resolution};
+    }
+    OccupancyMap changed(OccupancyMap map)
+    {
+        for (int k = number(0, 3); k > 0; --k) {
+            const auto state = static_cast<CellState>(number(0, 2));
+            const Eigen::Vector3d a = point(), b = point();
+            try {
+                if (one_in(2))
+                    map.set(std::vector<Eigen::Vector3d>{a, b}, state);
+                else
+                    map.set(Aabb{a.cwiseMin(b), a.cwiseMax(b)}, state);
+            } catch (const Error&) { // nothing would be left
+            }
+        }
+        return map;
     }
     GeometryData hull()
     {

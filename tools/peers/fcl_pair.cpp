@@ -69,7 +69,7 @@ NarrowContender contender(const char* name, const char* what, FclNodes nodes)
 
 } // namespace
 
-FclGeometry make_fcl_geometry(const GeometryData& geometry, FclNodes nodes)
+FclGeometry make_fcl_geometry(const GeometryData& geometry, FclNodes nodes, std::shared_ptr<const octomap::OcTree> octree)
 {
     FclGeometry made;
     if (const auto* mesh = std::get_if<Mesh>(&geometry))
@@ -79,7 +79,7 @@ FclGeometry make_fcl_geometry(const GeometryData& geometry, FclNodes nodes)
     else if (const auto* shape = std::get_if<Shape>(&geometry))
         made = std::visit(ShapeGeometry{}, *shape);
     else
-        made = std::make_shared<fcl::OcTreed>(std::get<OccupancyMap>(geometry).tree);
+        made = std::make_shared<fcl::OcTreed>(octree ? octree : make_octree(std::get<OccupancyMap>(geometry)));
     made->computeLocalAABB();
     return made;
 }

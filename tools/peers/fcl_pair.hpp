@@ -20,7 +20,9 @@ enum class FclNodes { obb, obbrss };
 
 /// A geometry as FCL has it: a tree over a mesh's triangles, a primitive shape, or an octree.
 using FclGeometry = std::shared_ptr<fcl::CollisionGeometry<double>>;
-FclGeometry make_fcl_geometry(const GeometryData& geometry, FclNodes nodes);
+/// @param octree  of a map, where it was made before
+FclGeometry make_fcl_geometry(const GeometryData& geometry, FclNodes nodes,
+                              std::shared_ptr<const octomap::OcTree> octree = nullptr);
 
 /// A geometry somewhere.
 struct FclBody {

@@ -50,16 +50,27 @@ struct FclWorld::Impl {
     {
         const std::uint32_t geometry = index(scene.geometry[b]);
         FclGeometry& model = distance_models[geometry];
+        if (std::holds_alternative<OccupancyMap>(scene.geometries[geometry].data)) return body(b);
         if (!model) model = make_fcl_geometry(scene.geometries[geometry].data, FclNodes::obbrss);
         return {model, scene.poses[b]};
     }
 };
 
-FclWorld::FclWorld(const Scene& scene) : impl_(std::make_unique<Impl>(scene))
+FclWorld::Octrees FclWorld::octrees_of(const Scene& scene)
+{
+    Octrees octrees;
+    for (const Geometry& geometry : scene.geometries) {
+        const auto* map = std::get_if<OccupancyMap>(&geometry.data);
+        octrees.push_back(map ? make_octree(*map) : nullptr);
+    }
+    return octrees;
+}
+
+FclWorld::FclWorld(const Scene& scene, const Octrees& octrees) : impl_(std::make_unique<Impl>(scene))
 {
     Impl& w = *impl_;
-    for (const Geometry& geometry : scene.geometries)
-        w.models.push_back(make_fcl_geometry(geometry.data, FclNodes::obb));
+    for (std::size_t i = 0; i < scene.geometries.size(); ++i)
+        w.models.push_back(make_fcl_geometry(scene.geometries[i].data, FclNodes::obb, octrees[i]));
     w.distance_models.resize(scene.geometries.size());
     std::vector<fcl::CollisionObjectd*> moving, fixed;
     for (std::uint32_t body = 0; body < scene.size(); ++body) {

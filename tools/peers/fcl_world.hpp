@@ -27,8 +27,12 @@ struct FclFrame {
 /// and the judge of the tests; it shares no code with the exact level of the pipeline.
 class FclWorld {
 public:
+    /// Octrees of the scene's maps, by geometry: what a program has that reads maps for FCL.
+    using Octrees = std::vector<std::shared_ptr<const octomap::OcTree>>;
+    static Octrees octrees_of(const Scene& scene);
     /// Builds every model and object. Keeps a reference to `scene`.
-    explicit FclWorld(const Scene& scene);
+    explicit FclWorld(const Scene& scene) : FclWorld(scene, octrees_of(scene)) {}
+    FclWorld(const Scene& scene, const Octrees& octrees);
     ~FclWorld();
 
     /// @param contacts  find every contact of each pair, instead of a yes or no

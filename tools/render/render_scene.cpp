@@ -30,20 +30,20 @@ Colour paler(Colour c)
     return {half_white(c.red), half_white(c.green), half_white(c.blue)};
 }
 
-Mesh mesh_of_boxes(const std::string& name, const std::vector<Aabb>& boxes)
+Mesh mesh_of_cells(const std::string& name, const OccupancyMap& map)
 {
     // Corner k is on the high side of axis a when bit a is set; two triangles a face.
     constexpr std::uint32_t faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                                             {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
     std::vector<Eigen::Vector3d> vertices;
     std::vector<Triangle> triangles;
-    for (const Aabb& box : boxes) {
+    map.each_box([&](const Aabb& box) {
         const auto first = static_cast<std::uint32_t>(vertices.size());
         for (unsigned k = 0; k < 8; ++k)
             vertices.emplace_back((k & 1 ? box.max : box.min).x(), (k & 2 ? box.max : box.min).y(),
                                   (k & 4 ? box.max : box.min).z());
         for (const auto& face : faces) triangles.push_back({first + face[0], first + face[1], first + face[2]});
-    }
+    });
     return make_mesh(name, std::move(vertices), std::move(triangles));
 }
 
@@ -61,7 +61,7 @@ const Mesh* ScenePictures::mesh_of(GeometryId id)
     auto& made = made_[index(id)];
     if (!made) {
         if (const auto* map = std::get_if<OccupancyMap>(&geometry.data))
-            made = std::make_unique<Mesh>(mesh_of_boxes(geometry.name, map->cells));
+            made = std::make_unique<Mesh>(mesh_of_cells(geometry.name, *map));
         else if (const auto* terrain = std::get_if<Terrain>(&geometry.data))
             made = std::make_unique<Mesh>(oncollide::mesh_of(*terrain));
         else

@@ -30,7 +30,7 @@ std::vector<Eigen::Vector3d> points_of(const Geometry& geometry)
 {
     std::vector<Eigen::Vector3d> points;
     if (const auto* map = std::get_if<OccupancyMap>(&geometry.data))
-        for (const Aabb& cell : map->cells) points.push_back(cell.centre());
+        map->each_box([&](const Aabb& cell) { points.push_back(cell.centre()); });
     else if (const auto* terrain = std::get_if<Terrain>(&geometry.data))
         points = mesh_of(*terrain).vertices;
     else if (const auto* hull = std::get_if<ConvexHull>(&std::get<Shape>(geometry.data)))

@@ -1,8 +1,8 @@
 #include <cmath>
 #include <memory>
-#include <mutex>
 
 #include <cpl_error.h>
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <gdal.h>
 
@@ -15,10 +15,59 @@ namespace oncollide {
 
 namespace {
 
+/// Loaded when a file first needs it: linked, GDAL and the hundred libraries behind it would add 80 ms to every start
+/// of a program.
+class Gdal {
+    void* const library_ = ::dlopen(ONCOLLIDE_GDAL_LIBRARY, RTLD_NOW | RTLD_LOCAL);
+    template <class Function>
+    Function find(const char* name) const
+    {
+        void* const function = library_ ? ::dlsym(library_, name) : nullptr;
+        if (!function)
+            throw Error(ErrorKind::usage, fmt::format("{} cannot be loaded, which reads such files: {}; install "
+                                                      "Debian's libgdal32",
+                                                      ONCOLLIDE_GDAL_LIBRARY, ::dlerror()));
+        return reinterpret_cast<Function>(function);
+    }
+
+public:
+#define ONCOLLIDE_GDAL_FUNCTION(name) decltype(&::name) const name = find<decltype(&::name)>(#name)
+    ONCOLLIDE_GDAL_FUNCTION(CPLPushErrorHandler);
+    ONCOLLIDE_GDAL_FUNCTION(CPLPopErrorHandler);
+    ONCOLLIDE_GDAL_FUNCTION(CPLQuietErrorHandler);
+    ONCOLLIDE_GDAL_FUNCTION(CPLErrorReset);
+    ONCOLLIDE_GDAL_FUNCTION(CPLGetLastErrorMsg);
+    ONCOLLIDE_GDAL_FUNCTION(GDALAllRegister);
+    ONCOLLIDE_GDAL_FUNCTION(GDALOpen);
+    ONCOLLIDE_GDAL_FUNCTION(GDALClose);
+    ONCOLLIDE_GDAL_FUNCTION(GDALGetRasterCount);
+    ONCOLLIDE_GDAL_FUNCTION(GDALGetRasterBand);
+    ONCOLLIDE_GDAL_FUNCTION(GDALGetRasterBandXSize);
+    ONCOLLIDE_GDAL_FUNCTION(GDALGetRasterBandYSize);
+    ONCOLLIDE_GDAL_FUNCTION(GDALGetRasterDataType);
+    ONCOLLIDE_GDAL_FUNCTION(GDALDataTypeIsComplex);
+    ONCOLLIDE_GDAL_FUNCTION(GDALGetRasterNoDataValue);
+    ONCOLLIDE_GDAL_FUNCTION(GDALGetGeoTransform);
+    ONCOLLIDE_GDAL_FUNCTION(GDALRasterIO);
+    ONCOLLIDE_GDAL_FUNCTION(GDALGetRasterScale);
+    ONCOLLIDE_GDAL_FUNCTION(GDALGetRasterOffset);
+#undef ONCOLLIDE_GDAL_FUNCTION
+
+    Gdal()
+    {
+        GDALAllRegister();
+    }
+};
+
 /// GDAL writes its errors to the terminal otherwise.
 struct Quiet {
-    Quiet() { CPLPushErrorHandler(CPLQuietErrorHandler), CPLErrorReset(); }
-    ~Quiet() { CPLPopErrorHandler(); }
+    const Gdal& gdal;
+
+    explicit Quiet(const Gdal& g) : gdal(g)
+    {
+        gdal.CPLPushErrorHandler(gdal.CPLQuietErrorHandler), gdal.CPLErrorReset();
+    }
+    ~Quiet() { gdal.CPLPopErrorHandler(); }
 };
 
 } // namespace
@@ -27,30 +76,29 @@ HeightRaster read_with_gdal(const std::filesystem::path& path)
 {
     const std::string name = path.string();
     check_readable(path);
-    static std::once_flag once;
-    std::call_once(once, GDALAllRegister);
-    const Quiet quiet;
+    static const Gdal gdal;
+    const Quiet quiet(gdal);
     const auto fail = [&](const char* what) {
-        const std::string why = CPLGetLastErrorMsg();
+        const std::string why = gdal.CPLGetLastErrorMsg();
         refuse(name, why.empty() ? std::string(what) : fmt::format("{}: {}", what, why));
     };
-    const std::unique_ptr<void, void (*)(void*)> data(GDALOpen(name.c_str(), GA_ReadOnly),
-                                                      [](void* dataset) { GDALClose(dataset); });
+    const auto close = [](void* dataset) { gdal.GDALClose(dataset); };
+    const std::unique_ptr<void, void (*)(void*)> data(gdal.GDALOpen(name.c_str(), GA_ReadOnly), close);
     if (!data) fail("GDAL cannot read the file");
-    if (GDALGetRasterCount(data.get()) < 1) fail("the file has no raster");
-    GDALRasterBandH band = GDALGetRasterBand(data.get(), 1);
+    if (gdal.GDALGetRasterCount(data.get()) < 1) fail("the file has no raster");
+    GDALRasterBandH band = gdal.GDALGetRasterBand(data.get(), 1);
 
     HeightRaster raster;
-    raster.columns = static_cast<std::uint32_t>(GDALGetRasterBandXSize(band));
-    raster.rows = static_cast<std::uint32_t>(GDALGetRasterBandYSize(band));
+    raster.columns = static_cast<std::uint32_t>(gdal.GDALGetRasterBandXSize(band));
+    raster.rows = static_cast<std::uint32_t>(gdal.GDALGetRasterBandYSize(band));
     if (std::uint64_t(raster.columns) * raster.rows > Terrain::most_cells) fail("the raster is too large");
-    const GDALDataType type = GDALGetRasterDataType(band);
-    if (GDALDataTypeIsComplex(type)) fail("the raster holds complex numbers");
+    const GDALDataType type = gdal.GDALGetRasterDataType(band);
+    if (gdal.GDALDataTypeIsComplex(type)) fail("the raster holds complex numbers");
     raster.whole = type != GDT_Float32 && type != GDT_Float64;
     int there = 0;
-    if (const double no_data = GDALGetRasterNoDataValue(band, &there); there) raster.no_data = no_data;
+    if (const double no_data = gdal.GDALGetRasterNoDataValue(band, &there); there) raster.no_data = no_data;
     double to_world[6];
-    const bool placed = GDALGetGeoTransform(data.get(), to_world) == CE_None;
+    const bool placed = gdal.GDALGetGeoTransform(data.get(), to_world) == CE_None;
     if (placed) {
         if (to_world[2] != 0 || to_world[4] != 0) fail("the raster is turned against the axes");
         raster.spacing = Eigen::Vector2d(std::abs(to_world[1]), std::abs(to_world[5]));
@@ -60,12 +108,12 @@ HeightRaster read_with_gdal(const std::filesystem::path& path)
     std::vector<double> row(raster.columns);
     for (std::uint32_t r = 0; r < raster.rows; ++r) {
         const auto line = static_cast<int>(from_north ? raster.rows - 1 - r : r);
-        if (GDALRasterIO(band, GF_Read, 0, line, static_cast<int>(raster.columns), 1, row.data(),
-                         static_cast<int>(raster.columns), 1, GDT_Float64, 0, 0) != CE_None)
+        if (gdal.GDALRasterIO(band, GF_Read, 0, line, static_cast<int>(raster.columns), 1, row.data(),
+                              static_cast<int>(raster.columns), 1, GDT_Float64, 0, 0) != CE_None)
             fail("GDAL cannot read all of the raster");
         raster.heights.insert(raster.heights.end(), row.begin(), row.end());
     }
-    const double scale = GDALGetRasterScale(band, &there), offset = GDALGetRasterOffset(band, &there);
+    const double scale = gdal.GDALGetRasterScale(band, &there), offset = gdal.GDALGetRasterOffset(band, &there);
     if (scale != 1 || offset != 0) {
         raster.whole = false;
         for (double& height : raster.heights)

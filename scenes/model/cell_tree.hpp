@@ -1,0 +1,173 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace oncollide {
+
+/// A cube of an occupancy map's grid: its least corner and its side, in smallest cells.
+struct MapCell {
+    std::int32_t x, y, z, side;
+
+    /// One of its eight halves: along x, y and z by the bits of k.
+    MapCell octant(unsigned k) const
+    {
+        const std::int32_t half = side / 2;
+        return {x + (k & 1 ? half : 0), y + (k & 2 ? half : 0), z + (k & 4 ? half : 0), half};
+    }
+    friend bool operator==(const MapCell&, const MapCell&) = default;
+};
+
+/// Smallest cells from `low` to `high`, the latter not included.
+struct CellBox {
+    Eigen::Vector3i low, high;
+
+    explicit CellBox(const MapCell& cell) : low(cell.x, cell.y, cell.z), high(low.array() + cell.side) {}
+    CellBox(const Eigen::Vector3i& from, const Eigen::Vector3i& to) : low(from), high(to) {}
+    bool empty() const { return (low.array() >= high.array()).any(); }
+    bool overlaps(const CellBox& b) const
+    {
+        return (low.array() < b.high.array()).all() && (b.low.array() < high.array()).all();
+    }
+    bool contains(const CellBox& b) const
+    {
+        return (low.array() <= b.low.array()).all() && (b.high.array() <= high.array()).all();
+    }
+};
+
+/// What is known of a cell of an occupancy map.
+enum class CellState : std::uint8_t { unknown, free, occupied };
+
+/// An octree of cells as masks of eight octants: 8 bytes for each inner node and nothing for its leaves. Octants of one
+/// state are always joined, so equal cells make equal trees, however they came about.
+///
+/// The grid is OctoMap's: cells -32768 to 32767 along each axis.
+class CellTree {
+public:
+    /// An inner node of the octree. An octant that is neither inner, occupied nor free is unknown.
+    struct Node {
+        std::uint32_t first = 0;   ///< of the nodes of its inner octants, which lie side by side
+        std::uint8_t inner = 0;    ///< octants with octants of their own
+        std::uint8_t occupied = 0; ///< as a whole
+        std::uint8_t free = 0;     ///< as a whole
+        std::uint8_t solid = 0;    ///< hold something that counts as occupied
+    };
+    static constexpr std::int32_t lowest = -32768, side = 65536;
+    /// Twice the grid, so that a grid of one state is an octant, too: octant 0 of top() is the grid.
+    static constexpr MapCell top_cube{lowest, lowest, lowest, 2 * side};
+
+    /// All is unknown.
+    explicit CellTree(bool unknown_is_solid = false);
+
+    const Node& top() const { return top_; }
+    bool unknown_is_solid() const { return unknown_ != 0; }
+    /// Octants that count as occupied as a whole.
+    std::uint8_t whole(const Node& node) const
+    {
+        return static_cast<std::uint8_t>(node.occupied | (unknown_ & ~(node.inner | node.free)));
+    }
+    /// The node of an inner octant.
+    const Node& below(const Node& node, unsigned octant) const
+    {
+        return nodes_[node.first + bits_in(node.inner & ((1u << octant) - 1))];
+    }
+    static CellState state(const Node& node, unsigned octant)
+    {
+        return node.occupied >> octant & 1 ? CellState::occupied
+               : node.free >> octant & 1   ? CellState::free
+                                           : CellState::unknown;
+    }
+    /// Of the smallest cell there.
+    CellState state(const Eigen::Vector3i& cell) const;
+
+    /// Gives all cells of the box, within the grid, one state. What was there is appended to `before`, unless that is
+    /// null. Cost: of the nodes that come and go, and those above them.
+    void set(const CellBox& box, CellState state, std::vector<std::pair<MapCell, CellState>>* before = nullptr);
+
+    /// visit(cube, state) for the leaves that are known, in the octree's order.
+    template <class Visit>
+    void each_leaf(Visit visit) const
+    {
+        const MapCell grid = top_cube.octant(0);
+        if (top_.inner & 1)
+            each_leaf(below(top_, 0), grid, visit);
+        else if (state(top_, 0) != CellState::unknown)
+            visit(grid, state(top_, 0));
+    }
+    /// visit(cube) for what counts as occupied, in cubes as large as can be, in the octree's order, while it returns
+    /// true. With a wanted(cube) only where that is true of all cubes around it. False when a visit was.
+    template <class Wanted, class Visit>
+    bool each_solid(Wanted wanted, Visit visit) const
+    {
+        return each_solid(top_, top_cube, wanted, visit);
+    }
+    /// Around the cells that are occupied; if unknown ones count too, around those that are known. Empty if none are.
+    CellBox bounds() const;
+
+    /// Inner nodes and leaves that are known, as OctoMap counts them.
+    std::size_t count() const;
+    std::size_t bytes() const { return nodes_.capacity() * sizeof(Node); }
+
+    /// The octants of one node, while a tree is put together from its leaves up.
+    class Octants {
+    public:
+        void set(unsigned octant, CellState state);
+        void set(unsigned octant, const Node& node); ///< becomes a state if all of it has one
+
+    private:
+        friend class CellTree;
+        Node node_;
+        std::array<Node, 8> below_; ///< by octant, of those that are inner
+    };
+    /// Stores the inner octants side by side.
+    Node close(Octants& octants);
+    /// Replaces all: the node of the grid as a whole.
+    void set_grid(const Node& grid);
+    void set_grid(CellState state);
+    void reserve(std::size_t nodes) { nodes_.reserve(nodes); }
+
+    /// Of eight; portable code would call a function for it.
+    static std::uint32_t bits_in(std::uint32_t bits)
+    {
+        bits -= bits >> 1 & 0x55;
+        bits = (bits & 0x33) + (bits >> 2 & 0x33);
+        return (bits + (bits >> 4)) & 0xf;
+    }
+
+private:
+    using Before = std::vector<std::pair<MapCell, CellState>>;
+    Octants open(const Node& node);
+    void take(const Node& node, const MapCell& cube, Before* before);
+    Node changed(const Node& node, const MapCell& cube, const CellBox& box, CellState state, Before* before);
+    void add_bounds(const Node& node, const MapCell& cube, int axis, bool high, std::int32_t& farthest) const;
+    template <class Visit>
+    void each_leaf(const Node& node, const MapCell& cube, Visit& visit) const
+    {
+        for (unsigned k = 0; k < 8; ++k)
+            if (node.inner >> k & 1)
+                each_leaf(below(node, k), cube.octant(k), visit);
+            else if (state(node, k) != CellState::unknown)
+                visit(cube.octant(k), state(node, k));
+    }
+    template <class Wanted, class Visit>
+    bool each_solid(const Node& node, const MapCell& cube, Wanted& wanted, Visit& visit) const
+    {
+        for (unsigned k = 0; k < 8; ++k) {
+            const MapCell octant = cube.octant(k);
+            if (!(node.solid >> k & 1) || !wanted(octant)) continue;
+            if (whole(node) >> k & 1 ? !visit(octant) : !each_solid(below(node, k), octant, wanted, visit))
+                return false;
+        }
+        return true;
+    }
+
+    std::vector<Node> nodes_;
+    Node top_;
+    std::uint8_t unknown_;               ///< all bits: what is unknown counts as occupied
+    std::array<std::uint32_t, 9> spare_; ///< by length: the first run of nodes that is not in use; `first` leads on
+    static constexpr std::uint32_t none = ~0u;
+};
+
+} // namespace oncollide
