@@ -173,6 +173,39 @@ void add_world(Arguments bench)
     });
 }
 
+void add_environment(Arguments bench)
+{
+    Arguments sub = bench.add_command("environment", "Many bodies in buildings and on terrains, at several errors");
+    auto options = std::make_shared<EnvironmentOptions>();
+    sub.add_option(
+           "--environments", options->environments,
+           "which (default building,hills,hills-mesh): building, a map of 30 x 30 rooms at 6 cm; hills, a height "
+           "grid; hills-mesh, the same as a mesh; campus and st-helens, of the data folder")
+        .type_name("LIST");
+    sub.add_option("--bodies-of", options->bodies_of, "meshes, shapes or both, or a list (default meshes,shapes)")
+        .type_name("LIST");
+    sub.add_option("--errors", options->errors, "in metres, and 'exact' (default 1,0.1,0.01,exact)").type_name("LIST");
+    sub.add_option("--bodies", options->bodies, "bodies in each environment (default 500)").type_name("N");
+    sub.add_option("--frames", options->frames, "frames to play (default 10)").type_name("N");
+    sub.add_option("--warm-up", options->warm_up, "of these, frames that are not counted (default 3)").type_name("N");
+    sub.add_option("--cold-runs", options->cold_runs, "first frames measured from nothing (default 1)").type_name("N");
+    sub.add_option("--cells", options->cells,
+                   "cells along a side of the hills (default 500; 2200 make 9.7 million triangles)")
+        .type_name("N");
+    sub.add_option("--threads", options->threads, "threads of oncollide; 0: all (default 1)").type_name("N");
+    sub.add_option("--seed", options->seed, "seed of environments and bodies (default 1)").type_name("S");
+    sub.add_option("--data", options->data, "data folder (default: $ONCOLLIDE_DATA, else ../shared/data if present)")
+        .type_name("DIR");
+    sub.add_option("--csv", options->csv, "write one row per environment, bodies and error").type_name("FILE");
+    sub.add_option("--plot", options->plot, "draw time against error, a panel an environment").type_name("FILE.svg");
+    sub.footer("Examples:\n"
+               "  oncollide bench environment --environments building --bodies 50 --errors 0.1,exact\n"
+               "  oncollide bench environment --environments hills,hills-mesh --cells 2200 --bodies 1000\n"
+               "'first' is from the geometry in memory to the first frame's results. Exit code 70: a collision was\n"
+               "missed, or an exact result is wrong.");
+    sub.action([options] { return bench_environment(*options); });
+}
+
 } // namespace
 
 void add_bench(Arguments app)
@@ -181,13 +214,14 @@ void add_bench(Arguments app)
         app.add_command("bench", "Measure against other libraries in one run, on the same work, turn about");
     bench.at_most_one_command();
     bench.action([]() -> int {
-        usage("bench: which one? broad, narrow, planner, world, many, octants, paper, poses "
+        usage("bench: which one? broad, narrow, planner, world, environment, many, octants, paper, poses "
               "or scene (oncollide bench --help)");
     });
     add_broad(bench);
     add_narrow(bench);
     add_planner(bench);
     add_world(bench);
+    add_environment(bench);
     add_scene_bench(bench, "many", "Bunnies, dragons and cows in a cube");
     add_paper(bench);
     add_poses(bench);

@@ -106,6 +106,18 @@ struct WorldOptions {
 /// made anew finds other pairs.
 int bench_world(const WorldOptions& options);
 
+struct EnvironmentOptions {
+    std::string environments = "building,hills,hills-mesh", bodies_of = "meshes,shapes", errors = "1,0.1,0.01,exact";
+    int bodies = 500, frames = 10, warm_up = 3, cold_runs = 1, threads = 1;
+    int cells = 500; ///< along a side of generated terrains
+    std::uint64_t seed = 1;
+    std::string data, csv, plot;
+};
+
+/// Large environments with many bodies, beside FCL. Returns the exit code: 70 when oncollide missed a collision or an
+/// exact result of it is wrong.
+int bench_environment(const EnvironmentOptions& options);
+
 /// "4-8", "6" or "2,5-7" as ascending numbers; `option` names it in errors. Each 1 to 16.
 std::vector<int> parse_depths(const std::string& option, const std::string& text);
 

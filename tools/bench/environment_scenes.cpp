@@ -1,0 +1,114 @@
+#include "bench/environment_scenes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "cli/options.hpp"
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/random.hpp>
+#include <oncollide/scenes/files/terrain_file.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
+
+namespace oncollide::tools {
+
+namespace {
+
+using Eigen::Vector3d;
+
+GeometryData environment_of(const EnvironmentScene& which)
+{
+    const std::string& name = which.environment;
+    const double relief = 0.1 * which.cells;
+    const auto cells = static_cast<std::uint32_t>(which.cells);
+    const auto file = [&](const char* place) {
+        if (which.data.empty())
+            usage(fmt::format("environment '{}': needs the data folder; give --data or set ONCOLLIDE_DATA", name));
+        return which.data / place;
+    };
+    if (name == "building") return make_building_map(30, 0.06, which.seed);
+    if (name == "hills") return make_hills(cells, cells, 1, relief, which.seed);
+    if (name == "hills-mesh") return mesh_of(make_hills(cells, cells, 1, relief, which.seed));
+    if (name == "campus") return load_octomap(file("octomap/fr_campus.bt"));
+    if (name == "st-helens") return load_terrain(file("terrain/SainteHelens.dem"));
+    usage(fmt::format("--environments {}: valid are {}", name, fmt::join(environment_names(), ", ")));
+}
+
+/// Some points of its surface, spread over all of it.
+std::vector<Vector3d> points_of(const GeometryData& geometry)
+{
+    constexpr std::size_t enough = 20'000;
+    std::vector<Vector3d> points;
+    if (const auto* map = std::get_if<OccupancyMap>(&geometry)) {
+        map->each_box([&](const Aabb& box) { points.push_back({box.centre().x(), box.centre().y(), box.max.z()}); });
+    } else if (const auto* terrain = std::get_if<Terrain>(&geometry)) {
+        const std::uint32_t step = 1 + std::uint32_t(std::sqrt(double(terrain->cells()) / double(enough)));
+        for (std::uint32_t row = 0; row < terrain->rows(); row += step)
+            for (std::uint32_t column = 0; column < terrain->columns(); column += step)
+                if (const Vector3d p = terrain->point(column, row); p.allFinite()) points.push_back(p);
+    } else {
+        points = std::get<Mesh>(geometry).vertices;
+    }
+    const std::size_t step = 1 + points.size() / enough;
+    std::vector<Vector3d> some;
+    for (std::size_t i = 0; i < points.size(); i += step) some.push_back(points[i]);
+    return some;
+}
+
+std::vector<GeometryId> add_bodies_of(Scene& scene, const std::string& kind)
+{
+    std::vector<GeometryId> ids;
+    if (kind != "shapes") {
+        ids.push_back(scene.add("knot", make_torus_knot_mesh(2, 3, 0.5, 0.2, 0.1, 6000)));
+        ids.push_back(scene.add("ring", make_torus_mesh(0.6, 0.2, 9000)));
+        ids.push_back(scene.add("ball", make_sphere_mesh(0.6, 13'000)));
+    }
+    if (kind != "meshes") {
+        ids.push_back(scene.add("sphere", Sphere{0.5}));
+        ids.push_back(scene.add("box", Box{{0.4, 0.7, 1}}));
+        ids.push_back(scene.add("capsule", Capsule{0.3, 1.2}));
+    }
+    return ids;
+}
+
+} // namespace
+
+const std::vector<std::string>& environment_names()
+{
+    static const std::vector<std::string> names{"building", "hills", "hills-mesh", "campus", "st-helens"};
+    return names;
+}
+
+Scene make_environment_scene(const EnvironmentScene& which)
+{
+    if (which.bodies_of != "meshes" && which.bodies_of != "shapes" && which.bodies_of != "both")
+        usage(fmt::format("--bodies-of {}: valid are meshes, shapes, both", which.bodies_of));
+    Scene scene;
+    scene.name = which.environment + ", " + which.bodies_of;
+    scene.frames = which.frames;
+    GeometryData environment = environment_of(which);
+    const std::vector<Vector3d> points = points_of(environment);
+    const Aabb bounds = bounds_of(environment);
+    scene.add_body(
+        {.name = which.environment, .geometry = scene.add("environment", std::move(environment)), .is_static = true});
+    const std::vector<GeometryId> ids = add_bodies_of(scene, which.bodies_of);
+    for (int i = 0; i < which.bodies; ++i) {
+        const auto random = [&](std::uint64_t k) { return u01(which.seed, std::uint64_t(i), k); };
+        const Vector3d at = points[std::size_t(random(0) * double(points.size()))];
+        Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+        pose.translation() = at + Vector3d(random(1) - 0.5, random(2) - 0.5, 1.2 * random(3));
+        const Vector3d axis = Vector3d(random(4) - 0.5, random(5) - 0.5, random(6) - 0.4999).normalized();
+        pose.linear() = Eigen::AngleAxisd(2 * M_PI * random(7), axis).toRotationMatrix();
+        const Aabb walls{bounds.min.array() - 2, bounds.max.array() + 2};
+        pose.translation() = pose.translation().cwiseMax(walls.min).cwiseMin(walls.max);
+        const Vector3d velocity = 0.1 * Vector3d(random(8) - 0.5, random(9) - 0.5, random(10) - 0.5);
+        scene.add_body({.geometry = ids[std::size_t(i) % ids.size()],
+                        .pose = pose,
+                        .motion = Drift{velocity, {0.02, 0, 0.05}, walls}});
+    }
+    return scene;
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,27 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <oncollide/scenes/scene.hpp>
+
+namespace oncollide::tools {
+
+/// The environments that there are: generated ones, then those of files in the data folder.
+const std::vector<std::string>& environment_names();
+
+/// One large, fixed body, and many small ones on and just above its surface, which drift a little every frame.
+struct EnvironmentScene {
+    std::string environment = "building";
+    std::string bodies_of = "meshes"; ///< "meshes" of 6,000 to 13,000 triangles, "shapes", or "both"
+    int bodies = 500, frames = 10;
+    int cells = 500; ///< along a side of generated terrains
+    std::uint64_t seed = 1;
+    std::filesystem::path data; ///< folder of the files
+};
+
+/// Throws Error{usage} for an unknown name, and for a file without a data folder.
+Scene make_environment_scene(const EnvironmentScene& which);
+
+} // namespace oncollide::tools
