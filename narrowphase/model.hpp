@@ -56,6 +56,7 @@ public:
     MapTree& cells() const;
     /// The quadtree of a terrain. The model must be a terrain.
     TerrainTree& heights() const;
+    std::size_t heights_bytes() const { return heights_ ? heights_->bytes() : 0; } ///< of the quadtree, if it is there
     /// Around the geometry, or around the bounding mesh of a shape.
     RootCell root_cell() const;
     /// What occlusion backends see, but not of a terrain. Not kept: backends own it. Cost: 10 ns a primitive.

@@ -309,6 +309,7 @@ std::size_t ModelStore::sphere_bytes() const
 std::size_t ModelStore::bytes() const
 {
     std::size_t sum = sphere_bytes();
+    for (const Slot& slot : slots_) sum += slot.model ? slot.model->heights_bytes() : 0;
     for (const Model* model : with_boxes_)
         sum += model->boxes->bytes() + (model->outer_boxes ? model->outer_boxes->bytes() : 0);
     return sum;

@@ -30,6 +30,7 @@ constexpr Maker makers[] = {
     {"city", "traffic and drones between the static buildings of a city on a terrain", 2021, 1'000'000, 600,
      make_city_scene},
     {"octomap", "shapes and meshes drift through a scanned building", 12, 100'000, 200, make_octomap_scene},
+    {"hills", "shapes and meshes drift low over a terrain of 320,000 triangles", 100, 100'000, 200, make_hills_scene},
     {"hard", "touching, coplanar, nested, tiny, huge and far: what collision detection gets wrong", 0, 0, 60,
      make_hard_scene},
     {"random", "every kind of geometry, drawn by lot: another seed is another scene", 20, 100'000, 20,

@@ -14,6 +14,7 @@ Scene make_many_scene(const CatalogueOptions& options);
 Scene make_boxes_scene(const CatalogueOptions& options);
 Scene make_city_scene(const CatalogueOptions& options);
 Scene make_octomap_scene(const CatalogueOptions& options);
+Scene make_hills_scene(const CatalogueOptions& options);
 Scene make_hard_scene(const CatalogueOptions& options);
 Scene make_random_scene(const CatalogueOptions& options);
 

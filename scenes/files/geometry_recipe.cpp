@@ -183,6 +183,8 @@ Terrain read_terrain(const Node& node, const fs::path& folder)
             if (two && cells.size() != 2) cells.fail("must be one number or two");
             const auto x = static_cast<std::uint32_t>((two ? cells[0] : cells).integer(1, most)),
                        y = static_cast<std::uint32_t>((two ? cells[1] : cells).integer(1, most));
+            if (std::uint64_t(x) * y > most_per_recipe)
+                cells.fail(fmt::format("{} x {} cells; at most {} in all", x, y, most_per_recipe));
             return make_hills(x, y, size(hills, "spacing"), size(hills, "height"), seed(hills));
         });
     }

@@ -40,7 +40,7 @@ TEST(Catalogue, ListsEverySceneOnceWithASummaryOfOneLine)
         EXPECT_LE(entry.name.size() + entry.summary.size(), 110u);
         EXPECT_EQ(entry.summary.find('\n'), std::string::npos);
     }
-    for (const char* name : {"paper", "paper-5k", "many", "boxes", "city", "octomap", "hard"})
+    for (const char* name : {"paper", "paper-5k", "many", "boxes", "city", "octomap", "hills", "hard"})
         EXPECT_TRUE(names.contains(name)) << name;
 }
 
@@ -130,12 +130,12 @@ TEST_P(EveryScene, RefusesAbsurdNumbers)
 TEST(Catalogue, NamesTheKnownScenesForAnUnknownOne)
 {
     expect_error(
-        ErrorKind::usage, [] { make_scene("papr"); }, "'papr'", "paper, paper-5k, many, boxes, city, octomap, hard");
+        ErrorKind::usage, [] { make_scene("papr"); }, "'papr'", "paper, paper-5k, many, boxes, city, octomap, hills, hard");
 }
 
 TEST(Catalogue, SeedsChangeRandomScenes)
 {
-    for (const char* name : {"many", "boxes", "city", "octomap"}) {
+    for (const char* name : {"many", "boxes", "city", "octomap", "hills"}) {
         CatalogueOptions options = small(name);
         const Scene a = make_scene(name, options);
         options.seed = 1;

@@ -257,6 +257,7 @@ TEST(TerrainFile, SceneFilesHaveTerrains)
     wrong(R"({"file": "hill.npy", "no_data": "none"})", "no_data");
     wrong(R"({"file": "hill.npy", "diagonal": "up"})", "rising");
     wrong(R"({"file": "hill.npy", "height": 3})", "unknown key");
+    wrong(R"({"hills": {"cells": [20000, 501], "spacing": 1, "height": 1}})", "10000000 in all");
     wrong(R"({"hills": {"cells": 30000, "spacing": 1, "height": 1}})", "cells");
 }
 

@@ -32,7 +32,8 @@ std::vector<Eigen::Vector3d> points_of(const Geometry& geometry)
     if (const auto* map = std::get_if<OccupancyMap>(&geometry.data))
         map->each_box([&](const Aabb& cell) { points.push_back(cell.centre()); });
     else if (const auto* terrain = std::get_if<Terrain>(&geometry.data))
-        points = mesh_of(*terrain).vertices;
+        for (const Mesh mesh = mesh_of(*terrain); const Triangle& t : mesh.triangles)
+            points.push_back(mesh.vertices[t[0]]);
     else if (const auto* hull = std::get_if<ConvexHull>(&std::get<Shape>(geometry.data)))
         points.push_back(hull->points.front());
     else

@@ -9,8 +9,9 @@ HeightRaster read_with_gdal(const std::filesystem::path& path)
 {
     check_readable(path);
     throw Error(ErrorKind::usage,
-                path.string() + ": this is a build without GDAL, which reads such files (ONCOLLIDE_GDAL=OFF): install "
-                                "Debian's libgdal-dev and configure again");
+                path.string() +
+                    ": this is a build without GDAL, which reads such files: install Debian's libgdal-dev and "
+                    "configure with -DONCOLLIDE_GDAL=ON");
 }
 
 } // namespace oncollide

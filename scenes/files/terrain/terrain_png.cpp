@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <memory>
 
 #define STB_IMAGE_IMPLEMENTATION
@@ -72,11 +74,15 @@ HeightRaster read_grey_png(const std::string& name, std::string_view bytes)
     if (colour != 0 || (bits != 8 && bits != 16))
         refuse(name, fmt::format("a PNG of colour type {} and {} bits; heights are grey (type 0), of 8 or 16 bits",
                                  colour, bits));
-    // Deflate packs at most 1032 bytes into one.
+    // Deflate packs at most 1032 bytes into one; a small file must not fill the memory all the same.
+    constexpr std::uint64_t most_of_small_files = 20'000'000, most_a_byte = 64;
     const std::uint64_t packed = check_chunks(name, bytes), samples = std::uint64_t(raster.columns) * raster.rows;
     if (samples == 0 || samples / 1032 > packed || bytes.size() > 0x7fffffff)
         refuse(name, fmt::format("{} x {} heights are announced; {} bytes cannot hold them", raster.columns,
                                  raster.rows, packed));
+    if (samples > std::max(most_of_small_files, most_a_byte * packed))
+        refuse(name, fmt::format("{} heights in {} bytes; at most {}, or {} a byte, are allowed", samples, packed,
+                                 most_of_small_files, most_a_byte));
     int width = 0, height = 0, channels = 0;
     const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
     const auto size = static_cast<int>(bytes.size());
