@@ -26,8 +26,7 @@ inline unsigned octants_at(const MapCell& cube, unsigned octants, const CellBox&
 } // namespace
 
 MapTree::MapTree(const OccupancyMap& map)
-    : map_(map), centre_(map.bounds().centre()), radius_(0.5 * map.bounds().diagonal() * (1 + 0x1p-50)),
-      top_(forked({map.cells().top(), CellTree::top_cube}))
+    : map_(map), centre_(map.bounds().centre()), radius_(0.5 * map.bounds().diagonal() * (1 + 0x1p-50))
 {
 }
 
@@ -52,7 +51,7 @@ MapTree::Node MapTree::forked(Node node) const
 
 MapTree::Node MapTree::child(const Node& node, unsigned lane) const
 {
-    if (node.cube.side == 0) return top_;
+    if (node.cube.side == 0) return forked({map_.cells().top(), CellTree::top_cube});
     return forked(below(node, lane));
 }
 

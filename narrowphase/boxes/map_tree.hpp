@@ -44,7 +44,6 @@ private:
     const OccupancyMap& map_;
     Eigen::Vector3d centre_;
     double radius_;
-    Node top_; ///< the deepest node that holds all cells
 };
 
 } // namespace oncollide

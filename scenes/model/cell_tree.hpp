@@ -1,6 +1,8 @@
 #pragma once
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -113,6 +115,8 @@ public:
     /// The octants of one node, while a tree is put together from its leaves up.
     class Octants {
     public:
+        Octants() = default;
+        Octants(std::uint8_t occupied, std::uint8_t free) { node_.occupied = occupied, node_.free = free; }
         void set(unsigned octant, CellState state);
         void set(unsigned octant, const Node& node); ///< becomes a state if all of it has one
 
