@@ -119,11 +119,10 @@ private:
         std::fill(std::begin(nearest_), std::end(nearest_), std::numeric_limits<float>::infinity());
         top_ = 0, far_ = false;
     }
-    void start(A& a, B& b, const RelativePose& b_to_a, const BoxFrame& frame, const typename A::Node& of_a = A::root,
-               const typename B::Node& of_b = B::root)
+    void start(A& a, B& b, const RelativePose& b_to_a, const BoxFrame& frame)
     {
-        begin(a, b, b_to_a, frame, of_b);
-        a_.open(of_a);
+        begin(a, b, b_to_a, frame);
+        a_.open(A::root);
         start_again();
     }
     /// From the roots, with what is open.
@@ -135,8 +134,17 @@ private:
     /// The same for what is within `cutoff`: of a large geometry only the surroundings of the other one.
     void start_near(A& a, B& b, const RelativePose& b_to_a, const BoxFrame& frame, double cutoff)
     {
+        const auto around = [&](const Eigen::Vector3d& centre, double radius) {
+            const double out = radius + cutoff + 2 * frame.box_rounding;
+            return Aabb{centre.array() - out, centre.array() + out};
+        };
+        const auto of_b = entry(b, [&] {
+            const Eigen::Vector3d between = a.centre() - b_to_a(b.centre());
+            return around(b.centre() + b_to_a.rotation.transpose() * between, a.radius());
+        });
+        begin(a, b, b_to_a, frame, of_b.node.value_or(B::root));
+        double gap = of_b.gap;
         if constexpr (requires(const Aabb& box) { a.starts(box, 0.0, starts_); }) {
-            begin(a, b, b_to_a, frame);
             const OpenBoxes& root = b_[0].boxes;
             Aabb box;
             for (int i = 0; i < 3; ++i) {
@@ -146,24 +154,17 @@ private:
                 box.min[i] = centre - half, box.max[i] = centre + half;
             }
             const auto far = static_cast<float>((cutoff + frame.box_rounding) * (1 + 0x1p-20));
-            const double gap = a.starts(box, root.size[0], starts_);
+            gap = std::min(gap, a.starts(box, root.size[0], starts_));
             for (const typename A::Node& node : starts_) compare<false>({0, 0, 0, 0, 0}, true, a_.open(node), far);
-            nearest_[0] = std::min(nearest_[0], static_cast<float>(cutoff + gap));
-            far_ = top_ == 0;
         } else {
-            const auto around = [&](const Eigen::Vector3d& centre, double radius) {
-                const double out = radius + cutoff + 2 * frame.box_rounding;
-                return Aabb{centre.array() - out, centre.array() + out};
-            };
             const auto of_a = entry(a, [&] { return around(b_to_a(b.centre()), b.radius()); });
-            const auto of_b = entry(b, [&] {
-                const Eigen::Vector3d between = a.centre() - b_to_a(b.centre());
-                return around(b.centre() + b_to_a.rotation.transpose() * between, a.radius());
-            });
-            start(a, b, b_to_a, frame, of_a.node.value_or(A::root), of_b.node.value_or(B::root));
-            nearest_[0] = static_cast<float>(cutoff + std::min(of_a.gap, of_b.gap));
-            if (!of_a.node || !of_b.node) top_ = 0;
+            a_.open(of_a.node.value_or(A::root));
+            gap = std::min(gap, of_a.gap);
+            if (of_a.node) stack_[top_++] = {0, 0, 0, 0, 0};
         }
+        nearest_[0] = std::min(nearest_[0], static_cast<float>(cutoff + gap));
+        if (!of_b.node) top_ = 0;
+        far_ = top_ == 0;
     }
     /// Where to start in a hierarchy for what is in box(): at its root unless it can tell.
     template <class Hierarchy>

@@ -116,7 +116,7 @@ private:
     /// Two bits a child: 00 none, 01 free, 10 occupied, 11 a node.
     CellTree::Node node(int depth)
     {
-        const unsigned bits = read<std::uint8_t>() | unsigned{read<std::uint8_t>()} << 8;
+        const unsigned first = read<std::uint8_t>(), bits = first | unsigned{read<std::uint8_t>()} << 8;
         if (bits == 0) source_.fail("damaged: an inner node without children");
         if (depth >= tree_depth) too_deep();
         const unsigned low = evens(bits), high = evens(bits >> 1), inner = low & high;

@@ -63,9 +63,9 @@ void load(const fs::path& file)
             if (!why_not_rigid(pose).empty()) fault("a pose that is not rigid");
     } else if (ending == ".bt" || ending == ".ot") {
         check(load_octomap(file));
+        check(load_octomap(file, {.unknown_is_occupied = true}));
     } else if (ending == ".pgm" || ending == ".png" || ending == ".npy") {
         check(mesh_of(load_terrain(file, {.no_data = 7})));
-        check(load_octomap(file, {.unknown_is_occupied = true}));
     } else if (ending == ".poses") {
         auto poses = tools::read_poses(file);
         tools::read_expected(file.parent_path() / "expected", poses);

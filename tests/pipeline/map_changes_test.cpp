@@ -204,5 +204,19 @@ TEST(MapChanges, ThatMakeNoSenseChangeNothing)
     EXPECT_EQ(world.map(map).count(), small_map().count());
 }
 
+TEST(MapChanges, ThatAreRefusedLeaveTheAnswersAsTheyWere)
+{
+    Place place({.exact = ExactLevel::predicates}, small_map());
+    const Aabb everything{Vector3d::Constant(-1e9), Vector3d::Constant(1e9)};
+    for (int round = 0; round < 5; ++round) {
+        const std::vector<Vector3d> cell{{0.3 * round, 1.1, 0.6}};
+        place.world.set_cells(place.models[0], cell, CellState::occupied);
+        const Outcome before = outcome_of(place.world);
+        EXPECT_FALSE(before.empty());
+        EXPECT_THROW(place.world.set_cells(place.models[0], everything, CellState::unknown), Error);
+        EXPECT_EQ(outcome_of(place.world), before);
+    }
+}
+
 } // namespace
 } // namespace oncollide
