@@ -65,7 +65,8 @@ Row row_of(const EnvironmentOptions& o, const EnvironmentScene& which, const Dia
     CompareOptions race_options;
     race_options.repeats = 1, race_options.cold_runs = o.cold_runs;
     SceneRuns runs = race(race_options, dial.settings, scene);
-    Row row{.environment = which.environment, .bodies_of = which.bodies_of, .error = dial.text};
+    Row row;
+    row.environment = which.environment, row.bodies_of = which.bodies_of, row.error = dial.text;
     const auto warm_up = std::size_t(std::min(o.warm_up, scene.frames - 1));
     const double frames = double(runs.rows.size() - warm_up);
     for (std::size_t i = 0; i < runs.rows.size(); ++i) {
@@ -134,8 +135,6 @@ int bench_environment(const EnvironmentOptions& o)
     const std::vector<Dial> dials = dials_of(o);
     std::vector<EnvironmentScene> scenes;
     for (const std::string& environment : split(o.environments)) {
-        if (std::ranges::count(environment_names(), environment) == 0)
-            make_environment_scene({.environment = environment}); // says which there are
         for (const std::string& bodies_of : split(o.bodies_of))
             scenes.push_back({environment, bodies_of, o.bodies, o.frames, o.cells, o.seed, data_folder(o.data)});
     }

@@ -28,12 +28,14 @@ GeometryData environment_of(const EnvironmentScene& which)
             usage(fmt::format("environment '{}': needs the data folder; give --data or set ONCOLLIDE_DATA", name));
         return which.data / place;
     };
+    const auto& names = environment_names();
+    if (std::ranges::count(names, name) == 0)
+        usage(fmt::format("--environments {}: valid are {}", name, fmt::join(names, ", ")));
     if (name == "building") return make_building_map(30, 0.06, which.seed);
     if (name == "hills") return make_hills(cells, cells, 1, relief, which.seed);
     if (name == "hills-mesh") return mesh_of(make_hills(cells, cells, 1, relief, which.seed));
     if (name == "campus") return load_octomap(file("octomap/fr_campus.bt"));
-    if (name == "st-helens") return load_terrain(file("terrain/SainteHelens.dem"));
-    usage(fmt::format("--environments {}: valid are {}", name, fmt::join(environment_names(), ", ")));
+    return load_terrain(file("terrain/SainteHelens.dem"));
 }
 
 /// Some points of its surface, spread over all of it.
