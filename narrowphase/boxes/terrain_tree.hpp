@@ -2,7 +2,6 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <ranges>
 #include <vector>
 
 #include <oncollide/narrowphase/boxes/hierarchy.hpp>
@@ -49,13 +48,21 @@ public:
         const std::uint32_t below = node.level - 1;
         return {block.x * wide(below), block.y * high(below), below, false};
     }
+    /// One or two triangles, by number.
+    struct Primitives {
+        std::array<std::uint32_t, 2> numbers;
+        std::uint32_t count;
+
+        const std::uint32_t* begin() const { return numbers.data(); }
+        const std::uint32_t* end() const { return numbers.data() + count; }
+    };
     /// Of a cell, or of one of its triangles.
-    auto primitives(const Node& node, unsigned lane) const
+    Primitives primitives(const Node& node, unsigned lane) const
     {
         const bool one = node.level == triangles;
         const Block cell = one ? Block{node.x, node.y} : block_of(node, lane);
         const std::uint32_t first = 2 * (cell.y * terrain_.cells_x() + cell.x) + (one ? lane : 0);
-        return std::views::iota(first, first + (one ? 1 : 2));
+        return {{first, first + 1}, one ? 1u : 2u};
     }
     TrianglePoints points(std::uint32_t triangle) const
     {
