@@ -202,7 +202,7 @@ LaneMasks TerrainTree::open_cell(const Node& node, const BoxPlacement* placement
     for (auto& axis : boxes.axis)
         for (auto& component : axis) std::fill_n(component, 8, 0.0f);
     for (unsigned k = 0; k < 2; ++k) {
-        TrianglePoints t = points(primitives(node, k).front());
+        TrianglePoints t = points(primitives(node, k).numbers[0]);
         for (Eigen::Vector3d& p : t) p -= centre_;
         const OrientedBox box = fit_box({&t, 1});
         put(boxes, k, box.centre.cast<float>(), box.axes.cast<float>(), box.half.cast<float>(), placement);

@@ -53,6 +53,7 @@ public:
         std::array<std::uint32_t, 2> numbers;
         std::uint32_t count;
 
+        std::uint32_t operator[](std::size_t k) const { return numbers[k]; }
         const std::uint32_t* begin() const { return numbers.data(); }
         const std::uint32_t* end() const { return numbers.data() + count; }
     };

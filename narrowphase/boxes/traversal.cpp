@@ -109,14 +109,16 @@ template <class A, class B>
 void TraversalOf<A, B>::all_meeting(A& a, B& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out,
                                     CommonCorners& corners) requires two_meshes<A, B>
 {
-    corners.of_a.assign(a.mesh().triangles.size(), 0), corners.of_b.assign(b.mesh().triangles.size(), 0);
-    const Tests& triangles = walk_.leaves();
-    collect(a, b, b_to_a, out, [&](TrianglePair pair) {
-        const auto corner = only_common_corner(triangles.points_a(pair.a), triangles.points_b(pair.b));
-        if (!corner) return false;
-        corners.of_a[pair.a] |= 1u << corner->a, corners.of_b[pair.b] |= 1u << corner->b;
-        return true;
-    });
+    if constexpr (two_meshes<A, B>) { // Clang 14 instantiates it all the same
+        corners.of_a.assign(a.mesh().triangles.size(), 0), corners.of_b.assign(b.mesh().triangles.size(), 0);
+        const Tests& triangles = walk_.leaves();
+        collect(a, b, b_to_a, out, [&](TrianglePair pair) {
+            const auto corner = only_common_corner(triangles.points_a(pair.a), triangles.points_b(pair.b));
+            if (!corner) return false;
+            corners.of_a[pair.a] |= 1u << corner->a, corners.of_b[pair.b] |= 1u << corner->b;
+            return true;
+        });
+    }
 }
 
 template <class A, class B>
