@@ -1,5 +1,7 @@
 #include <oncollide/pipeline/refine/placed_pair.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace oncollide {
@@ -9,9 +11,11 @@ namespace {
 /// How much longer or shorter the pose makes lengths at most, relative; 0 of quarter turns.
 double stretch(const Eigen::Isometry3d& pose)
 {
-    const Eigen::Matrix3d error = pose.linear().transpose() * pose.linear() - Eigen::Matrix3d::Identity();
-    if (error.isZero(0) && (pose.linear().array().square() == pose.linear().array().abs()).all()) return 0;
-    return 3 * error.cwiseAbs().maxCoeff() + 0x1p-50;
+    const Eigen::Vector3d x = pose.linear().col(0), y = pose.linear().col(1), z = pose.linear().col(2);
+    const double lengths = std::max({std::abs(x.dot(x) - 1), std::abs(y.dot(y) - 1), std::abs(z.dot(z) - 1)});
+    const double angles = std::max({std::abs(x.dot(y)), std::abs(y.dot(z)), std::abs(z.dot(x))});
+    if (lengths == 0 && angles == 0 && (pose.linear().array().square() == pose.linear().array().abs()).all()) return 0;
+    return 3 * std::max(lengths, angles) + 0x1p-50;
 }
 
 } // namespace
