@@ -118,9 +118,10 @@ Vector3d HalfSpacePair::lowest(double enough) const
     }
     if (body_.terrain()) {
         TerrainTree& heights = body_.heights();
-        return Lowest(heights, to_plane_, enough, [&](std::uint32_t triangle, auto& take) {
-                   for (const Vector3d& p : heights.points(triangle)) take(p);
-               })
+        return Lowest(heights, to_plane_, enough,
+                      [&](std::uint32_t triangle, auto& take) {
+                          for (const Vector3d& p : heights.points(triangle)) take(p);
+                      })
             .point();
     }
     const Mesh& mesh = *body_.mesh();

@@ -11,8 +11,8 @@
 
 namespace oncollide {
 
-/// The leaf tests of a round shape, A, against the triangles of a mesh or a terrain (see hierarchy.hpp). What is certain
-/// counts as meeting or as apart; pairs in between, that rounding hides, are counted by open_bound().
+/// The leaf tests of a round shape, A, against the triangles of a mesh or a terrain (see hierarchy.hpp). What is
+/// certain counts as meeting or as apart; pairs in between, that rounding hides, are counted by open_bound().
 template <class Tree>
 class ShapeTriangleTests {
 public:

@@ -117,8 +117,7 @@ RefineResult decide_near(Walk& walk, A& a, B& b, const PlacedPair& placed, doubl
 {
     prepare(walk, placed.slack, true);
     const double out = off * (1 + placed.slack);
-    const auto found =
-        walk.near(a, b, placed.b_to_a, clearance + out, tolerance, hint_of<typename Walk::Pair>(memory));
+    const auto found = walk.near(a, b, placed.b_to_a, clearance + out, tolerance, hint_of<typename Walk::Pair>(memory));
     remember(memory, found.witness);
     if (!found.near && !holds(a, b))
         return {Verdict::separate, ContactKind::unknown, std::max({found.bound - out, clearance, 0x1p-1000})};
@@ -152,7 +151,8 @@ ConvexDistance distance_by(Walk& walk, A& a, B& b, const PlacedPair& placed, dou
 {
     prepare(walk, placed.slack, false);
     const auto found = walk.distance(a, b, placed.b_to_a, tolerance, (farthest + off) * (1 + 4 * rigid));
-    ConvexDistance d{std::max(found.lower * (1 - placed.slack) - off, 0.0), found.upper * (1 + placed.slack) + off, {}, {}};
+    ConvexDistance d{
+        std::max(found.lower * (1 - placed.slack) - off, 0.0), found.upper * (1 + placed.slack) + off, {}, {}};
     if (!found.nearest) return d;
     const Primitive of_a(a, found.nearest->a), of_b(b, found.nearest->b);
     const ConvexDistance points = ConvexPair(of_a.solid, of_b.solid, placed.b_to_a, placed.slack).distance({});

@@ -34,8 +34,8 @@ public:
     /// Of bodies that do not meet, surfaces too: separate beyond the clearance, or near.
     RefineResult within_clearance(const RefineContext& context, const PairTask& task);
 
-    /// Bounds on the distance of any pair but two surfaces, as World::distance() says, and the two nearest points in the
-    /// world. Of bodies farther apart than `farthest` the upper bound is infinite.
+    /// Bounds on the distance of any pair but two surfaces, as World::distance() says, and the two nearest points in
+    /// the world. Of bodies farther apart than `farthest` the upper bound is infinite.
     ConvexDistance distance(const PairTask& task, double tolerance, double farthest);
 
     /// Does a shape with a volume, one of the two, enclose a part of the other? Their surfaces are apart.

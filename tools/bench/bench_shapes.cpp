@@ -119,7 +119,7 @@ private:
                     results_[i].fcl = fcl_contacts({p.a->fcl, p.pose_a}, {p.b->fcl, p.pose_b}) > 0;
                 else
                     results_[i].ours =
-                        solids_.exact(context_, {0, p.a->model.get(), p.b->model.get(), &p.pose_a, &p.pose_b});
+                        solids_.exact(context_, {0, p.a->model.get(), p.b->model.get(), &p.pose_a, &p.pose_b}, nullptr);
             }
             (fcl ? row.fcl_ns : row.ours_ns) += 1e6 * milliseconds_since(from);
         }
