@@ -33,7 +33,8 @@ private:
         const LaneMasks masks = tree_.open(node, nullptr, boxes);
         std::array<std::pair<double, unsigned>, 8> lanes;
         unsigned count = 0;
-        for (unsigned k = 0; k < 8 && boxes.c[0][k] < 1e29f; ++k) lanes[count++] = {low(boxes, k), k};
+        for (unsigned k = 0; k < 8; ++k)
+            if (boxes.c[0][k] < 1e29f) lanes[count++] = {low(boxes, k), k}; // others hold no box
         std::sort(lanes.begin(), lanes.begin() + count);
         for (unsigned i = 0; i < count; ++i) {
             const auto [low, k] = lanes[i];
