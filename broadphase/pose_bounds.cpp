@@ -51,7 +51,33 @@ struct RotatedHalf {
         return r.col(2).cwiseAbs() * (0.5 * c.length) + across * c.radius;
     }
     Eigen::Vector3d operator()(const ConvexHull&) const { return {}; } // not called: has points
+    Eigen::Vector3d operator()(const Ellipsoid& e) const
+    {
+        return (r.array().square().matrix() * e.semi_axes.array().square().matrix()).cwiseSqrt() * (1 + 1e-15);
+    }
+    Eigen::Vector3d operator()(const Cone&) const { return {}; }      // not called: its box is not about its centre
+    Eigen::Vector3d operator()(const HalfSpace&) const { return {}; } // not called: has no end
 };
+
+/// About a cone's centre: of its apex and its base.
+Aabb cone_box(const Cone& cone, const Eigen::Matrix3d& r)
+{
+    const Eigen::Vector3d apex = 0.5 * cone.length * r.col(2), disc = RotatedHalf{r}(Cylinder{cone.radius, 0});
+    return {apex.cwiseMin(-apex - disc), apex.cwiseMax(-apex + disc)};
+}
+
+/// Of a half-space: all space, but for what is certainly outside of one that a quarter turn moved.
+Aabb half_space_box(const Eigen::Isometry3d& pose)
+{
+    constexpr double end = half_space_end;
+    Aabb box{Eigen::Vector3d::Constant(-end), Eigen::Vector3d::Constant(end)};
+    const Eigen::Vector3d normal = pose.linear().col(2), at = pose.translation();
+    for (int axis = 0; axis < 3; ++axis) {
+        if (normal[(axis + 1) % 3] != 0 || normal[(axis + 2) % 3] != 0) continue;
+        (normal[axis] > 0 ? box.max : box.min)[axis] = at[axis];
+    }
+    return box;
+}
 
 /// The vertices that support a geometry's box, if it has any; null: it has a closed form.
 const std::vector<Eigen::Vector3d>* points_of(const GeometryData& geometry)
@@ -121,6 +147,8 @@ void PoseBounds::expect(std::uint64_t boxes)
 
 Aabb PoseBounds::box(const Eigen::Isometry3d& pose) const
 {
+    const auto* shape = std::get_if<Shape>(&geometry_);
+    if (shape && std::holds_alternative<HalfSpace>(*shape)) return half_space_box(pose);
     const Eigen::Matrix3d r = pose.linear();
     const Eigen::Vector3d centre = pose * centre_;
     const Eigen::Vector3d slack = Eigen::Vector3d::Constant(slack_ + rounding_of(pose, centre_));
@@ -132,13 +160,18 @@ Aabb PoseBounds::box(const Eigen::Isometry3d& pose) const
         const Eigen::Vector3d low(lo[0], lo[1], lo[2]), high(hi[0], hi[1], hi[2]);
         return around(centre + 0.5 * (low + high), 0.5 * (high - low) + slack);
     }
-    const auto* shape = std::get_if<Shape>(&geometry_);
+    if (const auto* cone = shape ? std::get_if<Cone>(shape) : nullptr) {
+        const Aabb box = cone_box(*cone, r);
+        return around(centre + box.centre(), box.half_extent() + slack);
+    }
     if (shape && !points_of(geometry_)) return around(centre, std::visit(RotatedHalf{r}, *shape) + slack);
     return around(centre, r.cwiseAbs() * half_ + slack);
 }
 
 Aabb PoseBounds::sphere_box(const Eigen::Isometry3d& pose) const
 {
+    if (const auto* shape = std::get_if<Shape>(&geometry_); shape && std::holds_alternative<HalfSpace>(*shape))
+        return half_space_box(pose);
     const double radius = radius_ + slack_ + rounding_of(pose, centre_);
     return around(pose * centre_, Eigen::Vector3d::Constant(radius));
 }

@@ -10,19 +10,25 @@ const BoundingMesh& Model::bounding_mesh() const
     return *bounding_mesh_;
 }
 
-const ShapeCore& Model::core() const
+const Mesh& Model::polytope() const
 {
-    std::call_once(core_once_, [this] { core_ = core_of(*shape()); });
-    return *core_;
+    std::call_once(polytope_once_, [this] { polytope_ = surface_of_polytope(*shape()); });
+    return polytope_;
 }
 
 const Convex& Model::convex() const
 {
     std::call_once(convex_once_, [this] {
         const bool hull = std::holds_alternative<ConvexHull>(*shape());
-        convex_ = hull ? convex_of_hull(core().inner) : convex_of(*shape());
+        convex_ = hull ? convex_of_hull(polytope()) : convex_of(*shape());
     });
     return convex_;
+}
+
+const ShapeTree& Model::round_tree() const
+{
+    std::call_once(round_tree_once_, [this] { round_tree_.emplace(convex(), bounds_of(*shape())); });
+    return *round_tree_;
 }
 
 MapTree& Model::cells() const

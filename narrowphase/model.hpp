@@ -15,7 +15,8 @@
 #include <oncollide/narrowphase/exact/exact_fcl.hpp>
 #include <oncollide/narrowphase/inside/parts.hpp>
 #include <oncollide/narrowphase/solids/convex.hpp>
-#include <oncollide/narrowphase/solids/shape_core.hpp>
+#include <oncollide/narrowphase/solids/polytope_surface.hpp>
+#include <oncollide/narrowphase/solids/shape_tree.hpp>
 #include <oncollide/narrowphase/spheres/ocst.hpp>
 #include <oncollide/narrowphase/spheres/surface.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>
@@ -46,12 +47,15 @@ public:
     const BoundingMesh& bounding_mesh() const;
     /// How far the surface that trees are built over may lie outside the geometry (m): 0 but for shapes.
     double covering_error() const { return shape() ? bounding_mesh().covering_error : 0.0; }
-    /// What exact tests of a shape run on. The model must be a shape.
-    const ShapeCore& core() const;
-    /// The shape as pairs of shapes take it. The model must be a shape.
+    bool is_half_space() const { return shape() && std::holds_alternative<HalfSpace>(*shape()); }
+    /// Is it a mesh, a box or a hull, whose triangles tell exactly?
+    bool has_triangles() const { return mesh() || (shape() && is_polytope(*shape())); }
+    /// The shape as tests without trees take it. The model must be a shape, and no half-space.
     const Convex& convex() const;
-    /// What trees of oriented boxes are built over: the mesh, or the core of a shape; null for a map or a terrain.
-    const Mesh* surface_mesh() const { return shape() ? &core().inner : mesh(); }
+    /// The shape as one primitive for walks. The model must be a shape that is neither polytope nor half-space.
+    const ShapeTree& round_tree() const;
+    /// What trees of oriented boxes are built over: the mesh, or the surface of a box or a hull; null: there is none.
+    const Mesh* surface_mesh() const { return !has_triangles() ? nullptr : shape() ? &polytope() : mesh(); }
     /// The octree of a map. The model must be a map.
     MapTree& cells() const;
     /// The quadtree of a terrain. The model must be a terrain.
@@ -64,8 +68,8 @@ public:
 
     /// Is it a mesh in which every edge is shared by two triangles that run along it in opposite directions?
     bool closed() const;
-    /// Has surface_mesh() an inside? That of a closed mesh, of a box, a hull or a cylinder.
-    bool has_inside() const { return shape() ? core().has_volume() : closed(); }
+    /// Has surface_mesh() an inside? That of a closed mesh, of a box or a hull.
+    bool has_inside() const { return shape() ? is_polytope(*shape()) : closed(); }
     /// Connected parts, each by points of it; none of a map.
     std::span<const PartPoints> parts() const;
     /// visit(part) until it returns true, for all parts that may be in a box, at least. Returns whether it did.
@@ -78,18 +82,20 @@ public:
     std::uint32_t number = 0;       ///< by which backends know its sphere-tree
     std::unique_ptr<Ocst> spheres;  ///< the sphere-tree; null until a test reaches it
     std::unique_ptr<ObbTree> boxes; ///< the hierarchy of oriented boxes of surface_mesh(); null until a test reaches it
-    std::unique_ptr<ObbTree> outer_boxes; ///< of the core's outer mesh, where it has one; made with `boxes`
     /// Frame in which a pair last needed it.
     std::atomic<std::uint32_t> boxes_used = 0;
 
 private:
+    const Mesh& polytope() const;
+
     std::shared_ptr<const Geometry> geometry_;
     PoseBounds bounds_;
-    mutable std::once_flag bounding_mesh_once_, closed_once_, parts_once_, fcl_once_, core_once_, convex_once_,
-        cells_once_, heights_once_;
+    mutable std::once_flag bounding_mesh_once_, closed_once_, parts_once_, fcl_once_, polytope_once_, convex_once_,
+        round_tree_once_, cells_once_, heights_once_;
     mutable std::optional<BoundingMesh> bounding_mesh_;
-    mutable std::optional<ShapeCore> core_;
+    mutable Mesh polytope_;
     mutable Convex convex_;
+    mutable std::optional<ShapeTree> round_tree_;
     mutable std::unique_ptr<MapTree> cells_;
     mutable std::unique_ptr<TerrainTree> heights_;
     mutable bool closed_ = false;

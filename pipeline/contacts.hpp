@@ -31,6 +31,9 @@ struct Distance {
     double lower = 0, upper = std::numeric_limits<double>::infinity(); ///< certified bounds, metres; both 0 where they
                                                                        ///< meet; upper infinite if it was not requested
     std::uint32_t triangle_a = 0, triangle_b = 0; ///< of two meshes: a pair at most `upper` apart, where that is finite
+    /// The two nearest points, in the world, where `upper` is finite: on the bodies, and `upper` apart, but for
+    /// rounding and the tolerance; one point of both where they meet.
+    Eigen::Vector3d point_a = Eigen::Vector3d::Zero(), point_b = Eigen::Vector3d::Zero();
 };
 
 // --- Two meshes at two poses, in one line. Poses are rigid: body frame to world, metres.

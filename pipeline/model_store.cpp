@@ -11,7 +11,7 @@ namespace {
 /// Of its trees of oriented boxes.
 std::uint64_t nodes_of(const Model& model)
 {
-    return model.boxes->nodes() + (model.outer_boxes ? model.outer_boxes->nodes() : 0);
+    return model.boxes->nodes();
 }
 
 } // namespace
@@ -117,11 +117,7 @@ Ocst& ModelStore::spheres(Model& model, double max_error)
 ModelStore::Room ModelStore::all_grown(const Model& model)
 {
     Room room;
-    const auto add = [&](const Mesh& mesh) {
-        room.nodes += ObbTree::most_nodes(mesh), room.bytes += ObbTree::most_bytes(mesh);
-    };
-    add(*model.surface_mesh());
-    if (model.shape() && model.core().outer) add(*model.core().outer);
+    room.nodes = ObbTree::most_nodes(*model.surface_mesh()), room.bytes = ObbTree::most_bytes(*model.surface_mesh());
     return room;
 }
 
@@ -131,6 +127,7 @@ bool ModelStore::admit_boxes(Model& model, std::uint32_t frame)
     if (model.boxes) return true;
     if (model.map()) return model.cells(), true;
     if (model.terrain()) return model.heights(), true;
+    if (!model.has_triangles()) return true;
     const auto left = [](auto budget, auto held) -> decltype(budget) {
         if (budget == 0) return std::numeric_limits<decltype(budget)>::max();
         return budget > held ? budget - held : 0;
@@ -153,7 +150,6 @@ ObbTree& ModelStore::boxes(Model& model, std::uint32_t frame)
 void ModelStore::make_boxes(Model& model, const Room& room)
 {
     model.boxes = std::make_unique<ObbTree>(*model.surface_mesh());
-    if (model.shape() && model.core().outer) model.outer_boxes = std::make_unique<ObbTree>(*model.core().outer);
     with_boxes_.push_back(&model);
     reserved_.nodes += room.nodes, reserved_.bytes += room.bytes;
 }
@@ -243,7 +239,7 @@ std::uint64_t ModelStore::drop_boxes(Model& model)
     const Room less = all_grown(model);
     reserved_.nodes -= less.nodes, reserved_.bytes -= less.bytes;
     const std::uint64_t dropped = nodes_of(model);
-    model.boxes.reset(), model.outer_boxes.reset();
+    model.boxes.reset();
     return dropped;
 }
 
@@ -310,8 +306,7 @@ std::size_t ModelStore::bytes() const
 {
     std::size_t sum = sphere_bytes();
     for (const Slot& slot : slots_) sum += slot.model ? slot.model->heights_bytes() : 0;
-    for (const Model* model : with_boxes_)
-        sum += model->boxes->bytes() + (model->outer_boxes ? model->outer_boxes->bytes() : 0);
+    for (const Model* model : with_boxes_) sum += model->boxes->bytes();
     return sum;
 }
 

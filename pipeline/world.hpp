@@ -174,10 +174,10 @@ public:
     std::vector<Contact> contacts(BodyId a, BodyId b) const;
     /// The same for many pairs, on up to Settings::threads threads. Overwrites `lists`.
     void contacts(std::span<const PairOfBodies> pairs, ContactLists& lists) const;
-    /// Certified bounds on the distance of two bodies, to `tolerance` (m, >= 0) besides rounding and, of curved shapes,
-    /// the covering error of their bounding meshes. Bodies farther apart than `farthest` get only a lower bound above
-    /// that. Solids that overlap, and closed meshes in solid mode, are 0 apart. Throws Error{usage} for maps, which
-    /// have no distances yet, and for a tolerance or a limit that is negative or no number.
+    /// Certified bounds on the distance of two bodies of any kind, to `tolerance` (m, >= 0) besides rounding, and the
+    /// two nearest points. Bodies farther apart than `farthest` get only a lower bound above that. Solids that overlap
+    /// (shapes, cells of maps, and closed meshes in solid mode) are 0 apart. Throws Error{usage} for a tolerance or a
+    /// limit that is negative or no number.
     Distance distance(BodyId a, BodyId b, double tolerance = 0,
                       double farthest = std::numeric_limits<double>::infinity()) const;
 

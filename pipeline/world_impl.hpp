@@ -34,6 +34,7 @@ struct World::Impl {
         RefineContext context;
         ContactFinding contacts;
         PointLocator locator;
+        SolidPairs solids;
         std::vector<Aabb> boxes;
         std::vector<BoxHit> hits;
         std::vector<PairTask> tasks;
@@ -63,7 +64,7 @@ struct World::Impl {
 
     bool runs(std::string_view stage) const;
     bool is_solid(const Model& model) const;
-    void need_surface(std::uint32_t slot, const char* what, bool shapes);
+    void need_surface(std::uint32_t slot);
     /// Hands what changed to the broad phase and makes the boxes that are out of date.
     void take_in_changes();
     void find_events();

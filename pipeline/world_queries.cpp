@@ -225,15 +225,13 @@ std::string_view kind_of(const Model& model)
 
 } // namespace
 
-/// Makes the hierarchy of the surface that contacts and distances are measured on: a mesh, a terrain, the core of a
-/// shape.
-void World::Impl::need_surface(std::uint32_t slot, const char* what, bool shapes)
+/// Makes the hierarchy of the surface that contacts are found on: a mesh's, or a terrain's.
+void World::Impl::need_surface(std::uint32_t slot)
 {
     Model& model = bodies.model(slot);
-    if (model.map() || (model.shape() && !shapes))
-        throw Error(ErrorKind::usage,
-                    fmt::format("{}: {} is {}; {} can be had of meshes{}", what, label(slot), kind_of(model), what,
-                                shapes ? ", terrains and shapes" : " and terrains"));
+    if (!model.mesh() && !model.terrain())
+        throw Error(ErrorKind::usage, fmt::format("contacts: {} is {}; contacts can be had of meshes and terrains",
+                                                  label(slot), kind_of(model)));
     const std::lock_guard lock(guard);
     if (!model.terrain())
         models.boxes(model, frame.number);
@@ -253,7 +251,7 @@ void World::contacts(std::span<const PairOfBodies> pairs, ContactLists& lists) c
 {
     Impl& p = *impl_;
     for (const PairOfBodies& pair : pairs)
-        for (const BodyId body : {pair.a, pair.b}) p.need_surface(p.slot_of(body), "contacts", false);
+        for (const BodyId body : {pair.a, pair.b}) p.need_surface(p.slot_of(body));
     p.in_parts<Contact>(
         pairs, 16, lists.contacts, lists.ends, [&](auto& worker, const PairOfBodies& pair, auto& found) {
             const std::uint32_t a = pair.a.slot, b = pair.b.slot;
@@ -266,25 +264,24 @@ Distance World::distance(BodyId body_a, BodyId body_b, double tolerance, double 
     Impl& p = *impl_;
     check_distance(tolerance, farthest);
     const std::uint32_t a = p.slot_of(body_a), b = p.slot_of(body_b);
-    for (const std::uint32_t slot : {a, b}) p.need_surface(slot, "distance", true);
-    Model &model_a = p.bodies.model(a), &model_b = p.bodies.model(b);
-    const Eigen::Isometry3d &pose_a = p.bodies.pose(a), &pose_b = p.bodies.pose(b);
-    // The cores of shapes: the balls around them are nearer, and no point is farther outside them than the error.
-    double radius = 0, error = 0, off = 0; // heights may be off in either direction
-    for (const Model* model : {&model_a, &model_b}) {
-        if (model->shape()) radius += model->core().radius, error += model->core().error;
-        if (model->terrain()) off += model->terrain()->error();
+    const PairTask task{0, &p.bodies.model(a), &p.bodies.model(b), &p.bodies.pose(a), &p.bodies.pose(b)};
+    {
+        const std::lock_guard lock(p.guard);
+        for (Model* model : {task.a, task.b})
+            if (model->has_triangles()) p.models.boxes(*model, p.frame.number);
     }
     Impl::Borrowed worker(p);
-    Distance found =
-        worker->contacts.distance(model_a, pose_a, model_b, pose_b, tolerance, farthest + radius + error + off);
-    found.lower = std::max(0.0, found.lower * (1 - 0x1p-50) - radius - error - off);
-    found.upper = std::max(0.0, found.upper * (1 + 0x1p-50) - radius + off);
-    if (found.lower > 0 && (p.is_solid(model_a) || p.is_solid(model_b))) {
-        const PairTask task{0, &model_a, &model_b, &pose_a, &pose_b};
-        if (one_holds_the_other(task, worker->locator,
-                                [&](const Model& m) { return p.is_solid(m) ? m.boxes.get() : nullptr; }))
-            found = {0, 0, 0, 0};
+    Distance found;
+    if (is_surface(*task.a) && is_surface(*task.b)) {
+        found = worker->contacts.distance(*task.a, *task.pose_a, *task.b, *task.pose_b, tolerance, farthest);
+    } else {
+        const ConvexDistance d = worker->solids.distance(task, tolerance, farthest);
+        found = {.lower = d.lower, .upper = d.upper, .point_a = d.on_a, .point_b = d.on_b};
+    }
+    if (found.lower > 0) {
+        if (const auto inside = one_holds_the_other(
+                task, worker->locator, [&](const Model& m) { return p.is_solid(m) ? m.boxes.get() : nullptr; }))
+            found = {.lower = 0, .upper = 0, .point_a = *inside, .point_b = *inside};
     }
     return found;
 }

@@ -243,6 +243,21 @@ private:
         return go_on;
     }
     bool test_if_enough(std::size_t& batch, auto found);
+    /// Bounds on the distance of primitives that do not meet, and from the nearest point of A's to that of B's.
+    struct Nearest {
+        double lower, upper;
+        Eigen::Vector3d between;
+    };
+    Nearest nearest(const Pair& pair, const BoxFrame& frame)
+    {
+        if constexpr (requires { leaves_.bounds(pair); }) {
+            const auto found = leaves_.bounds(pair);
+            return {found.lower, found.upper, found.on_b - found.on_a};
+        } else {
+            const NearestPoints found = leaves_.nearest(pair);
+            return {found.distance - frame.leaf_rounding, found.distance + frame.leaf_rounding, found.b - found.a};
+        }
+    }
     double least_box_gap(const BoxFrame& frame) const
     {
         double least = infinity;
@@ -397,9 +412,13 @@ NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const 
         if (small || clearance > 0) {
             if (leaves_.most(pair) <= enough) return take(pair);
             if (clearance > 0) {
-                const double distance = leaves_.distance(pair);
-                if (distance - rounding <= clearance || leaves_.meet(pair)) return take(pair);
-                lower = std::min(lower, distance - rounding);
+                const Nearest found = nearest(pair, frame);
+                const double least = found.lower - 0x1p-18 * clearance;
+                if (least <= clearance || leaves_.meet(pair)) {
+                    result.bound = std::max(result.bound, found.upper);
+                    return take(pair);
+                }
+                lower = std::min(lower, least);
                 return true;
             }
         }
@@ -483,11 +502,11 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
             best = {0, 0, pair};
             return false;
         }
-        const NearestPoints points = leaves_.nearest(pair);
-        last_line = direction(points.b - points.a);
-        const double lower = points.distance - frame.leaf_rounding, upper = points.distance + frame.leaf_rounding;
-        best.lower = std::min(best.lower, lower);
-        if (upper < best.upper && lower <= farthest) best.upper = upper, best.nearest = pair, line_ = last_line;
+        const Nearest points = nearest(pair, frame);
+        last_line = direction(points.between);
+        best.lower = std::min(best.lower, points.lower);
+        if (points.upper < best.upper && points.lower <= farthest)
+            best.upper = points.upper, best.nearest = pair, line_ = last_line;
         return true;
     };
     start(a, b, b_to_a, frame);

@@ -74,7 +74,8 @@ concept BoxHierarchy = requires(H& h, const H& same, typename H::Node node, unsi
 /// - `least_gap(rounding)`: at least so far apart are the pairs that meeting() saw and did not find, since start(); > 0
 ///   where doubles can express it. Distances by `distance` err by at most `rounding`.
 /// - `meet(pair)`, exactly; `distance(pair)` of a pair that does not meet; `most(pair)`, a cheap upper bound on it;
-///   `nearest(pair)`: the nearest points.
+///   `nearest(pair)`: the nearest points, or, where rounding may put the distance farther off, `bounds(pair)` as
+///   ConvexDistance has them.
 /// - `high_a(primitive, line)`, `low_b(primitive, line)`: the most and the least that points of theirs show along a
 ///   line. Cheap: they bound distances.
 template <class L, class A, class B>

@@ -33,6 +33,9 @@ struct ShapeModel {
     ModelPtr operator()(const Box& b) const { return std::make_shared<fcl::Boxd>(fcl::Vector3d(2 * b.half)); }
     ModelPtr operator()(const Capsule& c) const { return std::make_shared<fcl::Capsuled>(c.radius, c.length); }
     ModelPtr operator()(const Cylinder& c) const { return std::make_shared<fcl::Cylinderd>(c.radius, c.length); }
+    ModelPtr operator()(const Ellipsoid& e) const { return std::make_shared<fcl::Ellipsoidd>(e.semi_axes); }
+    ModelPtr operator()(const Cone& c) const { return std::make_shared<fcl::Coned>(c.radius, c.length); }
+    ModelPtr operator()(const HalfSpace&) const { return std::make_shared<fcl::Halfspaced>(fcl::Vector3d::UnitZ(), 0); }
     ModelPtr operator()(const ConvexHull& h) const
     {
         const Hull hull = convex_hull(h.points);

@@ -105,8 +105,8 @@ std::vector<PartPoints> part_points_of(const GeometryData& geometry)
     };
     if (const auto* mesh = std::get_if<Mesh>(&geometry)) return points_of(*mesh);
     if (const auto* shape = std::get_if<Shape>(&geometry)) {
-        const auto* hull = std::get_if<ConvexHull>(shape); // the middle of its box need not be in it
-        return {point(hull ? hull->points.front() : bounds_of(*shape).centre())};
+        const auto* hull = std::get_if<ConvexHull>(shape); // others hold their origin
+        return {point(hull ? hull->points.front() : Eigen::Vector3d::Zero())};
     }
     if (const auto* terrain = std::get_if<Terrain>(&geometry)) return points_of(*terrain);
     return {}; // far too many

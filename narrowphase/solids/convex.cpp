@@ -67,7 +67,20 @@ struct OfShape {
         return round_core(Convex::Core::cylinder, {c.radius, c.radius, half}, std::hypot(c.radius, half),
                           Eigen::Vector3d::Zero(), std::min(c.radius, half));
     }
+    Convex operator()(const Ellipsoid& e) const
+    {
+        return round_core(Convex::Core::ellipsoid, e.semi_axes, e.semi_axes.maxCoeff(), Eigen::Vector3d::Zero(),
+                          e.semi_axes.minCoeff());
+    }
+    Convex operator()(const Cone& c) const
+    {
+        const double half = 0.5 * c.length, slope = std::hypot(c.radius, c.length);
+        const double inner = c.radius / (c.radius + slope) * c.length;
+        return round_core(Convex::Core::cone, {c.radius, c.radius, half}, std::hypot(c.radius, half),
+                          {0, 0, inner - half}, inner);
+    }
     Convex operator()(const ConvexHull&) const { return {}; } // not called
+    Convex operator()(const HalfSpace&) const { return {}; }  // nor this
 };
 
 } // namespace
@@ -82,6 +95,7 @@ Convex convex_of_hull(const Mesh& surface)
     Convex c;
     c.core = Convex::Core::points;
     c.points = surface.vertices.data(), c.count = static_cast<std::uint32_t>(surface.vertices.size());
+    c.faces = surface.triangles;
     for (const Eigen::Vector3d& p : surface.vertices) c.extent = std::max(c.extent, p.norm() * outward);
     set_inner_ball(c, surface);
     return c;
@@ -96,7 +110,8 @@ Convex convex_of(const std::array<Eigen::Vector3d, 3>& triangle)
 {
     Convex c;
     c.core = Convex::Core::points;
-    c.points = triangle.data(), c.count = 3;
+    static constexpr Triangle face{0, 1, 2};
+    c.points = triangle.data(), c.count = 3, c.faces = {&face, 1};
     for (const Eigen::Vector3d& p : triangle) c.extent = std::max(c.extent, p.norm() * outward);
     c.centre = (triangle[0] + triangle[1] + triangle[2]) / 3;
     return c;

@@ -2,7 +2,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <vector>
+#include <span>
 
 #include <oncollide/base/aabb.hpp>
 #include <oncollide/scenes/model/shape.hpp>
@@ -14,7 +14,7 @@ namespace oncollide {
 struct Convex {
     enum class Core : std::uint8_t {
         box,      ///< from `low` to `high`; a point where the two are one, a segment where they differ along z
-        points,   ///< the hull of `points`
+        points,   ///< the hull of `points`, with the surface `faces`
         cylinder, ///< along z: radius high.x, half-length high.z
         cone,     ///< along z: radius high.x at z = -high.z, apex at high.z
         ellipsoid ///< semi-axes `high`
@@ -24,6 +24,7 @@ struct Convex {
     Eigen::Vector3d low, high;
     const Eigen::Vector3d* points = nullptr;
     std::uint32_t count = 0;
+    std::span<const Triangle> faces;
 
     double radius = 0;      ///< of the ball around the core
     double extent = 0;      ///< the core is within this of the origin, rounded up
@@ -32,11 +33,13 @@ struct Convex {
 
     /// A point of the core that is farthest along d, each coordinate but for a few roundings.
     Eigen::Vector3d support(const Eigen::Vector3d& d) const;
+    /// The most that points of the solid show along d, but for rounding.
+    double most_along(const Eigen::Vector3d& d) const { return d.dot(support(d)) + radius * d.norm(); }
 };
 
 /// Of a shape that is no hull. It must have passed check_shape.
 Convex convex_of(const Shape& shape);
-/// Of a convex hull, given by its surface, all of whose vertices are corners; refers to these.
+/// Of a convex hull, given by its surface, all of whose vertices are corners; refers to both.
 Convex convex_of_hull(const Mesh& surface);
 /// A cell's, or any other box along the axes.
 Convex convex_of(const Aabb& box);

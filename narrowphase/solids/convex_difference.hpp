@@ -29,6 +29,7 @@ public:
         const Eigen::Vector3d a = a_.support(-d);
         return {b_to_a_(b_.support(b_to_a_.rotation.transpose() * d)) - a, a};
     }
+    bool flat_sided() const { return a_.flat_sided && b_.flat_sided; }
     /// A point inside, with a ball of inner() around it.
     Eigen::Vector3d middle() const { return b_to_a_(b_.centre) - a_.centre; }
     double inner() const

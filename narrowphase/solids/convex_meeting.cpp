@@ -16,7 +16,8 @@ using Eigen::Vector3d;
 class Portal {
 public:
     explicit Portal(const ConvexDifference& cores)
-        : cores_(cores), rounding_(cores.rounding()), inside_(cores.middle()), inner_(cores.inner())
+        : cores_(cores), rounding_(cores.rounding()), inside_(cores.middle()), inner_(cores.inner()),
+          smooth_(!cores.flat_sided())
     {
     }
 
@@ -31,7 +32,7 @@ public:
         if (!(n.norm() > 0x1p-40 * inside_.norm() * corner_[0].w.norm())) n = inside_.unitOrthogonal() * inside_.norm();
         if (!look(n, 1)) return {1, bound_};
         n = normal(inside_, 0, 1);
-        if (n.dot(inside_) > 0) std::swap(corner_[0], corner_[1]), n = -n;
+        if (n.dot(inside_) > 0) std::swap(corner_[0], corner_[1]), std::swap(normal_[0], normal_[1]), n = -n;
         return refine(n);
     }
 
@@ -44,9 +45,23 @@ private:
     bool look(const Vector3d& d, int i)
     {
         corner_[i] = cores_.support(d);
-        bound_ = -d.dot(corner_[i].w) / d.norm() - rounding_;
+        const double length = d.norm();
+        normal_[i] = d / length;
+        const double along = d.dot(corner_[i].w);
+        if (!(along < 0)) return true;
+        bound_ = -along / length - rounding_;
         return !(bound_ > 0);
     }
+    void move_corner(int from, int to) { corner_[to] = corner_[from], normal_[to] = normal_[from]; }
+    /// Of a smooth surface where the ray passes the portal, nearly: mixed of those at the corners.
+    Vector3d mixed_normal() const
+    {
+        const Vector3d a = corner_[0].w.cross(inside_), b = corner_[1].w.cross(inside_);
+        const double of_2 = std::abs(a.dot(corner_[1].w)), of_1 = std::abs(a.dot(corner_[2].w)),
+                     of_0 = std::abs(b.dot(corner_[2].w));
+        return of_0 * normal_[0] + of_1 * normal_[1] + of_2 * normal_[2];
+    }
+    /// Is 0 certainly a mixture of the first corner and of the ball around the point inside?
     bool met_on_segment() const
     {
         const Vector3d d = corner_[0].w - inside_;
@@ -84,9 +99,9 @@ private:
             if (!look(n, 2)) return {1, bound_};
             if (step == most_steps) return open();
             if (corner_[0].w.cross(corner_[2].w).dot(inside_) < 0)
-                corner_[1] = corner_[2];
+                move_corner(2, 1);
             else if (corner_[2].w.cross(corner_[1].w).dot(inside_) < 0)
-                corner_[0] = corner_[2];
+                move_corner(2, 0);
             else
                 break;
             n = normal(inside_, 0, 1);
@@ -96,14 +111,22 @@ private:
             const double length = n.norm(), height = n.dot(corner_[0].w) / length;
             if (!(length > 0)) break;
             if (height >= 0 && met()) return {-1, 0};
-            if (!look(n, 3)) return {1, bound_};
-            if (corner_[3].w.dot(n) / length - height <= rounding_) break;
+            // Smooth surfaces are soon found by mixed normals; others may have no point beyond the portal there.
+            bool beyond = false;
+            if (smooth_ && step % 3 == 0) {
+                if (!look(mixed_normal(), 3)) return {1, bound_};
+                beyond = corner_[3].w.dot(n) / length - height > rounding_;
+            }
+            if (!beyond) {
+                if (!look(n, 3)) return {1, bound_};
+                if (corner_[3].w.dot(n) / length - height <= rounding_) break;
+            }
             // Of the three portals that the new corner makes with two of the old ones, the one that the ray passes.
             const Vector3d across = corner_[3].w.cross(inside_);
             if (across.dot(corner_[0].w) > 0)
-                corner_[across.dot(corner_[1].w) > 0 ? 0 : 2] = corner_[3];
+                move_corner(3, across.dot(corner_[1].w) > 0 ? 0 : 2);
             else
-                corner_[across.dot(corner_[2].w) > 0 ? 1 : 0] = corner_[3];
+                move_corner(3, across.dot(corner_[2].w) > 0 ? 1 : 0);
         }
         return open();
     }
@@ -121,7 +144,9 @@ private:
     const double rounding_;
     const Vector3d inside_;
     const double inner_;
+    const bool smooth_;
     std::array<ConvexDifference::Point, 4> corner_; ///< three of the portal, and a new one
+    std::array<Vector3d, 4> normal_;                ///< along which they are farthest, of length 1
     double bound_ = 0;
 };
 

@@ -7,6 +7,7 @@
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 #include <oncollide/narrowphase/exact/wide_vector.hpp>
+#include <oncollide/scenes/model/box_corners.hpp>
 
 namespace oncollide {
 
@@ -17,12 +18,24 @@ using Eigen::Vector3d;
 using PointList = std::vector<Vector3d>;
 using Edge = std::array<std::uint32_t, 2>;
 
-PointList placed(const Mesh& b, const RelativePose& b_to_a)
-{
+/// A core as its corners and faces; faces without area stand for a point or a segment.
+struct Polytope {
     PointList points;
-    for (const Vector3d& v : b.vertices) points.push_back(b_to_a(v));
-    return points;
-}
+    std::vector<Triangle> faces;
+
+    explicit Polytope(const Convex& c)
+    {
+        if (c.core == Convex::Core::points) {
+            points.assign(c.points, c.points + c.count), faces.assign(c.faces.begin(), c.faces.end());
+        } else if ((c.low.array() < c.high.array()).all()) {
+            for (unsigned k = 0; k < 8; ++k) points.push_back(corner_of({c.low, c.high}, k));
+            faces.assign(box_faces.begin(), box_faces.end());
+        } else {
+            points = {c.low, c.high}, faces = {{0, 1, 1}};
+        }
+    }
+    bool has_volume() const { return faces.size() > 3; }
+};
 
 Aabb box_of(const PointList& points)
 {
@@ -70,11 +83,11 @@ struct Features {
     std::vector<Edge> edges;
     std::vector<Triangle> faces;
 
-    Features(const Mesh& core, PointList at) : points(std::move(at))
+    explicit Features(const Polytope& core) : points(core.points)
     {
         std::set<std::uint32_t> used;
         std::set<Edge> joined;
-        for (const Triangle& t : core.triangles) {
+        for (const Triangle& t : core.faces) {
             used.insert(t.begin(), t.end());
             for (std::size_t k = 0; k < 3; ++k)
                 if (const auto [i, j] = std::minmax(t[k], t[(k + 1) % 3]); i != j) joined.insert({i, j});
@@ -105,7 +118,7 @@ public:
     {
         const Vector e = from_to(from, to), w = from_to(from, p);
         const WideInteger<2 *N> t = along(w, e), ee = along(e, e);
-        if (t.sign() < 0 || !not_above(t, ee)) return false;
+        if (ee.sign() == 0 || t.sign() < 0 || !not_above(t, ee)) return false;
         return not_above(along(w, w) * ee - t * t, radius2_ * ee);
     }
     bool edges(const Vector3d& p, const Vector3d& p2, const Vector3d& q, const Vector3d& q2) const
@@ -113,7 +126,7 @@ public:
         const Vector e = from_to(p, p2), f = from_to(q, q2), w = from_to(p, q);
         const auto n = cross<N>(e, f);
         const WideInteger<4 * N> nn = along(n, n);
-        if (nn.sign() == 0) return false; // their ends tell
+        if (nn.sign() == 0) return false; // parallel: their ends tell
         for (const Vector& other : {f, e}) {
             const WideInteger<4 * N> s = along(cross<N>(w, other), n);
             if (s.sign() < 0 || !not_above(s, nn)) return false;
@@ -142,6 +155,7 @@ private:
     }
     bool plane(const Vector& w, const WideVector<2 * N, 3>& n, const WideInteger<4 * N>& nn) const
     {
+        if (nn.sign() == 0) return false; // without an area
         const WideInteger<3 * N> height = dot<N>(n, w);
         return not_above(height * height, radius2_ * nn);
     }
@@ -174,33 +188,32 @@ bool any_within(const Within<N>& within, const Features& a, const Features& b)
     return false;
 }
 
-} // namespace
-
-double gap_of_polytopes(const Mesh& a, const Mesh& b, const RelativePose& b_to_a)
+bool cores_meet(const Polytope& a, const Polytope& b)
 {
-    const PointList points_b = placed(b, b_to_a);
-    const auto of_a = triangles_in(box_of(points_b), a.vertices, a.triangles);
-    const auto of_b = triangles_in(a.bounds, points_b, b.triangles);
+    const auto of_a = triangles_in(box_of(b.points), a.points, a.faces);
+    const auto of_b = triangles_in(box_of(a.points), b.points, b.faces);
     for (const TrianglePoints& t : of_a)
         for (const TrianglePoints& u : of_b)
-            if (triangles_meet(t, u)) return 0;
+            if (triangles_meet(t, u)) return true;
     // Their surfaces are apart: all of one is inside the other, or none.
-    if (holds(a.vertices, a.triangles, points_b[b.triangles[0][0]]) ||
-        holds(points_b, b.triangles, a.vertices[a.triangles[0][0]]))
-        return 0;
-    // Some determinant of three differences is 1 or more on the grid; its length is below 2^(2 bits + 4).
-    const BinaryGrid grid = grid_of(numbers_of(a.vertices, points_b));
-    return std::ldexp(1.0, grid.exponent - 2 * grid.bits - 4);
+    return (a.has_volume() && holds(a.points, a.faces, b.points[b.faces[0][0]])) ||
+           (b.has_volume() && holds(b.points, b.faces, a.points[a.faces[0][0]]));
 }
 
-double gap_of_balls(const Mesh& a, const Mesh& b, const RelativePose& b_to_a, double radius_a, double radius_b)
+} // namespace
+
+double exact_gap(const Convex& a, const Convex& b, const RelativePose& b_to_a)
 {
-    const Features of_a(a, a.vertices), of_b(b, placed(b, b_to_a));
+    Polytope of_a(a), of_b(b);
+    for (Vector3d& p : of_b.points) p = b_to_a(p);
+    if (cores_meet(of_a, of_b)) return 0;
     std::vector<double> numbers = numbers_of(of_a.points, of_b.points);
-    numbers.insert(numbers.end(), {radius_a, radius_b});
+    numbers.insert(numbers.end(), {a.radius, b.radius});
     const BinaryGrid grid = grid_of(numbers);
+    // Some determinant of three differences is 1 or more on the grid; its length is below 2^(2 bits + 4).
+    if (a.radius == 0 && b.radius == 0) return std::ldexp(1.0, grid.exponent - 2 * grid.bits - 4);
     const bool met = with_limbs(grid, [&](auto limbs) {
-        return any_within(Within<decltype(limbs)::value>(grid, radius_a, radius_b), of_a, of_b);
+        return any_within(Within<decltype(limbs)::value>(grid, a.radius, b.radius), Features(of_a), Features(of_b));
     });
     // The squares of distance and radius differ by 1 or more over a square below 2^(4 bits + 8), both below
     // 2^(bits + 3).

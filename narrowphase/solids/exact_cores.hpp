@@ -1,19 +1,13 @@
 #pragma once
 #include <oncollide/narrowphase/relative_pose.hpp>
-#include <oncollide/scenes/model/mesh.hpp>
+#include <oncollide/narrowphase/solids/convex.hpp>
 
 namespace oncollide {
 
-// The cores of two shapes (shape_core.hpp), decided exactly for B's vertices as placed in A's frame: the last resort
-// where rounding hides a sign. Touching counts.
-
-/// How far apart two solid convex polytopes, given by their surfaces, are at least: 0 where they meet, else > 0 unless
-/// doubles cannot express it, though it may be far too low. Cost: 30 ns for each pair of triangles that reach into each
-/// other's boxes.
-double gap_of_polytopes(const Mesh& a, const Mesh& b, const RelativePose& b_to_a);
-
-/// The same of what is within radius_a and radius_b of two cores that share no point. Each is a point, a segment, or a
-/// closed convex surface. Cost: 0.2 to 2 microseconds for each pair of an edge and an edge, or a vertex and a face.
-double gap_of_balls(const Mesh& a, const Mesh& b, const RelativePose& b_to_a, double radius_a, double radius_b);
+/// How far apart two solids with flat-sided cores are at least, exactly for B's vertices as placed in A's frame: 0
+/// where they meet, touching included, else > 0 unless doubles cannot express it, though it may be far too low. The
+/// last resort where rounding hides a sign. Cost: 30 ns for each pair of triangles that reach into each other's boxes;
+/// with radii 0.2 to 2 microseconds for each pair of an edge and an edge, or a vertex and a face.
+double exact_gap(const Convex& a, const Convex& b, const RelativePose& b_to_a);
 
 } // namespace oncollide

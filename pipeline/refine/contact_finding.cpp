@@ -4,6 +4,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
+#include <oncollide/narrowphase/solids/convex_distance.hpp>
 
 namespace oncollide {
 
@@ -48,9 +49,20 @@ Distance ContactFinding::distance(Body& body_a, const Eigen::Isometry3d& pose_a,
                                   const Eigen::Isometry3d& pose_b, double tolerance, double farthest)
 {
     return walks_.with(body_a, body_b, [&](auto& walk, auto& a, auto& b) -> Distance {
-        const auto found = walk.distance(a, b, RelativePose(pose_a, pose_b), tolerance, farthest);
-        const TrianglePair pair = found.nearest.value_or(TrianglePair{0, 0});
-        return {found.lower, found.upper, pair.a, pair.b};
+        const RelativePose b_to_a(pose_a, pose_b);
+        const auto found = walk.distance(a, b, b_to_a, tolerance, farthest);
+        Distance d{.lower = found.lower, .upper = found.upper};
+        if (!found.nearest) return d;
+        d.triangle_a = found.nearest->a, d.triangle_b = found.nearest->b;
+        const auto& triangles = walk.walk().leaves();
+        const TrianglePoints of_a = triangles.points_a(d.triangle_a), of_b = triangles.points_b(d.triangle_b);
+        if (d.upper == 0) {
+            d.point_a = d.point_b = pose_a * common_segment(of_a, of_b).ends[0];
+        } else {
+            const NearestPoints points = nearest_points(of_a, of_b);
+            d.point_a = pose_a * points.a, d.point_b = pose_a * points.b;
+        }
+        return d;
     });
 }
 

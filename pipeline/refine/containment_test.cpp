@@ -37,8 +37,9 @@ bool may_hold(const Model& outer, const Eigen::Isometry3d& pose_outer, const Mod
                           [&](const PartPoints& part) { return may_hold(box, part, into); });
 }
 
-/// @param tree  of the mesh; null: it is looked through
-bool holds(const PairTask& task, bool outer_is_a, const Mesh& mesh, ObbTree* tree, PointLocator& locator)
+/// A point of the inner one, in its frame. @param tree  of the mesh; null: it is looked through
+std::optional<Eigen::Vector3d> held_point(const PairTask& task, bool outer_is_a, const Mesh& mesh, ObbTree* tree,
+                                          PointLocator& locator)
 {
     // The coordinates of the exact level: those of B moved into A's frame.
     const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
@@ -48,22 +49,28 @@ bool holds(const PairTask& task, bool outer_is_a, const Mesh& mesh, ObbTree* tre
     const Aabb box = box_around(mesh, into_outer);
     const RelativePose into_inner =
         outer_is_a ? RelativePose(*task.pose_b, *task.pose_a) : RelativePose(*task.pose_a, *task.pose_b);
-    return inner.any_part(box, into_inner, [&](const PartPoints& part) {
+    std::optional<Eigen::Vector3d> held;
+    inner.any_part(box, into_inner, [&](const PartPoints& part) {
         if (!may_hold(box, part, into_outer)) return false;
-        return locator.place(outer_is_a ? b_to_a(part[0]) : part[0], mesh, tree, outer_is_a ? stay : b_to_a) !=
-               PointPlace::outside;
+        if (locator.place(outer_is_a ? b_to_a(part[0]) : part[0], mesh, tree, outer_is_a ? stay : b_to_a) ==
+            PointPlace::outside)
+            return false;
+        held = part[0];
+        return true;
     });
+    return held;
 }
 
 } // namespace
 
-bool one_holds_the_other(const PairTask& task, PointLocator& locator, FunctionRef<ObbTree*(const Model&)> around)
+std::optional<Eigen::Vector3d> one_holds_the_other(const PairTask& task, PointLocator& locator,
+                                                   FunctionRef<ObbTree*(const Model&)> around)
 {
-    const auto side_holds = [&](bool is_a) {
-        ObbTree* const tree = around(is_a ? *task.a : *task.b);
-        return tree && holds(task, is_a, tree->mesh(), tree, locator);
-    };
-    return side_holds(true) || side_holds(false);
+    for (const bool outer_is_a : {true, false})
+        if (ObbTree* const tree = around(outer_is_a ? *task.a : *task.b))
+            if (const auto point = held_point(task, outer_is_a, tree->mesh(), tree, locator))
+                return outer_is_a ? *task.pose_b * *point : *task.pose_a * *point;
+    return {};
 }
 
 void ContainmentTest::find(const RefineContext& context, std::span<const PairTask> tasks,
@@ -84,8 +91,9 @@ void ContainmentTest::find(const RefineContext& context, std::span<const PairTas
         for (Query& query : std::span(queries_).subspan(begin, end - begin)) {
             const PairTask& task = tasks[query.task];
             const Model& outer = query.outer_is_a ? *task.a : *task.b;
-            query.holds = holds(task, query.outer_is_a, *outer.surface_mesh(), query.tree,
-                                locators_[static_cast<std::size_t>(thread)]);
+            query.holds = held_point(task, query.outer_is_a, *outer.surface_mesh(), query.tree,
+                                     locators_[static_cast<std::size_t>(thread)])
+                              .has_value();
         }
     });
     for (const Query& query : queries_)

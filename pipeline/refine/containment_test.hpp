@@ -1,5 +1,6 @@
 #pragma once
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include <oncollide/base/parallel.hpp>
@@ -9,10 +10,10 @@
 
 namespace oncollide {
 
-/// Does a part of one body lie inside the other, their surfaces being apart?
-/// @param task   neither is a map
+/// A point, in the world, of a part of one body that lies inside the other, their surfaces being apart.
 /// @param around  the surface around a model's inside; null: it has none
-bool one_holds_the_other(const PairTask& task, PointLocator& locator, FunctionRef<ObbTree*(const Model&)> around);
+std::optional<Eigen::Vector3d> one_holds_the_other(const PairTask& task, PointLocator& locator,
+                                                   FunctionRef<ObbTree*(const Model&)> around);
 
 /// Solid mode: finds the pairs of which one body is inside the other, or a part of it, their surfaces being apart.
 class ContainmentTest {

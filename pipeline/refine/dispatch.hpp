@@ -47,9 +47,9 @@ public:
             return !needs_trees(a, b, kinds_) || (models.admit_boxes(a, frame) && models.admit_boxes(b, frame));
         };
         if (level == Level::refine) {
-            const bool terrain = a.terrain() || b.terrain();
-            if ((obb_ || terrain) && room()) return left_to_exact_ ? Refiner::none : Refiner::boxes;
-            if (terrain) return Refiner::no_room;
+            const bool no_spheres = !has_spheres(a) || !has_spheres(b);
+            if ((obb_ || no_spheres) && room()) return left_to_exact_ ? Refiner::none : Refiner::boxes;
+            if (no_spheres) return Refiner::no_room;
             const double error = models.max_error(a, b);
             models.spheres(a, error), models.spheres(b, error);
             return Refiner::spheres;
@@ -61,15 +61,18 @@ public:
     /// Are all the trees there that of() would make?
     bool there(Level level, const ModelStore& models, const Model& a, const Model& b) const
     {
-        if (level == Level::refine && !obb_ && !a.terrain() && !b.terrain()) {
+        if (level == Level::refine && !obb_ && has_spheres(a) && has_spheres(b)) {
             const double error = models.max_error(a, b);
             return models.has_spheres(a, error) && models.has_spheres(b, error);
         }
-        const auto has_boxes = [](const Model& model) { return model.boxes || model.map() || model.terrain(); };
+        const auto has_boxes = [](const Model& model) { return model.boxes || !model.has_triangles(); };
         return !needs_trees(a, b, kinds_) || (has_boxes(a) && has_boxes(b));
     }
 
 private:
+    /// Can spheres hold it?
+    static bool has_spheres(const Model& model) { return !model.terrain() && !model.is_half_space(); }
+
     bool obb_;
     ExactLevel exact_;
     bool left_to_exact_; ///< by obb

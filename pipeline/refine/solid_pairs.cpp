@@ -2,91 +2,46 @@
 
 #include <algorithm>
 #include <concepts>
+#include <limits>
+#include <utility>
 
-#include <oncollide/narrowphase/solids/shape_pair.hpp>
 #include <oncollide/pipeline/refine/containment_test.hpp>
+#include <oncollide/pipeline/refine/placed_pair.hpp>
 
 namespace oncollide {
 
 namespace {
 
 constexpr double rigid = 0x1p-18; ///< poses may be 2^-20 from rigid: so far may distances in A's frame be off
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// How much longer or shorter the pose makes lengths at most, relative; 0 of quarter turns.
-double stretch(const Eigen::Isometry3d& pose)
+/// Of walks whose leaf tests leave open what rounding hides.
+template <class Walk>
+constexpr bool may_leave_open = requires(Walk& walk)
 {
-    const Eigen::Matrix3d error = pose.linear().transpose() * pose.linear() - Eigen::Matrix3d::Identity();
-    if (error.isZero(0) && (pose.linear().array().square() == pose.linear().array().abs()).all()) return 0;
-    return 3 * error.cwiseAbs().maxCoeff() + 0x1p-50;
-}
-
-bool are_shapes(const PairTask& task)
-{
-    return task.a->shape() && task.b->shape();
-}
-
-/// Two shapes, in A's frame, and by how much its lengths may differ from the world's, relative.
-struct PlacedShapes {
-    RelativePose b_to_a;
-    double slack;
-    ShapePair pair;
-
-    explicit PlacedShapes(const PairTask& task)
-        : b_to_a(*task.pose_a, *task.pose_b), slack(stretch(*task.pose_a) + stretch(*task.pose_b)),
-          pair(*task.a, *task.b, b_to_a, slack)
-    {
-    }
-    double below(double bound) const { return bound * (1 - slack); }
-    double above(double bound) const { return bound * (1 + slack); }
-
-    /// Separate beyond the clearance, or near.
-    RefineResult by_distance(double clearance, EnoughDistance enough) const
-    {
-        enough.above = above(above(clearance));
-        const ConvexDistance d = pair.distance(enough);
-        if (const double lower = below(d.lower); lower > clearance)
-            return {Verdict::separate, ContactKind::unknown, lower};
-        return {Verdict::within, ContactKind::near, above(d.upper)};
-    }
-    RefineResult exact(double clearance) const
-    {
-        const ConvexMeeting m = pair.meeting();
-        if (m.sign < 0) return {Verdict::colliding, ContactKind::unknown, 0};
-        if (m.sign == 0) return {Verdict::within, ContactKind::unknown, above(m.bound)};
-        if (clearance > 0) return by_distance(clearance, {});
-        return {Verdict::separate, ContactKind::unknown, below(m.bound)};
-    }
+    walk.leaves().open_bound();
 };
 
-double radius_of(const Model& model)
+template <class Walk>
+void prepare(Walk& walk, double slack, bool open_counts)
 {
-    return model.shape() ? model.convex().radius : 0;
+    if constexpr (may_leave_open<Walk>) walk.leaves().prepare(slack, open_counts);
 }
 
-double error_of(const Model& model)
+/// How far apart primitives are at most that rounding hides.
+template <class Walk>
+double open_bound(Walk& walk)
 {
-    return model.shape() ? model.core().error : 0;
+    if constexpr (may_leave_open<Walk>) return walk.leaves().open_bound();
+    return infinity;
 }
 
-/// By which a terrain's heights may be off.
-double height_error_of(const Model& model)
+/// By how much the heights of terrains may be off.
+double height_error(const PairTask& task)
 {
-    return model.terrain() ? model.terrain()->error() : 0;
+    const auto of = [](const Model& model) { return model.terrain() ? model.terrain()->error() : 0; };
+    return of(*task.a) + of(*task.b);
 }
-
-/// What stands around the pair's cores.
-struct Margins {
-    double radius, error; ///< of both together
-    double off;           ///< so far may the cores be from where they should be: heights of terrains
-    double slack;         ///< by which a distance may differ from the world's where it is about the radius
-
-    Margins(const PairTask& task)
-        : radius(radius_of(*task.a) + radius_of(*task.b)), error(error_of(*task.a) + error_of(*task.b)),
-          off(height_error_of(*task.a) + height_error_of(*task.b)),
-          slack(radius + off > 0 ? (stretch(*task.pose_a) + stretch(*task.pose_b)) * (radius + off) : 0)
-    {
-    }
-};
 
 /// What a walk's pair remembers, as far as it is of a map and a mesh.
 template <class Pair>
@@ -107,127 +62,102 @@ void remember(PairMemory* memory, const std::optional<Pair>& witness)
     }
 }
 
-/// -1: the cores, each with the ball around it, meet; 1: they are apart by the bound.
+/// Separate beyond the clearance, or near. @param off  height_error()
 template <class Walk, class A, class B>
-auto compare(Walk& walk, A& a, B& b, const RelativePose& b_to_a, const Margins& margins, PairMemory* memory)
+RefineResult by_distance(Walk& walk, A& a, B& b, const PlacedPair& placed, double off, double clearance)
 {
-    using Pair = typename Walk::Pair;
-    Comparison<Pair> c{1, 0, {}};
-    if (margins.radius > 0) {
-        c = walk.compare(a, b, b_to_a, margins.radius, margins.slack, hint_of<Pair>(memory));
-        c.bound -= margins.radius;
-        if (c.sign > 0) c.bound -= margins.slack;
-    } else {
-        c.bound = walk.meetings(
-            a, b, b_to_a, hint_of<Pair>(memory), [&](const Pair& pair) { return c.sign = -1, c.witness = pair, false; },
-            [](const Pair&) { return false; });
-    }
-    remember(memory, c.witness);
-    return c;
-}
-
-/// Separate beyond the clearance, or near.
-template <class Walk, class A, class B>
-RefineResult by_distance(Walk& walk, A& a, B& b, const RelativePose& b_to_a, const Margins& margins, double clearance)
-{
-    const double farthest = (clearance + margins.radius + margins.error + margins.off) * (1 + 4 * rigid);
-    const auto distance = walk.distance(a, b, b_to_a, 0, farthest);
-    const double lower = distance.lower * (1 - rigid) - margins.radius - margins.error - margins.off;
+    prepare(walk, placed.slack, false);
+    const auto distance = walk.distance(a, b, placed.b_to_a, 0, (clearance + off) * (1 + 4 * rigid));
+    const double lower = distance.lower * (1 - rigid) - off;
     if (lower > clearance) return {Verdict::separate, ContactKind::unknown, lower};
-    const double upper = distance.upper * (1 + rigid) - margins.radius + margins.off;
-    return {Verdict::within, ContactKind::near, std::max(upper, 0.0)};
+    return {Verdict::within, ContactKind::near, distance.upper * (1 + rigid) + off};
 }
 
-/// Where the cores are off: what is no farther apart than that may meet or not.
+/// Where heights are off: what is no farther apart than that may meet or not.
 template <class Walk, class A, class B>
-RefineResult decide_off(Walk& walk, A& inner_a, A& outer_a, B& inner_b, B& outer_b, const RelativePose& b_to_a,
-                        const Margins& margins, double clearance, auto holds)
+RefineResult decide_off(Walk& walk, A& a, B& b, const PlacedPair& placed, double off, double clearance, auto holds)
 {
-    const double cutoff = margins.radius + margins.off;
-    const auto outer = walk.compare(outer_a, outer_b, b_to_a, cutoff, margins.slack, {});
-    if (outer.sign > 0 && holds(inner_a, inner_b)) return {Verdict::colliding, ContactKind::enclosed, 0};
-    if (outer.sign > 0 && !holds(outer_a, outer_b)) {
-        if (clearance > 0) return by_distance(walk, inner_a, inner_b, b_to_a, margins, clearance);
-        const double bound = (outer.bound - cutoff - margins.slack) * (1 - rigid);
+    prepare(walk, placed.slack, true);
+    const double slack = placed.slack * off;
+    const auto found = walk.compare(a, b, placed.b_to_a, off, slack, {});
+    if (found.sign > 0) {
+        if (holds(a, b)) return {Verdict::colliding, ContactKind::enclosed, 0};
+        if (clearance > 0) return by_distance(walk, a, b, placed, off, clearance);
+        const double bound = (found.bound - off - slack) * (1 - rigid);
         return {Verdict::separate, ContactKind::unknown, std::max(bound, 0x1p-1000)};
     }
-    const double upper = std::max(outer.sign > 0 ? 0 : outer.bound - margins.radius, 0.0) + margins.off;
-    return {Verdict::within, ContactKind::unknown, (upper + margins.error + margins.slack) * (1 + rigid) + 0x1p-1000};
-}
-
-/// @param outer_a, outer_b  hold the shapes; the inner ones are held by them
-/// @param holds(a, b)       does the inside of one of the cores hold a part of the other?
-template <class Walk, class A, class B>
-RefineResult decide(Walk& walk, A& inner_a, A& outer_a, B& inner_b, B& outer_b, const RelativePose& b_to_a,
-                    const Margins& margins, double clearance, PairMemory* memory, auto holds)
-{
-    if (margins.off > 0) return decide_off(walk, inner_a, outer_a, inner_b, outer_b, b_to_a, margins, clearance, holds);
-    const auto inner = compare(walk, inner_a, inner_b, b_to_a, margins, memory);
-    if (inner.sign < 0) return {Verdict::colliding, ContactKind::unknown, 0};
-    if (inner.sign > 0 && holds(inner_a, inner_b)) return {Verdict::colliding, ContactKind::enclosed, 0};
-    const bool prisms = &outer_a != &inner_a || &outer_b != &inner_b;
-    const auto outer = prisms ? compare(walk, outer_a, outer_b, b_to_a, margins, nullptr) : inner;
-    const bool apart = outer.sign > 0 && outer.bound > 0 && !(prisms && holds(outer_a, outer_b));
-    if (clearance > 0) {
-        const RefineResult near = by_distance(walk, inner_a, inner_b, b_to_a, margins, clearance);
-        if (apart || near.verdict == Verdict::within) return near;
-    }
-    if (apart) return {Verdict::separate, ContactKind::unknown, outer.bound * (1 - rigid)};
-    // The outer ones meet, or rounding hides that they do not; nowhere are the shapes farther inside than the error.
-    const double upper = (outer.sign == 0 ? std::max(outer.bound, 0.0) + margins.slack : 0) + margins.error;
+    const double upper = std::max(found.bound, 0.0) + off + slack;
     return {Verdict::within, ContactKind::unknown, upper * (1 + rigid) + 0x1p-1000};
 }
 
-/// Of shapes the outer cores, so that what is separate is.
+/// @param holds(a, b)  does the inside of one, where the leaf tests do not look, hold a part of the other?
 template <class Walk, class A, class B>
-RefineResult decide_near(Walk& walk, A& a, B& b, const RelativePose& b_to_a, const Margins& margins, double clearance,
+RefineResult decide(Walk& walk, A& a, B& b, const PlacedPair& placed, double off, double clearance, PairMemory* memory,
+                    auto holds)
+{
+    if (off > 0) return decide_off(walk, a, b, placed, off, clearance, holds);
+    using Pair = typename Walk::Pair;
+    prepare(walk, placed.slack, false);
+    std::optional<Pair> met;
+    const double gap = walk.meetings(
+        a, b, placed.b_to_a, hint_of<Pair>(memory), [&](const Pair& pair) { return met = pair, false; },
+        [](const Pair&) { return false; });
+    remember(memory, met);
+    if (met) return {Verdict::colliding, ContactKind::unknown, 0};
+    if (holds(a, b)) return {Verdict::colliding, ContactKind::enclosed, 0};
+    const double open = open_bound(walk);
+    if (clearance > 0 && open == infinity) return by_distance(walk, a, b, placed, 0, clearance);
+    if (open == infinity && gap > 0) return {Verdict::separate, ContactKind::unknown, gap * (1 - rigid)};
+    return {Verdict::within, ContactKind::unknown, (open == infinity ? 0 : open) * (1 + rigid) + 0x1p-1000};
+}
+
+template <class Walk, class A, class B>
+RefineResult decide_near(Walk& walk, A& a, B& b, const PlacedPair& placed, double off, double clearance,
                          double tolerance, PairMemory* memory, auto holds)
 {
-    const double out = margins.radius + margins.slack + margins.off;
-    const auto found = walk.near(a, b, b_to_a, clearance + out, tolerance, hint_of<typename Walk::Pair>(memory));
+    prepare(walk, placed.slack, true);
+    const double out = off * (1 + placed.slack);
+    const auto found = walk.near(a, b, placed.b_to_a, clearance + out, tolerance, hint_of<typename Walk::Pair>(memory));
     remember(memory, found.witness);
-    if (!found.near && !holds(a, b)) {
-        const double gap = found.bound - out; // certainly above the clearance, rounding aside
-        return {Verdict::separate, ContactKind::unknown, std::max({gap, clearance, 0x1p-1000})};
+    if (!found.near && !holds(a, b))
+        return {Verdict::separate, ContactKind::unknown, std::max({found.bound - out, clearance, 0x1p-1000})};
+    return {Verdict::within, ContactKind::unknown, (found.near ? found.bound : clearance) + out};
+}
+
+/// A primitive of a hierarchy as a solid.
+struct Primitive {
+    std::array<Eigen::Vector3d, 3> corners;
+    Convex solid;
+
+    Primitive(const ObbTree& tree, std::uint32_t triangle)
+    {
+        for (std::size_t k = 0; k < 3; ++k) corners[k] = tree.mesh().vertices[tree.mesh().triangles[triangle][k]];
+        solid = convex_of(corners);
     }
-    const double bound = found.near ? found.bound - margins.radius + margins.off : clearance;
-    return {Verdict::within, ContactKind::unknown, std::max(bound, 0.0) + margins.error + margins.slack};
-}
+    Primitive(const TerrainTree& tree, std::uint32_t triangle) : corners(tree.points(triangle))
+    {
+        solid = convex_of(corners);
+    }
+    Primitive(const MapTree& tree, const MapCell& cell) : solid(convex_of(tree.map().box(cell))) {}
+    Primitive(const ShapeTree& tree, std::uint32_t) : solid(tree.shape()) {}
+    Primitive(const Primitive&) = delete; // solid may refer to the corners
+    Primitive& operator=(const Primitive&) = delete;
+};
 
-bool has_volume(const Model& model)
+/// In A's frame.
+template <class Walk, class A, class B>
+ConvexDistance distance_by(Walk& walk, A& a, B& b, const PlacedPair& placed, double off, double tolerance,
+                           double farthest)
 {
-    return model.shape() && model.core().has_volume();
-}
-
-ObbTree& inner_of(Model& model)
-{
-    return *model.boxes;
-}
-
-ObbTree& outer_of(Model& model)
-{
-    return model.outer_boxes ? *model.outer_boxes : *model.boxes;
-}
-
-ObbTree& outer_of(Model& model, ObbTree&)
-{
-    return outer_of(model);
-}
-
-TerrainTree& outer_of(Model&, TerrainTree& tree)
-{
-    return tree;
-}
-
-/// What may have an inside.
-ObbTree* tree_of(ObbTree& tree)
-{
-    return &tree;
-}
-
-ObbTree* tree_of(TerrainTree&)
-{
-    return nullptr;
+    prepare(walk, placed.slack, false);
+    const auto found = walk.distance(a, b, placed.b_to_a, tolerance, (farthest + off) * (1 + 4 * rigid));
+    ConvexDistance d{
+        std::max(found.lower * (1 - placed.slack) - off, 0.0), found.upper * (1 + placed.slack) + off, {}, {}};
+    if (!found.nearest) return d;
+    const Primitive of_a(a, found.nearest->a), of_b(b, found.nearest->b);
+    const ConvexDistance points = ConvexPair(of_a.solid, of_b.solid, placed.b_to_a, placed.slack).distance({});
+    d.on_a = points.on_a, d.on_b = points.on_b;
+    return d;
 }
 
 /// Is a cell of the map inside the surface, which is moved into the map's frame by `into` and touches no cell?
@@ -240,6 +170,13 @@ bool holds_cell(PointLocator& locator, ObbTree& surface, const RelativePose& int
     });
 }
 
+/// The body whose frame counts: a map's, in which its cells are boxes along the axes, else a round shape's.
+Model& placed_first(const PairTask& task)
+{
+    const auto rank = [](const Model& m) { return m.map() ? 2 : m.shape() && !m.has_triangles() ? 1 : 0; };
+    return rank(*task.b) > rank(*task.a) ? *task.b : *task.a;
+}
+
 } // namespace
 
 bool is_surface(const Model& model)
@@ -249,97 +186,106 @@ bool is_surface(const Model& model)
 
 bool is_polytope(const Model& model)
 {
-    return is_surface(model) || (model.shape() && model.convex().flat_sided && model.convex().radius == 0);
+    return is_surface(model) || model.has_triangles();
 }
 
 bool needs_trees(const Model& a, const Model& b, bool kinds)
 {
-    return !a.shape() || !b.shape() || (kinds && is_polytope(a) && is_polytope(b));
+    return !a.shape() || !b.shape() || (kinds && a.has_triangles() && b.has_triangles());
 }
 
 bool SolidPairs::shape_holds(const PairTask& task)
 {
     return one_holds_the_other(task, locator_,
-                               [&](const Model& model) { return has_volume(model) ? model.boxes.get() : nullptr; });
+                               [](const Model& model) -> ObbTree* {
+                                   return model.shape() && model.has_inside() ? model.boxes.get() : nullptr;
+                               })
+        .has_value();
 }
 
-/// @param a, b  of the two, as far as they have an inside
-bool SolidPairs::shape_holds(const PairTask& task, ObbTree* a, ObbTree* b)
+/// Calls work(walk, a, b, placed, holds) with what decides the pair.
+auto SolidPairs::with_walk(const PairTask& task, auto work)
 {
-    return one_holds_the_other(task, locator_, [&](const Model& model) -> ObbTree* {
-        return !has_volume(model) ? nullptr : &model == task.a ? a : b;
-    });
-}
-
-/// Calls work(walk, inner_a, outer_a, inner_b, outer_b, b_to_a, holds) with what decides the pair.
-RefineResult SolidPairs::with_cores(const PairTask& task, auto work)
-{
-    if (!task.a->map() && !task.b->map()) {
-        const RelativePose b_to_a(*task.pose_a, *task.pose_b);
-        return triangles_.with(*task.a, *task.b, [&](auto& walk, auto& a, auto& b) {
-            const auto holds = [&](auto& of_a, auto& of_b) { return shape_holds(task, tree_of(of_a), tree_of(of_b)); };
-            return work(walk.walk(), a, outer_of(*task.a, a), b, outer_of(*task.b, b), b_to_a, holds);
+    const auto never = [](const auto&, const auto&) { return false; };
+    const bool swapped = &placed_first(task) == task.b;
+    Model &a = swapped ? *task.b : *task.a, &b = swapped ? *task.a : *task.b;
+    const PlacedPair placed(swapped ? *task.pose_b : *task.pose_a, swapped ? *task.pose_a : *task.pose_b);
+    if (a.map() && b.map()) return work(map_map_, a.cells(), b.cells(), placed, never);
+    if (a.map() && b.terrain()) return work(map_terrain_, a.cells(), b.heights(), placed, never);
+    if (a.map() && !b.has_triangles()) return work(map_shape_, a.cells(), b.round_tree(), placed, never);
+    if (a.map())
+        return work(map_mesh_, a.cells(), *b.boxes, placed, [&](MapTree& cells, ObbTree& surface) {
+            return b.shape() && !map_mesh_.far_from_all() && holds_cell(locator_, surface, placed.b_to_a, cells);
         });
-    }
-    // The map's frame, in which its cells are boxes along the axes.
-    const bool map_is_a = task.a->map();
-    Model &map = map_is_a ? *task.a : *task.b, &other = map_is_a ? *task.b : *task.a;
-    const RelativePose other_to_map(map_is_a ? *task.pose_a : *task.pose_b, map_is_a ? *task.pose_b : *task.pose_a);
-    MapTree& cells = map.cells();
-    const auto never = [](const auto&, const auto&) { return false; }; // cells are solid, so what is in them meets them
-    if (other.map()) return work(map_map_, cells, cells, other.cells(), other.cells(), other_to_map, never);
-    if (other.terrain()) return work(map_terrain_, cells, cells, other.heights(), other.heights(), other_to_map, never);
-    const auto holds = [&](MapTree& tree, ObbTree& surface) {
-        return has_volume(other) && !map_mesh_.far_from_all() && holds_cell(locator_, surface, other_to_map, tree);
-    };
-    return work(map_mesh_, cells, cells, inner_of(other), outer_of(other), other_to_map, holds);
+    if (a.shape() && !a.has_triangles())
+        return b.terrain() ? work(shape_terrain_, a.round_tree(), b.heights(), placed, never)
+                           : work(shape_mesh_, a.round_tree(), *b.boxes, placed, never);
+    return triangles_.with(a, b, [&](auto& walk, auto& of_a, auto& of_b) {
+        return work(walk.walk(), of_a, of_b, placed, [&](const auto&, const auto&) { return shape_holds(task); });
+    });
 }
 
 RefineResult SolidPairs::exact(const RefineContext& context, const PairTask& task, PairMemory* memory)
 {
-    if (are_shapes(task)) return PlacedShapes(task).exact(context.settings.clearance);
-    return with_cores(task, [&](auto& walk, auto& inner_a, auto& outer_a, auto& inner_b, auto& outer_b,
-                                const RelativePose& b_to_a, auto holds) {
-        return decide(walk, inner_a, outer_a, inner_b, outer_b, b_to_a, Margins(task), context.settings.clearance,
-                      memory, holds);
+    const double clearance = context.settings.clearance;
+    if (without_walk(*task.a, *task.b)) return DirectPair(task).exact(clearance);
+    return with_walk(task, [&](auto& walk, auto& a, auto& b, const PlacedPair& placed, auto holds) {
+        return decide(walk, a, b, placed, height_error(task), clearance, memory, holds);
     });
 }
 
 RefineResult SolidPairs::within_clearance(const RefineContext& context, const PairTask& task)
 {
-    if (are_shapes(task)) return PlacedShapes(task).by_distance(context.settings.clearance, {});
-    return with_cores(task, [&](auto& walk, auto& a, auto&, auto& b, auto&, const RelativePose& b_to_a, auto) {
-        return by_distance(walk, a, b, b_to_a, Margins(task), context.settings.clearance);
+    const double clearance = context.settings.clearance;
+    if (without_walk(*task.a, *task.b)) return DirectPair(task).by_distance(clearance);
+    return with_walk(task, [&](auto& walk, auto& a, auto& b, const PlacedPair& placed, auto) {
+        return by_distance(walk, a, b, placed, height_error(task), clearance);
     });
 }
 
 RefineResult SolidPairs::near(const RefineContext& context, const PairTask& task, PairMemory* memory, double tolerance)
 {
-    if (are_shapes(task)) {
-        const double clearance = context.settings.clearance;
-        RefineResult result = PlacedShapes(task).by_distance(clearance, {.below = clearance + tolerance});
-        result.kind = ContactKind::unknown;
-        return result;
+    const double clearance = context.settings.clearance;
+    if (without_walk(*task.a, *task.b)) return DirectPair(task).near(clearance, tolerance);
+    return with_walk(task, [&](auto& walk, auto& a, auto& b, const PlacedPair& placed, auto holds) {
+        return decide_near(walk, a, b, placed, height_error(task), clearance, tolerance, memory, holds);
+    });
+}
+
+ConvexDistance SolidPairs::distance(const PairTask& task, double tolerance, double farthest)
+{
+    if (without_walk(*task.a, *task.b)) {
+        ConvexDistance d = DirectPair(task).distance({.above = farthest, .below = 0, .tolerance = tolerance});
+        if (d.lower > farthest) d.upper = infinity;
+        return d;
     }
-    return with_cores(
-        task, [&](auto& walk, auto&, auto& outer_a, auto&, auto& outer_b, const RelativePose& b_to_a, auto holds) {
-            return decide_near(walk, outer_a, outer_b, b_to_a, Margins(task), context.settings.clearance, tolerance,
-                               memory, holds);
-        });
+    return with_walk(task, [&](auto& walk, auto& a, auto& b, const PlacedPair& placed, auto holds) {
+        ConvexDistance d = distance_by(walk, a, b, placed, height_error(task), tolerance, farthest);
+        const bool swapped = &placed_first(task) == task.b;
+        const Eigen::Isometry3d& frame = swapped ? *task.pose_b : *task.pose_a;
+        d.on_a = frame * d.on_a, d.on_b = frame * d.on_b;
+        if (swapped) std::swap(d.on_a, d.on_b);
+        if (d.lower > 0 && holds(a, b)) d.lower = d.upper = 0;
+        return d;
+    });
 }
 
 SolidPairs::Counts SolidPairs::counts()
 {
     const Traversal::Counts triangles = triangles_.counts();
-    return {triangles.box_rows + map_mesh_.box_rows + map_map_.box_rows + map_terrain_.box_rows,
-            triangles.triangles + map_mesh_.leaves().tested + map_map_.leaves().tested + map_terrain_.leaves().tested};
+    Counts sum{triangles.box_rows, triangles.triangles};
+    const auto add = [&](auto&... walks) {
+        ((sum.box_rows += walks.box_rows, sum.primitives += walks.leaves().tested), ...);
+    };
+    add(map_mesh_, map_map_, map_terrain_, shape_mesh_, shape_terrain_, map_shape_);
+    return sum;
 }
 
 void SolidPairs::reset_counts()
 {
     triangles_.reset_counts();
-    map_mesh_.box_rows = map_map_.box_rows = map_terrain_.box_rows = 0;
-    map_mesh_.leaves().tested = map_map_.leaves().tested = map_terrain_.leaves().tested = 0;
+    const auto reset = [](auto&... walks) { ((walks.box_rows = 0, walks.leaves().tested = 0), ...); };
+    reset(map_mesh_, map_map_, map_terrain_, shape_mesh_, shape_terrain_, map_shape_);
 }
 
 } // namespace oncollide

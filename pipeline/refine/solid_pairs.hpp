@@ -1,6 +1,8 @@
 #pragma once
 #include <oncollide/narrowphase/boxes/map_walk.hpp>
+#include <oncollide/narrowphase/boxes/shape_walk.hpp>
 #include <oncollide/narrowphase/inside/point_place.hpp>
+#include <oncollide/narrowphase/solids/convex_distance.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
 #include <oncollide/pipeline/refine/triangle_walks.hpp>
 
@@ -15,10 +17,10 @@ bool is_polytope(const Model& model);
 /// Are trees walked for the pair? Not for two shapes, unless kinds of contact are wanted of polytopes.
 bool needs_trees(const Model& a, const Model& b, bool kinds);
 
-/// The exact level of pairs in which a round shape, a map or a terrain with heights that are off takes part, with
-/// certificates of its own: colliding where
-/// points of both are certainly one, separate where a gap is certain. In between, by rounding (2^-36 of the bodies'
-/// sizes and distance) and by what a cylinder's prisms leave (4e-5 of its radius), such pairs stay `within`.
+/// The exact level of pairs in which a round shape, a half-space, a map or a terrain with heights that are off takes
+/// part, with certificates of its own: colliding where points of both are certainly one, separate where a gap is
+/// certain. What rounding hides (2^-47 of the bodies' sizes and distance, where a sphere or a capsule is turned or
+/// another round shape takes part), and heights that are off, stay `within`.
 /// Shapes and cells are solid. One thread's working memory.
 class SolidPairs {
 public:
@@ -32,6 +34,10 @@ public:
     /// Of bodies that do not meet, surfaces too: separate beyond the clearance, or near.
     RefineResult within_clearance(const RefineContext& context, const PairTask& task);
 
+    /// Bounds on the distance of any pair but two surfaces, as World::distance() says, and the two nearest points in
+    /// the world. Of bodies farther apart than `farthest` the upper bound is infinite.
+    ConvexDistance distance(const PairTask& task, double tolerance, double farthest);
+
     /// Does a shape with a volume, one of the two, enclose a part of the other? Their surfaces are apart.
     bool shape_holds(const PairTask& task);
 
@@ -42,13 +48,15 @@ public:
     void reset_counts();
 
 private:
-    RefineResult with_cores(const PairTask& task, auto work);
-    bool shape_holds(const PairTask& task, ObbTree* a, ObbTree* b);
+    auto with_walk(const PairTask& task, auto work);
 
     TriangleWalks triangles_;
     MapMeshWalk map_mesh_;
     MapTerrainWalk map_terrain_;
     MapMapWalk map_map_;
+    ShapeMeshWalk shape_mesh_;
+    ShapeTerrainWalk shape_terrain_;
+    MapShapeWalk map_shape_;
     PointLocator locator_;
 };
 

@@ -146,7 +146,18 @@ Shape read_shape(const Node& node)
         node.only({"kind", "points"});
         return ConvexHull{points_of(node["points"])};
     }
-    node["kind"].fail(fmt::format("no shape named '{}'; valid: sphere, box, capsule, cylinder, convex_hull", kind));
+    if (kind == "ellipsoid") {
+        node.only({"kind", "semi_axes"});
+        return Ellipsoid{node["semi_axes"].vector3()};
+    }
+    if (kind == "cone") {
+        node.only({"kind", "radius", "length"});
+        return Cone{node["radius"].number(), node["length"].number()};
+    }
+    if (kind == "half_space") return node.only({"kind"}), HalfSpace{};
+    node["kind"].fail(fmt::format("no shape named '{}'; valid: sphere, box, capsule, cylinder, convex_hull, ellipsoid, "
+                                  "cone, half_space",
+                                  kind));
 }
 
 OccupancyMap read_map(const Node& node, const fs::path& folder)
@@ -266,6 +277,18 @@ Json entry_of(const Cylinder& c)
 Json entry_of(const ConvexHull& h)
 {
     return {{"kind", "convex_hull"}, {"points", list_of(h.points)}};
+}
+Json entry_of(const Ellipsoid& e)
+{
+    return {{"kind", "ellipsoid"}, {"semi_axes", {e.semi_axes.x(), e.semi_axes.y(), e.semi_axes.z()}}};
+}
+Json entry_of(const Cone& c)
+{
+    return {{"kind", "cone"}, {"radius", c.radius}, {"length", c.length}};
+}
+Json entry_of(const HalfSpace&)
+{
+    return {{"kind", "half_space"}};
 }
 
 /// Gives the entry's files, if it has some, other paths.

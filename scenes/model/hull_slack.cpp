@@ -12,10 +12,10 @@ namespace {
 
 /// The cone over one triangle from the inner point (the origin here). A point p of it is the sum of shares of the
 /// corners, and shares >= 0 with a sum <= 1 prove that p lies in the hull of the corners and the inner point.
-struct Cone {
+struct FacetCone {
     Eigen::Matrix3d corners, planes; ///< columns: a, b, c; rows: b x c, c x a, a x b over their determinant
 
-    explicit Cone(const Eigen::Matrix3d& abc) : corners(abc)
+    explicit FacetCone(const Eigen::Matrix3d& abc) : corners(abc)
     {
         const auto a = abc.col(0), b = abc.col(1), c = abc.col(2);
         planes.row(0) = b.cross(c), planes.row(1) = c.cross(a), planes.row(2) = a.cross(b);
@@ -34,7 +34,7 @@ struct Cone {
 
 class Prover {
 public:
-    Prover(std::vector<Cone> cones, std::span<const std::array<std::uint32_t, 3>> neighbours, double good_enough)
+    Prover(std::vector<FacetCone> cones, std::span<const std::array<std::uint32_t, 3>> neighbours, double good_enough)
         : cones_(std::move(cones)), neighbours_(neighbours), good_enough_(good_enough)
     {
     }
@@ -55,7 +55,7 @@ public:
             break;
         }
         double best = std::numeric_limits<double>::infinity();
-        for (const Cone& cone : cones_) {
+        for (const FacetCone& cone : cones_) {
             best = std::min(best, cone.residual(p, cone.planes * p));
             if (best <= good_enough_) break;
         }
@@ -63,7 +63,7 @@ public:
     }
 
 private:
-    std::vector<Cone> cones_;
+    std::vector<FacetCone> cones_;
     std::span<const std::array<std::uint32_t, 3>> neighbours_;
     double good_enough_;
     std::uint32_t at_ = 0;
@@ -129,7 +129,7 @@ double prove_slack(std::span<const Eigen::Vector3d> points, std::span<const std:
     const double rounding =
         24 * std::numeric_limits<double>::epsilon() * size + static_cast<double>(vertices.size()) * 0x1p-63 * size;
 
-    std::vector<Cone> cones;
+    std::vector<FacetCone> cones;
     cones.reserve(triangles.size());
     for (const Triangle& t : triangles) {
         Eigen::Matrix3d corners;

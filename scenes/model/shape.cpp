@@ -18,7 +18,7 @@ namespace oncollide {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
-constexpr double largest = 1e15;
+constexpr double least = 1e-60, largest = 1e15;
 
 template <class... Cases>
 struct Match : Cases... {
@@ -32,6 +32,9 @@ void check_dimension(const std::string& name, const char* what, double value, bo
     if (!(value > 0 || (zero_too && value == 0)) || !(value <= largest))
         refuse(name, fmt::format("{} is {}; it must be {} and at most {}", what, value,
                                  zero_too ? "0 or above" : "above 0", largest));
+    if (value != 0 && value < least)
+        refuse(name,
+               fmt::format("{} is {}; below {} m products lose their digits: scale the scene up", what, value, least));
 }
 
 /// A ball's polytope: unit octasphere and the factor that pushes every facet out of the unit ball.
@@ -111,6 +114,35 @@ BoundingMesh enclose_cylinder(const Cylinder& cylinder)
     constexpr int sides = 32; // 1 / cos(pi / 32) = 1.0048
     const double radius = cylinder.radius / circle(0.5 / sides).cosine * (1 + 1e-12), half = 0.5 * cylinder.length;
     return {make_prism("cylinder", radius, half, sides), radius * (1 + 4 * epsilon) - cylinder.radius};
+}
+
+/// The cover of a unit ball, scaled along the axes as the ball is.
+BoundingMesh enclose_ellipsoid(const Ellipsoid& ellipsoid)
+{
+    const BallCover& cover = ball_cover();
+    std::vector<Eigen::Vector3d> points = cover.points;
+    for (Eigen::Vector3d& p : points) p = p.cwiseProduct(ellipsoid.semi_axes) * cover.factor;
+    return {make_mesh("ellipsoid", std::move(points), cover.triangles),
+            ellipsoid.semi_axes.maxCoeff() * (cover.factor * (1 + 4 * epsilon) - 1)};
+}
+
+/// A pyramid over a polygon whose sides touch the base.
+BoundingMesh enclose_cone(const Cone& cone)
+{
+    constexpr int sides = 32;
+    const double radius = cone.radius / circle(0.5 / sides).cosine * (1 + 1e-12), half = 0.5 * cone.length;
+    std::vector<Eigen::Vector3d> points;
+    std::vector<Triangle> triangles;
+    for (int k = 0; k < sides; ++k) {
+        const auto turn = circle(double(k) / sides);
+        points.emplace_back(radius * turn.cosine, radius * turn.sine, -half);
+    }
+    points.emplace_back(0, 0, half);
+    for (std::uint32_t k = 0; k < sides; ++k) {
+        triangles.push_back({k, (k + 1) % sides, sides});
+        if (k > 1) triangles.push_back({0, k, k - 1});
+    }
+    return {make_mesh("cone", std::move(points), std::move(triangles)), radius * (1 + 4 * epsilon) - cone.radius};
 }
 
 /// How well a closed surface stands around an inner point and how far points lie outside its facets' planes.
@@ -213,7 +245,16 @@ void check_shape(const std::string& name, const Shape& shape)
                          check_dimension(name, "the radius", c.radius);
                          check_dimension(name, "the length", c.length);
                      },
-                     check_points},
+                     check_points,
+                     [&](const Ellipsoid& e) {
+                         for (int axis = 0; axis < 3; ++axis)
+                             check_dimension(name, fmt::format("semi-axis {}", "xyz"[axis]).c_str(), e.semi_axes[axis]);
+                     },
+                     [&](const Cone& c) {
+                         check_dimension(name, "the radius", c.radius);
+                         check_dimension(name, "the length", c.length);
+                     },
+                     [](const HalfSpace&) {}},
                shape);
 }
 
@@ -232,6 +273,14 @@ Aabb bounds_of(const Shape& shape)
                                 Aabb bounds;
                                 for (const Eigen::Vector3d& p : hull.points) bounds.add(p);
                                 return bounds;
+                            },
+                            [&](const Ellipsoid& e) { return around(e.semi_axes); },
+                            [&](const Cone& c) {
+                                return around({c.radius, c.radius, 0.5 * c.length});
+                            },
+                            [](const HalfSpace&) {
+                                constexpr double end = half_space_end;
+                                return Aabb{{-end, -end, -end}, {end, end, 0}};
                             }},
                       shape);
 }
@@ -244,7 +293,12 @@ BoundingMesh bounding_mesh_of(const Shape& shape)
                             },
                             [](const Capsule& c) { return enclose_capsule(c); },
                             [](const Cylinder& c) { return enclose_cylinder(c); },
-                            [](const ConvexHull& hull) { return enclose_hull("convex hull", hull.points); }},
+                            [](const ConvexHull& hull) { return enclose_hull("convex hull", hull.points); },
+                            [](const Ellipsoid& e) { return enclose_ellipsoid(e); },
+                            [](const Cone& c) { return enclose_cone(c); },
+                            [](const HalfSpace&) -> BoundingMesh {
+                                throw Error(ErrorKind::internal, "a half-space has no bounding mesh");
+                            }},
                       shape);
 }
 

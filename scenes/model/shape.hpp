@@ -6,7 +6,7 @@
 
 namespace oncollide {
 
-// Primitive shapes: solid, centred on their own origin, metres.
+// Primitive shapes: solid, metres; centred on their own origin.
 struct Sphere {
     double radius;
 };
@@ -23,12 +23,24 @@ struct ConvexHull {
     std::vector<Eigen::Vector3d> points;
 }; ///< at least four, not in a plane
 
-using Shape = std::variant<Sphere, Box, Capsule, Cylinder, ConvexHull>;
+struct Ellipsoid {
+    Eigen::Vector3d semi_axes;
+};
+struct Cone {
+    double radius, length;
+};                   ///< along z: the base at z = -length / 2, the apex at length / 2
+struct HalfSpace {}; ///< all points with z <= 0: unbounded
 
-/// Throws Error{bad_data} naming `name` and the wrong dimension: not finite, not positive, flat hull.
+using Shape = std::variant<Sphere, Box, Capsule, Cylinder, ConvexHull, Ellipsoid, Cone, HalfSpace>;
+
+/// How far a half-space goes where something needs an end: beyond all that poses and sizes, each up to 1e15 m, reach.
+constexpr double half_space_end = 0x1p52;
+
+/// Throws Error{bad_data} naming `name` and the wrong dimension: not finite, not positive, so small that its products
+/// lose digits (below 1e-60 m), flat hull.
 void check_shape(const std::string& name, const Shape& shape);
 
-/// The exact box of the shape in its own frame.
+/// The exact box of the shape in its own frame; of a half-space down to half_space_end.
 Aabb bounds_of(const Shape& shape);
 
 /// A convex closed mesh that encloses the shape.
@@ -39,7 +51,8 @@ struct BoundingMesh {
 
 /// Curved parts are tessellated so that the covering error is about 0.5 % of the radius (sphere 1,568 triangles). Boxes
 /// are exact (0). Hulls are pushed out by what rounding takes: about 1e-12 of their size, up to 1e-6 where many points
-/// lie all but in one plane. Enclosing is certified with rounding included. The shape must have passed check_shape.
+/// lie all but in one plane. Enclosing is certified with rounding included. The shape must have passed check_shape, and
+/// be no half-space.
 BoundingMesh bounding_mesh_of(const Shape& shape);
 
 } // namespace oncollide

@@ -106,7 +106,12 @@ TEST(PoseBounds, GiveAtMostATenthMoreCandidatesThanExactBoxesOnMany)
 
 TEST(PoseBounds, EncloseShapes)
 {
-    const Shape shapes[] = {Sphere{0.7}, Box{{1, 0.5, 2}}, Capsule{0.5, 2}, Cylinder{0.3, 1.5},
+    const Shape shapes[] = {Sphere{0.7},
+                            Box{{1, 0.5, 2}},
+                            Capsule{0.5, 2},
+                            Cylinder{0.3, 1.5},
+                            Ellipsoid{{0.3, 1, 2}},
+                            Cone{1, 3},
                             ConvexHull{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 2}}}};
     for (const Shape& shape : shapes) {
         const GeometryData geometry = shape;

@@ -73,6 +73,18 @@ inline bool same(const ConvexHull& a, const ConvexHull& b)
 {
     return same_points(a.points, b.points);
 }
+inline bool same(const Ellipsoid& a, const Ellipsoid& b)
+{
+    return same_bits(a.semi_axes, b.semi_axes);
+}
+inline bool same(const Cone& a, const Cone& b)
+{
+    return a.radius == b.radius && a.length == b.length;
+}
+inline bool same(const HalfSpace&, const HalfSpace&)
+{
+    return true;
+}
 inline bool same(const Shape& a, const Shape& b)
 {
     return a.index() == b.index() &&

@@ -243,7 +243,7 @@ TEST_F(SceneFile, ListsTheRightNamesForAWrongOne)
         "radius": 1}}}, "bodies": [{"name": "a", "geometry": "bunnny"}]})",
             "bodies[0].geometry: no geometry named 'bunnny'; this scene has: bunny, cow");
     refuses(R"({"geometries": {}, "bodies": [{"name": "a", "geometry": "b"}]})", "this scene has: none");
-    refuses_geometry(R"({"shape": {"kind": "cone"}})", "no shape named 'cone'; valid: sphere, box, capsule");
+    refuses_geometry(R"({"shape": {"kind": "torus"}})", "no shape named 'torus'; valid: sphere, box, capsule");
     refuses_geometry(R"({"mesh": {"generate": {"kind": "cube"}}})", "no generator named 'cube'; valid: box, sphere");
 }
 
@@ -578,6 +578,9 @@ Scene made_in_code()
     scene.add("sphere", Sphere{0.1});
     scene.add("box", Box{{0.1, 1 / 3.0, 2e-7}});
     scene.add("capsule", Capsule{0.3, 0});
+    scene.add("ellipsoid", Ellipsoid{{0.1, 0.2, 0.3}});
+    scene.add("cone", Cone{0.3, 0.7});
+    scene.add("half-space", HalfSpace{});
     scene.add("cylinder", Cylinder{0.3, 1e9 / 7});
     scene.add("hull", ConvexHull{{{0, 0, 0}, {1, 0.1, 0}, {0, 1 / 7.0, 0}, {0, 0, 1}, {1, 1, 1}}});
     scene.add("map", make_building_map(1, 0.25, 3));

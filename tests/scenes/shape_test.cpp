@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "test_files.hpp"
-#include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/model/convex_hull.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 namespace oncollide {
@@ -32,6 +32,9 @@ double support(const Shape& shape, const Vector3d& d)
     if (const auto* c = std::get_if<Capsule>(&shape)) return c->radius + 0.5 * c->length * std::abs(d.z());
     if (const auto* c = std::get_if<Cylinder>(&shape))
         return c->radius * std::hypot(d.x(), d.y()) + 0.5 * c->length * std::abs(d.z());
+    if (const auto* e = std::get_if<Ellipsoid>(&shape)) return e->semi_axes.cwiseProduct(d).norm();
+    if (const auto* c = std::get_if<Cone>(&shape))
+        return std::max(0.5 * c->length * d.z(), c->radius * std::hypot(d.x(), d.y()) - 0.5 * c->length * d.z());
     double most = -1e300;
     for (const Vector3d& p : std::get<ConvexHull>(shape).points) most = std::max(most, d.dot(p));
     return most;
@@ -48,6 +51,16 @@ double distance(const Shape& shape, const Vector3d& p)
                         Vector3d(p.x(), p.y(), std::max(0.0, std::abs(p.z()) - 0.5 * c->length)).norm() - c->radius);
     if (const auto* c = std::get_if<Cylinder>(&shape))
         return outside(std::hypot(p.x(), p.y()) - c->radius, std::abs(p.z()) - 0.5 * c->length);
+    if (const auto* c = std::get_if<Cone>(&shape)) { // to the triangle of its outline
+        const double across = std::hypot(p.x(), p.y()), z = p.z(), half = 0.5 * c->length;
+        const double t = ((c->radius - across) * c->radius + (z + half) * c->length) /
+                         (c->radius * c->radius + c->length * c->length);
+        const bool inside = z >= -half && across * c->length <= c->radius * (half - z);
+        if (inside) return 0;
+        if (z < -half && across <= c->radius) return -half - z;
+        const double s = std::clamp(t, 0.0, 1.0);
+        return std::hypot(across - c->radius * (1 - s), z + half - c->length * s);
+    }
     return 0;
 }
 
@@ -78,6 +91,11 @@ std::vector<Shape> shapes()
                               Capsule{1e-3, 1e6},
                               Cylinder{1, 2},
                               Cylinder{0.01, 50},
+                              Ellipsoid{{1, 2, 3}},
+                              Ellipsoid{{1e-3, 1, 1e3}},
+                              Cone{1, 2},
+                              Cone{1e-3, 50},
+                              Cone{50, 1e-2},
                               Cylinder{50, 0.01},
                               random_hull(4, 1, 0),
                               random_hull(20, 1, 0),
@@ -223,6 +241,16 @@ TEST(Shape, ImpossibleDimensionsAreNamed)
     refused(Capsule{0, 1}, "radius is 0");
     refused(Capsule{1, -0.5}, "length is -0.5");
     refused(Cylinder{1, 0}, "length is 0");
+    refused(Ellipsoid{{1, 0, 3}}, "semi-axis y is 0");
+    refused(Ellipsoid{{-1, 1, 3}}, "semi-axis x is -1");
+    refused(Ellipsoid{{1, 1, inf}}, "semi-axis z is inf");
+    refused(Cone{0, 1}, "radius is 0");
+    refused(Cone{1, nan}, "length is nan");
+    refused(Sphere{1e-310}, "scale the scene up");
+    refused(Box{{1, 1, 1e-100}}, "half-extent z is 1e-100");
+    refused(Cone{1, 1e-310}, "scale the scene up");
+    refused(ConvexHull{{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}}}, "lie in a plane");
+    refused(ConvexHull{{{0, 0, 0}, {1, 2, 3}, {2, 4, 6}, {3, 6, 9}}}, "lie in a plane");
     refused(ConvexHull{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, "3 points");
     refused(ConvexHull{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}}, "lie in a plane");
     refused(ConvexHull{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, nan}}}, "point 3");

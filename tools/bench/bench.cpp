@@ -206,6 +206,24 @@ void add_environment(Arguments bench)
     sub.action([options] { return bench_environment(*options); });
 }
 
+void add_shapes(Arguments bench)
+{
+    Arguments sub =
+        bench.add_command("shapes", "Pairs of primitive shapes all but in contact, judged in extended precision");
+    auto options = std::make_shared<ShapesOptions>();
+    sub.add_option("--pairs", options->pairs, "pairs to draw (default 100000)").type_name("N");
+    sub.add_option("--seed", options->seed, "seed of the pairs (default 12345)").type_name("S");
+    sub.add_option("--least-gap", options->least_gap, "least gap or overlap; 0.1 m is the largest (default 1e-6)")
+        .type_name("M");
+    sub.add_option("--threads", options->threads, "threads that judge; 0: all (default 0)").type_name("N");
+    sub.add_option("--csv", options->csv, "one row for every two kinds").type_name("FILE");
+    sub.footer(
+        "Both are timed on one thread, turn about. 'within' are pairs that oncollide leaves open; 'FCL lost' and "
+        "'FCL made' are pairs that collide though FCL says no, and that do not though it says yes; 'worst' is how "
+        "far apart such a pair was. Exit code 70: the truth contradicts a result or a bound of oncollide.");
+    sub.action([options] { return bench_shapes(*options); });
+}
+
 } // namespace
 
 void add_bench(Arguments app)
@@ -214,14 +232,15 @@ void add_bench(Arguments app)
         app.add_command("bench", "Measure against other libraries in one run, on the same work, turn about");
     bench.at_most_one_command();
     bench.action([]() -> int {
-        usage("bench: which one? broad, narrow, planner, world, environment, many, octants, paper, poses "
-              "or scene (oncollide bench --help)");
+        usage("bench: which one? broad, narrow, planner, world, environment, shapes, many, octants, paper, "
+              "poses or scene (oncollide bench --help)");
     });
     add_broad(bench);
     add_narrow(bench);
     add_planner(bench);
     add_world(bench);
     add_environment(bench);
+    add_shapes(bench);
     add_scene_bench(bench, "many", "Bunnies, dragons and cows in a cube");
     add_paper(bench);
     add_poses(bench);

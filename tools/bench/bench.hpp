@@ -117,6 +117,17 @@ struct EnvironmentOptions {
 /// Large environments with many bodies, beside FCL. Returns the exit code: 70 when oncollide missed a collision or an
 /// exact result of it is wrong.
 int bench_environment(const EnvironmentOptions& options);
+struct ShapesOptions {
+    int pairs = 100'000;
+    int threads = 0; ///< that judge; both sides are timed on one
+    double least_gap = 1e-6;
+    std::uint64_t seed = 12345;
+    std::string csv;
+};
+
+/// Close pairs of shapes of all kinds, beside FCL's libccd. Returns the exit code: 70 when extended precision contradicts
+/// a result of oncollide.
+int bench_shapes(const ShapesOptions& options);
 
 /// "4-8", "6" or "2,5-7" as ascending numbers; `option` names it in errors. Each 1 to 16.
 std::vector<int> parse_depths(const std::string& option, const std::string& text);

