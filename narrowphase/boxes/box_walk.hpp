@@ -414,10 +414,13 @@ NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const 
             if (clearance > 0) {
                 const Nearest found = nearest(pair, frame);
                 const double least = found.lower - 0x1p-18 * clearance;
-                if (least <= clearance || leaves_.meet(pair)) {
-                    result.bound = std::max(result.bound, found.upper);
+                if (least <= clearance) {
+                    // Of primitives that bounds are known of alone the distance may be above what rounding explains.
+                    if constexpr (requires { leaves_.bounds(pair); })
+                        result.bound = std::max(result.bound, found.upper);
                     return take(pair);
                 }
+                if (leaves_.meet(pair)) return take(pair);
                 lower = std::min(lower, least);
                 return true;
             }
