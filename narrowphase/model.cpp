@@ -25,10 +25,10 @@ const Convex& Model::convex() const
     return convex_;
 }
 
-const ShapeTree& Model::round_tree() const
+const ShapeTree& Model::shape_tree() const
 {
-    std::call_once(round_tree_once_, [this] { round_tree_.emplace(convex(), bounds_of(*shape())); });
-    return *round_tree_;
+    std::call_once(shape_tree_once_, [this] { shape_tree_.emplace(convex(), bounds_of(*shape())); });
+    return *shape_tree_;
 }
 
 MapTree& Model::cells() const

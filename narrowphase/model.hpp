@@ -52,8 +52,8 @@ public:
     bool has_triangles() const { return mesh() || (shape() && is_polytope(*shape())); }
     /// The shape as tests without trees take it. The model must be a shape, and no half-space.
     const Convex& convex() const;
-    /// The shape as one primitive for walks. The model must be a shape that is neither polytope nor half-space.
-    const ShapeTree& round_tree() const;
+    /// The shape as one primitive for walks. The model must be a shape, and no half-space.
+    const ShapeTree& shape_tree() const;
     /// What trees of oriented boxes are built over: the mesh, or the surface of a box or a hull; null: there is none.
     const Mesh* surface_mesh() const { return !has_triangles() ? nullptr : shape() ? &polytope() : mesh(); }
     /// The octree of a map. The model must be a map.
@@ -91,11 +91,11 @@ private:
     std::shared_ptr<const Geometry> geometry_;
     PoseBounds bounds_;
     mutable std::once_flag bounding_mesh_once_, closed_once_, parts_once_, fcl_once_, polytope_once_, convex_once_,
-        round_tree_once_, cells_once_, heights_once_;
+        shape_tree_once_, cells_once_, heights_once_;
     mutable std::optional<BoundingMesh> bounding_mesh_;
     mutable Mesh polytope_;
     mutable Convex convex_;
-    mutable std::optional<ShapeTree> round_tree_;
+    mutable std::optional<ShapeTree> shape_tree_;
     mutable std::unique_ptr<MapTree> cells_;
     mutable std::unique_ptr<TerrainTree> heights_;
     mutable bool closed_ = false;

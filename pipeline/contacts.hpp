@@ -7,17 +7,26 @@
 
 #include <Eigen/Geometry>
 
+#include <oncollide/narrowphase/body_part.hpp>
 #include <oncollide/narrowphase/verdict.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 
 namespace oncollide {
 
-/// Two triangles that meet, of bodies a and b, by number in their meshes.
+/// Two parts that meet, of bodies a and b. World coordinates, metres.
 struct Contact {
-    std::uint32_t triangle_a, triangle_b;
-    ContactKind kind;                    ///< touching or crossing
-    std::array<Eigen::Vector3d, 2> ends; ///< of the segment that both share; world, metres; equal for a point
-    Eigen::Vector3d normal_a, normal_b;  ///< unit, world; 0 for a triangle without area
+    BodyPart a, b;
+    /// Of two triangles touching or crossing. Of others unknown where they certainly meet, touching included; near
+    /// where rounding hides whether they do (2^-47 of the bodies' sizes and distance; of balls, turned or against round
+    /// shapes, and of round shapes).
+    ContactKind kind;
+    /// Of two triangles the ends of the segment that both share, equal for a point. Of others a point on each, the same
+    /// but for rounding.
+    std::array<Eigen::Vector3d, 2> ends;
+    /// Unit. Of a triangle its own; 0, or opposite to that of a solid, where it has no area. Of a cell and a shape
+    /// outward, where its surface is nearest to the point, of an ellipsoid nearly; opposite to the other's where the
+    /// point is in the middle of a sphere, a capsule or an ellipsoid.
+    Eigen::Vector3d normal_a, normal_b;
 };
 
 /// Those of many pairs, one after the other.
@@ -30,7 +39,8 @@ struct ContactLists {
 struct Distance {
     double lower = 0, upper = std::numeric_limits<double>::infinity(); ///< certified bounds, metres; both 0 where they
                                                                        ///< meet; upper infinite if it was not requested
-    std::uint32_t triangle_a = 0, triangle_b = 0; ///< of two meshes: a pair at most `upper` apart, where that is finite
+    BodyPart a{},
+        b{}; ///< two parts that are at most `upper` apart, where that is finite; the first where solids overlap
     /// The two nearest points, in the world, where `upper` is finite: on the bodies, and `upper` apart, but for
     /// rounding and the tolerance; one point of both where they meet.
     Eigen::Vector3d point_a = Eigen::Vector3d::Zero(), point_b = Eigen::Vector3d::Zero();

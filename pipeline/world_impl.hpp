@@ -5,6 +5,7 @@
 
 #include <oncollide/pipeline/refine/contact_finding.hpp>
 #include <oncollide/pipeline/refine/narrowing.hpp>
+#include <oncollide/pipeline/refine/solid_contacts.hpp>
 #include <oncollide/pipeline/stage.hpp>
 #include <oncollide/pipeline/world.hpp>
 
@@ -33,6 +34,7 @@ struct World::Impl {
         BothLevels levels;
         RefineContext context;
         ContactFinding contacts;
+        SolidContacts solid_contacts;
         PointLocator locator;
         SolidPairs solids;
         std::vector<Aabb> boxes;
@@ -64,7 +66,11 @@ struct World::Impl {
 
     bool runs(std::string_view stage) const;
     bool is_solid(const Model& model) const;
-    void need_surface(std::uint32_t slot);
+    void need_tree(Model& model);
+    PairTask task_of(std::uint32_t a, std::uint32_t b)
+    {
+        return {0, &bodies.model(a), &bodies.model(b), &bodies.pose(a), &bodies.pose(b)};
+    }
     /// Hands what changed to the broad phase and makes the boxes that are out of date.
     void take_in_changes();
     void find_events();

@@ -214,29 +214,11 @@ std::vector<QueryHit> World::query(const Aabb& box, const QueryFilter& filter) c
     return hits;
 }
 
-namespace {
-
-std::string_view kind_of(const Model& model)
+/// Makes the tree that contacts are found with, where it is not made when it is first asked for.
+void World::Impl::need_tree(Model& model)
 {
-    if (model.mesh()) return "a mesh";
-    if (model.terrain()) return "a terrain";
-    return model.shape() ? "a shape" : "a map";
-}
-
-} // namespace
-
-/// Makes the hierarchy of the surface that contacts are found on: a mesh's, or a terrain's.
-void World::Impl::need_surface(std::uint32_t slot)
-{
-    Model& model = bodies.model(slot);
-    if (!model.mesh() && !model.terrain())
-        throw Error(ErrorKind::usage, fmt::format("contacts: {} is {}; contacts can be had of meshes and terrains",
-                                                  label(slot), kind_of(model)));
     const std::lock_guard lock(guard);
-    if (!model.terrain())
-        models.boxes(model, frame.number);
-    else
-        model.heights();
+    if (model.has_triangles()) models.boxes(model, frame.number);
 }
 
 std::vector<Contact> World::contacts(BodyId a, BodyId b) const
@@ -251,32 +233,30 @@ void World::contacts(std::span<const PairOfBodies> pairs, ContactLists& lists) c
 {
     Impl& p = *impl_;
     for (const PairOfBodies& pair : pairs)
-        for (const BodyId body : {pair.a, pair.b}) p.need_surface(p.slot_of(body));
-    p.in_parts<Contact>(
-        pairs, 16, lists.contacts, lists.ends, [&](auto& worker, const PairOfBodies& pair, auto& found) {
-            const std::uint32_t a = pair.a.slot, b = pair.b.slot;
-            worker->contacts.find(p.bodies.model(a), p.bodies.pose(a), p.bodies.model(b), p.bodies.pose(b), found);
-        });
+        for (const BodyId body : {pair.a, pair.b}) p.need_tree(p.bodies.model(p.slot_of(body)));
+    p.in_parts<Contact>(pairs, 16, lists.contacts, lists.ends,
+                        [&](auto& worker, const PairOfBodies& pair, auto& found) {
+                            const PairTask task = p.task_of(pair.a.slot, pair.b.slot);
+                            const auto has_surface = [](const Model& model) { return model.mesh() || model.terrain(); };
+                            if (has_surface(*task.a) && has_surface(*task.b))
+                                worker->contacts.find(*task.a, *task.pose_a, *task.b, *task.pose_b, found);
+                            else
+                                worker->solid_contacts.find(task, found);
+                        });
 }
 
 Distance World::distance(BodyId body_a, BodyId body_b, double tolerance, double farthest) const
 {
     Impl& p = *impl_;
     check_distance(tolerance, farthest);
-    const std::uint32_t a = p.slot_of(body_a), b = p.slot_of(body_b);
-    const PairTask task{0, &p.bodies.model(a), &p.bodies.model(b), &p.bodies.pose(a), &p.bodies.pose(b)};
-    {
-        const std::lock_guard lock(p.guard);
-        for (Model* model : {task.a, task.b})
-            if (model->has_triangles()) p.models.boxes(*model, p.frame.number);
-    }
+    const PairTask task = p.task_of(p.slot_of(body_a), p.slot_of(body_b));
+    for (Model* model : {task.a, task.b}) p.need_tree(*model);
     Impl::Borrowed worker(p);
     Distance found;
     if (is_surface(*task.a) && is_surface(*task.b)) {
         found = worker->contacts.distance(*task.a, *task.pose_a, *task.b, *task.pose_b, tolerance, farthest);
     } else {
-        const ConvexDistance d = worker->solids.distance(task, tolerance, farthest);
-        found = {.lower = d.lower, .upper = d.upper, .point_a = d.on_a, .point_b = d.on_b};
+        found = worker->solids.distance(task, tolerance, farthest);
     }
     if (found.lower > 0) {
         if (const auto inside = one_holds_the_other(

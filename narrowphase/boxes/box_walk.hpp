@@ -324,10 +324,10 @@ unsigned BoxWalk<A, B, Leaves>::compare(const Entry& e, bool down_a, std::uint32
     Entry* const first = &stack_[top_];
     Entry *out = first, child = e, nearest;
     for (bool any = false; near; near &= near - 1, any = true) {
-        const auto k = static_cast<std::uint8_t>(__builtin_ctz(near));
+        const auto lane = static_cast<std::uint8_t>(__builtin_ctz(near));
         (down_a ? child.a : child.b) = slot;
-        (down_a ? child.lane_a : child.lane_b) = k;
-        child.gap = gaps[k];
+        (down_a ? child.lane_a : child.lane_b) = lane;
+        child.gap = gaps[lane];
         if (!any) {
             nearest = child;
         } else if (child.gap < nearest.gap) {

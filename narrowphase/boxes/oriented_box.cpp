@@ -47,9 +47,9 @@ Matrix3d spread_of(std::span<const TrianglePoints> triangles)
         for (const Vector3d& p : t) extent.add(p);
     const double half = extent.half_extent().maxCoeff();
     if (!(half > 0)) return Matrix3d::Zero();
-    std::array<GridTriangle, 16> few;
-    std::vector<GridTriangle> many(triangles.size() > few.size() ? triangles.size() : 0);
-    const std::span<GridTriangle> grid = many.empty() ? std::span(few).first(triangles.size()) : std::span(many);
+    std::array<GridTriangle, 16> on_stack;
+    std::vector<GridTriangle> many(triangles.size() > on_stack.size() ? triangles.size() : 0);
+    const std::span<GridTriangle> grid = many.empty() ? std::span(on_stack).first(triangles.size()) : std::span(many);
     double largest = 0;
     for (std::size_t i = 0; i < triangles.size(); ++i) {
         grid[i] = GridTriangle(triangles[i], extent.centre(), half);

@@ -4,7 +4,7 @@
 
 namespace oncollide {
 
-/// Walks of a round shape, A, against a mesh, a box or a hull, and a terrain, and of a map, A, against a round shape.
+/// Walks of a shape as one solid, A, against a mesh, a box or a hull, and a terrain, and of a map, A, against a shape.
 using ShapeMeshWalk = BoxWalk<const ShapeTree, ObbTree, RoundTests<ShapeTriangleTests<ObbTree>>>;
 using ShapeTerrainWalk = BoxWalk<const ShapeTree, TerrainTree, RoundTests<ShapeTriangleTests<TerrainTree>>>;
 using MapShapeWalk = BoxWalk<MapTree, const ShapeTree, RoundTests<MapShapeTests>>;

@@ -58,10 +58,13 @@ ConvexDistance ConvexPair::distance(EnoughDistance enough) const
         if (m.sign > 0) d.lower = std::min(std::max(d.lower, m.bound), d.upper);
         if (m.sign < 0) d.lower = d.upper = 0;
     }
-    // From the cores to the surfaces of the balls around them.
+    // From the cores to the surfaces of the balls around them, or to the middle of what both balls share.
     const Eigen::Vector3d v = d.on_b - d.on_a;
     const double length = v.norm();
-    if (length > radius_) d.on_a += a_.radius / length * v, d.on_b -= b_.radius / length * v;
+    if (length > radius_)
+        d.on_a += a_.radius / length * v, d.on_b -= b_.radius / length * v;
+    else if (radius_ > 0 && length > 0)
+        d.on_a += (std::max(length - b_.radius, 0.0) + std::min(a_.radius, length)) / (2 * length) * v, d.on_b = d.on_a;
     d.lower = std::max(d.lower - radius_, 0.0), d.upper = std::max(d.upper - radius_, 0.0);
     return d;
 }

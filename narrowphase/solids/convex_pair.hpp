@@ -16,7 +16,8 @@ public:
     ConvexMeeting meeting() const;
 
     /// Bounds on the distance, both 0 where they certainly meet; the points are on the bodies, and `upper` apart, but
-    /// for rounding.
+    /// for rounding: one point of both where they meet. With enough.below infinitely low that of balls is where they
+    /// overlap the most.
     ConvexDistance distance(EnoughDistance enough) const;
 
 private:

@@ -11,38 +11,40 @@ namespace oncollide {
 namespace {
 
 using Eigen::Vector3d;
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// The lowest of the corners that corners_of(primitive, take) hands to take(), as placed; or the first that is no
-/// higher than `enough`.
-template <BoxHierarchy Hierarchy, class CornersOf>
-class Lowest {
+/// Hands visit(primitive) those of a hierarchy that may come below cut(), those in lower boxes first.
+template <BoxHierarchy Hierarchy, class Cut, class Visit>
+class Descent {
 public:
-    Lowest(Hierarchy& tree, const RelativePose& to_plane, double enough, CornersOf corners_of)
-        : tree_(tree), to_plane_(to_plane), enough_(enough), corners_of_(corners_of),
-          base_(to_plane(tree.centre()).z()),
+    Descent(Hierarchy& tree, const RelativePose& to_plane, Cut cut, Visit visit)
+        : tree_(tree), to_plane_(to_plane), cut_(cut), visit_(visit), base_(to_plane(tree.centre()).z()),
           rounding_(0x1p-17 * tree.radius() + 0x1p-48 * (tree.centre().norm() + to_plane.translation.norm()))
     {
         descend(Hierarchy::root);
     }
-    const Vector3d& point() const { return lowest_; }
 
 private:
     void descend(const typename Hierarchy::Node& node)
     {
         OpenBoxes boxes;
         const LaneMasks masks = tree_.open(node, nullptr, boxes);
-        std::array<std::pair<double, unsigned>, 8> lanes;
+        std::array<std::pair<double, unsigned>, 8> lanes; // the lowest first
         unsigned count = 0;
-        for (unsigned k = 0; k < 8; ++k)
-            if (boxes.c[0][k] < 1e29f) lanes[count++] = {low(boxes, k), k}; // others hold no box
-        std::sort(lanes.begin(), lanes.begin() + count);
+        for (unsigned k = 0; k < 8; ++k) {
+            if (!(boxes.c[0][k] < 1e29f)) continue; // no box
+            const std::pair lane(low(boxes, k), k);
+            unsigned at = count++;
+            for (; at > 0 && lane < lanes[at - 1]; --at) lanes[at] = lanes[at - 1];
+            lanes[at] = lane;
+        }
         for (unsigned i = 0; i < count; ++i) {
             const auto [low, k] = lanes[i];
-            if (low > lowest_.z() || lowest_.z() <= enough_) return;
+            if (low > cut_()) return;
             if (!(masks.leaves >> k & 1))
                 descend(tree_.child(node, k));
             else
-                for (const auto primitive : tree_.primitives(node, k)) corners_of_(primitive, *this);
+                for (const auto primitive : tree_.primitives(node, k)) visit_(primitive);
         }
     }
     double low(const OpenBoxes& boxes, unsigned k) const
@@ -57,35 +59,60 @@ private:
         return height;
     }
 
-public:
-    void operator()(const Vector3d& corner)
-    {
-        const Vector3d p = to_plane_(corner);
-        if (p.z() < lowest_.z()) lowest_ = p;
-    }
-
-private:
     Hierarchy& tree_;
     const RelativePose& to_plane_;
-    const double enough_;
-    CornersOf corners_of_;
+    Cut cut_;
+    Visit visit_;
     const double base_, rounding_;
-    Vector3d lowest_ = Vector3d::Constant(std::numeric_limits<double>::infinity());
 };
+
+/// Of corners, as placed.
+class Lowest {
+public:
+    explicit Lowest(const RelativePose& to_plane) : to_plane_(to_plane) {}
+    void take(const Vector3d& corner)
+    {
+        const Vector3d p = to_plane_(corner);
+        if (p.z() < point_.z()) point_ = p;
+    }
+    const Vector3d& point() const { return point_; }
+
+private:
+    const RelativePose& to_plane_;
+    Vector3d point_ = Vector3d::Constant(infinity);
+};
+
+/// A body that is no shape, as a hierarchy whose primitives have corners: work(tree, each_corner), where
+/// each_corner(primitive, take) hands over those of one.
+void with_corners(Model& body, auto work)
+{
+    if (body.map()) {
+        MapTree& cells = body.cells();
+        return work(cells, [&](const MapCell& cell, auto take) {
+            for (unsigned k = 0; k < 8; ++k) take(corner_of(cells.map().box(cell), k));
+        });
+    }
+    if (body.terrain()) {
+        TerrainTree& heights = body.heights();
+        return work(heights, [&](std::uint32_t triangle, auto take) {
+            for (const Vector3d& p : heights.points(triangle)) take(p);
+        });
+    }
+    const Mesh& mesh = *body.mesh();
+    work(*body.boxes, [&](std::uint32_t triangle, auto take) {
+        for (std::uint32_t v : mesh.triangles[triangle]) take(mesh.vertices[v]);
+    });
+}
 
 Vector3d lowest_of_shape(const Convex& c, const RelativePose& to_plane)
 {
     if (!c.flat_sided) return to_plane(c.support(-to_plane.rotation.row(2).transpose()));
-    Vector3d lowest = Vector3d::Constant(std::numeric_limits<double>::infinity());
-    const auto take = [&](const Vector3d& corner) {
-        const Vector3d p = to_plane(corner);
-        if (p.z() < lowest.z()) lowest = p;
-    };
+    Lowest lowest(to_plane);
     if (c.core == Convex::Core::points)
-        for (std::uint32_t i = 0; i < c.count; ++i) take(c.points[i]);
+        for (std::uint32_t i = 0; i < c.count; ++i) lowest.take(c.points[i]);
     else
-        for (unsigned k = 0; k < 8; ++k) take(corner_of({c.low, c.high}, k));
-    return lowest;
+        for (unsigned k = 0; k < 8; ++k) lowest.take(corner_of({c.low, c.high}, k));
+    return lowest.point();
 }
 
 double radius_of(const Model& body)
@@ -104,33 +131,33 @@ Vector3d HalfSpacePair::lowest(double enough) const
 {
     if (body_.is_half_space()) {
         // Unless their planes are parallel and they look away from each other, they meet somewhere.
-        const Vector3d normal = to_plane_.rotation.col(2);
-        if (normal.x() == 0 && normal.y() == 0 && normal.z() < 0) return to_plane_.translation;
-        return Vector3d::Zero();
+        const Vector3d normal = to_plane_.rotation.col(2), along(normal.x(), normal.y(), 0);
+        const double across = along.norm(), height = normal.dot(to_plane_.translation);
+        if (across == 0 && normal.z() < 0) return to_plane_.translation;
+        if (height >= 0) return Vector3d::Zero();
+        return normal.z() > across ? Vector3d(0, 0, height / normal.z()) : Vector3d(height / across / across * along);
     }
     if (body_.shape()) return lowest_of_shape(body_.convex(), to_plane_);
-    if (body_.map()) {
-        MapTree& cells = body_.cells();
-        return Lowest(cells, to_plane_, enough,
-                      [&](const MapCell& cell, auto& take) {
-                          for (unsigned k = 0; k < 8; ++k) take(corner_of(cells.map().box(cell), k));
-                      })
-            .point();
-    }
-    if (body_.terrain()) {
-        TerrainTree& heights = body_.heights();
-        return Lowest(heights, to_plane_, enough,
-                      [&](std::uint32_t triangle, auto& take) {
-                          for (const Vector3d& p : heights.points(triangle)) take(p);
-                      })
-            .point();
-    }
-    const Mesh& mesh = *body_.mesh();
-    return Lowest(*body_.boxes, to_plane_, enough,
-                  [&](std::uint32_t triangle, auto& take) {
-                      for (std::uint32_t v : mesh.triangles[triangle]) take(mesh.vertices[v]);
-                  })
-        .point();
+    Lowest lowest(to_plane_);
+    with_corners(body_, [&](auto& tree, auto each_corner) {
+        Descent(
+            tree, to_plane_, [&] { return lowest.point().z() <= enough ? -infinity : lowest.point().z(); },
+            [&](const auto& primitive) { each_corner(primitive, [&](const Vector3d& p) { lowest.take(p); }); });
+    });
+    return lowest.point();
+}
+
+void HalfSpacePair::each_meeting(FunctionRef<void(const BodyPart&, const Vector3d&)> found) const
+{
+    with_corners(body_, [&](auto& tree, auto each_corner) {
+        Descent(
+            tree, to_plane_, [] { return 0.0; },
+            [&](const auto& primitive) {
+                Lowest lowest(to_plane_);
+                each_corner(primitive, [&](const Vector3d& p) { lowest.take(p); });
+                if (lowest.point().z() <= 0) found(BodyPart(primitive), lowest.point());
+            });
+    });
 }
 
 double HalfSpacePair::rounding() const

@@ -1,4 +1,6 @@
 #pragma once
+#include <oncollide/base/function_ref.hpp>
+#include <oncollide/narrowphase/body_part.hpp>
 #include <oncollide/narrowphase/model.hpp>
 #include <oncollide/narrowphase/solids/convex_pair.hpp>
 
@@ -16,6 +18,9 @@ public:
     ConvexMeeting meeting() const;
     /// The points are on the half-space and on the body.
     ConvexDistance distance() const;
+    /// found(part, lowest corner) of all parts that come to the half-space, of a body that is no shape; a terrain's
+    /// heights count as they are stored.
+    void each_meeting(FunctionRef<void(const BodyPart&, const Eigen::Vector3d&)> found) const;
 
 private:
     /// The body's lowest point, but for the radius around a core.

@@ -11,7 +11,7 @@
 
 namespace oncollide {
 
-/// The leaf tests of a round shape, A, against the triangles of a mesh or a terrain (see hierarchy.hpp). What is
+/// The leaf tests of a shape, A, against the triangles of a mesh or a terrain (see hierarchy.hpp). What is
 /// certain counts as meeting or as apart; pairs in between, that rounding hides, are counted by open_bound().
 template <class Tree>
 class ShapeTriangleTests {
@@ -53,7 +53,7 @@ protected:
     double slack_ = 0;
 };
 
-/// The same of a map, A, and a round shape.
+/// The same of a map, A, and a shape.
 class MapShapeTests {
 public:
     struct Pair {
@@ -119,6 +119,7 @@ public:
         if (m.sign == 0) open_bound_ = std::min(open_bound_, m.bound);
         return m.sign < 0 || (m.sign == 0 && open_counts_);
     }
+    bool certainly_meet(const Pair& pair) const { return Judge::meeting(pair).sign < 0; }
     double distance(const Pair& pair) const { return bounds(pair).upper; }
     ConvexDistance bounds(const Pair& pair) const { return Judge::bounds(pair, {}); }
     NearestPoints nearest(const Pair& pair) const

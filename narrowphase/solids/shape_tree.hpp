@@ -6,7 +6,7 @@
 
 namespace oncollide {
 
-/// A round shape as a BoxHierarchy: one box around one primitive. Holds nothing else.
+/// A bounded shape as a BoxHierarchy: one box around one primitive. Holds nothing else.
 class ShapeTree {
 public:
     /// Keeps a reference. @param bounds  of the shape

@@ -53,9 +53,9 @@ Distance ContactFinding::distance(Body& body_a, const Eigen::Isometry3d& pose_a,
         const auto found = walk.distance(a, b, b_to_a, tolerance, farthest);
         Distance d{.lower = found.lower, .upper = found.upper};
         if (!found.nearest) return d;
-        d.triangle_a = found.nearest->a, d.triangle_b = found.nearest->b;
+        d.a = found.nearest->a, d.b = found.nearest->b;
         const auto& triangles = walk.walk().leaves();
-        const TrianglePoints of_a = triangles.points_a(d.triangle_a), of_b = triangles.points_b(d.triangle_b);
+        const TrianglePoints of_a = triangles.points_a(d.a.triangle), of_b = triangles.points_b(d.b.triangle);
         if (d.upper == 0) {
             d.point_a = d.point_b = pose_a * common_segment(of_a, of_b).ends[0];
         } else {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <oncollide/pipeline/refine/containment_test.hpp>
+#include <oncollide/pipeline/refine/part_solid.hpp>
 #include <oncollide/pipeline/refine/placed_pair.hpp>
 
 namespace oncollide {
@@ -124,39 +125,19 @@ RefineResult decide_near(Walk& walk, A& a, B& b, const PlacedPair& placed, doubl
     return {Verdict::within, ContactKind::unknown, (found.near ? found.bound : clearance) + out};
 }
 
-/// A primitive of a hierarchy as a solid.
-struct Primitive {
-    std::array<Eigen::Vector3d, 3> corners;
-    Convex solid;
-
-    Primitive(const ObbTree& tree, std::uint32_t triangle)
-    {
-        for (std::size_t k = 0; k < 3; ++k) corners[k] = tree.mesh().vertices[tree.mesh().triangles[triangle][k]];
-        solid = convex_of(corners);
-    }
-    Primitive(const TerrainTree& tree, std::uint32_t triangle) : corners(tree.points(triangle))
-    {
-        solid = convex_of(corners);
-    }
-    Primitive(const MapTree& tree, const MapCell& cell) : solid(convex_of(tree.map().box(cell))) {}
-    Primitive(const ShapeTree& tree, std::uint32_t) : solid(tree.shape()) {}
-    Primitive(const Primitive&) = delete; // solid may refer to the corners
-    Primitive& operator=(const Primitive&) = delete;
-};
-
 /// In A's frame.
 template <class Walk, class A, class B>
-ConvexDistance distance_by(Walk& walk, A& a, B& b, const PlacedPair& placed, double off, double tolerance,
-                           double farthest)
+Distance distance_by(Walk& walk, A& a, B& b, const PlacedPair& placed, double off, double tolerance, double farthest)
 {
     prepare(walk, placed.slack, false);
     const auto found = walk.distance(a, b, placed.b_to_a, tolerance, (farthest + off) * (1 + 4 * rigid));
-    ConvexDistance d{
-        std::max(found.lower * (1 - placed.slack) - off, 0.0), found.upper * (1 + placed.slack) + off, {}, {}};
+    Distance d{.lower = std::max(found.lower * (1 - placed.slack) - off, 0.0),
+               .upper = found.upper * (1 + placed.slack) + off};
     if (!found.nearest) return d;
-    const Primitive of_a(a, found.nearest->a), of_b(b, found.nearest->b);
-    const ConvexDistance points = ConvexPair(of_a.solid, of_b.solid, placed.b_to_a, placed.slack).distance({});
-    d.on_a = points.on_a, d.on_b = points.on_b;
+    d.a = found.nearest->a, d.b = found.nearest->b;
+    const PartSolid of_a(a, found.nearest->a), of_b(b, found.nearest->b);
+    const ConvexDistance points = ConvexPair(of_a.solid(), of_b.solid(), placed.b_to_a, placed.slack).distance({});
+    d.point_a = points.on_a, d.point_b = points.on_b;
     return d;
 }
 
@@ -212,14 +193,14 @@ auto SolidPairs::with_walk(const PairTask& task, auto work)
     const PlacedPair placed(swapped ? *task.pose_b : *task.pose_a, swapped ? *task.pose_a : *task.pose_b);
     if (a.map() && b.map()) return work(map_map_, a.cells(), b.cells(), placed, never);
     if (a.map() && b.terrain()) return work(map_terrain_, a.cells(), b.heights(), placed, never);
-    if (a.map() && !b.has_triangles()) return work(map_shape_, a.cells(), b.round_tree(), placed, never);
+    if (a.map() && !b.has_triangles()) return work(map_shape_, a.cells(), b.shape_tree(), placed, never);
     if (a.map())
         return work(map_mesh_, a.cells(), *b.boxes, placed, [&](MapTree& cells, ObbTree& surface) {
             return b.shape() && !map_mesh_.far_from_all() && holds_cell(locator_, surface, placed.b_to_a, cells);
         });
     if (a.shape() && !a.has_triangles())
-        return b.terrain() ? work(shape_terrain_, a.round_tree(), b.heights(), placed, never)
-                           : work(shape_mesh_, a.round_tree(), *b.boxes, placed, never);
+        return b.terrain() ? work(shape_terrain_, a.shape_tree(), b.heights(), placed, never)
+                           : work(shape_mesh_, a.shape_tree(), *b.boxes, placed, never);
     return triangles_.with(a, b, [&](auto& walk, auto& of_a, auto& of_b) {
         return work(walk.walk(), of_a, of_b, placed, [&](const auto&, const auto&) { return shape_holds(task); });
     });
@@ -252,19 +233,22 @@ RefineResult SolidPairs::near(const RefineContext& context, const PairTask& task
     });
 }
 
-ConvexDistance SolidPairs::distance(const PairTask& task, double tolerance, double farthest)
+Distance SolidPairs::distance(const PairTask& task, double tolerance, double farthest)
 {
     if (without_walk(*task.a, *task.b)) {
-        ConvexDistance d = DirectPair(task).distance({.above = farthest, .below = 0, .tolerance = tolerance});
-        if (d.lower > farthest) d.upper = infinity;
-        return d;
+        const ConvexDistance d = DirectPair(task).distance({.above = farthest, .below = 0, .tolerance = tolerance});
+        return {
+            .lower = d.lower, .upper = d.lower > farthest ? infinity : d.upper, .point_a = d.on_a, .point_b = d.on_b};
     }
     return with_walk(task, [&](auto& walk, auto& a, auto& b, const PlacedPair& placed, auto holds) {
-        ConvexDistance d = distance_by(walk, a, b, placed, height_error(task), tolerance, farthest);
+        Distance d = distance_by(walk, a, b, placed, height_error(task), tolerance, farthest);
         const bool swapped = &placed_first(task) == task.b;
         const Eigen::Isometry3d& frame = swapped ? *task.pose_b : *task.pose_a;
-        d.on_a = frame * d.on_a, d.on_b = frame * d.on_b;
-        if (swapped) std::swap(d.on_a, d.on_b);
+        d.point_a = frame * d.point_a, d.point_b = frame * d.point_b;
+        if (swapped) std::swap(d.point_a, d.point_b), std::swap(d.a, d.b);
+        // A part of a shape's surface is no part of its own.
+        if (task.a->shape()) d.a = {};
+        if (task.b->shape()) d.b = {};
         if (d.lower > 0 && holds(a, b)) d.lower = d.upper = 0;
         return d;
     });

@@ -2,7 +2,7 @@
 #include <oncollide/narrowphase/boxes/map_walk.hpp>
 #include <oncollide/narrowphase/boxes/shape_walk.hpp>
 #include <oncollide/narrowphase/inside/point_place.hpp>
-#include <oncollide/narrowphase/solids/convex_distance.hpp>
+#include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
 #include <oncollide/pipeline/refine/triangle_walks.hpp>
 
@@ -34,9 +34,9 @@ public:
     /// Of bodies that do not meet, surfaces too: separate beyond the clearance, or near.
     RefineResult within_clearance(const RefineContext& context, const PairTask& task);
 
-    /// Bounds on the distance of any pair but two surfaces, as World::distance() says, and the two nearest points in
-    /// the world. Of bodies farther apart than `farthest` the upper bound is infinite.
-    ConvexDistance distance(const PairTask& task, double tolerance, double farthest);
+    /// Of any pair but two surfaces, as World::distance() says. Of bodies farther apart than `farthest` the upper bound
+    /// is infinite.
+    Distance distance(const PairTask& task, double tolerance, double farthest);
 
     /// Does a shape with a volume, one of the two, enclose a part of the other? Their surfaces are apart.
     bool shape_holds(const PairTask& task);

@@ -19,7 +19,7 @@ struct MapCell {
         const std::int32_t half = side / 2;
         return {x + (k & 1 ? half : 0), y + (k & 2 ? half : 0), z + (k & 4 ? half : 0), half};
     }
-    friend bool operator==(const MapCell&, const MapCell&) = default;
+    friend auto operator<=>(const MapCell&, const MapCell&) = default;
 };
 
 /// Smallest cells from `low` to `high`, the latter not included.

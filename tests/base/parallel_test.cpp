@@ -102,10 +102,10 @@ TEST_P(ParallelChunks, MayBeCalledFromInsideAnother)
 
 #ifdef ONCOLLIDE_OPENMP
 INSTANTIATE_TEST_SUITE_P(Every, ParallelChunks, testing::Values("ThreadPool", "OpenMp", "OneAfterTheOther"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& way) { return std::string(way.param); });
 #else
 INSTANTIATE_TEST_SUITE_P(Every, ParallelChunks, testing::Values("ThreadPool", "OneAfterTheOther"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& way) { return std::string(way.param); });
 #endif
 
 std::size_t sum_in_parallel(std::size_t count, int threads)

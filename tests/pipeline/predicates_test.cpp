@@ -126,10 +126,10 @@ TEST(Contacts, AreAllPairsOfBruteForceWithPointsOnBothTriangles)
         found += contacts.size();
         for (std::size_t k = 0; k < contacts.size(); ++k) {
             const Contact& c = contacts[k];
-            EXPECT_EQ((TrianglePair{c.triangle_a, c.triangle_b}), expected[k]);
+            EXPECT_EQ((TrianglePair{c.a.triangle, c.b.triangle}), expected[k]);
             EXPECT_EQ(c.kind, ContactKind::crossing);
             for (const auto& [body, triangle, normal] :
-                 {std::tuple(0, c.triangle_a, c.normal_a), std::tuple(1, c.triangle_b, c.normal_b)}) {
+                 {std::tuple(0, c.a.triangle, c.normal_a), std::tuple(1, c.b.triangle, c.normal_b)}) {
                 const Eigen::Vector3d corner =
                     scene.poses[std::size_t(body)] * knot.vertices[knot.triangles[triangle][0]];
                 EXPECT_NEAR(normal.norm(), 1, 1e-12);
@@ -154,7 +154,7 @@ TEST(Contacts, AreAllPairsOfBruteForceWithPointsOnBothTriangles)
         const auto alone = crowd.contacts(pairs[i].a, pairs[i].b);
         ASSERT_EQ(lists.ends[i] - begin, alone.size());
         for (std::size_t k = 0; k < alone.size(); ++k) {
-            EXPECT_EQ(lists.contacts[begin + k].triangle_a, alone[k].triangle_a);
+            EXPECT_EQ(lists.contacts[begin + k].a.triangle, alone[k].a.triangle);
             EXPECT_EQ(lists.contacts[begin + k].ends, alone[k].ends);
         }
         begin = lists.ends[i];

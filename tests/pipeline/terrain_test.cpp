@@ -240,8 +240,8 @@ TEST(Terrain, ContactsAreThoseOfTheMesh)
                    truth = as_mesh.world.contacts(as_mesh.first, as_mesh.second);
         ASSERT_EQ(contacts.size(), truth.size());
         for (std::size_t i = 0; i < contacts.size(); ++i, ++found) {
-            EXPECT_EQ(contacts[i].triangle_a, truth[i].triangle_a);
-            EXPECT_EQ(contacts[i].triangle_b, truth[i].triangle_b);
+            EXPECT_EQ(contacts[i].a.triangle, truth[i].a.triangle);
+            EXPECT_EQ(contacts[i].b.triangle, truth[i].b.triangle);
             EXPECT_EQ(contacts[i].ends[0], truth[i].ends[0]);
             EXPECT_EQ(contacts[i].normal_a, truth[i].normal_a);
         }

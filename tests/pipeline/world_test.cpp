@@ -296,7 +296,7 @@ TEST(World, BoundsDistancesOfMeshesAndShapes)
     EXPECT_NEAR(apart.lower, apart.upper, 0.03);
     EXPECT_EQ(inside.lower, 0);
     EXPECT_LT(inside.upper, 0.02);
-    EXPECT_THROW(world.contacts(a, b), Error);
+    EXPECT_TRUE(world.contacts(a, b).empty());
     EXPECT_THROW(world.distance(a, b, -1), Error);
 }
 

@@ -77,7 +77,7 @@ TEST_F(Check, WritesTheTrianglesThatMeet)
     std::istringstream rows(folder_.read("c.csv"));
     std::string row;
     std::getline(rows, row);
-    EXPECT_TRUE(row.starts_with("triangle_a,triangle_b,kind,x0")) << row;
+    EXPECT_TRUE(row.starts_with("part_a,part_b,kind,x0")) << row;
     int count = 0;
     for (; std::getline(rows, row); ++count) EXPECT_NE(row.find(",touching,0.5,"), std::string::npos) << row;
     EXPECT_GE(count, 4) << "the two of a face meet the two of the other, and more their edges";

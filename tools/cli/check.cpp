@@ -112,13 +112,25 @@ std::string describe(const Scene& scene, const Settings& settings, const PairRes
     return {};
 }
 
-/// One row for each two triangles that meet.
+/// A triangle's number, or a cell by its least corner and its side, in the map's smallest cells.
+std::string part_text(const BodyPart& part)
+{
+    const MapCell& c = part.cell;
+    return c.side > 0 ? fmt::format("{}/{}/{}/{}", c.x, c.y, c.z, c.side) : std::to_string(part.triangle);
+}
+
+std::string describe(const BodyPart& part, const std::string& name)
+{
+    return fmt::format("{} {} of '{}'", part.cell.side > 0 ? "cell" : "triangle", part_text(part), name);
+}
+
+/// One row for each two parts that meet.
 void write_contacts(const World& world, OutputFile& file)
 {
-    file.print("triangle_a,triangle_b,kind,x0,y0,z0,x1,y1,z1,normal_a_x,normal_a_y,normal_a_z,normal_b_x,normal_b_y,"
+    file.print("part_a,part_b,kind,x0,y0,z0,x1,y1,z1,normal_a_x,normal_a_y,normal_a_z,normal_b_x,normal_b_y,"
                "normal_b_z\n");
     for (const Contact& c : world.contacts(BodyId{0}, BodyId{1})) {
-        file.print("{},{},{}", c.triangle_a, c.triangle_b, name_of(c.kind));
+        file.print("{},{},{}", part_text(c.a), part_text(c.b), name_of(c.kind));
         for (const Eigen::Vector3d& v : {c.ends[0], c.ends[1], c.normal_a, c.normal_b})
             file.print(",{:.17g},{:.17g},{:.17g}", v.x(), v.y(), v.z());
         file.print("\n");
@@ -128,15 +140,11 @@ void write_contacts(const World& world, OutputFile& file)
 
 std::string describe_distance(const Scene& scene, const World& world, double tolerance)
 {
-    const std::string name_a = printable(scene.label(BodyId{0})), name_b = printable(scene.label(BodyId{1}));
     const Distance d = world.distance(BodyId{0}, BodyId{1}, tolerance);
-    if (d.upper == 0)
-        return fmt::format("distance: 0, triangle {} of '{}' meets triangle {} of '{}'.", d.triangle_a, name_a,
-                           d.triangle_b, name_b);
-    return fmt::format(
-        "distance: from {:.12g} to {:.12g} m (certified), between triangle {} of '{}' and triangle {} of "
-        "'{}'.",
-        d.lower, d.upper, d.triangle_a, name_a, d.triangle_b, name_b);
+    const std::string a = describe(d.a, printable(scene.label(BodyId{0}))),
+                      b = describe(d.b, printable(scene.label(BodyId{1})));
+    if (d.upper == 0) return fmt::format("distance: 0, {} meets {}.", a, b);
+    return fmt::format("distance: from {:.12g} to {:.12g} m (certified), between {} and {}.", d.lower, d.upper, a, b);
 }
 
 int check_pair(const CheckOptions& options)
@@ -155,11 +163,6 @@ int check_pair(const CheckOptions& options)
     std::optional<OutputFile> contacts;
     if (!options.contacts.empty()) contacts.emplace(options.contacts);
     const Scene scene = load_pair(options);
-    for (std::uint32_t body = 0; (contacts || options.distance) && body < scene.size(); ++body)
-        if (std::holds_alternative<OccupancyMap>(scene.geometries[index(scene.geometry[body])].data))
-            throw Error(ErrorKind::usage,
-                        fmt::format("{}: '{}' is no mesh and no terrain", contacts ? "--contacts" : "--distance",
-                                    scene.label(BodyId{body})));
     if (!options.quiet) print_warnings(scene);
     Pipeline pipeline(scene, settings);
     Report report(scene, pipeline, {.csv = false, .trace = false, .separate = true});
@@ -195,8 +198,9 @@ void add_check(Arguments app)
     sub.add_option("--pose-b", options->pose_b, "pose of B").type_name("\"x y z qx qy qz qw\"");
     add_accuracy_options(sub, options->settings);
     sub.add_option("--json", options->json, "write the result as JSON; '-' is standard output").type_name("FILE");
-    sub.add_option("--contacts", options->contacts,
-                   "write all pairs of triangles that meet, where, and their normals as CSV; needs --exact predicates")
+    sub.add_option(
+           "--contacts", options->contacts,
+           "write all pairs of triangles or cells that meet, where, and their normals as CSV; needs --exact predicates")
         .type_name("FILE.csv");
     sub.add_option("--distance", options->distance,
                    "also bound the distance of two meshes or terrains, to this tolerance in metres; 0: as exact as "

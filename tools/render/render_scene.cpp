@@ -152,8 +152,8 @@ void ScenePictures::find_meeting(const World& world, std::span<const PairResult>
     world.contacts(colliding, found);
     for (std::size_t k = 0, c = 0; k < colliding.size(); ++k)
         for (; c < found.ends[k]; ++c) {
-            meeting_of_[index(colliding[k].a)].push_back(found.contacts[c].triangle_a);
-            meeting_of_[index(colliding[k].b)].push_back(found.contacts[c].triangle_b);
+            meeting_of_[index(colliding[k].a)].push_back(found.contacts[c].a.triangle);
+            meeting_of_[index(colliding[k].b)].push_back(found.contacts[c].b.triangle);
         }
     for (std::vector<std::uint32_t>& triangles : meeting_of_) {
         std::sort(triangles.begin(), triangles.end());

@@ -58,7 +58,7 @@ std::optional<Eigen::Vector3d> nearest_place(const Scene& scene, BodyPair pair)
         const auto& v = mesh(body)->vertices;
         return Eigen::Vector3d(scene.poses[body] * ((v[t[0]] + v[t[1]] + v[t[2]]) / 3));
     };
-    return 0.5 * (centre(pair.a, found.triangle_a) + centre(pair.b, found.triangle_b));
+    return 0.5 * (centre(pair.a, found.a.triangle) + centre(pair.b, found.b.triangle));
 }
 
 void paste(Painter& painter, const Picture& picture, Image& image, int column)

@@ -1,0 +1,43 @@
+#pragma once
+#include <array>
+
+#include <oncollide/narrowphase/boxes/map_tree.hpp>
+#include <oncollide/narrowphase/boxes/obb_tree.hpp>
+#include <oncollide/narrowphase/boxes/terrain_tree.hpp>
+#include <oncollide/narrowphase/exact/exact_predicates.hpp>
+#include <oncollide/narrowphase/solids/outward_normal.hpp>
+#include <oncollide/narrowphase/solids/shape_tree.hpp>
+
+namespace oncollide {
+
+/// A part of a body as a convex solid, in the body's frame.
+class PartSolid {
+public:
+    PartSolid(const ObbTree& tree, std::uint32_t triangle) : flat_(true)
+    {
+        for (std::size_t k = 0; k < 3; ++k) corners_[k] = tree.mesh().vertices[tree.mesh().triangles[triangle][k]];
+        solid_ = convex_of(corners_);
+    }
+    PartSolid(const TerrainTree& tree, std::uint32_t triangle)
+        : corners_(tree.points(triangle)), solid_(convex_of(corners_)), flat_(true)
+    {
+    }
+    PartSolid(const MapTree& tree, const MapCell& cell) : solid_(convex_of(tree.map().box(cell))) {}
+    PartSolid(const ShapeTree& tree, std::uint32_t) : solid_(tree.shape()) {}
+    PartSolid(const PartSolid&) = delete; // the solid may refer to the corners
+    PartSolid& operator=(const PartSolid&) = delete;
+
+    const Convex& solid() const { return solid_; }
+    /// As Contact has it.
+    Eigen::Vector3d normal(const Eigen::Vector3d& point) const
+    {
+        return flat_ ? unit_normal(corners_[0], corners_[1], corners_[2]) : outward_normal(solid_, point);
+    }
+
+private:
+    std::array<Eigen::Vector3d, 3> corners_;
+    Convex solid_;
+    bool flat_ = false;
+};
+
+} // namespace oncollide
