@@ -42,11 +42,22 @@ void support_box(const float* x, const float* y, const float* z, std::uint32_t c
     }
 }
 
+float most_along(const float* x, const float* y, const float* z, std::uint32_t count, const float d[3])
+{
+    F32x8 high = splat(-__builtin_inff());
+    for (std::uint32_t i = 0; i < count; i += 8)
+        high = max(high, d[0] * load(x + i) + d[1] * load(y + i) + d[2] * load(z + i));
+    float most = high[0];
+    for (int lane = 1; lane < 8; ++lane)
+        if (high[lane] > most) most = high[lane];
+    return most;
+}
+
 } // namespace
 
 BoxKernel box_kernel()
 {
-    return {overlap_range, support_box};
+    return {overlap_range, support_box, most_along};
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

@@ -20,9 +20,13 @@ using OverlapRange = std::uint32_t(const BoxColumnsView& columns, std::uint32_t 
 using SupportBox = void(const float* x, const float* y, const float* z, std::uint32_t count, const float rows[9],
                         float lo[3], float hi[3]);
 
+/// Largest of direction * point over the same.
+using MostAlong = float(const float* x, const float* y, const float* z, std::uint32_t count, const float direction[3]);
+
 struct BoxKernel {
     OverlapRange* overlap_range;
     SupportBox* support_box;
+    MostAlong* most_along;
 };
 
 namespace baseline {

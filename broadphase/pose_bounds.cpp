@@ -1,10 +1,10 @@
 #include <oncollide/broadphase/pose_bounds.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 #include <oncollide/base/cpu_features.hpp>
 #include <oncollide/broadphase/box_kernel.hpp>
-#include <oncollide/scenes/model/convex_hull.hpp>
 
 namespace oncollide {
 
@@ -16,9 +16,9 @@ const BoxKernel& box_kernel()
 
 namespace {
 
-// Finding a hull costs about as much as boxing this many times the mesh's vertices once each.
-constexpr std::uint64_t boxes_that_pay_for_a_hull = 1500;
-constexpr std::size_t smallest_mesh_worth_a_hull = 64;
+// Making a map costs about as much as so many boxes without one.
+constexpr std::uint64_t boxes_that_pay_for_a_map = 600;
+constexpr std::size_t fewest_points_of_a_map = 256;
 
 Aabb around(const Eigen::Vector3d& centre, const Eigen::Vector3d& half)
 {
@@ -88,18 +88,31 @@ const std::vector<Eigen::Vector3d>* points_of(const GeometryData& geometry)
     return nullptr;
 }
 
-std::vector<std::uint32_t> used_points(const GeometryData& geometry, std::size_t count)
+/// Those that triangles use, about the centre, padded to 8 with copies.
+PointColumns used_points(const GeometryData& geometry, const std::vector<Eigen::Vector3d>& points,
+                         const Eigen::Vector3d& centre)
 {
-    std::vector<std::uint32_t> used;
+    PointColumns used;
+    const auto put = [&](const Eigen::Vector3d& point) {
+        const Eigen::Vector3f p = (point - centre).cast<float>();
+        used.add(p.x(), p.y(), p.z());
+    };
     if (const auto* mesh = std::get_if<Mesh>(&geometry)) {
-        std::vector<std::uint8_t> seen(count);
+        std::vector<bool> seen(points.size());
         for (const Triangle& t : mesh->triangles)
             for (std::uint32_t v : t)
-                if (!seen[v]) seen[v] = 1, used.push_back(v);
+                if (!seen[v]) seen[v] = true, put(points[v]);
     } else {
-        for (std::uint32_t v = 0; v < count; ++v) used.push_back(v);
+        std::ranges::for_each(points, put);
     }
+    while (used.size() % 8) used.add(used, 0);
     return used;
+}
+
+/// Does the box of the rotated bounds fit as tightly as can be?
+bool turns_by_quarters(const Eigen::Matrix3d& r)
+{
+    return (r.array() == 0 || r.array().abs() == 1).all();
 }
 
 } // namespace
@@ -112,37 +125,16 @@ PoseBounds::PoseBounds(const GeometryData& geometry) : geometry_(geometry)
     slack_ = 1e-15 * (radius_ + centre_.norm());
 }
 
-void PoseBounds::set_support(const std::vector<Eigen::Vector3d>& points, const std::vector<std::uint32_t>& used)
+void PoseBounds::expect(const Eigen::Isometry3d& pose)
 {
-    x_.clear(), y_.clear(), z_.clear();
-    const auto put = [&](const Eigen::Vector3d& p) {
-        x_.push_back(static_cast<float>(p.x())), y_.push_back(static_cast<float>(p.y()));
-        z_.push_back(static_cast<float>(p.z()));
-    };
-    for (std::uint32_t i : used) put(points[i] - centre_);
-    while (x_.size() % 8) put(points[used.front()] - centre_);
-}
-
-void PoseBounds::expect(std::uint64_t boxes)
-{
-    requested_ += boxes;
     const std::vector<Eigen::Vector3d>* points = points_of(geometry_);
-    if (!points || final_ || boxes == 0) return;
-    const bool large = points->size() >= smallest_mesh_worth_a_hull;
-    const bool want_hull = large && requested_ >= boxes_that_pay_for_a_hull;
-    if (!x_.empty() && !want_hull) return;
-
-    // Rounding of support_box: with |r . p| <= |p|, coordinates, products and sums err by at most 9 * 2^-24 |p|.
-    const double rounding = std::ldexp(radius_, -20);
-    if (want_hull) {
-        const Hull hull = convex_hull(*points);
-        set_support(*points, hull.vertices);
-        slack_ = rounding + hull.slack;
-    } else {
-        set_support(*points, used_points(geometry_, points->size()));
-        slack_ = rounding;
-    }
-    final_ = want_hull || !large;
+    if (final_ || !points || turns_by_quarters(pose.linear())) return;
+    if (++requested_ == 1) points_ = used_points(geometry_, *points, centre_);
+    const bool large = points_.size() >= fewest_points_of_a_map;
+    final_ = !large || requested_ >= boxes_that_pay_for_a_map;
+    if (large && final_) support_ = SupportMap(points_), points_ = {};
+    // Rounding of rotated points: with |r . p| <= |p|, coordinates, products and sums err by at most 9 * 2^-24 |p|.
+    slack_ = std::ldexp(radius_, -20);
 }
 
 Aabb PoseBounds::box(const Eigen::Isometry3d& pose) const
@@ -153,11 +145,21 @@ Aabb PoseBounds::box(const Eigen::Isometry3d& pose) const
     const Eigen::Vector3d centre = pose * centre_;
     const Eigen::Vector3d slack = Eigen::Vector3d::Constant(slack_ + rounding_of(pose, centre_));
 
-    if (!x_.empty()) {
-        float rows[9], lo[3], hi[3];
-        for (int i = 0; i < 9; ++i) rows[i] = static_cast<float>(r(i / 3, i % 3));
-        box_kernel().support_box(x_.data(), y_.data(), z_.data(), static_cast<std::uint32_t>(x_.size()), rows, lo, hi);
-        const Eigen::Vector3d low(lo[0], lo[1], lo[2]), high(hi[0], hi[1], hi[2]);
+    if (requested_ > 0 && !turns_by_quarters(r)) {
+        const Eigen::Matrix3f rows = r.cast<float>();
+        Eigen::Vector3f lo, hi;
+        if (!support_.empty()) {
+            for (int axis = 0; axis < 3; ++axis) {
+                const Eigen::Vector3f row = rows.row(axis);
+                hi[axis] = support_.most(row), lo[axis] = -support_.most(-row);
+            }
+        } else {
+            const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> by_rows = rows;
+            const auto& [x, y, z] = points_.xyz;
+            box_kernel().support_box(x.data(), y.data(), z.data(), static_cast<std::uint32_t>(x.size()), by_rows.data(),
+                                     lo.data(), hi.data());
+        }
+        const Eigen::Vector3d low = lo.cast<double>(), high = hi.cast<double>();
         return around(centre + 0.5 * (low + high), 0.5 * (high - low) + slack);
     }
     if (const auto* cone = shape ? std::get_if<Cone>(shape) : nullptr) {

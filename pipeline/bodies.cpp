@@ -113,7 +113,7 @@ void update_boxes(Bodies& bodies, const BodyChanges& changes, bool tight, int th
 {
     for (const auto* list : {&changes.added_fixed, &changes.added_moving, &changes.moved}) {
         if (tight)
-            for (std::uint32_t slot : *list) bodies.model(slot).bounds().expect(1);
+            for (std::uint32_t slot : *list) bodies.model(slot).bounds().expect(bodies.pose(slot));
         parallel_chunks(list->size(), 2048, threads, [&](std::size_t begin, std::size_t end, int) {
             for (std::size_t i = begin; i < end; ++i) {
                 const std::uint32_t slot = (*list)[i];

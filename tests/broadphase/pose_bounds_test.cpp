@@ -25,10 +25,10 @@ Aabb exact_box(const Mesh& mesh, const Eigen::Isometry3d& pose)
     return box;
 }
 
-TEST(PoseBounds, EncloseRotatedMeshesTightlyBeforeAndAfterTheHullIsFound)
+TEST(PoseBounds, EncloseRotatedMeshesTightlyBeforeAndAfterTheirMapIsMade)
 {
     const Mesh meshes[] = {make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 3000), make_terrain_mesh(10, 1, 20, 3),
-                           make_needles_mesh(300, 1, 1e4, 3, 5), make_box_mesh({1, 2, 3})};
+                           make_needles_mesh(300, 1, 1e4, 3, 5), make_box_mesh({1, 2, 3}), make_sphere_mesh(1, 5000)};
     for (const Mesh& mesh : meshes) {
         const GeometryData geometry = mesh;
         PoseBounds bounds(geometry);
@@ -38,7 +38,7 @@ TEST(PoseBounds, EncloseRotatedMeshesTightlyBeforeAndAfterTheHullIsFound)
             if (i == 0) {
                 EXPECT_TRUE(bounds.box(pose).contains(exact)) << "not prepared";
             }
-            bounds.expect(1);
+            bounds.expect(pose);
             const Aabb box = bounds.box(pose);
             ASSERT_TRUE(box.contains(exact)) << "pose " << i;
             const double excess = std::max((exact.min - box.min).maxCoeff(), (box.max - exact.max).maxCoeff());
@@ -60,7 +60,7 @@ TEST(PoseBounds, EncloseSmallMeshesOfFarFilesThatPosesTakeBack)
     for (std::uint64_t i = 0; i < 1000; ++i) {
         Eigen::Isometry3d pose = random_pose(2, i, 0);
         pose.translation() = pose.linear() * -far;
-        bounds.expect(i % 2);
+        if (i % 2) bounds.expect(pose);
         const Aabb box = bounds.box(pose), sphere = bounds.sphere_box(pose);
         for (const Eigen::Vector3d& v : mesh.vertices) {
             const Vector3l at =
@@ -83,11 +83,11 @@ TEST(PoseBounds, GiveAtMostATenthMoreCandidatesThanExactBoxesOnMany)
     for (std::uint32_t body = 0; body < scene.size(); ++body) all.push_back(body);
     Mover mover;
     std::size_t candidates = 0, least = 0;
-    for (int frame = 0; frame < 16; ++frame) { // long enough for the hulls to take over
+    for (int frame = 0; frame < 16; ++frame) { // long enough for the maps to take over
         mover.move(scene, frame);
         for (std::uint32_t body : all) {
             PoseBounds& own = bounds[index(scene.geometry[body])];
-            own.expect(1);
+            own.expect(scene.poses[body]);
             tight[body] = own.box(scene.poses[body]);
         }
         if (frame % 5) continue;
@@ -116,10 +116,10 @@ TEST(PoseBounds, EncloseShapes)
     for (const Shape& shape : shapes) {
         const GeometryData geometry = shape;
         PoseBounds bounds(geometry);
-        bounds.expect(1);
         const Mesh around = bounding_mesh_of(shape).mesh;
         for (std::uint64_t i = 0; i < 200; ++i) {
             const Eigen::Isometry3d pose = random_pose(2, i, 5);
+            bounds.expect(pose);
             const Aabb box = bounds.box(pose), outer = exact_box(around, pose);
             // The enclosing mesh is larger than the shape by at most 1 % of its size.
             const Aabb rounded{outer.min.array() - 1e-5, outer.max.array() + 1e-5};

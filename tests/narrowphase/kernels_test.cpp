@@ -53,16 +53,18 @@ TEST(Kernels, BoundPointsAlikeOnEveryInstructionSet)
     for (std::uint64_t i = 0; i < 100; ++i) {
         float rows[9], expected[6], got[6];
         for (std::uint64_t k = 0; k < 9; ++k) rows[k] = random_float(i, k);
-        const auto ask = [&](SupportBox* box, float out[6]) {
-            box(x.data(), y.data(), z.data(), 1024, rows, out, out + 3);
+        const auto ask = [&](const BoxKernel& kernel, float out[6]) {
+            kernel.support_box(x.data(), y.data(), z.data(), 1024, rows, out, out + 3);
+            for (int axis = 0; axis < 3; ++axis)
+                EXPECT_EQ(kernel.most_along(x.data(), y.data(), z.data(), 1024, rows + 3 * axis), out[3 + axis]);
         };
-        ask(baseline::box_kernel().support_box, expected);
+        ask(baseline::box_kernel(), expected);
         if (instruction_set() >= InstructionSet::avx2) {
-            ask(avx2::box_kernel().support_box, got);
+            ask(avx2::box_kernel(), got);
             EXPECT_EQ(std::memcmp(expected, got, sizeof got), 0);
         }
         if (instruction_set() >= InstructionSet::avx512) {
-            ask(avx512::box_kernel().support_box, got);
+            ask(avx512::box_kernel(), got);
             EXPECT_EQ(std::memcmp(expected, got, sizeof got), 0);
         }
     }

@@ -85,7 +85,7 @@ private:
 
     void update_boxes(std::span<const std::uint32_t> bodies)
     {
-        for (std::uint32_t body : bodies) bounds_[index(scene_.geometry[body])].expect(1);
+        for (std::uint32_t body : bodies) bounds_[index(scene_.geometry[body])].expect(scene_.poses[body]);
         for (std::uint32_t body : bodies) boxes_[body] = bounds_[index(scene_.geometry[body])].box(scene_.poses[body]);
     }
 
