@@ -33,6 +33,9 @@ struct Convex {
 
     /// A point of the core that is farthest along d, each coordinate but for a few roundings.
     Eigen::Vector3d support(const Eigen::Vector3d& d) const;
+    /// Does the solid certainly hold a ball around p? Of hulls it is not looked at. @param ball  its radius, 2^-47 of
+    /// the solid's size or more, which is far above rounding
+    bool holds(const Eigen::Vector3d& p, double ball) const;
     /// The most that points of the solid show along d, but for rounding.
     double most_along(const Eigen::Vector3d& d) const { return d.dot(support(d)) + radius * d.norm(); }
 };
