@@ -1,7 +1,6 @@
 #include <oncollide/narrowphase/solids/convex_pair.hpp>
 
 #include <algorithm>
-#include <optional>
 
 #include <oncollide/narrowphase/solids/exact_cores.hpp>
 #include <oncollide/narrowphase/solids/newton_meeting.hpp>
@@ -24,13 +23,15 @@ ConvexMeeting ConvexPair::meeting() const
 
 ConvexMeeting ConvexPair::meeting_of_balls() const
 {
-    std::optional<NewtonMeeting> looks;
-    if (!cores_.flat_sided()) {
-        looks = newton_meeting(cores_);
-        if (looks->meeting.sign != 0) return looks->meeting;
+    const EnoughDistance enough{.above = radius_, .below = radius_};
+    ConvexDistance d;
+    if (a_.core == Convex::Core::ellipsoid || b_.core == Convex::Core::ellipsoid) {
+        const NewtonMeeting looks = newton_meeting(cores_);
+        if (looks.meeting.sign != 0) return looks.meeting;
+        d = convex_distance(cores_, enough, &looks.direction);
+    } else {
+        d = convex_distance(cores_, enough);
     }
-    const ConvexDistance d =
-        convex_distance(cores_, {.above = radius_, .below = radius_}, looks ? &looks->direction : nullptr);
     if (d.lower > radius_) return {1, d.lower - radius_};
     if (d.upper <= radius_) return {-1, 0};
     return {0, d.upper - radius_};

@@ -53,20 +53,27 @@ NewtonMeeting newton_meeting(const ConvexDifference& cores)
 {
     const Convex &a = cores.a(), &b = cores.b();
     const double radius = cores.radius(), damping = 1e-5 * cores.size(), stiffness = 0.1 * cores.size();
-    NewtonMeeting found{{0, 0}, {}, {}, cores.middle(), 0};
+    NewtonMeeting found;
+    found.meeting = {0, 0}, found.direction = cores.middle();
     Vector3d& n = found.direction;
     double last = -std::numeric_limits<double>::infinity();
-    while (found.looks < most_looks) {
+    for (found.looks = 1;; ++found.looks) {
         if (const double length = n.norm(); length > 0)
             n /= length;
         else
             n = Vector3d::UnitX();
-        const ConvexDifference::Point p = cores.support(-n);
-        (found.looks++ == 0 ? found.first : found.last) = p;
+        ConvexDifference::Point& p = found.looks == 1 ? found.first : found.last;
+        p = cores.support(-n);
         const double apart = n.dot(p.w);
-        if (const double gap = apart - radius - cores.rounding(); gap > 0) return found.meeting = {1, gap}, found;
-        if (cores.one_holds(p.a + a.radius * n, p.a + p.w - b.radius * n)) return found.meeting = {-1, 0}, found;
-        if (!(apart > last) || cores.flat_sided()) break; // faces and edges: see GJK, portals
+        if (const double gap = apart - radius - cores.rounding(); gap > 0) {
+            found.meeting = {1, gap};
+            break;
+        }
+        if (cores.one_holds(p.a + a.radius * n, p.a + p.w - b.radius * n)) {
+            found.meeting = {-1, 0};
+            break;
+        }
+        if (!(apart > last) || found.looks == most_looks || cores.flat_sided()) break; // faces, edges: see portals
         last = apart;
         const auto [e, f] = across(n);
         Curvature h;
