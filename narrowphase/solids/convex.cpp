@@ -85,6 +85,33 @@ struct OfShape {
 
 } // namespace
 
+bool Convex::holds(const Eigen::Vector3d& p, double ball) const
+{
+    const double across2 = p.x() * p.x() + p.y() * p.y();
+    switch (core) {
+    case Core::box: {
+        if (radius == 0) return (p - low).minCoeff() > ball && (high - p).minCoeff() > ball;
+        const double within = radius - ball;
+        return within > 0 && (p - p.cwiseMax(low).cwiseMin(high)).squaredNorm() < within * within;
+    }
+    case Core::points:
+        return false; // would cost as much as what it is to save
+    case Core::cylinder: {
+        const double within = high.x() - ball;
+        return within > 0 && std::abs(p.z()) < high.z() - ball && across2 < within * within;
+    }
+    case Core::cone: {
+        const double length = 2 * high.z(), within = high.x() * (high.z() - p.z()) - ball * (high.x() + length);
+        return within > 0 && p.z() + high.z() > ball && length * length * across2 < within * within;
+    }
+    case Core::ellipsoid: {
+        const double within = 1 - ball / inner;
+        return within > 0 && p.cwiseQuotient(high).squaredNorm() < within * within;
+    }
+    }
+    __builtin_unreachable();
+}
+
 Convex convex_of(const Shape& shape)
 {
     return std::visit(OfShape{}, shape);

@@ -33,6 +33,9 @@ struct Convex {
 
     /// A point of the core that is farthest along d, each coordinate but for a few roundings.
     Eigen::Vector3d support(const Eigen::Vector3d& d) const;
+    /// Does the solid certainly hold a ball around p? Of hulls it is not looked at. @param ball  its radius, 2^-47 of
+    /// the solid's size or more, which is far above rounding
+    bool holds(const Eigen::Vector3d& p, double ball) const;
     /// The most that points of the solid show along d, but for rounding.
     double most_along(const Eigen::Vector3d& d) const { return d.dot(support(d)) + radius * d.norm(); }
 };
@@ -50,13 +53,17 @@ inline Eigen::Vector3d Convex::support(const Eigen::Vector3d& d) const
 {
     switch (core) {
     case Core::box:
-        return {d.x() < 0 ? low.x() : high.x(), d.y() < 0 ? low.y() : high.y(), d.z() < 0 ? low.z() : high.z()};
+        // By address: a branch on a sign would be mispredicted every other time.
+        return {(d.x() < 0 ? &low : &high)->x(), (d.y() < 0 ? &low : &high)->y(), (d.z() < 0 ? &low : &high)->z()};
     case Core::points: {
-        const Eigen::Vector3d* best = points;
-        double most = best->dot(d);
-        for (std::uint32_t i = 1; i < count; ++i)
-            if (const double along = points[i].dot(d); along > most) most = along, best = points + i;
-        return *best;
+        std::uint32_t best = 0;
+        double most = points[0].dot(d);
+        for (std::uint32_t i = 1; i < count; ++i) { // without a branch, which would often be mispredicted
+            const double along = points[i].dot(d);
+            best = along > most ? i : best;
+            most = along > most ? along : most;
+        }
+        return points[best];
     }
     case Core::cylinder: {
         const double across = std::sqrt(d.x() * d.x() + d.y() * d.y()), z = d.z() < 0 ? -high.z() : high.z();

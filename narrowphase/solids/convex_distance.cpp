@@ -6,13 +6,14 @@
 
 namespace oncollide {
 
-ConvexDistance convex_distance(const ConvexDifference& cores, const EnoughDistance& enough)
+ConvexDistance convex_distance(const ConvexDifference& cores, const EnoughDistance& enough,
+                               const Eigen::Vector3d* first)
 {
     constexpr int most_steps = 256; // smooth cores take 10 to 40
     const double rounding = cores.rounding();
     ConvexDistance found{std::max(cores.least(), 0.0), std::numeric_limits<double>::infinity(), {}, {}};
     Simplex4 simplex;
-    Eigen::Vector3d v = cores.middle();
+    Eigen::Vector3d v = first ? *first : cores.middle();
     if (v.isZero(0)) v = Eigen::Vector3d::UnitX();
     for (int step = 0; step < most_steps; ++step) {
         const double length = v.norm();

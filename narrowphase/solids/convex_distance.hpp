@@ -23,6 +23,8 @@ struct ConvexDistance {
 /// Cost: 0.1 to 0.4 microseconds for boxes and hulls of few points.
 /// Source: Gilbert, Johnson and Keerthi, "A fast procedure for computing the distance between complex objects in
 /// three-dimensional space", 1988; a lower bound from each direction in which it looks.
-ConvexDistance convex_distance(const ConvexDifference& cores, const EnoughDistance& enough);
+/// @param first  the direction from A to B in which it looks first; null: that of their middles
+ConvexDistance convex_distance(const ConvexDifference& cores, const EnoughDistance& enough,
+                               const Eigen::Vector3d* first = nullptr);
 
 } // namespace oncollide

@@ -5,6 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include <oncollide/narrowphase/solids/convex_distance.hpp>
+#include <oncollide/narrowphase/solids/newton_meeting.hpp>
 #include <oncollide/narrowphase/solids/simplex.hpp>
 
 namespace oncollide {
@@ -15,23 +17,28 @@ using Eigen::Vector3d;
 
 class Portal {
 public:
-    explicit Portal(const ConvexDifference& cores)
-        : cores_(cores), rounding_(cores.rounding()), inside_(cores.middle()), inner_(cores.inner()),
+    /// @param looks  of which some became corners
+    Portal(const ConvexDifference& cores, const NewtonMeeting& looks)
+        : cores_(cores), looks_(looks), rounding_(cores.rounding()), inside_(cores.middle()), inner_(cores.inner()),
           smooth_(!cores.flat_sided())
     {
     }
 
     ConvexMeeting find()
     {
-        if (const double least = cores_.least(); least > 0) return {1, least};
         if (inside_.norm() + rounding_ < inner_) return {-1, 0};
-        if (!look(-inside_, 0)) return {1, bound_};
+        corner_[0] = looks_.first, normal_[0] = -inside_ / inside_.norm();
         if (met_on_segment()) return {-1, 0};
-        // 0, the point inside and the first corner are on one line: any plane through it will do.
-        Vector3d n = corner_[0].w.cross(inside_);
-        if (!(n.norm() > 0x1p-40 * inside_.norm() * corner_[0].w.norm())) n = inside_.unitOrthogonal() * inside_.norm();
-        if (!look(n, 1)) return {1, bound_};
-        n = normal(inside_, 0, 1);
+        corner_[1] = looks_.last, normal_[1] = -looks_.direction;
+        Vector3d n = normal(inside_, 0, 1);
+        if (looks_.looks == 1 || !(n.norm() > 0x1p-30 * inside_.norm() * (corner_[1].w - corner_[0].w).norm())) {
+            n = corner_[0].w.cross(inside_);
+            // 0, the point inside and the first corner are on one line: any plane through it will do.
+            if (!(n.norm() > 0x1p-40 * inside_.norm() * corner_[0].w.norm()))
+                n = inside_.unitOrthogonal() * inside_.norm();
+            if (!look(n, 1)) return {1, bound_};
+            n = normal(inside_, 0, 1);
+        }
         if (n.dot(inside_) > 0) std::swap(corner_[0], corner_[1]), std::swap(normal_[0], normal_[1]), n = -n;
         return refine(n);
     }
@@ -45,11 +52,10 @@ private:
     bool look(const Vector3d& d, int i)
     {
         corner_[i] = cores_.support(d);
-        const double length = d.norm();
-        normal_[i] = d / length;
+        if (smooth_) normal_[i] = d / d.norm();
         const double along = d.dot(corner_[i].w);
         if (!(along < 0)) return true;
-        bound_ = -along / length - rounding_;
+        bound_ = -along / d.norm() - rounding_;
         return !(bound_ > 0);
     }
     void move_corner(int from, int to) { corner_[to] = corner_[from], normal_[to] = normal_[from]; }
@@ -141,6 +147,7 @@ private:
     }
 
     const ConvexDifference& cores_;
+    const NewtonMeeting& looks_;
     const double rounding_;
     const Vector3d inside_;
     const double inner_;
@@ -150,11 +157,48 @@ private:
     double bound_ = 0;
 };
 
+/// Of an ellipsoid, E, and another solid: in a frame that shrinks E's axes to 1 it is a ball.
+/// @param off  by how much the other's points may be off, besides rounding
+ConvexMeeting meeting_with_ball(const Convex& e, const Convex& other, const RelativePose& other_to_e, double off)
+{
+    const Vector3d shrink = e.high.cwiseInverse();
+    const double most = shrink.maxCoeff();
+    RelativePose into_ball = other_to_e;
+    into_ball.rotation = shrink.asDiagonal() * other_to_e.rotation;
+    into_ball.translation = shrink.cwiseProduct(other_to_e.translation);
+    Convex ball, shrunk = other;
+    ball.low = ball.high = ball.centre = Vector3d::Zero(), ball.radius = 1;
+    shrunk.extent *= most;
+    const ConvexDifference cores(ball, shrunk, into_ball, 0);
+    const double rounding = off * most * (1 + 0x1p-40);
+    const ConvexDistance d = convex_distance(cores, {.above = 1 + rounding, .below = 1 - rounding});
+    if (d.lower > 1 + rounding) return {1, (d.lower - 1 - rounding) / most * (1 - 0x1p-40)};
+    return {d.upper <= 1 - rounding ? -1 : 0, 0};
+}
+
+ConvexMeeting meeting_with_ball(const ConvexDifference& cores)
+{
+    const double rounding = 2 * cores.rounding();
+    if (cores.a().core == Convex::Core::ellipsoid)
+        return meeting_with_ball(cores.a(), cores.b(), cores.b_to_a(), rounding);
+    // A point of A is off in B's frame by what the turn is not rigid.
+    RelativePose back = cores.b_to_a();
+    back.rotation.transposeInPlace();
+    back.translation = -(back.rotation * cores.b_to_a().translation);
+    return meeting_with_ball(cores.b(), cores.a(), back,
+                             rounding + 2 * cores.slack() * (cores.size() + back.translation.norm()));
+}
+
 } // namespace
 
 ConvexMeeting convex_meeting(const ConvexDifference& cores)
 {
-    return Portal(cores).find();
+    if (const double least = cores.least(); least > 0) return {1, least};
+    const NewtonMeeting looks = newton_meeting(cores);
+    if (looks.meeting.sign != 0) return looks.meeting;
+    if (cores.a().core == Convex::Core::ellipsoid || cores.b().core == Convex::Core::ellipsoid)
+        if (const ConvexMeeting found = meeting_with_ball(cores); found.sign != 0) return found;
+    return Portal(cores, looks).find();
 }
 
 } // namespace oncollide

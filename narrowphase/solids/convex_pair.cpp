@@ -3,23 +3,13 @@
 #include <algorithm>
 
 #include <oncollide/narrowphase/solids/exact_cores.hpp>
+#include <oncollide/narrowphase/solids/newton_meeting.hpp>
 
 namespace oncollide {
 
-namespace {
-
-/// The size of what the slack acts on: polytopes are what their vertices, as placed, are.
-double round_size(const Convex& c)
-{
-    return c.radius + (c.flat_sided ? 0 : c.extent);
-}
-
-} // namespace
-
 ConvexPair::ConvexPair(const Convex& a, const Convex& b, const RelativePose& b_to_a, double slack)
     : a_(a), b_(b), b_to_a_(b_to_a), radius_(a.radius + b.radius),
-      exact_(a.flat_sided && b.flat_sided && (radius_ == 0 || slack == 0)),
-      cores_(a, b, b_to_a, slack * (round_size(a) + round_size(b)) + 0x1p-50 * radius_)
+      exact_(a.flat_sided && b.flat_sided && (radius_ == 0 || slack == 0)), cores_(a, b, b_to_a, slack)
 {
 }
 
@@ -33,7 +23,15 @@ ConvexMeeting ConvexPair::meeting() const
 
 ConvexMeeting ConvexPair::meeting_of_balls() const
 {
-    const ConvexDistance d = convex_distance(cores_, {.above = radius_, .below = radius_});
+    const EnoughDistance enough{.above = radius_, .below = radius_};
+    ConvexDistance d;
+    if (a_.core == Convex::Core::ellipsoid || b_.core == Convex::Core::ellipsoid) {
+        const NewtonMeeting looks = newton_meeting(cores_);
+        if (looks.meeting.sign != 0) return looks.meeting;
+        d = convex_distance(cores_, enough, &looks.direction);
+    } else {
+        d = convex_distance(cores_, enough);
+    }
     if (d.lower > radius_) return {1, d.lower - radius_};
     if (d.upper <= radius_) return {-1, 0};
     return {0, d.upper - radius_};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <span>
 
 #include <oncollide/scenes/model/box_corners.hpp>
 
@@ -106,13 +107,17 @@ void with_corners(Model& body, auto work)
 
 Vector3d lowest_of_shape(const Convex& c, const RelativePose& to_plane)
 {
-    if (!c.flat_sided) return to_plane(c.support(-to_plane.rotation.row(2).transpose()));
-    Lowest lowest(to_plane);
-    if (c.core == Convex::Core::points)
-        for (std::uint32_t i = 0; i < c.count; ++i) lowest.take(c.points[i]);
-    else
-        for (unsigned k = 0; k < 8; ++k) lowest.take(corner_of({c.low, c.high}, k));
-    return lowest.point();
+    const Vector3d up = to_plane.rotation.row(2);
+    // Of a box it is that of the least products, rounding included: sums of larger ones are not less.
+    if (c.core != Convex::Core::points) return to_plane(c.support(-up));
+    const Vector3d* lowest = c.points;
+    double least = std::numeric_limits<double>::infinity();
+    for (const Vector3d& p : std::span(c.points, c.count)) {
+        const double height =
+            up.x() * p.x() + (up.y() * p.y() + up.z() * p.z()) + to_plane.translation.z(); // as placed
+        if (height < least) least = height, lowest = &p;
+    }
+    return to_plane(*lowest);
 }
 
 double radius_of(const Model& body)

@@ -64,8 +64,16 @@ public:
     {
         shape_ = &shape.shape(), into_ = &shape_to_map, map_ = &map.map();
     }
-    ConvexMeeting meeting(const Pair& pair) const;
-    ConvexDistance bounds(const Pair& pair, const EnoughDistance& enough) const;
+    ConvexMeeting meeting(const Pair& pair) const
+    {
+        const Convex solid = convex_of(map_->box(pair.a));
+        return ConvexPair(solid, *shape_, *into_, slack_).meeting();
+    }
+    ConvexDistance bounds(const Pair& pair, const EnoughDistance& enough) const
+    {
+        const Convex solid = convex_of(map_->box(pair.a));
+        return ConvexPair(solid, *shape_, *into_, slack_).distance(enough);
+    }
     double high_a(const MapCell& cell, const Eigen::Vector3d& line) const
     {
         const Aabb box = map_->box(cell);

@@ -68,11 +68,15 @@ Face nearest_on_triangle(const std::array<ConvexDifference::Point, 4>& corner, i
 void Simplex4::reduce()
 {
     const auto take = [this](const Face& f) {
-        const auto from = corner;
-        for (int i = 0; i < f.count; ++i) corner[i] = from[f.corner[i]], weight[i] = f.weight[i];
+        std::array<ConvexDifference::Point, 3> kept;
+        for (int i = 0; i < f.count; ++i) kept[i] = corner[f.corner[i]];
+        for (int i = 0; i < f.count; ++i) corner[i] = kept[i], weight[i] = f.weight[i];
         count = f.count;
     };
-    if (count == 1) return take(point(0));
+    if (count == 1) {
+        weight[0] = 1;
+        return;
+    }
     if (count == 2) return take(nearest_on_segment(corner, 0, 1));
     if (count == 3) return take(nearest_on_triangle(corner, 0, 1, 2));
 

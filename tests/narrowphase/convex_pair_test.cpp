@@ -26,9 +26,12 @@ struct Drawn {
     }
 };
 
-Shape draw_shape(std::mt19937_64& random, double size)
+/// @param thinnest  the least length, as a share of the size
+Shape draw_shape(std::mt19937_64& random, double size, double thinnest = 0.1)
 {
-    std::uniform_real_distribution<double> length(0.1 * size, size);
+    const auto length = [=](std::mt19937_64& from) {
+        return size * std::pow(thinnest, std::uniform_real_distribution<double>()(from));
+    };
     switch (random() % 7) {
     case 0:
         return Sphere{length(random)};
@@ -84,6 +87,48 @@ TEST(ConvexPair, AgreesWithExtendedPrecision)
     }
     EXPECT_GT(meet, 1000);
     EXPECT_GT(apart, 1000);
+}
+
+TEST(ConvexPair, FlatAndLongShapesThatAllButTouchAreNeverDecidedWrongly)
+{
+    std::mt19937_64 random(2);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    int open = 0, meet = 0, apart = 0;
+    for (int k = 0; k < 5000; ++k) {
+        const double size = std::pow(10.0, int(random() % 7) - 3), thinnest = std::pow(10.0, -double(random() % 6));
+        Drawn a(draw_shape(random, size, thinnest), random_pose(random(), size)),
+            b(draw_shape(random, size, thinnest), random_pose(random(), size));
+        const auto farthest = [](const Drawn& d, const Vector3d& u) -> Vector3d {
+            const Convex& c = d.model->convex();
+            return d.pose * c.support(d.pose.linear().transpose() * u) + c.radius * u;
+        };
+        const Vector3d u = Vector3d(unit(random), unit(random), unit(random)).normalized();
+        const double gap = size * thinnest * std::pow(10.0, -7.5 * (1 + unit(random))) * (random() % 2 ? 1 : -1);
+        b.pose.translation() += farthest(a, u) - farthest(b, -u) + gap * u;
+        const auto truth = tools::true_distance(tools::convex_sets(a.model->geometry().data, a.pose),
+                                                tools::convex_sets(b.model->geometry().data, b.pose));
+        // Polytopes are what their vertices, as placed, are; of others nothing but extended precision is off.
+        const auto polytope = [](const Drawn& d) {
+            return d.model->convex().flat_sided && d.model->convex().radius == 0;
+        };
+        const bool exact = polytope(a) && polytope(b);
+        const double tie = (exact ? 1e-14 : 1e-17) * size;
+        for (const bool swapped : {false, true}) {
+            const Drawn &first = swapped ? b : a, &second = swapped ? a : b;
+            const RelativePose into(first.pose, second.pose);
+            const ConvexMeeting m = ConvexPair(first.model->convex(), second.model->convex(), into, 4e-15).meeting();
+            (m.sign < 0 ? meet : m.sign > 0 ? apart : open)++;
+            if (m.sign <= 0) {
+                ASSERT_LE(truth.lower, m.bound + tie) << k;
+            } else {
+                ASSERT_GT(truth.upper + (exact ? tie : 0), 0) << k;
+                ASSERT_GE(truth.upper, m.bound - tie) << k;
+            }
+        }
+    }
+    EXPECT_GT(meet, 3000);
+    EXPECT_GT(apart, 3000);
+    EXPECT_LT(open, 2500); // many gaps are below rounding
 }
 
 int sign_of(const Shape& a, const Shape& b, const Vector3d& at,

@@ -56,10 +56,12 @@ struct ShapeGeometry {
     FclGeometry operator()(const ConvexHull& h) const { return make_convex(h); }
 };
 
-fcl::CollisionResultd collide(const FclBody& a, const FclBody& b, std::size_t most, bool details)
+/// The result is this thread's, and is overwritten by the next call: FCL allocates nothing for it.
+const fcl::CollisionResultd& collide(const FclBody& a, const FclBody& b, std::size_t most, bool details)
 {
     const fcl::CollisionRequestd request(most, details);
-    fcl::CollisionResultd result;
+    thread_local fcl::CollisionResultd result;
+    result.clear();
     fcl::collide(a.geometry.get(), a.pose, b.geometry.get(), b.pose, request, result);
     return result;
 }
@@ -75,7 +77,8 @@ NarrowContender contender(const char* name, const char* what, FclNodes nodes)
 
 } // namespace
 
-FclGeometry make_fcl_geometry(const GeometryData& geometry, FclNodes nodes, std::shared_ptr<const octomap::OcTree> octree)
+FclGeometry make_fcl_geometry(const GeometryData& geometry, FclNodes nodes,
+                              std::shared_ptr<const octomap::OcTree> octree)
 {
     FclGeometry made;
     if (const auto* mesh = std::get_if<Mesh>(&geometry))
@@ -104,7 +107,7 @@ double fcl_distance(const FclBody& a, const FclBody& b)
 
 double fcl_penetration(const FclBody& a, const FclBody& b)
 {
-    const fcl::CollisionResultd result = collide(a, b, 10'000, true);
+    const fcl::CollisionResultd& result = collide(a, b, 10'000, true);
     double deepest = 0;
     for (std::size_t i = 0; i < result.numContacts(); ++i)
         deepest = std::max(deepest, std::abs(result.getContact(i).penetration_depth));
@@ -136,7 +139,7 @@ std::size_t FclPair::contacts(const Eigen::Isometry3d& b, std::size_t most) cons
 
 void FclPair::all_pairs(const Eigen::Isometry3d& b, std::vector<TrianglePair>& pairs)
 {
-    const fcl::CollisionResultd result = collide({a_, nowhere}, {b_, b}, 1'000'000'000, false);
+    const fcl::CollisionResultd& result = collide({a_, nowhere}, {b_, b}, 1'000'000'000, false);
     pairs.clear();
     for (std::size_t k = 0; k < result.numContacts(); ++k) {
         const fcl::Contactd& contact = result.getContact(k);
