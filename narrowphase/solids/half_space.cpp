@@ -115,6 +115,15 @@ Vector3d lowest_of_shape(const Convex& c, const RelativePose& to_plane)
     return lowest.point();
 }
 
+/// A point of two half-spaces that overlap, where doubles reach one: down between their normals.
+Vector3d shared_point(const RelativePose& to_plane)
+{
+    const Vector3d normal = to_plane.rotation.col(2), into = -(Vector3d::UnitZ() + normal).normalized();
+    const double depth = normal.dot(to_plane.translation);
+    const Vector3d point = depth >= 0 ? Vector3d(0, 0, 0) : Vector3d(depth / normal.dot(into) * into);
+    return point.allFinite() ? point : Vector3d(0, 0, 0);
+}
+
 double radius_of(const Model& body)
 {
     return body.shape() ? body.convex().radius : 0;
@@ -184,6 +193,7 @@ ConvexDistance HalfSpacePair::distance() const
     ConvexDistance d{0, 0, {p.x(), p.y(), 0}, {p.x(), p.y(), p.z() - radius}};
     if (p.z() <= radius - doubt) {
         d.on_b = d.on_a = {p.x(), p.y(), std::min(d.on_b.z(), 0.0)};
+        if (body_.is_half_space() && p.isZero(0)) d.on_b = d.on_a = shared_point(to_plane_);
         return d;
     }
     d.lower = std::max(p.z() - radius - doubt, 0.0) * (1 - 0x1p-50);
