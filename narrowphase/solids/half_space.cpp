@@ -178,16 +178,28 @@ double HalfSpacePair::rounding() const
     return (slack_ + 0x1p-47) * c.extent + 0x1p-47 * to_plane_.translation.norm();
 }
 
+double HalfSpacePair::low() const
+{
+    if (body_.shape()) return -std::numeric_limits<double>::infinity();
+    const Aabb box = bounds_of(body_.geometry());
+    const Vector3d centre = box.centre(), half = box.half_extent();
+    const double rounding = 0x1p-48 * (centre.norm() + half.norm() + to_plane_.translation.norm());
+    return to_plane_(centre).z() - to_plane_.rotation.row(2).cwiseAbs().dot(half) - rounding;
+}
+
 ConvexMeeting HalfSpacePair::meeting() const
 {
+    if (const double sure = low() - rounding(); sure > 0) return {1, sure};
     const double radius = radius_of(body_), doubt = rounding(), height = lowest(radius - doubt).z();
     if (height <= radius - doubt) return {-1, 0};
     if (height > radius + doubt) return {1, (height - radius - doubt) * (1 - 0x1p-50)};
     return {0, std::max(height - radius, 0.0) + doubt};
 }
 
-ConvexDistance HalfSpacePair::distance() const
+ConvexDistance HalfSpacePair::distance(double above) const
 {
+    if (const double sure = low() - rounding(); sure > above)
+        return {sure, std::numeric_limits<double>::infinity(), {}, {}};
     const double radius = radius_of(body_), doubt = rounding() + 0x1p-50 * radius;
     const Vector3d p = lowest(radius - doubt);
     ConvexDistance d{0, 0, {p.x(), p.y(), 0}, {p.x(), p.y(), p.z() - radius}};
