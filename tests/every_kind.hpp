@@ -6,6 +6,8 @@
 #include <oncollide/scenes/geometry.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
+#include "hard/tangent/placed_body.hpp"
+
 namespace oncollide {
 
 constexpr const char* every_kind[] = {"mesh",     "map",         "terrain",   "sphere", "box",       "capsule",
@@ -24,7 +26,21 @@ inline Terrain small_terrain(std::uint64_t seed, int bytes = 0)
     return make_terrain("small", grid, heights);
 }
 
-/// A body of a kind, about 1 m large; lengths are whole eighths where they can be.
+/// Cells on all sides of the origin, and some far away: a walk starts with several of them.
+inline OccupancyMap scattered_map(std::uint64_t seed)
+{
+    OccupancyMap map = tools::one_cell(0.25);
+    std::vector<Eigen::Vector3d> points;
+    for (std::uint64_t i = 0; i < 40; ++i) {
+        const double reach = i < 32 ? 1 : 60;
+        points.emplace_back(reach * (2 * u01(seed, i, 7) - 1), reach * (2 * u01(seed, i, 8) - 1),
+                            reach * (2 * u01(seed, i, 9) - 1));
+    }
+    map.set(points, CellState::occupied);
+    return map;
+}
+
+/// A body of a kind, about 1 m large (but for maps with far cells); lengths are whole eighths where they can be.
 inline GeometryData draw_geometry(std::size_t kind, std::uint64_t seed)
 {
     const auto size = [&](std::uint64_t k) { return 0.125 * (1 + std::floor(6 * u01(seed, 50, k))); };
@@ -33,7 +49,7 @@ inline GeometryData draw_geometry(std::size_t kind, std::uint64_t seed)
     case 0:
         return seed % 2 ? make_torus_knot_mesh(2, 3, 0.4, 0.2, 0.08, 200) : make_box_mesh(sizes);
     case 1:
-        return make_building_map(1, 0.5, seed);
+        return seed % 2 ? scattered_map(seed) : make_building_map(1, 0.5, seed);
     case 2:
         return small_terrain(seed);
     case 3:
