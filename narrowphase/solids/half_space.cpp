@@ -120,6 +120,15 @@ Vector3d lowest_of_shape(const Convex& c, const RelativePose& to_plane)
     return to_plane(*lowest);
 }
 
+/// A point of two half-spaces that overlap, where doubles reach one: down between their normals.
+Vector3d shared_point(const RelativePose& to_plane)
+{
+    const Vector3d normal = to_plane.rotation.col(2), into = -(Vector3d::UnitZ() + normal).normalized();
+    const double depth = normal.dot(to_plane.translation);
+    const Vector3d point = depth >= 0 ? Vector3d(0, 0, 0) : Vector3d(depth / normal.dot(into) * into);
+    return point.allFinite() ? point : Vector3d(0, 0, 0);
+}
+
 double radius_of(const Model& body)
 {
     return body.shape() ? body.convex().radius : 0;
@@ -174,21 +183,34 @@ double HalfSpacePair::rounding() const
     return (slack_ + 0x1p-47) * c.extent + 0x1p-47 * to_plane_.translation.norm();
 }
 
+double HalfSpacePair::low() const
+{
+    if (body_.shape()) return -std::numeric_limits<double>::infinity();
+    const Aabb box = bounds_of(body_.geometry());
+    const Vector3d centre = box.centre(), half = box.half_extent();
+    const double rounding = 0x1p-48 * (centre.norm() + half.norm() + to_plane_.translation.norm());
+    return to_plane_(centre).z() - to_plane_.rotation.row(2).cwiseAbs().dot(half) - rounding;
+}
+
 ConvexMeeting HalfSpacePair::meeting() const
 {
+    if (const double sure = low() - rounding(); sure > 0) return {1, sure};
     const double radius = radius_of(body_), doubt = rounding(), height = lowest(radius - doubt).z();
     if (height <= radius - doubt) return {-1, 0};
     if (height > radius + doubt) return {1, (height - radius - doubt) * (1 - 0x1p-50)};
     return {0, std::max(height - radius, 0.0) + doubt};
 }
 
-ConvexDistance HalfSpacePair::distance() const
+ConvexDistance HalfSpacePair::distance(double above) const
 {
+    if (const double sure = low() - rounding(); sure > above)
+        return {sure, std::numeric_limits<double>::infinity(), {}, {}};
     const double radius = radius_of(body_), doubt = rounding() + 0x1p-50 * radius;
     const Vector3d p = lowest(radius - doubt);
     ConvexDistance d{0, 0, {p.x(), p.y(), 0}, {p.x(), p.y(), p.z() - radius}};
     if (p.z() <= radius - doubt) {
         d.on_b = d.on_a = {p.x(), p.y(), std::min(d.on_b.z(), 0.0)};
+        if (body_.is_half_space() && p.isZero(0)) d.on_b = d.on_a = shared_point(to_plane_);
         return d;
     }
     d.lower = std::max(p.z() - radius - doubt, 0.0) * (1 - 0x1p-50);

@@ -14,10 +14,12 @@ public:
     /// Keeps references. A mesh must have its tree of oriented boxes. @param slack  see ConvexPair
     HalfSpacePair(Model& body, const RelativePose& body_to_plane, double slack);
 
-    /// Cost: of a shape 20 ns; else that of walking down the tree where it is lowest.
+    /// Cost: of a shape, and of a body whose box is above the plane, 20 ns; else that of walking down the tree where it
+    /// is lowest.
     ConvexMeeting meeting() const;
-    /// The points are on the half-space and on the body.
-    ConvexDistance distance() const;
+    /// The points are on the half-space and on the body. Of one whose box is higher than `above` there are none, and no
+    /// upper bound.
+    ConvexDistance distance(double above) const;
     /// found(part, lowest corner) of all parts that come to the half-space, of a body that is no shape; a terrain's
     /// heights count as they are stored.
     void each_meeting(FunctionRef<void(const BodyPart&, const Eigen::Vector3d&)> found) const;
@@ -26,6 +28,7 @@ private:
     /// The body's lowest point, but for the radius around a core.
     Eigen::Vector3d lowest(double enough) const;
     double rounding() const; ///< of its height
+    double low() const;      ///< no point of a body with a tree is lower, rounding included; of a shape: not known
 
     Model& body_;
     const RelativePose& to_plane_;

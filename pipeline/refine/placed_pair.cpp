@@ -46,7 +46,8 @@ ConvexMeeting DirectPair::meeting() const
 ConvexDistance DirectPair::placed_distance(const EnoughDistance& enough) const
 {
     Model& second = swapped_ ? *task_.a : *task_.b;
-    if (swapped_ || task_.a->is_half_space()) return HalfSpacePair(second, placed_.b_to_a, placed_.slack).distance();
+    if (swapped_ || task_.a->is_half_space())
+        return HalfSpacePair(second, placed_.b_to_a, placed_.slack).distance(enough.above);
     return ConvexPair(task_.a->convex(), second.convex(), placed_.b_to_a, placed_.slack).distance(enough);
 }
 

@@ -240,7 +240,7 @@ Distance SolidPairs::distance(const PairTask& task, double tolerance, double far
         return {
             .lower = d.lower, .upper = d.lower > farthest ? infinity : d.upper, .point_a = d.on_a, .point_b = d.on_b};
     }
-    return with_walk(task, [&](auto& walk, auto& a, auto& b, const PlacedPair& placed, auto holds) {
+    return with_walk(task, [&](auto& walk, auto& a, auto& b, const PlacedPair& placed, auto) {
         Distance d = distance_by(walk, a, b, placed, height_error(task), tolerance, farthest);
         const bool swapped = &placed_first(task) == task.b;
         const Eigen::Isometry3d& frame = swapped ? *task.pose_b : *task.pose_a;
@@ -249,7 +249,6 @@ Distance SolidPairs::distance(const PairTask& task, double tolerance, double far
         // A part of a shape's surface is no part of its own.
         if (task.a->shape()) d.a = {};
         if (task.b->shape()) d.b = {};
-        if (d.lower > 0 && holds(a, b)) d.lower = d.upper = 0;
         return d;
     });
 }

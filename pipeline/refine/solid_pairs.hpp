@@ -34,8 +34,8 @@ public:
     /// Of bodies that do not meet, surfaces too: separate beyond the clearance, or near.
     RefineResult within_clearance(const RefineContext& context, const PairTask& task);
 
-    /// Of any pair but two surfaces, as World::distance() says. Of bodies farther apart than `farthest` the upper bound
-    /// is infinite.
+    /// Of any pair but two surfaces, as World::distance() says; but of a box or a hull, where it encloses the other,
+    /// that of its surface. Of bodies farther apart than `farthest` the upper bound is infinite.
     Distance distance(const PairTask& task, double tolerance, double farthest);
 
     /// Does a shape with a volume, one of the two, enclose a part of the other? Their surfaces are apart.

@@ -87,8 +87,8 @@ Terrain load_terrain(const fs::path& path, const TerrainOptions& options)
 {
     const std::string name = path.string();
     if (!(options.vertical_scale > 0 && options.vertical_scale <= 1e15))
-        throw Error(ErrorKind::usage,
-                    fmt::format("{}: a vertical scale of {}; must be above 0", name, options.vertical_scale));
+        throw Error(ErrorKind::usage, fmt::format("{}: a vertical scale of {}; must be above 0 and at most 1e15", name,
+                                                  options.vertical_scale));
     HeightRaster raster = read_raster(path, options);
     TerrainGrid grid{.columns = raster.columns, .rows = raster.rows};
     grid.spacing = options.spacing.value_or(raster.spacing.value_or(Eigen::Vector2d(1, 1)));

@@ -180,7 +180,8 @@ BoundingMesh enclose_hull(const std::string& name, const std::vector<Eigen::Vect
 {
     const Hull hull = convex_hull(points);
     if (hull.triangles.empty())
-        refuse(name, fmt::format("the {} points of the convex hull lie in a plane", points.size()));
+        refuse(name, fmt::format("the {} points of the convex hull lie in a plane; it needs four that do not",
+                                 points.size()));
     const Eigen::Vector3d inner = mean_of(points, hull.vertices);
     std::vector<Eigen::Vector3d> corners;
     double rounding = 0; // of a corner's coordinates

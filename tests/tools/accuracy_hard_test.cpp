@@ -25,6 +25,47 @@ TEST_F(CommandLine, AccuracyHardCountsWhatFclGetsWrong)
     EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);
 }
 
+/// What balls, capsules and triangles do to cells, boxes, hulls and meshes, and all of these to terrains.
+TEST_F(CommandLine, AccuracyHardFindsNoFaultWhereBodiesAreTangent)
+{
+    const std::vector<std::string> families{"balls on faces of cells and boxes",
+                                            "balls on edges of cells and boxes",
+                                            "balls on corners of cells and boxes",
+                                            "capsules along edges",
+                                            "triangles on cells",
+                                            "balls on terrain",
+                                            "capsules on terrain",
+                                            "boxes on terrain",
+                                            "triangles on terrain",
+                                            "half-spaces on terrain",
+                                            "terrain on terrain",
+                                            "terrain that is off"};
+    const auto rows = [&](const char* threads) {
+        std::vector<std::string> command{"accuracy",  "hard",  "--count", "10000",
+                                         "--threads", threads, "--json",  "h.json"};
+        for (const std::string& family : families) command.insert(command.end(), {"--family", family});
+        const Outcome outcome = run(command);
+        EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+        return read_json("h.json")["families"];
+    };
+    const nlohmann::json found = rows("1");
+    ASSERT_EQ(found.size(), families.size());
+    std::uint64_t fcl_missed = 0, fcl_false = 0;
+    for (std::size_t i = 0; i < families.size(); ++i) {
+        SCOPED_TRACE(families[i]);
+        const nlohmann::json& row = found[i];
+        EXPECT_EQ(row["family"], families[i]);
+        EXPECT_EQ(row["cases"], 200) << "a fiftieth";
+        EXPECT_EQ(row["answers"], families[i] == "terrain that is off" ? 600 : 800);
+        for (const char* fault : {"missed", "wrong", "bounds_broken", "changed"}) EXPECT_EQ(row[fault], 0) << fault;
+        fcl_missed += row["fcl_missed"].get<std::uint64_t>(), fcl_false += row["fcl_false"].get<std::uint64_t>();
+    }
+    EXPECT_GT(found.back()["bounds"], 1000);
+    EXPECT_GT(fcl_missed, 50u) << "they are hard";
+    EXPECT_GT(fcl_false, 10u);
+    EXPECT_EQ(rows("3"), found);
+}
+
 TEST_F(CommandLine, AccuracyHardReadsErlebensQueries)
 {
     std::filesystem::create_directories(folder_.path() / "queries");
@@ -53,7 +94,8 @@ TEST_F(CommandLine, AccuracyHardReadsErlebensQueries)
 
 TEST_F(CommandLine, AccuracyHardRefusesWhatMakesNoSense)
 {
-    expect_error(64, {"accuracy", "hard", "--family", "spheres"}, {"'spheres'", "coplanar", "touching boxes"});
+    expect_error(64, {"accuracy", "hard", "--family", "spheres"},
+                 {"'spheres'", "coplanar", "touching boxes", "triangles on cells", "boxes on terrain"});
     expect_error(64, {"accuracy", "hard", "--count", "0"}, {"--count 0", "at least 1"});
     expect_error(64, {"accuracy", "hard", "--threads", "-1"}, {"--threads -1"});
     expect_error(64, {"accuracy", "hard", "--csv", "x", "--json", "x"}, {"both go to 'x'"});

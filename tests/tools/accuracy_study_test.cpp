@@ -129,6 +129,47 @@ TEST_F(Study, WhatOnlyTouchesCanBeLeftOut)
                  {"--ignore-touching", "predicates"});
 }
 
+TEST_F(Study, JudgesBodiesOfEveryKind)
+{
+    folder_.write("kinds.json", R"({"frames": 2, "geometries": {
+        "plane": {"shape": {"kind": "half_space"}}, "land": {"terrain": {"hills": {"cells": [12, 12], "spacing": 0.5,
+        "height": 1, "seed": 3}}}, "rooms": {"octomap": {"building": {"rooms": 1, "resolution": 0.25}}},
+        "egg": {"shape": {"kind": "ellipsoid", "semi_axes": [0.3, 0.5, 0.7]}},
+        "cone": {"shape": {"kind": "cone", "radius": 0.4, "length": 1}},
+        "box": {"mesh": {"generate": {"kind": "box", "half": [0.5, 0.5, 0.5]}}}}, "bodies": [
+        {"geometry": "plane", "position": [0, 0, -0.2]}, {"geometry": "land"}, {"geometry": "rooms"},
+        {"geometry": "egg", "position": [1, 1, 0.9]}, {"geometry": "cone", "position": [1.5, 0.5, 0.7]},
+        {"geometry": "box", "position": [0.5, 1.5, 0.3], "motion": {"drift": {"velocity": [0.1, 0, 0.1]}}}]})");
+    for (const char* dial : {"--max-errors", "--depths"}) {
+        const nlohmann::json all = study({"kinds.json", dial, "1", "--warm-up", "0", "--peers", "fcl"});
+        EXPECT_GT(all["header"]["colliding"], 10);
+        EXPECT_EQ(all["variants"].size(), 4u);
+        for (const nlohmann::json& row : all["variants"]) {
+            SCOPED_TRACE(row["variant"]);
+            for (const char* fault : {"missed", "invented", "bounds_broken"}) EXPECT_EQ(row[fault], 0) << fault;
+        }
+        EXPECT_EQ(peer(all, "FCL")["missed"], 0);
+    }
+}
+
+/// FCL's tree of boxes ended the program over a half-space's.
+TEST_F(Study, PlanesStandBesideFcl)
+{
+    std::string bodies = R"({"geometry": "plane", "static": true}, {"geometry": "plane", "position": [0, 0, -1]})";
+    for (int i = 0; i < 40; ++i)
+        bodies += fmt::format(R"(, {{"geometry": "ball", "position": [{}, {}, {}]}})", i % 7, i / 7, 0.03 * i);
+    folder_.write("plane.json", fmt::format(R"({{"frames": 2, "geometries": {{"plane": {{"shape": {{"kind":
+        "half_space"}}}}, "ball": {{"shape": {{"kind": "sphere", "radius": 0.5}}}}}}, "bodies": [{}]}})",
+                                            bodies));
+    for (const std::vector<std::string>& command : {std::vector<std::string>{"accuracy", "plane.json"},
+                                                    {"bench", "scene", "plane.json", "--warm-up", "1"},
+                                                    {"accuracy", "study", "plane.json", "--depths", "2"},
+                                                    {"run", "plane.json", "--exact", "fcl"}}) {
+        const Outcome outcome = run(command);
+        EXPECT_EQ(outcome.code, 0) << command[0] << outcome.out << outcome.err;
+    }
+}
+
 TEST_F(Study, ReadsPosesAndHoldsTheirAnswersAgainstTheTruth)
 {
     write_cube("cube.off");

@@ -1,44 +1,11 @@
 #include "command_fixture.hpp"
 
-#include <map>
 #include <set>
-#include <sstream>
+
+#include "csv_rows.hpp"
 
 namespace oncollide::test {
 namespace {
-
-/// The cells of a CSV line, of which none holds a comma but in quotes.
-std::vector<std::string> cells(const std::string& line)
-{
-    std::vector<std::string> result(1);
-    bool quoted = false;
-    for (char c : line) {
-        if (c == '"')
-            quoted = !quoted;
-        else if (c == ',' && !quoted)
-            result.emplace_back();
-        else
-            result.back() += c;
-    }
-    return result;
-}
-
-/// Rows of a CSV file as maps by column.
-std::vector<std::map<std::string, std::string>> read_csv(const std::string& text)
-{
-    std::istringstream lines(text);
-    std::string line;
-    std::getline(lines, line);
-    const std::vector<std::string> names = cells(line);
-    std::vector<std::map<std::string, std::string>> rows;
-    while (std::getline(lines, line)) {
-        const std::vector<std::string> values = cells(line);
-        EXPECT_EQ(values.size(), names.size()) << line;
-        rows.emplace_back();
-        for (std::size_t k = 0; k < std::min(names.size(), values.size()); ++k) rows.back()[names[k]] = values[k];
-    }
-    return rows;
-}
 
 TEST_F(CommandLine, BenchNarrowRefusesWhatDoesNotExistBeforeItStarts)
 {

@@ -10,6 +10,7 @@
 #include <oncollide/scenes/catalogue/catalogue.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
+#include "every_kind.hpp"
 #include "narrowphase/mesh_parts.hpp"
 #include "random_pose.hpp"
 #include "study/play.hpp"
@@ -158,6 +159,75 @@ TEST(StudyTruth, BoundsDistancesAsTheLibraryDoes)
         EXPECT_GE(distance.high, found.lower);
         EXPECT_NEAR(distance.low, distance.high, 1e-7);
     }
+}
+
+/// One after the other, in poses that touch, overlap and miss: the truth is what the exact level says, and bounds hold.
+TEST(StudyTruth, KnowsEveryTwoKinds)
+{
+    std::size_t apart = 0, meet = 0, open = 0;
+    for (std::size_t pair = 0; pair < kinds * kinds; ++pair)
+        for (std::uint64_t i = 0; i < 6; ++i) {
+            const std::uint64_t seed = 100 * pair + i;
+            SCOPED_TRACE(fmt::format("{} and {}, case {}", every_kind[pair / kinds], every_kind[pair % kinds], i));
+            Scene scene;
+            scene.add_body({.geometry = scene.add("a", draw_geometry(pair / kinds, seed))});
+            scene.add_body({.geometry = scene.add("b", draw_geometry(pair % kinds, seed + 1))});
+            const bool on_grid = i % 2;
+            for (std::uint64_t body : {0, 1}) {
+                Eigen::Isometry3d& pose = scene.poses[body];
+                pose = random_pose(2 * seed + body, 1.5);
+                if (!on_grid) continue;
+                pose.linear().setIdentity();
+                pose.translation() = (8 * pose.translation()).array().floor() / 8;
+            }
+            // Beyond the piece that stands for a half-space elsewhere.
+            if (i == 4)
+                for (Eigen::Isometry3d& pose : scene.poses) pose.translation() += Eigen::Vector3d(3e3, -2e3, 1e3);
+            const double clearance = i % 3 == 2 ? 0.25 : 0;
+            StudyTruth truth(scene, exact(Mode::surface, clearance));
+            truth.step();
+            Pipeline pipeline(scene, exact(Mode::surface, clearance));
+            const FrameView view = pipeline.step(scene);
+            const bool collide = truth.collide({0, 1});
+            if (truth.open({0, 1})) {
+                ++open;
+            } else {
+                EXPECT_EQ(collide, !colliding(view.pairs).empty());
+                ++(collide ? meet : apart);
+            }
+            if (view.pairs.empty()) continue;
+            const DistanceTruth distance = truth.distance({0, 1});
+            const double bound = view.pairs[0].bound;
+            if (view.pairs[0].verdict == Verdict::separate) {
+                EXPECT_LE(bound, distance.high);
+            } else {
+                EXPECT_GE(bound, collide && clearance == 0 ? 0 : distance.low);
+            }
+        }
+    EXPECT_GT(apart, 150u);
+    EXPECT_GT(meet, 200u);
+    EXPECT_LT(open, 60u);
+}
+
+/// A ball over a plane that is far larger than it.
+TEST(StudyTruth, MeasuresHowFarBodiesAreOverAPlane)
+{
+    Scene scene;
+    scene.add_body({.geometry = scene.add("plane", Shape(HalfSpace{}))});
+    scene.add_body({.geometry = scene.add("ball", Shape(Sphere{0.5}))});
+    StudyTruth truth(scene, exact());
+    const auto at = [&](double height) {
+        scene.poses[1].translation() = Eigen::Vector3d(1e6, -1e6, height);
+        truth.step();
+        return truth.distance({0, 1});
+    };
+    EXPECT_NEAR(at(0.51).low, 0.01, 1e-9);
+    EXPECT_NEAR(at(0.51).high, 0.01, 1e-9);
+    EXPECT_FALSE(truth.collide({0, 1}) || truth.open({0, 1}));
+    EXPECT_EQ(at(0.49).low, 0);
+    EXPECT_TRUE(truth.collide({0, 1}));
+    EXPECT_EQ(at(-1e4).high, 0);
+    EXPECT_TRUE(truth.collide({0, 1}));
 }
 
 TEST(StudyTruth, LeavesOpenWhatRoundingDecides)

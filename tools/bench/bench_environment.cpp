@@ -138,6 +138,7 @@ int bench_environment(const EnvironmentOptions& o)
         for (const std::string& bodies_of : split(o.bodies_of))
             scenes.push_back({environment, bodies_of, o.bodies, o.frames, o.cells, o.seed, data_folder(o.data)});
     }
+    for (const EnvironmentScene& which : scenes) check(which);
     say("{}{} bodies in each environment; FCL says yes or no, oncollide is certain to the error\n\n",
         describe_program("environments"), grouped(std::uint64_t(o.bodies)));
     say("{:<11} {:<7} {:>6} {:>9} {:>9} {:>7} {:>10} {:>10} {:>8} {:>8} {:>10} {:>10} {:>9}\n", "environment", "bodies",

@@ -161,6 +161,7 @@ private:
 int bench_shapes(const ShapesOptions& options)
 {
     check_range("--pairs", options.pairs, 1, 1'000'000'000);
+    check_range("--threads", options.threads, 0, 1024);
     if (!(options.least_gap > 0 && options.least_gap <= 0.1))
         usage("bench shapes: --least-gap is above 0 and at most 0.1");
     check_files({{"--csv", options.csv}});

@@ -8,6 +8,7 @@
 
 #include "cli/options.hpp"
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/file_bytes.hpp>
 #include <oncollide/base/random.hpp>
 #include <oncollide/scenes/files/terrain_file.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
@@ -18,24 +19,29 @@ namespace {
 
 using Eigen::Vector3d;
 
+/// Where the data folder has it; empty: it is generated.
+std::filesystem::path file_of(const EnvironmentScene& which)
+{
+    const char* place = which.environment == "campus"      ? "octomap/fr_campus.bt"
+                        : which.environment == "st-helens" ? "terrain/SainteHelens.dem"
+                                                           : nullptr;
+    if (!place) return {};
+    if (which.data.empty())
+        usage(fmt::format("environment '{}': needs the data folder; give --data or set ONCOLLIDE_DATA",
+                          which.environment));
+    return which.data / place;
+}
+
 GeometryData environment_of(const EnvironmentScene& which)
 {
     const std::string& name = which.environment;
     const double relief = 0.1 * which.cells;
     const auto cells = static_cast<std::uint32_t>(which.cells);
-    const auto file = [&](const char* place) {
-        if (which.data.empty())
-            usage(fmt::format("environment '{}': needs the data folder; give --data or set ONCOLLIDE_DATA", name));
-        return which.data / place;
-    };
-    const auto& names = environment_names();
-    if (std::ranges::count(names, name) == 0)
-        usage(fmt::format("--environments {}: valid are {}", name, fmt::join(names, ", ")));
     if (name == "building") return make_building_map(30, 0.06, which.seed);
     if (name == "hills") return make_hills(cells, cells, 1, relief, which.seed);
     if (name == "hills-mesh") return mesh_of(make_hills(cells, cells, 1, relief, which.seed));
-    if (name == "campus") return load_octomap(file("octomap/fr_campus.bt"));
-    return load_terrain(file("terrain/SainteHelens.dem"));
+    if (name == "campus") return load_octomap(file_of(which));
+    return load_terrain(file_of(which));
 }
 
 /// Some points of its surface, spread over all of it.
@@ -83,10 +89,19 @@ const std::vector<std::string>& environment_names()
     return names;
 }
 
-Scene make_environment_scene(const EnvironmentScene& which)
+void check(const EnvironmentScene& which)
 {
+    const auto& names = environment_names();
+    if (std::ranges::count(names, which.environment) == 0)
+        usage(fmt::format("--environments {}: valid are {}", which.environment, fmt::join(names, ", ")));
     if (which.bodies_of != "meshes" && which.bodies_of != "shapes" && which.bodies_of != "both")
         usage(fmt::format("--bodies-of {}: valid are meshes, shapes, both", which.bodies_of));
+    if (const std::filesystem::path file = file_of(which); !file.empty()) check_readable(file);
+}
+
+Scene make_environment_scene(const EnvironmentScene& which)
+{
+    check(which);
     Scene scene;
     scene.name = which.environment + ", " + which.bodies_of;
     scene.frames = which.frames;

@@ -21,7 +21,10 @@ struct EnvironmentScene {
     std::filesystem::path data; ///< folder of the files
 };
 
-/// Throws Error{usage} for an unknown name, and for a file without a data folder.
+/// Throws Error{usage} for an unknown name and for a file without a data folder, Error{no_input} for one that is
+/// missing.
+void check(const EnvironmentScene& which);
+/// Checks first.
 Scene make_environment_scene(const EnvironmentScene& which);
 
 } // namespace oncollide::tools

@@ -149,13 +149,20 @@ TrueDistance convex_distance(const ConvexSet& a, const ConvexSet& b)
     return distance;
 }
 
-std::vector<ConvexSet> convex_sets(const GeometryData& geometry, const Eigen::Isometry3d& pose)
+std::vector<ConvexSet> convex_sets(const GeometryData& geometry, const Eigen::Isometry3d& pose, const Aabb* near)
 {
     const SetOfShape of{pose};
     std::vector<ConvexSet> sets;
+    const auto add = [&](const Aabb& box, const std::vector<Eigen::Vector3d>& points) {
+        if (!near || near->overlaps(box)) sets.push_back(of.corners(points));
+    };
     const auto add_triangles = [&](const Mesh& mesh) {
-        for (const Triangle& t : mesh.triangles)
-            sets.push_back(of.corners({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}));
+        for (const Triangle& t : mesh.triangles) {
+            const std::vector<Eigen::Vector3d> points{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
+            Aabb box;
+            for (const Eigen::Vector3d& p : points) box.add(p);
+            add(box, points);
+        }
     };
     if (const auto* mesh = std::get_if<Mesh>(&geometry)) {
         add_triangles(*mesh);
@@ -169,10 +176,27 @@ std::vector<ConvexSet> convex_sets(const GeometryData& geometry, const Eigen::Is
             for (int k = 0; k < 8; ++k)
                 points.emplace_back(k & 1 ? cell.max.x() : cell.min.x(), k & 2 ? cell.max.y() : cell.min.y(),
                                     k & 4 ? cell.max.z() : cell.min.z());
-            sets.push_back(of.corners(points));
+            add(cell, points);
         });
     }
     return sets;
+}
+
+TrueDistance half_space_distance(const Eigen::Isometry3d& half_space, const std::vector<ConvexSet>& sets)
+{
+    const Vec normal = half_space.linear().col(2).cast<Real>(), at = half_space.translation().cast<Real>();
+    Real least = std::numeric_limits<Real>::infinity();
+    for (const ConvexSet& set : sets) least = std::min(least, normal.dot(set(-normal) - at) / normal.norm());
+    least = std::max<Real>(least, 0);
+    return {least, least};
+}
+
+TrueDistance half_spaces_distance(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b)
+{
+    const Vec up = a.linear().col(2).cast<Real>(), down = b.linear().col(2).cast<Real>();
+    if (up != -down) return {0, 0};
+    const Real gap = up.dot(b.translation().cast<Real>() - a.translation().cast<Real>());
+    return {std::max<Real>(gap, 0), std::max<Real>(gap, 0)};
 }
 
 namespace {

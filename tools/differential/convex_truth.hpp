@@ -24,8 +24,16 @@ struct TrueDistance {
 /// three-dimensional space", IEEE J. Robotics and Automation 1988; each simplex by trying all of its faces.
 TrueDistance convex_distance(const ConvexSet& a, const ConvexSet& b);
 
-/// The geometry as convex sets: a shape is one, each triangle of a mesh or a terrain and each cell of a map is one.
-std::vector<ConvexSet> convex_sets(const GeometryData& geometry, const Eigen::Isometry3d& pose);
+/// The geometry as convex sets: a shape is one, each triangle of a mesh or a terrain and each cell of a map is one. Of
+/// a half-space it is a piece of 512 m.
+/// @param near  in the geometry's frame: triangles and cells whose boxes do not touch it are left out
+std::vector<ConvexSet> convex_sets(const GeometryData& geometry, const Eigen::Isometry3d& pose,
+                                   const Aabb* near = nullptr);
+
+/// From all of a half-space, z <= 0 before it is placed, to the nearest of the sets.
+TrueDistance half_space_distance(const Eigen::Isometry3d& half_space, const std::vector<ConvexSet>& sets);
+/// Of two half-spaces: 0 unless they look away from each other exactly.
+TrueDistance half_spaces_distance(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b);
 
 /// Of two bodies: the least of all pairs of sets, of which those are left out whose boxes are farther apart than
 /// others were found to be. Cost: 20 microseconds a pair that is near, and a look at every part.

@@ -19,7 +19,8 @@
 #include "differential/differential.hpp"
 #include "hard/body_trial.hpp"
 #include "hard/crowd_trial.hpp"
-#include "hard/tangent_trial.hpp"
+#include "hard/tangent/tangent_trial.hpp"
+#include "hard/tangent/terrain_trial.hpp"
 #include "hard/triangle_trial.hpp"
 
 namespace oncollide::tools {
@@ -52,6 +53,7 @@ public:
         for (const TriangleFamily& family : triangle_families()) known_.push_back(family.name);
         for (const std::string& name : families_of(cases)) known_.push_back(name);
         for (const char* name : tangent_families) known_.push_back(name);
+        for (const char* name : terrain_families) known_.push_back(name);
         known_.push_back(crowd_family), known_.push_back(solid_crowd_family), known_.push_back(drawn_family);
         for (const std::string& name : chosen_)
             if (std::find(known_.begin(), known_.end(), name) == known_.end())
@@ -143,6 +145,8 @@ std::vector<Tally> try_all(const HardOptions& options, const Choice& chosen, con
         if (chosen(family)) add(try_family(family, cases, options.threads));
     for (const char* family : tangent_families)
         if (chosen(family)) add(try_tangent(family, std::uint64_t(options.count + 49) / 50, options.threads));
+    for (const char* family : terrain_families)
+        if (chosen(family)) add(try_terrain(family, std::uint64_t(options.count + 49) / 50, options.threads));
     if (chosen(drawn_family)) add(try_drawn(std::uint64_t(options.count + 49) / 50, options.threads));
     const bool surfaces = chosen(crowd_family), solids = chosen(solid_crowd_family);
     if (!surfaces && !solids) return rows;
@@ -231,8 +235,9 @@ void add_accuracy_hard(Arguments accuracy)
     sub.add_option("--json", options->json, "write the same as JSON").type_name("FILE");
     sub.footer(
         "Pairs of triangles: the exact test, in both orders, and FCL's, against linear programming in integers.\n"
-        "Spheres, capsules and triangles that touch cells, boxes, hulls and meshes, or just do not: squares of "
-        "integers.\n"
+        "Spheres, capsules and triangles that touch cells, boxes, hulls and meshes, or just do not, and all of these "
+        "on\n"
+        "terrains: squares of integers.\n"
         "Bodies: every set of stages left out, both kinds of spheres, each exact level, budgets; as stored, swapped, "
         "with\n"
         "triangles and corners in another order, turned by a quarter, and turned anyhow and so rounded. With "

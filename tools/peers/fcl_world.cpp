@@ -20,6 +20,15 @@ double milliseconds_since(Clock::time_point& from)
     return ms;
 }
 
+/// FCL's trees end the program over boxes without an end.
+void bound_half_space(fcl::CollisionGeometryd& geometry)
+{
+    if (geometry.getNodeType() != fcl::GEOM_HALFSPACE) return;
+    const fcl::Vector3d end = fcl::Vector3d::Constant(half_space_end);
+    geometry.aabb_local = fcl::AABBd(fcl::Vector3d(-end), end);
+    geometry.aabb_center.setZero(), geometry.aabb_radius = end.norm();
+}
+
 } // namespace
 
 struct FclWorld::Impl {
@@ -76,6 +85,8 @@ FclWorld::FclWorld(const Scene& scene, const Octrees& octrees) : impl_(std::make
     for (std::uint32_t body = 0; body < scene.size(); ++body) {
         const fcl::Transform3d pose = scene.poses[body];
         w.objects.push_back(std::make_unique<fcl::CollisionObjectd>(w.models[index(scene.geometry[body])], pose));
+        bound_half_space(*w.models[index(scene.geometry[body])]); // an object measures its geometry
+        w.objects.back()->computeAABB();
         w.objects.back()->setUserData(reinterpret_cast<void*>(std::uintptr_t{body}));
         (scene.is_static[body] ? fixed : moving).push_back(w.objects.back().get());
         if (!scene.is_static[body]) w.moving.push_back(body);

@@ -150,7 +150,7 @@ int accuracy_study(const StudyOptions& o)
         "workload     {}; {} frames, {} of them to warm up, least of {} {}; every variant{} turn about\n"
         "truth      exact integers on the triangles of every two bodies whose boxes overlap, long double for "
         "distances;\n"
-        "           FCL where a shape or a map takes part\n"
+        "           extended precision on convex sets where a shape or a map takes part\n"
         "settings   {}\n{}",
         printable(study.title), study.frames, study.warm_up, o.repeats, o.repeats == 1 ? "run" : "runs",
         names_of(study.peers), describe(variants.front().settings, "the dial as each variant says"),

@@ -24,16 +24,35 @@ const Geometry& geometry_of(const Scene& scene, std::uint32_t body)
     return scene.geometries[index(scene.geometry[body])];
 }
 
-/// Points that stand for all parts of a shape, a map or a terrain: each is on one side of a surface that it does not
+bool is_half_space(const Geometry& geometry)
+{
+    const auto* shape = std::get_if<Shape>(&geometry.data);
+    return shape && std::holds_alternative<HalfSpace>(*shape);
+}
+
+/// `box` as another frame sees it, wide enough for all rounding.
+Aabb moved(const Aabb& box, const Eigen::Isometry3d& pose)
+{
+    Aabb result;
+    for (int k = 0; k < 8; ++k)
+        result.add(pose * Eigen::Vector3d((k & 1 ? box.max : box.min).x(), (k & 2 ? box.max : box.min).y(),
+                                          (k & 4 ? box.max : box.min).z()));
+    return result;
+}
+
+Aabb grown(Aabb box, double by)
+{
+    box.min.array() -= by, box.max.array() += by;
+    return box;
+}
+
+/// Points that stand for all parts of a shape or a map: each is on one side of a surface that it does not
 /// meet.
 std::vector<Eigen::Vector3d> points_of(const Geometry& geometry)
 {
     std::vector<Eigen::Vector3d> points;
     if (const auto* map = std::get_if<OccupancyMap>(&geometry.data))
         map->each_box([&](const Aabb& cell) { points.push_back(cell.centre()); });
-    else if (const auto* terrain = std::get_if<Terrain>(&geometry.data))
-        for (const Mesh mesh = mesh_of(*terrain); const Triangle& t : mesh.triangles)
-            points.push_back(mesh.vertices[t[0]]);
     else if (const auto* hull = std::get_if<ConvexHull>(&std::get<Shape>(geometry.data)))
         points.push_back(hull->points.front());
     else
@@ -43,14 +62,16 @@ std::vector<Eigen::Vector3d> points_of(const Geometry& geometry)
 
 } // namespace
 
-/// What is kept of a mesh.
+/// What is kept of a mesh, or of a terrain as a mesh.
 struct StudyTruth::Model {
+    Model(std::shared_ptr<const Mesh> given, Mode mode) : Model(*given, mode) { kept = std::move(given); }
     Model(const Mesh& mesh, Mode mode)
         : halved(mesh), at_home(halved, [](const Eigen::Vector3d& v) { return v; }),
           solid(mode == Mode::solid && is_closed(mesh)), parts(mode == Mode::solid ? parts_of(mesh) : decltype(parts)())
     {
     }
 
+    std::shared_ptr<const Mesh> kept; ///< null: the scene's
     HalvedMesh halved;
     BoxedTriangles at_home;
     bool solid;
@@ -76,8 +97,12 @@ StudyTruth::StudyTruth(const Scene& scene, const Settings& request)
     : scene_(scene), request_(request), models_(scene.geometries.size())
 {
     for (GeometryId used : scene.geometry) {
-        const auto* mesh = std::get_if<Mesh>(&scene.geometries[index(used)].data);
-        if (mesh && !models_[index(used)]) models_[index(used)] = std::make_unique<Model>(*mesh, request.mode);
+        std::unique_ptr<Model>& model = models_[index(used)];
+        const GeometryData& data = scene.geometries[index(used)].data;
+        if (const auto* mesh = std::get_if<Mesh>(&data); mesh && !model)
+            model = std::make_unique<Model>(*mesh, request.mode);
+        if (const auto* terrain = std::get_if<Terrain>(&data); terrain && !model)
+            model = std::make_unique<Model>(std::make_shared<const Mesh>(mesh_of(*terrain)), request.mode);
     }
 }
 
@@ -158,17 +183,43 @@ DistanceTruth StudyTruth::mesh_distance(BodyPair pair) const
 /// Of shapes, cells and triangles, each a convex set. Extended precision errs by less than what is taken off.
 DistanceTruth StudyTruth::convex_distance(BodyPair pair) const
 {
-    const auto sets = [&](std::uint32_t body) {
-        return convex_sets(geometry_of(scene_, body).data, scene_.poses[body]);
-    };
-    const TrueDistance found = true_distance(sets(pair.a), sets(pair.b));
+    const Geometry &a = geometry_of(scene_, pair.a), &b = geometry_of(scene_, pair.b);
+    const Eigen::Isometry3d &at_a = scene_.poses[pair.a], &at_b = scene_.poses[pair.b];
     DistanceTruth distance;
-    distance.size =
-        std::max(bounds_of(geometry_of(scene_, pair.a)).diagonal(), bounds_of(geometry_of(scene_, pair.b)).diagonal());
+    for (const Geometry* g : {&a, &b})
+        if (!is_half_space(*g)) distance.size = std::max(distance.size, bounds_of(*g).diagonal());
+    TrueDistance found{};
+    if (is_half_space(a) && is_half_space(b))
+        found = half_spaces_distance(at_a, at_b);
+    else if (is_half_space(a) || is_half_space(b))
+        found = is_half_space(a) ? half_space_distance(at_a, convex_sets(b.data, at_b))
+                                 : half_space_distance(at_b, convex_sets(a.data, at_a));
+    else
+        found = bounded_distance(pair);
     const double rounding = distance_rounding * distance.size;
     distance.low = std::max(0.0, double(found.lower) - rounding);
     distance.high = found.upper > 0 ? double(found.upper) + rounding : 0;
     return distance;
+}
+
+/// Looks at the parts of each that are near the other first: a map may have millions.
+TrueDistance StudyTruth::bounded_distance(BodyPair pair) const
+{
+    const auto sets = [&](std::uint32_t body, std::uint32_t other, double within) {
+        const Aabb around = grown(
+            moved(bounds_of(geometry_of(scene_, other)), scene_.poses[body].inverse() * scene_.poses[other]), within);
+        return convex_sets(geometry_of(scene_, body).data, scene_.poses[body], &around);
+    };
+    double far = 0; // there is nothing beyond
+    for (const std::uint32_t body : {pair.a, pair.b})
+        far += 2 * (bounds_of(geometry_of(scene_, body)).diagonal() + scene_.poses[body].translation().norm() +
+                    bounds_of(geometry_of(scene_, body)).centre().norm());
+    for (double within = 0x1p-10 * far + request_.clearance;; within *= 4) {
+        const std::vector<ConvexSet> a = sets(pair.a, pair.b, within), b = sets(pair.b, pair.a, within);
+        if (!a.empty() && !b.empty())
+            if (const TrueDistance found = true_distance(a, b); found.upper <= 0.99 * within || within > far)
+                return found;
+    }
 }
 
 DistanceTruth StudyTruth::distance(BodyPair pair)

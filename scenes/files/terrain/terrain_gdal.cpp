@@ -2,6 +2,7 @@
 #include <memory>
 
 #include <cpl_error.h>
+#include <cpl_string.h>
 #include <dlfcn.h>
 #include <fmt/format.h>
 #include <gdal.h>
@@ -40,6 +41,8 @@ public:
     ONCOLLIDE_GDAL_FUNCTION(GDALAllRegister);
     ONCOLLIDE_GDAL_FUNCTION(GDALOpen);
     ONCOLLIDE_GDAL_FUNCTION(GDALClose);
+    ONCOLLIDE_GDAL_FUNCTION(GDALGetFileList);
+    ONCOLLIDE_GDAL_FUNCTION(CSLDestroy);
     ONCOLLIDE_GDAL_FUNCTION(GDALGetRasterCount);
     ONCOLLIDE_GDAL_FUNCTION(GDALGetRasterBand);
     ONCOLLIDE_GDAL_FUNCTION(GDALGetRasterBandXSize);
@@ -70,6 +73,26 @@ struct Quiet {
     ~Quiet() { gdal.CPLPopErrorHandler(); }
 };
 
+/// A small file must neither fill the memory nor be searched for hours for what it announces.
+void check_announced(const Gdal& gdal, GDALDatasetH data, const std::string& name, const HeightRaster& raster)
+{
+    constexpr std::uint64_t most_of_small_files = 20'000'000, most_a_byte = 64; // compressed, or sparse
+    const std::uint64_t heights = std::uint64_t(raster.columns) * raster.rows;
+    if (heights > Terrain::most_cells)
+        refuse(name, fmt::format("{} x {} heights are announced; at most {} are possible", raster.columns, raster.rows,
+                                 Terrain::most_cells));
+    std::uint64_t bytes = 0;
+    char** const files = gdal.GDALGetFileList(data);
+    for (char** file = files; file && *file; ++file) {
+        std::error_code none;
+        if (const std::uintmax_t size = std::filesystem::file_size(*file, none); !none) bytes += size;
+    }
+    gdal.CSLDestroy(files);
+    if (heights > most_of_small_files && heights / most_a_byte > bytes)
+        refuse(name, fmt::format("{} x {} heights are announced; {} bytes are too few for them", raster.columns,
+                                 raster.rows, bytes));
+}
+
 } // namespace
 
 HeightRaster read_with_gdal(const std::filesystem::path& path)
@@ -91,7 +114,7 @@ HeightRaster read_with_gdal(const std::filesystem::path& path)
     HeightRaster raster;
     raster.columns = static_cast<std::uint32_t>(gdal.GDALGetRasterBandXSize(band));
     raster.rows = static_cast<std::uint32_t>(gdal.GDALGetRasterBandYSize(band));
-    if (std::uint64_t(raster.columns) * raster.rows > Terrain::most_cells) fail("the raster is too large");
+    check_announced(gdal, data.get(), name, raster);
     const GDALDataType type = gdal.GDALGetRasterDataType(band);
     if (gdal.GDALDataTypeIsComplex(type)) fail("the raster holds complex numbers");
     raster.whole = type != GDT_Float32 && type != GDT_Float64;

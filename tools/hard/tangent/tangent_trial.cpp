@@ -1,26 +1,22 @@
-#include "hard/tangent_trial.hpp"
+#include "hard/tangent/tangent_trial.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <random>
 
 #include <fmt/format.h>
-#include <octomap/OcTree.h>
 
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/pipeline/world.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
 #include "hard/exact_oracle.hpp"
-#include "peers/fcl_pair.hpp"
+#include "hard/tangent/integer_distance.hpp"
+#include "hard/tangent/placed_body.hpp"
 
 namespace oncollide::tools {
 namespace {
 
 using Eigen::Vector3d;
-__extension__ typedef __int128 Wide;
-using Place = std::array<std::int64_t, 3>; ///< in units of the grid
-
 constexpr std::int64_t cube_side = 1 << 20; ///< of the cube, whose least corner is the origin
 
 /// What touches the cube: all within `radius` of a segment along z, or a triangle.
@@ -111,24 +107,12 @@ private:
     std::mt19937_64 random_;
 };
 
-struct PlacedBody {
-    GeometryData geometry;
-    Eigen::Isometry3d pose;
-};
-
-Eigen::Isometry3d moved_to(const Vector3d& at)
-{
-    return Eigen::Isometry3d(Eigen::Translation3d(at));
-}
-
 PlacedBody cube_of(std::int64_t kind, double unit, const Vector3d& offset)
 {
     const double size = double(cube_side) * unit;
     const Vector3d half = Vector3d::Constant(size / 2);
     if (kind == 0) {
-        octomap::OcTree tree(size);
-        tree.updateNode(octomap::OcTreeKey(32768, 32768, 32768), true);
-        return {make_occupancy_map(tree), moved_to(offset)};
+        return {one_cell(size), moved_to(offset)};
     }
     if (kind == 1) return {Shape(Box{half}), moved_to(offset + half)};
     if (kind == 2) {
@@ -152,17 +136,6 @@ PlacedBody toucher_of(const Toucher& t, double unit, const Vector3d& offset)
     return {Shape(Capsule{unit * double(t.radius), 2 * unit * double(t.half)}), pose};
 }
 
-Verdict verdict_of(const Settings& settings, const PlacedBody& a, const PlacedBody& b)
-{
-    World world(settings);
-    for (const PlacedBody* body : {&a, &b}) {
-        const ModelId model = std::visit([&](const auto& g) { return world.add(g); }, body->geometry);
-        world.add_body({.model = model, .pose = body->pose});
-    }
-    const FrameView frame = world.step();
-    return frame.pairs.empty() ? Verdict::separate : frame.pairs[0].verdict;
-}
-
 void try_one(const std::string& family, std::uint64_t number, Tally& tally)
 {
     const auto f = std::ranges::find(tangent_families, family) - tangent_families;
@@ -180,24 +153,7 @@ void try_one(const std::string& family, std::uint64_t number, Tally& tally)
     const PlacedBody cube = cube_of(kind, unit, offset), other = toucher_of(t, unit, offset);
     const bool swapped = draw.number(0, 1);
     const PlacedBody &a = swapped ? other : cube, &b = swapped ? cube : other;
-    ++tally.cases;
-    const auto what = [&](const char* how) { return fmt::format("{}: case {} of '{}'", how, number, family); };
-    const auto judge = [&](const Settings& settings, bool exact, const char* how) {
-        ++tally.results;
-        const Verdict v = verdict_of(settings, a, b);
-        if (v == Verdict::separate && meet) tally.fault(&Tally::missed, what(how));
-        if ((v == Verdict::colliding && !meet) || (exact && v != (meet ? Verdict::colliding : Verdict::separate)))
-            tally.fault(&Tally::wrong, what(how));
-        tally.false_positives += v == Verdict::within && !meet;
-    };
-    judge({.exact = ExactLevel::predicates}, true, "exact");
-    judge({.bounding_volume = BoundingVolume::obb}, false, "boxes");
-    judge({.bounding_volume = BoundingVolume::sphere}, false, "spheres");
-    judge({.exact = ExactLevel::fcl}, false, "fcl");
-    const FclGeometry fcl_a = make_fcl_geometry(a.geometry, FclNodes::obb),
-                      fcl_b = make_fcl_geometry(b.geometry, FclNodes::obb);
-    const bool theirs = fcl_contacts({fcl_a, a.pose}, {fcl_b, b.pose}) > 0;
-    tally.fcl_missed += meet && !theirs, tally.fcl_false += theirs && !meet;
+    judge_meeting(a, b, meet, fmt::format("case {} of '{}'", number, family), tally);
 }
 
 } // namespace

@@ -1,0 +1,75 @@
+#include "command_fixture.hpp"
+
+#include <set>
+
+#include "csv_rows.hpp"
+
+namespace oncollide::test {
+namespace {
+
+TEST_F(CommandLine, BenchEnvironmentRefusesWhatDoesNotExistBeforeItStarts)
+{
+    const auto refused = [&](int code, std::vector<std::string> more, const std::vector<std::string>& words) {
+        more.insert(more.begin(), {"bench", "environment"});
+        expect_error(code, std::move(more), words);
+    };
+    refused(64, {"--environments", "building,moon"}, {"--environments moon", "hills-mesh", "st-helens"});
+    refused(64, {"--bodies-of", "shapes,cars"}, {"--bodies-of cars", "meshes, shapes, both"});
+    refused(64, {"--bodies", "0"}, {"--bodies 0", "from 1 to"});
+    refused(64, {"--bodies", "many"}, {"--bodies", "many"});
+    refused(64, {"--frames", "0"}, {"--frames 0", "from 1 to"});
+    refused(64, {"--warm-up", "-1"}, {"--warm-up -1", "at least 0"});
+    refused(64, {"--cold-runs", "0"}, {"--cold-runs 0", "from 1 to"});
+    refused(64, {"--cells", "7"}, {"--cells 7", "from 8 to 20000"});
+    refused(64, {"--threads", "-1"}, {"threads = -1"});
+    for (const char* bad : {"x", "0", "-1", "inf", "nan", "0.1,", "1m"})
+        refused(64, {fmt::format("--errors={}", bad)}, {fmt::format("--errors {}", bad), "above 0", "exact"});
+    refused(64, {"--environments", "hills,campus"}, {"'campus'", "--data", "ONCOLLIDE_DATA"});
+    refused(66, {"--environments", "hills,campus", "--data", "none"}, {"--data", "'none'"});
+    refused(66, {"--environments", "hills,campus", "--data", "."}, {"octomap/fr_campus.bt", "no such file"});
+    refused(66, {"--environments", "st-helens", "--data", "."}, {"terrain/SainteHelens.dem", "no such file"});
+    refused(64, {"--csv", "x", "--plot", "x"}, {"both go to 'x'"});
+    refused(73, {"--csv", "no/where.csv"}, {"no/where.csv"});
+    refused(73, {"--plot", "no/where.svg"}, {"no/where.svg"});
+}
+
+TEST_F(CommandLine, BenchEnvironmentComparesTerrainsAtEveryError)
+{
+    const Outcome outcome = run({"bench",       "environment", "--environments", "hills,hills-mesh",
+                                 "--bodies-of", "shapes,both", "--errors",       "0.1,exact",
+                                 "--cells",     "24",          "--bodies",       "40",
+                                 "--frames",    "4",           "--warm-up",      "1",
+                                 "--csv",       "e.csv",       "--plot",         "e.svg"});
+    ASSERT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+    EXPECT_EQ(outcome.out.find("MISSED"), std::string::npos) << outcome.out;
+    const auto rows = read_csv(folder_.read("e.csv"));
+    ASSERT_EQ(rows.size(), 8u);
+    std::set<std::string> names;
+    std::map<std::string, std::set<std::string>> hashes; // of the grid and of the same surface as a mesh
+    for (auto row : rows) {
+        const std::string name = row["environment"] + " " + row["bodies"] + " " + row["error"];
+        SCOPED_TRACE(name);
+        names.insert(name);
+        hashes[row["bodies"] + row["error"]].insert(row["hash"]);
+        for (const char* column : {"fcl_ms", "ms", "ratio", "fcl_first_ms", "first_ms", "fcl_mb", "process_mb"})
+            EXPECT_GT(std::stod(row[column]), 0) << column;
+        EXPECT_EQ(row["threads"], "1");
+        EXPECT_EQ(row["missed"], "0");
+        EXPECT_GT(std::stoi(row["pairs"]), 40);
+        EXPECT_GE(std::stoi(row["left_over"]), std::stoi(row["colliding"]));
+        if (row["error"] != "exact") continue;
+        EXPECT_EQ(row["false_positives"], "0");
+        EXPECT_GT(std::stoi(row["colliding"]), 20);
+    }
+    EXPECT_TRUE(names.contains("hills shapes 0.1") && names.contains("hills-mesh both exact"));
+    for (const auto& [dial, found] : hashes) EXPECT_EQ(found.size(), 1u) << dial;
+
+    const std::string svg = folder_.read("e.svg");
+    EXPECT_TRUE(svg.starts_with("<svg") && svg.ends_with("</svg>\n"));
+    for (const char* word : {"error, metres", ">exact<", "hills-mesh, both", "oncollide"})
+        EXPECT_NE(svg.find(word), std::string::npos) << word;
+}
+
+} // namespace
+} // namespace oncollide::test
