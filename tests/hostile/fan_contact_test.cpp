@@ -1,5 +1,5 @@
 // Vertices in which hundreds of triangles meet, touching others of that kind: n^2 pairs of triangles touch.
-#include <chrono>
+#include <ctime>
 #include <cmath>
 #include <numbers>
 
@@ -57,9 +57,9 @@ Outcome check(const Mesh& a, const Mesh& b)
     Settings settings;
     settings.exact = ExactLevel::predicates, settings.contact_kinds = true;
     Pipeline pipeline(scene, settings);
-    const auto start = std::chrono::steady_clock::now();
+    const std::clock_t start = std::clock(); // the processor's, not that of a busy machine
     const FrameView frame = pipeline.step(scene);
-    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    const double ms = 1e3 * double(std::clock() - start) / CLOCKS_PER_SEC;
     return {frame.pairs.empty() ? ContactKind::unknown : frame.pairs[0].kind, ms};
 }
 

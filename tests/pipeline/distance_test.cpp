@@ -139,8 +139,8 @@ TEST_P(EveryTwoKinds, HaveCertifiedDistancesAndNearestPoints)
     EXPECT_GT(seen.meet, half_space ? 2 : -1);
 }
 
-INSTANTIATE_TEST_SUITE_P(Distance, EveryTwoKinds, ::testing::Range(std::size_t{0}, kinds* kinds), [](const auto& info) {
-    std::string name = fmt::format("{}_{}", every_kind[info.param / kinds], every_kind[info.param % kinds]);
+INSTANTIATE_TEST_SUITE_P(Distance, EveryTwoKinds, ::testing::Range(std::size_t{0}, kinds* kinds), [](const auto& pair) {
+    std::string name = fmt::format("{}_{}", every_kind[pair.param / kinds], every_kind[pair.param % kinds]);
     for (char& c : name)
         if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
     return name;

@@ -93,10 +93,10 @@ TEST_F(StudyPeers, PlayPoses)
 
 TEST_F(StudyPeers, OneThatErrsIsNotExact)
 {
-    // A gap that single precision, and ODE's tolerance, do not see.
+    // A gap that single precision, and ODE's tolerance, do not see; nor do the boxes of bodies turned about it.
     folder_.write("gap.json", R"({"frames": 2, "geometries": {"cube": {"mesh": {"generate": {"kind": "box", "half":
-        [0.5, 0.5, 0.5]}}}}, "bodies": [{"name": "a", "geometry": "cube"},
-        {"name": "b", "geometry": "cube", "position": [1.00000000001, 0.25, 0.25]}]})");
+        [0.5, 0.5, 0.5]}}}}, "bodies": [{"name": "a", "geometry": "cube", "rotation": [0.28, 0, 0, 0.96]},
+        {"name": "b", "geometry": "cube", "position": [1.00000000001, 0.25, 0.25], "rotation": [0.28, 0, 0, 0.96]}]})");
     const nlohmann::json all =
         study({"gap.json", "--depths", "2", "--warm-up", "0", "--peers", "all", "--html", "s.html"});
     EXPECT_EQ(all["header"]["colliding"], 0);
