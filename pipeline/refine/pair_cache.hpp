@@ -14,7 +14,7 @@ namespace oncollide {
 struct PairMemory {
     BodyPair pair;
     bool met = false;         ///< `triangles` met, or were as near as was asked
-    TrianglePair triangles{}; ///< witness of contact
+    TrianglePair triangles{}; ///< witness of contact; 0 for a shape
     MapCell cell{};           ///< of a map, in place of its triangle
     LeafPair leaves;          ///< leaves of the sphere-trees that touched
 };

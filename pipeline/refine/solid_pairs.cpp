@@ -44,22 +44,37 @@ double height_error(const PairTask& task)
     return of(*task.a) + of(*task.b);
 }
 
-/// What a walk's pair remembers, as far as it is of a map and a mesh.
+/// Two primitives that are remembered of a pair of bodies, where neither or the first alone is a cell.
+template <class Pair>
+constexpr bool has_hint = std::same_as<decltype(Pair::b), std::uint32_t>;
+template <class Pair>
+constexpr bool has_cell = std::same_as<decltype(Pair::a), MapCell>;
+
 template <class Pair>
 std::optional<Pair> hint_of(const PairMemory* memory)
 {
-    if constexpr (std::same_as<Pair, MapMeshWalk::Pair>)
-        if (memory && memory->met) return Pair{memory->cell, memory->triangles.b};
+    if constexpr (has_hint<Pair>) {
+        if (!memory || !memory->met) return {};
+        if constexpr (has_cell<Pair>)
+            return Pair{memory->cell, memory->triangles.b};
+        else
+            return Pair{memory->triangles.a, memory->triangles.b};
+    }
     return {};
 }
 
 template <class Pair>
 void remember(PairMemory* memory, const std::optional<Pair>& witness)
 {
-    if constexpr (std::same_as<Pair, MapMeshWalk::Pair>) {
+    if constexpr (has_hint<Pair>) {
         if (!memory) return;
         memory->met = witness.has_value();
-        if (witness) memory->cell = witness->a, memory->triangles.b = witness->b;
+        if (!witness) return;
+        if constexpr (has_cell<Pair>)
+            memory->cell = witness->a;
+        else
+            memory->triangles.a = witness->a;
+        memory->triangles.b = witness->b;
     }
 }
 

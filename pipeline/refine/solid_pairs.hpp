@@ -25,7 +25,7 @@ bool needs_trees(const Model& a, const Model& b, bool kinds);
 class SolidPairs {
 public:
     /// The trees of both models must be there.
-    /// @param memory  what met last, of a map and a polytope, is tested first; null: nothing is remembered
+    /// @param memory  what met last, but of two maps, is tested first; null: nothing is remembered
     RefineResult exact(const RefineContext& context, const PairTask& task, PairMemory* memory);
 
     /// Any pair but two surfaces: within clearance + tolerance (metres), or separate.
