@@ -188,6 +188,8 @@ void add_environment(Arguments bench)
     sub.add_option("--bodies", options->bodies, "bodies in each environment (default 500)").type_name("N");
     sub.add_option("--frames", options->frames, "frames to play (default 10)").type_name("N");
     sub.add_option("--warm-up", options->warm_up, "of these, frames that are not counted (default 3)").type_name("N");
+    sub.add_option("--repeats", options->repeats, "plays of all frames; the least time of each frame counts (default 1)")
+        .type_name("N");
     sub.add_option("--cold-runs", options->cold_runs, "first frames measured from nothing (default 1)").type_name("N");
     sub.add_option("--cells", options->cells,
                    "cells along a side of the hills (default 500; 2200 make 9.7 million triangles)")

@@ -109,6 +109,7 @@ int bench_world(const WorldOptions& options);
 struct EnvironmentOptions {
     std::string environments = "building,hills,hills-mesh", bodies_of = "meshes,shapes", errors = "1,0.1,0.01,exact";
     int bodies = 500, frames = 10, warm_up = 3, cold_runs = 1, threads = 1;
+    int repeats = 1; ///< of all frames; of each frame the least time counts
     int cells = 500; ///< along a side of generated terrains
     std::uint64_t seed = 1;
     std::string data, csv, plot;

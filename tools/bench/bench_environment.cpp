@@ -63,7 +63,7 @@ struct Row {
 Row row_of(const EnvironmentOptions& o, const EnvironmentScene& which, const Dial& dial, Scene& scene)
 {
     CompareOptions race_options;
-    race_options.repeats = 1, race_options.cold_runs = o.cold_runs;
+    race_options.repeats = o.repeats, race_options.cold_runs = o.cold_runs;
     SceneRuns runs = race(race_options, dial.settings, scene);
     Row row;
     row.environment = which.environment, row.bodies_of = which.bodies_of, row.error = dial.text;
@@ -130,6 +130,7 @@ int bench_environment(const EnvironmentOptions& o)
 {
     check_range("--bodies", o.bodies, 1, 1'000'000), check_range("--frames", o.frames, 1, 100'000);
     check_range("--warm-up", o.warm_up, 0), check_range("--cold-runs", o.cold_runs, 1, 100);
+    check_range("--repeats", o.repeats, 1, 100);
     check_range("--cells", o.cells, 8, 20'000);
     check_files({{"--csv", o.csv}, {"--plot", o.plot}});
     const std::vector<Dial> dials = dials_of(o);
