@@ -21,11 +21,17 @@ struct alignas(16) BoxNode {
     std::uint32_t singles;  ///< and for each of one triangle
 };
 
-/// Into A's frame: p -> rotation p + translation.
+/// p -> rotation (p - from) + translation, or, not turned, p - from.
 struct BoxPlacement {
+    float from[3];
+    bool turned;
     float rotation[9]; ///< row-major, a rotation
     float translation[3];
 };
+
+/// What the boxes of a node allow for rounding, by their size: the most that any of them has of the sum of its
+/// half-extents and of its centre's distance from what its node's boxes are stored relative to.
+constexpr float box_margin = 0x1p-15f;
 
 /// Eight boxes of one node as the box test reads them: in A's frame, metres. Box k is the points c + u a1 + v a2 + w a3
 /// with |u|, |v|, |w| up to h1, h2, h3.
@@ -34,6 +40,7 @@ struct alignas(32) OpenBoxes {
     float axis[3][3][8]; ///< [which axis][component]
     float h[3][8];
     float size[8]; ///< squared radii
+    float margin;  ///< taken off the gaps to other boxes: box_margin times the size, and what else the boxes may be off
 };
 
 /// Eight boxes along the axes, the combinations of two intervals on each axis: box k takes on x, y and z the interval

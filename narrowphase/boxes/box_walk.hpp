@@ -11,33 +11,9 @@
 #include <oncollide/base/aabb.hpp>
 #include <oncollide/narrowphase/boxes/open_nodes.hpp>
 #include <oncollide/narrowphase/boxes/oriented_box.hpp>
+#include <oncollide/narrowphase/boxes/walk_frame.hpp>
 
 namespace oncollide {
-
-/// Where B's boxes are in A's frame, and what rounding does to the distances found there.
-struct BoxFrame {
-    BoxPlacement place_b;
-    double box_rounding;  ///< of gaps between boxes
-    double leaf_rounding; ///< of distances between primitives
-    double apart;         ///< of the balls around the geometries, at least
-
-    /// Coordinates, relative to A's centre, are at most m = |d| + rA + rB. With u = 2^-24: floats of the placement and
-    /// of centres and axes moved by it err by at most 50 u m along any axis of the test; the relative pose may be 2^-19
-    /// = 32 u from a rotation (two poses, each 2^-20), by which a box's own axes are not square: 4 * 32 u of its
-    /// half-extents, summed to at most sqrt 2 r. Together below 256 u m. RelativePose rounds in double, relative to the
-    /// files' origins and to the bodies' distance.
-    BoxFrame(const auto& a, const auto& b, const RelativePose& b_to_a)
-    {
-        const Eigen::Vector3d d = b_to_a(b.centre()) - a.centre();
-        for (int i = 0; i < 9; ++i) place_b.rotation[i] = static_cast<float>(b_to_a.rotation(i / 3, i % 3));
-        for (int i = 0; i < 3; ++i) place_b.translation[i] = static_cast<float>(d[i]);
-        const double both = a.radius() + b.radius(), m = d.norm() + both;
-        const double far = a.centre().norm() + b.centre().norm() + b_to_a.translation.norm();
-        box_rounding = 0x1p-16 * m + 0x1p-48 * far + 1e-30;
-        leaf_rounding = std::max(0x1p-38 * m, 0x1p-48 * far) + 1e-150; // squares of less underflow
-        apart = d.norm() - both - box_rounding;
-    }
-};
 
 /// Bounds on a distance.
 template <class Pair>
@@ -105,9 +81,9 @@ private:
     static constexpr std::size_t first_batch = 4, most_batch = 64; ///< pairs of primitives tested together
     static constexpr double infinity = std::numeric_limits<double>::infinity();
 
-    void begin(A& a, B& b, const RelativePose& b_to_a, const BoxFrame& frame, const typename B::Node& of_b = B::root)
+    void begin(A& a, B& b, const RelativePose& b_to_a, const WalkFrame& frame, const typename B::Node& of_b = B::root)
     {
-        a_.start(a, nullptr), b_.start(b, &frame.place_b);
+        a_.start(a, &frame.place_a), b_.start(b, &frame.place_b);
         leaves_.start(a, b, b_to_a);
         waiting_.clear();
         if (stack_.empty()) stack_.resize(64);
@@ -119,7 +95,7 @@ private:
         std::fill(std::begin(nearest_), std::end(nearest_), std::numeric_limits<float>::infinity());
         top_ = 0, far_ = false;
     }
-    void start(A& a, B& b, const RelativePose& b_to_a, const BoxFrame& frame)
+    void start(A& a, B& b, const RelativePose& b_to_a, const WalkFrame& frame)
     {
         begin(a, b, b_to_a, frame);
         a_.open(A::root);
@@ -132,10 +108,10 @@ private:
         stack_[top_++] = {0, 0, 0, 0, 0};
     }
     /// The same for what is within `cutoff`: of a large geometry only the surroundings of the other one.
-    void start_near(A& a, B& b, const RelativePose& b_to_a, const BoxFrame& frame, double cutoff)
+    void start_near(A& a, B& b, const RelativePose& b_to_a, const WalkFrame& frame, double cutoff)
     {
         const auto around = [&](const Eigen::Vector3d& centre, double radius) {
-            const double out = radius + cutoff + 2 * frame.box_rounding;
+            const double out = radius * (1 + 0x1p-18) + cutoff + 2 * frame.box_rounding;
             return Aabb{centre.array() - out, centre.array() + out};
         };
         const auto of_b = entry(b, [&] {
@@ -148,12 +124,12 @@ private:
             const OpenBoxes& root = b_[0].boxes;
             Aabb box;
             for (int i = 0; i < 3; ++i) {
-                double half = cutoff + 2 * frame.box_rounding;
+                double half = (cutoff + 2 * frame.box_rounding) * (1 + 0x1p-16) + root.margin;
                 for (int j = 0; j < 3; ++j) half += std::abs(double(root.axis[j][i][0])) * root.h[j][0];
-                const double centre = a.centre()[i] + root.c[i][0];
+                const double centre = frame.origin[i] + root.c[i][0];
                 box.min[i] = centre - half, box.max[i] = centre + half;
             }
-            const auto far = static_cast<float>((cutoff + frame.box_rounding) * (1 + 0x1p-20));
+            const float far = frame.gap_within(cutoff);
             gap = std::min(gap, a.starts(box, root.size[0], starts_));
             for (const typename A::Node& node : starts_) compare<false>({0, 0, 0, 0, 0}, true, a_.open(node), far);
         } else {
@@ -211,7 +187,7 @@ private:
         const Eigen::Vector3d to = down_a ? Eigen::Vector3d(-line_) : line_;
         BoxLine line{{float(to.x()), float(to.y()), float(to.z())}, 0};
         if (down_a ? b_[e.b].leaf(e.lane_b) : a_[e.a].leaf(e.lane_a)) {
-            const double middle = line_.dot(centre_a_);
+            const double middle = line_.dot(origin_);
             line.other_reach = static_cast<float>(down_a ? middle - low_b(e) : high_a(e) - middle);
             return line;
         }
@@ -248,7 +224,7 @@ private:
         double lower, upper;
         Eigen::Vector3d between;
     };
-    Nearest nearest(const Pair& pair, const BoxFrame& frame)
+    Nearest nearest(const Pair& pair, const WalkFrame& frame)
     {
         if constexpr (requires { leaves_.bounds(pair); }) {
             const auto found = leaves_.bounds(pair);
@@ -258,14 +234,14 @@ private:
             return {found.distance - frame.leaf_rounding, found.distance + frame.leaf_rounding, found.b - found.a};
         }
     }
-    double least_box_gap(const BoxFrame& frame) const
+    double least_box_gap(const WalkFrame& frame) const
     {
         double least = infinity;
-        for (const float gap : nearest_) least = std::min(least, double(gap) - frame.box_rounding);
+        for (const float gap : nearest_) least = std::min(least, frame.at_least(gap));
         return least;
     }
     /// Of geometries of which no two primitives met: by the boxes that were left, and the primitives that were tested.
-    double least_gap(const BoxFrame& frame)
+    double least_gap(const WalkFrame& frame)
     {
         const double least = std::min(least_box_gap(frame), leaves_.least_gap(frame.leaf_rounding));
         return least * (1 - 0x1p-18); // poses may be 2^-20 from rigid
@@ -277,9 +253,9 @@ private:
     std::size_t top_ = 0;
     bool far_ = true;
     std::vector<typename A::Node> starts_;
-    std::vector<Pair> waiting_;       ///< to be tested together
-    alignas(32) float nearest_[8];    ///< least gaps of boxes that were left
-    Eigen::Vector3d line_, centre_a_; ///< from the nearest point of A found so far to that of B, of length 1 at most
+    std::vector<Pair> waiting_;     ///< to be tested together
+    alignas(32) float nearest_[8];  ///< least gaps of boxes that were left
+    Eigen::Vector3d line_, origin_; ///< from the nearest point of A found so far to that of B, of length 1 at most
     Leaves leaves_;
 };
 
@@ -369,7 +345,7 @@ template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 double BoxWalk<A, B, Leaves>::meetings(A& a, B& b, const RelativePose& b_to_a, std::optional<Pair> hint, auto found,
                                        auto leave)
 {
-    const BoxFrame frame(a, b, b_to_a);
+    const WalkFrame frame(a, b, b_to_a);
     far_ = true;
     if (frame.apart > 0) return frame.apart;
     bool met = false, go_on = true;
@@ -380,7 +356,7 @@ double BoxWalk<A, B, Leaves>::meetings(A& a, B& b, const RelativePose& b_to_a, s
     if (!go_on_after_hint(a, b, b_to_a, hint, take)) return 0;
     std::size_t batch = first_batch;
     start_near(a, b, b_to_a, frame, 0);
-    walk(static_cast<float>(frame.box_rounding * (1 + 0x1p-20)), [&](const Entry& e) {
+    walk(frame.gap_within(0), [&](const Entry& e) {
         each_pair(e, [&](Pair pair) {
             if (!leave(pair)) waiting_.push_back(pair);
             return true;
@@ -395,7 +371,7 @@ template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const RelativePose& b_to_a, double clearance,
                                                               double tolerance, std::optional<Pair> hint)
 {
-    const BoxFrame frame(a, b, b_to_a);
+    const WalkFrame frame(a, b, b_to_a);
     // Poses may be 2^-20 from rigid: so far may a distance in A's frame be from that in the world.
     const double rounding = frame.leaf_rounding + 0x1p-18 * clearance;
     NearBounds<Pair> result{false, clearance + std::max(tolerance, 2 * rounding), {}};
@@ -430,7 +406,7 @@ NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const 
     };
     std::size_t batch = first_batch;
     start_near(a, b, b_to_a, frame, clearance);
-    walk(static_cast<float>((clearance + frame.box_rounding) * (1 + 0x1p-20)), [&](const Entry& e) {
+    walk(frame.gap_within(clearance), [&](const Entry& e) {
         const float size2 = a_[e.a].size(e.lane_a) + b_[e.b].size(e.lane_b);
         const bool small = double(size2) <= 16 * enough * enough; // else their corners are hardly so near
         return each_pair(e, [&](Pair pair) { return take_pair(pair, small); }) && test_if_enough(batch, take);
@@ -443,7 +419,7 @@ template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 Comparison<typename Leaves::Pair> BoxWalk<A, B, Leaves>::compare(A& a, B& b, const RelativePose& b_to_a, double cutoff,
                                                                  double slack, std::optional<Pair> hint)
 {
-    const BoxFrame frame(a, b, b_to_a);
+    const WalkFrame frame(a, b, b_to_a);
     const double most = cutoff + slack;
     far_ = true;
     if (frame.apart > most) return {1, frame.apart, {}};
@@ -469,8 +445,7 @@ Comparison<typename Leaves::Pair> BoxWalk<A, B, Leaves>::compare(A& a, B& b, con
     }
     start_near(a, b, b_to_a, frame, most);
     bool go_on = true;
-    walk(static_cast<float>((most + frame.box_rounding) * (1 + 0x1p-20)),
-         [&](const Entry& e) { return go_on = each_pair(e, take_pair); });
+    walk(frame.gap_within(most), [&](const Entry& e) { return go_on = each_pair(e, take_pair); });
     if (!go_on) return {-1, upper, witness};
     lower = std::min(lower, least_box_gap(frame));
     if (lower > most) return {1, lower, {}};
@@ -481,7 +456,7 @@ template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b, const RelativePose& b_to_a,
                                                                       double tolerance, double farthest)
 {
-    const BoxFrame frame(a, b, b_to_a);
+    const WalkFrame frame(a, b, b_to_a);
     if (frame.apart > farthest) return {frame.apart, infinity, {}};
     DistanceBounds<Pair> best{infinity, infinity, {}};
     // Along the line that joins the nearest points all that is near them shows nearly its distance; and so do the
@@ -490,7 +465,7 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
         const double length = between.norm() * (1 + 0x1p-20);
         return length > 0 ? Eigen::Vector3d(between / length) : Eigen::Vector3d(Eigen::Vector3d::Zero());
     };
-    centre_a_ = a.centre(), line_ = direction(b_to_a(b.centre()) - centre_a_);
+    origin_ = frame.origin, line_ = direction(b_to_a(b.centre()) - a.centre());
     Eigen::Vector3d last_line = line_;
     double most = farthest; // how far apart what matters still is
     const auto take_pair = [&](Pair pair) {
@@ -520,11 +495,11 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
         while (top_) {
             const Entry e = stack_[--top_];
             most = std::min(std::min(share * best.upper, best.upper - tolerance), farthest);
-            const double cutoff = std::min(most + frame.box_rounding, 0x1p90);
+            const float cutoff = std::min(frame.gap_within(most), 0x1p90f);
             if (e.gap > cutoff)
-                best.lower = std::min(best.lower, e.gap - frame.box_rounding);
+                best.lower = std::min(best.lower, frame.at_least(e.gap));
             else if (!both_leaves(e))
-                sort_last(open<true>(e, static_cast<float>(cutoff)));
+                sort_last(open<true>(e, cutoff));
             else if (!each_pair(e, take_pair))
                 return best;
         }

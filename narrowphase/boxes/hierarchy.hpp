@@ -30,9 +30,8 @@ struct LaneMasks {
 /// - `centre()` and `radius()`: a ball around the primitives, in the geometry's frame, metres. What the walk allows for
 ///   rounding comes from it.
 /// - `open(node, placement, boxes)` gives the node's boxes relative to the centre, moved by the placement unless that
-/// is
-///   null. Each holds all of its primitives, off by at most 50 * 2^-24 of the radius and of how far away A's centre is
-///   (BoxFrame counts the roundings). Lanes past the last box have centres at 1e30.
+///   is null, and their margin. Each holds all of its primitives, off by no more than WalkFrame counts: what is far
+///   from `from` of the placement may be off by more. Lanes past the last box have centres at 1e30.
 /// - `child(node, k)` names the node of the parts of box k, which is no single.
 /// - `primitives(node, k)` is a range of the primitives in box k, which must be a leaf.
 /// - optional, `starts(box, size, nodes)` of a large geometry: where to start for what is in a box (MapTree::starts).

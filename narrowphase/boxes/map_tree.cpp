@@ -107,14 +107,15 @@ LaneMasks MapTree::open(const Node& node, const BoxPlacement* placement, OpenBox
     const std::int32_t low[3] = {node.cube.x, node.cube.y, node.cube.z}, half = node.cube.side / 2;
     OctantBoxes octants;
     for (int i = 0; i < 3; ++i) {
+        const double from = centre_[i] + (placement ? placement->from[i] : 0);
         const double least = whole ? bounds.min[i] : std::max(bounds.min[i], low[i] * resolution),
                      middle = (low[i] + half) * resolution,
                      most = whole ? bounds.max[i] : std::min(bounds.max[i], (low[i] + 2 * half) * resolution);
-        const double to = whole ? most : std::min(middle, bounds.max[i]), from = std::max(middle, bounds.min[i]);
-        octants.centre[i][0] = static_cast<float>(0.5 * (least + to) - centre_[i]);
-        octants.centre[i][1] = static_cast<float>(0.5 * (from + most) - centre_[i]);
+        const double to = whole ? most : std::min(middle, bounds.max[i]), next = std::max(middle, bounds.min[i]);
+        octants.centre[i][0] = static_cast<float>(0.5 * (least + to) - from);
+        octants.centre[i][1] = static_cast<float>(0.5 * (next + most) - from);
         octants.half[i][0] = static_cast<float>(0.5 * (to - least));
-        octants.half[i][1] = static_cast<float>(0.5 * (most - from));
+        octants.half[i][1] = static_cast<float>(0.5 * (most - next));
     }
     const unsigned lanes = whole ? 1 : solid(node), leaves = whole ? 0 : map_.cells().whole(node.octants) & lanes;
     oriented_box_kernel().open_octants(octants, lanes, placement, boxes);

@@ -156,7 +156,7 @@ Vector3d centre_of(const BoxNode& node, unsigned k)
 {
     const std::int16_t places[3] = {node.x[k], node.y[k], node.z[k]};
     Vector3d centre;
-    for (int axis = 0; axis < 3; ++axis) centre[axis] = node.origin[axis] + float(places[axis]) * node.unit;
+    for (int axis = 0; axis < 3; ++axis) centre[axis] = node.origin[axis] + double(places[axis]) * node.unit;
     return centre;
 }
 

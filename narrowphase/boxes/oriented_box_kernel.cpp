@@ -47,8 +47,10 @@ constexpr float far_away = 1e30f;
 void open(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out)
 {
     const F32x8 unit = splat(node.unit);
-    Vec centre{node.origin[0] + widen(node.x) * unit, node.origin[1] + widen(node.y) * unit,
-               node.origin[2] + widen(node.z) * unit};
+    float origin[3] = {node.origin[0], node.origin[1], node.origin[2]};
+    if (placement)
+        for (int i = 0; i < 3; ++i) origin[i] -= placement->from[i];
+    Vec centre{origin[0] + widen(node.x) * unit, origin[1] + widen(node.y) * unit, origin[2] + widen(node.z) * unit};
     F32x8 w = widen(node.qw) * (1.0f / 32767), x = widen(node.qx) * (1.0f / 32767), y = widen(node.qy) * (1.0f / 32767),
           z = widen(node.qz) * (1.0f / 32767);
     const F32x8 stretch = 1.5f - 0.5f * (w * w + x * x + y * y + z * z);
@@ -58,7 +60,7 @@ void open(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out)
                 wz = w * z2;
     Vec axes[3] = {
         {1 - (yy + zz), xy + wz, xz - wy}, {xy - wz, 1 - (xx + zz), yz + wx}, {xz + wy, yz - wx, 1 - (xx + yy)}};
-    if (placement) {
+    if (placement && placement->turned) {
         centre = turned(placement->rotation, centre);
         centre = {centre.x + placement->translation[0], centre.y + placement->translation[1],
                   centre.z + placement->translation[2]};
@@ -71,6 +73,7 @@ void open(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out)
     const Vec half{widen(node.hx) * unit, widen(node.hy) * unit, widen(node.hz) * unit};
     store(out.h, half);
     store(out.size, half.x * half.x + half.y * half.y + half.z * half.z);
+    out.margin = 0x1p17f * box_margin * node.unit; // centres and half-extents are below 2^16 units
 }
 
 void open_octants(const OctantBoxes& row, unsigned lanes, const BoxPlacement* placement, OpenBoxes& out)
@@ -83,7 +86,7 @@ void open_octants(const OctantBoxes& row, unsigned lanes, const BoxPlacement* pl
     };
     Vec centre = chosen(row.centre);
     const Vec half = chosen(row.half);
-    if (placement) {
+    if (placement && placement->turned) {
         centre = turned(placement->rotation, centre);
         centre = {centre.x + placement->translation[0], centre.y + placement->translation[1],
                   centre.z + placement->translation[2]};
@@ -98,6 +101,9 @@ void open_octants(const OctantBoxes& row, unsigned lanes, const BoxPlacement* pl
     store(out.c, centre);
     store(out.h, half);
     store(out.size, half.x * half.x + half.y * half.y + half.z * half.z);
+    out.margin = 0;
+    for (int i = 0; i < 3; ++i)
+        out.margin += box_margin * (row.half[i][0] > row.half[i][1] ? row.half[i][0] : row.half[i][1]);
 }
 
 /// @param line  null where not `far`
@@ -144,7 +150,8 @@ inline unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned
         for (int i = 0; i < 3; ++i) least = least - h[i] * abs(x * axis[i][0] + y * axis[i][1] + z * axis[i][2]);
         gap = max(gap, least - line->other_reach);
     }
-    if (bits(gap <= splat(cutoff))) {
+    const float margin = boxes.margin + other.margin;
+    if (bits(gap <= splat(cutoff + margin))) {
         // Cross products are at most of length 1: what they show, the distance is at least.
 #pragma GCC unroll 3
         for (int i = 0; i < 3; ++i) {
@@ -158,6 +165,7 @@ inline unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned
             }
         }
     }
+    gap = gap - margin;
     const I32x8 near = gap <= splat(cutoff);
     const F32x8 before = load(nearest);
     store(gaps, gap);

@@ -16,10 +16,12 @@ struct OrientedBoxKernel {
     /// @param placement  null: the boxes stay where they are
     /// Lanes past the node's last box get centres at 1e30: far from everything.
     void (*open)(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out);
+    /// @param row    relative to `from` of the placement
     /// @param lanes  a bit for each box that is there; the others are as far away as those past the last of a node
     void (*open_octants)(const OctantBoxes& row, unsigned lanes, const BoxPlacement* placement, OpenBoxes& out);
     /// One bit for each box that box `k` of `other` may touch: whose gap is at most `cutoff`.
-    /// @param gaps     out: lower bounds on the distances, rounding aside: the most that a separating axis shows, be it
+    /// @param gaps     out: lower bounds on the distances, the margins taken off, other rounding aside: the most that a
+    /// separating axis shows, be it
     ///                 one of the six face normals or of the nine cross products of edges. Negative: overlap
     /// @param nearest  in and out, by lane: the smallest gap above `cutoff`
     /// Source: Gottschalk, Lin and Manocha, "OBBTree: a hierarchical structure for rapid interference detection",

@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::uint32_t side = 8; ///< of a block of level 2, cells
 constexpr float nothing = std::numeric_limits<float>::infinity();
+constexpr float range_rounding = 0x1p-20f; ///< of stored heights, of half the terrain's own
 
 } // namespace
 
@@ -89,7 +90,7 @@ TerrainTree::Square TerrainTree::square_of(const float* z, std::size_t width) co
     for (std::uint32_t k = 0; k < 8; ++k) {
         square.lows[k] = 255, square.highs[k] = 0;
         if (of[k].low > of[k].high) continue;
-        // These steps round by less than 2^-20 of the terrain's extent, and the walk allows for that.
+        // These steps round by less than range_rounding, and open() allows for that.
         square.lows[k] = static_cast<std::uint8_t>(std::max(0.0f, (of[k].low - square.low) * per_step));
         square.highs[k] = static_cast<std::uint8_t>(std::min(255.0f, (of[k].high - square.low) * per_step + 1));
     }
@@ -172,12 +173,12 @@ TerrainTree::Entry TerrainTree::entry(const Aabb& box) const
 
 namespace {
 
-/// @param centre, axes  relative to the hierarchy's centre; the axes are columns
+/// @param centre, axes  the centre relative to `from` of the placement; the axes are columns
 void put(OpenBoxes& boxes, unsigned k, const Eigen::Vector3f& centre, const Eigen::Matrix3f& axes,
          const Eigen::Vector3f& half, const BoxPlacement* placement)
 {
     for (int i = 0; i < 3; ++i) {
-        const float* r = placement ? placement->rotation + 3 * i : nullptr;
+        const float* r = placement && placement->turned ? placement->rotation + 3 * i : nullptr;
         boxes.c[i][k] =
             r ? r[0] * centre[0] + r[1] * centre[1] + r[2] * centre[2] + placement->translation[i] : centre[i];
         for (int axis = 0; axis < 3; ++axis)
@@ -186,6 +187,7 @@ void put(OpenBoxes& boxes, unsigned k, const Eigen::Vector3f& centre, const Eige
         boxes.h[i][k] = half[i];
     }
     boxes.size[k] = half.squaredNorm();
+    boxes.margin = std::max(boxes.margin, box_margin * half.sum());
 }
 
 void put_nothing(OpenBoxes& boxes, unsigned k)
@@ -196,14 +198,21 @@ void put_nothing(OpenBoxes& boxes, unsigned k)
 
 } // namespace
 
+Eigen::Vector3d TerrainTree::origin(const BoxPlacement* placement) const
+{
+    return placement ? centre_ + Eigen::Map<const Eigen::Vector3f>(placement->from).cast<double>() : centre_;
+}
+
 LaneMasks TerrainTree::open_cell(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const
 {
+    boxes.margin = 0;
+    const Eigen::Vector3d origin = this->origin(placement);
     for (unsigned k = 0; k < 8; ++k) put_nothing(boxes, k);
     for (auto& axis : boxes.axis)
         for (auto& component : axis) std::fill_n(component, 8, 0.0f);
     for (unsigned k = 0; k < 2; ++k) {
         TrianglePoints t = points(primitives(node, k).numbers[0]);
-        for (Eigen::Vector3d& p : t) p -= centre_;
+        for (Eigen::Vector3d& p : t) p -= origin;
         const OrientedBox box = fit_box({&t, 1});
         put(boxes, k, box.centre.cast<float>(), box.axes.cast<float>(), box.half.cast<float>(), placement);
     }
@@ -213,6 +222,8 @@ LaneMasks TerrainTree::open_cell(const Node& node, const BoxPlacement* placement
 LaneMasks TerrainTree::open(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const
 {
     if (node.level == triangles) return open_cell(node, placement, boxes);
+    const Eigen::Vector3d origin = this->origin(placement);
+    const double zero = centre_.z() - origin.z(); // of ranges
     Range ranges[8];
     float centre[2][4], half[2][4]; // of the blocks' columns and rows
     unsigned lanes = 0;             // a bit for each block that is there
@@ -221,7 +232,7 @@ LaneMasks TerrainTree::open(const Node& node, const BoxPlacement* placement, Ope
         if (from >= last) return false;
         const auto at = [&](std::uint64_t line) {
             const auto l = static_cast<std::uint32_t>(std::min<std::uint64_t>(line, last));
-            return (axis ? terrain_.y(l) : terrain_.x(l)) - centre_[axis];
+            return (axis ? terrain_.y(l) : terrain_.x(l)) - origin[axis];
         };
         centre[axis][place] = static_cast<float>(0.5 * (at(from) + at(to)));
         half[axis][place] = static_cast<float>(0.5 * (at(to) - at(from)));
@@ -253,27 +264,30 @@ LaneMasks TerrainTree::open(const Node& node, const BoxPlacement* placement, Ope
             }
     }
 
+    const float* const r = placement && placement->turned ? placement->rotation : nullptr;
+    float largest = 0;
     for (unsigned k = 0; k < 8; ++k) {
         if (!(lanes >> k & 1)) {
             put_nothing(boxes, k);
             continue;
         }
         const unsigned i = k % w, j = k / w;
-        const float x = centre[0][i], y = centre[1][j], z = 0.5f * (ranges[k].low + ranges[k].high);
+        const float x = centre[0][i], y = centre[1][j];
+        const auto z = static_cast<float>(zero + 0.5 * (double(ranges[k].low) + ranges[k].high));
         const float hx = half[0][i], hy = half[1][j], hz = 0.5f * (ranges[k].high - ranges[k].low);
         boxes.h[0][k] = hx, boxes.h[1][k] = hy, boxes.h[2][k] = hz;
         boxes.size[k] = hx * hx + hy * hy + hz * hz;
-        if (!placement) {
+        largest = std::max(largest, hx + hy + hz);
+        if (!r) {
             boxes.c[0][k] = x, boxes.c[1][k] = y, boxes.c[2][k] = z;
             continue;
         }
-        const float* r = placement->rotation;
         for (int row = 0; row < 3; ++row)
             boxes.c[row][k] = r[3 * row] * x + r[3 * row + 1] * y + r[3 * row + 2] * z + placement->translation[row];
     }
     for (int axis = 0; axis < 3; ++axis)
-        for (int i = 0; i < 3; ++i)
-            std::fill_n(boxes.axis[axis][i], 8, placement ? placement->rotation[3 * i + axis] : float(axis == i));
+        for (int i = 0; i < 3; ++i) std::fill_n(boxes.axis[axis][i], 8, r ? r[3 * i + axis] : float(axis == i));
+    boxes.margin = box_margin * largest + range_rounding * all_.high;
     return {level == 0 && !node.whole ? lanes : 0, 0};
 }
 

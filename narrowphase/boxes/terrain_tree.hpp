@@ -108,6 +108,8 @@ private:
                 ((terrain_.cells_y() - 1) >> log_height(level)) + 1};
     }
     Range range(std::uint32_t level, std::uint32_t x, std::uint32_t y) const;
+    /// What boxes are relative to, in the terrain's frame.
+    Eigen::Vector3d origin(const BoxPlacement* placement) const;
     LaneMasks open_cell(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const;
     void cell_ranges(const Node& node, Range (&ranges)[8]) const;
     void make_squares();

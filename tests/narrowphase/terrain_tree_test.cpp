@@ -179,5 +179,81 @@ TEST(TerrainTree, WalksFindWhatBruteForceFinds)
     EXPECT_LT(met, all * 4 / 5);
 }
 
+/// A ball of 1 m on 300 by 300 cells of 40 m: what a walk finds there, against the cells around it, and how many
+/// triangles it looks at.
+template <class Ground>
+void stand_on(Ground& ground, const Terrain& terrain, std::uint64_t seed, bool ball_first)
+{
+    const Mesh ball = make_sphere_mesh(1, 500);
+    ObbTree tree(ball);
+    const auto column = static_cast<std::uint32_t>(2 + 290 * u01(seed, 1, 0)),
+               row = static_cast<std::uint32_t>(2 + 290 * u01(seed, 1, 1));
+    const Vector3d place = terrain.point(column, row) + Vector3d(20 * u01(seed, 1, 2), 20 * u01(seed, 1, 3), 30);
+    const Isometry3d turn = random_pose(seed, 1e4); // of all that is there
+    const Isometry3d spin = random_pose(seed + 1, 0);
+    std::vector<TrianglePoints> near;
+    for (std::uint32_t y = row - 1; y < row + 2; ++y)
+        for (std::uint32_t x = column - 1; x < column + 2; ++x)
+            for (std::uint32_t half = 0; half < 2; ++half) {
+                const auto corners = terrain.corners(2 * (y * terrain.cells_x() + x) + half);
+                near.emplace_back();
+                for (std::size_t k = 0; k < 3; ++k) near.back()[k] = terrain.point(corners[k].column, corners[k].row);
+            }
+    const auto truth = [&](const RelativePose& ball_to_ground) {
+        double distance = std::numeric_limits<double>::infinity();
+        for (const Triangle& t : ball.triangles) {
+            TrianglePoints moved;
+            for (std::size_t k = 0; k < 3; ++k) moved[k] = ball_to_ground(ball.vertices[t[k]]);
+            for (const TrianglePoints& below : near)
+                distance = triangles_meet(moved, below) ? 0 : std::min(distance, nearest_points(moved, below).distance);
+        }
+        return distance;
+    };
+    const auto pose = [&](double up) {
+        return Isometry3d(turn * Eigen::Translation3d(place.x(), place.y(), up) * spin);
+    };
+    double up = place.z(); // of the ball's centre: lowered to the ground by distances
+    for (double left = 1; left > 1e-9; up -= left) left = truth(RelativePose(turn, pose(up)));
+    for (const double deep : {-0.3, -1e-3, -1e-6, 1e-6, 1e-3}) {
+        const Isometry3d at = pose(up - deep);
+        const double distance = truth(RelativePose(turn, at));
+        const auto check = [&](auto& walk, auto& a, auto& b, const RelativePose& b_to_a) {
+            const auto first = walk.first_meeting(a, b, b_to_a);
+            EXPECT_EQ(first.pair.has_value(), distance == 0) << seed << ' ' << deep;
+            EXPECT_LE(first.bound, distance * (1 + 1e-6) + 1e-8);
+            EXPECT_LE(walk.counts().triangles, 32u) << deep;
+            const auto bounds = walk.distance(a, b, b_to_a, 0);
+            EXPECT_NEAR(bounds.lower, distance, 1e-6) << seed << ' ' << deep;
+            EXPECT_NEAR(bounds.upper, distance, 1e-6) << seed << ' ' << deep;
+            EXPECT_EQ(walk.near(a, b, b_to_a, std::max(distance * (1 - 1e-5) - 4e-7, 0.0), 0).near, distance == 0);
+            EXPECT_TRUE(walk.near(a, b, b_to_a, distance * (1 + 1e-5) + 4e-7, 0).near);
+        };
+        if (ball_first) {
+            TraversalOf<ObbTree, Ground> walk;
+            check(walk, tree, ground, RelativePose(at, turn));
+        } else {
+            TraversalOf<Ground, ObbTree> walk;
+            check(walk, ground, tree, RelativePose(turn, at));
+        }
+    }
+}
+
+TEST(TerrainTree, AWalkSeesWhatStandsOnItToFractionsOfTheBodyHoweverLargeTheTerrainIs)
+{
+    TerrainGrid grid{.columns = 301, .rows = 301};
+    grid.spacing = {40, 40}, grid.origin = {-3000, 2000, 500};
+    std::vector<double> heights;
+    for (std::uint64_t i = 0; i < 301 * 301; ++i) heights.push_back(5.0 * double(i / 301) + 8 * u01(7, i, 1));
+    const Terrain terrain = make_terrain("mountains", grid, heights);
+    const Mesh mesh = mesh_of(terrain);
+    TerrainTree grid_tree(terrain);
+    ObbTree mesh_tree(mesh);
+    for (std::uint64_t seed = 0; seed < 3; ++seed)
+        for (const bool ball_first : {false, true}) {
+            stand_on(grid_tree, terrain, seed, ball_first);
+            stand_on(mesh_tree, terrain, seed, ball_first);
+        }
+}
+
 } // namespace
 } // namespace oncollide

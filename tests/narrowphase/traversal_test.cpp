@@ -259,7 +259,7 @@ TEST(ObbTree, HoldsEveryTriangleInEachOfItsBoxes)
         for (const Mesh* mesh : {&c.a, &c.b}) {
             ObbTree tree(*mesh);
             const Isometry3d pose = random_pose(5, tree.radius());
-            BoxPlacement place;
+            BoxPlacement place{{}, true, {}, {}};
             for (int i = 0; i < 9; ++i) place.rotation[i] = static_cast<float>(pose.linear()(i / 3, i % 3));
             for (int i = 0; i < 3; ++i) place.translation[i] = static_cast<float>(pose.translation()[i]);
             const double rounding = 0x1p-17 * tree.radius() + 0x1p-48 * tree.centre().norm();
@@ -294,6 +294,7 @@ TEST(ObbTree, HoldsEveryTriangleInEachOfItsBoxes)
 OpenBoxes random_boxes(std::uint64_t seed)
 {
     OpenBoxes boxes;
+    boxes.margin = 0;
     for (std::uint64_t k = 0; k < 8; ++k) {
         const Isometry3d pose = random_pose(100 * seed + k, 1);
         for (int i = 0; i < 3; ++i) {

@@ -35,17 +35,20 @@ public:
     LaneMasks open(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const
     {
         LaneMasks masks{0, 0};
+        boxes.margin = box_margin * static_cast<float>(1.5 * cell_ * (node.size ? node.size / 2 : size_));
+        const bool turned = placement && placement->turned;
         for (unsigned k = 0; k < 8; ++k) {
             const Node part = below(node, k);
             const bool any = (node.size || k == 0) && holds(part);
             const float half = any ? static_cast<float>(0.5 * part.size * cell_ * (1 + 0x1p-20)) : 0;
             const Eigen::Vector3d low(part.x, part.y, part.z);
             Eigen::Vector3d middle = cell_ * (low.array() + 0.5 * part.size).matrix() - centre();
+            if (placement) middle -= Eigen::Map<const Eigen::Vector3f>(placement->from).cast<double>();
             for (int i = 0; i < 3; ++i) {
-                float c = placement ? placement->translation[i] : static_cast<float>(middle[i]);
+                float c = turned ? placement->translation[i] : static_cast<float>(middle[i]);
                 for (int j = 0; j < 3; ++j) {
-                    if (placement) c += placement->rotation[3 * i + j] * static_cast<float>(middle[j]);
-                    boxes.axis[j][i][k] = placement ? placement->rotation[3 * i + j] : i == j;
+                    if (turned) c += placement->rotation[3 * i + j] * static_cast<float>(middle[j]);
+                    boxes.axis[j][i][k] = turned ? placement->rotation[3 * i + j] : i == j;
                 }
                 boxes.c[i][k] = any ? c : 1e30f;
                 boxes.h[i][k] = half;
