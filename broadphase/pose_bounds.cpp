@@ -137,6 +137,18 @@ void PoseBounds::expect(const Eigen::Isometry3d& pose)
     slack_ = std::ldexp(radius_, -20);
 }
 
+double PoseBounds::motion(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) const
+{
+    const Eigen::Matrix3d turn = to.linear() - from.linear();
+    const double shift = (to.translation() - from.translation() + turn * centre_).norm(), norm = turn.norm();
+    if (norm == 0) return shift * (1 + 0x1p-18);
+    // Of the difference of two rotations the norm is sqrt 2 times what it moves a point by that is 1 m away: 2
+    // sin(angle / 2). Poses are up to 2^-20 from rotations.
+    const double around = radius_ * std::min(norm, 0.70710678118654757 * norm + 0x1p-18);
+    const auto off = [](const Eigen::Matrix3d& r) { return (r.transpose() * r - Eigen::Matrix3d::Identity()).norm(); };
+    return (shift + around + (off(from.linear()) + off(to.linear())) * reach()) * (1 + 0x1p-18);
+}
+
 Aabb PoseBounds::box(const Eigen::Isometry3d& pose) const
 {
     const auto* shape = std::get_if<Shape>(&geometry_);

@@ -26,8 +26,14 @@ public:
     /// The loose box: of the sphere around the geometry's own box, whatever the rotation.
     Aabb sphere_box(const Eigen::Isometry3d& pose) const;
 
+    /// How far any point of the geometry moves at most from one pose to another, straight; what poses that are not
+    /// quite rigid do to it is counted as motion. Infinite of a half-space that turns.
+    double motion(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) const;
+
     /// Of the geometry's own box.
     double diagonal() const { return 2 * half_.norm(); }
+    /// How far its points are from the origin of the body's frame, at most.
+    double reach() const { return centre_.norm() + radius_; }
 
     std::size_t bytes() const { return support_.bytes() + points_.bytes(); }
 

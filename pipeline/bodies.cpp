@@ -22,7 +22,7 @@ std::uint32_t Bodies::add(const Init& body)
         slot = slots();
         state_.push_back(0), generation_.push_back(0), models_.push_back(nullptr), model_ids_.emplace_back();
         poses_.emplace_back(), layers_.push_back(0), masks_.push_back(0), groups_.push_back(0), user_.push_back(0);
-        boxes_.emplace_back();
+        boxes_.emplace_back(), travel_.push_back(0);
     } else {
         slot = free_.back();
         free_.pop_back();
@@ -52,6 +52,8 @@ void Bodies::remove(std::uint32_t slot)
 void Bodies::set_pose(std::uint32_t slot, const Eigen::Isometry3d& pose)
 {
     if (poses_[slot].matrix() == pose.matrix()) return; // a body that rests costs nothing
+    // Rounded outward, so that differences of sums are no less than sums.
+    travel_[slot] = (travel_[slot] + models_[slot]->bounds().motion(poses_[slot], pose)) * (1 + 0x1p-52);
     poses_[slot] = pose;
     mark(slot, moved_bit);
 }
@@ -131,8 +133,9 @@ std::size_t Bodies::bytes() const
             changed_.capacity()) *
                sizeof(std::uint32_t) +
            models_.capacity() * sizeof(Model*) + model_ids_.capacity() * sizeof(ModelId) +
-           poses_.capacity() * sizeof(Eigen::Isometry3d) + user_.capacity() * sizeof(std::uint64_t) +
-           boxes_.capacity() * sizeof(Aabb) + excluded_.size() * 40;
+           poses_.capacity() * sizeof(Eigen::Isometry3d) +
+           (user_.capacity() + travel_.capacity()) * sizeof(std::uint64_t) + boxes_.capacity() * sizeof(Aabb) +
+           excluded_.size() * 40;
 }
 
 } // namespace oncollide

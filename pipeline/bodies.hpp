@@ -66,6 +66,8 @@ public:
     std::uint32_t mask(std::uint32_t slot) const { return masks_[slot]; }
     std::uint32_t group(std::uint32_t slot) const { return groups_[slot]; }
     std::uint64_t user(std::uint32_t slot) const { return user_[slot]; }
+    /// How far any point of the body can have moved in all, metres: only how much it grows means something.
+    double travel(std::uint32_t slot) const { return travel_[slot]; }
 
     std::vector<Aabb>& boxes() { return boxes_; } ///< by slot; world, metres
     const std::vector<Aabb>& boxes() const { return boxes_; }
@@ -103,6 +105,7 @@ private:
     std::vector<Eigen::Isometry3d> poses_;
     std::vector<std::uint32_t> layers_, masks_, groups_;
     std::vector<std::uint64_t> user_;
+    std::vector<double> travel_;
     std::vector<Aabb> boxes_;
     std::vector<std::uint32_t> free_, changed_;
     std::unordered_set<std::uint64_t> excluded_;

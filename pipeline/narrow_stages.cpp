@@ -32,12 +32,13 @@ public:
     void add(const Bodies& bodies, const PairResult& result, std::uint32_t number)
     {
         const std::uint32_t a = result.a.slot, b = result.b.slot;
-        tasks_.push_back({number, &bodies.model(a), &bodies.model(b), &bodies.pose(a), &bodies.pose(b)});
+        tasks_.push_back({number, &bodies.model(a), &bodies.model(b), &bodies.pose(a), &bodies.pose(b),
+                          bodies.travel(a) + bodies.travel(b)});
         refined_.push_back({result.verdict, result.kind, result.bound});
     }
     void run(Frame& frame, StageStats& stats)
     {
-        level_.run(frame.context, tasks_, frame.settings.coherence ? &frame.cache : nullptr, refined_);
+        level_.run(frame.context, tasks_, &frame.cache, refined_);
         stats.in = tasks_.size();
         for (std::size_t i = 0; i < tasks_.size(); ++i) {
             PairResult& result = frame.results[tasks_[i].number];
@@ -86,7 +87,7 @@ public:
 private:
     static void begin(const Bodies& bodies, Frame& frame)
     {
-        if (frame.settings.coherence) frame.cache.begin_frame(frame.pairs, frame.fresh);
+        frame.cache.begin_frame(frame.pairs, frame.fresh);
         frame.results.clear(), frame.results.reserve(frame.pairs.size());
         for (const BodyPair pair : frame.pairs) frame.results.push_back(undecided(bodies, pair));
     }

@@ -15,8 +15,8 @@ struct PairResult {
     Verdict verdict;
     std::uint8_t stage; ///< index into World::stages() of the stage that decided
     ContactKind kind;   ///< touching and crossing: where Settings::contact_kinds or ignore_touching requests them
-    double bound;       ///< separate: certified lower bound on the distance; within, undecided: certified upper bound;
-                        ///< colliding: 0
+    double bound;       ///< separate: certified lower bound on the distance, perhaps an earlier frame's less what the
+                        ///< bodies can have moved since; within, undecided: certified upper bound; colliding: 0
 };
 
 /// Two bodies.
@@ -44,6 +44,9 @@ struct TreeStats {
     std::uint64_t rows = 0;           ///< cells expanded, all rounds
     std::uint64_t node_pairs = 0;     ///< pairs of cells, or of boxes, whose parts were compared
     std::uint64_t triangle_pairs = 0; ///< pairs of triangles tested by predicates
+    std::uint64_t narrowed = 0;       ///< pairs of bodies narrowed down by boxes or exactly: each level counts
+    std::uint64_t by_gap = 0;         ///< of these, apart since an earlier frame by a gap that was not used up
+    std::uint64_t by_witness = 0;     ///< of these, decided by what met last
     std::uint64_t unsure_pairs = 0;   ///< of these, left by the filter to exact arithmetic
     std::uint64_t nodes = 0;          ///< cells and boxes' nodes stored at the end of the frame, roots included
     std::uint64_t collapsed = 0;      ///< cells dropped by ageing or eviction

@@ -50,7 +50,8 @@ struct Settings {
     std::size_t node_budget = 0;     ///< cells that all trees together may hold; 0: no limit
     std::size_t memory_budget = 0;   ///< bytes that trees and triangle lists may hold; 0: no limit. A quarter of it, 1
                                      ///< to 16 MiB, bounds the walks that wait for trees to grow
-    bool coherence = true;           ///< try last frame's deciding cells first. Never changes the result
+    bool coherence = true;           ///< try what decided a pair last first, and leave those apart that cannot have met
+                                     ///< since. Never changes the result: without, every pair is walked all the same
 };
 
 /// Of the smaller body's box diagonal (in its own frame): a pair's error where none is given.

@@ -201,10 +201,12 @@ void Mover::move(Scene& scene, int frame)
         if (const Jitter* jitter = std::get_if<Jitter>(&scene.motions[i])) {
             if (from_start) pose = scene.start_poses[i];
             Eigen::Vector3d position = pose.translation();
-            for (int f = first; f <= frame; ++f) jitter_step(*jitter, static_cast<std::uint64_t>(f), position);
+            Jitter paced = *jitter;
+            paced.step *= scene.pace;
+            for (int f = first; f <= frame; ++f) jitter_step(paced, static_cast<std::uint64_t>(f), position);
             pose.translation() = position;
         } else {
-            pose = pose_at(scene.motions[i], scene.start_poses[i], frame);
+            pose = pose_at(scene.motions[i], scene.start_poses[i], frame * scene.pace);
         }
     }
     last_frame_ = frame;

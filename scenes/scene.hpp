@@ -59,7 +59,8 @@ private:
 /// removed afterwards.
 struct Scene {
     std::string name;
-    int frames = 1; ///< how long the scene's motion is worth running
+    int frames = 1;  ///< how long the scene's motion is worth running
+    double pace = 1; ///< how much of a frame's motion a frame plays: at 0.1 bodies move a tenth as far
     GeometryList geometries;
 
     std::vector<std::string> names; ///< empty: a body without a name

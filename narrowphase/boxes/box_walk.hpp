@@ -69,7 +69,8 @@ public:
     const Leaves& leaves() const { return leaves_; }
     /// Did the last query, but distance(), see no box of A come as near as was asked to the box around all of B?
     bool far_from_all() const { return far_; }
-    std::uint64_t box_rows = 0; ///< tests of one box against those of a node
+    std::uint64_t box_rows = 0;   ///< tests of one box against those of a node
+    std::uint64_t hints_held = 0; ///< queries that their hint decided
 
 private:
     /// Where a walk stands: a box of an open node on both sides.
@@ -353,7 +354,7 @@ double BoxWalk<A, B, Leaves>::meetings(A& a, B& b, const RelativePose& b_to_a, s
         met = true;
         return found(pair);
     };
-    if (!go_on_after_hint(a, b, b_to_a, hint, take)) return 0;
+    if (!go_on_after_hint(a, b, b_to_a, hint, take)) return ++hints_held, 0;
     std::size_t batch = first_batch;
     start_near(a, b, b_to_a, frame, 0);
     walk(frame.gap_within(0), [&](const Entry& e) {
@@ -382,7 +383,7 @@ NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const 
         result.near = true, result.witness = pair;
         return false;
     };
-    if (!go_on_after_hint(a, b, b_to_a, hint, take)) return result;
+    if (!go_on_after_hint(a, b, b_to_a, hint, take)) return ++hints_held, result;
     double lower = infinity; // of primitives that do not wait
     const auto take_pair = [&](Pair pair, bool small) {
         if (small || clearance > 0) {
@@ -440,7 +441,7 @@ Comparison<typename Leaves::Pair> BoxWalk<A, B, Leaves>::compare(A& a, B& b, con
     };
     if (hint) {
         leaves_.start(a, b, b_to_a);
-        if (!take_pair(*hint)) return {-1, upper, witness};
+        if (!take_pair(*hint)) return ++hints_held, Comparison<Pair>{-1, upper, witness};
         lower = upper = infinity; // the walk alone decides
     }
     start_near(a, b, b_to_a, frame, most);

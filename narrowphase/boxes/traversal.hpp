@@ -69,13 +69,17 @@ public:
                       double farthest = std::numeric_limits<double>::infinity());
 
     struct Counts {
-        std::uint64_t box_rows = 0;  ///< tests of one box against those of a node
-        std::uint64_t triangles = 0; ///< pairs of triangles tested
-        std::uint64_t unsure = 0;    ///< of these, left by the filter to exact arithmetic
+        std::uint64_t box_rows = 0;   ///< tests of one box against those of a node
+        std::uint64_t triangles = 0;  ///< pairs of triangles tested
+        std::uint64_t unsure = 0;     ///< of these, left by the filter to exact arithmetic
+        std::uint64_t hints_held = 0; ///< queries that their hint decided
     };
-    Counts counts() const { return {walk_.box_rows, walk_.leaves().counts.tested, walk_.leaves().counts.unsure}; }
+    Counts counts() const
+    {
+        return {walk_.box_rows, walk_.leaves().counts.tested, walk_.leaves().counts.unsure, walk_.hints_held};
+    }
     TriangleWalk<A, B>& walk() { return walk_; }
-    void reset_counts() { walk_.box_rows = 0, walk_.leaves().counts = {}; }
+    void reset_counts() { walk_.box_rows = walk_.hints_held = 0, walk_.leaves().counts = {}; }
 
 private:
     template <class Leave>

@@ -1,4 +1,5 @@
 #include <oncollide/pipeline/refine/obb_refiner.hpp>
+#include <oncollide/pipeline/refine/placed_pair.hpp>
 
 #include <algorithm>
 
@@ -22,12 +23,44 @@ void remember(PairMemory* memory, const std::optional<TrianglePair>& meeting)
     if (meeting) memory->triangles = *meeting;
 }
 
+/// Of bodies farther apart a walk says `separate`, whatever rounding and poses that are not quite rigid do to it.
+/// @param beyond  it may say something else up to there
+double surely_separate(const PairTask& task, double beyond)
+{
+    const auto reach = [](const Model& model) { return model.is_half_space() ? 0 : model.bounds().reach(); };
+    const double rounding = 0x1p-30 + 4 * (stretch(*task.pose_a) + stretch(*task.pose_b));
+    return beyond * (1 + 0x1p-16) + rounding * (reach(*task.a) + reach(*task.b));
+}
+
 } // namespace
 
-RefineResult ObbRefiner::near(const RefineContext& context, const PairTask& task, PairMemory* memory,
+/// What the pair's gap decides again, or its walk.
+RefineResult ObbRefiner::refine(const RefineContext& context, const PairTask& task, PairMemory* memory,
+                                Worker& worker) const
+{
+    const Settings& settings = context.settings;
+    const double tolerance = goal_ == Goal::near ? models_.max_error(*task.a, *task.b) : 0;
+    const auto walk = [&](PairMemory* hints) {
+        return goal_ == Goal::near ? near(context, task, hints, tolerance, worker)
+                                   : exact(context, task, hints, worker);
+    };
+    if (!memory) return walk(nullptr);
+    const double gap = memory->gap(task.travel);
+    if (gap > 0 && gap > surely_separate(task, settings.clearance + tolerance)) {
+        ++worker.by_gap;
+        // Without coherence it is looked up all the same.
+        if (settings.coherence) return {Verdict::separate, ContactKind::unknown, gap};
+        const RefineResult again = walk(nullptr);
+        return again.verdict == Verdict::separate ? RefineResult{Verdict::separate, ContactKind::unknown, gap} : again;
+    }
+    const RefineResult result = walk(settings.coherence ? memory : nullptr);
+    if (result.verdict == Verdict::separate) memory->part(result.bound, task.travel);
+    return result;
+}
+
+RefineResult ObbRefiner::near(const RefineContext& context, const PairTask& task, PairMemory* memory, double tolerance,
                               Worker& worker) const
 {
-    const double tolerance = models_.max_error(*task.a, *task.b);
     if (!is_surface(*task.a) || !is_surface(*task.b)) return worker.solids.near(context, task, memory, tolerance);
     return worker.walks.with(*task.a, *task.b, [&](auto& walk, auto& a, auto& b) -> RefineResult {
         const auto found = walk.near(a, b, RelativePose(*task.pose_a, *task.pose_b), context.settings.clearance,
@@ -88,18 +121,20 @@ void ObbRefiner::refine(RefineContext& context, std::span<const PairTask> tasks,
                         Worker& worker = workers_[static_cast<std::size_t>(thread)];
                         for (std::size_t i = begin; i < end; ++i) {
                             PairMemory* memory = cache ? &(*cache)[tasks[i].number] : nullptr;
-                            results[i] = goal_ == Goal::near ? near(context, tasks[i], memory, worker)
-                                                             : exact(context, tasks[i], memory, worker);
+                            results[i] = refine(context, tasks[i], memory, worker);
                         }
                     });
+    context.trees.narrowed += tasks.size();
     for (Worker& worker : workers_) {
         const Traversal::Counts counts = worker.walks.counts();
         context.trees.node_pairs += counts.box_rows, context.trees.triangle_pairs += counts.triangles;
-        context.trees.unsure_pairs += counts.unsure;
+        context.trees.unsure_pairs += counts.unsure, context.trees.by_witness += counts.hints_held;
         worker.walks.reset_counts();
         const SolidPairs::Counts solids = worker.solids.counts();
         context.trees.node_pairs += solids.box_rows, context.trees.triangle_pairs += solids.primitives;
+        context.trees.by_witness += solids.hints_held;
         worker.solids.reset_counts();
+        context.trees.by_gap += worker.by_gap, worker.by_gap = 0;
     }
 }
 

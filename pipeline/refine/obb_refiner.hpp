@@ -28,8 +28,11 @@ private:
         TriangleWalks walks;
         SharedInside inside;
         SolidPairs solids;
+        std::uint64_t by_gap = 0; ///< pairs that their gap decided
     };
-    RefineResult near(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;
+    RefineResult refine(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;
+    RefineResult near(const RefineContext& context, const PairTask& task, PairMemory* memory, double tolerance,
+                      Worker& worker) const;
     RefineResult exact(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;
     /// By triangles alone.
     template <class A, class B>

@@ -13,7 +13,7 @@ void PairCache::begin_frame(std::span<const BodyPair> pairs, std::span<const std
         if (last != before_.end() && last->pair == pair && !fresh[pair.a] && !fresh[pair.b])
             now_[i] = *last;
         else
-            now_[i] = {pair, false, {}, {}, {}};
+            now_[i] = {.pair = pair};
     }
 }
 

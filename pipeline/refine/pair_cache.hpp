@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -10,13 +11,19 @@
 namespace oncollide {
 
 /// What is remembered of a pair from one frame to the next. A witness is a hint: it is tried first and counts only
-/// where it holds again, so results do not depend on it.
+/// where it holds again, so results do not depend on it. A gap is used up by what the bodies can have moved since it
+/// was certified: until then they are apart.
 struct PairMemory {
     BodyPair pair;
     bool met = false;         ///< `triangles` met, or were as near as was asked
     TrianglePair triangles{}; ///< witness of contact; 0 for a shape
     MapCell cell{};           ///< of a map, in place of its triangle
-    LeafPair leaves;          ///< leaves of the sphere-trees that touched
+    LeafPair leaves{};        ///< leaves of the sphere-trees that touched
+    double apart_until = 0;   ///< while their travel is less, so far are the bodies apart at least
+
+    /// @param travel  of both, now
+    double gap(double travel) const { return apart_until - travel - 0x1p-50 * travel; }
+    void part(double gap, double travel) { apart_until = std::max(apart_until, (travel + gap) * (1 - 0x1p-52)); }
 };
 
 /// The memory of the candidate pairs, in their order.

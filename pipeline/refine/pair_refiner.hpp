@@ -20,6 +20,7 @@ struct PairTask {
     std::uint32_t number; ///< of the pair, in the results and in the cache
     Model *a, *b;
     const Eigen::Isometry3d *pose_a, *pose_b;
+    double travel = 0; ///< Bodies::travel() of both
 };
 
 struct RefineResult {

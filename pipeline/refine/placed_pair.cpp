@@ -6,9 +6,6 @@
 
 namespace oncollide {
 
-namespace {
-
-/// How much longer or shorter the pose makes lengths at most, relative; 0 of quarter turns.
 double stretch(const Eigen::Isometry3d& pose)
 {
     const Eigen::Vector3d x = pose.linear().col(0), y = pose.linear().col(1), z = pose.linear().col(2);
@@ -17,8 +14,6 @@ double stretch(const Eigen::Isometry3d& pose)
     if (lengths == 0 && angles == 0 && (pose.linear().array().square() == pose.linear().array().abs()).all()) return 0;
     return 3 * std::max(lengths, angles) + 0x1p-50;
 }
-
-} // namespace
 
 PlacedPair::PlacedPair(const Eigen::Isometry3d& pose_a, const Eigen::Isometry3d& pose_b)
     : b_to_a(pose_a, pose_b), slack(stretch(pose_a) + stretch(pose_b))

@@ -15,6 +15,9 @@ struct PlacedPair {
     double above(double bound) const { return bound * (1 + slack); }
 };
 
+/// By how much a pose makes lengths longer or shorter at most, relative; 0 of quarter turns.
+double stretch(const Eigen::Isometry3d& pose);
+
 /// Is the pair decided without a walk: two shapes, or a half-space and anything?
 bool without_walk(const Model& a, const Model& b);
 

@@ -271,9 +271,10 @@ Distance SolidPairs::distance(const PairTask& task, double tolerance, double far
 SolidPairs::Counts SolidPairs::counts()
 {
     const Traversal::Counts triangles = triangles_.counts();
-    Counts sum{triangles.box_rows, triangles.triangles};
+    Counts sum{triangles.box_rows, triangles.triangles, triangles.hints_held};
     const auto add = [&](auto&... walks) {
-        ((sum.box_rows += walks.box_rows, sum.primitives += walks.leaves().tested), ...);
+        ((sum.box_rows += walks.box_rows, sum.primitives += walks.leaves().tested, sum.hints_held += walks.hints_held),
+         ...);
     };
     add(map_mesh_, map_map_, map_terrain_, shape_mesh_, shape_terrain_, map_shape_);
     return sum;
@@ -282,7 +283,9 @@ SolidPairs::Counts SolidPairs::counts()
 void SolidPairs::reset_counts()
 {
     triangles_.reset_counts();
-    const auto reset = [](auto&... walks) { ((walks.box_rows = 0, walks.leaves().tested = 0), ...); };
+    const auto reset = [](auto&... walks) {
+        ((walks.box_rows = walks.hints_held = 0, walks.leaves().tested = 0), ...);
+    };
     reset(map_mesh_, map_map_, map_terrain_, shape_mesh_, shape_terrain_, map_shape_);
 }
 

@@ -42,7 +42,7 @@ public:
     bool shape_holds(const PairTask& task);
 
     struct Counts {
-        std::uint64_t box_rows = 0, primitives = 0;
+        std::uint64_t box_rows = 0, primitives = 0, hints_held = 0;
     };
     Counts counts();
     void reset_counts();

@@ -33,7 +33,8 @@ void SphereRefiner::settle(std::uint32_t pair, const WalkResult& walk)
 void SphereRefiner::refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
                            std::span<RefineResult> results)
 {
-    context_ = &context, tasks_ = tasks, cache_ = cache, results_ = results;
+    context_ = &context, tasks_ = tasks, results_ = results;
+    cache_ = context.settings.coherence ? cache : nullptr;
     give_up_ = false, started_ = 0, again_.clear();
     depths_.clear();
     {

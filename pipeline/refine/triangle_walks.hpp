@@ -28,6 +28,7 @@ public:
         each(*this, [&](const auto& walk) {
             const auto counts = walk.counts();
             sum.box_rows += counts.box_rows, sum.triangles += counts.triangles, sum.unsure += counts.unsure;
+            sum.hints_held += counts.hints_held;
         });
         return sum;
     }

@@ -130,5 +130,39 @@ TEST(PoseBounds, EncloseShapes)
     }
 }
 
+TEST(PoseBounds, NoPointMovesFartherThanTheMotion)
+{
+    const Mesh meshes[] = {make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 300), make_terrain_mesh(10, 1, 20, 3)};
+    for (Mesh mesh : meshes)
+        for (const double offset : {0.0, 1e3}) { // of the mesh in its own frame
+            for (Eigen::Vector3d& v : mesh.vertices) v.x() += offset;
+            mesh.bounds = {};
+            for (const Eigen::Vector3d& v : mesh.vertices) mesh.bounds.add(v);
+            const GeometryData geometry = mesh;
+            const PoseBounds bounds(geometry);
+            for (std::uint64_t i = 0; i < 2000; ++i) {
+                const double scale = std::pow(10.0, 1 - double(i % 9));
+                const Eigen::Isometry3d from = random_pose(2, i, 100);
+                const Eigen::AngleAxisd turn(i % 3 ? scale * u01(3, i, 0) : 0, random_pose(4, i, 1).linear().col(0));
+                Eigen::Isometry3d to(turn * from.linear());
+                to.translation() =
+                    from.translation() + scale * Eigen::Vector3d(u01(3, i, 1), u01(3, i, 2), -u01(3, i, 3));
+                // About the mesh's middle, that far coordinates do not hide what turns.
+                to.translation() += (from.linear() - to.linear()) * mesh.bounds.centre();
+                if (i % 5 == 0) to.linear() *= 1 + 4e-7 * (u01(3, i, 4) - 0.5);
+                double most = 0;
+                for (const Eigen::Vector3d& v : mesh.vertices) most = std::max(most, (to * v - from * v).norm());
+                const double motion = bounds.motion(from, to), size = bounds.reach();
+                EXPECT_LE(most, motion + 1e-13 * (100 + size));
+                const double moved = scale * 1.75 * (1 + mesh.bounds.half_extent().norm());
+                EXPECT_LE(motion, moved * 1.01 + 4e-6 * size) << scale;
+                if (i % 3 == 0 && i % 5) {
+                    EXPECT_LE(motion, most * (1 + 1e-5) + 1e-12 * (100 + size)) << "no more than it moves, unturned";
+                }
+            }
+            EXPECT_EQ(bounds.motion(random_pose(2, 0, 9), random_pose(2, 0, 9)), 0);
+        }
+}
+
 } // namespace
 } // namespace oncollide

@@ -226,6 +226,24 @@ TEST(Mover, ReachesTheSamePosesInOneLeapAndStepByStep)
     EXPECT_EQ(stepped.poses[0].matrix(), stepped.start_poses[0].matrix());
 }
 
+TEST(Mover, PlaysAHalfOfTheMotionAtHalfThePace)
+{
+    Scene whole = moving_scene(), half = moving_scene();
+    half.pace = 0.5;
+    Mover a, b, c, d;
+    a.move(whole, 7), b.move(half, 14);
+    for (std::size_t i = 0; i < whole.size(); ++i)
+        if (!std::holds_alternative<Jitter>(whole.motions[i])) {
+            EXPECT_TRUE(whole.poses[i].isApprox(half.poses[i], 1e-12)) << i;
+        }
+    EXPECT_FALSE(whole.poses[1].isApprox(whole.start_poses[1], 1e-3));
+    c.move(whole, 1), d.move(half, 1);
+    const auto step = [](const Scene& scene) {
+        return Vector3d(scene.poses[2].translation() - scene.start_poses[2].translation());
+    };
+    EXPECT_TRUE(step(half).isApprox(0.5 * step(whole), 1e-12)) << "of a random walk steps of half the length";
+}
+
 TEST(Mover, WalksAgainFromTheStartWhenTimeRunsBackwards)
 {
     Scene there_and_back = moving_scene(), direct = moving_scene();

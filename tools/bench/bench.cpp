@@ -11,7 +11,7 @@ namespace {
 
 void add_compare_options(Arguments sub, CompareOptions& o)
 {
-    add_catalogue_options(sub, o.scene);
+    add_catalogue_options(sub, o.scene), add_pace_option(sub, o.scene);
     add_accuracy_options(sub, o.settings);
     add_pipeline_options(sub, o.settings);
     sub.add_option("--warm-up", o.warm_up, "frames at the start that are not counted (default 3)").type_name("N");
@@ -188,7 +188,8 @@ void add_environment(Arguments bench)
     sub.add_option("--bodies", options->bodies, "bodies in each environment (default 500)").type_name("N");
     sub.add_option("--frames", options->frames, "frames to play (default 10)").type_name("N");
     sub.add_option("--warm-up", options->warm_up, "of these, frames that are not counted (default 3)").type_name("N");
-    sub.add_option("--repeats", options->repeats, "plays of all frames; the least time of each frame counts (default 1)")
+    sub.add_option("--repeats", options->repeats,
+                   "plays of all frames; the least time of each frame counts (default 1)")
         .type_name("N");
     sub.add_option("--cold-runs", options->cold_runs, "first frames measured from nothing (default 1)").type_name("N");
     sub.add_option("--cells", options->cells,

@@ -103,7 +103,8 @@ void add_pipeline_options(Arguments command, SettingsOptions& o)
                     "bytes that all trees may hold, e.g. 64M; 0: no limit (default). A quarter of it, 1 to 16 MiB, "
                     "bounds the walks that wait for cells")
         .type_name("BYTES");
-    command.add_flag("--no-coherence", o.no_coherence, "do not try last frame's deciding cells first; same result");
+    command.add_flag("--no-coherence", o.no_coherence,
+                     "walk every pair again, whatever earlier frames told of it; same result");
 }
 
 Settings settings_from(const SettingsOptions& o)
@@ -143,6 +144,13 @@ void add_catalogue_options(Arguments command, SceneOptions& o)
         .type_name("DIR");
 }
 
+void add_pace_option(Arguments command, SceneOptions& o)
+{
+    command
+        .add_option("--pace", o.pace, "how much of a frame's motion each frame plays: 0.1 is slow motion (default 1)")
+        .type_name("FACTOR");
+}
+
 bool is_scene_file(const std::string& text)
 {
     if (text.find('/') != std::string::npos || text.ends_with(".json") || text == "-") return true;
@@ -163,18 +171,23 @@ Scene make_catalogue_scene(const SceneOptions& o)
     CatalogueOptions options{.bodies = o.bodies, .frames = o.frames, .data = data_folder(o.data)};
     if (o.seed) options.seed = *o.seed;
     check_range("--frames", o.frames.value_or(1), 1), check_range("--bodies", o.bodies.value_or(1), 1);
-    return make_scene(o.scene, options);
+    Scene scene = make_scene(o.scene, options);
+    scene.pace = o.pace;
+    return scene;
 }
 
 Scene open_scene(const SceneOptions& o)
 {
     check_range("--frames", o.frames.value_or(1), 1);
+    if (!(o.pace > 0 && o.pace <= 1000))
+        usage(fmt::format("--pace is {}; it must be above 0 and at most 1000", o.pace));
     if (!is_scene_file(o.scene)) return make_catalogue_scene(o);
     if (o.bodies || o.seed)
         usage(
             fmt::format("--{} is for scenes of the catalogue; '{}' is a file", o.bodies ? "bodies" : "seed", o.scene));
     Scene scene = load_scene(o.scene);
     if (o.frames) scene.frames = *o.frames;
+    scene.pace = o.pace;
     return scene;
 }
 

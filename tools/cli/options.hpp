@@ -41,9 +41,11 @@ struct SceneOptions {
     std::optional<int> bodies, frames;
     std::optional<std::uint64_t> seed;
     std::string data;
+    double pace = 1;
 };
 
 void add_catalogue_options(Arguments command, SceneOptions& options); ///< bodies, frames, seed, data
+void add_pace_option(Arguments command, SceneOptions& options);       ///< of the commands that play it
 /// Reads or makes the scene. Throws Error{no_input} for a missing file or data folder, Error{usage} for an unknown name
 /// or an option that has no meaning for a file.
 Scene open_scene(const SceneOptions& options);

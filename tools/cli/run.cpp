@@ -37,7 +37,7 @@ void add_run(Arguments app)
     sub.add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
         .required()
         .type_name("SCENE.json|NAME");
-    add_catalogue_options(sub, options->scene);
+    add_catalogue_options(sub, options->scene), add_pace_option(sub, options->scene);
     add_accuracy_options(sub, options->settings);
     add_pipeline_options(sub, options->settings);
     add_output_options(sub, options->outputs);
