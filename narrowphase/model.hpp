@@ -103,15 +103,21 @@ private:
     mutable std::shared_ptr<const FclModel> fcl_;
 };
 
-template <class Visit>
-bool Model::any_part(const Aabb& box, const RelativePose& into, Visit visit) const
+/// Around a box that is moved, rounded outward.
+inline Aabb box_moved(const Aabb& box, const RelativePose& into)
 {
-    if (!map()) return std::ranges::any_of(parts(), visit);
     Aabb around;
     for (unsigned k = 0; k < 8; ++k) around.add(into(corner_of(box, k)));
     const double slack = 0x1p-16 * (around.max - around.min).maxCoeff() + 0x1p-40 * into.translation.stableNorm();
     around.min.array() -= slack, around.max.array() += slack;
-    return !map()->each_cell(around, [&](const MapCell& cell) {
+    return around;
+}
+
+template <class Visit>
+bool Model::any_part(const Aabb& box, const RelativePose& into, Visit visit) const
+{
+    if (!map()) return std::ranges::any_of(parts(), visit);
+    return !map()->each_cell(box_moved(box, into), [&](const MapCell& cell) {
         PartPoints points;
         points.fill(map()->box(cell).centre());
         return !visit(points);

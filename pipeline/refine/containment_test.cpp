@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <oncollide/base/parallel.hpp>
+#include <oncollide/narrowphase/boxes/box_search.hpp>
 
 namespace oncollide {
 
@@ -37,6 +38,25 @@ bool may_hold(const Model& outer, const Eigen::Isometry3d& pose_outer, const Mod
                           [&](const PartPoints& part) { return may_hold(box, part, into); });
 }
 
+/// A mesh of so many triangles takes longer to be told apart into its parts than a first answer should.
+constexpr std::size_t many_triangles = 1 << 17;
+
+/// visit(part) for all parts of a body, or triangles of them, that may be in a box, until it returns true.
+/// @param convex  is what fills the box convex? Then few triangles are in the box and not in it
+void look_in(const Aabb& box, Model& inner, const RelativePose& into_inner, bool convex, auto visit)
+{
+    const Mesh* const mesh = inner.mesh();
+    if (!convex || !mesh || mesh->triangles.size() < many_triangles || !inner.boxes) {
+        inner.any_part(box, into_inner, visit);
+        return;
+    }
+    any_triangle(*inner.boxes, box_moved(box, into_inner), [&](std::uint32_t triangle) {
+        const auto& [p, q, r] = mesh->triangles[triangle];
+        const auto& v = mesh->vertices;
+        return visit(PartPoints{v[p], v[q], v[r], v[p], v[q], v[r]});
+    });
+}
+
 /// A point of the inner one, in its frame. @param tree  of the mesh; null: it is looked through
 std::optional<Eigen::Vector3d> held_point(const PairTask& task, bool outer_is_a, const Mesh& mesh, ObbTree* tree,
                                           PointLocator& locator)
@@ -44,13 +64,14 @@ std::optional<Eigen::Vector3d> held_point(const PairTask& task, bool outer_is_a,
     // The coordinates of the exact level: those of B moved into A's frame.
     const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
     const RelativePose b_to_a(*task.pose_a, *task.pose_b), stay(here, here);
-    const Model& inner = outer_is_a ? *task.b : *task.a;
+    const Model& outer = outer_is_a ? *task.a : *task.b;
+    Model& inner = outer_is_a ? *task.b : *task.a;
     const RelativePose into_outer = outer_is_a ? b_to_a : RelativePose(*task.pose_b, *task.pose_a);
     const Aabb box = box_around(mesh, into_outer);
     const RelativePose into_inner =
         outer_is_a ? RelativePose(*task.pose_b, *task.pose_a) : RelativePose(*task.pose_a, *task.pose_b);
     std::optional<Eigen::Vector3d> held;
-    inner.any_part(box, into_inner, [&](const PartPoints& part) {
+    look_in(box, inner, into_inner, outer.shape() != nullptr, [&](const PartPoints& part) {
         if (!may_hold(box, part, into_outer)) return false;
         if (locator.place(outer_is_a ? b_to_a(part[0]) : part[0], mesh, tree, outer_is_a ? stay : b_to_a) ==
             PointPlace::outside)

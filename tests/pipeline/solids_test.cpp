@@ -145,5 +145,43 @@ TEST(ConvexSolids, ACylinderIsNotPartedFromAMeshBetweenTheCornersOfItsPrism)
     EXPECT_EQ(result_of(settings, at(Shape(Cylinder{1, 1}), 0, 0, 0), box).verdict, Verdict::separate);
 }
 
+/// Of a mesh so large parts are not told apart beforehand: its triangles are looked for in the shape.
+TEST(Shapes, HoldALooseCrumbOfALargeMesh)
+{
+    Mesh mesh = make_terrain_mesh(10, 0.5, 300, 1);
+    const Eigen::Vector3d crumb(1, -2, 3);
+    const Mesh cube = make_box_mesh({0.05, 0.05, 0.05});
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (const Eigen::Vector3d& v : cube.vertices) mesh.vertices.push_back(v + crumb);
+    for (const Triangle& t : cube.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    ASSERT_GT(mesh.triangles.size(), 1u << 17);
+    World world({.exact = ExactLevel::predicates});
+    const ModelId ground = world.add(make_mesh("ground", mesh.vertices, mesh.triangles));
+    Eigen::Isometry3d turn(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
+    world.add_body({.model = ground, .pose = turn});
+    ConvexHull octahedron;
+    for (int axis = 0; axis < 3; ++axis)
+        for (const double end : {-0.3, 0.3}) octahedron.points.push_back(end * Eigen::Vector3d::Unit(axis));
+    for (const Shape& shape : {Shape(Box{{0.2, 0.2, 0.2}}), Shape(octahedron), Shape(Sphere{0.3})})
+        for (const bool turned : {false, true}) {
+            const ModelId model = world.add(shape);
+            const auto verdict = [&](const Eigen::Vector3d& off) {
+                Eigen::Isometry3d pose =
+                    turned ? Eigen::Isometry3d(Eigen::AngleAxisd(1, Eigen::Vector3d(0, 1, 1).normalized())) : turn;
+                pose.translation() = turn * Eigen::Vector3d(crumb + off);
+                const BodyId body = world.add_body({.model = model, .pose = pose});
+                Verdict found = Verdict::separate;
+                for (const PairResult& r : world.step().pairs) found = r.verdict;
+                world.remove_body(body);
+                return found;
+            };
+            EXPECT_EQ(verdict({0, 0, 0}), Verdict::colliding);
+            EXPECT_EQ(verdict({0.05, 0.03, 0.02}), Verdict::colliding);
+            EXPECT_EQ(verdict({0.4, 0.4, 0}), Verdict::separate);
+            EXPECT_EQ(verdict({0.26, 0.26, 0.26}), Verdict::separate) << "in the octahedron's box, not in it";
+            EXPECT_EQ(verdict({0, 0, -1.5}), Verdict::separate) << "nothing there";
+        }
+}
+
 } // namespace
 } // namespace oncollide

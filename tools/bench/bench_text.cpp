@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
 #include <numeric>
+#include <string_view>
+
+#include <link.h>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -74,12 +78,28 @@ std::string describe(const Settings& s, const std::string& stand_in)
     return text;
 }
 
+/// Which FCL was loaded: the system's, or another by the folder that it lies in.
+std::string fcl_loaded()
+{
+    std::string path;
+    dl_iterate_phdr(
+        [](dl_phdr_info* info, std::size_t, void* out) {
+            if (std::string_view(info->dlpi_name).find("/libfcl.so") != std::string_view::npos)
+                *static_cast<std::string*>(out) = info->dlpi_name;
+            return 0;
+        },
+        &path);
+    if (path.empty() || path.starts_with("/usr/") || path.starts_with("/lib/")) return "as installed";
+    const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+    return "from " + folder.lexically_proximate(std::filesystem::current_path()).string();
+}
+
 std::string describe_program(const std::string& backend)
 {
-    return fmt::format("program    oncollide {}, {}; {}, {}, flags '{}'; FCL {} as installed, one thread\n"
+    return fmt::format("program    oncollide {}, {}; {}, {}, flags '{}'; FCL {} {}, one thread\n"
                        "machine    {}, {} hardware threads\n",
                        version, backend, ONCOLLIDE_BUILD_TYPE, ONCOLLIDE_COMPILER, ONCOLLIDE_BUILD_FLAGS,
-                       ONCOLLIDE_FCL_VERSION, processor_name(), hardware_threads());
+                       ONCOLLIDE_FCL_VERSION, fcl_loaded(), processor_name(), hardware_threads());
 }
 
 std::vector<std::string> split(const std::string& list)
