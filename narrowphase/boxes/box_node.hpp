@@ -30,7 +30,7 @@ struct BoxPlacement {
 };
 
 /// What the boxes of a node allow for rounding, by their size: the most that any of them has of the sum of its
-/// half-extents and of its centre's distance from what its node's boxes are stored relative to.
+/// half-extents. Stored boxes are relative to their node's origin, whose distance counts, too.
 constexpr float box_margin = 0x1p-15f;
 
 /// Eight boxes of one node as the box test reads them: in A's frame, metres. Box k is the points c + u a1 + v a2 + w a3

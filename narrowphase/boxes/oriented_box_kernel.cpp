@@ -73,7 +73,7 @@ void open(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out)
     const Vec half{widen(node.hx) * unit, widen(node.hy) * unit, widen(node.hz) * unit};
     store(out.h, half);
     store(out.size, half.x * half.x + half.y * half.y + half.z * half.z);
-    out.margin = 0x1p17f * box_margin * node.unit; // centres and half-extents are below 2^16 units
+    out.margin = 2 * node.unit; // a centre and half-extents are below 77,600 units: at most 433 * 2^-24 of them
 }
 
 void open_octants(const OctantBoxes& row, unsigned lanes, const BoxPlacement* placement, OpenBoxes& out)

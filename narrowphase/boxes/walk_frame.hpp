@@ -14,12 +14,12 @@ namespace oncollide {
 /// Coordinates are A's, from the centre of the smaller geometry: what is near a small body is then seen to fractions of
 /// the body, however large the terrain is that it stands on.
 ///
-/// What floats do, with u = 2^-24. dx joins the centres of two boxes, s is what their nodes' margins stand for: all
-/// half-extents, and the centres' distances from the nodes' origins. Centres and axes as moved, and the products of the
-/// fifteen axes, err by at most 80 u |dx|, 80 u s, and 40 u times the smaller radius. The relative pose may be
-/// 2^-19 = 32 u from a rotation (two poses, each 2^-20), by which a box's own axes are not square: 256 u s. The boxes
-/// are at least |dx| - s apart. Together, a gap is at most the distance times 1 + 2^-17, plus 512 u s, which margins
-/// are, plus box_rounding. RelativePose rounds in double, relative to the files' origins and to the bodies' distance.
+/// What floats do, with u = 2^-24. dx joins the centres of two boxes; s is the sum of their half-extents and of their
+/// centres' distances from the origins of their nodes. Centres and axes as moved, and the products of the fifteen axes,
+/// err by at most 80 u |dx|, 80 u s, and 40 u times the smaller radius. The relative pose may be 2^-19 = 32 u from a
+/// rotation (two poses, each 2^-20), by which a box's own axes are not square: 256 u s. The boxes are at least |dx| - s
+/// apart. Together, a gap is at most the distance times 1 + 2^-17, plus 420 u s, which the nodes' margins are at least,
+/// plus box_rounding. RelativePose rounds in double, relative to the files' origins and to the bodies' distance.
 struct WalkFrame {
     BoxPlacement place_a, place_b;
     Eigen::Vector3d origin; ///< of the coordinates, in A's frame

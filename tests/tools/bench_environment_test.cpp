@@ -71,5 +71,32 @@ TEST_F(CommandLine, BenchEnvironmentComparesTerrainsAtEveryError)
         EXPECT_NE(svg.find(word), std::string::npos) << word;
 }
 
+TEST_F(CommandLine, BenchDistancesMeasuresTerrainsNearAndFar)
+{
+    for (const char* bad : {"x", "0", "-1", "nan", "1,", "20000"})
+        expect_error(64, {"bench", "distances", fmt::format("--distances={}", bad)},
+                     {fmt::format("--distances {}", bad), "percentages"});
+    expect_error(64, {"bench", "distances", "--environments", "moon"}, {"--environments moon"});
+    expect_error(64, {"bench", "distances", "--bodies", "0"}, {"--bodies 0"});
+    expect_error(73, {"bench", "distances", "--csv", "no/where.csv"}, {"no/where.csv"});
+    const Outcome outcome = run({"bench", "distances", "--environments", "hills,hills-mesh", "--cells", "24",
+                                 "--bodies", "3", "--distances", "1,50,200", "--csv", "d.csv"});
+    ASSERT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+    const auto rows = read_csv(folder_.read("d.csv"));
+    ASSERT_EQ(rows.size(), 12u);
+    std::map<std::string, std::string> metres; // of the grid and of the same surface as a mesh
+    for (auto row : rows) {
+        EXPECT_GT(std::stod(row["fcl_us"]), 0);
+        EXPECT_GT(std::stod(row["us"]), 0);
+        EXPECT_EQ(row["differ"], "0");
+        std::string& same = metres[row["bodies"] + row["percent"]];
+        if (!same.empty()) {
+            EXPECT_NEAR(std::stod(row["metres"]), std::stod(same), 0.3 * std::stod(same));
+        }
+        same = row["metres"];
+    }
+    EXPECT_EQ(metres.size(), 6u);
+}
+
 } // namespace
 } // namespace oncollide::test

@@ -173,6 +173,31 @@ void add_world(Arguments bench)
     });
 }
 
+void add_distances(Arguments bench)
+{
+    Arguments sub = bench.add_command("distances", "How far bodies are from buildings and terrains, near and far");
+    auto options = std::make_shared<DistancesOptions>();
+    sub.add_option("--environments", options->environments,
+                   "as of 'bench environment' (default building,hills,hills-mesh)")
+        .type_name("LIST");
+    sub.add_option("--bodies-of", options->bodies_of, "meshes, shapes or both, or a list (default meshes,shapes)")
+        .type_name("LIST");
+    sub.add_option("--distances", options->distances,
+                   "in per cent of the environment's diagonal (default 0.1,1,5,10,25,50,100,200)")
+        .type_name("LIST");
+    sub.add_option("--bodies", options->bodies, "bodies at each distance (default 12)").type_name("N");
+    sub.add_option("--repeats", options->repeats, "of each query the least time counts (default 3)").type_name("N");
+    sub.add_option("--cells", options->cells, "cells along a side of the hills (default 500)").type_name("N");
+    sub.add_option("--seed", options->seed, "seed of environments and bodies (default 1)").type_name("S");
+    sub.add_option("--data", options->data, "data folder (default: $ONCOLLIDE_DATA, else ../shared/data if present)")
+        .type_name("DIR");
+    sub.add_option("--csv", options->csv, "write one row per environment, bodies and distance").type_name("FILE");
+    sub.footer("Examples:\n"
+               "  oncollide bench distances --environments hills --distances 1,10,100 --bodies 30\n"
+               "  oncollide bench distances --environments campus --bodies-of shapes --csv distances.csv");
+    sub.action([options] { return bench_distances(*options); });
+}
+
 void add_environment(Arguments bench)
 {
     Arguments sub = bench.add_command("environment", "Many bodies in buildings and on terrains, at several errors");
@@ -243,6 +268,7 @@ void add_bench(Arguments app)
     add_planner(bench);
     add_world(bench);
     add_environment(bench);
+    add_distances(bench);
     add_shapes(bench);
     add_scene_bench(bench, "many", "Bunnies, dragons and cows in a cube");
     add_paper(bench);

@@ -118,6 +118,18 @@ struct EnvironmentOptions {
 /// Large environments with many bodies, beside FCL. Returns the exit code: 70 when oncollide missed a collision or an
 /// exact result of it is wrong.
 int bench_environment(const EnvironmentOptions& options);
+
+struct DistancesOptions {
+    std::string environments = "building,hills,hills-mesh", bodies_of = "meshes,shapes";
+    std::string distances = "0.1,1,5,10,25,50,100,200"; ///< per cent of the environment's diagonal
+    int bodies = 12, repeats = 3, cells = 500;
+    std::uint64_t seed = 1;
+    std::string data, csv;
+};
+
+/// Distances of bodies to large environments, beside FCL. Returns the exit code.
+int bench_distances(const DistancesOptions& options);
+
 struct ShapesOptions {
     int pairs = 100'000;
     int threads = 0; ///< that judge; both sides are timed on one
@@ -126,8 +138,8 @@ struct ShapesOptions {
     std::string csv;
 };
 
-/// Close pairs of shapes of all kinds, beside FCL's libccd. Returns the exit code: 70 when extended precision contradicts
-/// a result of oncollide.
+/// Close pairs of shapes of all kinds, beside FCL's libccd. Returns the exit code: 70 when extended precision
+/// contradicts a result of oncollide.
 int bench_shapes(const ShapesOptions& options);
 
 /// "4-8", "6" or "2,5-7" as ascending numbers; `option` names it in errors. Each 1 to 16.
