@@ -133,14 +133,16 @@ Matrix3d axes_of(const BoxNode& node, unsigned k)
 
 OrientedBox fit_box(std::span<const TrianglePoints> triangles)
 {
-    OrientedBox box;
-    box.axes = triangles.size() == 1 ? axes_of_triangle(triangles[0]) : axes_of_many(triangles);
-    Aabb extent;
+    const Matrix3d axes = triangles.size() == 1 ? axes_of_triangle(triangles[0]) : axes_of_many(triangles);
+    Aabb along, straight;
     for (const TrianglePoints& t : triangles)
-        for (const Vector3d& p : t) extent.add(box.axes.transpose() * p);
-    box.centre = box.axes * extent.centre();
-    box.half = extent.half_extent();
-    return box;
+        for (const Vector3d& p : t) along.add(axes.transpose() * p), straight.add(p);
+    const auto area = [](const Vector3d& h) { return h.x() * h.y() + h.y() * h.z() + h.z() * h.x(); };
+    // Where things are built along the axes these fit better; but a thicker box bounds a curved surface worse.
+    const Vector3d half = straight.half_extent(), fitted = along.half_extent();
+    if (area(half) < 0.95 * area(fitted) && half.minCoeff() <= 1.25 * fitted.minCoeff())
+        return {straight.centre(), half, Matrix3d::Identity()};
+    return {axes * along.centre(), along.half_extent(), axes};
 }
 
 void set_frame(BoxNode& node, const Vector3d& centre, double radius)
