@@ -22,7 +22,7 @@ struct OrientedBox {
 };
 
 /// A box with axes along the directions in which the triangles' surface spreads most and least; for one triangle, along
-/// its normal and its longest side.
+/// its normal and its longest side; but along the mesh's own axes where that takes less area and is not thicker.
 /// Source: Gottschalk, Lin and Manocha, "OBBTree", SIGGRAPH 1996.
 OrientedBox fit_box(std::span<const TrianglePoints> triangles);
 
