@@ -27,7 +27,7 @@ public:
     Aabb sphere_box(const Eigen::Isometry3d& pose) const;
 
     /// How far any point of the geometry moves at most from one pose to another, straight; what poses that are not
-    /// quite rigid do to it is counted as motion. Infinite of a half-space that turns.
+    /// quite rigid do to it is counted as motion. Of a half-space that turns it is that of its far end, 2^52 m away.
     double motion(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) const;
 
     /// Of the geometry's own box.

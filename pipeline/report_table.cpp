@@ -76,7 +76,7 @@ void Report::print_table(std::ostream& out) const
                             grouped(kinds_[int(ContactKind::near)]));
     if (trees_.narrowed)
         text += fmt::format(
-            "walks      {} pairs narrowed down: {} by the gap of an earlier frame, {} by what met last, {} walked\n",
+            "walks      {} pairs by boxes or exactly: {} by the gap of an earlier frame, {} by what met last, {} walked\n",
             grouped(trees_.narrowed), grouped(trees_.by_gap), grouped(trees_.by_witness),
             grouped(trees_.narrowed - trees_.by_gap - trees_.by_witness));
     text += fmt::format("trees      {} cells requested in {} rounds; at the end {} cells, {}", grouped(trees_.rows),

@@ -4,6 +4,8 @@
 
 #include <memory>
 
+#include <fmt/format.h>
+
 #include <oncollide/base/error.hpp>
 
 namespace oncollide::tools {
@@ -173,24 +175,35 @@ void add_world(Arguments bench)
     });
 }
 
+/// Defaults that differ are those of `in`.
+void add_environment_choice(Arguments sub, EnvironmentChoice& in)
+{
+    sub.add_option(
+           "--environments", in.environments,
+           "which (default building,hills,hills-mesh): building, a map of 30 x 30 rooms at 6 cm; hills, a height "
+           "grid; hills-mesh, the same as a mesh; campus and st-helens, of the data folder")
+        .type_name("LIST");
+    sub.add_option("--bodies-of", in.bodies_of, "meshes, shapes or both, or a list (default meshes,shapes)")
+        .type_name("LIST");
+    sub.add_option("--bodies", in.bodies, fmt::format("bodies in each environment (default {})", in.bodies))
+        .type_name("N");
+    sub.add_option("--cells", in.cells,
+                   "cells along a side of the hills (default 500; 2200 make 9.7 million triangles)")
+        .type_name("N");
+    sub.add_option("--seed", in.seed, "seed of environments and bodies (default 1)").type_name("S");
+    sub.add_option("--data", in.data, "data folder (default: $ONCOLLIDE_DATA, else ../shared/data if present)")
+        .type_name("DIR");
+}
+
 void add_distances(Arguments bench)
 {
     Arguments sub = bench.add_command("distances", "How far bodies are from buildings and terrains, near and far");
     auto options = std::make_shared<DistancesOptions>();
-    sub.add_option("--environments", options->environments,
-                   "as of 'bench environment' (default building,hills,hills-mesh)")
-        .type_name("LIST");
-    sub.add_option("--bodies-of", options->bodies_of, "meshes, shapes or both, or a list (default meshes,shapes)")
-        .type_name("LIST");
+    add_environment_choice(sub, options->in);
     sub.add_option("--distances", options->distances,
                    "in per cent of the environment's diagonal (default 0.1,1,5,10,25,50,100,200)")
         .type_name("LIST");
-    sub.add_option("--bodies", options->bodies, "bodies at each distance (default 12)").type_name("N");
     sub.add_option("--repeats", options->repeats, "of each query the least time counts (default 3)").type_name("N");
-    sub.add_option("--cells", options->cells, "cells along a side of the hills (default 500)").type_name("N");
-    sub.add_option("--seed", options->seed, "seed of environments and bodies (default 1)").type_name("S");
-    sub.add_option("--data", options->data, "data folder (default: $ONCOLLIDE_DATA, else ../shared/data if present)")
-        .type_name("DIR");
     sub.add_option("--csv", options->csv, "write one row per environment, bodies and distance").type_name("FILE");
     sub.footer("Examples:\n"
                "  oncollide bench distances --environments hills --distances 1,10,100 --bodies 30\n"
@@ -202,28 +215,15 @@ void add_environment(Arguments bench)
 {
     Arguments sub = bench.add_command("environment", "Many bodies in buildings and on terrains, at several errors");
     auto options = std::make_shared<EnvironmentOptions>();
-    sub.add_option(
-           "--environments", options->environments,
-           "which (default building,hills,hills-mesh): building, a map of 30 x 30 rooms at 6 cm; hills, a height "
-           "grid; hills-mesh, the same as a mesh; campus and st-helens, of the data folder")
-        .type_name("LIST");
-    sub.add_option("--bodies-of", options->bodies_of, "meshes, shapes or both, or a list (default meshes,shapes)")
-        .type_name("LIST");
+    add_environment_choice(sub, options->in);
     sub.add_option("--errors", options->errors, "in metres, and 'exact' (default 1,0.1,0.01,exact)").type_name("LIST");
-    sub.add_option("--bodies", options->bodies, "bodies in each environment (default 500)").type_name("N");
     sub.add_option("--frames", options->frames, "frames to play (default 10)").type_name("N");
     sub.add_option("--warm-up", options->warm_up, "of these, frames that are not counted (default 3)").type_name("N");
     sub.add_option("--repeats", options->repeats,
                    "plays of all frames; the least time of each frame counts (default 1)")
         .type_name("N");
     sub.add_option("--cold-runs", options->cold_runs, "first frames measured from nothing (default 1)").type_name("N");
-    sub.add_option("--cells", options->cells,
-                   "cells along a side of the hills (default 500; 2200 make 9.7 million triangles)")
-        .type_name("N");
     sub.add_option("--threads", options->threads, "threads of oncollide; 0: all (default 1)").type_name("N");
-    sub.add_option("--seed", options->seed, "seed of environments and bodies (default 1)").type_name("S");
-    sub.add_option("--data", options->data, "data folder (default: $ONCOLLIDE_DATA, else ../shared/data if present)")
-        .type_name("DIR");
     sub.add_option("--csv", options->csv, "write one row per environment, bodies and error").type_name("FILE");
     sub.add_option("--plot", options->plot, "draw time against error, a panel an environment").type_name("FILE.svg");
     sub.footer("Examples:\n"

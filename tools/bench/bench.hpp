@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "bench/environment_scenes.hpp"
 #include "bench/statistics.hpp"
 #include "cli/options.hpp"
 
@@ -107,12 +108,11 @@ struct WorldOptions {
 int bench_world(const WorldOptions& options);
 
 struct EnvironmentOptions {
-    std::string environments = "building,hills,hills-mesh", bodies_of = "meshes,shapes", errors = "1,0.1,0.01,exact";
-    int bodies = 500, frames = 10, warm_up = 3, cold_runs = 1, threads = 1;
+    EnvironmentChoice in{.bodies = 500};
+    std::string errors = "1,0.1,0.01,exact";
+    int frames = 10, warm_up = 3, cold_runs = 1, threads = 1;
     int repeats = 1; ///< of all frames; of each frame the least time counts
-    int cells = 500; ///< along a side of generated terrains
-    std::uint64_t seed = 1;
-    std::string data, csv, plot;
+    std::string csv, plot;
 };
 
 /// Large environments with many bodies, beside FCL. Returns the exit code: 70 when oncollide missed a collision or an
@@ -120,11 +120,10 @@ struct EnvironmentOptions {
 int bench_environment(const EnvironmentOptions& options);
 
 struct DistancesOptions {
-    std::string environments = "building,hills,hills-mesh", bodies_of = "meshes,shapes";
+    EnvironmentChoice in{.bodies = 12};
     std::string distances = "0.1,1,5,10,25,50,100,200"; ///< per cent of the environment's diagonal
-    int bodies = 12, repeats = 3, cells = 500;
-    std::uint64_t seed = 1;
-    std::string data, csv;
+    int repeats = 3;
+    std::string csv;
 };
 
 /// Distances of bodies to large environments, beside FCL. Returns the exit code.

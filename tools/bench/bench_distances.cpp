@@ -55,7 +55,7 @@ public:
         row.percent = percent;
         const auto bodies = std::uint32_t(scene_.size() - 1);
         for (std::uint32_t body = 1; body <= bodies; ++body) {
-            place(body, 0.01 * percent * diagonal_, o.seed);
+            place(body, 0.01 * percent * diagonal_, o.in.seed);
             Distance ours;
             double fcl = 0, our_us = HUGE_VAL, fcl_us = HUGE_VAL;
             for (int repeat = 0; repeat < o.repeats; ++repeat) {
@@ -110,17 +110,12 @@ std::vector<double> percents_of(const std::string& list)
 
 int bench_distances(const DistancesOptions& o)
 {
-    check_range("--bodies", o.bodies, 1, 100'000), check_range("--repeats", o.repeats, 1, 100);
-    check_range("--cells", o.cells, 8, 20'000);
+    check_range("--bodies", o.in.bodies, 1, 100'000), check_range("--repeats", o.repeats, 1, 100);
     check_files({{"--csv", o.csv}});
     const std::vector<double> percents = percents_of(o.distances);
-    std::vector<EnvironmentScene> scenes;
-    for (const std::string& environment : split(o.environments))
-        for (const std::string& bodies_of : split(o.bodies_of))
-            scenes.push_back({environment, bodies_of, o.bodies, 1, o.cells, o.seed, data_folder(o.data)});
-    for (const EnvironmentScene& which : scenes) check(which);
+    const std::vector<EnvironmentScene> scenes = scenes_of(o.in, 1);
     say("{}{} bodies, one after the other; microseconds a query, warm, of each the least of {}; tolerance 0\n\n",
-        describe_program("distances"), o.bodies, o.repeats);
+        describe_program("distances"), o.in.bodies, o.repeats);
     say("{:<11} {:<7} {:>10} {:>10} {:>10} {:>10} {:>7} {:>7}\n", "environment", "bodies", "% diagonal", "metres",
         "FCL us", "us", "ratio", "differ");
     std::vector<DistanceRow> rows;

@@ -128,20 +128,14 @@ void write_plot(const std::string& path, const std::vector<Row>& rows, const std
 
 int bench_environment(const EnvironmentOptions& o)
 {
-    check_range("--bodies", o.bodies, 1, 1'000'000), check_range("--frames", o.frames, 1, 100'000);
+    check_range("--bodies", o.in.bodies, 1, 1'000'000), check_range("--frames", o.frames, 1, 100'000);
     check_range("--warm-up", o.warm_up, 0), check_range("--cold-runs", o.cold_runs, 1, 100);
     check_range("--repeats", o.repeats, 1, 100);
-    check_range("--cells", o.cells, 8, 20'000);
     check_files({{"--csv", o.csv}, {"--plot", o.plot}});
     const std::vector<Dial> dials = dials_of(o);
-    std::vector<EnvironmentScene> scenes;
-    for (const std::string& environment : split(o.environments)) {
-        for (const std::string& bodies_of : split(o.bodies_of))
-            scenes.push_back({environment, bodies_of, o.bodies, o.frames, o.cells, o.seed, data_folder(o.data)});
-    }
-    for (const EnvironmentScene& which : scenes) check(which);
+    const std::vector<EnvironmentScene> scenes = scenes_of(o.in, o.frames);
     say("{}{} bodies in each environment; FCL says yes or no, oncollide is certain to the error\n\n",
-        describe_program("environments"), grouped(std::uint64_t(o.bodies)));
+        describe_program("environments"), grouped(std::uint64_t(o.in.bodies)));
     say("{:<11} {:<7} {:>6} {:>9} {:>9} {:>7} {:>10} {:>10} {:>8} {:>8} {:>10} {:>10} {:>9}\n", "environment", "bodies",
         "error", "FCL ms", "ms", "ratio", "FCL first", "first ms", "FCL MB", "MB", "pairs", "left over", "false");
     std::vector<Row> rows;

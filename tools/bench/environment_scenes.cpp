@@ -1,4 +1,5 @@
 #include "bench/environment_scenes.hpp"
+#include "bench/bench.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -97,6 +98,18 @@ void check(const EnvironmentScene& which)
     if (which.bodies_of != "meshes" && which.bodies_of != "shapes" && which.bodies_of != "both")
         usage(fmt::format("--bodies-of {}: valid are meshes, shapes, both", which.bodies_of));
     if (const std::filesystem::path file = file_of(which); !file.empty()) check_readable(file);
+}
+
+std::vector<EnvironmentScene> scenes_of(const EnvironmentChoice& choice, int frames)
+{
+    check_range("--cells", choice.cells, 8, 20'000);
+    std::vector<EnvironmentScene> scenes;
+    for (const std::string& environment : split(choice.environments))
+        for (const std::string& bodies_of : split(choice.bodies_of))
+            scenes.push_back(
+                {environment, bodies_of, choice.bodies, frames, choice.cells, choice.seed, data_folder(choice.data)});
+    for (const EnvironmentScene& which : scenes) check(which);
+    return scenes;
 }
 
 Scene make_environment_scene(const EnvironmentScene& which)

@@ -11,6 +11,15 @@ namespace oncollide::tools {
 /// The environments that there are: generated ones, then those of files in the data folder.
 const std::vector<std::string>& environment_names();
 
+/// Which environments, and what is in them.
+struct EnvironmentChoice {
+    std::string environments = "building,hills,hills-mesh", bodies_of = "meshes,shapes";
+    int bodies;
+    int cells = 500; ///< along a side of generated terrains
+    std::uint64_t seed = 1;
+    std::string data{};
+};
+
 /// One large, fixed body, and many small ones on and just above its surface, which drift a little every frame.
 struct EnvironmentScene {
     std::string environment = "building";
@@ -24,6 +33,8 @@ struct EnvironmentScene {
 /// Throws Error{usage} for an unknown name and for a file without a data folder, Error{no_input} for one that is
 /// missing.
 void check(const EnvironmentScene& which);
+/// One for each environment and kind of bodies. Throws as check(), and for `cells` out of range.
+std::vector<EnvironmentScene> scenes_of(const EnvironmentChoice& choice, int frames);
 /// Checks first.
 Scene make_environment_scene(const EnvironmentScene& which);
 
