@@ -53,11 +53,27 @@ float most_along(const float* x, const float* y, const float* z, std::uint32_t c
     return most;
 }
 
+std::uint32_t farthest(const float* x, const float* y, const float* z, std::uint32_t count, const float d[3])
+{
+    F32x8 high = splat(-__builtin_inff());
+    I32x8 at{}, here{0, 1, 2, 3, 4, 5, 6, 7};
+    for (std::uint32_t i = 0; i < count; i += 8, here = here + 8) {
+        const F32x8 along = d[0] * load(x + i) + d[1] * load(y + i) + d[2] * load(z + i);
+        const I32x8 farther = along > high;
+        at = farther ? here : at;
+        high = farther ? along : high;
+    }
+    int best = 0;
+    for (int lane = 1; lane < 8; ++lane)
+        if (high[lane] > high[best]) best = lane;
+    return static_cast<std::uint32_t>(at[best]);
+}
+
 } // namespace
 
 BoxKernel box_kernel()
 {
-    return {overlap_range, support_box, most_along};
+    return {overlap_range, support_box, most_along, farthest};
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

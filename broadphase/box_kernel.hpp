@@ -23,10 +23,15 @@ using SupportBox = void(const float* x, const float* y, const float* z, std::uin
 /// Largest of direction * point over the same.
 using MostAlong = float(const float* x, const float* y, const float* z, std::uint32_t count, const float direction[3]);
 
+/// The number of a point that shows as much.
+using Farthest = std::uint32_t(const float* x, const float* y, const float* z, std::uint32_t count,
+                               const float direction[3]);
+
 struct BoxKernel {
     OverlapRange* overlap_range;
     SupportBox* support_box;
     MostAlong* most_along;
+    Farthest* farthest;
 };
 
 namespace baseline {

@@ -88,27 +88,6 @@ const std::vector<Eigen::Vector3d>* points_of(const GeometryData& geometry)
     return nullptr;
 }
 
-/// Those that triangles use, about the centre, padded to 8 with copies.
-PointColumns used_points(const GeometryData& geometry, const std::vector<Eigen::Vector3d>& points,
-                         const Eigen::Vector3d& centre)
-{
-    PointColumns used;
-    const auto put = [&](const Eigen::Vector3d& point) {
-        const Eigen::Vector3f p = (point - centre).cast<float>();
-        used.add(p.x(), p.y(), p.z());
-    };
-    if (const auto* mesh = std::get_if<Mesh>(&geometry)) {
-        std::vector<bool> seen(points.size());
-        for (const Triangle& t : mesh->triangles)
-            for (std::uint32_t v : t)
-                if (!seen[v]) seen[v] = true, put(points[v]);
-    } else {
-        std::ranges::for_each(points, put);
-    }
-    while (used.size() % 8) used.add(used, 0);
-    return used;
-}
-
 /// Does the box of the rotated bounds fit as tightly as can be?
 bool turns_by_quarters(const Eigen::Matrix3d& r)
 {
@@ -129,7 +108,10 @@ void PoseBounds::expect(const Eigen::Isometry3d& pose)
 {
     const std::vector<Eigen::Vector3d>* points = points_of(geometry_);
     if (final_ || !points || turns_by_quarters(pose.linear())) return;
-    if (++requested_ == 1) points_ = used_points(geometry_, *points, centre_);
+    if (++requested_ == 1) {
+        const auto* mesh = std::get_if<Mesh>(&geometry_);
+        points_ = mesh ? used_points(*mesh, centre_) : point_columns(*points, centre_);
+    }
     const bool large = points_.size() >= fewest_points_of_a_map;
     final_ = !large || requested_ >= boxes_that_pay_for_a_map;
     if (large && final_) support_ = SupportMap(points_), points_ = {};

@@ -36,6 +36,27 @@ Vector3f direction(std::uint32_t face, float u, float v)
 
 } // namespace
 
+PointColumns point_columns(std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& centre)
+{
+    PointColumns columns;
+    for (const Eigen::Vector3d& point : points) {
+        const Vector3f p = (point - centre).cast<float>();
+        columns.add(p.x(), p.y(), p.z());
+    }
+    while (columns.size() % 8) columns.add(columns, 0);
+    return columns;
+}
+
+PointColumns used_points(const Mesh& mesh, const Eigen::Vector3d& centre)
+{
+    std::vector<bool> seen(mesh.vertices.size());
+    std::vector<Eigen::Vector3d> points;
+    for (const Triangle& t : mesh.triangles)
+        for (std::uint32_t v : t)
+            if (!seen[v]) seen[v] = true, points.push_back(mesh.vertices[v]);
+    return point_columns(points, centre);
+}
+
 /// Fills the cells from whole faces down: what cannot be farthest along any direction of a square cannot be so along
 /// any of a part of it.
 class SupportMap::Filling {

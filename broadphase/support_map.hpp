@@ -2,9 +2,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
+
+#include <oncollide/scenes/model/mesh.hpp>
 
 namespace oncollide {
 
@@ -17,6 +20,11 @@ struct PointColumns {
     void add(const PointColumns& other, std::size_t i) { add(other.xyz[0][i], other.xyz[1][i], other.xyz[2][i]); }
     std::size_t bytes() const { return (xyz[0].capacity() + xyz[1].capacity() + xyz[2].capacity()) * sizeof(float); }
 };
+
+/// Points about a centre, padded to a multiple of 8 with copies.
+PointColumns point_columns(std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& centre);
+/// Those of a mesh's vertices that triangles use.
+PointColumns used_points(const Mesh& mesh, const Eigen::Vector3d& centre);
 
 /// Of points, for all directions in each cell of a cube, those that may be farthest along them: a hundred or two,
 /// whatever the number of points, and none that is well inside.

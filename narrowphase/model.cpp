@@ -73,4 +73,10 @@ const FclModel& Model::fcl() const
     return *fcl_;
 }
 
+bool Model::expect_hull()
+{
+    // Making it costs about as much as so many walks.
+    return !hull_ && has_triangles() && ++walks_ > surface_mesh()->vertices.size();
+}
+
 } // namespace oncollide

@@ -13,6 +13,7 @@
 #include <oncollide/narrowphase/boxes/obb_tree.hpp>
 #include <oncollide/narrowphase/boxes/terrain_tree.hpp>
 #include <oncollide/narrowphase/exact/exact_fcl.hpp>
+#include <oncollide/narrowphase/hulls/outer_hull.hpp>
 #include <oncollide/narrowphase/inside/parts.hpp>
 #include <oncollide/narrowphase/solids/convex.hpp>
 #include <oncollide/narrowphase/solids/polytope_surface.hpp>
@@ -79,6 +80,14 @@ public:
     /// FCL's model, for exact = fcl.
     const FclModel& fcl() const;
 
+    /// A walk of it against another mesh is about to begin; is hull() still missing though so many have been that it
+    /// pays? Not beside other calls.
+    bool expect_hull();
+    /// Makes it. Not beside other calls.
+    void make_hull() { hull_.emplace(*surface_mesh()); }
+    /// The convex solid around surface_mesh(); null: not there.
+    const OuterHull* hull() const { return hull_ ? &*hull_ : nullptr; }
+
     std::uint32_t number = 0;       ///< by which backends know its sphere-tree
     std::unique_ptr<Ocst> spheres;  ///< the sphere-tree; null until a test reaches it
     std::unique_ptr<ObbTree> boxes; ///< the hierarchy of oriented boxes of surface_mesh(); null until a test reaches it
@@ -101,6 +110,8 @@ private:
     mutable bool closed_ = false;
     mutable std::vector<PartPoints> parts_;
     mutable std::shared_ptr<const FclModel> fcl_;
+    std::optional<OuterHull> hull_;
+    std::uint64_t walks_ = 0; ///< expected without a hull
 };
 
 /// Around a box that is moved, rounded outward.

@@ -38,22 +38,50 @@ struct NearBounds {
     std::optional<Pair> witness; ///< two primitives that are so near
 };
 
+/// Two boxes that hold the primitives which met last, some levels up: box `lane` of a node on each side.
+template <BoxHierarchy A, BoxHierarchy B>
+struct MeetingPlace {
+    typename A::Node a;
+    typename B::Node b;
+    std::uint8_t lane_a, lane_b;
+    std::uint32_t of_a, of_b; ///< their hierarchies' identity(), where nodes are stored
+
+    MeetingPlace(const A& in_a, const typename A::Node& at_a, std::uint8_t k_a, const B& in_b,
+                 const typename B::Node& at_b, std::uint8_t k_b)
+        : a(at_a), b(at_b), lane_a(k_a), lane_b(k_b), of_a(identity(in_a)), of_b(identity(in_b))
+    {
+    }
+    bool holds_in(const A& in_a, const B& in_b) const { return of_a == identity(in_a) && of_b == identity(in_b); }
+
+private:
+    static std::uint32_t identity(const auto& hierarchy)
+    {
+        if constexpr (requires { hierarchy.identity(); })
+            return hierarchy.identity();
+        else
+            return 0;
+    }
+};
+
 /// The queries about two hierarchies. One thread's working memory; others may walk the same hierarchies meanwhile.
 /// Distances are metres. A hint is two primitives that met last: they are tested first.
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 class BoxWalk {
 public:
     using Pair = typename Leaves::Pair;
+    using Place = MeetingPlace<A, B>;
 
     /// found(pair) for primitives that meet, the hint's first, while it returns true. The hint may come twice. Returns
     /// how far apart the geometries are at least, if none meet; else 0.
     /// @param leave  leave(pair): need the pair not be tested?
-    double meetings(A& a, B& b, const RelativePose& b_to_a, std::optional<Pair> hint, auto found, auto leave);
+    /// @param place  where they met last; looked at before all else. Set to where they meet
+    double meetings(A& a, B& b, const RelativePose& b_to_a, std::optional<Pair> hint, auto found, auto leave,
+                    std::optional<Place>* place = nullptr);
 
     /// Are they within `clearance`? Geometries farther apart than that, but not than clearance + tolerance, may be
     /// called near. The result does not depend on `hint`.
     NearBounds<Pair> near(A& a, B& b, const RelativePose& b_to_a, double clearance, double tolerance,
-                          std::optional<Pair> hint);
+                          std::optional<Pair> hint, std::optional<Place>* place = nullptr);
 
     /// Is the distance, in A's frame, at most `cutoff`? A hint is two primitives that were that near.
     /// @param slack  besides rounding: what the caller's cutoff may be off by
@@ -70,7 +98,7 @@ public:
     /// Did the last query, but distance(), see no box of A come as near as was asked to the box around all of B?
     bool far_from_all() const { return far_; }
     std::uint64_t box_rows = 0;   ///< tests of one box against those of a node
-    std::uint64_t hints_held = 0; ///< queries that their hint decided
+    std::uint64_t hints_held = 0; ///< queries that their hint or place decided
 
 private:
     /// Where a walk stands: a box of an open node on both sides.
@@ -86,7 +114,7 @@ private:
     {
         a_.start(a, &frame.place_a), b_.start(b, &frame.place_b);
         leaves_.start(a, b, b_to_a);
-        waiting_.clear();
+        waiting_.clear(), from_.clear();
         if (stack_.empty()) stack_.resize(64);
         b_.open(of_b);
         reset();
@@ -160,9 +188,45 @@ private:
     /// Before start(), so that a hint that does not meet leaves nothing behind.
     bool go_on_after_hint(A& a, B& b, const RelativePose& b_to_a, const std::optional<Pair>& hint, auto found)
     {
+        waiting_.clear(), from_.clear();
         if (!hint) return true;
         leaves_.start(a, b, b_to_a);
         return leaves_.meeting(std::span<const Pair>(&*hint, 1), found);
+    }
+    /// Before start(), as go_on_after_hint(): do primitives around that place meet?
+    bool go_on_after_place(A& a, B& b, const RelativePose& b_to_a, const WalkFrame& frame, std::optional<Place>* place,
+                           auto found, auto leave)
+    {
+        if (!place || !*place || !(*place)->holds_in(a, b)) return true;
+        begin(a, b, b_to_a, frame, (*place)->b);
+        a_.open((*place)->a);
+        stack_[top_++] = {0, 0, (*place)->lane_a, (*place)->lane_b, 0};
+        std::size_t batch = first_batch;
+        bool go_on = true;
+        walk(frame.gap_within(0), [&](const Entry& e) {
+            wait(e, leave);
+            return go_on = test_if_enough(batch, found);
+        });
+        return go_on && test_waiting(found);
+    }
+    void wait(const Entry& e, auto leave)
+    {
+        each_pair(e, [&](Pair pair) {
+            if (!leave(pair)) waiting_.push_back(pair), from_.push_back(e);
+            return true;
+        });
+    }
+    /// Around the pair, which waited or is in the boxes of an entry.
+    void set_place(const A& a, const B& b, std::optional<Place>* place, const Pair& pair, const Entry* from = nullptr)
+    {
+        constexpr int levels = 2; // up to a hundred triangles: mostly they meet there again, after a tenth of a walk
+        if (!place) return;
+        for (std::size_t i = 0; i < from_.size(); ++i)
+            if (waiting_[i].a == pair.a && waiting_[i].b == pair.b) from = &from_[i];
+        if (!from) return; // the hint
+        const auto [slot_a, lane_a] = a_.up(from->a, from->lane_a, levels);
+        const auto [slot_b, lane_b] = b_.up(from->b, from->lane_b, levels);
+        place->emplace(a, a_[slot_a].node, lane_a, b, b_[slot_b].node, lane_b);
     }
     bool both_leaves(const Entry& e) const { return a_[e.a].leaf(e.lane_a) && b_[e.b].leaf(e.lane_b); }
     bool each_pair(const Entry& e, auto visit) const;
@@ -216,7 +280,7 @@ private:
     bool test_waiting(auto found)
     {
         const bool go_on = leaves_.meeting(std::span<const Pair>(waiting_), found);
-        waiting_.clear();
+        waiting_.clear(), from_.clear();
         return go_on;
     }
     bool test_if_enough(std::size_t& batch, auto found);
@@ -255,6 +319,7 @@ private:
     bool far_ = true;
     std::vector<typename A::Node> starts_;
     std::vector<Pair> waiting_;     ///< to be tested together
+    std::vector<Entry> from_;       ///< the boxes that these are in
     alignas(32) float nearest_[8];  ///< least gaps of boxes that were left
     Eigen::Vector3d line_, origin_; ///< from the nearest point of A found so far to that of B, of length 1 at most
     Leaves leaves_;
@@ -344,7 +409,7 @@ bool BoxWalk<A, B, Leaves>::test_if_enough(std::size_t& batch, auto found)
 
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 double BoxWalk<A, B, Leaves>::meetings(A& a, B& b, const RelativePose& b_to_a, std::optional<Pair> hint, auto found,
-                                       auto leave)
+                                       auto leave, std::optional<Place>* place)
 {
     const WalkFrame frame(a, b, b_to_a);
     far_ = true;
@@ -352,16 +417,15 @@ double BoxWalk<A, B, Leaves>::meetings(A& a, B& b, const RelativePose& b_to_a, s
     bool met = false, go_on = true;
     const auto take = [&](Pair pair) {
         met = true;
+        set_place(a, b, place, pair);
         return found(pair);
     };
     if (!go_on_after_hint(a, b, b_to_a, hint, take)) return ++hints_held, 0;
+    if (!go_on_after_place(a, b, b_to_a, frame, place, take, leave)) return ++hints_held, 0;
     std::size_t batch = first_batch;
     start_near(a, b, b_to_a, frame, 0);
     walk(frame.gap_within(0), [&](const Entry& e) {
-        each_pair(e, [&](Pair pair) {
-            if (!leave(pair)) waiting_.push_back(pair);
-            return true;
-        });
+        wait(e, leave);
         return go_on = test_if_enough(batch, take);
     });
     if (go_on) test_waiting(take);
@@ -370,7 +434,8 @@ double BoxWalk<A, B, Leaves>::meetings(A& a, B& b, const RelativePose& b_to_a, s
 
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const RelativePose& b_to_a, double clearance,
-                                                              double tolerance, std::optional<Pair> hint)
+                                                              double tolerance, std::optional<Pair> hint,
+                                                              std::optional<Place>* place)
 {
     const WalkFrame frame(a, b, b_to_a);
     // Poses may be 2^-20 from rigid: so far may a distance in A's frame be from that in the world.
@@ -379,11 +444,15 @@ NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const 
     const double enough = result.bound - rounding;
     far_ = true;
     if (frame.apart > clearance) return {false, frame.apart, {}};
+    const Entry* from = nullptr;
     const auto take = [&](Pair pair) {
         result.near = true, result.witness = pair;
+        set_place(a, b, place, pair, from);
         return false;
     };
     if (!go_on_after_hint(a, b, b_to_a, hint, take)) return ++hints_held, result;
+    if (!go_on_after_place(a, b, b_to_a, frame, place, take, [](const Pair&) { return false; }))
+        return ++hints_held, result;
     double lower = infinity; // of primitives that do not wait
     const auto take_pair = [&](Pair pair, bool small) {
         if (small || clearance > 0) {
@@ -402,7 +471,7 @@ NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const 
                 return true;
             }
         }
-        waiting_.push_back(pair);
+        waiting_.push_back(pair), from_.push_back(*from);
         return true;
     };
     std::size_t batch = first_batch;
@@ -410,6 +479,7 @@ NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const 
     walk(frame.gap_within(clearance), [&](const Entry& e) {
         const float size2 = a_[e.a].size(e.lane_a) + b_[e.b].size(e.lane_b);
         const bool small = double(size2) <= 16 * enough * enough; // else their corners are hardly so near
+        from = &e;
         return each_pair(e, [&](Pair pair) { return take_pair(pair, small); }) && test_if_enough(batch, take);
     });
     if (result.near || !test_waiting(take)) return result;

@@ -17,12 +17,50 @@ constexpr unsigned most_lanes = 8;
 /// bounds does, and of a mesh so large the first answer would wait for it.
 constexpr std::size_t most_fitted = 16384;
 /// Of more the upper levels come from a grid.
-constexpr std::size_t most_halved = 131072;
+constexpr std::size_t most_split = 131072;
+/// Items that are halved at their median; those that are sorted to try every cut; of more, cuts are tried between
+/// slices.
+constexpr std::size_t most_halved = 16, most_sorted = 64, most_tried = most_sorted / 5 + 2;
+
+std::atomic<std::uint32_t> trees_made = 1;
+
+/// A box along the mesh's axes.
+struct ItemBounds {
+    float low[3] = {most, most, most}, high[3] = {-most, -most, -most};
+
+    void add(const auto& other)
+    {
+        for (int axis = 0; axis < 3; ++axis)
+            low[axis] = std::min(low[axis], other.low[axis]), high[axis] = std::max(high[axis], other.high[axis]);
+    }
+    void add_place(const auto& item)
+    {
+        for (int axis = 0; axis < 3; ++axis)
+            low[axis] = std::min(low[axis], item.place[axis]), high[axis] = std::max(high[axis], item.place[axis]);
+    }
+    float area() const
+    {
+        const float x = high[0] - low[0], y = high[1] - low[1], z = high[2] - low[2];
+        return x * y + y * z + z * x;
+    }
+    float extent(int axis) const { return high[axis] - low[axis]; }
+    int longest() const
+    {
+        int axis = 0;
+        for (int other = 1; other < 3; ++other)
+            if (extent(other) > extent(axis)) axis = other;
+        return axis;
+    }
+
+private:
+    static constexpr float most = std::numeric_limits<float>::infinity();
+};
 
 } // namespace
 
 ObbTree::ObbTree(const Mesh& mesh)
-    : mesh_(mesh), centre_(mesh.bounds.centre()), radius_(0), chunks_(most_nodes(mesh) / chunk + 1)
+    : mesh_(mesh), identity_(trees_made.fetch_add(1, std::memory_order_relaxed)), centre_(mesh.bounds.centre()),
+      radius_(0), chunks_(most_nodes(mesh) / chunk + 1)
 {
     for (const Triangle& t : mesh.triangles)
         for (std::uint32_t v : t) radius_ = std::max(radius_, (mesh.vertices[v] - centre_).squaredNorm());
@@ -70,15 +108,12 @@ std::uint32_t ObbTree::grow(std::uint32_t parent, unsigned k)
     if (above.child[k]) return above.child[k]; // another walk was first
     if (order_.empty()) number_triangles();
     const std::uint32_t begin = above.begin[k], count = above.count[k];
-    if (count > most_halved)
+    if (count > most_split)
         if (const std::uint32_t index = grow_by_grid(above, k)) return index;
     items_.clear();
     items_.reserve(count);
     for (std::uint32_t id : std::span(order_).subspan(begin, count)) {
-        Eigen::Vector3d sum = Eigen::Vector3d::Zero(); // of floats: exact, whatever the order of the corners
-        for (std::uint32_t v : mesh_.triangles[id]) sum += (mesh_.vertices[v] - centre_).cast<float>().cast<double>();
-        const Eigen::Vector3f place = sum.cast<float>();
-        items_.push_back({{place.x(), place.y(), place.z()}, id});
+        items_.push_back(item_of(id));
     }
     const std::uint32_t index = add_node();
     BoxNode& node = at(index);
@@ -122,11 +157,19 @@ std::uint32_t ObbTree::add_nodes(const GridPart& part, std::uint32_t begin)
     return index;
 }
 
-/// Along the axis; of triangles with one centre, by their corners: so the parts do not depend on the order in the file.
-bool ObbTree::before(const Item& x, const Item& y, int axis) const
+/// Along the axis.
+inline bool ObbTree::before(const Item& x, const Item& y, int axis) const
 {
-    for (int k = 0; k < 3; ++k, axis = (axis + 1) % 3)
+    return x.place[axis] != y.place[axis] ? x.place[axis] < y.place[axis] : before_in_a_tie(x, y, axis);
+}
+
+/// Of triangles with one centre, by their corners: so the parts do not depend on the order in the file.
+bool ObbTree::before_in_a_tie(const Item& x, const Item& y, int axis) const
+{
+    for (int k = 0; k < 2; ++k) {
+        axis = (axis + 1) % 3;
         if (x.place[axis] != y.place[axis]) return x.place[axis] < y.place[axis];
+    }
     const auto sorted = [this](std::uint32_t triangle) {
         std::array<std::array<double, 3>, 3> corners;
         for (std::size_t k = 0; k < 3; ++k)
@@ -162,23 +205,101 @@ void ObbTree::halve(std::span<Item> items, std::size_t half, int axis, float low
                      [this, axis](const Item& x, const Item& y) { return before(x, y, axis); });
 }
 
-/// Halves the items, across the axis along which they spread most, until there is a part for each lane.
+ObbTree::Item ObbTree::item_of(std::uint32_t triangle) const
+{
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero(); // of floats: exact, whatever the order of the corners
+    Eigen::Vector3f low = Eigen::Vector3f::Constant(std::numeric_limits<float>::infinity()), high = -low;
+    for (std::uint32_t v : mesh_.triangles[triangle]) {
+        const Eigen::Vector3f p = (mesh_.vertices[v] - centre_).cast<float>();
+        sum += p.cast<double>(), low = low.cwiseMin(p), high = high.cwiseMax(p);
+    }
+    Item item;
+    for (int axis = 0; axis < 3; ++axis)
+        item.place[axis] = static_cast<float>(sum[axis]), item.low[axis] = low[axis], item.high[axis] = high[axis];
+    item.triangle = triangle;
+    return item;
+}
+
+/// The best cut along the axis of those that leave `least` to `most` items on the first side, by trying each: sorts the
+/// items between.
+ObbTree::Cut ObbTree::best_of_few(std::span<Item> items, std::size_t least, std::size_t most, int axis) const
+{
+    const auto first = items.begin(), from = first + std::ptrdiff_t(least), to = first + std::ptrdiff_t(most);
+    const auto in_order = [this, axis](const Item& x, const Item& y) { return before(x, y, axis); };
+    std::nth_element(first, from, items.end(), in_order);
+    if (most > least) {
+        std::nth_element(from, to, items.end(), in_order);
+        std::sort(from, to, in_order);
+    }
+    ItemBounds below, above;
+    for (const Item& item : items.first(least)) below.add(item);
+    for (const Item& item : items.subspan(most)) above.add(item);
+    std::array<float, most_tried> areas_above; // of the items from `least` + i on
+    for (std::size_t i = most - least + 1; i-- > 0;) {
+        areas_above[i] = above.area();
+        if (i > 0) above.add(items[least + i - 1]);
+    }
+    Cut best{axis, least, std::numeric_limits<float>::infinity()};
+    for (std::size_t at = least; at <= most; ++at) {
+        const float cost = float(at) * below.area() + float(items.size() - at) * areas_above[at - least];
+        if (cost < best.cost) best = {axis, at, cost};
+        if (at < most) below.add(items[at]);
+    }
+    return best;
+}
+
+/// The same of many items, between slices across the axis along which their places are in [low, high].
+ObbTree::Cut ObbTree::best_of_slices(std::span<const Item> items, std::size_t least, std::size_t most, int axis,
+                                     float low, float high) const
+{
+    constexpr std::size_t slices = 64;
+    struct Slice {
+        ItemBounds bounds;
+        std::size_t count = 0;
+    };
+    std::array<Slice, slices> slice;
+    const float scale = slices / (high - low);
+    for (const Item& item : items) {
+        Slice& s = slice[std::min(static_cast<std::size_t>((item.place[axis] - low) * scale), slices - 1)];
+        s.bounds.add(item), ++s.count;
+    }
+    std::array<float, slices> areas_above;
+    ItemBounds above, below;
+    for (std::size_t i = slices; i-- > 0;) above.add(slice[i].bounds), areas_above[i] = above.area();
+    Cut best{axis, 0, std::numeric_limits<float>::infinity()};
+    std::size_t at = 0;
+    for (std::size_t i = 0; i + 1 < slices; ++i) {
+        below.add(slice[i].bounds), at += slice[i].count;
+        if (at < least || at > most) continue;
+        const float cost = float(at) * below.area() + float(items.size() - at) * areas_above[i + 1];
+        if (cost < best.cost) best = {axis, at, cost};
+    }
+    return best;
+}
+
+/// Parts the items until there is a part for each lane.
 void ObbTree::split(BoxNode& node, std::span<Item> items, unsigned lanes, std::uint32_t begin)
 {
     if (lanes == 1) return add_lane(node, items, begin);
-    float low[3], high[3];
-    std::fill(low, low + 3, std::numeric_limits<float>::infinity());
-    std::fill(high, high + 3, -std::numeric_limits<float>::infinity());
-    for (const Item& item : items)
-        for (int axis = 0; axis < 3; ++axis)
-            low[axis] = std::min(low[axis], item.place[axis]), high[axis] = std::max(high[axis], item.place[axis]);
-    int axis = 0;
-    for (int other = 1; other < 3; ++other)
-        if (high[other] - low[other] > high[axis] - low[axis]) axis = other;
-    const std::size_t half = items.size() * (lanes / 2) / lanes;
-    halve(items, half, axis, low[axis], high[axis]);
-    split(node, items.first(half), lanes / 2, begin);
-    split(node, items.subspan(half), lanes - lanes / 2, begin + static_cast<std::uint32_t>(half));
+    const unsigned low_lanes = lanes / 2, high_lanes = lanes - low_lanes;
+    const std::size_t size = items.size(), half = size * low_lanes / lanes;
+    const std::size_t away = std::min({size / 10, half - low_lanes, size - high_lanes - half});
+    const std::size_t least = half - away, most = half + away;
+
+    ItemBounds places;
+    for (const Item& item : items) places.add_place(item);
+    const int longest = places.longest();
+    Cut best{longest, half, std::numeric_limits<float>::infinity()};
+    for (int axis = 0; size > most_halved && axis < 3; ++axis) { // of the fewest a better cut costs more than it saves
+        if (!(places.extent(axis) > 0.5f * places.extent(longest))) continue;
+        const Cut cut = size <= most_sorted
+                            ? best_of_few(items, least, most, axis)
+                            : best_of_slices(items, least, most, axis, places.low[axis], places.high[axis]);
+        if (cut.cost < best.cost) best = cut;
+    }
+    halve(items, best.at, best.axis, places.low[best.axis], places.high[best.axis]);
+    split(node, items.first(best.at), low_lanes, begin);
+    split(node, items.subspan(best.at), high_lanes, begin + static_cast<std::uint32_t>(best.at));
 }
 
 void ObbTree::add_lane(BoxNode& node, std::span<const Item> items, std::uint32_t begin)

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <oncollide/narrowphase/boxes/hierarchy.hpp>
@@ -16,6 +17,8 @@ public:
         typename Hierarchy::Node node;
         LaneMasks masks;
         std::array<std::uint32_t, 8> below; ///< slot of the node below box k; 0: not open
+        std::uint32_t above;                ///< slot of the node that it was reached from; its own: none
+        std::uint8_t lane;                  ///< box of that node that it is below
 
         bool leaf(unsigned k) const { return masks.leaves >> k & 1; }
         bool single(unsigned k) const { return masks.singles >> k & 1; }
@@ -33,7 +36,7 @@ public:
     {
         if (used_ == nodes_.size()) nodes_.resize(2 * std::size_t(used_) + 16);
         Node& open = nodes_[used_];
-        open.node = node, open.below = {};
+        open.node = node, open.below = {}, open.above = used_;
         open.masks = hierarchy_->open(node, placement_, open.boxes);
         return used_++;
     }
@@ -44,7 +47,14 @@ public:
     {
         if (const std::uint32_t below = nodes_[slot].below[k]) return below;
         const std::uint32_t below = open(hierarchy_->child(nodes_[slot].node, k));
+        nodes_[below].above = slot, nodes_[below].lane = static_cast<std::uint8_t>(k);
         return nodes_[slot].below[k] = below;
+    }
+    /// The box `levels` up from box `k`, or as far up as nodes are open.
+    std::pair<std::uint32_t, std::uint8_t> up(std::uint32_t slot, std::uint8_t k, int levels) const
+    {
+        for (; levels > 0 && nodes_[slot].above != slot; --levels) k = nodes_[slot].lane, slot = nodes_[slot].above;
+        return {slot, k};
     }
     auto primitives(std::uint32_t slot, unsigned k) const { return hierarchy_->primitives(nodes_[slot].node, k); }
 

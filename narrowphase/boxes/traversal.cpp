@@ -23,20 +23,22 @@ constexpr auto leave_none = [](TrianglePair) { return false; };
 
 template <class A, class B>
 typename TraversalOf<A, B>::Meeting TraversalOf<A, B>::first_meeting(A& a, B& b, const RelativePose& b_to_a,
-                                                                     std::optional<TrianglePair> hint)
+                                                                     std::optional<TrianglePair> hint,
+                                                                     std::optional<Place>* place)
 {
     Meeting meeting;
     const auto found = [&](TrianglePair pair) {
         meeting.pair = pair;
         return false;
     };
-    meeting.bound = walk_.meetings(a, b, b_to_a, hint, found, leave_none);
+    meeting.bound = walk_.meetings(a, b, b_to_a, hint, found, leave_none, place);
     return meeting;
 }
 
 template <class A, class B>
 typename TraversalOf<A, B>::Contact TraversalOf<A, B>::contact(A& a, B& b, const RelativePose& b_to_a,
-                                                               std::optional<TrianglePair> hint)
+                                                               std::optional<TrianglePair> hint,
+                                                               std::optional<Place>* place)
 {
     const Tests& triangles = walk_.leaves();
     Contact contact;
@@ -51,8 +53,8 @@ typename TraversalOf<A, B>::Contact TraversalOf<A, B>::contact(A& a, B& b, const
     };
     if constexpr (!two_meshes<A, B>) { // few of a terrain's triangles meet in a point, and they have no inside to share
         contact.bound = walk_.meetings(
-            a, b, b_to_a, hint, [&](TrianglePair pair) { return take(pair) != TriangleContact::crossing; },
-            only_corner);
+            a, b, b_to_a, hint, [&](TrianglePair pair) { return take(pair) != TriangleContact::crossing; }, only_corner,
+            place);
         return contact;
     } else {
         // Where two fans of n triangles touch n^2 pairs do, in one plane or in a point: one plane tells of all of them.
@@ -80,7 +82,7 @@ typename TraversalOf<A, B>::Contact TraversalOf<A, B>::contact(A& a, B& b, const
             return contact.kind != TriangleContact::crossing && !contact.parted;
         };
         const auto touch_at_most = [&](TrianglePair pair) { return parted(pair) || only_corner(pair); };
-        contact.bound = walk_.meetings(a, b, b_to_a, hint, found, touch_at_most);
+        contact.bound = walk_.meetings(a, b, b_to_a, hint, found, touch_at_most, place);
         return contact;
     }
 }
@@ -123,9 +125,10 @@ void TraversalOf<A, B>::all_meeting(A& a, B& b, const RelativePose& b_to_a, std:
 
 template <class A, class B>
 typename TraversalOf<A, B>::Nearness TraversalOf<A, B>::near(A& a, B& b, const RelativePose& b_to_a, double clearance,
-                                                             double tolerance, std::optional<TrianglePair> hint)
+                                                             double tolerance, std::optional<TrianglePair> hint,
+                                                             std::optional<Place>* place)
 {
-    return walk_.near(a, b, b_to_a, clearance, tolerance, hint);
+    return walk_.near(a, b, b_to_a, clearance, tolerance, hint, place);
 }
 
 template <class A, class B>

@@ -29,13 +29,16 @@ extern template class BoxWalk<TerrainTree, TerrainTree, TriangleTestsOf<TerrainT
 template <class A, class B>
 class alignas(128) TraversalOf { // lines of its own: one a thread
 public:
+    using Place = typename TriangleWalk<A, B>::Place;
     struct Meeting {
         std::optional<TrianglePair> pair; ///< two triangles that meet
         double bound; ///< else at least so far are the meshes apart, as placed: > 0 unless doubles cannot express it
     };
     /// Some two triangles that meet; those of `hint` if they do. Which ones depends on the meshes and poses alone.
     /// Cost: for meshes of 5,000 triangles some 3 microseconds; what the trees grow besides.
-    Meeting first_meeting(A& a, B& b, const RelativePose& b_to_a, std::optional<TrianglePair> hint = {});
+    /// @param place  as BoxWalk::meetings()
+    Meeting first_meeting(A& a, B& b, const RelativePose& b_to_a, std::optional<TrianglePair> hint = {},
+                          std::optional<Place>* place = nullptr);
 
     struct Contact {
         std::optional<TrianglePair> pair; ///< two triangles that cross, or where none do, two that touch
@@ -46,7 +49,8 @@ public:
     };
     /// Costs more than first_meeting() where they touch: then all triangles that meet are looked at, unless a plane is
     /// seen to part the meshes.
-    Contact contact(A& a, B& b, const RelativePose& b_to_a, std::optional<TrianglePair> hint = {});
+    Contact contact(A& a, B& b, const RelativePose& b_to_a, std::optional<TrianglePair> hint = {},
+                    std::optional<Place>* place = nullptr);
 
     /// All, each once, sorted, to `out`, overwritten.
     void all_meeting(A& a, B& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out);
@@ -63,7 +67,7 @@ public:
     /// As BoxWalk::near() and BoxWalk::distance().
     using Nearness = NearBounds<TrianglePair>;
     Nearness near(A& a, B& b, const RelativePose& b_to_a, double clearance, double tolerance,
-                  std::optional<TrianglePair> hint = {});
+                  std::optional<TrianglePair> hint = {}, std::optional<Place>* place = nullptr);
     using Distance = DistanceBounds<TrianglePair>;
     Distance distance(A& a, B& b, const RelativePose& b_to_a, double tolerance,
                       double farthest = std::numeric_limits<double>::infinity());
@@ -72,7 +76,7 @@ public:
         std::uint64_t box_rows = 0;   ///< tests of one box against those of a node
         std::uint64_t triangles = 0;  ///< pairs of triangles tested
         std::uint64_t unsure = 0;     ///< of these, left by the filter to exact arithmetic
-        std::uint64_t hints_held = 0; ///< queries that their hint decided
+        std::uint64_t hints_held = 0; ///< queries that their hint or place decided
     };
     Counts counts() const
     {

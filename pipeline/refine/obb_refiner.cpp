@@ -1,9 +1,11 @@
 #include <oncollide/pipeline/refine/obb_refiner.hpp>
-#include <oncollide/pipeline/refine/placed_pair.hpp>
 
 #include <algorithm>
+#include <limits>
 
 #include <oncollide/base/parallel.hpp>
+#include <oncollide/narrowphase/hulls/outer_hull.hpp>
+#include <oncollide/pipeline/refine/placed_pair.hpp>
 
 namespace oncollide {
 
@@ -15,6 +17,32 @@ std::optional<TrianglePair> hint_of(const PairMemory* memory)
 {
     return memory && memory->met ? std::optional(memory->triangles) : std::nullopt;
 }
+
+/// Where two meshes, or a mesh and a terrain, met last, for a walk to begin with and to set.
+template <class A, class B>
+class RememberedPlace {
+public:
+    explicit RememberedPlace(PairMemory* memory) : memory_(memory)
+    {
+        const auto* place = memory ? std::get_if<MeetingPlace<A, B>>(&memory->place) : nullptr;
+        if (place) place_ = *place;
+    }
+    ~RememberedPlace()
+    {
+        if (memory_ && place_) memory_->place = *place_;
+    }
+    std::optional<MeetingPlace<A, B>>* get() { return memory_ ? &place_ : nullptr; }
+
+private:
+    PairMemory* memory_;
+    std::optional<MeetingPlace<A, B>> place_;
+};
+template <>
+class RememberedPlace<TerrainTree, TerrainTree> { // few, and large
+public:
+    explicit RememberedPlace(PairMemory*) {}
+    std::optional<MeetingPlace<TerrainTree, TerrainTree>>* get() { return nullptr; }
+};
 
 void remember(PairMemory* memory, const std::optional<TrianglePair>& meeting)
 {
@@ -32,9 +60,42 @@ double surely_separate(const PairTask& task, double beyond)
     return beyond * (1 + 0x1p-16) + rounding * (reach(*task.a) + reach(*task.b));
 }
 
+/// Do their hulls show more than what is needed between two bodies? The gap is remembered. Hulls that overlapped are
+/// left alone for a while, the longer the more often they did. Bodies at rest get no other answer than before.
+bool hulls_part(const PairTask& task, double needed, PairMemory& memory, double& gap)
+{
+    const OuterHull *const a = task.a->hull(), *const b = task.b->hull();
+    if (!a || !b || task.travel == memory.walked_at) return false;
+    if (memory.hulls_rest > 0) return --memory.hulls_rest, false;
+    const HullGap found = hull_gap(*a, *b, RelativePose(*task.pose_a, *task.pose_b),
+                                   std::numeric_limits<double>::infinity(), memory.across);
+    memory.across = found.across;
+    if (!(found.gap > needed)) {
+        memory.hulls_overlapped = std::min<std::uint8_t>(memory.hulls_overlapped + 1, 7);
+        memory.hulls_rest = static_cast<std::uint8_t>((1u << memory.hulls_overlapped) - 1);
+        return false;
+    }
+    memory.hulls_overlapped = 0;
+    memory.part(found.gap, task.travel);
+    gap = found.gap;
+    return true;
+}
+
+/// Makes hulls of models of which many pairs were walked, a few a frame, the first of the list first.
+void make_hulls(std::span<const PairTask> tasks)
+{
+    constexpr int most = 4;
+    int made = 0;
+    for (const PairTask& task : tasks) {
+        if ((task.a->hull() && task.b->hull()) || !task.a->has_triangles() || !task.b->has_triangles()) continue;
+        for (Model* model : {task.a, task.b})
+            if (model->expect_hull() && made < most) model->make_hull(), ++made;
+    }
+}
+
 } // namespace
 
-/// What the pair's gap decides again, or its walk.
+/// What the pair's gap decides again, its hulls, or its walk.
 RefineResult ObbRefiner::refine(const RefineContext& context, const PairTask& task, PairMemory* memory,
                                 Worker& worker) const
 {
@@ -45,16 +106,22 @@ RefineResult ObbRefiner::refine(const RefineContext& context, const PairTask& ta
                                    : exact(context, task, hints, worker);
     };
     if (!memory) return walk(nullptr);
-    const double gap = memory->gap(task.travel);
-    if (gap > 0 && gap > surely_separate(task, settings.clearance + tolerance)) {
-        ++worker.by_gap;
-        // Without coherence it is looked up all the same.
+    const double needed = surely_separate(task, settings.clearance + tolerance);
+    double gap = memory->gap(task.travel);
+    const bool kept = gap > needed, parted = !kept && hulls_part(task, needed, *memory, gap);
+    if (kept || parted) {
+        ++(kept ? worker.by_gap : worker.by_hull);
+        // Without coherence they are walked all the same.
         if (settings.coherence) return {Verdict::separate, ContactKind::unknown, gap};
         const RefineResult again = walk(nullptr);
         return again.verdict == Verdict::separate ? RefineResult{Verdict::separate, ContactKind::unknown, gap} : again;
     }
     const RefineResult result = walk(settings.coherence ? memory : nullptr);
-    if (result.verdict == Verdict::separate) memory->part(result.bound, task.travel);
+    memory->walked_at = task.travel;
+    if (result.verdict == Verdict::separate)
+        memory->part(result.bound, task.travel);
+    else
+        memory->hulls_rest = std::max<std::uint8_t>(memory->hulls_rest, 1);
     return result;
 }
 
@@ -62,9 +129,10 @@ RefineResult ObbRefiner::near(const RefineContext& context, const PairTask& task
                               Worker& worker) const
 {
     if (!is_surface(*task.a) || !is_surface(*task.b)) return worker.solids.near(context, task, memory, tolerance);
-    return worker.walks.with(*task.a, *task.b, [&](auto& walk, auto& a, auto& b) -> RefineResult {
+    return worker.walks.with(*task.a, *task.b, [&]<class A, class B>(auto& walk, A& a, B& b) -> RefineResult {
+        RememberedPlace<A, B> place(memory);
         const auto found = walk.near(a, b, RelativePose(*task.pose_a, *task.pose_b), context.settings.clearance,
-                                     tolerance, hint_of(memory));
+                                     tolerance, hint_of(memory), place.get());
         remember(memory, found.witness);
         return {found.near ? Verdict::within : Verdict::separate, ContactKind::unknown, found.bound};
     });
@@ -86,14 +154,15 @@ RefineResult ObbRefiner::exact(const RefineContext& context, const PairTask& tas
 {
     const Settings& settings = context.settings;
     const RelativePose b_to_a(*task.pose_a, *task.pose_b);
+    RememberedPlace<A, B> place(memory);
     double bound = 0;
     if (!wants_kinds(settings)) {
-        const auto [meeting, gap] = walk.first_meeting(a, b, b_to_a, hint_of(memory));
+        const auto [meeting, gap] = walk.first_meeting(a, b, b_to_a, hint_of(memory), place.get());
         remember(memory, meeting);
         if (meeting) return {Verdict::colliding, ContactKind::unknown, 0};
         bound = gap;
     } else {
-        auto [meeting, gap, contact, parted] = walk.contact(a, b, b_to_a, hint_of(memory));
+        auto [meeting, gap, contact, parted] = walk.contact(a, b, b_to_a, hint_of(memory), place.get());
         remember(memory, meeting);
         // Closed meshes of which every two triangles only touch may share a point inside all the same.
         if constexpr (two_meshes<A, B>)
@@ -115,6 +184,7 @@ RefineResult ObbRefiner::exact(const RefineContext& context, const PairTask& tas
 void ObbRefiner::refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
                         std::span<RefineResult> results)
 {
+    if (cache) make_hulls(tasks);
     while (workers_.size() < static_cast<std::size_t>(std::max(context.threads, 1))) workers_.emplace_back();
     parallel_chunks(tasks.size(), pairs_per_chunk, context.threads,
                     [&](std::size_t begin, std::size_t end, int thread) {
@@ -135,6 +205,7 @@ void ObbRefiner::refine(RefineContext& context, std::span<const PairTask> tasks,
         context.trees.by_witness += solids.hints_held;
         worker.solids.reset_counts();
         context.trees.by_gap += worker.by_gap, worker.by_gap = 0;
+        context.trees.by_hull += worker.by_hull, worker.by_hull = 0;
     }
 }
 

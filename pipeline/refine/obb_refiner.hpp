@@ -28,7 +28,8 @@ private:
         TriangleWalks walks;
         SharedInside inside;
         SolidPairs solids;
-        std::uint64_t by_gap = 0; ///< pairs that their gap decided
+        std::uint64_t by_gap = 0;  ///< pairs that their gap decided
+        std::uint64_t by_hull = 0; ///< pairs that their hulls decided
     };
     RefineResult refine(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;
     RefineResult near(const RefineContext& context, const PairTask& task, PairMemory* memory, double tolerance,

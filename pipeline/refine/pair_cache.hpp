@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
+#include <variant>
 #include <vector>
 
 #include <oncollide/broadphase/broad_phase.hpp>
@@ -17,9 +18,16 @@ struct PairMemory {
     BodyPair pair;
     bool met = false;         ///< `triangles` met, or were as near as was asked
     TrianglePair triangles{}; ///< witness of contact; 0 for a shape
-    MapCell cell{};           ///< of a map, in place of its triangle
-    LeafPair leaves{};        ///< leaves of the sphere-trees that touched
-    double apart_until = 0;   ///< while their travel is less, so far are the bodies apart at least
+    /// Of a map the cell, in place of its triangle; else where the triangles are.
+    std::variant<std::monostate, MapCell, MeetingPlace<ObbTree, ObbTree>, MeetingPlace<TerrainTree, ObbTree>,
+                 MeetingPlace<ObbTree, TerrainTree>>
+        place;
+    LeafPair leaves{};      ///< leaves of the sphere-trees that touched
+    double apart_until = 0; ///< while their travel is less, so far are the bodies apart at least
+    double walked_at = -1;  ///< their travel when they were walked last
+    Eigen::Vector3f across = Eigen::Vector3f::Zero(); ///< what parted their hulls (hull_gap), or nearly did
+    std::uint8_t hulls_rest = 0;                      ///< their hulls are left alone for so many more walks
+    std::uint8_t hulls_overlapped = 0;                ///< so many times in a row, which is why
 
     /// @param travel  of both, now
     double gap(double travel) const { return apart_until - travel - 0x1p-50 * travel; }

@@ -55,10 +55,12 @@ std::optional<Pair> hint_of(const PairMemory* memory)
 {
     if constexpr (has_hint<Pair>) {
         if (!memory || !memory->met) return {};
-        if constexpr (has_cell<Pair>)
-            return Pair{memory->cell, memory->triangles.b};
-        else
+        if constexpr (has_cell<Pair>) {
+            const auto* cell = std::get_if<MapCell>(&memory->place);
+            return cell ? std::optional(Pair{*cell, memory->triangles.b}) : std::nullopt;
+        } else {
             return Pair{memory->triangles.a, memory->triangles.b};
+        }
     }
     return {};
 }
@@ -71,7 +73,7 @@ void remember(PairMemory* memory, const std::optional<Pair>& witness)
         memory->met = witness.has_value();
         if (!witness) return;
         if constexpr (has_cell<Pair>)
-            memory->cell = witness->a;
+            memory->place = witness->a;
         else
             memory->triangles.a = witness->a;
         memory->triangles.b = witness->b;

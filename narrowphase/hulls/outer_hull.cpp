@@ -1,0 +1,151 @@
+#include <oncollide/narrowphase/hulls/outer_hull.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <oncollide/broadphase/box_kernel.hpp>
+#include <oncollide/narrowphase/solids/simplex.hpp>
+
+namespace oncollide {
+
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+/// Vertices farther than this, of the box's diagonal, from the hull of those chosen so far are chosen too.
+constexpr double most_cover = 0x1p-8;
+constexpr std::size_t most_points = 512;
+
+/// The points of a difference of two convex sets, b - a, searched for the one nearest to 0 (Gilbert, Johnson and
+/// Keerthi, "A fast procedure for computing the distance between complex objects in three-dimensional space", 1988).
+struct Search {
+    double lower = -std::numeric_limits<double>::infinity(); ///< no point is nearer, if > 0; but for rounding
+    double upper = std::numeric_limits<double>::infinity();  ///< one is so near
+    Vector3d across = Vector3d::Zero();                      ///< of length 1: along it `lower` was seen
+
+    Simplex4 simplex; ///< the points found; may be given some to start with
+
+    /// @param v        where to look first, of a simplex without points
+    /// @param support  (direction of length 1) -> a point that shows the least along it
+    /// @param enough   (*this) -> is the search over?
+    void run(Vector3d v, auto support, auto enough)
+    {
+        constexpr int most_steps = 32;
+        if (simplex.count > 0 && !nearer(v)) return;
+        for (int step = 0; step < most_steps && !enough(*this); ++step) {
+            const double length = v.norm();
+            if (!(length > 0)) return;
+            const Vector3d n = v / length;
+            const ConvexDifference::Point p = support(n);
+            if (const double least = n.dot(p.w); least > lower) lower = least, across = n;
+            if (enough(*this) || simplex.holds(p.w)) return;
+            simplex.corner[simplex.count++] = p;
+            if (!nearer(v)) return;
+        }
+    }
+
+private:
+    /// Goes to the nearest point of the simplex. False: that is 0, or no nearer than before.
+    bool nearer(Vector3d& v)
+    {
+        simplex.reduce();
+        v = simplex.nearest();
+        const double nearest = simplex.count == 4 ? 0 : v.norm();
+        if (!(nearest < upper)) return false;
+        upper = nearest;
+        return upper > 0;
+    }
+};
+
+} // namespace
+
+OuterHull::OuterHull(const Mesh& mesh) : centre_(mesh.bounds.centre())
+{
+    const PointColumns all = used_points(mesh, centre_);
+    const auto at = [&](std::size_t i) -> Vector3d {
+        return Vector3f(all.xyz[0][i], all.xyz[1][i], all.xyz[2][i]).cast<double>();
+    };
+    std::vector<bool> chosen(all.size());
+    constexpr int side = 2;
+    for (int x = -side; x <= side; ++x)
+        for (int y = -side; y <= side; ++y)
+            for (int z = -side; z <= side; ++z) {
+                if (std::max({std::abs(x), std::abs(y), std::abs(z)}) < side) continue;
+                const Vector3f d = Vector3f(float(x), float(y), float(z)).normalized();
+                const std::uint32_t i = box_kernel().farthest(all.xyz[0].data(), all.xyz[1].data(), all.xyz[2].data(),
+                                                              static_cast<std::uint32_t>(all.size()), d.data());
+                if (!chosen[i]) chosen[i] = true, add(all, i);
+            }
+    const double allowed = most_cover * mesh.bounds.diagonal();
+    Simplex4 last; // of the vertex before, which is mostly close by
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        if (chosen[i]) continue;
+        const Vector3d p = at(i);
+        const bool full = count_ >= most_points;
+        const double bar = full ? std::max(cover_, allowed) : allowed;
+        Search search;
+        search.simplex = last;
+        for (int k = 0; k < last.count; ++k) search.simplex.corner[k].w = p - last.corner[k].a;
+        search.run(
+            p,
+            [&](const Vector3d& n) {
+                const Vector3d q = farthest(n.cast<float>());
+                return ConvexDifference::Point{p - q, q};
+            },
+            [&](const Search& s) { return s.upper <= bar || (!full && s.lower > bar); });
+        last = search.simplex;
+        if (search.upper > bar && !full)
+            add(all, i);
+        else
+            cover_ = std::max(cover_, search.upper);
+    }
+    for (std::vector<float>& column : points_.xyz) column.shrink_to_fit();
+    // Points as floats, which near 0 are 2^-149 apart, and the rounding of the search.
+    const double reach = mesh.bounds.half_extent().norm();
+    cover_ = cover_ * (1 + 0x1p-20) + 0x1p-22 * reach + 0x1p-148;
+    extent_ = reach * (1 + 0x1p-20);
+}
+
+/// In place of a copy, if there is one.
+void OuterHull::add(const PointColumns& from, std::size_t i)
+{
+    if (count_ == points_.size())
+        for (int k = 0; k < 8; ++k) points_.add(from, i);
+    for (std::size_t k = count_; k < points_.size(); ++k)
+        for (std::size_t axis = 0; axis < 3; ++axis) points_.xyz[axis][k] = from.xyz[axis][i];
+    ++count_;
+}
+
+Vector3d OuterHull::farthest(const Vector3f& direction) const
+{
+    const auto& [x, y, z] = points_.xyz;
+    const std::uint32_t i =
+        box_kernel().farthest(x.data(), y.data(), z.data(), static_cast<std::uint32_t>(x.size()), direction.data());
+    return Vector3f(x[i], y[i], z[i]).cast<double>();
+}
+
+HullGap hull_gap(const OuterHull& a, const OuterHull& b, const RelativePose& b_to_a, double wanted,
+                 const Vector3f& first)
+{
+    const Vector3d between = b_to_a(b.centre()) - a.centre();
+    // Poses may be 2^-20 from rigid. A point that is farthest in float may show less than another one by 2^-21 of the
+    // extent, as may a direction that was turned and rounded.
+    const double rounding = 0x1p-18 * (a.extent() + b.extent()) + 0x1p-46 * b_to_a.translation.norm();
+    const double covered = (a.cover() + b.cover()) * (1 + 0x1p-18) + rounding;
+    Search search;
+    search.run(
+        first.isZero(0) ? between : first.cast<double>(),
+        [&](const Vector3d& n) {
+            const Vector3d of_a = a.farthest(n.cast<float>());
+            const Vector3d of_b = b.farthest((b_to_a.rotation.transpose() * -n).cast<float>());
+            return ConvexDifference::Point{between + b_to_a.rotation * of_b - of_a, of_a};
+        },
+        [&](const Search& s) { return s.lower >= wanted + covered || s.upper <= covered || s.lower >= 0.9 * s.upper; });
+    const double gap = (search.lower - covered) * (1 - 0x1p-18);
+    return {std::max(gap, 0.0), search.across.cast<float>()};
+}
+
+} // namespace oncollide
