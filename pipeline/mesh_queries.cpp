@@ -133,8 +133,14 @@ struct MeshQueries::Impl {
 
     void refine_batch()
     {
-        refined.assign(tasks.size(), {Verdict::undecided, ContactKind::unknown, 0});
+        constexpr double unknown = std::numeric_limits<double>::infinity();
+        refined.assign(tasks.size(), {Verdict::undecided, ContactKind::unknown, unknown});
         levels.run(context, tasks, refined);
+        const auto box = [](const Model& model, const Eigen::Isometry3d& pose) { return model.bounds().box(pose); };
+        for (std::size_t i = 0; i < tasks.size(); ++i) // what no level had room or time for
+            if (refined[i].verdict == Verdict::undecided && refined[i].bound == unknown)
+                refined[i].bound =
+                    farthest_apart(box(*tasks[i].a, *tasks[i].pose_a), box(*tasks[i].b, *tasks[i].pose_b));
     }
 
     template <class Queries>
@@ -145,13 +151,15 @@ struct MeshQueries::Impl {
         in_batches(queries, distances.size(), [&](std::size_t first) {
             for (const PairTask& task : tasks)
                 for (Model* model : {task.a, task.b}) store.admit_boxes(*model, context.frame);
-            parallel_chunks(tasks.size(), 64, context.threads, [&](std::size_t begin, std::size_t end, int thread) {
+            parallel_chunks(tasks.size(), 16, context.threads, [&](std::size_t begin, std::size_t end, int thread) {
                 const auto has_tree = [](const Model& model) { return !model.has_triangles() || model.boxes; };
+                bool stopped = false;
                 for (std::size_t i = begin; i < end; ++i) {
                     const PairTask& task = tasks[i];
                     Distance& out = distances[first + i];
-                    out = {}; // a mesh for whose tree a budget has no room: nothing is known
-                    if (has_tree(*task.a) && has_tree(*task.b))
+                    out = {}; // stopped, or a mesh for whose tree a budget has no room: nothing is known
+                    if (i % 16 == 0) stopped = context.stopped();
+                    if (!stopped && has_tree(*task.a) && has_tree(*task.b))
                         out = finders[static_cast<std::size_t>(thread)].find(task, settings.mode, tolerance, farthest);
                 }
             });
