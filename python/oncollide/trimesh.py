@@ -1,8 +1,8 @@
 """CollisionManager with the names and returns of trimesh's, for anything that has `vertices` and `faces`.
 
-What differs: poses stay in double; equal meshes share one model; nothing is built when an object is added; touching counts,
-exactly; of meshes that meet the distance is 0, not negative, and `depth` is nan, because oncollide estimates none. What is
-added: `bound`, certified metres.
+What differs: poses stay in double; equal meshes share one model; nothing is built when an object is added; all closed meshes
+are solids, not only convex ones; touching counts, exactly; of meshes that meet the distance is 0, not negative, and `depth`
+is nan, because oncollide estimates none. What is added: `bound`, certified metres.
 """
 
 from __future__ import annotations
@@ -65,14 +65,17 @@ class DistanceData:
 class CollisionManager:
     """Which of many meshes collide, and how far apart they are.
 
-    settings: of oncollide.World; exact='predicates' unless they say otherwise. With max_error=0.01 and exact='off',
-    objects closer than 1 cm may count as in collision, and `bound` says how close they are at most.
+    settings: of oncollide.World. Unless they say otherwise exact='predicates' and mode='solid', in which a mesh that is
+    not closed is a surface. With max_error=0.01 and exact='off', objects closer than 1 cm may count as in collision, and
+    `bound` says how close they are at most.
     """
 
     _KEPT = 8  # models of *_single calls that are kept for the next one
 
     def __init__(self, **settings):
-        settings.setdefault("exact", "predicates")
+        settings = {"exact": "predicates", "mode": "solid", **settings}
+        if settings["mode"] == "solid":
+            settings.setdefault("open_as_surface", True)
         self._world = World(**settings)
         self._bodies = {}  # name -> id
         self._names = {}  # id -> name
@@ -108,7 +111,8 @@ class CollisionManager:
     def in_collision_single(self, mesh, transform=None, return_names=False, return_data=False):
         """Does a mesh collide with any object?
 
-        Returns a bool; with return_names also the set of their names; with return_data also a list of ContactData.
+        Returns a bool; with return_names also the set of their names; with return_data also a list of ContactData: every
+        pair of triangles that meet, so none of a mesh that lies wholly inside another.
         """
         key = self._model_key(mesh)
         hits = self._world.query(self._models[key][0], transform)

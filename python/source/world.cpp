@@ -770,9 +770,9 @@ hit nothing; None: no ray is too long.)");
                                 "HeldWorld for bodies, boxes and trees, bytes; the geometries come on top (int).");
     world.def_property_readonly("backend", look("World.backend", [](const World& w) { return w.backend(); }),
                                 "What finds grey cells, e.g. 'cpu (avx2)' (str).");
-    world.def("__repr__", look("World.__repr__", [](const World& w) {
-                  return fmt::format("<oncollide.World: {} bodies, {} models>", w.size(), w.models());
-              }));
+    world.def("__repr__", [](const HeldWorld& held) { // also while another thread is inside
+        return fmt::format("<oncollide.World {}>", held.number);
+    });
 }
 
 } // namespace oncollide::python

@@ -106,6 +106,21 @@ def test_equal_meshes_share_a_model_and_changed_ones_do_not():
     assert len(manager._models) <= CollisionManager._KEPT and len(manager._world) == 0
 
 
+def test_what_lies_inside_a_closed_mesh_collides():
+    for inner, outer in [(Cube(0.1), Cube()), (Cube(), Cube(3))]:
+        for settings, expected in [({}, True), ({"mode": "surface"}, False)]:
+            manager = CollisionManager(**settings)
+            manager.add_object("outer", outer, at(-0.5, -0.5, -0.5))
+            hit, names, data = manager.in_collision_single(inner, at(0.01), return_names=True, return_data=True)
+            assert (hit, names, data) == (expected, {"outer"} if expected else set(), [])
+            assert (manager.min_distance_single(inner, at(0.01)) == 0) == expected
+    open_mesh = Cube()
+    open_mesh.faces = open_mesh.faces[:-1]
+    manager = CollisionManager()
+    manager.add_object("open", open_mesh)
+    assert not manager.in_collision_single(Cube(0.1), at(0.5, 0.5, 0.5))
+
+
 def test_poses_stay_in_double():
     manager = CollisionManager()
     manager.add_object("a", Cube(), at(1e6))
