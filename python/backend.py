@@ -57,21 +57,38 @@ def get_requires_for_build_wheel(config_settings=None):
     return []
 
 
-def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
+def _dist_info():
+    """Files of the wheel that describe it, by path."""
     version, stem = _project()
-    tag = f"cp{sys.version_info[0]}{sys.version_info[1]}"
-    platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
-    folder = Path((config_settings or {}).get("build-dir", ROOT / "build" / f"wheel-{tag}"))
+    return {
+        f"{stem}.dist-info/METADATA": _metadata(version).encode(),
+        f"{stem}.dist-info/WHEEL": f"Wheel-Version: 1.0\nGenerator: oncollide\nRoot-Is-Purelib: false\nTag: {_tag()}\n".encode(),
+        f"{stem}.dist-info/LICENSE": (ROOT / "LICENSE").read_bytes(),
+    }
+
+
+def _tag():
+    python = f"cp{sys.version_info[0]}{sys.version_info[1]}"
+    return f"{python}-{python}-" + sysconfig.get_platform().replace("-", "_").replace(".", "_")
+
+
+def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
+    for path, data in _dist_info().items():
+        file = Path(metadata_directory, path)
+        file.parent.mkdir(exist_ok=True)
+        file.write_bytes(data)
+    return f"{_project()[1]}.dist-info"
+
+
+def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
+    stem = _project()[1]
+    folder = Path((config_settings or {}).get("build-dir", ROOT / "build" / f"wheel-{_tag().partition('-')[0]}"))
     _build(folder)
-    name = f"{stem}-{tag}-{tag}-{platform}.whl"
+    name = f"{stem}-{_tag()}.whl"
     with tempfile.TemporaryDirectory() as staging:
         _run("cmake", "--install", folder, "--component", "python", "--prefix", staging, "--strip")
         files = {str(f.relative_to(staging)): f.read_bytes() for f in sorted(Path(staging).rglob("*")) if f.is_file()}
-    files[f"{stem}.dist-info/METADATA"] = _metadata(version).encode()
-    files[f"{stem}.dist-info/WHEEL"] = (
-        f"Wheel-Version: 1.0\nGenerator: oncollide\nRoot-Is-Purelib: false\nTag: {tag}-{tag}-{platform}\n"
-    ).encode()
-    files[f"{stem}.dist-info/LICENSE"] = (ROOT / "LICENSE").read_bytes()
+    files.update(_dist_info())
     record = ""
     for path, data in files.items():
         digest = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
