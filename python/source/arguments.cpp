@@ -122,7 +122,11 @@ bool truth(py::handle value, const Place& place)
 std::string text(py::handle value, const Place& place)
 {
     if (!PyUnicode_Check(value.ptr())) refuse_type(place, "a str", value);
-    return py::cast<std::string>(value);
+    Py_ssize_t size = 0;
+    if (const char* const bytes = PyUnicode_AsUTF8AndSize(value.ptr(), &size))
+        return {bytes, static_cast<std::size_t>(size)};
+    PyErr_Clear();
+    refuse_value(place, "holds a lone surrogate, which is no character");
 }
 
 std::string path(py::handle value, const Place& place)

@@ -18,6 +18,8 @@ Settings settings_of(const py::kwargs& arguments, const char* call);
 
 // Each adds its part to the module.
 void bind_geometry(py::module_& module);
+void bind_shapes(py::module_& module);
+void bind_grids(py::module_& module);
 void bind_world(py::module_& module);
 void bind_queries(py::module_& module);
 

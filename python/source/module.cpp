@@ -55,6 +55,8 @@ PYBIND11_MODULE(_core, m)
     options.disable_function_signatures(); // docstrings begin with signatures that inspect understands
     bind_error(m);
     bind_geometry(m);
+    bind_shapes(m);
+    bind_grids(m);
     bind_world(m);
     bind_queries(m);
     interpreter_begins();

@@ -67,7 +67,7 @@ Settings settings_of(const py::kwargs& arguments, const char* call)
 {
     Settings made;
     for (const auto& [key, value] : arguments) {
-        const auto name = py::cast<std::string>(key);
+        const std::string name = text(key, {call, "the name of a setting"});
         const auto* const found = std::find_if(known_settings.begin(), known_settings.end(),
                                                [&](const Setting& s) { return name == s.name; });
         if (found == known_settings.end()) {

@@ -1,6 +1,7 @@
 """Geometries: from arrays, from files, by their sizes."""
 
 import gc
+import os
 
 import numpy as np
 import pytest
@@ -126,6 +127,8 @@ def test_a_map_is_its_cells():
     assert len(world.query(ball, at(1.25, 1.25, 2.25))) == 0 and len(world.query(ball, at(0.75, 1.25, 2.25))) == 1
     world.insert_scan(model, [[4.1, 1.1, -3.1]], [0.1, 1.1, -3.1])
     assert len(world.query(ball, at(4.25, 1.25, -3.25))) == 1
+    world.replace_cells(model, [-9, -9, -9], [9, 9, 9], oncollide.occupancy_map([[20, 20, 20], [6, 0, 0]], 0.5))
+    assert len(world.query(ball, at(3.25, 0.25, 0.25))) == 1 and len(world.query(ball, at(4.25, 1.25, -3.25))) == 0
     assert np.allclose(cells.bounds[1], [1.5, 1.5, 2.5]), "the geometry itself never changes"
 
 
@@ -133,7 +136,10 @@ def test_files_become_geometries(tmp_path):
     (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     mesh = oncollide.load_mesh(tmp_path / "a.obj", scale=2.0)
     assert np.array_equal(mesh.bounds, [[0, 0, 0], [2, 2, 0]]) and mesh.name == str(tmp_path / "a.obj")
-    assert np.array_equal(oncollide.load_mesh(bytes(tmp_path / "a.obj"), centre=True).bounds[1], [0.5, 0.5, 0])
+    odd = os.fsencode(tmp_path) + b"/\xff.obj"  # no UTF-8
+    os.link(tmp_path / "a.obj", odd)
+    assert np.array_equal(oncollide.load_mesh(odd, centre=True).bounds[1], [0.5, 0.5, 0])
+    assert os.fsencode(oncollide.load_mesh(os.fsdecode(odd)).name) == odd
     np.save(tmp_path / "h.npy", np.arange(12.0).reshape(3, 4))
     assert np.array_equal(oncollide.load_terrain(str(tmp_path / "h.npy"), spacing=2).bounds, [[0, 0, 0], [6, 4, 11]])
     for load, name in [(oncollide.load_mesh, "b.obj"), (oncollide.load_map, "b.bt"), (oncollide.load_terrain, "b.pgm")]:
