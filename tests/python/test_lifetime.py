@@ -107,6 +107,27 @@ def test_const_calls_run_side_by_side():
     assert not faults
 
 
+def test_a_world_with_a_gpu_belongs_to_its_thread():
+    try:
+        world = oncollide.World(backend="gl-compute", depth=4)
+    except oncollide.Error as error:
+        assert error.kind == "no_gpu"
+        pytest.skip(str(error))
+    world.add_bodies(world.add(oncollide.sphere_mesh(1.0, 200)), [at(0), at(1)])
+    assert len(world.step().began) == 1
+    refused = []
+
+    def step():
+        try:
+            world.step()
+        except oncollide.Error as error:
+            refused.append(str(error))
+
+    thread = threading.Thread(target=step)
+    thread.start(), thread.join()
+    assert "belongs to the thread that made it" in refused[0]
+
+
 @pytest.mark.parametrize("settings", [{"depth": 6}, {"max_error": 1e-4}, {"exact": "predicates", "threads": 2}], ids=str)
 def test_ctrl_c_ends_a_step_soon_and_the_world_goes_on(settings):
     world = slow(**settings)
