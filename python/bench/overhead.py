@@ -18,6 +18,7 @@ parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.R
 parser.add_argument("--baseline", help="the program that times the same calls in C++; without it there is no overhead column")
 parser.add_argument("--csv", help="where to write the table")
 parser.add_argument("--seconds", type=float, default=0.2, help="for each call, about")
+parser.add_argument("--rounds", type=int, default=3, help="of all calls, of which the least counts")
 options = parser.parse_args()
 
 
@@ -72,7 +73,7 @@ def baseline():
 
 
 least, native = {}, {}
-for _ in range(7 if options.baseline else 1):  # turn about, as others use the machine, too
+for _ in range(options.rounds):  # turn about, as others use the machine, too
     if options.baseline:
         for name, ns in baseline().items():
             native[name] = min(ns, native.get(name, ns))
