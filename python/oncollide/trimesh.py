@@ -5,8 +5,6 @@ are solids, not only convex ones; touching counts, exactly; of meshes that meet 
 is nan, because oncollide estimates none. What is added: `bound`, certified metres.
 """
 
-from __future__ import annotations
-
 import collections
 import hashlib
 import math
@@ -172,7 +170,7 @@ class CollisionManager:
         """How far apart are the nearest two objects?
 
         Returns metres, 0 where two meet, inf with fewer than two; with return_names also the two names, sorted; with
-        return_data also a DistanceData.
+        return_data also a DistanceData. Cost: of every two objects, those least that are far apart.
         """
         nearest = _Nearest()
         objects = list(self._bodies.items())

@@ -7,11 +7,11 @@ namespace oncollide::python {
 
 namespace {
 
-std::size_t same_length(const Poses& poses, std::size_t others, const Place& place)
+void check_length(const Poses& poses, std::size_t count, const Place& place)
 {
-    if (!poses.one() && poses.size() != others)
-        refuse_value(place, fmt::format("{} poses for {}; must be as many, or one for all", poses.size(), others));
-    return others;
+    if (!poses.one() && poses.size() != count)
+        refuse_value(place,
+                     fmt::format("{} poses for {} bodies; must be as many, or one for all", poses.size(), count));
 }
 
 py::object add_body(HeldWorld& held, py::handle model, py::handle at, py::handle fixed, py::handle layer,
@@ -52,7 +52,7 @@ void set_poses(HeldWorld& held, py::handle which, py::handle at)
     const char* const call = "World.set_poses";
     const std::vector<BodyId> ids = bodies(which, {call, "bodies"});
     const Poses poses(at, {call, "poses"});
-    same_length(poses, ids.size(), {call, "poses"});
+    check_length(poses, ids.size(), {call, "poses"});
     std::vector<Eigen::Isometry3d> made(ids.size());
     for (std::size_t i = 0; i < ids.size(); ++i) made[i] = poses[i];
     const Inside inside(held, call);

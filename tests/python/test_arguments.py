@@ -105,7 +105,7 @@ CASES = [
     (lambda: world().set_pose(0.0, np.eye(4)), TypeError, "World.set_pose: body: expected a whole number; got float"),
     (lambda: world().set_pose(True, np.eye(4)), TypeError, "World.set_pose: body: expected a whole number; got bool"),
     (lambda: world().set_pose(9, np.eye(4)), Error, "body 9 (generation 0): there is none"),
-    (lambda: world().set_poses([0, 1], np.tile(np.eye(4), (3, 1, 1))), ValueError, "World.set_poses: poses: 3 poses for 2; must be as many, or one for all"),
+    (lambda: world().set_poses([0, 1], np.tile(np.eye(4), (3, 1, 1))), ValueError, "World.set_poses: poses: 3 poses for 2 bodies; must be as many, or one for all"),
     (lambda: world().set_poses([[0, 1]], np.eye(4)), ValueError, "World.set_poses: bodies: expected shape (N,), got (1, 2)"),
     (lambda: world().set_poses([0.0, 1.0], np.eye(4)), TypeError, "World.set_poses: bodies: expected an array of whole numbers"),
     (lambda: world().set_poses([-1], np.eye(4)), Error, "there is none"),
