@@ -96,6 +96,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Way{"both",
                           {.depth = 4, .exact = ExactLevel::predicates, .bounding_volume = BoundingVolume::sphere}},
                       Way{"spheres_on_threads", {.depth = 5, .threads = 3}},
+                      Way{"solid", {.exact = ExactLevel::predicates, .mode = Mode::solid}},
                       Way{"fcl", {.max_error = 0.05, .exact = ExactLevel::fcl}}),
     [](const auto& way) { return std::string(way.param.name); });
 
