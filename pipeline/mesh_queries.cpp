@@ -1,13 +1,14 @@
 #include <oncollide/pipeline/mesh_queries.hpp>
 
 #include <algorithm>
+#include <tuple>
 
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/pipeline/refine/contact_finding.hpp>
 #include <oncollide/pipeline/refine/narrowing.hpp>
+#include <oncollide/pipeline/refine/pair_distance.hpp>
 
 namespace oncollide {
 
@@ -38,46 +39,45 @@ struct MeshQueries::Impl {
     std::vector<Model*> models; ///< by mesh
     BothLevels levels;
     RefineContext context;
-    std::vector<PairTask> tasks;
+    std::vector<MeshQuery> placed; ///< a batch of columns
+    std::vector<PairTask> tasks;   ///< of the batch under way
     std::vector<RefineResult> refined;
-    std::vector<ContactFinding> finders; ///< by thread
+    std::vector<PairDistance> finders; ///< by thread
 
-    Impl(std::vector<Mesh> meshes, const Settings& s)
+    Impl(const std::vector<std::shared_ptr<const Geometry>>& geometries, const Settings& s)
         : settings(checked(s)), store(settings, make_cpu_backend()),
           levels(settings, store), context{.settings = settings, .trees = {}, .rounds = {}, .began = {}}
     {
         context.threads = thread_count(settings);
-        for (std::size_t i = 0; i < meshes.size(); ++i) {
-            const std::string name = fmt::format("mesh {}", i);
-            check_mesh(name, meshes[i]);
-            models.push_back(
-                &store[store.add(std::make_shared<const Geometry>(Geometry{name, std::move(meshes[i]), {}}))]);
+        for (std::size_t i = 0; i < geometries.size(); ++i) {
+            if (!geometries[i])
+                throw Error(ErrorKind::usage, fmt::format("MeshQueries: mesh {}: no geometry given", i));
+            models.push_back(&store[store.add(geometries[i])]);
         }
     }
 
     void check_query(const MeshQuery& query, std::size_t number) const
     {
-        for (const auto& [mesh, pose] : {std::pair(query.a, &query.pose_a), std::pair(query.b, &query.pose_b)}) {
+        for (const auto& [mesh, pose, name] :
+             {std::tuple(query.a, &query.pose_a, "pose_a"), std::tuple(query.b, &query.pose_b, "pose_b")}) {
             if (mesh >= models.size())
-                throw Error(ErrorKind::usage, fmt::format("query {}: there is no mesh {}", number, mesh));
+                throw Error(ErrorKind::usage,
+                            fmt::format("query {}: there is no mesh {}, only {}", number, mesh, models.size()));
             if (const std::string why = why_not_rigid(*pose); !why.empty())
-                throw Error(ErrorKind::bad_data, fmt::format("query {}: {}", number, why));
+                throw Error(ErrorKind::bad_data, fmt::format("query {}: {}: {}", number, name, why));
         }
     }
 
     /// Calls work(first) for batches whose tasks are ready.
-    template <class Work>
-    void in_batches(std::span<const MeshQuery> queries, std::size_t room, Work work)
+    /// @param batch_of  gives the queries from `first` on, `count` of them, checked
+    template <class BatchOf, class Work>
+    void in_batches(std::size_t queries, BatchOf batch_of, Work work)
     {
-        if (queries.size() != room)
-            throw Error(ErrorKind::usage,
-                        fmt::format("MeshQueries: {} queries, room for {} results", queries.size(), room));
-        for (std::size_t i = 0; i < queries.size(); ++i) check_query(queries[i], i);
         const ExecutorScope scope(settings.executor);
         context.trees = {}, context.rounds.clear();
-        for (std::size_t first = 0; first < queries.size(); first += batch) {
+        for (std::size_t first = 0; first < queries; first += batch) {
             tasks.clear();
-            for (const MeshQuery& q : queries.subspan(first, std::min(batch, queries.size() - first)))
+            for (const MeshQuery& q : std::span<const MeshQuery>(batch_of(first, std::min(batch, queries - first))))
                 tasks.push_back(
                     {static_cast<std::uint32_t>(tasks.size()), models[q.a], models[q.b], &q.pose_a, &q.pose_b});
             work(first);
@@ -85,16 +85,109 @@ struct MeshQueries::Impl {
         store.age(context.frame++);
     }
 
-    void run_batch(std::span<MeshResult> results)
+    template <class Work>
+    void in_batches(std::span<const MeshQuery> queries, std::size_t room, Work work)
     {
-        refined.assign(tasks.size(), {Verdict::undecided, ContactKind::unknown, 0});
+        if (queries.size() != room)
+            throw Error(ErrorKind::usage,
+                        fmt::format("MeshQueries: {} queries, room for {} results", queries.size(), room));
+        for (std::size_t i = 0; i < queries.size(); ++i) check_query(queries[i], i);
+        in_batches(
+            room, [&](std::size_t first, std::size_t count) { return queries.subspan(first, count); }, work);
+    }
+
+    template <class Work>
+    void in_batches(const MeshQueryColumns& columns, std::size_t room, Work work)
+    {
+        for (const auto& [name, entries, width] :
+             {std::tuple("a", columns.a.size(), std::size_t{1}), std::tuple("b", columns.b.size(), std::size_t{1}),
+              std::tuple("poses_a", columns.poses_a.size(), std::size_t{16}),
+              std::tuple("poses_b", columns.poses_b.size(), std::size_t{16})})
+            if (entries != width && entries != width * room)
+                throw Error(ErrorKind::usage, fmt::format("MeshQueries: {}: {} numbers; must be {}, or {} for all of "
+                                                          "the {} queries",
+                                                          name, entries, width * room, width, room));
+        const auto number = [](std::span<const std::uint32_t> column, std::size_t i) {
+            return column[column.size() > 1 ? i : 0];
+        };
+        const auto pose = [](std::span<const double> column, std::size_t i) {
+            using RowByRow = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
+            Eigen::Isometry3d made;
+            made.matrix() = Eigen::Map<const RowByRow>(column.data() + (column.size() > 16 ? 16 * i : 0));
+            return made;
+        };
+        in_batches(
+            room,
+            [&](std::size_t first, std::size_t count) -> std::span<const MeshQuery> {
+                placed.resize(count);
+                for (std::size_t i = 0; i < count; ++i) {
+                    const std::size_t at = first + i;
+                    placed[i] = {number(columns.a, at), number(columns.b, at), pose(columns.poses_a, at),
+                                 pose(columns.poses_b, at)};
+                    check_query(placed[i], at);
+                }
+                return placed;
+            },
+            work);
+    }
+
+    void refine_batch()
+    {
+        constexpr double unknown = std::numeric_limits<double>::infinity();
+        refined.assign(tasks.size(), {Verdict::undecided, ContactKind::unknown, unknown});
         levels.run(context, tasks, refined);
-        for (std::size_t i = 0; i < refined.size(); ++i) results[i] = {refined[i].verdict, refined[i].bound};
+        const auto box = [](const Model& model, const Eigen::Isometry3d& pose) { return model.bounds().box(pose); };
+        for (std::size_t i = 0; i < tasks.size(); ++i) // what no level had room or time for
+            if (refined[i].verdict == Verdict::undecided && refined[i].bound == unknown)
+                refined[i].bound =
+                    farthest_apart(box(*tasks[i].a, *tasks[i].pose_a), box(*tasks[i].b, *tasks[i].pose_b));
+    }
+
+    template <class Queries>
+    void find_distances(const Queries& queries, double tolerance, std::span<Distance> distances, double farthest)
+    {
+        check_distance(tolerance, farthest);
+        finders.resize(static_cast<std::size_t>(context.threads));
+        in_batches(queries, distances.size(), [&](std::size_t first) {
+            for (const PairTask& task : tasks)
+                for (Model* model : {task.a, task.b}) store.admit_boxes(*model, context.frame);
+            parallel_chunks(tasks.size(), 16, context.threads, [&](std::size_t begin, std::size_t end, int thread) {
+                const auto has_tree = [](const Model& model) { return !model.has_triangles() || model.boxes; };
+                bool stopped = false;
+                for (std::size_t i = begin; i < end; ++i) {
+                    const PairTask& task = tasks[i];
+                    Distance& out = distances[first + i];
+                    out = {}; // stopped, or a mesh for whose tree a budget has no room: nothing is known
+                    if (i % 16 == 0) stopped = context.stopped();
+                    if (!stopped && has_tree(*task.a) && has_tree(*task.b))
+                        out = finders[static_cast<std::size_t>(thread)].find(task, settings.mode, tolerance, farthest);
+                }
+            });
+        });
     }
 };
 
+namespace {
+
+std::vector<std::shared_ptr<const Geometry>> checked(std::vector<Mesh> meshes)
+{
+    std::vector<std::shared_ptr<const Geometry>> geometries;
+    for (Mesh& mesh : meshes) {
+        std::string name = fmt::format("mesh {}", geometries.size());
+        check_mesh(name, mesh);
+        geometries.push_back(std::make_shared<const Geometry>(Geometry{std::move(name), std::move(mesh), {}}));
+    }
+    return geometries;
+}
+
+} // namespace
+
+MeshQueries::MeshQueries(std::vector<std::shared_ptr<const Geometry>> geometries, const Settings& settings)
+    : impl_(std::make_unique<Impl>(geometries, settings))
+{
+}
 MeshQueries::MeshQueries(std::vector<Mesh> meshes, const Settings& settings)
-    : impl_(std::make_unique<Impl>(std::move(meshes), settings))
+    : MeshQueries(checked(std::move(meshes)), settings)
 {
 }
 MeshQueries::~MeshQueries() = default;
@@ -103,30 +196,41 @@ MeshQueries::MeshQueries(MeshQueries&&) noexcept = default;
 void MeshQueries::run(std::span<const MeshQuery> queries, std::span<MeshResult> results)
 {
     Impl& p = *impl_;
-    p.in_batches(queries, results.size(),
-                 [&](std::size_t first) { p.run_batch(results.subspan(first, p.tasks.size())); });
+    p.in_batches(queries, results.size(), [&](std::size_t first) {
+        p.refine_batch();
+        for (std::size_t i = 0; i < p.refined.size(); ++i)
+            results[first + i] = {p.refined[i].verdict, p.refined[i].bound};
+    });
+}
+
+void MeshQueries::run(const MeshQueryColumns& queries, std::span<Verdict> verdicts, std::span<double> bounds)
+{
+    Impl& p = *impl_;
+    if (verdicts.size() != bounds.size())
+        throw Error(ErrorKind::usage,
+                    fmt::format("MeshQueries: room for {} verdicts, but {} bounds", verdicts.size(), bounds.size()));
+    p.in_batches(queries, verdicts.size(), [&](std::size_t first) {
+        p.refine_batch();
+        for (std::size_t i = 0; i < p.refined.size(); ++i)
+            verdicts[first + i] = p.refined[i].verdict, bounds[first + i] = p.refined[i].bound;
+    });
 }
 
 void MeshQueries::distances(std::span<const MeshQuery> queries, double tolerance, std::span<Distance> distances,
                             double farthest)
 {
-    check_distance(tolerance, farthest);
-    Impl& p = *impl_;
-    p.finders.resize(static_cast<std::size_t>(p.context.threads));
-    p.in_batches(queries, distances.size(), [&](std::size_t first) {
-        for (const PairTask& task : p.tasks)
-            for (Model* model : {task.a, task.b}) p.store.admit_boxes(*model, p.context.frame);
-        parallel_chunks(p.tasks.size(), 64, p.context.threads, [&](std::size_t begin, std::size_t end, int thread) {
-            for (std::size_t i = begin; i < end; ++i) {
-                const PairTask& task = p.tasks[i];
-                Distance& out = distances[first + i];
-                out = {}; // a mesh for whose tree a budget has no room: nothing is known
-                if (task.a->boxes && task.b->boxes)
-                    out = p.finders[static_cast<std::size_t>(thread)].distance(
-                        *task.a->boxes, *task.pose_a, *task.b->boxes, *task.pose_b, tolerance, farthest);
-            }
-        });
-    });
+    impl_->find_distances(queries, tolerance, distances, farthest);
+}
+
+void MeshQueries::distances(const MeshQueryColumns& queries, double tolerance, std::span<Distance> distances,
+                            double farthest)
+{
+    impl_->find_distances(queries, tolerance, distances, farthest);
+}
+
+std::size_t MeshQueries::size() const
+{
+    return impl_->models.size();
 }
 
 std::size_t MeshQueries::bytes() const

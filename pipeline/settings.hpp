@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -52,6 +53,9 @@ struct Settings {
                                      ///< to 16 MiB, bounds the walks that wait for trees to grow
     bool coherence = true;           ///< try what decided a pair last first, and leave those apart that cannot have met
                                      ///< since. Never changes the result: without, every pair is walked all the same
+    /// Asked every few pairs, by any thread of the call. From when it returns true, pairs that are not refined yet stay
+    /// `undecided`, so that step(), query() and MeshQueries::run() end soon; the next call knows nothing of it.
+    std::function<bool()> stop{};
 };
 
 /// Of the smaller body's box diagonal (in its own frame): a pair's error where none is given.

@@ -3,8 +3,8 @@
 #include <mutex>
 #include <shared_mutex>
 
-#include <oncollide/pipeline/refine/contact_finding.hpp>
 #include <oncollide/pipeline/refine/narrowing.hpp>
+#include <oncollide/pipeline/refine/pair_distance.hpp>
 #include <oncollide/pipeline/refine/solid_contacts.hpp>
 #include <oncollide/pipeline/stage.hpp>
 #include <oncollide/pipeline/world.hpp>
@@ -35,8 +35,7 @@ struct World::Impl {
         RefineContext context;
         ContactFinding contacts;
         SolidContacts solid_contacts;
-        PointLocator locator;
-        SolidPairs solids;
+        PairDistance distances;
         std::vector<Aabb> boxes;
         std::vector<BoxHit> hits;
         std::vector<PairTask> tasks;
@@ -65,7 +64,6 @@ struct World::Impl {
     void changed() { taken_in.store(false, std::memory_order_release); }
 
     bool runs(std::string_view stage) const;
-    bool is_solid(const Model& model) const;
     void need_tree(Model& model);
     PairTask task_of(std::uint32_t a, std::uint32_t b)
     {

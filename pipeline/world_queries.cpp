@@ -252,23 +252,7 @@ Distance World::distance(BodyId body_a, BodyId body_b, double tolerance, double 
     const PairTask task = p.task_of(p.slot_of(body_a), p.slot_of(body_b));
     for (Model* model : {task.a, task.b}) p.need_tree(*model);
     Impl::Borrowed worker(p);
-    Distance found;
-    if (is_surface(*task.a) && is_surface(*task.b)) {
-        found = worker->contacts.distance(*task.a, *task.pose_a, *task.b, *task.pose_b, tolerance, farthest);
-    } else {
-        found = worker->solids.distance(task, tolerance, farthest);
-    }
-    if (found.lower > 0) {
-        if (const auto inside = one_holds_the_other(
-                task, worker->locator, [&](const Model& m) { return p.is_solid(m) ? m.boxes.get() : nullptr; }))
-            found = {.lower = 0, .upper = 0, .point_a = *inside, .point_b = *inside};
-    }
-    return found;
-}
-
-bool World::Impl::is_solid(const Model& model) const
-{
-    return model.shape() || (settings.mode == Mode::solid && model.closed());
+    return worker->distances.find(task, p.settings.mode, tolerance, farthest);
 }
 
 } // namespace oncollide

@@ -11,6 +11,7 @@ void FclRefiner::refine(RefineContext& context, std::span<const PairTask> tasks,
     exact_.refine(context, tasks, cache, certain_);
     parallel_chunks(tasks.size(), 32, context.threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) {
+            if (i % 16 == 0 && context.stopped()) return;
             const PairTask& task = tasks[i];
             const RefineResult& certain = certain_[i];
             const bool colliding = certain.verdict == Verdict::colliding;

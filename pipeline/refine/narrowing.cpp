@@ -54,6 +54,10 @@ void Narrowing::run(RefineContext& context, std::span<const PairTask> tasks, Pai
     refine(Refiner::fcl, fcl_, context, tasks, cache, results);
     for (std::uint32_t i : taken_[static_cast<std::size_t>(Refiner::no_room)])
         if (results[i].verdict == Verdict::within) results[i].verdict = Verdict::undecided;
+    if (level_ == Level::exact && context.stopped()) // what it had no time for
+        for (RefineResult& result : results)
+            if (result.verdict == Verdict::within && result.kind == ContactKind::unknown)
+                result.verdict = Verdict::undecided;
 
     apart_.resize(tasks.size());
     for (std::size_t i = 0; i < tasks.size(); ++i)

@@ -12,6 +12,7 @@ namespace oncollide {
 namespace {
 
 constexpr std::size_t pairs_per_chunk = 64;
+constexpr std::size_t pairs_per_look = 16; // at whether the call is to stop; chunks begin with one
 
 std::optional<TrianglePair> hint_of(const PairMemory* memory)
 {
@@ -190,6 +191,7 @@ void ObbRefiner::refine(RefineContext& context, std::span<const PairTask> tasks,
                     [&](std::size_t begin, std::size_t end, int thread) {
                         Worker& worker = workers_[static_cast<std::size_t>(thread)];
                         for (std::size_t i = begin; i < end; ++i) {
+                            if (i % pairs_per_look == 0 && context.stopped()) return;
                             PairMemory* memory = cache ? &(*cache)[tasks[i].number] : nullptr;
                             results[i] = refine(context, tasks[i], memory, worker);
                         }

@@ -39,6 +39,9 @@ struct RefineContext {
     std::chrono::steady_clock::time_point began;
     std::shared_mutex* guard = nullptr; ///< of the models' trees; null: no other thread uses them
 
+    /// Are pairs that are not refined yet to be left as they are?
+    bool stopped() const { return settings.stop && settings.stop(); }
+
     /// Held while sphere-trees are walked.
     std::shared_lock<std::shared_mutex> walking() const
     {

@@ -66,7 +66,7 @@ void SphereRefiner::run_rounds()
     };
     start_slice();
     bool grown = false; // the first slice has found all of its cells
-    while (true) {
+    while (!context_->stopped()) {
         if (!gather_parked()) {
             if (started_ == all && again_.empty()) break;
             grown = true;
@@ -119,6 +119,7 @@ void SphereRefiner::walk_slice()
     parallel_chunks(slice_.size(), pairs_per_chunk, context_->threads, [&](std::size_t begin, std::size_t end, int t) {
         Worker& worker = workers_[static_cast<std::size_t>(t)];
         for (std::size_t i = begin; i < end; ++i) {
+            if (i % pairs_per_look == 0 && context_->stopped()) return;
             const std::uint32_t pair = slice_[i];
             ParkedWork work;
             const WalkResult found = worker.walker.start(pair_of(pair), context_->frame, work);
@@ -169,6 +170,7 @@ void SphereRefiner::resume_all()
     parallel_chunks(parked_.size(), pairs_per_chunk, context_->threads, [&](std::size_t begin, std::size_t end, int t) {
         Worker& worker = workers_[static_cast<std::size_t>(t)];
         for (std::size_t i = begin; i < end; ++i) {
+            if (i % pairs_per_look == 0 && context_->stopped()) return;
             const Parked& p = parked_[i];
             ParkedWork work = p.work;
             const WalkResult found =
@@ -186,7 +188,7 @@ void SphereRefiner::count()
 {
     for (auto* side : {&workers_, &parked_workers_})
         for (Worker& worker : *side) {
-            worker.walker.clear();
+            worker.walker.clear(), worker.parked.clear(); // of a call that was stopped
             context_->trees.node_pairs += worker.walker.node_pairs();
             worker.walker.reset_counters();
         }

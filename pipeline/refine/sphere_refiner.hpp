@@ -56,7 +56,7 @@ private:
     void resume_all();
     void count();
 
-    static constexpr std::size_t pairs_per_chunk = 256;
+    static constexpr std::size_t pairs_per_chunk = 256, pairs_per_look = 16; ///< at whether the call is to stop
     static constexpr std::size_t pairs_worth_slices = 1024, slices = 8, most_in_slice = 16384;
 
     ModelStore& models_;

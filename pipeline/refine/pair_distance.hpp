@@ -1,0 +1,20 @@
+#pragma once
+#include <oncollide/pipeline/refine/contact_finding.hpp>
+#include <oncollide/pipeline/refine/solid_pairs.hpp>
+
+namespace oncollide {
+
+/// Distances of any two bodies, as World::distance() says. One thread's working memory.
+class PairDistance {
+public:
+    /// The trees of both models must be there.
+    /// @param mode  whether the inside of a closed mesh belongs to it
+    Distance find(const PairTask& task, Mode mode, double tolerance, double farthest);
+
+private:
+    ContactFinding surfaces_;
+    SolidPairs solids_;
+    PointLocator locator_;
+};
+
+} // namespace oncollide

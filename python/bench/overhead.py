@@ -1,0 +1,100 @@
+"""What a call costs beyond the same call in C++: a table, and CSV.
+
+    ninja -C build/release oncollide_python oncollide_python_baseline
+    PYTHONPATH=build/release/python python3 python/bench/overhead.py --baseline build/release/python/oncollide_python_baseline
+"""
+
+import argparse
+import csv
+import platform
+import subprocess
+import timeit
+
+import numpy as np
+
+import oncollide
+
+parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+parser.add_argument("--baseline", help="the program that times the same calls in C++; without it there is no overhead column")
+parser.add_argument("--csv", help="where to write the table")
+parser.add_argument("--seconds", type=float, default=0.2, help="for each call, about")
+parser.add_argument("--rounds", type=int, default=3, help="of all calls, of which the least counts")
+options = parser.parse_args()
+
+
+def at(x):
+    pose = np.eye(4)
+    pose[0, 3] = x
+    return pose
+
+
+def poses(xs):
+    made = np.tile(np.eye(4), (len(xs), 1, 1))
+    made[:, 0, 3] = xs
+    return made
+
+
+ball = oncollide.sphere(1.0)
+empty, world = oncollide.World(exact="predicates"), oncollide.World(exact="predicates")
+model = world.add(ball)
+a, b = world.add_body(model), world.add_body(model, at(3))
+places = poses(100 + 3 * np.arange(10_000))
+many = world.add_bodies(model, places)
+pose, far, here = at(3), at(50), np.eye(4)
+queries = oncollide.Queries([ball], exact="predicates")
+count = 100_000
+batch = poses(3 + 1e-5 * np.arange(count))
+batch_here, numbers = np.tile(here, (count, 1, 1)), np.zeros(count, np.uint32)
+
+# Name, call, how many items it is about.
+CALLS = [
+    ("World.fixed", lambda: world.fixed(b), 1),
+    ("World.pose", lambda: world.pose(b), 1),
+    ("World.set_pose", lambda: world.set_pose(b, pose), 1),
+    ("World.query", lambda: world.query(model, far), 1),
+    ("World.distance", lambda: world.distance(a, b), 1),
+    ("World.step", lambda: empty.step(), 1),
+    ("World.set_poses", lambda: world.set_poses(many, places), 10_000),
+    ("Queries.run", lambda: queries.run(numbers, numbers, batch_here, batch), count),
+]
+
+
+def nanoseconds(call, items):
+    timer = timeit.Timer(call)
+    calls = 1
+    while timer.timeit(calls) < options.seconds / 10:
+        calls *= 2
+    return 1e9 * min(timer.repeat(5, calls)) / calls / items
+
+
+def baseline():
+    done = subprocess.run([options.baseline, str(options.seconds)], capture_output=True, text=True, check=True)
+    return {name: float(ns) for name, ns in map(str.split, done.stdout.splitlines())}
+
+
+least, native = {}, {}
+for _ in range(options.rounds):  # turn about, as others use the machine, too
+    if options.baseline:
+        for name, ns in baseline().items():
+            native[name] = min(ns, native.get(name, ns))
+    for name, call, items in CALLS:
+        ns = nanoseconds(call, items)
+        least[name] = min(ns, least.get(name, ns))
+
+rows = [
+    {
+        "call": name,
+        "items": items,
+        "python_ns": f"{least[name]:.0f}",
+        "cpp_ns": f"{native[name]:.0f}" if native else "",
+        "overhead_ns": f"{least[name] - native[name]:.0f}" if native else "",
+    }
+    for name, _, items in CALLS
+]
+print(f"nanoseconds an item, least of several runs; Python {platform.python_version()}, NumPy {np.__version__}")
+for row in [dict(zip(rows[0], rows[0])), *rows]:
+    print(f"{row['call']:18}{row['items']:>8}{row['python_ns']:>12}{row['cpp_ns']:>10}{row['overhead_ns']:>14}")
+if options.csv:
+    with open(options.csv, "w", newline="") as out:
+        writer = csv.DictWriter(out, rows[0], lineterminator="\n")
+        writer.writeheader(), writer.writerows(rows)

@@ -1,0 +1,308 @@
+"""CollisionManager with the names and returns of trimesh's, for anything that has `vertices` and `faces`.
+
+What differs: poses stay in double; equal meshes share one model; nothing is built when an object is added; all closed meshes
+are solids, not only convex ones; touching counts, exactly; of meshes that meet the distance is 0, not negative, and `depth`
+is nan, because oncollide estimates none. What is added: `bound`, certified metres.
+"""
+
+import collections
+import hashlib
+import math
+
+import numpy as np
+
+from . import Geometry, Verdict, World, mesh as _mesh
+
+__all__ = ["CollisionManager", "ContactData", "DistanceData", "scene_to_collision"]
+
+_EXTERNAL = "__external"  # what trimesh calls the mesh of a *_single call
+
+
+class ContactData:
+    """One contact: two triangles that meet.
+
+    names: set of the two objects' names. point: (3,), on both. normal: (3,), unit, of the triangle of the object that
+    comes first. depth: nan. bound: certified upper bound on the objects' distance, metres; 0 where they meet exactly.
+    """
+
+    def __init__(self, names, contact, bound):
+        self.names = set(names)
+        self.normal = contact["normal_a"]
+        self.point = contact["ends"][0]
+        self.depth = math.nan
+        self.bound = bound
+        self._index = {names[0]: int(contact["triangle_a"]), names[1]: int(contact["triangle_b"])}
+
+    def index(self, name):
+        """The number of the triangle in contact of the object with that name."""
+        return self._index[name]
+
+
+class DistanceData:
+    """The nearest two objects.
+
+    names: set of their names. distance: metres; 0 where they meet. bound: (lower, upper), certified.
+    """
+
+    def __init__(self, names, found):
+        self.names = set(names)
+        self.distance = float(found["upper"])
+        self.bound = (float(found["lower"]), float(found["upper"]))
+        self._index = {names[0]: int(found["triangle_a"]), names[1]: int(found["triangle_b"])}
+        self._point = {names[0]: found["point_a"], names[1]: found["point_b"]}
+
+    def index(self, name):
+        """The number of the nearest triangle of the object with that name."""
+        return self._index[name]
+
+    def point(self, name):
+        """The nearest point, (3,), on the object with that name."""
+        return self._point[name]
+
+
+class CollisionManager:
+    """Which of many meshes collide, and how far apart they are.
+
+    settings: of oncollide.World. Unless they say otherwise exact='predicates' and mode='solid', in which a mesh that is
+    not closed is a surface. With max_error=0.01 and exact='off', objects closer than 1 cm may count as in collision, and
+    `bound` says how close they are at most.
+    """
+
+    _KEPT = 8  # models of *_single calls that are kept for the next one
+
+    def __init__(self, **settings):
+        settings = {"exact": "predicates", "mode": "solid", **settings}
+        if settings["mode"] == "solid":
+            settings.setdefault("open_as_surface", True)
+        self._world = World(**settings)
+        self._bodies = {}  # name -> id
+        self._names = {}  # id -> name
+        self._keys = {}  # name -> key of its model
+        self._models = {}  # key -> [model, geometry, objects that use it]
+        self._idle = collections.OrderedDict()  # keys of models that no object uses, oldest first
+
+    def add_object(self, name, mesh, transform=None):
+        """Adds an object, in place of one with that name. Returns its body's id.
+
+        mesh: a Geometry, or anything with `vertices` (V, 3) and `faces` (F, 3). transform: (4, 4) or (7,), metres; None:
+        the identity.
+        """
+        key = self._model_key(mesh)
+        body = self._world.add_body(self._models[key][0], transform)
+        if name in self._bodies:
+            self.remove_object(name)
+        self._use(key)
+        self._bodies[name], self._names[body], self._keys[name] = body, name, key
+        return body
+
+    def remove_object(self, name):
+        """Removes an object. Raises ValueError if there is none with that name."""
+        body = self._body(name)
+        self._world.remove_body(body)
+        del self._bodies[name], self._names[body]
+        self._leave(self._keys.pop(name))
+
+    def set_transform(self, name, transform):
+        """Moves an object. Raises ValueError if there is none with that name."""
+        self._world.set_pose(self._body(name), transform)
+
+    def in_collision_single(self, mesh, transform=None, return_names=False, return_data=False):
+        """Does a mesh collide with any object?
+
+        Returns a bool; with return_names also the set of their names; with return_data also a list of ContactData: every
+        pair of triangles that meet, so none of a mesh that lies wholly inside another.
+        """
+        key = self._model_key(mesh)
+        hits = self._world.query(self._models[key][0], transform)
+        names = [self._names[int(body)] for body in hits["body"]]
+        data = []
+        if return_data and names:
+            with self._passing(key, transform) as body:
+                data = self._contacts(
+                    [(hit, body) for hit in hits["body"]], [(name, _EXTERNAL) for name in names], hits["bound"]
+                )
+        return _results(bool(names), set(names), data, return_names, return_data)
+
+    def in_collision_internal(self, return_names=False, return_data=False):
+        """Do any two objects collide?
+
+        Returns a bool; with return_names also the set of pairs of names, each sorted; with return_data also a list of
+        ContactData.
+        """
+        pairs = self._world.step().pairs
+        pairs = pairs[pairs["verdict"] != Verdict.SEPARATE]
+        names = [(self._names[int(a)], self._names[int(b)]) for a, b in zip(pairs["a"], pairs["b"])]
+        data = []
+        if return_data and names:
+            data = self._contacts(list(zip(pairs["a"], pairs["b"])), names, pairs["bound"])
+        return _results(bool(names), {tuple(sorted(pair)) for pair in names}, data, return_names, return_data)
+
+    def in_collision_other(self, other_manager, return_names=False, return_data=False):
+        """Does any object collide with one of another manager?
+
+        Returns a bool; with return_names also the set of pairs of names, this manager's first; with return_data also a
+        list of ContactData.
+        """
+        pairs, data = set(), []
+        for name, (key, pose) in self._objects_of(other_manager):
+            hits = self._world.query(self._models[key][0], pose)
+            found = [(self._names[int(body)], name) for body in hits["body"]]
+            pairs.update(found)
+            if return_data and found:
+                with self._passing(key, pose) as body:
+                    data += self._contacts([(hit, body) for hit in hits["body"]], found, hits["bound"])
+        return _results(bool(pairs), pairs, data, return_names, return_data)
+
+    def min_distance_single(self, mesh, transform=None, return_name=False, return_data=False):
+        """How far is a mesh from the nearest object?
+
+        Returns metres, 0 where they meet, inf without objects; with return_name also the object's name; with return_data
+        also a DistanceData.
+        """
+        nearest = _Nearest()
+        with self._passing(self._model_key(mesh), transform) as body:
+            for name, other in self._bodies.items():
+                nearest.look(self._world, other, body, (name, _EXTERNAL))
+        name = nearest.names[0] if nearest.names else None
+        return _results(nearest.distance, name, nearest.data(), return_name, return_data)
+
+    def min_distance_internal(self, return_names=False, return_data=False):
+        """How far apart are the nearest two objects?
+
+        Returns metres, 0 where two meet, inf with fewer than two; with return_names also the two names, sorted; with
+        return_data also a DistanceData. Cost: of every two objects, those least that are far apart.
+        """
+        nearest = _Nearest()
+        objects = list(self._bodies.items())
+        for i, (name, body) in enumerate(objects):
+            for other_name, other in objects[:i]:
+                nearest.look(self._world, other, body, (other_name, name))
+        names = tuple(sorted(nearest.names)) if nearest.names else None
+        return _results(nearest.distance, names, nearest.data(), return_names, return_data)
+
+    def min_distance_other(self, other_manager, return_names=False, return_data=False):
+        """How far apart are the nearest two objects, one of each manager?
+
+        Returns metres, 0 where two meet, inf without objects; with return_names also the two names, this manager's first;
+        with return_data also a DistanceData.
+        """
+        nearest = _Nearest()
+        for name, (key, pose) in self._objects_of(other_manager):
+            with self._passing(key, pose) as body:
+                for mine, other in self._bodies.items():
+                    nearest.look(self._world, other, body, (mine, name))
+        return _results(nearest.distance, nearest.names, nearest.data(), return_names, return_data)
+
+    # --- Models: one for all objects of equal geometry.
+
+    def _model_key(self, mesh):
+        if isinstance(mesh, Geometry):
+            key, make = mesh, lambda: mesh
+        else:
+            try:
+                vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.faces)
+            except AttributeError:
+                raise TypeError(
+                    "CollisionManager: mesh: expected a Geometry, or an object with vertices and faces; got "
+                    + type(mesh).__name__
+                ) from None
+            digest = hashlib.blake2b(digest_size=16)
+            for array in (vertices, faces):
+                digest.update(f"{array.dtype.str}{array.shape}".encode())
+                digest.update(np.ascontiguousarray(array))
+            key, make = digest.digest(), lambda: _mesh(vertices, faces)
+        if key not in self._models:
+            geometry = make()
+            self._models[key] = [self._world.add(geometry), geometry, 0]
+            self._idle[key] = None
+            self._drop_oldest()
+        elif key in self._idle:
+            self._idle.move_to_end(key)
+        return key
+
+    def _use(self, key):
+        self._models[key][2] += 1
+        self._idle.pop(key, None)
+
+    def _leave(self, key):
+        self._models[key][2] -= 1
+        if self._models[key][2] == 0:
+            self._idle[key] = None
+            self._drop_oldest()
+
+    def _drop_oldest(self):
+        while len(self._idle) > self._KEPT:
+            key, _ = self._idle.popitem(last=False)
+            self._world.remove(self._models.pop(key)[0])
+
+    # --- Objects.
+
+    def _body(self, name):
+        if name not in self._bodies:
+            raise ValueError(f"{name} not in collision manager!")
+        return self._bodies[name]
+
+    def _passing(self, key, pose):
+        return _Passing(self, key, pose)
+
+    def _objects_of(self, other):
+        """Of another manager: the name of each object, the key of its model here, and its pose."""
+        for name, body in other._bodies.items():
+            yield name, (self._model_key(other._models[other._keys[name]][1]), other._world.pose(body))
+
+    def _contacts(self, bodies, names, bounds):
+        contacts, offsets = self._world.contacts_batch([a for a, _ in bodies], [b for _, b in bodies])
+        return [
+            ContactData(pair, contact, float(bound))
+            for i, (pair, bound) in enumerate(zip(names, bounds))
+            for contact in contacts[offsets[i] : offsets[i + 1]]
+        ]
+
+
+class _Passing:
+    """A body that is in a manager's World for the time of one call."""
+
+    def __init__(self, manager, key, pose):
+        self._manager, self._key, self._pose = manager, key, pose
+
+    def __enter__(self):
+        manager = self._manager
+        self._body = manager._world.add_body(manager._models[self._key][0], self._pose)
+        manager._use(self._key)
+        return self._body
+
+    def __exit__(self, *_):
+        self._manager._world.remove_body(self._body)
+        self._manager._leave(self._key)
+
+
+class _Nearest:
+    """The nearest of the pairs that were looked at; those farther apart than it cost little."""
+
+    def __init__(self):
+        self.distance, self.names, self._found = math.inf, None, None
+
+    def look(self, world, a, b, names):
+        if self.distance == 0:
+            return
+        found = world.distance(a, b, farthest=self.distance)
+        if found["upper"] < self.distance:
+            self.distance, self.names, self._found = float(found["upper"]), names, found
+
+    def data(self):
+        return DistanceData(self.names, self._found) if self.names else None
+
+
+def _results(result, names, data, return_names, return_data):
+    """The result alone, or with what else was requested, as trimesh has it."""
+    extra = ([names] if return_names else []) + ([data] if return_data else [])
+    return (result, *extra) if extra else result
+
+
+def scene_to_collision(scene):
+    """A CollisionManager of the objects of a trimesh.Scene, and the bodies' ids by name of the scene's nodes."""
+    manager, bodies = CollisionManager(), {}
+    for node in scene.graph.nodes_geometry:
+        transform, geometry = scene.graph[node]
+        bodies[node] = manager.add_object(node, scene.geometry[geometry], transform)
+    return manager, bodies

@@ -1,0 +1,123 @@
+// What a step finds.
+#include <fmt/format.h>
+
+#include "held_world.hpp"
+
+namespace oncollide::python {
+
+namespace {
+
+/// What one step found; a copy of what the World will overwrite.
+struct FrameResult {
+    std::uint64_t frame, hash;
+    double ms;
+    std::vector<PairResult> pairs;
+    std::vector<PairOfBodies> began, ended;
+    std::vector<StageStats> stages;
+    TreeStats trees;
+
+    explicit FrameResult(const FrameView& view)
+        : frame(view.frame), hash(view.hash), ms(view.ms), pairs(view.pairs.begin(), view.pairs.end()),
+          began(view.began.begin(), view.began.end()), ended(view.ended.begin(), view.ended.end()),
+          stages(view.stages.begin(), view.stages.end()), trees(view.trees)
+    {
+    }
+};
+
+/// A view of what the frame holds, which keeps the frame alive.
+template <auto member, auto type>
+py::array column(py::object self)
+{
+    const auto& items = self.cast<const FrameResult&>().*member;
+    return py::array(type(), {static_cast<py::ssize_t>(items.size())}, {}, items.data(), self);
+}
+
+py::dict stage_dict(const StageStats& s)
+{
+    using namespace py::literals;
+    return py::dict("stage"_a = s.stage, "unit"_a = s.unit, "frames"_a = s.frames, "in"_a = s.in, "out"_a = s.out,
+                    "culled"_a = s.culled, "undecided"_a = s.undecided, "cpu_ms"_a = s.cpu_ms, "gpu_ms"_a = s.gpu_ms,
+                    "wait_ms"_a = s.wait_ms, "skipped"_a = s.skipped, "note"_a = s.note);
+}
+
+py::list stage_list(std::span<const StageStats> stages)
+{
+    py::list made;
+    for (const StageStats& stage : stages) made.append(stage_dict(stage));
+    return made;
+}
+
+std::unique_ptr<FrameResult> step(HeldWorld& held)
+{
+    std::unique_ptr<FrameResult> found;
+    {
+        const Inside inside(held, "World.step");
+        const Released released(&held.interrupts);
+        found = std::make_unique<FrameResult>(held.world.step());
+    }
+    held.interrupts.rethrow();
+    return found;
+}
+
+} // namespace
+
+void bind_frames(py::module_& m, WorldClass& world)
+{
+    using namespace py::literals;
+    py::class_<FrameResult>(
+        m, "Frame", R"(What one World.step() found. Its arrays are its own: later steps leave them as they are.)")
+        .def_readonly("frame", &FrameResult::frame, "Counted from 0 by the World (int).")
+        .def_readonly("ms", &FrameResult::ms, "How long the step took, milliseconds (float).")
+        .def_readonly("hash", &FrameResult::hash,
+                      "Of the pairs that are not separate; equal input gives an equal hash (int).")
+        .def_property_readonly("pairs", &column<&FrameResult::pairs, pair_type>,
+                               R"(Every pair whose boxes overlap, separate ones too, sorted by the slots of a and b.
+
+Structured (N,): a, b (uint64, ids of bodies), verdict (uint8, a Verdict), stage (uint8, index into World.stages), kind
+(uint8, a ContactKind), bound (float64, metres; separate: certified lower bound on the distance; within and undecided:
+certified upper bound; colliding: 0).)")
+        .def_property_readonly(
+            "began", &column<&FrameResult::began, bodies_type>,
+            "Pairs that are not separate, and were in the step before: structured (N,), a, b (uint64).")
+        .def_property_readonly("ended", &column<&FrameResult::ended, bodies_type>,
+                               "The reverse, also where a body was removed: structured (N,), a, b (uint64).")
+        .def_property_readonly(
+            "stages", [](const FrameResult& f) { return stage_list(f.stages); },
+            "What each stage did: dicts with stage, unit, in, out, culled, undecided, cpu_ms and others.")
+        .def_property_readonly(
+            "trees",
+            [](const FrameResult& f) {
+                const TreeStats& t = f.trees;
+                return py::dict("rounds"_a = t.rounds, "rows"_a = t.rows, "node_pairs"_a = t.node_pairs,
+                                "triangle_pairs"_a = t.triangle_pairs, "narrowed"_a = t.narrowed, "by_gap"_a = t.by_gap,
+                                "by_witness"_a = t.by_witness, "nodes"_a = t.nodes, "collapsed"_a = t.collapsed,
+                                "refused"_a = t.refused, "bytes"_a = t.bytes);
+            },
+            "What refinement did: a dict of counts.")
+        .def("__repr__", [](const FrameResult& f) {
+            return fmt::format("<oncollide.Frame {}: {} pairs, {} began, {} ended>", f.frame, f.pairs.size(),
+                               f.began.size(), f.ended.size());
+        });
+
+    world.def("step", &step, R"(step(self)
+--
+
+Finds all pairs as the bodies are now, and returns a Frame. Lets other threads of Python run meanwhile.
+
+Ctrl-C ends it soon, between two pairs, with KeyboardInterrupt; the World stays valid, and the next step is whole.)");
+
+    world.def_property_readonly("stages",
+                                look("World.stages",
+                                     [](const World& w) {
+                                         py::list names;
+                                         for (const std::string_view name : w.stages()) names.append(name);
+                                         return py::tuple(names);
+                                     }),
+                                "Names of the stages in order (tuple of str).");
+    world.def_property_readonly("totals", look("World.totals", [](const World& w) { return stage_list(w.totals()); }),
+                                "Sums over all frames so far, as Frame.stages.");
+    world.def_property_readonly("hash", look("World.hash", [](const World& w) { return w.hash(); }),
+                                "Chained over all frames so far; equal input gives an equal hash (int).");
+}
+
+} // namespace oncollide::python

@@ -1,0 +1,208 @@
+// Geometry, and meshes.
+#include "geometry.hpp"
+
+#include <fmt/format.h>
+
+#include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
+
+namespace oncollide::python {
+
+namespace {
+
+std::vector<Triangle> triangles(py::handle faces, const Place& place)
+{
+    const py::array array = whole_numbers(faces, place);
+    if (!has_shape(array, {-1, 3})) refuse_value(place, "expected shape (F, 3), got " + shape_of(array));
+    const auto* at = static_cast<const std::int64_t*>(array.data()); // what is too large without a sign is negative
+    std::vector<Triangle> made(static_cast<std::size_t>(array.shape(0)));
+    for (std::size_t i = 0; i < made.size(); ++i)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::int64_t index = at[3 * i + k];
+            if (index < 0 || index > std::int64_t{0xffffffff})
+                refuse_value(place, fmt::format("face {} uses vertex {}; indices begin at 0", i, index));
+            made[i][k] = static_cast<std::uint32_t>(index);
+        }
+    return made;
+}
+
+GeometryHandle mesh(py::handle vertices, py::handle faces, py::handle name)
+{
+    std::vector<Eigen::Vector3d> corners = points(vertices, {"mesh", "vertices"});
+    std::vector<Triangle> all = triangles(faces, {"mesh", "faces"});
+    std::string called = text(name, {"mesh", "name"});
+    return made_without_lock(called,
+                             [&] { return make_mesh(name_or(called, "mesh"), std::move(corners), std::move(all)); });
+}
+
+GeometryHandle mesh_file(py::handle file, py::handle scale, py::handle fit_diagonal, py::handle centre)
+{
+    const char* const call = "load_mesh";
+    const std::string from = path(file, {call, "path"});
+    const MeshOptions options{.scale = number(scale, {call, "scale"}),
+                              .fit_diagonal = number(fit_diagonal, {call, "fit_diagonal"}),
+                              .centre = truth(centre, {call, "centre"})};
+    return made_without_lock(from, [&] { return load_mesh(from, options); });
+}
+
+const char* kind_of(const Geometry& geometry)
+{
+    if (std::holds_alternative<Mesh>(geometry.data)) return "mesh";
+    if (std::holds_alternative<OccupancyMap>(geometry.data)) return "map";
+    if (std::holds_alternative<Terrain>(geometry.data)) return "terrain";
+    constexpr const char* shapes[] = {"sphere",      "box",       "capsule", "cylinder",
+                                      "convex_hull", "ellipsoid", "cone",    "half_space"};
+    return shapes[std::get<Shape>(geometry.data).index()];
+}
+
+const Mesh& mesh_in(const Geometry& geometry, const char* property)
+{
+    if (const auto* found = std::get_if<Mesh>(&geometry.data)) return *found;
+    throw py::attribute_error(
+        fmt::format("Geometry.{}: only a mesh has it; this is a {}", property, kind_of(geometry)));
+}
+
+/// Rows of three numbers, which the geometry keeps; not to be written to.
+template <class T>
+py::array rows(py::object owner, const std::vector<std::array<T, 3>>& items)
+{
+    py::array_t<T> made({static_cast<py::ssize_t>(items.size()), py::ssize_t{3}},
+                        items.empty() ? nullptr : items[0].data(), owner);
+    made.attr("flags").attr("writeable") = false;
+    return made;
+}
+
+} // namespace
+
+GeometryHandle geometry(py::handle value, const Place& place)
+{
+    if (!py::isinstance<Geometry>(value))
+        refuse_type(place, "a Geometry, as oncollide.mesh(), load_mesh(), sphere() and others make it", value);
+    return py::cast<std::shared_ptr<Geometry>>(value);
+}
+
+void bind_geometry(py::module_& m)
+{
+    using namespace py::literals;
+    const auto unnamed = py::arg("name") = py::str("");
+    py::class_<Geometry, std::shared_ptr<Geometry>>(m, "Geometry", R"(What a body is made of, in its own frame, metres.
+
+Made by mesh(), load_mesh(), sphere(), terrain(), load_map() and others. It never changes, keeps no array that it was
+made from, and is shared, not copied, by every World and Queries that it is given to.)")
+        .def_property_readonly(
+            "name",
+            [](const Geometry& g) { // a path may hold bytes that are no UTF-8
+                return py::reinterpret_steal<py::object>(
+                    PyUnicode_DecodeFSDefaultAndSize(g.name.data(), static_cast<py::ssize_t>(g.name.size())));
+            },
+            "What messages call it: the name or the path that it was made with (str).")
+        .def_property_readonly(
+            "kind", [](const Geometry& g) { return kind_of(g); },
+            "'mesh', 'sphere', 'box', 'capsule', 'cylinder', 'convex_hull', 'ellipsoid', 'cone', "
+            "'half_space', 'map' or 'terrain'.")
+        .def_property_readonly(
+            "bounds",
+            [](const Geometry& g) {
+                const Aabb box = bounds_of(g);
+                py::array_t<double> made({2, 3});
+                for (py::ssize_t k = 0; k < 3; ++k)
+                    made.mutable_at(0, k) = box.min[k], made.mutable_at(1, k) = box.max[k];
+                return made;
+            },
+            "The box around it in its own frame, metres: least and greatest corner, float64 (2, 3).")
+        .def_property_readonly(
+            "vertices",
+            [](py::object self) {
+                const Mesh& mesh = mesh_in(self.cast<const Geometry&>(), "vertices");
+                py::array_t<double> made({static_cast<py::ssize_t>(mesh.vertices.size()), py::ssize_t{3}},
+                                         mesh.vertices.data()->data(), self);
+                made.attr("flags").attr("writeable") = false;
+                return made;
+            },
+            "Of a mesh: float64 (V, 3), metres; a view that cannot be written to.")
+        .def_property_readonly(
+            "faces",
+            [](py::object self) {
+                return rows<std::uint32_t>(self, mesh_in(self.cast<const Geometry&>(), "faces").triangles);
+            },
+            "Of a mesh: uint32 (F, 3); a view that cannot be written to.")
+        .def_property_readonly(
+            "closed",
+            [](const Geometry& g) {
+                const auto* mesh = std::get_if<Mesh>(&g.data);
+                return mesh ? is_closed(*mesh) : !std::holds_alternative<Terrain>(g.data);
+            },
+            "Does it have an inside? Of a mesh: is every edge shared by two triangles that run along it in opposite "
+            "directions? Cost: O(F log F).")
+        .def("__repr__", [](const Geometry& g) {
+            std::string text = fmt::format("<oncollide.Geometry: {}", kind_of(g));
+            if (!g.name.empty()) text += fmt::format(" '{}'", printable(g.name));
+            if (const auto* mesh = std::get_if<Mesh>(&g.data))
+                text += fmt::format(", {} vertices, {} faces", mesh->vertices.size(), mesh->triangles.size());
+            return text + ">";
+        });
+
+    m.def("mesh", &mesh, "vertices"_a, "faces"_a, unnamed, R"(mesh(vertices, faces, name="")
+--
+
+A triangle mesh from arrays, which are copied.
+
+vertices: (V, 3) numbers, metres, finite and at most 1e15. faces: (F, 3) whole numbers, rows of `vertices`, F >= 1.
+name: what messages call it. Raises TypeError or ValueError for arrays of another type or shape, Error for an index out
+of range or a vertex that is not finite. Cost: 10 ns a triangle.)");
+    m.def("load_mesh", &mesh_file, "path"_a, "scale"_a = 1.0, "fit_diagonal"_a = 0.0, "centre"_a = false,
+          R"(load_mesh(path, scale=1.0, fit_diagonal=0.0, centre=False)
+--
+
+A mesh from an OBJ, STL, PLY, OFF, glTF or GLB file.
+
+scale: metres for each unit of the file. fit_diagonal: if above 0, scaled again so that the diagonal of the box around it
+is this long, metres. centre: moves the middle of that box to the origin. Raises Error for a file that is missing or not
+valid.)");
+    m.def(
+        "box_mesh",
+        [](py::handle half) {
+            return share("box", make_box_mesh(vector3(half, {"box_mesh", "half_extents"})));
+        },
+        "half_extents"_a, R"(box_mesh(half_extents)
+--
+
+A closed mesh of 12 triangles. half_extents: (3,) metres.)");
+    m.def(
+        "sphere_mesh",
+        [](py::handle radius, py::handle triangles) {
+            return share("sphere", make_sphere_mesh(number(radius, {"sphere_mesh", "radius"}),
+                                                    count(triangles, "sphere_mesh", "triangles")));
+        },
+        "radius"_a, "triangles"_a, R"(sphere_mesh(radius, triangles)
+--
+
+A closed mesh with corners on a sphere. radius: metres. triangles: how many, or one less where that is odd.)");
+    m.def(
+        "torus_mesh",
+        [](py::handle major, py::handle minor, py::handle triangles) {
+            const char* const call = "torus_mesh";
+            return share("torus", make_torus_mesh(number(major, {call, "major"}), number(minor, {call, "minor"}),
+                                                  count(triangles, call, "triangles")));
+        },
+        "major"_a, "minor"_a, "triangles"_a, R"(torus_mesh(major, minor, triangles)
+--
+
+A closed ring around z. major, minor: radii of the ring and of its tube, metres. triangles: at least 18.)");
+    m.def(
+        "torus_knot_mesh",
+        [](py::handle p, py::handle q, py::handle major, py::handle minor, py::handle tube, py::handle triangles) {
+            const char* const call = "torus_knot_mesh";
+            return share("torus knot",
+                         make_torus_knot_mesh(count(p, call, "p"), count(q, call, "q"), number(major, {call, "major"}),
+                                              number(minor, {call, "minor"}), number(tube, {call, "tube"}),
+                                              count(triangles, call, "triangles")));
+        },
+        "p"_a, "q"_a, "major"_a, "minor"_a, "tube"_a, "triangles"_a,
+        R"(torus_knot_mesh(p, q, major, minor, tube, triangles)
+--
+
+A closed tube along a (p, q) torus knot; p and q coprime. major, minor, tube: radii, metres. triangles: at least 18.)");
+}
+
+} // namespace oncollide::python

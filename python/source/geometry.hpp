@@ -1,0 +1,30 @@
+#pragma once
+#include "bindings.hpp"
+#include "release.hpp"
+
+namespace oncollide::python {
+
+inline GeometryHandle share(std::string name, GeometryData data)
+{
+    return std::make_shared<const Geometry>(Geometry{std::move(name), std::move(data), {}});
+}
+
+/// Of a name that may be missing: what the call makes.
+inline std::string name_or(const std::string& name, const char* call)
+{
+    return name.empty() ? call : name;
+}
+
+template <class Make>
+GeometryHandle made_without_lock(std::string name, Make make)
+{
+    const Released released;
+    return share(std::move(name), make());
+}
+
+inline int count(py::handle value, const char* call, const char* argument)
+{
+    return static_cast<int>(whole(value, {call, argument}, 1u << 30));
+}
+
+} // namespace oncollide::python

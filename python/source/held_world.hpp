@@ -1,0 +1,65 @@
+#pragma once
+#include <thread>
+
+#include <oncollide/pipeline/world.hpp>
+
+#include "bindings.hpp"
+#include "release.hpp"
+
+namespace oncollide::python {
+
+/// A model as Python holds it: of one World, so that no other takes it.
+struct ModelHandle {
+    std::uint64_t world;
+    ModelId id;
+    friend bool operator==(const ModelHandle&, const ModelHandle&) = default;
+};
+
+/// The World, who is inside it, and the thread that it belongs to.
+struct HeldWorld {
+    Interrupts interrupts;
+    World world;
+    const std::uint64_t number; ///< no other World of this process has it
+    Users users;
+    const bool tied; ///< to its thread, by a GPU
+    const std::thread::id home = std::this_thread::get_id();
+
+    explicit HeldWorld(const Settings& settings);
+    void at_home(const char* call) const; ///< throws Error{usage} elsewhere
+
+private:
+    Settings with_stop(Settings settings);
+};
+
+/// Alone in a World for one call.
+struct Inside : Users::Alone {
+    Inside(HeldWorld& held, const char* call) : Alone(held.users, call) { held.at_home(call); }
+};
+/// Beside other const calls.
+struct Looking : Users::Beside {
+    Looking(HeldWorld& held, const char* call) : Beside(held.users, call) { held.at_home(call); }
+};
+
+/// The model's id in this World. ValueError if it is of another.
+ModelId model_of(const HeldWorld& held, py::handle value, const Place& place);
+std::uint32_t bits(py::handle value, const Place& place);
+Aabb box_of(py::handle low, py::handle high, const char* call);
+
+/// A property or a method that only looks.
+template <class Look>
+auto look(const char* call, Look work)
+{
+    return [call, work](HeldWorld& held) {
+        const Looking looking(held, call);
+        return work(held.world);
+    };
+}
+
+using WorldClass = py::class_<HeldWorld>;
+// Each adds its part to World.
+void bind_bodies(WorldClass& world);
+void bind_frames(py::module_& module, WorldClass& world);
+void bind_world_queries(WorldClass& world);
+void bind_maps(WorldClass& world);
+
+} // namespace oncollide::python

@@ -1,0 +1,96 @@
+// Structured arrays over the library's results, and Distance.
+#include <cstddef>
+
+#include <oncollide/pipeline/contacts.hpp>
+#include <oncollide/pipeline/results.hpp>
+#include <oncollide/pipeline/world.hpp>
+
+#include "bindings.hpp"
+
+namespace oncollide::python {
+
+namespace {
+
+/// A field: where it is, and of what type, as NumPy writes it.
+struct Field {
+    const char* name;
+    const char* type;
+    std::size_t at;
+};
+
+py::dtype structure(std::size_t size, std::initializer_list<Field> fields)
+{
+    py::list names, formats, offsets;
+    for (const Field& field : fields) {
+        names.append(field.name), formats.append(field.type), offsets.append(field.at);
+    }
+    return py::dtype(names, formats, offsets, static_cast<py::ssize_t>(size));
+}
+
+// An id is read as one number, and a cell as four.
+static_assert(sizeof(BodyId) == 8 && sizeof(MapCell) == 16 && sizeof(Verdict) == 1 && sizeof(ContactKind) == 1);
+static_assert(sizeof(Eigen::Vector3d) == 24 && std::endian::native == std::endian::little);
+
+constexpr std::size_t cell_in_part = offsetof(BodyPart, cell);
+
+} // namespace
+
+// Made once, and never freed: the interpreter may be gone before static objects are.
+py::dtype pair_type()
+{
+    static const py::dtype& type =
+        *new py::dtype(structure(sizeof(PairResult), {{"a", "u8", offsetof(PairResult, a)},
+                                                      {"b", "u8", offsetof(PairResult, b)},
+                                                      {"verdict", "u1", offsetof(PairResult, verdict)},
+                                                      {"stage", "u1", offsetof(PairResult, stage)},
+                                                      {"kind", "u1", offsetof(PairResult, kind)},
+                                                      {"bound", "f8", offsetof(PairResult, bound)}}));
+    return type;
+}
+
+py::dtype bodies_type()
+{
+    static const py::dtype& type = *new py::dtype(structure(
+        sizeof(PairOfBodies), {{"a", "u8", offsetof(PairOfBodies, a)}, {"b", "u8", offsetof(PairOfBodies, b)}}));
+    return type;
+}
+
+py::dtype hit_type()
+{
+    static const py::dtype& type =
+        *new py::dtype(structure(sizeof(QueryHit), {{"body", "u8", offsetof(QueryHit, body)},
+                                                    {"verdict", "u1", offsetof(QueryHit, verdict)},
+                                                    {"kind", "u1", offsetof(QueryHit, kind)},
+                                                    {"bound", "f8", offsetof(QueryHit, bound)}}));
+    return type;
+}
+
+py::dtype contact_type()
+{
+    static const py::dtype& type =
+        *new py::dtype(structure(sizeof(Contact), {{"triangle_a", "u4", offsetof(Contact, a)},
+                                                   {"cell_a", "4i4", offsetof(Contact, a) + cell_in_part},
+                                                   {"triangle_b", "u4", offsetof(Contact, b)},
+                                                   {"cell_b", "4i4", offsetof(Contact, b) + cell_in_part},
+                                                   {"kind", "u1", offsetof(Contact, kind)},
+                                                   {"ends", "(2,3)f8", offsetof(Contact, ends)},
+                                                   {"normal_a", "3f8", offsetof(Contact, normal_a)},
+                                                   {"normal_b", "3f8", offsetof(Contact, normal_b)}}));
+    return type;
+}
+
+py::dtype distance_type()
+{
+    static const py::dtype& type =
+        *new py::dtype(structure(sizeof(Distance), {{"lower", "f8", offsetof(Distance, lower)},
+                                                    {"upper", "f8", offsetof(Distance, upper)},
+                                                    {"triangle_a", "u4", offsetof(Distance, a)},
+                                                    {"cell_a", "4i4", offsetof(Distance, a) + cell_in_part},
+                                                    {"triangle_b", "u4", offsetof(Distance, b)},
+                                                    {"cell_b", "4i4", offsetof(Distance, b) + cell_in_part},
+                                                    {"point_a", "3f8", offsetof(Distance, point_a)},
+                                                    {"point_b", "3f8", offsetof(Distance, point_b)}}));
+    return type;
+}
+
+} // namespace oncollide::python

@@ -1,0 +1,154 @@
+// World and its models.
+#include "held_world.hpp"
+
+#include <atomic>
+
+#include <fmt/format.h>
+
+namespace oncollide::python {
+
+namespace {
+
+std::uint64_t next_world()
+{
+    static std::atomic<std::uint64_t> worlds = 0;
+    return ++worlds;
+}
+
+} // namespace
+
+HeldWorld::HeldWorld(const Settings& settings)
+    : world(with_stop(settings)), number(next_world()), tied(settings.backend != BackendKind::cpu)
+{
+}
+
+Settings HeldWorld::with_stop(Settings settings)
+{
+    settings.stop = [this] { return interrupts.requested(); };
+    return settings;
+}
+
+void HeldWorld::at_home(const char* call) const
+{
+    if (tied && std::this_thread::get_id() != home)
+        throw Error(ErrorKind::usage, fmt::format("{}: a World with a GPU backend belongs to the thread that made it; "
+                                                  "call it from there, or make it with backend='cpu'",
+                                                  call));
+}
+
+ModelId model_of(const HeldWorld& held, py::handle value, const Place& place)
+{
+    if (!py::isinstance<ModelHandle>(value)) refuse_type(place, "a Model, as World.add() returns it", value);
+    const auto& model = py::cast<const ModelHandle&>(value);
+    if (model.world != held.number)
+        refuse_value(place, "this model is of another World; add its geometry to this one, which copies nothing");
+    return model.id;
+}
+
+std::uint32_t bits(py::handle value, const Place& place)
+{
+    return static_cast<std::uint32_t>(whole(value, place, 0xffffffffu));
+}
+
+Aabb box_of(py::handle low, py::handle high, const char* call)
+{
+    return {vector3(low, {call, "low"}), vector3(high, {call, "high"})};
+}
+
+void bind_world(py::module_& m)
+{
+    using namespace py::literals;
+    py::class_<ModelHandle>(m, "Model",
+                            R"(A geometry in one World, with all that is derived from it; as World.add() returns it.)")
+        .def("__eq__",
+             [](const ModelHandle& a, py::handle b) {
+                 return py::isinstance<ModelHandle>(b) && a == py::cast<const ModelHandle&>(b);
+             })
+        .def(
+            "__hash__",
+            [](const ModelHandle& model) { return model.world * 0x9e3779b97f4a7c15u ^ std::hash<ModelId>()(model.id); })
+        .def("__repr__", [](const ModelHandle& model) {
+            return fmt::format("<oncollide.Model {} of World {}>", model.id.slot, model.world);
+        });
+
+    WorldClass world(m, "World", R"(World(**settings)
+--
+
+Bodies and their models, which come, go and move between steps, and which of them collide.
+
+    world = oncollide.World(max_error=0.01)
+    crane = world.add(oncollide.load_mesh("crane.obj"))
+    body = world.add_body(crane, pose=np.eye(4))
+    for pair in world.step().pairs: ...
+
+Settings, all by keyword:
+  max_error: metres, > 0; bodies reported `within` are closer than clearance + max_error. None: 1 % of the smaller body.
+  depth: 1 to 16, the depth of sphere-trees, in place of max_error.
+  clearance: metres, >= 0; pairs this close count as touching.
+  exact: 'off', 'predicates' (decides exactly whether surfaces meet) or 'fcl'.
+  contact_kinds, ignore_touching: tell touching from crossing; leave pairs that only touch apart. exact='predicates'.
+  mode: 'surface' or 'solid' (the inside of a closed mesh belongs to it). open_as_surface: takes open meshes, too.
+  threads: 1; 0: all that there are. Never changes a result.
+  bounding_volume: 'auto', 'sphere' or 'obb'. broad_phase: 'kd', 'octree' or 'brute'.
+  backend: 'cpu', 'auto', 'gl-compute' or 'gl-query'; gpu, viewport: for these.
+  skip: names of stages to leave out. age_limit, node_budget, memory_budget, coherence: as in the C++ library.
+
+Bodies have ids, whole numbers. That of a removed body is stale: using it raises Error. Poses are float64: (4, 4), body
+to world, metres, or (7,) with position and quaternion x y z qx qy qz qw.
+
+Raises TypeError and ValueError for arguments of another type, shape or range, and Error for what the library refuses;
+then nothing has changed. One thread at a time may change a World, or step it; queries, contacts and distances may run
+side by side. Calls that compute let other threads of Python run.)");
+
+    world.def(py::init(
+        [](const py::kwargs& settings) { return std::make_unique<HeldWorld>(settings_of(settings, "World")); }));
+
+    world.def(
+        "add",
+        [](HeldWorld& held, py::handle made) {
+            GeometryHandle shared = geometry(made, {"World.add", "geometry"});
+            const Inside inside(held, "World.add");
+            return ModelHandle{held.number, held.world.add(std::move(shared))};
+        },
+        "geometry"_a, R"(add(self, geometry)
+--
+
+Shares a Geometry with this World and returns its Model. Builds nothing yet: trees grow where bodies come close.)");
+    world.def(
+        "replace",
+        [](HeldWorld& held, py::handle model, py::handle made) {
+            const ModelId id = model_of(held, model, {"World.replace", "model"});
+            GeometryHandle shared = geometry(made, {"World.replace", "geometry"});
+            const Inside inside(held, "World.replace");
+            held.world.replace(id, std::move(shared));
+        },
+        "model"_a, "geometry"_a, R"(replace(self, model, geometry)
+--
+
+Gives a model another Geometry; all its bodies have it from now on.)");
+    world.def(
+        "remove",
+        [](HeldWorld& held, py::handle model) {
+            const ModelId id = model_of(held, model, {"World.remove", "model"});
+            const Inside inside(held, "World.remove");
+            held.world.remove(id);
+        },
+        "model"_a, R"(remove(self, model)
+--
+
+Removes a model. Raises Error while a body uses it.)");
+
+    bind_bodies(world);
+    bind_frames(m, world);
+    bind_world_queries(world);
+    bind_maps(world);
+    world.def_property_readonly("bytes", look("World.bytes", [](const World& w) { return w.bytes(); }),
+                                "HeldWorld for bodies, boxes and trees, bytes; the geometries come on top (int).");
+    world.def_property_readonly("backend", look("World.backend", [](const World& w) { return w.backend(); }),
+                                "What finds grey cells, e.g. 'cpu (avx2)' (str).");
+    world.def("__repr__", [](const HeldWorld& held) { // also while another thread is inside
+        return fmt::format("<oncollide.World {}>", held.number);
+    });
+}
+
+} // namespace oncollide::python

@@ -1,0 +1,267 @@
+// The bodies of a World.
+#include <fmt/format.h>
+
+#include "held_world.hpp"
+
+namespace oncollide::python {
+
+namespace {
+
+void check_length(const Poses& poses, std::size_t count, const Place& place)
+{
+    if (!poses.one() && poses.size() != count)
+        refuse_value(place,
+                     fmt::format("{} poses for {} bodies; must be as many, or one for all", poses.size(), count));
+}
+
+py::object add_body(HeldWorld& held, py::handle model, py::handle at, py::handle fixed, py::handle layer,
+                    py::handle mask, py::handle group, py::handle user)
+{
+    const char* const call = "World.add_body";
+    const BodySpec spec{.model = model_of(held, model, {call, "model"}),
+                        .pose = pose(at, {call, "pose"}),
+                        .fixed = truth(fixed, {call, "fixed"}),
+                        .layer = bits(layer, {call, "layer"}),
+                        .mask = bits(mask, {call, "mask"}),
+                        .group = bits(group, {call, "group"}),
+                        .user = whole(user, {call, "user"}, ~0ull)};
+    const Inside inside(held, call);
+    return py::int_(number_of(held.world.add_body(spec)));
+}
+
+py::array add_bodies(HeldWorld& held, py::handle model, py::handle at, py::handle fixed, py::handle layer,
+                     py::handle mask, py::handle group)
+{
+    const char* const call = "World.add_bodies";
+    const BodySpec spec{.model = model_of(held, model, {call, "model"}),
+                        .fixed = truth(fixed, {call, "fixed"}),
+                        .layer = bits(layer, {call, "layer"}),
+                        .mask = bits(mask, {call, "mask"}),
+                        .group = bits(group, {call, "group"})};
+    const Poses poses(at, {call, "poses"});
+    std::vector<BodySpec> specs(poses.size(), spec);
+    for (std::size_t i = 0; i < specs.size(); ++i) specs[i].pose = poses[i];
+    std::vector<BodyId> ids(specs.size());
+    const Inside inside(held, call);
+    held.world.add_bodies(specs, ids);
+    return ids_of(ids);
+}
+
+void set_poses(HeldWorld& held, py::handle which, py::handle at)
+{
+    const char* const call = "World.set_poses";
+    const std::vector<BodyId> ids = bodies(which, {call, "bodies"});
+    const Poses poses(at, {call, "poses"});
+    check_length(poses, ids.size(), {call, "poses"});
+    std::vector<Eigen::Isometry3d> made(ids.size());
+    for (std::size_t i = 0; i < ids.size(); ++i) made[i] = poses[i];
+    const Inside inside(held, call);
+    held.world.set_poses(ids, made);
+}
+
+py::array pose_of(HeldWorld& held, py::handle which)
+{
+    const BodyId id = body(which, {"World.pose", "body"});
+    const Looking looking(held, "World.pose");
+    py::array_t<double> made({4, 4});
+    Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(made.mutable_data()) = held.world.pose(id).matrix();
+    return made;
+}
+
+/// A method of one body that changes it.
+template <class Change>
+void change(HeldWorld& held, const char* call, py::handle which, Change work)
+{
+    const BodyId id = body(which, {call, "body"});
+    const Inside inside(held, call);
+    work(id);
+}
+
+} // namespace
+
+void bind_bodies(WorldClass& world)
+{
+    using namespace py::literals;
+    const auto none = py::none();
+    const py::int_ all(0xffffffffu);
+    world.def("add_body", &add_body, "model"_a, "pose"_a = none, "fixed"_a = false, "layer"_a = 1, "mask"_a = all,
+              "group"_a = 0, "user"_a = 0,
+              R"(add_body(self, model, pose=None, fixed=False, layer=1, mask=4294967295, group=0, user=0)
+--
+
+Adds a body and returns its id (int).
+
+pose: (4, 4) or (7,), metres; None: the origin. fixed: two fixed bodies never form a pair. layer, mask: bits; a pair is
+tested when the layer of each has a bit in common with the mask of the other. group: bodies of one group other than 0
+never collide. user: a number of yours, up to 2^64 - 1, which World.user() returns.)");
+    world.def("add_bodies", &add_bodies, "model"_a, "poses"_a, "fixed"_a = false, "layer"_a = 1, "mask"_a = all,
+              "group"_a = 0, R"(add_bodies(self, model, poses, fixed=False, layer=1, mask=4294967295, group=0)
+--
+
+Adds a body for each of the poses, (N, 4, 4) or (N, 7), and returns their ids, uint64 (N,).)");
+    world.def(
+        "remove_body",
+        [](HeldWorld& held, py::handle which) {
+            change(held, "World.remove_body", which, [&](BodyId id) { held.world.remove_body(id); });
+        },
+        "body"_a, R"(remove_body(self, body)
+--
+
+Removes a body; its id is stale from now on.)");
+    world.def(
+        "remove_bodies",
+        [](HeldWorld& held, py::handle which) {
+            const std::vector<BodyId> ids = bodies(which, {"World.remove_bodies", "bodies"});
+            const Inside inside(held, "World.remove_bodies");
+            held.world.remove_bodies(ids);
+        },
+        "bodies"_a, R"(remove_bodies(self, bodies)
+--
+
+Removes bodies, each once. bodies: (N,) ids.)");
+
+    world.def(
+        "set_pose",
+        [](HeldWorld& held, py::handle which, py::handle at) {
+            const Eigen::Isometry3d to = pose(at, {"World.set_pose", "pose"});
+            change(held, "World.set_pose", which, [&](BodyId id) { held.world.set_pose(id, to); });
+        },
+        "body"_a, "pose"_a, R"(set_pose(self, body, pose)
+--
+
+Moves a body. pose: (4, 4) or (7,), metres; rigid to 1e-6.)");
+    world.def("set_poses", &set_poses, "bodies"_a, "poses"_a, R"(set_poses(self, bodies, poses)
+--
+
+Moves many. bodies: (N,) ids. poses: (N, 4, 4) or (N, 7), metres, or one pose for all. Where one is refused, none moves.)");
+    world.def(
+        "set_fixed",
+        [](HeldWorld& held, py::handle which, py::handle fixed) {
+            const bool now = truth(fixed, {"World.set_fixed", "fixed"});
+            change(held, "World.set_fixed", which, [&](BodyId id) { held.world.set_fixed(id, now); });
+        },
+        "body"_a, "fixed"_a, R"(set_fixed(self, body, fixed)
+--
+
+Two fixed bodies never form a pair; a fixed body may be moved all the same.)");
+    world.def(
+        "set_layers",
+        [](HeldWorld& held, py::handle which, py::handle layer, py::handle mask) {
+            const char* const call = "World.set_layers";
+            const std::uint32_t on = bits(layer, {call, "layer"}), with = bits(mask, {call, "mask"});
+            change(held, call, which, [&](BodyId id) { held.world.set_layers(id, on, with); });
+        },
+        "body"_a, "layer"_a, "mask"_a, R"(set_layers(self, body, layer, mask)
+--
+
+The layers that a body is on, and those that it collides with: bits.)");
+    world.def(
+        "set_group",
+        [](HeldWorld& held, py::handle which, py::handle group) {
+            const std::uint32_t of = bits(group, {"World.set_group", "group"});
+            change(held, "World.set_group", which, [&](BodyId id) { held.world.set_group(id, of); });
+        },
+        "body"_a, "group"_a, R"(set_group(self, body, group)
+--
+
+Bodies of one group other than 0 never collide.)");
+    world.def(
+        "set_model",
+        [](HeldWorld& held, py::handle which, py::handle model) {
+            const ModelId id = model_of(held, model, {"World.set_model", "model"});
+            change(held, "World.set_model", which, [&](BodyId body) { held.world.set_model(body, id); });
+        },
+        "body"_a, "model"_a, R"(set_model(self, body, model)
+--
+
+Gives a body another model.)");
+    world.def(
+        "set_user",
+        [](HeldWorld& held, py::handle which, py::handle user) {
+            const std::uint64_t now = whole(user, {"World.set_user", "user"}, ~0ull);
+            change(held, "World.set_user", which, [&](BodyId id) { held.world.set_user(id, now); });
+        },
+        "body"_a, "user"_a, R"(set_user(self, body, user)
+--
+
+A number of yours, up to 2^64 - 1, that the World keeps for a body.)");
+    const auto two = [&](const char* name, const char* call, auto method, const char* text) {
+        world.def(
+            name,
+            [call, method](HeldWorld& held, py::handle a, py::handle b) {
+                const BodyId first = body(a, {call, "a"}), second = body(b, {call, "b"});
+                const Inside inside(held, call);
+                (held.world.*method)(first, second);
+            },
+            "a"_a, "b"_a, text);
+    };
+    two("exclude", "World.exclude", &World::exclude, R"(exclude(self, a, b)
+--
+
+These two bodies never form a pair, until include() or until one is removed.)");
+    two("include", "World.include", &World::include, R"(include(self, a, b)
+--
+
+Undoes exclude().)");
+
+    world.def("pose", &pose_of, "body"_a, R"(pose(self, body)
+--
+
+Where a body is: float64 (4, 4), a copy.)");
+    world.def(
+        "model",
+        [](HeldWorld& held, py::handle which) {
+            const BodyId id = body(which, {"World.model", "body"});
+            const Looking looking(held, "World.model");
+            return ModelHandle{held.number, held.world.model(id)};
+        },
+        "body"_a, R"(model(self, body)
+--
+
+The Model of a body.)");
+    world.def(
+        "user",
+        [](HeldWorld& held, py::handle which) {
+            const BodyId id = body(which, {"World.user", "body"});
+            const Looking looking(held, "World.user");
+            return held.world.user(id);
+        },
+        "body"_a, R"(user(self, body)
+--
+
+The number of yours that the World keeps for a body (int).)");
+    world.def(
+        "fixed",
+        [](HeldWorld& held, py::handle which) {
+            const BodyId id = body(which, {"World.fixed", "body"});
+            const Looking looking(held, "World.fixed");
+            return held.world.fixed(id);
+        },
+        "body"_a, R"(fixed(self, body)
+--
+
+Is the body fixed?)");
+    world.def(
+        "__contains__",
+        [](HeldWorld& held, py::handle item) {
+            const char* const call = "World.__contains__";
+            if (py::isinstance<ModelHandle>(item)) {
+                const auto& model = py::cast<const ModelHandle&>(item);
+                const Looking looking(held, call);
+                return model.world == held.number && held.world.contains(model.id);
+            }
+            const BodyId id = body(item, {call, "body"});
+            const Looking looking(held, call);
+            return held.world.contains(id);
+        },
+        R"(__contains__(self, item, /)
+--
+
+Is there a body with this id, or this Model?)");
+    world.def("__len__", look("World.__len__", [](const World& w) { return w.size(); }), R"(__len__(self, /)
+--
+
+How many bodies there are.)");
+}
+
+} // namespace oncollide::python

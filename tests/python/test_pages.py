@@ -1,0 +1,72 @@
+"""The programs of docs/python.md and README.md, as they stand."""
+
+import csv
+import re
+
+import pytest
+
+import oncollide
+from conftest import SOURCE
+
+
+def blocks(page, fence):
+    return "".join(re.findall(rf"^```{fence}\n(.*?)^```", (SOURCE / page).read_text(), re.DOTALL | re.MULTILINE))
+
+
+def test_the_first_page_prints_what_it_shows(run_python):
+    program, shown = blocks("docs/python.md", "python"), blocks("docs/python.md", "text")
+    assert program and shown
+    code, out, err = run_python(program)
+    assert code == 0, err
+    assert out == shown
+
+
+def test_the_readmes_example_runs(run_python, tmp_path):
+    for name, centre in [("crane", 0), ("lorry", 0)]:
+        mesh = oncollide.box_mesh([1, 1, 1])
+        lines = [f"v {x + centre} {y} {z}" for x, y, z in mesh.vertices] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in mesh.faces]
+        (tmp_path / f"{name}.obj").write_text("\n".join(lines) + "\n")
+    program = blocks("README.md", "python")
+    assert program
+    code, out, err = run_python(program)
+    assert code == 0, err
+    assert out.splitlines()[0].startswith("0 and 1: WITHIN")
+
+
+NOTEBOOKS = sorted((SOURCE / "python" / "notebooks").glob("*.py"))
+
+
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("plots", [True, False], ids=["with matplotlib", "without"])
+def test_notebooks_run(notebook, plots, run_python, tmp_path):
+    if plots:
+        pytest.importorskip("matplotlib", reason="matplotlib is not installed: plots are not drawn")
+    block = "" if plots else "import sys; sys.modules['matplotlib'] = None\n"
+    code, out, err = run_python(f"{block}import runpy; runpy.run_path({str(notebook)!r}, run_name='__main__')", MPLBACKEND="Agg",
+                                MPLCONFIGDIR=str(tmp_path))  # fmt: skip
+    assert code == 0, err
+    pictures = list(tmp_path.glob("*.png"))
+    assert bool(pictures) == plots
+    assert all(picture.stat().st_size > 5000 for picture in pictures)
+    if not plots:
+        assert "matplotlib" in out, "it says why there is no picture"
+
+
+def test_there_are_two_notebooks_of_cells():
+    assert len(NOTEBOOKS) == 2
+    for notebook in NOTEBOOKS:
+        assert notebook.read_text().count("\n# %%") >= 4
+
+
+def test_the_benchmark_runs(run_python, tmp_path):
+    script = SOURCE / "python" / "bench" / "overhead.py"
+    arguments = ["overhead.py", "--seconds", "0.02", "--rounds", "1", "--csv", str(tmp_path / "o.csv")]
+    code, out, err = run_python(f"import runpy, sys; sys.argv = {arguments}; runpy.run_path({str(script)!r}, run_name='__main__')")
+    assert code == 0, err
+    with open(tmp_path / "o.csv") as measured, open(SOURCE / "docs" / "data" / "python.csv") as shown:
+        calls = [row["call"] for row in csv.DictReader(measured)]
+        rows = list(csv.DictReader(shown))
+    assert calls == [row["call"] for row in rows], "the page's data is of other calls"
+    page = (SOURCE / "docs" / "python.md").read_text()
+    for row in rows:
+        assert f"| `{row['call']}` | {int(row['items']):,} | {row['python_ns']} | {row['cpp_ns']} | {row['overhead_ns']} |" in page

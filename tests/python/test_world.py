@@ -1,0 +1,172 @@
+"""World: bodies, frames, queries, contacts, distances."""
+
+import numpy as np
+import pytest
+
+import oncollide
+from conftest import at, matrices, random_poses
+from oncollide import ContactKind, Verdict
+
+
+@pytest.fixture
+def cubes():
+    """A World with three unit cubes: 0 and 1 overlap, 2 is 1 m from 1."""
+    world = oncollide.World(exact="predicates")
+    model = world.add(oncollide.box_mesh([0.5, 0.5, 0.5]))
+    ids = world.add_bodies(model, np.stack([at(0), at(0.75), at(2.75)]))
+    return world, model, ids
+
+
+def test_a_step_finds_what_collides_and_what_began_and_ended(cubes):
+    world, _, ids = cubes
+    assert ids.dtype == np.uint64 and ids.tolist() == [0, 1, 2] and len(world) == 3
+    frame = world.step()
+    assert frame.frame == 0 and frame.ms > 0
+    assert frame.pairs.dtype.names == ("a", "b", "verdict", "stage", "kind", "bound")
+    pair = frame.pairs[0]
+    assert (pair["a"], pair["b"], pair["verdict"], pair["bound"]) == (0, 1, Verdict.COLLIDING, 0)
+    assert frame.began.tolist() == [(0, 1)] and len(frame.ended) == 0
+    world.set_pose(1, at(5))
+    later = world.step()
+    assert later.ended.tolist() == [(0, 1)] and len(later.began) == 0
+    assert frame.began.tolist() == [(0, 1)], "an older frame stays as it was"
+    assert [s["stage"] for s in later.stages] == list(world.stages) == ["bounds", "delimitation", "broad", "ocst", "exact"]
+    assert later.trees["narrowed"] >= 0 and world.totals[0]["frames"] == 2
+
+
+def test_equal_input_gives_an_equal_hash_on_any_number_of_threads():
+    def run(threads):
+        world = oncollide.World(max_error=0.01, threads=threads)
+        model = world.add(oncollide.torus_knot_mesh(2, 3, 1, 0.4, 0.15, 400))
+        ids = world.add_bodies(model, random_poses(60, 3, 1))
+        hashes = []
+        for frame in range(3):
+            world.set_poses(ids[::2], random_poses(30, 3, 10 + frame))
+            hashes.append(world.step().hash)
+        return hashes, world.hash
+
+    assert run(1) == run(3)
+
+
+def test_positions_and_quaternions_are_the_same_poses(cubes):
+    world, _, ids = cubes
+    poses = random_poses(3, 10, 3)
+    world.set_poses(ids, poses)
+    assert np.allclose([world.pose(i) for i in ids], matrices(poses), atol=1e-15)
+    world.set_pose(ids[0], poses[1])
+    assert np.array_equal(world.pose(ids[0]), world.pose(ids[1]))
+    world.set_poses(ids, at(7))
+    assert np.array_equal(world.pose(2), at(7))
+
+
+def test_filters_keep_bodies_apart(cubes):
+    world, model, _ = cubes
+    touching = lambda: len(world.step().began)  # noqa: E731
+    assert touching() == 1
+    world.set_group(0, 5), world.set_group(1, 5)
+    assert len(world.step().ended) == 1
+    world.set_group(1, 0)
+    assert touching() == 1
+    world.exclude(0, 1)
+    assert len(world.step().ended) == 1
+    world.include(0, 1), world.set_layers(0, 2, 2)
+    assert touching() == 0
+    world.set_layers(0, 1, 0xFFFFFFFF)
+    assert touching() == 1
+    world.set_fixed(0, True), world.set_fixed(1, True)
+    assert len(world.step().ended) == 1 and world.fixed(0)
+    assert len(world.query(model, at(0.3), group=7)) == 2 and len(world.query(model, at(0.3), mask=4)) == 0
+
+
+def test_ids_of_what_was_removed_are_stale(cubes):
+    world, model, ids = cubes
+    world.set_user(1, 2**64 - 1)
+    assert world.user(1) == 2**64 - 1 and world.model(1) == model and {world.model(1)} == {model}
+    world.remove_body(ids[1])
+    assert 1 not in world and 0 in world
+    again = world.add_body(model)
+    assert again == 2**32 + 1, "the same slot, another generation"
+    with pytest.raises(oncollide.Error, match="body 1 .generation 0.: was removed; its id is stale"):
+        world.set_pose(1, at(0))
+    world.set_pose(np.uint64(again), at(3))
+    with pytest.raises(oncollide.Error, match="bodies use it"):
+        world.remove(model)
+    world.remove_bodies([0, 2, again])
+    world.remove(model)
+    assert len(world) == 0 and model not in world
+    with pytest.raises(oncollide.Error, match="there is none, or it was removed"):
+        world.add_body(model)
+
+
+def test_a_model_can_be_replaced(cubes):
+    world, model, _ = cubes
+    world.replace(model, oncollide.sphere(2.0))
+    assert len(world.step().began) == 3
+    ball = world.add(oncollide.sphere(0.01))
+    world.set_model(1, ball), world.set_model(2, ball)
+    assert world.step().ended.tolist() == [(0, 2), (1, 2)]
+
+
+def test_queries_hit_what_is_there_and_add_nothing(cubes):
+    world, model, ids = cubes
+    hits = world.query(model, at(0.3))
+    assert hits.dtype.names == ("body", "verdict", "kind", "bound") and hits["body"].tolist() == [0, 1]
+    assert set(hits["verdict"]) == {Verdict.COLLIDING}
+    many, offsets = world.query_batch(model, np.stack([at(0.3), at(50), at(2.8)]))
+    assert offsets.tolist() == [0, 2, 2, 3] and many["body"].tolist() == [0, 1, 2]
+    assert world.query_segment([-9, 0, 0], [9, 0, 0])["body"].tolist() == [0, 1, 2]
+    assert world.query_box([2, -1, -1], [4, 1, 1])["body"].tolist() == [2]
+    assert len(world) == 3
+
+
+def test_contacts_are_structured_arrays_of_what_meets(cubes):
+    world, _, _ = cubes
+    contacts = world.contacts(0, 1)
+    assert len(contacts) > 8 and contacts["ends"].shape == (len(contacts), 2, 3)
+    assert np.abs(np.linalg.norm(contacts["normal_a"], axis=1) - 1).max() < 1e-12
+    assert contacts["ends"][..., 0].min() >= 0.25 - 1e-12 and contacts["ends"][..., 0].max() <= 0.5 + 1e-12
+    assert set(contacts["kind"]) <= {ContactKind.TOUCHING, ContactKind.CROSSING}
+    assert contacts["triangle_a"].max() < 12 and not contacts["cell_a"].any()
+    lists, offsets = world.contacts_batch([0, 0, 1], [1, 2, 0])
+    assert offsets.tolist() == [0, len(contacts), len(contacts), 2 * len(contacts)]
+    assert np.array_equal(lists[: offsets[1]], contacts)
+    cell = world.add_body(world.add(oncollide.occupancy_map([[3, 0, 0]], 1.0)))
+    assert world.contacts(cell, 2)[0]["cell_a"].tolist() == [3, 0, 0, 1]
+
+
+def test_distances_are_certified_intervals(cubes):
+    world, _, _ = cubes
+    found = world.distance(1, 2)
+    assert found["lower"] <= 1 <= found["upper"] and found["upper"] - found["lower"] < 1e-9
+    assert np.linalg.norm(found["point_a"] - found["point_b"]) == pytest.approx(1)
+    assert world.distance(0, 1)["upper"] == 0
+    far = world.distance(0, 2, farthest=0.5)
+    assert far["lower"] > 0.5 and far["upper"] == np.inf
+    assert world.distance(0, 2, tolerance=0.2)["upper"] - world.distance(0, 2, tolerance=0.2)["lower"] <= 0.2 + 1e-9
+
+
+def test_settings_reach_the_world():
+    inner = oncollide.box_mesh([0.1, 0.1, 0.1])
+    for settings, expected in [({"mode": "solid"}, Verdict.COLLIDING), ({"mode": "surface"}, Verdict.SEPARATE)]:
+        world = oncollide.World(exact="predicates", **settings)
+        world.add_body(world.add(oncollide.box_mesh([1, 1, 1])))
+        world.add_body(world.add(inner))
+        assert world.step().pairs["verdict"].tolist() == [expected]
+    kinds = oncollide.World(exact="predicates", contact_kinds=True)
+    model = kinds.add(oncollide.box_mesh([0.5, 0.5, 0.5]))
+    kinds.add_bodies(model, [at(0), at(1)])
+    assert kinds.step().pairs["kind"].tolist() == [ContactKind.TOUCHING]
+    near = oncollide.World(clearance=0.5, max_error=0.01)
+    near.add_bodies(near.add(oncollide.sphere(1.0)), [at(0), at(2.4), at(-2.6)])
+    assert near.step().began.tolist() == [(0, 1)]
+    assert near.max_error(0, 1) == 0.01
+    assert oncollide.World(skip=["exact"], depth=None, broad_phase="octree", threads=0).backend.startswith("cpu")
+
+
+def test_the_numbers_of_verdicts_and_kinds_are_the_librarys():
+    names = lambda e: [v.name.lower() for v in e]  # noqa: E731
+    assert names(Verdict) == ["separate", "within", "colliding", "undecided"]
+    assert names(ContactKind) == ["unknown", "near", "touching", "crossing", "enclosed"]
+    skipped = oncollide.World(skip=["ocst"])
+    skipped.add_bodies(skipped.add(oncollide.sphere(1.0)), [at(0), at(1)])
+    assert skipped.step().pairs["verdict"].tolist() == [Verdict.UNDECIDED]
