@@ -5,6 +5,7 @@
 
 #include <oncollide/pipeline/refine/contact_finding.hpp>
 #include <oncollide/pipeline/refine/narrowing.hpp>
+#include <oncollide/pipeline/refine/penetration_depth.hpp>
 #include <oncollide/pipeline/refine/solid_contacts.hpp>
 #include <oncollide/pipeline/stage.hpp>
 #include <oncollide/pipeline/world.hpp>
@@ -37,6 +38,8 @@ struct World::Impl {
         SolidContacts solid_contacts;
         PointLocator locator;
         SolidPairs solids;
+        PenetrationDepth penetration;
+        std::vector<Contact> meetings;
         std::vector<Aabb> boxes;
         std::vector<BoxHit> hits;
         std::vector<PairTask> tasks;
