@@ -121,6 +121,9 @@ public:
     /// Throws Error{usage} while a body uses it.
     void remove(ModelId model);
     bool contains(ModelId model) const;
+    /// Is the model a mesh in which every edge is shared by two triangles that run along it in opposite directions: has
+    /// it an inside? Cost: that of is_closed(), once.
+    bool closed(ModelId model) const;
     std::size_t models() const; ///< how many there are
 
     // --- Bodies, one or many.
