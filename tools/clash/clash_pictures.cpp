@@ -17,7 +17,7 @@ namespace oncollide::tools {
 namespace {
 
 constexpr int side = 360; ///< pixels, of each of the two panels
-constexpr Colour colour_a{60, 120, 200, 70}, colour_b{225, 160, 50, 70}, red{215, 25, 30};
+constexpr Colour colour_a{60, 120, 200}, colour_b{225, 160, 50}, red{215, 25, 30};
 constexpr Colour paper{250, 250, 250};
 constexpr double view_angle = 0.35; ///< as through a long lens, so that near parts hide little
 
@@ -109,21 +109,27 @@ Image draw(Painter& painter, const ClashReport& report, const Clash& clash)
 
     Picture picture;
     picture.width = picture.height = side, picture.background = paper;
-    for (const auto& [number, colour, box] :
-         {std::tuple(clash.a, colour_a, box_a), std::tuple(clash.b, colour_b, box_b)}) {
+    const auto add = [&](std::uint32_t number, Colour colour, std::uint8_t alpha) {
         const Part& body = parts.parts[number];
+        colour.alpha = alpha;
         picture.bodies.push_back({&std::get<Mesh>(parts.meshes[body.mesh]->data), body.pose, colour});
-        // What lies wholly inside is seen best as it is.
-        if (clash.kind == ContactKind::enclosed && box.diagonal() == smaller) picture.bodies.back().colour = red;
-    }
+    };
+    // The larger one first and clearer: the smaller one may be behind its wall. What lies wholly inside is seen best as
+    // it is.
+    const bool a_is_larger = box_a.diagonal() > box_b.diagonal();
+    add(a_is_larger ? clash.a : clash.b, a_is_larger ? colour_a : colour_b, 50);
+    if (clash.kind == ContactKind::enclosed)
+        add(a_is_larger ? clash.b : clash.a, red, 255);
+    else
+        add(a_is_larger ? clash.b : clash.a, a_is_larger ? colour_b : colour_a, 110);
     picture.lines = subject.lines;
     const Eigen::Vector3d from = good_side(subject.points, part.centre());
     Image image{2 * side, side, std::vector<std::uint8_t>(std::size_t(2 * side * side * 3))};
     picture.camera = camera_from(from, part.centre(), std::min(near, 0.6 * whole.diagonal()));
     paste(painter, picture, image, 0);
     picture.camera = camera_from(from, whole.centre(), 0.55 * whole.diagonal());
-    // Small from afar: a ring of lines would hide it, a dot shows it.
-    picture.lines.push_back({part.centre(), part.centre(), 9, red});
+    // What is small from afar needs a dot to be seen.
+    if (part.diagonal() < 0.08 * whole.diagonal()) picture.lines.push_back({part.centre(), part.centre(), 9, red});
     paste(painter, picture, image, side);
     return image;
 }

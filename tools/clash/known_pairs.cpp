@@ -16,21 +16,28 @@ namespace {
 
 constexpr std::uintmax_t most_bytes = std::uintmax_t(1) << 30;
 
-/// The fields of a row of CSV, quotes taken off; false where a quote is not closed.
-bool split_row(std::string_view row, std::vector<std::string>& fields)
+/// Takes a row of CSV off `rest`: its fields, quotes taken off, without a comment. False where a quote is not closed.
+bool take_row(std::string_view& rest, std::vector<std::string>& fields, std::size_t& line)
 {
     fields.assign(1, "");
-    bool quoted = false;
-    for (std::size_t i = 0; i < row.size(); ++i) {
-        if (quoted && row[i] == '"' && i + 1 < row.size() && row[i + 1] == '"')
-            fields.back() += row[++i];
-        else if (row[i] == '"')
+    bool quoted = false, comment = false;
+    std::size_t i = 0;
+    for (; i < rest.size() && (quoted || rest[i] != '\n'); ++i) {
+        const char c = rest[i];
+        line += c == '\n';
+        if (comment) continue;
+        if (quoted && c == '"' && i + 1 < rest.size() && rest[i + 1] == '"')
+            fields.back() += rest[++i];
+        else if (c == '"')
             quoted = !quoted;
-        else if (row[i] == ',' && !quoted)
+        else if (c == ',' && !quoted)
             fields.emplace_back();
+        else if (c == '#' && !quoted && (i == 0 || rest[i - 1] == ' ' || rest[i - 1] == '\t'))
+            comment = true;
         else
-            fields.back() += row[i];
+            fields.back() += c;
     }
+    rest.remove_prefix(std::min(i + 1, rest.size())), ++line;
     for (std::string& field : fields) {
         field.erase(0, field.find_first_not_of(" \t"));
         field.erase(field.find_last_not_of(" \t\r") + 1);
@@ -49,18 +56,15 @@ std::vector<KnownPair> read_pairs(const std::string& file)
     std::string_view rest = without_byte_order_mark(bytes);
     std::vector<KnownPair> pairs;
     std::vector<std::string> fields;
-    for (std::size_t row = 1; !rest.empty(); ++row) {
-        const std::size_t end = std::min(rest.find('\n'), rest.size());
-        const std::string_view line = rest.substr(0, end);
-        rest.remove_prefix(std::min(end + 1, rest.size()));
-        const std::size_t first = line.find_first_not_of(" \t\r");
-        if (first == line.npos || line[first] == '#') continue;
-        const bool whole = split_row(line, fields);
+    for (std::size_t line = 1; !rest.empty();) {
+        const std::size_t row = line;
+        const bool whole = take_row(rest, fields, line);
+        if (whole && fields.size() == 1 && fields[0].empty()) continue;
         if (!whole || fields.size() < 2 || fields[0].empty() || fields[1].empty())
             throw Error(ErrorKind::bad_data,
                         fmt::format("{}: row {}: {}; expected two names or patterns: \"bolt*\",housing", file, row,
                                     whole ? "not two names" : "a quote is not closed"));
-        if (pairs.empty() && fields[0] == "a" && fields[1] == "b") continue;
+        if (pairs.empty() && fields.size() > 2 && fields[2] == "status") continue; // the heading of a report
         pairs.push_back({fields[0], fields[1], row});
     }
     return pairs;

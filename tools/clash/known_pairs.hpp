@@ -7,7 +7,7 @@
 namespace oncollide::tools {
 
 /// Pairs that are meant to clash, from a CSV file: two names or patterns a row, in either order; more columns are for
-/// the reader. `#` begins a comment, and a first row `a,b` is a heading. Clashes that one fits become ignored. Throws
+/// the reader. `#` begins a comment. A CSV report will do. Clashes that one fits become ignored. Throws
 /// Error{bad_data} naming the row.
 /// @param warnings  gets a line for each row whose names no part has
 void ignore_pairs(const std::string& file, const PartList& parts, std::vector<Clash>& clashes,

@@ -7,6 +7,7 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/parallel.hpp>
@@ -41,6 +42,13 @@ std::vector<std::string> files_below(const std::string& folder)
                     fmt::format("{}: no mesh file in this folder (obj, stl, ply, off, gltf, glb)", folder));
     std::ranges::sort(found);
     return found;
+}
+
+/// As JSON reports have it, so that a baseline knows it again: bytes that are not UTF-8 become U+FFFD.
+std::string valid(const std::string& name)
+{
+    using Json = nlohmann::json;
+    return Json::parse(Json(name).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
 }
 
 /// What a part may be called, the shortest first.
@@ -200,8 +208,8 @@ PartList read_parts(const std::vector<std::string>& files, const Units& units, c
         for (const AssemblyPart& part : read[i].parts) {
             const std::string file_name = fs::path(files[i]).filename().string();
             const bool of_nodes = part.above != no_node_above || part.name != fs::path(files[i]).stem().string();
-            names.push_back(
-                {part.name, of_nodes ? part.path : file_name, of_nodes ? files[i] + ":" + part.path : files[i]});
+            names.push_back({valid(part.name), valid(of_nodes ? part.path : file_name),
+                             valid(of_nodes ? files[i] + ":" + part.path : files[i])});
             list.parts.push_back({"", files[i], first + static_cast<std::uint32_t>(part.mesh),
                                   grouping.group_of(files[i], part), part.pose});
             const auto& mesh = std::get<Mesh>(read[i].meshes[part.mesh]->data);

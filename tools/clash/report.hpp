@@ -28,7 +28,7 @@ struct ClashReport {
 };
 
 inline constexpr std::array clash_kinds{ContactKind::enclosed, ContactKind::crossing, ContactKind::touching,
-                                 ContactKind::near};
+                                        ContactKind::near};
 
 /// "8 new clashes: 2 enclosed, 6 crossing", and what else was found, for the screen and the page.
 std::vector<std::string> summary(const ClashReport& report);
