@@ -160,7 +160,9 @@ struct Painter::Tools {
     VertexLayout corners, balls, lines;
 
     void begin(const Picture& picture, const Canvas& canvas);
-    void draw_bodies(const Picture& picture, const Eigen::Isometry3d& view, const Eigen::Matrix4f& projection);
+    void draw_bodies(const Picture& picture, const Eigen::Isometry3d& view, const Eigen::Matrix4f& projection,
+                     bool glass);
+    void draw_glass(const Picture& picture, const Eigen::Isometry3d& view, const Eigen::Matrix4f& projection);
     void draw_balls(const Picture& picture, const Eigen::Isometry3d& view, const Eigen::Matrix4f& projection);
     void draw_lines(const Picture& picture, const Eigen::Isometry3d& view, const Eigen::Matrix4f& projection);
 };
@@ -180,12 +182,13 @@ void Painter::Tools::begin(const Picture& picture, const Canvas& canvas)
 }
 
 void Painter::Tools::draw_bodies(const Picture& picture, const Eigen::Isometry3d& view,
-                                 const Eigen::Matrix4f& projection)
+                                 const Eigen::Matrix4f& projection, bool glass)
 {
     std::map<const Mesh*, Buffer> uploaded; // instances share their mesh
     glUseProgram(mesh_program.name());
     glUniformMatrix4fv(1, 1, GL_FALSE, projection.data());
-    const auto draw = [&](const Picture::Body& body) {
+    for (const Picture::Body& body : picture.bodies) {
+        if ((body.colour.alpha < 255) != glass) continue;
         auto place = uploaded.find(body.mesh);
         if (place == uploaded.end()) place = uploaded.emplace(body.mesh, upload(*body.mesh)).first;
         const Eigen::Isometry3d to_view = view * body.pose * Eigen::Translation3d(body.mesh->bounds.centre());
@@ -195,17 +198,17 @@ void Painter::Tools::draw_bodies(const Picture& picture, const Eigen::Isometry3d
         glUniform4f(2, float(c.red) / 255, float(c.green) / 255, float(c.blue) / 255, float(c.alpha) / 255);
         corners.use(place->second, sizeof(Corner));
         glDrawArrays(GL_TRIANGLES, 0, GLsizei(3 * body.mesh->triangles.size()));
-    };
-    const auto is_opaque = [](const Picture::Body& body) { return body.colour.alpha == 255; };
-    for (const Picture::Body& body : picture.bodies)
-        if (is_opaque(body)) draw(body);
-    if (std::ranges::all_of(picture.bodies, is_opaque)) return;
+    }
+}
+
+/// Over all that is opaque and has been drawn.
+void Painter::Tools::draw_glass(const Picture& picture, const Eigen::Isometry3d& view,
+                                const Eigen::Matrix4f& projection)
+{
     glEnable(GL_BLEND);
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
     glDepthMask(GL_FALSE);
-    for (const Picture::Body& body : picture.bodies)
-        if (!is_opaque(body)) draw(body);
-    glDepthMask(GL_TRUE);
+    draw_bodies(picture, view, projection, true);
     glDisable(GL_BLEND);
 }
 
@@ -265,8 +268,9 @@ std::vector<std::uint8_t> Painter::draw(const Picture& picture)
     const int width = picture.width, height = picture.height;
     const Canvas canvas(width, height, 4), resolved(width, height, 0);
     tools_->begin(picture, canvas);
-    tools_->draw_bodies(picture, view, projection);
+    tools_->draw_bodies(picture, view, projection, false);
     tools_->draw_balls(picture, view, projection);
+    tools_->draw_glass(picture, view, projection);
     tools_->draw_lines(picture, view, projection);
     glBlitNamedFramebuffer(canvas.name(), resolved.name(), 0, 0, width, height, 0, 0, width, height,
                            GL_COLOR_BUFFER_BIT, GL_NEAREST);

@@ -62,8 +62,8 @@ public:
     Painter& operator=(const Painter&) = delete;
 
     /// Red, green and blue of each pixel, rows from the top. Two lights that come with the camera; edges are smoothed
-    /// by four samples a pixel. Opaque things hide each other by depth; bodies of glass are blended over them in their
-    /// order, and bubbles, far ones first.
+    /// by four samples a pixel. Opaque things hide each other by depth; bubbles are blended over them, far ones first,
+    /// then bodies of glass, in their order, then lines.
     /// Equal pictures give equal bytes on the same renderer. Throws GpuLost.
     std::vector<std::uint8_t> draw(const Picture& picture);
 
