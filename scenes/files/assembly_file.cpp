@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -71,6 +72,24 @@ Assembly load_assembly(const std::filesystem::path& path, double scale, int thre
     const std::string name = path == "-" ? "standard input" : path.stem().string();
     return {{geometry(path.string(), load_mesh(path, {.scale = scale}))},
             {{name, name, no_node_above, 0, Eigen::Isometry3d::Identity()}}};
+}
+
+Scene load_assembly_scene(const std::filesystem::path& path)
+{
+    const Assembly assembly = load_assembly(path);
+    Scene scene;
+    scene.name = path.filename().string();
+    std::vector<GeometryId> geometries(assembly.meshes.size());
+    for (std::size_t i = 0; i < assembly.meshes.size(); ++i)
+        if (const auto& geometry = assembly.meshes[i])
+            geometries[i] = scene.add(fmt::format("{} #{}", geometry->name, i), geometry->data);
+    std::map<std::string, int> numbers;
+    for (const AssemblyPart& part : assembly.parts) {
+        std::string name = part.name;
+        while (scene.find(name)) name = fmt::format("{} ({})", part.name, ++numbers[part.name] + 1);
+        scene.add_body({.name = name, .geometry = geometries[part.mesh], .pose = part.pose});
+    }
+    return scene;
 }
 
 } // namespace oncollide

@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include <oncollide/scenes/geometry.hpp>
+#include <oncollide/scenes/scene.hpp>
 
 namespace oncollide {
 
@@ -31,5 +31,9 @@ struct Assembly {
 /// default scene; any other file is one part. Throws as load_mesh.
 /// @param scale  metres per unit of the file; finite, > 0
 Assembly load_assembly(const std::filesystem::path& path, double scale = 1, int threads = 1);
+
+/// The same as a scene of one frame: a body for each part, none of them fixed. Parts of one name get a number behind
+/// it.
+Scene load_assembly_scene(const std::filesystem::path& path);
 
 } // namespace oncollide
