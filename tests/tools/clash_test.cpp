@@ -161,6 +161,23 @@ TEST_F(ClashCommand, TouchingIsAClashOnRequestAndSmallOverlapsTouchWithinATolera
     EXPECT_TRUE(pairs("r.json").contains("a b crossing new"));
 }
 
+TEST_F(ClashCommand, ABlockInACornerTouchesWithinATolerance)
+{
+    // A bracket of a floor and a wall in one file, and a block that reaches 0.001 into both.
+    write_box("block.off", {-0.001, 1, -0.001}, {5, 9, 5});
+    folder_.write("bracket.off", "OFF\n12 20 0\n-3 0 -3\n9 0 -3\n9 0 0\n0 0 0\n0 0 9\n-3 0 9\n"
+                                 "-3 10 -3\n9 10 -3\n9 10 0\n0 10 0\n0 10 9\n-3 10 9\n"
+                                 "3 0 1 2\n3 0 2 3\n3 0 3 4\n3 0 4 5\n3 6 8 7\n3 6 9 8\n3 6 10 9\n3 6 11 10\n"
+                                 "3 0 6 1\n3 1 6 7\n3 1 7 2\n3 2 7 8\n3 2 8 3\n3 3 8 9\n3 3 9 4\n3 4 9 10\n"
+                                 "3 4 10 5\n3 5 10 11\n3 5 11 0\n3 0 11 6\n");
+    for (const char* tolerance : {"0", "0.0005", "0.01"}) {
+        const Outcome outcome = run({"clash", "block.off", "bracket.off", "--tolerance", tolerance, "-o", "r.json"});
+        EXPECT_EQ(outcome.code, std::string(tolerance) == "0.01" ? 0 : 1) << tolerance << "\n" << outcome.out;
+        EXPECT_EQ(outcome.out.find("not closed"), std::string::npos) << outcome.out;
+    }
+    EXPECT_EQ(pairs("r.json"), (Pairs{"block bracket touching contact"}));
+}
+
 TEST_F(ClashCommand, UnitsAreThoseOfTheFiles)
 {
     EXPECT_EQ(clash({"--units", "in", "--clearance", "12mm", "-o", "r.json"}).code, 1);
@@ -377,6 +394,44 @@ TEST_F(PlantedClashes, AGlbOfNodesWithOneNameIsToldApart)
     ASSERT_EQ(parts.warnings.size(), 1u);
     EXPECT_NE(parts.warnings[0].find("4 parts are called 'part'"), std::string::npos) << parts.warnings[0];
     EXPECT_EQ(parts.groups, (std::vector<std::string>{"", "assembly"}));
+}
+
+TEST_F(PlantedClashes, AnAssemblyRunsAsAScene)
+{
+    tools::PlantedAssembly planted =
+        tools::make_planted_assembly({.parts = 40, .triangles = 100, .meshes = {}, .every = 2});
+    planted.parts[3].name = planted.parts[0].name;
+    tools::write_glb_file(planted, folder_ / "all.glb");
+    const Outcome outcome = run_program(
+        ONCOLLIDE_COMMAND, {"run", "all.glb", "--exact", "predicates", "--mode", "solid", "--json", "r.json"},
+        {.folder = folder_.path()});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    std::set<std::pair<std::string, std::string>> expected, found;
+    for (const auto& pair : planted.pairs)
+        if (pair.kind != ContactKind::near) expected.insert(std::minmax(pair.a, pair.b));
+    const json results = json::parse(folder_.read("r.json"));
+    EXPECT_EQ(results["header"]["bodies"], 40);
+    const json& pairs = results["frames"][0]["pairs"];
+    for (const json& pair : pairs)
+        if (pair[2] == "colliding") found.insert(std::minmax(pair[0].get<std::string>(), pair[1].get<std::string>()));
+    EXPECT_EQ(found, expected);
+}
+
+TEST_F(PlantedClashes, TheBenchmarkFindsNoFaultInMadeAndRealParts)
+{
+    const Surroundings around{.folder = folder_.path()};
+    std::vector<std::string> arguments{"bench", "clash",      "--parts", "90",      "--triangles", "200",   "--every",
+                                       "2",     "--pictures", "2",       "--write", "kept",        "--csv", "c.csv"};
+    Outcome outcome = run_program(ONCOLLIDE_COMMAND, arguments, around);
+    EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+    EXPECT_EQ(read_csv(folder_.read("c.csv")).size(), 2u);
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "kept/report.html"));
+    const char* named = std::getenv("ONCOLLIDE_DATA");
+    const std::filesystem::path data = named && *named ? named : ONCOLLIDE_SOURCE_DIR "/../shared/data";
+    if (!std::filesystem::is_directory(data)) GTEST_SKIP() << "no data folder: made parts only";
+    arguments.insert(arguments.end(), {"--real", "--data", std::filesystem::absolute(data)});
+    outcome = run_program(ONCOLLIDE_COMMAND, arguments, around);
+    EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
 }
 
 TEST(NamePatterns, StarsAndQuestionMarks)

@@ -127,7 +127,7 @@ int bench_clash(const ClashBenchOptions& o)
     std::optional<OutputFile> csv;
     if (!o.csv.empty()) {
         csv.emplace(o.csv);
-        csv->print("files,parts,triangles,planted,threads,read_s,find_s,json_s,all_s,page_s,pictures,faults\n");
+        csv->print("meshes,files,parts,triangles,planted,threads,read_s,find_s,json_s,all_s,page_s,pictures,faults\n");
     }
     say("{:<14} {:>8} {:>8} {:>8} {:>8} {:>10} {:>8}\n", "files", "read", "find", "JSON", "all", "the page", "faults");
     bool faulty = false;
@@ -144,9 +144,10 @@ int bench_clash(const ClashBenchOptions& o)
             best.all(), best.page, faults.size());
         for (std::size_t k = 0; k < std::min<std::size_t>(faults.size(), 20); ++k) say("FAULT: {}\n", faults[k]);
         if (csv)
-            csv->print("{},{},{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{},{}\n", name, planted.parts.size(),
-                       planted.triangles, planted.pairs.size(), o.threads ? o.threads : hardware_threads(), best.read,
-                       best.find, best.report, best.all(), best.page, o.pictures, faults.size());
+            csv->print("{},{},{},{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{},{}\n", o.real ? "real" : "made", name,
+                       planted.parts.size(), planted.triangles, planted.pairs.size(),
+                       o.threads ? o.threads : hardware_threads(), best.read, best.find, best.report, best.all(),
+                       best.page, o.pictures, faults.size());
     }
     if (csv) csv->commit();
     return faulty ? int(ErrorKind::internal) : 0;

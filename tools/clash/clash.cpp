@@ -131,8 +131,8 @@ void add_clash(Arguments app)
     sub.add_option("--clearance", o->clearance, "parts nearer than this clash, too: 2mm, 0.1in (default 0)")
         .type_name("LENGTH");
     sub.add_option("--tolerance", o->tolerance,
-                   "parts that reach into each other by less than this only touch: what they have in common fits "
-                   "between two planes so far apart (default 0)")
+                   "parts that overlap by no more than this only touch: what they have in common is no thicker, or a "
+                   "shift of one by so much parts them (default 0)")
         .type_name("LENGTH");
     sub.add_flag("--touching", o->touching, "parts that only touch clash, too, as bolted faces do");
     sub.add_option(

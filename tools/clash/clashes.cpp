@@ -4,8 +4,9 @@
 #include <cmath>
 #include <tuple>
 
-#include <oncollide/base/error.hpp>
 #include <oncollide/base/parallel.hpp>
+
+#include "clash/tolerance.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -111,7 +112,7 @@ Clashes find_clashes(const PartList& parts, const ClashSettings& settings)
     }
     measure(world, found, found.list);
     for (Clash& clash : found.list) {
-        if (clash.kind == ContactKind::crossing && clash.reach.thickness <= settings.tolerance)
+        if (clash.kind == ContactKind::crossing && is_within_tolerance(found, clash, settings.tolerance))
             clash.kind = ContactKind::touching, clash.tolerated = true;
         if (clash.kind == ContactKind::touching && !settings.touching) clash.status = ClashStatus::contact;
     }

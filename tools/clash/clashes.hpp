@@ -38,7 +38,7 @@ struct Clash {
 
 struct ClashSettings {
     double clearance = 0;  ///< nearer parts are near
-    double tolerance = 0;  ///< parts whose overlap is certainly no thicker touch
+    double tolerance = 0;  ///< parts that certainly overlap by no more touch
     bool touching = false; ///< touching is a clash
     int threads = 0;
 };
