@@ -281,7 +281,8 @@ void add_bench(Arguments app)
         app.add_command("bench", "Measure against other libraries in one run, on the same work, turn about");
     bench.at_most_one_command();
     bench.action([]() -> int {
-        usage("bench: which one? broad, narrow, planner, world, environment, shapes, many, octants, paper, "
+        usage("bench: which one? broad, narrow, planner, world, environment, distances, shapes, clash, many, octants, "
+              "paper, "
               "poses or scene (oncollide bench --help)");
     });
     add_broad(bench);

@@ -117,11 +117,10 @@ void add_clash(Arguments app)
 {
     Arguments sub = app.add_command("clash", "Find the parts of an assembly that are in each other's way");
     auto o = std::make_shared<ClashOptions>();
-    sub.add_option("input", o->inputs,
+    sub.add_option("parts", o->inputs,
                    "part files (OBJ, STL, PLY, OFF; each is a part, at the coordinates of its file), glTF assemblies "
                    "(each node that shows a mesh is a part), folders of these")
         .required()
-        .expected(1, 1'000'000)
         .type_name("FILES|FOLDER|ASSEMBLY.glb");
     sub.add_option("--units", o->units,
                    "unit of the files and of the report: mm, cm, m or in (default mm). glTF files are in metres. "

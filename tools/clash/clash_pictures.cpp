@@ -41,8 +41,10 @@ Subject subject_of(const Clashes& found, const PartList& parts, const Clash& cla
         subject.lines.push_back({clash.nearest_a, clash.nearest_b, width, red});
     else if (clash.kind != ContactKind::enclosed) {
         const PairOfBodies pair = found.pair(clash);
-        for (const Contact& contact : found.world->contacts(pair.a, pair.b))
-            subject.lines.push_back({contact.ends[0], contact.ends[1], width, red});
+        const std::vector<Contact> contacts = found.world->contacts(pair.a, pair.b);
+        constexpr std::size_t most = 100'000; // more are not told apart
+        for (std::size_t k = 0; k < contacts.size(); k += 1 + contacts.size() / most)
+            subject.lines.push_back({contacts[k].ends[0], contacts[k].ends[1], width, red});
     }
     for (const Picture::Line& line : subject.lines)
         subject.points.push_back(line.from), subject.points.push_back(line.to);
