@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include <oncollide/scenes/geometry.hpp>
 
 #include "clash/units.hpp"
