@@ -211,6 +211,10 @@ void World::remove(ModelId model)
                                                   text_of("model", model.slot, model.generation), p.users[model.slot]));
     p.models.remove(model);
 }
+bool World::closed(ModelId model) const
+{
+    return impl_->model_of(model).closed();
+}
 bool World::contains(ModelId model) const
 {
     return impl_->models.valid(model);

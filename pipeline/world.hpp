@@ -121,6 +121,9 @@ public:
     /// Throws Error{usage} while a body uses it.
     void remove(ModelId model);
     bool contains(ModelId model) const;
+    /// Is the model a mesh in which every edge is shared by two triangles that run along it in opposite directions: has
+    /// it an inside? Cost: that of is_closed(), once.
+    bool closed(ModelId model) const;
     std::size_t models() const; ///< how many there are
 
     // --- Bodies, one or many.
@@ -175,6 +178,10 @@ public:
     std::vector<Contact> contacts(BodyId a, BodyId b) const;
     /// The same for many pairs, on up to Settings::threads threads. Overwrites `lists`.
     void contacts(std::span<const PairOfBodies> pairs, ContactLists& lists) const;
+    /// How far pairs of bodies reach into each other, on up to Settings::threads threads: found[i] of pairs[i]. Throws
+    /// Error{usage} for spans of different lengths and for a body without triangles: a round shape, a map, a terrain.
+    /// Cost: of the contacts, and of a look at all triangles of both.
+    void penetration(std::span<const PairOfBodies> pairs, std::span<Penetration> found) const;
     /// Certified bounds on the distance of two bodies of any kind, to `tolerance` (m, >= 0) besides rounding, and the
     /// two nearest points. Bodies farther apart than `farthest` get only a lower bound above that. Solids that overlap
     /// (shapes, cells of maps, and closed meshes in solid mode) are 0 apart. Throws Error{usage} for a tolerance or a

@@ -5,6 +5,7 @@
 
 #include <oncollide/pipeline/refine/narrowing.hpp>
 #include <oncollide/pipeline/refine/pair_distance.hpp>
+#include <oncollide/pipeline/refine/penetration_depth.hpp>
 #include <oncollide/pipeline/refine/solid_contacts.hpp>
 #include <oncollide/pipeline/stage.hpp>
 #include <oncollide/pipeline/world.hpp>
@@ -36,6 +37,8 @@ struct World::Impl {
         ContactFinding contacts;
         SolidContacts solid_contacts;
         PairDistance distances;
+        PenetrationDepth penetration;
+        std::vector<Contact> meetings;
         std::vector<Aabb> boxes;
         std::vector<BoxHit> hits;
         std::vector<PairTask> tasks;

@@ -245,6 +245,32 @@ void World::contacts(std::span<const PairOfBodies> pairs, ContactLists& lists) c
                         });
 }
 
+void World::penetration(std::span<const PairOfBodies> pairs, std::span<Penetration> found) const
+{
+    Impl& p = *impl_;
+    if (pairs.size() != found.size())
+        throw Error(ErrorKind::usage,
+                    fmt::format("penetration: spans of {} and {}; must be of one length", pairs.size(), found.size()));
+    for (const PairOfBodies& pair : pairs)
+        for (const BodyId body : {pair.a, pair.b}) {
+            Model& model = p.bodies.model(p.slot_of(body));
+            if (!model.has_triangles())
+                throw Error(ErrorKind::usage,
+                            fmt::format("penetration: {} is no mesh, box or hull", p.label(body.slot)));
+            p.need_tree(model);
+        }
+    const ExecutorScope scope(p.settings.executor);
+    parallel_chunks(pairs.size(), 4, p.frame.context.threads, [&](std::size_t begin, std::size_t end, int) {
+        Impl::Borrowed worker(p);
+        for (std::size_t i = begin; i < end; ++i) {
+            const PairTask task = p.task_of(pairs[i].a.slot, pairs[i].b.slot);
+            worker->meetings.clear();
+            worker->contacts.find(*task.a->boxes, *task.pose_a, *task.b->boxes, *task.pose_b, worker->meetings);
+            found[i] = worker->penetration.measure(task, worker->meetings);
+        }
+    });
+}
+
 Distance World::distance(BodyId body_a, BodyId body_b, double tolerance, double farthest) const
 {
     Impl& p = *impl_;

@@ -25,6 +25,11 @@ struct BallInstance {
     float radius;
     Colour colour;
 };
+struct LineInstance {
+    Eigen::Vector3f from, to; ///< view frame
+    float width;
+    Colour colour;
+};
 
 /// How one kind of vertex is laid out in its buffer. Its context must be current whenever it is used or dies.
 class VertexLayout {
@@ -137,6 +142,11 @@ struct Painter::Tools {
         balls.add(0, 4, GL_FLOAT, offsetof(BallInstance, centre));
         balls.add(1, 4, GL_UNSIGNED_BYTE, offsetof(BallInstance, colour));
         balls.one_an_instance();
+        lines.add(0, 3, GL_FLOAT, offsetof(LineInstance, from));
+        lines.add(1, 3, GL_FLOAT, offsetof(LineInstance, to));
+        lines.add(2, 1, GL_FLOAT, offsetof(LineInstance, width));
+        lines.add(3, 4, GL_UNSIGNED_BYTE, offsetof(LineInstance, colour));
+        lines.one_an_instance();
     }
 
     gl::Context context;
@@ -146,11 +156,15 @@ struct Painter::Tools {
     gl::Program ball_program{
         "picture",
         {{GL_VERTEX_SHADER, gl::ball_vertex}, {GL_FRAGMENT_SHADER, std::string(gl::shading) + gl::ball_fragment}}};
-    VertexLayout corners, balls;
+    gl::Program line_program{"picture", {{GL_VERTEX_SHADER, gl::line_vertex}, {GL_FRAGMENT_SHADER, gl::line_fragment}}};
+    VertexLayout corners, balls, lines;
 
     void begin(const Picture& picture, const Canvas& canvas);
-    void draw_bodies(const Picture& picture, const Eigen::Isometry3d& view, const Eigen::Matrix4f& projection);
+    void draw_bodies(const Picture& picture, const Eigen::Isometry3d& view, const Eigen::Matrix4f& projection,
+                     bool glass);
+    void draw_glass(const Picture& picture, const Eigen::Isometry3d& view, const Eigen::Matrix4f& projection);
     void draw_balls(const Picture& picture, const Eigen::Isometry3d& view, const Eigen::Matrix4f& projection);
+    void draw_lines(const Picture& picture, const Eigen::Isometry3d& view, const Eigen::Matrix4f& projection);
 };
 
 void Painter::Tools::begin(const Picture& picture, const Canvas& canvas)
@@ -168,21 +182,34 @@ void Painter::Tools::begin(const Picture& picture, const Canvas& canvas)
 }
 
 void Painter::Tools::draw_bodies(const Picture& picture, const Eigen::Isometry3d& view,
-                                 const Eigen::Matrix4f& projection)
+                                 const Eigen::Matrix4f& projection, bool glass)
 {
     std::map<const Mesh*, Buffer> uploaded; // instances share their mesh
     glUseProgram(mesh_program.name());
     glUniformMatrix4fv(1, 1, GL_FALSE, projection.data());
     for (const Picture::Body& body : picture.bodies) {
+        if ((body.colour.alpha < 255) != glass) continue;
         auto place = uploaded.find(body.mesh);
         if (place == uploaded.end()) place = uploaded.emplace(body.mesh, upload(*body.mesh)).first;
         const Eigen::Isometry3d to_view = view * body.pose * Eigen::Translation3d(body.mesh->bounds.centre());
         const Eigen::Matrix4f matrix = to_view.matrix().cast<float>();
         glUniformMatrix4fv(0, 1, GL_FALSE, matrix.data());
-        glUniform3f(2, float(body.colour.red) / 255, float(body.colour.green) / 255, float(body.colour.blue) / 255);
+        const Colour& c = body.colour;
+        glUniform4f(2, float(c.red) / 255, float(c.green) / 255, float(c.blue) / 255, float(c.alpha) / 255);
         corners.use(place->second, sizeof(Corner));
         glDrawArrays(GL_TRIANGLES, 0, GLsizei(3 * body.mesh->triangles.size()));
     }
+}
+
+/// Over all that is opaque and has been drawn.
+void Painter::Tools::draw_glass(const Picture& picture, const Eigen::Isometry3d& view,
+                                const Eigen::Matrix4f& projection)
+{
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    glDepthMask(GL_FALSE);
+    draw_bodies(picture, view, projection, true);
+    glDisable(GL_BLEND);
 }
 
 void Painter::Tools::draw_balls(const Picture& picture, const Eigen::Isometry3d& view,
@@ -204,6 +231,25 @@ void Painter::Tools::draw_balls(const Picture& picture, const Eigen::Isometry3d&
     glDisable(GL_BLEND);
 }
 
+void Painter::Tools::draw_lines(const Picture& picture, const Eigen::Isometry3d& view,
+                                const Eigen::Matrix4f& projection)
+{
+    std::vector<LineInstance> instances;
+    for (const Picture::Line& line : picture.lines) {
+        const Eigen::Vector3d from = view * line.from, to = view * line.to;
+        if (from.z() >= 0 || to.z() >= 0) continue;
+        instances.push_back({from.cast<float>(), to.cast<float>(), float(line.width), line.colour});
+    }
+    if (instances.empty()) return;
+    const Buffer buffer(instances.size() * sizeof(LineInstance), 0, instances.data());
+    glUseProgram(line_program.name());
+    glUniformMatrix4fv(1, 1, GL_FALSE, projection.data());
+    glUniform2f(2, 0.5f * float(picture.width), 0.5f * float(picture.height));
+    glDisable(GL_DEPTH_TEST);
+    lines.use(buffer, sizeof(LineInstance));
+    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, GLsizei(instances.size()));
+}
+
 Painter::Painter(int gpu) : tools_(std::make_unique<Tools>(gpu))
 {
     tools_->context.check("preparing to draw");
@@ -222,8 +268,10 @@ std::vector<std::uint8_t> Painter::draw(const Picture& picture)
     const int width = picture.width, height = picture.height;
     const Canvas canvas(width, height, 4), resolved(width, height, 0);
     tools_->begin(picture, canvas);
-    tools_->draw_bodies(picture, view, projection);
+    tools_->draw_bodies(picture, view, projection, false);
     tools_->draw_balls(picture, view, projection);
+    tools_->draw_glass(picture, view, projection);
+    tools_->draw_lines(picture, view, projection);
     glBlitNamedFramebuffer(canvas.name(), resolved.name(), 0, 0, width, height, 0, 0, width, height,
                            GL_COLOR_BUFFER_BIT, GL_NEAREST);
 

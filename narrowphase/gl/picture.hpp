@@ -24,20 +24,28 @@ struct Camera {
 /// World frame to view frame: x to the right, y up, the eye at the origin looking along -z.
 Eigen::Isometry3d view_of(const Camera& camera);
 
-/// What to draw: meshes, and balls on top. All in the world frame, in double: only distances from the eye are rounded.
+/// What to draw: meshes, balls, and lines on top. All in the world frame, in double: only distances from the eye are
+/// rounded.
 struct Picture {
     struct Body {
         const Mesh* mesh; ///< must live until the picture is drawn
         Eigen::Isometry3d pose;
-        Colour colour; ///< always opaque
+        Colour colour; ///< below 255 of alpha, it looks like glass: clear where one looks straight at it
     };
     struct Ball {
         Eigen::Vector3d centre;
         double radius;
         Colour colour; ///< below 255 of alpha, it looks like a soap bubble
     };
+    /// Drawn over all else, whatever hides it. Left out where an end is behind the eye.
+    struct Line {
+        Eigen::Vector3d from, to; ///< may be one point: then it is a dot
+        double width;             ///< pixels
+        Colour colour;            ///< always opaque
+    };
     std::vector<Body> bodies;
     std::vector<Ball> balls;
+    std::vector<Line> lines;
     Camera camera;
     int width = 640, height = 480; ///< pixels, each 1 to 8192
     Colour background{255, 255, 255};
@@ -54,7 +62,8 @@ public:
     Painter& operator=(const Painter&) = delete;
 
     /// Red, green and blue of each pixel, rows from the top. Two lights that come with the camera; edges are smoothed
-    /// by four samples a pixel. Opaque things hide each other by depth; bubbles are blended over them, far ones first.
+    /// by four samples a pixel. Opaque things hide each other by depth; bubbles are blended over them, far ones first,
+    /// then bodies of glass, in their order, then lines.
     /// Equal pictures give equal bytes on the same renderer. Throws GpuLost.
     std::vector<std::uint8_t> draw(const Picture& picture);
 

@@ -30,13 +30,46 @@ void main()
 )";
 
 inline constexpr const char* mesh_fragment = R"(
-layout(location = 2) uniform vec3 colour;
+layout(location = 2) uniform vec4 colour;
 in vec3 at;
 flat in vec3 side;
 out vec4 pixel;
 void main()
 {
-    pixel = vec4(shade(colour, faceforward(side, at, side)), 1);
+    vec3 n = faceforward(side, at, side);
+    float facing = abs(dot(normalize(at), n));
+    pixel = vec4(shade(colour.rgb, n), colour.a < 1 ? mix(min(1, 2.2 * colour.a), colour.a, facing) : 1);
+}
+)";
+
+/// A rectangle around a line, as wide as it is to be and half that longer at each end.
+inline constexpr const char* line_vertex = R"(#version 450 core
+layout(location = 1) uniform mat4 projection;
+layout(location = 2) uniform vec2 half_picture; // pixels
+layout(location = 0) in vec3 from;
+layout(location = 1) in vec3 to;
+layout(location = 2) in float width;
+layout(location = 3) in vec4 tint;
+flat out vec4 colour;
+void main()
+{
+    colour = tint;
+    vec4 p = projection * vec4(from, 1), q = projection * vec4(to, 1);
+    vec2 way = (q.xy / q.w - p.xy / p.w) * half_picture;
+    vec2 along = length(way) > 1e-4 ? normalize(way) : vec2(1, 0), across = vec2(-along.y, along.x);
+    bool last = (gl_VertexID & 1) == 1;
+    vec4 end = last ? q : p;
+    vec2 off = 0.5 * width * ((last ? along : -along) + ((gl_VertexID & 2) == 0 ? across : -across));
+    gl_Position = vec4(end.xy / end.w + off / half_picture, 0, 1);
+}
+)";
+
+inline constexpr const char* line_fragment = R"(#version 450 core
+flat in vec4 colour;
+out vec4 pixel;
+void main()
+{
+    pixel = vec4(colour.rgb, 1);
 }
 )";
 

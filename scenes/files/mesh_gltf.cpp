@@ -1,11 +1,14 @@
 #include <algorithm>
-#include <numeric>
+#include <atomic>
 #include <optional>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include <oncollide/base/parallel.hpp>
 #include <oncollide/scenes/files/gltf/gltf_accessor.hpp>
+#include <oncollide/scenes/files/gltf/gltf_nodes.hpp>
+#include <oncollide/scenes/files/gltf/gltf_parts.hpp>
 #include <oncollide/scenes/files/mesh_source.hpp>
 
 namespace oncollide {
@@ -13,8 +16,6 @@ namespace oncollide {
 namespace {
 
 using Document = GltfDocument;
-
-constexpr std::uint32_t none = 0xffffffffu;
 
 /// Corners of triangles: a part of a mesh. Points and lines are left out.
 struct Primitive {
@@ -34,78 +35,6 @@ struct Primitive {
     }
 };
 
-Eigen::Affine3d pose_of(const Node& node)
-{
-    Eigen::Affine3d pose = Eigen::Affine3d::Identity();
-    if (node.has("matrix")) {
-        const Node matrix = node["matrix"];
-        matrix.numbers(16, pose.matrix().data()); // by columns, as Eigen has it
-        const Eigen::RowVector4d last = pose.matrix().row(3);
-        if (!((last - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() < 1e-6))
-            matrix.fail("its last row must be 0, 0, 0, 1");
-        pose.makeAffine();
-        return pose;
-    }
-    if (node.has("translation")) pose.translate(node["translation"].vector3());
-    if (node.has("rotation")) {
-        Eigen::Quaterniond rotation;
-        node["rotation"].numbers(4, rotation.coeffs().data()); // x, y, z, w, as Eigen has it
-        if (!(rotation.norm() > 1e-6)) node["rotation"].fail("the quaternion has no direction");
-        pose.rotate(rotation.normalized());
-    }
-    if (node.has("scale")) pose.scale(node["scale"].vector3());
-    return pose;
-}
-
-/// The nodes of a file, from the roots down.
-struct NodeTree {
-    std::vector<std::uint32_t> parents, order;
-    std::vector<bool> shown; ///< by the scene
-};
-
-/// Throws unless nodes form trees.
-NodeTree node_tree(const Document& document)
-{
-    const std::vector<Node>& nodes = document.all(Document::nodes);
-    NodeTree tree{std::vector<std::uint32_t>(nodes.size(), none), {}, std::vector<bool>(nodes.size(), false)};
-    std::vector<std::vector<std::uint32_t>> children(nodes.size());
-    for (std::uint32_t i = 0; i < nodes.size(); ++i) {
-        if (!nodes[i].has("children")) continue;
-        for (const Node& number : list_of(nodes[i]["children"])) {
-            const auto child = static_cast<std::uint32_t>(document.index(Document::nodes, number));
-            if (std::exchange(tree.parents[child], i) != none)
-                number.fail(fmt::format("nodes[{}] has two parents; nodes must form a tree", child));
-            children[i].push_back(child);
-        }
-    }
-    for (std::uint32_t i = 0; i < nodes.size(); ++i)
-        if (tree.parents[i] == none) tree.order.push_back(i);
-    const std::size_t roots = tree.order.size();
-    for (std::size_t at = 0; at < tree.order.size(); ++at)
-        for (const std::uint32_t child : children[tree.order[at]]) tree.order.push_back(child);
-    if (tree.order.size() < nodes.size())
-        document.source().fail("nodes are their own ancestors; nodes must form a tree");
-
-    if (document.all(Document::scenes).empty()) {
-        tree.shown.assign(nodes.size(), true);
-        return tree;
-    }
-    const Node root = document.root();
-    const Node& scene =
-        root.has("scene") ? document.at(Document::scenes, root["scene"]) : document.all(Document::scenes).front();
-    if (scene.has("nodes"))
-        for (const Node& number : list_of(scene["nodes"])) {
-            const std::size_t i = document.index(Document::nodes, number);
-            if (tree.parents[i] != none || tree.shown[i])
-                number.fail(fmt::format("nodes[{}] has two parents, the scene and {}", i,
-                                        tree.shown[i] ? "the scene" : fmt::format("nodes[{}]", tree.parents[i])));
-            tree.shown[i] = true;
-        }
-    for (std::size_t at = roots; at < tree.order.size(); ++at)
-        tree.shown[tree.order[at]] = tree.shown[tree.parents[tree.order[at]]];
-    return tree;
-}
-
 class GltfReader {
 public:
     explicit GltfReader(const MeshSource& source)
@@ -115,20 +44,115 @@ public:
 
     RawMesh read()
     {
-        const std::vector<Node>& nodes = document_.all(Document::nodes);
-        const NodeTree tree = node_tree(document_);
-        std::vector<Eigen::Affine3d> poses(nodes.size());
-        for (const std::uint32_t i : tree.order) {
-            if (!tree.shown[i]) continue;
-            poses[i] = pose_of(nodes[i]);
-            if (tree.parents[i] != none) poses[i] = poses[tree.parents[i]] * poses[i];
-            if (!nodes[i].has("mesh")) continue;
-            for (const Primitive& part : mesh(nodes[i]["mesh"])) add(part, poses[i]);
-        }
-        return {weld_.take(), std::move(triangles_)};
+        Surface whole;
+        each_mesh([&](std::uint32_t, const std::vector<Primitive>& parts, const Eigen::Affine3d& pose) {
+            for (const Primitive& part : parts) add(part, pose, whole);
+        });
+        return {whole.weld.take(), std::move(whole.triangles)};
+    }
+
+    RawAssembly read_parts(double scale, int threads)
+    {
+        std::vector<Placed> placed;
+        RawAssembly assembly;
+        std::vector<std::vector<std::uint32_t>> by_mesh(meshes_.size()); // numbers of `placed`
+        each_mesh([&](std::uint32_t node, const std::vector<Primitive>& parts, Eigen::Affine3d pose) {
+            if (parts.empty()) return;
+            spend(1);
+            pose = Eigen::Scaling(scale) * pose;
+            const Node& at = document_.all(Document::nodes)[node];
+            if (!(pose.matrix().cwiseAbs().maxCoeff() <= 1e15)) at.fail("it places its mesh beyond 1e15 m");
+            const std::uint64_t mesh = document_.index(Document::meshes, at["mesh"]);
+            const auto [number, rotation] = shared(placed, by_mesh[mesh], parts, pose.linear());
+            Eigen::Isometry3d rigid = Eigen::Isometry3d::Identity();
+            rigid.linear() = rotation, rigid.translation() = pose.translation();
+            assembly.parts.push_back({.node = node, .mesh = number, .pose = rigid});
+        });
+        name(assembly);
+        assembly.meshes.resize(placed.size());
+        parallel_chunks(placed.size(), 1, threads, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t i = begin; i < end; ++i) {
+                Surface surface;
+                for (const Primitive& part : *placed[i].parts) add(part, Eigen::Affine3d(placed[i].linear), surface);
+                assembly.meshes[i] = {surface.weld.take(), std::move(surface.triangles)};
+            }
+        });
+        return assembly;
     }
 
 private:
+    /// Triangles on their way to a mesh.
+    struct Surface {
+        Welder weld;
+        std::vector<Triangle> triangles;
+    };
+    /// A mesh of the file, turned, stretched or mirrored: what parts that differ only in a rigid pose share.
+    struct Placed {
+        const std::vector<Primitive>* parts;
+        Eigen::Matrix3d linear;
+    };
+
+    /// visit(node, parts of its mesh, pose) for each node shown that has a mesh, from the roots down.
+    template <class Visit>
+    void each_mesh(Visit visit)
+    {
+        const std::vector<Node>& nodes = document_.all(Document::nodes);
+        tree_ = node_tree(document_);
+        std::vector<Eigen::Affine3d> poses(nodes.size());
+        for (const std::uint32_t i : tree_.order) {
+            if (!tree_.shown[i]) continue;
+            poses[i] = pose_of(nodes[i]);
+            if (tree_.parents[i] != no_node) poses[i] = poses[tree_.parents[i]] * poses[i];
+            if (nodes[i].has("mesh")) visit(i, mesh(nodes[i]["mesh"]), poses[i]);
+        }
+    }
+
+    /// The number of what a part shares with others of its mesh, and how it is turned. World takes poses that are rigid
+    /// to 1e-6; a file's floats are to some 1e-7.
+    std::pair<std::uint32_t, Eigen::Matrix3d> shared(std::vector<Placed>& placed, std::vector<std::uint32_t>& of_mesh,
+                                                     const std::vector<Primitive>& parts, const Eigen::Matrix3d& linear)
+    {
+        const Eigen::Matrix3d same = Eigen::Matrix3d::Identity();
+        const auto is_rotation = [&](const Eigen::Matrix3d& m) {
+            return (m.transpose() * m - same).cwiseAbs().maxCoeff() < 5e-7 && m.determinant() > 0;
+        };
+        constexpr std::size_t most = 64; // looked at: a file may stretch each part differently
+        for (std::size_t k = 0; k < std::min(of_mesh.size(), most); ++k) {
+            const Eigen::Matrix3d turned = linear * placed[of_mesh[k]].linear.inverse();
+            if (turned.allFinite() && is_rotation(turned))
+                return {of_mesh[k], linear == placed[of_mesh[k]].linear ? same : turned};
+        }
+        const bool rigid = is_rotation(linear);
+        of_mesh.push_back(static_cast<std::uint32_t>(placed.size()));
+        placed.push_back({&parts, rigid ? same : linear});
+        return {of_mesh.back(), rigid ? linear : same};
+    }
+
+    /// After their nodes.
+    void name(RawAssembly& assembly)
+    {
+        const std::vector<Node>& nodes = document_.all(Document::nodes);
+        const auto name_of = [&](std::uint32_t i) {
+            const Node& node = nodes[i];
+            if (node.has("name") && node["name"].is_text() && !node["name"].text().empty())
+                return std::string(node["name"].text());
+            if (node.has("mesh")) {
+                const Node& mesh = document_.at(Document::meshes, node["mesh"]);
+                if (mesh.has("name") && mesh["name"].is_text() && !mesh["name"].text().empty())
+                    return std::string(mesh["name"].text());
+            }
+            return fmt::format("node {}", i);
+        };
+        constexpr int levels = 8; // of a path: nodes may be chained by the million
+        for (RawPart& part : assembly.parts) {
+            part.name = part.path = name_of(part.node);
+            part.above = tree_.parents[part.node];
+            std::uint32_t above = part.above;
+            for (int level = 1; above != no_node && level < levels; ++level, above = tree_.parents[above])
+                part.path = name_of(above) + "/" + part.path;
+        }
+    }
+
     /// The parts of a mesh: read once, however often it is placed.
     const std::vector<Primitive>& mesh(const Node& number)
     {
@@ -160,7 +184,7 @@ private:
         return part;
     }
 
-    void add(const Primitive& part, const Eigen::Affine3d& pose)
+    void add(const Primitive& part, const Eigen::Affine3d& pose, Surface& to)
     {
         spend(1 + part.count());
         const bool mirrored = pose.linear().determinant() < 0;
@@ -172,12 +196,12 @@ private:
                 if (v >= part.positions.size())
                     part.node.fail(fmt::format("triangle {} uses vertex {}, but there are {} vertices", i, v,
                                                part.positions.size()));
-                const std::size_t known = weld_.size();
-                t[k] = weld_.add(pose * part.positions.position(v));
-                spend(weld_.size() - known);
+                const std::size_t known = to.weld.size();
+                t[k] = to.weld.add(pose * part.positions.position(v));
+                spend(to.weld.size() - known);
             }
             if (mirrored) std::swap(t[1], t[2]); // keeps the front at the front, as the format requires
-            triangles_.push_back(t);
+            to.triangles.push_back(t);
         }
     }
 
@@ -187,11 +211,12 @@ private:
     void spend(std::uint64_t pieces)
     {
         constexpr std::uint64_t always = 10'000'000, never = 200'000'000;
-        spent_ += pieces;
-        if (spent_ <= always) return;
+        if (pieces == 0) return;
+        const std::uint64_t spent = spent_ += pieces;
+        if (spent <= always) return;
         const std::uint64_t most =
             std::clamp<std::uint64_t>(source_.bytes.size() + buffers_.bytes_read(), always, never);
-        if (spent_ > most)
+        if (spent > most)
             source_.fail(fmt::format("its nodes expand to more than {} triangles, vertices and parts of meshes", most));
     }
 
@@ -199,9 +224,8 @@ private:
     GltfDocument document_;
     GltfBuffers buffers_;
     std::vector<std::optional<std::vector<Primitive>>> meshes_;
-    Welder weld_;
-    std::vector<Triangle> triangles_;
-    std::uint64_t spent_ = 0;
+    NodeTree tree_;
+    std::atomic<std::uint64_t> spent_ = 0; ///< by all threads
 };
 
 } // namespace
@@ -209,6 +233,11 @@ private:
 RawMesh read_gltf(const MeshSource& source)
 {
     return GltfReader(source).read();
+}
+
+RawAssembly read_gltf_parts(const MeshSource& source, double scale, int threads)
+{
+    return GltfReader(source).read_parts(scale, threads);
 }
 
 } // namespace oncollide

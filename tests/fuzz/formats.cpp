@@ -10,6 +10,7 @@
 #include "seeds.hpp"
 #include "tools/run_command.hpp"
 #include <oncollide/base/error.hpp>
+#include <oncollide/scenes/files/assembly_file.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
 #include <oncollide/scenes/files/terrain_file.hpp>
@@ -73,6 +74,9 @@ void load(const fs::path& file)
         tools::open_aabbs(file);
     } else {
         check(load_mesh(file));
+        if (ending != ".gltf" && ending != ".glb") return;
+        for (const auto& mesh : load_assembly(file).meshes)
+            if (mesh) check(std::get<Mesh>(mesh->data));
     }
 }
 

@@ -105,6 +105,37 @@ TEST(Picture, BubblesLetOneSeeThrough)
     EXPECT_GT(seen.at(60, 45, 2), draw(picture).at(60, 45, 2)) << "and still are seen";
 }
 
+TEST(Picture, BodiesOfGlassLetOneSeeThrough)
+{
+    Picture picture = empty_picture();
+    const Mesh wall = make_box_mesh({1, 0.1, 1});
+    Colour glass = blue;
+    glass.alpha = 30;
+    picture.bodies = {{&wall, Eigen::Isometry3d(Eigen::Translation3d(0, -2, 0)), glass}};
+    picture.balls = {{{0, 0, 0}, 0.5, red}};
+    const Pixels seen = draw(picture);
+    EXPECT_TRUE(seen.is_red(60, 45));
+    EXPECT_LT(seen.at(60 + 20, 45, 0), 230) << "beside the ball there is glass";
+    picture.bodies.clear();
+    EXPECT_GT(seen.at(60, 45, 2), draw(picture).at(60, 45, 2)) << "and over it, too";
+}
+
+TEST(Picture, LinesAreSeenThroughAllElseAndAreAsWideAsTheyShould)
+{
+    Picture picture = empty_picture();
+    const Mesh wall = make_box_mesh({2, 0.1, 2});
+    picture.bodies = {{&wall, Eigen::Isometry3d(Eigen::Translation3d(0, -2, 0)), blue}};
+    picture.lines = {{{-1, 0, 0}, {1, 0, 0}, 4, red}};
+    const Pixels seen = draw(picture);
+    EXPECT_TRUE(seen.is_red(60, 45));
+    EXPECT_TRUE(seen.is_blue(60, 45 + 5));
+    EXPECT_NEAR(seen.count_red(), (45 + 4) * 4, 30);
+    picture.lines = {{{0, 0, 0}, {0, 0, 0}, 6, red}};
+    EXPECT_NEAR(draw(picture).count_red(), 36, 8) << "a dot";
+    picture.lines = {{{0, 0, 0}, {0, -20, 0}, 6, red}};
+    EXPECT_EQ(draw(picture).count_red(), 0) << "ends behind the eye";
+}
+
 TEST(Picture, PlacesFarFromTheOriginLookTheSame)
 {
     const Eigen::Vector3d far(1e7, -1e7, 1e7);

@@ -82,8 +82,22 @@ TEST_F(Check, WritesTheTrianglesThatMeet)
     for (; std::getline(rows, row); ++count) EXPECT_NE(row.find(",touching,0.5,"), std::string::npos) << row;
     EXPECT_GE(count, 4) << "the two of a face meet the two of the other, and more their edges";
     EXPECT_EQ(check("1.0000001 0 0 0 0 0 1", {"--exact", "predicates"}).code, 0);
-    expect_error(64, {"check", "a.off", "b.off", "--contacts", "c.csv"}, {"--exact predicates"});
+    expect_error(64, {"check", "a.off", "b.off", "--max-error", "1", "--contacts", "c.csv"}, {"--exact predicates"});
     expect_error(73, {"check", "a.off", "b.off", "--exact", "predicates", "--contacts", "no/c.csv"}, {"no/c.csv"});
+}
+
+TEST_F(Check, DecidesUnlessABoundIsAskedFor)
+{
+    const Outcome decided = check("0.9 0.1 0 0 0 0 1");
+    EXPECT_EQ(decided.code, 1) << decided.err;
+    EXPECT_TRUE(decided.out.starts_with("colliding (crossing): ")) << decided.out;
+    for (const std::vector<std::string>& asked :
+         {std::vector<std::string>{"--exact", "off"}, {"--max-error", "0.1"}, {"--depth", "4"}}) {
+        const Outcome within = check("0.9 0.1 0 0 0 0 1", asked);
+        EXPECT_EQ(within.code, 2) << within.err;
+        EXPECT_TRUE(within.out.starts_with("within ")) << within.out;
+    }
+    EXPECT_EQ(check("0.9 0.1 0 0 0 0 1", {"--max-error", "0.1", "--exact", "predicates"}).code, 1);
 }
 
 TEST_F(Check, AnswersCollidingOnlyWhenTheExactLevelRan)
@@ -91,7 +105,7 @@ TEST_F(Check, AnswersCollidingOnlyWhenTheExactLevelRan)
     const Outcome outcome = check("0.9 0.1 0 0 0 0 1", {"--exact", "fcl"});
     EXPECT_EQ(outcome.code, 1) << outcome.err;
     EXPECT_NE(outcome.out.find("colliding"), std::string::npos);
-    const Outcome within = check("0.9 0.1 0 0 0 0 1");
+    const Outcome within = check("0.9 0.1 0 0 0 0 1", {"--exact", "off"});
     EXPECT_EQ(within.code, 2) << within.err;
     EXPECT_NE(within.out.find("within"), std::string::npos);
 }
@@ -109,7 +123,7 @@ TEST_F(Check, SaysHowTheyCollide)
     says("1 0.1 0 0 0 0 1", {"--ignore-touching"}, 0, "separate: ");
     says("0.9 0.1 0.2 0 0 0 1", {"--ignore-touching"}, 1, "colliding (crossing): ");
     says("1.1 0 0 0 0 0 1", {"--clearance", "0.2"}, 2, "within 0.1 m (near): ");
-    expect_error(64, {"check", "a.off", "b.off", "--ignore-touching"}, {"ignore-touching", "predicates"});
+    expect_error(64, {"check", "a.off", "b.off", "--exact", "off", "--ignore-touching"}, {"ignore-touching", "predicates"});
     expect_error(64, {"check", "a.off", "b.off", "--kinds", "--exact", "fcl"}, {"kinds", "predicates"});
 }
 

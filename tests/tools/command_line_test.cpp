@@ -8,7 +8,7 @@ TEST_F(CommandLine, HelpOfEveryCommandTeachesAndExitsWithZero)
 {
     const Outcome help = run({"--help"});
     EXPECT_EQ(help.code, 0);
-    for (const char* command : {"demo", "run", "render", "check", "scene", "spheres", "doctor"}) {
+    for (const char* command : {"demo", "run", "render", "check", "clash", "scene", "spheres", "doctor"}) {
         EXPECT_NE(help.out.find(command), std::string::npos) << command;
         const Outcome sub = run({command, "--help"});
         EXPECT_EQ(sub.code, 0) << command;

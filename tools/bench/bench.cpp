@@ -234,6 +234,27 @@ void add_environment(Arguments bench)
     sub.action([options] { return bench_environment(*options); });
 }
 
+void add_clash_bench(Arguments bench)
+{
+    Arguments sub = bench.add_command("clash", "Clash reports of an assembly whose clashes are known, files to report");
+    auto options = std::make_shared<ClashBenchOptions>();
+    sub.add_option("--parts", options->parts, "parts of the assembly (default 5000)").type_name("N");
+    sub.add_option("--triangles", options->triangles, "triangles of a part (default 1000)").type_name("N");
+    sub.add_flag("--real", options->real, "make it of the data folder's meshes of up to 20,000 triangles");
+    sub.add_option("--every", options->every, "one place of so many has a planted pair (default 10)").type_name("N");
+    sub.add_option("--threads", options->threads, "threads; 0: all (default 2)").type_name("N");
+    sub.add_option("--repeats", options->repeats, "runs; the fastest counts (default 1)").type_name("N");
+    sub.add_option("--pictures", options->pictures, "clashes to draw in the page (default 40)").type_name("N");
+    sub.add_option("--data", options->data, "folder with meshes/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
+        .type_name("DIR");
+    sub.add_option("--write", options->write, "keep the assembly and its reports in this folder").type_name("FOLDER");
+    sub.add_option("--csv", options->csv, "write one row per kind of file").type_name("FILE");
+    sub.footer("Planted are parts that cross by much and by little, that touch, that are near and just not near, that\n"
+               "are enclosed, and that lie free in a hollow or a ring. Exit code 70: one was missed, invented or\n"
+               "measured wrongly.");
+    sub.action([options] { return bench_clash(*options); });
+}
+
 void add_shapes(Arguments bench)
 {
     Arguments sub =
@@ -260,7 +281,8 @@ void add_bench(Arguments app)
         app.add_command("bench", "Measure against other libraries in one run, on the same work, turn about");
     bench.at_most_one_command();
     bench.action([]() -> int {
-        usage("bench: which one? broad, narrow, planner, world, environment, shapes, many, octants, paper, "
+        usage("bench: which one? broad, narrow, planner, world, environment, distances, shapes, clash, many, octants, "
+              "paper, "
               "poses or scene (oncollide bench --help)");
     });
     add_broad(bench);
@@ -270,6 +292,7 @@ void add_bench(Arguments app)
     add_environment(bench);
     add_distances(bench);
     add_shapes(bench);
+    add_clash_bench(bench);
     add_scene_bench(bench, "many", "Bunnies, dragons and cows in a cube");
     add_paper(bench);
     add_poses(bench);

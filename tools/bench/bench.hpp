@@ -141,6 +141,16 @@ struct ShapesOptions {
 /// contradicts a result of oncollide.
 int bench_shapes(const ShapesOptions& options);
 
+struct ClashBenchOptions {
+    int parts = 5000, triangles = 1000, every = 10, repeats = 1, threads = 2, pictures = 40;
+    bool real = false;
+    std::string data, write, csv;
+};
+
+/// Clash reports of an assembly whose clashes are known, from files to report. Returns the exit code: 70 when a clash
+/// was missed, invented or measured wrongly.
+int bench_clash(const ClashBenchOptions& options);
+
 /// "4-8", "6" or "2,5-7" as ascending numbers; `option` names it in errors. Each 1 to 16.
 std::vector<int> parse_depths(const std::string& option, const std::string& text);
 

@@ -149,12 +149,15 @@ std::string describe_distance(const Scene& scene, const World& world, double tol
 
 int check_pair(const CheckOptions& options)
 {
-    Settings settings = settings_from(options.settings);
+    SettingsOptions chosen = options.settings;
+    // An error or a depth that is given asks for a bound; all else for a decision.
+    if (chosen.exact.empty()) chosen.exact = chosen.depth || chosen.max_error ? "off" : "predicates";
+    Settings settings = settings_from(chosen);
     if (options.distance && !(*options.distance >= 0))
         throw Error(ErrorKind::usage,
                     fmt::format("--distance: a tolerance of {}; must be 0 or more", *options.distance));
     if (!options.contacts.empty() && settings.exact != ExactLevel::predicates)
-        throw Error(ErrorKind::usage, "--contacts: needs --exact predicates");
+        throw Error(ErrorKind::usage, "--contacts: needs the exact level: leave out --max-error and --depth, or say --exact predicates");
     settings.contact_kinds = settings.exact == ExactLevel::predicates;
     // Both cull without a bound on the distance, and one pair needs neither.
     for (const char* stage : {"delimitation", "broad"}) settings.skip.push_back(stage);
@@ -196,11 +199,12 @@ void add_check(Arguments app)
     sub.add_option("--pose-a", options->pose_a, "pose of A, metres and unit quaternion (default: identity)")
         .type_name("\"x y z qx qy qz qw\"");
     sub.add_option("--pose-b", options->pose_b, "pose of B").type_name("\"x y z qx qy qz qw\"");
+    options->settings.exact.clear();
     add_accuracy_options(sub, options->settings);
     sub.add_option("--json", options->json, "write the result as JSON; '-' is standard output").type_name("FILE");
     sub.add_option(
            "--contacts", options->contacts,
-           "write all pairs of triangles or cells that meet, where, and their normals as CSV; needs --exact predicates")
+           "write all pairs of triangles or cells that meet, where, and their normals as CSV; not with --exact off")
         .type_name("FILE.csv");
     sub.add_option("--distance", options->distance,
                    "also bound the distance of two meshes or terrains, to this tolerance in metres; 0: as exact as "
@@ -208,10 +212,11 @@ void add_check(Arguments app)
         .type_name("M");
     sub.add_flag("--quiet", options->quiet, "print nothing but errors; the exit code is the result");
     sub.footer("Exit codes: 0 separate, 1 colliding, 2 within or undecided, 64 and above: error.\n"
-               "Without --exact nothing is called colliding: bodies that may touch are 'within' a bound.\n"
+               "The pair is decided exactly, triangle by triangle. --max-error M, --depth D or --exact off asks for a\n"
+               "certified bound instead: bodies that may touch are then 'within' it, and none is called colliding.\n"
                "Examples:\n"
                "  oncollide check bunny.obj cow.obj --pose-b \"0.4 0 0 0 0 0 1\"\n"
-               "  oncollide check part.stl fixture.stl --clearance 0.002 --exact predicates --json -\n"
+               "  oncollide check part.stl fixture.stl --clearance 0.002 --json -\n"
                "  oncollide check arm.stl bench.stl --pose-b \"0 0 0.5 0 0 0 1\" --distance 0.001");
     sub.action([options] { return check_pair(*options); });
 }

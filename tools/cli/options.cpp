@@ -10,6 +10,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/scenes/catalogue/catalogue.hpp>
+#include <oncollide/scenes/files/assembly_file.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
 
 namespace oncollide::tools {
@@ -58,7 +59,10 @@ void add_accuracy_options(Arguments command, SettingsOptions& o)
     command.add_option("--depth", o.depth, "instead of --max-error: depth of the sphere-trees, 1 to 16").type_name("D");
     command.add_option("--clearance", o.clearance, "metres: bodies this close count as touching (default 0)")
         .type_name("M");
-    command.add_option("--exact", o.exact, "exact level on triangles: off, predicates or fcl (default off)")
+    command
+        .add_option("--exact", o.exact,
+                    fmt::format("exact level on triangles: off, predicates or fcl (default {})",
+                                o.exact.empty() ? "predicates, and off with --max-error or --depth" : o.exact))
         .type_name("HOW");
     command.add_flag("--kinds", o.kinds,
                      "of meshes that collide, find out whether they touch or cross; needs --exact predicates");
@@ -185,7 +189,8 @@ Scene open_scene(const SceneOptions& o)
     if (o.bodies || o.seed)
         usage(
             fmt::format("--{} is for scenes of the catalogue; '{}' is a file", o.bodies ? "bodies" : "seed", o.scene));
-    Scene scene = load_scene(o.scene);
+    Scene scene =
+        o.scene.ends_with(".glb") || o.scene.ends_with(".gltf") ? load_assembly_scene(o.scene) : load_scene(o.scene);
     if (o.frames) scene.frames = *o.frames;
     scene.pace = o.pace;
     return scene;

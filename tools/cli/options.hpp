@@ -35,7 +35,7 @@ void add_pipeline_options(Arguments command, SettingsOptions& options); ///< the
 /// Throws Error{usage} for a name or number out of range.
 Settings settings_from(const SettingsOptions& options);
 
-/// A scene file, or a scene of the catalogue by name.
+/// A scene file, a glTF assembly, or a scene of the catalogue by name.
 struct SceneOptions {
     std::string scene;
     std::optional<int> bodies, frames;

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <iostream>
 #include <map>
+#include <mutex>
 #include <set>
 
 #include <fmt/format.h>
@@ -32,6 +33,8 @@ std::map<std::string, std::string> files_to_write; ///< with the option that nam
 
 void note_read(const fs::path& path)
 {
+    static std::mutex guard; // files are read by several threads
+    const std::lock_guard lock(guard);
     const std::string identity = file_identity(path.string());
     files_read.insert(identity);
     if (const auto found = files_to_write.find(identity); found != files_to_write.end())

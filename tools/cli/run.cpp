@@ -34,9 +34,11 @@ void add_run(Arguments app)
 {
     Arguments sub = app.add_command("run", "Run a scene frame by frame: a scene file, or a scene of the catalogue");
     auto options = std::make_shared<RunOptions>();
-    sub.add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
+    sub.add_option("scene", options->scene.scene,
+                   "scene file, glTF assembly (each node that shows a mesh is a body), or a name from "
+                   "'oncollide scene --list'")
         .required()
-        .type_name("SCENE.json|NAME");
+        .type_name("SCENE.json|ASSEMBLY.glb|NAME");
     add_catalogue_options(sub, options->scene), add_pace_option(sub, options->scene);
     add_accuracy_options(sub, options->settings);
     add_pipeline_options(sub, options->settings);

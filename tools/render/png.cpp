@@ -15,13 +15,19 @@
 
 namespace oncollide::tools {
 
+namespace {
+
+/// Set before threads pack. Its search is short: more costs little.
+[[maybe_unused]] const int compression = stbi_write_png_compression_level = 12;
+
+} // namespace
+
 std::string packed_png(const Image& image)
 {
     std::string bytes;
     const auto write = [](void* to, void* data, int size) {
         static_cast<std::string*>(to)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));
     };
-    stbi_write_png_compression_level = 12; // its search is short: more costs little
     if (!stbi_write_png_to_func(write, &bytes, image.width, image.height, 3, image.pixels.data(), 3 * image.width))
         throw Error(ErrorKind::internal, "out of memory while packing a picture");
     return bytes;

@@ -1,0 +1,95 @@
+#include <oncollide/scenes/files/assembly_file.hpp>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/file_bytes.hpp>
+#include <oncollide/base/parallel.hpp>
+#include <oncollide/scenes/files/gltf/gltf_nodes.hpp>
+#include <oncollide/scenes/files/gltf/gltf_parts.hpp>
+#include <oncollide/scenes/files/mesh_file.hpp>
+
+namespace oncollide {
+
+namespace {
+
+static_assert(no_node_above == no_node);
+
+bool is_gltf(const std::filesystem::path& path)
+{
+    std::string extension = path.extension().string();
+    std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+    return extension == ".gltf" || extension == ".glb";
+}
+
+std::shared_ptr<const Geometry> geometry(std::string name, Mesh mesh)
+{
+    return std::make_shared<const Geometry>(Geometry{std::move(name), std::move(mesh), {}});
+}
+
+Assembly load_gltf(const std::filesystem::path& path, double scale, int threads)
+{
+    const std::string file = path.string();
+    RawAssembly raw;
+    {
+        const std::string bytes = read_file(path, std::uintmax_t(2) << 30);
+        raw = read_gltf_parts({file, bytes}, scale, threads);
+    }
+    Assembly assembly;
+    std::erase_if(raw.parts, [&](const RawPart& part) { return raw.meshes[part.mesh].triangles.empty(); });
+    if (raw.parts.empty()) throw Error(ErrorKind::bad_data, fmt::format("{}: the file holds no triangle", file));
+    std::vector<std::string> names(raw.meshes.size());
+    for (const RawPart& part : raw.parts)
+        if (names[part.mesh].empty()) names[part.mesh] = fmt::format("{}: {}", file, part.name);
+    assembly.meshes.resize(raw.meshes.size());
+    parallel_chunks(raw.meshes.size(), 1, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) {
+            RawMesh& mesh = raw.meshes[i];
+            if (mesh.triangles.empty()) continue;
+            assembly.meshes[i] =
+                geometry(names[i], make_mesh(names[i], std::move(mesh.vertices), std::move(mesh.triangles)));
+        }
+    });
+    for (RawPart& part : raw.parts)
+        assembly.parts.push_back({std::move(part.name), std::move(part.path), part.above, part.mesh, part.pose});
+    return assembly;
+}
+
+} // namespace
+
+Assembly load_assembly(const std::filesystem::path& path, double scale, int threads)
+{
+    if (!(scale > 0) || !std::isfinite(scale))
+        throw Error(ErrorKind::usage,
+                    fmt::format("{}: the scale is {}; it must be finite and above 0", path.string(), scale));
+    if (is_gltf(path)) return load_gltf(path, scale, threads);
+    const std::string name = path == "-" ? "standard input" : path.stem().string();
+    return {{geometry(path.string(), load_mesh(path, {.scale = scale}))},
+            {{name, name, no_node_above, 0, Eigen::Isometry3d::Identity()}}};
+}
+
+Scene load_assembly_scene(const std::filesystem::path& path)
+{
+    const Assembly assembly = load_assembly(path);
+    Scene scene;
+    scene.name = path.filename().string();
+    std::vector<GeometryId> geometries(assembly.meshes.size());
+    for (std::size_t i = 0; i < assembly.meshes.size(); ++i)
+        if (const auto& geometry = assembly.meshes[i])
+            geometries[i] = scene.add(fmt::format("{} #{}", geometry->name, i), geometry->data);
+    std::map<std::string, int> numbers;
+    for (const AssemblyPart& part : assembly.parts) {
+        std::string name = part.name;
+        while (scene.find(name)) name = fmt::format("{} ({})", part.name, ++numbers[part.name] + 1);
+        scene.add_body({.name = name, .geometry = geometries[part.mesh], .pose = part.pose});
+    }
+    return scene;
+}
+
+} // namespace oncollide

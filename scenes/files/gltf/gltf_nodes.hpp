@@ -1,0 +1,25 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include <oncollide/scenes/files/gltf/gltf_document.hpp>
+
+namespace oncollide {
+
+constexpr std::uint32_t no_node = 0xffffffffu;
+
+/// The nodes of a glTF file, from the roots down. Private to scenes.
+struct NodeTree {
+    std::vector<std::uint32_t> parents, order;
+    std::vector<bool> shown; ///< by the scene
+};
+
+/// Throws Error{bad_data} unless nodes form trees.
+NodeTree node_tree(const GltfDocument& document);
+
+/// Where a node stands in the frame of the one above it.
+Eigen::Affine3d pose_of(const Node& node);
+
+} // namespace oncollide

@@ -1,0 +1,32 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include <oncollide/scenes/files/mesh_source.hpp>
+
+namespace oncollide {
+
+/// A node of a glTF file that shows a mesh. Private to scenes.
+struct RawPart {
+    std::uint32_t node = 0;
+    std::uint32_t mesh = 0; ///< in RawAssembly::meshes
+    Eigen::Isometry3d pose;
+    std::string name{}, path{}; ///< as of AssemblyPart
+    std::uint32_t above = 0;    ///< the node above it, or no_node
+};
+
+/// The meshes may lack triangles or have indices out of range.
+struct RawAssembly {
+    std::vector<RawMesh> meshes;
+    std::vector<RawPart> parts;
+};
+
+/// As read_gltf, but each node that has a mesh is a part of its own. Parts share a mesh where they differ in a rigid
+/// pose alone; what else a node does to its mesh (scale, mirror, shear) is done to the vertices.
+/// @param scale  of everything, meshes and places
+RawAssembly read_gltf_parts(const MeshSource& source, double scale, int threads);
+
+} // namespace oncollide

@@ -1,0 +1,448 @@
+// oncollide clash: what it finds in assemblies whose clashes are known, what each report says of them, and what it says
+// to input that makes no sense.
+#include <set>
+
+#include "clash/name_pattern.hpp"
+#include "clash/planted_assembly.hpp"
+#include "clash/units.hpp"
+#include "csv_rows.hpp"
+#include "tools/command_fixture.hpp"
+#include <oncollide/scenes/model/mesh_generators.hpp>
+
+namespace oncollide::test {
+namespace {
+
+using nlohmann::json;
+using tools::Clash;
+
+class ClashCommand : public CommandLine {
+protected:
+    /// A closed box as an OFF file.
+    void write_box(const std::string& name, const Eigen::Vector3d& least, const Eigen::Vector3d& most)
+    {
+        std::string text = "OFF\n8 12 0\n";
+        for (unsigned k = 0; k < 8; ++k)
+            text += fmt::format("{} {} {}\n", (k & 1 ? most : least).x(), (k & 2 ? most : least).y(),
+                                (k & 4 ? most : least).z());
+        text += "3 0 2 1\n3 1 2 3\n3 4 5 6\n3 5 7 6\n3 0 1 4\n3 1 5 4\n3 2 6 3\n3 3 6 7\n3 0 4 2\n3 2 4 6\n3 1 3 5\n"
+                "3 3 7 5\n";
+        folder_.write(name, text);
+    }
+    /// Block a crosses b by 1, touches c, and is 0.5 from d; e is inside b, f far away.
+    std::vector<std::string> small_assembly()
+    {
+        write_box("a.off", {0, 0, 0}, {10, 10, 10});
+        write_box("b.off", {9, -5, -5}, {30, 15, 15});
+        write_box("c.off", {2, 0, 10}, {7, 8, 20});
+        write_box("d.off", {-10, 0, 0}, {-0.5, 10, 10});
+        write_box("e.off", {15, 1, 1}, {20, 5, 5});
+        write_box("f.off", {100, 0, 0}, {101, 1, 1});
+        return {"a.off", "b.off", "c.off", "d.off", "e.off", "f.off"};
+    }
+    Outcome clash(std::vector<std::string> more)
+    {
+        std::vector<std::string> arguments{"clash"};
+        if (files_.empty()) files_ = small_assembly();
+        arguments.insert(arguments.end(), files_.begin(), files_.end());
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return run(arguments);
+    }
+    /// "a b crossing new" of each pair of a JSON report.
+    std::set<std::string> pairs(const std::string& file)
+    {
+        std::set<std::string> found;
+        const json report = read_json(file);
+        for (const json& c : report["clashes"])
+            found.insert(fmt::format("{} {} {} {}", c["a"]["name"].get<std::string>(),
+                                     c["b"]["name"].get<std::string>(), c["kind"].get<std::string>(),
+                                     c["status"].get<std::string>()));
+        return found;
+    }
+    using Pairs = std::set<std::string>;
+
+    std::vector<std::string> files_;
+};
+
+TEST_F(ClashCommand, NamesTheClashesTheWorstFirst)
+{
+    const Outcome outcome = clash({"--clearance", "1mm", "-o", "r.json"});
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_EQ(outcome.err, "");
+    EXPECT_NE(outcome.out.find("6 parts of 6 files, 72 triangles, 111 x 20 x 25 mm\n"
+                               "3 clashes: 1 enclosed, 1 crossing, 1 near\n"
+                               "1 pair touches without reaching into each other"),
+              std::string::npos)
+        << outcome.out;
+    const std::size_t enclosed = outcome.out.find("1  enclosed"), crossing = outcome.out.find("2  crossing"),
+                      near = outcome.out.find("3  near");
+    EXPECT_TRUE(enclosed < crossing && crossing < near && near != outcome.out.npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("0.5 mm apart"), std::string::npos) << outcome.out;
+    EXPECT_EQ(pairs("r.json"), (Pairs{"b e enclosed new", "a b crossing new", "a c touching contact", "a d near new"}));
+    EXPECT_NE(clash({"--clearance", "1", "--list", "1"}).out.find("and 2 more"), std::string::npos);
+}
+
+TEST_F(ClashCommand, TheJsonReportMeasures)
+{
+    clash({"--clearance", "1mm", "-o", "r.json"});
+    const json report = read_json("r.json");
+    EXPECT_EQ(report["report"], "oncollide clash");
+    EXPECT_EQ(report["unit"], "mm");
+    EXPECT_EQ(report["parts"], 6);
+    EXPECT_EQ(report["counts"]["new"], (json{{"enclosed", 1}, {"crossing", 1}, {"touching", 0}, {"near", 1}}));
+    const json &enclosed = report["clashes"][0], &crossing = report["clashes"][1], &near = report["clashes"][3];
+    EXPECT_EQ(enclosed["contact"], nullptr);
+    EXPECT_EQ(enclosed["overlap"], (json{{"min", {15, 1, 1}}, {"max", {20, 5, 5}}}));
+    EXPECT_NEAR(enclosed["thickness"].get<double>(), 4, 1e-12);
+    EXPECT_NEAR(crossing["thickness"].get<double>(), 1, 1e-12);
+    EXPECT_NEAR(crossing["depth"].get<double>(), 1, 1e-9);
+    EXPECT_EQ(crossing["deepest"]["of"], "a");
+    EXPECT_EQ(crossing["contact"], (json{{"min", {9, 0, 0}}, {"max", {9, 10, 10}}}));
+    EXPECT_EQ(crossing["overlap"], (json{{"min", {9, 0, 0}}, {"max", {10, 10, 10}}}));
+    EXPECT_EQ(crossing["a"]["file"], "a.off");
+    EXPECT_LE(near["distance"]["lower"].get<double>(), 0.5);
+    EXPECT_NEAR(near["distance"]["upper"].get<double>(), 0.5, 1e-9);
+    const Outcome piped = clash({"--clearance", "1mm", "-o", "-"});
+    EXPECT_EQ(json::parse(piped.out), report) << "standard output holds the report and nothing else";
+}
+
+TEST_F(ClashCommand, EveryReportIsReadBack)
+{
+    clash({"--clearance", "1mm", "-o", "r.csv", "-o", "r.xml", "-o", "r.html"});
+    auto csv = read_csv(folder_.read("r.csv"));
+    ASSERT_EQ(csv.size(), 4u);
+    EXPECT_EQ(csv[1]["kind"], "crossing");
+    EXPECT_EQ(csv[1]["a"], "a");
+    EXPECT_EQ(std::stod(csv[1]["thickness"]), 1);
+    EXPECT_EQ(std::stod(csv[1]["contact_min_x"]), 9);
+    EXPECT_NEAR(std::stod(csv[3]["distance"]), 0.5, 1e-9);
+    const std::string xml = folder_.read("r.xml");
+    EXPECT_NE(xml.find("tests=\"4\" failures=\"3\" errors=\"0\" skipped=\"0\""), std::string::npos) << xml;
+    EXPECT_NE(xml.find("<testcase classname=\"clash.crossing\" name=\"a and b\"><failure type=\"crossing\" "
+                       "message=\"crossing: 1 mm thick, a vertex 1 mm deep, at 9.5 5 5\"/></testcase>"),
+              std::string::npos)
+        << xml;
+    const std::string page = folder_.read("r.html");
+    EXPECT_NE(page.find("<h2>Clashes (3)</h2>"), std::string::npos);
+    EXPECT_NE(page.find("<h2>Pairs that touch, which is no clash (1)</h2>"), std::string::npos);
+    for (const char* outside : {"http://", "https://", "src=\"/", "@import", "url("})
+        EXPECT_EQ(page.find(outside), std::string::npos) << "a page needs nothing else: " << outside;
+}
+
+TEST_F(ClashCommand, ThePageShowsEachClash)
+{
+    if (run({"doctor"}).out.find("llvmpipe") == std::string::npos) GTEST_SKIP() << "no renderer that is known";
+    clash({"--clearance", "1mm", "-o", "r.html"});
+    const std::string page = folder_.read("r.html");
+    std::size_t pictures = 0;
+    for (std::size_t at = 0; (at = page.find("data:image/png;base64,", at)) != page.npos; ++at) ++pictures;
+    EXPECT_EQ(pictures, 3u);
+    clash({"--clearance", "1mm", "--pictures", "1", "-o", "r.html"});
+    EXPECT_NE(folder_.read("r.html").find("Pictures of the 1 most severe clashes of 3"), std::string::npos);
+}
+
+TEST_F(ClashCommand, APageComesWithoutPicturesWhereNothingDraws)
+{
+    files_ = small_assembly();
+    const Outcome outcome = run({"clash", "a.off", "b.off", "-o", "r.html"},
+                                {.folder = {}, .environment = {{"__EGL_VENDOR_LIBRARY_FILENAMES", "/nowhere"}}});
+    EXPECT_EQ(outcome.code, 1) << outcome.err;
+    const std::string page = folder_.read("r.html");
+    EXPECT_NE(page.find("No pictures: "), std::string::npos);
+    EXPECT_NE(page.find("Clashes (1)"), std::string::npos);
+}
+
+TEST_F(ClashCommand, TouchingIsAClashOnRequestAndSmallOverlapsTouchWithinATolerance)
+{
+    EXPECT_EQ(clash({"--touching", "-o", "r.json"}).code, 1);
+    EXPECT_EQ(pairs("r.json"), (Pairs{"b e enclosed new", "a b crossing new", "a c touching new"}));
+    EXPECT_EQ(clash({"--tolerance", "1.001mm", "-o", "r.json"}).code, 1);
+    EXPECT_EQ(pairs("r.json"), (Pairs{"b e enclosed new", "a b touching contact", "a c touching contact"}));
+    clash({"--tolerance", "0.09cm", "-o", "r.json"});
+    EXPECT_TRUE(pairs("r.json").contains("a b crossing new"));
+}
+
+TEST_F(ClashCommand, ABlockInACornerTouchesWithinATolerance)
+{
+    // A bracket of a floor and a wall in one file, and a block that reaches 0.001 into both.
+    write_box("block.off", {-0.001, 1, -0.001}, {5, 9, 5});
+    folder_.write("bracket.off", "OFF\n12 20 0\n-3 0 -3\n9 0 -3\n9 0 0\n0 0 0\n0 0 9\n-3 0 9\n"
+                                 "-3 10 -3\n9 10 -3\n9 10 0\n0 10 0\n0 10 9\n-3 10 9\n"
+                                 "3 0 1 2\n3 0 2 3\n3 0 3 4\n3 0 4 5\n3 6 8 7\n3 6 9 8\n3 6 10 9\n3 6 11 10\n"
+                                 "3 0 6 1\n3 1 6 7\n3 1 7 2\n3 2 7 8\n3 2 8 3\n3 3 8 9\n3 3 9 4\n3 4 9 10\n"
+                                 "3 4 10 5\n3 5 10 11\n3 5 11 0\n3 0 11 6\n");
+    for (const char* tolerance : {"0", "0.0005", "0.01"}) {
+        const Outcome outcome = run({"clash", "block.off", "bracket.off", "--tolerance", tolerance, "-o", "r.json"});
+        EXPECT_EQ(outcome.code, std::string(tolerance) == "0.01" ? 0 : 1) << tolerance << "\n" << outcome.out;
+        EXPECT_EQ(outcome.out.find("not closed"), std::string::npos) << outcome.out;
+    }
+    EXPECT_EQ(pairs("r.json"), (Pairs{"block bracket touching contact"}));
+}
+
+TEST_F(ClashCommand, UnitsAreThoseOfTheFiles)
+{
+    EXPECT_EQ(clash({"--units", "in", "--clearance", "12mm", "-o", "r.json"}).code, 1);
+    EXPECT_FALSE(pairs("r.json").contains("a d near new")) << "half an inch is more than 12 mm";
+    clash({"--units", "in", "--clearance", "13mm", "-o", "r.json"});
+    EXPECT_TRUE(pairs("r.json").contains("a d near new"));
+    // All in metres but f, which then lies at 0.1 m, inside a.
+    clash({"--units", "m", "--units", "f*=mm", "-o", "r.json"});
+    EXPECT_EQ(read_json("r.json")["unit"], "m");
+    EXPECT_TRUE(pairs("r.json").contains("a f crossing new"));
+}
+
+TEST_F(ClashCommand, IgnoredPairsAndTheBaselineGoRoundAndRound)
+{
+    EXPECT_EQ(clash({"--clearance", "1", "-o", "old.json", "-o", "old.csv"}).code, 1);
+    // All that is known is ignored: rows of a report are a list of pairs.
+    Outcome outcome = clash({"--clearance", "1", "--ignore", "old.csv", "-o", "r.json"});
+    EXPECT_EQ(outcome.code, 0) << outcome.out;
+    EXPECT_NE(outcome.out.find("no clashes\n4 pairs ignored, as old.csv says"), std::string::npos) << outcome.out;
+    folder_.write("some.csv", "# the press fit\n\nb,a # meant\n\"e*\", b\nnobody,a\n");
+    outcome = clash({"--clearance", "1", "--ignore", "some.csv", "-o", "r.json", "-o", "r.xml"});
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_EQ(pairs("r.json"),
+              (Pairs{"b e enclosed ignored", "a b crossing ignored", "a c touching contact", "a d near new"}));
+    EXPECT_NE(outcome.err.find("some.csv: row 5: no part is called 'nobody'"), std::string::npos) << outcome.err;
+    EXPECT_NE(folder_.read("r.xml").find("<skipped message=\"ignored: enclosed"), std::string::npos);
+
+    outcome = clash({"--clearance", "1", "--baseline", "old.json", "-o", "same.json"});
+    EXPECT_EQ(outcome.code, 0) << outcome.out;
+    EXPECT_EQ(pairs("same.json"),
+              (Pairs{"b e enclosed same", "a b crossing same", "a c touching contact", "a d near same"}));
+    // d comes nearer and crosses, e goes, a new one comes.
+    write_box("d.off", {-10, 0, 0}, {0.5, 10, 10});
+    write_box("e.off", {95, 0, 0}, {100.5, 5, 5});
+    outcome = clash({"--clearance", "1", "--baseline", "same.json", "-o", "r.json", "-o", "r.html"});
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_EQ(pairs("r.json"),
+              (Pairs{"a b crossing same", "a c touching contact", "a d crossing new", "e f crossing new"}))
+        << outcome.out;
+    EXPECT_NE(outcome.out.find("1 clash as in same.json, 1 fixed since"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("crossing (was near)"), std::string::npos) << outcome.out;
+    EXPECT_EQ(read_json("r.json")["fixed"], (json{{{"kind", "enclosed"}, {"a", "b"}, {"b", "e"}}}));
+    EXPECT_NE(folder_.read("r.html").find("Fixed since the baseline (1)"), std::string::npos);
+}
+
+TEST_F(ClashCommand, PartsOfAGroupAreNotCompared)
+{
+    EXPECT_EQ(clash({"--group", "[", "--group", "?", "-o", "r.json"}).code, 0);
+    clash({"--group", "e", "--group", "file", "-o", "r.json"});
+    EXPECT_EQ(pairs("r.json").size(), 3u);
+    clash({"--group", "a", "--group", "b", "--group", "a", "-o", "r.json"});
+    EXPECT_EQ(pairs("r.json").size(), 3u);
+    const json c = read_json("r.json")["clashes"][1];
+    EXPECT_EQ(c["a"]["group"], "a");
+    EXPECT_EQ(clash({"--group", "[ab]", "--quiet", "--group", "*"}).out, "");
+}
+
+TEST_F(ClashCommand, FoldersAreReadWithAllThatIsInThem)
+{
+    std::filesystem::create_directories(folder_ / "parts/left");
+    write_box("parts/bolt.off", {0, 0, 0}, {1, 1, 1});
+    write_box("parts/left/bolt.off", {0.5, 0, 0}, {2, 1, 1});
+    folder_.write("parts/notes.txt", "no mesh");
+    const Outcome outcome = run({"clash", "parts", "-o", "r.json"});
+    EXPECT_EQ(outcome.code, 1) << outcome.err;
+    EXPECT_EQ(pairs("r.json"), (Pairs{"parts/bolt.off parts/left/bolt.off crossing new"}));
+    EXPECT_NE(outcome.err.find("warning: 2 parts are called 'bolt'; the report calls them 'parts/bolt.off', "
+                               "'parts/left/bolt.off'"),
+              std::string::npos)
+        << outcome.err;
+}
+
+TEST_F(ClashCommand, OpenPartsAreNamed)
+{
+    folder_.write("sheet.off", "OFF\n4 2 0\n-5 -5 5\n5 -5 5\n5 5 5\n-5 5 5\n3 0 1 2\n3 0 2 3\n");
+    write_box("a.off", {0, 0, 0}, {10, 10, 10});
+    const Outcome outcome = run({"clash", "a.off", "sheet.off", "-o", "r.json"});
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_NE(outcome.out.find("1 part is not closed ('sheet')"), std::string::npos) << outcome.out;
+    EXPECT_EQ(read_json("r.json")["clashes"][0]["thickness"], nullptr);
+    EXPECT_EQ(read_json("r.json")["open"], json{"sheet"});
+}
+
+TEST_F(ClashCommand, NamesHarmNoReport)
+{
+    const std::vector<std::string> names{"<script>alert(1)</script>.off", "a,\"b\"\n#.off", "]]>&'.off",
+                                         "\xff\xfe.off"};
+    std::filesystem::create_directory(folder_ / "n");
+    for (const std::string& name : names) {
+        std::string safe = name;
+        for (char& c : safe)
+            if (c == '/') c = '_'; // a file name has none
+        write_box("n/" + safe, {0, 0, 0}, {1, 1, 1});
+    }
+    const Outcome outcome =
+        run({"clash", "n", "-o", "r.json", "-o", "r.csv", "-o", "r.xml", "-o", "r.html", "--pictures", "0"});
+    EXPECT_EQ(outcome.code, 1) << outcome.err;
+    EXPECT_EQ(read_json("r.json")["clashes"].size(), 6u);
+    EXPECT_EQ(folder_.read("r.html").find("<script>alert"), std::string::npos);
+    const std::string xml = folder_.read("r.xml");
+    EXPECT_EQ(xml.find("<script>"), std::string::npos);
+    EXPECT_EQ(std::ranges::count_if(xml, [](unsigned char c) { return c < 32 && c != '\n'; }), 0);
+    // The baseline knows its names again, and a list of pairs knows those that a row can hold.
+    EXPECT_EQ(run({"clash", "n", "--baseline", "r.json"}).code, 0);
+}
+
+TEST_F(ClashCommand, MillimetresBesideMetresAreWarnedOf)
+{
+    write_box("frame.off", {0, 0, 0}, {1500, 900, 30});
+    write_box("door.off", {0, 0, 31}, {1500, 900, 60});
+    write_box("knob.off", {0.9, 0.4, 0.06}, {0.95, 0.45, 0.1});
+    Outcome outcome = run({"clash", "frame.off", "door.off", "knob.off"});
+    EXPECT_NE(outcome.err.find("warning: knob.off lies within 0.95 mm of the origin, all else reaches 1.5e+03 mm or "
+                               "farther: metres beside millimetres? --units 'knob.off=m' would say so"),
+              std::string::npos)
+        << outcome.err;
+    outcome = run({"clash", "frame.off", "door.off", "knob.off", "--units", "knob.off=m"});
+    EXPECT_EQ(outcome.err, "");
+}
+
+TEST_F(ClashCommand, SaysWhatIsWrongWithItsInput)
+{
+    files_ = small_assembly();
+    std::filesystem::create_directory(folder_ / "empty");
+    expect_error(66, {"clash", "nothing.stl"}, {"nothing.stl"});
+    expect_error(66, {"clash", "empty"}, {"empty", "no mesh file in this folder"});
+    expect_error(65, {"clash", "a.off"}, {"one part alone ('a')", "a folder"});
+    expect_error(64, {"clash", "a.off", "./a.off"}, {"named twice"});
+    expect_error(64, {"clash", "a.off", "b.off", "--units", "furlong"}, {"--units furlong", "mm, cm, m and in"});
+    expect_error(64, {"clash", "a.off", "b.off", "--units", "=m"}, {"PATTERN=UNIT"});
+    for (const char* length : {"-1", "2 miles", "mm", "nan", "inf"})
+        expect_error(64, {"clash", "a.off", "b.off", fmt::format("--clearance={}", length)},
+                     {"--clearance", "expected a length"});
+    expect_error(64, {"clash", "a.off", "b.off", "-o", "report.pdf"}, {"report.pdf", ".html, .json, .csv or .xml"});
+    expect_error(64, {"clash", "a.off", "b.off", "-o", "r.json", "-o", "./r.json"}, {"both go to"});
+    expect_error(64, {"clash", "a.off", "b.off", "--pictures", "-1"}, {"--pictures"});
+    folder_.write("known.csv", "a,b\n\na\n");
+    expect_error(65, {"clash", "a.off", "b.off", "--ignore", "known.csv"}, {"known.csv: row 3: not two names"});
+    folder_.write("known.csv", "\"a,b\n");
+    expect_error(65, {"clash", "a.off", "b.off", "--ignore", "known.csv"}, {"row 1", "a quote is not closed"});
+    expect_error(64, {"clash", "a.off", "b.off", "--ignore", "known.csv", "-o", "known.csv"}, {"would overwrite"});
+    for (const char* text : {"[]", "{", "{\"report\": \"oncollide clash\"}", "{\"report\": 3}",
+                             "{\"report\": \"oncollide clash\", \"clashes\": [{}]}"}) {
+        folder_.write("old.json", text);
+        expect_error(65, {"clash", "a.off", "b.off", "--baseline", "old.json"}, {"old.json", "JSON report"});
+    }
+    folder_.write("bad.off", "OFF\n1 1 0\n0 0 0\n3 0 1 2\n");
+    expect_error(65, {"clash", "a.off", "bad.off", "b.off"}, {"bad.off"});
+}
+
+/// An assembly on disk, both ways.
+class PlantedClashes : public ::testing::Test {
+protected:
+    static std::vector<std::string> faults(const tools::PlantedAssembly& planted, const std::vector<std::string>& files,
+                                           int threads, std::vector<Clash>& list)
+    {
+        const tools::PartList parts = tools::read_parts(files, tools::Units({"mm"}), {}, threads);
+        const tools::Clashes found = tools::find_clashes(parts, {.clearance = 2, .threads = threads});
+        list = found.list;
+        return tools::faults_of(planted, parts, list);
+    }
+    TemporaryFolder folder_;
+};
+
+TEST_F(PlantedClashes, OfEveryKindAreAllFoundAndNoneIsInvented)
+{
+    const tools::PlantedAssembly planted =
+        tools::make_planted_assembly({.parts = 520, .triangles = 300, .meshes = {}, .every = 2});
+    ASSERT_EQ(planted.parts.size(), 520u);
+    std::map<ContactKind, int> kinds;
+    for (const auto& pair : planted.pairs) ++kinds[pair.kind];
+    ASSERT_EQ(kinds.size(), 4u);
+    for (const auto& [kind, count] : kinds) ASSERT_GE(count, 10) << name_of(kind);
+
+    std::filesystem::create_directory(folder_ / "stl");
+    tools::write_stl_files(planted, folder_ / "stl");
+    tools::write_glb_file(planted, folder_ / "all.glb");
+    std::vector<Clash> list, again;
+    for (const auto& files : {tools::files_of({(folder_ / "stl").string()}), {(folder_ / "all.glb").string()}})
+        EXPECT_EQ(faults(planted, files, 1, list), std::vector<std::string>());
+    EXPECT_EQ(faults(planted, {(folder_ / "all.glb").string()}, 4, again), std::vector<std::string>());
+    ASSERT_EQ(again.size(), list.size());
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        EXPECT_EQ(again[i].a, list[i].a);
+        EXPECT_EQ(again[i].reach.depth, list[i].reach.depth) << "the same for any number of threads";
+        EXPECT_EQ(again[i].upper, list[i].upper);
+    }
+
+    // What judges them sees what is wrong.
+    const tools::PartList parts = tools::read_parts({(folder_ / "all.glb").string()}, tools::Units({"mm"}), {}, 1);
+    std::vector<Clash> wrong = list;
+    wrong.pop_back();
+    EXPECT_EQ(tools::faults_of(planted, parts, wrong).size(), 1u);
+    wrong = list, wrong[0].kind = ContactKind::near;
+    EXPECT_GE(tools::faults_of(planted, parts, wrong).size(), 1u);
+    wrong = list, wrong.push_back(wrong.front());
+    EXPECT_EQ(tools::faults_of(planted, parts, wrong).size(), 1u);
+    wrong = list;
+    for (Clash& c : wrong) c.reach.depth *= 1.02;
+    EXPECT_GE(tools::faults_of(planted, parts, wrong).size(), 10u);
+}
+
+TEST_F(PlantedClashes, AGlbOfNodesWithOneNameIsToldApart)
+{
+    tools::PlantedAssembly twice = tools::make_planted_assembly({.parts = 4, .triangles = 100, .meshes = {}});
+    for (auto& part : twice.parts) part.name = "part";
+    tools::write_glb_file(twice, folder_ / "all.glb");
+    const tools::PartList parts =
+        tools::read_parts({(folder_ / "all.glb").string()}, tools::Units({"mm"}), {"node"}, 1);
+    std::set<std::string> names;
+    for (const tools::Part& part : parts.parts) names.insert(part.name);
+    EXPECT_EQ(names,
+              (std::set<std::string>{"assembly/part", "assembly/part (2)", "assembly/part (3)", "assembly/part (4)"}));
+    ASSERT_EQ(parts.warnings.size(), 1u);
+    EXPECT_NE(parts.warnings[0].find("4 parts are called 'part'"), std::string::npos) << parts.warnings[0];
+    EXPECT_EQ(parts.groups, (std::vector<std::string>{"", "assembly"}));
+}
+
+TEST_F(PlantedClashes, AnAssemblyRunsAsAScene)
+{
+    tools::PlantedAssembly planted =
+        tools::make_planted_assembly({.parts = 40, .triangles = 100, .meshes = {}, .every = 2});
+    planted.parts[3].name = planted.parts[0].name;
+    tools::write_glb_file(planted, folder_ / "all.glb");
+    const Outcome outcome = run_program(
+        ONCOLLIDE_COMMAND, {"run", "all.glb", "--exact", "predicates", "--mode", "solid", "--json", "r.json"},
+        {.folder = folder_.path()});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    std::set<std::pair<std::string, std::string>> expected, found;
+    for (const auto& pair : planted.pairs)
+        if (pair.kind != ContactKind::near) expected.insert(std::minmax(pair.a, pair.b));
+    const json results = json::parse(folder_.read("r.json"));
+    EXPECT_EQ(results["header"]["bodies"], 40);
+    const json& pairs = results["frames"][0]["pairs"];
+    for (const json& pair : pairs)
+        if (pair[2] == "colliding") found.insert(std::minmax(pair[0].get<std::string>(), pair[1].get<std::string>()));
+    EXPECT_EQ(found, expected);
+}
+
+TEST_F(PlantedClashes, TheBenchmarkFindsNoFaultInMadeAndRealParts)
+{
+    const Surroundings around{.folder = folder_.path()};
+    std::vector<std::string> arguments{"bench", "clash",      "--parts", "90",      "--triangles", "200",   "--every",
+                                       "2",     "--pictures", "2",       "--write", "kept",        "--csv", "c.csv"};
+    Outcome outcome = run_program(ONCOLLIDE_COMMAND, arguments, around);
+    EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+    EXPECT_EQ(read_csv(folder_.read("c.csv")).size(), 2u);
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "kept/report.html"));
+    const char* named = std::getenv("ONCOLLIDE_DATA");
+    const std::filesystem::path data = named && *named ? named : ONCOLLIDE_SOURCE_DIR "/../shared/data";
+    if (!std::filesystem::is_directory(data)) GTEST_SKIP() << "no data folder: made parts only";
+    arguments.insert(arguments.end(), {"--real", "--data", std::filesystem::absolute(data)});
+    outcome = run_program(ONCOLLIDE_COMMAND, arguments, around);
+    EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+}
+
+TEST(NamePatterns, StarsAndQuestionMarks)
+{
+    using tools::matches;
+    EXPECT_TRUE(matches("bolt*", "bolt-7") && matches("*", "") && matches("b?lt", "bolt") &&
+                matches("a*b*c", "aXbYbZc"));
+    EXPECT_FALSE(matches("bolt", "bolt-7") || matches("b?lt", "blt") || matches("", "a") || matches("a*b", "acbc"));
+    EXPECT_TRUE(matches("a\\*", "a*") && !matches("a\\*", "ab") && matches("\\", "\\"));
+    EXPECT_FALSE(matches(std::string(40, '*') + "x", std::string(4000, 'a'))) << "and soon";
+}
+
+} // namespace
+} // namespace oncollide::test

@@ -1,0 +1,156 @@
+// oncollide bench clash: how long a report takes from files to the last byte, and whether it is right.
+#include "bench/bench.hpp"
+#include "clash/clash_pictures.hpp"
+#include "clash/planted_assembly.hpp"
+#include "clash/report.hpp"
+
+#include <chrono>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/parallel.hpp>
+#include <oncollide/scenes/files/mesh_file.hpp>
+
+#include "cli/options.hpp"
+#include "cli/system.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder for the time of one benchmark, unless it has a name.
+class Folder {
+public:
+    explicit Folder(const std::string& named) : path_(named), keep_(!named.empty())
+    {
+        if (!keep_) {
+            std::string pattern = (fs::temp_directory_path() / "oncollide-clash-XXXXXX").string();
+            if (!::mkdtemp(pattern.data())) throw Error(ErrorKind::cannot_write, pattern + ": cannot be made");
+            path_ = pattern;
+        }
+        std::error_code error;
+        fs::create_directories(path_ / "parts", error);
+        if (error) throw Error(ErrorKind::cannot_write, fmt::format("{}: {}", path_.string(), error.message()));
+    }
+    ~Folder()
+    {
+        std::error_code ignored;
+        if (!keep_) fs::remove_all(path_, ignored);
+    }
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+    const fs::path& path() const { return path_; }
+
+private:
+    fs::path path_;
+    bool keep_;
+};
+
+/// The mesh files of the data folder, the small ones: a part has a thousand triangles, not a million.
+std::vector<Mesh> meshes_of(const fs::path& data)
+{
+    constexpr std::size_t most = 20'000;
+    std::vector<Mesh> meshes;
+    if (data.empty()) return meshes;
+    for (const std::string& file : files_of({(data / "meshes").string()})) {
+        Mesh mesh = load_mesh(file);
+        if (mesh.triangles.size() <= most) meshes.push_back(std::move(mesh));
+    }
+    return meshes;
+}
+
+class Clock {
+public:
+    double lap()
+    {
+        const auto now = std::chrono::steady_clock::now();
+        const double s = std::chrono::duration<double>(now - std::exchange(last_, now)).count();
+        return s;
+    }
+
+private:
+    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+struct Times {
+    double read, find, report, page;
+    double all() const { return read + find + report; }
+};
+
+/// Reads, finds and writes; says what is wrong.
+Times run(const std::vector<std::string>& files, const PlantedAssembly& planted, const ClashBenchOptions& o,
+          const fs::path& folder, std::vector<std::string>& faults)
+{
+    const Units units({"mm"});
+    const int threads = o.threads ? o.threads : hardware_threads();
+    const ClashSettings settings{.clearance = PlantedOptions{}.clearance, .threads = threads};
+    Times times{};
+    Clock clock;
+    const PartList parts = read_parts(files, units, {}, threads);
+    times.read = clock.lap();
+    const Clashes found = find_clashes(parts, settings);
+    times.find = clock.lap();
+    const ClashReport report{parts, found, units.reported(), settings, "", "", {}, parts.warnings};
+    OutputFile json(folder / "report.json");
+    write_json(json, report), json.commit();
+    times.report = clock.lap();
+    OutputFile page(folder / "report.html");
+    write_page(page, report, draw_clashes(report, std::size_t(o.pictures), true)), page.commit();
+    times.page = clock.lap();
+    faults = faults_of(planted, parts, found.list);
+    return times;
+}
+
+} // namespace
+
+int bench_clash(const ClashBenchOptions& o)
+{
+    check_range("--parts", o.parts, 2, 1'000'000), check_range("--triangles", o.triangles, 100, 10'000'000);
+    check_range("--repeats", o.repeats, 1), check_range("--every", o.every, 1),
+        check_range("--threads", o.threads, 0, 1024);
+    const Folder folder(o.write);
+    const PlantedAssembly planted =
+        make_planted_assembly({.parts = std::size_t(o.parts),
+                               .triangles = o.triangles,
+                               .meshes = o.real ? meshes_of(data_folder(o.data)) : std::vector<Mesh>(),
+                               .every = std::size_t(o.every)});
+    write_stl_files(planted, folder.path() / "parts");
+    write_glb_file(planted, folder.path() / "assembly.glb");
+    say("{}", describe_program("cpu"));
+    say("{} parts, {} triangles, {} pairs planted that touch, cross, enclose or are near; seconds, {} threads\n",
+        grouped(planted.parts.size()), grouped(planted.triangles), grouped(planted.pairs.size()),
+        o.threads ? o.threads : hardware_threads());
+    std::optional<OutputFile> csv;
+    if (!o.csv.empty()) {
+        csv.emplace(o.csv);
+        csv->print("meshes,files,parts,triangles,planted,threads,read_s,find_s,json_s,all_s,page_s,pictures,faults\n");
+    }
+    say("{:<14} {:>8} {:>8} {:>8} {:>8} {:>10} {:>8}\n", "files", "read", "find", "JSON", "all", "the page", "faults");
+    bool faulty = false;
+    for (const auto& [name, files] : {std::pair("STL files", files_of({(folder.path() / "parts").string()})),
+                                      std::pair("one GLB", std::vector{(folder.path() / "assembly.glb").string()})}) {
+        Times best{.read = 1e9, .find = 0, .report = 0, .page = 0};
+        std::vector<std::string> faults;
+        for (int k = 0; k < o.repeats; ++k) {
+            const Times times = run(files, planted, o, folder.path(), faults);
+            if (times.all() < best.all()) best = times;
+        }
+        faulty |= !faults.empty();
+        say("{:<14} {:>8.2f} {:>8.2f} {:>8.2f} {:>8.2f} {:>10.2f} {:>8}\n", name, best.read, best.find, best.report,
+            best.all(), best.page, faults.size());
+        for (std::size_t k = 0; k < std::min<std::size_t>(faults.size(), 20); ++k) say("FAULT: {}\n", faults[k]);
+        if (csv)
+            csv->print("{},{},{},{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{},{}\n", o.real ? "real" : "made", name,
+                       planted.parts.size(), planted.triangles, planted.pairs.size(),
+                       o.threads ? o.threads : hardware_threads(), best.read, best.find, best.report, best.all(),
+                       best.page, o.pictures, faults.size());
+    }
+    if (csv) csv->commit();
+    return faulty ? int(ErrorKind::internal) : 0;
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,180 @@
+#include "clash/clash_pictures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/parallel.hpp>
+#include <oncollide/narrowphase/gl/picture.hpp>
+
+#include "bench/bench.hpp"
+#include "cli/progress.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+constexpr int side = 360; ///< pixels, of each of the two panels
+constexpr Colour colour_a{60, 120, 200}, colour_b{225, 160, 50}, red{215, 25, 30};
+constexpr Colour paper{250, 250, 250};
+constexpr double view_angle = 0.35; ///< as through a long lens, so that near parts hide little
+
+Camera camera_from(const Eigen::Vector3d& direction, const Eigen::Vector3d& middle, double radius)
+{
+    return {
+        .eye = middle + direction * (radius / std::sin(0.5 * view_angle)), .look_at = middle, .view_angle = view_angle};
+}
+
+/// What the picture is about.
+struct Subject {
+    std::vector<Picture::Line> lines;
+    std::vector<Eigen::Vector3d> points;
+};
+
+Subject subject_of(const Clashes& found, const PartList& parts, const Clash& clash)
+{
+    constexpr double width = 3;
+    Subject subject;
+    if (clash.kind == ContactKind::near)
+        subject.lines.push_back({clash.nearest_a, clash.nearest_b, width, red});
+    else if (clash.kind != ContactKind::enclosed) {
+        const PairOfBodies pair = found.pair(clash);
+        const std::vector<Contact> contacts = found.world->contacts(pair.a, pair.b);
+        constexpr std::size_t most = 100'000; // more are not told apart
+        for (std::size_t k = 0; k < contacts.size(); k += 1 + contacts.size() / most)
+            subject.lines.push_back({contacts[k].ends[0], contacts[k].ends[1], width, red});
+    }
+    for (const Picture::Line& line : subject.lines)
+        subject.points.push_back(line.from), subject.points.push_back(line.to);
+    if (clash.kind == ContactKind::enclosed)
+        for (const std::uint32_t part : {clash.a, clash.b}) {
+            const auto& mesh = std::get<Mesh>(parts.meshes[parts.parts[part].mesh]->data);
+            for (const Eigen::Vector3d& v : mesh.vertices) {
+                const Eigen::Vector3d p = parts.parts[part].pose * v;
+                const Aabb& box = clash.reach.overlap;
+                if ((p.array() >= box.min.array()).all() && (p.array() <= box.max.array()).all())
+                    subject.points.push_back(p);
+            }
+        }
+    return subject;
+}
+
+/// From where the points are spread widest over the picture, among sixteen places, those from above and before first.
+Eigen::Vector3d good_side(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& middle)
+{
+    Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+    for (const Eigen::Vector3d& p : points) spread += (p - middle) * (p - middle).transpose();
+    Eigen::Vector3d best = Eigen::Vector3d(0.45, -1, 0.45).normalized();
+    if (!(spread.trace() > 0) || !spread.allFinite()) return best;
+    spread /= spread.trace();
+    double most = -1;
+    for (int k = 0; k < 16; ++k) {
+        const double turn = (k % 8 + 0.35) * std::numbers::pi / 4, height = k < 8 ? 0.45 : 1.1;
+        const Eigen::Vector3d from = Eigen::Vector3d(std::sin(turn), -std::cos(turn), height).normalized();
+        const Eigen::Vector3d x = Eigen::Vector3d(0, 0, 1).cross(from).normalized(), y = from.cross(x);
+        const double xx = x.dot(spread * x), yy = y.dot(spread * y), xy = x.dot(spread * y);
+        // The area over which the points are spread, and where they are in a line, its length.
+        const double seen = std::sqrt(std::max(xx * yy - xy * xy, 0.0)) + 0.1 * (xx + yy) - 0.002 * k;
+        if (seen > most) most = seen, best = from;
+    }
+    return best;
+}
+
+Aabb box_of(const PartList& parts, std::uint32_t part)
+{
+    Aabb box;
+    const auto& mesh = std::get<Mesh>(parts.meshes[parts.parts[part].mesh]->data);
+    for (const Eigen::Vector3d& v : mesh.vertices) box.add(parts.parts[part].pose * v);
+    return box;
+}
+
+void paste(Painter& painter, const Picture& picture, Image& image, int column)
+{
+    const std::vector<std::uint8_t> pixels = painter.draw(picture);
+    for (int y = 0; y < side; ++y)
+        std::copy_n(pixels.begin() + 3 * side * y, 3 * side, image.pixels.begin() + 3 * (image.width * y + column));
+}
+
+Image draw(Painter& painter, const ClashReport& report, const Clash& clash)
+{
+    const PartList& parts = report.parts;
+    const Subject subject = subject_of(report.found, parts, clash);
+    const Aabb box_a = box_of(parts, clash.a), box_b = box_of(parts, clash.b);
+    Aabb whole = box_a, part = clash.reach.overlap;
+    whole.add(box_b);
+    for (const Eigen::Vector3d& p : subject.points) part.add(p);
+    const double smaller = std::min(box_a.diagonal(), box_b.diagonal());
+    // Near enough to see the contact, and far enough to see of what; never nearer than floats can draw.
+    const double near = std::max({0.9 * part.diagonal(), 0.15 * smaller, 1e-4 * whole.diagonal()});
+
+    Picture picture;
+    picture.width = picture.height = side, picture.background = paper;
+    const auto add = [&](std::uint32_t number, Colour colour, std::uint8_t alpha) {
+        const Part& body = parts.parts[number];
+        colour.alpha = alpha;
+        picture.bodies.push_back({&std::get<Mesh>(parts.meshes[body.mesh]->data), body.pose, colour});
+    };
+    // The larger one first and clearer: the smaller one may be behind its wall. What lies wholly inside is seen best as
+    // it is.
+    const bool a_is_larger = box_a.diagonal() > box_b.diagonal();
+    add(a_is_larger ? clash.a : clash.b, a_is_larger ? colour_a : colour_b, 50);
+    if (clash.kind == ContactKind::enclosed)
+        add(a_is_larger ? clash.b : clash.a, red, 255);
+    else
+        add(a_is_larger ? clash.b : clash.a, a_is_larger ? colour_b : colour_a, 110);
+    picture.lines = subject.lines;
+    const Eigen::Vector3d from = good_side(subject.points, part.centre());
+    Image image{2 * side, side, std::vector<std::uint8_t>(std::size_t(2 * side * side * 3))};
+    picture.camera = camera_from(from, part.centre(), std::min(near, 0.6 * whole.diagonal()));
+    paste(painter, picture, image, 0);
+    picture.camera = camera_from(from, whole.centre(), 0.55 * whole.diagonal());
+    // What is small from afar needs a dot to be seen.
+    if (part.diagonal() < 0.08 * whole.diagonal()) picture.lines.push_back({part.centre(), part.centre(), 9, red});
+    paste(painter, picture, image, side);
+    return image;
+}
+
+} // namespace
+
+ClashPictures draw_clashes(const ClashReport& report, std::size_t most, bool quiet)
+{
+    ClashPictures pictures;
+    const std::vector<Clash>& list = report.found.list;
+    pictures.images.resize(list.size());
+    std::vector<std::size_t> shown;
+    std::size_t wanted = 0;
+    for (const ClashStatus status : {ClashStatus::fresh, ClashStatus::same})
+        for (std::size_t i = 0; i < list.size(); ++i)
+            if (list[i].status == status && ++wanted <= most) shown.push_back(i);
+    if (shown.empty()) {
+        if (wanted) pictures.note = "No pictures were asked for.";
+        return pictures;
+    }
+    if (wanted > shown.size())
+        pictures.note = fmt::format("Pictures of the {} most severe clashes of {}; --pictures N makes more.",
+                                    grouped(shown.size()), grouped(wanted));
+    try {
+        Painter painter;
+        Progress progress("pictures", shown.size(), quiet);
+        // Drawn one by one, packed side by side: packing takes as long as drawing.
+        constexpr std::size_t batch = 16;
+        for (std::size_t begin = 0; begin < shown.size(); begin += batch) {
+            std::vector<Image> images;
+            for (std::size_t k = begin; k < std::min(begin + batch, shown.size()); ++k, progress.step())
+                images.push_back(draw(painter, report, list[shown[k]]));
+            parallel_chunks(images.size(), 1, thread_count(report.found.world->settings()),
+                            [&](std::size_t from, std::size_t to, int) {
+                                for (std::size_t k = from; k < to; ++k)
+                                    pictures.images[shown[begin + k]] = packed_png(images[k]);
+                            });
+        }
+    } catch (const Error& error) {
+        if (error.kind() != ErrorKind::no_gpu) throw;
+        pictures.note = fmt::format("No pictures: {}", error.what());
+    }
+    return pictures;
+}
+
+} // namespace oncollide::tools

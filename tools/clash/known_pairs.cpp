@@ -1,0 +1,140 @@
+#include "clash/known_pairs.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/file_bytes.hpp>
+
+#include "clash/name_pattern.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+constexpr std::uintmax_t most_bytes = std::uintmax_t(1) << 30;
+
+/// Takes a row of CSV off `rest`: its fields, quotes taken off, without a comment. False where a quote is not closed.
+bool take_row(std::string_view& rest, std::vector<std::string>& fields, std::size_t& line)
+{
+    fields.assign(1, "");
+    bool quoted = false, comment = false;
+    std::size_t i = 0;
+    for (; i < rest.size() && (quoted || rest[i] != '\n'); ++i) {
+        const char c = rest[i];
+        line += c == '\n';
+        if (comment) continue;
+        if (quoted && c == '"' && i + 1 < rest.size() && rest[i + 1] == '"')
+            fields.back() += rest[++i];
+        else if (c == '"')
+            quoted = !quoted;
+        else if (c == ',' && !quoted)
+            fields.emplace_back();
+        else if (c == '#' && !quoted && (i == 0 || rest[i - 1] == ' ' || rest[i - 1] == '\t'))
+            comment = true;
+        else
+            fields.back() += c;
+    }
+    rest.remove_prefix(std::min(i + 1, rest.size())), ++line;
+    for (std::string& field : fields) {
+        field.erase(0, field.find_first_not_of(" \t"));
+        field.erase(field.find_last_not_of(" \t\r") + 1);
+    }
+    return !quoted;
+}
+
+struct KnownPair {
+    std::string a, b;
+    std::size_t row;
+};
+
+std::vector<KnownPair> read_pairs(const std::string& file)
+{
+    const std::string bytes = read_file(file, most_bytes);
+    std::string_view rest = without_byte_order_mark(bytes);
+    std::vector<KnownPair> pairs;
+    std::vector<std::string> fields;
+    for (std::size_t line = 1; !rest.empty();) {
+        const std::size_t row = line;
+        const bool whole = take_row(rest, fields, line);
+        if (whole && fields.size() == 1 && fields[0].empty()) continue;
+        if (!whole || fields.size() < 2 || fields[0].empty() || fields[1].empty())
+            throw Error(ErrorKind::bad_data,
+                        fmt::format("{}: row {}: {}; expected two names or patterns: \"bolt*\",housing", file, row,
+                                    whole ? "not two names" : "a quote is not closed"));
+        if (pairs.empty() && fields.size() > 2 && fields[2] == "status") continue; // the heading of a report
+        pairs.push_back({fields[0], fields[1], row});
+    }
+    return pairs;
+}
+
+int rank(std::string_view kind)
+{
+    return kind == "near" ? 0 : kind == "touching" ? 1 : 2;
+}
+
+} // namespace
+
+void ignore_pairs(const std::string& file, const PartList& list, std::vector<Clash>& clashes,
+                  std::vector<std::string>& warnings)
+{
+    for (const KnownPair& known : read_pairs(file)) {
+        for (Clash& clash : clashes) {
+            const std::string &a = list.parts[clash.a].name, &b = list.parts[clash.b].name;
+            if ((matches(known.a, a) && matches(known.b, b)) || (matches(known.a, b) && matches(known.b, a)))
+                clash.status = ClashStatus::ignored;
+        }
+        for (const std::string& name : {known.a, known.b})
+            if (std::ranges::none_of(list.parts, [&](const Part& part) { return matches(name, part.name); }))
+                warnings.push_back(fmt::format("{}: row {}: no part is called '{}'", file, known.row, name));
+    }
+}
+
+std::vector<FixedClash> compare_with_baseline(const std::string& file, const PartList& list,
+                                              std::vector<Clash>& clashes)
+{
+    const auto refuse_report = [&](const std::string& why) {
+        refuse(file, fmt::format("{}; expected a JSON report of 'oncollide clash'", why));
+    };
+    std::map<std::pair<std::string, std::string>, std::string> before; // names in order, kind
+    try {
+        const nlohmann::json report = nlohmann::json::parse(read_file(file, most_bytes));
+        if (!report.is_object() || report.value("report", "") != "oncollide clash")
+            refuse_report("another kind of file");
+        for (const nlohmann::json& clash : report.at("clashes")) {
+            const auto status = clash.at("status").get<std::string>();
+            if (status != "new" && status != "same") continue;
+            auto a = clash.at("a").at("name").get<std::string>(), b = clash.at("b").at("name").get<std::string>();
+            if (b < a) std::swap(a, b);
+            before[{a, b}] = clash.at("kind").get<std::string>();
+        }
+    } catch (const nlohmann::json::exception& fault) {
+        refuse_report(fault.what());
+    }
+    for (Clash& clash : clashes) {
+        std::pair<std::string, std::string> names(list.parts[clash.a].name, list.parts[clash.b].name);
+        if (names.second < names.first) std::swap(names.first, names.second);
+        const auto found = before.find(names);
+        if (found == before.end() || clash.status == ClashStatus::ignored) continue;
+        if (clash.status == ClashStatus::fresh) {
+            if (rank(found->second) < rank(name_of(clash.kind)))
+                clash.was = found->second;
+            else
+                clash.status = ClashStatus::same;
+            before.erase(found);
+        }
+    }
+    // What is ignored now is no more fixed than before.
+    for (const Clash& clash : clashes) {
+        if (clash.status != ClashStatus::ignored) continue;
+        const std::string &a = list.parts[clash.a].name, &b = list.parts[clash.b].name;
+        before.erase({std::min(a, b), std::max(a, b)});
+    }
+    std::vector<FixedClash> fixed;
+    for (const auto& [names, kind] : before) fixed.push_back({names.first, names.second, kind});
+    return fixed;
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,234 @@
+#include "clash/part_list.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/parallel.hpp>
+#include <oncollide/scenes/files/assembly_file.hpp>
+#include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/model/box_corners.hpp>
+
+#include "clash/name_pattern.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_mesh_file(const fs::path& path)
+{
+    std::string extension = path.extension().string();
+    std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+    return !extension.empty() && std::ranges::count(mesh_extensions(), extension.substr(1)) > 0;
+}
+
+std::vector<std::string> files_below(const std::string& folder)
+{
+    std::vector<std::string> found;
+    std::error_code error;
+    for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
+        if (std::error_code ignored; at->is_regular_file(ignored) && is_mesh_file(at->path()))
+            found.push_back(at->path().lexically_normal().string());
+    if (error) throw Error(ErrorKind::no_input, fmt::format("{}: {}", folder, error.message()));
+    if (found.empty())
+        throw Error(ErrorKind::no_input,
+                    fmt::format("{}: no mesh file in this folder (obj, stl, ply, off, gltf, glb)", folder));
+    std::ranges::sort(found);
+    return found;
+}
+
+/// As JSON reports have it, so that a baseline knows it again: bytes that are not UTF-8 become U+FFFD.
+std::string valid(const std::string& name)
+{
+    using Json = nlohmann::json;
+    return Json::parse(Json(name).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
+}
+
+/// What a part may be called, the shortest first.
+struct Names {
+    std::string own, path, whole;
+    const std::string& operator[](int level) const { return level == 0 ? own : level == 1 ? path : whole; }
+};
+
+/// Gives each part a name that no other has: the shortest of its names that is its alone, or with a number behind it.
+void name_parts(PartList& list, const std::vector<Names>& names)
+{
+    std::vector<std::uint32_t> open(names.size());
+    for (std::uint32_t i = 0; i < open.size(); ++i) open[i] = i;
+    std::set<std::string> taken;
+    for (int level = 0; level < 3; ++level) {
+        std::map<std::string, int> count;
+        for (const std::uint32_t i : open) ++count[names[i][level]];
+        std::vector<std::uint32_t> left;
+        for (const std::uint32_t i : open) {
+            const std::string& name = names[i][level];
+            if (count[name] == 1 && taken.insert(name).second)
+                list.parts[i].name = name;
+            else
+                left.push_back(i);
+        }
+        open = std::move(left);
+    }
+    std::map<std::string, int> number;
+    for (const std::uint32_t i : open) {
+        std::string name = names[i].path;
+        while (!taken.insert(name).second) name = fmt::format("{} ({})", names[i].path, ++number[names[i].path] + 1);
+        list.parts[i].name = name;
+    }
+    std::map<std::string, std::vector<std::uint32_t>> same;
+    for (std::uint32_t i = 0; i < names.size(); ++i) same[names[i].own].push_back(i);
+    for (const auto& [name, parts] : same)
+        if (parts.size() > 1)
+            list.warnings.push_back(fmt::format("{} parts are called '{}'; the report calls them '{}', '{}'{}",
+                                                parts.size(), name, list.parts[parts[0]].name,
+                                                list.parts[parts[1]].name, parts.size() > 2 ? ", ..." : ""));
+}
+
+/// By the groups of the command line: the first that fits.
+class Grouping {
+public:
+    Grouping(PartList& list, const std::vector<std::string>& rules) : list_(list), rules_(rules) {}
+
+    std::uint32_t group_of(const std::string& file, const AssemblyPart& part)
+    {
+        for (const std::string& rule : rules_) {
+            if (rule == "file") return numbered(file, file);
+            if (rule == "node") {
+                if (part.above == no_node_above) continue;
+                const std::string above = part.path.substr(0, part.path.size() - part.name.size());
+                return numbered(fmt::format("{}\n{}", file, part.above),
+                                above.empty() ? file : above.substr(0, above.size() - 1));
+            }
+            if (matches(rule, part.name) || matches(rule, part.path)) return numbered("\n" + rule, rule);
+        }
+        return 0;
+    }
+
+private:
+    std::uint32_t numbered(const std::string& key, const std::string& name)
+    {
+        const auto [at, is_new] = numbers_.emplace(key, static_cast<std::uint32_t>(list_.groups.size()));
+        if (is_new) list_.groups.push_back(name);
+        return at->second;
+    }
+
+    PartList& list_;
+    const std::vector<std::string>& rules_;
+    std::map<std::string, std::uint32_t> numbers_;
+};
+
+/// Files of which all that is in them lies a hundred times nearer to the origin than all else does: drawn in metres, or
+/// in inches, where the others are in millimetres?
+void warn_of_units(PartList& list, std::vector<std::pair<double, std::string>> reaches, const Unit& unit)
+{
+    constexpr double much = 100;
+    std::ranges::sort(reaches);
+    for (std::size_t k = 0; k + 1 < reaches.size(); ++k) {
+        if (!(reaches[k].first > 0) || reaches[k + 1].first < much * reaches[k].first) continue;
+        list.warnings.push_back(fmt::format(
+            "{}{} lies within {:.3g} {} of the origin, all else reaches {:.3g} {} or farther: metres beside "
+            "millimetres? --units '{}=m' would say so",
+            reaches[0].second, k > 0 ? fmt::format(" (and {} more)", k) : "", reaches[k].first, unit.name,
+            reaches[k + 1].first, unit.name, fs::path(reaches[0].second).filename().string()));
+        return;
+    }
+}
+
+/// Of files that cannot be read the first one is told, whichever thread came upon one first.
+template <class Load>
+void load_all(std::size_t count, int threads, Load load)
+{
+    std::vector<std::exception_ptr> faults(count);
+    parallel_chunks(count, 1, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) {
+            try {
+                load(i);
+            } catch (...) {
+                faults[i] = std::current_exception();
+            }
+        }
+    });
+    for (const std::exception_ptr& fault : faults)
+        if (fault) std::rethrow_exception(fault);
+}
+
+double reach_of(const Aabb& box)
+{
+    return std::max(box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff());
+}
+
+} // namespace
+
+std::vector<std::string> files_of(const std::vector<std::string>& inputs)
+{
+    std::vector<std::string> files;
+    for (const std::string& input : inputs) {
+        std::error_code error;
+        if (!fs::is_directory(input, error)) {
+            files.push_back(input);
+            continue;
+        }
+        const std::vector<std::string> below = files_below(input);
+        files.insert(files.end(), below.begin(), below.end());
+    }
+    std::set<std::string> seen;
+    for (const std::string& file : files)
+        if (!seen.insert(fs::path(file).lexically_normal().string()).second)
+            throw Error(ErrorKind::usage, fmt::format("{}: named twice; a part would clash with itself", file));
+    return files;
+}
+
+PartList read_parts(const std::vector<std::string>& files, const Units& units, const std::vector<std::string>& groups,
+                    int threads)
+{
+    PartList list;
+    list.files = files;
+    std::vector<Assembly> read(files.size());
+    const auto load = [&](std::size_t i, int inner) {
+        read[i] = load_assembly(files[i], units.scale_of(files[i]), inner);
+    };
+    if (files.size() == 1)
+        load(0, threads);
+    else
+        load_all(files.size(), threads, [&](std::size_t i) { load(i, 1); });
+
+    Grouping grouping(list, groups);
+    std::vector<Names> names;
+    std::vector<std::pair<double, std::string>> reaches;
+    for (std::size_t i = 0; i < files.size(); ++i) {
+        const auto first = static_cast<std::uint32_t>(list.meshes.size());
+        Aabb bounds;
+        for (const AssemblyPart& part : read[i].parts) {
+            const std::string file_name = fs::path(files[i]).filename().string();
+            const bool of_nodes = part.above != no_node_above || part.name != fs::path(files[i]).stem().string();
+            names.push_back({valid(part.name), valid(of_nodes ? part.path : file_name),
+                             valid(of_nodes ? files[i] + ":" + part.path : files[i])});
+            list.parts.push_back({"", files[i], first + static_cast<std::uint32_t>(part.mesh),
+                                  grouping.group_of(files[i], part), part.pose});
+            const auto& mesh = std::get<Mesh>(read[i].meshes[part.mesh]->data);
+            list.triangles += mesh.triangles.size();
+            for (const std::uint32_t corner : {0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u})
+                bounds.add(part.pose * corner_of(mesh.bounds, corner));
+        }
+        list.meshes.insert(list.meshes.end(), read[i].meshes.begin(), read[i].meshes.end());
+        list.bounds.add(bounds);
+        reaches.emplace_back(reach_of(bounds), files[i]);
+    }
+    if (list.parts.size() < 2)
+        throw Error(ErrorKind::bad_data,
+                    fmt::format("{}: one part alone ('{}'), which clashes with nothing; name two files, a folder, or a "
+                                "glTF assembly of several nodes",
+                                files.front(), names.front().own));
+    name_parts(list, names);
+    warn_of_units(list, std::move(reaches), units.reported());
+    return list;
+}
+
+} // namespace oncollide::tools

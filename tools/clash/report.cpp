@@ -1,0 +1,122 @@
+#include "clash/report.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <oncollide/base/printable.hpp>
+
+#include "bench/bench.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+std::string plural(std::size_t count, std::string_view one)
+{
+    return fmt::format("{} {}{}", grouped(count), one, count == 1 ? "" : one.ends_with("sh") ? "es" : "s");
+}
+
+std::string shortened(const std::string& name)
+{
+    constexpr std::size_t most = 40;
+    const std::string text = printable(name);
+    return text.size() <= most ? text : "..." + text.substr(text.size() - most + 3);
+}
+
+} // namespace
+
+std::size_t ClashReport::count(ClashStatus status) const
+{
+    return std::size_t(std::ranges::count(found.list, status, &Clash::status));
+}
+
+std::size_t ClashReport::count(ClashStatus status, ContactKind kind) const
+{
+    return std::size_t(
+        std::ranges::count_if(found.list, [&](const Clash& c) { return c.status == status && c.kind == kind; }));
+}
+
+std::string ClashReport::length(double value) const
+{
+    return fmt::format("{:.4g} {}", value, unit.name);
+}
+
+std::string point_text(const Eigen::Vector3d& point)
+{
+    return fmt::format("{:.6g} {:.6g} {:.6g}", point.x(), point.y(), point.z());
+}
+
+std::vector<std::string> summary(const ClashReport& r)
+{
+    const Eigen::Vector3d size = r.parts.bounds.max - r.parts.bounds.min;
+    std::vector<std::string> lines{
+        fmt::format("{} of {}, {}, {:.4g} x {:.4g} x {:.4g} {}", plural(r.parts.parts.size(), "part"),
+                    plural(r.parts.files.size(), "file"), plural(r.parts.triangles, "triangle"), size.x(), size.y(),
+                    size.z(), r.unit.name)};
+    std::vector<std::string> kinds;
+    for (const ContactKind kind : clash_kinds)
+        if (const std::size_t n = r.count(ClashStatus::fresh, kind))
+            kinds.push_back(fmt::format("{} {}", grouped(n), name_of(kind)));
+    const std::size_t fresh = r.count(ClashStatus::fresh);
+    lines.push_back(
+        fresh ? fmt::format("{}: {}", plural(fresh, r.baseline.empty() ? "clash" : "new clash"), fmt::join(kinds, ", "))
+        : r.baseline.empty() ? "no clashes"
+                             : "no new clashes");
+    if (!r.baseline.empty())
+        lines.push_back(fmt::format("{} as in {}, {} fixed since", plural(r.count(ClashStatus::same), "clash"),
+                                    r.baseline, grouped(r.fixed.size())));
+    if (!r.ignore.empty())
+        lines.push_back(fmt::format("{} ignored, as {} says", plural(r.count(ClashStatus::ignored), "pair"), r.ignore));
+    if (const std::size_t n = r.count(ClashStatus::contact))
+        lines.push_back(fmt::format("{} {} without reaching into each other{}, which is no clash unless --touching is "
+                                    "given",
+                                    plural(n, "pair"), n == 1 ? "touches" : "touch",
+                                    r.settings.tolerance > 0 ? " by more than " + r.length(r.settings.tolerance) : ""));
+    if (!r.found.open.empty())
+        lines.push_back(fmt::format(
+            "{} not closed ('{}'{}): what lies wholly inside {} is not found",
+            r.found.open.size() == 1 ? "1 part is" : grouped(r.found.open.size()) + " parts are", r.found.open.front(),
+            r.found.open.size() > 1 ? ", ..." : "", r.found.open.size() == 1 ? "it" : "them"));
+    return lines;
+}
+
+std::string measure_text(const ClashReport& r, const Clash& c)
+{
+    if (c.kind == ContactKind::near) return fmt::format("{} apart", r.length(c.upper));
+    if (c.kind == ContactKind::touching && !c.tolerated) return "0 deep";
+    std::string text;
+    if (std::isfinite(c.reach.thickness)) text = fmt::format("{} thick", r.length(c.reach.thickness));
+    if (c.reach.depth > 0) text += fmt::format("{}a vertex {} deep", text.empty() ? "" : ", ", r.length(c.reach.depth));
+    return text.empty() ? fmt::format("along {}", r.length(c.severity())) : text;
+}
+
+std::string clash_table(const ClashReport& r, std::size_t most)
+{
+    std::vector<std::array<std::string, 6>> rows{
+        {"", "kind", "overlap or gap", "part", "part", fmt::format("where ({})", r.unit.name)}};
+    const std::size_t all = r.count(ClashStatus::fresh) + r.count(ClashStatus::same);
+    for (const ClashStatus status : {ClashStatus::fresh, ClashStatus::same})
+        for (const Clash& c : r.found.list) {
+            if (c.status != status || rows.size() > most) continue;
+            const std::string note = status == ClashStatus::same ? " (same)"
+                                     : c.was.empty()             ? ""
+                                                                 : fmt::format(" (was {})", printable(c.was));
+            rows.push_back({std::to_string(rows.size()), std::string(name_of(c.kind)) + note, measure_text(r, c),
+                            shortened(r.name(c.a)), shortened(r.name(c.b)), point_text(c.where)});
+        }
+    if (rows.size() == 1) return "";
+    std::array<std::size_t, 6> widths{};
+    for (const auto& row : rows)
+        for (std::size_t k = 0; k < row.size(); ++k) widths[k] = std::max(widths[k], row[k].size());
+    std::string text;
+    for (const auto& row : rows)
+        text += fmt::format("{:>{}}  {:<{}}  {:<{}}  {:<{}}  {:<{}}  {}\n", row[0], widths[0], row[1], widths[1],
+                            row[2], widths[2], row[3], widths[3], row[4], widths[4], row[5]);
+    if (rows.size() - 1 < all)
+        text += fmt::format("and {} more (--list N shows more)\n", grouped(all - rows.size() + 1));
+    return text;
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,146 @@
+// The reports that programs read: JSON, CSV and JUnit XML.
+#include <cmath>
+#include <functional>
+
+#include <nlohmann/json.hpp>
+
+#include "bench/bench.hpp"
+#include "clash/report.hpp"
+#include "study/markup.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const Eigen::Vector3d& v)
+{
+    return Json::array({v.x(), v.y(), v.z()});
+}
+
+Json json_of(const Aabb& box)
+{
+    if (box.empty()) return nullptr;
+    return {{"min", json_of(box.min)}, {"max", json_of(box.max)}};
+}
+
+Json json_of(const ClashReport& r, std::uint32_t number)
+{
+    const Part& part = r.parts.parts[number];
+    return {{"name", part.name},
+            {"file", part.file},
+            {"group", part.group ? Json(r.parts.groups[part.group]) : Json(nullptr)}};
+}
+
+Json json_of(const ClashReport& r, const Clash& c)
+{
+    Json j{
+        {"status", name_of(c.status)}, {"kind", name_of(c.kind)}, {"was", c.was.empty() ? Json(nullptr) : Json(c.was)},
+        {"a", json_of(r, c.a)},        {"b", json_of(r, c.b)},    {"where", json_of(c.where)}};
+    if (c.kind == ContactKind::near) {
+        j["distance"] = {{"lower", c.lower}, {"upper", c.upper}};
+        j["nearest"] = {json_of(c.nearest_a), json_of(c.nearest_b)};
+        return j;
+    }
+    const Penetration& p = c.reach;
+    j["thickness"] = std::isfinite(p.thickness) ? Json(p.thickness) : Json(nullptr);
+    j["depth"] = p.depth;
+    j["deepest"] = p.depth > 0
+                       ? Json{{"of", r.name(p.of_a ? c.a : c.b)}, {"vertex", p.vertex}, {"at", json_of(p.deepest)}}
+                       : Json(nullptr);
+    j["overlap"] = json_of(p.overlap);
+    j["contact"] = json_of(p.contact);
+    return j;
+}
+
+/// A field of CSV.
+std::string field(const std::string& text)
+{
+    if (text.find_first_of(",\"\r\n#") == text.npos && !text.starts_with(' ') && !text.ends_with(' ')) return text;
+    std::string quoted = "\"";
+    for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return quoted + "\"";
+}
+
+} // namespace
+
+void write_json(OutputFile& file, const ClashReport& r)
+{
+    Json head{{"report", "oncollide clash"},
+              {"unit", r.unit.name},
+              {"parts", r.parts.parts.size()},
+              {"files", r.parts.files},
+              {"triangles", r.parts.triangles}};
+    head["clearance"] = r.settings.clearance, head["tolerance"] = r.settings.tolerance;
+    head["baseline"] = r.baseline.empty() ? Json(nullptr) : Json(r.baseline);
+    for (const ClashStatus status :
+         {ClashStatus::fresh, ClashStatus::same, ClashStatus::ignored, ClashStatus::contact}) {
+        Json& counts = head["counts"][std::string(name_of(status))];
+        for (const ContactKind kind : clash_kinds) counts[std::string(name_of(kind))] = r.count(status, kind);
+    }
+    head["warnings"] = r.warnings;
+    head["open"] = r.found.open;
+    const auto text = [](const Json& j) { return j.dump(-1, ' ', false, Json::error_handler_t::replace); };
+    const std::string begin = text(head);
+    file.write(begin.substr(0, begin.size() - 1));
+    const auto list = [&](const char* name, std::size_t count, const std::function<Json(std::size_t)>& at) {
+        file.print(",\n\"{}\": [", name);
+        for (std::size_t i = 0; i < count; ++i) file.print("{}\n{}", i ? "," : "", text(at(i)));
+        file.print("]");
+    };
+    list("clashes", r.found.list.size(), [&](std::size_t i) { return json_of(r, r.found.list[i]); });
+    list("fixed", r.fixed.size(), [&](std::size_t i) {
+        return Json{{"kind", r.fixed[i].kind}, {"a", r.fixed[i].a}, {"b", r.fixed[i].b}};
+    });
+    file.print("}}\n");
+}
+
+void write_csv(OutputFile& file, const ClashReport& r)
+{
+    // Names first: rows copied from here make a list of pairs to ignore.
+    file.print("a,b,status,kind,thickness,depth,distance,x,y,z,contact_min_x,contact_min_y,contact_min_z,contact_max_x,"
+               "contact_max_y,contact_max_z,group_a,group_b,unit\n");
+    for (const Clash& c : r.found.list) {
+        const bool near = c.kind == ContactKind::near;
+        file.print("{},{},{},{},", field(r.name(c.a)), field(r.name(c.b)), name_of(c.status), name_of(c.kind));
+        if (!near && std::isfinite(c.reach.thickness)) file.print("{:.17g}", c.reach.thickness);
+        file.print(",");
+        if (!near) file.print("{:.17g}", c.reach.depth);
+        file.print(",");
+        if (near) file.print("{:.17g}", c.upper);
+        file.print(",{:.17g},{:.17g},{:.17g}", c.where.x(), c.where.y(), c.where.z());
+        for (const Eigen::Vector3d& corner : {c.reach.contact.min, c.reach.contact.max})
+            for (const double x : corner) file.write(c.reach.contact.empty() ? "," : fmt::format(",{:.17g}", x));
+        for (const std::uint32_t part : {c.a, c.b}) file.print(",{}", field(r.parts.groups[r.parts.parts[part].group]));
+        file.print(",{}\n", r.unit.name);
+    }
+}
+
+void write_junit(OutputFile& file, const ClashReport& r)
+{
+    const std::size_t fresh = r.count(ClashStatus::fresh),
+                      known = r.count(ClashStatus::same) + r.count(ClashStatus::ignored);
+    // A run without clashes is one test that passes: some readers call a suite without tests a fault.
+    file.print("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+               "<testsuites>\n<testsuite name=\"oncollide clash\" tests=\"{}\" failures=\"{}\" errors=\"0\" "
+               "skipped=\"{}\">\n<testcase classname=\"clash\" name=\"{} parts were compared\"/>\n",
+               1 + fresh + known + r.fixed.size(), fresh, known, r.parts.parts.size());
+    for (const Clash& c : r.found.list) {
+        if (c.status == ClashStatus::contact) continue;
+        const std::string pair = escaped(fmt::format("{} and {}", r.name(c.a), r.name(c.b)));
+        const std::string what =
+            escaped(fmt::format("{}: {}, at {}", name_of(c.kind), measure_text(r, c), point_text(c.where)));
+        file.print("<testcase classname=\"clash.{}\" name=\"{}\">", name_of(c.kind), pair);
+        if (c.status == ClashStatus::fresh)
+            file.print("<failure type=\"{}\" message=\"{}\"/>", name_of(c.kind), what);
+        else
+            file.print("<skipped message=\"{}: {}\"/>",
+                       c.status == ClashStatus::same ? "as in the baseline" : "ignored", what);
+        file.print("</testcase>\n");
+    }
+    for (const FixedClash& c : r.fixed)
+        file.print("<testcase classname=\"clash.fixed\" name=\"{} and {}\"/>\n", escaped(c.a), escaped(c.b));
+    file.print("</testsuite>\n</testsuites>\n");
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,140 @@
+// The report as one HTML page.
+#include "bench/bench.hpp"
+#include "clash/report.hpp"
+#include "study/markup.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+constexpr std::string_view style = R"(
+:root { color-scheme: light dark; --ink: #1d232b; --paper: #ffffff; --soft: #5b6673; --line: #d4dae1; --band: #f3f5f8;
+        --enclosed: #8e1b63; --crossing: #b3261e; --touching: #8a5a00; --near: #1f5fa8; }
+@media (prefers-color-scheme: dark) { :root { --ink: #e6e9ee; --paper: #15191f; --soft: #9aa6b4; --line: #343c47;
+        --band: #1e242c; --enclosed: #f08cc8; --crossing: #ff8a80; --touching: #e9b44c; --near: #7fb8f5; } }
+body { font: 15px/1.5 "DejaVu Sans", Verdana, Helvetica, Arial, sans-serif; color: var(--ink); background: var(--paper);
+       max-width: 1120px; margin: 2em auto; padding: 0 1em; }
+h1 { font-size: 1.6em; margin-bottom: 0.2em; } h2 { font-size: 1.2em; margin-top: 2em; }
+p { margin: 0.3em 0; } .soft { color: var(--soft); } .warning { border-left: 4px solid var(--touching); padding-left: 0.6em; }
+.scroll { overflow-x: auto; } table { border-collapse: collapse; font-size: 13px; width: 100%; }
+th, td { padding: 4px 8px; text-align: left; border-bottom: 1px solid var(--line); overflow-wrap: anywhere; }
+thead th { border-bottom: 2px solid var(--soft); white-space: nowrap; } th button { all: unset; cursor: pointer; }
+th button:focus-visible { outline: 2px solid var(--near); } th button::after { content: " \2195"; color: var(--soft); }
+.number { text-align: right; white-space: nowrap; }
+.enclosed { color: var(--enclosed); } .crossing { color: var(--crossing); } .touching { color: var(--touching); }
+.near { color: var(--near); } .kind { font-weight: bold; }
+.cards { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 480px), 1fr)); gap: 1.2em; }
+figure { margin: 0; border: 1px solid var(--line); border-radius: 6px; background: var(--band); overflow: hidden; }
+figure img { width: 100%; height: auto; display: block; } figcaption { padding: 0.5em 0.8em; font-size: 13px; overflow-wrap: anywhere; }
+@media print { body { margin: 0; max-width: none; font-size: 10pt; } figure, tr { break-inside: avoid; } }
+)";
+
+/// Sorts the table of a heading that is clicked, by the rows' keys. The page reads the same without it.
+constexpr std::string_view script = R"(
+for (const button of document.querySelectorAll("th button")) button.addEventListener("click", () => {
+  const head = button.parentElement, column = head.cellIndex, body = head.closest("table").tBodies[0];
+  const up = head.getAttribute("aria-sort") !== "ascending";
+  for (const other of head.parentElement.cells) other.removeAttribute("aria-sort");
+  head.setAttribute("aria-sort", up ? "ascending" : "descending");
+  const key = row => { const cell = row.cells[column], key = cell.dataset.key; return key === undefined ? cell.textContent : +key; };
+  const rows = [...body.rows].sort((a, b) => { const p = key(a), q = key(b);
+    return (typeof p === "number" ? p - q : p.localeCompare(q, undefined, {numeric: true})) * (up ? 1 : -1); });
+  body.append(...rows);
+});
+)";
+
+void head(OutputFile& file)
+{
+    file.print("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+               "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+               "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src "
+               "'unsafe-inline'; script-src 'unsafe-inline'\">\n"
+               "<title>Clash report</title>\n<style>{}</style></head>\n<body>\n<h1>Clash report</h1>\n",
+               style);
+}
+
+std::string kind_text(const Clash& c)
+{
+    return fmt::format("<span class=\"kind {0}\">{0}</span>{1}", name_of(c.kind),
+                       c.was.empty() ? "" : " <span class=\"soft\">(was " + escaped(c.was) + ")</span>");
+}
+
+void write_table(OutputFile& file, const ClashReport& r, ClashStatus status)
+{
+    const char* headings[] = {"", "kind", "overlap or gap", "part", "part", "where"};
+    file.print("<div class=\"scroll\"><table><thead><tr>");
+    for (const char* heading : headings)
+        file.print("<th scope=\"col\"><button>{}</button></th>", *heading ? heading : "#");
+    file.print("</tr></thead><tbody>\n");
+    std::size_t row = 0;
+    for (const Clash& c : r.found.list) {
+        if (c.status != status) continue;
+        const double key = c.kind == ContactKind::near ? -c.lower : c.severity();
+        file.print("<tr><td class=\"number\" data-key=\"{0}\">{0}</td><td>{1}</td><td data-key=\"{2}\">{3}</td>", ++row,
+                   kind_text(c), key, escaped(measure_text(r, c)));
+        file.print("<td>{}</td><td>{}</td><td class=\"number\">{}</td></tr>\n", escaped(r.name(c.a)),
+                   escaped(r.name(c.b)), point_text(c.where));
+    }
+    file.print("</tbody></table></div>\n");
+}
+
+void write_cards(OutputFile& file, const ClashReport& r, const ClashPictures& pictures, ClashStatus status)
+{
+    bool any = false;
+    std::size_t row = 0;
+    for (std::size_t i = 0; i < r.found.list.size(); ++i) {
+        const Clash& c = r.found.list[i];
+        row += c.status == status;
+        if (c.status != status || i >= pictures.images.size() || pictures.images[i].empty()) continue;
+        if (!any) file.print("<div class=\"cards\">\n");
+        any = true;
+        const std::string a = escaped(r.name(c.a)), b = escaped(r.name(c.b));
+        file.print("<figure><img alt=\"{} and {}, {}: from near, and as a whole\" loading=\"lazy\" width=\"720\" "
+                   "height=\"360\" src=\"data:image/png;base64,",
+                   a, b, name_of(c.kind));
+        file.write(base64(pictures.images[i]));
+        file.print("\"><figcaption>{}. {} <b>{}</b> and <b>{}</b>: {}, at {}</figcaption></figure>\n", row,
+                   kind_text(c), a, b, escaped(measure_text(r, c)), point_text(c.where));
+    }
+    if (any) file.print("</div>\n");
+}
+
+void write_section(OutputFile& file, const ClashReport& r, const ClashPictures& pictures, ClashStatus status,
+                   std::string_view title)
+{
+    const std::size_t count = r.count(status);
+    if (count == 0) return;
+    file.print("<h2>{} ({})</h2>\n", title, grouped(count));
+    write_cards(file, r, pictures, status);
+    write_table(file, r, status);
+}
+
+} // namespace
+
+void write_page(OutputFile& file, const ClashReport& r, const ClashPictures& pictures)
+{
+    head(file);
+    for (const std::string& line : summary(r)) file.print("<p>{}</p>\n", escaped(line));
+    file.print(
+        "<p class=\"soft\">Every pair was decided exactly. Overlap: all that both parts have in common is at most "
+        "so thick, and a vertex of one is at least so deep inside the other. Lengths and places in {}.{}</p>\n",
+        r.unit.name,
+        r.count(ClashStatus::fresh) + r.count(ClashStatus::same)
+            ? " Pictures: the first part blue, the second yellow, both of glass; what they share, or an "
+              "enclosed part, red. Left from near, right as a whole."
+            : "");
+    if (!pictures.note.empty()) file.print("<p class=\"soft\">{}</p>\n", escaped(pictures.note));
+    for (const std::string& warning : r.warnings) file.print("<p class=\"warning\">{}</p>\n", escaped(warning));
+    write_section(file, r, pictures, ClashStatus::fresh, r.baseline.empty() ? "Clashes" : "New clashes");
+    write_section(file, r, pictures, ClashStatus::same, "Clashes that the baseline has");
+    if (!r.fixed.empty()) {
+        file.print("<h2>Fixed since the baseline ({})</h2>\n<ul>\n", grouped(r.fixed.size()));
+        for (const FixedClash& c : r.fixed)
+            file.print("<li>{} and {} ({})</li>\n", escaped(c.a), escaped(c.b), escaped(c.kind));
+        file.print("</ul>\n");
+    }
+    write_section(file, r, pictures, ClashStatus::contact, "Pairs that touch, which is no clash");
+    write_section(file, r, pictures, ClashStatus::ignored, "Ignored pairs");
+    file.print("<script>{}</script>\n</body></html>\n", script);
+}
+
+} // namespace oncollide::tools
