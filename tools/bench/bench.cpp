@@ -181,9 +181,13 @@ void add_environment_choice(Arguments sub, EnvironmentChoice& in)
     sub.add_option(
            "--environments", in.environments,
            "which (default building,hills,hills-mesh): building, a map of 30 x 30 rooms at 6 cm; hills, a height "
-           "grid; hills-mesh, the same as a mesh; campus and st-helens, of the data folder")
+           "grid; hills-mesh, the same as a mesh; campus and st-helens, of the data folder; or one shape of about a "
+           "metre: sphere, box, capsule, cylinder, hull, ellipsoid, cone")
         .type_name("LIST");
-    sub.add_option("--bodies-of", in.bodies_of, "meshes, shapes or both, or a list (default meshes,shapes)")
+    sub.add_option(
+           "--bodies-of", in.bodies_of,
+           "meshes, shapes (spheres, boxes and capsules), all-shapes (of every bounded kind) or both, or a list "
+           "(default meshes,shapes)")
         .type_name("LIST");
     sub.add_option("--bodies", in.bodies, fmt::format("bodies in each environment (default {})", in.bodies))
         .type_name("N");

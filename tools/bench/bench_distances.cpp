@@ -116,7 +116,7 @@ int bench_distances(const DistancesOptions& o)
     const std::vector<EnvironmentScene> scenes = scenes_of(o.in, 1);
     say("{}{} bodies, one after the other; microseconds a query, warm, of each the least of {}; tolerance 0\n\n",
         describe_program("distances"), o.in.bodies, o.repeats);
-    say("{:<11} {:<7} {:>10} {:>10} {:>10} {:>10} {:>7} {:>7}\n", "environment", "bodies", "% diagonal", "metres",
+    say("{:<11} {:<10} {:>10} {:>10} {:>10} {:>10} {:>7} {:>7}\n", "environment", "bodies", "% diagonal", "metres",
         "FCL us", "us", "ratio", "differ");
     std::vector<DistanceRow> rows;
     for (const EnvironmentScene& which : scenes) {
@@ -125,7 +125,7 @@ int bench_distances(const DistancesOptions& o)
         for (const double percent : percents) {
             DistanceRow row = race.at(percent, o);
             row.environment = which.environment, row.bodies_of = which.bodies_of;
-            say("{:<11} {:<7} {:>10} {:>10.3f} {:>10.2f} {:>10.2f} {:>7.2f} {:>7}\n", row.environment, row.bodies_of,
+            say("{:<11} {:<10} {:>10} {:>10.4f} {:>10.2f} {:>10.2f} {:>7.2f} {:>7}\n", row.environment, row.bodies_of,
                 row.percent, row.metres, row.fcl_us, row.our_us, row.fcl_us / row.our_us, row.differ);
             rows.push_back(row);
         }
