@@ -7,6 +7,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/parallel.hpp>
+#include <oncollide/pipeline/refine/placed_pair.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>
 
 namespace oncollide {
@@ -258,7 +259,7 @@ Distance World::distance(BodyId body_a, BodyId body_b, double tolerance, double 
     } else {
         found = worker->solids.distance(task, tolerance, farthest);
     }
-    if (found.lower > 0) {
+    if (found.lower > 0 && !without_walk(*task.a, *task.b)) { // shapes are solid there
         if (const auto inside = one_holds_the_other(
                 task, worker->locator, [&](const Model& m) { return p.is_solid(m) ? m.boxes.get() : nullptr; }))
             found = {.lower = 0, .upper = 0, .point_a = *inside, .point_b = *inside};

@@ -417,15 +417,14 @@ void TerrainTree::open_blocks(const Node& node, const Eigen::Vector3d& from, Ter
 {
     const std::uint32_t level = node.level, w = wide(level), h = high(level);
     const Block all = this->blocks(level);
-    const auto line = [](std::uint64_t block, std::uint32_t log, std::uint32_t last) {
-        return static_cast<std::uint32_t>(std::min<std::uint64_t>(block << log, last));
+    const auto lines = [](float* out, std::uint32_t count, double first, double step, double last) {
+        for (std::uint32_t i = 0; i <= count; ++i) out[i] = static_cast<float>(std::min(first + i * step, last));
     };
-    for (std::uint32_t i = 0; i <= w; ++i)
-        blocks.x[i] = static_cast<float>(
-            terrain_.x(line(std::uint64_t(node.x) + i, log_width(level), terrain_.cells_x())) - from.x());
-    for (std::uint32_t j = 0; j <= h; ++j)
-        blocks.y[j] = static_cast<float>(
-            terrain_.y(line(std::uint64_t(node.y) + j, log_height(level), terrain_.cells_y())) - from.y());
+    const double across = std::ldexp(terrain_.spacing().x(), int(log_width(level))),
+                 along = std::ldexp(terrain_.spacing().y(), int(log_height(level)));
+    const Eigen::Vector3d& origin = terrain_.origin();
+    lines(blocks.x, w, origin.x() + node.x * across - from.x(), across, terrain_.x(terrain_.cells_x()) - from.x());
+    lines(blocks.y, h, origin.y() + node.y * along - from.y(), along, terrain_.y(terrain_.cells_y()) - from.y());
     const Eigen::Vector2f half = half_of_block(level);
     blocks.half_x = half.x(), blocks.half_y = half.y();
     blocks.wide = w == 4, blocks.one_slope = level == 1;
@@ -438,13 +437,14 @@ void TerrainTree::open_blocks(const Node& node, const Eigen::Vector3d& from, Ter
     };
     if (level == 1) { // the eight blocks of one square
         const Square& s = squares_[std::size_t(node.y / 4) * this->blocks(2).x + node.x / 2];
-        for (unsigned k = 0; k < 8; ++k) {
-            blocks.low[k] = s.low + float(s.lows[k]) * s.step;
-            blocks.high[k] = s.lows[k] > s.highs[k] ? -nothing : s.low + float(s.highs[k]) * s.step;
-            blocks.slab_low[k] = s.slab_low + float(s.slab_lows[k]) * s.slab_step;
-            blocks.slab_high[k] = s.slab_low + float(s.slab_highs[k]) * s.slab_step;
-            blocks.slope_x[k] = s.slope_x, blocks.slope_y[k] = s.slope_y;
-        }
+        const auto put_all = [](float* out, float low, float step, const std::uint8_t* steps) {
+            for (unsigned k = 0; k < 8; ++k) out[k] = low + float(steps[k]) * step;
+        };
+        put_all(blocks.low, s.low, s.step, s.lows), put_all(blocks.high, s.low, s.step, s.highs);
+        put_all(blocks.slab_low, s.slab_low, s.slab_step, s.slab_lows);
+        put_all(blocks.slab_high, s.slab_low, s.slab_step, s.slab_highs);
+        for (unsigned k = 0; k < 8; ++k) blocks.high[k] = s.lows[k] > s.highs[k] ? -nothing : blocks.high[k];
+        std::fill_n(blocks.slope_x, 8, s.slope_x), std::fill_n(blocks.slope_y, 8, s.slope_y);
         return;
     }
     for (unsigned k = 0; k < 8; ++k) {
@@ -452,7 +452,10 @@ void TerrainTree::open_blocks(const Node& node, const Eigen::Vector3d& from, Ter
         if (x >= all.x || y >= all.y) {
             put(k, {nothing, -nothing}, {});
         } else if (level == 2) {
-            put(k, range(level, x, y), slab(level, x, y));
+            const Square& s = squares_[std::size_t(y) * all.x + x];
+            const bool there = s.low < nothing;
+            put(k, {s.low, there ? s.low + 255 * s.step : -nothing},
+                {{s.slab_low, s.slab_low + 255 * s.slab_step}, s.slope_x, s.slope_y});
         } else {
             const Bounds& bounds = bounds_[level - 3][std::size_t(y) * all.x + x];
             put(k, bounds.range, bounds.slab);

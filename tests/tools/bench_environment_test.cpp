@@ -102,8 +102,9 @@ TEST_F(CommandLine, BenchDistancesMeasuresTerrainsNearAndFar)
 TEST_F(CommandLine, BenchDistancesMeasuresShapesFromShapes)
 {
     expect_error(64, {"bench", "distances", "--bodies-of", "solids"}, {"--bodies-of solids", "all-shapes"});
+    expect_error(64, {"bench", "distances", "--tolerance=-1"}, {"--tolerance"});
     const Outcome outcome = run({"bench", "distances", "--environments", "sphere,cone", "--bodies-of", "all-shapes",
-                                 "--bodies", "7", "--distances", "0.1,100", "--csv", "s.csv"});
+                                 "--bodies", "7", "--distances", "0.1,100", "--tolerance", "1e-6", "--csv", "s.csv"});
     ASSERT_EQ(outcome.code, 0) << outcome.out << outcome.err;
     const auto rows = read_csv(folder_.read("s.csv"));
     ASSERT_EQ(rows.size(), 4u);

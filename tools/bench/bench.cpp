@@ -207,6 +207,9 @@ void add_distances(Arguments bench)
     sub.add_option("--distances", options->distances,
                    "in per cent of the environment's diagonal (default 0.1,1,5,10,25,50,100,200)")
         .type_name("LIST");
+    sub.add_option("--tolerance", options->tolerance,
+                   "metres by which oncollide's bounds may be apart (default 0); FCL's of shapes stop at 1e-6")
+        .type_name("M");
     sub.add_option("--repeats", options->repeats, "of each query the least time counts (default 3)").type_name("N");
     sub.add_option("--csv", options->csv, "write one row per environment, bodies and distance").type_name("FILE");
     sub.footer("Examples:\n"
