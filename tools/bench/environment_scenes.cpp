@@ -121,7 +121,7 @@ void check(const EnvironmentScene& which)
     const auto& names = environment_names();
     if (std::ranges::count(names, which.environment) == 0)
         usage(fmt::format("--environments {}: valid are {}", which.environment, fmt::join(names, ", ")));
-    const std::array<std::string_view, 4> bodies{"meshes", "shapes", "all-shapes", "both"};
+    const std::array<std::string_view, 4> bodies{"meshes", "shapes", "both", "all-shapes"};
     if (std::ranges::count(bodies, which.bodies_of) == 0)
         usage(fmt::format("--bodies-of {}: valid are {}", which.bodies_of, fmt::join(bodies, ", ")));
     if (const std::filesystem::path file = file_of(which); !file.empty()) check_readable(file);
