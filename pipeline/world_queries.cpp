@@ -217,8 +217,9 @@ std::vector<QueryHit> World::query(const Aabb& box, const QueryFilter& filter) c
 /// Makes the tree that contacts are found with, where it is not made when it is first asked for.
 void World::Impl::need_tree(Model& model)
 {
+    if (!model.has_triangles()) return;
     const std::lock_guard lock(guard);
-    if (model.has_triangles()) models.boxes(model, frame.number);
+    models.boxes(model, frame.number);
 }
 
 std::vector<Contact> World::contacts(BodyId a, BodyId b) const

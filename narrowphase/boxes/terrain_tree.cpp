@@ -5,12 +5,13 @@
 #include <limits>
 
 #include <oncollide/narrowphase/boxes/oriented_box.hpp>
+#include <oncollide/narrowphase/boxes/solid_gap_kernel.hpp>
 
 namespace oncollide {
 
 namespace {
 
-constexpr std::uint32_t side = 8; ///< of a block of level 2, cells
+constexpr std::uint32_t square_side = 8; ///< of a block of level 2, cells
 constexpr float nothing = std::numeric_limits<float>::infinity();
 constexpr float range_rounding = 0x1p-20f; ///< of stored heights, of half the terrain's own
 
@@ -35,18 +36,18 @@ void TerrainTree::make_squares()
     squares_.resize(std::size_t(all.x) * all.y);
     const double zero = centre_.z() - terrain_.origin().z();
     // The rows of heights around a row of squares; beyond the last ones these are given again.
-    const std::size_t width = std::size_t(all.x) * side + 1;
-    std::vector<float> z(width * (side + 1));
+    const std::size_t width = std::size_t(all.x) * square_side + 1;
+    std::vector<float> z(width * (square_side + 1));
     const auto read = [&](std::uint32_t row, float* out) {
         terrain_.read_row(std::min(row, terrain_.cells_y()), zero, out);
         std::fill(out + terrain_.columns(), out + width, out[terrain_.cells_x()]);
     };
-    read(0, &z[side * width]);
+    read(0, &z[square_side * width]);
     for (std::uint32_t y = 0; y < all.y; ++y) {
-        std::copy_n(&z[side * width], width, z.data());
-        for (std::uint32_t j = 1; j <= side; ++j) read(y * side + j, &z[j * width]);
+        std::copy_n(&z[square_side * width], width, z.data());
+        for (std::uint32_t j = 1; j <= square_side; ++j) read(y * square_side + j, &z[j * width]);
         for (std::uint32_t x = 0; x < all.x; ++x)
-            squares_[std::size_t(y) * all.x + x] = square_of(&z[std::size_t(x) * side], width);
+            squares_[std::size_t(y) * all.x + x] = square_of(&z[std::size_t(x) * square_side], width);
     }
 }
 
@@ -56,8 +57,8 @@ TerrainTree::Square TerrainTree::square_of(const float* z, std::size_t width) co
     Range of[8];
     bool holes = false;
     if (terrain_.holes())
-        for (std::uint32_t j = 0; j <= side; ++j)
-            for (std::uint32_t i = 0; i <= side; ++i) holes |= std::isnan(z[j * width + i]);
+        for (std::uint32_t j = 0; j <= square_side; ++j)
+            for (std::uint32_t i = 0; i <= square_side; ++i) holes |= std::isnan(z[j * width + i]);
     for (std::uint32_t k = 0; k < 8; ++k) {
         const std::uint32_t x = k % 2 * 4, y = k / 2 * 2;
         Range& range = of[k] = {nothing, -nothing};
@@ -85,7 +86,8 @@ TerrainTree::Square TerrainTree::square_of(const float* z, std::size_t width) co
 
     Range whole{nothing, -nothing};
     for (const Range& r : of) whole.low = std::min(whole.low, r.low), whole.high = std::max(whole.high, r.high);
-    Square square{whole.low, whole.low <= whole.high ? (whole.high - whole.low) / 255 : 0, {}, {}};
+    Square square{};
+    square.low = whole.low, square.step = whole.low <= whole.high ? (whole.high - whole.low) / 255 : 0;
     const float per_step = square.step > 0 ? 1 / square.step : 0;
     for (std::uint32_t k = 0; k < 8; ++k) {
         square.lows[k] = 255, square.highs[k] = 0;
@@ -94,29 +96,114 @@ TerrainTree::Square TerrainTree::square_of(const float* z, std::size_t width) co
         square.lows[k] = static_cast<std::uint8_t>(std::max(0.0f, (of[k].low - square.low) * per_step));
         square.highs[k] = static_cast<std::uint8_t>(std::min(255.0f, (of[k].high - square.low) * per_step + 1));
     }
+    add_slabs(square, z, width, holes);
     return square;
+}
+
+/// About the plane that fits the heights best; with holes, a level one.
+void TerrainTree::add_slabs(Square& square, const float* z, std::size_t width, bool holes) const
+{
+    constexpr std::uint32_t line = square_side + 1, middle = square_side / 2;
+    float a = 0, b = 0; // slopes, heights per cell
+    if (!holes) {
+        float columns[line] = {}, rows[line] = {};
+        for (std::uint32_t j = 0; j < line; ++j)
+            for (std::uint32_t i = 0; i < line; ++i) columns[i] += z[j * width + i], rows[j] += z[j * width + i];
+        constexpr float squares = line * 60; // of the distances of 81 places from the middle's column
+        for (std::uint32_t i = 0; i < line; ++i) {
+            a += (float(i) - middle) * columns[i] / squares;
+            b += (float(i) - middle) * rows[i] / squares;
+        }
+    }
+    Range of[8], whole{nothing, -nothing};
+    for (std::uint32_t k = 0; k < 8; ++k) {
+        of[k] = {nothing, -nothing};
+        const std::uint32_t x = k % 2 * 4, y = k / 2 * 2;
+        for (std::uint32_t j = y; j <= y + 2; ++j)
+            for (std::uint32_t i = x; i <= x + 4; ++i) {
+                const float above = z[j * width + i] - (a * (float(i) - middle) + b * (float(j) - middle));
+                of[k].low = above < of[k].low ? above : of[k].low; // not of holes
+                of[k].high = above > of[k].high ? above : of[k].high;
+            }
+        whole.low = std::min(whole.low, of[k].low), whole.high = std::max(whole.high, of[k].high);
+    }
+    square.slope_x = a / static_cast<float>(terrain_.spacing().x());
+    square.slope_y = b / static_cast<float>(terrain_.spacing().y());
+    square.slab_low = whole.low, square.slab_step = whole.low <= whole.high ? (whole.high - whole.low) / 255 : 0;
+    const float per_step = square.slab_step > 0 ? 1 / square.slab_step : 0;
+    for (std::uint32_t k = 0; k < 8; ++k) {
+        if (of[k].low > of[k].high) continue;
+        square.slab_lows[k] = static_cast<std::uint8_t>(std::max(0.0f, (of[k].low - whole.low) * per_step));
+        square.slab_highs[k] = static_cast<std::uint8_t>(std::min(255.0f, (of[k].high - whole.low) * per_step + 1));
+    }
 }
 
 void TerrainTree::make_level(std::uint32_t level)
 {
     const Block all = blocks(level);
-    std::vector<Range>& ranges = ranges_.emplace_back(std::size_t(all.x) * all.y);
+    std::vector<Bounds> bounds(std::size_t(all.x) * all.y);
     const std::uint32_t w = wide(level - 1), h = high(level - 1);
     const Block below = blocks(level - 1);
     for (std::uint32_t y = 0; y < all.y; ++y)
         for (std::uint32_t x = 0; x < all.x; ++x) {
-            Range& sum = ranges[std::size_t(y) * all.x + x] = {nothing, -nothing};
+            Bounds& sum = bounds[std::size_t(y) * all.x + x];
+            sum.range = {nothing, -nothing};
             for (std::uint32_t j = y * h; j < std::min((y + 1) * h, below.y); ++j)
                 for (std::uint32_t i = x * w; i < std::min((x + 1) * w, below.x); ++i) {
                     const Range part = range(level - 1, i, j);
-                    sum.low = std::min(sum.low, part.low), sum.high = std::max(sum.high, part.high);
+                    sum.range.low = std::min(sum.range.low, part.low);
+                    sum.range.high = std::max(sum.range.high, part.high);
                 }
+            sum.slab = slab_around(level, x, y);
         }
+    bounds_.push_back(std::move(bounds));
+}
+
+/// About the plane that fits the middles of the blocks below.
+TerrainTree::Slab TerrainTree::slab_around(std::uint32_t level, std::uint32_t x, std::uint32_t y) const
+{
+    const Eigen::Vector2f half = half_of_block(level - 1);
+    const std::uint32_t w = wide(level - 1), h = high(level - 1);
+    const Block below = blocks(level - 1);
+    const auto each = [&](auto visit) {
+        for (std::uint32_t j = 0; j < std::min(h, below.y - y * h); ++j)
+            for (std::uint32_t i = 0; i < std::min(w, below.x - x * w); ++i)
+                if (const Slab part = slab(level - 1, x * w + i, y * h + j); part.low <= part.high)
+                    visit(part, half.x() * (2 * float(i) + 1 - float(w)), half.y() * (2 * float(j) + 1 - float(h)));
+    };
+    Eigen::Vector3f sums = Eigen::Vector3f::Zero();
+    float parts = 0;
+    each([&](const Slab& part, float dx, float dy) {
+        sums += Eigen::Vector3f(dx, dy, 0.5f * part.low + 0.5f * part.high), ++parts;
+    });
+    Slab slab{{nothing, -nothing}, 0, 0};
+    if (parts == 0) return slab;
+    const Eigen::Vector3f mean = sums / parts;
+    Eigen::Matrix2f squares = Eigen::Matrix2f::Zero();
+    Eigen::Vector2f rises = Eigen::Vector2f::Zero();
+    each([&](const Slab& part, float dx, float dy) {
+        const Eigen::Vector2f d(dx - mean.x(), dy - mean.y());
+        squares += d * d.transpose(), rises += (0.5f * part.low + 0.5f * part.high - mean.z()) * d;
+    });
+    // Of blocks in one row or column there is no telling across it.
+    const Eigen::Vector2f slope = squares.determinant() > 0.01f * squares.diagonal().prod()
+                                      ? Eigen::Vector2f(squares.inverse() * rises)
+                                      : Eigen::Vector2f(0, 0);
+    if (slope.allFinite()) slab.slope_x = slope.x(), slab.slope_y = slope.y();
+    each([&](const Slab& part, float dx, float dy) {
+        const float across = half.x() * std::abs(part.slope_x - slab.slope_x) +
+                             half.y() * std::abs(part.slope_y - slab.slope_y),
+                    up = slab.slope_x * dx + slab.slope_y * dy;
+        const float rounding = range_rounding * (across + std::abs(up) + std::abs(part.low) + std::abs(part.high));
+        slab.low = std::min(slab.low, part.low - across - up - rounding);
+        slab.high = std::max(slab.high, part.high + across - up + rounding);
+    });
+    return slab;
 }
 
 TerrainTree::Range TerrainTree::range(std::uint32_t level, std::uint32_t x, std::uint32_t y) const
 {
-    if (level > 2) return ranges_[level - 3][std::size_t(y) * blocks(level).x + x];
+    if (level > 2) return bounds_[level - 3][std::size_t(y) * blocks(level).x + x].range;
     if (level == 2) {
         const Square& s = squares_[std::size_t(y) * blocks(2).x + x];
         return {s.low, s.low < nothing ? s.low + 255 * s.step : -nothing};
@@ -125,6 +212,14 @@ TerrainTree::Range TerrainTree::range(std::uint32_t level, std::uint32_t x, std:
     const std::uint32_t k = y % 4 * 2 + x % 2;
     if (s.lows[k] > s.highs[k]) return {nothing, -nothing};
     return {s.low + s.lows[k] * s.step, s.low + s.highs[k] * s.step};
+}
+
+/// Of level 2 or above.
+TerrainTree::Slab TerrainTree::slab(std::uint32_t level, std::uint32_t x, std::uint32_t y) const
+{
+    if (level > 2) return bounds_[level - 3][std::size_t(y) * blocks(level).x + x].slab;
+    const Square& s = squares_[std::size_t(y) * blocks(2).x + x];
+    return {{s.slab_low, s.slab_low < nothing ? s.slab_low + 255 * s.slab_step : -nothing}, s.slope_x, s.slope_y};
 }
 
 void TerrainTree::cell_ranges(const Node& node, Range (&ranges)[8]) const
@@ -291,10 +386,87 @@ LaneMasks TerrainTree::open(const Node& node, const BoxPlacement* placement, Ope
     return {level == 0 && !node.whole ? lanes : 0, 0};
 }
 
+void TerrainTree::open_cells(const Node& node, const Eigen::Vector3d& from, TerrainCells& cells) const
+{
+    const double zero = from.z() - terrain_.origin().z();
+    std::uint32_t columns[5], rows[3];
+    for (std::uint32_t i = 0; i < 5; ++i) {
+        columns[i] = std::min(node.x + i, terrain_.cells_x());
+        cells.x[i] = static_cast<float>(terrain_.x(columns[i]) - from.x());
+    }
+    for (std::uint32_t j = 0; j < 3; ++j) {
+        rows[j] = std::min(node.y + j, terrain_.cells_y());
+        cells.y[j] = static_cast<float>(terrain_.y(rows[j]) - from.y());
+    }
+    terrain_.with_heights([&](auto height) {
+        for (std::uint32_t j = 0; j < 3; ++j)
+            for (std::uint32_t i = 0; i < 5; ++i)
+                cells.z[j][i] = static_cast<float>(height(columns[i], rows[j]) - zero);
+    });
+    cells.falling = terrain_.diagonal(0, 0) == CellDiagonal::falling ? 0xff : 0;
+    if (terrain_.mixed_diagonals()) {
+        cells.falling = 0;
+        for (std::uint32_t k = 0; k < 8; ++k)
+            if (columns[k % 4] < terrain_.cells_x() && rows[k / 4] < terrain_.cells_y())
+                cells.falling |= unsigned(terrain_.diagonal(columns[k % 4], rows[k / 4]) == CellDiagonal::falling) << k;
+    }
+    cells.margin = box_margin * static_cast<float>(terrain_.spacing().sum());
+}
+
+void TerrainTree::open_blocks(const Node& node, const Eigen::Vector3d& from, TerrainBlocks& blocks) const
+{
+    const std::uint32_t level = node.level, w = wide(level), h = high(level);
+    const Block all = this->blocks(level);
+    const auto lines = [](float* out, std::uint32_t count, double first, double step, double last) {
+        for (std::uint32_t i = 0; i <= count; ++i) out[i] = static_cast<float>(std::min(first + i * step, last));
+    };
+    const double across = std::ldexp(terrain_.spacing().x(), int(log_width(level))),
+                 along = std::ldexp(terrain_.spacing().y(), int(log_height(level)));
+    const Eigen::Vector3d& origin = terrain_.origin();
+    lines(blocks.x, w, origin.x() + node.x * across - from.x(), across, terrain_.x(terrain_.cells_x()) - from.x());
+    lines(blocks.y, h, origin.y() + node.y * along - from.y(), along, terrain_.y(terrain_.cells_y()) - from.y());
+    const Eigen::Vector2f half = half_of_block(level);
+    blocks.half_x = half.x(), blocks.half_y = half.y();
+    blocks.wide = w == 4, blocks.one_slope = level == 1;
+    blocks.zero = static_cast<float>(centre_.z() - from.z());
+    blocks.margin = box_margin * 2 * (half.x() + half.y()) + range_rounding * all_.high;
+    const auto put = [&](unsigned k, const Range& range, const Slab& slab) {
+        blocks.low[k] = range.low, blocks.high[k] = range.high;
+        blocks.slab_low[k] = slab.low, blocks.slab_high[k] = slab.high;
+        blocks.slope_x[k] = slab.slope_x, blocks.slope_y[k] = slab.slope_y;
+    };
+    if (level == 1) { // the eight blocks of one square
+        const Square& s = squares_[std::size_t(node.y / 4) * this->blocks(2).x + node.x / 2];
+        const auto put_all = [](float* out, float low, float step, const std::uint8_t* steps) {
+            for (unsigned k = 0; k < 8; ++k) out[k] = low + float(steps[k]) * step;
+        };
+        put_all(blocks.low, s.low, s.step, s.lows), put_all(blocks.high, s.low, s.step, s.highs);
+        put_all(blocks.slab_low, s.slab_low, s.slab_step, s.slab_lows);
+        put_all(blocks.slab_high, s.slab_low, s.slab_step, s.slab_highs);
+        for (unsigned k = 0; k < 8; ++k) blocks.high[k] = s.lows[k] > s.highs[k] ? -nothing : blocks.high[k];
+        std::fill_n(blocks.slope_x, 8, s.slope_x), std::fill_n(blocks.slope_y, 8, s.slope_y);
+        return;
+    }
+    for (unsigned k = 0; k < 8; ++k) {
+        const std::uint32_t x = node.x + k % w, y = node.y + k / w;
+        if (x >= all.x || y >= all.y) {
+            put(k, {nothing, -nothing}, {});
+        } else if (level == 2) {
+            const Square& s = squares_[std::size_t(y) * all.x + x];
+            const bool there = s.low < nothing;
+            put(k, {s.low, there ? s.low + 255 * s.step : -nothing},
+                {{s.slab_low, s.slab_low + 255 * s.slab_step}, s.slope_x, s.slope_y});
+        } else {
+            const Bounds& bounds = bounds_[level - 3][std::size_t(y) * all.x + x];
+            put(k, bounds.range, bounds.slab);
+        }
+    }
+}
+
 std::size_t TerrainTree::bytes() const
 {
     std::size_t sum = squares_.capacity() * sizeof(Square);
-    for (const auto& level : ranges_) sum += level.capacity() * sizeof(Range);
+    for (const auto& level : bounds_) sum += level.capacity() * sizeof(Bounds);
     return sum;
 }
 

@@ -49,10 +49,30 @@ struct Curvature {
 
 } // namespace
 
+Vector3d newton_step(const ConvexDifference& cores, const Vector3d& n, const Vector3d& w)
+{
+    const Convex &a = cores.a(), &b = cores.b();
+    const double damping = 1e-5 * cores.size(), stiffness = 0.1 * cores.size();
+    const auto [e, f] = across(n);
+    Curvature h;
+    if (!a.flat_sided) h.add(a, n, e, f);
+    if (!b.flat_sided) h.add(b, -cores.into_b(n), cores.into_b(e), cores.into_b(f));
+    if (const double trace = h.ee + h.ff; h.rank == 1 && trace > 0) { // no large steps where it is flat
+        const double scale = stiffness / trace, ee = h.ee;
+        h.ee += scale * h.ff, h.ff += scale * ee, h.ef -= scale * h.ef;
+    }
+    const double more = std::max(n.dot(w), 0.0) + damping;
+    h.ee += more, h.ff += more;
+    const double by_e = e.dot(w), by_f = f.dot(w), det = h.ee * h.ff - h.ef * h.ef;
+    const Vector3d step = ((h.ff * by_e - h.ef * by_f) * e + (h.ee * by_f - h.ef * by_e) * f) / det;
+    const double steps = step.norm();
+    return steps > 1 ? Vector3d(step / steps) : step;
+}
+
 NewtonMeeting newton_meeting(const ConvexDifference& cores)
 {
     const Convex &a = cores.a(), &b = cores.b();
-    const double radius = cores.radius(), damping = 1e-5 * cores.size(), stiffness = 0.1 * cores.size();
+    const double radius = cores.radius();
     NewtonMeeting found;
     found.meeting = {0, 0}, found.direction = cores.middle();
     Vector3d& n = found.direction;
@@ -75,20 +95,7 @@ NewtonMeeting newton_meeting(const ConvexDifference& cores)
         }
         if (!(apart > last) || found.looks == most_looks || cores.flat_sided()) break; // faces, edges: see portals
         last = apart;
-        const auto [e, f] = across(n);
-        Curvature h;
-        if (!a.flat_sided) h.add(a, n, e, f);
-        if (!b.flat_sided) h.add(b, -cores.into_b(n), cores.into_b(e), cores.into_b(f));
-        if (const double trace = h.ee + h.ff; h.rank == 1 && trace > 0) { // no large steps where it is flat
-            const double scale = stiffness / trace, ee = h.ee;
-            h.ee += scale * h.ff, h.ff += scale * ee, h.ef -= scale * h.ef;
-        }
-        const double more = std::max(apart, 0.0) + damping;
-        h.ee += more, h.ff += more;
-        const double by_e = e.dot(p.w), by_f = f.dot(p.w), det = h.ee * h.ff - h.ef * h.ef;
-        Vector3d step = ((h.ff * by_e - h.ef * by_f) * e + (h.ee * by_f - h.ef * by_e) * f) / det;
-        if (const double steps = step.norm(); steps > 1) step /= steps;
-        n += step;
+        n += newton_step(cores, n, p.w);
     }
     return found;
 }

@@ -19,4 +19,9 @@ struct NewtonMeeting {
 /// is a certificate. The certificate of a contact is a farthest point of one body that is inside the other.
 NewtonMeeting newton_meeting(const ConvexDifference& cores);
 
+/// Towards the direction along which the gap is largest, by Newton's method, at right angles to the last one.
+/// @param n  the last one, of length 1
+/// @param w  what it showed: the support point along -n
+Eigen::Vector3d newton_step(const ConvexDifference& cores, const Eigen::Vector3d& n, const Eigen::Vector3d& w);
+
 } // namespace oncollide

@@ -1,6 +1,7 @@
 #include <oncollide/pipeline/refine/pair_distance.hpp>
 
 #include <oncollide/pipeline/refine/containment_test.hpp>
+#include <oncollide/pipeline/refine/placed_pair.hpp>
 
 namespace oncollide {
 
@@ -9,7 +10,7 @@ Distance PairDistance::find(const PairTask& task, Mode mode, double tolerance, d
     const Distance found = is_surface(*task.a) && is_surface(*task.b)
                                ? surfaces_.distance(*task.a, *task.pose_a, *task.b, *task.pose_b, tolerance, farthest)
                                : solids_.distance(task, tolerance, farthest);
-    if (found.lower == 0) return found;
+    if (found.lower == 0 || without_walk(*task.a, *task.b)) return found; // shapes are solid there
     const auto around = [&](const Model& model) {
         return model.shape() || (mode == Mode::solid && model.closed()) ? model.boxes.get() : nullptr;
     };

@@ -16,6 +16,10 @@ namespace {
 constexpr double rigid = 0x1p-18; ///< poses may be 2^-20 from rigid: so far may distances in A's frame be off
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+/// A hull of more is measured by the triangles of its surface: as one solid, all of its points are looked at for each
+/// direction.
+constexpr std::uint32_t most_points = 1024;
+
 /// Of walks whose leaf tests leave open what rounding hides.
 template <class Walk>
 constexpr bool may_leave_open = requires(Walk& walk)
@@ -142,12 +146,9 @@ RefineResult decide_near(Walk& walk, A& a, B& b, const PlacedPair& placed, doubl
     return {Verdict::within, ContactKind::unknown, (found.near ? found.bound : clearance) + out};
 }
 
-/// In A's frame.
-template <class Walk, class A, class B>
-Distance distance_by(Walk& walk, A& a, B& b, const PlacedPair& placed, double off, double tolerance, double farthest)
+/// In A's frame, of what a walk found there.
+Distance placed_distance(auto& a, auto& b, const PlacedPair& placed, double off, const auto& found)
 {
-    prepare(walk, placed.slack, false);
-    const auto found = walk.distance(a, b, placed.b_to_a, tolerance, (farthest + off) * (1 + 4 * rigid));
     Distance d{.lower = std::max(found.lower * (1 - placed.slack) - off, 0.0),
                .upper = found.upper * (1 + placed.slack) + off};
     if (!found.nearest) return d;
@@ -155,6 +156,24 @@ Distance distance_by(Walk& walk, A& a, B& b, const PlacedPair& placed, double of
     const PartSolid of_a(a, found.nearest->a), of_b(b, found.nearest->b);
     const ConvexDistance points = ConvexPair(of_a.solid(), of_b.solid(), placed.b_to_a, placed.slack).distance({});
     d.point_a = points.on_a, d.point_b = points.on_b;
+    return d;
+}
+
+/// What walks see of a distance.
+double farthest_seen(double farthest, double off)
+{
+    return (farthest + off) * (1 + 4 * rigid);
+}
+
+/// From A's frame into the world, and for the bodies as the caller has them.
+Distance in_world(Distance d, const PairTask& task, bool swapped)
+{
+    const Eigen::Isometry3d& frame = swapped ? *task.pose_b : *task.pose_a;
+    d.point_a = frame * d.point_a, d.point_b = frame * d.point_b;
+    if (swapped) std::swap(d.point_a, d.point_b), std::swap(d.a, d.b);
+    // A part of a shape's surface is no part of its own.
+    if (task.a->shape()) d.a = {};
+    if (task.b->shape()) d.b = {};
     return d;
 }
 
@@ -257,17 +276,28 @@ Distance SolidPairs::distance(const PairTask& task, double tolerance, double far
         return {
             .lower = d.lower, .upper = d.lower > farthest ? infinity : d.upper, .point_a = d.on_a, .point_b = d.on_b};
     }
+    if (const auto found = solid_distance(task, tolerance, farthest)) return *found;
     return with_walk(task, [&](auto& walk, auto& a, auto& b, const PlacedPair& placed, auto) {
-        Distance d = distance_by(walk, a, b, placed, height_error(task), tolerance, farthest);
-        const bool swapped = &placed_first(task) == task.b;
-        const Eigen::Isometry3d& frame = swapped ? *task.pose_b : *task.pose_a;
-        d.point_a = frame * d.point_a, d.point_b = frame * d.point_b;
-        if (swapped) std::swap(d.point_a, d.point_b), std::swap(d.a, d.b);
-        // A part of a shape's surface is no part of its own.
-        if (task.a->shape()) d.a = {};
-        if (task.b->shape()) d.b = {};
-        return d;
+        prepare(walk, placed.slack, false);
+        const double off = height_error(task);
+        const auto found = walk.distance(a, b, placed.b_to_a, tolerance, farthest_seen(farthest, off));
+        return in_world(placed_distance(a, b, placed, off, found), task, &placed_first(task) == task.b);
     });
+}
+
+/// Of a shape and a mesh or a terrain; nothing: walks of other kinds are to tell.
+std::optional<Distance> SolidPairs::solid_distance(const PairTask& task, double tolerance, double farthest)
+{
+    const bool swapped = task.b->shape();
+    Model &shape = swapped ? *task.b : *task.a, &other = swapped ? *task.a : *task.b;
+    if (!shape.shape() || other.map() || shape.convex().count > most_points) return {};
+    const PlacedPair placed(swapped ? *task.pose_b : *task.pose_a, swapped ? *task.pose_a : *task.pose_b);
+    const double off = height_error(task), seen = farthest_seen(farthest, off);
+    const auto by = [&](auto& walk, auto& tree) {
+        const auto found = walk.distance(shape.shape_tree(), tree, placed.b_to_a, placed.slack, tolerance, seen);
+        return in_world(placed_distance(shape.shape_tree(), tree, placed, off, found), task, swapped);
+    };
+    return other.terrain() ? by(terrain_distance_, other.heights()) : by(mesh_distance_, *other.boxes);
 }
 
 SolidPairs::Counts SolidPairs::counts()

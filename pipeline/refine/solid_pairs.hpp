@@ -1,6 +1,7 @@
 #pragma once
 #include <oncollide/narrowphase/boxes/map_walk.hpp>
 #include <oncollide/narrowphase/boxes/shape_walk.hpp>
+#include <oncollide/narrowphase/boxes/solid_distance.hpp>
 #include <oncollide/narrowphase/inside/point_place.hpp>
 #include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
@@ -34,8 +35,9 @@ public:
     /// Of bodies that do not meet, surfaces too: separate beyond the clearance, or near.
     RefineResult within_clearance(const RefineContext& context, const PairTask& task);
 
-    /// Of any pair but two surfaces, as World::distance() says; but of a box or a hull, where it encloses the other,
-    /// that of its surface. Of bodies farther apart than `farthest` the upper bound is infinite.
+    /// Of any pair but two surfaces, as World::distance() says; but of a box or a hull, where it encloses a map's cells
+    /// or a part of a mesh, it may be that of its surface. Of bodies farther apart than `farthest` the upper bound is
+    /// infinite.
     Distance distance(const PairTask& task, double tolerance, double farthest);
 
     /// Does a shape with a volume, one of the two, enclose a part of the other? Their surfaces are apart.
@@ -49,6 +51,7 @@ public:
 
 private:
     auto with_walk(const PairTask& task, auto work);
+    std::optional<Distance> solid_distance(const PairTask& task, double tolerance, double farthest);
 
     TriangleWalks triangles_;
     MapMeshWalk map_mesh_;
@@ -57,6 +60,8 @@ private:
     ShapeMeshWalk shape_mesh_;
     ShapeTerrainWalk shape_terrain_;
     MapShapeWalk map_shape_;
+    SolidDistance<ObbTree> mesh_distance_;
+    SolidDistance<TerrainTree> terrain_distance_;
     PointLocator locator_;
 };
 

@@ -1,5 +1,6 @@
 #include "command_fixture.hpp"
 
+#include <cmath>
 #include <set>
 
 #include "csv_rows.hpp"
@@ -96,6 +97,21 @@ TEST_F(CommandLine, BenchDistancesMeasuresTerrainsNearAndFar)
         same = row["metres"];
     }
     EXPECT_EQ(metres.size(), 6u);
+}
+
+TEST_F(CommandLine, BenchDistancesMeasuresShapesFromShapes)
+{
+    expect_error(64, {"bench", "distances", "--bodies-of", "solids"}, {"--bodies-of solids", "all-shapes"});
+    expect_error(64, {"bench", "distances", "--tolerance=-1"}, {"--tolerance"});
+    const Outcome outcome = run({"bench", "distances", "--environments", "sphere,cone", "--bodies-of", "all-shapes",
+                                 "--bodies", "7", "--distances", "0.1,100", "--tolerance", "1e-6", "--csv", "s.csv"});
+    ASSERT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+    const auto rows = read_csv(folder_.read("s.csv"));
+    ASSERT_EQ(rows.size(), 4u);
+    for (auto row : rows) {
+        const double wanted = std::stod(row["percent"]) / 100 * std::sqrt(3); // both are a metre wide and high
+        EXPECT_NEAR(std::stod(row["metres"]), wanted, 0.15 * wanted);
+    }
 }
 
 } // namespace

@@ -181,9 +181,13 @@ void add_environment_choice(Arguments sub, EnvironmentChoice& in)
     sub.add_option(
            "--environments", in.environments,
            "which (default building,hills,hills-mesh): building, a map of 30 x 30 rooms at 6 cm; hills, a height "
-           "grid; hills-mesh, the same as a mesh; campus and st-helens, of the data folder")
+           "grid; hills-mesh, the same as a mesh; campus and st-helens, of the data folder; or one shape of about a "
+           "metre: sphere, box, capsule, cylinder, hull, ellipsoid, cone")
         .type_name("LIST");
-    sub.add_option("--bodies-of", in.bodies_of, "meshes, shapes or both, or a list (default meshes,shapes)")
+    sub.add_option(
+           "--bodies-of", in.bodies_of,
+           "meshes, shapes (spheres, boxes and capsules), all-shapes (of every bounded kind) or both, or a list "
+           "(default meshes,shapes)")
         .type_name("LIST");
     sub.add_option("--bodies", in.bodies, fmt::format("bodies in each environment (default {})", in.bodies))
         .type_name("N");
@@ -203,6 +207,9 @@ void add_distances(Arguments bench)
     sub.add_option("--distances", options->distances,
                    "in per cent of the environment's diagonal (default 0.1,1,5,10,25,50,100,200)")
         .type_name("LIST");
+    sub.add_option("--tolerance", options->tolerance,
+                   "metres by which oncollide's bounds may be apart (default 0); FCL's of shapes stop at 1e-6")
+        .type_name("M");
     sub.add_option("--repeats", options->repeats, "of each query the least time counts (default 3)").type_name("N");
     sub.add_option("--csv", options->csv, "write one row per environment, bodies and distance").type_name("FILE");
     sub.footer("Examples:\n"

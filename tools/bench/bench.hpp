@@ -122,6 +122,7 @@ int bench_environment(const EnvironmentOptions& options);
 struct DistancesOptions {
     EnvironmentChoice in{.bodies = 12};
     std::string distances = "0.1,1,5,10,25,50,100,200"; ///< per cent of the environment's diagonal
+    double tolerance = 0;                               ///< metres
     int repeats = 3;
     std::string csv;
 };

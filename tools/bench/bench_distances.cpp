@@ -59,7 +59,8 @@ public:
             Distance ours;
             double fcl = 0, our_us = HUGE_VAL, fcl_us = HUGE_VAL;
             for (int repeat = 0; repeat < o.repeats; ++repeat) {
-                our_us = std::min(our_us, microseconds([&] { ours = world_.distance(ids_[0], ids_[body]); }));
+                our_us =
+                    std::min(our_us, microseconds([&] { ours = world_.distance(ids_[0], ids_[body], o.tolerance); }));
                 fcl_us = std::min(fcl_us, microseconds([&] { fcl = fcl_.distance({0, body}); }));
             }
             row.our_us += our_us / bodies, row.fcl_us += fcl_us / bodies, row.metres += ours.upper / bodies;
@@ -111,12 +112,13 @@ std::vector<double> percents_of(const std::string& list)
 int bench_distances(const DistancesOptions& o)
 {
     check_range("--bodies", o.in.bodies, 1, 100'000), check_range("--repeats", o.repeats, 1, 100);
+    if (!(o.tolerance >= 0)) usage("bench distances: --tolerance is 0 or more");
     check_files({{"--csv", o.csv}});
     const std::vector<double> percents = percents_of(o.distances);
     const std::vector<EnvironmentScene> scenes = scenes_of(o.in, 1);
-    say("{}{} bodies, one after the other; microseconds a query, warm, of each the least of {}; tolerance 0\n\n",
-        describe_program("distances"), o.in.bodies, o.repeats);
-    say("{:<11} {:<7} {:>10} {:>10} {:>10} {:>10} {:>7} {:>7}\n", "environment", "bodies", "% diagonal", "metres",
+    say("{}{} bodies, one after the other; microseconds a query, warm, of each the least of {}; tolerance {} m\n\n",
+        describe_program("distances"), o.in.bodies, o.repeats, o.tolerance);
+    say("{:<11} {:<10} {:>10} {:>10} {:>10} {:>10} {:>7} {:>7}\n", "environment", "bodies", "% diagonal", "metres",
         "FCL us", "us", "ratio", "differ");
     std::vector<DistanceRow> rows;
     for (const EnvironmentScene& which : scenes) {
@@ -125,7 +127,7 @@ int bench_distances(const DistancesOptions& o)
         for (const double percent : percents) {
             DistanceRow row = race.at(percent, o);
             row.environment = which.environment, row.bodies_of = which.bodies_of;
-            say("{:<11} {:<7} {:>10} {:>10.3f} {:>10.2f} {:>10.2f} {:>7.2f} {:>7}\n", row.environment, row.bodies_of,
+            say("{:<11} {:<10} {:>10} {:>10.4f} {:>10.2f} {:>10.2f} {:>7.2f} {:>7}\n", row.environment, row.bodies_of,
                 row.percent, row.metres, row.fcl_us, row.our_us, row.fcl_us / row.our_us, row.differ);
             rows.push_back(row);
         }

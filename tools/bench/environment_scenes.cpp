@@ -2,7 +2,10 @@
 #include "bench/bench.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -33,8 +36,27 @@ std::filesystem::path file_of(const EnvironmentScene& which)
     return which.data / place;
 }
 
+/// Shapes of about a metre, by kind.
+const std::vector<std::pair<std::string, Shape>>& every_shape()
+{
+    static const std::vector<std::pair<std::string, Shape>> shapes = [] {
+        ConvexHull hull;
+        for (int k = 0; k < 24; ++k) { // on a spiral over an ellipsoid
+            const double z = (2 * k + 1) / 24.0 - 1, across = std::sqrt(1 - z * z);
+            hull.points.push_back({0.4 * across * std::cos(2.4 * k), 0.6 * across * std::sin(2.4 * k), 0.8 * z});
+        }
+        return std::vector<std::pair<std::string, Shape>>{
+            {"sphere", Sphere{0.5}},        {"box", Box{{0.4, 0.7, 1}}}, {"capsule", Capsule{0.3, 1.2}},
+            {"cylinder", Cylinder{0.4, 1}}, {"hull", std::move(hull)},   {"ellipsoid", Ellipsoid{{0.3, 0.5, 0.9}}},
+            {"cone", Cone{0.5, 1}}};
+    }();
+    return shapes;
+}
+
 GeometryData environment_of(const EnvironmentScene& which)
 {
+    for (const auto& [kind, shape] : every_shape())
+        if (which.environment == kind) return shape;
     const std::string& name = which.environment;
     const double relief = 0.1 * which.cells;
     const auto cells = static_cast<std::uint32_t>(which.cells);
@@ -57,8 +79,10 @@ std::vector<Vector3d> points_of(const GeometryData& geometry)
         for (std::uint32_t row = 0; row < terrain->rows(); row += step)
             for (std::uint32_t column = 0; column < terrain->columns(); column += step)
                 if (const Vector3d p = terrain->point(column, row); p.allFinite()) points.push_back(p);
+    } else if (const auto* mesh = std::get_if<Mesh>(&geometry)) {
+        points = mesh->vertices;
     } else {
-        points = std::get<Mesh>(geometry).vertices;
+        points = {bounds_of(geometry).min, bounds_of(geometry).max};
     }
     const std::size_t step = 1 + points.size() / enough;
     std::vector<Vector3d> some;
@@ -69,16 +93,14 @@ std::vector<Vector3d> points_of(const GeometryData& geometry)
 std::vector<GeometryId> add_bodies_of(Scene& scene, const std::string& kind)
 {
     std::vector<GeometryId> ids;
-    if (kind != "shapes") {
+    if (kind == "meshes" || kind == "both") {
         ids.push_back(scene.add("knot", make_torus_knot_mesh(2, 3, 0.5, 0.2, 0.1, 6000)));
         ids.push_back(scene.add("ring", make_torus_mesh(0.6, 0.2, 9000)));
         ids.push_back(scene.add("ball", make_sphere_mesh(0.6, 13'000)));
     }
-    if (kind != "meshes") {
-        ids.push_back(scene.add("sphere", Sphere{0.5}));
-        ids.push_back(scene.add("box", Box{{0.4, 0.7, 1}}));
-        ids.push_back(scene.add("capsule", Capsule{0.3, 1.2}));
-    }
+    if (kind == "meshes") return ids;
+    for (std::size_t k = 0; k < (kind == "all-shapes" ? every_shape().size() : 3); ++k)
+        ids.push_back(scene.add(every_shape()[k].first, every_shape()[k].second));
     return ids;
 }
 
@@ -86,7 +108,11 @@ std::vector<GeometryId> add_bodies_of(Scene& scene, const std::string& kind)
 
 const std::vector<std::string>& environment_names()
 {
-    static const std::vector<std::string> names{"building", "hills", "hills-mesh", "campus", "st-helens"};
+    static const std::vector<std::string> names = [] {
+        std::vector<std::string> all{"building", "hills", "hills-mesh", "campus", "st-helens"};
+        for (const auto& [kind, shape] : every_shape()) all.push_back(kind);
+        return all;
+    }();
     return names;
 }
 
@@ -95,8 +121,9 @@ void check(const EnvironmentScene& which)
     const auto& names = environment_names();
     if (std::ranges::count(names, which.environment) == 0)
         usage(fmt::format("--environments {}: valid are {}", which.environment, fmt::join(names, ", ")));
-    if (which.bodies_of != "meshes" && which.bodies_of != "shapes" && which.bodies_of != "both")
-        usage(fmt::format("--bodies-of {}: valid are meshes, shapes, both", which.bodies_of));
+    const std::array<std::string_view, 4> bodies{"meshes", "shapes", "both", "all-shapes"};
+    if (std::ranges::count(bodies, which.bodies_of) == 0)
+        usage(fmt::format("--bodies-of {}: valid are {}", which.bodies_of, fmt::join(bodies, ", ")));
     if (const std::filesystem::path file = file_of(which); !file.empty()) check_readable(file);
 }
 

@@ -8,7 +8,7 @@
 
 namespace oncollide::tools {
 
-/// The environments that there are: generated ones, then those of files in the data folder.
+/// The environments that there are: generated ones, those of files in the data folder, and single shapes by kind.
 const std::vector<std::string>& environment_names();
 
 /// Which environments, and what is in them.
@@ -23,7 +23,9 @@ struct EnvironmentChoice {
 /// One large, fixed body, and many small ones on and just above its surface, which drift a little every frame.
 struct EnvironmentScene {
     std::string environment = "building";
-    std::string bodies_of = "meshes"; ///< "meshes" of 6,000 to 13,000 triangles, "shapes", or "both"
+    /// "meshes" of 6,000 to 13,000 triangles; "shapes": spheres, boxes and capsules; "all-shapes", of all bounded
+    /// kinds; or "both", meshes and shapes
+    std::string bodies_of = "meshes";
     int bodies = 500, frames = 10;
     int cells = 500; ///< along a side of generated terrains
     std::uint64_t seed = 1;
