@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/scenes/files/gltf/gltf_accessor.hpp>
-#include <oncollide/scenes/files/mesh_source.hpp>
+#include <oncollide/scenes/files/welder.hpp>
 
 namespace oncollide {
 

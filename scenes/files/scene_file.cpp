@@ -205,7 +205,7 @@ Scene load_scene(const fs::path& path)
     const std::string file = path == "-" ? "standard input" : path.string();
     std::error_code ignored;
     if (fs::is_regular_file(path, ignored)) refuse_other_files(path);
-    const std::string bytes = read_file(path, most_bytes);
+    const FileBytes bytes = read_large_file(path, most_bytes);
     const std::string_view json = without_byte_order_mark(bytes);
     try {
         SceneText text(file, json);
