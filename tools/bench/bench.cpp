@@ -256,9 +256,10 @@ void add_read(Arguments bench)
 {
     Arguments sub = bench.add_command("read", "Reading of mesh files: triangles a second and memory, format by format");
     auto options = std::make_shared<ReadOptions>();
-    sub.add_option("files", options->files, "mesh files (default: a generated height field in each style)")
+    sub.add_option("files", options->files,
+                   "mesh files, or scene files, whose bodies count (default: a generated height field in each style)")
         .expected(0, 1000)
-        .type_name("MESH...");
+        .type_name("FILE...");
     sub.add_option("--styles", options->styles,
                    "of the generated files: obj, obj-full, obj-back, obj-exact, stl, ply, stl-text, ply-text, off "
                    "(default: all)")
@@ -269,7 +270,8 @@ void add_read(Arguments bench)
     sub.add_option("--folder", options->folder, "where the generated files lie meanwhile (default: as TMPDIR says)")
         .type_name("DIR");
     sub.add_option("--csv", options->csv, "write one row per file").type_name("FILE");
-    sub.footer("Times are of load_mesh: the file from the system's cache, checks, welding (STL), zero areas counted.\n"
+    sub.footer("Times are of the thread's processor, and of the clock: the file from the system's cache, checks, "
+               "welding (STL).\n"
                "'peak MB' is by how much the process grew at most, 'bytes each' the same per triangle.");
     sub.action([options] { return bench_read(*options); });
 }
