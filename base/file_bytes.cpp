@@ -27,6 +27,11 @@ void (*read_visitor)(const fs::path&) = nullptr;
     fail(path, ErrorKind::bad_data, fmt::format("the file has {} bytes; at most {} are allowed", size, most));
 }
 
+[[noreturn]] void fail_empty(const fs::path& path)
+{
+    fail(path, ErrorKind::bad_data, "the file is empty");
+}
+
 const char* name_of(fs::file_type type)
 {
     switch (type) {
@@ -51,29 +56,53 @@ std::string read_standard_input(std::uintmax_t most)
         if (bytes.size() > most) fail_size("-", bytes.size(), most);
     }
     if (std::ferror(stdin)) fail("-", ErrorKind::no_input, "cannot be read");
+    if (bytes.empty()) fail_empty("-");
     return bytes;
+}
+
+/// Opens a file to read it whole, and says how large it is.
+std::ifstream open_file(const fs::path& path, std::uintmax_t most, std::uintmax_t& size)
+{
+    check_readable(path);
+    std::error_code error;
+    size = fs::file_size(path, error);
+    std::ifstream in(path, std::ios::binary);
+    if (error || !in) fail(path, ErrorKind::no_input, "cannot be read; check its permissions");
+    if (size > most) fail_size(path, size, most);
+    if (size == 0) fail_empty(path);
+    return in;
+}
+
+void fill(const fs::path& path, std::ifstream& in, char* bytes, std::uintmax_t size)
+{
+    in.read(bytes, static_cast<std::streamsize>(size));
+    if (in.gcount() != static_cast<std::streamsize>(size)) fail(path, ErrorKind::no_input, "cannot be read to its end");
 }
 
 } // namespace
 
 std::string read_file(const fs::path& path, std::uintmax_t most)
 {
-    std::string bytes;
+    if (path == "-") return read_standard_input(most);
+    std::uintmax_t size = 0;
+    std::ifstream in = open_file(path, most, size);
+    std::string bytes(size, '\0');
+    fill(path, in, bytes.data(), size);
+    return bytes;
+}
+
+FileBytes read_large_file(const fs::path& path, std::uintmax_t most)
+{
     if (path == "-") {
-        bytes = read_standard_input(most);
-    } else {
-        check_readable(path);
-        std::error_code error;
-        const std::uintmax_t size = fs::file_size(path, error);
-        std::ifstream in(path, std::ios::binary);
-        if (error || !in) fail(path, ErrorKind::no_input, "cannot be read; check its permissions");
-        if (size > most) fail_size(path, size, most);
-        bytes.resize(size);
-        in.read(bytes.data(), static_cast<std::streamsize>(size));
-        if (in.gcount() != static_cast<std::streamsize>(size))
-            fail(path, ErrorKind::no_input, "cannot be read to its end");
+        const std::string input = read_standard_input(most);
+        FileBytes bytes(input.size());
+        input.copy(bytes.data(), input.size());
+        return bytes;
     }
-    if (bytes.empty()) fail(path, ErrorKind::bad_data, "the file is empty");
+    std::uintmax_t size = 0;
+    std::ifstream in = open_file(path, most, size);
+    FileBytes bytes(size);
+    fill(path, in, bytes.data(), size);
     return bytes;
 }
 

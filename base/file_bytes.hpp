@@ -3,6 +3,9 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
+
+#include <oncollide/base/large_vector.hpp>
 
 namespace oncollide {
 
@@ -10,6 +13,26 @@ namespace oncollide {
 /// folder, pipe, socket or device: nothing is opened that could block), Error{bad_data} when it is empty or larger than
 /// `most` bytes.
 std::string read_file(const std::filesystem::path& path, std::uintmax_t most);
+
+/// The same for files that may be large: memory that nothing fills before the file does.
+class FileBytes {
+public:
+    explicit FileBytes(std::size_t size) : bytes_(LargeAllocator<char>().allocate(size)), size_(size) {}
+    ~FileBytes() { LargeAllocator<char>().deallocate(bytes_, size_); }
+    FileBytes(FileBytes&& other) noexcept
+        : bytes_(std::exchange(other.bytes_, nullptr)), size_(std::exchange(other.size_, 0))
+    {
+    }
+
+    char* data() { return bytes_; }
+    std::size_t size() const { return size_; }
+    operator std::string_view() const { return {bytes_, size_}; }
+
+private:
+    char* bytes_;
+    std::size_t size_;
+};
+FileBytes read_large_file(const std::filesystem::path& path, std::uintmax_t most);
 
 /// Throws the Error{no_input} of read_file, for files that are read piece by piece.
 void check_readable(const std::filesystem::path& path);

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <new>
 #include <vector>
 
@@ -49,6 +50,28 @@ private:
         return count * sizeof(T) >= 2 * huge_page;
     }
 };
+
+/// Makes room for `count` in a vector of another allocator, on huge pages where it is large: fewer pages to be filled.
+template <class T>
+void reserve_large(std::vector<T>& vector, std::size_t count)
+{
+    vector.reserve(count);
+#if defined(__linux__)
+    constexpr std::size_t huge_page = LargeAllocator<T>::huge_page;
+    const std::size_t begin = reinterpret_cast<std::uintptr_t>(vector.data());
+    const std::size_t first = (begin + huge_page - 1) / huge_page * huge_page,
+                      last = (begin + count * sizeof(T)) / huge_page * huge_page;
+    if (first < last) madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE); // a wish
+#endif
+}
+
+/// The same for a vector that grows, nobody knows how far.
+template <class T>
+void append_large(std::vector<T>& vector, const T& value)
+{
+    if (vector.size() == vector.capacity()) reserve_large(vector, 2 * vector.size() + 16);
+    vector.push_back(value);
+}
 
 template <class T>
 using LargeVector = std::vector<T, LargeAllocator<T>>;

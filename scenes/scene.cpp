@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/large_vector.hpp>
 
 namespace oncollide {
 
@@ -153,8 +154,8 @@ BodyId Scene::add_body(BodyInit body)
 
 void Scene::reserve(std::size_t bodies)
 {
-    names.reserve(bodies), geometry.reserve(bodies), motions.reserve(bodies);
-    poses.reserve(bodies), start_poses.reserve(bodies);
+    reserve_large(names, bodies), reserve_large(geometry, bodies), reserve_large(motions, bodies);
+    reserve_large(poses, bodies), reserve_large(start_poses, bodies);
     is_static.reserve(bodies), layers.reserve(bodies), masks.reserve(bodies), groups.reserve(bodies);
 }
 

@@ -17,10 +17,9 @@ namespace {
 struct Format {
     const char* extension;
     RawMesh (*read)(const MeshSource&);
-    bool weld; ///< the format repeats vertices for every triangle
 };
-constexpr Format formats[] = {{"obj", read_obj, false}, {"stl", read_stl, true},    {"ply", read_ply, false},
-                              {"off", read_off, false}, {"gltf", read_gltf, false}, {"glb", read_gltf, false}};
+constexpr Format formats[] = {{"obj", read_obj}, {"stl", read_stl},   {"ply", read_ply},
+                              {"off", read_off}, {"gltf", read_gltf}, {"glb", read_gltf}};
 
 /// Standard input has no extension, but what it begins with tells.
 std::string extension_of(std::string_view bytes)
@@ -64,12 +63,11 @@ Mesh load_mesh(const std::filesystem::path& path, const MeshOptions& options)
     check(name, options);
     RawMesh raw;
     {
-        const std::string bytes = read_file(path, std::uintmax_t(2) << 30);
+        const FileBytes bytes = read_large_file(path, std::uintmax_t(2) << 30);
         const Format& format = format_of(path, bytes);
         raw = format.read({name, bytes});
         if (raw.triangles.empty())
             throw Error(ErrorKind::bad_data, fmt::format("{}: the file holds no triangle", name));
-        if (format.weld) weld(raw);
     }
     Mesh mesh = make_mesh(name, std::move(raw.vertices), std::move(raw.triangles));
     double scale = options.scale;

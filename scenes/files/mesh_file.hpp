@@ -21,7 +21,8 @@ struct MeshOptions {
 /// Error{no_input} when the file is missing, unreadable or a folder; Error{bad_data} when it is empty, too large (over
 /// 2 GiB), truncated, malformed, of an unknown kind, or holds no triangle; Error{usage} for options out of range.
 /// Messages begin with the path and name the line of a text file. (A text file cut at the end of a line may be whole as
-/// far as its format tells: OBJ announces no counts.) Cost: reading the file; peak memory about ten times its size.
+/// far as its format tells: OBJ announces no counts.) Cost: reading the file; in memory at the
+/// same time the file, the mesh and, of STL and glTF, a table of its points.
 Mesh load_mesh(const std::filesystem::path& path, const MeshOptions& options = {});
 
 /// The extensions that load_mesh knows, lower case, without the dot.

@@ -10,6 +10,7 @@
 #include <oncollide/scenes/files/gltf/gltf_nodes.hpp>
 #include <oncollide/scenes/files/gltf/gltf_parts.hpp>
 #include <oncollide/scenes/files/mesh_source.hpp>
+#include <oncollide/scenes/files/welder.hpp>
 
 namespace oncollide {
 

@@ -1,9 +1,14 @@
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <cmath>
+#include <cstring>
 
 #include <fmt/format.h>
 
-#include <oncollide/scenes/files/mesh_source.hpp>
+#include <oncollide/base/large_vector.hpp>
+#include <oncollide/scenes/files/decimal.hpp>
+#include <oncollide/scenes/files/polygon_list.hpp>
 
 namespace oncollide {
 
@@ -30,23 +35,130 @@ std::int64_t corner_vertex(const TextReader& text, std::string_view word, std::s
     return number > 0 ? number - 1 : count + number;
 }
 
+/// Reads lines of the plain kinds, which make up nearly all of a file, in one pass each: `v` and three decimals, `f`
+/// and three corners, texture coordinates, normals, comments. Stops before the first line of another kind.
+class PlainLines {
+public:
+    PlainLines(const MeshSource& source, RawMesh& mesh, PolygonList& faces)
+        : end_(source.bytes.data() + source.bytes.rfind('\n') + 1), mesh_(mesh), faces_(faces)
+    {
+    }
+
+    void read(TextReader& text)
+    {
+        const char* const begin = text.rest().data();
+        const char* line = begin;
+        std::size_t lines = 0;
+        while (!text.rest().empty() && line < end_) {
+            const char* const next = read_line(line, text.line() + lines + 1);
+            if (!next) break;
+            line = next, ++lines;
+        }
+        text.skip_lines(static_cast<std::size_t>(line - begin), lines);
+    }
+
+private:
+    /// The start of the next line; null: this one is another reader's.
+    const char* read_line(const char* at, std::size_t line)
+    {
+        if (*at == 'v') return is_blank(at[1]) ? read_vertex(at + 2) : read_ignored(at);
+        if (*at == 'f' && is_blank(at[1])) return read_face(at + 2, line);
+        return *at == '#' || is_blank(*at) || *at == '\n' ? read_comment(at) : nullptr;
+    }
+    static const char* skip_blanks(const char* at)
+    {
+        while (is_blank(*at)) ++at;
+        return at;
+    }
+    /// Null where the line goes on in the next one.
+    const char* end_of_line(const char* at) const
+    {
+        at = skip_blanks(at);
+        if (*at == '\n') return at + 1;
+        const char* const last = static_cast<const char*>(std::memchr(at, '\n', static_cast<std::size_t>(end_ - at)));
+        return std::memchr(at, '\\', static_cast<std::size_t>(last - at)) ? nullptr : last + 1;
+    }
+    const char* read_comment(const char* at) const
+    {
+        at = skip_blanks(at);
+        return *at == '#' || *at == '\n' ? end_of_line(at) : nullptr;
+    }
+    const char* read_ignored(const char* at) const
+    {
+        return (at[1] == 't' || at[1] == 'n') && is_blank(at[2]) ? end_of_line(at + 3) : nullptr;
+    }
+    const char* read_vertex(const char* at)
+    {
+        Eigen::Vector3d point;
+        for (int axis = 0; axis < 3; ++axis) {
+            at = skip_blanks(at);
+            const char* const behind = read_decimal(at, end_, point[axis]);
+            at = behind ? behind : read_number(at, point[axis]);
+            if (!at || !ends_word(*at)) return nullptr;
+        }
+        at = end_of_line(at); // a weight or a colour may follow
+        if (at) append_large(mesh_.vertices, point);
+        return at;
+    }
+    const char* read_number(const char* at, double& value) const
+    {
+        const auto [behind, error] = std::from_chars(at, end_, value);
+        return error == std::errc{} && std::isfinite(value) ? behind : nullptr;
+    }
+    const char* read_face(const char* at, std::size_t line)
+    {
+        std::array<std::int64_t, 8> corners;
+        std::size_t count = 0;
+        for (at = skip_blanks(at); *at != '\n'; at = skip_blanks(at)) {
+            if (count == corners.size() || !(at = read_corner(at, corners[count++]))) return nullptr;
+        }
+        if (count < 3) return nullptr;
+        faces_.add({corners.data(), count}, line);
+        return at + 1;
+    }
+    const char* read_corner(const char* at, std::int64_t& corner) const
+    {
+        const bool backward = *at == '-';
+        const char* const begin = at += backward;
+        std::uint64_t number = 0;
+        at = read_digits(at, end_, number);
+        if (at - begin > 18 || number == 0 || (backward && number > mesh_.vertices.size())) return nullptr;
+        corner = static_cast<std::int64_t>(backward ? mesh_.vertices.size() - number : number - 1);
+        if (*at == '/') at = skip_word(at);
+        return ends_word(*at) ? at : nullptr;
+    }
+    static bool ends_word(char c) { return is_blank(c) || c == '\n'; }
+    /// Over the numbers of texture coordinates and normals.
+    static const char* skip_word(const char* at)
+    {
+        while (is_digit(*at) || *at == '/' || *at == '-') ++at;
+        return at;
+    }
+
+    const char* end_; ///< of the last line that has an end: whoever reads a line stops at it
+    RawMesh& mesh_;
+    PolygonList& faces_;
+};
+
 } // namespace
 
 RawMesh read_obj(const MeshSource& source)
 {
     RawMesh mesh;
     PolygonList faces;
+    PlainLines plain(source, mesh, faces);
+    std::vector<std::int64_t> corners;
     TextReader text(source);
-    while (text.next_line(true)) {
+    for (plain.read(text); text.next_line(true); plain.read(text)) {
         const std::string_view keyword = text.word();
         if (keyword == "v") {
             mesh.vertices.push_back(text.point()); // a weight or a colour may follow
         } else if (keyword == "f" || keyword == "fo") {
-            faces.begin(text.line());
-            int corners = 0;
-            for (std::string_view word = text.word(); !word.empty(); word = text.word(), ++corners)
-                faces.add(corner_vertex(text, word, mesh.vertices.size()));
-            if (corners < 3) text.fail(fmt::format("face has {} corners; it needs at least 3", corners));
+            corners.clear();
+            for (std::string_view word = text.word(); !word.empty(); word = text.word())
+                corners.push_back(corner_vertex(text, word, mesh.vertices.size()));
+            if (corners.size() < 3) text.fail(fmt::format("face has {} corners; it needs at least 3", corners.size()));
+            faces.add(corners, text.line());
         } else if (std::find(ignored.begin(), ignored.end(), keyword) == ignored.end()) {
             text.fail(fmt::format("unknown statement {}; an OBJ file has v, f, vn, vt, g, o, usemtl and the like",
                                   quoted(keyword)));

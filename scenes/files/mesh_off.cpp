@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/scenes/files/mesh_source.hpp>
+#include <oncollide/scenes/files/polygon_list.hpp>
 
 namespace oncollide {
 
@@ -51,13 +51,15 @@ RawMesh read_off(const MeshSource& source)
         mesh.vertices.push_back(text.point());
     }
     PolygonList faces;
+    std::vector<std::int64_t> corners;
     for (std::int64_t i = 0; i < polygons; ++i) {
         need_line(text, "faces", i, polygons);
-        const std::int64_t corners = text.whole_number("the number of corners");
-        if (corners < 1) text.fail(fmt::format("face has {} corners", corners));
-        if (corners < 3) continue; // a point or a line
-        faces.begin(text.line());
-        for (std::int64_t k = 0; k < corners; ++k) faces.add(text.whole_number("a vertex number of the face"));
+        const std::int64_t count = text.whole_number("the number of corners");
+        if (count < 1) text.fail(fmt::format("face has {} corners", count));
+        if (count < 3) continue; // a point or a line
+        corners.clear();
+        for (std::int64_t k = 0; k < count; ++k) corners.push_back(text.whole_number("a vertex number of the face"));
+        faces.add(corners, text.line());
     }
     if (text.next_line()) text.fail(fmt::format("more lines than the {} faces that the header announces", polygons));
     mesh.triangles = faces.triangulate(source, mesh.vertices, 0);

@@ -4,12 +4,14 @@
 #include <cctype>
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include <oncollide/scenes/files/mesh_source.hpp>
+#include <oncollide/base/large_vector.hpp>
 #include <oncollide/scenes/files/ply_header.hpp>
+#include <oncollide/scenes/files/polygon_list.hpp>
 
 namespace oncollide {
 
@@ -53,6 +55,10 @@ public:
         source_.fail(what, encoding_ == Encoding::text ? line_ : 0);
     }
     std::size_t line() const { return encoding_ == Encoding::text ? line_ : 0; }
+
+    /// What can be read as it lies in memory, and how much of that was.
+    std::string_view plain() const { return encoding_ == Encoding::little_endian ? rest_ : std::string_view{}; }
+    void take(std::size_t bytes) { rest_.remove_prefix(bytes); }
 
 private:
     void skip_blank()
@@ -135,12 +141,58 @@ void skip(Values& values, const Property& property)
     for (std::int64_t i = 0; i < count; ++i) values.next(property.type);
 }
 
+std::size_t bytes_of(const Property& property)
+{
+    return type_bytes[static_cast<std::size_t>(property.type)];
+}
+
+template <class Number>
+void copy_points(const char* rows, std::size_t stride, const std::array<std::size_t, 3>& offsets,
+                 std::span<Eigen::Vector3d> vertices)
+{
+    for (Eigen::Vector3d& vertex : vertices) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            Number value;
+            std::memcpy(&value, rows + offsets[axis], sizeof value);
+            vertex[static_cast<int>(axis)] = static_cast<double>(value);
+        }
+        rows += stride;
+    }
+}
+
+/// Reads vertices whose rows have one length and coordinates of one type; as many as there are, none of another kind.
+void read_plain_vertices(Values& values, const Element& element, std::vector<Eigen::Vector3d>& vertices)
+{
+    std::array<std::size_t, 3> offsets{};
+    std::size_t stride = 0;
+    std::optional<Type> type;
+    for (const Property& property : element.properties) {
+        if (property.list) return;
+        if (const int axis = axis_of(property); axis >= 0) {
+            if (type.value_or(property.type) != property.type) return;
+            type = property.type, offsets[static_cast<std::size_t>(axis)] = stride;
+        }
+        stride += bytes_of(property);
+    }
+    if (type != Type::float32 && type != Type::float64) return;
+    const std::string_view rows = values.plain();
+    const std::size_t count = std::min(rows.size() / stride, static_cast<std::size_t>(element.count));
+    reserve_large(vertices, count);
+    vertices.resize(count);
+    (type == Type::float32 ? copy_points<float> : copy_points<double>)(rows.data(), stride, offsets, vertices);
+    const auto wrong = std::ranges::find_if(vertices, [](const Eigen::Vector3d& v) { return !(0 * v.sum() == 0); });
+    for (auto v = wrong; v != vertices.end(); ++v) // the sum of finite numbers may not be finite
+        if (!v->allFinite()) values.fail(fmt::format("coordinate of vertex {} is not finite", v - vertices.begin()));
+    values.take(count * stride);
+}
+
 void read_vertices(Values& values, const Element& element, std::vector<Eigen::Vector3d>& vertices)
 {
     int found = 0;
     for (const Property& property : element.properties) found |= axis_of(property) < 0 ? 0 : 1 << axis_of(property);
     if (found != 7) values.fail("element 'vertex' lacks a property x, y or z");
-    for (std::int64_t row = 0; row < element.count; ++row) {
+    read_plain_vertices(values, element, vertices);
+    for (std::int64_t row = std::ssize(vertices); row < element.count; ++row) {
         values.within("vertex", row, element.count);
         Eigen::Vector3d point;
         for (const Property& property : element.properties) {
@@ -156,27 +208,82 @@ void read_vertices(Values& values, const Element& element, std::vector<Eigen::Ve
     }
 }
 
+bool is_corners(const Property& property)
+{
+    return property.list && (property.name == "vertex_indices" || property.name == "vertex_index");
+}
+
+/// Rows of faces as nearly all files have them: a byte that says three, three whole numbers of four bytes, and other
+/// properties of fixed length around.
+class PlainTriangles {
+public:
+    explicit PlainTriangles(const Element& element)
+    {
+        for (const Property& property : element.properties) {
+            if (is_corners(property)) {
+                const bool whole = property.type == Type::int32 || property.type == Type::uint32;
+                plain_ = whole && (property.list == Type::uint8 || property.list == Type::int8);
+                is_signed_ = property.type == Type::int32;
+                offset_ = stride_, stride_ += 1 + sizeof(Triangle);
+            } else if (property.list) {
+                plain_ = false;
+                return;
+            } else {
+                stride_ += bytes_of(property);
+            }
+        }
+    }
+
+    /// Reads rows up to one of another kind; returns how many.
+    std::int64_t read(Values& values, std::int64_t most, PolygonList& faces) const
+    {
+        if (!plain_) return 0;
+        const std::string_view rows = values.plain();
+        const std::size_t count = std::min(rows.size() / stride_, static_cast<std::size_t>(most));
+        const char* at = rows.data() + offset_;
+        std::size_t row = 0;
+        for (; row < count && *at == 3; ++row, at += stride_) {
+            Triangle corners;
+            std::memcpy(corners.data(), at + 1, sizeof corners);
+            if (is_signed_ && (corners[0] | corners[1] | corners[2]) >> 31) break;
+            faces.add(corners, 0);
+        }
+        values.take(row * stride_);
+        return static_cast<std::int64_t>(row);
+    }
+    /// How many triangles there may be among `rows` faces.
+    std::size_t most(const Values& values, std::int64_t rows) const
+    {
+        return plain_ ? std::min(values.plain().size() / stride_, static_cast<std::size_t>(rows)) : 0;
+    }
+
+private:
+    bool plain_ = false, is_signed_ = false;
+    std::size_t offset_ = 0, stride_ = 0;
+};
+
 void read_faces(Values& values, const Element& element, PolygonList& faces)
 {
-    const auto is_corners = [](const Property& property) {
-        return property.list && (property.name == "vertex_indices" || property.name == "vertex_index");
-    };
     if (std::count_if(element.properties.begin(), element.properties.end(), is_corners) != 1)
         values.fail("element 'face' must have one list property vertex_indices");
-    for (std::int64_t row = 0; row < element.count; ++row) {
+    const PlainTriangles plain(element);
+    faces.reserve(plain.most(values, element.count));
+    std::vector<std::int64_t> corners;
+    for (std::int64_t row = plain.read(values, element.count, faces); row < element.count;
+         row += 1 + plain.read(values, element.count - row - 1, faces)) {
         values.within("face", row, element.count);
         for (const Property& property : element.properties) {
             if (!is_corners(property)) {
                 skip(values, property);
                 continue;
             }
-            const std::int64_t corners = values.next_whole(*property.list, "the number of corners");
-            if (corners < 1) values.fail(fmt::format("face {} has {} corners", row, corners));
-            if (corners >= 3) faces.begin(values.line());
-            for (std::int64_t k = 0; k < corners; ++k) {
-                const std::int64_t corner = values.next_whole(property.type, "a vertex number of a face");
-                if (corners >= 3) faces.add(corner); // fewer: a point or a line
-            }
+            const std::int64_t count = values.next_whole(*property.list, "the number of corners");
+            if (count < 1) values.fail(fmt::format("face {} has {} corners", row, count));
+            const std::size_t line = values.line();
+            corners.clear();
+            for (std::int64_t k = 0; k < count; ++k)
+                corners.push_back(values.next_whole(property.type, "a vertex number of a face"));
+            if (count >= 3) faces.add(corners, line); // fewer: a point or a line
         }
     }
 }

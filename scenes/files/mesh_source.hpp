@@ -27,7 +27,8 @@ struct RawMesh {
     std::vector<Triangle> triangles;
 };
 
-// One reader a format: strict about what it reads, and what it allocates is bounded by the size of the file.
+// One reader a format: strict about what it reads, and what it allocates is bounded by the size of the file. Where the
+// format repeats vertices for every triangle, equal positions become one.
 RawMesh read_obj(const MeshSource& source);
 RawMesh read_off(const MeshSource& source);
 RawMesh read_ply(const MeshSource& source);
@@ -38,6 +39,12 @@ bool is_binary_stl(std::string_view bytes);
 /// points and lines are left out. Triangles, vertices and parts of meshes are at most as many as all files together
 /// have bytes, 200 million at the very most; but 10 million are always allowed.
 RawMesh read_gltf(const MeshSource& source);
+
+/// Between words, besides the end of a line.
+inline bool is_blank(char c)
+{
+    return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+}
 
 /// Cuts text into lines and lines into words; knows the line for messages. Lines end with LF or CR LF. A byte-order
 /// mark is skipped.
@@ -55,6 +62,9 @@ public:
     std::int64_t whole_number(const char* what);
     Eigen::Vector3d point();
     std::size_t line() const { return line_; }
+    /// What comes after the line, for a reader who knows better how to take it apart, and how far that one came.
+    std::string_view rest() const { return rest_; }
+    void skip_lines(std::size_t bytes, std::size_t lines) { rest_.remove_prefix(bytes), line_ += lines; }
     [[noreturn]] void fail(const std::string& what) const { source_.fail(what, line_); }
 
 private:
@@ -70,47 +80,5 @@ std::string quoted(std::string_view word);
 /// Whole word as a number; false for anything else. Out of double's range: infinite or zero, as rounding gives it.
 bool parse(std::string_view word, double& value);
 bool parse(std::string_view word, std::int64_t& value);
-
-/// Polygons with their place in the file, until all vertices are known.
-class PolygonList {
-public:
-    void begin(std::size_t line) { faces_.push_back({corners_.size(), line}); }
-    void add(std::int64_t corner) { corners_.push_back(corner); }
-    bool empty() const { return faces_.empty(); }
-
-    /// Triangles of all polygons. Throws for an index out of range, as the file counts: from `first` on.
-    std::vector<Triangle> triangulate(const MeshSource& source, std::span<const Eigen::Vector3d> vertices,
-                                      std::int64_t first) const;
-
-private:
-    struct Face {
-        std::size_t begin, line;
-    };
-    std::vector<std::int64_t> corners_;
-    std::vector<Face> faces_;
-};
-
-/// Appends the triangles of one polygon: a fan from the first corner when it is convex, else by cutting off ears. Zero
-/// areas are kept. False when it is not convex and has more corners than `most_concave_corners`.
-constexpr std::size_t most_concave_corners = 4096;
-bool triangulate(std::span<const Eigen::Vector3d> vertices, std::span<const std::uint32_t> polygon,
-                 std::vector<Triangle>& triangles);
-
-/// Gives points at equal positions one number, in order of first use. 32 to 48 bytes a point.
-class Welder {
-public:
-    std::uint32_t add(const Eigen::Vector3d& point);
-    std::size_t size() const { return points_.size(); }
-    std::vector<Eigen::Vector3d> take() { return std::move(points_); }
-
-private:
-    void grow();
-
-    std::vector<Eigen::Vector3d> points_;
-    std::vector<std::uint32_t> slots_; ///< a power of two of them, at most half in use
-};
-
-/// Vertices at equal positions become one, in order of first use; unused ones go.
-void weld(RawMesh& mesh);
 
 } // namespace oncollide

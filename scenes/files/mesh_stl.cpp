@@ -1,10 +1,12 @@
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 #include <fmt/format.h>
 
-#include <oncollide/scenes/files/mesh_source.hpp>
+#include <oncollide/scenes/files/welder.hpp>
 
 namespace oncollide {
 
@@ -22,22 +24,40 @@ std::uint64_t announced(std::string_view bytes)
     return count;
 }
 
-void add_corner(RawMesh& mesh, const Eigen::Vector3d& point)
+[[noreturn]] void fail_infinite(const MeshSource& source, std::size_t facet)
 {
-    const auto index = static_cast<std::uint32_t>(mesh.vertices.size());
-    if (index % 3 == 2) mesh.triangles.push_back({index - 2, index - 1, index});
-    mesh.vertices.push_back(point);
+    for (;; ++facet)
+        for (std::size_t k = 3; k < 12; ++k) {
+            float x = 0;
+            std::memcpy(&x, source.bytes.data() + header_bytes + facet * facet_bytes + 4 * k, sizeof x);
+            if (!std::isfinite(x)) source.fail(fmt::format("a corner of facet {} is not finite", facet));
+        }
 }
 
 RawMesh read_binary(const MeshSource& source)
 {
+    const std::size_t facets = announced(source.bytes);
+    constexpr std::size_t batch = 16;
     RawMesh mesh;
-    mesh.vertices.reserve(3 * announced(source.bytes)), mesh.triangles.reserve(announced(source.bytes));
-    for (std::size_t facet = header_bytes; facet < source.bytes.size(); facet += facet_bytes) {
-        Eigen::Matrix<float, 3, 4> columns; // normal, three corners
-        std::memcpy(columns.data(), source.bytes.data() + facet, 48);
-        for (int corner = 1; corner < 4; ++corner) add_corner(mesh, columns.col(corner).cast<double>());
+    reserve_large(mesh.triangles, facets + batch);
+    mesh.triangles.resize(facets);
+    Welder weld;
+    weld.reserve(facets / 2); // a closed surface has about as many; a soup takes more room as it needs it
+    std::array<Eigen::Vector3d, 3 * batch> corners;
+    const char* at = source.bytes.data() + header_bytes;
+    for (std::size_t first = 0; first < facets; first += batch) {
+        const std::size_t count = std::min(batch, facets - first);
+        float sum = 0; // of zeros, if all is finite
+        for (std::size_t i = 0; i < count; ++i, at += facet_bytes) {
+            std::array<float, 9> points;
+            std::memcpy(points.data(), at + 12, sizeof points); // after the normal
+            for (std::size_t k = 0; k < 3; ++k) corners[3 * i + k] = Eigen::Vector3f(&points[3 * k]).cast<double>();
+            for (const float x : points) sum += 0 * x;
+        }
+        if (sum != 0) fail_infinite(source, first);
+        weld.add({corners.data(), 3 * count}, mesh.triangles[first].data());
     }
+    mesh.vertices = weld.take();
     return mesh;
 }
 
@@ -58,20 +78,23 @@ void expect(TextReader& text, const char* keyword, const char* second = nullptr)
     }
 }
 
-void read_facet(TextReader& text, RawMesh& mesh)
+Triangle read_facet(TextReader& text, Welder& weld)
 {
     expect(text, "outer", "loop");
-    for (int corner = 0; corner < 3; ++corner) {
+    Triangle triangle;
+    for (std::uint32_t& corner : triangle) {
         expect(text, "vertex");
-        add_corner(mesh, text.point());
+        corner = weld.add(text.point());
     }
     expect(text, "endloop");
     expect(text, "endfacet");
+    return triangle;
 }
 
 RawMesh read_text(const MeshSource& source)
 {
     RawMesh mesh;
+    Welder weld;
     TextReader text(source);
     while (text.next_line()) {
         if (const std::string_view word = text.word(); lower(word) != "solid")
@@ -81,9 +104,10 @@ RawMesh read_text(const MeshSource& source)
             const std::string_view word = text.word();
             if (lower(word) == "endsolid") break;
             if (lower(word) != "facet") text.fail(fmt::format("{} stands where 'facet' should", quoted(word)));
-            read_facet(text, mesh);
+            mesh.triangles.push_back(read_facet(text, weld));
         }
     }
+    mesh.vertices = weld.take();
     return mesh;
 }
 

@@ -13,6 +13,7 @@
 #include <oncollide/scenes/files/mesh_file.hpp>
 #include <oncollide/scenes/files/quaternion.hpp>
 #include <oncollide/scenes/files/scene_pose.hpp>
+#include <oncollide/scenes/files/tables/body_table.hpp>
 
 namespace oncollide {
 
@@ -20,7 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t most_bodies = 10'000'000;
 constexpr std::uintmax_t most_bytes = std::uintmax_t(2) << 30;
 
 /// A mesh or a map in the place of a scene is a frequent slip; JSON's complaint about it would not help.
@@ -175,25 +175,37 @@ private:
     JsonTape rest_, body_;
 };
 
+void reserve(Scene& scene, const Node& bodies)
+{
+    if (bodies.size() > most_bodies)
+        bodies.fail(fmt::format("{} bodies, at most {} are allowed", bodies.size(), most_bodies));
+    constexpr std::size_t least_bytes = 16; // of a body: commas alone reserve nothing
+    scene.reserve(std::min(bodies.size(), bodies.source().size() / least_bytes));
+}
+
+void read_tables(Scene& scene, const Node& tables, const fs::path& folder)
+{
+    if (!tables.is_array()) tables.fail("must be an array of objects with the keys: file, path, geometry");
+    for (const Node& table : tables) at(table, [&] { read_body_table(scene, table, folder); });
+}
+
 Scene read_scene(SceneText& text, const fs::path& path)
 {
     const Node root = text.root();
-    root.only({"name", "frames", "geometries", "bodies", "exclude"});
+    root.only({"name", "frames", "geometries", "bodies", "tables", "exclude"});
 
     Scene scene;
     scene.name = root.has("name") ? std::string(root["name"].text()) : path.stem().string();
     if (root.has("frames")) scene.frames = static_cast<int>(root["frames"].integer(1, 1'000'000'000));
     const fs::path folder = path.parent_path();
-    const Node geometries = root["geometries"], bodies = root["bodies"];
+    const Node geometries = root["geometries"];
     if (!geometries.is_object()) geometries.fail("must be an object: a name and a geometry for each");
     Expansion expansion;
     for (const Node& geometry : geometries)
         expansion.count(scene.geometries[index(add_geometry(scene, geometry.key(), geometry, folder))], geometry);
-    if (bodies.size() > most_bodies)
-        bodies.fail(fmt::format("{} bodies, at most {} are allowed", bodies.size(), most_bodies));
-    constexpr std::size_t least_bytes = 16; // of a body: commas alone reserve nothing
-    scene.reserve(std::min(bodies.size(), bodies.source().size() / least_bytes));
+    if (root.has("bodies") || !root.has("tables")) reserve(scene, root["bodies"]);
     text.each_body([&](const Node& body) { read_body(scene, body, folder); });
+    if (root.has("tables")) read_tables(scene, root["tables"], folder);
     if (root.has("exclude")) read_excluded(scene, root["exclude"]);
     return scene;
 }
@@ -205,7 +217,7 @@ Scene load_scene(const fs::path& path)
     const std::string file = path == "-" ? "standard input" : path.string();
     std::error_code ignored;
     if (fs::is_regular_file(path, ignored)) refuse_other_files(path);
-    const std::string bytes = read_file(path, most_bytes);
+    const FileBytes bytes = read_large_file(path, most_bytes);
     const std::string_view json = without_byte_order_mark(bytes);
     try {
         SceneText text(file, json);

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t most_bytes = std::uintmax_t(8) << 30;
+constexpr std::uintmax_t largest_file = std::uintmax_t(8) << 30;
 
 HeightRaster read_raw(const std::string& name, const TerrainOptions& options, std::string_view bytes)
 {
@@ -45,7 +45,7 @@ HeightRaster read_raster(const fs::path& path, const TerrainOptions& options)
         refuse(name,
                fmt::format("unknown kind of terrain file '.{}'; known are {}", ending, fmt::join(extensions, ", ")));
     if (known - extensions.begin() >= 5) return read_with_gdal(path);
-    const std::string bytes = read_file(path, most_bytes);
+    const FileBytes bytes = read_large_file(path, largest_file);
     if (ending == "pgm") return read_pgm(name, bytes);
     if (ending == "png") return read_grey_png(name, bytes);
     return ending == "npy" ? read_npy(name, bytes) : read_raw(name, options, bytes);
@@ -53,7 +53,7 @@ HeightRaster read_raster(const fs::path& path, const TerrainOptions& options)
 
 std::vector<bool> read_diagonals(const fs::path& path, const HeightRaster& heights)
 {
-    const HeightRaster cells = read_npy(path.string(), read_file(path, most_bytes));
+    const HeightRaster cells = read_npy(path.string(), read_file(path, largest_file));
     if (cells.columns + 1 != heights.columns || cells.rows + 1 != heights.rows)
         refuse(path.string(), fmt::format("diagonals of {} x {} cells, but there are {} x {} heights", cells.columns,
                                           cells.rows, heights.columns, heights.rows));

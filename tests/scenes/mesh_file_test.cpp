@@ -1,7 +1,9 @@
 #include <oncollide/base/random.hpp>
+#include <oncollide/scenes/files/decimal.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 
 #include <array>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <numbers>
@@ -120,6 +122,127 @@ TEST(MeshFile, ObjDialectsAreUnderstood)
     EXPECT_EQ(mesh.vertices[1], Vector3d(1, 0, 0));
     // No end of line; faces before their vertices.
     EXPECT_EQ(load_mesh(folder.write("b.obj", "f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0")).triangles.size(), 1u);
+}
+
+TEST(MeshFile, PlainLinesOfObjMeanWhatAnyLineMeans)
+{
+    const test::TemporaryFolder folder;
+    // A comment in a line of a face, or of a vertex that goes on, hands the line to the reader of all kinds.
+    const std::string heads[] = {"", "# text\r\n\n", "o x\n", "v 9 9 9\n"};
+    const std::string numbers[] = {"0",
+                                   "-0.0",
+                                   "+1.5",
+                                   ".5",
+                                   "5.",
+                                   "1e-3",
+                                   "123456789012.34567890123456789",
+                                   "0.1",
+                                   "1E5",
+                                   "90071992547409.93",
+                                   "90071992547409.92",
+                                   "0.30000000000000004",
+                                   "4.9e-324",
+                                   "00000000000000000000000000001.25",
+                                   "12345678.87654321",
+                                   "-0.000001"};
+    for (const std::string& head : heads)
+        for (const std::string& x : numbers)
+            for (const char* end : {"\n", "\r\n", " \t\n", " 0.5 0.5 0.5\n"}) {
+                SCOPED_TRACE(head + x + end);
+                const std::string text = head + "v " + x + "  0\t" + x + end + "v 1 0 0" + end + "v 0 1 0" + end;
+                const std::string face = head == "v 9 9 9\n" ? "f 2 3/7 4//8" : "f 1 2/7 3//8";
+                const Mesh plain = load_mesh(folder.write("a.obj", text + face + " \nf -3 -2/1/1 -1\n"));
+                std::string any = text + face + " # corners\nf -3 -2/1/1 \\\n-1\n"; // each line ends with a comment
+                for (std::size_t at = any.find("v "); at != any.npos; at = any.find("v ", at + 8))
+                    any.replace(at, 2, "v \\\n");
+                const Mesh other = load_mesh(folder.write("b.obj", any));
+                EXPECT_EQ(plain.triangles, other.triangles);
+                ASSERT_EQ(plain.vertices.size(), other.vertices.size());
+                for (std::size_t i = 0; i < plain.vertices.size(); ++i)
+                    for (int axis = 0; axis < 3; ++axis) {
+                        EXPECT_EQ(plain.vertices[i][axis], other.vertices[i][axis]);
+                        EXPECT_EQ(std::signbit(plain.vertices[i][axis]), std::signbit(other.vertices[i][axis]));
+                    }
+                EXPECT_EQ(plain.vertices[head == "v 9 9 9\n"].x(), std::strtod(x.c_str(), nullptr));
+            }
+}
+
+TEST(MeshFile, DecimalsAreRoundedAsFromCharsRoundsThem)
+{
+    std::size_t read = 0;
+    for (std::uint64_t i = 0; i < 200'000; ++i) {
+        const auto digits = [&](std::uint64_t k) { return splitmix(9 * i + k) >> (splitmix(i + 77 * k) % 64); };
+        std::string text = fmt::format("{}{}", i % 3 ? "" : "-", digits(1));
+        if (i % 5) text += fmt::format(".{}{}", std::string(i % 7, '0'), digits(2));
+        double expected = 0, value = 0;
+        ASSERT_EQ(std::from_chars(text.data(), text.data() + text.size(), expected).ec, std::errc{});
+        const std::string line = text + (i % 2 ? "\n" : " 1234567890");
+        if (const char* end = read_decimal(line.data(), line.data() + line.size(), value)) {
+            ++read;
+            ASSERT_EQ(end, line.data() + text.size()) << text;
+            ASSERT_EQ(value, expected) << text;
+        }
+    }
+    EXPECT_GT(read, 50'000u) << "most are plain";
+}
+
+TEST(MeshFile, PolygonsAmongTrianglesKeepTheirOrderAndTheirLines)
+{
+    const test::TemporaryFolder folder;
+    const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+    const Mesh mesh =
+        load_mesh(folder.write("a.obj", square + "f 1 2 3\nf 1 2 3 4\n# text\n\nf 2 3 4\nf 4 3 2 1\nf 3 4 1\n"));
+    EXPECT_EQ(mesh.triangles,
+              (std::vector<Triangle>{{0, 1, 2}, {0, 1, 2}, {0, 2, 3}, {1, 2, 3}, {3, 2, 1}, {3, 1, 0}, {2, 3, 0}}));
+    expect_bad("a.obj", square + "f 1 2 3\n\nf 1 2 3 4\n\n# text\nf 2 3 9\n", "line 10: face uses vertex 9");
+    expect_bad("a.obj", square + "f 1 2 3\n\nf 1 2 3 9\nf 2 3 8\n", "line 7: face uses vertex 9");
+    expect_bad("a.obj", square + "f 1 2 3\nf 1 2 3 4\nf 1 2 5000000000\n", "line 7: face uses vertex 5000000000");
+    expect_bad("a.obj", square + "f 1 2 3\nf 1 2 8\nf 1 2 3 9\n", "line 6: face uses vertex 8");
+}
+
+TEST(MeshFile, BinaryPlyRowsOfEveryKindAreRead)
+{
+    const test::TemporaryFolder folder;
+    std::string bytes =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty uchar red\nproperty double z\n"
+        "property double x\nproperty double y\nelement face 4\nproperty short flags\n"
+        "property list uchar int vertex_indices\nproperty float area\nend_header\n";
+    for (const auto& [x, y, z] : {std::array{0.0, 0.0, 0.1}, {1.0, 0.0, 0.2}, {1.0, 1.0, 0.3}, {0.0, 1.0, 0.4}})
+        bytes += '\7', test::append(bytes, z), test::append(bytes, x), test::append(bytes, y);
+    const std::string vertices = bytes;
+    const auto face = [](std::initializer_list<std::int32_t> corners) {
+        std::string row;
+        test::append(row, std::int16_t(5)), row += static_cast<char>(corners.size());
+        for (const std::int32_t corner : corners) test::append(row, corner);
+        test::append(row, 0.5f);
+        return row;
+    };
+    const auto faces = [&](std::initializer_list<std::int32_t> third) {
+        return vertices + face({0, 1, 2}) + face({0, 1, 2, 3}) + face(third) + face({1, 2, 3});
+    };
+    const Mesh mesh = load_mesh(folder.write("a.ply", faces({2, 3})));
+    EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 1, 2}, {0, 2, 3}, {1, 2, 3}}));
+    EXPECT_EQ(mesh.vertices[2], Vector3d(1, 1, 0.3));
+    expect_bad("a.ply", faces({0, 1, -1}), "face uses vertex -1");
+    expect_bad("a.ply", faces({0, 1, 4}), "face uses vertex 4");
+    expect_bad("a.ply", faces({0, 1, 2}).substr(0, vertices.size() + 70), "ends within face 3 of 4");
+    std::string infinite = faces({0, 1, 2});
+    infinite.replace(vertices.size() - 4, 4, std::string("\0\0\xf0\x7f", 4));
+    expect_bad("a.ply", infinite, "coordinate of vertex 3 is not finite");
+}
+
+TEST(MeshFile, StlOfManyPointsIsWelded)
+{
+    const test::TemporaryFolder folder;
+    const Mesh mesh = make_torus_mesh(2, 0.7, 60'000); // more points than are remembered without a look at the table
+    const Mesh read = load_mesh(folder.write("a.stl", test::as_binary_stl(mesh)));
+    EXPECT_EQ(read.vertices.size(), mesh.vertices.size());
+    EXPECT_TRUE(is_closed(read));
+    // Points that are no numbers are equal to none; a table of them would be searched from end to end each time.
+    std::string bytes = test::as_binary_stl(make_soup_mesh(200'000, 0.1, 10, 1));
+    for (std::size_t at = 84 + 12 + 50; at + 12 < bytes.size(); at += 50)
+        bytes.replace(at, 4, std::string("\0\0\xc0\x7f", 4));
+    expect_bad("a.stl", bytes, "a corner of facet 1 is not finite");
 }
 
 TEST(MeshFile, OffAndPlyDialectsAreUnderstood)

@@ -280,6 +280,30 @@ void add_shapes(Arguments bench)
     sub.action([options] { return bench_shapes(*options); });
 }
 
+void add_read(Arguments bench)
+{
+    Arguments sub = bench.add_command("read", "Reading of mesh files: triangles a second and memory, format by format");
+    auto options = std::make_shared<ReadOptions>();
+    sub.add_option("files", options->files,
+                   "mesh files, or scene files, whose bodies count (default: a generated height field in each style)")
+        .expected(0, 1000)
+        .type_name("FILE...");
+    sub.add_option("--styles", options->styles,
+                   "of the generated files: obj, obj-full, obj-back, obj-exact, stl, ply, stl-text, ply-text, off "
+                   "(default: all)")
+        .type_name("LIST");
+    sub.add_option("--triangles", options->triangles, "of the height field, about (default 10000000)").type_name("N");
+    sub.add_option("--repeats", options->repeats, "of each file the least time counts (default 3)").type_name("N");
+    sub.add_option("--seed", options->seed, "seed of the heights (default 12345)").type_name("S");
+    sub.add_option("--folder", options->folder, "where the generated files lie meanwhile (default: as TMPDIR says)")
+        .type_name("DIR");
+    sub.add_option("--csv", options->csv, "write one row per file").type_name("FILE");
+    sub.footer("Times are of the thread's processor, and of the clock: the file from the system's cache, checks, "
+               "welding (STL).\n"
+               "'peak MB' is by how much the process grew at most, 'bytes each' the same per triangle.");
+    sub.action([options] { return bench_read(*options); });
+}
+
 } // namespace
 
 void add_bench(Arguments app)
@@ -288,9 +312,8 @@ void add_bench(Arguments app)
         app.add_command("bench", "Measure against other libraries in one run, on the same work, turn about");
     bench.at_most_one_command();
     bench.action([]() -> int {
-        usage("bench: which one? broad, narrow, planner, world, environment, distances, shapes, clash, many, octants, "
-              "paper, "
-              "poses or scene (oncollide bench --help)");
+        usage("bench: which one? broad, narrow, planner, world, environment, distances, shapes, clash, read, many, octants, "
+              "paper, poses or scene (oncollide bench --help)");
     });
     add_broad(bench);
     add_narrow(bench);
@@ -300,6 +323,7 @@ void add_bench(Arguments app)
     add_distances(bench);
     add_shapes(bench);
     add_clash_bench(bench);
+    add_read(bench);
     add_scene_bench(bench, "many", "Bunnies, dragons and cows in a cube");
     add_paper(bench);
     add_poses(bench);

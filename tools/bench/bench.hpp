@@ -152,6 +152,19 @@ struct ClashBenchOptions {
 /// was missed, invented or measured wrongly.
 int bench_clash(const ClashBenchOptions& options);
 
+struct ReadOptions {
+    std::vector<std::string> files; ///< empty: generated ones
+    std::string styles;             ///< of the generated ones; empty: all
+    int triangles = 10'000'000;
+    int repeats = 3;
+    std::uint64_t seed = 12345;
+    std::string folder; ///< for the generated ones; empty: the system's for temporary files
+    std::string csv;
+};
+
+/// Reads mesh files of every format. Returns the exit code.
+int bench_read(const ReadOptions& options);
+
 /// "4-8", "6" or "2,5-7" as ascending numbers; `option` names it in errors. Each 1 to 16.
 std::vector<int> parse_depths(const std::string& option, const std::string& text);
 

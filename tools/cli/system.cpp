@@ -95,6 +95,11 @@ std::size_t peak_memory()
     return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
 }
 
+void forget_peak_memory()
+{
+    std::ofstream("/proc/self/clear_refs") << 5;
+}
+
 std::size_t resident_memory()
 {
     std::ifstream file("/proc/self/statm");
@@ -144,6 +149,8 @@ std::size_t peak_memory()
 {
     return 0;
 }
+
+void forget_peak_memory() {}
 
 std::size_t resident_memory()
 {

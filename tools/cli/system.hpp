@@ -25,6 +25,8 @@ void release_interrupts();
 std::string processor_name();
 /// The most memory that this process has held, and what it holds now, bytes; 0: unknown.
 std::size_t peak_memory();
+/// From now on peak_memory() is the most since now. Where the system cannot do that, nothing happens.
+void forget_peak_memory();
 std::size_t resident_memory();
 /// Gives freed memory back, so that resident_memory() tells what is in use.
 void trim_memory();

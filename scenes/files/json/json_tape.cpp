@@ -7,16 +7,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include <oncollide/scenes/files/decimal.hpp>
+
 namespace oncollide {
 
 namespace {
 
 using Kind = JsonValue::Kind;
-
-bool is_digit(char c)
-{
-    return c >= '0' && c <= '9';
-}
 
 /// Stands for itself in a text: neither the end of it, nor an escape, nor of several bytes, which must be checked.
 bool is_plain(char c)

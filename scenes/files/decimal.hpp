@@ -1,0 +1,71 @@
+#pragma once
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <cstring>
+
+namespace oncollide {
+
+// Numbers as nearly all files write them, read where they stand. Private to scenes.
+
+inline bool is_digit(char c)
+{
+    return static_cast<unsigned char>(c - '0') < 10;
+}
+
+/// Reads the digits at `at` on and appends them to `value`, which wraps where they are too many; the first other byte.
+/// Eight at a time: no branch depends on how many there are.
+/// Source: Lemire, "Number parsing at a gigabyte per second", 2021, section 7 (parsing digits).
+inline const char* read_digits(const char* at, const char* end, std::uint64_t& value)
+{
+    static_assert(std::endian::native == std::endian::little);
+    constexpr std::array<std::uint64_t, 9> powers = {1,       10,        100,        1'000,      10'000,
+                                                     100'000, 1'000'000, 10'000'000, 100'000'000};
+    while (end - at >= 8) {
+        std::uint64_t bytes;
+        std::memcpy(&bytes, at, 8);
+        bytes ^= 0x3030303030303030u; // digits become their values; adding lifts all others to 0x80 or they are there
+        const int count = std::countr_zero(((bytes + 0x7676767676767676u) | bytes) & 0x8080808080808080u) / 8;
+        if (count == 0) return at;
+        bytes <<= 64 - 8 * count; // zeros come first
+        bytes = (bytes * 10 + (bytes >> 8)) & 0x00ff00ff00ff00ffu;
+        bytes = (bytes * 100 + (bytes >> 16)) & 0x0000ffff0000ffffu;
+        bytes = (bytes * 10'000 + (bytes >> 32)) & 0xffffffffu;
+        value = value * powers[static_cast<std::size_t>(count)] + bytes;
+        at += count;
+        if (count < 8) return at;
+    }
+    while (at != end && is_digit(*at)) value = 10 * value + static_cast<std::uint64_t>(*at++ - '0');
+    return at;
+}
+
+/// Reads [+-]digits[.digits] into the nearest double; null where it is of another form (an exponent) or has more digits
+/// than are certain to be rounded right: that needs std::from_chars.
+///
+/// A whole number up to 2^53 and a power of ten up to 10^22 are doubles, so their quotient is rounded once.
+/// Source: Clinger, "How to read floating point numbers accurately", 1990.
+inline const char* read_decimal(const char* at, const char* end, double& value)
+{
+    constexpr std::array<double, 20> powers = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,
+                                               1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19};
+    if (at == end) return nullptr;
+    const bool minus = *at == '-';
+    at += minus || *at == '+';
+    std::uint64_t digits = 0;
+    const char* const begin = at;
+    at = read_digits(at, end, digits);
+    std::size_t count = static_cast<std::size_t>(at - begin), decimals = 0;
+    if (at != end && *at == '.') {
+        const char* const point = at;
+        at = read_digits(at + 1, end, digits);
+        decimals = static_cast<std::size_t>(at - point - 1);
+        count += decimals;
+    }
+    if (count == 0 || count > 19 || digits > std::uint64_t{1} << 53) return nullptr;
+    if (at != end && (*at == 'e' || *at == 'E')) return nullptr;
+    value = static_cast<double>(digits) / powers[decimals];
+    if (minus) value = -value;
+    return at;
+}
+
+} // namespace oncollide

@@ -1,0 +1,62 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <oncollide/base/large_vector.hpp>
+#include <oncollide/scenes/files/mesh_source.hpp>
+
+namespace oncollide {
+
+/// Polygons with their place in the file, until all vertices are known. Private to scenes.
+class PolygonList {
+public:
+    void reserve(std::size_t triangles);
+    /// @param corners numbers of vertices, counted from 0, or whatever the file says
+    /// @param line    0: the file has no lines
+    void add(std::span<const std::int64_t> corners, std::size_t line);
+    void add(const Triangle& triangle, std::size_t line)
+    {
+        note(line);
+        append_large(triangles_, triangle);
+    }
+
+    /// The triangles of all polygons, in order; the list is empty then. Throws for an index out of range, as the file
+    /// counts: from `first` on.
+    std::vector<Triangle> triangulate(const MeshSource& source, std::span<const Eigen::Vector3d> vertices,
+                                      std::int64_t first);
+
+private:
+    /// What is no triangle, or has a corner that no mesh can have.
+    struct Polygon {
+        std::size_t triangles; ///< before it
+        std::size_t begin;     ///< of its corners
+    };
+    /// From `polygon` on each polygon has its line, one after the other. Files are mostly of this kind.
+    struct Run {
+        std::size_t polygon, line;
+    };
+
+    std::size_t size() const { return triangles_.size() + polygons_.size(); }
+    void note(std::size_t line)
+    {
+        if (line == 0) return;
+        if (runs_.empty() || line - runs_.back().line != size() - runs_.back().polygon) runs_.push_back({size(), line});
+    }
+    std::size_t line_of(std::size_t polygon) const;
+    void check(const MeshSource& source, std::span<const std::int64_t> corners, std::size_t polygon,
+               std::size_t vertices, std::int64_t first) const;
+
+    std::vector<Triangle> triangles_;
+    std::vector<Polygon> polygons_;
+    std::vector<std::int64_t> corners_; ///< of the polygons
+    std::vector<Run> runs_;
+};
+
+/// Appends the triangles of one polygon: a fan from the first corner when it is convex, else by cutting off ears. Zero
+/// areas are kept. False when it is not convex and has more corners than `most_concave_corners`.
+constexpr std::size_t most_concave_corners = 4096;
+bool triangulate(std::span<const Eigen::Vector3d> vertices, std::span<const std::uint32_t> polygon,
+                 std::vector<Triangle>& triangles);
+
+} // namespace oncollide

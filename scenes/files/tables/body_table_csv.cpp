@@ -1,0 +1,196 @@
+#include <oncollide/scenes/files/tables/body_table.hpp>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/file_bytes.hpp>
+#include <oncollide/scenes/files/mesh_source.hpp>
+
+namespace oncollide {
+
+namespace {
+
+constexpr std::uintmax_t largest_table = std::uintmax_t(4) << 30;
+
+enum Column { geometry, x, y, z, qx, qy, qz, qw, vx, vy, vz, layer, mask, group, fixed, name, columns };
+constexpr std::array<std::string_view, columns> column_names = {
+    "geometry", "x", "y", "z", "qx", "qy", "qz", "qw", "vx", "vy", "vz", "layer", "mask", "group", "static", "name"};
+
+/// Fields of a file as RFC 4180 has them; lines may also end with LF alone.
+class CsvFields {
+public:
+    CsvFields(const std::string& file, std::string_view text)
+        : file_(file), at_(text.data()), end_(text.data() + text.size())
+    {
+    }
+
+    bool at_end() const { return at_ == end_; }
+    std::size_t line() const { return line_; }
+    [[noreturn]] void fail(const std::string& what) const { refuse(fmt::format("{}: line {}", file_, line_), what); }
+
+    /// The next field of the line, valid until the next call. `last`: it is the line's last one.
+    std::string_view next(bool& last)
+    {
+        if (at_ != end_ && *at_ == '"') return next_quoted(last);
+        const char* const begin = at_;
+        while (at_ != end_ && *at_ != ',' && *at_ != '\n') ++at_;
+        const char* stop = at_;
+        if (stop != begin && stop[-1] == '\r' && (at_ == end_ || *at_ == '\n')) --stop;
+        pass_separator(last);
+        return {begin, static_cast<std::size_t>(stop - begin)};
+    }
+    void next_line() { ++line_; }
+
+private:
+    std::string_view next_quoted(bool& last)
+    {
+        text_.clear();
+        for (++at_;; ++at_) {
+            if (at_ == end_ || *at_ == '\n') fail("a quoted field has no closing quote in its line");
+            if (*at_ == '"' && (++at_ == end_ || *at_ != '"')) break;
+            text_ += *at_;
+        }
+        if (at_ != end_ && *at_ == '\r') ++at_;
+        if (at_ != end_ && *at_ != ',' && *at_ != '\n')
+            fail("a comma or the end of the line must follow a closing quote");
+        pass_separator(last);
+        return text_;
+    }
+    void pass_separator(bool& last)
+    {
+        last = at_ == end_ || *at_ == '\n';
+        if (at_ != end_) ++at_;
+    }
+
+    const std::string& file_;
+    const char *at_, *end_;
+    std::size_t line_ = 1;
+    std::string text_;
+};
+
+std::vector<Column> read_header(CsvFields& fields, bool needs_geometry)
+{
+    std::vector<Column> header;
+    for (bool last = false; !last;) {
+        const std::string_view field = fields.next(last);
+        const auto found = std::ranges::find(column_names, field);
+        if (found == column_names.end())
+            fields.fail(fmt::format("unknown column {}; valid: {}", quoted(field), fmt::join(column_names, ", ")));
+        const auto column = static_cast<Column>(found - column_names.begin());
+        if (std::ranges::find(header, column) != header.end())
+            fields.fail(fmt::format("column '{}' is there twice", field));
+        header.push_back(column);
+    }
+    const auto need = [&](std::initializer_list<Column> wanted) {
+        for (const Column column : wanted)
+            if (std::ranges::find(header, column) == header.end())
+                fields.fail(fmt::format("the column '{}' is missing", column_names[column]));
+    };
+    const auto all_or_none = [&](std::initializer_list<Column> group) {
+        if (std::ranges::find_first_of(header, group) != header.end()) need(group);
+    };
+    need({x, y, z});
+    if (needs_geometry) need({geometry});
+    all_or_none({qx, qy, qz, qw}), all_or_none({vx, vy, vz});
+    return header;
+}
+
+/// Sets what a column says.
+class RowReader {
+public:
+    RowReader(const BodyRows& rows, const CsvFields& fields) : rows_(rows), fields_(fields)
+    {
+        if (rows.geometry()) row.geometry = *rows.geometry();
+    }
+
+    void set(Column column, std::string_view field)
+    {
+        switch (column) {
+        case geometry:
+            return set_geometry(field);
+        case layer:
+            return set(column, field, 0xffffffffu, row.layer);
+        case mask:
+            return set(column, field, 0xffffffffu, row.mask);
+        case group:
+            return set(column, field, 0xffffffffu, row.group);
+        case fixed: {
+            std::uint32_t number = 0;
+            set(column, field, 1, number);
+            row.is_static = number == 1;
+            return;
+        }
+        case name:
+            name_ = field;
+            row.name = name_;
+            return;
+        default:
+            double value = 0;
+            if (!parse(field, value) || !std::isfinite(value))
+                fields_.fail(
+                    fmt::format("column '{}' is {}; it must be a finite number", column_names[column], quoted(field)));
+            if (column < qx)
+                row.position[column - x] = value;
+            else if (column < vx)
+                row.rotation[column - qx] = value;
+            else
+                row.velocity[column - vx] = value;
+        }
+    }
+
+    BodyRow row;
+
+private:
+    void set_geometry(std::string_view field)
+    {
+        if (field == geometry_name_) return; // as in the row before
+        const std::optional<GeometryId> found = rows_.scene().find_geometry(field);
+        if (!found) fields_.fail(fmt::format("no geometry named {}", quoted(field)));
+        row.geometry = *found, geometry_name_ = field;
+    }
+    void set(Column column, std::string_view field, std::uint32_t most, std::uint32_t& value) const
+    {
+        const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
+        if (error != std::errc{} || end != field.data() + field.size() || value > most)
+            fields_.fail(fmt::format("column '{}' is {}; it must be a whole number from 0 to {}", column_names[column],
+                                     quoted(field), most));
+    }
+
+    const BodyRows& rows_;
+    const CsvFields& fields_;
+    std::string geometry_name_, name_;
+};
+
+} // namespace
+
+void read_csv_bodies(BodyRows& rows, const std::filesystem::path& path)
+{
+    const FileBytes bytes = read_large_file(path, largest_table);
+    const std::string_view text = without_byte_order_mark(bytes);
+    CsvFields fields(rows.file(), text);
+    const std::vector<Column> header = read_header(fields, !rows.geometry());
+    if (rows.geometry() && std::ranges::find(header, geometry) != header.end())
+        fields.fail("the table has a column 'geometry', and the scene file gives one for all rows");
+    rows.expect(static_cast<std::size_t>(std::ranges::count(text, '\n')) - (text.back() == '\n'));
+    RowReader reader(rows, fields);
+    const auto place = [&] { return fmt::format("{}: line {}", rows.file(), fields.line()); };
+    while (!fields.at_end()) {
+        fields.next_line();
+        bool last = false;
+        for (std::size_t k = 0; k < header.size(); ++k) {
+            if (last) fields.fail(fmt::format("has {} fields; the header has {}", k, header.size()));
+            reader.set(header[k], fields.next(last));
+        }
+        if (!last) fields.fail(fmt::format("has more fields than the header, which has {}", header.size()));
+        rows.add(reader.row, place);
+    }
+}
+
+} // namespace oncollide

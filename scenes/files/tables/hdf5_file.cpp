@@ -1,0 +1,174 @@
+#include <oncollide/scenes/files/tables/hdf5_file.hpp>
+
+#include <array>
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+#include <hdf5.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/file_bytes.hpp>
+
+namespace oncollide {
+
+namespace {
+
+constexpr unsigned read_only = 0; // H5F_ACC_RDONLY calls functions of the library
+
+/// Loaded when a file first needs it, as GDAL is: linked, it would bring libraries of networks into every program.
+class Hdf5 {
+    void* const library_ = ::dlopen(ONCOLLIDE_HDF5_LIBRARY, RTLD_NOW | RTLD_LOCAL);
+    template <class Pointer>
+    Pointer find(const char* name) const
+    {
+        void* const found = library_ ? ::dlsym(library_, name) : nullptr;
+        if (!found)
+            throw Error(ErrorKind::usage, fmt::format("{} cannot be loaded, which reads HDF5 files: {}; install "
+                                                      "Debian's libhdf5-103-1",
+                                                      ONCOLLIDE_HDF5_LIBRARY, ::dlerror()));
+        return reinterpret_cast<Pointer>(found);
+    }
+    /// A program that is linked with HDF5 holds copies of its variables, which are then those that the library uses.
+    hid_t variable(const char* name) const
+    {
+        const void* const linked = ::dlsym(RTLD_DEFAULT, name);
+        return linked ? *static_cast<const hid_t*>(linked) : *find<const hid_t*>(name);
+    }
+
+public:
+#define ONCOLLIDE_HDF5_FUNCTION(name) decltype(&::name) const name = find<decltype(&::name)>(#name)
+    ONCOLLIDE_HDF5_FUNCTION(H5open);
+    ONCOLLIDE_HDF5_FUNCTION(H5Eset_auto2);
+    ONCOLLIDE_HDF5_FUNCTION(H5Fopen);
+    ONCOLLIDE_HDF5_FUNCTION(H5Fclose);
+    ONCOLLIDE_HDF5_FUNCTION(H5Gopen2);
+    ONCOLLIDE_HDF5_FUNCTION(H5Gclose);
+    ONCOLLIDE_HDF5_FUNCTION(H5Gget_info);
+    ONCOLLIDE_HDF5_FUNCTION(H5Lget_name_by_idx);
+    ONCOLLIDE_HDF5_FUNCTION(H5Dopen2);
+    ONCOLLIDE_HDF5_FUNCTION(H5Dclose);
+    ONCOLLIDE_HDF5_FUNCTION(H5Dget_type);
+    ONCOLLIDE_HDF5_FUNCTION(H5Dget_space);
+    ONCOLLIDE_HDF5_FUNCTION(H5Dget_create_plist);
+    ONCOLLIDE_HDF5_FUNCTION(H5Dread);
+    ONCOLLIDE_HDF5_FUNCTION(H5Pget_layout);
+    ONCOLLIDE_HDF5_FUNCTION(H5Pget_chunk);
+    ONCOLLIDE_HDF5_FUNCTION(H5Pclose);
+    ONCOLLIDE_HDF5_FUNCTION(H5Screate_simple);
+    ONCOLLIDE_HDF5_FUNCTION(H5Sget_simple_extent_ndims);
+    ONCOLLIDE_HDF5_FUNCTION(H5Sget_simple_extent_dims);
+    ONCOLLIDE_HDF5_FUNCTION(H5Sselect_hyperslab);
+    ONCOLLIDE_HDF5_FUNCTION(H5Sclose);
+    ONCOLLIDE_HDF5_FUNCTION(H5Tget_class);
+    ONCOLLIDE_HDF5_FUNCTION(H5Tget_size);
+    ONCOLLIDE_HDF5_FUNCTION(H5Tclose);
+#undef ONCOLLIDE_HDF5_FUNCTION
+    hid_t native_double = -1, native_int64 = -1;
+
+    Hdf5()
+    {
+        H5open();
+        H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); // it prints its errors otherwise
+        native_double = variable("H5T_NATIVE_DOUBLE_g"), native_int64 = variable("H5T_NATIVE_INT64_g");
+    }
+};
+
+const Hdf5& hdf5()
+{
+    static const Hdf5 library;
+    return library;
+}
+
+/// A file may say that one piece of it fills the memory.
+void check_chunks(const std::string& place, hid_t dataset, int dimensions, std::size_t number_bytes)
+{
+    constexpr std::uint64_t most_bytes = std::uint64_t{256} << 20;
+    const Hdf5& h5 = hdf5();
+    const Hdf5Handle plan(h5.H5Dget_create_plist(dataset), h5.H5Pclose);
+    if (!plan.valid() || h5.H5Pget_layout(plan.id()) != H5D_CHUNKED) return;
+    std::array<hsize_t, 2> edges = {1, 1};
+    if (h5.H5Pget_chunk(plan.id(), dimensions, edges.data()) != dimensions || edges[0] > most_bytes ||
+        edges[1] > most_bytes || edges[0] * edges[1] > most_bytes / number_bytes)
+        refuse(place, fmt::format("its chunks are larger than {} bytes", most_bytes));
+}
+
+} // namespace
+
+Hdf5File::Hdf5File(const std::filesystem::path& path) : name_(path.string())
+{
+    check_readable(path);
+    file_ = {hdf5().H5Fopen(path.c_str(), read_only, H5P_DEFAULT), hdf5().H5Fclose};
+    if (!file_.valid()) refuse(name_, "is no whole HDF5 file, or it is being written");
+}
+
+std::vector<std::string> Hdf5File::names_in(const std::string& group) const
+{
+    const Hdf5& h5 = hdf5();
+    const Hdf5Handle opened(h5.H5Gopen2(file_.id(), group.c_str(), H5P_DEFAULT), h5.H5Gclose);
+    H5G_info_t info{};
+    if (!opened.valid() || h5.H5Gget_info(opened.id(), &info) < 0)
+        refuse(name_, fmt::format("has no group '{}'", group));
+    constexpr std::uint64_t most = 1000; // of which the first that is unknown will be refused
+    std::vector<std::string> names;
+    for (std::uint64_t i = 0; i < std::min<std::uint64_t>(info.nlinks, most); ++i) {
+        std::array<char, 200> name{};
+        if (h5.H5Lget_name_by_idx(opened.id(), ".", H5_INDEX_NAME, H5_ITER_INC, i, name.data(), name.size(),
+                                  H5P_DEFAULT) < 0)
+            refuse(name_, fmt::format("the group '{}' cannot be listed", group));
+        names.emplace_back(name.data());
+    }
+    return names;
+}
+
+Hdf5Column Hdf5File::column(const std::string& path, Numbers numbers, std::uint64_t width) const
+{
+    const Hdf5& h5 = hdf5();
+    Hdf5Column column;
+    column.place_ = fmt::format("{}: {}", name_, path);
+    const std::string wanted =
+        fmt::format("must be a dataset of {} numbers, {}", numbers == Numbers::real ? "real" : "whole",
+                    width ? fmt::format("rows x {}", width) : "one a row");
+    column.dataset_ = {h5.H5Dopen2(file_.id(), path.c_str(), H5P_DEFAULT), h5.H5Dclose};
+    if (!column.dataset_.valid()) refuse(column.place_, "cannot be opened; it " + wanted);
+    column.space_ = {h5.H5Dget_space(column.dataset_.id()), h5.H5Sclose};
+    const Hdf5Handle type(h5.H5Dget_type(column.dataset_.id()), h5.H5Tclose);
+    if (!type.valid() || !column.space_.valid()) refuse(column.place_, "cannot be read");
+
+    const H5T_class_t kind = h5.H5Tget_class(type.id());
+    const std::size_t bytes = h5.H5Tget_size(type.id());
+    if ((kind != H5T_INTEGER && (kind != H5T_FLOAT || numbers == Numbers::whole)) || bytes == 0 || bytes > 8)
+        refuse(column.place_, "holds values of another type; it " + wanted);
+    const int dimensions = h5.H5Sget_simple_extent_ndims(column.space_.id());
+    std::array<hsize_t, 2> extent = {0, 1};
+    const bool right_rank = dimensions == (width ? 2 : 1);
+    if (right_rank) h5.H5Sget_simple_extent_dims(column.space_.id(), extent.data(), nullptr);
+    if (!right_rank || (width && extent[1] != width))
+        refuse(column.place_, fmt::format("has {} dimensions{}; it {}", dimensions,
+                                          right_rank ? fmt::format(", {} x {}", extent[0], extent[1]) : "", wanted));
+    check_chunks(column.place_, column.dataset_.id(), dimensions, bytes);
+    column.rows_ = extent[0], column.width_ = width;
+    return column;
+}
+
+void Hdf5Column::read(std::uint64_t first, std::uint64_t count, std::int64_t type, void* out) const
+{
+    const Hdf5& h5 = hdf5();
+    const std::array<hsize_t, 2> start = {first, 0}, extent = {count, width_};
+    const Hdf5Handle memory(h5.H5Screate_simple(width_ ? 2 : 1, extent.data(), nullptr), h5.H5Sclose);
+    if (h5.H5Sselect_hyperslab(space_.id(), H5S_SELECT_SET, start.data(), nullptr, extent.data(), nullptr) < 0 ||
+        h5.H5Dread(dataset_.id(), type, memory.id(), space_.id(), H5P_DEFAULT, out) < 0)
+        refuse(place_,
+               fmt::format("rows {} to {} cannot be read; the file is damaged or cut off", first, first + count - 1));
+}
+
+void Hdf5Column::read(std::uint64_t first, std::uint64_t count, double* out) const
+{
+    read(first, count, hdf5().native_double, out);
+}
+
+void Hdf5Column::read(std::uint64_t first, std::uint64_t count, std::int64_t* out) const
+{
+    read(first, count, hdf5().native_int64, out);
+}
+
+} // namespace oncollide

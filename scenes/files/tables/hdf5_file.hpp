@@ -1,0 +1,72 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace oncollide {
+
+// HDF5, as far as tables need it: the one place that knows the library. Private to scenes.
+
+/// An open object of HDF5, closed at the end.
+class Hdf5Handle {
+public:
+    using Close = int (*)(std::int64_t);
+    Hdf5Handle() = default;
+    Hdf5Handle(std::int64_t id, Close close) : id_(id), close_(close) {}
+    Hdf5Handle(Hdf5Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
+    Hdf5Handle& operator=(Hdf5Handle&& other) noexcept
+    {
+        std::swap(id_, other.id_), std::swap(close_, other.close_);
+        return *this;
+    }
+    ~Hdf5Handle()
+    {
+        if (id_ >= 0) close_(id_);
+    }
+    std::int64_t id() const { return id_; }
+    bool valid() const { return id_ >= 0; }
+
+private:
+    std::int64_t id_ = -1;
+    Close close_ = nullptr;
+};
+
+/// A dataset of numbers, whose first dimension counts rows. Nothing of it is held in memory.
+class Hdf5Column {
+public:
+    /// One per row; `width` numbers in each.
+    std::uint64_t rows() const { return rows_; }
+    /// Rows `first` to `first + count`, converted as HDF5 does. Throws Error{bad_data} where they cannot be read.
+    void read(std::uint64_t first, std::uint64_t count, double* out) const;
+    void read(std::uint64_t first, std::uint64_t count, std::int64_t* out) const; ///< of whole numbers
+
+private:
+    friend class Hdf5File;
+    void read(std::uint64_t first, std::uint64_t count, std::int64_t type, void* out) const;
+
+    std::string place_; ///< file and dataset, for errors
+    Hdf5Handle dataset_, space_;
+    std::uint64_t rows_ = 0, width_ = 1;
+};
+
+/// A file open for reading. Errors are Error{bad_data} that begin with the file's name, Error{no_input} for a file that
+/// is missing, and Error{usage} where this build or this machine has no HDF5.
+class Hdf5File {
+public:
+    explicit Hdf5File(const std::filesystem::path& path);
+
+    /// What the group holds, by name.
+    std::vector<std::string> names_in(const std::string& group) const;
+    enum class Numbers { real, whole };
+    /// The dataset of that path: `width` 0 for one dimension, else rows x width. Throws where it has another shape or
+    /// type.
+    Hdf5Column column(const std::string& path, Numbers numbers, std::uint64_t width) const;
+
+private:
+    std::string name_;
+    Hdf5Handle file_;
+};
+
+} // namespace oncollide

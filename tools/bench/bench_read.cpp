@@ -1,0 +1,163 @@
+// How fast are files of meshes and scenes read?
+#include "bench/bench.hpp"
+#include "bench/mesh_files.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <filesystem>
+#include <random>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/output_file.hpp>
+#include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/files/scene_file.hpp>
+
+#include "cli/system.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A file that goes at the end of its scope.
+class PassingFile {
+public:
+    PassingFile(const fs::path& folder, std::string_view extension)
+        : path_(folder / fmt::format("oncollide-read-{:08x}.{}", std::random_device()(), extension))
+    {
+    }
+    ~PassingFile()
+    {
+        std::error_code ignored;
+        fs::remove(path_, ignored);
+    }
+    PassingFile(const PassingFile&) = delete;
+    const fs::path& path() const { return path_; }
+
+private:
+    fs::path path_;
+};
+
+struct ReadRow {
+    std::size_t count = 0; ///< triangles, or bodies
+    std::uintmax_t bytes = 0;
+    double ms = 0, wall_ms = 0; ///< of the thread's processor, and of the clock
+    std::size_t peak = 0;       ///< bytes that the process grew by, at most
+};
+
+/// That this thread has had: what else the machine does meanwhile counts less.
+double processor_ms()
+{
+    std::timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return 1e3 * double(t.tv_sec) + 1e-6 * double(t.tv_nsec);
+}
+
+/// Triangles of a mesh, bodies of a scene.
+std::size_t read_count(const fs::path& path)
+{
+    return path.extension() == ".json" ? load_scene(path).size() : load_mesh(path).triangles.size();
+}
+
+/// The least time of `repeats` readings, so from the system's cache of files but for the first.
+ReadRow read_repeatedly(const fs::path& path, int repeats)
+{
+    ReadRow row;
+    for (int i = 0; i < repeats && !interrupted(); ++i) {
+        trim_memory();
+        const std::size_t before = resident_memory();
+        forget_peak_memory();
+        const auto start = Clock::now();
+        const double from = processor_ms();
+        row.count = read_count(path);
+        const double ms = processor_ms() - from, wall_ms = milliseconds_since(start);
+        row.ms = i == 0 ? ms : std::min(row.ms, ms);
+        row.wall_ms = i == 0 ? wall_ms : std::min(row.wall_ms, wall_ms);
+        row.peak = std::max(row.peak, peak_memory() - std::min(before, peak_memory()));
+    }
+    row.bytes = fs::file_size(path);
+    return row;
+}
+
+class ReadBench {
+public:
+    explicit ReadBench(const ReadOptions& options) : options_(options)
+    {
+        if (!options.csv.empty()) csv_.emplace(options.csv);
+    }
+
+    int run()
+    {
+        const std::string files = options_.files.empty() ? fmt::format("height fields of {} triangles, seed {}",
+                                                                       grouped(2 * cells() * cells()), options_.seed)
+                                                         : fmt::format("{} of yours", options_.files.size());
+        say("{}files      {}; the least time of {}, on one thread\n\n{:<12}{:>10}{:>14}{:>10}{:>16}{:>9}{:>10}{:>12}\n",
+            describe_program("reading"), files, options_.repeats, "", "MB", "triangles", "ms", "triangles / s",
+            "MB / s", "peak MB", "bytes each");
+        if (csv_) csv_->print("style,bytes,triangles,ms,wall_ms,triangles_per_s,mb_per_s,peak_bytes\n");
+        for (const std::string& file : options_.files) report(file, read_repeatedly(file, options_.repeats), "");
+        if (options_.files.empty()) run_styles();
+        if (csv_) csv_->commit();
+        return interrupted() ? 130 : 0;
+    }
+
+private:
+    std::uint32_t cells() const { return static_cast<std::uint32_t>(std::lround(std::sqrt(0.5 * options_.triangles))); }
+    void run_styles()
+    {
+        for (const MeshFileStyle& style : mesh_file_styles) {
+            if (interrupted()) return;
+            const std::vector<std::string> wanted = split(options_.styles);
+            if (!options_.styles.empty() && std::ranges::find(wanted, style.name) == wanted.end()) continue;
+            const PassingFile file(options_.folder.empty() ? fs::temp_directory_path() : fs::path(options_.folder),
+                                   style.extension);
+            write_mesh_file(style, file.path(), cells(), options_.seed);
+            if (interrupted()) return;
+            const ReadRow row = read_repeatedly(file.path(), options_.repeats);
+            if (row.count != 2u * cells() * cells())
+                throw Error(ErrorKind::internal, fmt::format("bench read: {}: read {} triangles of {}", style.name,
+                                                             row.count, 2 * cells() * cells()));
+            report(std::string(style.name), row, style.what);
+        }
+    }
+    void report(const std::string& name, const ReadRow& row, std::string_view what)
+    {
+        const double seconds = row.ms / 1e3, megabytes = double(row.bytes) / 1e6;
+        say("{:<12}{:>10.1f}{:>14}{:>10.1f}{:>10.1f}{:>16}{:>9.0f}{:>10.0f}{:>12.0f}   {}\n", printable(name),
+            megabytes, grouped(row.count), row.ms, row.wall_ms, grouped(std::uint64_t(double(row.count) / seconds)),
+            megabytes / seconds, double(row.peak) / 1e6, double(row.peak) / double(row.count), what);
+        if (csv_)
+            csv_->print("{},{},{},{:.3f},{:.3f},{:.0f},{:.1f},{}\n", name, row.bytes, row.count, row.ms, row.wall_ms,
+                        double(row.count) / seconds, megabytes / seconds, row.peak);
+    }
+
+    const ReadOptions& options_;
+    std::optional<OutputFile> csv_;
+};
+
+void check_styles(const std::string& list)
+{
+    if (list.empty()) return;
+    for (const std::string& name : split(list)) {
+        if (std::ranges::find(mesh_file_styles, name, &MeshFileStyle::name) != mesh_file_styles.end()) continue;
+        std::string known;
+        for (const MeshFileStyle& style : mesh_file_styles)
+            known += fmt::format("{}{}", known.empty() ? "" : ", ", style.name);
+        usage(fmt::format("--styles: no style '{}'; there are: {}", name, known));
+    }
+}
+
+} // namespace
+
+int bench_read(const ReadOptions& options)
+{
+    check_range("--triangles", options.triangles, 2, 100'000'000);
+    check_range("--repeats", options.repeats, 1, 1000);
+    check_styles(options.styles);
+    check_files({{"--csv", options.csv}}, options.files);
+    catch_interrupts();
+    return ReadBench(options).run();
+}
+
+} // namespace oncollide::tools
