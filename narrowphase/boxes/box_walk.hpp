@@ -444,7 +444,7 @@ NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const 
     const double enough = result.bound - rounding;
     far_ = true;
     if (frame.apart > clearance) return {false, frame.apart, {}};
-    const Entry* from = nullptr;
+    const Entry* from = nullptr; // what pairs that do not wait come from
     const auto take = [&](Pair pair) {
         result.near = true, result.witness = pair;
         set_place(a, b, place, pair, from);
@@ -482,6 +482,7 @@ NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const 
         from = &e;
         return each_pair(e, [&](Pair pair) { return take_pair(pair, small); }) && test_if_enough(batch, take);
     });
+    from = nullptr;
     if (result.near || !test_waiting(take)) return result;
     return {false, std::max(std::min(lower * (1 - 0x1p-18), least_gap(frame)), clearance), {}};
 }

@@ -21,7 +21,7 @@ struct PairMemory {
     /// Of a map the cell, in place of its triangle; else where the triangles are.
     std::variant<std::monostate, MapCell, MeetingPlace<ObbTree, ObbTree>, MeetingPlace<TerrainTree, ObbTree>,
                  MeetingPlace<ObbTree, TerrainTree>>
-        place;
+        place = std::monostate();
     LeafPair leaves{};      ///< leaves of the sphere-trees that touched
     double apart_until = 0; ///< while their travel is less, so far are the bodies apart at least
     double walked_at = -1;  ///< their travel when they were walked last
