@@ -71,18 +71,22 @@ public:
     }
 
 private:
-    /// About so far from the environment, from a random side, by steps that are certainly free.
+    /// About so far from the environment, from a random side, by steps that are certainly free; where these lead past
+    /// it towards what is nearest.
     void place(std::uint32_t body, double wanted, std::uint64_t seed)
     {
         const auto random = [&](std::uint64_t k) { return u01(seed, 1000 + body, k) - 0.5; };
         const Vector3d out = Vector3d(random(0), random(1), 0.2 + std::abs(random(2))).normalized();
         Eigen::Isometry3d& pose = scene_.poses[body];
         pose.translation() = middle_ + Vector3d(random(3), random(4), 0) * 0.3 * diagonal_ + (diagonal_ + wanted) * out;
+        double last = HUGE_VAL;
         for (int step = 0; step < 30; ++step) {
             world_.set_pose(ids_[body], pose);
-            const double apart = world_.distance(ids_[0], ids_[body], 0.1 * wanted).lower;
-            if (apart <= 1.1 * wanted) return;
-            pose.translation() -= (apart - wanted) * out;
+            const Distance d = world_.distance(ids_[0], ids_[body], 0.1 * wanted);
+            if (d.lower <= 1.1 * wanted) return;
+            const Vector3d back = d.lower < last ? out : Vector3d((d.point_b - d.point_a).normalized());
+            pose.translation() -= (d.lower - wanted) * back;
+            last = d.lower;
         }
     }
 
