@@ -45,6 +45,14 @@ auto geometry_names(const Scene& scene)
     return [&](std::uint32_t i) -> std::string_view { return scene.geometries[i].name; };
 }
 
+void play_recording(Scene& scene, int frame)
+{
+    Recording& source = *scene.recording;
+    source.read(static_cast<std::uint64_t>(frame * scene.pace),
+                std::span(scene.poses).subspan(source.first, source.bodies),
+                [&](std::uint32_t i) { return who_is(scene.names[source.first + i], source.first + i); });
+}
+
 Aabb bounds_of(const Mesh& mesh)
 {
     return mesh.bounds;
@@ -189,8 +197,23 @@ std::string Scene::label(BodyId body) const
     return own.empty() ? fmt::format("body {}", index(body)) : own;
 }
 
+void Scene::record(std::shared_ptr<Recording> source)
+{
+    if (source->first > size() || source->bodies > size() - source->first)
+        refuse(source->file, fmt::format("holds {} bodies, for those from number {} on; the scene has {} bodies",
+                                         source->bodies, source->first, size()));
+    for (std::uint32_t i = source->first; i < source->first + source->bodies; ++i)
+        if (is_static[i] || !std::holds_alternative<Still>(motions[i]))
+            refuse(source->file, fmt::format("moves {}, which {}", who_is(names[i], i),
+                                             is_static[i] ? "is static" : "has a motion of its own"));
+    recording = std::move(source);
+    play_recording(*this, 0);
+    std::copy_n(poses.begin() + recording->first, recording->bodies, start_poses.begin() + recording->first);
+}
+
 void Mover::move(Scene& scene, int frame)
 {
+    if (scene.recording) play_recording(scene, frame);
     if (!ready_) {
         for (std::uint32_t i = 0; i < scene.size(); ++i)
             if (!std::holds_alternative<Still>(scene.motions[i])) moving_.push_back(i);

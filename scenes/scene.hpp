@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 #include <oncollide/scenes/geometry.hpp>
 #include <oncollide/scenes/ids.hpp>
 #include <oncollide/scenes/motion.hpp>
+#include <oncollide/scenes/recording.hpp>
 
 namespace oncollide {
 
@@ -74,6 +76,9 @@ struct Scene {
 
     std::vector<ExcludedPair> excluded; ///< in the order of the calls of exclude; a pair may be there twice
 
+    /// Moves some bodies in place of motions; null: none. Scenes that are copied share it, and play it one at a time.
+    std::shared_ptr<Recording> recording;
+
     std::vector<std::string> warnings; ///< what loading put right (normalised quaternions, zero-area triangles)
 
     std::size_t size() const { return names.size(); }
@@ -83,6 +88,9 @@ struct Scene {
     /// Throws Error{bad_data} for a name that another body has, an unknown geometry, a pose that is not finite or not
     /// rigid, a static body with a motion, or a motion that check_motion refuses.
     BodyId add_body(BodyInit body);
+    /// Its bodies go to their poses at frame 0, which are their start. Throws Error{bad_data} for bodies that do not
+    /// exist, are static or have a motion, and what Recording::read throws.
+    void record(std::shared_ptr<Recording> poses);
     /// Makes room for `bodies` bodies in all.
     void reserve(std::size_t bodies);
     /// The two never collide. Throws Error{bad_data} for a body that does not exist, or one with itself.
@@ -103,7 +111,8 @@ private:
 std::string why_not_rigid(const Eigen::Isometry3d& pose);
 
 /// Writes the poses of every moving body at frame `frame` (>= 0). Stateless but for Jitter, which walks on from the
-/// frame of the last call (and from the start when time runs backwards). One Mover serves one scene, whose bodies are
+/// frame of the last call (and from the start when time runs backwards). A recording gives the poses of the last whole
+/// frame at that time, and throws as Recording::read does. One Mover serves one scene, whose bodies are
 /// all there on the first call; later calls allocate nothing.
 class Mover {
 public:

@@ -14,6 +14,7 @@
 #include <oncollide/scenes/files/quaternion.hpp>
 #include <oncollide/scenes/files/scene_pose.hpp>
 #include <oncollide/scenes/files/tables/body_table.hpp>
+#include <oncollide/scenes/files/tables/recording_file.hpp>
 
 namespace oncollide {
 
@@ -192,7 +193,7 @@ void read_tables(Scene& scene, const Node& tables, const fs::path& folder)
 Scene read_scene(SceneText& text, const fs::path& path)
 {
     const Node root = text.root();
-    root.only({"name", "frames", "geometries", "bodies", "tables", "exclude"});
+    root.only({"name", "frames", "geometries", "bodies", "tables", "recording", "exclude"});
 
     Scene scene;
     scene.name = root.has("name") ? std::string(root["name"].text()) : path.stem().string();
@@ -206,6 +207,12 @@ Scene read_scene(SceneText& text, const fs::path& path)
     if (root.has("bodies") || !root.has("tables")) reserve(scene, root["bodies"]);
     text.each_body([&](const Node& body) { read_body(scene, body, folder); });
     if (root.has("tables")) read_tables(scene, root["tables"], folder);
+    if (root.has("recording")) {
+        const Node entry = root["recording"];
+        at(entry, [&] { scene.record(open_recording(entry, folder)); });
+        if (!root.has("frames"))
+            scene.frames = static_cast<int>(std::min<std::uint64_t>(scene.recording->frames, 1'000'000'000));
+    }
     if (root.has("exclude")) read_excluded(scene, root["exclude"]);
     return scene;
 }

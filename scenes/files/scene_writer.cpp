@@ -78,6 +78,14 @@ Entry body_entry(const Scene& scene, std::size_t i)
     return body;
 }
 
+Entry recording_entry(const Recording& recording, const fs::path& folder)
+{
+    Entry entry = {{"file", fs::absolute(recording.file).lexically_proximate(folder).string()}};
+    if (!recording.path.empty()) entry["path"] = recording.path;
+    if (recording.first) entry["first"] = recording.first;
+    return entry;
+}
+
 /// How another entry names a body: by its name, or by its number if it has none.
 Entry reference_to(const Scene& scene, std::uint32_t body)
 {
@@ -105,6 +113,7 @@ void write_text(const Scene& scene, const fs::path& path, const std::vector<std:
     file.print("\n}},\n\"bodies\": [");
     for (std::size_t i = 0; i < scene.size(); ++i) file.print("{}\n  {}", i ? "," : "", body_entry(scene, i).dump());
     file.print("\n]");
+    if (scene.recording) file.print(",\n\"recording\": {}", recording_entry(*scene.recording, folder).dump());
     if (!scene.excluded.empty()) {
         file.print(",\n\"exclude\": [");
         for (std::size_t i = 0; i < scene.excluded.size(); ++i)

@@ -23,11 +23,14 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr Format all_formats[] = {
-    {"obj", "input.obj", obj_seeds},       {"off", "input.off", off_seeds},       {"ply", "input.ply", ply_seeds},
-    {"stl", "input.stl", stl_seeds},       {"gltf", "input.gltf", gltf_seeds},    {"glb", "input.glb", glb_seeds},
-    {"bt", "input.bt", bt_seeds},          {"ot", "input.ot", ot_seeds},          {"scene", "input.json", scene_seeds},
-    {"pgm", "input.pgm", pgm_seeds},       {"png", "input.png", png_seeds},       {"npy", "input.npy", npy_seeds},
+    {"obj", "input.obj", obj_seeds},       {"off", "input.off", off_seeds},
+    {"ply", "input.ply", ply_seeds},       {"stl", "input.stl", stl_seeds},
+    {"gltf", "input.gltf", gltf_seeds},    {"glb", "input.glb", glb_seeds},
+    {"bt", "input.bt", bt_seeds},          {"ot", "input.ot", ot_seeds},
+    {"scene", "input.json", scene_seeds},  {"pgm", "input.pgm", pgm_seeds},
+    {"png", "input.png", png_seeds},       {"npy", "input.npy", npy_seeds},
     {"poses", "input.poses", poses_seeds}, {"aabbs", "input.aabbs", aabbs_seeds},
+    {"table", "input.csv", table_seeds},   {"recording", "recorded.npy", recording_seeds},
 };
 
 [[noreturn]] void fault(const std::string& what)
@@ -53,15 +56,25 @@ void check(const OccupancyMap& map)
         fault("a map without bounds");
 }
 
+void check(const Scene& scene)
+{
+    for (const Geometry& geometry : scene.geometries)
+        if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) check(*mesh);
+    for (const auto& pose : scene.poses)
+        if (!why_not_rigid(pose).empty()) fault("a pose that is not rigid");
+}
+
 void load(const fs::path& file)
 {
     const std::string ending = file.extension();
     if (ending == ".json") {
-        const Scene scene = load_scene(file);
-        for (const Geometry& geometry : scene.geometries)
-            if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) check(*mesh);
-        for (const auto& pose : scene.poses)
-            if (!why_not_rigid(pose).empty()) fault("a pose that is not rigid");
+        check(load_scene(file));
+    } else if (ending == ".csv") {
+        check(load_scene(file.parent_path() / "table.json"));
+    } else if (file.filename() == "recorded.npy") {
+        Scene scene = load_scene(file.parent_path() / "recorded.json");
+        Mover mover;
+        for (int frame = 0; frame < std::min(scene.frames, 5); ++frame) mover.move(scene, frame), check(scene);
     } else if (ending == ".bt" || ending == ".ot") {
         check(load_octomap(file));
         check(load_octomap(file, {.unknown_is_occupied = true}));

@@ -208,6 +208,27 @@ std::vector<std::string> aabbs_seeds()
     return {bytes};
 }
 
+std::vector<std::string> table_seeds()
+{
+    return {"name,geometry,x,y,z,qx,qy,qz,qw,vx,vy,vz,layer,mask,group,static\r\n"
+            "a,ball,0.1,-2,3e2,0,0,0.6,0.8,0.5,0,0,2,3,4,0\r\n,\"b, c\",1,2,3,0,0,0,1,0,0,0,1,4294967295,0,1\r\n",
+            "geometry,x,y,z\nball,1,2,3\nball,4,5,6\n"};
+}
+
+/// Two frames of one body, three of two.
+std::vector<std::string> recording_seeds()
+{
+    const auto array = [](const char* shape, int poses, auto number) {
+        std::string header =
+            fmt::format("{{'descr': '<f{}', 'fortran_order': False, 'shape': {}, }}", sizeof number, shape);
+        header.resize(117, ' '), header += '\n';
+        std::string bytes = std::string("\x93NUMPY\x01\0", 8) + char(header.size()) + '\0' + header;
+        for (int i = 0; i < 7 * poses; ++i) number = i % 7 < 3 ? 0.5f : i % 7 == 6, append(bytes, number);
+        return bytes;
+    };
+    return {array("(2, 1, 7)", 2, 0.0), array("(3, 2, 7)", 6, 0.0f)};
+}
+
 void add_companions(const TemporaryFolder& folder)
 {
     folder.write("buffer.bin", gltf_buffer(soup()));
@@ -215,6 +236,11 @@ void add_companions(const TemporaryFolder& folder)
     folder.write("walk.tum", "0 1 2 3 0 0 0 1\n0.5 1 2 4 0 0 0.6 0.8\n");
     folder.write("land.pgm", pgm_seeds()[0]);
     folder.write("expected", "0 1 7\n");
+    const std::string geometries = R"({"geometries": {"ball": {"shape": {"kind": "sphere", "radius": 1}},
+        "b, c": {"shape": {"kind": "box", "half": [1, 1, 1]}}}, )";
+    folder.write("table.json", geometries + R"("tables": [{"file": "input.csv"}]})");
+    folder.write("recorded.json", geometries + R"("bodies": [{"geometry": "ball"}, {"geometry": "ball"}],
+        "recording": {"file": "recorded.npy"}})");
     save_octomap(map(), folder / "map.bt");
 }
 

@@ -21,6 +21,8 @@ std::vector<std::string> npy_seeds();
 std::vector<std::string> scene_seeds();
 std::vector<std::string> poses_seeds();
 std::vector<std::string> aabbs_seeds();
+std::vector<std::string> table_seeds();     ///< CSV
+std::vector<std::string> recording_seeds(); ///< NumPy
 
 /// The files that some of them name.
 void add_companions(const TemporaryFolder& folder);

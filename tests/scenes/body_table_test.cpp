@@ -209,8 +209,9 @@ TEST_F(Hdf5Table, RefusesOtherShapesTypesAndLengths)
     refuse([&](auto& f) { f.add("position", f64, points_, 3); }, "bodies: the column 'geometry' is missing");
     refuse([&](auto& f) { f.add("geometry", i32, zeros_, 0); }, "bodies: the column 'position' is missing");
     const auto with = [&](auto add) { return [&, add](Hdf5Writer& f) { f.add("geometry", i32, zeros_, 0), add(f); }; };
-    refuse(with([&](auto& f) { f.add("position", f64, points_, 2); }), "bodies/position: has 2 dimensions, 3 x 2");
-    refuse(with([&](auto& f) { f.add("position", f64, points_, 0); }), "bodies/position: has 1 dimensions");
+    refuse(with([&](auto& f) { f.add("position", f64, points_, 2); }),
+           "bodies/position: has the shape 3 x 2; it must be a dataset of real numbers, rows x 3");
+    refuse(with([&](auto& f) { f.add("position", f64, points_, 0); }), "bodies/position: has the shape 6; it must");
     refuse(with([&](auto& f) { f.add("position", H5T_NATIVE_LDOUBLE, points_, 3); }), "values of another type");
     refuse(with([&](auto& f) { f.add("position", f64, points_, 3), f.add("rotaton", f64, points_, 3); }),
            "bodies/rotaton: unknown column; valid: position, rotation");
@@ -221,7 +222,7 @@ TEST_F(Hdf5Table, RefusesOtherShapesTypesAndLengths)
     refuse(with([&](auto& f) {
                f.add("position", f64, points_, 3), f.add("layer", f64, std::vector<double>{1, 2}, 0);
            }),
-           "bodies/layer: holds values of another type; it must be a dataset of whole numbers, one a row");
+           "bodies/layer: holds values of another type; it must be a dataset of whole numbers, rows");
     refuse(with([&](auto& f) {
                f.add("position", f64, std::vector<double>{0, 0, 0, 1, NAN, 0}, 3);
            }),

@@ -1,5 +1,6 @@
 #include "command_fixture.hpp"
 
+#include <cmath>
 #include <set>
 #include <thread>
 
@@ -154,6 +155,29 @@ TEST_F(CommandLine, AWrittenSceneRunsLikeItsName)
     EXPECT_EQ(read_json("file.json").at("header").at("frames"), 5);
     ASSERT_EQ(run({"run", "small.json", "--frames", "2", "--quiet", "--json", "file.json"}).code, 0);
     EXPECT_EQ(read_json("file.json").at("header").at("frames"), 2);
+}
+
+TEST_F(CommandLine, ARecordedPoseThatIsNoneEndsTheRunThereWithTheFramesBeforeIt)
+{
+    constexpr int frames = 100, bodies = 2, wrong = 50;
+    std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (100, 2, 7), }";
+    header.resize(117, ' '), header += '\n';
+    std::string bytes = std::string("\x93NUMPY\x01\0", 8) + char(header.size()) + '\0' + header;
+    for (int f = 0; f < frames; ++f)
+        for (int b = 0; b < bodies; ++b) {
+            const float pose[] = {f == wrong && b == 1 ? NAN : 0.1f * float(f * b), 0, 0, 0, 0, 0, 1};
+            bytes.append(reinterpret_cast<const char*>(pose), sizeof pose);
+        }
+    folder_.write("run.npy", bytes);
+    folder_.write("s.json", R"({"geometries": {"ball": {"shape": {"kind": "sphere", "radius": 1}}}, "recording":
+        {"file": "run.npy"}, "bodies": [{"geometry": "ball"}, {"geometry": "ball", "name": "drone"}]})");
+    const Outcome outcome = run({"run", "s.json", "--csv", "r.csv", "--json", "r.json", "--quiet"});
+    EXPECT_EQ(outcome.code, 65);
+    for (const char* part : {"run.npy: frame 50: body 'drone': (nan", "after 50 of 100 frames", "r.csv"})
+        EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
+    EXPECT_EQ(read_json("r.json").at("header").at("frames"), wrong);
+    const std::string rows = folder_.read("r.csv"); // they part after frame 20
+    EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 1 + 21) << rows;
 }
 
 TEST_F(CommandLine, UnwritableOutputsAreRefusedBeforeTheRun)

@@ -63,7 +63,7 @@ std::vector<Mesh> meshes_of(const fs::path& data)
     return meshes;
 }
 
-class Clock {
+class LapTimer {
 public:
     double lap()
     {
@@ -89,18 +89,18 @@ Times run(const std::vector<std::string>& files, const PlantedAssembly& planted,
     const int threads = o.threads ? o.threads : hardware_threads();
     const ClashSettings settings{.clearance = PlantedOptions{}.clearance, .threads = threads};
     Times times{};
-    Clock clock;
+    LapTimer timer;
     const PartList parts = read_parts(files, units, {}, threads);
-    times.read = clock.lap();
+    times.read = timer.lap();
     const Clashes found = find_clashes(parts, settings);
-    times.find = clock.lap();
+    times.find = timer.lap();
     const ClashReport report{parts, found, units.reported(), settings, "", "", {}, parts.warnings};
     OutputFile json(folder / "report.json");
     write_json(json, report), json.commit();
-    times.report = clock.lap();
+    times.report = timer.lap();
     OutputFile page(folder / "report.html");
     write_page(page, report, draw_clashes(report, std::size_t(o.pictures), true)), page.commit();
-    times.page = clock.lap();
+    times.page = timer.lap();
     faults = faults_of(planted, parts, found.list);
     return times;
 }

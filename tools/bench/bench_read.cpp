@@ -92,9 +92,10 @@ public:
         const std::string files = options_.files.empty() ? fmt::format("height fields of {} triangles, seed {}",
                                                                        grouped(2 * cells() * cells()), options_.seed)
                                                          : fmt::format("{} of yours", options_.files.size());
-        say("{}files      {}; the least time of {}, on one thread\n\n{:<12}{:>10}{:>14}{:>10}{:>16}{:>9}{:>10}{:>12}\n",
-            describe_program("reading"), files, options_.repeats, "", "MB", "triangles", "ms", "triangles / s",
-            "MB / s", "peak MB", "bytes each");
+        say("{}files      {}; the least time of {}, on one thread\n\n", describe_program("reading"), files,
+            options_.repeats);
+        say("{:<12}{:>10}{:>14}{:>10}{:>10}{:>16}{:>9}{:>10}{:>12}\n", "", "MB", "triangles", "ms", "wall ms",
+            "a second", "MB / s", "peak MB", "bytes each");
         if (csv_) csv_->print("style,bytes,triangles,ms,wall_ms,triangles_per_s,mb_per_s,peak_bytes\n");
         for (const std::string& file : options_.files) report(file, read_repeatedly(file, options_.repeats), "");
         if (options_.files.empty()) run_styles();

@@ -33,9 +33,9 @@ public:
                                                 fmt::join(real_names, ", "), fmt::join(whole_names, ", ")));
         const auto has = [&](std::string_view name) { return std::ranges::find(names, name) != names.end(); };
         for (std::size_t c = 0; c < reals; ++c)
-            if (has(real_names[c])) real_[c] = open(real_names[c], Hdf5File::Numbers::real, widths[c]);
+            if (has(real_names[c])) real_[c] = open(real_names[c], Hdf5File::Numbers::real, {widths[c]});
         for (std::size_t c = 0; c < wholes; ++c)
-            if (has(whole_names[c])) whole_[c] = open(whole_names[c], Hdf5File::Numbers::whole, 0);
+            if (has(whole_names[c])) whole_[c] = open(whole_names[c], Hdf5File::Numbers::whole, {});
         if (!real_[position]) refuse(rows.file(), fmt::format("{}: the column 'position' is missing", where));
         if (rows.geometry() && whole_[geometry])
             refuse(rows.file(), fmt::format("{}/geometry: is there, and the scene file gives one for all rows", where));
@@ -63,9 +63,9 @@ public:
     }
 
 private:
-    Hdf5Column open(std::string_view name, Hdf5File::Numbers numbers, std::uint64_t width) const
+    Hdf5Column open(std::string_view name, Hdf5File::Numbers numbers, const std::vector<std::uint64_t>& row) const
     {
-        return file_.column(fmt::format("{}/{}", where_, name), numbers, width);
+        return file_.column(fmt::format("{}/{}", where_, name), numbers, row);
     }
     void check_size(const std::optional<Hdf5Column>& column, std::string_view name) const
     {

@@ -1,9 +1,11 @@
 #include <oncollide/scenes/files/tables/hdf5_file.hpp>
 
+#include <algorithm>
 #include <array>
 
 #include <dlfcn.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <hdf5.h>
 
 #include <oncollide/base/error.hpp>
@@ -86,9 +88,11 @@ void check_chunks(const std::string& place, hid_t dataset, int dimensions, std::
     const Hdf5& h5 = hdf5();
     const Hdf5Handle plan(h5.H5Dget_create_plist(dataset), h5.H5Pclose);
     if (!plan.valid() || h5.H5Pget_layout(plan.id()) != H5D_CHUNKED) return;
-    std::array<hsize_t, 2> edges = {1, 1};
-    if (h5.H5Pget_chunk(plan.id(), dimensions, edges.data()) != dimensions || edges[0] > most_bytes ||
-        edges[1] > most_bytes || edges[0] * edges[1] > most_bytes / number_bytes)
+    std::vector<hsize_t> edges(static_cast<std::size_t>(dimensions));
+    double bytes = static_cast<double>(number_bytes);
+    if (h5.H5Pget_chunk(plan.id(), dimensions, edges.data()) != dimensions) bytes = 1e300;
+    for (const hsize_t edge : edges) bytes *= static_cast<double>(edge);
+    if (bytes > static_cast<double>(most_bytes))
         refuse(place, fmt::format("its chunks are larger than {} bytes", most_bytes));
 }
 
@@ -120,14 +124,14 @@ std::vector<std::string> Hdf5File::names_in(const std::string& group) const
     return names;
 }
 
-Hdf5Column Hdf5File::column(const std::string& path, Numbers numbers, std::uint64_t width) const
+Hdf5Column Hdf5File::column(const std::string& path, Numbers numbers, const std::vector<std::uint64_t>& row) const
 {
     const Hdf5& h5 = hdf5();
     Hdf5Column column;
     column.place_ = fmt::format("{}: {}", name_, path);
-    const std::string wanted =
-        fmt::format("must be a dataset of {} numbers, {}", numbers == Numbers::real ? "real" : "whole",
-                    width ? fmt::format("rows x {}", width) : "one a row");
+    std::string wanted =
+        fmt::format("must be a dataset of {} numbers, rows", numbers == Numbers::real ? "real" : "whole");
+    for (const std::uint64_t extent : row) wanted += extent ? fmt::format(" x {}", extent) : " x any";
     column.dataset_ = {h5.H5Dopen2(file_.id(), path.c_str(), H5P_DEFAULT), h5.H5Dclose};
     if (!column.dataset_.valid()) refuse(column.place_, "cannot be opened; it " + wanted);
     column.space_ = {h5.H5Dget_space(column.dataset_.id()), h5.H5Sclose};
@@ -138,23 +142,23 @@ Hdf5Column Hdf5File::column(const std::string& path, Numbers numbers, std::uint6
     const std::size_t bytes = h5.H5Tget_size(type.id());
     if ((kind != H5T_INTEGER && (kind != H5T_FLOAT || numbers == Numbers::whole)) || bytes == 0 || bytes > 8)
         refuse(column.place_, "holds values of another type; it " + wanted);
-    const int dimensions = h5.H5Sget_simple_extent_ndims(column.space_.id());
-    std::array<hsize_t, 2> extent = {0, 1};
-    const bool right_rank = dimensions == (width ? 2 : 1);
-    if (right_rank) h5.H5Sget_simple_extent_dims(column.space_.id(), extent.data(), nullptr);
-    if (!right_rank || (width && extent[1] != width))
-        refuse(column.place_, fmt::format("has {} dimensions{}; it {}", dimensions,
-                                          right_rank ? fmt::format(", {} x {}", extent[0], extent[1]) : "", wanted));
+    const int dimensions = std::max(0, h5.H5Sget_simple_extent_ndims(column.space_.id()));
+    std::vector<hsize_t>& extent = column.extent_;
+    extent.resize(static_cast<std::size_t>(dimensions));
+    if (dimensions > 0) h5.H5Sget_simple_extent_dims(column.space_.id(), extent.data(), nullptr);
+    bool right = extent.size() == row.size() + 1;
+    for (std::size_t k = 0; right && k < row.size(); ++k) right = row[k] == 0 || row[k] == extent[k + 1];
+    if (!right) refuse(column.place_, fmt::format("has the shape {}; it {}", fmt::join(extent, " x "), wanted));
     check_chunks(column.place_, column.dataset_.id(), dimensions, bytes);
-    column.rows_ = extent[0], column.width_ = width;
     return column;
 }
 
 void Hdf5Column::read(std::uint64_t first, std::uint64_t count, std::int64_t type, void* out) const
 {
     const Hdf5& h5 = hdf5();
-    const std::array<hsize_t, 2> start = {first, 0}, extent = {count, width_};
-    const Hdf5Handle memory(h5.H5Screate_simple(width_ ? 2 : 1, extent.data(), nullptr), h5.H5Sclose);
+    std::vector<hsize_t> start(extent_.size(), 0), extent = extent_;
+    start[0] = first, extent[0] = count;
+    const Hdf5Handle memory(h5.H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr), h5.H5Sclose);
     if (h5.H5Sselect_hyperslab(space_.id(), H5S_SELECT_SET, start.data(), nullptr, extent.data(), nullptr) < 0 ||
         h5.H5Dread(dataset_.id(), type, memory.id(), space_.id(), H5P_DEFAULT, out) < 0)
         refuse(place_,

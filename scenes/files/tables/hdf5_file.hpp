@@ -36,8 +36,8 @@ private:
 /// A dataset of numbers, whose first dimension counts rows. Nothing of it is held in memory.
 class Hdf5Column {
 public:
-    /// One per row; `width` numbers in each.
-    std::uint64_t rows() const { return rows_; }
+    std::uint64_t rows() const { return extent_[0]; }
+    std::uint64_t extent(std::size_t dimension) const { return extent_[dimension]; }
     /// Rows `first` to `first + count`, converted as HDF5 does. Throws Error{bad_data} where they cannot be read.
     void read(std::uint64_t first, std::uint64_t count, double* out) const;
     void read(std::uint64_t first, std::uint64_t count, std::int64_t* out) const; ///< of whole numbers
@@ -48,7 +48,7 @@ private:
 
     std::string place_; ///< file and dataset, for errors
     Hdf5Handle dataset_, space_;
-    std::uint64_t rows_ = 0, width_ = 1;
+    std::vector<unsigned long long> extent_;
 };
 
 /// A file open for reading. Errors are Error{bad_data} that begin with the file's name, Error{no_input} for a file that
@@ -60,9 +60,9 @@ public:
     /// What the group holds, by name.
     std::vector<std::string> names_in(const std::string& group) const;
     enum class Numbers { real, whole };
-    /// The dataset of that path: `width` 0 for one dimension, else rows x width. Throws where it has another shape or
-    /// type.
-    Hdf5Column column(const std::string& path, Numbers numbers, std::uint64_t width) const;
+    /// The dataset of that path, whose rows have these extents: none for one number a row; 0: any. Throws where it has
+    /// another shape or type.
+    Hdf5Column column(const std::string& path, Numbers numbers, const std::vector<std::uint64_t>& row) const;
 
 private:
     std::string name_;

@@ -1,0 +1,23 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <oncollide/scenes/files/terrain/height_raster.hpp>
+
+namespace oncollide {
+
+/// What stands before the numbers of a NumPy array. Private to scenes.
+struct NpyHeader {
+    SampleType type;
+    bool columns_first;
+    std::vector<std::uint64_t> shape; ///< empty where it is no list of numbers
+    std::string shape_text;           ///< for errors
+    std::size_t bytes;                ///< where the numbers begin
+};
+
+/// Reads it from the first bytes of a file. Throws Error{bad_data} that begins with `name`.
+NpyHeader read_npy_header(const std::string& name, std::string_view bytes);
+
+} // namespace oncollide

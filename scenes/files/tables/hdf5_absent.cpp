@@ -1,0 +1,32 @@
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/file_bytes.hpp>
+#include <oncollide/scenes/files/tables/body_table.hpp>
+#include <oncollide/scenes/files/tables/recording_file.hpp>
+
+namespace oncollide {
+
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& path)
+{
+    check_readable(path);
+    throw Error(ErrorKind::usage, fmt::format("{}: this build cannot read HDF5; install Debian's libhdf5-dev and "
+                                              "configure with -DONCOLLIDE_HDF5=ON, or use another format",
+                                              path.string()));
+}
+
+} // namespace
+
+void read_hdf5_bodies(BodyRows&, const std::filesystem::path& path, const std::string&)
+{
+    fail(path);
+}
+
+std::unique_ptr<PoseSource> open_hdf5_poses(const std::filesystem::path& path, const std::string&)
+{
+    fail(path);
+}
+
+} // namespace oncollide

@@ -1,0 +1,125 @@
+#include <oncollide/scenes/files/tables/recording_file.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/file_bytes.hpp>
+#include <oncollide/scenes/files/npy.hpp>
+
+namespace oncollide {
+
+namespace {
+
+constexpr std::uint64_t numbers_each = 7;
+
+class RecordingFile final : public Recording {
+public:
+    explicit RecordingFile(std::unique_ptr<PoseSource> source) : source_(std::move(source))
+    {
+        frames = source_->frames, bodies = static_cast<std::uint32_t>(source_->bodies);
+    }
+
+    void read(std::uint64_t frame, std::span<Eigen::Isometry3d> poses,
+              FunctionRef<std::string(std::uint32_t)> name_of) override
+    {
+        frame = std::min(frame, frames - 1);
+        source_->read(frame, numbers_);
+        constexpr double farthest = 1e15, unit = 1e-3;
+        for (std::uint32_t i = 0; i < bodies; ++i) {
+            const double* const n = &numbers_[numbers_each * i];
+            const Eigen::Map<const Eigen::Vector3d> position(n);
+            Eigen::Quaterniond rotation(n[6], n[3], n[4], n[5]);
+            const double length = rotation.norm();
+            if (!(position.cwiseAbs().maxCoeff() <= farthest) || !position.allFinite() ||
+                !(std::abs(length - 1) <= unit))
+                refuse(file,
+                       fmt::format(
+                           "frame {}: {}: ({}, {}, {}), ({}, {}, {}, {}) is no position and quaternion of length 1",
+                           frame, name_of(i), n[0], n[1], n[2], n[3], n[4], n[5], n[6]));
+            if (std::abs(length - 1) > 1e-12) rotation.coeffs() /= length;
+            poses[i].linear() = rotation.toRotationMatrix();
+            poses[i].translation() = position;
+        }
+    }
+
+private:
+    std::unique_ptr<PoseSource> source_;
+    std::vector<double> numbers_;
+};
+
+class NpyPoses final : public PoseSource {
+public:
+    explicit NpyPoses(const std::filesystem::path& path) : name_(path.string())
+    {
+        check_readable(path);
+        in_.open(path, std::ios::binary);
+        constexpr std::size_t longest_header = 70'000;
+        std::string bytes(longest_header, '\0');
+        in_.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+        bytes.resize(static_cast<std::size_t>(in_.gcount()));
+        const NpyHeader header = read_npy_header(name_, bytes);
+        type_ = header.type, begin_ = header.bytes;
+        if (header.shape.size() != 3 || header.shape[2] != numbers_each || header.columns_first)
+            refuse(name_, fmt::format("the shape is {}{}; it must be (frames, bodies, 7), in the order of C",
+                                      header.shape_text, header.columns_first ? ", in the order of Fortran" : ""));
+        if (type_.kind != 'f') refuse(name_, "holds whole numbers; poses must be real ones");
+        frames = header.shape[0], bodies = header.shape[1];
+        const double wanted = double(frames) * double(bodies) * double(numbers_each * type_.size);
+        const std::uintmax_t found = std::filesystem::file_size(path) - begin_;
+        if (wanted != double(found))
+            refuse(name_, fmt::format("{} numbers of {} bytes are announced, and {} bytes are there", header.shape_text,
+                                      type_.size, found));
+    }
+
+    void read(std::uint64_t frame, std::vector<double>& numbers) override
+    {
+        bytes_.resize(bodies * numbers_each * type_.size);
+        in_.clear();
+        in_.seekg(static_cast<std::streamoff>(begin_ + frame * bytes_.size()));
+        in_.read(bytes_.data(), static_cast<std::streamsize>(bytes_.size()));
+        if (in_.gcount() != static_cast<std::streamsize>(bytes_.size()))
+            refuse(name_, fmt::format("frame {}: cannot be read; the file was cut off", frame));
+        numbers = decoded(type_, bytes_);
+    }
+
+private:
+    std::string name_;
+    std::ifstream in_;
+    SampleType type_{};
+    std::size_t begin_ = 0;
+    std::string bytes_;
+};
+
+} // namespace
+
+std::unique_ptr<PoseSource> open_npy_poses(const std::filesystem::path& path)
+{
+    return std::make_unique<NpyPoses>(path);
+}
+
+std::shared_ptr<Recording> open_recording(const Node& entry, const std::filesystem::path& folder)
+{
+    entry.only({"file", "path", "first"});
+    const std::filesystem::path path = file_in(folder, entry["file"].text());
+    const std::string kind = path.extension().string();
+    const bool hdf5 = kind == ".h5" || kind == ".hdf5";
+    if (!hdf5 && kind != ".npy")
+        entry["file"].fail(fmt::format("unknown kind of recording '{}'; known are .npy, .h5, .hdf5", kind));
+    if (!hdf5 && entry.has("path")) entry["path"].fail("is for HDF5 files");
+    const std::string dataset = !hdf5 ? "" : entry.has("path") ? std::string(entry["path"].text()) : "poses";
+    std::unique_ptr<PoseSource> source = hdf5 ? open_hdf5_poses(path, dataset) : open_npy_poses(path);
+    constexpr std::uint64_t most_bodies = 10'000'000;
+    if (source->frames == 0 || source->bodies == 0 || source->bodies > most_bodies)
+        refuse(path.string(), fmt::format("{} frames of {} bodies; there must be one at least, and at most {} bodies",
+                                          source->frames, source->bodies, most_bodies));
+    auto recording = std::make_shared<RecordingFile>(std::move(source));
+    recording->file = path.string(), recording->path = dataset;
+    if (entry.has("first")) recording->first = static_cast<std::uint32_t>(entry["first"].integer(0, most_bodies));
+    return recording;
+}
+
+} // namespace oncollide
