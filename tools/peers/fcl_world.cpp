@@ -12,7 +12,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double milliseconds_since(Clock::time_point& from)
+double lap(Clock::time_point& from)
 {
     const Clock::time_point now = Clock::now();
     const double ms = std::chrono::duration<double, std::milli>(now - from).count();
@@ -107,13 +107,13 @@ FclFrame FclWorld::step(bool contacts)
         w.objects[body]->setTransform(w.scene.poses[body]);
         w.objects[body]->computeAABB();
     }
-    frame.transforms_ms = milliseconds_since(from);
+    frame.transforms_ms = lap(from);
     if (!w.moving.empty()) w.moving_tree.update();
-    frame.update_ms = milliseconds_since(from);
+    frame.update_ms = lap(from);
     w.candidates.clear();
     if (!w.moving.empty()) w.moving_tree.collide(&w, &Impl::take);
     if (!w.moving.empty() && !w.static_tree.empty()) w.moving_tree.collide(&w.static_tree, &w, &Impl::take);
-    frame.pairs_ms = milliseconds_since(from);
+    frame.pairs_ms = lap(from);
     w.colliding.clear();
     for (BodyPair pair : w.candidates) {
         const std::size_t found = fcl_contacts(w.body(pair.a), w.body(pair.b), contacts ? 1'000'000 : 1, contacts);
@@ -121,7 +121,7 @@ FclFrame FclWorld::step(bool contacts)
         if (contacts) frame.contacts += found;
     }
     std::sort(w.colliding.begin(), w.colliding.end());
-    frame.narrow_ms = milliseconds_since(from);
+    frame.narrow_ms = lap(from);
     frame.candidates = w.candidates.size(), frame.colliding = w.colliding;
     return frame;
 }
