@@ -51,14 +51,9 @@ void TerrainTree::make_squares()
     }
 }
 
-/// @param z  the heights at its corners: nine rows of nine, `width` apart
-TerrainTree::Square TerrainTree::square_of(const float* z, std::size_t width) const
+/// Of the eight blocks of a square, as square_of() has it.
+void TerrainTree::ranges_of_blocks(const float* z, std::size_t width, bool holes, Range (&of)[8])
 {
-    Range of[8];
-    bool holes = false;
-    if (terrain_.holes())
-        for (std::uint32_t j = 0; j <= square_side; ++j)
-            for (std::uint32_t i = 0; i <= square_side; ++i) holes |= std::isnan(z[j * width + i]);
     for (std::uint32_t k = 0; k < 8; ++k) {
         const std::uint32_t x = k % 2 * 4, y = k / 2 * 2;
         Range& range = of[k] = {nothing, -nothing};
@@ -83,7 +78,17 @@ TerrainTree::Square TerrainTree::square_of(const float* z, std::size_t width) co
         range.low = less(less(low[0], low[1]), less(low[2], low[3]));
         range.high = more(more(high[0], high[1]), more(high[2], high[3]));
     }
+}
 
+/// @param z  the heights at its corners: nine rows of nine, `width` apart
+TerrainTree::Square TerrainTree::square_of(const float* z, std::size_t width) const
+{
+    Range of[8];
+    bool holes = false;
+    if (terrain_.holes())
+        for (std::uint32_t j = 0; j <= square_side; ++j)
+            for (std::uint32_t i = 0; i <= square_side; ++i) holes |= std::isnan(z[j * width + i]);
+    ranges_of_blocks(z, width, holes, of);
     Range whole{nothing, -nothing};
     for (const Range& r : of) whole.low = std::min(whole.low, r.low), whole.high = std::max(whole.high, r.high);
     Square square{};
@@ -115,18 +120,13 @@ void TerrainTree::add_slabs(Square& square, const float* z, std::size_t width, b
             b += (float(i) - middle) * rows[i] / squares;
         }
     }
+    float above[line * line];
+    for (std::uint32_t j = 0; j < line; ++j)
+        for (std::uint32_t i = 0; i < line; ++i)
+            above[j * line + i] = z[j * width + i] - (a * (float(i) - middle) + b * (float(j) - middle));
     Range of[8], whole{nothing, -nothing};
-    for (std::uint32_t k = 0; k < 8; ++k) {
-        of[k] = {nothing, -nothing};
-        const std::uint32_t x = k % 2 * 4, y = k / 2 * 2;
-        for (std::uint32_t j = y; j <= y + 2; ++j)
-            for (std::uint32_t i = x; i <= x + 4; ++i) {
-                const float above = z[j * width + i] - (a * (float(i) - middle) + b * (float(j) - middle));
-                of[k].low = above < of[k].low ? above : of[k].low; // not of holes
-                of[k].high = above > of[k].high ? above : of[k].high;
-            }
-        whole.low = std::min(whole.low, of[k].low), whole.high = std::max(whole.high, of[k].high);
-    }
+    ranges_of_blocks(above, line, holes, of);
+    for (const Range& r : of) whole.low = std::min(whole.low, r.low), whole.high = std::max(whole.high, r.high);
     square.slope_x = a / static_cast<float>(terrain_.spacing().x());
     square.slope_y = b / static_cast<float>(terrain_.spacing().y());
     square.slab_low = whole.low, square.slab_step = whole.low <= whole.high ? (whole.high - whole.low) / 255 : 0;

@@ -142,6 +142,7 @@ private:
     void cell_ranges(const Node& node, Range (&ranges)[8]) const;
     void make_squares();
     Square square_of(const float* z, std::size_t width) const;
+    static void ranges_of_blocks(const float* z, std::size_t width, bool holes, Range (&of)[8]);
     void add_slabs(Square& square, const float* z, std::size_t width, bool holes) const;
     Slab slab_around(std::uint32_t level, std::uint32_t x, std::uint32_t y) const;
     void make_level(std::uint32_t level);
