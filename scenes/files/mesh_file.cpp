@@ -8,7 +8,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
-#include <oncollide/scenes/files/mesh_source.hpp>
+#include <oncollide/scenes/files/mesh/mesh_source.hpp>
 
 namespace oncollide {
 

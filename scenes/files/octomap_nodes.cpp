@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/scenes/files/mesh_source.hpp>
+#include <oncollide/scenes/files/mesh/mesh_source.hpp>
 #include <oncollide/scenes/model/map_change.hpp>
 
 namespace oncollide {

@@ -1,5 +1,5 @@
 #include <oncollide/base/random.hpp>
-#include <oncollide/scenes/files/decimal.hpp>
+#include <oncollide/scenes/files/mesh/decimal.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 
 #include <array>

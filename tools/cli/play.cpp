@@ -6,6 +6,7 @@
 #include <functional>
 #include <iostream>
 #include <mutex>
+#include <system_error>
 #include <thread>
 
 #include <fmt/format.h>
@@ -22,10 +23,16 @@ namespace {
 constexpr int interrupted_code = 130; // as shells have it for Ctrl-C
 
 /// Ends the program when somebody interrupts it and the frame in hand does not end: a thread that looks every 50 ms,
-/// and writes what the frames before have given.
+/// and writes what the frames before have given. Where no thread is to be had a frame is waited for.
 class Watchdog {
 public:
-    explicit Watchdog(std::function<void()> end) : end_(std::move(end)), thread_([this] { watch(); }) {}
+    explicit Watchdog(std::function<void()> end) : end_(std::move(end))
+    {
+        try {
+            thread_ = std::thread([this] { watch(); });
+        } catch (const std::system_error&) { // short of memory, mostly
+        }
+    }
     ~Watchdog()
     {
         {
@@ -33,7 +40,7 @@ public:
             over_ = true;
         }
         wake_.notify_all();
-        thread_.join();
+        if (thread_.joinable()) thread_.join();
     }
     /// Held while the report changes. Once the watchdog has it, it stays there.
     std::mutex& mutex() { return mutex_; }

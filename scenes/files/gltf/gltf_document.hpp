@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <oncollide/scenes/files/json/json_node.hpp>
-#include <oncollide/scenes/files/mesh_source.hpp>
+#include <oncollide/scenes/files/mesh/mesh_source.hpp>
 
 namespace oncollide {
 

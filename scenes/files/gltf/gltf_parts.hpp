@@ -5,7 +5,7 @@
 
 #include <Eigen/Geometry>
 
-#include <oncollide/scenes/files/mesh_source.hpp>
+#include <oncollide/scenes/files/mesh/mesh_source.hpp>
 
 namespace oncollide {
 

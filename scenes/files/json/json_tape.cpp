@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <oncollide/scenes/files/decimal.hpp>
+#include <oncollide/scenes/files/mesh/decimal.hpp>
 
 namespace oncollide {
 

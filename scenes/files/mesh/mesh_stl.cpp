@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/scenes/files/welder.hpp>
+#include <oncollide/scenes/files/mesh/welder.hpp>
 
 namespace oncollide {
 

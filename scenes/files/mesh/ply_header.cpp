@@ -1,4 +1,4 @@
-#include <oncollide/scenes/files/ply_header.hpp>
+#include <oncollide/scenes/files/mesh/ply_header.hpp>
 
 #include <algorithm>
 #include <array>

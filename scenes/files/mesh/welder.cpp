@@ -1,4 +1,4 @@
-#include <oncollide/scenes/files/welder.hpp>
+#include <oncollide/scenes/files/mesh/welder.hpp>
 
 #include <algorithm>
 #include <array>

@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/large_vector.hpp>
-#include <oncollide/scenes/files/ply_header.hpp>
-#include <oncollide/scenes/files/polygon_list.hpp>
+#include <oncollide/scenes/files/mesh/ply_header.hpp>
+#include <oncollide/scenes/files/mesh/polygon_list.hpp>
 
 namespace oncollide {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <oncollide/scenes/files/mesh_source.hpp>
+#include <oncollide/scenes/files/mesh/mesh_source.hpp>
 
 namespace oncollide::ply {
 

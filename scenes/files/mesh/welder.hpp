@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <oncollide/base/large_vector.hpp>
-#include <oncollide/scenes/files/mesh_source.hpp>
+#include <oncollide/scenes/files/mesh/mesh_source.hpp>
 
 namespace oncollide {
 

@@ -1,4 +1,4 @@
-#include <oncollide/scenes/files/mesh_source.hpp>
+#include <oncollide/scenes/files/mesh/mesh_source.hpp>
 
 #include <charconv>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/scenes/files/decimal.hpp>
+#include <oncollide/scenes/files/mesh/decimal.hpp>
 
 namespace oncollide {
 

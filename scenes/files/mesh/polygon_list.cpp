@@ -1,4 +1,4 @@
-#include <oncollide/scenes/files/polygon_list.hpp>
+#include <oncollide/scenes/files/mesh/polygon_list.hpp>
 
 #include <algorithm>
 #include <array>

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/large_vector.hpp>
-#include <oncollide/scenes/files/decimal.hpp>
-#include <oncollide/scenes/files/polygon_list.hpp>
+#include <oncollide/scenes/files/mesh/decimal.hpp>
+#include <oncollide/scenes/files/mesh/polygon_list.hpp>
 
 namespace oncollide {
 

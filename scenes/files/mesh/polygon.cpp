@@ -4,7 +4,7 @@
 
 #include <Eigen/Geometry>
 
-#include <oncollide/scenes/files/polygon_list.hpp>
+#include <oncollide/scenes/files/mesh/polygon_list.hpp>
 
 namespace oncollide {
 

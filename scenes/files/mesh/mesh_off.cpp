@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/scenes/files/polygon_list.hpp>
+#include <oncollide/scenes/files/mesh/polygon_list.hpp>
 
 namespace oncollide {
 

@@ -9,8 +9,8 @@
 #include <oncollide/scenes/files/gltf/gltf_accessor.hpp>
 #include <oncollide/scenes/files/gltf/gltf_nodes.hpp>
 #include <oncollide/scenes/files/gltf/gltf_parts.hpp>
-#include <oncollide/scenes/files/mesh_source.hpp>
-#include <oncollide/scenes/files/welder.hpp>
+#include <oncollide/scenes/files/mesh/mesh_source.hpp>
+#include <oncollide/scenes/files/mesh/welder.hpp>
 
 namespace oncollide {
 
