@@ -16,6 +16,8 @@ constexpr unsigned most_lanes = 8;
 /// Triangles whose box is fitted. Boxes of more lie along the mesh's axes: fitting costs ten times what looking at
 /// bounds does, and of a mesh so large the first answer would wait for it.
 constexpr std::size_t most_fitted = 16384;
+/// Room for so many is kept from one node to the next.
+constexpr std::size_t most_kept = 256;
 /// Of more the upper levels come from a grid.
 constexpr std::size_t most_split = 131072;
 /// Items that are halved at their median; those that are sorted to try every cut; of more, cuts are tried between
@@ -122,7 +124,7 @@ std::uint32_t ObbTree::grow(std::uint32_t parent, unsigned k)
         split(node, items_, std::min(most_lanes, count), begin);
     else // a leaf: others may be reading the order of its triangles, which must stay
         for (std::uint32_t i = 0; i < count; ++i) add_lane(node, std::span(items_).subspan(i, 1), begin + i);
-    if (count > most_fitted) items_ = {}, points_ = {}; // rarely needed again, and then less
+    if (count > most_kept) items_ = {}, points_ = {}; // rarely needed again, and then less
     std::atomic_ref(above.child[k]).store(index, std::memory_order_release);
     return index;
 }
