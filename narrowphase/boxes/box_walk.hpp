@@ -219,7 +219,7 @@ private:
     /// Around the pair, which waited or is in the boxes of an entry.
     void set_place(const A& a, const B& b, std::optional<Place>* place, const Pair& pair, const Entry* from = nullptr)
     {
-        constexpr int levels = 2; // up to a hundred triangles: mostly they meet there again, after a tenth of a walk
+        constexpr int levels = 2; // up to a hundred triangles: mostly they meet there again, for a quarter of a walk
         if (!place) return;
         for (std::size_t i = 0; i < from_.size(); ++i)
             if (waiting_[i].a == pair.a && waiting_[i].b == pair.b) from = &from_[i];

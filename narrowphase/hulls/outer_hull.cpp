@@ -19,6 +19,17 @@ using Eigen::Vector3f;
 constexpr double most_cover = 0x1p-8;
 constexpr std::size_t most_points = 512;
 
+std::uint32_t number_of_farthest(const PointColumns& points, const Vector3f& direction)
+{
+    const auto& [x, y, z] = points.xyz;
+    return box_kernel().farthest(x.data(), y.data(), z.data(), static_cast<std::uint32_t>(x.size()), direction.data());
+}
+
+Vector3d point(const PointColumns& points, std::size_t i)
+{
+    return Vector3f(points.xyz[0][i], points.xyz[1][i], points.xyz[2][i]).cast<double>();
+}
+
 /// The points of a difference of two convex sets, b - a, searched for the one nearest to 0 (Gilbert, Johnson and
 /// Keerthi, "A fast procedure for computing the distance between complex objects in three-dimensional space", 1988).
 struct Search {
@@ -65,9 +76,6 @@ private:
 OuterHull::OuterHull(const Mesh& mesh) : centre_(mesh.bounds.centre())
 {
     const PointColumns all = used_points(mesh, centre_);
-    const auto at = [&](std::size_t i) -> Vector3d {
-        return Vector3f(all.xyz[0][i], all.xyz[1][i], all.xyz[2][i]).cast<double>();
-    };
     std::vector<bool> chosen(all.size());
     constexpr int side = 2;
     for (int x = -side; x <= side; ++x)
@@ -75,15 +83,14 @@ OuterHull::OuterHull(const Mesh& mesh) : centre_(mesh.bounds.centre())
             for (int z = -side; z <= side; ++z) {
                 if (std::max({std::abs(x), std::abs(y), std::abs(z)}) < side) continue;
                 const Vector3f d = Vector3f(float(x), float(y), float(z)).normalized();
-                const std::uint32_t i = box_kernel().farthest(all.xyz[0].data(), all.xyz[1].data(), all.xyz[2].data(),
-                                                              static_cast<std::uint32_t>(all.size()), d.data());
+                const std::uint32_t i = number_of_farthest(all, d);
                 if (!chosen[i]) chosen[i] = true, add(all, i);
             }
     const double allowed = most_cover * mesh.bounds.diagonal();
     Simplex4 last; // of the vertex before, which is mostly close by
     for (std::size_t i = 0; i < all.size(); ++i) {
         if (chosen[i]) continue;
-        const Vector3d p = at(i);
+        const Vector3d p = point(all, i);
         const bool full = count_ >= most_points;
         const double bar = full ? std::max(cover_, allowed) : allowed;
         Search search;
@@ -121,10 +128,7 @@ void OuterHull::add(const PointColumns& from, std::size_t i)
 
 Vector3d OuterHull::farthest(const Vector3f& direction) const
 {
-    const auto& [x, y, z] = points_.xyz;
-    const std::uint32_t i =
-        box_kernel().farthest(x.data(), y.data(), z.data(), static_cast<std::uint32_t>(x.size()), direction.data());
-    return Vector3f(x[i], y[i], z[i]).cast<double>();
+    return point(points_, number_of_farthest(points_, direction));
 }
 
 HullGap hull_gap(const OuterHull& a, const OuterHull& b, const RelativePose& b_to_a, double wanted,
