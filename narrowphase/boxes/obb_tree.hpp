@@ -6,9 +6,10 @@
 #include <span>
 #include <vector>
 
+#include <oncollide/narrowphase/boxes/box_fit.hpp>
 #include <oncollide/narrowphase/boxes/grid_split.hpp>
 #include <oncollide/narrowphase/boxes/hierarchy.hpp>
-#include <oncollide/narrowphase/exact/triangle_test.hpp>
+#include <oncollide/narrowphase/boxes/triangle_parts.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 
 namespace oncollide {
@@ -72,6 +73,7 @@ private:
     std::uint32_t add_node();
     std::uint32_t grow_by_grid(BoxNode& above, unsigned k);
     std::uint32_t add_nodes(const GridPart& part, std::uint32_t begin);
+    void add_lane(BoxNode& node, std::size_t from, std::size_t to, std::uint32_t begin);
 
     const Mesh& mesh_;
     const std::uint32_t identity_;
@@ -81,29 +83,8 @@ private:
     std::vector<std::unique_ptr<BoxNode[]>> chunks_; ///< as many as there can be; null until used
     std::atomic<std::uint32_t> used_ = 0;
     std::mutex growing_;
-
-    struct Item {
-        float place[3]; ///< thrice the triangle's centre, from the tree's
-        float low[3], high[3];
-        std::uint32_t triangle;
-    };
-    /// Two parts of the items: the first `at` of them along the axis, and the others.
-    struct Cut {
-        int axis;
-        std::size_t at;
-        float cost; ///< the area of a box around each part times its triangles, summed
-    };
-    Item item_of(std::uint32_t triangle) const;
-    bool before(const Item& x, const Item& y, int axis) const;
-    bool before_in_a_tie(const Item& x, const Item& y, int axis) const;
-    Cut best_of_few(std::span<Item> items, std::size_t least, std::size_t most, int axis) const;
-    Cut best_of_slices(std::span<const Item> items, std::size_t least, std::size_t most, int axis, float low,
-                       float high) const;
-    void halve(std::span<Item> items, std::size_t half, int axis, float low, float high) const;
-    void split(BoxNode& node, std::span<Item> items, unsigned lanes, std::uint32_t begin);
-    void add_lane(BoxNode& node, std::span<const Item> items, std::uint32_t begin);
-    std::vector<Item> items_; ///< of the box that grows
-    std::vector<TrianglePoints> points_;
+    TriangleParts parts_; ///< of the box that grows
+    TriangleColumns columns_;
 };
 
 } // namespace oncollide

@@ -9,7 +9,7 @@ namespace oncollide {
 
 namespace {
 
-constexpr int most_looks = 8; ///< by Newton's method, which takes four to six
+constexpr int most_newton_steps = 8; ///< by Newton's method, which takes four to six
 
 bool is_enough(const ConvexDistance& d, const EnoughDistance& enough, double rounding)
 {
@@ -24,7 +24,7 @@ bool look_along_normals(const ConvexDifference& cores, const EnoughDistance& eno
     const double rounding = cores.rounding();
     Eigen::Vector3d n = v.normalized();
     double last = -std::numeric_limits<double>::infinity();
-    for (int look = 0; look < most_looks; ++look) {
+    for (int look = 0; look < most_newton_steps; ++look) {
         const ConvexDifference::Point p = cores.support(-n);
         const double apart = n.dot(p.w), upper = p.w.norm() + rounding;
         if (!(apart > last)) break; // faces, edges, or as near as doubles come

@@ -1,0 +1,67 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <oncollide/base/aabb.hpp>
+#include <oncollide/narrowphase/exact/triangle_test.hpp>
+#include <oncollide/scenes/model/mesh.hpp>
+
+namespace oncollide {
+
+/// The triangles of one box of an ObbTree, cut into the parts that get boxes of their own: each time where boxes around
+/// both sides have the least area for their triangles, with two fifths of them at least on either side. The parts do
+/// not depend on the order in which the triangles come. Working memory.
+class TriangleParts {
+public:
+    /// With these triangles of a mesh. All places are relative to the centre.
+    void start(const Mesh& mesh, const Eigen::Vector3d& centre, std::span<const std::uint32_t> triangles);
+    /// Sorts them into so many parts, eight at most, none of them empty.
+    void split(unsigned parts);
+    /// Part k is [end(k - 1), end(k)) of the order so made.
+    std::size_t end(unsigned k) const { return ends_[k]; }
+
+    /// By the order as it is now.
+    std::uint32_t triangle(std::size_t i) const { return triangles_[items_[i].number]; }
+    const TrianglePoints& corners(std::size_t i) const { return corners_[items_[i].number]; }
+    /// Of those in [from, to), as floats.
+    Aabb bounds(std::size_t from, std::size_t to) const;
+
+    std::size_t bytes() const;
+    static const std::size_t bytes_each; ///< of a triangle
+
+private:
+    struct Item {
+        std::array<float, 3> place; ///< thrice the triangle's centre
+        std::uint32_t number;       ///< when they came
+    };
+    /// A box along the mesh's axes. The fourth lanes are 0.
+    struct Bounds {
+        Eigen::Array4f low, high;
+    };
+    struct Growing;
+    /// Two sides of the items: the first `at` of them along the axis, and the others.
+    struct Cut {
+        int axis;
+        std::size_t at;
+        float cost; ///< the area of a box around each side times its triangles, summed
+    };
+    void split(std::span<Item> items, unsigned parts, std::size_t begin, unsigned first);
+    bool before(const Item& x, const Item& y, int axis) const;
+    bool before_in_a_tie(const Item& x, const Item& y, int axis) const;
+    Cut best_of_few(std::span<Item> items, std::size_t least, std::size_t most, int axis) const;
+    Cut best_of_slices(std::span<const Item> items, std::size_t least, std::size_t most, int axis, float low,
+                       float high) const;
+    void halve(std::span<Item> items, std::size_t half, int axis, float low, float high) const;
+
+    std::vector<Item> items_;
+    std::vector<Bounds> bounds_; ///< by number, as the next two
+    std::vector<TrianglePoints> corners_;
+    std::vector<std::uint32_t> triangles_; ///< in the mesh
+    std::array<std::size_t, 8> ends_;
+};
+
+} // namespace oncollide
