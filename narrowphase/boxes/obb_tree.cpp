@@ -1,7 +1,9 @@
 #include <oncollide/narrowphase/boxes/obb_tree.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include <oncollide/narrowphase/boxes/oriented_box.hpp>
@@ -16,8 +18,6 @@ constexpr unsigned most_lanes = 8;
 constexpr std::size_t most_fitted = 16384;
 /// Room for so many is kept from one node to the next.
 constexpr std::size_t most_kept = 256;
-/// Of more the upper levels come from a grid.
-constexpr std::size_t most_split = 131072;
 
 std::atomic<std::uint32_t> trees_made = 1;
 
@@ -45,6 +45,52 @@ LaneMasks ObbTree::open(Node index, const BoxPlacement* placement, OpenBoxes& bo
     const BoxNode& from = node(index);
     oriented_box_kernel().open(from, placement, boxes);
     return {from.leaves, from.singles};
+}
+
+double ObbTree::starts(const Aabb& box, double size, std::vector<Node>& nodes)
+{
+    nodes.clear();
+    if (child(root, 0) >= aligned_) return nodes.push_back(root), std::numeric_limits<double>::infinity();
+    // A margin of half the box, so that what is left out is not merely apart.
+    const double margin = 0.25 * (box.max - box.min).maxCoeff(), out = margin + 0x1p-20 * radius_; // for floats
+    const Eigen::Array3f low = ((box.min - centre_).array() - out).cast<float>();
+    const Eigen::Array3f high = ((box.max - centre_).array() + out).cast<float>();
+    const auto lanes_near = [&](const BoxNode& node) {
+        const std::int16_t* const places[3] = {node.x, node.y, node.z};
+        const std::uint16_t* const halves[3] = {node.hx, node.hy, node.hz};
+        bool apart[8] = {};
+        for (int axis = 0; axis < 3; ++axis) {
+            const float from = (low[axis] - node.origin[axis]) / node.unit,
+                        to = (high[axis] - node.origin[axis]) / node.unit;
+            for (unsigned k = 0; k < 8; ++k) {
+                const auto place = float(places[axis][k]), half = float(halves[axis][k]);
+                apart[k] |= place + half < from || place - half > to;
+            }
+        }
+        unsigned near = 0;
+        for (unsigned k = 0; k < node.lanes; ++k) near |= unsigned(!apart[k]) << k;
+        return near;
+    };
+    std::array<std::uint32_t, 128> waiting; // seven more for each level, of which there are a dozen
+    std::size_t count = 0;
+    waiting[count++] = root;
+    while (count) {
+        const std::uint32_t index = waiting[--count];
+        BoxNode& node = at(index);
+        const unsigned near = lanes_near(node);
+        const double reach = 0.5 * 32767 * double(node.unit); // of the ball that the node's boxes are in
+        bool deeper = reach * reach > size && count + 8 <= waiting.size();
+        std::uint32_t children[8];
+        for (unsigned left = near; left; left &= left - 1) {
+            const auto k = static_cast<unsigned>(__builtin_ctz(left));
+            children[k] = std::atomic_ref(node.child[k]).load(std::memory_order_acquire);
+            deeper = deeper && children[k] > 0 && children[k] < aligned_;
+        }
+        if (!deeper && near) nodes.push_back(index);
+        for (unsigned left = deeper ? near : 0; left; left &= left - 1)
+            waiting[count++] = children[__builtin_ctz(left)];
+    }
+    return margin;
 }
 
 void ObbTree::number_triangles()
@@ -101,6 +147,7 @@ std::uint32_t ObbTree::grow_by_grid(BoxNode& above, unsigned k)
     const GridPart all = split_by_grid(mesh_, centre_, std::span(order_).subspan(begin, above.count[k]), around);
     if (all.parts.empty()) return 0;
     const std::uint32_t index = add_nodes(all, begin);
+    if (&above == &at(root)) aligned_ = used_;
     std::atomic_ref(above.child[k]).store(index, std::memory_order_release);
     return index;
 }

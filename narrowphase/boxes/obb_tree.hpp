@@ -37,6 +37,11 @@ public:
     /// A node that holds the box of the whole mesh alone.
     static constexpr Node root = 0;
     LaneMasks open(Node index, const BoxPlacement* placement, OpenBoxes& boxes) const;
+    /// Where to start for what is in a box, in the mesh's frame: nodes of boxes along its axes, as deep as there are
+    /// such and as they are larger than a ball of that squared radius, that hold it together. Returns how far from the
+    /// box all else is at least.
+    double starts(const Aabb& box, double size, std::vector<Node>& nodes);
+    bool large() const { return mesh_.triangles.size() > most_split; }
     std::span<const std::uint32_t> primitives(Node index, unsigned k) const
     {
         return std::span(order_).subspan(node(index).begin[k], node(index).count[k]);
@@ -65,6 +70,8 @@ public:
 
 private:
     static constexpr std::uint32_t chunk = 64;
+    /// Of more triangles the upper levels come from a grid.
+    static constexpr std::size_t most_split = 131072;
     static std::size_t room_in(const Mesh& mesh, std::size_t number); ///< nodes of a chunk
 
     BoxNode& at(std::uint32_t index) { return chunks_[index / chunk][index % chunk]; }
@@ -82,6 +89,8 @@ private:
     std::vector<std::uint32_t> order_;
     std::vector<std::unique_ptr<BoxNode[]>> chunks_; ///< as many as there can be; null until used
     std::atomic<std::uint32_t> used_ = 0;
+    std::uint32_t aligned_ =
+        0; ///< so many nodes, the first, hold boxes along the mesh's axes; set before they are seen
     std::mutex growing_;
     TriangleParts parts_; ///< of the box that grows
     TriangleColumns columns_;

@@ -170,6 +170,43 @@ TEST(GridSplit, ATreeOfALargeMeshHoldsEveryTriangleInEachOfItsBoxes)
     }
 }
 
+/// Nodes to start at hold all that is near a box; the rest is as far away as it is said to be.
+TEST(GridSplit, WalksMayStartNearABox)
+{
+    for (const auto& [name, mesh] : large_meshes()) {
+        SCOPED_TRACE(name);
+        ObbTree tree(mesh);
+        ASSERT_TRUE(tree.large());
+        std::vector<ObbTree::Node> nodes;
+        std::size_t most = 0;
+        for (std::uint64_t seed = 0; seed < 20; ++seed) {
+            const Vector3d& corner = mesh.vertices[seed * 997 % mesh.vertices.size()];
+            const double half = 0.1 * tree.radius() * u01(seed, 3, 0) * (seed % 3 ? 1 : 1e-5);
+            Aabb box{corner.array() - half, corner.array() + half};
+            const double gap = tree.starts(box, half * half, nodes);
+            std::vector<std::uint8_t> held(mesh.triangles.size());
+            for (const ObbTree::Node node : nodes)
+                for (unsigned k = 0; k < tree.node(node).lanes; ++k)
+                    for (std::uint32_t i = 0; i < tree.node(node).count[k]; ++i)
+                        ++held[tree.triangle(tree.node(node).begin[k] + i)];
+            std::size_t many = 0;
+            for (std::uint32_t t = 0; t < held.size(); ++t) {
+                ASSERT_LE(held[t], 1) << "each once";
+                many += held[t];
+                if (held[t]) continue;
+                Aabb of;
+                for (std::uint32_t v : mesh.triangles[t]) of.add(mesh.vertices[v]);
+                const Vector3d between = (of.min - box.max).cwiseMax(box.min - of.max);
+                ASSERT_GE(between.maxCoeff(), gap) << seed;
+            }
+            most = std::max(most, many);
+        }
+        if (&mesh == &large_meshes()[0].mesh || &mesh == &large_meshes()[1].mesh) { // the grid tells those apart
+            EXPECT_LT(most, mesh.triangles.size() / 2) << "no more than the surroundings";
+        }
+    }
+}
+
 TEST(GridSplit, ALargeMeshMeetsWhatItsTrianglesMeet)
 {
     const Mesh& knot = large_meshes()[1].mesh;
@@ -198,6 +235,19 @@ TEST(GridSplit, ALargeMeshMeetsWhatItsTrianglesMeet)
         }
         std::ranges::sort(truth);
         EXPECT_EQ(found, truth) << seed;
+        const RelativePose a_to_b(pose, Eigen::Isometry3d::Identity());
+        walk.all_meeting(b, a, a_to_b, found);
+        EXPECT_EQ(found.size(), truth.size()) << seed;
+        for (const auto& [t, i] : found) EXPECT_TRUE(std::ranges::count(truth, TrianglePair{i, t})) << seed;
+        // Distances are found from the roots.
+        const double distance = walk.distance(a, b, b_to_a, 1e-9).upper;
+        EXPECT_EQ(distance == 0, !truth.empty()) << seed;
+        EXPECT_LE(walk.first_meeting(a, b, b_to_a).bound, distance) << seed;
+        EXPECT_LE(walk.first_meeting(b, a, a_to_b).bound, distance) << seed;
+        for (const double share : {0.9, 1.1}) {
+            EXPECT_EQ(walk.near(a, b, b_to_a, share * distance, 0).near, share > 1 || distance == 0) << seed;
+            EXPECT_EQ(walk.near(b, a, a_to_b, share * distance, 0).near, share > 1 || distance == 0) << seed;
+        }
         (truth.empty() ? apart : met) += 1;
     }
     EXPECT_GT(met, 5);
