@@ -4,8 +4,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <optional>
-#include <span>
 
 namespace oncollide::test {
 namespace {
@@ -102,7 +100,7 @@ TEST_F(View, ThePageHoldsTheFramesOfTheRun)
         // Rounding keeps what is certain.
         const nlohmann::json& pair = frame.at("pairs")[0];
         const double bound = pair[3], kept = floats(fmt::format("f{}", f), 5, 1)[0];
-        pair[2] == "separate" ? EXPECT_LE(kept, bound) : EXPECT_GE(kept, bound);
+        EXPECT_TRUE(pair[2] == "separate" ? kept <= bound : kept >= bound) << pair;
         EXPECT_NEAR(kept, bound, 1e-6);
     }
     EXPECT_GT(colliding, 0u);
@@ -111,14 +109,14 @@ TEST_F(View, ThePageHoldsTheFramesOfTheRun)
 
 TEST_F(View, ThePageNeedsNothingElse)
 {
-    ASSERT_EQ(run_without_three({"run", "city", "--bodies", "40", "--frames", "3", "--quiet", "--view", "x.html"}).err, "");
+    ASSERT_EQ(run_without_three({"run", "city", "--bodies", "40", "--frames", "3", "--quiet", "--view", "x.html"}).err,
+              "");
     const std::string page = folder_.read("x.html");
     for (const char* outside : {"http://", "https://", " src=", " href=", "@import", "url("})
         EXPECT_EQ(page.find(outside), std::string::npos) << outside;
     EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
     EXPECT_EQ(page.find("three </script>"), std::string::npos) << "what is embedded ends no element";
     EXPECT_NE(page.find("three <\\/script>"), std::string::npos);
-    EXPECT_EQ(page.find("NaN"), page.find("NaN", 0)) << page.size();
 }
 
 TEST_F(View, NamesAreTextAndNothingElse)
@@ -136,15 +134,19 @@ TEST_F(View, NamesAreTextAndNothingElse)
 TEST_F(View, JsonHoldsNumbersAlone)
 {
     write_scene("scene.json", 0.9);
-    ASSERT_EQ(run_without_three({"run", "scene.json", "--quiet", "--node-budget", "1", "--depth", "8", "--view", "x.html"}).code, 0);
+    ASSERT_EQ(
+        run_without_three({"run", "scene.json", "--quiet", "--node-budget", "1", "--depth", "8", "--view", "x.html"})
+            .code,
+        0);
     const std::string text = block("header");
-    for (const char* none : {"NaN", "nan", "Infinity", "inf,", "inf]"}) EXPECT_EQ(text.find(none), std::string::npos) << none;
+    for (const char* none : {"NaN", "nan", "Infinity", "inf,", "inf]"})
+        EXPECT_EQ(text.find(none), std::string::npos) << none;
 }
 
 TEST_F(View, ALimitThinsOutAndSaysSo)
 {
-    const Outcome outcome = run_without_three(
-        {"run", "city", "--bodies", "3000", "--frames", "40", "--view", "x.html", "--view-limit", "2"});
+    const Outcome outcome = run_without_three({"run", "boxes", "--bodies", "2000", "--frames", "40", "--skip", "ocst",
+                                               "--view", "x.html", "--view-limit", "2"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_NE(outcome.err.find("frames (one in "), std::string::npos) << outcome.err;
     EXPECT_NE(outcome.err.find("--view-limit allows 2.0 MB"), std::string::npos) << outcome.err;
@@ -157,8 +159,9 @@ TEST_F(View, ALimitThinsOutAndSaysSo)
     const int step = h.at("frames")[1].at("frame");
     for (std::size_t k = 0; k < h.at("frames").size(); ++k) EXPECT_EQ(h.at("frames")[k].at("frame"), step * int(k));
 
-    expect_error(64, {"run", "many", "--bodies", "100000", "--frames", "1", "--quiet", "--view", "y.html", "--view-limit", "2"},
-                 {"--view-limit", "100,000 bodies", "or more"});
+    expect_error(
+        64, {"run", "many", "--bodies", "100000", "--frames", "1", "--quiet", "--view", "y.html", "--view-limit", "2"},
+        {"--view-limit", "100,000 bodies", "or more"});
 }
 
 TEST_F(View, LargeMeshesAreSimplified)
@@ -253,8 +256,9 @@ protected:
         const Outcome outcome = run_program(
             chromium,
             {"--headless", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-             "--hide-scrollbars", "--disable-dev-shm-usage", "--no-first-run", "--enable-logging=stderr", "--user-data-dir=" + (folder_ / "profile").string(),
-             "--virtual-time-budget=1500", "--window-size=" + size, "--screenshot=" + (folder_ / "x.png").string(), "--dump-dom",
+             "--hide-scrollbars", "--disable-dev-shm-usage", "--no-first-run", "--enable-logging=stderr",
+             "--user-data-dir=" + (folder_ / "profile").string(), "--virtual-time-budget=1500", "--window-size=" + size,
+             "--screenshot=" + (folder_ / "x.png").string(), "--dump-dom",
              "file://" + (folder_ / page).string() + "#" + fragment},
             around);
         EXPECT_EQ(outcome.code, 0) << outcome.err;
@@ -265,12 +269,22 @@ protected:
         EXPECT_EQ(seen.data("error"), "");
         return seen;
     }
-    /// Pixels that are unlike the one in the corner of the scene.
-    static int drawn(const Decoded& picture, int width)
+    /// Pixels of the scene that are `wanted`: not of the panel, the legend or the strip of frames.
+    template <class Wanted>
+    static int in_scene(const Decoded& picture, Wanted wanted)
     {
-        const std::uint8_t* paper = picture.at(width / 2, 4);
-        return picture.count(
-            [&](const std::uint8_t* p) { return std::abs(p[0] - paper[0]) + std::abs(p[1] - paper[1]) + std::abs(p[2] - paper[2]) > 60; }, 0, width);
+        int count = 0;
+        for (int y = 60; y < 420; ++y)
+            for (int x = 0; x < 520; ++x) count += wanted(picture.at(x, y));
+        return count;
+    }
+    /// Those that are unlike the background.
+    static int drawn(const Decoded& picture)
+    {
+        const std::uint8_t* paper = picture.at(260, 4);
+        return in_scene(picture, [&](const std::uint8_t* p) {
+            return std::abs(p[0] - paper[0]) + std::abs(p[1] - paper[1]) + std::abs(p[2] - paper[2]) > 60;
+        });
     }
 };
 
@@ -281,17 +295,16 @@ TEST_F(ViewInBrowser, EveryViewShowsWhatItIsFor)
     const Seen apart = look("x.html", "frame=0&theme=light"), hit = look("x.html", "frame=7&theme=light");
     EXPECT_EQ(apart.data("frame"), "0");
     EXPECT_EQ(hit.data("frame"), "7");
-    constexpr int scene = 520; // pixels, left of the panel
-    EXPECT_GT(drawn(apart.picture, scene), 8000) << "two balls";
-    EXPECT_LT(apart.picture.count(is_colliding, 0, scene), 200) << "but for the legend";
-    EXPECT_GT(hit.picture.count(is_colliding, 0, scene), 8000);
+    EXPECT_GT(drawn(apart.picture), 8000) << "two balls";
+    EXPECT_EQ(in_scene(apart.picture, is_colliding), 0);
+    EXPECT_GT(in_scene(hit.picture, is_colliding), 8000);
     const Seen dark = look("x.html", "frame=7&theme=dark");
-    EXPECT_LT(dark.picture.at(scene / 2, 4)[0], 80);
-    EXPECT_GT(dark.picture.count(is_colliding, 0, scene), 8000);
+    EXPECT_LT(dark.picture.at(260, 4)[0], 80);
+    EXPECT_GT(in_scene(dark.picture, is_colliding), 8000);
     for (const char* kind : {"spheres", "boxes"}) {
         const Seen trees = look("x.html", fmt::format("frame=7&pair=0,1&trees={}&level=3&theme=light", kind));
-        EXPECT_GT(trees.picture.count(is_blue, 0, scene), 1000) << kind << " of the first body";
-        EXPECT_GT(trees.picture.count(is_colliding, 0, scene), 300) << kind << " that touch";
+        EXPECT_GT(in_scene(trees.picture, is_blue), 1000) << kind << " of the first body";
+        EXPECT_GT(in_scene(trees.picture, is_colliding), 300) << kind << " that touch";
         EXPECT_NE(trees.document.find("touch, off by"), std::string::npos);
     }
     const Seen phone = look("x.html", "frame=7&theme=light&tab=stages", "390,844");
@@ -318,14 +331,17 @@ const canvas = document.getElementById("scene"), box = canvas.getBoundingClientR
     EXPECT_EQ(seen.data("home"), "0");
     EXPECT_EQ(seen.data("end"), "7");
     EXPECT_EQ(seen.document.find("<title>owned"), std::string::npos);
-    EXPECT_GT(seen.picture.count(is_within, 0, 520), 8000) << "without an exact level they may touch";
+    EXPECT_GT(in_scene(seen.picture, is_within), 8000) << "without an exact level they may touch";
 }
 
 TEST_F(ViewInBrowser, RegionsAndMarksOfALargeScene)
 {
-    ASSERT_EQ(run({"run", "city", "--bodies", "400", "--frames", "4", "--exact", "predicates", "--quiet", "--view", "x.html"}).code, 0);
+    ASSERT_EQ(
+        run({"run", "city", "--bodies", "400", "--frames", "4", "--exact", "predicates", "--quiet", "--view", "x.html"})
+            .code,
+        0);
     const Seen plain = look("x.html", "frame=3&theme=light"), regions = look("x.html", "frame=3&theme=light&regions");
-    EXPECT_GT(drawn(plain.picture, 520), 5000);
+    EXPECT_GT(drawn(plain.picture), 5000);
     EXPECT_EQ(plain.data("frame"), "3");
     EXPECT_GT(std::stoi(plain.data("bodies")), 100);
     EXPECT_EQ(regions.data("error"), "");

@@ -11,8 +11,8 @@ namespace oncollide::tools {
 namespace {
 
 // Of each frame. What is beyond is not looked for, and the page shows it where the bodies' boxes are.
-constexpr std::size_t most_measured = 400; ///< pairs whose nearest points are computed, and as many whose contacts are
-constexpr std::size_t most_of_curve = 6000, most_of_pair = 400; ///< segments
+constexpr std::size_t most_measured = 200; ///< pairs whose nearest points are computed, and as many whose contacts are
+constexpr std::size_t most_of_curve = 3000, most_of_pair = 400; ///< segments
 constexpr std::size_t most_regions = 3000;
 
 constexpr float not_known = std::numeric_limits<float>::quiet_NaN();

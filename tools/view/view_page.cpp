@@ -22,7 +22,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t bytes_of_body = 25, bytes_of_header = 700, bytes_of_triangle = 16;
+constexpr std::size_t bytes_of_body = 25, bytes_of_triangle = 16;
+constexpr std::size_t bytes_of_header = 800, bytes_of_geometry = 600;        ///< in JSON and with the least of meshes
 constexpr std::uint64_t most_triangles = 1'500'000, most_of_model = 250'000; ///< that browsers draw with ease
 constexpr std::size_t most_of_level = 3000;                                  ///< volumes of trees
 
@@ -109,7 +110,7 @@ ViewPage::ViewPage(const Scene& scene, const Pipeline& pipeline, const Options& 
          {page_html, style_css, data_js, bodies_js, overlay_js, trees_js, panel_js, main_js})
         fixed += text.size();
     frames_ = std::make_unique<PageFrames>(scene, pipeline, options.separate, 0);
-    const std::size_t bodies = encoded(bytes_of_body * scene.size());
+    const std::size_t bodies = encoded(bytes_of_body * scene.size()) + bytes_of_geometry * scene.geometries.size();
     const std::size_t least = fixed + bodies + 2 * encoded(frames_->least_bytes()) + 500'000;
     if (least > options.most_bytes)
         throw Error(ErrorKind::usage,

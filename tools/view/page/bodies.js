@@ -11,7 +11,7 @@ let palette = {}; // by name of the style sheet: 0 to 1 each
 
 function readPalette() {
   const style = getComputedStyle(document.documentElement);
-  for (const name of ["free", "separate", "within", "colliding", "undecided", "accent", "ink", "paper", "soft", "line", "band"])
+  for (const name of ["free", "ground", "separate", "within", "colliding", "undecided", "accent", "ink", "paper", "soft", "line", "band"])
     palette[name] = new THREE.Color(style.getPropertyValue("--" + name).trim());
 }
 

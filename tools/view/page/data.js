@@ -128,4 +128,8 @@ function lengthText(metres) {
   if (x >= 1e-6) return digits(metres * 1e6) + " µm";
   return metres.toExponential(1) + " m";
 }
+function timeText(ms) {
+  if (ms === null) return "?";
+  return ms >= 1000 ? (ms / 1000).toFixed(2) + " s" : ms >= 100 ? ms.toFixed(0) + " ms" : ms >= 1 ? ms.toPrecision(3) + " ms" : (1000 * ms).toFixed(0) + " µs";
+}
 const grouped = (n) => Math.round(n).toLocaleString("en");

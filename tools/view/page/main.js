@@ -99,8 +99,7 @@ function resize() {
 new ResizeObserver(() => { resize(), (panelDirty = true); }).observe($("view"));
 
 function lookOf() {
-  const rgb = (c) => [255 * c.r, 255 * c.g, 255 * c.b], tint = RANKS.map((name) => rgb(palette[name])), grey = rgb(palette.free.clone().lerp(palette.paper, isDark() ? 0 : 0.35));
-  tint[0] = grey;
+  const rgb = (c) => [255 * c.r, 255 * c.g, 255 * c.b], tint = RANKS.map((name) => rgb(palette[name])), grey = tint[0], land = rgb(palette.ground);
   const chosen = selectedBodies().length > 0, glass = state.tree !== "none" && chosen, related = new Uint8Array(state.only >= 0 ? bodies.count : 0);
   for (let p = 0; state.only >= 0 && p < frame.pairs; ++p) if (frame.verdict[p] === state.only) related[frame.a[p]] = related[frame.b[p]] = 1;
   const own = new Map(), hue = (b) => {
@@ -111,7 +110,7 @@ function lookOf() {
   return (b) => {
     const rank = bodies.verdict[b], picked = bodies.selected[b];
     how.hidden = false, how.ghost = false, how.alpha = rank === 3 ? 128 : 255;
-    how.colour = environment[b] ? grey : state.colours === "body" ? hue(b) : state.only >= 0 && related[b] ? tint[RANK_OF_VERDICT[state.only]] : tint[rank];
+    how.colour = environment[b] ? land : state.colours === "body" ? hue(b) : state.only >= 0 && related[b] ? tint[RANK_OF_VERDICT[state.only]] : tint[rank];
     if (picked) how.ghost = glass, how.alpha = glass ? 70 : how.alpha;
     else if (chosen && (state.isolate || glass)) how.hidden = bodies.count > 3000, how.ghost = true, how.alpha = environment[b] ? 16 : 26, how.colour = grey;
     else if (state.only >= 0 && !related[b] && !environment[b]) how.ghost = true, how.alpha = 40, how.colour = grey;
@@ -124,7 +123,7 @@ function draw() {
   camera.far = Math.max(distance + 1.5 * extent.radius, 2 * target), camera.near = Math.max(camera.far * 1e-5, Math.min(target * 0.02, camera.far * 0.1));
   camera.updateProjectionMatrix(), camera.updateMatrixWorld();
   uniforms.up.value.set(0, 0, 1).transformDirection(camera.matrixWorldInverse);
-  const scale = Math.pow(10, Math.floor(Math.log10(Math.max(target, 1e-9) / 4))), g = grid.material.uniforms;
+  const scale = Math.pow(10, Math.floor(Math.log10(Math.max(target, 1e-9) / 1.5))), g = grid.material.uniforms;
   g.cell.value = scale, g.reach.value = Math.max(extent.radius * 1.6, Math.min(target * 2, extent.radius * 4)), g.middle.value.set(extent.middle.x, extent.middle.y, groundHeight);
   grid.visible = !environment.some((e) => e);
   gatherBodies(lookOf());
@@ -132,7 +131,7 @@ function draw() {
   renderer.clear();
   for (const scene of [ground, solids, volumes, ghosts, lines, marks]) renderer.render(scene, camera);
   placeLabels(), showScale(target);
-  root.dataset.bodies = drawnBodies, root.dataset.triangles = drawnTriangles;
+  root.dataset.bodies = drawnBodies, root.dataset.triangles = drawnTriangles, root.dataset.drawn = drawn + 1;
 }
 
 const onScreen = new THREE.Vector3();
@@ -194,7 +193,7 @@ function fillShow() {
   const toggle = (name, words, key) => element("label.switch", {}, element("input", {type: "checkbox", checked: state[name], onchange: (e) => ((state[name] = e.target.checked), (dirty = panelDirty = true))}), words, element("small", {}, element("kbd", {}, key)));
   const levels = [...new Set(frame.level)].sort();
   document.querySelector("#show > div").replaceChildren(
-    toggle("links", "Pairs: a line to each body, a mark where", "L"), toggle("curves", "Where surfaces meet, in red", "C"), toggle("bounds", "Bounds to scale: balls of that radius", "B"),
+    toggle("links", "Pairs: a line to each body, a mark where", "L"), toggle("curves", "Where surfaces meet", "C"), toggle("bounds", "Bounds to scale: balls of that radius", "B"),
     toggle("labels", "Bound and stage beside the marks", "T"), toggle("regions", "Regions looked at (delimitation)", "R"),
     state.regions ? (levels.length ? element("div.row", {}, element("span.soft", {}, "Level"), element("select", {onchange: (e) => ((state.regionLevel = +e.target.value), (dirty = true)), ariaLabel: "Level of the regions"},
       element("option", {value: -1}, "all"), ...levels.map((l) => element("option", {value: l, selected: l === state.regionLevel}, String(l)))), element("small", {}, "blue: kept, grey: ruled out")) : element("p.hint", {}, "None in this frame: " + (frame.header.stages[1][4] || "nothing was looked at") + ".")) : null,
@@ -206,7 +205,7 @@ function fillPanel() {
   const h = frame.header;
   treeFacts = showTrees(selectedBodies(), state.tree, state.level);
   showRegions(frame, state.regions, state.regionLevel);
-  $("clock").replaceChildren(`Frame ${grouped(h.frame)} `, element("small", {}, `/ ${grouped(header.frames_run - 1)}\n${h.ms === null ? "" : h.ms.toFixed(2) + " ms computed"}`));
+  $("clock").replaceChildren(`Frame ${grouped(h.frame)} `, element("small", {}, `/ ${grouped(header.frames_run - 1)}\ncomputed in ${timeText(h.ms)}`));
   fillLegend(frame, state.only, (v) => ((state.only = v), choose()));
   fillSelection(), fillPairs(frame, shown, chosenPair, state.search, choosePair, chooseBody), fillStages(frame), fillShow(), drawChart(state.frame);
   const play = $("play");

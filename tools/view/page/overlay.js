@@ -70,14 +70,14 @@ void main() {
   vAt = position.xy; vColour = iColour; vSize = iSize;
 }`,
     fragmentShader: `
-varying vec2 vAt; varying vec3 vColour; varying float vSize; uniform vec3 edge;
+varying vec2 vAt; varying vec3 vColour; varying float vSize; uniform vec3 edge; uniform float rim;
 void main() {
   float r = length(vAt), w = 1.3 / vSize;
   if (r > 1.0) discard;
-  vec3 c = mix(vColour, edge, smoothstep(1.0 - 3.0 * w, 1.0 - 2.0 * w, r));
+  vec3 c = mix(vColour, edge, (vSize > 6.0 ? 1.0 : rim) * smoothstep(1.0 - 3.0 * w, 1.0 - 2.0 * w, r));
   gl_FragColor = vec4(c, 1.0 - smoothstep(1.0 - w, 1.0, r));
 }`,
-    uniforms: {screen, edge: {value: new THREE.Color(1, 1, 1)}}, transparent: true, depthTest: false, depthWrite: false}));
+    uniforms: {screen, rim: {value: 1}, edge: {value: new THREE.Color(1, 1, 1)}}, transparent: true, depthTest: false, depthWrite: false}));
 }
 
 // Balls: squares on which each pixel computes where its ray meets the ball. Opacity below 1: only the rim shows.
@@ -169,7 +169,7 @@ const grid = new THREE.Mesh(new THREE.PlaneBufferGeometry(2, 2), new THREE.Shade
 void main() { vOff = position.xy; vec3 at = middle + vec3(position.xy * reach, 0.0); vAt = at.xy; gl_Position = projectionMatrix * viewMatrix * vec4(at, 1.0); }`,
   fragmentShader: `uniform vec3 line; uniform float cell; varying vec2 vAt, vOff;
 float lines(float c) { vec2 p = vAt / c, w = fwidth(p), d = abs(fract(p - 0.5) - 0.5) / max(w, 1e-6); return (1.0 - min(min(d.x, d.y), 1.0)) * (1.0 - smoothstep(0.2, 0.6, max(w.x, w.y))); }
-void main() { gl_FragColor = vec4(line, (0.35 * lines(cell) + 0.65 * lines(10.0 * cell)) * (1.0 - smoothstep(0.25, 1.0, length(vOff)))); }`,
+void main() { gl_FragColor = vec4(line, (0.25 * lines(cell) + 0.6 * lines(10.0 * cell)) * (1.0 - smoothstep(0.25, 1.0, length(vOff)))); }`,
   uniforms: {middle: {value: new THREE.Vector3()}, reach: {value: 1}, cell: {value: 1}, line: {value: new THREE.Color()}},
   transparent: true, depthWrite: false, side: THREE.DoubleSide}));
 grid.frustumCulled = false, grid.renderOrder = -1;
@@ -190,11 +190,12 @@ function showPairs(frame, options, shown, chosen) {
   const from = [], to = [], colour = [], at = [], markColour = [], size = [], ball = [], ballColour = [], gapFrom = [], gapTo = [], gapColour = [];
   const visible = [];
   for (let p = 0; p < frame.pairs; ++p) if (shown(p)) visible.push(p);
-  const small = visible.length > 400 ? 3.5 : visible.length > 60 ? 5 : 6.5;
+  const crowd = visible.length > 600, small = crowd ? 2 : visible.length > 400 ? 3.5 : visible.length > 60 ? 5 : 6.5;
+  placeMarks.mesh.material.uniforms.rim.value = crowd ? 0 : 1;
   for (const p of visible) {
     const c = palette[VERDICTS[frame.verdict[p]]], a = frame.a[p], b = frame.b[p], w = frame.where.subarray(3 * p, 3 * p + 3);
     const line = frame.verdict[p] === 2 ? 0.95 : -0.9;
-    if (options.links || p === chosen)
+    if ((options.links && !crowd) || p === chosen)
       for (const body of [a, b]) {
         if (environment[body]) continue; // its middle may be kilometres away
         from.push(...bodies.middle.subarray(3 * body, 3 * body + 3)), to.push(...w), colour.push(c.r, c.g, c.b, p === chosen ? Math.sign(line) : line);
@@ -207,10 +208,10 @@ function showPairs(frame, options, shown, chosen) {
   placeMarks.set(size.length, {iAt: at, iColour: markColour, iSize: size});
   boundBalls.set(ball.length / 4, {iBall: ball, iColour: ballColour});
 
-  const cFrom = [], cTo = [], cColour = [], red = palette.colliding, pale = palette.paper;
+  const cFrom = [], cTo = [], cColour = [], {r, g, b} = palette.ink;
   for (let k = 0; options.curves && k < frame.header.curve; ++k) {
     if (!shown(frame.ofCurve[k])) continue;
-    cFrom.push(...frame.curve.subarray(6 * k, 6 * k + 3)), cTo.push(...frame.curve.subarray(6 * k + 3, 6 * k + 6)), cColour.push(red.r, red.g, red.b, 1);
+    cFrom.push(...frame.curve.subarray(6 * k, 6 * k + 3)), cTo.push(...frame.curve.subarray(6 * k + 3, 6 * k + 6)), cColour.push(r, g, b, 1);
   }
   curveLines.set(cFrom.length / 3, {iFrom: cFrom, iTo: cTo, iColour: cColour});
 }

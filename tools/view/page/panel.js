@@ -25,7 +25,7 @@ const ORDER = [2, 3, 1, 0]; // verdicts, worst first
 
 function boundText(frame, p) {
   const bound = frame.bound[p], verdict = VERDICTS[frame.verdict[p]];
-  if (verdict === "colliding") return KINDS[frame.kind[p]] || "0";
+  if (verdict === "colliding") return KINDS[frame.kind[p]];
   return isFinite(bound) ? (verdict === "separate" ? "≥ " : "≤ ") + lengthText(bound) : "no bound";
 }
 const stageName = (frame, p) => header.stages[frame.stage[p]] || "";
@@ -109,21 +109,21 @@ function fillStages(frame) {
   const rows = frame.header.stages, most = Math.log10(1 + Math.max(10, ...rows.map((s) => Math.max(s[0], s[1])))), total = rows.reduce((t, s) => t + s[3], 0) || 1;
   const width = (n) => (100 * Math.log10(1 + n)) / most + "%";
   const times = element("div.times", {role: "img", ariaLabel: "Share of each stage in the time of the frame"}, ...rows.map((s, k) => {
-    const part = element("i", {title: `${STAGE_TEXT[header.stages[k]][0]}: ${s[3].toFixed(3)} ms`});
+    const part = element("i", {title: `${STAGE_TEXT[header.stages[k]][0]}: ${timeText(s[3])}`});
     part.style.cssText = `flex:${s[3] / total} 0 0;background:${STAGE_COLOURS[k]}`;
     return part;
   }));
   const parts = rows.map(([into, out, undecided, ms, note], k) => {
     const name = header.stages[k], [words, paper] = STAGE_TEXT[name], a = element("i.in"), b = element("i");
     a.style.cssText = `width:${width(into)};background:${STAGE_COLOURS[k]}`, b.style.cssText = `width:${width(out)};background:${STAGE_COLOURS[k]}`;
-    return element("div.stage", {}, element("div.name", {}, element("span", {}, element("b", {}, words), " ", element("small", {}, `(${paper})`)), element("span", {}, ms.toFixed(3) + " ms")),
+    return element("div.stage", {}, element("div.name", {}, element("b", {}, words), element("span", {}, timeText(ms))),
       element("div.bars", {}, a, b),
-      element("small", {}, note !== null ? "skipped: " + note : `${grouped(into)} in, ${grouped(out)} passed on` + (undecided ? `, ${grouped(undecided)} not decided` : "")));
+      element("small", {}, note !== null ? `${paper}: skipped, ${note}` : `${paper}: ${grouped(into)} in, ${grouped(out)} passed on` + (undecided ? `, ${grouped(undecided)} not decided` : "")));
   });
   const levels = frame.header.levels, table = levels.length ? [element("h2", {}, "Regions (delimitation), level by level"),
     element("table", {}, element("tr", {}, ...["level", "regions", "ruled out", "bodies ruled out", "volume"].map((t) => element("th", {}, t))),
       ...levels.map(([n, rejected, gone, volume], k) => element("tr", {}, ...[k, grouped(n), grouped(rejected), grouped(gone), (100 * volume).toFixed(0) + " %"].map((t) => element("td", {}, String(t))))))] : [];
-  document.querySelector("#stages > div").replaceChildren(element("p.soft", {}, `${frame.header.ms === null ? "?" : frame.header.ms.toFixed(3)} ms in all; pale: what a stage takes in, full: what it passes on (logarithmic)`), times, ...parts, ...table);
+  document.querySelector("#stages > div").replaceChildren(element("p.soft", {}, `${timeText(frame.header.ms)} in all; pale: what a stage takes in, full: what it passes on (logarithmic)`), times, ...parts, ...table);
 }
 
 function fillAbout() {

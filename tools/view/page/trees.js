@@ -85,15 +85,18 @@ function findTouching(a, b, gap) {
 
 const treeColours = ["#3f8fd2", "#e0993a"]; // of the first and the second body
 // Draws them and says what there is: {counts: [volumes, touching] by body, errors}; null: nothing.
+// The level is that of the smaller body; a larger one is as much deeper as its volumes would be larger, if it goes there.
 function showTrees(chosen, kind, level) {
-  const sides = kind === "none" ? [] : chosen.map((body) => volumesOf(body, kind, level));
+  const smallest = Math.min(...chosen.map((b) => bodies.radius[b])), more = chosen.map((b) => Math.max(0, Math.round(Math.log2(bodies.radius[b] / smallest) / (kind === "boxes" ? 1.5 : 1))));
+  const sides = kind === "none" ? [] : chosen.map((body, k) => volumesOf(body, kind, level + more[k]));
   const there = sides.filter((s) => s), solid = {n: 0, c: [], h: [], t: [], colour: []}, faint = {n: 0, c: [], h: [], t: [], colour: []};
   if (there.length === 2) findTouching(there[0], there[1], header.clearance);
   sides.forEach((s, side) => {
     if (!s) return;
     const own = new THREE.Color(treeColours[side]), hot = palette.colliding;
     for (let i = 0; i < s.count; ++i) {
-      const touches = s.touching && s.touching[i], to = touches || there.length < 2 ? solid : faint, c = touches ? own.clone().lerp(hot, 0.7) : own;
+      const touches = s.touching && s.touching[i], to = (touches || there.length < 2) && !environment[chosen[side]] ? solid : faint, c = touches ? own.clone().lerp(hot, 0.6) : own;
+      if (environment[chosen[side]] && !touches) continue; // a whole landscape of them hides the rest
       ++to.n, to.c.push(s.centre[3 * i], s.centre[3 * i + 1], s.centre[3 * i + 2]);
       if (s.boxes) to.h.push(...s.half.subarray(3 * i, 3 * i + 3)), to.t.push(...s.turn.subarray(4 * i, 4 * i + 4));
       else to.c.push(s.radius[i]);
