@@ -124,7 +124,7 @@ class Batch {
     tint.array[4 * i] = red, tint.array[4 * i + 1] = green, tint.array[4 * i + 2] = blue, tint.array[4 * i + 3] = alpha;
     const n = b + 1;
     number.array[4 * i] = n & 255, number.array[4 * i + 1] = (n >> 8) & 255, number.array[4 * i + 2] = n >> 16;
-    number.array[4 * i + 3] = 255 * bodies.selected[b];
+    number.array[4 * i + 3] = environment[b] ? 0 : 255 * bodies.selected[b];
   }
   flush() {
     this.mesh.visible = this.count > 0;

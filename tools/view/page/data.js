@@ -130,6 +130,6 @@ function lengthText(metres) {
 }
 function timeText(ms) {
   if (ms === null) return "?";
-  return ms >= 1000 ? (ms / 1000).toFixed(2) + " s" : ms >= 100 ? ms.toFixed(0) + " ms" : ms >= 1 ? ms.toPrecision(3) + " ms" : (1000 * ms).toFixed(0) + " µs";
+  return ms >= 1000 ? (ms / 1000).toFixed(2) + " s" : ms >= 100 ? ms.toFixed(0) + " ms" : ms >= 1 ? ms.toPrecision(3) + " ms" : (ms >= 0.01 ? (1000 * ms).toFixed(0) : (1000 * ms).toFixed(1)) + " µs";
 }
 const grouped = (n) => Math.round(n).toLocaleString("en");

@@ -3,7 +3,9 @@ const last = header.frames.length - 1, root = document.documentElement;
 const state = {frame: 0, playing: false, speed: 1, only: -1, pair: null, body: -1, isolate: false, links: true, curves: true, bounds: false,
                labels: false, regions: false, regionLevel: -1, colours: "verdict", tree: "none", level: 3, theme: "", search: ""};
 const mediaDark = matchMedia("(prefers-color-scheme: dark)");
-let frame = null, chosenPair = -1, dirty = true, panelDirty = true, treeFacts = null;
+let frame = null, chosenPair = -1, treeFacts = null;
+let dirty = true, pairsDirty = true, panelDirty = true; // the picture; what is drawn of pairs; the texts
+const changed = () => (dirty = pairsDirty = panelDirty = true);
 const controls = new THREE.OrbitControls(camera, canvas);
 Object.assign(controls, {enableDamping: true, dampingFactor: 0.16, enableKeys: false, screenSpacePanning: true, zoomSpeed: 1.1});
 controls.addEventListener("change", () => (dirty = true));
@@ -12,7 +14,7 @@ const isDark = () => (state.theme ? state.theme === "dark" : mediaDark.matches);
 function applyTheme() {
   root.dataset.theme = isDark() ? "dark" : "light";
   paletteChanged(isDark());
-  dirty = panelDirty = true;
+  changed();
 }
 mediaDark.addEventListener("change", applyTheme);
 
@@ -33,7 +35,7 @@ function choose() {
   for (let p = 0; state.pair && p < frame.pairs; ++p) if (frame.a[p] === state.pair[0] && frame.b[p] === state.pair[1]) chosenPair = p;
   bodies.selected.fill(0);
   for (const b of selectedBodies()) bodies.selected[b] = 1;
-  dirty = panelDirty = true;
+  changed();
 }
 function choosePair(a, b) {
   state.pair = [Math.min(a, b), Math.max(a, b)], state.body = -1;
@@ -81,6 +83,7 @@ const extent = (() => { // of all bodies where they start
     for (const s of [-1, 1]) box.expandByPoint(p.set(...[0, 1, 2].map((k) => bodies.middle[3 * b + k] + s * bodies.radius[b])));
   return {middle: box.getCenter(new THREE.Vector3()), radius: Math.max(box.getSize(p).length() / 2, 1e-6)};
 })();
+const hasEnvironment = environment.some((e) => e);
 const groundHeight = (() => {
   let low = Infinity;
   for (let b = 0; b < bodies.count; ++b) low = Math.min(low, bodies.middle[3 * b + 2] - bodies.radius[b]);
@@ -125,9 +128,11 @@ function draw() {
   uniforms.up.value.set(0, 0, 1).transformDirection(camera.matrixWorldInverse);
   const scale = Math.pow(10, Math.floor(Math.log10(Math.max(target, 1e-9) / 1.5))), g = grid.material.uniforms;
   g.cell.value = scale, g.reach.value = Math.max(extent.radius * 1.6, Math.min(target * 2, extent.radius * 4)), g.middle.value.set(extent.middle.x, extent.middle.y, groundHeight);
-  grid.visible = !environment.some((e) => e);
+  grid.visible = !hasEnvironment && !(moving() && quality < 0.35);
   gatherBodies(lookOf());
-  showPairs(frame, {...state, curves: state.curves && state.tree === "none"}, shown, chosenPair);
+  if (pairsDirty) showPairs(frame, {...state, curves: state.curves && state.tree === "none"}, shown, chosenPair), (pairsDirty = false);
+  const lean = moving() && quality < 0.35; // the browser does not keep up
+  curveLines.mesh.visible = curveLines.shape.maxInstancedCount > 0 && !lean;
   renderer.clear();
   for (const scene of [ground, solids, volumes, ghosts, lines, marks]) renderer.render(scene, camera);
   placeLabels(), showScale(target);
@@ -176,7 +181,7 @@ function fillSelection() {
     parts.push(element("div.row", {}, element("span.soft", {}, "Trees"), press("none", state.tree === "none", () => setTree("none")), ...kinds.map((k) => press(k === "spheres" ? "spheres (OCST)" : "boxes (OBB)", state.tree === k, () => setTree(k)))));
     if (state.tree !== "none" && deepest(state.tree) >= 0) {
       const most = deepest(state.tree), level = Math.min(state.level, most);
-      parts.push(element("div.row", {}, element("span.soft", {}, "Level"), element("input", {type: "range", min: 0, max: most, value: level, ariaLabel: "Level of the trees", oninput: (e) => ((state.level = +e.target.value), (dirty = panelDirty = true))}), element("b", {}, `${level} of ${most}`)));
+      parts.push(element("div.row", {}, element("span.soft", {}, "Level"), element("input", {type: "range", min: 0, max: most, value: level, ariaLabel: "Level of the trees", oninput: (e) => ((state.level = +e.target.value), changed())}), element("b", {}, `${level} of ${most}`)));
       if (treeFacts)
         parts.push(element("dl.facts", {}, ...chosen.flatMap((b, k) => (treeFacts.counts[k] ? fact(nameOf(b), `${grouped(treeFacts.counts[k][0])}${chosen.length > 1 ? `, ${grouped(treeFacts.counts[k][1])} touch` : ""}, off by ≤ ${lengthText(treeFacts.errors[k])}`) : []))),
           element("p.hint", {}, chosen.length > 1 ? "Solid: these touch one of the other body, and are refined further. Faint: ruled out." : "All volumes of the level."));
@@ -186,16 +191,16 @@ function fillSelection() {
 }
 function setTree(kind) {
   state.tree = kind;
-  dirty = panelDirty = true;
+  changed();
 }
 
 function fillShow() {
-  const toggle = (name, words, key) => element("label.switch", {}, element("input", {type: "checkbox", checked: state[name], onchange: (e) => ((state[name] = e.target.checked), (dirty = panelDirty = true))}), words, element("small", {}, element("kbd", {}, key)));
+  const toggle = (name, words, key) => element("label.switch", {}, element("input", {type: "checkbox", checked: state[name], onchange: (e) => ((state[name] = e.target.checked), changed())}), words, element("small", {}, element("kbd", {}, key)));
   const levels = [...new Set(frame.level)].sort();
   document.querySelector("#show > div").replaceChildren(
     toggle("links", "Pairs: a line to each body, a mark where", "L"), toggle("curves", "Where surfaces meet", "C"), toggle("bounds", "Bounds to scale: balls of that radius", "B"),
     toggle("labels", "Bound and stage beside the marks", "T"), toggle("regions", "Regions looked at (delimitation)", "R"),
-    state.regions ? (levels.length ? element("div.row", {}, element("span.soft", {}, "Level"), element("select", {onchange: (e) => ((state.regionLevel = +e.target.value), (dirty = true)), ariaLabel: "Level of the regions"},
+    state.regions ? (levels.length ? element("div.row", {}, element("span.soft", {}, "Level"), element("select", {onchange: (e) => ((state.regionLevel = +e.target.value), changed()), ariaLabel: "Level of the regions"},
       element("option", {value: -1}, "all"), ...levels.map((l) => element("option", {value: l, selected: l === state.regionLevel}, String(l)))), element("small", {}, "blue: kept, grey: ruled out")) : element("p.hint", {}, "None in this frame: " + (frame.header.stages[1][4] || "nothing was looked at") + ".")) : null,
     element("div.row", {}, element("span.soft", {}, "Colour bodies by"), element("select", {onchange: (e) => ((state.colours = e.target.value), (dirty = true)), ariaLabel: "Colour bodies by"},
       ...[["verdict", "verdict"], ["body", "body"]].map(([v, t]) => element("option", {value: v, selected: v === state.colours}, t)))));
@@ -265,13 +270,13 @@ const KEYS = [["Space", "play or pause"], ["← →", "one frame back or on; wit
   ["F", "fit what is selected, or all"], ["I", "isolate what is selected"], ["Esc", "clear the selection"], ["S X", "trees of the selected: spheres, boxes"], ["[ ]", "level of the trees"],
   ["L C B T R", "pairs, contact curves, bounds, labels, regions"], ["D", "dark or light"], ["Drag, wheel", "turn, zoom; right button or two fingers: move"]];
 document.querySelector("#keys dl").append(...KEYS.flatMap(([k, t]) => [element("dt", {}, ...k.split(" ").flatMap((w) => [element("kbd", {}, w), " "])), element("dd", {}, t)]));
-const flip = (name) => ((state[name] = !state[name]), (dirty = panelDirty = true));
+const flip = (name) => ((state[name] = !state[name]), changed());
 addEventListener("keydown", (e) => {
   if (e.ctrlKey || e.metaKey || e.altKey || /^(INPUT|SELECT|TEXTAREA)$/.test(e.target.tagName) && !(e.target.id === "scrub" && !e.key.startsWith("Arrow"))) return;
   if (e.key === " " && e.target.tagName === "BUTTON") return;
   const acts = {" ": () => play(!state.playing), ArrowLeft: () => setFrame(state.frame - (e.shiftKey ? 10 : 1)), ArrowRight: () => setFrame(state.frame + (e.shiftKey ? 10 : 1)), Home: () => setFrame(0), End: () => setFrame(last),
     n: () => nextPair(1), p: () => nextPair(-1), f: fit, i: () => flip("isolate"), Escape: clearSelection, s: () => setTree(state.tree === "spheres" ? "none" : "spheres"), x: () => setTree(state.tree === "boxes" ? "none" : "boxes"),
-    "[": () => ((state.level = Math.max(0, state.level - 1)), (dirty = panelDirty = true)), "]": () => ((state.level = Math.min(state.level + 1, 16)), (dirty = panelDirty = true)),
+    "[": () => ((state.level = Math.max(0, state.level - 1)), changed()), "]": () => ((state.level = Math.min(state.level + 1, 16)), changed()),
     l: () => flip("links"), c: () => flip("curves"), b: () => flip("bounds"), t: () => flip("labels"), r: () => flip("regions"), d: () => $("theme").click(), "?": () => $("keys").showModal()};
   const act = acts[e.key] || acts[e.key.toLowerCase()];
   if (act) act(), e.preventDefault();
@@ -309,7 +314,7 @@ controls.addEventListener("start", () => (touched = Infinity)), controls.addEven
 const moving = () => state.playing || bench > 0 || performance.now() - touched < 150 || touched === Infinity;
 function tick(now) {
   requestAnimationFrame(tick);
-  const passed = Math.min(now - before, 200);
+  const since = now - before, passed = Math.min(since, 200);
   before = now;
   if (state.playing && (due += (passed / 1000) * FRAMES_PER_SECOND * state.speed) >= 1) {
     const to = state.frame + Math.floor(due);
@@ -327,8 +332,8 @@ function tick(now) {
   dirty = false;
   draw(), ++drawn;
   if (!busy) return;
-  slow = 0.8 * slow + 0.2 * passed;
-  const to = slow > 36 ? Math.max(0.06, quality * 0.85) : slow < 24 ? Math.min(1, quality * 1.06) : quality;
+  slow = 0.7 * slow + 0.3 * Math.min(since, 1000);
+  const to = slow > 36 ? Math.max(0.06, quality * Math.max(0.4, Math.min(0.9, 30 / slow))) : slow < 24 ? Math.min(1, quality * 1.06) : quality;
   if (to !== quality) { const half = quality < 0.5 || to < 0.5; quality = to; if (half) resize(); }
 }
 

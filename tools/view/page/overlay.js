@@ -25,7 +25,7 @@ class Instances {
     }
     for (const [name, size] of Object.entries(this.columns)) {
       const attribute = this.shape.attributes[name];
-      attribute.array.set(count * size === values[name].length ? values[name] : values[name].slice(0, count * size));
+      attribute.array.set(values[name]);
       attribute.updateRange.count = count * size, attribute.needsUpdate = true;
     }
   }
@@ -136,7 +136,7 @@ void main() {
     uniforms, transparent: !solid, depthWrite: solid, side: THREE.DoubleSide}));
 }
 
-const linkLines = makeLines(lines, 2.2, true), curveLines = makeLines(lines, 3.2, true), gapLines = makeLines(lines, 2.6, true);
+const linkLines = makeLines(lines, 2.2, true), curveLines = makeLines(lines, 3.2, true);
 const placeMarks = makeMarks(marks), boundBalls = makeBalls(volumes, false);
 
 // Edges of axis-aligned boxes, one pixel wide.
@@ -187,22 +187,22 @@ function paletteChanged(dark) {
 // Links between the bodies of pairs, marks where they are, and balls as large as the bounds.
 // @param shown  shown(p): is pair p to be seen?  @param chosen  the selected pair or -1
 function showPairs(frame, options, shown, chosen) {
-  const from = [], to = [], colour = [], at = [], markColour = [], size = [], ball = [], ballColour = [], gapFrom = [], gapTo = [], gapColour = [];
+  const from = [], to = [], colour = [], at = [], markColour = [], size = [], ball = [], ballColour = [];
   const visible = [];
   for (let p = 0; p < frame.pairs; ++p) if (shown(p)) visible.push(p);
   const crowd = visible.length > 600, small = crowd ? 2 : visible.length > 400 ? 3.5 : visible.length > 60 ? 5 : 6.5;
   placeMarks.mesh.material.uniforms.rim.value = crowd ? 0 : 1;
   for (const p of visible) {
-    const c = palette[VERDICTS[frame.verdict[p]]], a = frame.a[p], b = frame.b[p], w = frame.where.subarray(3 * p, 3 * p + 3);
+    const c = palette[VERDICTS[frame.verdict[p]]], a = frame.a[p], b = frame.b[p], x = frame.where[3 * p], y = frame.where[3 * p + 1], z = frame.where[3 * p + 2];
     const line = frame.verdict[p] === 2 ? 0.95 : -0.9;
     if ((options.links && !crowd) || p === chosen)
       for (const body of [a, b]) {
         if (environment[body]) continue; // its middle may be kilometres away
-        from.push(...bodies.middle.subarray(3 * body, 3 * body + 3)), to.push(...w), colour.push(c.r, c.g, c.b, p === chosen ? Math.sign(line) : line);
+        from.push(bodies.middle[3 * body], bodies.middle[3 * body + 1], bodies.middle[3 * body + 2]), to.push(x, y, z), colour.push(c.r, c.g, c.b, p === chosen ? Math.sign(line) : line);
       }
-    if (options.links || p === chosen) at.push(...w), markColour.push(c.r, c.g, c.b), size.push(p === chosen ? 9 : small);
+    if (options.links || p === chosen) at.push(x, y, z), markColour.push(c.r, c.g, c.b), size.push(p === chosen ? 9 : small);
     if ((options.bounds || p === chosen) && frame.known[p] && frame.bound[p] > 0 && isFinite(frame.bound[p]))
-      ball.push(...w, frame.bound[p]), ballColour.push(c.r, c.g, c.b, 0.85);
+      ball.push(x, y, z, frame.bound[p]), ballColour.push(c.r, c.g, c.b, 0.85);
   }
   linkLines.set(from.length / 3, {iFrom: from, iTo: to, iColour: colour});
   placeMarks.set(size.length, {iAt: at, iColour: markColour, iSize: size});
@@ -211,7 +211,8 @@ function showPairs(frame, options, shown, chosen) {
   const cFrom = [], cTo = [], cColour = [], {r, g, b} = palette.ink;
   for (let k = 0; options.curves && k < frame.header.curve; ++k) {
     if (!shown(frame.ofCurve[k])) continue;
-    cFrom.push(...frame.curve.subarray(6 * k, 6 * k + 3)), cTo.push(...frame.curve.subarray(6 * k + 3, 6 * k + 6)), cColour.push(r, g, b, 1);
+    const c = frame.curve;
+    cFrom.push(c[6 * k], c[6 * k + 1], c[6 * k + 2]), cTo.push(c[6 * k + 3], c[6 * k + 4], c[6 * k + 5]), cColour.push(r, g, b, 1);
   }
   curveLines.set(cFrom.length / 3, {iFrom: cFrom, iTo: cTo, iColour: cColour});
 }
