@@ -75,8 +75,9 @@ void add_run(Arguments app)
     sub.footer("Examples:\n"
                "  oncollide run city --frames 100\n"
                "  oncollide run town.json --max-error 0.01 --exact fcl --json results.json\n"
+               "  oncollide run city --exact predicates --view city.html\n"
                "  oncollide run city --bodies 500 --skip exact --threads 0 --csv pairs.csv --trace trace.json\n"
-               "Stages: bounds, delimitation, broad, ocst, exact. Formats of the results: docs/results.md.\n"
+               "Stages: bounds, delimitation, broad, ocst, exact. Formats of the results: docs/results.md, docs/view.md.\n"
                "Ctrl-C stops after the frame in hand, or in it if that takes over half a second; what was computed is "
                "written, and the exit code is 130.");
     sub.action([options] { return run(*options); });

@@ -137,7 +137,8 @@ void main() {
 }
 
 const linkLines = makeLines(lines, 2.2, true), curveLines = makeLines(lines, 3.2, true);
-const placeMarks = makeMarks(marks), boundBalls = makeBalls(volumes, false);
+const placeMarks = makeMarks(marks), boundBalls = makeBalls(lines, false);
+boundBalls.mesh.material.depthTest = false; // they are small, and between bodies
 
 // Edges of axis-aligned boxes, one pixel wide.
 const regionLines = new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({vertexColors: THREE.VertexColors, transparent: true, opacity: 0.75, depthWrite: false}));
