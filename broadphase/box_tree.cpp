@@ -219,6 +219,15 @@ float BoxTree::volume_of(int level, std::uint32_t node) const
     return static_cast<float>(product);
 }
 
+Aabb BoxTree::bounds(int level, std::uint32_t node) const
+{
+    const float* p = at(level).blocks.data() + std::size_t{node / node_width} * box_block + node % node_width;
+    const auto corner = [&](const float* at_low) {
+        return Eigen::Vector3d(at_low[0], at_low[node_width], at_low[2 * node_width]);
+    };
+    return {corner(p) + origin_, corner(p + 3 * node_width) + origin_};
+}
+
 void BoxTree::round(const Aabb& box, double margin, float out[6]) const
 {
     for (int axis = 0; axis < 3; ++axis) {

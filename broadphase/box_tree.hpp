@@ -54,6 +54,8 @@ public:
     /// Volume of a node's bounds, and of all nodes of a level, when they were last refitted as a whole.
     double volume(int level, std::uint32_t node) const { return at(level).nodes[node].volume; }
     double volume(int level) const { return at(level).volume; }
+    /// What bounds the bodies below a node of a level above the boxes themselves.
+    Aabb bounds(int level, std::uint32_t node) const;
     /// A box as the search would see it: lo x y z, hi x y z, grown by margin / 2.
     void round(const Aabb& box, double margin, float out[6]) const;
     /// Does the box at place `i` overlap `b` by more than rounding could account for? A coordinate is rounded by at

@@ -50,6 +50,13 @@ struct DelimitationLevel {
     double ms = 0;                      ///< time spent on the level
 };
 
+/// One region that progressive delimitation looked at.
+struct DelimitedRegion {
+    Aabb box;      ///< around the bodies in it, metres, rounded outward
+    int level;     ///< 0 is the whole scene
+    bool rejected; ///< nothing in it can collide
+};
+
 /// Bodies that come, go, move and rest, and which of their boxes overlap, kept from frame to frame: a frame costs what
 /// changed in it, not what exists.
 ///
@@ -97,6 +104,8 @@ public:
     virtual void delimit(const BodyColumns& columns) { take_in(columns); }
     /// What the last delimit() did, level by level. Counted on request; empty once a later change was taken in.
     virtual std::span<const DelimitationLevel> levels() { return {}; }
+    /// The regions that levels() counts, level by level, to look at. Empty where levels() are.
+    virtual std::vector<DelimitedRegion> regions() { return {}; }
     /// Bodies in the regions that are left. Every pair that a changed body is in is among them.
     virtual std::uint64_t bodies_left() { return size(); }
     virtual void survivors(std::vector<std::uint32_t>& bodies) = 0; ///< overwrites `bodies` with them, ascending

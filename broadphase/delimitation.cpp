@@ -129,6 +129,27 @@ std::span<const DelimitationLevel> Delimitation::levels(const BoxTree& tree)
     return levels_;
 }
 
+std::vector<DelimitedRegion> Delimitation::regions(const BoxTree& tree)
+{
+    count(tree);
+    std::vector<DelimitedRegion> regions;
+    if (levels_.empty() || tree.empty()) return regions;
+    const int top = tree.view().levels;
+    const auto at = [](int level) { return static_cast<std::size_t>(level); };
+    Aabb all;
+    for (std::uint32_t node = 0; top > 1 && node < tree.view().level[top - 1].count; ++node)
+        if (const Aabb box = tree.bounds(top - 1, node); !box.empty()) all.add(box);
+    if (!all.empty()) regions.push_back({all, 0, left_[at(top)].empty()});
+    for (int level = top - 1; level > 0; --level) {
+        const std::uint32_t nodes = tree.view().level[level].count;
+        for (std::uint32_t parent : left_[at(level + 1)])
+            for (std::uint32_t node = parent * node_width; node < std::min(nodes, (parent + 1) * node_width); ++node)
+                if (const Aabb box = tree.bounds(level, node); !box.empty())
+                    regions.push_back({box, top - level, !is_left_[at(level)][node]});
+    }
+    return regions;
+}
+
 std::uint64_t Delimitation::bodies_left(const BoxTree& tree)
 {
     count(tree);

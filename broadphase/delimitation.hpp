@@ -44,6 +44,7 @@ public:
     const float* box(std::size_t k) const { return &boxes_[6 * k]; }
     // What was rejected, counted on request after run(), on the same tree.
     std::span<const DelimitationLevel> levels(const BoxTree& tree);
+    std::vector<DelimitedRegion> regions(const BoxTree& tree);
     /// Bodies in the leaf regions that are left.
     std::uint64_t bodies_left(const BoxTree& tree);
     /// Overwrites `bodies` with them, ascending.

@@ -34,6 +34,7 @@ public:
     std::span<const BodyPair> find_pairs(const BodyColumns& columns, bool whole) override;
     void delimit(const BodyColumns& columns) override;
     std::span<const DelimitationLevel> levels() override;
+    std::vector<DelimitedRegion> regions() override;
     std::uint64_t bodies_left() override;
     void survivors(std::vector<std::uint32_t>& bodies) override;
     void query(const BodyColumns& columns, std::span<const Aabb> boxes, std::vector<BoxHit>& hits) const override;
@@ -230,6 +231,11 @@ std::span<const DelimitationLevel> DynamicTree::levels()
 {
     if (whole_) return {};
     return delimitation_.levels(tree_);
+}
+std::vector<DelimitedRegion> DynamicTree::regions()
+{
+    if (whole_) return {};
+    return delimitation_.regions(tree_);
 }
 std::uint64_t DynamicTree::bodies_left()
 {

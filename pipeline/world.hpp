@@ -193,6 +193,9 @@ public:
     const Settings& settings() const;
     std::span<const std::string_view> stages() const; ///< names in order: bounds, delimitation, broad, ocst, exact
     std::span<const StageStats> totals() const;       ///< sums over all frames so far
+    /// The regions that the last frame's delimitation looked at, level by level: empty where it was skipped, and once
+    /// bodies changed and a query has taken that in.
+    std::vector<DelimitedRegion> regions() const;
     /// Chained hash of all frames so far: equal input gives equal hash for any thread count and instruction set.
     std::uint64_t hash() const;
     std::string backend() const;      ///< what finds grey cells, e.g. "cpu (avx2)"

@@ -226,6 +226,10 @@ std::span<const StageStats> World::totals() const
 {
     return impl_->totals;
 }
+std::vector<DelimitedRegion> World::regions() const
+{
+    return impl_->frame.delimitation.empty() ? std::vector<DelimitedRegion>{} : impl_->broad->regions();
+}
 std::uint64_t World::hash() const
 {
     return impl_->hash;

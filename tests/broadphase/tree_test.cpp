@@ -1,5 +1,6 @@
 // What only the kd-tree and the octree do: delimitation, threads, memory.
 #include <algorithm>
+#include <numeric>
 
 #include <gtest/gtest.h>
 
@@ -93,6 +94,24 @@ TEST(Delimitation, IsTheSameForAnyNumberOfThreadsInAHeap)
 }
 
 /// What is left is enough for every pair, whatever moves and wherever to.
+/// There are as many of each level and kind as its levels() count, and those that are left hold the bodies that are.
+void expect_regions_of(BroadPhase& tree, const Boxes& scene, const Bodies& left)
+{
+    const std::vector<DelimitedRegion> regions = tree.regions();
+    ASSERT_EQ(regions.size(),
+              std::accumulate(tree.levels().begin(), tree.levels().end(), std::uint64_t{0},
+                              [](std::uint64_t n, const DelimitationLevel& l) { return n + l.regions; }));
+    for (std::size_t level = 0; level < tree.levels().size(); ++level)
+        EXPECT_EQ(std::uint64_t(std::ranges::count_if(
+                      regions, [&](const DelimitedRegion& r) { return r.level == int(level) && r.rejected; })),
+                  tree.levels()[level].regions_rejected);
+    const int deepest = int(tree.levels().size()) - 1;
+    for (std::uint32_t body : left)
+        EXPECT_TRUE(std::ranges::any_of(regions, [&](const DelimitedRegion& r) {
+            return r.level == deepest && !r.rejected && r.box.contains(scene.boxes[body]);
+        })) << body;
+}
+
 TEST(Delimitation, LeavesEveryBodyOfAPair)
 {
     Boxes scene = random_boxes(6000, 90, 0.985, 11, {0, 0, 0});
@@ -124,6 +143,7 @@ TEST(Delimitation, LeavesEveryBodyOfAPair)
             rejected += level.bodies_rejected, regions += level.regions;
         }
         EXPECT_EQ(rejected + left.size(), scene.boxes.size());
+        expect_regions_of(*tree, scene, left);
         EXPECT_GT(regions, 20u);
         if (frame % 2) tree->find_pairs(scene.columns());
         // All wander to one corner, and out of the space that was built.

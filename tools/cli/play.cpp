@@ -71,13 +71,14 @@ std::string told(const OutputOptions& outputs, int done, int all)
                        names.empty() ? "follow" : "are in " + names);
 }
 
-[[noreturn]] void end_in_a_frame(Report& report, const OutputOptions& outputs, int done, int all)
+[[noreturn]] void end_in_a_frame(Report& report, FrameWatcher* watcher, const OutputOptions& outputs, int done, int all)
 {
     int code = interrupted_code;
     try {
         report.interrupted();
         std::cerr << "oncollide: interrupted " << told(outputs, done, all) << "\n";
         write_outputs(report, outputs);
+        if (watcher && done > 0) watcher->write();
         std::cout.flush();
     } catch (const Error& error) {
         std::cerr << "oncollide: " << error.what() << "\n";
@@ -88,7 +89,8 @@ std::string told(const OutputOptions& outputs, int done, int all)
 
 } // namespace
 
-int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const OutputOptions& outputs)
+int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const OutputOptions& outputs,
+         FrameWatcher* watcher)
 {
     catch_interrupts();
     Mover mover;
@@ -102,7 +104,7 @@ int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const Out
     if (!outputs.quiet) say_note();
     {
         Progress progress("frame", std::size_t(frames), outputs.quiet);
-        Watchdog watchdog([&] { end_in_a_frame(report, outputs, done, frames); });
+        Watchdog watchdog([&] { end_in_a_frame(report, watcher, outputs, done, frames); });
         try {
             while (done < frames && !interrupted()) {
                 mover.move(scene, done);
@@ -110,6 +112,7 @@ int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const Out
                 {
                     const std::lock_guard lock(watchdog.mutex());
                     report.add(frame);
+                    if (watcher) watcher->add(frame);
                     ++done;
                 }
                 progress.step();

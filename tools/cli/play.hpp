@@ -7,6 +7,15 @@
 
 namespace oncollide::tools {
 
+/// Sees every frame of a run, besides the report.
+class FrameWatcher {
+public:
+    virtual ~FrameWatcher() = default;
+    virtual void add(const FrameView& frame) = 0;
+    /// Once the run is over, however it ended; a frame may still be under way, and its poses be changing.
+    virtual void write() = 0;
+};
+
 /// Moves the scene's bodies and steps the pipeline for `frames` frames, adding each to `report`; shows progress on
 /// standard error when that is a terminal and not quiet.
 ///
@@ -14,6 +23,9 @@ namespace oncollide::tools {
 /// second more, the outputs are written without it and the program ends here. A second one ends the program at once. A
 /// GPU that was requested by name and is lost, or a body that leaves the world, ends the run too, with the code of that
 /// error. Whenever it ends early, the report is marked interrupted and is worth writing.
-int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const OutputOptions& outputs);
+///
+/// @param watcher  may be null; what it writes is written only where the program ends here
+int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const OutputOptions& outputs,
+         FrameWatcher* watcher = nullptr);
 
 } // namespace oncollide::tools

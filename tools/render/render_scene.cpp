@@ -1,4 +1,5 @@
 #include "render/render_scene.hpp"
+#include "render/drawn_mesh.hpp"
 
 #include <algorithm>
 #include <array>
@@ -30,33 +31,6 @@ Colour paler(Colour c)
     return {half_white(c.red), half_white(c.green), half_white(c.blue)};
 }
 
-Mesh mesh_of_cells(const std::string& name, const OccupancyMap& map)
-{
-    // Corner k is on the high side of axis a when bit a is set; two triangles a face.
-    constexpr std::uint32_t faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                                            {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-    std::vector<Eigen::Vector3d> vertices;
-    std::vector<Triangle> triangles;
-    map.each_box([&](const Aabb& box) {
-        const auto first = static_cast<std::uint32_t>(vertices.size());
-        for (unsigned k = 0; k < 8; ++k)
-            vertices.emplace_back((k & 1 ? box.max : box.min).x(), (k & 2 ? box.max : box.min).y(),
-                                  (k & 4 ? box.max : box.min).z());
-        for (const auto& face : faces) triangles.push_back({first + face[0], first + face[1], first + face[2]});
-    });
-    return make_mesh(name, std::move(vertices), std::move(triangles));
-}
-
-/// What is shown of a half-space: its plane, as far as other bodies start from the origin.
-Mesh square_below(const Scene& scene)
-{
-    double far = 1;
-    for (const Eigen::Isometry3d& pose : scene.start_poses)
-        far = std::max(far, pose.translation().lpNorm<Eigen::Infinity>());
-    return make_mesh("half-space", {{-far, -far, 0}, {far, -far, 0}, {far, far, 0}, {-far, far, 0}},
-                     {{0, 1, 2}, {0, 2, 3}});
-}
-
 } // namespace
 
 ScenePictures::ScenePictures(const Scene& scene, Shown shown)
@@ -70,14 +44,15 @@ const Mesh* ScenePictures::mesh_of(GeometryId id)
     if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) return mesh;
     auto& made = made_[index(id)];
     if (!made) {
-        if (const auto* map = std::get_if<OccupancyMap>(&geometry.data))
-            made = std::make_unique<Mesh>(mesh_of_cells(geometry.name, *map));
-        else if (const auto* terrain = std::get_if<Terrain>(&geometry.data))
+        if (const auto* map = std::get_if<OccupancyMap>(&geometry.data)) {
+            std::vector<Aabb> boxes;
+            map->each_box([&](const Aabb& box) { boxes.push_back(box); });
+            made = std::make_unique<Mesh>(mesh_of_boxes(geometry.name, boxes));
+        } else if (const auto* terrain = std::get_if<Terrain>(&geometry.data)) {
             made = std::make_unique<Mesh>(oncollide::mesh_of(*terrain));
-        else if (const auto& shape = std::get<Shape>(geometry.data); std::holds_alternative<HalfSpace>(shape))
-            made = std::make_unique<Mesh>(square_below(scene_));
-        else
-            made = std::make_unique<Mesh>(bounding_mesh_of(std::get<Shape>(geometry.data)).mesh);
+        } else {
+            made = std::make_unique<Mesh>(drawn_mesh(std::get<Shape>(geometry.data), scene_));
+        }
     }
     return made.get();
 }

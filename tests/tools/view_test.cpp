@@ -1,0 +1,351 @@
+// The page of 'run --view': what it holds is read back, and where Chromium and three.js are installed, it is looked at.
+#include "command_fixture.hpp"
+#include "decoded_png.hpp"
+
+#include <cmath>
+#include <cstring>
+
+namespace oncollide::test {
+namespace {
+
+const char* const chromium = "/usr/bin/chromium";
+const char* const three = "/usr/share/javascript/three/three.min.js";
+
+std::string decoded_base64(std::string_view text)
+{
+    constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string bytes;
+    unsigned group = 0, bits = 0;
+    for (const char c : text) {
+        if (c == '=') break;
+        group = group << 6 | unsigned(digits.find(c)), bits += 6;
+        if (bits >= 8) bits -= 8, bytes += char(group >> bits & 255);
+    }
+    return bytes;
+}
+
+class View : public CommandLine {
+protected:
+    /// Two balls of radius 0.5, the second moving by -0.1 m a frame; it begins `distance` away.
+    void write_scene(const std::string& name, double distance, const std::string& second = "other")
+    {
+        const nlohmann::json body = second;
+        folder_.write(name, fmt::format(R"({{"frames": 8, "geometries": {{"ball": {{"mesh": {{"generate":
+            {{"kind": "sphere", "radius": 0.5, "triangles": 512}}}}}}}},
+            "bodies": [{{"name": "one", "geometry": "ball", "static": true}}, {{"name": {}, "geometry": "ball",
+            "position": [{}, 0.1, 0.05], "motion": {{"drift": {{"velocity": [-0.1, 0, 0]}}}}}}]}})",
+                                        body.dump(), distance));
+    }
+
+    /// Runs with a stand-in for three.js, so that tests of what is in the page do not need it.
+    Outcome run_without_three(std::vector<std::string> arguments)
+    {
+        const std::filesystem::path controls = "lib/examples/js/controls";
+        std::filesystem::create_directories(folder_.path() / controls);
+        folder_.write("lib/three.min.js", "/* three </script> */");
+        folder_.write(controls / "OrbitControls.js", "/* controls */");
+        Surroundings around;
+        around.environment.emplace_back("ONCOLLIDE_THREE", (folder_.path() / "lib").string());
+        return run(std::move(arguments), around);
+    }
+
+    /// What the element of that id holds in x.html.
+    std::string block(const std::string& id)
+    {
+        const std::string page = folder_.read("x.html"), mark = "id=\"" + id + "\">";
+        const std::size_t from = page.find(mark);
+        if (from == std::string::npos) return ADD_FAILURE() << "no " << id, "";
+        return page.substr(from + mark.size(), page.find("</script>", from) - from - mark.size());
+    }
+    nlohmann::json header() { return nlohmann::json::parse(block("header")); }
+    std::vector<float> floats(const std::string& id, std::size_t first, std::size_t count)
+    {
+        const std::string bytes = decoded_base64(block(id));
+        std::vector<float> numbers(count);
+        EXPECT_GE(bytes.size(), 4 * (first + count)) << id;
+        if (bytes.size() >= 4 * (first + count)) std::memcpy(numbers.data(), bytes.data() + 4 * first, 4 * count);
+        return numbers;
+    }
+};
+
+TEST_F(View, ThePageHoldsTheFramesOfTheRun)
+{
+    write_scene("scene.json", 1.5);
+    const Outcome outcome = run_without_three(
+        {"run", "scene.json", "--exact", "predicates", "--separate", "--view", "x.html", "--json", "r.json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find("x.html: "), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("8 frames"), std::string::npos) << outcome.err;
+
+    const nlohmann::json h = header(), results = read_json("r.json");
+    EXPECT_EQ(h.at("bodies"), 2);
+    EXPECT_EQ(h.at("names"), (nlohmann::json{"one", "other"}));
+    EXPECT_EQ(h.at("moving"), 1);
+    ASSERT_EQ(h.at("frames").size(), 8u);
+    EXPECT_EQ(h.at("notes"), nlohmann::json::array());
+    std::size_t colliding = 0, meeting = 0;
+    for (std::size_t f = 0; f < 8; ++f) {
+        const nlohmann::json &shown = h.at("frames")[f], &frame = results.at("frames")[f];
+        EXPECT_EQ(shown.at("hash"), frame.at("hash"));
+        const nlohmann::json& counts = frame.at("verdicts");
+        EXPECT_EQ(shown.at("verdicts"),
+                  (nlohmann::json{counts["separate"], counts["within"], counts["colliding"], counts["undecided"]}));
+        EXPECT_EQ(shown.at("pairs"), frame.at("pairs").size());
+        colliding += counts["colliding"].get<std::size_t>(), meeting += shown.at("curve").get<std::size_t>();
+        // Poses are relative to the origin of the page.
+        const std::vector<float> position = floats(fmt::format("f{}", f), 0, 3);
+        EXPECT_NEAR(position[0] + h.at("origin")[0].get<double>(), 1.5 - 0.1 * double(f), 1e-6) << f;
+        EXPECT_NEAR(position[1] + h.at("origin")[1].get<double>(), 0.1, 1e-6);
+        if (frame.at("pairs").empty()) continue;
+        // Rounding keeps what is certain.
+        const nlohmann::json& pair = frame.at("pairs")[0];
+        const double bound = pair[3], kept = floats(fmt::format("f{}", f), 5, 1)[0];
+        EXPECT_TRUE(pair[2] == "separate" ? kept <= bound : kept >= bound) << pair;
+        EXPECT_NEAR(kept, bound, 1e-6);
+    }
+    EXPECT_GT(colliding, 0u);
+    EXPECT_GT(meeting, 10u) << "where the surfaces meet";
+}
+
+TEST_F(View, ThePageNeedsNothingElse)
+{
+    ASSERT_EQ(run_without_three({"run", "city", "--bodies", "40", "--frames", "3", "--quiet", "--view", "x.html"}).err,
+              "");
+    const std::string page = folder_.read("x.html");
+    for (const char* outside : {"http://", "https://", " src=", " href=", "@import", "url("})
+        EXPECT_EQ(page.find(outside), std::string::npos) << outside;
+    EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
+    EXPECT_EQ(page.find("three </script>"), std::string::npos) << "what is embedded ends no element";
+    EXPECT_NE(page.find("three <\\/script>"), std::string::npos);
+}
+
+TEST_F(View, NamesAreTextAndNothingElse)
+{
+    const std::string name = "</script><script>document.title='owned'</script><!--<script><img src=x onerror=alert(1)>";
+    write_scene("scene.json", 0.8, name);
+    ASSERT_EQ(run_without_three({"run", "scene.json", "--quiet", "--view", "x.html"}).code, 0);
+    EXPECT_EQ(header().at("names")[1], name);
+    const std::string page = folder_.read("x.html");
+    EXPECT_EQ(page.find("owned'</script>"), std::string::npos);
+    EXPECT_EQ(page.find("<img"), std::string::npos);
+    EXPECT_EQ(page.find("<!--<script"), std::string::npos);
+}
+
+TEST_F(View, JsonHoldsNumbersAlone)
+{
+    write_scene("scene.json", 0.9);
+    ASSERT_EQ(
+        run_without_three({"run", "scene.json", "--quiet", "--node-budget", "1", "--depth", "8", "--view", "x.html"})
+            .code,
+        0);
+    const std::string text = block("header");
+    for (const char* none : {"NaN", "nan", "Infinity", "inf,", "inf]"})
+        EXPECT_EQ(text.find(none), std::string::npos) << none;
+}
+
+TEST_F(View, ALimitThinsOutAndSaysSo)
+{
+    const Outcome outcome = run_without_three({"run", "boxes", "--bodies", "2000", "--frames", "40", "--skip", "ocst",
+                                               "--view", "x.html", "--view-limit", "2"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find("frames (one in "), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("--view-limit allows 2.0 MB"), std::string::npos) << outcome.err;
+    EXPECT_LT(folder_.read("x.html").size(), 2'000'000u);
+    const nlohmann::json h = header();
+    EXPECT_EQ(h.at("frames_run"), 40);
+    ASSERT_GT(h.at("frames").size(), 1u);
+    EXPECT_LT(h.at("frames").size(), 40u);
+    EXPECT_NE(h.at("notes").dump().find("one frame in"), std::string::npos);
+    const int step = h.at("frames")[1].at("frame");
+    for (std::size_t k = 0; k < h.at("frames").size(); ++k) EXPECT_EQ(h.at("frames")[k].at("frame"), step * int(k));
+
+    expect_error(
+        64, {"run", "many", "--bodies", "100000", "--frames", "1", "--quiet", "--view", "y.html", "--view-limit", "2"},
+        {"--view-limit", "100,000 bodies", "or more"});
+}
+
+TEST_F(View, LargeMeshesAreSimplified)
+{
+    folder_.write("scene.json", R"({"geometries": {"ball": {"mesh": {"generate": {"kind": "sphere", "radius": 0.5,
+        "triangles": 500000}}}}, "bodies": [{"geometry": "ball"}, {"geometry": "ball", "position": [0.5, 0, 0]}]})");
+    const Outcome outcome = run_without_three({"run", "scene.json", "--view", "x.html", "--view-limit", "3"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find("1 mesh shown simplified"), std::string::npos) << outcome.err;
+    EXPECT_LT(folder_.read("x.html").size(), 3'000'000u);
+    const nlohmann::json geometry = header().at("geometries")[0];
+    EXPECT_GT(geometry.at("triangles"), 400'000);
+    EXPECT_LT(geometry.at("meshes")[0][1], 300'000);
+    EXPECT_GT(geometry.at("meshes")[0][1], 1'000);
+}
+
+TEST_F(View, EveryKindOfGeometryIsShown)
+{
+    folder_.write("kinds.json", R"({"geometries": {"pill": {"shape": {"kind": "capsule", "radius": 0.3, "length": 1}},
+        "floor": {"shape": {"kind": "half_space"}}, "hills": {"terrain": {"hills": {"cells": [200, 100], "spacing": 0.1, "height": 1, "seed": 3}}},
+        "house": {"octomap": {"building": {"rooms": 1, "resolution": 0.25, "seed": 7}}}},
+        "bodies": [{"name": "pill", "geometry": "pill"}, {"name": "house", "geometry": "house"},
+                   {"name": "floor", "geometry": "floor", "static": true}, {"name": "hills", "geometry": "hills"}]})");
+    const Outcome outcome = run_without_three({"run", "kinds.json", "--quiet", "--view", "x.html"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const nlohmann::json geometries = header().at("geometries");
+    ASSERT_EQ(geometries.size(), 4u);
+    for (const nlohmann::json& g : geometries) {
+        EXPECT_GT(g.at("meshes")[0][1], 1) << g;
+        for (int axis = 0; axis < 3; ++axis) EXPECT_LE(g.at("low")[axis], g.at("high")[axis]);
+    }
+}
+
+TEST_F(View, BadRequestsAreRefusedBeforeTheRun)
+{
+    write_scene("scene.json", 2);
+    expect_error(64, {"run", "scene.json", "--view", ""}, {"--view", "empty"});
+    expect_error(64, {"run", "scene.json", "--view", "-"}, {"--view", "standard output"});
+    expect_error(64, {"run", "scene.json", "--view", "x.html", "--view-limit", "1"}, {"--view-limit"});
+    expect_error(64, {"run", "scene.json", "--view", "scene.json"}, {"--view scene.json", "input"});
+    expect_error(64, {"run", "scene.json", "--view", "x.html", "--json", "x.html"}, {"--view", "--json"});
+    expect_error(73, {"run", "scene.json", "--view", "missing/x.html"}, {"missing/x.html"});
+    Surroundings nothing;
+    nothing.environment.emplace_back("ONCOLLIDE_THREE", folder_.path().string());
+    const Outcome outcome = run({"run", "scene.json", "--view", "x.html"}, nothing);
+    EXPECT_EQ(outcome.code, 66);
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_NE(outcome.err.find("libjs-three"), std::string::npos) << outcome.err;
+    EXPECT_EQ(folder_.list(), (std::vector<std::string>{"scene.json"}));
+}
+
+bool is_colliding(const std::uint8_t* p)
+{
+    return p[0] > 150 && p[0] > 2 * p[1] && p[0] > 2 * p[2];
+}
+bool is_within(const std::uint8_t* p)
+{
+    return p[0] > 150 && p[1] > 120 && p[0] > 2 * p[2];
+}
+bool is_blue(const std::uint8_t* p)
+{
+    return p[2] > 120 && p[2] > p[0] + 40;
+}
+
+/// With three.js and Chromium on a software renderer.
+class ViewInBrowser : public View {
+protected:
+    void SetUp() override
+    {
+        if (!std::filesystem::exists(chromium)) GTEST_SKIP() << "needs Debian's package chromium";
+        if (!std::filesystem::exists(three)) GTEST_SKIP() << "needs Debian's package libjs-three";
+    }
+
+    struct Seen {
+        std::string document; ///< as it is after a second
+        Decoded picture;
+
+        /// data-NAME of the document.
+        std::string data(const std::string& name) const
+        {
+            const std::string mark = "data-" + name + "=\"";
+            const std::size_t from = document.find(mark);
+            if (from == std::string::npos || from > document.find("<head>")) return "";
+            return document.substr(from + mark.size(), document.find('"', from + mark.size()) - from - mark.size());
+        }
+    };
+    Seen look(const std::string& page, const std::string& fragment, const std::string& size = "900,640")
+    {
+        Surroundings around;
+        around.folder = folder_.path();
+        around.environment.emplace_back("HOME", folder_.path().string());
+        const Outcome outcome = run_program(
+            chromium,
+            {"--headless", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+             "--hide-scrollbars", "--disable-dev-shm-usage", "--no-first-run", "--enable-logging=stderr",
+             "--user-data-dir=" + (folder_ / "profile").string(), "--virtual-time-budget=1500", "--window-size=" + size,
+             "--screenshot=" + (folder_ / "x.png").string(), "--dump-dom",
+             "file://" + (folder_ / page).string() + "#" + fragment},
+            around);
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_EQ(outcome.err.find("Uncaught"), std::string::npos) << outcome.err;
+        EXPECT_EQ(outcome.err.find("THREE."), std::string::npos) << outcome.err; // shaders that do not compile
+        Seen seen{outcome.out, decode(folder_.read("x.png"))};
+        EXPECT_EQ(seen.data("ready"), "yes") << fragment << "\n" << outcome.err;
+        EXPECT_EQ(seen.data("error"), "");
+        return seen;
+    }
+    /// Pixels of the scene that are `wanted`: not of the panel, the legend or the strip of frames.
+    template <class Wanted>
+    static int in_scene(const Decoded& picture, Wanted wanted)
+    {
+        int count = 0;
+        for (int y = 60; y < 420; ++y)
+            for (int x = 0; x < 520; ++x) count += wanted(picture.at(x, y));
+        return count;
+    }
+    /// Those that are unlike the background.
+    static int drawn(const Decoded& picture)
+    {
+        const std::uint8_t* paper = picture.at(260, 4);
+        return in_scene(picture, [&](const std::uint8_t* p) {
+            return std::abs(p[0] - paper[0]) + std::abs(p[1] - paper[1]) + std::abs(p[2] - paper[2]) > 60;
+        });
+    }
+};
+
+TEST_F(ViewInBrowser, EveryViewShowsWhatItIsFor)
+{
+    write_scene("scene.json", 1.5);
+    ASSERT_EQ(run({"run", "scene.json", "--exact", "predicates", "--separate", "--quiet", "--view", "x.html"}).code, 0);
+    const Seen apart = look("x.html", "frame=0&theme=light"), hit = look("x.html", "frame=7&theme=light");
+    EXPECT_EQ(apart.data("frame"), "0");
+    EXPECT_EQ(hit.data("frame"), "7");
+    EXPECT_GT(drawn(apart.picture), 8000) << "two balls";
+    EXPECT_EQ(in_scene(apart.picture, is_colliding), 0);
+    EXPECT_GT(in_scene(hit.picture, is_colliding), 8000);
+    const Seen dark = look("x.html", "frame=7&theme=dark");
+    EXPECT_LT(dark.picture.at(260, 4)[0], 80);
+    EXPECT_GT(in_scene(dark.picture, is_colliding), 8000);
+    for (const char* kind : {"spheres", "boxes"}) {
+        const Seen trees = look("x.html", fmt::format("frame=7&pair=0,1&trees={}&level=3&theme=light", kind));
+        EXPECT_GT(in_scene(trees.picture, is_blue), 1000) << kind << " of the first body";
+        EXPECT_GT(in_scene(trees.picture, is_colliding), 300) << kind << " that touch";
+        EXPECT_NE(trees.document.find("touch, off by"), std::string::npos);
+    }
+    const Seen phone = look("x.html", "frame=7&theme=light&tab=stages", "390,844");
+    EXPECT_GT(phone.picture.count(is_colliding), 2000);
+    EXPECT_NE(phone.document.find("Boxes around bodies"), std::string::npos);
+}
+
+TEST_F(ViewInBrowser, TheSliderAndKeysChangeTheFrame)
+{
+    write_scene("scene.json", 1.5, "</script><script>document.title='owned'</script>");
+    ASSERT_EQ(run({"run", "scene.json", "--quiet", "--view", "x.html"}).code, 0);
+    folder_.write("y.html", folder_.read("x.html") + R"(<script>
+const root = document.documentElement, slider = document.getElementById("scrub"), key = (k) => dispatchEvent(new KeyboardEvent("keydown", {key: k}));
+slider.value = 6, slider.dispatchEvent(new Event("input"));
+root.dataset.scrubbed = root.dataset.frame;
+key("ArrowLeft"), root.dataset.left = root.dataset.frame;
+key("Home"), root.dataset.home = root.dataset.frame;
+key("End"), key("n"), root.dataset.end = root.dataset.frame;
+const canvas = document.getElementById("scene"), box = canvas.getBoundingClientRect();
+</script>)");
+    const Seen seen = look("y.html", "frame=0&theme=light");
+    EXPECT_EQ(seen.data("scrubbed"), "6");
+    EXPECT_EQ(seen.data("left"), "5");
+    EXPECT_EQ(seen.data("home"), "0");
+    EXPECT_EQ(seen.data("end"), "7");
+    EXPECT_EQ(seen.document.find("<title>owned"), std::string::npos);
+    EXPECT_GT(in_scene(seen.picture, is_within), 8000) << "without an exact level they may touch";
+}
+
+TEST_F(ViewInBrowser, RegionsAndMarksOfALargeScene)
+{
+    ASSERT_EQ(
+        run({"run", "city", "--bodies", "400", "--frames", "4", "--exact", "predicates", "--quiet", "--view", "x.html"})
+            .code,
+        0);
+    const Seen plain = look("x.html", "frame=3&theme=light"), regions = look("x.html", "frame=3&theme=light&regions");
+    EXPECT_GT(drawn(plain.picture), 5000);
+    EXPECT_EQ(plain.data("frame"), "3");
+    EXPECT_GT(std::stoi(plain.data("bodies")), 100);
+    EXPECT_EQ(regions.data("error"), "");
+}
+
+} // namespace
+} // namespace oncollide::test

@@ -1,0 +1,359 @@
+// What the page does: frames, selection, keys, touch, and when to draw.
+const last = header.frames.length - 1, root = document.documentElement;
+const state = {frame: 0, playing: false, speed: 1, only: -1, pair: null, body: -1, isolate: false, links: true, curves: true, bounds: false,
+               labels: false, regions: false, regionLevel: -1, colours: "verdict", tree: "none", level: 3, theme: "", search: ""};
+const mediaDark = matchMedia("(prefers-color-scheme: dark)");
+let frame = null, chosenPair = -1, treeFacts = null;
+let dirty = true, pairsDirty = true, panelDirty = true; // the picture; what is drawn of pairs; the texts
+const changed = () => (dirty = pairsDirty = panelDirty = true);
+const controls = new THREE.OrbitControls(camera, canvas);
+Object.assign(controls, {enableDamping: true, dampingFactor: 0.16, enableKeys: false, screenSpacePanning: true, zoomSpeed: 1.1});
+controls.addEventListener("change", () => (dirty = true));
+
+const isDark = () => (state.theme ? state.theme === "dark" : mediaDark.matches);
+function applyTheme() {
+  root.dataset.theme = isDark() ? "dark" : "light";
+  paletteChanged(isDark());
+  changed();
+}
+mediaDark.addEventListener("change", applyTheme);
+
+const shown = (p) => (state.only < 0 || frame.verdict[p] === state.only) && (!state.isolate || !selectedBodies().length || isSelected(p));
+const isSelected = (p) => (state.pair ? p === chosenPair : frame.a[p] === state.body || frame.b[p] === state.body);
+const selectedBodies = () => state.pair || (state.body >= 0 ? [state.body] : []);
+
+function setFrame(k) {
+  state.frame = Math.max(0, Math.min(last, k | 0));
+  frame = frameAt(state.frame);
+  showFrame(frame);
+  choose();
+  root.dataset.frame = state.frame, $("scrub").value = state.frame;
+}
+// After the selection or the frame changed.
+function choose() {
+  chosenPair = -1;
+  for (let p = 0; state.pair && p < frame.pairs; ++p) if (frame.a[p] === state.pair[0] && frame.b[p] === state.pair[1]) chosenPair = p;
+  bodies.selected.fill(0);
+  for (const b of selectedBodies()) bodies.selected[b] = 1;
+  changed();
+}
+function choosePair(a, b) {
+  state.pair = [Math.min(a, b), Math.max(a, b)], state.body = -1;
+  choose(), openTab("selection", false);
+}
+function chooseBody(b) {
+  state.pair = null, state.body = b;
+  choose(), openTab("selection", false);
+}
+function clearSelection() {
+  state.pair = null, state.body = -1, state.isolate = false;
+  choose();
+}
+function nextPair(step) {
+  const all = [];
+  for (const v of ORDER) for (let p = 0; p < frame.pairs; ++p) if (frame.verdict[p] === v && (state.only < 0 || state.only === v)) all.push(p);
+  if (!all.length) return;
+  const p = all[(all.indexOf(chosenPair) + step + all.length) % all.length];
+  choosePair(frame.a[p], frame.b[p]), fit();
+}
+
+// Turns the camera to what is selected, or to all that moves or is in a pair.
+function fit() {
+  const box = new THREE.Box3(), point = new THREE.Vector3(), chosen = selectedBodies(), add = (b) => {
+    const r = bodies.radius[b] * (bodies.count > 1 ? 0.8 : 1), m = bodies.middle;
+    for (const s of [-1, 1]) box.expandByPoint(point.set(m[3 * b] + s * r, m[3 * b + 1] + s * r, m[3 * b + 2] + s * r));
+  };
+  const small = chosen.filter((b) => !environment[b]);
+  (small.length ? small : chosen).forEach(add);
+  if (box.isEmpty()) for (let b = 0; b < bodies.count; ++b) if (!environment[b] && (!bodies.fixed[b] || bodies.verdict[b])) add(b);
+  if (box.isEmpty()) for (let b = 0; b < bodies.count; ++b) add(b);
+  const middle = box.getCenter(new THREE.Vector3()), radius = Math.max(box.getSize(point).length() / 2, 1e-6);
+  const wide = Math.min(1, camera.aspect), angle = (camera.fov * Math.PI) / 360, direction = camera.position.clone().sub(controls.target);
+  if (direction.lengthSq() < 1e-12 || !fit.done) direction.set(-0.55, -1, 0.62);
+  fit.done = true;
+  controls.target.copy(middle);
+  camera.position.copy(middle).addScaledVector(direction.normalize(), (chosen.length ? 1.15 : 0.86) * radius / Math.sin(Math.atan(Math.tan(angle) * wide)));
+  controls.update();
+  dirty = true;
+}
+
+const extent = (() => { // of all bodies where they start
+  const box = new THREE.Box3(), p = new THREE.Vector3();
+  for (let b = 0; b < bodies.count; ++b)
+    for (const s of [-1, 1]) box.expandByPoint(p.set(...[0, 1, 2].map((k) => bodies.middle[3 * b + k] + s * bodies.radius[b])));
+  return {middle: box.getCenter(new THREE.Vector3()), radius: Math.max(box.getSize(p).length() / 2, 1e-6)};
+})();
+const hasEnvironment = environment.some((e) => e);
+const groundHeight = (() => {
+  let low = Infinity;
+  for (let b = 0; b < bodies.count; ++b) low = Math.min(low, bodies.middle[3 * b + 2] - bodies.radius[b]);
+  return low;
+})();
+
+function resize() {
+  const width = Math.max($("view").clientWidth, 1), height = Math.max($("view").clientHeight, 1);
+  renderer.setPixelRatio(Math.min(devicePixelRatio || 1, 2) * (moving() && quality < 0.5 ? Math.max(0.5, 2 * quality) : 1));
+  renderer.setSize(width, height, false);
+  screen.value.set(width, height);
+  camera.aspect = width / height;
+  camera.updateProjectionMatrix();
+  dirty = true;
+}
+new ResizeObserver(() => { resize(), (panelDirty = true); }).observe($("view"));
+
+function lookOf() {
+  const rgb = (c) => [255 * c.r, 255 * c.g, 255 * c.b], tint = RANKS.map((name) => rgb(palette[name])), grey = tint[0], land = rgb(palette.ground);
+  const chosen = selectedBodies().length > 0, glass = state.tree !== "none" && chosen, related = new Uint8Array(state.only >= 0 ? bodies.count : 0);
+  for (let p = 0; state.only >= 0 && p < frame.pairs; ++p) if (frame.verdict[p] === state.only) related[frame.a[p]] = related[frame.b[p]] = 1;
+  const own = new Map(), hue = (b) => {
+    if (!own.has(b)) own.set(b, rgb(new THREE.Color().setHSL((b * 0.618034) % 1, 0.42, isDark() ? 0.6 : 0.62)));
+    return own.get(b);
+  };
+  const how = {hidden: false, ghost: false, colour: grey, alpha: 255};
+  return (b) => {
+    const rank = bodies.verdict[b], picked = bodies.selected[b];
+    how.hidden = false, how.ghost = false, how.alpha = rank === 3 ? 128 : 255;
+    how.colour = environment[b] ? land : state.colours === "body" ? hue(b) : state.only >= 0 && related[b] ? tint[RANK_OF_VERDICT[state.only]] : tint[rank];
+    if (picked) how.ghost = glass, how.alpha = glass ? 70 : how.alpha;
+    else if (chosen && (state.isolate || glass)) how.hidden = bodies.count > 3000, how.ghost = true, how.alpha = environment[b] ? 16 : 26, how.colour = grey;
+    else if (state.only >= 0 && !related[b] && !environment[b]) how.ghost = true, how.alpha = 40, how.colour = grey;
+    return how;
+  };
+}
+
+function draw() {
+  const distance = camera.position.distanceTo(extent.middle), target = camera.position.distanceTo(controls.target);
+  camera.far = Math.max(distance + 1.5 * extent.radius, 2 * target), camera.near = Math.max(camera.far * 1e-5, Math.min(target * 0.02, camera.far * 0.1));
+  camera.updateProjectionMatrix(), camera.updateMatrixWorld();
+  uniforms.up.value.set(0, 0, 1).transformDirection(camera.matrixWorldInverse);
+  const scale = Math.pow(10, Math.floor(Math.log10(Math.max(target, 1e-9) / 1.5))), g = grid.material.uniforms;
+  g.cell.value = scale, g.reach.value = Math.max(extent.radius * 1.6, Math.min(target * 2, extent.radius * 4)), g.middle.value.set(extent.middle.x, extent.middle.y, groundHeight);
+  grid.visible = !hasEnvironment && !(moving() && quality < 0.35);
+  gatherBodies(lookOf());
+  if (pairsDirty) showPairs(frame, {...state, curves: state.curves && state.tree === "none"}, shown, chosenPair), (pairsDirty = false);
+  const lean = moving() && quality < 0.35; // the browser does not keep up
+  curveLines.mesh.visible = curveLines.shape.maxInstancedCount > 0 && !lean;
+  renderer.clear();
+  for (const scene of [ground, solids, volumes, ghosts, lines, marks]) renderer.render(scene, camera);
+  placeLabels(), showScale(target);
+  root.dataset.bodies = drawnBodies, root.dataset.triangles = drawnTriangles, root.dataset.drawn = drawn + 1;
+}
+
+const onScreen = new THREE.Vector3();
+function placeLabels() {
+  const box = $("labels"), wanted = [];
+  if (chosenPair >= 0) wanted.push(chosenPair);
+  for (const v of state.labels ? ORDER : []) for (let p = 0; p < frame.pairs && wanted.length < 40; ++p) if (frame.verdict[p] === v && shown(p) && p !== chosenPair) wanted.push(p);
+  while (box.children.length > wanted.length) box.lastChild.remove();
+  while (box.children.length < wanted.length) box.append(element("div"));
+  wanted.forEach((p, k) => {
+    const label = box.children[k], verdict = VERDICTS[frame.verdict[p]], text = `${VERDICT_TEXT[verdict][0]} ${boundText(frame, p)} · ${stageName(frame, p)}`;
+    onScreen.fromArray(frame.where, 3 * p).project(camera);
+    label.hidden = onScreen.z > 1 || Math.abs(onScreen.x) > 1.05 || Math.abs(onScreen.y) > 1.05;
+    if (label.textContent !== text) label.textContent = text;
+    label.className = verdict;
+    label.style.transform = `translate(${(0.5 + 0.5 * onScreen.x) * canvas.clientWidth + 12}px, ${(0.5 - 0.5 * onScreen.y) * canvas.clientHeight - 10}px)`;
+  });
+}
+
+// A bar of a round length, at the distance that the camera turns around.
+function showScale(target) {
+  const perMetre = canvas.clientHeight / 2 / Math.tan((camera.fov * Math.PI) / 360) / target, most = 140 / perMetre, power = Math.pow(10, Math.floor(Math.log10(most)));
+  const length = [5, 2, 1].map((f) => f * power).find((l) => l <= most) || power;
+  document.querySelector("#scale span").style.width = length * perMetre + "px", (document.querySelector("#scale b").textContent = lengthText(length));
+}
+
+function fillSelection() {
+  const box = document.querySelector("#selection > div"), chosen = selectedBodies();
+  if (!chosen.length) return box.replaceChildren(element("p.hint", {}, "Click a body or a pair. ", element("kbd", {}, "N"), " goes from pair to pair."));
+  const parts = [];
+  if (state.pair) parts.push(...(chosenPair >= 0 ? pairFacts(frame, chosenPair) : [element("p.hint", {}, "These two are no pair in this frame" + (header.separate ? "." : ", or were found apart."))]), ...chosen.map((b) => bodyLink(b, chooseBody)));
+  else {
+    parts.push(bodyLink(state.body, fit), bodyFacts(state.body));
+    const own = [];
+    for (let p = 0; p < frame.pairs && own.length < 30; ++p) if (frame.a[p] === state.body || frame.b[p] === state.body) own.push(pairButton(frame, p, -1, choosePair));
+    parts.push(element("ul", {id: "own"}, ...own));
+  }
+  const deepest = (kind) => Math.max(...chosen.map((b) => deepestLevel(bodies.geometry[b], kind))), kinds = ["spheres", "boxes"].filter((k) => deepest(k) >= 0);
+  const press = (text, on, act, title) => element("button", {onclick: act, ariaPressed: String(on), title: title || ""}, text);
+  parts.push(element("div.row", {}, press("Isolate", state.isolate, () => ((state.isolate = !state.isolate), choose()), "Fade the others (I)"), press("Fit", false, fit, "F"), press("Clear", false, clearSelection, "Esc")));
+  if (kinds.length) {
+    parts.push(element("div.row", {}, element("span.soft", {}, "Trees"), press("none", state.tree === "none", () => setTree("none")), ...kinds.map((k) => press(k === "spheres" ? "spheres (OCST)" : "boxes (OBB)", state.tree === k, () => setTree(k)))));
+    if (state.tree !== "none" && deepest(state.tree) >= 0) {
+      const most = deepest(state.tree), level = Math.min(state.level, most);
+      parts.push(element("div.row", {}, element("span.soft", {}, "Level"), element("input", {type: "range", min: 0, max: most, value: level, ariaLabel: "Level of the trees", oninput: (e) => ((state.level = +e.target.value), changed())}), element("b", {}, `${level} of ${most}`)));
+      if (treeFacts)
+        parts.push(element("dl.facts", {}, ...chosen.flatMap((b, k) => (treeFacts.counts[k] ? fact(nameOf(b), `${grouped(treeFacts.counts[k][0])}${chosen.length > 1 ? `, ${grouped(treeFacts.counts[k][1])} touch` : ""}, off by ≤ ${lengthText(treeFacts.errors[k])}`) : []))),
+          element("p.hint", {}, chosen.length > 1 ? "Solid: these touch one of the other body, and are refined further. Faint: ruled out." : "All volumes of the level."));
+    }
+  }
+  box.replaceChildren(...parts);
+}
+function setTree(kind) {
+  state.tree = kind;
+  changed();
+}
+
+function fillShow() {
+  const toggle = (name, words, key) => element("label.switch", {}, element("input", {type: "checkbox", checked: state[name], onchange: (e) => ((state[name] = e.target.checked), changed())}), words, element("small", {}, element("kbd", {}, key)));
+  const levels = [...new Set(frame.level)].sort();
+  document.querySelector("#show > div").replaceChildren(
+    toggle("links", "Pairs: a line to each body, a mark where", "L"), toggle("curves", "Where surfaces meet", "C"), toggle("bounds", "Bounds to scale: balls of that radius", "B"),
+    toggle("labels", "Bound and stage beside the marks", "T"), toggle("regions", "Regions looked at (delimitation)", "R"),
+    state.regions ? (levels.length ? element("div.row", {}, element("span.soft", {}, "Level"), element("select", {onchange: (e) => ((state.regionLevel = +e.target.value), changed()), ariaLabel: "Level of the regions"},
+      element("option", {value: -1}, "all"), ...levels.map((l) => element("option", {value: l, selected: l === state.regionLevel}, String(l)))), element("small", {}, "blue: kept, grey: ruled out")) : element("p.hint", {}, "None in this frame: " + (frame.header.stages[1][4] || "nothing was looked at") + ".")) : null,
+    element("div.row", {}, element("span.soft", {}, "Colour bodies by"), element("select", {onchange: (e) => ((state.colours = e.target.value), (dirty = true)), ariaLabel: "Colour bodies by"},
+      ...[["verdict", "verdict"], ["body", "body"]].map(([v, t]) => element("option", {value: v, selected: v === state.colours}, t)))));
+}
+
+function fillPanel() {
+  const h = frame.header;
+  treeFacts = showTrees(selectedBodies(), state.tree, state.level);
+  showRegions(frame, state.regions, state.regionLevel);
+  $("clock").replaceChildren(`Frame ${grouped(h.frame)} `, element("small", {}, `/ ${grouped(header.frames_run - 1)}\ncomputed in ${timeText(h.ms)}`));
+  fillLegend(frame, state.only, (v) => ((state.only = v), choose()));
+  fillSelection(), fillPairs(frame, shown, chosenPair, state.search, choosePair, chooseBody), fillStages(frame), fillShow(), drawChart(state.frame);
+  const play = $("play");
+  play.textContent = state.playing ? "❚❚" : "▶", play.setAttribute("aria-label", state.playing ? "Pause" : "Play");
+  writeHash();
+}
+
+function play(on) {
+  if (on && state.frame === last) setFrame(0);
+  state.playing = on, panelDirty = true;
+}
+
+// What is shown is in the address, so that it can be shared.
+function writeHash() {
+  if (state.playing) return;
+  const parts = ["frame=" + state.frame];
+  if (state.pair) parts.push("pair=" + state.pair.join(","));
+  if (state.body >= 0) parts.push("body=" + state.body);
+  if (state.tree !== "none") parts.push("trees=" + state.tree, "level=" + state.level);
+  for (const name of ["isolate", "bounds", "labels", "regions"]) if (state[name]) parts.push(name);
+  if (state.only >= 0) parts.push("only=" + VERDICTS[state.only]);
+  if (state.theme) parts.push("theme=" + state.theme);
+  try { history.replaceState(null, "", "#" + parts.join("&")); } catch (_) { /* some viewers forbid it */ }
+}
+function readHash() {
+  const wants = new Map(location.hash.slice(1).split("&").map((part) => part.split("=")));
+  const number = (name) => (wants.has(name) && isFinite(+wants.get(name)) ? +wants.get(name) : -1);
+  const exists = (b) => Number.isInteger(b) && b >= 0 && b < bodies.count;
+  for (const name of ["isolate", "bounds", "labels", "regions"]) if (wants.has(name)) state[name] = true;
+  if (["dark", "light"].includes(wants.get("theme"))) state.theme = wants.get("theme");
+  if (["spheres", "boxes"].includes(wants.get("trees"))) state.tree = wants.get("trees");
+  if (number("level") >= 0) state.level = number("level");
+  if (VERDICTS.includes(wants.get("only"))) state.only = VERDICTS.indexOf(wants.get("only"));
+  const pair = (wants.get("pair") || "").split(",").map(Number);
+  if (pair.length === 2 && pair.every(exists)) state.pair = pair;
+  else if (wants.has("body") && exists(number("body"))) state.body = number("body");
+  applyTheme();
+  setFrame(Math.max(0, number("frame")));
+  if (wants.has("worst")) nextPair(1);
+  if (wants.has("tab")) openTab(wants.get("tab"), true);
+  return wants;
+}
+addEventListener("hashchange", readHash);
+
+function openTab(name, press) {
+  const narrow = matchMedia("(max-width: 820px)").matches, panel = $("panel"), section = $(name);
+  if (!section) return;
+  if (!narrow) return press && section.scrollIntoView({block: "nearest"});
+  const open = panel.classList.contains("open") && section.classList.contains("active");
+  panel.classList.toggle("open", press ? !open : panel.classList.contains("open"));
+  for (const s of panel.querySelectorAll("section")) s.classList.toggle("active", s === section);
+  for (const b of document.querySelectorAll("#tabs button")) b.setAttribute("aria-pressed", String(b.dataset.tab === name && panel.classList.contains("open")));
+}
+for (const b of document.querySelectorAll("#tabs button")) b.onclick = () => openTab(b.dataset.tab, true);
+
+const KEYS = [["Space", "play or pause"], ["← →", "one frame back or on; with Shift ten"], ["Home End", "first or last frame"], ["N P", "next or previous pair, worst first"],
+  ["F", "fit what is selected, or all"], ["I", "isolate what is selected"], ["Esc", "clear the selection"], ["S X", "trees of the selected: spheres, boxes"], ["[ ]", "level of the trees"],
+  ["L C B T R", "pairs, contact curves, bounds, labels, regions"], ["D", "dark or light"], ["Drag, wheel", "turn, zoom; right button or two fingers: move"]];
+document.querySelector("#keys dl").append(...KEYS.flatMap(([k, t]) => [element("dt", {}, ...k.split(" ").flatMap((w) => [element("kbd", {}, w), " "])), element("dd", {}, t)]));
+const flip = (name) => ((state[name] = !state[name]), changed());
+addEventListener("keydown", (e) => {
+  if (e.ctrlKey || e.metaKey || e.altKey || /^(INPUT|SELECT|TEXTAREA)$/.test(e.target.tagName) && !(e.target.id === "scrub" && !e.key.startsWith("Arrow"))) return;
+  if (e.key === " " && e.target.tagName === "BUTTON") return;
+  const acts = {" ": () => play(!state.playing), ArrowLeft: () => setFrame(state.frame - (e.shiftKey ? 10 : 1)), ArrowRight: () => setFrame(state.frame + (e.shiftKey ? 10 : 1)), Home: () => setFrame(0), End: () => setFrame(last),
+    n: () => nextPair(1), p: () => nextPair(-1), f: fit, i: () => flip("isolate"), Escape: clearSelection, s: () => setTree(state.tree === "spheres" ? "none" : "spheres"), x: () => setTree(state.tree === "boxes" ? "none" : "boxes"),
+    "[": () => ((state.level = Math.max(0, state.level - 1)), changed()), "]": () => ((state.level = Math.min(state.level + 1, 16)), changed()),
+    l: () => flip("links"), c: () => flip("curves"), b: () => flip("bounds"), t: () => flip("labels"), r: () => flip("regions"), d: () => $("theme").click(), "?": () => $("keys").showModal()};
+  const act = acts[e.key] || acts[e.key.toLowerCase()];
+  if (act) act(), e.preventDefault();
+});
+$("play").onclick = () => play(!state.playing), ($("previous").onclick = () => setFrame(state.frame - 1)), ($("next").onclick = () => setFrame(state.frame + 1));
+$("scrub").max = last, ($("scrub").oninput = (e) => setFrame(+e.target.value));
+$("speed").onchange = (e) => (state.speed = +e.target.value);
+$("search").oninput = (e) => ((state.search = e.target.value), (panelDirty = true));
+$("fit").onclick = fit, ($("help").onclick = () => $("keys").showModal());
+$("theme").onclick = () => ((state.theme = isDark() ? "light" : "dark"), applyTheme());
+
+// A click is a press that hardly moved: else it turned the view.
+let pressed = null;
+canvas.addEventListener("pointerdown", (e) => (pressed = [e.clientX, e.clientY, performance.now()]));
+canvas.addEventListener("pointerup", (e) => {
+  if (!pressed || Math.hypot(e.clientX - pressed[0], e.clientY - pressed[1]) > 6 || performance.now() - pressed[2] > 800) return;
+  const box = canvas.getBoundingClientRect(), x = e.clientX - box.left, y = e.clientY - box.top;
+  let best = e.pointerType === "touch" ? 18 : 11, pair = -1; // marks of pairs come first: they are small and on top
+  for (let p = 0; state.links && p < frame.pairs; ++p) {
+    if (!shown(p)) continue;
+    onScreen.fromArray(frame.where, 3 * p).project(camera);
+    const d = onScreen.z > 1 ? Infinity : Math.hypot((0.5 + 0.5 * onScreen.x) * box.width - x, (0.5 - 0.5 * onScreen.y) * box.height - y);
+    if (d < best) (best = d), (pair = p);
+  }
+  if (pair >= 0) return choosePair(frame.a[pair], frame.b[pair]);
+  const body = bodyAt(Math.floor(x), Math.floor(y));
+  body >= 0 ? chooseBody(body) : clearSelection();
+});
+canvas.addEventListener("dblclick", fit);
+
+// Draws when something changed. While it moves and the browser does not keep up, quality goes down; at rest it is full.
+const FRAMES_PER_SECOND = 20; // of the run, at speed 1
+let due = 0, before = 0, slow = 0, touched = 0, drawn = 0;
+controls.addEventListener("start", () => (touched = Infinity)), controls.addEventListener("end", () => (touched = performance.now()));
+const moving = () => state.playing || bench > 0 || performance.now() - touched < 150 || touched === Infinity;
+function tick(now) {
+  requestAnimationFrame(tick);
+  const since = now - before, passed = Math.min(since, 200);
+  before = now;
+  if (state.playing && (due += (passed / 1000) * FRAMES_PER_SECOND * state.speed) >= 1) {
+    const to = state.frame + Math.floor(due);
+    due %= 1;
+    if (to > last) bench > 0 ? setFrame(0) : (setFrame(last), play(false));
+    else setFrame(to);
+  }
+  controls.update();
+  if (bench > 0) turnFor(passed);
+  const busy = moving();
+  if (busy !== tick.busy && !busy && quality < 1) (quality = 1), resize(); // at rest: once as finely as can be
+  tick.busy = busy;
+  if (panelDirty && (!state.playing || now - (tick.panel || 0) > 200)) (tick.panel = now), (panelDirty = false), fillPanel();
+  if (!dirty) return;
+  dirty = false;
+  draw(), ++drawn;
+  if (!busy) return;
+  slow = 0.7 * slow + 0.3 * Math.min(since, 1000);
+  const to = slow > 36 ? Math.max(0.06, quality * Math.max(0.4, Math.min(0.9, 30 / slow))) : slow < 24 ? Math.min(1, quality * 1.06) : quality;
+  if (to !== quality) { const half = quality < 0.5 || to < 0.5; quality = to; if (half) resize(); }
+}
+
+// "#bench=SECONDS" plays and turns for so long, and leaves the pictures a second in data-fps.
+let bench = 0, turned_ = 0, started = 0;
+function turnFor(passed) {
+  const angle = 0.0006 * passed, x = camera.position.x - controls.target.x, y = camera.position.y - controls.target.y;
+  camera.position.x = controls.target.x + x * Math.cos(angle) - y * Math.sin(angle), camera.position.y = controls.target.y + x * Math.sin(angle) + y * Math.cos(angle);
+  camera.lookAt(controls.target), (dirty = true), (turned_ += passed);
+  if (performance.now() - started < 1000 * bench) return;
+  root.dataset.fps = ((1000 * drawn) / (performance.now() - started)).toFixed(1), (root.dataset.quality = quality.toFixed(2));
+  bench = 0, play(false);
+}
+
+$("title").textContent = header.scene;
+$("subtitle").textContent = `${grouped(header.bodies)} bodies, ${grouped(header.frames_run)} frame${header.frames_run === 1 ? "" : "s"}` + (header.notes.length ? " · shown in part, see About" : "");
+resize();
+const wanted = readHash();
+fit(), fillAbout();
+if (wanted.has("bench")) (bench = +wanted.get("bench") || 3), (started = performance.now()), (state.playing = true), (drawn = 0);
+fillPanel(), draw();
+root.dataset.ready = "yes";
+requestAnimationFrame(tick);

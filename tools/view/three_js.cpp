@@ -1,0 +1,42 @@
+#include "view/three_js.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/file_bytes.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+/// A text in which nothing ends the element that it stands in, which means the same.
+std::string script_from(const std::filesystem::path& path)
+{
+    std::string text = read_file(path, 16'000'000);
+    for (std::size_t at = 0; (at = text.find("</", at)) != std::string::npos; at += 3) text.replace(at, 2, "<\\/");
+    return text;
+}
+
+} // namespace
+
+ThreeJs read_three_js()
+{
+    namespace fs = std::filesystem;
+    const char* variable = std::getenv("ONCOLLIDE_THREE");
+    const fs::path folder = variable && *variable ? variable : "/usr/share/javascript/three";
+    const fs::path library = folder / "three.min.js", controls = folder / "examples/js/controls/OrbitControls.js";
+    std::error_code error;
+    for (const fs::path& file : {library, controls})
+        if (!fs::is_regular_file(file, error))
+            throw Error(
+                ErrorKind::no_input,
+                fmt::format("{}: not there; --view needs three.js: install Debian's package libjs-three, or let "
+                            "ONCOLLIDE_THREE name a folder that holds three.min.js (release 111) and "
+                            "examples/js/controls/OrbitControls.js",
+                            file.string()));
+    return {script_from(library), script_from(controls)};
+}
+
+} // namespace oncollide::tools

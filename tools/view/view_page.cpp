@@ -1,0 +1,336 @@
+#include "view/view_page.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/printable.hpp>
+#include <oncollide/pipeline/report.hpp>
+
+#include "bench/bench.hpp"
+#include "study/markup.hpp"
+#include "view/page_model.hpp"
+#include "view/page_text.hpp"
+#include "view/page_trees.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t bytes_of_body = 25, bytes_of_triangle = 16;
+constexpr std::size_t bytes_of_header = 800, bytes_of_geometry = 600;        ///< in JSON and with the least of meshes
+constexpr std::uint64_t most_triangles = 1'500'000, most_of_model = 250'000; ///< that browsers draw with ease
+constexpr std::size_t most_of_level = 3000;                                  ///< volumes of trees
+
+std::size_t encoded(std::size_t bytes)
+{
+    return (bytes + 2) / 3 * 4;
+}
+
+/// In a script element: nothing in it ends the element or begins a comment. Bytes that are not UTF-8 become U+FFFD.
+std::string script_json(const json& value)
+{
+    std::string text;
+    for (const char c : value.dump(-1, ' ', true, json::error_handler_t::replace))
+        c == '<' ? text += "\\u003c" : text += c;
+    return text;
+}
+
+void write_block(OutputFile& file, std::string_view name, std::string_view encoded_bytes)
+{
+    file.print("<script type=\"text/plain\" id=\"{}\">", name);
+    file.write(encoded_bytes);
+    file.print("</script>\n");
+}
+
+std::string megabytes(std::size_t bytes)
+{
+    return bytes < 100'000'000 ? fmt::format("{:.1f} MB", 1e-6 * double(bytes))
+                               : fmt::format("{:.0f} MB", 1e-6 * double(bytes));
+}
+
+json columns_of(const Eigen::Vector3d& v)
+{
+    return {v.x(), v.y(), v.z()};
+}
+
+std::string accuracy_text(const Settings& s)
+{
+    if (s.depth) return fmt::format("depth {} of the sphere-trees", *s.depth);
+    if (s.max_error) return fmt::format("{:g} m", *s.max_error);
+    return "1 % of the smaller body";
+}
+
+/// So that the geometries together have no more than `most`: the largest number that one may have.
+std::uint64_t cap_for(std::vector<std::uint64_t> counts, std::uint64_t most)
+{
+    std::sort(counts.begin(), counts.end());
+    for (std::size_t k = 0; k < counts.size(); ++k) {
+        const std::uint64_t share = most / (counts.size() - k);
+        if (counts[k] > share) return share;
+        most -= counts[k];
+    }
+    return std::numeric_limits<std::uint64_t>::max();
+}
+
+} // namespace
+
+void check_view(const std::string& file, int limit, const OutputOptions& outputs, const std::string& input)
+{
+    if (file.empty()) return;
+    check_range("--view-limit", limit, 2, 1000);
+    if (file == "-") usage("--view: names a file; a page cannot go to standard output");
+    check_files({{"--view", file},
+                 {"--json", outputs.json},
+                 {"--csv", outputs.csv},
+                 {"--trace", outputs.trace},
+                 {"--picture", outputs.picture}},
+                {input});
+    read_three_js();
+}
+
+/// Geometries and trees of a page.
+struct ViewPage::Shown {
+    json geometries = json::array(), notes = json::array();
+    std::vector<std::pair<std::string, std::string>> blocks; ///< by name, base64
+    std::uint64_t simplified = 0, triangles = 0, shown_triangles = 0;
+};
+
+ViewPage::ViewPage(const Scene& scene, const Pipeline& pipeline, const Options& options)
+    : scene_(scene), pipeline_(pipeline), options_(options), three_(read_three_js())
+{
+    using namespace page;
+    std::size_t fixed = three_.library.size() + three_.controls.size() + 16'384;
+    for (const std::string_view text :
+         {page_html, style_css, data_js, bodies_js, overlay_js, trees_js, panel_js, main_js})
+        fixed += text.size();
+    frames_ = std::make_unique<PageFrames>(scene, pipeline, options.separate, 0);
+    const std::size_t bodies = encoded(bytes_of_body * scene.size()) + bytes_of_geometry * scene.geometries.size();
+    const std::size_t least = fixed + bodies + 2 * encoded(frames_->least_bytes()) + 500'000;
+    if (least > options.most_bytes)
+        throw Error(ErrorKind::usage,
+                    fmt::format("--view-limit: a page of {} bodies takes at least {}; set --view-limit to {} or more",
+                                grouped(scene.size()), megabytes(least), (least + 999'999) / 1'000'000));
+    room_ = options.most_bytes - fixed - bodies;
+    std::size_t names = 0;
+    for (const std::string& name : scene.names) names += name.size() + 3;
+    names_ = names < room_ / 5;
+    if (names_) room_ -= names;
+    frames_room_ = room_ / 5 * 3;
+    const std::size_t poses = encoded(frames_->least_bytes()) + bytes_of_header;
+    const std::size_t most_pairs = std::max(frames_room_ / 2, poses) - poses;
+    frames_ =
+        std::make_unique<PageFrames>(scene, pipeline, options.separate, most_pairs * 3 / 4 / PageFrames::bytes_of_pair);
+}
+
+void ViewPage::add(const FrameView& frame)
+{
+    if (seen_++ % step_) return;
+    PageFrame made = frames_->make(frame);
+    kept_.push_back({std::move(made.header), base64(made.block.bytes())});
+    kept_bytes_ += kept_.back().block.size() + bytes_of_header;
+    while (kept_bytes_ > frames_room_ && kept_.size() > 1) thin_out();
+}
+
+/// Every second of the kept frames goes.
+void ViewPage::thin_out()
+{
+    step_ *= 2;
+    std::size_t to = 0;
+    kept_bytes_ = 0;
+    for (std::size_t k = 0; k < kept_.size(); k += 2) {
+        if (to != k) kept_[to] = std::move(kept_[k]);
+        kept_bytes_ += kept_[to++].block.size() + bytes_of_header;
+    }
+    kept_.resize(to);
+}
+
+std::size_t ViewPage::room_left() const
+{
+    return room_ - std::min(room_, kept_bytes_);
+}
+
+ViewPage::Shown ViewPage::shown() const
+{
+    Shown shown;
+    const std::size_t room = room_left();
+    std::vector<std::uint8_t> used(scene_.geometries.size());
+    for (const GeometryId id : scene_.geometry) used[index(id)] = 1;
+    std::vector<std::uint64_t> counts;
+    for (std::size_t g = 0; g < used.size(); ++g)
+        if (used[g]) counts.push_back(page_triangles(scene_.geometries[g]));
+    const std::uint64_t room_for = std::min<std::uint64_t>(room * 3 / 4 * 7 / 10 / bytes_of_triangle, most_triangles);
+    const std::uint64_t cap = std::max<std::uint64_t>(std::min(cap_for(counts, room_for), most_of_model), 12);
+
+    std::size_t taken = 0;
+    const auto add_block = [&](std::string name, const PageBlock& block) {
+        shown.blocks.emplace_back(std::move(name), base64(block.bytes()));
+        taken += shown.blocks.back().second.size() + 64;
+    };
+    for (std::uint32_t g = 0; g < used.size(); ++g) {
+        json entry = {{"name", names_ ? printable(scene_.geometries[g].name) : ""}};
+        if (used[g]) {
+            const PageModel model = make_page_model(scene_, GeometryId{g}, cap);
+            entry["kind"] = model.kind, entry["triangles"] = model.triangles;
+            entry["low"] = columns_of(model.box.min), entry["high"] = columns_of(model.box.max);
+            entry["meshes"] = json::array();
+            for (std::size_t k = 0; k < model.meshes.size(); ++k) {
+                entry["meshes"].push_back({model.meshes[k].vertices.size(), model.meshes[k].triangles()});
+                add_block(fmt::format("m{}.{}", g, k), model.meshes[k].block());
+            }
+            if (model.simplified)
+                ++shown.simplified, shown.triangles += model.triangles,
+                    shown.shown_triangles += model.meshes[0].triangles();
+        }
+        shown.geometries.push_back(std::move(entry));
+    }
+
+    // Trees of what was in pairs, most often first.
+    std::vector<std::uint32_t> order;
+    for (std::uint32_t g = 0; g < used.size(); ++g)
+        if (frames_->touched()[g]) order.push_back(g);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::uint32_t x, std::uint32_t y) { return frames_->touched()[x] > frames_->touched()[y]; });
+    std::size_t without = 0;
+    for (const std::uint32_t g : order) {
+        constexpr std::size_t most_bytes_of_trees = 12 * most_of_level * 4 / 3 + 32 * most_of_level * 8 / 7;
+        if (taken + encoded(most_bytes_of_trees) > room) {
+            ++without;
+            continue;
+        }
+        const PageTrees trees = make_page_trees(scene_.geometries.share(g), most_of_level, options_.threads);
+        const auto add = [&](const char* name, const std::vector<PageTrees::Level>& levels, bool balls) {
+            json list = json::array();
+            std::vector<float> centres, halves;
+            std::vector<std::int16_t> turns;
+            for (const PageTrees::Level& level : levels) {
+                list.push_back(
+                    {level.volumes.size(), level.error, level.volumes.empty() ? 0 : level.volumes[0].radius()});
+                for (const CoveringVolume& v : level.volumes) {
+                    append(centres, v.centre);
+                    if (balls) continue;
+                    append(halves, v.half);
+                    Eigen::Matrix3d axes = v.axes;
+                    if (axes.determinant() < 0) axes.col(2) *= -1; // the same box
+                    append(turns, Eigen::Quaterniond(axes).normalized());
+                }
+            }
+            shown.geometries[g][name] = std::move(list);
+            PageBlock block;
+            block.add(centres), block.add(halves), block.add(turns);
+            add_block(fmt::format("{}{}", name[0], g), block);
+        };
+        if (!trees.spheres.empty()) add("spheres", trees.spheres, true);
+        if (!trees.boxes.empty()) add("boxes", trees.boxes, false);
+    }
+    if (without) shown.notes.push_back(fmt::format("There was no room for the trees of {} geometries.", without));
+    return shown;
+}
+
+json ViewPage::about() const
+{
+    const Settings& s = pipeline_.settings();
+    json rows = json::array();
+    rows.push_back({"Accuracy (max_error)", accuracy_text(s)});
+    rows.push_back({"Decided exactly (--exact)", name_of(s.exact)});
+    rows.push_back({"Clearance", fmt::format("{:g} m", s.clearance)});
+    rows.push_back({"Inside of meshes (--mode)", s.mode == Mode::solid ? "counts: solid" : "does not count: surface"});
+    rows.push_back({"Refined with", wants_obbs(s) ? "oriented boxes (OBB trees)" : "sphere-trees (OCST)"});
+    rows.push_back({"Threads", fmt::format("{}", thread_count(s))});
+    rows.push_back({"Backend", pipeline_.backend()});
+    rows.push_back({"Result hash", fmt::format("{:016x}", pipeline_.hash())});
+    rows.push_back({"oncollide", version});
+    return rows;
+}
+
+void ViewPage::summarize(const Shown& shown, std::size_t size)
+{
+    summary_ = fmt::format("{}: {}, ", printable(options_.file), megabytes(size));
+    summary_ += step_ == 1 ? fmt::format("{} frame{}", kept_.size(), kept_.size() == 1 ? "" : "s")
+                           : fmt::format("{} of {} frames (one in {})", kept_.size(), seen_, step_);
+    if (shown.simplified)
+        summary_ +=
+            fmt::format("; {} mesh{} shown simplified, {} of {} triangles", shown.simplified,
+                        shown.simplified == 1 ? "" : "es", grouped(shown.shown_triangles), grouped(shown.triangles));
+    if (step_ > 1) summary_ += fmt::format("; --view-limit allows {}", megabytes(options_.most_bytes));
+}
+
+void ViewPage::write()
+{
+    if (kept_.empty()) return;
+    Shown made = shown();
+    if (step_ > 1)
+        made.notes.push_back(fmt::format("Shown is one frame in {}: {} of {}, so that the page stays below {}.", step_,
+                                         kept_.size(), grouped(seen_), megabytes(options_.most_bytes)));
+    if (made.simplified)
+        made.notes.push_back(
+            fmt::format("{} geometr{} shown simplified, with {} of {} triangles. Results are those of the full ones.",
+                        made.simplified, made.simplified == 1 ? "y is" : "ies are", grouped(made.shown_triangles),
+                        grouped(made.triangles)));
+    if (!names_) made.notes.push_back("Bodies go by their numbers: there was no room for their names.");
+
+    json header = {{"scene", printable(scene_.name)},
+                   {"frames_of_scene", scene_.frames},
+                   {"frames_run", seen_},
+                   {"bodies", scene_.size()},
+                   {"moving", frames_->moving().size()},
+                   {"origin", columns_of(frames_->origin())},
+                   {"stages", pipeline_.stages()},
+                   {"exact", pipeline_.settings().exact != ExactLevel::off},
+                   {"refined", wants_obbs(pipeline_.settings()) ? "boxes" : "spheres"},
+                   {"separate", options_.separate},
+                   {"clearance", pipeline_.settings().clearance},
+                   {"geometries", std::move(made.geometries)},
+                   {"notes", made.notes},
+                   {"about", about()}};
+    header["frames"] = json::array();
+    for (const Kept& frame : kept_) header["frames"].push_back(frame.header);
+    if (names_) {
+        json names = json::array();
+        for (const std::string& name : scene_.names) names.push_back(printable(name));
+        header["names"] = std::move(names);
+    }
+
+    std::vector<std::uint32_t> geometry;
+    std::vector<float> positions;
+    std::vector<std::int16_t> turns;
+    for (std::uint32_t body = 0; body < scene_.size(); ++body) {
+        geometry.push_back(std::uint32_t(index(scene_.geometry[body])));
+        append(positions, scene_.start_poses[body].translation() - frames_->origin());
+        append(turns, Eigen::Quaterniond(scene_.start_poses[body].linear()).normalized());
+    }
+    PageBlock bodies;
+    bodies.add(geometry), bodies.add(frames_->moving()), bodies.add(positions), bodies.add(turns);
+    bodies.add(scene_.is_static);
+
+    using namespace page;
+    OutputFile file(options_.file);
+    std::string_view rest = page_html;
+    const auto until = [&](std::string_view mark) {
+        const std::size_t at = rest.find(mark);
+        file.write(rest.substr(0, at));
+        rest.remove_prefix(at + mark.size());
+    };
+    until("{{title}}"), file.write(escaped(scene_.name));
+    until("{{style}}"), file.write(style_css);
+    until("{{data}}");
+    file.print("<script type=\"application/json\" id=\"header\">{}</script>\n", script_json(header));
+    write_block(file, "bodies", base64(bodies.bytes()));
+    for (const auto& [name, block] : made.blocks) write_block(file, name, block);
+    for (std::size_t k = 0; k < kept_.size(); ++k) write_block(file, fmt::format("f{}", k), kept_[k].block);
+    until("{{three}}"), file.write(three_.library), file.write("\n"), file.write(three_.controls);
+    until("{{script}}"), file.write("(() => {\n");
+    for (const std::string_view script : {data_js, bodies_js, overlay_js, trees_js, panel_js, main_js})
+        file.write(script);
+    file.write("})();\n"), file.write(rest);
+    file.commit();
+    std::error_code error;
+    summarize(made, std::filesystem::file_size(options_.file, error));
+}
+
+} // namespace oncollide::tools
