@@ -10,44 +10,21 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/near_word.hpp>
 
 namespace oncollide::tools {
 namespace {
-
-/// Steps from one word to the other by adding, dropping or changing a letter.
-std::size_t edit_distance(const std::string& a, const std::string& b)
-{
-    std::vector<std::size_t> row(b.size() + 1);
-    for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-    for (std::size_t i = 1; i <= a.size(); ++i) {
-        std::size_t diagonal = std::exchange(row[0], i);
-        for (std::size_t j = 1; j <= b.size(); ++j) {
-            const std::size_t changed = diagonal + (a[i - 1] != b[j - 1]);
-            diagonal = row[j];
-            row[j] = std::min({changed, row[j] + 1, row[j - 1] + 1});
-        }
-    }
-    return row.back();
-}
-
-/// "; did you mean '--depth'?", or nothing when no candidate is near.
-std::string hint(const std::string& word, const std::vector<std::string>& candidates)
-{
-    std::string best;
-    std::size_t least = word.size() < 3   ? 2
-                        : word.size() < 6 ? 3
-                                          : 4; // no more letters may be wrong than this, less one
-    for (const std::string& candidate : candidates)
-        if (const std::size_t distance = edit_distance(word, candidate); distance < least)
-            least = distance, best = candidate;
-    return best.empty() ? "" : fmt::format("; did you mean '{}'?", best);
-}
 
 std::string joined(const std::vector<std::string>& words)
 {
     std::string result;
     for (const std::string& word : words) result += (result.empty() ? "" : ", ") + word;
     return result;
+}
+
+std::vector<std::string_view> views(const std::vector<std::string>& words)
+{
+    return {words.begin(), words.end()};
 }
 
 std::vector<std::string> command_names(const CLI::App& app)
@@ -81,10 +58,14 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error)
     const std::vector<std::string> extras = app.remaining(true);
     if (dynamic_cast<const CLI::ExtrasError*>(&error) && !extras.empty()) {
         const std::string word = extras.front().substr(0, extras.front().find('='));
-        if (!word.starts_with("-")) return fmt::format("{}unexpected argument '{}' {}", place, word, help);
-        const std::string near = hint(word, option_names(command));
+        const std::vector<std::string> commands = command_names(command), options = option_names(command);
+        if (!word.starts_with("-"))
+            return commands.empty() ? fmt::format("{}unexpected argument '{}' {}", place, word, help)
+                                    : fmt::format("{}unknown command '{}'{} {}", place, word,
+                                                  valid_names(word, views(commands), "commands"), help);
+        const std::string near = did_you_mean(word, views(options));
         return fmt::format("{}unknown option '{}'{} {}", place, word,
-                           near.empty() ? "; valid: " + joined(option_names(command)) : near, help);
+                           near.empty() ? "; valid: " + joined(options) : near, help);
     }
     std::string text = error.what();
     std::replace(text.begin(), text.end(), '\n', ' ');
@@ -237,8 +218,7 @@ Command CommandLine::parse(int argc, char** argv)
         return nothing;
     }
     if (!first.starts_with("-") && std::find(names.begin(), names.end(), first) == names.end())
-        refuse(fmt::format("unknown command '{}'{} commands: {}", first,
-                           hint(first, names).empty() ? ";" : hint(first, names), joined(names)));
+        refuse(fmt::format("unknown command '{}'{}", first, valid_names(first, views(names), "commands")));
     try {
         app_->parse(argc, argv);
     } catch (const CLI::Success& wanted) { // --help and --version

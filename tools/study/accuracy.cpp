@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/near_word.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
 #include <oncollide/scenes/catalogue/catalogue.hpp>
@@ -187,6 +188,11 @@ int accuracy(const AccuracyOptions& options)
 {
     if (options.scene.scene.empty())
         throw Error(ErrorKind::usage, "accuracy: scene is required (oncollide accuracy --help)");
+    const std::string& word = options.scene.scene; // its first position takes what was to be a command
+    if (const std::string hint = did_you_mean(word, {"fuzz", "study"}); !hint.empty() && !is_scene_file(word))
+        if (std::ranges::find(catalogue(), word, &CatalogueEntry::name) == catalogue().end())
+            usage(fmt::format("accuracy: '{}' is neither a command nor a scene{} (scenes: oncollide scene --list)",
+                              word, hint));
     check_range("--count", options.count, 1), check_range("--samples", options.samples, 0),
         check_range("--every", options.every, 1);
     if (options.count > 1 && is_scene_file(options.scene.scene))
