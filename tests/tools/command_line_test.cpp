@@ -18,11 +18,15 @@ TEST_F(CommandLine, HelpOfEveryCommandTeachesAndExitsWithZero)
     EXPECT_NE(run({"check", "--help"}).out.find("0 separate, 1 colliding, 2 within"), std::string::npos);
 }
 
-TEST_F(CommandLine, VersionIsTheProjectVersion)
+TEST_F(CommandLine, VersionIsTheProjectVersionAndTellsOfTheBuild)
 {
     const Outcome outcome = run({"--version"});
     EXPECT_EQ(outcome.code, 0);
-    EXPECT_EQ(outcome.out, "oncollide " ONCOLLIDE_PROJECT_VERSION "\n");
+    EXPECT_TRUE(outcome.out.starts_with("oncollide " ONCOLLIDE_PROJECT_VERSION "\n")) << outcome.out;
+    for (const char* word : {"build ", "flags", "parts ", "FCL", "instructions ", "baseline", "(in use: "})
+        EXPECT_NE(outcome.out.find(word), std::string::npos) << word << "\n" << outcome.out;
+    const Outcome lowered = run({"--version"}, {.folder = {}, .environment = {{"ONCOLLIDE_ISA", "baseline"}}});
+    EXPECT_NE(lowered.out.find("(in use: baseline)"), std::string::npos) << lowered.out;
 }
 
 TEST_F(CommandLine, UnknownCommandsAndOptionsAreUsageErrorsWithAHint)

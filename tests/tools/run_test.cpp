@@ -311,7 +311,22 @@ TEST_F(CommandLine, DoctorAnswersAndWritesNothing)
     EXPECT_EQ(outcome.code, 0) << outcome.out;
     for (const char* word : {"processor", "threads", "FCL 0.", "self-test", "passed", "GPU 0"})
         EXPECT_NE(outcome.out.find(word), std::string::npos) << word;
+    for (const char* word : {"build ", "parts ", "HDF5 files", "GeoTIFF files"})
+        EXPECT_NE(outcome.out.find(word), std::string::npos) << word;
     EXPECT_TRUE(folder_.list().empty());
+}
+
+TEST_F(CommandLine, TheDoctorsReportHasWhatABugReportNeeds)
+{
+    const Outcome outcome = run({"doctor", "--report", "bug.txt"},
+                                {.folder = {}, .environment = {{"OMP_NUM_THREADS", "3"}, {"SECRET", "x"}}});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    const std::string report = folder_.read("bug.txt");
+    for (const char* word : {"processor", "self-test", "flags", "system ", "glibc", "memory", "OMP_NUM_THREADS=3"})
+        EXPECT_NE(report.find(word), std::string::npos) << word << "\n" << report;
+    EXPECT_EQ(report.find("SECRET"), std::string::npos);
+    EXPECT_NE(outcome.out.find("Written to bug.txt"), std::string::npos) << outcome.out;
+    expect_error(73, {"doctor", "--report", "no/such/folder/bug.txt"}, {"no/such/folder"});
 }
 
 TEST_F(CommandLine, TheDemoGivesEveryLevelSomethingToDo)

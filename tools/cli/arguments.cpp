@@ -12,6 +12,8 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/near_word.hpp>
 
+#include "cli/system.hpp"
+
 namespace oncollide::tools {
 namespace {
 
@@ -31,7 +33,7 @@ std::vector<std::string> command_names(const CLI::App& app)
 {
     std::vector<std::string> names;
     for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
-        names.push_back(command->get_name());
+        if (!command->get_group().empty()) names.push_back(command->get_name());
     return names;
 }
 
@@ -41,6 +43,45 @@ std::vector<std::string> option_names(const CLI::App& command)
     for (const CLI::Option* option : command.get_options())
         for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
     return names;
+}
+
+OptionText describe(const CLI::Option& option)
+{
+    OptionText text;
+    for (const std::string& name : option.get_snames()) text.names.push_back("-" + name);
+    for (const std::string& name : option.get_lnames()) text.names.push_back("--" + name);
+    if (option.get_positional()) text.names.push_back(option.get_name(true, false));
+    if (option.get_items_expected_max() > 0) text.value = option.get_type_name();
+    text.help = option.get_description(), text.group = option.get_group();
+    text.required = option.get_required();
+    text.repeatable = option.get_items_expected_max() > 1 ||
+                      (!text.value.empty() && option.get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll);
+    return text;
+}
+
+CommandText describe(const CLI::App& app, const std::string& above)
+{
+    CommandText text{.name = app.get_name(),
+                     .path = above + app.get_name(),
+                     .summary = app.get_description(),
+                     .footer = app.get_footer(),
+                     .positions = {},
+                     .options = {},
+                     .commands = {}};
+    for (const CLI::Option* option : app.get_options())
+        if (!option->get_group().empty())
+            (option->get_positional() ? text.positions : text.options).push_back(describe(*option));
+    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+        if (!command->get_group().empty()) text.commands.push_back(describe(*command, text.path + " "));
+    return text;
+}
+
+/// The command that the words on the command line lead to.
+const CLI::App& chosen_in(const CLI::App& app)
+{
+    const CLI::App* chosen = &app;
+    while (!chosen->get_subcommands().empty()) chosen = chosen->get_subcommands().front();
+    return *chosen;
 }
 
 /// One line that says what is wrong with the command line.
@@ -142,7 +183,9 @@ bool Option::given() const
 
 Arguments Arguments::add_command(const std::string& name, const std::string& summary)
 {
-    return {app_->add_subcommand(name, summary), chosen_};
+    CLI::App* const command = app_->add_subcommand(name, summary);
+    command->option_defaults()->group("Options");
+    return {command, chosen_};
 }
 
 template <class Value>
@@ -181,6 +224,16 @@ void Arguments::footer(const std::string& text)
     app_->footer(text);
 }
 
+void Arguments::group(const std::string& name)
+{
+    app_->option_defaults()->group(name);
+}
+
+void Arguments::hide()
+{
+    app_->group("");
+}
+
 void Arguments::at_most_one_command()
 {
     app_->require_subcommand(0, 1);
@@ -193,10 +246,19 @@ void Arguments::action(Command command)
     });
 }
 
+CommandText Arguments::describe_program() const
+{
+    const CLI::App* program = app_;
+    while (program->get_parent()) program = program->get_parent();
+    return describe(*program, "");
+}
+
 CommandLine::CommandLine(const std::string& program, const std::string& summary, const std::string& version)
     : app_(std::make_unique<CLI::App>(summary, program))
 {
-    app_->set_version_flag("--version", version);
+    app_->set_help_flag("-h,--help", "print this help");
+    app_->set_version_flag("--version", version, "print version and build");
+    app_->option_defaults()->group("Options");
 }
 
 CommandLine::~CommandLine() = default;
@@ -214,14 +276,22 @@ Command CommandLine::parse(int argc, char** argv)
     const std::string first = argv[1];
     const auto nothing = [] { return 0; };
     if (first == "help") {
-        std::cout << app_->help();
+        std::cout << help_text(describe(*app_, ""), terminal_width());
         return nothing;
     }
-    if (!first.starts_with("-") && std::find(names.begin(), names.end(), first) == names.end())
+    const auto is_first = [&](const CLI::App* command) { return command->get_name() == first; };
+    if (!first.starts_with("-") && std::as_const(*app_).get_subcommands(is_first).empty())
         refuse(fmt::format("unknown command '{}'{}", first, valid_names(first, views(names), "commands")));
     try {
         app_->parse(argc, argv);
-    } catch (const CLI::Success& wanted) { // --help and --version
+    } catch (const CLI::CallForHelp&) {
+        const CLI::App* command = &chosen_in(*app_);
+        std::string above;
+        for (const CLI::App* over = command->get_parent(); over; over = over->get_parent())
+            above = over->get_name() + " " + above;
+        std::cout << help_text(describe(*command, above), terminal_width());
+        return nothing;
+    } catch (const CLI::Success& wanted) { // --version
         app_->exit(wanted, std::cout, std::cerr);
         return nothing;
     } catch (const CLI::ParseError& error) {

@@ -52,6 +52,7 @@ void add_run(Arguments app)
     add_accuracy_options(sub, options->settings);
     add_pipeline_options(sub, options->settings);
     add_output_options(sub, options->outputs);
+    sub.group("Results");
     sub.add_flag(
         "--exit-code", options->exit_code,
         "exit with 1 if any pair collides in any frame, with 2 if none does but one may (default: 0 whenever the "

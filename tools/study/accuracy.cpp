@@ -235,7 +235,7 @@ int accuracy(const AccuracyOptions& options)
 void add_accuracy(Arguments app)
 {
     Arguments sub =
-        app.add_command("accuracy", "Check a scene against FCL: collisions missed, false positives, bounds");
+        app.add_command("accuracy", "Check the results of a scene against FCL: collisions missed, false positives, bounds");
     auto options = std::make_shared<AccuracyOptions>();
     // Not marked as required: a word in its place that names a subcommand would be taken for it.
     sub.add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
