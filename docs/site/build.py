@@ -38,6 +38,11 @@ JAVADOC_AUTOBRIEF = YES
 """
 
 
+def for_mkdocs(text):
+    """GitHub wants bars in a table's code escaped, and MkDocs shows the backslash."""
+    return re.sub(r"`[^`\n]*`", lambda code: code[0].replace("\\|", "|"), text)
+
+
 def gather(pages):
     """The pages, with links to what is no page made plain: sources and the README are not on the site."""
     for folder in ("data", "pictures"):
@@ -48,12 +53,12 @@ def gather(pages):
         text = text.replace("```cpp fcl\n", "```cpp\n")  # tests tell these blocks apart
         # Cells of HTML tables hold Markdown.
         text = text.replace("<td>\n", '<td markdown="block">\n').replace("<table>", '<table markdown="block">')
-        (pages / page.name).write_text(text, encoding="utf-8")
+        (pages / page.name).write_text(for_mkdocs(text), encoding="utf-8")
 
 
 def write_reference(pages, command):
     made = subprocess.run([command, "reference", "markdown"], check=True, capture_output=True, text=True).stdout
-    (pages / "reference.md").write_text(made, encoding="utf-8")
+    (pages / "reference.md").write_text(for_mkdocs(made), encoding="utf-8")
 
 
 def write_plots(pages, complete):
