@@ -58,13 +58,27 @@ std::string paths_of(const CommandText& program, std::string_view between)
     return paths;
 }
 
-/// Single quotes and what else ends a quoted word of zsh's _arguments, or of fish.
-std::string plain(std::string_view text)
+/// For single quotes of zsh, in a specification of _arguments.
+std::string zsh_text(std::string_view text)
 {
     std::string result;
     for (const char c : text) {
-        if (c == '\'') continue;
+        if (c == '\'') {
+            result += "'\\''";
+            continue;
+        }
         if (c == '[' || c == ']' || c == ':' || c == '\\') result += '\\';
+        result += c;
+    }
+    return result;
+}
+
+/// For single quotes of fish.
+std::string fish_text(std::string_view text)
+{
+    std::string result;
+    for (const char c : text) {
+        if (c == '\'' || c == '\\') result += '\\';
         result += c;
     }
     return result;
@@ -129,16 +143,16 @@ std::string zsh_completion_of(const CommandText& program, const std::vector<std:
         out += fmt::format("    ('{}')\n        _arguments", command->path);
         for (const OptionText& option : command->options)
             for (const std::string& name : option.names)
-                out +=
-                    fmt::format(" \\\n            '{}{}[{}]{}'", option.repeatable ? "*" : "", name, plain(option.help),
-                                option.value.empty() ? "" : fmt::format(":{}:{}", plain(option.value), action(option)));
+                out += fmt::format(
+                    " \\\n            '{}{}[{}]{}'", option.repeatable ? "*" : "", name, zsh_text(option.help),
+                    option.value.empty() ? "" : fmt::format(":{}:{}", zsh_text(option.value), action(option)));
         std::string commands;
         for (const CommandText& below : command->commands) commands += (commands.empty() ? "" : " ") + below.name;
         if (!commands.empty()) out += fmt::format(" \\\n            '1:command:({})'", commands);
         if (commands.empty())
             for (const OptionText& position : command->positions)
                 out += fmt::format(" \\\n            '{}:{}:{}'", position.repeatable ? "*" : "",
-                                   plain(position.names.front()), action(position));
+                                   zsh_text(position.names.front()), action(position));
         out += " ;;\n";
     }
     return out + "    esac\n}\n_oncollide \"$@\"\n";
@@ -158,7 +172,7 @@ std::string fish_completion_of(const CommandText& program, const std::vector<std
         if (std::ranges::none_of(command->positions, [&](const OptionText& p) { return values_of(p, scenes).files; }))
             out += start + " -f\n";
         for (const CommandText& below : command->commands)
-            out += fmt::format("{} -f -a {} -d '{}'\n", start, below.name, plain(below.summary));
+            out += fmt::format("{} -f -a {} -d '{}'\n", start, below.name, fish_text(below.summary));
         for (const OptionText& position : command->positions)
             if (const Values values = values_of(position, scenes); !values.words.empty())
                 out += fmt::format("{} -a '{}'\n", start, fmt::join(values.words, " "));
@@ -171,7 +185,7 @@ std::string fish_completion_of(const CommandText& program, const std::vector<std
                 out += fmt::format(" -x -a '{}'", fmt::join(values.words, " "));
             else if (!option.value.empty())
                 out += values.files || values.folders ? " -r -F" : " -x";
-            out += fmt::format(" -d '{}'\n", plain(option.help));
+            out += fmt::format(" -d '{}'\n", fish_text(option.help));
         }
     }
     return out;

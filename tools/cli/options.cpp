@@ -64,8 +64,7 @@ void add_accuracy_options(Arguments command, SettingsOptions& o)
     command
         .add_option("--depth", o.depth,
                     "instead of --max-error, the paper's accuracy: levels of spheres around parts of a mesh (depth of "
-                    "the sphere-trees), "
-                    "1 to 16")
+                    "the sphere-trees), 1 to 16")
         .type_name("D");
     command.add_option("--clearance", o.clearance, "metres: bodies this close count as touching (default 0)")
         .type_name("M");
@@ -108,7 +107,7 @@ void add_pipeline_options(Arguments command, SettingsOptions& o)
         .add_option(
             "--bounding-volume,--spheres", o.bounding_volume,
             "what encloses the parts of a mesh: obb, oriented boxes, or sphere, as in the paper, slower at equal error "
-            "(default auto: sphere with --depth or a GPU, else obb)")
+            "(default auto: obb with --exact on, and for an error in metres on the cpu; else sphere)")
         .type_name("auto|sphere|obb");
     command
         .add_option("--broad", o.broad,
@@ -118,8 +117,7 @@ void add_pipeline_options(Arguments command, SettingsOptions& o)
     command
         .add_option("--skip", o.skip,
                     "leave out a stage: bounds, regions (delimitation), broad, refinement (ocst) or exact "
-                    "(repeatable); results "
-                    "get wider, never wrong")
+                    "(repeatable); results get wider, never wrong")
         .type_name("bounds|regions|broad|refinement|exact")
         .repeatable();
     command
