@@ -97,6 +97,8 @@ void Report::add(const FrameView& frame)
     for (const PairResult& pair : frame.pairs) {
         ++verdicts[int(pair.verdict)], ++kinds_[int(pair.kind)];
         pairs_ += keeps(pair);
+        if (pair.verdict != Verdict::separate)
+            (pair.verdict == Verdict::colliding ? kept_->colliding : kept_->unsure).add(pair, frame.frame);
     }
     for (std::size_t k = 0; k < verdicts.size(); ++k) verdicts_[k] += verdicts[k];
     if (kept_->json) add_json(frame, verdicts);

@@ -49,7 +49,8 @@ public:
     void write_trace(const std::filesystem::path& path) const;
     /// One picture: the stage funnel, and time per frame by stage. SVG.
     void write_picture(const std::filesystem::path& path) const;
-    /// The stage table: in, out, culled, undecided, ms per frame; then verdict counts, trees, hash.
+    /// The stage table: in, out, ruled out, undecided, ms per frame; then verdict counts, trees, hash, and the first
+    /// pairs that collide, or may, by name.
     void print_table(std::ostream& out) const;
 
     /// Pairs of each verdict, indexed by Verdict, over all frames.

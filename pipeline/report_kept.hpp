@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <oncollide/base/spool.hpp>
+#include <oncollide/pipeline/pair_list.hpp>
 #include <oncollide/pipeline/report.hpp>
 #include <oncollide/pipeline/stage_times.hpp>
 
@@ -19,6 +20,7 @@ struct Report::Kept {
     std::optional<Spool> trace;
     double trace_us = 0; ///< where the next frame begins in the trace
     StageTimes stage_times;
+    PairList colliding, unsure; ///< unsure: within or undecided
 };
 
 } // namespace oncollide

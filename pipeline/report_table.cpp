@@ -1,8 +1,9 @@
-#include <oncollide/pipeline/report.hpp>
+#include <oncollide/pipeline/report_kept.hpp>
 
 #include <oncollide/base/printable.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <ostream>
 
 #include <fmt/format.h>
@@ -10,14 +11,16 @@
 namespace oncollide {
 namespace {
 
-std::string_view plain_words(std::string_view stage)
+/// What the stage looks at; its own name, which --skip and the results have, in brackets.
+std::string plain_words(std::string_view stage)
 {
-    if (stage == "bounds") return "boxes around the bodies, in the world";
-    if (stage == "delimitation") return "regions in which nothing can collide are dropped";
-    if (stage == "broad") return "pairs whose boxes overlap";
-    if (stage == "ocst") return "sphere-trees or oriented boxes, grown only where they touch";
-    if (stage == "exact") return "triangle against triangle";
-    return "";
+    std::string_view words = stage;
+    if (stage == "bounds") words = "boxes";
+    if (stage == "delimitation") words = "regions";
+    if (stage == "broad") words = "pairs of boxes";
+    if (stage == "ocst") words = "refinement";
+    if (stage == "exact") words = "triangles";
+    return fmt::format("{} ({})", words, stage);
 }
 
 /// Digits in groups of three: 1,234,567.
@@ -47,20 +50,45 @@ std::string bytes_text(std::size_t bytes)
     return fmt::format("{:.1f} MB", double(bytes) / 1e6);
 }
 
+/// "a and b, crossing, from frame 12"
+std::string pair_text(const Scene& scene, const PairList::Entry& entry, bool one_frame)
+{
+    const PairResult& pair = entry.pair;
+    std::string text = fmt::format("'{}' and '{}'", scene.label(pair.a), scene.label(pair.b));
+    if (pair.kind != ContactKind::unknown) text += fmt::format(", {}", name_of(pair.kind));
+    if (pair.verdict == Verdict::undecided) text += ", undecided";
+    if (pair.verdict != Verdict::colliding && std::isfinite(pair.bound))
+        text += fmt::format(", at most {:.4g} m apart", pair.bound);
+    if (!one_frame) text += fmt::format(", from frame {}", entry.frame);
+    return printable(text);
+}
+
+std::string list_text(const Scene& scene, const PairList& list, const char* one, const char* many, bool one_frame,
+                      bool listed)
+{
+    if (list.size() == 0) return {};
+    std::string text =
+        fmt::format("\n{}{} {}\n", list.full() ? "at least " : "", grouped(list.size()), list.size() == 1 ? one : many);
+    for (const PairList::Entry& entry : list.first()) text += "  " + pair_text(scene, entry, one_frame) + "\n";
+    if (list.size() > list.first().size())
+        text += fmt::format("  and {} more{}\n", grouped(list.size() - list.first().size()),
+                            listed ? "" : "; --csv FILE writes them all");
+    return text;
+}
+
 } // namespace
 
 void Report::print_table(std::ostream& out) const
 {
     std::string text = printable(title()) + "\n\n";
-    text += fmt::format("{:<13}{:<8}{:>11}{:>11}{:>11}{:>11}{:>11}   mean per frame\n", "stage", "counts", "in", "out",
-                        "culled", "undecided", "ms");
+    text += fmt::format("{:<24}{:<8}{:>11}{:>11}{:>11}{:>11}{:>11}\n", "stage, mean per frame", "counts", "in", "out",
+                        "ruled out", "undecided", "ms");
     for (const StageStats& s : totals_) {
-        const std::string_view words = plain_words(s.stage);
         text +=
-            fmt::format("{:<13}{:<8}{}{}{}{}{}   {}\n", s.stage, s.unit, cell(mean(s.in, s.frames)),
+            fmt::format("{:<24}{:<8}{}{}{}{}{}{}\n", plain_words(s.stage), s.unit, cell(mean(s.in, s.frames)),
                         cell(mean(s.out, s.frames)), cell(mean(s.culled, s.frames)), cell(mean(s.undecided, s.frames)),
                         cell(fmt::format("{:.3f}", s.frames ? s.cpu_ms / double(s.frames) : 0.0)),
-                        s.skipped ? fmt::format("skipped: {}", s.note.empty() ? "by request" : s.note) : words);
+                        s.skipped ? fmt::format("   skipped: {}", s.note.empty() ? "by request" : s.note) : "");
     }
     const std::array<std::uint64_t, 4> counts = verdicts();
     text += fmt::format("\nframe      {:.3f} ms in the mean, {:.3f} ms the slowest\n",
@@ -96,6 +124,13 @@ void Report::print_table(std::ostream& out) const
     }
     if (!backend_note_.empty()) text += "note       " + backend_note_ + "\n";
     text += fmt::format("hash       {:016x}\n", hash_);
+    const bool listed = kept_->csv || kept_->json, exact = exact_runs(pipeline_.settings());
+    text += list_text(scene_, kept_->colliding, "pair collides:", "different pairs collide:", frames_ == 1, listed);
+    text += list_text(scene_, kept_->unsure,
+                      exact ? "pair is close or undecided:" : "pair may or may not collide (--exact on decides):",
+                      exact ? "different pairs are close or undecided:"
+                            : "different pairs may or may not collide (--exact on decides):",
+                      frames_ == 1, listed);
     out << text;
 }
 

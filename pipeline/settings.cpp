@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/near_word.hpp>
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/narrowphase/exact/exact_fcl.hpp>
 #include <oncollide/narrowphase/spheres/cell_key.hpp>
@@ -27,7 +27,8 @@ Enum from_name(std::string_view what, const std::array<std::string_view, n>& nam
 {
     for (std::size_t i = 0; i < n; ++i)
         if (names[i] == name) return static_cast<Enum>(i);
-    throw Error(ErrorKind::usage, fmt::format("{}: no '{}'; valid: {}", what, name, fmt::join(names, ", ")));
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: no '{}'{}", what, name, valid_names(name, {names.begin(), names.end()})));
 }
 
 void require(bool condition, std::string_view setting, auto value, std::string_view valid)
@@ -59,6 +60,7 @@ std::string_view name_of(BoundingVolume v)
 }
 ExactLevel exact_from_name(std::string_view name)
 {
+    if (name == "on") return ExactLevel::predicates;
     return from_name<ExactLevel>("exact", exact_names, name);
 }
 Mode mode_from_name(std::string_view name)

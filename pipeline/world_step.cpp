@@ -5,9 +5,9 @@
 #include <chrono>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/near_word.hpp>
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/base/random.hpp>
 #include <oncollide/narrowphase/gl/gpu.hpp>
@@ -98,7 +98,8 @@ World::World(const Settings& settings, std::unique_ptr<OcclusionBackend> backend
     for (const std::string& name : settings.skip)
         if (std::ranges::count(stage_names, name) == 0)
             throw Error(ErrorKind::usage,
-                        fmt::format("skip: no stage named '{}'; valid: {}", name, fmt::join(stage_names, ", ")));
+                        fmt::format("skip: no stage named '{}'{}", name,
+                                    valid_names(name, {std::begin(stage_names), std::end(stage_names)})));
     std::string note;
     if (!backend) backend = make_backend(settings, note);
     impl_ = std::make_unique<Impl>(settings, std::move(backend), std::move(note));

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/base/near_word.hpp>
 #include <oncollide/scenes/catalogue/catalogue_scenes.hpp>
 
 namespace oncollide {
@@ -44,12 +45,12 @@ constexpr Maker makers[] = {
 
 const Maker& find_maker(const std::string& name)
 {
-    std::string names;
+    std::vector<std::string_view> names;
     for (const Maker& maker : makers) {
         if (name == maker.name) return maker;
-        names += (names.empty() ? "" : ", ") + std::string(maker.name);
+        names.push_back(maker.name);
     }
-    refuse(fmt::format("no scene named '{}' in the catalogue; it has: {}", name, names));
+    refuse(fmt::format("no scene named '{}' in the catalogue{}", name, valid_names(name, names, "it has")));
 }
 
 } // namespace

@@ -1,9 +1,9 @@
 #include <oncollide/scenes/files/geometry_recipe.hpp>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <oncollide/base/file_bytes.hpp>
+#include <oncollide/base/near_word.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 #include <oncollide/scenes/files/terrain_file.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
@@ -69,9 +69,8 @@ Mesh generate(const Node& node)
         return make_soup_mesh(count(node, "count"), size(node, "edge"), size(node, "size"), seed(node));
     }
     node["kind"].fail(
-        fmt::format("no generator named '{}'; valid: box, sphere, torus, torus_knot, gear, terrain, needles, "
-                    "soup",
-                    kind));
+        fmt::format("no generator named '{}'{}", kind,
+                    valid_names(kind, {"box", "sphere", "torus", "torus_knot", "gear", "terrain", "needles", "soup"})));
 }
 
 std::vector<Eigen::Vector3d> points_of(const Node& node)
@@ -155,9 +154,9 @@ Shape read_shape(const Node& node)
         return Cone{node["radius"].number(), node["length"].number()};
     }
     if (kind == "half_space") return node.only({"kind"}), HalfSpace{};
-    node["kind"].fail(fmt::format("no shape named '{}'; valid: sphere, box, capsule, cylinder, convex_hull, ellipsoid, "
-                                  "cone, half_space",
-                                  kind));
+    node["kind"].fail(fmt::format(
+        "no shape named '{}'{}", kind,
+        valid_names(kind, {"sphere", "box", "capsule", "cylinder", "convex_hull", "ellipsoid", "cone", "half_space"})));
 }
 
 OccupancyMap read_map(const Node& node, const fs::path& folder)

@@ -7,6 +7,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
+#include <oncollide/base/near_word.hpp>
 #include <oncollide/scenes/files/geometry_recipe.hpp>
 #include <oncollide/scenes/files/json/json_fault.hpp>
 #include <oncollide/scenes/files/json/json_node.hpp>
@@ -96,6 +97,13 @@ std::uint32_t read_u32(const Node& body, std::string_view key, std::uint32_t oth
     return body.has(key) ? static_cast<std::uint32_t>(body[key].integer(0, 0xffffffff)) : otherwise;
 }
 
+std::vector<std::string_view> names_of(const Scene& scene)
+{
+    std::vector<std::string_view> names;
+    for (const auto& geometry : scene.geometries) names.push_back(geometry.name);
+    return names;
+}
+
 GeometryId read_reference(const Node& node, const Scene& scene)
 {
     const std::string_view name = node.text();
@@ -105,7 +113,9 @@ GeometryId read_reference(const Node& node, const Scene& scene)
     for (std::size_t i = 0; i < std::min(most, scene.geometries.size()); ++i)
         names += (i ? ", " : "") + scene.geometries[i].name;
     if (scene.geometries.size() > most) names += fmt::format(" and {} more", scene.geometries.size() - most);
-    node.fail(fmt::format("no geometry named '{}'; this scene has: {}", name, names.empty() ? "none" : names));
+    const std::string hint = did_you_mean(name, names_of(scene));
+    node.fail(fmt::format("no geometry named '{}'{} this scene has: {}", name, hint.empty() ? ";" : hint,
+                          names.empty() ? "none" : names));
 }
 
 void read_body(Scene& scene, const Node& node, const fs::path& folder)

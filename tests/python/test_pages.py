@@ -1,4 +1,4 @@
-"""The programs of docs/python.md and README.md, as they stand."""
+"""The programs of the pages and of README.md, as they stand."""
 
 import csv
 import re
@@ -13,8 +13,9 @@ def blocks(page, fence):
     return "".join(re.findall(rf"^```{fence}\n(.*?)^```", (SOURCE / page).read_text(), re.DOTALL | re.MULTILINE))
 
 
-def test_the_first_page_prints_what_it_shows(run_python):
-    program, shown = blocks("docs/python.md", "python"), blocks("docs/python.md", "text")
+@pytest.mark.parametrize("page", ["python", "planner", "from-trimesh"])
+def test_pages_print_what_they_show(page, run_python):
+    program, shown = blocks(f"docs/{page}.md", "python"), blocks(f"docs/{page}.md", "text")
     assert program and shown
     code, out, err = run_python(program)
     assert code == 0, err

@@ -78,7 +78,7 @@ TEST_F(BodyTable, RefusesTablesThatMakeNoSense)
 {
     refuse_csv("x,y,z\n1,2,3\n", "line 1: the column 'geometry' is missing");
     refuse_csv("geometry,x,y\nball,1,2\n", "line 1: the column 'z' is missing");
-    refuse_csv("geometry,x,y,z,w\n", "line 1: unknown column 'w'; valid: geometry, x");
+    refuse_csv("geometry,x,y,z,w\n", "line 1: unknown column 'w'; did you mean 'qw'? valid: geometry, x");
     refuse_csv("geometry,x,y,z,x\n", "line 1: column 'x' is there twice");
     refuse_csv("geometry,x,y,z,qx\n", "line 1: the column 'qy' is missing");
     refuse_csv("geometry,x,y,z,vz\n", "line 1: the column 'vx' is missing");
@@ -106,7 +106,7 @@ TEST_F(BodyTable, RefusesTablesThatMakeNoSense)
     refuse(R"({"file": "t.csv", "geometry": "bal"})", "geometry: no geometry named 'bal'");
     refuse(R"({"file": "t.csv", "path": "bodies"})", "path: is for HDF5 files");
     refuse(R"({"file": "t.xls"})", "file: unknown kind of table '.xls'; known are .csv, .h5, .hdf5");
-    refuse(R"({"files": "t.csv"})", "files: unknown key; valid: file, path, geometry");
+    refuse(R"({"files": "t.csv"})", "files: unknown key; did you mean 'file'? valid: file, path, geometry");
     expect_error(
         ErrorKind::no_input, [&] { load(R"({"file": "no.csv"})"); }, "no.csv: no such file");
 }

@@ -149,7 +149,8 @@ TEST_F(RecordedMotion, RefusesOtherShapesTypesAndLengths)
     };
     refuse_entry(R"({"file": "r.mp4"})", "unknown kind of recording '.mp4'; known are .npy, .h5, .hdf5");
     refuse_entry(R"({"file": "r.npy", "path": "poses"})", "path: is for HDF5 files");
-    refuse_entry(R"({"file": "r.npy", "frist": 1})", "frist: unknown key; valid: file, path, first");
+    refuse_entry(R"({"file": "r.npy", "frist": 1})",
+                 "frist: unknown key; did you mean 'first'? valid: file, path, first");
     // Cut off while it is played.
     Scene scene = load_npy(whole);
     std::filesystem::resize_file(folder_.path() / "r.npy", whole.size() - 200);

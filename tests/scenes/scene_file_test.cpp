@@ -175,13 +175,13 @@ TEST_F(SceneFile, NormalisesQuaternionsAndWarnsWhenTheyAreFarOff)
 
 TEST_F(SceneFile, NamesThePlaceAndTheValidKeysForAnUnknownKey)
 {
-    refuses_body(
-        ball + R"(, "motin": {})",
-        "bodies[0].motin: unknown key; valid: name, geometry, position, rotation, layer, mask, static, motion");
+    refuses_body(ball + R"(, "motin": {})", "bodies[0].motin: unknown key; did you mean 'motion'? valid: name, "
+                                            "geometry, position, rotation, layer, mask, static, motion");
     refuses(R"({"geometries": {}, "bodies": [], "body": []})",
             "body: unknown key; valid: name, frames, geometries, bodies");
     refuses_geometry(R"({"mesh": {"fil": "a.obj"}})", "geometries.thing.mesh.fil: unknown key", "file, generate");
-    refuses_geometry(R"({"meshes": {}})", "geometries.thing.meshes: unknown key; valid: mesh, shape, octomap");
+    refuses_geometry(R"({"meshes": {}})",
+                     "geometries.thing.meshes: unknown key; did you mean 'mesh'? valid: mesh, shape, octomap");
     refuses_body(ball + R"(, "motion": {"drift": {"speed": 1}})", "bodies[0].motion.drift.speed",
                  "velocity, spin, walls");
     refuses_body(ball + R"(, "motion": {"jitter": {"step": 1, "sed": 1}})", "bodies[0].motion.jitter.sed");
@@ -241,7 +241,7 @@ TEST_F(SceneFile, ListsTheRightNamesForAWrongOne)
 {
     refuses(R"({"geometries": {"bunny": {"shape": {"kind": "sphere", "radius": 1}}, "cow": {"shape": {"kind": "sphere",
         "radius": 1}}}, "bodies": [{"name": "a", "geometry": "bunnny"}]})",
-            "bodies[0].geometry: no geometry named 'bunnny'; this scene has: bunny, cow");
+            "bodies[0].geometry: no geometry named 'bunnny'; did you mean 'bunny'? this scene has: bunny, cow");
     refuses(R"({"geometries": {}, "bodies": [{"name": "a", "geometry": "b"}]})", "this scene has: none");
     refuses_geometry(R"({"shape": {"kind": "torus"}})", "no shape named 'torus'; valid: sphere, box, capsule");
     refuses_geometry(R"({"mesh": {"generate": {"kind": "cube"}}})", "no generator named 'cube'; valid: box, sphere");

@@ -18,11 +18,15 @@ TEST_F(CommandLine, HelpOfEveryCommandTeachesAndExitsWithZero)
     EXPECT_NE(run({"check", "--help"}).out.find("0 separate, 1 colliding, 2 within"), std::string::npos);
 }
 
-TEST_F(CommandLine, VersionIsTheProjectVersion)
+TEST_F(CommandLine, VersionIsTheProjectVersionAndTellsOfTheBuild)
 {
     const Outcome outcome = run({"--version"});
     EXPECT_EQ(outcome.code, 0);
-    EXPECT_EQ(outcome.out, "oncollide " ONCOLLIDE_PROJECT_VERSION "\n");
+    EXPECT_TRUE(outcome.out.starts_with("oncollide " ONCOLLIDE_PROJECT_VERSION "\n")) << outcome.out;
+    for (const char* word : {"build ", "flags", "parts ", "FCL", "instructions ", "baseline", "(in use: "})
+        EXPECT_NE(outcome.out.find(word), std::string::npos) << word << "\n" << outcome.out;
+    const Outcome lowered = run({"--version"}, {.folder = {}, .environment = {{"ONCOLLIDE_ISA", "baseline"}}});
+    EXPECT_NE(lowered.out.find("(in use: baseline)"), std::string::npos) << lowered.out;
 }
 
 TEST_F(CommandLine, UnknownCommandsAndOptionsAreUsageErrorsWithAHint)
@@ -34,6 +38,9 @@ TEST_F(CommandLine, UnknownCommandsAndOptionsAreUsageErrorsWithAHint)
     expect_error(64, {"run", "city", "--zzzzzzzz"}, {"unknown option '--zzzzzzzz'", "valid: ", "--max-error"});
     expect_error(64, {"run", "city", "--dpeth=5"}, {"did you mean '--depth'?"});
     expect_error(64, {"run", "city", "town"}, {"unexpected argument 'town'"});
+    expect_error(64, {"bench", "manny"}, {"bench: unknown command 'manny'", "did you mean 'many'?", "planner"});
+    expect_error(64, {"accuracy", "stduy"}, {"'stduy'", "did you mean 'study'?", "scene --list"});
+    expect_error(64, {"run", "city", "--error", "5"}, {"unknown option '--error'", "did you mean '--max-error'?"});
     expect_error(64, {"run"}, {"scene"});
     expect_error(64, {"check", "a.obj"}, {"B"});
 }
@@ -70,7 +77,19 @@ TEST_F(CommandLine, SettingsOutOfRangeAreRefused)
 
 TEST_F(CommandLine, UnknownNamesListTheValidOnes)
 {
-    expect_error(64, {"run", "city", "--exact", "maybe"}, {"maybe", "predicates", "fcl"});
+    expect_error(64, {"run", "city", "--exact", "maybe"}, {"maybe", "; valid: ", "predicates", "fcl"});
+    expect_error(64, {"run", "city", "--exact", "pred"}, {"did you mean 'predicates'?"});
+    expect_error(64, {"run", "city", "--backend", "gl-compte"}, {"did you mean 'gl-compute'?"});
+    expect_error(64, {"run", "city", "--skip", "delimitaton"}, {"did you mean 'delimitation'?"});
+    expect_error(64, {"run", "ctiy"}, {"no scene named 'ctiy'", "did you mean 'city'?"});
+    folder_.write("s.json", R"({"geometries": {"crane": {"shape": {"kind": "spere", "radius": 1}}}})");
+    expect_error(65, {"run", "s.json"}, {"no shape named 'spere'", "did you mean 'sphere'?"});
+    folder_.write("s.json", R"({"geometries": {"crane": {"shape": {"kind": "sphere", "radius": 1}}},
+                                "bodies": [{"geometry": "crnae"}]})");
+    expect_error(65, {"run", "s.json"}, {"no geometry named 'crnae'", "did you mean 'crane'?"});
+    folder_.write("s.json", R"({"geometrys": {}})");
+    expect_error(65, {"run", "s.json"}, {"unknown key", "did you mean 'geometries'?"});
+    std::filesystem::remove(folder_ / "s.json");
     expect_error(64, {"run", "city", "--mode", "gas"}, {"gas", "surface", "solid"});
     expect_error(64, {"run", "city", "--backend", "abacus"}, {"abacus", "cpu", "gl-compute"});
     expect_error(64, {"run", "city", "--broad", "narrow"}, {"narrow", "kd", "octree", "brute"});

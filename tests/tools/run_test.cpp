@@ -38,6 +38,54 @@ TEST_F(CommandLine, QuietRunsPrintNothing)
     EXPECT_EQ(outcome.out + outcome.err, "");
 }
 
+/// Boxes of side 1 in a line: at 0 and 0.6 they overlap, at 3 and 4.1 they are close, at 9 one is alone.
+constexpr const char* row_of_boxes =
+    R"({"geometries": {"box": {"shape": {"kind": "box", "half": [0.5, 0.5, 0.5]}}}, "bodies": [
+    {"geometry": "box", "name": "crane", "position": [0, 0, 0]}, {"geometry": "box", "name": "lorry", "position": [0.6, 0, 0]},
+    {"geometry": "box", "name": "shed", "position": [3, 0, 0]}, {"geometry": "box", "name": "fence", "position": [4.1, 0, 0]},
+    {"geometry": "box", "name": "tree", "position": [9, 0, 0]}]})";
+
+TEST_F(CommandLine, ARunNamesThePairsThatCollideAndThoseThatMay)
+{
+    folder_.write("row.json", row_of_boxes);
+    const Outcome exact = run({"run", "row.json", "--exact", "on", "--clearance", "0.2"});
+    EXPECT_EQ(exact.code, 0) << exact.err;
+    EXPECT_NE(exact.out.find("1 pair collides:\n  'crane' and 'lorry'\n"), std::string::npos) << exact.out;
+    EXPECT_NE(exact.out.find("1 pair is close or undecided:\n  'shed' and 'fence', near, at most "), std::string::npos)
+        << exact.out;
+    EXPECT_EQ(exact.out.find("'tree'"), std::string::npos) << exact.out;
+    const Outcome bound = run({"run", "row.json"});
+    EXPECT_NE(bound.out.find("1 pair may or may not collide (--exact on decides):\n  'crane' and 'lorry', at most"),
+              std::string::npos)
+        << bound.out;
+
+    const Outcome many = run({"run", "many", "--bodies", "100", "--frames", "2", "--exact", "on"});
+    EXPECT_NE(many.out.find(", from frame 0\n"), std::string::npos) << many.out;
+    EXPECT_NE(many.out.find(" more; --csv FILE writes them all\n"), std::string::npos) << many.out;
+    EXPECT_EQ(run({"run", "row.json", "--exact", "on", "--csv", "-"}).err.find("--csv FILE"), std::string::npos);
+}
+
+TEST_F(CommandLine, TheExitCodeOfARunTellsOfItsPairsOnRequest)
+{
+    const std::string boxes(row_of_boxes);
+    folder_.write("row.json", boxes);
+    const auto code = [&](std::vector<std::string> more) {
+        std::vector<std::string> arguments{"run", "row.json", "--quiet"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return run(arguments).code;
+    };
+    EXPECT_EQ(code({"--exact", "on"}), 0);
+    EXPECT_EQ(code({"--exact", "on", "--exit-code"}), 1);
+    EXPECT_EQ(code({"--exit-code"}), 2) << "nothing is called colliding without an exact level";
+    std::string apart = boxes;
+    apart.replace(apart.find("[0.6, 0, 0]"), 11, "[1.5, 0, 0]");
+    folder_.write("row.json", apart);
+    EXPECT_EQ(code({"--exact", "on", "--exit-code"}), 0);
+    EXPECT_EQ(code({"--exact", "on", "--exit-code", "--clearance", "0.2"}), 2);
+    folder_.write("row.json", "{");
+    EXPECT_EQ(code({"--exit-code"}), 65);
+}
+
 TEST_F(CommandLine, JsonOnStandardOutputIsNothingButJson)
 {
     const Outcome outcome = run({"run", "city", "--bodies", "20", "--frames", "2", "--json", "-"});
@@ -263,7 +311,22 @@ TEST_F(CommandLine, DoctorAnswersAndWritesNothing)
     EXPECT_EQ(outcome.code, 0) << outcome.out;
     for (const char* word : {"processor", "threads", "FCL 0.", "self-test", "passed", "GPU 0"})
         EXPECT_NE(outcome.out.find(word), std::string::npos) << word;
+    for (const char* word : {"build ", "parts ", "HDF5 files", "GeoTIFF files"})
+        EXPECT_NE(outcome.out.find(word), std::string::npos) << word;
     EXPECT_TRUE(folder_.list().empty());
+}
+
+TEST_F(CommandLine, TheDoctorsReportHasWhatABugReportNeeds)
+{
+    const Outcome outcome = run({"doctor", "--report", "bug.txt"},
+                                {.folder = {}, .environment = {{"OMP_NUM_THREADS", "3"}, {"SECRET", "x"}}});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    const std::string report = folder_.read("bug.txt");
+    for (const char* word : {"processor", "self-test", "flags", "system ", "glibc", "memory", "OMP_NUM_THREADS=3"})
+        EXPECT_NE(report.find(word), std::string::npos) << word << "\n" << report;
+    EXPECT_EQ(report.find("SECRET"), std::string::npos);
+    EXPECT_NE(outcome.out.find("Written to bug.txt"), std::string::npos) << outcome.out;
+    expect_error(73, {"doctor", "--report", "no/such/folder/bug.txt"}, {"no/such/folder"});
 }
 
 TEST_F(CommandLine, TheDemoGivesEveryLevelSomethingToDo)

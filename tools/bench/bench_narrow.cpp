@@ -5,9 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/ranges.h>
+#include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/near_word.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 
@@ -22,7 +23,8 @@ std::vector<NarrowQuery> parse_queries(const std::string& list)
     for (const std::string& part : split(list)) {
         const auto found = std::find(query_names.begin(), query_names.end(), part);
         if (found == query_names.end())
-            usage(fmt::format("--query {}: no such query; there are: {}", part, fmt::join(query_names, ", ")));
+            usage(fmt::format("--query {}: no such query{}", part,
+                              valid_names(part, {query_names.begin(), query_names.end()}, "there are")));
         wanted[std::size_t(found - query_names.begin())] = true;
     }
     std::vector<NarrowQuery> queries;

@@ -9,6 +9,7 @@
 #include <random>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/near_word.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
@@ -142,10 +143,9 @@ void check_styles(const std::string& list)
     if (list.empty()) return;
     for (const std::string& name : split(list)) {
         if (std::ranges::find(mesh_file_styles, name, &MeshFileStyle::name) != mesh_file_styles.end()) continue;
-        std::string known;
-        for (const MeshFileStyle& style : mesh_file_styles)
-            known += fmt::format("{}{}", known.empty() ? "" : ", ", style.name);
-        usage(fmt::format("--styles: no style '{}'; there are: {}", name, known));
+        std::vector<std::string_view> known;
+        for (const MeshFileStyle& style : mesh_file_styles) known.push_back(style.name);
+        usage(fmt::format("--styles: no style '{}'{}", name, valid_names(name, known, "there are")));
     }
 }
 

@@ -14,6 +14,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/parallel.hpp>
 
+#include "cli/build_info.hpp"
 #include "cli/system.hpp"
 
 namespace oncollide::tools {
@@ -96,10 +97,10 @@ std::string fcl_loaded()
 
 std::string describe_program(const std::string& backend)
 {
-    return fmt::format("program    oncollide {}, {}; {}, {}, flags '{}'; FCL {} {}, one thread\n"
+    return fmt::format("program    oncollide {}, {}; {}, flags '{}'; FCL {} {}, one thread\n"
                        "machine    {}, {} hardware threads\n",
-                       version, backend, ONCOLLIDE_BUILD_TYPE, ONCOLLIDE_COMPILER, ONCOLLIDE_BUILD_FLAGS,
-                       ONCOLLIDE_FCL_VERSION, fcl_loaded(), processor_name(), hardware_threads());
+                       version, backend, build_text(), build_flags(), ONCOLLIDE_FCL_VERSION, fcl_loaded(),
+                       processor_name(), hardware_threads());
 }
 
 std::vector<std::string> split(const std::string& list)

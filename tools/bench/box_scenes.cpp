@@ -6,9 +6,9 @@
 #include <numeric>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/near_word.hpp>
 #include <oncollide/base/random.hpp>
 #include <oncollide/scenes/motion.hpp>
 
@@ -220,8 +220,9 @@ Aabb box_on_grid(const Vector3d& position, const Vector3d& half)
 BoxScene make_box_scene(std::string_view name, std::size_t count, std::uint64_t seed)
 {
     if (std::find(std::begin(scene_names), std::end(scene_names), name) == std::end(scene_names))
-        throw Error(ErrorKind::usage, fmt::format("no scene '{}' of boxes; there are: {}, or a recording FILE.aabbs",
-                                                  name, fmt::join(scene_names, ", ")));
+        throw Error(ErrorKind::usage,
+                    fmt::format("no scene '{}' of boxes{}, or a recording FILE.aabbs", name,
+                                valid_names(name, {std::begin(scene_names), std::end(scene_names)}, "there are")));
     if (count < 1 || count > most_boxes)
         throw Error(ErrorKind::usage, fmt::format("{} boxes: must be from 1 to {}", count, most_boxes));
     BoxScene scene = make(name, count, seed);

@@ -11,6 +11,7 @@
 #include "clash/clash_pictures.hpp"
 #include "clash/report.hpp"
 #include "cli/command.hpp"
+#include "cli/log.hpp"
 #include "cli/outputs.hpp"
 
 namespace oncollide::tools {
@@ -76,11 +77,7 @@ void write_reports(const ClashOptions& o, const ClashReport& report)
 
 void print(const ClashOptions& o, const ClashReport& report)
 {
-    constexpr std::size_t most = 10;
-    for (std::size_t k = 0; k < std::min(report.warnings.size(), most); ++k)
-        std::cerr << "oncollide: warning: " << printable(report.warnings[k]) << "\n";
-    if (report.warnings.size() > most)
-        std::cerr << fmt::format("oncollide: warning: and {} more of these\n", report.warnings.size() - most);
+    log_warnings(report.warnings);
     std::ostream& said = std::ranges::count(o.out, "-") ? std::cerr : std::cout;
     for (const std::string& line : summary(report)) said << printable(line) << "\n";
     if (const std::string table = clash_table(report, std::size_t(o.list)); !table.empty()) said << "\n" << table;

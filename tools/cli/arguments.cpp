@@ -10,38 +10,12 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/near_word.hpp>
+
+#include "cli/system.hpp"
 
 namespace oncollide::tools {
 namespace {
-
-/// Steps from one word to the other by adding, dropping or changing a letter.
-std::size_t edit_distance(const std::string& a, const std::string& b)
-{
-    std::vector<std::size_t> row(b.size() + 1);
-    for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-    for (std::size_t i = 1; i <= a.size(); ++i) {
-        std::size_t diagonal = std::exchange(row[0], i);
-        for (std::size_t j = 1; j <= b.size(); ++j) {
-            const std::size_t changed = diagonal + (a[i - 1] != b[j - 1]);
-            diagonal = row[j];
-            row[j] = std::min({changed, row[j] + 1, row[j - 1] + 1});
-        }
-    }
-    return row.back();
-}
-
-/// "; did you mean '--depth'?", or nothing when no candidate is near.
-std::string hint(const std::string& word, const std::vector<std::string>& candidates)
-{
-    std::string best;
-    std::size_t least = word.size() < 3   ? 2
-                        : word.size() < 6 ? 3
-                                          : 4; // no more letters may be wrong than this, less one
-    for (const std::string& candidate : candidates)
-        if (const std::size_t distance = edit_distance(word, candidate); distance < least)
-            least = distance, best = candidate;
-    return best.empty() ? "" : fmt::format("; did you mean '{}'?", best);
-}
 
 std::string joined(const std::vector<std::string>& words)
 {
@@ -50,11 +24,16 @@ std::string joined(const std::vector<std::string>& words)
     return result;
 }
 
+std::vector<std::string_view> views(const std::vector<std::string>& words)
+{
+    return {words.begin(), words.end()};
+}
+
 std::vector<std::string> command_names(const CLI::App& app)
 {
     std::vector<std::string> names;
     for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
-        names.push_back(command->get_name());
+        if (!command->get_group().empty()) names.push_back(command->get_name());
     return names;
 }
 
@@ -64,6 +43,45 @@ std::vector<std::string> option_names(const CLI::App& command)
     for (const CLI::Option* option : command.get_options())
         for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
     return names;
+}
+
+OptionText describe(const CLI::Option& option)
+{
+    OptionText text;
+    for (const std::string& name : option.get_snames()) text.names.push_back("-" + name);
+    for (const std::string& name : option.get_lnames()) text.names.push_back("--" + name);
+    if (option.get_positional()) text.names.push_back(option.get_name(true, false));
+    if (option.get_items_expected_max() > 0) text.value = option.get_type_name();
+    text.help = option.get_description(), text.group = option.get_group();
+    text.required = option.get_required();
+    text.repeatable = option.get_items_expected_max() > 1 ||
+                      (!text.value.empty() && option.get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll);
+    return text;
+}
+
+CommandText describe(const CLI::App& app, const std::string& above)
+{
+    CommandText text{.name = app.get_name(),
+                     .path = above + app.get_name(),
+                     .summary = app.get_description(),
+                     .footer = app.get_footer(),
+                     .positions = {},
+                     .options = {},
+                     .commands = {}};
+    for (const CLI::Option* option : app.get_options())
+        if (!option->get_group().empty())
+            (option->get_positional() ? text.positions : text.options).push_back(describe(*option));
+    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+        if (!command->get_group().empty()) text.commands.push_back(describe(*command, text.path + " "));
+    return text;
+}
+
+/// The command that the words on the command line lead to.
+const CLI::App& chosen_in(const CLI::App& app)
+{
+    const CLI::App* chosen = &app;
+    while (!chosen->get_subcommands().empty()) chosen = chosen->get_subcommands().front();
+    return *chosen;
 }
 
 /// One line that says what is wrong with the command line.
@@ -81,10 +99,14 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error)
     const std::vector<std::string> extras = app.remaining(true);
     if (dynamic_cast<const CLI::ExtrasError*>(&error) && !extras.empty()) {
         const std::string word = extras.front().substr(0, extras.front().find('='));
-        if (!word.starts_with("-")) return fmt::format("{}unexpected argument '{}' {}", place, word, help);
-        const std::string near = hint(word, option_names(command));
+        const std::vector<std::string> commands = command_names(command), options = option_names(command);
+        if (!word.starts_with("-"))
+            return commands.empty() ? fmt::format("{}unexpected argument '{}' {}", place, word, help)
+                                    : fmt::format("{}unknown command '{}'{} {}", place, word,
+                                                  valid_names(word, views(commands), "commands"), help);
+        const std::string near = did_you_mean(word, views(options));
         return fmt::format("{}unknown option '{}'{} {}", place, word,
-                           near.empty() ? "; valid: " + joined(option_names(command)) : near, help);
+                           near.empty() ? "; valid: " + joined(options) : near, help);
     }
     std::string text = error.what();
     std::replace(text.begin(), text.end(), '\n', ' ');
@@ -161,7 +183,9 @@ bool Option::given() const
 
 Arguments Arguments::add_command(const std::string& name, const std::string& summary)
 {
-    return {app_->add_subcommand(name, summary), chosen_};
+    CLI::App* const command = app_->add_subcommand(name, summary);
+    command->option_defaults()->group("Options");
+    return {command, chosen_};
 }
 
 template <class Value>
@@ -200,6 +224,16 @@ void Arguments::footer(const std::string& text)
     app_->footer(text);
 }
 
+void Arguments::group(const std::string& name)
+{
+    app_->option_defaults()->group(name);
+}
+
+void Arguments::hide()
+{
+    app_->group("");
+}
+
 void Arguments::at_most_one_command()
 {
     app_->require_subcommand(0, 1);
@@ -212,10 +246,19 @@ void Arguments::action(Command command)
     });
 }
 
+CommandText Arguments::describe_program() const
+{
+    const CLI::App* program = app_;
+    while (program->get_parent()) program = program->get_parent();
+    return describe(*program, "");
+}
+
 CommandLine::CommandLine(const std::string& program, const std::string& summary, const std::string& version)
     : app_(std::make_unique<CLI::App>(summary, program))
 {
-    app_->set_version_flag("--version", version);
+    app_->set_help_flag("-h,--help", "print this help");
+    app_->set_version_flag("--version", version, "print version and build");
+    app_->option_defaults()->group("Options");
 }
 
 CommandLine::~CommandLine() = default;
@@ -233,15 +276,22 @@ Command CommandLine::parse(int argc, char** argv)
     const std::string first = argv[1];
     const auto nothing = [] { return 0; };
     if (first == "help") {
-        std::cout << app_->help();
+        std::cout << help_text(describe(*app_, ""), terminal_width());
         return nothing;
     }
-    if (!first.starts_with("-") && std::find(names.begin(), names.end(), first) == names.end())
-        refuse(fmt::format("unknown command '{}'{} commands: {}", first,
-                           hint(first, names).empty() ? ";" : hint(first, names), joined(names)));
+    const auto is_first = [&](const CLI::App* command) { return command->get_name() == first; };
+    if (!first.starts_with("-") && std::as_const(*app_).get_subcommands(is_first).empty())
+        refuse(fmt::format("unknown command '{}'{}", first, valid_names(first, views(names), "commands")));
     try {
         app_->parse(argc, argv);
-    } catch (const CLI::Success& wanted) { // --help and --version
+    } catch (const CLI::CallForHelp&) {
+        const CLI::App* command = &chosen_in(*app_);
+        std::string above;
+        for (const CLI::App* over = command->get_parent(); over; over = over->get_parent())
+            above = over->get_name() + " " + above;
+        std::cout << help_text(describe(*command, above), terminal_width());
+        return nothing;
+    } catch (const CLI::Success& wanted) { // --version
         app_->exit(wanted, std::cout, std::cerr);
         return nothing;
     } catch (const CLI::ParseError& error) {

@@ -1,7 +1,7 @@
 #pragma once
 #include <functional>
-#include <memory>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -33,6 +33,27 @@ private:
     CLI::Option* option_;
 };
 
+/// An option of a command, or a word for a position, as help and references tell of it.
+struct OptionText {
+    std::vector<std::string> names; ///< "-o", "--out"; of a position: its name, without dashes
+    std::string value;              ///< what it takes: "FILE", "off|on|fcl"; empty: nothing
+    std::string help, group;
+    bool required, repeatable;
+};
+
+/// A command as help and references tell of it.
+struct CommandText {
+    std::string name, path; ///< "many" and "oncollide bench many"
+    std::string summary, footer;
+    std::vector<OptionText> positions, options;
+    std::vector<CommandText> commands;
+};
+
+/// "oncollide run [OPTIONS] scene"
+std::string usage_of(const CommandText& command);
+/// What --help prints: lines of at most `width` columns, but for what is wider than that without a space.
+std::string help_text(const CommandText& command, std::size_t width);
+
 /// What the chosen command does; returns the exit code. Parsing only chooses it, so that a bad command line is told
 /// from work that fails.
 using Command = std::function<int()>;
@@ -50,9 +71,13 @@ public:
     Option add_flag(const std::string& name, bool& value, const std::string& help);
     void remove_option(const std::string& name);
     void footer(const std::string& text);
-    void at_most_one_command(); ///< words after it belong to it
+    void group(const std::string& name); ///< the heading in help of the options that are added from now on
+    void hide();                         ///< from help: for programs, not for people
+    void at_most_one_command();          ///< words after it belong to it
     /// What to do when this command is chosen, and none of its own commands.
     void action(Command command);
+    /// All commands of the program, whichever this one is.
+    CommandText describe_program() const;
 
 private:
     CLI::App* app_;

@@ -1,6 +1,8 @@
 #include "cli/command.hpp"
+#include "cli/log.hpp"
 #include "cli/numbers.hpp"
 #include "cli/options.hpp"
+#include "cli/system.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -103,13 +105,24 @@ std::string describe(const Scene& scene, const Settings& settings, const PairRes
                 pair.bound, pair.kind == ContactKind::near ? " (near)" : "", both, settings.clearance);
         return fmt::format("within {:.6g} m: {} are at most that far apart (certified), and may or may not collide. "
                            "A smaller --max-error narrows the bound{}.",
-                           pair.bound, both, settings.exact == ExactLevel::off ? "; --exact predicates decides" : "");
+                           pair.bound, both, settings.exact == ExactLevel::off ? "; --exact on decides" : "");
     case Verdict::undecided:
         return fmt::format(
             "undecided: {} are at most {:.6g} m apart (certified); a budget stopped the refinement there.", both,
             pair.bound);
     }
     return {};
+}
+
+/// The first word is the verdict.
+std::string tinted_verdict(const std::string& text, Verdict verdict, bool on_stderr)
+{
+    const Tint tint = verdict == Verdict::colliding  ? Tint::red
+                      : verdict == Verdict::separate ? Tint::green
+                                                     : Tint::yellow;
+    const std::size_t end = text.find_first_of(" :");
+    return tinted(tint, text.substr(0, end), on_stderr ? stderr_is_terminal() : stdout_is_terminal()) +
+           text.substr(end);
 }
 
 /// A triangle's number, or a cell by its least corner and its side, in the map's smallest cells.
@@ -157,7 +170,8 @@ int check_pair(const CheckOptions& options)
         throw Error(ErrorKind::usage,
                     fmt::format("--distance: a tolerance of {}; must be 0 or more", *options.distance));
     if (!options.contacts.empty() && settings.exact != ExactLevel::predicates)
-        throw Error(ErrorKind::usage, "--contacts: needs the exact level: leave out --max-error and --depth, or say --exact predicates");
+        throw Error(ErrorKind::usage,
+                    "--contacts: needs the exact level: leave out --max-error and --depth, or say --exact on");
     settings.contact_kinds = settings.exact == ExactLevel::predicates;
     // Both cull without a bound on the distance, and one pair needs neither.
     for (const char* stage : {"delimitation", "broad"}) settings.skip.push_back(stage);
@@ -176,7 +190,8 @@ int check_pair(const CheckOptions& options)
             ? PairResult{BodyId{0}, BodyId{1}, Verdict::separate, 0, ContactKind::unknown, settings.clearance}
             : frame.pairs.front();
     std::ostream& said = options.json == "-" ? std::cerr : std::cout;
-    if (!options.quiet) said << describe(scene, settings, pair) << "\n";
+    if (!options.quiet)
+        said << tinted_verdict(describe(scene, settings, pair), pair.verdict, options.json == "-") << "\n";
     if (!options.quiet && options.distance)
         said << describe_distance(scene, pipeline.world(), *options.distance) << "\n";
     if (!options.json.empty()) report.write_json(options.json);

@@ -17,6 +17,7 @@ void add_spheres(Arguments app);
 void add_bench(Arguments app);
 void add_accuracy(Arguments app);
 void add_doctor(Arguments app);
+void add_reference(Arguments app); ///< hidden: for builds, not for people
 
 // Commands of `oncollide accuracy`.
 void add_accuracy_fuzz(Arguments accuracy);

@@ -15,6 +15,7 @@ void add_commands(Arguments app)
     add_bench(app);
     add_accuracy(app);
     add_doctor(app);
+    add_reference(app);
 }
 
 } // namespace oncollide::tools

@@ -154,7 +154,7 @@ int demo(const DemoOptions& options)
 
 void add_demo(Arguments app)
 {
-    Arguments sub = app.add_command("demo", "Run all four levels on a built-in scene and write results and a picture");
+    Arguments sub = app.add_command("demo", "Run a built-in scene and write its results and a picture");
     auto options = std::make_shared<DemoOptions>();
     sub.add_option("--out", options->out, "folder for the results (default demo-results)").type_name("DIR");
     sub.footer("Needs no data, no display and no network.");

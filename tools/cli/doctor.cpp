@@ -1,6 +1,8 @@
 #include "cli/arguments.hpp"
+#include "cli/build_info.hpp"
 #include "cli/command.hpp"
 #include "cli/options.hpp"
+#include "cli/outputs.hpp"
 #include "cli/system.hpp"
 
 #include <cstdlib>
@@ -8,10 +10,11 @@
 #include <memory>
 
 #include <Eigen/Core>
+#include <dlfcn.h>
 #include <fmt/format.h>
 
-#include <oncollide/base/cpu_features.hpp>
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/output_file.hpp>
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/base/printable.hpp>
 #include <oncollide/narrowphase/gl/gpu.hpp>
@@ -19,18 +22,18 @@
 namespace oncollide::tools {
 namespace {
 
-void say(std::string_view topic, const std::string& text)
-{
-    std::cout << fmt::format("{:<14}{}\n", topic, printable(text));
-}
+/// What was found, line by line: for the terminal, and for a report.
+class Findings {
+public:
+    void say(std::string_view topic, const std::string& what)
+    {
+        text_ += fmt::format("{:<14}{}\n", topic, printable(what));
+    }
+    const std::string& text() const { return text_; }
 
-std::string instruction_sets()
-{
-    std::string sets;
-    for (const InstructionSet set : {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512})
-        if (set <= best_instruction_set()) sets += fmt::format("{}{}", sets.empty() ? "" : ", ", name_of(set));
-    return sets;
-}
+private:
+    std::string text_;
+};
 
 std::string data(const std::string& option)
 {
@@ -69,8 +72,42 @@ std::string self_test(std::string& backend)
     }
 }
 
+/// What `version` says of a library that is loaded when a file first needs it.
+template <class Version>
+std::string loaded_library(const char* what, const char* file, Version version)
+{
+    void* const library = ::dlopen(file, RTLD_NOW | RTLD_LOCAL);
+    return library ? fmt::format("{} {}", what, version(library))
+                   : fmt::format("{}: this build can use {}, which is not here", what, file);
+}
+
+/// Libraries that a build may do without, and that are there or not when it runs.
+void say_loaded_libraries([[maybe_unused]] Findings& found)
+{
+#ifdef ONCOLLIDE_HDF5_LIBRARY
+    found.say("HDF5 files", loaded_library("HDF5", ONCOLLIDE_HDF5_LIBRARY, [](void* library) {
+                  unsigned version[3]{};
+                  using Get = int (*)(unsigned*, unsigned*, unsigned*);
+                  if (const auto get = reinterpret_cast<Get>(::dlsym(library, "H5get_libversion")))
+                      get(&version[0], &version[1], &version[2]);
+                  return fmt::format("{}.{}.{}", version[0], version[1], version[2]);
+              }));
+#else
+    found.say("HDF5 files", "left out of this build (ONCOLLIDE_HDF5=OFF)");
+#endif
+#ifdef ONCOLLIDE_GDAL_LIBRARY
+    found.say("GeoTIFF files", loaded_library("GDAL", ONCOLLIDE_GDAL_LIBRARY, [](void* library) {
+                  using Get = const char* (*)(const char*);
+                  const auto get = reinterpret_cast<Get>(::dlsym(library, "GDALVersionInfo"));
+                  return std::string(get ? get("RELEASE_NAME") : "of an unknown version");
+              }));
+#else
+    found.say("GeoTIFF files", "left out of this build (ONCOLLIDE_GDAL=OFF)");
+#endif
+}
+
 /// Every device is opened: which renderer answers shows only then.
-void say_gpus()
+void say_gpus(Findings& found)
 {
     try {
         const std::vector<GpuDevice> devices = gpu_devices();
@@ -84,30 +121,65 @@ void say_gpus()
             } catch (const Error& error) {
                 answer = fmt::format("cannot be used: {}", error.what());
             }
-            say(fmt::format("GPU {}", i), fmt::format("{}: {}", devices[i].platform, answer));
+            found.say(fmt::format("GPU {}", i), fmt::format("{}: {}", devices[i].platform, answer));
         }
     } catch (const Error& error) {
-        say("GPU", error.what());
+        found.say("GPU", error.what());
     }
 }
 
-int doctor(const std::string& data_option)
+/// What a bug report needs beside what a user wants to know. Of the environment only variables that change what the
+/// program does.
+void say_surroundings(Findings& found)
 {
+    found.say("flags", build_flags());
+    found.say("system", system_name());
+    found.say("memory", fmt::format("{:.1f} GB", double(system_memory()) / 1e9));
+    for (const char* name : {"ONCOLLIDE_DATA", "ONCOLLIDE_ISA", "ONCOLLIDE_LOG", "OMP_NUM_THREADS", "OMP_WAIT_POLICY",
+                             "EGL_PLATFORM", "__EGL_VENDOR_LIBRARY_FILENAMES", "LIBGL_ALWAYS_SOFTWARE",
+                             "MESA_LOADER_DRIVER_OVERRIDE", "LD_LIBRARY_PATH", "LD_PRELOAD", "LANG", "LC_ALL"})
+        if (const char* const value = std::getenv(name)) found.say("environment", fmt::format("{}={}", name, value));
+}
+
+struct DoctorOptions {
+    std::string data, report;
+};
+
+int doctor(const DoctorOptions& options)
+{
+    check_files({{"--report", options.report}});
     std::string backend = "none";
     const std::string fault = self_test(backend);
+    Findings found;
+    const auto say = [&](std::string_view topic, const std::string& what) { found.say(topic, what); };
     say("oncollide", std::string(version));
+    say("build", build_text());
+    const std::string without = parts_left_out();
+    say("parts", parts_built() + (without.empty() ? "" : "; without " + without));
     say("processor", processor_name());
-    say("instructions", fmt::format("{}; in use: {}", instruction_sets(), backend));
-    say_gpus();
+    say("instructions", fmt::format("{}; backend: {}", instruction_sets_text(), backend));
+    say_gpus(found);
     say("threads", fmt::format("{} usable", hardware_threads()));
-    say("data", data(data_option));
+    say("data", data(options.data));
     say("libraries",
         fmt::format("Eigen {}.{}.{}, FCL {}, OctoMap {}, Qhull {}, fmt {}.{}.{}, JSON {}, CLI11 {}",
                     EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION, ONCOLLIDE_FCL_VERSION,
                     ONCOLLIDE_OCTOMAP_VERSION, ONCOLLIDE_QHULL_VERSION, FMT_VERSION / 10000, FMT_VERSION / 100 % 100,
                     FMT_VERSION % 100, ONCOLLIDE_JSON_VERSION, ONCOLLIDE_CLI11_VERSION));
-    say("compiler", __VERSION__);
+    say_loaded_libraries(found);
     say("self-test", fault.empty() ? "passed" : "FAILED: " + fault);
+    std::cout << found.text();
+    if (!options.report.empty()) {
+        say_surroundings(found);
+        OutputFile file(options.report);
+        file.write(found.text());
+        file.commit();
+        if (options.report != "-")
+            std::cout << fmt::format(
+                "\nWritten to {}: look through it, then add it to your bug report, with the command "
+                "and what it printed.\n",
+                printable(options.report));
+    }
     return fault.empty() ? 0 : int(ErrorKind::internal);
 }
 
@@ -115,10 +187,13 @@ int doctor(const std::string& data_option)
 
 void add_doctor(Arguments app)
 {
-    Arguments sub = app.add_command("doctor", "Say what this machine and this build offer; writes nothing");
-    auto option = std::make_shared<std::string>();
-    sub.add_option("--data", *option, "folder to look for data in").type_name("DIR");
-    sub.action([option] { return doctor(*option); });
+    Arguments sub = app.add_command("doctor", "Say what this machine and this build offer");
+    auto options = std::make_shared<DoctorOptions>();
+    sub.add_option("--data", options->data, "folder to look for data in").type_name("DIR");
+    sub.add_option("--report", options->report,
+                   "write that, the system and the settings of the environment that matter to a file, for a bug report")
+        .type_name("FILE");
+    sub.action([options] { return doctor(*options); });
 }
 
 } // namespace oncollide::tools

@@ -1,15 +1,13 @@
 // The oncollide command: subcommands are added here, each lives in a file of its own.
+#include "cli/build_info.hpp"
 #include "cli/command.hpp"
+#include "cli/log.hpp"
 #include "cli/outputs.hpp"
 #include "cli/system.hpp"
 
 #include <iostream>
 
-#include <fmt/format.h>
-
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/printable.hpp>
-#include <oncollide/pipeline/report.hpp>
 
 namespace oncollide::tools {
 namespace {
@@ -18,12 +16,12 @@ int parse_and_run(int argc, char** argv)
 {
     CommandLine line("oncollide",
                      "Finds which bodies of a large environment collide, frame by frame, at a certified accuracy.",
-                     fmt::format("oncollide {}", version));
+                     version_text());
     line.arguments().footer(
         "Exit codes: 0 success, 64 usage, 65 bad data, 66 no input, 70 internal fault, 71 no GPU, 73 cannot write,\n"
-        "130 interrupted. 'check' returns 0 separate, 1 colliding, 2 within or undecided.\n"
-        "Start with:  oncollide demo\n"
-        "Then:        oncollide COMMAND --help");
+        "130 interrupted. 'check' returns 0 separate, 1 colliding, 2 within or undecided; so does 'run --exit-code'.\n"
+        "Environment: ONCOLLIDE_LOG=info or debug tells more on standard error, NO_COLOR=1 leaves out colours.\n"
+        "Start with 'oncollide demo', then 'oncollide COMMAND --help'.");
     add_commands(line.arguments());
     return line.parse(argc, argv)();
 }
@@ -34,24 +32,26 @@ int parse_and_run(int argc, char** argv)
 int main(int argc, char** argv)
 {
     using namespace oncollide;
+    using tools::log, tools::LogLevel;
     try {
         tools::prepare_process();
+        tools::set_log_level();
         tools::watch_files();
         int code = tools::parse_and_run(argc, argv);
         if (!std::cout.flush()) throw Error(ErrorKind::cannot_write, "standard output: cannot write");
         return code;
     } catch (const Error& error) {
-        std::cerr << "oncollide: " << error.what() << "\n";
+        log(LogLevel::error, error.what());
         return int(error.kind());
     } catch (const tools::OverwritesInput& error) {
-        std::cerr << "oncollide: " << printable(error.what()) << "\n";
+        log(LogLevel::error, error.what());
         return int(ErrorKind::usage);
     } catch (const std::bad_alloc&) {
         std::cerr << "oncollide: out of memory\n";
     } catch (const std::length_error&) { // a vector of more than the address space
         std::cerr << "oncollide: out of memory\n";
     } catch (const std::exception& error) {
-        std::cerr << "oncollide: internal fault: " << printable(error.what()) << "\n";
+        log(LogLevel::error, std::string("internal fault: ") + error.what());
     }
     return int(ErrorKind::internal);
 }

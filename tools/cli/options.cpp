@@ -1,5 +1,6 @@
 #include "cli/options.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdlib>
 #include <iostream>
@@ -12,6 +13,8 @@
 #include <oncollide/scenes/catalogue/catalogue.hpp>
 #include <oncollide/scenes/files/assembly_file.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
+
+#include "cli/log.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -50,39 +53,52 @@ std::size_t parse_amount(const char* option, const std::string& text)
 
 void add_accuracy_options(Arguments command, SettingsOptions& o)
 {
+    command.group("Accuracy");
     command
-        .add_option("--max-error", o.max_error,
-                    fmt::format("largest error in metres of the verdict 'within' (default: of each pair {} % of the "
-                                "diagonal of the smaller body's box)",
-                                100 * default_error))
+        .add_option(
+            "--max-error", o.max_error,
+            fmt::format("accuracy in metres: bodies that are 'within' a bound are at most this far apart (default: of "
+                        "each pair {} % of the diagonal of the smaller body's box)",
+                        100 * default_error))
         .type_name("M");
-    command.add_option("--depth", o.depth, "instead of --max-error: depth of the sphere-trees, 1 to 16").type_name("D");
+    command
+        .add_option("--depth", o.depth,
+                    "instead of --max-error, the paper's accuracy: levels of spheres around parts of a mesh (depth of "
+                    "the sphere-trees), 1 to 16")
+        .type_name("D");
     command.add_option("--clearance", o.clearance, "metres: bodies this close count as touching (default 0)")
         .type_name("M");
     command
-        .add_option("--exact", o.exact,
-                    fmt::format("exact level on triangles: off, predicates or fcl (default {})",
-                                o.exact.empty() ? "predicates, and off with --max-error or --depth" : o.exact))
-        .type_name("HOW");
-    command.add_flag("--kinds", o.kinds,
-                     "of meshes that collide, find out whether they touch or cross; needs --exact predicates");
+        .add_option(
+            "--exact", o.exact,
+            fmt::format("decide exactly whether bodies collide, triangle by triangle: on (exact arithmetic; also "
+                        "called predicates), off, or fcl (only where FCL says the same) (default {})",
+                        o.exact.empty() ? "on, and off with --max-error or --depth" : o.exact))
+        .type_name("on|off|predicates|fcl");
+    command.add_flag("--contact-kinds,--kinds", o.kinds,
+                     "say of meshes that collide whether they only touch or cross; needs --exact on");
     command.add_flag("--ignore-touching", o.ignore_touching,
-                     "meshes that touch and do not cross are separate; needs --exact predicates");
+                     "meshes that touch and do not cross are separate; needs --exact on");
     command
         .add_option("--mode", o.mode,
                     "surface, or solid: a mesh's inside belongs to it, so it must be closed (default surface)")
-        .type_name("MODE");
+        .type_name("surface|solid");
     command.add_flag("--open-as-surface", o.open_as_surface,
                      "with --mode solid: take a mesh that is not closed as a surface");
+    command.group("Options");
 }
 
 void add_pipeline_options(Arguments command, SettingsOptions& o)
 {
+    command.group("How it is computed");
+    command.add_option("--threads", o.threads, "threads; 0: all. Never changes the result (default 1)").type_name("N");
     command
-        .add_option("--backend", o.backend,
-                    "what finds the grey cells: cpu (default), gl-compute (a GPU, the same results), gl-query (the "
-                    "paper's occlusion queries, which miss some), or auto: gl-compute on a real GPU, else cpu")
-        .type_name("NAME");
+        .add_option(
+            "--backend", o.backend,
+            "what builds the spheres around meshes (finds grey cells): cpu (default), gl-compute (a GPU, the same "
+            "results), gl-query (the paper's occlusion queries, which lose collisions), or auto: gl-compute on a "
+            "real GPU, else cpu")
+        .type_name("cpu|gl-compute|gl-query|auto");
     command.add_option("--gpu", o.gpu, "number of the GPU, as 'oncollide doctor' lists them (default: the first)")
         .type_name("N");
     command.add_option("--viewport", o.viewport, "gl-query: pixels a side of a cell, 1 to 1024 (default 16)")
@@ -90,29 +106,44 @@ void add_pipeline_options(Arguments command, SettingsOptions& o)
     command
         .add_option(
             "--bounding-volume,--spheres", o.bounding_volume,
-            "of meshes. sphere: around the cells, as in the paper; obb: oriented boxes in their place, faster at equal "
-            "error (default auto: obb where predicates decide)")
-        .type_name("NAME");
-    command.add_option("--broad", o.broad, "broad phase: kd, octree or brute (default kd)").type_name("NAME");
-    command.add_option("--threads", o.threads, "threads; 0: all. Never changes the result (default 1)").type_name("N");
-    command.add_option("--skip", o.skip, "leave out a stage (repeatable); results get wider, never wrong")
-        .type_name("STAGE")
+            "what encloses the parts of a mesh: obb, oriented boxes, or sphere, as in the paper, slower at equal error "
+            "(default auto: obb with --exact on, and for an error in metres on the cpu; else sphere)")
+        .type_name("auto|sphere|obb");
+    command
+        .add_option("--broad", o.broad,
+                    "what finds the pairs of boxes that overlap (broad phase): a kd tree, an octree, or brute force "
+                    "(default kd)")
+        .type_name("kd|octree|brute");
+    command
+        .add_option("--skip", o.skip,
+                    "leave out a stage: bounds, regions (delimitation), broad, refinement (ocst) or exact "
+                    "(repeatable); results get wider, never wrong")
+        .type_name("bounds|regions|broad|refinement|exact")
         .repeatable();
-    command.add_option("--age", o.age, fmt::format("frames after which unused cells are dropped (default {})", o.age))
-        .type_name("N");
-    command.add_option("--node-budget", o.node_budget, "cells that all trees may hold, e.g. 2M; 0: no limit (default)")
+    command
+        .add_option("--age", o.age,
+                    fmt::format("frames after which parts of trees that nothing used are dropped (default {})", o.age))
         .type_name("N");
     command
-        .add_option("--memory-budget", o.memory_budget,
-                    "bytes that all trees may hold, e.g. 64M; 0: no limit (default). A quarter of it, 1 to 16 MiB, "
-                    "bounds the walks that wait for cells")
+        .add_option("--node-budget", o.node_budget,
+                    "nodes (cells) that all trees may hold, e.g. 2M; 0: no limit (default)")
+        .type_name("N");
+    command
+        .add_option(
+            "--memory-budget", o.memory_budget,
+            "bytes that all trees may hold, e.g. 64M; 0: no limit (default). A quarter of it, 1 to 16 MiB, is for "
+            "work in hand")
         .type_name("BYTES");
     command.add_flag("--no-coherence", o.no_coherence,
-                     "walk every pair again, whatever earlier frames told of it; same result");
+                     "look at every pair anew, whatever earlier frames told of it; same result");
+    command.group("Options");
 }
 
 Settings settings_from(const SettingsOptions& o)
 {
+    std::vector<std::string> skip = o.skip; // stages have the paper's names in the library
+    std::ranges::replace(skip, "regions", "delimitation");
+    std::ranges::replace(skip, "refinement", "ocst");
     Settings settings{.depth = o.depth,
                       .max_error = o.max_error,
                       .clearance = o.clearance,
@@ -127,7 +158,7 @@ Settings settings_from(const SettingsOptions& o)
                       .viewport = o.viewport,
                       .broad_phase = broad_phase_from_name(o.broad),
                       .threads = o.threads,
-                      .skip = o.skip,
+                      .skip = skip,
                       .age_limit = o.age,
                       .node_budget = parse_amount("--node-budget", o.node_budget),
                       .memory_budget = parse_amount("--memory-budget", o.memory_budget),
@@ -138,6 +169,7 @@ Settings settings_from(const SettingsOptions& o)
 
 void add_catalogue_options(Arguments command, SceneOptions& o)
 {
+    command.group("Scene");
     command.add_option("--bodies", o.bodies, "catalogue: how many bodies").type_name("N");
     command.add_option("--frames", o.frames, "how many frames (default: the scene's own)").type_name("N");
     command.add_option("--seed", o.seed, "catalogue: seed of its random numbers").type_name("S");
@@ -146,14 +178,30 @@ void add_catalogue_options(Arguments command, SceneOptions& o)
                     "folder with meshes/ and octomap/ "
                     "(default: $ONCOLLIDE_DATA, else ../shared/data if present)")
         .type_name("DIR");
+    command.group("Options");
 }
 
 void add_pace_option(Arguments command, SceneOptions& o)
 {
+    command.group("Scene");
     command
         .add_option("--pace", o.pace, "how much of a frame's motion each frame plays: 0.1 is slow motion (default 1)")
         .type_name("FACTOR");
+    command.group("Options");
 }
+
+namespace {
+
+/// `scene`, once the log tells what it holds.
+Scene said(Scene scene)
+{
+    if (logged(LogLevel::info))
+        log(LogLevel::info, fmt::format("scene '{}': {} bodies, {} geometries, {} frames", scene.name, scene.size(),
+                                        scene.geometries.size(), scene.frames));
+    return scene;
+}
+
+} // namespace
 
 bool is_scene_file(const std::string& text)
 {
@@ -185,7 +233,7 @@ Scene open_scene(const SceneOptions& o)
     check_range("--frames", o.frames.value_or(1), 1);
     if (!(o.pace > 0 && o.pace <= 1000))
         usage(fmt::format("--pace is {}; it must be above 0 and at most 1000", o.pace));
-    if (!is_scene_file(o.scene)) return make_catalogue_scene(o);
+    if (!is_scene_file(o.scene)) return said(make_catalogue_scene(o));
     if (o.bodies || o.seed)
         usage(
             fmt::format("--{} is for scenes of the catalogue; '{}' is a file", o.bodies ? "bodies" : "seed", o.scene));
@@ -193,7 +241,7 @@ Scene open_scene(const SceneOptions& o)
         o.scene.ends_with(".glb") || o.scene.ends_with(".gltf") ? load_assembly_scene(o.scene) : load_scene(o.scene);
     if (o.frames) scene.frames = *o.frames;
     scene.pace = o.pace;
-    return scene;
+    return said(std::move(scene));
 }
 
 fs::path data_folder(const std::string& option)
@@ -207,11 +255,7 @@ fs::path data_folder(const std::string& option)
 
 void print_warnings(const Scene& scene)
 {
-    constexpr std::size_t most = 10;
-    for (std::size_t k = 0; k < std::min(scene.warnings.size(), most); ++k)
-        std::cerr << "oncollide: warning: " << printable(scene.warnings[k]) << "\n";
-    if (scene.warnings.size() > most)
-        std::cerr << fmt::format("oncollide: warning: and {} more of these\n", scene.warnings.size() - most);
+    log_warnings(scene.warnings);
 }
 
 } // namespace oncollide::tools

@@ -12,6 +12,7 @@
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/base/output_file.hpp>
 
+#include "cli/log.hpp"
 #include "cli/system.hpp"
 
 namespace oncollide::tools {
@@ -35,6 +36,7 @@ void note_read(const fs::path& path)
 {
     static std::mutex guard; // files are read by several threads
     const std::lock_guard lock(guard);
+    if (logged(LogLevel::debug)) log(LogLevel::debug, fmt::format("reading {}", path.string()));
     const std::string identity = file_identity(path.string());
     files_read.insert(identity);
     if (const auto found = files_to_write.find(identity); found != files_to_write.end())
@@ -62,6 +64,7 @@ void add_output_options(Arguments command, OutputOptions& o)
     const auto named = [](const std::string& file) {
         return std::string(file.empty() ? "the file name is empty" : "");
     };
+    command.group("Results");
     const auto add = [&](const char* option, std::string& file, const char* what) {
         command.add_option(option, file, what).type_name("FILE").check(named);
     };
@@ -71,6 +74,7 @@ void add_output_options(Arguments command, OutputOptions& o)
     add("--picture", o.picture, "write a picture of stages and times (SVG)");
     command.add_flag("--separate", o.separate, "also keep the pairs that were found separate");
     command.add_flag("--quiet", o.quiet, "print nothing but errors");
+    command.group("Options");
 }
 
 void check_outputs(const OutputOptions& o, const std::string& input)
@@ -121,6 +125,7 @@ void write_outputs(const Report& report, const OutputOptions& o)
     if (!o.csv.empty()) report.write_csv(o.csv);
     if (!o.trace.empty()) report.write_trace(o.trace);
     if (!o.picture.empty()) report.write_picture(o.picture);
+    if (const std::string names = names_of(o); !names.empty()) log(LogLevel::info, "written: " + names);
 }
 
 } // namespace oncollide::tools

@@ -1,5 +1,6 @@
 #include "cli/play.hpp"
 
+#include <array>
 #include <chrono>
 #include <condition_variable>
 #include <cstdlib>
@@ -12,8 +13,8 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/printable.hpp>
 
+#include "cli/log.hpp"
 #include "cli/progress.hpp"
 #include "cli/system.hpp"
 
@@ -71,17 +72,26 @@ std::string told(const OutputOptions& outputs, int done, int all)
                        names.empty() ? "follow" : "are in " + names);
 }
 
+std::string describe(const FrameView& frame)
+{
+    std::array<std::size_t, 4> counts{};
+    for (const PairResult& pair : frame.pairs) ++counts[std::size_t(pair.verdict)];
+    return fmt::format("frame {}: {:.3f} ms; {} colliding, {} within, {} undecided, {} separate", frame.frame, frame.ms,
+                       counts[std::size_t(Verdict::colliding)], counts[std::size_t(Verdict::within)],
+                       counts[std::size_t(Verdict::undecided)], counts[std::size_t(Verdict::separate)]);
+}
+
 [[noreturn]] void end_in_a_frame(Report& report, FrameWatcher* watcher, const OutputOptions& outputs, int done, int all)
 {
     int code = interrupted_code;
     try {
         report.interrupted();
-        std::cerr << "oncollide: interrupted " << told(outputs, done, all) << "\n";
+        log(LogLevel::error, "interrupted " + told(outputs, done, all));
         write_outputs(report, outputs);
         if (watcher && done > 0) watcher->write();
         std::cout.flush();
     } catch (const Error& error) {
-        std::cerr << "oncollide: " << error.what() << "\n";
+        log(LogLevel::error, error.what());
         code = int(error.kind());
     }
     std::_Exit(code); // the frame is still under way
@@ -98,10 +108,11 @@ int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const Out
     int done = 0, code = interrupted_code;
     const auto say_note = [&] {
         const std::string now = pipeline.backend_note();
-        if (now != note) std::cerr << "oncollide: note: " << printable(now) << "\n";
+        if (now != note) log(LogLevel::note, now);
         note = now;
     };
     if (!outputs.quiet) say_note();
+    log(LogLevel::info, fmt::format("running {} frames on {}", frames, pipeline.backend()));
     {
         Progress progress("frame", std::size_t(frames), outputs.quiet);
         Watchdog watchdog([&] { end_in_a_frame(report, watcher, outputs, done, frames); });
@@ -113,6 +124,7 @@ int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const Out
                     const std::lock_guard lock(watchdog.mutex());
                     report.add(frame);
                     if (watcher) watcher->add(frame);
+                    if (logged(LogLevel::debug)) log(LogLevel::debug, describe(frame));
                     ++done;
                 }
                 progress.step();
@@ -131,7 +143,7 @@ int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const Out
         return 0;
     }
     report.interrupted();
-    std::cerr << fmt::format("oncollide: {} {}\n", why.empty() ? "interrupted" : why, told(outputs, done, frames));
+    log(LogLevel::error, fmt::format("{} {}", why.empty() ? "interrupted" : why, told(outputs, done, frames)));
     return code;
 }
 

@@ -1,8 +1,8 @@
 #include "cli/command.hpp"
+#include "cli/log.hpp"
 #include "cli/options.hpp"
 #include "cli/play.hpp"
 
-#include <iostream>
 #include <memory>
 
 #include "view/view_page.hpp"
@@ -18,6 +18,7 @@ struct RunOptions {
     OutputOptions outputs;
     std::string view;
     int view_limit = 40; ///< MB
+    bool exit_code = false;
 };
 
 /// The page of --view; null: none was requested.
@@ -29,6 +30,14 @@ std::unique_ptr<ViewPage> view_page(const RunOptions& options, const Scene& scen
                                                         .most_bytes = std::size_t(options.view_limit) * 1'000'000,
                                                         .separate = options.outputs.separate,
                                                         .threads = thread_count(pipeline.settings())});
+}
+
+/// What --exit-code makes of the pairs of all frames; as of `check`.
+int code_of(const Report& report)
+{
+    const std::array<std::uint64_t, 4> counts = report.verdicts();
+    if (counts[int(Verdict::colliding)]) return 1;
+    return counts[int(Verdict::within)] || counts[int(Verdict::undecided)] ? 2 : 0;
 }
 
 int run(const RunOptions& options)
@@ -46,8 +55,8 @@ int run(const RunOptions& options)
     const int code = play(scene, pipeline, report, scene.frames, options.outputs, page.get());
     write_outputs(report, options.outputs);
     if (page) page->write();
-    if (page && !options.outputs.quiet) std::cerr << page->summary() << "\n";
-    return code;
+    if (page && !options.outputs.quiet) log(LogLevel::note, page->summary());
+    return code == 0 && options.exit_code ? code_of(report) : code;
 }
 
 } // namespace
@@ -65,6 +74,11 @@ void add_run(Arguments app)
     add_accuracy_options(sub, options->settings);
     add_pipeline_options(sub, options->settings);
     add_output_options(sub, options->outputs);
+    sub.group("Results");
+    sub.add_flag(
+        "--exit-code", options->exit_code,
+        "exit with 1 if any pair collides in any frame, with 2 if none does but one may (default: 0 whenever the "
+        "run succeeds)");
     sub.add_option("--view", options->view,
                    "write one HTML page that shows the run in 3D, frame by frame; needs Debian's libjs-three")
         .type_name("FILE.html")
@@ -73,11 +87,13 @@ void add_run(Arguments app)
                    "size of that page in MB (default 40): frames and meshes beyond are thinned out, which it says")
         .type_name("MB");
     sub.footer("Examples:\n"
+               "  oncollide run factory.glb --exact on --exit-code\n"
                "  oncollide run city --frames 100\n"
-               "  oncollide run town.json --max-error 0.01 --exact fcl --json results.json\n"
-               "  oncollide run city --exact predicates --view city.html\n"
+               "  oncollide run town.json --max-error 0.01 --exact on --json results.json\n"
+               "  oncollide run city --exact on --view city.html\n"
                "  oncollide run city --bodies 500 --skip exact --threads 0 --csv pairs.csv --trace trace.json\n"
-               "Stages: bounds, delimitation, broad, ocst, exact. Formats of the results: docs/results.md, docs/view.md.\n"
+               "At the end the first pairs that collide are named; --csv FILE or --json FILE has all of them.\n"
+               "Formats of the results: docs/results.md, docs/view.md.\n"
                "Ctrl-C stops after the frame in hand, or in it if that takes over half a second; what was computed is "
                "written, and the exit code is 130.");
     sub.action([options] { return run(*options); });

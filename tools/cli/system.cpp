@@ -1,5 +1,6 @@
 #include "cli/system.hpp"
 
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -10,9 +11,12 @@
 
 #ifdef __linux__
 #include <fcntl.h>
+#include <gnu/libc-version.h>
 #include <malloc.h>
+#include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/utsname.h>
 #include <unistd.h>
 #endif
 
@@ -46,9 +50,21 @@ std::string file_identity(const std::string& path)
     return ::stat(path.c_str(), &status) == 0 ? fmt::format("{}:{}", status.st_dev, status.st_ino) : "";
 }
 
+bool stdout_is_terminal()
+{
+    return ::isatty(STDOUT_FILENO);
+}
+
 bool stderr_is_terminal()
 {
     return ::isatty(STDERR_FILENO);
+}
+
+std::size_t terminal_width()
+{
+    winsize size{};
+    if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return 100;
+    return std::clamp<std::size_t>(size.ws_col, 40, 100);
 }
 
 void prepare_process()
@@ -88,6 +104,23 @@ std::string processor_name()
     return "unknown";
 }
 
+std::string system_name()
+{
+    std::string name;
+    std::ifstream file("/etc/os-release");
+    for (std::string line; std::getline(file, line);)
+        if (line.starts_with("PRETTY_NAME=\"") && line.size() > 14) name = line.substr(13, line.size() - 14) + ", ";
+    utsname kernel{};
+    uname(&kernel);
+    return fmt::format("{}{} {} {}, glibc {}", name, kernel.sysname, kernel.release, kernel.machine,
+                       gnu_get_libc_version());
+}
+
+std::size_t system_memory()
+{
+    return std::size_t(sysconf(_SC_PHYS_PAGES)) * std::size_t(sysconf(_SC_PAGESIZE));
+}
+
 std::size_t peak_memory()
 {
     rusage usage{};
@@ -121,9 +154,19 @@ std::string file_identity(const std::string& path)
     return std::filesystem::canonical(path, error).string();
 }
 
+bool stdout_is_terminal()
+{
+    return false;
+}
+
 bool stderr_is_terminal()
 {
     return false;
+}
+
+std::size_t terminal_width()
+{
+    return 100;
 }
 
 void prepare_process()
@@ -143,6 +186,16 @@ void prepare_process()
 std::string processor_name()
 {
     return "unknown";
+}
+
+std::string system_name()
+{
+    return "unknown";
+}
+
+std::size_t system_memory()
+{
+    return 0;
 }
 
 std::size_t peak_memory()

@@ -7,9 +7,9 @@
 #include <memory>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/near_word.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
@@ -57,7 +57,8 @@ public:
         known_.push_back(crowd_family), known_.push_back(solid_crowd_family), known_.push_back(drawn_family);
         for (const std::string& name : chosen_)
             if (std::find(known_.begin(), known_.end(), name) == known_.end())
-                usage(fmt::format("--family: no '{}'; there are: {}", name, fmt::join(known_, ", ")));
+                usage(fmt::format("--family: no '{}'{}", name,
+                                  valid_names(name, {known_.begin(), known_.end()}, "there are")));
     }
     bool operator()(const std::string& name) const
     {

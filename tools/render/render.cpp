@@ -123,7 +123,7 @@ void add_drawing_options(Arguments command, RenderOptions& o)
 
 void add_render(Arguments app)
 {
-    Arguments sub = app.add_command("render", "Draw a scene and its sphere-trees (PNG); needs no display");
+    Arguments sub = app.add_command("render", "Draw a scene and the spheres around its bodies (sphere-trees), as PNG; needs no display");
     auto options = std::make_shared<RenderOptions>();
     sub.add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
         .required()
@@ -137,7 +137,7 @@ void add_render(Arguments app)
                "  oncollide render paper --body dragon --whole --show spheres --level 2,4,6 --out levels.png\n"
                "  oncollide render city --bodies 300 --every 10 --frame 100 --out city.png\n"
                "Spheres are those that the trees hold at that frame, the finest wherever they are known; red ones\n"
-               "touch spheres of another body that was not found separate. With --exact predicates the triangles of\n"
+               "touch spheres of another body that was not found separate. With --exact on the triangles of\n"
                "colliding meshes that meet are red. More: docs/pictures.md.");
     sub.action([options] { return render(*options); });
 }

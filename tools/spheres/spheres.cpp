@@ -236,7 +236,7 @@ int spheres(const SpheresOptions& options)
 void add_spheres(Arguments app)
 {
     Arguments sub =
-        app.add_command("spheres", "The spheres and boxes of a mesh's trees, and how well they stand for it");
+        app.add_command("spheres", "List the spheres or boxes that enclose a mesh (its trees), and how closely they fit");
     auto options = std::make_shared<SpheresOptions>();
     sub.add_option("mesh", options->mesh, "mesh (OBJ, STL, PLY, OFF, glTF)").required().type_name("MESH");
     sub.add_option("--depth", options->depth,

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/near_word.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
 #include <oncollide/scenes/catalogue/catalogue.hpp>
@@ -187,6 +188,11 @@ int accuracy(const AccuracyOptions& options)
 {
     if (options.scene.scene.empty())
         throw Error(ErrorKind::usage, "accuracy: scene is required (oncollide accuracy --help)");
+    const std::string& word = options.scene.scene; // its first position takes what was to be a command
+    if (const std::string hint = did_you_mean(word, {"fuzz", "study"}); !hint.empty() && !is_scene_file(word))
+        if (std::ranges::find(catalogue(), word, &CatalogueEntry::name) == catalogue().end())
+            usage(fmt::format("accuracy: '{}' is neither a command nor a scene{} (scenes: oncollide scene --list)",
+                              word, hint));
     check_range("--count", options.count, 1), check_range("--samples", options.samples, 0),
         check_range("--every", options.every, 1);
     if (options.count > 1 && is_scene_file(options.scene.scene))
@@ -229,7 +235,7 @@ int accuracy(const AccuracyOptions& options)
 void add_accuracy(Arguments app)
 {
     Arguments sub =
-        app.add_command("accuracy", "Check a scene against FCL: collisions missed, false positives, bounds");
+        app.add_command("accuracy", "Check the results of a scene against FCL: collisions missed, false positives, bounds");
     auto options = std::make_shared<AccuracyOptions>();
     // Not marked as required: a word in its place that names a subcommand would be taken for it.
     sub.add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")

@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/near_word.hpp>
 
 #include "bench/bench.hpp"
 #include "peers/fcl_world.hpp"
@@ -61,14 +61,15 @@ std::vector<PeerKind> peers_from_names(const std::string& list)
 {
     if (list == "none") return {};
     if (list == "all") return all_kinds();
-    std::vector<std::string> names;
+    std::vector<std::string_view> names;
     for (const PeerKind& kind : all_kinds()) names.push_back(kind.name);
+    names.insert(names.end(), {"all", "none"});
     std::vector<PeerKind> chosen;
     for (const std::string& name : split(list.empty() ? "fcl,ode,bullet" : list)) {
         const auto at = std::ranges::find(all_kinds(), name, &PeerKind::name);
         if (at == all_kinds().end())
-            throw Error(ErrorKind::usage, fmt::format("--peers {}: no such peer; there are: {}, all, none", name,
-                                                      fmt::join(names, ", ")));
+            throw Error(ErrorKind::usage,
+                        fmt::format("--peers {}: no such peer{}", name, valid_names(name, names, "there are")));
         if (std::ranges::find(chosen, name, &PeerKind::name) == chosen.end()) chosen.push_back(*at);
     }
     return chosen;

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/near_word.hpp>
 
 namespace oncollide {
 
@@ -85,7 +86,7 @@ void Node::only(std::initializer_list<std::string_view> keys) const
     if (!is_object()) must_be(false, fmt::format("an object with keys among: {}", fmt::join(keys, ", ")));
     for (const Node& member : *this)
         if (std::find(keys.begin(), keys.end(), member.key()) == keys.end())
-            member.fail(fmt::format("unknown key; valid: {}", fmt::join(keys, ", ")));
+            member.fail("unknown key" + valid_names(member.key(), keys));
 }
 
 std::string_view Node::one_of(std::initializer_list<std::string_view> keys) const

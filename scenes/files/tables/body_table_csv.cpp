@@ -11,6 +11,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
+#include <oncollide/base/near_word.hpp>
 #include <oncollide/scenes/files/mesh/mesh_source.hpp>
 
 namespace oncollide {
@@ -82,7 +83,8 @@ std::vector<Column> read_header(CsvFields& fields, bool needs_geometry)
         const std::string_view field = fields.next(last);
         const auto found = std::ranges::find(column_names, field);
         if (found == column_names.end())
-            fields.fail(fmt::format("unknown column {}; valid: {}", quoted(field), fmt::join(column_names, ", ")));
+            fields.fail(fmt::format("unknown column {}{}", quoted(field),
+                                    valid_names(field, {column_names.begin(), column_names.end()})));
         const auto column = static_cast<Column>(found - column_names.begin());
         if (std::ranges::find(header, column) != header.end())
             fields.fail(fmt::format("column '{}' is there twice", field));

@@ -1,0 +1,59 @@
+# What is installed beside the library and the command: pkg-config, man pages, completion. And packages of it all: cpack.
+# pkg-config: the libraries are static, so all that they need is named.
+set(pc_requires)
+list(TRANSFORM CMAKE_DL_LIBS PREPEND "-l" OUTPUT_VARIABLE dl)
+set(pc_libs " -lqhull_r -pthread ${dl}")
+if(ONCOLLIDE_GL)
+  string(APPEND pc_requires " epoxy")
+  string(APPEND pc_libs " -lmeshoptimizer")
+endif()
+if(ONCOLLIDE_FCL)
+  string(APPEND pc_libs " -lfcl -lccd") # fcl.pc would set the language's standard
+endif()
+if(ONCOLLIDE_OCTOMAP)
+  string(APPEND pc_libs " -loctomap -loctomath")
+endif()
+if(ONCOLLIDE_OPENMP)
+  string(APPEND pc_libs " ${OpenMP_CXX_FLAGS}")
+endif()
+file(RELATIVE_PATH up_to_prefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
+configure_file(${CMAKE_CURRENT_LIST_DIR}/oncollide.pc.in ${PROJECT_BINARY_DIR}/oncollide.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/oncollide.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+
+if(NOT ONCOLLIDE_TOOLS)
+  return()
+endif()
+set(references ${PROJECT_BINARY_DIR}/references) # made from the options
+add_custom_command(OUTPUT ${references}/made
+  COMMAND ${CMAKE_COMMAND} -E rm -rf ${references}
+  COMMAND ${CMAKE_COMMAND} -E make_directory ${references}/man
+  COMMAND oncollide_tool reference man --out ${references}/man
+  COMMAND oncollide_tool reference bash --out ${references}/oncollide
+  COMMAND oncollide_tool reference zsh --out ${references}/_oncollide
+  COMMAND oncollide_tool reference fish --out ${references}/oncollide.fish
+  COMMAND ${CMAKE_COMMAND} -E touch ${references}/made
+  DEPENDS oncollide_tool VERBATIM)
+add_custom_target(oncollide_references ALL DEPENDS ${references}/made)
+install(DIRECTORY ${references}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+install(FILES ${references}/oncollide DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+install(FILES ${references}/_oncollide DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
+install(FILES ${references}/oncollide.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+if(NOT PROJECT_IS_TOP_LEVEL)
+  return()
+endif()
+set(CPACK_GENERATOR TGZ DEB)
+set(CPACK_PACKAGE_VENDOR oncollide)
+set(CPACK_PACKAGE_CONTACT "The maintainers of oncollide <maintainers@oncollide.invalid>")
+set(CPACK_PACKAGE_FILE_NAME oncollide-${PROJECT_VERSION}-linux-${CMAKE_SYSTEM_PROCESSOR})
+set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
+set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libegl1, libgl1-mesa-dri, libopengl0")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libhdf5-103-1, libgdal32, libeigen3-dev, libfmt-dev, libfcl-dev, liboctomap-dev")
+set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/packaging/bundle.cmake)
+include(CPack)

@@ -1,0 +1,240 @@
+#!/usr/bin/env python3
+"""Tables and plots of the pages, from docs/data/*.csv, which the benchmarks wrote.
+
+    figures.py --write          puts the tables into the pages, between <!-- figures: NAME --> and <!-- end -->
+    figures.py --check          fails where a page shows another table than its data gives
+    figures.py --plots FOLDER   draws the plots of the site (needs matplotlib)
+"""
+import argparse
+import csv
+import pathlib
+import re
+import sys
+
+DOCS = pathlib.Path(__file__).resolve().parent.parent
+
+ENVIRONMENTS = {
+    "building": "building, 30 x 30 rooms at 6 cm (map)",
+    "campus": "campus, 1.09 million cells of 0.2 m (map)",
+    "hills": "hills, 500,000 triangles (height grid)",
+    "hills-mesh": "the same hills as a mesh",
+    "st-helens": "Mount St. Helens, 305,000 triangles (height grid)",
+}
+PERCENTS = ["0.1", "1", "5", "10", "25", "50", "100", "200"]
+
+
+def rows_of(*names):
+    rows = []
+    for name in names:
+        with open(DOCS / "data" / f"{name}.csv", newline="", encoding="utf-8") as file:
+            rows += list(csv.DictReader(file))
+    return rows
+
+
+def table(header, rows):
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
+    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows]) + "\n"
+
+
+def short(value):
+    """Three digits or fewer behind the point than anyone reads: 9.7, 17.6, 35, 1,801."""
+    value = float(value)
+    return f"{value:.1f}" if value < 20 else f"{value:,.0f}"
+
+
+def number(text):
+    return f"{int(text):,}"
+
+
+def environments():
+    out = []
+    for environment, title in ENVIRONMENTS.items():
+        for bodies in ("meshes", "shapes"):
+            of = {r["error"]: r for r in rows_of("environments")
+                  if (r["environment"], r["bodies"]) == (environment, bodies)}
+            exact = of["exact"]
+            out.append([title, bodies] + [f"{float(of[e]['ratio']):.1f}" for e in ("1", "0.1", "0.01", "exact")] +
+                       [f"{float(exact['fcl_ms']):.1f}",
+                        f"{float(exact['first_ms']):.1f}, {float(exact['fcl_first_ms']):,.0f}",
+                        f"{float(exact['trees_mb']):.1f}, {float(exact['fcl_mb']):.1f}"])
+    return table(["environment", "bodies", "1 m", "0.1 m", "0.01 m", "exact", "FCL, exact, ms per frame",
+                  "first answer, ms: oncollide, FCL", "trees, MB: oncollide, FCL"], out)
+
+
+def ratios_by_distance(rows):
+    of = {r["percent"]: r for r in rows}
+    return [short(of[p]["ratio"]) for p in PERCENTS] + [f"{short(of['10']['us'])}, {short(of['10']['fcl_us'])}"]
+
+
+DISTANCES = [f"{p} %" for p in PERCENTS] + ["microseconds at 10 %: oncollide, FCL"]
+
+
+def distances():
+    rows = rows_of("distances", "map_distances")
+    return table(["environment", "bodies"] + DISTANCES,
+                 [[title, bodies] + ratios_by_distance([r for r in rows if (r["environment"], r["bodies"]) ==
+                                                        (environment, bodies)])
+                  for environment, title in ENVIRONMENTS.items() for bodies in ("meshes", "shapes")])
+
+
+def shape_distances():
+    rows = rows_of("shape_distances")
+    names = list(dict.fromkeys(r["environment"] for r in rows))
+    return table(["from"] + DISTANCES,
+                 [[name] + ratios_by_distance([r for r in rows if r["environment"] == name]) for name in names])
+
+
+def shapes():
+    rows = {(r["a"], r["b"]): float(r["fcl_ns"]) / float(r["oncollide_ns"]) for r in rows_of("shapes")}
+    names = list(dict.fromkeys([a for a, _ in rows] + [b for _, b in rows]))
+    shown = [name.replace("_", "-") for name in names]
+    return table([""] + shown, [[title] + [f"{rows[a, b]:.1f}" if (a, b) in rows else "" for b in names]
+                                for a, title in zip(names, shown)])
+
+
+STYLES = {
+    "obj": "OBJ, six decimals, `f a b c`",
+    "obj-full": "OBJ, `vt`, `vn`, `f a/b/c`, comments, CR LF",
+    "obj-back": "OBJ, negative numbers of vertices",
+    "obj-exact": "OBJ, every digit of a double",
+    "stl": "STL, binary, welded",
+    "ply": "PLY, binary, floats",
+}
+
+
+def reading():
+    return table(["", "MB", "triangles a second", "peak MB"],
+                 [[STYLES[r["style"]], f"{float(r['bytes']) / 1e6:,.0f}",
+                   f"{float(r['triangles_per_s']) / 1e6:.1f} million", f"{float(r['peak_bytes']) / 1e6:,.0f}"]
+                  for r in rows_of("reading")])
+
+
+def clash():
+    out, before = [], None
+    for r in rows_of("clash"):
+        what = f"{number(r['parts'])} parts" + (" of scanned and drawn meshes" if r["meshes"] == "real" else "")
+        what += f", {float(r['triangles']) / 1e6:.1f} million triangles, {r['planted']} planted pairs"
+        files = f"{number(r['parts'])} STL files" if r["files"] == "STL files" else r["files"]
+        out.append(["the same" if what == before else what, files, f"{float(r['read_s']):.1f}",
+                    f"{float(r['find_s']):.1f}", f"{float(r['json_s']):.2f}", f"{float(r['all_s']):.1f}",
+                    f"{float(r['page_s']):.1f}"])
+        before = what
+    return table(["assembly", "files", "reading", "finding", "JSON", "all", "the page, 40 pictures"], out)
+
+
+def python():
+    return table(["call", "items", "Python", "C++", "overhead"],
+                 [[f"`{r['call']}`", number(r["items"]), r["python_ns"], r["cpp_ns"], r["overhead_ns"]]
+                  for r in rows_of("python")])
+
+
+TABLES = {f.__name__: f for f in (environments, distances, shape_distances, shapes, reading, clash, python)}
+BLOCK = re.compile(r"(<!-- figures: (\w+) -->\n)(.*?)(<!-- end -->)", re.S)
+
+
+def update(write):
+    wrong, seen = [], set()
+    for page in sorted(DOCS.glob("*.md")):
+        text = page.read_text(encoding="utf-8")
+
+        def block(match):
+            name = match[2]
+            if name not in TABLES:
+                sys.exit(f"{page.name}: no figures '{name}'; there are: {', '.join(TABLES)}")
+            seen.add(name)
+            made = "\n" + TABLES[name]() + "\n"
+            if match[3] != made:
+                wrong.append(f"{page.name}: {name}")
+            return match[1] + made + match[4]
+
+        new = BLOCK.sub(block, text)
+        if write and new != text:
+            page.write_text(new, encoding="utf-8")
+    for name in TABLES.keys() - seen:
+        sys.exit(f"no page shows the figures '{name}'")
+    if wrong and not write:
+        sys.exit("not what docs/data says (docs/site/figures.py --write): " + "; ".join(wrong))
+
+
+def plot_all(folder):
+    import matplotlib
+    matplotlib.use("svg")
+    import matplotlib.pyplot as plt
+    plt.rcParams.update({"svg.hashsalt": "oncollide", "font.size": 10, "axes.grid": True, "grid.alpha": 0.3,
+                         "axes.spines.top": False, "axes.spines.right": False})
+    colours = ["#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9", "#555555"]  # Okabe and Ito
+
+    def save(figure, name):
+        figure.tight_layout()
+        figure.savefig(folder / f"{name}.svg", metadata={"Date": None})
+        plt.close(figure)
+
+    figure, axes = plt.subplots(figsize=(8, 3.8))
+    rows = rows_of("environments")
+    for k, bodies in enumerate(("meshes", "shapes")):
+        values = [[float(r["ratio"]) for r in rows if (r["environment"], r["bodies"]) == (e, bodies)] for e in ENVIRONMENTS]
+        at = [i + 0.36 * (k - 0.5) for i in range(len(values))]
+        middle = [sorted(v)[len(v) // 2] for v in values]
+        axes.bar(at, middle, 0.34, color=colours[k], label=bodies,
+                 yerr=[[m - min(v) for m, v in zip(middle, values)], [max(v) - m for m, v in zip(middle, values)]])
+    axes.axhline(1, color="#555555", linewidth=1)
+    axes.set_xticks(range(len(ENVIRONMENTS)), ENVIRONMENTS)
+    axes.set_ylabel("FCL's time over oncollide's")
+    axes.set_title("500 bodies in large environments, errors from 1 m to exact (bars: from least to most)")
+    axes.legend(frameon=False)
+    save(figure, "environments")
+
+    for name, rows, title in (("distances", rows_of("distances", "map_distances"), "Distances to large environments"),
+                              ("shape_distances", rows_of("shape_distances"), "Distances of two shapes")):
+        figure, axes = plt.subplots(figsize=(8, 4))
+        lines = list(dict.fromkeys((r["environment"], r["bodies"]) for r in rows))
+        environments = list(dict.fromkeys(e for e, _ in lines))
+        for environment, bodies in lines:
+            chosen = [r for r in rows if (r["environment"], r["bodies"]) == (environment, bodies)]
+            axes.plot([float(r["percent"]) for r in chosen], [float(r["ratio"]) for r in chosen], marker="o", markersize=3,
+                      color=colours[environments.index(environment) % len(colours)],
+                      linestyle="-" if bodies != "shapes" else "--",
+                      label=environment if bodies == "all-shapes" else f"{environment}, {bodies}")
+        axes.set_xscale("log"), axes.set_yscale("log")
+        axes.axhline(1, color="#555555", linewidth=1)
+        axes.set_xlabel("distance, per cent of the diagonal"), axes.set_ylabel("FCL's time over oncollide's")
+        axes.set_title(title)
+        axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5))
+        save(figure, name)
+
+    figure, axes = plt.subplots(figsize=(8, 3))
+    rows = rows_of("reading")
+    axes.barh([r["style"] for r in rows][::-1], [float(r["triangles_per_s"]) / 1e6 for r in rows][::-1], color=colours[0])
+    axes.set_xlabel("million triangles a second"), axes.set_title("Reading mesh files of ten million triangles")
+    save(figure, "reading")
+
+    figure, axes = plt.subplots(figsize=(6, 4.6))
+    rows = {(r["a"], r["b"]): float(r["fcl_ns"]) / float(r["oncollide_ns"]) for r in rows_of("shapes")}
+    names = list(dict.fromkeys([a for a, _ in rows] + [b for _, b in rows]))
+    matrix = [[rows.get((a, b), float("nan")) for b in names] for a in names]
+    axes.grid(False)
+    axes.imshow(matrix, cmap="cividis", vmin=0)
+    for i, line in enumerate(matrix):
+        for j, value in enumerate(line):
+            if value == value:
+                axes.text(j, i, f"{value:.1f}", ha="center", va="center", color="white" if value < 5 else "black", fontsize=8)
+    axes.set_xticks(range(len(names)), names, rotation=45, ha="right"), axes.set_yticks(range(len(names)), names)
+    axes.set_title("Close pairs of shapes: FCL's time over oncollide's")
+    save(figure, "shapes")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--write", action="store_true")
+    parser.add_argument("--check", action="store_true")
+    parser.add_argument("--plots", type=pathlib.Path, metavar="FOLDER")
+    options = parser.parse_args()
+    if options.write or options.check:
+        update(options.write)
+    if options.plots:
+        options.plots.mkdir(parents=True, exist_ok=True)
+        plot_all(options.plots)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,17 @@
+#pragma once
+#include <string>
+
+#include "cli/arguments.hpp"
+
+// References that are made from the options themselves, so that they cannot go out of date.
+namespace oncollide::tools {
+
+std::string markdown_of(const CommandText& program); ///< one page, for docs/
+std::string man_page_of(const CommandText& command, const CommandText& program);
+
+/// Completion of the program's commands, options and their values. `scenes`: what a NAME may be.
+std::string bash_completion_of(const CommandText& program, const std::vector<std::string>& scenes);
+std::string zsh_completion_of(const CommandText& program, const std::vector<std::string>& scenes);
+std::string fish_completion_of(const CommandText& program, const std::vector<std::string>& scenes);
+
+} // namespace oncollide::tools
