@@ -20,7 +20,7 @@ file(RELATIVE_PATH up_to_prefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefi
 configure_file(${CMAKE_CURRENT_LIST_DIR}/oncollide.pc.in ${PROJECT_BINARY_DIR}/oncollide.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/oncollide.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
-if(NOT ONCOLLIDE_TOOLS)
+if(NOT ONCOLLIDE_TOOLS OR (CMAKE_CROSSCOMPILING AND NOT CMAKE_CROSSCOMPILING_EMULATOR))
   return()
 endif()
 set(references ${PROJECT_BINARY_DIR}/references) # made from the options
