@@ -285,7 +285,7 @@ TEST(CityScene, SendsCarsAlongStreetsToTheLastFrame)
     const Keyed& route = std::get<Keyed>(scene.motions[car]);
     EXPECT_GE(route.keys.back().time, scene.frames);
     for (int frame = 0; frame < scene.frames; frame += 7) {
-        const Eigen::Isometry3d pose = pose_at(route, scene.start_poses[car], frame);
+        const Eigen::Isometry3d pose = pose_at(route, scene.start_pose(car), frame);
         const auto off_street = [](double x) { return std::abs(std::remainder(x, 60.0)); };
         EXPECT_LT(std::min(off_street(pose.translation().x()), off_street(pose.translation().y())), 5.01) << frame;
     }
