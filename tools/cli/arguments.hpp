@@ -1,7 +1,7 @@
 #pragma once
 #include <functional>
-#include <memory>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 

@@ -157,7 +157,8 @@ int check_pair(const CheckOptions& options)
         throw Error(ErrorKind::usage,
                     fmt::format("--distance: a tolerance of {}; must be 0 or more", *options.distance));
     if (!options.contacts.empty() && settings.exact != ExactLevel::predicates)
-        throw Error(ErrorKind::usage, "--contacts: needs the exact level: leave out --max-error and --depth, or say --exact predicates");
+        throw Error(ErrorKind::usage,
+                    "--contacts: needs the exact level: leave out --max-error and --depth, or say --exact predicates");
     settings.contact_kinds = settings.exact == ExactLevel::predicates;
     // Both cull without a bound on the distance, and one pair needs neither.
     for (const char* stage : {"delimitation", "broad"}) settings.skip.push_back(stage);

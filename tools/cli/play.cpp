@@ -71,10 +71,11 @@ std::string told(const OutputOptions& outputs, int done, int all)
                        names.empty() ? "follow" : "are in " + names);
 }
 
-[[noreturn]] void end_in_a_frame(Report& report, const OutputOptions& outputs, int done, int all)
+[[noreturn]] void end_in_a_frame(Report& report, const OutputOptions& outputs, FrameSink* pairs, int done, int all)
 {
     int code = interrupted_code;
     try {
+        if (pairs) pairs->close();
         report.interrupted();
         std::cerr << "oncollide: interrupted " << told(outputs, done, all) << "\n";
         write_outputs(report, outputs);
@@ -88,12 +89,13 @@ std::string told(const OutputOptions& outputs, int done, int all)
 
 } // namespace
 
-int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const OutputOptions& outputs)
+int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const OutputOptions& outputs, int first,
+         FrameSink* pairs)
 {
     catch_interrupts();
     Mover mover;
     std::string note, why;
-    int done = 0, code = interrupted_code;
+    int done = first, code = interrupted_code;
     const auto say_note = [&] {
         const std::string now = pipeline.backend_note();
         if (now != note) std::cerr << "oncollide: note: " << printable(now) << "\n";
@@ -101,27 +103,29 @@ int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const Out
     };
     if (!outputs.quiet) say_note();
     {
-        Progress progress("frame", std::size_t(frames), outputs.quiet);
-        Watchdog watchdog([&] { end_in_a_frame(report, outputs, done, frames); });
+        Progress progress("frame", std::size_t(frames - first), outputs.quiet);
+        Watchdog watchdog([&] { end_in_a_frame(report, outputs, pairs, done, frames); });
         try {
             while (done < frames && !interrupted()) {
                 mover.move(scene, done);
                 const FrameView frame = pipeline.step(scene);
                 {
                     const std::lock_guard lock(watchdog.mutex());
+                    if (pairs) pairs->add(frame);
                     report.add(frame);
                     ++done;
                 }
                 progress.step();
             }
         } catch (const Error& error) {
-            if (done == 0 || error.kind() == ErrorKind::cannot_write) throw;
+            if (done == first || error.kind() == ErrorKind::cannot_write) throw;
             why = error.what(), code = int(error.kind());
         } catch (const std::bad_alloc&) {
-            if (done == 0) throw;
+            if (done == first) throw;
             why = "out of memory", code = int(ErrorKind::internal);
         }
     }
+    if (pairs) pairs->close();
     if (why.empty() && !outputs.quiet) say_note();
     if (done == frames) {
         release_interrupts();
