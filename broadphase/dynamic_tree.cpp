@@ -143,11 +143,16 @@ void DynamicTree::collect_queries()
     const bool sleepers = awake < bodies_.awake_count();
     whole_ = (awake + (sleepers ? asleep : 0)) * whole_share > size();
     if (whole_) return;
+    found_.clear();
     for (std::uint32_t body : bodies_.changes())
         if (bodies_.is(body, BodyStates::awake) || (sleepers && contains(body))) {
-            queries_.push_back(body);
+            found_.push_back({tree_.place_of(body), body});
             bodies_.set(body, BodyStates::queried);
         }
+    // Neighbours look at the same nodes: where many of them are asked, one after the other.
+    constexpr std::size_t worth_sorting = 4096;
+    if (found_.size() >= worth_sorting) sort_pairs(found_, scratch_, tree_.size(), threads_for(found_.size()));
+    for (const BodyPair& query : found_) queries_.push_back(query.b);
 }
 
 void DynamicTree::delimit(const BodyColumns& columns)

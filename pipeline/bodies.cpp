@@ -1,5 +1,6 @@
 #include <oncollide/pipeline/bodies.hpp>
 
+#include <oncollide/base/large_vector.hpp>
 #include <oncollide/base/parallel.hpp>
 
 namespace oncollide {
@@ -15,20 +16,41 @@ void Bodies::mark(std::uint32_t slot, std::uint8_t how)
     state_[slot] |= static_cast<std::uint8_t>(how | listed_bit);
 }
 
+void Bodies::reserve(std::size_t slots)
+{
+    state_.reserve(slots), reserve_large(model_of_, slots), reserve_large(poses_, slots);
+    for (auto* column : {&layers_, &masks_, &groups_, &changed_}) reserve_large(*column, slots);
+    reserve_large(travel_, slots), reserve_large(boxes_, slots);
+}
+
+void Bodies::note_model(std::uint32_t slot, Model* model, ModelId id)
+{
+    if (models_.size() <= id.slot) models_.resize(id.slot + std::size_t{1});
+    models_[id.slot] = {model, id};
+    model_of_[slot] = id.slot;
+}
+
+void Bodies::set_user(std::uint32_t slot, std::uint64_t user)
+{
+    if (user_.size() <= slot) user_.resize(slots());
+    user_[slot] = user;
+}
+
 std::uint32_t Bodies::add(const Init& body)
 {
     std::uint32_t slot;
     if (free_.empty()) {
         slot = slots();
-        state_.push_back(0), generation_.push_back(0), models_.push_back(nullptr), model_ids_.emplace_back();
-        poses_.emplace_back(), layers_.push_back(0), masks_.push_back(0), groups_.push_back(0), user_.push_back(0);
+        state_.push_back(0), model_of_.push_back(0);
+        poses_.emplace_back(), layers_.push_back(0), masks_.push_back(0), groups_.push_back(0);
         boxes_.emplace_back(), travel_.push_back(0);
     } else {
         slot = free_.back();
         free_.pop_back();
     }
-    models_[slot] = body.model, model_ids_[slot] = body.model_id, poses_[slot] = body.pose;
-    layers_[slot] = body.layer, masks_[slot] = body.mask, groups_[slot] = body.group, user_[slot] = body.user;
+    note_model(slot, body.model, body.model_id), poses_[slot] = body.pose;
+    layers_[slot] = body.layer, masks_[slot] = body.mask, groups_[slot] = body.group;
+    if (body.user || user(slot)) set_user(slot, body.user);
     any_group_ |= body.group != 0;
     state_[slot] = static_cast<std::uint8_t>((state_[slot] & ~fixed_bit) | alive_bit | (body.fixed ? fixed_bit : 0));
     ++size_, moving_ += !body.fixed;
@@ -40,6 +62,7 @@ void Bodies::remove(std::uint32_t slot)
 {
     --size_, moving_ -= !fixed(slot);
     state_[slot] = static_cast<std::uint8_t>(state_[slot] & ~(alive_bit | fixed_bit));
+    if (generation_.size() <= slot) generation_.resize(slots());
     ++generation_[slot];
     if (const auto found = partners_.find(slot); found != partners_.end()) {
         for (std::uint32_t other : found->second) excluded_.erase(key(slot, other));
@@ -53,13 +76,14 @@ void Bodies::set_pose(std::uint32_t slot, const Eigen::Isometry3d& pose)
 {
     if (poses_[slot].matrix() == pose.matrix()) return; // a body that rests costs nothing
     // Rounded outward, so that differences of sums are no less than sums.
-    travel_[slot] = (travel_[slot] + models_[slot]->bounds().motion(poses_[slot], pose)) * (1 + 0x1p-52);
+    travel_[slot] = (travel_[slot] + model(slot).bounds().motion(poses_[slot], pose)) * (1 + 0x1p-52);
     poses_[slot] = pose;
     mark(slot, moved_bit);
 }
 
 void Bodies::set_filter(std::uint32_t slot, std::uint32_t layer, std::uint32_t mask, std::uint32_t group)
 {
+    if (layers_[slot] == layer && masks_[slot] == mask && groups_[slot] == group) return;
     layers_[slot] = layer, masks_[slot] = mask, groups_[slot] = group;
     any_group_ |= group != 0;
     mark(slot, moved_bit);
@@ -75,7 +99,7 @@ void Bodies::set_fixed(std::uint32_t slot, bool now)
 
 void Bodies::set_model(std::uint32_t slot, Model* model, ModelId id)
 {
-    models_[slot] = model, model_ids_[slot] = id;
+    note_model(slot, model, id);
     mark(slot, fresh_bit);
 }
 
@@ -130,9 +154,8 @@ std::size_t Bodies::bytes() const
 {
     return state_.capacity() +
            (generation_.capacity() + layers_.capacity() + masks_.capacity() + groups_.capacity() + free_.capacity() +
-            changed_.capacity()) *
+            changed_.capacity() + model_of_.capacity()) *
                sizeof(std::uint32_t) +
-           models_.capacity() * sizeof(Model*) + model_ids_.capacity() * sizeof(ModelId) +
            poses_.capacity() * sizeof(Eigen::Isometry3d) +
            (user_.capacity() + travel_.capacity()) * sizeof(std::uint64_t) + boxes_.capacity() * sizeof(Aabb) +
            excluded_.size() * 40;

@@ -35,13 +35,14 @@ public:
         bool fixed;
     };
 
+    void reserve(std::size_t slots);
     std::uint32_t add(const Init& body); ///< returns the slot
     void remove(std::uint32_t slot);
     void set_pose(std::uint32_t slot, const Eigen::Isometry3d& pose);
     void set_filter(std::uint32_t slot, std::uint32_t layer, std::uint32_t mask, std::uint32_t group);
     void set_fixed(std::uint32_t slot, bool fixed);
     void set_model(std::uint32_t slot, Model* model, ModelId id);
-    void set_user(std::uint32_t slot, std::uint64_t user) { user_[slot] = user; }
+    void set_user(std::uint32_t slot, std::uint64_t user);
 
     void exclude(std::uint32_t a, std::uint32_t b);
     void include(std::uint32_t a, std::uint32_t b);
@@ -54,18 +55,18 @@ public:
     std::uint32_t slots() const { return static_cast<std::uint32_t>(state_.size()); }
     std::uint32_t size() const { return size_; } ///< bodies
     bool alive(std::uint32_t slot) const { return slot < state_.size() && (state_[slot] & alive_bit); }
-    bool valid(BodyId id) const { return alive(id.slot) && generation_[id.slot] == id.generation; }
-    BodyId id(std::uint32_t slot) const { return {slot, generation_[slot]}; }
+    bool valid(BodyId id) const { return alive(id.slot) && generation(id.slot) == id.generation; }
+    BodyId id(std::uint32_t slot) const { return {slot, generation(slot)}; }
     bool fixed(std::uint32_t slot) const { return state_[slot] & fixed_bit; }
     std::uint32_t moving() const { return moving_; } ///< bodies that are not fixed
 
-    Model& model(std::uint32_t slot) const { return *models_[slot]; }
-    ModelId model_id(std::uint32_t slot) const { return model_ids_[slot]; }
+    Model& model(std::uint32_t slot) const { return *models_[model_of_[slot]].model; }
+    ModelId model_id(std::uint32_t slot) const { return models_[model_of_[slot]].id; }
     const Eigen::Isometry3d& pose(std::uint32_t slot) const { return poses_[slot]; }
     std::uint32_t layer(std::uint32_t slot) const { return layers_[slot]; }
     std::uint32_t mask(std::uint32_t slot) const { return masks_[slot]; }
     std::uint32_t group(std::uint32_t slot) const { return groups_[slot]; }
-    std::uint64_t user(std::uint32_t slot) const { return user_[slot]; }
+    std::uint64_t user(std::uint32_t slot) const { return slot < user_.size() ? user_[slot] : 0; }
     /// How far any point of the body can have moved in all, metres: only how much it grows means something.
     double travel(std::uint32_t slot) const { return travel_[slot]; }
 
@@ -96,15 +97,21 @@ private:
     {
         return a < b ? std::uint64_t{a} << 32 | b : std::uint64_t{b} << 32 | a;
     }
+    std::uint32_t generation(std::uint32_t slot) const { return slot < generation_.size() ? generation_[slot] : 0; }
     void mark(std::uint32_t slot, std::uint8_t how);
+    void note_model(std::uint32_t slot, Model* model, ModelId id);
+    struct UsedModel {
+        Model* model = nullptr;
+        ModelId id{};
+    };
 
     std::vector<std::uint8_t> state_;
-    std::vector<std::uint32_t> generation_;
-    std::vector<Model*> models_;
-    std::vector<ModelId> model_ids_;
+    std::vector<std::uint32_t> generation_; ///< 0 beyond its end
+    std::vector<UsedModel> models_;         ///< by their slots
+    std::vector<std::uint32_t> model_of_;   ///< slot in models_
     std::vector<Eigen::Isometry3d> poses_;
     std::vector<std::uint32_t> layers_, masks_, groups_;
-    std::vector<std::uint64_t> user_;
+    std::vector<std::uint64_t> user_; ///< 0 beyond its end
     std::vector<double> travel_;
     std::vector<Aabb> boxes_;
     std::vector<std::uint32_t> free_, changed_;

@@ -9,10 +9,8 @@ namespace oncollide {
 
 struct Pipeline::Played {
     std::vector<std::shared_ptr<const Geometry>> geometries;
-    std::vector<GeometryId> geometry;
-    std::vector<Eigen::Isometry3d> poses;
-    std::vector<std::uint8_t> is_static;
-    std::vector<std::uint32_t> layers, masks, groups;
+    std::uint32_t bodies = 0;
+    ChangeLog::Mark changes;  ///< of the scene, made in the World
     std::size_t excluded = 0; ///< pairs
 };
 
@@ -46,48 +44,46 @@ void Pipeline::play_geometries(const Scene& scene)
     }
 }
 
-void Pipeline::play_body(const Scene& scene, std::uint32_t body)
+void Pipeline::add_body(const Scene& scene, std::uint32_t body)
 {
-    Played& p = *played_;
+    world_.add_body({.model = {index(scene.geometry[body])},
+                     .pose = scene.poses[body],
+                     .fixed = scene.is_static[body] != 0,
+                     .layer = scene.layers[body],
+                     .mask = scene.masks[body],
+                     .group = scene.groups[body]});
+}
+
+/// The World leaves alone what it has already.
+void Pipeline::change_body(const Scene& scene, std::uint32_t body)
+{
     const BodyId id{body};
-    const ModelId model{index(scene.geometry[body])};
-    if (body == p.poses.size()) {
-        world_.add_body({.model = model,
-                         .pose = scene.poses[body],
-                         .fixed = scene.is_static[body] != 0,
-                         .layer = scene.layers[body],
-                         .mask = scene.masks[body],
-                         .group = scene.groups[body]});
-        p.geometry.push_back(scene.geometry[body]), p.poses.push_back(scene.poses[body]);
-        p.is_static.push_back(scene.is_static[body]), p.layers.push_back(scene.layers[body]);
-        p.masks.push_back(scene.masks[body]), p.groups.push_back(scene.groups[body]);
-        return;
-    }
-    if (p.poses[body].matrix() != scene.poses[body].matrix()) {
-        world_.set_pose(id, scene.poses[body]);
-        p.poses[body] = scene.poses[body];
-    }
-    if (p.geometry[body] != scene.geometry[body]) world_.set_model(id, model), p.geometry[body] = scene.geometry[body];
-    if (p.is_static[body] != scene.is_static[body])
-        world_.set_fixed(id, scene.is_static[body] != 0), p.is_static[body] = scene.is_static[body];
-    if (p.layers[body] != scene.layers[body] || p.masks[body] != scene.masks[body]) {
-        world_.set_layers(id, scene.layers[body], scene.masks[body]);
-        p.layers[body] = scene.layers[body], p.masks[body] = scene.masks[body];
-    }
-    if (p.groups[body] != scene.groups[body])
-        world_.set_group(id, scene.groups[body]), p.groups[body] = scene.groups[body];
+    world_.set_pose(id, scene.poses[body]);
+    if (const ModelId model{index(scene.geometry[body])}; world_.model(id) != model) world_.set_model(id, model);
+    world_.set_fixed(id, scene.is_static[body] != 0);
+    world_.set_layers(id, scene.layers[body], scene.masks[body]);
+    world_.set_group(id, scene.groups[body]);
 }
 
 void Pipeline::play(const Scene& scene)
 {
     Played& p = *played_;
-    if (scene.size() < p.poses.size())
+    if (scene.size() < p.bodies)
         throw Error(ErrorKind::usage,
-                    fmt::format("the scene has {} bodies, {} before: it is another one", scene.size(), p.poses.size()));
+                    fmt::format("the scene has {} bodies, {} before: it is another one", scene.size(), p.bodies));
     play_geometries(scene);
     std::uint32_t body = 0;
     try {
-        for (; body < scene.size(); ++body) play_body(scene, body);
+        if (scene.changes.reaches(p.changes)) {
+            for (const ChangeLog::Change change : scene.changes.since(p.changes)) {
+                if (body = change.body; body >= p.bodies) continue;
+                change.only_pose ? world_.set_pose(BodyId{body}, scene.poses[body]) : change_body(scene, body);
+            }
+        } else {
+            for (body = 0; body < p.bodies; ++body) change_body(scene, body);
+        }
+        if (p.bodies == 0) world_.reserve_bodies(scene.size());
+        for (body = p.bodies; body < scene.size(); ++body, ++p.bodies) add_body(scene, body);
     } catch (const Error& error) { // the World knows no names
         const std::string_view what = error.what();
         const std::size_t colon = what.find(": ");
@@ -96,6 +92,7 @@ void Pipeline::play(const Scene& scene)
             scene.names[body].empty() ? fmt::format("body {}", body) : fmt::format("body '{}'", scene.names[body]);
         throw Error(error.kind(), of_body ? fmt::format("{}{}", name, what.substr(colon)) : std::string(what));
     }
+    p.changes = scene.changes.now();
     for (; p.excluded < scene.excluded.size(); ++p.excluded)
         world_.exclude({scene.excluded[p.excluded].a}, {scene.excluded[p.excluded].b});
 }

@@ -21,8 +21,9 @@ public:
     ~Pipeline();
     Pipeline(Pipeline&&) noexcept;
 
-    /// Changes in the World what differs in `scene` from the last call (poses, layers, groups, geometries, bodies that
-    /// came), and runs a frame. Cost: a comparison per body, besides the frame.
+    /// Changes in the World what was changed in `scene` since the last call (poses, layers, groups, geometries, bodies
+    /// that came), and runs a frame. Cost: that of the changes; for another scene than in the last call, be it a copy,
+    /// a comparison per body.
     FrameView step(const Scene& scene);
 
     World& world() { return world_; }
@@ -38,10 +39,11 @@ public:
     const Ocst* tree(GeometryId geometry) const { return world_.tree({index(geometry)}); }
 
 private:
-    struct Played; ///< what the World has of the scene
+    struct Played; ///< how much of the scene the World has
     void play(const Scene& scene);
     void play_geometries(const Scene& scene);
-    void play_body(const Scene& scene, std::uint32_t body);
+    void add_body(const Scene& scene, std::uint32_t body);
+    void change_body(const Scene& scene, std::uint32_t body);
 
     World world_;
     std::unique_ptr<Played> played_;

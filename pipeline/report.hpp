@@ -24,6 +24,9 @@ struct ReportParts {
     std::filesystem::path folder{};             ///< for what does not stay in memory; empty: that of temporary files
 };
 
+/// Settings as results state them, in JSON.
+std::string settings_json(const Settings& settings);
+
 /// Collects frames and writes them out as JSON, CSV, a Chrome trace, a stage table and a picture.
 /// Formats: docs/results.md. Files are written to a temporary name and renamed: whole or not at all.
 ///

@@ -237,6 +237,10 @@ void World::add_bodies(std::span<const BodySpec> bodies, std::span<BodyId> ids)
     impl_->changed();
     for (std::size_t i = 0; i < bodies.size(); ++i) ids[i] = impl_->add_checked(bodies[i]);
 }
+void World::reserve_bodies(std::size_t bodies)
+{
+    impl_->bodies.reserve(bodies);
+}
 void World::remove_body(BodyId body)
 {
     remove_bodies({&body, 1});

@@ -130,6 +130,7 @@ public:
     /// In solid mode Error{bad_data} names a mesh that is not closed, and its open edges, at its first body.
     BodyId add_body(const BodySpec& body);
     void add_bodies(std::span<const BodySpec> bodies, std::span<BodyId> ids);
+    void reserve_bodies(std::size_t bodies); ///< makes room for so many in all
     void remove_body(BodyId body);
     void remove_bodies(std::span<const BodyId> bodies); ///< each once
     bool contains(BodyId body) const;
@@ -198,6 +199,9 @@ public:
     std::vector<DelimitedRegion> regions() const;
     /// Chained hash of all frames so far: equal input gives equal hash for any thread count and instruction set.
     std::uint64_t hash() const;
+    /// Before the first step: that one is frame `frame`, and `hash` that of all frames before it, which another World
+    /// stepped.
+    void continue_from(std::uint32_t frame, std::uint64_t hash);
     std::string backend() const;      ///< what finds grey cells, e.g. "cpu (avx2)"
     std::string renderer() const;     ///< GL_RENDERER of a GPU backend; empty otherwise
     std::string backend_note() const; ///< why it is not what one might expect; empty: nothing to say

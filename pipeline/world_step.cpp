@@ -235,5 +235,9 @@ std::uint64_t World::hash() const
 {
     return impl_->hash;
 }
+void World::continue_from(std::uint32_t frame, std::uint64_t hash)
+{
+    impl_->frame.number = frame, impl_->hash = hash;
+}
 
 } // namespace oncollide

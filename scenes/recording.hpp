@@ -1,6 +1,5 @@
 #pragma once
 #include <cstdint>
-#include <span>
 #include <string>
 
 #include <Eigen/Geometry>
@@ -15,10 +14,10 @@ class Recording {
 public:
     virtual ~Recording() = default;
 
-    /// Overwrites `poses`, one for each of its bodies, with those at `frame`, after the last frame with the last ones.
-    /// Throws Error{bad_data} that names the frame and, by `name_of(its number from 0)`, the body whose pose is none,
+    /// Calls take(number from 0, pose) for each of its bodies with the poses at `frame`, after the last frame with the
+    /// last ones. Throws Error{bad_data} that names the frame and, by `name_of(number)`, the body whose pose is none,
     /// and where the file cannot be read.
-    virtual void read(std::uint64_t frame, std::span<Eigen::Isometry3d> poses,
+    virtual void read(std::uint64_t frame, FunctionRef<void(std::uint32_t, const Eigen::Isometry3d&)> take,
                       FunctionRef<std::string(std::uint32_t)> name_of) = 0;
 
     std::uint64_t frames = 0;

@@ -1,6 +1,7 @@
 #include <oncollide/scenes/scene.hpp>
 
 #include <algorithm>
+#include <cstring>
 #include <functional>
 
 #include <fmt/format.h>
@@ -13,7 +14,7 @@ namespace oncollide {
 namespace {
 
 /// "body 'crane'", or "body 17" for one without a name.
-std::string who_is(const std::string& name, std::size_t body)
+std::string who_is(std::string_view name, std::size_t body)
 {
     return name.empty() ? fmt::format("body {}", body) : fmt::format("body '{}'", name);
 }
@@ -45,12 +46,10 @@ auto geometry_names(const Scene& scene)
     return [&](std::uint32_t i) -> std::string_view { return scene.geometries[i].name; };
 }
 
-void play_recording(Scene& scene, int frame)
+/// The same, to the last bit.
+bool same_bits(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b)
 {
-    Recording& source = *scene.recording;
-    source.read(static_cast<std::uint64_t>(frame * scene.pace),
-                std::span(scene.poses).subspan(source.first, source.bodies),
-                [&](std::uint32_t i) { return who_is(scene.names[source.first + i], source.first + i); });
+    return std::memcmp(a.data(), b.data(), sizeof(double) * 16) == 0;
 }
 
 Aabb bounds_of(const Mesh& mesh)
@@ -148,23 +147,85 @@ BodyId Scene::add_body(BodyInit body)
     if (!body.name.empty() && !body_index_.add(body.name, number, body_names(*this)))
         fail("the scene has another one of this name");
 
-    names.push_back(std::move(body.name));
-    geometry.push_back(body.geometry);
+    names.push_back(body.name);
+    geometry.values_.push_back(body.geometry);
     poses.push_back(body.pose);
-    start_poses.push_back(body.pose);
-    motions.push_back(std::move(body.motion));
-    is_static.push_back(body.is_static);
-    layers.push_back(body.layer);
-    masks.push_back(body.mask);
-    groups.push_back(body.group);
+    if (!std::holds_alternative<Still>(body.motion)) {
+        motions.bodies_.push_back(number);
+        append_large(motions.motions_, std::move(body.motion));
+    }
+    is_static.values_.push_back(body.is_static);
+    layers.values_.push_back(body.layer);
+    masks.values_.push_back(body.mask);
+    groups.values_.push_back(body.group);
     return BodyId{number};
 }
 
 void Scene::reserve(std::size_t bodies)
 {
-    reserve_large(names, bodies), reserve_large(geometry, bodies), reserve_large(motions, bodies);
-    reserve_large(poses, bodies), reserve_large(start_poses, bodies);
-    is_static.reserve(bodies), layers.reserve(bodies), masks.reserve(bodies), groups.reserve(bodies);
+    poses.reserve(bodies);
+    is_static.values_.reserve(bodies), reserve_large(geometry.values_, bodies);
+    for (BodyColumn<std::uint32_t>* column : {&layers, &masks, &groups}) reserve_large(column->values_, bodies);
+}
+
+Eigen::Isometry3d Scene::start_pose(std::size_t body) const
+{
+    const std::uint32_t place = body < start_of_.size() ? start_of_[body] : 0;
+    return place ? starts_[place - 1] : poses[body];
+}
+
+void Scene::set_pose(BodyId body, const Eigen::Isometry3d& pose)
+{
+    const std::uint32_t i = index(body);
+    const Eigen::Isometry3d before = poses[i];
+    if (same_bits(before, pose)) return;
+    if (start_of_.size() < size()) start_of_.resize(size());
+    if (!start_of_[i]) {
+        starts_.push_back(before);
+        start_of_[i] = static_cast<std::uint32_t>(starts_.size());
+    }
+    poses.set(i, pose);
+    note(body, true);
+}
+
+void Scene::expect_motion()
+{
+    if (motions.bodies().empty()) return;
+    poses.reserve(size());
+    start_of_.resize(size());
+    starts_.reserve(starts_.size() + motions.bodies().size());
+    changes.reserve(most_changes());
+}
+
+void Scene::set_position(BodyId body, const Eigen::Vector3d& position)
+{
+    Eigen::Isometry3d pose = poses[index(body)];
+    pose.translation() = position;
+    set_pose(body, pose);
+}
+
+void Scene::set_geometry(BodyId body, GeometryId of)
+{
+    geometry.values_[index(body)] = of;
+    note(body);
+}
+
+void Scene::set_static(BodyId body, bool now)
+{
+    is_static.values_[index(body)] = now;
+    note(body);
+}
+
+void Scene::set_layers(BodyId body, std::uint32_t layer, std::uint32_t mask)
+{
+    layers.values_[index(body)] = layer, masks.values_[index(body)] = mask;
+    note(body);
+}
+
+void Scene::set_group(BodyId body, std::uint32_t group)
+{
+    groups.values_[index(body)] = group;
+    note(body);
 }
 
 void Scene::exclude(BodyId a, BodyId b)
@@ -193,8 +254,8 @@ std::optional<GeometryId> Scene::find_geometry(std::string_view geometry_name) c
 
 std::string Scene::label(BodyId body) const
 {
-    const std::string& own = names[index(body)];
-    return own.empty() ? fmt::format("body {}", index(body)) : own;
+    const std::string_view own = names[index(body)];
+    return own.empty() ? fmt::format("body {}", index(body)) : std::string(own);
 }
 
 void Scene::record(std::shared_ptr<Recording> source)
@@ -207,30 +268,42 @@ void Scene::record(std::shared_ptr<Recording> source)
             refuse(source->file, fmt::format("moves {}, which {}", who_is(names[i], i),
                                              is_static[i] ? "is static" : "has a motion of its own"));
     recording = std::move(source);
-    play_recording(*this, 0);
-    std::copy_n(poses.begin() + recording->first, recording->bodies, start_poses.begin() + recording->first);
+    play_recording(0, true);
+}
+
+void Scene::play_recording(int frame, bool as_start)
+{
+    const std::uint32_t first = recording->first;
+    recording->read(
+        static_cast<std::uint64_t>(frame * pace),
+        [&](std::uint32_t i, const Eigen::Isometry3d& pose) {
+            if (as_start)
+                poses.set(first + i, pose), note(BodyId{first + i}, true);
+            else
+                set_pose(BodyId{first + i}, pose);
+        },
+        [&](std::uint32_t i) { return who_is(names[first + i], first + i); });
 }
 
 void Mover::move(Scene& scene, int frame)
 {
-    if (scene.recording) play_recording(scene, frame);
-    if (!ready_) {
-        for (std::uint32_t i = 0; i < scene.size(); ++i)
-            if (!std::holds_alternative<Still>(scene.motions[i])) moving_.push_back(i);
-    }
+    if (scene.recording) scene.play_recording(frame, false);
+    if (!ready_) scene.expect_motion();
     const bool from_start = !ready_ || frame < last_frame_;
     const int first = from_start ? 1 : last_frame_ + 1;
-    for (const std::uint32_t i : moving_) {
-        Eigen::Isometry3d& pose = scene.poses[i];
-        if (const Jitter* jitter = std::get_if<Jitter>(&scene.motions[i])) {
-            if (from_start) pose = scene.start_poses[i];
+    for (std::size_t k = 0; k < scene.motions.bodies().size(); ++k) {
+        const std::uint32_t i = scene.motions.bodies()[k];
+        const Motion& motion = scene.motions.of_bodies()[k];
+        if (const Jitter* jitter = std::get_if<Jitter>(&motion)) {
+            Eigen::Isometry3d pose = from_start ? scene.start_pose(i) : scene.poses[i];
             Eigen::Vector3d position = pose.translation();
             Jitter paced = *jitter;
             paced.step *= scene.pace;
             for (int f = first; f <= frame; ++f) jitter_step(paced, static_cast<std::uint64_t>(f), position);
             pose.translation() = position;
+            scene.set_pose(BodyId{i}, pose);
         } else {
-            pose = pose_at(scene.motions[i], scene.start_poses[i], frame * scene.pace);
+            scene.set_pose(BodyId{i}, pose_at(motion, scene.start_pose(i), frame * scene.pace));
         }
     }
     last_frame_ = frame;

@@ -15,6 +15,10 @@ Scene make_boxes_scene(const CatalogueOptions& options);
 Scene make_city_scene(const CatalogueOptions& options);
 Scene make_octomap_scene(const CatalogueOptions& options);
 Scene make_hills_scene(const CatalogueOptions& options);
+Scene make_campus_scene(const CatalogueOptions& options);
+Scene make_st_helens_scene(const CatalogueOptions& options);
+Scene make_chunks_scene(const CatalogueOptions& options);
+Scene make_swarm_scene(const CatalogueOptions& options);
 Scene make_hard_scene(const CatalogueOptions& options);
 Scene make_random_scene(const CatalogueOptions& options);
 

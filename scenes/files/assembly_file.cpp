@@ -28,7 +28,7 @@ bool is_gltf(const std::filesystem::path& path)
     return extension == ".gltf" || extension == ".glb";
 }
 
-std::shared_ptr<const Geometry> geometry(std::string name, Mesh mesh)
+std::shared_ptr<const Geometry> shared_geometry(std::string name, Mesh mesh)
 {
     return std::make_shared<const Geometry>(Geometry{std::move(name), std::move(mesh), {}});
 }
@@ -53,7 +53,7 @@ Assembly load_gltf(const std::filesystem::path& path, double scale, int threads)
             RawMesh& mesh = raw.meshes[i];
             if (mesh.triangles.empty()) continue;
             assembly.meshes[i] =
-                geometry(names[i], make_mesh(names[i], std::move(mesh.vertices), std::move(mesh.triangles)));
+                shared_geometry(names[i], make_mesh(names[i], std::move(mesh.vertices), std::move(mesh.triangles)));
         }
     });
     for (RawPart& part : raw.parts)
@@ -70,7 +70,7 @@ Assembly load_assembly(const std::filesystem::path& path, double scale, int thre
                     fmt::format("{}: the scale is {}; it must be finite and above 0", path.string(), scale));
     if (is_gltf(path)) return load_gltf(path, scale, threads);
     const std::string name = path == "-" ? "standard input" : path.stem().string();
-    return {{geometry(path.string(), load_mesh(path, {.scale = scale}))},
+    return {{shared_geometry(path.string(), load_mesh(path, {.scale = scale}))},
             {{name, name, no_node_above, 0, Eigen::Isometry3d::Identity()}}};
 }
 

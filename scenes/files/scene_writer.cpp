@@ -57,7 +57,7 @@ Entry motion_entry(const Jitter& motion)
 
 Entry body_entry(const Scene& scene, std::size_t i)
 {
-    const Eigen::Isometry3d& pose = scene.start_poses[i];
+    const Eigen::Isometry3d pose = scene.start_pose(i);
     const Motion& motion = scene.motions[i];
     const BodyInit otherwise;
     Entry body;

@@ -40,7 +40,7 @@ Settings with_kinds()
 
 PairResult at(Pipeline& pipeline, Scene& scene, const Eigen::Vector3d& place)
 {
-    scene.poses[1].translation() = place;
+    scene.set_position({1}, place);
     const FrameView frame = pipeline.step(scene);
     return frame.pairs.empty() ? PairResult{BodyId{0}, BodyId{1}, Verdict::separate, 0, ContactKind::unknown, 0}
                                : frame.pairs[0];
@@ -182,7 +182,7 @@ TEST(ContactKinds, TouchingCanBeIgnored)
 TEST(ContactKinds, IgnoredPairsAreNotHeldToBeMissed)
 {
     Scene scene = two_boxes();
-    scene.poses[1].translation() = Eigen::Vector3d(1, 0.05, 0.3);
+    scene.set_position({1}, Eigen::Vector3d(1, 0.05, 0.3));
     tools::FclWorld world(scene);
     const tools::FclFrame theirs = world.step();
     ASSERT_EQ(theirs.colliding.size(), 1u);
@@ -211,7 +211,8 @@ TEST(ContactKinds, GiveOneHashForThreadsAndCoherence)
         Pipeline pipeline(scene, settings);
         for (int frame = 0; frame < 4; ++frame) {
             pipeline.step(scene);
-            for (std::size_t i = 0; i < scene.size(); i += 3) scene.poses[i].translation().x() += 0.25;
+            for (std::uint32_t i = 0; i < scene.size(); i += 3)
+                scene.set_position({i}, scene.poses.position(i) + 0.25 * Eigen::Vector3d::UnitX());
         }
         return pipeline.hash();
     };

@@ -108,7 +108,7 @@ TEST(Contacts, OfAllKindsAreThosePartsThatMeet)
         for (std::size_t i = 0; i < scene.size(); ++i) {
             const ModelId model = std::visit([&](const auto& g) { return world.add(g); },
                                              scene.geometries[index(scene.geometry[i])].data);
-            bodies.push_back(world.add_body({.model = model, .pose = scene.start_poses[i]}));
+            bodies.push_back(world.add_body({.model = model, .pose = scene.start_pose(i)}));
         }
         for (std::size_t i = 0; i < scene.size(); ++i)
             for (std::size_t k = 0; k < scene.size(); ++k) {
@@ -117,7 +117,7 @@ TEST(Contacts, OfAllKindsAreThosePartsThatMeet)
                                    &b = scene.geometries[index(scene.geometry[k])].data;
                 if (parts_of(a).size() * parts_of(b).size() > 200000) continue;
                 of_kinds[{a.index(), b.index()}] += compare(
-                    world, bodies[i], bodies[k], a, b, scene.start_poses[i], scene.start_poses[k],
+                    world, bodies[i], bodies[k], a, b, scene.start_pose(i), scene.start_pose(k),
                     "seed " + std::to_string(seed) + ", bodies " + std::to_string(i) + ", " + std::to_string(k));
                 if (HasFailure()) return;
             }

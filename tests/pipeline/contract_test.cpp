@@ -219,7 +219,7 @@ bool push_until_touching(Scene& scene, const Eigen::Vector3d& direction, double 
     FclWorld world(scene);
     const Eigen::Vector3d origin = scene.poses[0].translation();
     const auto collide = [&](double t) {
-        scene.poses[1].translation() = origin + t * direction;
+        scene.set_position({1}, origin + t * direction);
         return !world.step().colliding.empty();
     };
     constexpr int scan = 100;

@@ -35,7 +35,7 @@ Scene two_knots(double apart)
     const GeometryId knot = scene.add("knot", make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 1500));
     scene.add_body({.name = "a", .geometry = knot, .motion = Drift{}});
     scene.add_body({.name = "b", .geometry = knot, .motion = Drift{}});
-    scene.poses[1].translation().x() = apart;
+    scene.set_position({1}, {apart, 0, 0});
     return scene;
 }
 
@@ -83,13 +83,13 @@ TEST(Pipeline, GrowsTreesWhileBodiesTouchAndDropsThemAfter)
     Scene scene = two_knots(5);
     Pipeline pipeline(scene, {.depth = 6, .age_limit = 10});
     EXPECT_EQ(pipeline.step(scene).trees.nodes, 0u) << "no candidate, no tree";
-    scene.poses[1].translation().x() = 0.5;
+    scene.set_position({1}, {0.5, 0, 0});
     const FrameView touching = pipeline.step(scene);
     EXPECT_GT(touching.trees.nodes, 20u);
     EXPECT_GT(touching.trees.rounds, 0u);
     ASSERT_EQ(touching.pairs.size(), 1u);
     EXPECT_EQ(touching.pairs[0].verdict, Verdict::within);
-    scene.poses[1].translation().x() = 5;
+    scene.set_position({1}, {5, 0, 0});
     TreeStats last;
     for (int frame = 0; frame < 15; ++frame) last = pipeline.step(scene).trees;
     EXPECT_EQ(last.nodes, 1u) << "one mesh, one root";
@@ -160,7 +160,7 @@ TEST(Pipeline, AClearanceWidensEveryStage)
     const GeometryId box = scene.add("box", Shape{Box{{1, 1, 1}}});
     scene.add_body({.name = "a", .geometry = box, .motion = Drift{}});
     scene.add_body({.name = "b", .geometry = box, .motion = Drift{}});
-    scene.poses[1].translation().x() = 2.5;
+    scene.set_position({1}, {2.5, 0, 0});
     Pipeline without(scene, {.depth = 8}), with(scene, {.depth = 8, .clearance = 0.6}),
         exact(scene, {.depth = 8, .clearance = 0.6, .exact = ExactLevel::fcl});
     EXPECT_TRUE(without.step(scene).pairs.empty());
@@ -188,7 +188,7 @@ TEST(Pipeline, RefusesPosesThatAreNotRigidAndNamesTheBody)
     const auto message = [](Eigen::Isometry3d pose) {
         Scene scene = two_knots(3);
         Pipeline pipeline(scene);
-        scene.poses[1] = pose;
+        scene.set_pose({1}, pose);
         try {
             pipeline.step(scene);
         } catch (const Error& error) {
@@ -230,6 +230,39 @@ TEST(Pipeline, RefusesSettingsOutOfRange)
           Settings{.backend = BackendKind::gl_raster}, Settings{.gpu = -2}, Settings{.viewport = 0},
           Settings{.threads = -1}, Settings{.skip = {"borad"}}})
         EXPECT_THROW(Pipeline(scene, settings), Error);
+}
+
+TEST(Pipeline, FollowsEveryKindOfChangeAsIfMadeAnew)
+{
+    Scene scene = two_knots(0.9);
+    scene.add("ball", Shape{Sphere{0.3}});
+    scene.add_body({.name = "c", .geometry = GeometryId{1}, .is_static = true});
+    const Settings settings{.depth = 6};
+    Pipeline pipeline(scene, settings);
+    Scene copy;
+    const auto expect_followed = [&](const Scene& now, const char* what) {
+        EXPECT_EQ(pipeline.step(now).hash, Pipeline(now, settings).step(now).hash) << what;
+    };
+    expect_followed(scene, "nothing");
+    scene.set_position({1}, {0.8, 0, 0});
+    expect_followed(scene, "a pose");
+    scene.set_geometry({0}, GeometryId{1});
+    expect_followed(scene, "a geometry");
+    scene.set_layers({0}, 2, 2);
+    expect_followed(scene, "layers");
+    scene.set_layers({0}, 1, 1), scene.set_group({0}, 3), scene.set_group({1}, 3);
+    expect_followed(scene, "groups");
+    scene.set_group({0}, 0), scene.set_static({1}, true);
+    expect_followed(scene, "rest");
+    copy = scene;
+    copy.set_static({1}, false), copy.set_position({1}, {0.1, 0, 0});
+    expect_followed(copy, "a copy, changed");
+    expect_followed(scene, "the first one again");
+    for (int k = 0; k < 5000; ++k) scene.set_position({0}, {0.001 * k, 0, 0});
+    scene.set_position({0}, {0.05, 0, 0});
+    expect_followed(scene, "more changes than the log holds");
+    scene.add_body({.name = "d", .geometry = GeometryId{0}});
+    expect_followed(scene, "a new body");
 }
 
 } // namespace

@@ -53,7 +53,7 @@ TEST(Predicates, CountWhatTheFilterLeavesToExactArithmetic)
     Scene scene = two(make_box_mesh({0.5, 0.5, 0.5}), make_box_mesh({0.5, 0.5, 0.5}));
     Pipeline pipeline(scene, {.exact = ExactLevel::predicates});
     for (const auto& [gap, unsure] : {std::pair(0x1p-52, true), std::pair(1e-3, false)}) {
-        scene.poses[1].translation() = Eigen::Vector3d(1 + gap, 0.3, 0.2);
+        scene.set_position({1}, Eigen::Vector3d(1 + gap, 0.3, 0.2));
         const TreeStats trees = pipeline.step(scene).trees;
         EXPECT_EQ(trees.unsure_pairs > 0, unsure) << gap;
         EXPECT_LE(trees.unsure_pairs, trees.triangle_pairs);
@@ -66,7 +66,7 @@ TEST(Predicates, CallTouchingCollidingToTheLastBit)
     Scene scene = two(make_box_mesh({0.5, 0.5, 0.5}), make_box_mesh({0.5, 0.5, 0.5}));
     Pipeline pipeline(scene, {.exact = ExactLevel::predicates});
     const auto collide = [&](double x, double y, double z) {
-        scene.poses[1].translation() = Eigen::Vector3d(x, y, z);
+        scene.set_position({1}, Eigen::Vector3d(x, y, z));
         const FrameView frame = pipeline.step(scene);
         return !frame.pairs.empty() && frame.pairs[0].verdict == Verdict::colliding;
     };
@@ -88,12 +88,15 @@ TEST(Predicates, GiveOneHashForThreadsBackendsAndCoherence)
         const GeometryId soup = scene.add("soup", make_soup_mesh(300, 0.3, 1.5, 6));
         for (std::uint32_t i = 0; i < 24; ++i) {
             scene.add_body({.name = std::to_string(i), .geometry = i % 2 ? knot : soup, .motion = Drift{}});
-            scene.poses[i] = random_pose(i, 3);
+            scene.set_pose(BodyId{std::uint32_t(i)}, random_pose(i, 3));
         }
         Pipeline pipeline(scene, settings);
         for (int frame = 0; frame < 8; ++frame) {
-            for (Eigen::Isometry3d& pose : scene.poses)
+            for (std::uint32_t i = 0; i < scene.size(); ++i) {
+                Eigen::Isometry3d pose = scene.poses[i];
                 pose.rotate(Eigen::AngleAxisd(0.05, Eigen::Vector3d::UnitZ())), pose.translation().x() *= 0.95;
+                scene.set_pose({i}, pose);
+            }
             for (const PairResult& pair : pipeline.step(scene).pairs)
                 if (colliding) *colliding += pair.verdict == Verdict::colliding;
         }
@@ -118,7 +121,7 @@ TEST(Contacts, AreAllPairsOfBruteForceWithPointsOnBothTriangles)
     Scene scene = two(knot, knot);
     std::size_t found = 0;
     for (std::uint64_t seed = 20; seed < 26; ++seed) {
-        scene.poses[0] = random_pose(seed, 100), scene.poses[1] = scene.poses[0] * random_pose(seed + 50, 0.7);
+        scene.set_pose({0}, random_pose(seed, 100)), scene.set_pose({1}, scene.poses[0] * random_pose(seed + 50, 0.7));
         const auto expected = brute_force(knot, knot, scene.poses[0], scene.poses[1]);
         world.set_pose(a, scene.poses[0]), world.set_pose(b, scene.poses[1]);
         const std::vector<Contact> contacts = world.contacts(a, b);
@@ -162,7 +165,7 @@ TEST(Contacts, AreAllPairsOfBruteForceWithPointsOnBothTriangles)
     EXPECT_GT(begin, 1000u);
 
     EXPECT_THROW(world.contacts(a, BodyId{7}), Error);
-    scene.poses[1].translation().x() += 50;
+    scene.set_position({1}, scene.poses.position(1) + Eigen::Vector3d(50, 0, 0));
     world.set_pose(b, scene.poses[1]);
     EXPECT_TRUE(world.contacts(a, b).empty());
 }

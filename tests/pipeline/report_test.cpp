@@ -43,7 +43,7 @@ protected:
     void play(Pipeline& pipeline, Report& report)
     {
         for (int frame = 0; frame < 4; ++frame) {
-            scene_.poses[2].translation().x() = 1.8 + 0.2 * frame;
+            scene_.set_position({2}, {1.8 + 0.2 * frame, 0, 0});
             const FrameView view = pipeline.step(scene_);
             for (const PairResult& pair : view.pairs) ++counts_[int(pair.verdict)];
             bounds_.insert(bounds_.end(), view.pairs.begin(), view.pairs.end());
@@ -88,8 +88,8 @@ TEST_F(ReportTest, JsonHoldsEveryPairWithNamesAndBoundsToTheLastBit)
             ASSERT_LT(at, bounds_.size());
             const PairResult& expected = bounds_[at++];
             // A byte that is not UTF-8 becomes U+FFFD.
-            EXPECT_EQ(pair.at(1),
-                      index(expected.b) < 2 ? scene_.names[index(expected.b)] : "line\nbreak and \xef\xbf\xbd");
+            EXPECT_EQ(pair.at(1), index(expected.b) < 2 ? std::string(scene_.names[index(expected.b)])
+                                                        : "line\nbreak and \xef\xbf\xbd");
             EXPECT_EQ(pair.at(2), name_of(expected.verdict));
             EXPECT_EQ(pair.at(3).get<double>(), expected.bound);
             EXPECT_EQ(pair.at(4), pipeline.stages()[expected.stage]);
@@ -162,8 +162,8 @@ TEST_F(ReportTest, HoldsTheKindOfEveryContact)
     Scene scene;
     const GeometryId box = scene.add("box", make_box_mesh({0.5, 0.5, 0.5}));
     for (const double x : {0.0, 1.0, 1.9, 3.0}) { // face on face; overlapping; near
-        scene.add_body({.name = std::to_string(x), .geometry = box});
-        scene.poses.back().translation() = Eigen::Vector3d(x, x == 1.9 ? 0.25 : 0, x == 1.9 ? 0.1 : 0);
+        const BodyId body = scene.add_body({.name = std::to_string(x), .geometry = box});
+        scene.set_position(body, Eigen::Vector3d(x, x == 1.9 ? 0.25 : 0, x == 1.9 ? 0.1 : 0));
     }
     Pipeline pipeline(scene, {.clearance = 0.2, .exact = ExactLevel::predicates, .contact_kinds = true});
     Report report(scene, pipeline);

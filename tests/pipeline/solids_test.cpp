@@ -49,7 +49,7 @@ TEST(Differential, AFaultIsShrunkToWhatItNeeds)
     EXPECT_EQ(small.scene.frames, 1);
     EXPECT_EQ(small.settings.clearance, 0);
     EXPECT_EQ(small.settings.threads, 1);
-    EXPECT_TRUE(small.scene.start_poses[0].linear().isIdentity(0));
+    EXPECT_TRUE(small.scene.start_pose(0).linear().isIdentity(0));
 }
 
 struct Body {

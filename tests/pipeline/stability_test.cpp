@@ -94,8 +94,8 @@ TEST(Stability, BodiesAtRestGetTheSameAnswerInEveryFrame)
         Scene scene = crowd();
         Pipeline pipeline(scene, settings);
         for (int frame = 0; frame < 3; ++frame) { // come to rest with hints and trees of other poses
-            for (std::size_t i = 0; i < 24; ++i)
-                scene.poses[i].translation() += 0.05 * random_pose(i + 100, 1).translation();
+            for (std::uint32_t i = 0; i < 24; ++i)
+                scene.set_position({i}, scene.poses.position(i) + 0.05 * random_pose(i + 100, 1).translation());
             step(pipeline, scene);
         }
         const Answers first = step(pipeline, scene);
@@ -137,14 +137,15 @@ void expect_one_rise(const Approach& approach, const Settings& settings, int hig
     Scene scene;
     scene.add_body({.name = "a", .geometry = scene.add("a", approach.a)});
     scene.add_body({.name = "b", .geometry = scene.add("b", approach.b), .motion = Drift{}});
-    scene.poses[0] = random_pose(3, 1);
+    scene.set_pose({0}, random_pose(3, 1));
     Pipeline pipeline(scene, settings);
     int last = 0, most = 0;
     std::vector<int> there;
     for (int k = 0; k <= 2 * steps; ++k) {
         const double part = 1 - std::abs(k - steps) / double(steps);
-        scene.poses[1] = scene.poses[0];
-        scene.poses[1].translate(std::lerp(approach.from, approach.to, part) * approach.way.normalized());
+        Eigen::Isometry3d pose = scene.poses[0];
+        pose.translate(std::lerp(approach.from, approach.to, part) * approach.way.normalized());
+        scene.set_pose({1}, pose);
         const FrameView frame = pipeline.step(scene);
         const int now = frame.pairs.empty() ? 0 : rank(frame.pairs[0].verdict);
         ASSERT_GE(now, 0) << "undecided in frame " << k;

@@ -130,7 +130,8 @@ TEST_P(EveryScene, RefusesAbsurdNumbers)
 TEST(Catalogue, NamesTheKnownScenesForAnUnknownOne)
 {
     expect_error(
-        ErrorKind::usage, [] { make_scene("papr"); }, "'papr'", "paper, paper-5k, many, boxes, city, octomap, hills, hard");
+        ErrorKind::usage, [] { make_scene("papr"); }, "'papr'",
+        "paper, paper-5k, many, boxes, city, octomap, hills, campus, st-helens, chunks, swarm, hard");
 }
 
 TEST(Catalogue, SeedsChangeRandomScenes)
@@ -285,7 +286,7 @@ TEST(CityScene, SendsCarsAlongStreetsToTheLastFrame)
     const Keyed& route = std::get<Keyed>(scene.motions[car]);
     EXPECT_GE(route.keys.back().time, scene.frames);
     for (int frame = 0; frame < scene.frames; frame += 7) {
-        const Eigen::Isometry3d pose = pose_at(route, scene.start_poses[car], frame);
+        const Eigen::Isometry3d pose = pose_at(route, scene.start_pose(car), frame);
         const auto off_street = [](double x) { return std::abs(std::remainder(x, 60.0)); };
         EXPECT_LT(std::min(off_street(pose.translation().x()), off_street(pose.translation().y())), 5.01) << frame;
     }
@@ -306,6 +307,32 @@ TEST(HardScene, HoldsTheCasesItPromises)
               pose("near-ring-b").translation() - pose("near-ring-a").translation());
     ASSERT_EQ(scene.warnings.size(), 1u);
     EXPECT_EQ(scene.warnings[0], "slivers: 2 triangles without area (kept)");
+}
+
+TEST(LargeScenes, AreMadeAsTheirSummariesSay)
+{
+    const auto movers = [](const Scene& scene) { return scene.motions.bodies().size(); };
+    const auto still = [](const Scene& scene) { return std::size_t(std::ranges::count(scene.is_static, 1)); };
+    const Scene swarm = make_scene("swarm", {.bodies = 1000});
+    EXPECT_EQ(swarm.size(), 1000u);
+    EXPECT_EQ(movers(swarm), 10u);
+    EXPECT_EQ(still(swarm), 990u);
+    const Scene chunks = make_scene("chunks", {.bodies = 184});
+    EXPECT_EQ(chunks.size(), 184u);
+    EXPECT_EQ(still(chunks), 144u) << "a square of chunks";
+    EXPECT_EQ(movers(chunks), 40u);
+    EXPECT_EQ(mesh_of(chunks, "chunk 3 2").triangles.size(), 578u);
+    const Scene mountain = make_scene("st-helens", {.bodies = 40});
+    const auto& ground = std::get<Terrain>(mountain.geometries[0].data);
+    for (const std::uint32_t body : mountain.motions.bodies()) {
+        const Keyed* route = std::get_if<Keyed>(&mountain.motions[body]);
+        if (!route) continue;
+        ASSERT_GT(route->keys.size(), 5u);
+        EXPECT_GT(route->keys.back().time, 599);
+        const Vector3d at = mountain.poses[body].translation();
+        const auto cell = [](double x) { return static_cast<std::uint32_t>(std::lround(x / 30)); };
+        EXPECT_LT(at.z() - ground.height(cell(at.x()), cell(at.y())), 1.8) << "on the ground";
+    }
 }
 
 } // namespace

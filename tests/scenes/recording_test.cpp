@@ -86,7 +86,7 @@ TEST_F(RecordedMotion, GivesEveryBodyItsPoseOfEveryFrame)
     scene.pace = 0.5; // the last whole frame
     mover.move(scene, 3);
     EXPECT_EQ(scene.poses[1].translation().x(), 1);
-    EXPECT_EQ(scene.start_poses[2].translation(), Vector3d(0, 1, 0.1));
+    EXPECT_EQ(scene.start_pose(2).translation(), Vector3d(0, 1, 0.1));
     const Scene narrow = load_npy(as_npy<float>(n, shape(), "<f4"));
     EXPECT_EQ(narrow.poses[1].translation().z(), double(0.1f));
 }

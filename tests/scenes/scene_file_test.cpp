@@ -126,8 +126,8 @@ TEST_F(SceneFile, KeepsGeometriesInTheOrderOfTheFile)
 TEST_F(SceneFile, PutsAKeyedBodyWhereItsKeysSayUnlessThePoseIsGiven)
 {
     const std::string keys = R"(, "motion": {"keys": [[0, 1, 2, 3, 0, 0, 1, 0], [9, 2, 2, 3, 0, 0, 1, 0]]})";
-    EXPECT_EQ(load_body(ball + keys).start_poses[0].translation(), Vector3d(1, 2, 3));
-    EXPECT_EQ(load_body(ball + keys + R"(, "position": [7, 8, 9])").start_poses[0].translation(), Vector3d(7, 8, 9));
+    EXPECT_EQ(load_body(ball + keys).start_pose(0).translation(), Vector3d(1, 2, 3));
+    EXPECT_EQ(load_body(ball + keys + R"(, "position": [7, 8, 9])").start_pose(0).translation(), Vector3d(7, 8, 9));
 }
 
 TEST_F(SceneFile, FindsFilesBesideTheSceneAndNotInTheCurrentFolder)
@@ -139,7 +139,7 @@ TEST_F(SceneFile, FindsFilesBesideTheSceneAndNotInTheCurrentFolder)
         [{"name": "a", "geometry": "flat", "motion": {"tum": {"file": "walk.tum", "frames_per_second": 10}}}]})");
     EXPECT_EQ(bounds_of(scene.geometries[0]).max, Vector3d(6, 2, 0));
     EXPECT_EQ(std::get<Keyed>(scene.motions[0]).keys[1].time, 20);
-    EXPECT_EQ(scene.start_poses[0].translation(), Vector3d(1, 2, 3));
+    EXPECT_EQ(scene.start_pose(0).translation(), Vector3d(1, 2, 3));
     ASSERT_EQ(scene.warnings.size(), 1u);
     EXPECT_EQ(scene.warnings[0], "flat: 1 triangle without area (kept)");
 }
@@ -449,7 +449,9 @@ TEST_F(SceneFile, TakesBodiesWithoutNamesAndCallsThemByTheirNumbers)
     const std::string shapes = R"({"geometries": {"ball": {"shape": {"kind": "sphere", "radius": 1}}}, "bodies": [)";
     const Scene scene = load(shapes + R"({"geometry": "ball"}, {"geometry": "ball", "name": ""},
                                          {"geometry": "ball", "name": "a"}]})");
-    EXPECT_EQ(scene.names, (std::vector<std::string>{"", "", "a"}));
+    EXPECT_EQ(scene.names[0], "");
+    EXPECT_EQ(scene.names[1], "");
+    EXPECT_EQ(scene.names[2], "a");
     EXPECT_EQ(scene.label(BodyId{1}), "body 1");
     EXPECT_EQ(scene.label(BodyId{2}), "a");
     refuses(shapes + R"({"geometry": "ball"}, {"geometry": "ball", "static": true, "motion": {"drift": {}}}]})",
@@ -461,7 +463,7 @@ TEST_F(SceneFile, ReadsGroupsAndExcludedPairs)
     const Scene scene = load(R"({"exclude": [["b", "a"], [2, "a"], [1, 2]], "bodies": [
         {"name": "a", "geometry": "ball", "group": 7}, {"name": "b", "geometry": "ball", "group": 4294967295},
         {"geometry": "ball"}], "geometries": {"ball": {"shape": {"kind": "sphere", "radius": 1}}}})");
-    EXPECT_EQ(scene.groups, (std::vector<std::uint32_t>{7, 0xffffffffu, 0}));
+    EXPECT_TRUE(std::ranges::equal(scene.groups, std::vector<std::uint32_t>{7, 0xffffffffu, 0}));
     EXPECT_EQ(scene.excluded, (std::vector<ExcludedPair>{{0, 1}, {0, 2}, {1, 2}}));
 }
 
@@ -608,7 +610,7 @@ Scene made_in_code()
     scene.exclude(BodyId{9}, BodyId{3});
     scene.exclude(BodyId{19}, BodyId{29});
     scene.exclude(BodyId{0}, BodyId{1});
-    scene.geometry[0] = mesh;
+    scene.set_geometry({0}, mesh);
     return scene;
 }
 

@@ -77,17 +77,18 @@ private:
     {
         const auto random = [&](std::uint64_t k) { return u01(seed, 1000 + body, k) - 0.5; };
         const Vector3d out = Vector3d(random(0), random(1), 0.2 + std::abs(random(2))).normalized();
-        Eigen::Isometry3d& pose = scene_.poses[body];
+        Eigen::Isometry3d pose = scene_.poses[body];
         pose.translation() = middle_ + Vector3d(random(3), random(4), 0) * 0.3 * diagonal_ + (diagonal_ + wanted) * out;
         double last = HUGE_VAL;
         for (int step = 0; step < 30; ++step) {
             world_.set_pose(ids_[body], pose);
             const Distance d = world_.distance(ids_[0], ids_[body], 0.1 * wanted);
-            if (d.lower <= 1.1 * wanted) return;
+            if (d.lower <= 1.1 * wanted) break;
             const Vector3d back = d.lower < last ? out : Vector3d((d.point_b - d.point_a).normalized());
             pose.translation() -= (d.lower - wanted) * back;
             last = d.lower;
         }
+        scene_.set_pose(BodyId{body}, pose);
     }
 
     Scene& scene_;

@@ -13,15 +13,13 @@
 #include "cli/options.hpp"
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
-#include <oncollide/base/random.hpp>
+#include <oncollide/scenes/catalogue/bodies_above.hpp>
 #include <oncollide/scenes/files/terrain_file.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
 namespace oncollide::tools {
 
 namespace {
-
-using Eigen::Vector3d;
 
 /// Where the data folder has it; empty: it is generated.
 std::filesystem::path file_of(const EnvironmentScene& which)
@@ -67,37 +65,10 @@ GeometryData environment_of(const EnvironmentScene& which)
     return load_terrain(file_of(which));
 }
 
-/// Some points of its surface, spread over all of it.
-std::vector<Vector3d> points_of(const GeometryData& geometry)
-{
-    constexpr std::size_t enough = 20'000;
-    std::vector<Vector3d> points;
-    if (const auto* map = std::get_if<OccupancyMap>(&geometry)) {
-        map->each_box([&](const Aabb& box) { points.push_back({box.centre().x(), box.centre().y(), box.max.z()}); });
-    } else if (const auto* terrain = std::get_if<Terrain>(&geometry)) {
-        const std::uint32_t step = 1 + std::uint32_t(std::sqrt(double(terrain->cells()) / double(enough)));
-        for (std::uint32_t row = 0; row < terrain->rows(); row += step)
-            for (std::uint32_t column = 0; column < terrain->columns(); column += step)
-                if (const Vector3d p = terrain->point(column, row); p.allFinite()) points.push_back(p);
-    } else if (const auto* mesh = std::get_if<Mesh>(&geometry)) {
-        points = mesh->vertices;
-    } else {
-        points = {bounds_of(geometry).min, bounds_of(geometry).max};
-    }
-    const std::size_t step = 1 + points.size() / enough;
-    std::vector<Vector3d> some;
-    for (std::size_t i = 0; i < points.size(); i += step) some.push_back(points[i]);
-    return some;
-}
-
 std::vector<GeometryId> add_bodies_of(Scene& scene, const std::string& kind)
 {
     std::vector<GeometryId> ids;
-    if (kind == "meshes" || kind == "both") {
-        ids.push_back(scene.add("knot", make_torus_knot_mesh(2, 3, 0.5, 0.2, 0.1, 6000)));
-        ids.push_back(scene.add("ring", make_torus_mesh(0.6, 0.2, 9000)));
-        ids.push_back(scene.add("ball", make_sphere_mesh(0.6, 13'000)));
-    }
+    if (kind == "meshes" || kind == "both") ids = add_meshes_of_a_metre(scene);
     if (kind == "meshes") return ids;
     for (std::size_t k = 0; k < (kind == "all-shapes" ? every_shape().size() : 3); ++k)
         ids.push_back(scene.add(every_shape()[k].first, every_shape()[k].second));
@@ -146,25 +117,11 @@ Scene make_environment_scene(const EnvironmentScene& which)
     scene.name = which.environment + ", " + which.bodies_of;
     scene.frames = which.frames;
     GeometryData environment = environment_of(which);
-    const std::vector<Vector3d> points = points_of(environment);
+    const std::vector<Eigen::Vector3d> points = surface_points(environment);
     const Aabb bounds = bounds_of(environment);
     scene.add_body(
         {.name = which.environment, .geometry = scene.add("environment", std::move(environment)), .is_static = true});
-    const std::vector<GeometryId> ids = add_bodies_of(scene, which.bodies_of);
-    for (int i = 0; i < which.bodies; ++i) {
-        const auto random = [&](std::uint64_t k) { return u01(which.seed, std::uint64_t(i), k); };
-        const Vector3d at = points[std::size_t(random(0) * double(points.size()))];
-        Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-        pose.translation() = at + Vector3d(random(1) - 0.5, random(2) - 0.5, 1.2 * random(3));
-        const Vector3d axis = Vector3d(random(4) - 0.5, random(5) - 0.5, random(6) - 0.4999).normalized();
-        pose.linear() = Eigen::AngleAxisd(2 * M_PI * random(7), axis).toRotationMatrix();
-        const Aabb walls{bounds.min.array() - 2, bounds.max.array() + 2};
-        pose.translation() = pose.translation().cwiseMax(walls.min).cwiseMin(walls.max);
-        const Vector3d velocity = 0.1 * Vector3d(random(8) - 0.5, random(9) - 0.5, random(10) - 0.5);
-        scene.add_body({.geometry = ids[std::size_t(i) % ids.size()],
-                        .pose = pose,
-                        .motion = Drift{velocity, {0.02, 0, 0.05}, walls}});
-    }
+    add_bodies_above(scene, points, bounds, add_bodies_of(scene, which.bodies_of), which.bodies, which.seed);
     return scene;
 }
 

@@ -79,7 +79,9 @@ void add_output_options(Arguments command, OutputOptions& o)
 
 void check_outputs(const OutputOptions& o, const std::string& input)
 {
-    check_files({{"--json", o.json}, {"--csv", o.csv}, {"--trace", o.trace}, {"--picture", o.picture}}, {input});
+    check_files(
+        {{"--json", o.json}, {"--csv", o.csv}, {"--trace", o.trace}, {"--picture", o.picture}, {"--pairs", o.pairs}},
+        {input});
 }
 
 void check_files(const std::vector<std::pair<const char*, std::string>>& files, const std::vector<std::string>& inputs)
@@ -110,7 +112,7 @@ ReportParts parts_of(const OutputOptions& o)
 std::string names_of(const OutputOptions& o)
 {
     std::string names;
-    for (const std::string& file : {o.json, o.csv, o.trace, o.picture})
+    for (const std::string& file : {o.json, o.csv, o.trace, o.picture, o.pairs})
         if (!file.empty()) names += (names.empty() ? "" : ", ") + (file == "-" ? "standard output" : file);
     return names;
 }

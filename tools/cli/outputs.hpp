@@ -13,6 +13,7 @@ namespace oncollide::tools {
 /// Files that results go to; empty: not written.
 struct OutputOptions {
     std::string json, csv, trace, picture;
+    std::string pairs; ///< of 'run' alone
     bool quiet = false;
     bool separate = false;
 };

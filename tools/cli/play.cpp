@@ -81,14 +81,15 @@ std::string describe(const FrameView& frame)
                        counts[std::size_t(Verdict::undecided)], counts[std::size_t(Verdict::separate)]);
 }
 
-[[noreturn]] void end_in_a_frame(Report& report, FrameWatcher* watcher, const OutputOptions& outputs, int done, int all)
+[[noreturn]] void end_in_a_frame(Report& report, std::span<FrameSink* const> sinks, const OutputOptions& outputs,
+                                 int done, int all)
 {
     int code = interrupted_code;
     try {
         report.interrupted();
         log(LogLevel::error, "interrupted " + told(outputs, done, all));
         write_outputs(report, outputs);
-        if (watcher && done > 0) watcher->write();
+        for (FrameSink* sink : sinks) sink->close();
         std::cout.flush();
     } catch (const Error& error) {
         log(LogLevel::error, error.what());
@@ -99,13 +100,13 @@ std::string describe(const FrameView& frame)
 
 } // namespace
 
-int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const OutputOptions& outputs,
-         FrameWatcher* watcher)
+int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const OutputOptions& outputs, int first,
+         std::span<FrameSink* const> sinks)
 {
     catch_interrupts();
     Mover mover;
     std::string note, why;
-    int done = 0, code = interrupted_code;
+    int done = first, code = interrupted_code;
     const auto say_note = [&] {
         const std::string now = pipeline.backend_note();
         if (now != note) log(LogLevel::note, now);
@@ -114,26 +115,26 @@ int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const Out
     if (!outputs.quiet) say_note();
     log(LogLevel::info, fmt::format("running {} frames on {}", frames, pipeline.backend()));
     {
-        Progress progress("frame", std::size_t(frames), outputs.quiet);
-        Watchdog watchdog([&] { end_in_a_frame(report, watcher, outputs, done, frames); });
+        Progress progress("frame", std::size_t(frames - first), outputs.quiet);
+        Watchdog watchdog([&] { end_in_a_frame(report, sinks, outputs, done, frames); });
         try {
             while (done < frames && !interrupted()) {
                 mover.move(scene, done);
                 const FrameView frame = pipeline.step(scene);
                 {
                     const std::lock_guard lock(watchdog.mutex());
+                    for (FrameSink* sink : sinks) sink->add(frame);
                     report.add(frame);
-                    if (watcher) watcher->add(frame);
                     if (logged(LogLevel::debug)) log(LogLevel::debug, describe(frame));
                     ++done;
                 }
                 progress.step();
             }
         } catch (const Error& error) {
-            if (done == 0 || error.kind() == ErrorKind::cannot_write) throw;
+            if (done == first || error.kind() == ErrorKind::cannot_write) throw;
             why = error.what(), code = int(error.kind());
         } catch (const std::bad_alloc&) {
-            if (done == 0) throw;
+            if (done == first) throw;
             why = "out of memory", code = int(ErrorKind::internal);
         }
     }

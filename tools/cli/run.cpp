@@ -1,9 +1,13 @@
 #include "cli/command.hpp"
 #include "cli/log.hpp"
 #include "cli/options.hpp"
-#include "cli/play.hpp"
+#include "cli/pairs_file.hpp"
 
 #include <memory>
+#include <optional>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include "view/view_page.hpp"
 
@@ -18,6 +22,7 @@ struct RunOptions {
     OutputOptions outputs;
     std::string view;
     int view_limit = 40; ///< MB
+    int from_frame = 0;
     bool exit_code = false;
 };
 
@@ -43,18 +48,30 @@ int code_of(const Report& report)
 int run(const RunOptions& options)
 {
     const Settings settings = settings_from(options.settings);
+    check_range("--from-frame", options.from_frame, 0);
     const bool from_file = is_scene_file(options.scene.scene);
+    if (options.outputs.pairs == "-") usage("--pairs -: is written in place, so it must be a file");
     check_outputs(options.outputs, from_file ? options.scene.scene : "");
     check_view(options.view, options.view_limit, options.outputs, from_file ? options.scene.scene : "");
     Scene scene = open_scene(options.scene);
     if (!options.outputs.quiet) print_warnings(scene);
 
+    const int first = options.from_frame;
+    if (first >= scene.frames)
+        usage(fmt::format("--from-frame {}: the scene has frames 0 to {}", first, scene.frames - 1));
     Pipeline pipeline(scene, settings);
+    if (first) pipeline.world().continue_from(std::uint32_t(first), 0);
+    std::optional<PairsFile> pairs;
+    if (!options.outputs.pairs.empty())
+        pairs.emplace(options.outputs.pairs, scene, pipeline, first, options.outputs.separate);
     Report report(scene, pipeline, parts_of(options.outputs));
     const std::unique_ptr<ViewPage> page = view_page(options, scene, pipeline);
-    const int code = play(scene, pipeline, report, scene.frames, options.outputs, page.get());
+    std::vector<FrameSink*> sinks;
+    if (pairs) sinks.push_back(&*pairs);
+    if (page) sinks.push_back(page.get());
+    const int code = play(scene, pipeline, report, scene.frames, options.outputs, first, sinks);
     write_outputs(report, options.outputs);
-    if (page) page->write();
+    for (FrameSink* sink : sinks) sink->close();
     if (page && !options.outputs.quiet) log(LogLevel::note, page->summary());
     return code == 0 && options.exit_code ? code_of(report) : code;
 }
@@ -86,6 +103,13 @@ void add_run(Arguments app)
     sub.add_option("--view-limit", options->view_limit,
                    "size of that page in MB (default 40): frames and meshes beyond are thinned out, which it says")
         .type_name("MB");
+    sub.add_option("--pairs", options->outputs.pairs,
+                   "write the pairs of each frame as it is done (HDF5); readable up to the last whole frame, whatever "
+                   "ends the run")
+        .type_name("FILE.h5");
+    sub.add_option("--from-frame", options->from_frame,
+                   "begin with this frame; where --pairs names a file of the same run, go on with that (default 0)")
+        .type_name("N");
     sub.footer("Examples:\n"
                "  oncollide run factory.glb --exact on --exit-code\n"
                "  oncollide run city --frames 100\n"

@@ -137,9 +137,9 @@ Scene reversed(const Scene& scene)
     other.name = scene.name, other.frames = scene.frames;
     for (std::size_t i = scene.size(); i-- > 0;) {
         const Geometry& geometry = scene.geometries[index(scene.geometry[i])];
-        other.add_body({.name = scene.names[i],
+        other.add_body({.name = std::string(scene.names[i]),
                         .geometry = other.add(geometry.name, geometry.data),
-                        .pose = scene.start_poses[i],
+                        .pose = scene.start_pose(i),
                         .motion = scene.motions[i]});
     }
     return other;
@@ -198,7 +198,7 @@ Scene with(const Scene& scene, std::size_t left_out,
         if (i == left_out) continue;
         const Geometry& geometry = scene.geometries[index(scene.geometry[i])];
         GeometryData data = geometry.data;
-        BodyInit body{.name = scene.names[i], .pose = scene.start_poses[i], .motion = scene.motions[i]};
+        BodyInit body{.name = std::string(scene.names[i]), .pose = scene.start_pose(i), .motion = scene.motions[i]};
         change(i, data, body);
         body.geometry = other.add(geometry.name, std::move(data));
         other.add_body(body);
@@ -279,7 +279,7 @@ DrawnScene shrunk(DrawnScene drawn, const std::function<bool(const DrawnScene&)>
                 smaller |= try_scene(~std::size_t(0), [i](std::size_t k, GeometryData&, BodyInit& body) {
                     if (k == i) body.motion = Still{};
                 });
-            if (!drawn.scene.start_poses[i].linear().isIdentity(0))
+            if (!drawn.scene.start_pose(i).linear().isIdentity(0))
                 smaller |= try_scene(~std::size_t(0), [i](std::size_t k, GeometryData&, BodyInit& body) {
                     if (k == i) body.pose.linear().setIdentity();
                 });

@@ -8,8 +8,8 @@ namespace {
 Mesh square_below(const Scene& scene)
 {
     double far = 1;
-    for (const Eigen::Isometry3d& pose : scene.start_poses)
-        far = std::max(far, pose.translation().lpNorm<Eigen::Infinity>());
+    for (std::size_t body = 0; body < scene.size(); ++body)
+        far = std::max(far, scene.start_pose(body).translation().lpNorm<Eigen::Infinity>());
     return make_mesh("half-space", {{-far, -far, 0}, {far, -far, 0}, {far, far, 0}, {-far, far, 0}},
                      {{0, 1, 2}, {0, 2, 3}});
 }

@@ -184,7 +184,7 @@ DistanceTruth StudyTruth::mesh_distance(BodyPair pair) const
 DistanceTruth StudyTruth::convex_distance(BodyPair pair) const
 {
     const Geometry &a = geometry_of(scene_, pair.a), &b = geometry_of(scene_, pair.b);
-    const Eigen::Isometry3d &at_a = scene_.poses[pair.a], &at_b = scene_.poses[pair.b];
+    const Eigen::Isometry3d at_a = scene_.poses[pair.a], at_b = scene_.poses[pair.b];
     DistanceTruth distance;
     for (const Geometry* g : {&a, &b})
         if (!is_half_space(*g)) distance.size = std::max(distance.size, bounds_of(*g).diagonal());

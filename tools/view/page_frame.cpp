@@ -65,7 +65,7 @@ PageFrames::PageFrames(const Scene& scene, const Pipeline& pipeline, bool separa
       touched_(scene.geometries.size(), 0)
 {
     Aabb around;
-    for (const Eigen::Isometry3d& pose : scene.start_poses) around.add(pose.translation());
+    for (std::size_t body = 0; body < scene.size(); ++body) around.add(scene.start_pose(body).translation());
     origin_ = around.empty() ? Eigen::Vector3d::Zero() : around.centre();
     for (std::uint32_t body = 0; body < scene.size(); ++body) {
         const bool recorded = scene.recording && body >= scene.recording->first &&

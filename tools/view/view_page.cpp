@@ -118,7 +118,7 @@ ViewPage::ViewPage(const Scene& scene, const Pipeline& pipeline, const Options& 
                                 grouped(scene.size()), megabytes(least), (least + 999'999) / 1'000'000));
     room_ = options.most_bytes - fixed - bodies;
     std::size_t names = 0;
-    for (const std::string& name : scene.names) names += name.size() + 3;
+    for (std::size_t body = 0; body < scene.size(); ++body) names += scene.names[body].size() + 3;
     names_ = names < room_ / 5;
     if (names_) room_ -= names;
     frames_room_ = room_ / 5 * 3;
@@ -260,7 +260,7 @@ void ViewPage::summarize(const Shown& shown, std::size_t size)
     if (step_ > 1) summary_ += fmt::format("; --view-limit allows {}", megabytes(options_.most_bytes));
 }
 
-void ViewPage::write()
+void ViewPage::close()
 {
     if (kept_.empty()) return;
     Shown made = shown();
@@ -292,7 +292,7 @@ void ViewPage::write()
     for (const Kept& frame : kept_) header["frames"].push_back(frame.header);
     if (names_) {
         json names = json::array();
-        for (const std::string& name : scene_.names) names.push_back(printable(name));
+        for (std::size_t body = 0; body < scene_.size(); ++body) names.push_back(printable(scene_.names[body]));
         header["names"] = std::move(names);
     }
 
@@ -301,12 +301,13 @@ void ViewPage::write()
     std::vector<std::int16_t> turns;
     for (std::uint32_t body = 0; body < scene_.size(); ++body) {
         geometry.push_back(std::uint32_t(index(scene_.geometry[body])));
-        append(positions, scene_.start_poses[body].translation() - frames_->origin());
-        append(turns, Eigen::Quaterniond(scene_.start_poses[body].linear()).normalized());
+        const Eigen::Isometry3d start = scene_.start_pose(body);
+        append(positions, start.translation() - frames_->origin());
+        append(turns, Eigen::Quaterniond(start.linear()).normalized());
     }
     PageBlock bodies;
     bodies.add(geometry), bodies.add(frames_->moving()), bodies.add(positions), bodies.add(turns);
-    bodies.add(scene_.is_static);
+    bodies.add(std::span(scene_.is_static.data(), scene_.is_static.size()));
 
     using namespace page;
     OutputFile file(options_.file);

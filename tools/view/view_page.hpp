@@ -19,7 +19,7 @@ void check_view(const std::string& file, int limit, const OutputOptions& outputs
 ///
 /// The page has a size limit. Where a run does not fit, only every second, fourth, eighth ... frame is kept, meshes are
 /// shown simplified and the lower levels of trees left out: the page and summary() say so.
-class ViewPage final : public FrameWatcher {
+class ViewPage final : public FrameSink {
 public:
     struct Options {
         std::string file;                    ///< where it goes
@@ -34,7 +34,7 @@ public:
     /// Takes in the frame that the pipeline has just run.
     void add(const FrameView& frame) override;
     /// Throws Error{cannot_write}. Does nothing before the first frame.
-    void write() override;
+    void close() override;
     /// Of what was written: "out.html: 3.1 MB, 60 frames".
     const std::string& summary() const { return summary_; }
 

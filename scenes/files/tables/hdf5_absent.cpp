@@ -4,6 +4,7 @@
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/scenes/files/tables/body_table.hpp>
 #include <oncollide/scenes/files/tables/recording_file.hpp>
+#include <oncollide/scenes/files/tables/results_file.hpp>
 
 namespace oncollide {
 
@@ -27,6 +28,25 @@ void read_hdf5_bodies(BodyRows&, const std::filesystem::path& path, const std::s
 std::unique_ptr<PoseSource> open_hdf5_poses(const std::filesystem::path& path, const std::string&)
 {
     fail(path);
+}
+
+struct ResultsFile::Open {};
+
+ResultsFile::ResultsFile(const std::filesystem::path& path, const ResultsHeader&, const NameColumn&, std::uint64_t)
+    : name_(path.string())
+{
+    fail();
+}
+
+ResultsFile::~ResultsFile() = default;
+void ResultsFile::add(std::span<const PairRow>, FrameRow) {}
+void ResultsFile::close() {}
+
+void ResultsFile::fail()
+{
+    throw Error(ErrorKind::usage, fmt::format("{}: this build cannot write HDF5; install Debian's libhdf5-dev and "
+                                              "configure with -DONCOLLIDE_HDF5=ON, or use --csv",
+                                              name_));
 }
 
 } // namespace oncollide

@@ -3,83 +3,18 @@
 #include <algorithm>
 #include <array>
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <hdf5.h>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
+#include <oncollide/scenes/files/tables/hdf5_library.hpp>
 
 namespace oncollide {
 
 namespace {
 
 constexpr unsigned read_only = 0; // H5F_ACC_RDONLY calls functions of the library
-
-/// Loaded when a file first needs it, as GDAL is: linked, it would bring libraries of networks into every program.
-class Hdf5 {
-    void* const library_ = ::dlopen(ONCOLLIDE_HDF5_LIBRARY, RTLD_NOW | RTLD_LOCAL);
-    template <class Pointer>
-    Pointer find(const char* name) const
-    {
-        void* const found = library_ ? ::dlsym(library_, name) : nullptr;
-        if (!found)
-            throw Error(ErrorKind::usage, fmt::format("{} cannot be loaded, which reads HDF5 files: {}; install "
-                                                      "Debian's libhdf5-103-1",
-                                                      ONCOLLIDE_HDF5_LIBRARY, ::dlerror()));
-        return reinterpret_cast<Pointer>(found);
-    }
-    /// A program that is linked with HDF5 holds copies of its variables, which are then those that the library uses.
-    hid_t variable(const char* name) const
-    {
-        const void* const linked = ::dlsym(RTLD_DEFAULT, name);
-        return linked ? *static_cast<const hid_t*>(linked) : *find<const hid_t*>(name);
-    }
-
-public:
-#define ONCOLLIDE_HDF5_FUNCTION(name) decltype(&::name) const name = find<decltype(&::name)>(#name)
-    ONCOLLIDE_HDF5_FUNCTION(H5open);
-    ONCOLLIDE_HDF5_FUNCTION(H5Eset_auto2);
-    ONCOLLIDE_HDF5_FUNCTION(H5Fopen);
-    ONCOLLIDE_HDF5_FUNCTION(H5Fclose);
-    ONCOLLIDE_HDF5_FUNCTION(H5Gopen2);
-    ONCOLLIDE_HDF5_FUNCTION(H5Gclose);
-    ONCOLLIDE_HDF5_FUNCTION(H5Gget_info);
-    ONCOLLIDE_HDF5_FUNCTION(H5Lget_name_by_idx);
-    ONCOLLIDE_HDF5_FUNCTION(H5Dopen2);
-    ONCOLLIDE_HDF5_FUNCTION(H5Dclose);
-    ONCOLLIDE_HDF5_FUNCTION(H5Dget_type);
-    ONCOLLIDE_HDF5_FUNCTION(H5Dget_space);
-    ONCOLLIDE_HDF5_FUNCTION(H5Dget_create_plist);
-    ONCOLLIDE_HDF5_FUNCTION(H5Dread);
-    ONCOLLIDE_HDF5_FUNCTION(H5Pget_layout);
-    ONCOLLIDE_HDF5_FUNCTION(H5Pget_chunk);
-    ONCOLLIDE_HDF5_FUNCTION(H5Pclose);
-    ONCOLLIDE_HDF5_FUNCTION(H5Screate_simple);
-    ONCOLLIDE_HDF5_FUNCTION(H5Sget_simple_extent_ndims);
-    ONCOLLIDE_HDF5_FUNCTION(H5Sget_simple_extent_dims);
-    ONCOLLIDE_HDF5_FUNCTION(H5Sselect_hyperslab);
-    ONCOLLIDE_HDF5_FUNCTION(H5Sclose);
-    ONCOLLIDE_HDF5_FUNCTION(H5Tget_class);
-    ONCOLLIDE_HDF5_FUNCTION(H5Tget_size);
-    ONCOLLIDE_HDF5_FUNCTION(H5Tclose);
-#undef ONCOLLIDE_HDF5_FUNCTION
-    hid_t native_double = -1, native_int64 = -1;
-
-    Hdf5()
-    {
-        H5open();
-        H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); // it prints its errors otherwise
-        native_double = variable("H5T_NATIVE_DOUBLE_g"), native_int64 = variable("H5T_NATIVE_INT64_g");
-    }
-};
-
-const Hdf5& hdf5()
-{
-    static const Hdf5 library;
-    return library;
-}
 
 /// A file may say that one piece of it fills the memory.
 void check_chunks(const std::string& place, hid_t dataset, int dimensions, std::size_t number_bytes)

@@ -23,7 +23,7 @@ public:
         frames = source_->frames, bodies = static_cast<std::uint32_t>(source_->bodies);
     }
 
-    void read(std::uint64_t frame, std::span<Eigen::Isometry3d> poses,
+    void read(std::uint64_t frame, FunctionRef<void(std::uint32_t, const Eigen::Isometry3d&)> take,
               FunctionRef<std::string(std::uint32_t)> name_of) override
     {
         frame = std::min(frame, frames - 1);
@@ -41,8 +41,10 @@ public:
                            "frame {}: {}: ({}, {}, {}), ({}, {}, {}, {}) is no position and quaternion of length 1",
                            frame, name_of(i), n[0], n[1], n[2], n[3], n[4], n[5], n[6]));
             if (std::abs(length - 1) > 1e-12) rotation.coeffs() /= length;
-            poses[i].linear() = rotation.toRotationMatrix();
-            poses[i].translation() = position;
+            Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+            pose.linear() = rotation.toRotationMatrix();
+            pose.translation() = position;
+            take(i, pose);
         }
     }
 

@@ -1,0 +1,153 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include <oncollide/scenes/motion.hpp>
+
+namespace oncollide {
+
+// The columns of a Scene, rows by body. They are read as arrays are and changed by the scene alone, and hold what ten
+// million bodies have in common once or not at all.
+
+/// A value for each body.
+template <class T>
+class BodyColumn {
+public:
+    std::size_t size() const { return values_.size(); }
+    const T& operator[](std::size_t body) const { return values_[body]; }
+    const T* data() const { return values_.data(); }
+    const T* begin() const { return values_.data(); }
+    const T* end() const { return values_.data() + values_.size(); }
+    friend bool operator==(const BodyColumn&, const BodyColumn&) = default;
+
+private:
+    friend struct Scene;
+    std::vector<T> values_;
+};
+
+/// Names: their letters, and 8 bytes for each body up to the last one that has a name.
+class NameColumn {
+public:
+    std::size_t size() const { return size_; }
+    /// Empty: a body without a name. Valid until a body is added.
+    std::string_view operator[](std::size_t body) const
+    {
+        if (body >= ends_.size()) return {};
+        const std::size_t begin = body ? ends_[body - 1] : 0;
+        return std::string_view(letters_).substr(begin, ends_[body] - begin);
+    }
+    friend bool operator==(const NameColumn&, const NameColumn&) = default;
+
+private:
+    friend struct Scene;
+    void push_back(std::string_view name);
+
+    std::string letters_;
+    std::vector<std::size_t> ends_; ///< of each body's name in letters_; none after the last name
+    std::size_t size_ = 0;
+};
+
+/// Poses, exactly as they were given: 28 bytes each, 72 more for one that has ever been turned.
+class PoseColumn {
+public:
+    /// Walks over poses by value.
+    class Iterator {
+    public:
+        using iterator_category = std::input_iterator_tag;
+        using value_type = Eigen::Isometry3d;
+        using difference_type = std::ptrdiff_t;
+        Iterator() = default;
+        Iterator(const PoseColumn& column, std::size_t body) : column_(&column), body_(body) {}
+        Eigen::Isometry3d operator*() const { return (*column_)[body_]; }
+        Iterator& operator++() { return ++body_, *this; }
+        Iterator operator++(int) { return {*column_, body_++}; }
+        friend bool operator==(const Iterator&, const Iterator&) = default;
+
+    private:
+        const PoseColumn* column_ = nullptr;
+        std::size_t body_ = 0;
+    };
+
+    std::size_t size() const { return positions_.size(); }
+    /// A copy; const, so that nobody writes to it in the belief that the body moves.
+    const Eigen::Isometry3d operator[](std::size_t body) const // NOLINT: const as said
+    {
+        Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+        pose.translation() = positions_[body];
+        if (const std::uint32_t turned = turned_[body]) pose.linear() = rotations_[turned - 1];
+        return pose;
+    }
+    const Eigen::Vector3d& position(std::size_t body) const { return positions_[body]; }
+    Eigen::Isometry3d back() const { return (*this)[size() - 1]; }
+    Iterator begin() const { return {*this, 0}; }
+    Iterator end() const { return {*this, size()}; }
+
+private:
+    friend struct Scene;
+    void reserve(std::size_t bodies);
+    void push_back(const Eigen::Isometry3d& pose);
+    void set(std::size_t body, const Eigen::Isometry3d& pose);
+
+    std::vector<Eigen::Vector3d> positions_;
+    std::vector<std::uint32_t> turned_; ///< 0: the identity, else one more than the place of its rotation
+    std::vector<Eigen::Matrix3d> rotations_;
+};
+
+/// Motions: nothing for bodies that stay.
+class MotionColumn {
+public:
+    const Motion& operator[](std::size_t body) const;
+    /// The bodies that have one, ascending, and their motions.
+    std::span<const std::uint32_t> bodies() const { return bodies_; }
+    std::span<const Motion> of_bodies() const { return motions_; }
+
+private:
+    friend struct Scene;
+    std::vector<std::uint32_t> bodies_;
+    std::vector<Motion> motions_;
+};
+
+/// Which bodies were changed, so that who follows a scene need not compare them all.
+class ChangeLog {
+public:
+    struct Change {
+        std::uint32_t body : 31, only_pose : 1; ///< only_pose: no other column
+    };
+    /// How far someone has followed a log.
+    struct Mark {
+        std::uint64_t log = 0, changes = 0;
+    };
+
+    ChangeLog() : log_(new_number()) {}
+    ChangeLog(const ChangeLog&) : ChangeLog() {} // who followed the one has not seen what changes in the other
+    ChangeLog(ChangeLog&& other) noexcept;
+    ChangeLog& operator=(ChangeLog other) noexcept;
+
+    Mark now() const { return {log_, forgotten_ + changes_.size()}; }
+    /// Does the log still hold, and know of, all that happened since then?
+    bool reaches(Mark mark) const { return mark.log == log_ && mark.changes >= forgotten_; }
+    /// Bodies changed since, one perhaps several times. Only where it reaches.
+    std::span<const Change> since(Mark mark) const
+    {
+        return std::span(changes_).subspan(static_cast<std::size_t>(mark.changes - forgotten_));
+    }
+
+private:
+    friend struct Scene;
+    static std::uint64_t new_number();
+    /// @param most  changes to keep
+    void note(Change change, std::size_t most);
+    void reserve(std::size_t most) { changes_.reserve(most); }
+
+    std::uint64_t log_, forgotten_ = 0;
+    std::vector<Change> changes_;
+};
+
+} // namespace oncollide

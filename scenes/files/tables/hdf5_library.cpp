@@ -1,0 +1,44 @@
+#include <oncollide/scenes/files/tables/hdf5_library.hpp>
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+
+namespace oncollide {
+
+void* Hdf5::find(const char* name) const
+{
+    void* const found = library_ ? ::dlsym(library_, name) : nullptr;
+    if (!found)
+        throw Error(ErrorKind::usage, fmt::format("{} cannot be loaded, which reads and writes HDF5 files: {}; install "
+                                                  "Debian's libhdf5-103-1",
+                                                  ONCOLLIDE_HDF5_LIBRARY, ::dlerror()));
+    return found;
+}
+
+/// A program that is linked with HDF5 holds copies of its variables, which are then those that the library uses.
+hid_t Hdf5::variable(const char* name) const
+{
+    const void* const linked = ::dlsym(RTLD_DEFAULT, name);
+    return *static_cast<const hid_t*>(linked ? linked : find(name));
+}
+
+Hdf5::Hdf5() : library_(::dlopen(ONCOLLIDE_HDF5_LIBRARY, RTLD_NOW | RTLD_LOCAL))
+{
+    H5dont_atexit(); // a file that could not be written must not be tried again at the end
+    H5open();
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); // it prints its errors otherwise
+    native_double = variable("H5T_NATIVE_DOUBLE_g"), native_int64 = variable("H5T_NATIVE_INT64_g");
+    native_uint8 = variable("H5T_NATIVE_UINT8_g"), native_uint32 = variable("H5T_NATIVE_UINT32_g");
+    native_uint64 = variable("H5T_NATIVE_UINT64_g"), text = variable("H5T_C_S1_g");
+    file_access = variable("H5P_CLS_FILE_ACCESS_ID_g"), dataset_creation = variable("H5P_CLS_DATASET_CREATE_ID_g");
+}
+
+const Hdf5& hdf5()
+{
+    static const Hdf5 library;
+    return library;
+}
+
+} // namespace oncollide

@@ -1,0 +1,363 @@
+#include <oncollide/scenes/files/tables/results_file.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/output_file.hpp>
+#include <oncollide/scenes/files/tables/hdf5_file.hpp>
+#include <oncollide/scenes/files/tables/hdf5_library.hpp>
+
+namespace oncollide {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr unsigned truncate = 2, read_while_written = 0x40; // H5F_ACC_TRUNC, H5F_ACC_SWMR_READ: they call functions
+constexpr hsize_t pair_chunk = 16'384, frame_chunk = 512;   // rows that are written and read as one
+
+/// Throws Failed where the library says that it failed.
+struct Failed {};
+template <class Result>
+Result sure(Result result)
+{
+    if (result < 0) throw Failed{};
+    return result;
+}
+
+Hdf5Handle type(hid_t id)
+{
+    return {sure(id), hdf5().H5Tclose};
+}
+Hdf5Handle space(hid_t id)
+{
+    return {sure(id), hdf5().H5Sclose};
+}
+Hdf5Handle properties(hid_t kind)
+{
+    return {sure(hdf5().H5Pcreate(kind)), hdf5().H5Pclose};
+}
+
+Hdf5Handle text_type()
+{
+    constexpr auto variable_length = static_cast<std::size_t>(-1); // H5T_VARIABLE
+    Hdf5Handle text = type(hdf5().H5Tcopy(hdf5().text));
+    sure(hdf5().H5Tset_size(text.id(), variable_length)), sure(hdf5().H5Tset_cset(text.id(), H5T_CSET_UTF8));
+    return text;
+}
+
+Hdf5Handle enumeration(const std::vector<std::string>& names)
+{
+    Hdf5Handle made = type(hdf5().H5Tenum_create(hdf5().native_uint8));
+    for (std::uint8_t value = 0; value < names.size(); ++value)
+        sure(hdf5().H5Tenum_insert(made.id(), names[value].c_str(), &value));
+    return made;
+}
+
+struct Field {
+    const char* name;
+    std::size_t offset;
+    hid_t type;
+};
+
+Hdf5Handle row_type(std::size_t size, std::initializer_list<Field> fields)
+{
+    Hdf5Handle made = type(hdf5().H5Tcreate(H5T_COMPOUND, size));
+    for (const Field& field : fields) sure(hdf5().H5Tinsert(made.id(), field.name, field.offset, field.type));
+    return made;
+}
+
+Hdf5Handle pair_type(const ResultsHeader& header)
+{
+    const Hdf5& h5 = hdf5();
+    const Hdf5Handle verdict = enumeration(header.verdicts), stage = enumeration(header.stages),
+                     kind = enumeration(header.kinds);
+    return row_type(sizeof(PairRow), {{"a", offsetof(PairRow, a), h5.native_uint32},
+                                      {"b", offsetof(PairRow, b), h5.native_uint32},
+                                      {"verdict", offsetof(PairRow, verdict), verdict.id()},
+                                      {"stage", offsetof(PairRow, stage), stage.id()},
+                                      {"kind", offsetof(PairRow, kind), kind.id()},
+                                      {"gap_bound", offsetof(PairRow, bound), h5.native_double},
+                                      {"max_error", offsetof(PairRow, max_error), h5.native_double}});
+}
+
+Hdf5Handle frame_type()
+{
+    const Hdf5& h5 = hdf5();
+    return row_type(sizeof(FrameRow), {{"frame", offsetof(FrameRow, frame), h5.native_uint64},
+                                       {"first", offsetof(FrameRow, first), h5.native_uint64},
+                                       {"pairs", offsetof(FrameRow, pairs), h5.native_uint64},
+                                       {"hash", offsetof(FrameRow, hash), h5.native_uint64},
+                                       {"chain", offsetof(FrameRow, chain), h5.native_uint64},
+                                       {"ms", offsetof(FrameRow, ms), h5.native_double}});
+}
+
+/// A dataset of rows that grows, and the type of its rows.
+struct Rows {
+    Hdf5Handle dataset, row;
+
+    std::uint64_t size() const
+    {
+        const Hdf5Handle all = space(hdf5().H5Dget_space(dataset.id()));
+        hsize_t extent = 0;
+        if (hdf5().H5Sget_simple_extent_ndims(all.id()) != 1) throw Failed{};
+        sure(hdf5().H5Sget_simple_extent_dims(all.id(), &extent, nullptr));
+        return extent;
+    }
+    /// Calls move(memory space, file space) for rows `first` to `first + count`.
+    template <class Move>
+    void some(hsize_t first, hsize_t count, Move move) const
+    {
+        const Hdf5& h5 = hdf5();
+        const Hdf5Handle all = space(h5.H5Dget_space(dataset.id())),
+                         memory = space(h5.H5Screate_simple(1, &count, nullptr));
+        sure(h5.H5Sselect_hyperslab(all.id(), H5S_SELECT_SET, &first, nullptr, &count, nullptr));
+        sure(move(memory.id(), all.id()));
+    }
+    /// Writes rows behind the first `size`.
+    void append(hsize_t size, hsize_t count, const void* rows) const
+    {
+        const hsize_t extent = size + count;
+        sure(hdf5().H5Dset_extent(dataset.id(), &extent));
+        if (count)
+            some(size, count, [&](hid_t memory, hid_t file) {
+                return hdf5().H5Dwrite(dataset.id(), row.id(), memory, file, H5P_DEFAULT, rows);
+            });
+    }
+    void read(hsize_t first, hsize_t count, void* rows) const
+    {
+        some(first, count, [&](hid_t memory, hid_t file) {
+            return hdf5().H5Dread(dataset.id(), row.id(), memory, file, H5P_DEFAULT, rows);
+        });
+    }
+};
+
+Rows make_rows(hid_t file, const char* name, Hdf5Handle row, hsize_t chunk)
+{
+    const Hdf5& h5 = hdf5();
+    const hsize_t none = 0, any = H5S_UNLIMITED;
+    const Hdf5Handle extent = space(h5.H5Screate_simple(1, &none, &any)), plan = properties(h5.dataset_creation);
+    sure(h5.H5Pset_chunk(plan.id(), 1, &chunk));
+    Hdf5Handle dataset(sure(h5.H5Dcreate2(file, name, row.id(), extent.id(), H5P_DEFAULT, plan.id(), H5P_DEFAULT)),
+                       h5.H5Dclose);
+    return {std::move(dataset), std::move(row)};
+}
+
+void write_attribute(hid_t file, const char* name, hid_t type, const void* value)
+{
+    const Hdf5& h5 = hdf5();
+    const Hdf5Handle one = space(h5.H5Screate(H5S_SCALAR));
+    const Hdf5Handle made(sure(h5.H5Acreate2(file, name, type, one.id(), H5P_DEFAULT, H5P_DEFAULT)), h5.H5Aclose);
+    sure(h5.H5Awrite(made.id(), type, value));
+}
+
+void write_header(hid_t file, const ResultsHeader& header)
+{
+    const Hdf5Handle text = text_type();
+    for (const auto& [name, value] : {std::pair("version", &header.version), std::pair("scene", &header.scene),
+                                      std::pair("settings", &header.settings)}) {
+        const char* const letters = value->c_str();
+        write_attribute(file, name, text.id(), &letters);
+    }
+    write_attribute(file, "bodies", hdf5().native_uint64, &header.bodies);
+}
+
+std::string read_text(hid_t file, const char* name)
+{
+    const Hdf5& h5 = hdf5();
+    const Hdf5Handle text = text_type(), found(sure(h5.H5Aopen(file, name, H5P_DEFAULT)), h5.H5Aclose);
+    char* letters = nullptr;
+    sure(h5.H5Aread(found.id(), text.id(), &letters));
+    const std::string value = letters ? letters : "";
+    h5.H5free_memory(letters);
+    return value;
+}
+
+void write_names(hid_t file, const NameColumn& names)
+{
+    const Hdf5& h5 = hdf5();
+    const hsize_t count = names.size();
+    bool any = false;
+    for (std::size_t i = 0; i < count && !any; ++i) any = !names[i].empty();
+    if (!any) return;
+    const Hdf5Handle all = space(h5.H5Screate_simple(1, &count, nullptr));
+    Rows rows{{}, text_type()};
+    rows.dataset = {sure(h5.H5Dcreate2(file, "names", rows.row.id(), all.id(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)),
+                    h5.H5Dclose};
+    constexpr hsize_t block = 65'536;
+    std::vector<std::string> texts;
+    std::vector<const char*> letters;
+    for (hsize_t first = 0; first < count; first += block) {
+        texts.clear(), letters.clear();
+        for (hsize_t i = first; i < std::min(count, first + block); ++i) texts.emplace_back(names[i]);
+        for (const std::string& text : texts) letters.push_back(text.c_str());
+        rows.some(first, letters.size(), [&](hid_t memory, hid_t file_space) {
+            return h5.H5Dwrite(rows.dataset.id(), rows.row.id(), memory, file_space, H5P_DEFAULT, letters.data());
+        });
+    }
+}
+
+Hdf5Handle create(const fs::path& path)
+{
+    const Hdf5& h5 = hdf5();
+    const Hdf5Handle access = properties(h5.file_access);
+    sure(h5.H5Pset_libver_bounds(access.id(), H5F_LIBVER_V110, H5F_LIBVER_V110)); // as SWMR needs
+    return {sure(h5.H5Fcreate(path.c_str(), truncate, H5P_DEFAULT, access.id())), h5.H5Fclose};
+}
+
+/// Results that an earlier run wrote, whatever ended it.
+class Earlier {
+public:
+    Earlier(const fs::path& path, const ResultsHeader& header) : header_(header), name_(path.string())
+    {
+        const Hdf5& h5 = hdf5();
+        const auto dataset = [&](const char* name) {
+            return Hdf5Handle(sure(h5.H5Dopen2(file_.id(), name, H5P_DEFAULT)), h5.H5Dclose);
+        };
+        file_ = {sure(h5.H5Fopen(path.c_str(), read_while_written, H5P_DEFAULT)), h5.H5Fclose};
+        frames_ = {dataset("frames"), frame_type()}, pairs_ = {dataset("pairs"), pair_type(header)};
+    }
+
+    /// Throws unless it was written by this version, of this scene, by these settings.
+    void check_header() const
+    {
+        for (const auto& [name, value] : {std::pair("version", &header_.version), std::pair("scene", &header_.scene),
+                                          std::pair("settings", &header_.settings)})
+            if (const std::string found = read_text(file_.id(), name); found != *value)
+                throw Error(ErrorKind::usage, fmt::format("{}: cannot be continued: its '{}' is not this run's: {} "
+                                                          "there, {} here",
+                                                          name_, name, found, *value));
+    }
+    /// The frames up to `frame`.
+    std::vector<FrameRow> frames_before(std::uint64_t frame) const
+    {
+        std::vector<FrameRow> rows(frames_.size());
+        if (!rows.empty()) frames_.read(0, rows.size(), rows.data());
+        const auto end = std::ranges::find(rows, frame, &FrameRow::frame);
+        if (rows.empty() || (end == rows.end() && rows.back().frame + 1 != frame) || end == rows.begin())
+            throw Error(ErrorKind::usage,
+                        rows.empty()
+                            ? fmt::format("{}: holds no frame; leave out --from-frame", name_)
+                            : fmt::format("{}: holds frames {} to {}; it can be continued from frames {} to {}", name_,
+                                          rows.front().frame, rows.back().frame, rows.front().frame + 1,
+                                          rows.back().frame + 1));
+        rows.erase(end, rows.end());
+        return rows;
+    }
+    void read(const FrameRow& frame, std::vector<PairRow>& pairs) const
+    {
+        pairs.resize(frame.pairs);
+        if (frame.pairs) pairs_.read(frame.first, frame.pairs, pairs.data());
+    }
+
+private:
+    const ResultsHeader& header_;
+    std::string name_;
+    Hdf5Handle file_;
+    Rows frames_, pairs_;
+};
+
+} // namespace
+
+struct ResultsFile::Open {
+    Hdf5Handle file;
+    Rows frames, pairs;
+};
+
+ResultsFile::ResultsFile(const fs::path& path, const ResultsHeader& header, const NameColumn& names,
+                         std::uint64_t frame)
+    : name_(path.string())
+{
+    hdf5();
+    check_writable(path);
+    std::error_code none;
+    const bool goes_on = frame > 0 && fs::exists(path, none);
+    const fs::path written = goes_on ? fs::path(path).concat(".part") : path;
+    open_ = std::make_unique<Open>();
+    try {
+        errno = 0;
+        open_->file = create(written);
+        const hid_t file = open_->file.id();
+        write_header(file, header);
+        write_names(file, names);
+        open_->pairs = make_rows(file, "pairs", pair_type(header), pair_chunk);
+        open_->frames = make_rows(file, "frames", frame_type(), frame_chunk);
+        sure(hdf5().H5Fflush(file, H5F_SCOPE_LOCAL));
+        sure(hdf5().H5Fstart_swmr_write(file));
+    } catch (const Failed&) {
+        fail();
+    }
+    if (!goes_on) return;
+    try {
+        copy(path, header, frame);
+    } catch (const Failed&) {
+        fs::remove(written, none);
+        refuse(name_, "is no file of results that --pairs wrote, so that it cannot be continued");
+    } catch (const Error&) {
+        fs::remove(written, none);
+        throw;
+    }
+    std::error_code error;
+    fs::rename(written, path, error);
+    if (error) throw Error(ErrorKind::cannot_write, fmt::format("{}: cannot be replaced: {}", name_, error.message()));
+}
+
+void ResultsFile::copy(const fs::path& from, const ResultsHeader& header, std::uint64_t frame)
+{
+    const Earlier earlier(from, header);
+    earlier.check_header();
+    std::vector<PairRow> pairs;
+    for (const FrameRow& row : earlier.frames_before(frame)) earlier.read(row, pairs), add(pairs, row);
+}
+
+ResultsFile::~ResultsFile()
+{
+    if (open_ && std::uncaught_exceptions() == 0) try {
+            close();
+        } catch (const Error&) { // who wants to know calls close()
+        }
+}
+
+void ResultsFile::add(std::span<const PairRow> pairs, FrameRow row)
+{
+    row.first = pairs_, row.pairs = pairs.size();
+    try {
+        const Hdf5& h5 = hdf5();
+        errno = 0;
+        open_->pairs.append(pairs_, pairs.size(), pairs.data());
+        sure(h5.H5Dflush(open_->pairs.dataset.id()));
+        open_->frames.append(frames_, 1, &row); // it counts from now on
+        sure(h5.H5Dflush(open_->frames.dataset.id()));
+    } catch (const Failed&) {
+        fail();
+    }
+    pairs_ += pairs.size(), ++frames_, chain_ = row.chain;
+}
+
+void ResultsFile::close()
+{
+    if (!open_) return;
+    try {
+        errno = 0;
+        open_->pairs = {}, open_->frames = {};
+        sure(hdf5().H5Fflush(open_->file.id(), H5F_SCOPE_LOCAL));
+        open_.reset();
+    } catch (const Failed&) {
+        fail();
+    }
+}
+
+/// What is open stays so, to the end of the program: to close it is to write.
+void ResultsFile::fail()
+{
+    const std::string why = errno ? std::strerror(errno) : "HDF5 cannot write it";
+    static_cast<void>(open_.release());
+    throw Error(ErrorKind::cannot_write, fmt::format("{}: cannot write: {}", name_, why));
+}
+
+} // namespace oncollide
