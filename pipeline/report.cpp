@@ -46,15 +46,6 @@ std::vector<std::string> quote_all(const Scene& scene, Quote quote)
     return result;
 }
 
-/// RFC 4180: quotes only where a reader needs them.
-std::string csv_field(const std::string& text)
-{
-    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-    std::string result = "\"";
-    for (char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return result + "\"";
-}
-
 std::string settings_json(const Settings& s)
 {
     std::string skip;
@@ -79,6 +70,22 @@ void copy(const Spool& from, OutputFile& to)
 }
 
 } // namespace
+
+std::string csv_field(const std::string& text)
+{
+    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+    std::string result = "\"";
+    for (char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return result + "\"";
+}
+
+std::string csv_row(std::uint64_t frame, const std::string& a, const std::string& b, const PairResult& pair,
+                    std::string_view stage, double max_error)
+{
+    return fmt::format("{},{},{},{},{},{},{},{}\n", frame, a, b, name_of(pair.verdict),
+                       std::isfinite(pair.bound) ? number(pair.bound) : "", stage,
+                       pair.kind == ContactKind::unknown ? "" : name_of(pair.kind), number(max_error));
+}
 
 Report::Report(const Scene& scene, const Pipeline& pipeline, const ReportParts& parts)
     : scene_(scene), pipeline_(pipeline), separate_(parts.separate), kept_(std::make_unique<Kept>())
@@ -230,17 +237,15 @@ void Report::add_csv(const FrameView& f)
     auto& [file, names] = *kept_->csv;
     for (const PairResult& pair : f.pairs)
         if (keeps(pair))
-            file.print("{},{},{},{},{},{},{},{}\n", f.frame, names[index(pair.a)], names[index(pair.b)],
-                       name_of(pair.verdict), std::isfinite(pair.bound) ? number(pair.bound) : "",
-                       pipeline_.stages()[pair.stage], pair.kind == ContactKind::unknown ? "" : name_of(pair.kind),
-                       number(pipeline_.world().max_error(pair.a, pair.b)));
+            file.print("{}", csv_row(f.frame, names[index(pair.a)], names[index(pair.b)], pair,
+                                     pipeline_.stages()[pair.stage], pipeline_.world().max_error(pair.a, pair.b)));
 }
 
 void Report::write_csv(const std::filesystem::path& path) const
 {
     refuse_unless(kept_->csv.has_value(), "CSV");
     OutputFile file(path);
-    file.print("frame,a,b,verdict,gap_bound,stage,kind,max_error\n");
+    file.write(csv_header);
     copy(kept_->csv->text, file);
     file.commit();
 }

@@ -9,6 +9,13 @@
 
 namespace oncollide {
 
+inline constexpr std::string_view csv_header = "frame,a,b,verdict,gap_bound,stage,kind,max_error\n";
+/// RFC 4180: quotes only where a reader needs them.
+std::string csv_field(const std::string& text);
+/// @param a, b  names, as csv_field gives them
+std::string csv_row(std::uint64_t frame, const std::string& a, const std::string& b, const PairResult& pair,
+                    std::string_view stage, double max_error);
+
 struct Report::Kept {
     /// Frames as text, and what bodies are called there: quoted once, not once per row.
     struct Part {

@@ -211,6 +211,21 @@ void Scene::record(std::shared_ptr<Recording> source)
     std::copy_n(poses.begin() + recording->first, recording->bodies, start_poses.begin() + recording->first);
 }
 
+void move_body(const Motion& motion, const Eigen::Isometry3d& start, double pace, int from, int to,
+               Eigen::Isometry3d& pose)
+{
+    const Jitter* jitter = std::get_if<Jitter>(&motion);
+    if (!jitter) {
+        pose = pose_at(motion, start, to * pace);
+        return;
+    }
+    Jitter paced = *jitter;
+    paced.step *= pace;
+    Eigen::Vector3d position = pose.translation();
+    for (int f = from + 1; f <= to; ++f) jitter_step(paced, static_cast<std::uint64_t>(f), position);
+    pose.translation() = position;
+}
+
 void Mover::move(Scene& scene, int frame)
 {
     if (scene.recording) play_recording(scene, frame);
@@ -219,19 +234,10 @@ void Mover::move(Scene& scene, int frame)
             if (!std::holds_alternative<Still>(scene.motions[i])) moving_.push_back(i);
     }
     const bool from_start = !ready_ || frame < last_frame_;
-    const int first = from_start ? 1 : last_frame_ + 1;
     for (const std::uint32_t i : moving_) {
-        Eigen::Isometry3d& pose = scene.poses[i];
-        if (const Jitter* jitter = std::get_if<Jitter>(&scene.motions[i])) {
-            if (from_start) pose = scene.start_poses[i];
-            Eigen::Vector3d position = pose.translation();
-            Jitter paced = *jitter;
-            paced.step *= scene.pace;
-            for (int f = first; f <= frame; ++f) jitter_step(paced, static_cast<std::uint64_t>(f), position);
-            pose.translation() = position;
-        } else {
-            pose = pose_at(scene.motions[i], scene.start_poses[i], frame * scene.pace);
-        }
+        if (from_start) scene.poses[i] = scene.start_poses[i];
+        move_body(scene.motions[i], scene.start_poses[i], scene.pace, from_start ? 0 : last_frame_, frame,
+                  scene.poses[i]);
     }
     last_frame_ = frame;
     ready_ = true;
