@@ -241,11 +241,11 @@ void Report::add_csv(const FrameView& f)
                                      pipeline_.stages()[pair.stage], pipeline_.world().max_error(pair.a, pair.b)));
 }
 
-void Report::write_csv(const std::filesystem::path& path) const
+void Report::write_csv(const std::filesystem::path& path, std::string_view first_line) const
 {
     refuse_unless(kept_->csv.has_value(), "CSV");
     OutputFile file(path);
-    file.write(csv_header);
+    file.write(first_line), file.write(csv_header);
     copy(kept_->csv->text, file);
     file.commit();
 }

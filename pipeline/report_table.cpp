@@ -1,4 +1,4 @@
-#include <oncollide/pipeline/report.hpp>
+#include <oncollide/pipeline/report_kept.hpp>
 
 #include <oncollide/base/printable.hpp>
 
@@ -20,12 +20,6 @@ std::string_view plain_words(std::string_view stage)
     return "";
 }
 
-/// Digits in groups of three: 1,234,567.
-std::string grouped(std::uint64_t value)
-{
-    return fmt::format("{}", fmt::group_digits(value));
-}
-
 /// `text`, right-aligned in a column, with a space before it even where it is too long for one.
 std::string cell(const std::string& text)
 {
@@ -40,6 +34,13 @@ std::string mean(std::uint64_t sum, std::uint64_t frames)
     return fmt::format("{:.1f}", double(sum) / double(frames));
 }
 
+} // namespace
+
+std::string grouped(std::uint64_t value)
+{
+    return fmt::format("{}", fmt::group_digits(value));
+}
+
 std::string bytes_text(std::size_t bytes)
 {
     if (bytes < 10'000) return fmt::format("{} bytes", bytes);
@@ -47,14 +48,11 @@ std::string bytes_text(std::size_t bytes)
     return fmt::format("{:.1f} MB", double(bytes) / 1e6);
 }
 
-} // namespace
-
-void Report::print_table(std::ostream& out) const
+std::string stage_table(std::span<const StageStats> totals)
 {
-    std::string text = printable(title()) + "\n\n";
-    text += fmt::format("{:<13}{:<8}{:>11}{:>11}{:>11}{:>11}{:>11}   mean per frame\n", "stage", "counts", "in", "out",
-                        "culled", "undecided", "ms");
-    for (const StageStats& s : totals_) {
+    std::string text = fmt::format("{:<13}{:<8}{:>11}{:>11}{:>11}{:>11}{:>11}   mean per frame\n", "stage", "counts",
+                                   "in", "out", "culled", "undecided", "ms");
+    for (const StageStats& s : totals) {
         const std::string_view words = plain_words(s.stage);
         text +=
             fmt::format("{:<13}{:<8}{}{}{}{}{}   {}\n", s.stage, s.unit, cell(mean(s.in, s.frames)),
@@ -62,12 +60,23 @@ void Report::print_table(std::ostream& out) const
                         cell(fmt::format("{:.3f}", s.frames ? s.cpu_ms / double(s.frames) : 0.0)),
                         s.skipped ? fmt::format("skipped: {}", s.note.empty() ? "by request" : s.note) : words);
     }
-    const std::array<std::uint64_t, 4> counts = verdicts();
+    return text;
+}
+
+std::string verdict_line(const std::array<std::uint64_t, 4>& counts)
+{
+    return fmt::format("verdicts   {} colliding, {} within their bound, {} undecided, {} separate (over all frames)\n",
+                       grouped(counts[int(Verdict::colliding)]), grouped(counts[int(Verdict::within)]),
+                       grouped(counts[int(Verdict::undecided)]), grouped(counts[int(Verdict::separate)]));
+}
+
+void Report::print_table(std::ostream& out) const
+{
+    std::string text = printable(title()) + "\n\n";
+    text += stage_table(totals_);
     text += fmt::format("\nframe      {:.3f} ms in the mean, {:.3f} ms the slowest\n",
                         frames_ == 0 ? 0.0 : ms_ / double(frames_), slowest_ms_);
-    text += fmt::format("verdicts   {} colliding, {} within their bound, {} undecided, {} separate (over all frames)\n",
-                        grouped(counts[int(Verdict::colliding)]), grouped(counts[int(Verdict::within)]),
-                        grouped(counts[int(Verdict::undecided)]), grouped(counts[int(Verdict::separate)]));
+    text += verdict_line(verdicts());
     if (kinds_[int(ContactKind::unknown)] < pairs_ || wants_kinds(pipeline_.settings()))
         text += fmt::format("contacts   {} touching{}, {} crossing, {} enclosed, {} near; the others not classified\n",
                             grouped(kinds_[int(ContactKind::touching)]),

@@ -4,6 +4,7 @@
 
 #include <oncollide/base/random.hpp>
 #include <oncollide/pipeline/results.hpp>
+#include <oncollide/pipeline/settings.hpp>
 
 namespace oncollide {
 
@@ -21,5 +22,8 @@ inline void mix(std::uint64_t& hash, const PairResult& pair, bool with_kinds)
     if (with_kinds) mix(hash, static_cast<std::uint64_t>(pair.kind));
     mix(hash, std::bit_cast<std::uint64_t>(pair.bound));
 }
+
+/// Of the settings that results depend on.
+std::uint64_t hash_of(const Settings& settings);
 
 } // namespace oncollide

@@ -13,6 +13,11 @@ namespace {
 
 } // namespace
 
+bool mpi_is_built()
+{
+    return false;
+}
+
 std::unique_ptr<Ranks> make_mpi_ranks()
 {
     refuse();

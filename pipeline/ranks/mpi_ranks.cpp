@@ -1,7 +1,6 @@
 #include <oncollide/pipeline/ranks/mpi_ranks.hpp>
 
-
-#include <fmt/format.h>
+#include <algorithm>
 
 #include <oncollide/pipeline/ranks/ranks.hpp>
 
@@ -89,6 +88,7 @@ public:
         MPI_Recv(&number, 1, MPI_UINT64_T, from, number_tag, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
         return number;
     }
+    void abort(int code) override { MPI_Abort(MPI_COMM_WORLD, code); }
 
 private:
     int rank_ = 0, size_ = 1;
@@ -99,6 +99,11 @@ private:
 MPI_Comm mpi_communicator()
 {
     return MPI_COMM_WORLD;
+}
+
+bool mpi_is_built()
+{
+    return true;
 }
 
 std::unique_ptr<Ranks> make_mpi_ranks()

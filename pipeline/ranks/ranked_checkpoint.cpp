@@ -5,10 +5,10 @@
 #include <fstream>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <oncollide/base/random.hpp>
 #include <oncollide/pipeline/ranks/ranked_run.hpp>
+#include <oncollide/pipeline/result_hash.hpp>
 
 namespace oncollide {
 
@@ -59,16 +59,11 @@ std::filesystem::path RankedRun::slot_path(int slot) const
     return fmt::format("{}.{}", options_.checkpoint.string(), slot);
 }
 
-/// Of what results depend on.
+/// Of what results and rows depend on.
 std::uint64_t RankedRun::settings_hash()
 {
-    const Settings& s = world_.world().settings();
-    const std::string text =
-        fmt::format("{} {:a} {:a} {} {} {} {} {} {} {} {} {}", s.depth.value_or(0), s.max_error.value_or(0), s.clearance,
-                    name_of(s.exact), s.contact_kinds, s.ignore_touching, name_of(s.mode), s.open_as_surface,
-                    name_of(s.bounding_volume), fmt::join(s.skip, ","), options_.csv.empty(), options_.separate);
-    std::uint64_t hash = 0;
-    for (const char c : text) hash = splitmix(hash ^ std::uint8_t(c));
+    std::uint64_t hash = hash_of(world_.world().settings());
+    mix(hash, options_.csv.empty()), mix(hash, options_.separate);
     return hash;
 }
 

@@ -30,9 +30,17 @@ public:
     /// One number, which waits until the receiver asks for it.
     virtual void send(int to, std::uint64_t number) = 0;
     virtual std::uint64_t receive(int from) = 0;
+    /// Ends all processes at once, with this exit code. Ranks that are threads go on: the caller throws.
+    virtual void abort(int code) = 0;
 };
 
-/// Does `work` on this rank. If it throws on any, all throw the Error of the first of these, which names the rank.
+/// An Error that all ranks throw at once.
+struct ErrorOfAll : Error {
+    using Error::Error;
+};
+
+/// Does `work` on this rank. If it throws on any, all throw ErrorOfAll, with the kind and the text of the first of
+/// these, and its rank.
 void together(Ranks& ranks, const std::function<void()>& work);
 
 /// Calls `work` as each of `size` ranks, on threads of this process: to test what ranks do, and for one rank alone.
@@ -44,6 +52,8 @@ bool started_by_mpi();
 /// How many processes were started together, and which of them this one is, by the environment alone.
 int mpi_size_of_environment();
 int mpi_rank_of_environment();
+/// Is ONCOLLIDE_MPI on?
+bool mpi_is_built();
 /// The ranks of MPI; once in the life of a process, which ends MPI when it is destroyed. With ONCOLLIDE_MPI=OFF it
 /// throws Error{usage} that names the option.
 std::unique_ptr<Ranks> make_mpi_ranks();

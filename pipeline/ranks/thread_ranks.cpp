@@ -99,6 +99,7 @@ public:
         queue.pop();
         return number;
     }
+    void abort(int) override {}
 
 private:
     template <class Shown, class Take>

@@ -32,8 +32,9 @@ void together(Ranks& ranks, const std::function<void()>& work)
         const auto its_text = reader.get_list<std::string>();
         if (its_kind == ErrorKind{}) continue;
         // Where all say the same, which of them it is tells nothing.
-        throw Error(its_kind,
-                    failed == all.size() ? its_text : fmt::format("process {} of {}: {}", rank, all.size(), its_text));
+        throw ErrorOfAll(its_kind, failed == all.size()
+                                       ? its_text
+                                       : fmt::format("process {} of {}: {}", rank, all.size(), its_text));
     }
 }
 

@@ -25,12 +25,12 @@ int count(void* data, int* error)
     *error = ZOLTAN_OK;
     return int(points_of(data).points.size());
 }
-void list(void* data, int, int, ZOLTAN_ID_PTR, ZOLTAN_ID_PTR local, int weights, float* out, int* error)
+void list(void* data, int, int, ZOLTAN_ID_PTR global, ZOLTAN_ID_PTR local, int weights, float* out, int* error)
 {
     *error = ZOLTAN_OK;
     const Points& p = points_of(data);
     for (std::size_t i = 0; i < p.points.size(); ++i) {
-        local[i] = ZOLTAN_ID_TYPE(i);
+        global[i] = local[i] = ZOLTAN_ID_TYPE(i); // bisection looks at points alone
         if (weights) out[i] = p.weights[i];
     }
 }
@@ -66,7 +66,7 @@ public:
                                           {"KEEP_CUTS", "1"},
                                           {"RETURN_LISTS", "NONE"},
                                           {"RCB_REUSE", "1"},
-                                          {"NUM_GID_ENTRIES", "0"},
+                                          {"NUM_GID_ENTRIES", "1"},
                                           {"NUM_LID_ENTRIES", "1"},
                                           {"OBJ_WEIGHT_DIM", "1"},
                                           {"IMBALANCE_TOL", "1.02"}})

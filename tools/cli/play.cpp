@@ -88,12 +88,12 @@ std::string told(const OutputOptions& outputs, int done, int all)
 
 } // namespace
 
-int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const OutputOptions& outputs)
+int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const OutputOptions& outputs, int first)
 {
     catch_interrupts();
     Mover mover;
     std::string note, why;
-    int done = 0, code = interrupted_code;
+    int done = first, code = interrupted_code;
     const auto say_note = [&] {
         const std::string now = pipeline.backend_note();
         if (now != note) std::cerr << "oncollide: note: " << printable(now) << "\n";
@@ -101,12 +101,13 @@ int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const Out
     };
     if (!outputs.quiet) say_note();
     {
-        Progress progress("frame", std::size_t(frames), outputs.quiet);
+        Progress progress("frame", std::size_t(frames - first), outputs.quiet);
         Watchdog watchdog([&] { end_in_a_frame(report, outputs, done, frames); });
         try {
             while (done < frames && !interrupted()) {
                 mover.move(scene, done);
-                const FrameView frame = pipeline.step(scene);
+                FrameView frame = pipeline.step(scene);
+                frame.frame = std::uint64_t(done); // the World counts from its own first
                 {
                     const std::lock_guard lock(watchdog.mutex());
                     report.add(frame);
@@ -115,10 +116,10 @@ int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const Out
                 progress.step();
             }
         } catch (const Error& error) {
-            if (done == 0 || error.kind() == ErrorKind::cannot_write) throw;
+            if (done == first || error.kind() == ErrorKind::cannot_write) throw;
             why = error.what(), code = int(error.kind());
         } catch (const std::bad_alloc&) {
-            if (done == 0) throw;
+            if (done == first) throw;
             why = "out of memory", code = int(ErrorKind::internal);
         }
     }

@@ -7,13 +7,13 @@
 
 namespace oncollide::tools {
 
-/// Moves the scene's bodies and steps the pipeline for `frames` frames, adding each to `report`; shows progress on
+/// Moves the scene's bodies and steps the pipeline for frames `first` to `frames`, adding each to `report`; shows progress on
 /// standard error when that is a terminal and not quiet.
 ///
 /// Returns the exit code of the run. Ctrl-C or SIGTERM ends it after the frame in hand; if that takes over half a
 /// second more, the outputs are written without it and the program ends here. A second one ends the program at once. A
 /// GPU that was requested by name and is lost, or a body that leaves the world, ends the run too, with the code of that
 /// error. Whenever it ends early, the report is marked interrupted and is worth writing.
-int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const OutputOptions& outputs);
+int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const OutputOptions& outputs, int first = 0);
 
 } // namespace oncollide::tools
