@@ -197,6 +197,20 @@ private:
     std::string title_;
 };
 
+/// In one piece: mpirun mixes what several processes write.
+void say_error(const std::string& what)
+{
+    std::cerr << "oncollide: " + what + "\n" << std::flush;
+}
+
+/// Process 0 says why; the others wait, for mpirun ends all when one of them ends.
+[[noreturn]] void refuse_without_mpi()
+{
+    if (mpi_rank_of_environment() == 0) make_mpi_ranks();
+    std::this_thread::sleep_for(std::chrono::seconds(2));
+    std::_Exit(int(ErrorKind::usage));
+}
+
 } // namespace
 
 void add_rank_options(Arguments command, RankOptions& o)
@@ -232,27 +246,21 @@ int play_on_ranks(const SceneOptions& scene, const SettingsOptions& settings, co
         run_ranks_on_threads(1, play);
         return code;
     }
-    std::unique_ptr<Ranks> ranks;
+    if (!mpi_is_built()) refuse_without_mpi();
+    const std::unique_ptr<Ranks> ranks = make_mpi_ranks();
     try {
-        ranks = make_mpi_ranks();
         play(*ranks);
     } catch (const ErrorOfAll& error) {
-        if (ranks->rank() == 0) throw;
-        return int(error.kind());
-    } catch (const Error& error) {
-        if (!ranks) {
-            if (mpi_rank_of_environment() == 0) throw;
-            return int(error.kind());
-        }
-        // Of this process alone: the others wait for it.
-        std::cerr << fmt::format("oncollide: process {}: {}\n", ranks->rank(), error.what()) << std::flush;
-        ranks->abort(int(error.kind()));
-    } catch (const std::exception& error) {
-        std::cerr << fmt::format("oncollide: process {}: {}\n", ranks ? ranks->rank() : mpi_rank_of_environment(),
-                                 printable(error.what()))
-                  << std::flush;
-        if (ranks) ranks->abort(int(ErrorKind::internal));
-        return int(ErrorKind::internal);
+        // mpirun ends all processes when the first of them ends with a code, so nobody does before this is said.
+        code = int(error.kind());
+        if (ranks->rank() == 0) say_error(error.what());
+        std::uint64_t said = 1;
+        ranks->sum({&said, 1});
+    } catch (const std::exception& error) { // of this process alone: the others wait for it
+        const Error* known = dynamic_cast<const Error*>(&error);
+        code = int(known ? known->kind() : ErrorKind::internal);
+        say_error(fmt::format("process {}: {}", ranks->rank(), printable(error.what())));
+        ranks->abort(code);
     }
     return code;
 }
