@@ -115,8 +115,6 @@ void PoseBounds::expect(const Eigen::Isometry3d& pose)
     const bool large = points_.size() >= fewest_points_of_a_map;
     final_ = !large || requested_ >= boxes_that_pay_for_a_map;
     if (large && final_) support_ = SupportMap(points_), points_ = {};
-    // Rounding of rotated points: with |r . p| <= |p|, coordinates, products and sums err by at most 9 * 2^-24 |p|.
-    slack_ = std::ldexp(radius_, -20);
 }
 
 double PoseBounds::motion(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) const
@@ -137,7 +135,8 @@ Aabb PoseBounds::box(const Eigen::Isometry3d& pose) const
     if (shape && std::holds_alternative<HalfSpace>(*shape)) return half_space_box(pose);
     const Eigen::Matrix3d r = pose.linear();
     const Eigen::Vector3d centre = pose * centre_;
-    const Eigen::Vector3d slack = Eigen::Vector3d::Constant(slack_ + rounding_of(pose, centre_));
+    const double rounding = rounding_of(pose, centre_);
+    const Eigen::Vector3d slack = Eigen::Vector3d::Constant(slack_ + rounding);
 
     if (requested_ > 0 && !turns_by_quarters(r)) {
         const Eigen::Matrix3f rows = r.cast<float>();
@@ -154,7 +153,9 @@ Aabb PoseBounds::box(const Eigen::Isometry3d& pose) const
                                      lo.data(), hi.data());
         }
         const Eigen::Vector3d low = lo.cast<double>(), high = hi.cast<double>();
-        return around(centre + 0.5 * (low + high), 0.5 * (high - low) + slack);
+        // With |r . p| <= |p|, coordinates, products and sums err by at most 9 * 2^-24 |p|.
+        const Eigen::Vector3d float_slack = Eigen::Vector3d::Constant(std::ldexp(radius_, -20) + rounding);
+        return around(centre + 0.5 * (low + high), 0.5 * (high - low) + float_slack);
     }
     if (const auto* cone = shape ? std::get_if<Cone>(shape) : nullptr) {
         const Aabb box = cone_box(*cone, r);

@@ -20,8 +20,9 @@ public:
     /// it but for their tightness. Allocates nothing where nothing pays.
     void expect(const Eigen::Isometry3d& pose);
 
-    /// Encloses the geometry at this pose, rounding included: at most 2^-20 of its size too large. Safe from many
-    /// threads at once. Cost: 0.5 to 0.8 microseconds for a large mesh, once its map is there.
+    /// Encloses the geometry at this pose, rounding included: at most 2^-20 of its size too large. After expect() of the
+    /// pose it depends on geometry and pose alone, whatever else was requested: other processes find the same box. Safe
+    /// from many threads at once. Cost: 0.5 to 0.8 microseconds for a large mesh, once its map is there.
     Aabb box(const Eigen::Isometry3d& pose) const;
     /// The loose box: of the sphere around the geometry's own box, whatever the rotation.
     Aabb sphere_box(const Eigen::Isometry3d& pose) const;
@@ -41,7 +42,7 @@ private:
     const GeometryData& geometry_;
     Eigen::Vector3d centre_, half_; ///< of the geometry's own box, body frame
     double radius_ = 0;             ///< of the sphere around that box
-    double slack_ = 0;              ///< added on every side
+    double slack_ = 0;              ///< added on every side of what is computed in double
     // Support points relative to the centre: all, padded to 8 with copies, or, in their place, a map.
     PointColumns points_;
     SupportMap support_;

@@ -67,7 +67,7 @@ public:
     {
         const std::span<const BodyPair> pairs = broad_.find_pairs(bodies.columns(), frame.whole);
         frame.pairs.assign(pairs.begin(), pairs.end());
-        drop_excluded(bodies, frame);
+        leave(bodies, frame);
         count(bodies, frame, frame.whole ? bodies.size() : broad_.bodies_left(), stats);
     }
 
@@ -87,15 +87,16 @@ public:
                 const std::uint32_t a = survivors_[i], b = survivors_[j];
                 if (!(bodies.fixed(a) && bodies.fixed(b)) && columns.allows(a, b)) frame.pairs.push_back({a, b});
             }
-        drop_excluded(bodies, frame);
+        leave(bodies, frame);
         count(bodies, frame, survivors_.size(), stats);
     }
 
 private:
-    static void drop_excluded(const Bodies& bodies, Frame& frame)
+    static void leave(const Bodies& bodies, Frame& frame)
     {
         if (bodies.any_excluded())
             std::erase_if(frame.pairs, [&](BodyPair pair) { return bodies.excluded(pair.a, pair.b); });
+        if (frame.choose) frame.choose(bodies, frame.pairs);
     }
 
     /// Pairs of so many bodies, all those that move among them, that are not both fixed.

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include <oncollide/pipeline/bodies.hpp>
@@ -27,6 +28,8 @@ struct Frame {
     bool whole = false;                          ///< delimitation was skipped: all bodies are to be searched
     std::vector<DelimitationLevel> delimitation; ///< by level; empty when skipped
     std::vector<BodyPair> pairs;                 ///< candidates, sorted
+    /// Leaves of the candidates those that this World is to decide, and may turn them round; null: all (RankWorld).
+    std::function<void(const Bodies&, std::vector<BodyPair>&)> choose;
     PairCache cache;                             ///< of these
     std::vector<PairResult> results;             ///< one per pair, in the same order
     RefineContext context;

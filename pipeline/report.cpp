@@ -46,13 +46,17 @@ std::vector<std::string> quote_all(const Scene& scene, Quote quote)
     return result;
 }
 
-/// RFC 4180: quotes only where a reader needs them.
-std::string csv_field(const std::string& text)
+std::string settings_json(const Settings& s)
 {
-    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-    std::string result = "\"";
-    for (char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return result + "\"";
+    std::string skip;
+    for (const std::string& stage : s.skip) skip += (skip.empty() ? "" : ", ") + json_string(stage);
+    return fmt::format(
+        R"({{"depth": {}, "max_error": {}, "clearance": {}, "exact": "{}", "kinds": {}, "ignore_touching": {}, "mode": "{}", "open_as_surface": {}, "backend": "{}", "broad": "{}", "bounding_volume": "{}", )"
+        R"("gpu": {}, "viewport": {}, "threads": {}, "skip": [{}], "age": {}, "node_budget": {}, "memory_budget": {}, "coherence": {}}})",
+        s.depth ? fmt::format("{}", *s.depth) : "null", s.max_error ? number(*s.max_error) : "null",
+        number(s.clearance), name_of(s.exact), s.contact_kinds, s.ignore_touching, name_of(s.mode), s.open_as_surface,
+        name_of(s.backend), name_of(s.broad_phase), name_of(s.bounding_volume), s.gpu, s.viewport, s.threads, skip,
+        s.age_limit, s.node_budget, s.memory_budget, s.coherence);
 }
 
 void refuse_unless(bool kept, std::string_view what)
@@ -67,17 +71,20 @@ void copy(const Spool& from, OutputFile& to)
 
 } // namespace
 
-std::string settings_json(const Settings& s)
+std::string csv_field(const std::string& text)
 {
-    std::string skip;
-    for (const std::string& stage : s.skip) skip += (skip.empty() ? "" : ", ") + json_string(stage);
-    return fmt::format(
-        R"({{"depth": {}, "max_error": {}, "clearance": {}, "exact": "{}", "kinds": {}, "ignore_touching": {}, "mode": "{}", "open_as_surface": {}, "backend": "{}", "broad": "{}", "bounding_volume": "{}", )"
-        R"("gpu": {}, "viewport": {}, "threads": {}, "skip": [{}], "age": {}, "node_budget": {}, "memory_budget": {}, "coherence": {}}})",
-        s.depth ? fmt::format("{}", *s.depth) : "null", s.max_error ? number(*s.max_error) : "null",
-        number(s.clearance), name_of(s.exact), s.contact_kinds, s.ignore_touching, name_of(s.mode), s.open_as_surface,
-        name_of(s.backend), name_of(s.broad_phase), name_of(s.bounding_volume), s.gpu, s.viewport, s.threads, skip,
-        s.age_limit, s.node_budget, s.memory_budget, s.coherence);
+    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+    std::string result = "\"";
+    for (char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return result + "\"";
+}
+
+std::string csv_row(std::uint64_t frame, const std::string& a, const std::string& b, const PairResult& pair,
+                    std::string_view stage, double max_error)
+{
+    return fmt::format("{},{},{},{},{},{},{},{}\n", frame, a, b, name_of(pair.verdict),
+                       std::isfinite(pair.bound) ? number(pair.bound) : "", stage,
+                       pair.kind == ContactKind::unknown ? "" : name_of(pair.kind), number(max_error));
 }
 
 Report::Report(const Scene& scene, const Pipeline& pipeline, const ReportParts& parts)
@@ -232,17 +239,15 @@ void Report::add_csv(const FrameView& f)
     auto& [file, names] = *kept_->csv;
     for (const PairResult& pair : f.pairs)
         if (keeps(pair))
-            file.print("{},{},{},{},{},{},{},{}\n", f.frame, names[index(pair.a)], names[index(pair.b)],
-                       name_of(pair.verdict), std::isfinite(pair.bound) ? number(pair.bound) : "",
-                       pipeline_.stages()[pair.stage], pair.kind == ContactKind::unknown ? "" : name_of(pair.kind),
-                       number(pipeline_.world().max_error(pair.a, pair.b)));
+            file.print("{}", csv_row(f.frame, names[index(pair.a)], names[index(pair.b)], pair,
+                                     pipeline_.stages()[pair.stage], pipeline_.world().max_error(pair.a, pair.b)));
 }
 
-void Report::write_csv(const std::filesystem::path& path) const
+void Report::write_csv(const std::filesystem::path& path, std::string_view first_line) const
 {
     refuse_unless(kept_->csv.has_value(), "CSV");
     OutputFile file(path);
-    file.print("frame,a,b,verdict,gap_bound,stage,kind,max_error\n");
+    file.write(first_line), file.write(csv_header);
     copy(kept_->csv->text, file);
     file.commit();
 }

@@ -48,7 +48,8 @@ public:
     // Each throws Error{cannot_write} naming the path, and Error{usage} if the part was not kept. "-" writes to
     // standard output.
     void write_json(const std::filesystem::path& path) const;
-    void write_csv(const std::filesystem::path& path) const;
+    /// @param first_line  before the header, with its line break; empty: none
+    void write_csv(const std::filesystem::path& path, std::string_view first_line = {}) const;
     void write_trace(const std::filesystem::path& path) const;
     /// One picture: the stage funnel, and time per frame by stage. SVG.
     void write_picture(const std::filesystem::path& path) const;

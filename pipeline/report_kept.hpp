@@ -10,6 +10,19 @@
 
 namespace oncollide {
 
+inline constexpr std::string_view csv_header = "frame,a,b,verdict,gap_bound,stage,kind,max_error\n";
+/// RFC 4180: quotes only where a reader needs them.
+std::string csv_field(const std::string& text);
+/// @param a, b  names, as csv_field gives them
+std::string csv_row(std::uint64_t frame, const std::string& a, const std::string& b, const PairResult& pair,
+                    std::string_view stage, double max_error);
+/// Lines of the stage table.
+std::string stage_table(std::span<const StageStats> totals);
+std::string verdict_line(const std::array<std::uint64_t, 4>& counts);
+/// Digits in groups of three: 1,234,567.
+std::string grouped(std::uint64_t value);
+std::string bytes_text(std::size_t bytes);
+
 struct Report::Kept {
     /// Frames as text, and what bodies are called there: quoted once, not once per row.
     struct Part {

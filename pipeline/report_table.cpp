@@ -23,12 +23,6 @@ std::string plain_words(std::string_view stage)
     return fmt::format("{} ({})", words, stage);
 }
 
-/// Digits in groups of three: 1,234,567.
-std::string grouped(std::uint64_t value)
-{
-    return fmt::format("{}", fmt::group_digits(value));
-}
-
 /// `text`, right-aligned in a column, with a space before it even where it is too long for one.
 std::string cell(const std::string& text)
 {
@@ -43,12 +37,21 @@ std::string mean(std::uint64_t sum, std::uint64_t frames)
     return fmt::format("{:.1f}", double(sum) / double(frames));
 }
 
+} // namespace
+
+std::string grouped(std::uint64_t value)
+{
+    return fmt::format("{}", fmt::group_digits(value));
+}
+
 std::string bytes_text(std::size_t bytes)
 {
     if (bytes < 10'000) return fmt::format("{} bytes", bytes);
     if (bytes < 10'000'000) return fmt::format("{:.1f} kB", double(bytes) / 1e3);
     return fmt::format("{:.1f} MB", double(bytes) / 1e6);
 }
+
+namespace {
 
 /// "a and b, crossing, from frame 12"
 std::string pair_text(const Scene& scene, const PairList::Entry& entry, bool one_frame)
@@ -78,24 +81,34 @@ std::string list_text(const Scene& scene, const PairList& list, const char* one,
 
 } // namespace
 
-void Report::print_table(std::ostream& out) const
+std::string stage_table(std::span<const StageStats> totals)
 {
-    std::string text = printable(title()) + "\n\n";
-    text += fmt::format("{:<24}{:<8}{:>11}{:>11}{:>11}{:>11}{:>11}\n", "stage, mean per frame", "counts", "in", "out",
-                        "ruled out", "undecided", "ms");
-    for (const StageStats& s : totals_) {
+    std::string text = fmt::format("{:<24}{:<8}{:>11}{:>11}{:>11}{:>11}{:>11}\n", "stage, mean per frame", "counts", "in",
+                                   "out", "ruled out", "undecided", "ms");
+    for (const StageStats& s : totals) {
         text +=
             fmt::format("{:<24}{:<8}{}{}{}{}{}{}\n", plain_words(s.stage), s.unit, cell(mean(s.in, s.frames)),
                         cell(mean(s.out, s.frames)), cell(mean(s.culled, s.frames)), cell(mean(s.undecided, s.frames)),
                         cell(fmt::format("{:.3f}", s.frames ? s.cpu_ms / double(s.frames) : 0.0)),
                         s.skipped ? fmt::format("   skipped: {}", s.note.empty() ? "by request" : s.note) : "");
     }
-    const std::array<std::uint64_t, 4> counts = verdicts();
+    return text;
+}
+
+std::string verdict_line(const std::array<std::uint64_t, 4>& counts)
+{
+    return fmt::format("verdicts   {} colliding, {} within their bound, {} undecided, {} separate (over all frames)\n",
+                       grouped(counts[int(Verdict::colliding)]), grouped(counts[int(Verdict::within)]),
+                       grouped(counts[int(Verdict::undecided)]), grouped(counts[int(Verdict::separate)]));
+}
+
+void Report::print_table(std::ostream& out) const
+{
+    std::string text = printable(title()) + "\n\n";
+    text += stage_table(totals_);
     text += fmt::format("\nframe      {:.3f} ms in the mean, {:.3f} ms the slowest\n",
                         frames_ == 0 ? 0.0 : ms_ / double(frames_), slowest_ms_);
-    text += fmt::format("verdicts   {} colliding, {} within their bound, {} undecided, {} separate (over all frames)\n",
-                        grouped(counts[int(Verdict::colliding)]), grouped(counts[int(Verdict::within)]),
-                        grouped(counts[int(Verdict::undecided)]), grouped(counts[int(Verdict::separate)]));
+    text += verdict_line(verdicts());
     if (kinds_[int(ContactKind::unknown)] < pairs_ || wants_kinds(pipeline_.settings()))
         text += fmt::format("contacts   {} touching{}, {} crossing, {} enclosed, {} near; the others not classified\n",
                             grouped(kinds_[int(ContactKind::touching)]),

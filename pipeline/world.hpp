@@ -210,6 +210,7 @@ public:
     const Ocst* tree(ModelId model) const;
 
 private:
+    friend class RankWorld; // one process's share of a scene
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };

@@ -1,7 +1,6 @@
 // World: how it is made, and its frames.
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <chrono>
 
 #include <fmt/format.h>
@@ -9,8 +8,8 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/near_word.hpp>
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/base/random.hpp>
 #include <oncollide/narrowphase/gl/gpu.hpp>
+#include <oncollide/pipeline/result_hash.hpp>
 #include <oncollide/pipeline/world_impl.hpp>
 
 namespace oncollide {
@@ -26,21 +25,10 @@ double milliseconds(Clock::duration d)
     return std::chrono::duration<double, std::milli>(d).count();
 }
 
-void mix(std::uint64_t& hash, std::uint64_t value)
-{
-    hash = splitmix(hash ^ value);
-}
-
 std::uint64_t hash_of(std::span<const PairResult> results, bool with_kinds)
 {
     std::uint64_t hash = 0;
-    for (const PairResult& r : results) {
-        if (r.verdict == Verdict::separate) continue;
-        mix(hash, static_cast<std::uint64_t>(r.a.slot) << 32 | r.b.slot);
-        mix(hash, static_cast<std::uint64_t>(r.verdict) << 8 | r.stage);
-        if (with_kinds) mix(hash, static_cast<std::uint64_t>(r.kind));
-        mix(hash, std::bit_cast<std::uint64_t>(r.bound));
-    }
+    for (const PairResult& result : results) mix(hash, result, with_kinds);
     return hash;
 }
 

@@ -285,26 +285,32 @@ void Scene::play_recording(int frame, bool as_start)
         [&](std::uint32_t i) { return who_is(names[first + i], first + i); });
 }
 
+void move_body(const Motion& motion, const Eigen::Isometry3d& start, double pace, int from, int to,
+               Eigen::Isometry3d& pose)
+{
+    const Jitter* jitter = std::get_if<Jitter>(&motion);
+    if (!jitter) {
+        pose = pose_at(motion, start, to * pace);
+        return;
+    }
+    Jitter paced = *jitter;
+    paced.step *= pace;
+    Eigen::Vector3d position = pose.translation();
+    for (int f = from + 1; f <= to; ++f) jitter_step(paced, static_cast<std::uint64_t>(f), position);
+    pose.translation() = position;
+}
+
 void Mover::move(Scene& scene, int frame)
 {
     if (scene.recording) scene.play_recording(frame, false);
     if (!ready_) scene.expect_motion();
     const bool from_start = !ready_ || frame < last_frame_;
-    const int first = from_start ? 1 : last_frame_ + 1;
     for (std::size_t k = 0; k < scene.motions.bodies().size(); ++k) {
         const std::uint32_t i = scene.motions.bodies()[k];
-        const Motion& motion = scene.motions.of_bodies()[k];
-        if (const Jitter* jitter = std::get_if<Jitter>(&motion)) {
-            Eigen::Isometry3d pose = from_start ? scene.start_pose(i) : scene.poses[i];
-            Eigen::Vector3d position = pose.translation();
-            Jitter paced = *jitter;
-            paced.step *= scene.pace;
-            for (int f = first; f <= frame; ++f) jitter_step(paced, static_cast<std::uint64_t>(f), position);
-            pose.translation() = position;
-            scene.set_pose(BodyId{i}, pose);
-        } else {
-            scene.set_pose(BodyId{i}, pose_at(motion, scene.start_pose(i), frame * scene.pace));
-        }
+        const Eigen::Isometry3d start = scene.start_pose(i);
+        Eigen::Isometry3d pose = from_start ? start : scene.poses[i];
+        move_body(scene.motions.of_bodies()[k], start, scene.pace, from_start ? 0 : last_frame_, frame, pose);
+        scene.set_pose(BodyId{i}, pose);
     }
     last_frame_ = frame;
     ready_ = true;

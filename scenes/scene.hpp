@@ -128,6 +128,11 @@ private:
 /// identity by more than 1e-6 or that mirrors.
 std::string why_not_rigid(const Eigen::Isometry3d& pose);
 
+/// Moves one body, as Mover does, from its pose at frame `from` to that at `to`; a recording is not asked.
+/// @param pose  at `from`; it is read for Jitter alone
+void move_body(const Motion& motion, const Eigen::Isometry3d& start, double pace, int from, int to,
+               Eigen::Isometry3d& pose);
+
 /// Writes the poses of every moving body at frame `frame` (>= 0). Stateless but for Jitter, which walks on from the
 /// frame of the last call (and from the start when time runs backwards). A recording gives the poses of the last whole
 /// frame at that time, and throws as Recording::read does. One Mover serves one scene, whose bodies are

@@ -1,5 +1,6 @@
 // oncollide bench: one subcommand a benchmark.
 #include "bench/bench.hpp"
+#include "bench/bench_scale.hpp"
 #include "cli/command.hpp"
 
 #include <memory>
@@ -304,6 +305,25 @@ void add_read(Arguments bench)
     sub.action([options] { return bench_read(*options); });
 }
 
+void add_scale(Arguments bench)
+{
+    Arguments sub = bench.add_command("scale", "Ranks of a large world, simulated one after another, against the model "
+                                               "of what they cost");
+    auto options = std::make_shared<ScaleOptions>();
+    sub.add_option("--bodies", options->bodies, "of the world, about: a cube of cells (default 1e6)").type_name("N");
+    sub.add_option("--ranks", options->ranks, "that share it (default 64)").type_name("P");
+    sub.add_option("--sample", options->sample, "play so many of them; 0: all (default 0)").type_name("N");
+    sub.add_option("--edge", options->edge, "mean edge of the bodies, in mean spacings (default 1)").type_name("E");
+    sub.add_option("--frame", options->frame, "of their motion (default 0)").type_name("F");
+    sub.add_option("--threads", options->threads, "ranks at a time; 0: all (default 1)").type_name("N");
+    sub.add_option("--seed", options->seed, "of the bodies (default 12345)").type_name("S");
+    sub.add_option("--csv", options->csv, "write one row per rank").type_name("FILE");
+    sub.footer("Where all ranks are played, pairs and hash are the same for any number of ranks. Exit code 70: the\n"
+               "ghosts are off the model by more than a tenth.\n"
+               "  oncollide bench scale --ranks 10000 --bodies 1e9 --sample 26");
+    sub.action([options] { return bench_scale(*options); });
+}
+
 } // namespace
 
 void add_bench(Arguments app)
@@ -312,8 +332,8 @@ void add_bench(Arguments app)
         app.add_command("bench", "Measure against other libraries in one run, on the same work, turn about");
     bench.at_most_one_command();
     bench.action([]() -> int {
-        usage("bench: which one? broad, narrow, planner, world, environment, distances, shapes, clash, read, many, octants, "
-              "paper, poses or scene (oncollide bench --help)");
+        usage("bench: which one? broad, narrow, planner, world, environment, distances, shapes, clash, read, scale, many, "
+              "octants, paper, poses or scene (oncollide bench --help)");
     });
     add_broad(bench);
     add_narrow(bench);
@@ -328,6 +348,7 @@ void add_bench(Arguments app)
     add_paper(bench);
     add_poses(bench);
     add_octants(bench);
+    add_scale(bench);
     Arguments scene = bench.add_command("scene", "Any scene: a file, or a scene of the catalogue");
     auto options = std::make_shared<CompareOptions>();
     scene.add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")

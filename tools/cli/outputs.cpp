@@ -117,14 +117,14 @@ std::string names_of(const OutputOptions& o)
     return names;
 }
 
-void write_outputs(const Report& report, const OutputOptions& o)
+void write_outputs(const Report& report, const OutputOptions& o, const std::string& csv_line)
 {
     const bool stdout_taken = o.json == "-" || o.csv == "-" || o.trace == "-" || o.picture == "-";
     // The table first: if a disk is full after a long run, the numbers are at least on the screen.
     if (!o.quiet) report.print_table(stdout_taken ? std::cerr : std::cout);
     std::cout.flush();
     if (!o.json.empty()) report.write_json(o.json);
-    if (!o.csv.empty()) report.write_csv(o.csv);
+    if (!o.csv.empty()) report.write_csv(o.csv, csv_line);
     if (!o.trace.empty()) report.write_trace(o.trace);
     if (!o.picture.empty()) report.write_picture(o.picture);
     if (const std::string names = names_of(o); !names.empty()) log(LogLevel::info, "written: " + names);

@@ -26,7 +26,8 @@ ReportParts parts_of(const OutputOptions& options);
 /// The files, for a message: "a.json, b.csv"; empty if there are none.
 std::string names_of(const OutputOptions& options);
 /// The stage table to standard output (standard error when results go there), then every file requested.
-void write_outputs(const Report& report, const OutputOptions& options);
+/// @param csv_line  a first line of the CSV file, with its line break
+void write_outputs(const Report& report, const OutputOptions& options, const std::string& csv_line = {});
 
 /// An output is also an input, which must not be lost; the message is that of an Error{usage}. No Error itself: readers
 /// say of those where in their file they happened, and make wrong data of them.

@@ -2,6 +2,8 @@
 #include "cli/log.hpp"
 #include "cli/options.hpp"
 #include "cli/pairs_file.hpp"
+#include "cli/play_ranks.hpp"
+#include "cli/shard.hpp"
 
 #include <memory>
 #include <optional>
@@ -13,6 +15,9 @@
 
 #include <oncollide/base/parallel.hpp>
 
+#include <oncollide/base/printable.hpp>
+#include <oncollide/pipeline/result_hash.hpp>
+
 namespace oncollide::tools {
 namespace {
 
@@ -23,6 +28,8 @@ struct RunOptions {
     std::string view;
     int view_limit = 40; ///< MB
     int from_frame = 0;
+    RankOptions ranks;
+    std::string shard;
     bool exit_code = false;
 };
 
@@ -47,6 +54,13 @@ int code_of(const Report& report)
 
 int run(const RunOptions& options)
 {
+    const Shard shard = shard_from(options.shard);
+    if (!shard.whole() && wants_ranks(options.ranks))
+        usage("--shard is for processes that know nothing of each other: not under mpirun, without checkpoints");
+    if (wants_ranks(options.ranks))
+        return play_on_ranks(options.scene, options.settings, options.outputs, options.ranks);
+    if (!shard.whole() && options.from_frame)
+        usage("--shard and --from-frame: each says which frames are run; give one");
     const Settings settings = settings_from(options.settings);
     check_range("--from-frame", options.from_frame, 0);
     const bool from_file = is_scene_file(options.scene.scene);
@@ -56,9 +70,10 @@ int run(const RunOptions& options)
     Scene scene = open_scene(options.scene);
     if (!options.outputs.quiet) print_warnings(scene);
 
-    const int first = options.from_frame;
-    if (first >= scene.frames)
-        usage(fmt::format("--from-frame {}: the scene has frames 0 to {}", first, scene.frames - 1));
+    if (options.from_frame >= scene.frames)
+        usage(fmt::format("--from-frame {}: the scene has frames 0 to {}", options.from_frame, scene.frames - 1));
+    const auto [begin, end] = shard.range(std::size_t(scene.frames));
+    const int first = shard.whole() ? options.from_frame : int(begin);
     Pipeline pipeline(scene, settings);
     if (first) pipeline.world().continue_from(std::uint32_t(first), 0);
     std::optional<PairsFile> pairs;
@@ -69,8 +84,13 @@ int run(const RunOptions& options)
     std::vector<FrameSink*> sinks;
     if (pairs) sinks.push_back(&*pairs);
     if (page) sinks.push_back(page.get());
-    const int code = play(scene, pipeline, report, scene.frames, options.outputs, first, sinks);
-    write_outputs(report, options.outputs);
+    const int code = play(scene, pipeline, report, int(end), options.outputs, first, sinks);
+    // Without the mark of a part where frames are missing: it must not be merged.
+    write_outputs(report, options.outputs,
+                  code ? ""
+                       : shard.line(fmt::format("run {}, {} bodies, {} frames, pace {}, settings {:016x}{}",
+                                                printable(scene.name), scene.size(), scene.frames, scene.pace,
+                                                hash_of(settings), options.outputs.separate ? ", separate" : "")));
     for (FrameSink* sink : sinks) sink->close();
     if (page && !options.outputs.quiet) log(LogLevel::note, page->summary());
     return code == 0 && options.exit_code ? code_of(report) : code;
@@ -110,12 +130,16 @@ void add_run(Arguments app)
     sub.add_option("--from-frame", options->from_frame,
                    "begin with this frame; where --pairs names a file of the same run, go on with that (default 0)")
         .type_name("N");
+    add_rank_options(sub, options->ranks);
+    sub.add_option("--shard", options->shard, std::string("of the frames, ") + shard_help).type_name("I/N");
     sub.footer("Examples:\n"
                "  oncollide run factory.glb --exact on --exit-code\n"
                "  oncollide run city --frames 100\n"
                "  oncollide run town.json --max-error 0.01 --exact on --json results.json\n"
                "  oncollide run city --exact on --view city.html\n"
                "  oncollide run city --bodies 500 --skip exact --threads 0 --csv pairs.csv --trace trace.json\n"
+               "  mpirun -n 8 oncollide run city --bodies 100000 --csv pairs.csv  (a build with ONCOLLIDE_MPI: "
+               "docs/many-processes.md)\n"
                "At the end the first pairs that collide are named; --csv FILE or --json FILE has all of them.\n"
                "Formats of the results: docs/results.md, docs/view.md.\n"
                "Ctrl-C stops after the frame in hand, or in it if that takes over half a second; what was computed is "

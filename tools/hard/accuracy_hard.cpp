@@ -16,6 +16,7 @@
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
 #include "bench/bench.hpp"
+#include "cli/shard.hpp"
 #include "differential/differential.hpp"
 #include "hard/body_trial.hpp"
 #include "hard/crowd_trial.hpp"
@@ -29,7 +30,7 @@ namespace {
 struct HardOptions {
     std::int64_t count = 100'000;
     std::vector<std::string> families;
-    std::string data, csv, json;
+    std::string data, csv, json, shard;
     int threads = 1;
 };
 
@@ -54,11 +55,12 @@ public:
         for (const std::string& name : families_of(cases)) known_.push_back(name);
         for (const char* name : tangent_families) known_.push_back(name);
         for (const char* name : terrain_families) known_.push_back(name);
-        known_.push_back(crowd_family), known_.push_back(solid_crowd_family), known_.push_back(drawn_family);
+        known_.push_back(drawn_family), known_.push_back(crowd_family), known_.push_back(solid_crowd_family);
         for (const std::string& name : chosen_)
             if (std::find(known_.begin(), known_.end(), name) == known_.end())
                 usage(fmt::format("--family: no '{}'{}", name,
                                   valid_names(name, {known_.begin(), known_.end()}, "there are")));
+        take_part(shard_from(options.shard));
     }
     bool operator()(const std::string& name) const
     {
@@ -66,6 +68,18 @@ public:
     }
 
 private:
+    /// A run of those chosen, in the order of the rows.
+    void take_part(const Shard& shard)
+    {
+        if (shard.whole()) return;
+        std::vector<std::string> all;
+        for (const std::string& name : known_)
+            if ((*this)(name)) all.push_back(name);
+        const auto [first, end] = shard.range(all.size());
+        chosen_.assign(all.begin() + std::ptrdiff_t(first), all.begin() + std::ptrdiff_t(end));
+        if (chosen_.empty()) chosen_.push_back({}); // no family's name
+    }
+
     std::vector<std::string> chosen_, known_;
 };
 
@@ -159,9 +173,10 @@ std::vector<Tally> try_all(const HardOptions& options, const Choice& chosen, con
     return rows;
 }
 
-void write_csv(const std::string& path, const std::vector<Tally>& rows)
+void write_csv(const std::string& path, const std::string& first_line, const std::vector<Tally>& rows)
 {
     OutputFile file(path);
+    file.write(first_line);
     file.print("family,cases,answers,missed,wrong,false_positives,bounds,bounds_broken,changed,fcl_missed,fcl_false\n");
     for (const Tally& t : rows)
         file.print("\"{}\",{},{},{},{},{},{},{},{},{},{}\n", t.family, t.cases, t.results, t.missed, t.wrong,
@@ -200,7 +215,13 @@ int accuracy_hard(HardOptions options)
         "           bodies in 5 forms and {} combinations of stages\n{}\n",
         grouped(std::uint64_t(options.count)), all_variants().size(), describe_program("cpu"));
     const std::vector<Tally> rows = try_all(options, chosen, cases);
-    if (!options.csv.empty()) write_csv(options.csv, rows);
+    if (!options.csv.empty())
+        write_csv(options.csv,
+                  shard_from(options.shard)
+                      .line(fmt::format("accuracy hard, count {}, families {}{}", options.count,
+                                        options.families.empty() ? "all" : fmt::format("{}", fmt::join(options.families, ";")),
+                                        no_queries ? ", without queries/" : "")),
+                  rows);
     if (!options.json.empty()) write_json(options.json, rows);
     Tally sum;
     for (const Tally& row : rows) sum += row;
@@ -233,6 +254,7 @@ void add_accuracy_hard(Arguments accuracy)
                    "folder with queries/, Erleben's cases (default: $ONCOLLIDE_DATA, else ../shared/data if present)")
         .type_name("DIR");
     sub.add_option("--csv", options->csv, "write one row a family").type_name("FILE");
+    sub.add_option("--shard", options->shard, std::string("of the families, ") + shard_help).type_name("I/N");
     sub.add_option("--json", options->json, "write the same as JSON").type_name("FILE");
     sub.footer(
         "Pairs of triangles: the exact test, in both orders, and FCL's, against linear programming in integers.\n"

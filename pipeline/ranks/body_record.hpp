@@ -1,0 +1,50 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include <oncollide/pipeline/ranks/bytes.hpp>
+#include <oncollide/scenes/scene.hpp>
+
+namespace oncollide {
+
+/// What every rank must know of a body that it looks at: all that a pair's verdict depends on.
+struct BodyHere {
+    std::uint32_t gid; ///< its index in the whole scene
+    std::uint32_t geometry;
+    std::uint32_t layer, mask, group;
+    bool fixed;
+    Eigen::Isometry3d pose;
+    std::string name{};                    ///< as csv_field gives it, where rows are to be written; else empty
+    std::vector<std::uint32_t> excluded{}; ///< bodies that it never collides with
+};
+
+/// A body as its home rank has it: how it moves, too. Its geometry stays where it is: all ranks know the scene's.
+struct BodyRecord : BodyHere {
+    Eigen::Isometry3d start;
+    Motion motion;
+    Aabb box{}; ///< world; empty: not known yet. Grown by half the clearance
+};
+
+void put(Bytes& bytes, const BodyHere& body);
+void put(Bytes& bytes, const BodyRecord& record);
+BodyHere get_body(ByteReader& reader);
+BodyRecord get_record(ByteReader& reader);
+
+/// A scene of which this rank has some of the bodies.
+struct SceneSlice {
+    std::string name;
+    int frames = 1;
+    double pace = 1;
+    std::uint32_t bodies = 0; ///< of the whole scene
+    GeometryList geometries;
+    std::shared_ptr<Recording> recording;
+    std::vector<BodyRecord> records; ///< of this rank
+    /// Of the whole scene, equal on all ranks and for any number of them: name, geometries, bodies, pace.
+    std::uint64_t checksum = 0;
+};
+
+/// This rank's part of a scene that every rank has read whole: as many bodies as the others', by index.
+/// @param names  keep what bodies are called
+SceneSlice slice_of(const Scene& scene, int rank, int size, bool names);
+
+} // namespace oncollide

@@ -1,0 +1,35 @@
+#include <cstdlib>
+
+#include <oncollide/pipeline/ranks/ranks.hpp>
+
+namespace oncollide {
+
+namespace {
+
+/// The first of the variables that is set, as a number; -1: none is.
+int variable(std::initializer_list<const char*> names)
+{
+    for (const char* name : names)
+        if (const char* text = std::getenv(name); text && *text) return std::atoi(text);
+    return -1;
+}
+
+} // namespace
+
+// Open MPI; MPICH and others of its family. What runs under srun alone is told apart by neither: --mpi=pmix sets the first.
+int mpi_size_of_environment()
+{
+    return std::max(1, variable({"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"}));
+}
+
+int mpi_rank_of_environment()
+{
+    return std::max(0, variable({"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"}));
+}
+
+bool started_by_mpi()
+{
+    return variable({"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"}) >= 0;
+}
+
+} // namespace oncollide

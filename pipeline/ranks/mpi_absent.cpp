@@ -1,0 +1,31 @@
+// ONCOLLIDE_MPI=OFF.
+#include <oncollide/pipeline/ranks/partitioner.hpp>
+
+namespace oncollide {
+
+namespace {
+
+[[noreturn]] void refuse()
+{
+    throw Error(ErrorKind::usage, "oncollide was built without MPI; build it with -DONCOLLIDE_MPI=ON (Open MPI and "
+                                  "Zoltan: libopenmpi-dev, libtrilinos-zoltan-dev)");
+}
+
+} // namespace
+
+bool mpi_is_built()
+{
+    return false;
+}
+
+std::unique_ptr<Ranks> make_mpi_ranks()
+{
+    refuse();
+}
+
+std::unique_ptr<Partitioner> make_zoltan_partitioner(const Ranks&)
+{
+    refuse();
+}
+
+} // namespace oncollide

@@ -1,0 +1,115 @@
+#include <oncollide/pipeline/ranks/rank_world.hpp>
+
+#include <algorithm>
+
+#include <oncollide/pipeline/world_impl.hpp>
+
+namespace oncollide {
+
+void check_for_ranks(const Settings& settings)
+{
+    const auto refuse = [](const char* what) {
+        throw Error(ErrorKind::usage, std::string(what) + "; run in one process, or leave it out");
+    };
+    if (settings.node_budget || settings.memory_budget)
+        refuse("--node-budget and --memory-budget limit all trees together, which are spread over the processes");
+    if (std::ranges::count(settings.skip, "broad"))
+        refuse("--skip broad wants all pairs of bodies, and no process knows all bodies");
+}
+
+RankWorld::RankWorld(const GeometryList& geometries, const Settings& settings, const Partitioner& partition, int rank)
+    : geometries_(geometries), partition_(partition), rank_(rank), world_(settings),
+      tight_(world_.impl_->runs("bounds")), half_margin_(0.5 * settings.clearance), models_(geometries.size())
+{
+    check_for_ranks(settings);
+    world_.impl_->frame.choose = [this](const Bodies& bodies, std::vector<BodyPair>& pairs) { choose(bodies, pairs); };
+}
+
+ModelId RankWorld::model_of(std::uint32_t geometry)
+{
+    if (!models_[geometry]) models_[geometry] = world_.add(geometries_.share(geometry));
+    return *models_[geometry];
+}
+
+Aabb RankWorld::grown(const Aabb& box) const
+{
+    if (half_margin_ == 0) return box;
+    // The broad phase rounds a difference of two coordinates: a pair that it finds overlaps here, too.
+    const Eigen::Vector3d far = box.min.cwiseAbs().cwiseMax(box.max.cwiseAbs());
+    const Eigen::Vector3d by = 0x1p-50 * far + Eigen::Vector3d::Constant(half_margin_ * (1 + 0x1p-50));
+    return {box.min - by, box.max + by};
+}
+
+Aabb RankWorld::box(const BodyHere& body)
+{
+    PoseBounds& bounds = world_.impl_->models[model_of(body.geometry)].bounds();
+    if (tight_) bounds.expect(body.pose);
+    return grown(tight_ ? bounds.box(body.pose) : bounds.sphere_box(body.pose));
+}
+
+void RankWorld::begin()
+{
+    ++step_;
+    come_.clear();
+}
+
+void RankWorld::add(const BodyHere& body)
+{
+    const auto found = here_.find(body.gid);
+    if (found == here_.end()) {
+        come_.push_back(body);
+        return;
+    }
+    found->second.seen = step_;
+    if (world_.pose(found->second.id).matrix() != body.pose.matrix()) world_.set_pose(found->second.id, body.pose);
+}
+
+FrameView RankWorld::step()
+{
+    for (auto at = here_.begin(); at != here_.end();)
+        if (at->second.seen != step_)
+            world_.remove_body(at->second.id), at = here_.erase(at);
+        else
+            ++at;
+    // By index, so that slots do not depend on the order of messages.
+    std::ranges::sort(come_, {}, &BodyHere::gid);
+    for (BodyHere& body : come_) {
+        const BodyId id = world_.add_body({.model = model_of(body.geometry),
+                                           .pose = body.pose,
+                                           .fixed = body.fixed,
+                                           .layer = body.layer,
+                                           .mask = body.mask,
+                                           .group = body.group,
+                                           .user = body.gid});
+        here_.emplace(body.gid, Entry{id, step_});
+        if (names_.size() <= id.slot) names_.resize(id.slot + std::size_t{1});
+        names_[id.slot] = std::move(body.name);
+        for (const std::uint32_t other : body.excluded)
+            if (const auto found = here_.find(other); found != here_.end()) world_.exclude(id, found->second.id);
+    }
+    come_.clear();
+    return world_.step();
+}
+
+void RankWorld::choose(const Bodies& bodies, std::vector<BodyPair>& pairs)
+{
+    pairs_.assign(bodies.slots(), 0);
+    std::size_t kept = 0;
+    for (BodyPair pair : pairs) {
+        const Aabb a = grown(bodies.boxes()[pair.a]), b = grown(bodies.boxes()[pair.b]);
+        if (partition_.owner(a.min.cwiseMax(b.min)) != rank_) continue;
+        if (bodies.user(pair.b) < bodies.user(pair.a)) std::swap(pair.a, pair.b);
+        ++pairs_[pair.a], ++pairs_[pair.b];
+        pairs[kept++] = pair;
+    }
+    pairs.resize(kept);
+    std::ranges::sort(pairs);
+}
+
+std::uint32_t RankWorld::pairs_of(std::uint32_t gid) const
+{
+    const auto found = here_.find(gid);
+    return found == here_.end() || found->second.id.slot >= pairs_.size() ? 0 : pairs_[found->second.id.slot];
+}
+
+} // namespace oncollide

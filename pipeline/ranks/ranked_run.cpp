@@ -1,0 +1,335 @@
+#include <oncollide/pipeline/ranks/ranked_run.hpp>
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <oncollide/pipeline/report_kept.hpp>
+#include <oncollide/pipeline/result_hash.hpp>
+
+namespace oncollide {
+
+namespace {
+
+constexpr std::uint64_t work_of_a_body = 4; // next to that of a candidate pair
+enum class Sent : std::uint8_t { ghost, home };
+
+std::size_t bytes_to_others(const std::vector<Bytes>& out, int rank)
+{
+    std::size_t bytes = 0;
+    for (std::size_t to = 0; to < out.size(); ++to) bytes += int(to) == rank ? 0 : out[to].size();
+    return bytes;
+}
+
+} // namespace
+
+Rebalance rebalance_from_name(std::string_view name)
+{
+    if (name == "auto") return Rebalance::automatic;
+    if (name == "always") return Rebalance::always;
+    if (name == "never") return Rebalance::never;
+    throw Error(ErrorKind::usage, fmt::format("rebalance: nothing named '{}'; valid: auto, always, never", name));
+}
+
+RankedRun::RankedRun(Ranks& ranks, std::unique_ptr<Partitioner> partition, SceneSlice scene, const Settings& settings,
+                     const RankedOptions& options)
+    : ranks_(ranks), partition_(std::move(partition)), scene_(std::move(scene)), options_(options),
+      world_(scene_.geometries, settings, *partition_, ranks.rank()), home_(scene_.records),
+      out_(std::size_t(ranks.size())), in_(std::size_t(ranks.size()))
+{
+    together(ranks_, [&] {
+        if (options_.separate && settings.coherence && ranks_.size() > 1)
+            throw Error(ErrorKind::usage, "--separate: the gaps of pairs that stay apart come from earlier frames, which "
+                                          "other processes may have decided; add --no-coherence");
+    });
+    // Equal on all ranks: compared as the largest of it and of its complement, in halves that doubles hold exactly.
+    const auto low = double(scene_.checksum & 0xffffffffu), high = double(scene_.checksum >> 32);
+    std::array<double, 4> ends{low, -low, high, -high};
+    ranks_.most(ends);
+    together(ranks_, [&] {
+        if (ends[0] != -ends[1] || ends[2] != -ends[3])
+            throw Error(ErrorKind::bad_data, fmt::format("the processes have read different scenes (checksum {:016x} "
+                                                         "here); all need the same files",
+                                                         scene_.checksum));
+    });
+    if (scene_.recording) recorded_.resize(scene_.recording->bodies);
+    if (options_.resume) read_checkpoint();
+    open_csv();
+    began_ = phase_began_ = Clock::now();
+}
+
+RankedRun::~RankedRun()
+{
+    // What a checkpoint counts on stays.
+    if (csv_ && !finished_ && options_.checkpoint.empty() && ranks_.rank() == 0) csv_->remove();
+}
+
+void RankedRun::open_csv()
+{
+    if (options_.csv.empty()) return;
+    csv_.emplace(options_.csv);
+    together(ranks_, [&] {
+        if (ranks_.rank() == 0) csv_->create();
+    });
+    together(ranks_, [&] {
+        csv_->open();
+        if (ranks_.rank() != 0) return;
+        if (csv_end_ > csv_->size())
+            throw Error(ErrorKind::bad_data,
+                        fmt::format("{}.part: has {} bytes, where the checkpoint of frame {} counts on {}: rows are "
+                                    "lost; start again without --resume",
+                                    options_.csv.string(), csv_->size(), frame_, csv_end_));
+        csv_->truncate(csv_end_);
+        if (csv_end_ == 0) csv_->write(0, csv_header);
+    });
+    csv_end_ = std::max<std::uint64_t>(csv_end_, csv_header.size());
+}
+
+void RankedRun::end_phase(RankPhase::Kind kind, double& sum)
+{
+    const auto now = Clock::now();
+    const auto us = [&](Clock::time_point t) { return std::chrono::duration<double, std::micro>(t - began_).count(); };
+    sum += 1e-3 * (us(now) - us(phase_began_));
+    if (options_.trace) phases_.push_back({kind, std::uint32_t(frame_), us(phase_began_), us(now)});
+    phase_began_ = now;
+}
+
+void RankedRun::step()
+{
+    phase_began_ = Clock::now();
+    together(ranks_, [&] { move(); });
+    if (!partitioned_ || repartition_now_) repartition();
+    exchange();
+    std::vector<Bytes> rows(out_.size()), came;
+    together(ranks_, [&] { step_world(rows); });
+    statistics_.sent_bytes += bytes_to_others(rows, ranks_.rank());
+    ranks_.exchange(rows, came);
+    together(ranks_, [&] { take_rows(came); });
+    write_rows();
+    watch_balance();
+    end_phase(RankPhase::results, statistics_.wait_ms);
+    ++frame_;
+    if (!options_.checkpoint.empty() && frame_ % options_.checkpoint_every == 0 && frame_ < scene_.frames)
+        write_checkpoint();
+}
+
+void RankedRun::read_recording()
+{
+    scene_.recording->read(static_cast<std::uint64_t>(frame_ * scene_.pace), recorded_,
+                           [&](std::uint32_t i) { return fmt::format("body {}", scene_.recording->first + i); });
+}
+
+void RankedRun::move()
+{
+    if (scene_.recording) read_recording();
+    for (BodyRecord& body : home_) {
+        const Eigen::Isometry3d before = body.pose;
+        const std::uint32_t number = scene_.recording ? body.gid - scene_.recording->first : 0;
+        if (scene_.recording && number < scene_.recording->bodies)
+            body.pose = recorded_[number];
+        else if (!std::holds_alternative<Still>(body.motion))
+            move_body(body.motion, body.start, scene_.pace, moved_to_, frame_, body.pose);
+        if (body.box.empty() || before.matrix() != body.pose.matrix()) body.box = world_.box(body);
+    }
+    moved_to_ = frame_;
+}
+
+void RankedRun::repartition()
+{
+    std::vector<Eigen::Vector3d> centres;
+    std::vector<float> weights;
+    for (const BodyRecord& body : home_) {
+        centres.push_back(body.box.centre());
+        weights.push_back(float(work_of_a_body) + 0.5f * float(world_.pairs_of(body.gid)));
+    }
+    partition_->rebuild(ranks_, centres, weights);
+    partitioned_ = true, repartition_now_ = false, uneven_frames_ = 0;
+    ++rebuilds_;
+}
+
+/// Hands over the bodies whose home is elsewhere, shows ghosts, and learns of both.
+void RankedRun::exchange()
+{
+    for (Bytes& bytes : out_) bytes.clear();
+    const int me = ranks_.rank();
+    std::vector<int> touched;
+    ghosts_.clear();
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < home_.size(); ++i) {
+        BodyRecord& body = home_[i];
+        const int home = partition_->owner(body.box.centre());
+        partition_->ranks(body.box, touched);
+        for (const int rank : touched) {
+            if (rank == home) continue;
+            if (rank == me) {
+                ghosts_.push_back(body);
+                continue;
+            }
+            put(out_[std::size_t(rank)], Sent::ghost), put(out_[std::size_t(rank)], static_cast<BodyHere&>(body));
+        }
+        if (home == me) {
+            if (kept != i) home_[kept] = std::move(body);
+            ++kept;
+        } else {
+            put(out_[std::size_t(home)], Sent::home), put(out_[std::size_t(home)], body);
+        }
+    }
+    home_.resize(kept);
+    statistics_.sent_bytes += bytes_to_others(out_, me);
+    end_phase(RankPhase::move, statistics_.move_ms);
+    ranks_.exchange(out_, in_);
+    for (const Bytes& bytes : in_)
+        for (ByteReader reader(bytes); !reader.at_end();)
+            if (reader.get<Sent>() == Sent::home)
+                home_.push_back(get_record(reader)), ++statistics_.came;
+            else
+                ghosts_.push_back(get_body(reader));
+    end_phase(RankPhase::exchange, statistics_.wait_ms);
+}
+
+void RankedRun::step_world(std::vector<Bytes>& out)
+{
+    world_.begin();
+    for (const BodyRecord& body : home_) world_.add(body);
+    for (const BodyHere& body : ghosts_) world_.add(body);
+    const FrameView view = world_.step();
+    for (const PairResult& pair : view.pairs) {
+        ++verdicts_[std::size_t(pair.verdict)], ++kinds_[std::size_t(pair.kind)];
+        if (pair.verdict == Verdict::separate && !(csv_ && options_.separate)) continue;
+        PairResult named = pair;
+        named.a = {world_.gid(pair.a)}, named.b = {world_.gid(pair.b)};
+        Bytes& to = out[std::size_t(rank_of_row(named.a.slot))];
+        put(to, named);
+        if (csv_)
+            put_list(to, csv_row(std::uint64_t(frame_), world_.name(pair.a), world_.name(pair.b), pair,
+                                 world_.world().stages()[pair.stage], world_.world().max_error(pair.a, pair.b)));
+    }
+    last_work_ = work_of_a_body * home_.size() + view.pairs.size() + view.trees.node_pairs / 8;
+    statistics_.frames += 1, statistics_.pairs += view.pairs.size(), statistics_.work += last_work_;
+    statistics_.bodies += home_.size(), statistics_.ghosts += ghosts_.size();
+    statistics_.most_bodies = std::max<std::uint64_t>(statistics_.most_bodies, home_.size());
+    end_phase(RankPhase::step, statistics_.step_ms);
+}
+
+void RankedRun::take_rows(std::vector<Bytes>& in)
+{
+    rows_.clear();
+    for (const Bytes& bytes : in)
+        for (ByteReader reader(bytes); !reader.at_end();) {
+            Row& row = rows_.emplace_back(Row{reader.get<PairResult>(), {}});
+            if (csv_) row.text = reader.get_list<std::string>();
+        }
+    const auto order = [](const Row& row) { return BodyPair{row.pair.a.slot, row.pair.b.slot}; };
+    std::ranges::sort(rows_, {}, order);
+    if (const auto twice = std::ranges::adjacent_find(rows_, {}, order); twice != rows_.end())
+        throw Error(ErrorKind::internal, fmt::format("frame {}: bodies {} and {} were decided by two processes", frame_,
+                                                     twice->pair.a.slot, twice->pair.b.slot));
+}
+
+/// The frame's hash goes from rank to rank, each adding its rows. Nobody waits for the last one.
+void RankedRun::write_rows()
+{
+    std::uint64_t hash = ranks_.rank() == 0 ? 0 : ranks_.receive(ranks_.rank() - 1);
+    const bool kinds = wants_kinds(world_.world().settings());
+    std::string text;
+    for (const Row& row : rows_) {
+        mix(hash, row.pair, kinds);
+        if (csv_) text += row.text;
+    }
+    if (ranks_.rank() + 1 < ranks_.size())
+        ranks_.send(ranks_.rank() + 1, hash);
+    else
+        mix(hash_, hash);
+    if (!csv_) return;
+    const std::uint64_t begin = csv_end_ + ranks_.before(text.size());
+    std::uint64_t all = text.size();
+    ranks_.sum({&all, 1});
+    together(ranks_, [&] { csv_->write(begin, text); });
+    csv_end_ += all;
+}
+
+void RankedRun::watch_balance()
+{
+    if (ranks_.size() == 1 || options_.rebalance == Rebalance::never) return;
+    if (options_.rebalance == Rebalance::always) {
+        repartition_now_ = true;
+        return;
+    }
+    double most = double(last_work_);
+    std::uint64_t all = last_work_;
+    ranks_.most({&most, 1}), ranks_.sum({&all, 1});
+    const double mean = double(all) / ranks_.size();
+    uneven_frames_ = most > 1.2 * mean ? uneven_frames_ + 1 : 0;
+    // To cut anew costs each rank about as much as to look at its bodies four times.
+    const double cost = 4.0 * double(work_of_a_body) * scene_.bodies / ranks_.size();
+    repartition_now_ = uneven_frames_ >= 3 && (most - mean) * (scene_.frames - frame_ - 1) > cost;
+}
+
+void RankedRun::finish()
+{
+    finished_ = true;
+    if (!csv_) return;
+    together(ranks_, [&] { csv_->sync(); });
+    together(ranks_, [&] {
+        if (ranks_.rank() == 0) csv_->rename();
+    });
+}
+
+std::uint64_t RankedRun::hash()
+{
+    std::uint64_t hash = ranks_.rank() + 1 == ranks_.size() ? hash_ : 0;
+    ranks_.sum({&hash, 1});
+    return hash;
+}
+
+std::array<std::uint64_t, 4> RankedRun::verdicts()
+{
+    auto all = verdicts_;
+    ranks_.sum(all);
+    return all;
+}
+
+std::array<std::uint64_t, 5> RankedRun::kinds()
+{
+    auto all = kinds_;
+    ranks_.sum(all);
+    return all;
+}
+
+std::vector<RankStatistics> RankedRun::statistics(std::uint64_t peak_memory)
+{
+    statistics_.peak_memory = peak_memory;
+    std::vector<Bytes> out(out_.size()), in;
+    put(out[0], statistics_);
+    ranks_.exchange(out, in);
+    std::vector<RankStatistics> all;
+    for (const Bytes& bytes : in)
+        if (!bytes.empty()) all.push_back(ByteReader(bytes).get<RankStatistics>());
+    return all;
+}
+
+std::vector<std::vector<RankPhase>> RankedRun::phases()
+{
+    std::vector<Bytes> out(out_.size()), in;
+    put_list(out[0], phases_);
+    ranks_.exchange(out, in);
+    std::vector<std::vector<RankPhase>> all;
+    for (const Bytes& bytes : in)
+        if (!bytes.empty()) all.push_back(ByteReader(bytes).get_list<std::vector<RankPhase>>());
+    return all;
+}
+
+std::vector<StageStats> RankedRun::totals()
+{
+    std::vector<StageStats> all(world_.world().totals().begin(), world_.world().totals().end());
+    for (StageStats& s : all) {
+        std::array<std::uint64_t, 4> counts{s.in, s.out, s.culled, s.undecided};
+        std::array<double, 4> times{s.cpu_ms, s.gpu_ms, s.wait_ms, s.skipped ? 0.0 : 1.0};
+        ranks_.sum(counts), ranks_.most(times);
+        s.in = counts[0], s.out = counts[1], s.culled = counts[2], s.undecided = counts[3];
+        s.cpu_ms = times[0], s.gpu_ms = times[1], s.wait_ms = times[2], s.skipped = times[3] == 0;
+    }
+    return all;
+}
+
+} // namespace oncollide

@@ -1,0 +1,29 @@
+#pragma once
+#include <bit>
+#include <cstdint>
+
+#include <oncollide/base/random.hpp>
+#include <oncollide/pipeline/results.hpp>
+#include <oncollide/pipeline/settings.hpp>
+
+namespace oncollide {
+
+inline void mix(std::uint64_t& hash, std::uint64_t value)
+{
+    hash = splitmix(hash ^ value);
+}
+
+/// Takes a pair into a frame's hash, which begins with 0 and takes them in order. Separate pairs change nothing.
+inline void mix(std::uint64_t& hash, const PairResult& pair, bool with_kinds)
+{
+    if (pair.verdict == Verdict::separate) return;
+    mix(hash, static_cast<std::uint64_t>(pair.a.slot) << 32 | pair.b.slot);
+    mix(hash, static_cast<std::uint64_t>(pair.verdict) << 8 | pair.stage);
+    if (with_kinds) mix(hash, static_cast<std::uint64_t>(pair.kind));
+    mix(hash, std::bit_cast<std::uint64_t>(pair.bound));
+}
+
+/// Of the settings that results depend on.
+std::uint64_t hash_of(const Settings& settings);
+
+} // namespace oncollide
