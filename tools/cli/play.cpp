@@ -88,6 +88,13 @@ std::string told(const OutputOptions& outputs, int done, int all)
 
 } // namespace
 
+int say_file_faults(const World& world)
+{
+    const std::vector<std::string> faults = world.file_faults();
+    for (const std::string& fault : faults) std::cerr << "oncollide: " << printable(fault) << "\n";
+    return faults.empty() ? 0 : int(ErrorKind::bad_data);
+}
+
 int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const OutputOptions& outputs)
 {
     catch_interrupts();
@@ -125,7 +132,7 @@ int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const Out
     if (why.empty() && !outputs.quiet) say_note();
     if (done == frames) {
         release_interrupts();
-        return 0;
+        return say_file_faults(pipeline.world());
     }
     report.interrupted();
     std::cerr << fmt::format("oncollide: {} {}\n", why.empty() ? "interrupted" : why, told(outputs, done, frames));

@@ -16,4 +16,7 @@ namespace oncollide::tools {
 /// error. Whenever it ends early, the report is marked interrupted and is worth writing.
 int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const OutputOptions& outputs);
 
+/// Says what went wrong with cooked files, a line each on standard error. Returns the exit code: 0 if nothing did.
+int say_file_faults(const World& world);
+
 } // namespace oncollide::tools
