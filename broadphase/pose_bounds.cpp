@@ -5,6 +5,7 @@
 
 #include <oncollide/base/cpu_features.hpp>
 #include <oncollide/broadphase/box_kernel.hpp>
+#include <oncollide/scenes/cooked/cooked_mesh.hpp>
 
 namespace oncollide {
 
@@ -107,10 +108,18 @@ PoseBounds::PoseBounds(const GeometryData& geometry) : geometry_(geometry)
 void PoseBounds::expect(const Eigen::Isometry3d& pose)
 {
     const std::vector<Eigen::Vector3d>* points = points_of(geometry_);
-    if (final_ || !points || turns_by_quarters(pose.linear())) return;
+    const auto* cooked = std::get_if<std::shared_ptr<const CookedMesh>>(&geometry_);
+    if (final_ || (!points && !cooked) || turns_by_quarters(pose.linear())) return;
     if (++requested_ == 1) {
         const auto* mesh = std::get_if<Mesh>(&geometry_);
-        points_ = mesh ? used_points(*mesh, centre_) : point_columns(*points, centre_);
+        try {
+            points_ = mesh     ? used_points(*mesh, centre_)
+                      : cooked ? used_points((*cooked)->whole(), centre_)
+                               : point_columns(*points, centre_);
+        } catch (const ChunkFault&) { // which the file keeps: the box stays that of the rotated bounds
+            final_ = true, requested_ = 0;
+            return;
+        }
     }
     const bool large = points_.size() >= fewest_points_of_a_map;
     final_ = !large || requested_ >= boxes_that_pay_for_a_map;

@@ -16,6 +16,31 @@ const Mesh& Model::polytope() const
     return polytope_;
 }
 
+const Mesh& Model::whole() const
+{
+    std::call_once(whole_once_, [this] { whole_ = cooked()->whole(); });
+    return whole_;
+}
+
+void Model::make_boxes(ChunkBudget* budget)
+{
+    const auto* cooked = std::get_if<std::shared_ptr<const CookedMesh>>(&geometry_->data);
+    boxes = cooked && budget ? std::make_unique<ObbTree>(*cooked, *budget) : std::make_unique<ObbTree>(*surface_mesh());
+}
+
+/// Of a cooked mesh all is read for it, and none of it kept.
+void Model::make_hull()
+{
+    try {
+        if (cooked())
+            hull_.emplace(cooked()->whole());
+        else
+            hull_.emplace(*surface_mesh());
+    } catch (const ChunkFault&) { // which the file keeps
+        no_hull_ = true;
+    }
+}
+
 const Convex& Model::convex() const
 {
     std::call_once(convex_once_, [this] {
@@ -57,26 +82,33 @@ Surface Model::surface(const RootCell& root) const
 
 bool Model::closed() const
 {
-    std::call_once(closed_once_, [this] { closed_ = mesh() && is_closed(*mesh()); });
+    std::call_once(closed_once_, [this] {
+        if (is_mesh()) closed_ = cooked() && cooked()->closed() ? *cooked()->closed() : is_closed(*mesh());
+    });
     return closed_;
 }
 
 std::span<const PartPoints> Model::parts() const
 {
-    std::call_once(parts_once_, [this] { parts_ = part_points_of(geometry_->data); });
+    std::call_once(parts_once_, [this] {
+        if (!cooked())
+            parts_ = part_points_of(geometry_->data);
+        else
+            parts_ = cooked()->parts() ? *cooked()->parts() : part_points_of(whole());
+    });
     return parts_;
 }
 
 const FclModel& Model::fcl() const
 {
-    std::call_once(fcl_once_, [&] { fcl_ = make_fcl_model(geometry_->data); });
+    std::call_once(fcl_once_, [&] { fcl_ = cooked() ? make_fcl_model(*mesh()) : make_fcl_model(geometry_->data); });
     return *fcl_;
 }
 
 bool Model::expect_hull()
 {
     // Making it costs about as much as so many walks.
-    return !hull_ && has_triangles() && ++walks_ > surface_mesh()->vertices.size();
+    return !hull_ && !no_hull_ && has_triangles() && ++walks_ > vertices();
 }
 
 } // namespace oncollide

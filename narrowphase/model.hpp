@@ -35,7 +35,16 @@ public:
     explicit Model(std::shared_ptr<const Geometry> geometry);
 
     const Geometry& geometry() const { return *geometry_; }
-    const Mesh* mesh() const { return std::get_if<Mesh>(&geometry_->data); } ///< null: it is no mesh
+    /// Null: it is no mesh. Of a cooked one all of its file is read and kept, unless cooked() serves as well; then it
+    /// throws ChunkFault.
+    const Mesh* mesh() const { return cooked() ? &whole() : std::get_if<Mesh>(&geometry_->data); }
+    /// Of a mesh in a cooked file; else null.
+    const CookedMesh* cooked() const
+    {
+        const auto* mesh = std::get_if<std::shared_ptr<const CookedMesh>>(&geometry_->data);
+        return mesh ? mesh->get() : nullptr;
+    }
+    bool is_mesh() const { return cooked() || std::holds_alternative<Mesh>(geometry_->data); }
     const Shape* shape() const { return std::get_if<Shape>(&geometry_->data); }
     const OccupancyMap* map() const { return std::get_if<OccupancyMap>(&geometry_->data); }
     const Terrain* terrain() const { return std::get_if<Terrain>(&geometry_->data); }
@@ -50,13 +59,17 @@ public:
     double covering_error() const { return shape() ? bounding_mesh().covering_error : 0.0; }
     bool is_half_space() const { return shape() && std::holds_alternative<HalfSpace>(*shape()); }
     /// Is it a mesh, a box or a hull, whose triangles tell exactly?
-    bool has_triangles() const { return mesh() || (shape() && is_polytope(*shape())); }
+    bool has_triangles() const { return is_mesh() || (shape() && is_polytope(*shape())); }
     /// The shape as tests without trees take it. The model must be a shape, and no half-space.
     const Convex& convex() const;
     /// The shape as one primitive for walks. The model must be a shape, and no half-space.
     const ShapeTree& shape_tree() const;
     /// What trees of oriented boxes are built over: the mesh, or the surface of a box or a hull; null: there is none.
     const Mesh* surface_mesh() const { return !has_triangles() ? nullptr : shape() ? &polytope() : mesh(); }
+    std::size_t triangles() const { return cooked() ? cooked()->triangles() : surface_mesh()->triangles.size(); }
+    std::size_t vertices() const { return cooked() ? cooked()->vertices() : surface_mesh()->vertices.size(); }
+    /// Makes its tree of oriented boxes. @param budget  null: a cooked mesh is read as a whole
+    void make_boxes(ChunkBudget* budget);
     /// The octree of a map. The model must be a map.
     MapTree& cells() const;
     /// The quadtree of a terrain. The model must be a terrain.
@@ -84,7 +97,7 @@ public:
     /// pays? Not beside other calls.
     bool expect_hull();
     /// Makes it. Not beside other calls.
-    void make_hull() { hull_.emplace(*surface_mesh()); }
+    void make_hull();
     /// The convex solid around surface_mesh(); null: not there.
     const OuterHull* hull() const { return hull_ ? &*hull_ : nullptr; }
 
@@ -96,13 +109,14 @@ public:
 
 private:
     const Mesh& polytope() const;
+    const Mesh& whole() const;
 
     std::shared_ptr<const Geometry> geometry_;
     PoseBounds bounds_;
     mutable std::once_flag bounding_mesh_once_, closed_once_, parts_once_, fcl_once_, polytope_once_, convex_once_,
-        shape_tree_once_, cells_once_, heights_once_;
+        shape_tree_once_, cells_once_, heights_once_, whole_once_;
     mutable std::optional<BoundingMesh> bounding_mesh_;
-    mutable Mesh polytope_;
+    mutable Mesh polytope_, whole_;
     mutable Convex convex_;
     mutable std::optional<ShapeTree> shape_tree_;
     mutable std::unique_ptr<MapTree> cells_;
@@ -112,6 +126,7 @@ private:
     mutable std::shared_ptr<const FclModel> fcl_;
     std::optional<OuterHull> hull_;
     std::uint64_t walks_ = 0; ///< expected without a hull
+    bool no_hull_ = false;    ///< the file cannot be read
 };
 
 /// Around a box that is moved, rounded outward.

@@ -160,7 +160,10 @@ struct MeshQueries::Impl {
                     out = {}; // stopped, or a mesh for whose tree a budget has no room: nothing is known
                     if (i % 16 == 0) stopped = context.stopped();
                     if (!stopped && has_tree(*task.a) && has_tree(*task.b))
-                        out = finders[static_cast<std::size_t>(thread)].find(task, settings.mode, tolerance, farthest);
+                        out = store.with_room([&] {
+                            return finders[static_cast<std::size_t>(thread)].find(task, settings.mode, tolerance,
+                                                                                  farthest);
+                        });
                 }
             });
         });

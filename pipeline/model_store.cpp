@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
+
 namespace oncollide {
 
 namespace {
@@ -17,7 +19,7 @@ std::uint64_t nodes_of(const Model& model)
 } // namespace
 
 ModelStore::ModelStore(const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
-    : settings_(settings), backend_(std::move(backend))
+    : settings_(settings), backend_(std::move(backend)), chunks_(settings.resident_budget)
 {
 }
 
@@ -117,7 +119,7 @@ Ocst& ModelStore::spheres(Model& model, double max_error)
 ModelStore::Room ModelStore::all_grown(const Model& model)
 {
     Room room;
-    room.nodes = ObbTree::most_nodes(*model.surface_mesh()), room.bytes = ObbTree::most_bytes(*model.surface_mesh());
+    room.nodes = ObbTree::most_nodes(model.triangles()), room.bytes = ObbTree::most_bytes(model.triangles());
     return room;
 }
 
@@ -149,9 +151,49 @@ ObbTree& ModelStore::boxes(Model& model, std::uint32_t frame)
 
 void ModelStore::make_boxes(Model& model, const Room& room)
 {
-    model.boxes = std::make_unique<ObbTree>(*model.surface_mesh());
+    model.make_boxes(reads_on_demand(settings_) ? &chunks_ : nullptr);
     with_boxes_.push_back(&model);
     reserved_.nodes += room.nodes, reserved_.bytes += room.bytes;
+}
+
+/// The chunks that were not needed for longest, until so much is held, or all.
+void ModelStore::drop_chunks(std::size_t down_to) const
+{
+    struct Candidate {
+        std::uint64_t needed;
+        ObbTree* tree;
+        std::uint32_t chunk;
+    };
+    std::vector<Candidate> candidates;
+    for (const Model* model : with_boxes_)
+        if (const MeshChunks* chunks = model->boxes->chunked())
+            chunks->each_there([&](std::uint32_t chunk, std::uint64_t needed) {
+                candidates.push_back({needed, model->boxes.get(), chunk});
+            });
+    std::ranges::stable_sort(candidates, {}, &Candidate::needed);
+    for (const Candidate& candidate : candidates) {
+        if (chunks_.held() <= down_to) return;
+        candidate.tree->drop(candidate.chunk);
+    }
+}
+
+void ModelStore::note(const ChunkFault& fault) const
+{
+    const std::lock_guard lock(noting_);
+    ++noted_[fault.what()];
+}
+
+std::vector<std::string> ModelStore::faults() const
+{
+    const std::lock_guard lock(noting_);
+    std::vector<std::string> lines;
+    for (const auto& [what, pairs] : noted_)
+        lines.push_back(fmt::format("{} ({} result{} undecided)", what, pairs, pairs == 1 ? "" : "s"));
+    for (const Slot& slot : slots_)
+        if (slot.model && slot.model->cooked())
+            for (const std::string& what : slot.model->cooked()->faults())
+                if (!noted_.contains(what)) lines.push_back(what);
+    return lines;
 }
 
 void ModelStore::attach(std::uint32_t slot)

@@ -1,6 +1,9 @@
 #pragma once
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <mutex>
+#include <shared_mutex>
 #include <span>
 #include <string>
 #include <vector>
@@ -57,6 +60,16 @@ public:
     /// The same, whatever the budgets say; not for a map or a terrain.
     ObbTree& boxes(Model& model, std::uint32_t frame);
 
+    /// work(), which walks cooked meshes. Where their budget is in the way, chunks that were not needed for longest are
+    /// dropped, and it begins again, alone; it must not mind. Throws what it throws: ChunkFault where a file cannot be
+    /// read, or the budget is too small for it.
+    template <class Work>
+    auto with_room(Work work) const;
+    /// A pair stays undecided for this reason.
+    void note(const ChunkFault& fault) const;
+    /// What went wrong with cooked meshes, a line for each chunk or budget, and how many pairs and frames it touched.
+    std::vector<std::string> faults() const;
+
     OcclusionBackend& backend() { return *backend_; }
     const OcclusionBackend& backend() const { return *backend_; }
 
@@ -90,6 +103,7 @@ private:
     static Room all_grown(const Model& model);
 
     void make_boxes(Model& model, const Room& room);
+    void drop_chunks(std::size_t down_to) const;
     void drop(Model& model);
     Model& by_number(std::uint32_t number) const;
     std::uint64_t cells() const;
@@ -117,6 +131,29 @@ private:
     std::vector<OctantResult> results_;
     int threads_ = 1;
     std::string lost_;
+    mutable ChunkBudget chunks_;
+    mutable std::shared_mutex walking_; ///< shared by those who walk where chunks may be dropped
+    mutable std::mutex noting_;
+    mutable std::map<std::string, std::uint64_t> noted_; ///< pairs by reason
 };
+
+template <class Work>
+auto ModelStore::with_room(Work work) const
+{
+    if (!chunks_.limited()) return work();
+    try {
+        const std::shared_lock lock(walking_);
+        return work();
+    } catch (const NoRoomForChunk&) {
+    }
+    const std::unique_lock lock(walking_);
+    try {
+        drop_chunks(chunks_.limit() / 2);
+        return work();
+    } catch (const NoRoomForChunk&) {
+    }
+    drop_chunks(0);
+    return work();
+}
 
 } // namespace oncollide

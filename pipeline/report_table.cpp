@@ -83,8 +83,8 @@ std::string list_text(const Scene& scene, const PairList& list, const char* one,
 
 std::string stage_table(std::span<const StageStats> totals)
 {
-    std::string text = fmt::format("{:<24}{:<8}{:>11}{:>11}{:>11}{:>11}{:>11}\n", "stage, mean per frame", "counts", "in",
-                                   "out", "ruled out", "undecided", "ms");
+    std::string text = fmt::format("{:<24}{:<8}{:>11}{:>11}{:>11}{:>11}{:>11}\n", "stage, mean per frame", "counts",
+                                   "in", "out", "ruled out", "undecided", "ms");
     for (const StageStats& s : totals) {
         text +=
             fmt::format("{:<24}{:<8}{}{}{}{}{}{}\n", plain_words(s.stage), s.unit, cell(mean(s.in, s.frames)),

@@ -51,6 +51,8 @@ struct Settings {
     std::size_t node_budget = 0;     ///< cells that all trees together may hold; 0: no limit
     std::size_t memory_budget = 0;   ///< bytes that trees and triangle lists may hold; 0: no limit. A quarter of it, 1
                                      ///< to 16 MiB, bounds the walks that wait for trees to grow
+    std::size_t resident_budget = 0; ///< bytes that chunks of cooked meshes may hold; 0: no limit. What a pair needs is
+                                     ///< read again; a pair that needs more than that at once stays `undecided`
     bool coherence = true;           ///< try what decided a pair last first, and leave those apart that cannot have met
                                      ///< since. Never changes the result: without, every pair is walked all the same
     /// Asked every few pairs, by any thread of the call. From when it returns true, pairs that are not refined yet stay
@@ -70,6 +72,13 @@ inline bool wants_obbs(const Settings& s)
 inline bool wants_kinds(const Settings& s)
 {
     return s.contact_kinds || s.ignore_touching;
+}
+
+/// Are cooked meshes read where pairs come near them? Else as a whole: solid bodies, kinds of contact, FCL and
+/// sphere-trees need all of a mesh.
+inline bool reads_on_demand(const Settings& s)
+{
+    return s.mode == Mode::surface && !wants_kinds(s) && s.exact != ExactLevel::fcl && wants_obbs(s);
 }
 
 /// Is the exact level on, and not skipped?

@@ -89,7 +89,8 @@ void World::Impl::check_body(const BodySpec& body)
 {
     const Model& model = model_of(body.model);
     check_pose(std::nullopt, body.pose);
-    if (settings.mode == Mode::solid && !settings.open_as_surface && model.mesh() && !model.closed())
+    if (model.cooked() && !reads_on_demand(settings)) model.mesh(); // now, not in the middle of a frame
+    if (settings.mode == Mode::solid && !settings.open_as_surface && model.is_mesh() && !model.closed())
         refuse_open_mesh(name_or(model.geometry().name, "mesh"), *model.mesh());
 }
 
@@ -112,8 +113,8 @@ void World::Impl::replace(ModelId id, std::shared_ptr<const Geometry> geometry)
 {
     model_of(id);
     if (settings.mode == Mode::solid && !settings.open_as_surface && id.slot < users.size() && users[id.slot])
-        if (const auto* mesh = std::get_if<Mesh>(&geometry->data); mesh && !is_closed(*mesh))
-            refuse_open_mesh(name_or(geometry->name, "mesh"), *mesh);
+        if (const Model model(geometry); model.is_mesh() && !model.closed())
+            refuse_open_mesh(name_or(geometry->name, "mesh"), *model.mesh());
     models.replace(id, std::move(geometry));
     std::uint32_t left = id.slot < users.size() ? users[id.slot] : 0;
     for (std::uint32_t slot = 0; left > 0; ++slot)
@@ -156,6 +157,11 @@ ModelId World::add(OccupancyMap map, std::string name)
 ModelId World::add(Terrain terrain, std::string name)
 {
     return impl_->models.add(checked(std::move(name), std::move(terrain)));
+}
+ModelId World::add(std::shared_ptr<const CookedMesh> mesh, std::string name)
+{
+    if (!mesh) throw Error(ErrorKind::usage, "model: no mesh given");
+    return impl_->models.add(share(std::move(name), std::move(mesh)));
 }
 ModelId World::add(std::shared_ptr<const Geometry> geometry)
 {
@@ -373,6 +379,10 @@ std::string World::backend_note() const
                    ? "the GPU takes no part: exact tests decide, on the CPU"
                    : "the GPU takes no part in pairs of meshes: oriented boxes separate them, on the CPU";
     return impl_->backend_note;
+}
+std::vector<std::string> World::file_faults() const
+{
+    return impl_->models.faults();
 }
 std::size_t World::bytes() const
 {

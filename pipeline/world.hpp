@@ -21,6 +21,7 @@
 
 namespace oncollide {
 
+class CookedMesh;
 struct Geometry;
 class Ocst;
 class OcclusionBackend;
@@ -102,7 +103,8 @@ public:
     ModelId add(Shape shape, std::string name = {});
     ModelId add(OccupancyMap map, std::string name = {});
     ModelId add(Terrain terrain, std::string name = {});
-    ModelId add(std::shared_ptr<const Geometry> geometry); ///< shares what a Scene holds
+    ModelId add(std::shared_ptr<const CookedMesh> mesh, std::string name = {}); ///< read where tests need it
+    ModelId add(std::shared_ptr<const Geometry> geometry);                      ///< shares what a Scene holds
     /// Gives the model another geometry; all its bodies have it from now on. Cost: O(bodies of the World).
     void replace(ModelId model, Mesh mesh);
     void replace(ModelId model, Shape shape);
@@ -205,7 +207,10 @@ public:
     std::string backend() const;      ///< what finds grey cells, e.g. "cpu (avx2)"
     std::string renderer() const;     ///< GL_RENDERER of a GPU backend; empty otherwise
     std::string backend_note() const; ///< why it is not what one might expect; empty: nothing to say
-    std::size_t bytes() const;        ///< held for bodies, boxes and trees; the geometries come on top
+    /// What went wrong with cooked files so far, a line for each chunk: what the pairs that needed it stay undecided
+    /// for.
+    std::vector<std::string> file_faults() const;
+    std::size_t bytes() const; ///< held for bodies, boxes and trees; the geometries come on top
     /// The sphere-tree of a model as it is now, to look at. Null until a test reaches it. Valid until the next step.
     const Ocst* tree(ModelId model) const;
 

@@ -235,15 +235,18 @@ void World::contacts(std::span<const PairOfBodies> pairs, ContactLists& lists) c
     Impl& p = *impl_;
     for (const PairOfBodies& pair : pairs)
         for (const BodyId body : {pair.a, pair.b}) p.need_tree(p.bodies.model(p.slot_of(body)));
-    p.in_parts<Contact>(pairs, 16, lists.contacts, lists.ends,
-                        [&](auto& worker, const PairOfBodies& pair, auto& found) {
-                            const PairTask task = p.task_of(pair.a.slot, pair.b.slot);
-                            const auto has_surface = [](const Model& model) { return model.mesh() || model.terrain(); };
-                            if (has_surface(*task.a) && has_surface(*task.b))
-                                worker->contacts.find(*task.a, *task.pose_a, *task.b, *task.pose_b, found);
-                            else
-                                worker->solid_contacts.find(task, found);
-                        });
+    p.in_parts<Contact>(
+        pairs, 16, lists.contacts, lists.ends, [&](auto& worker, const PairOfBodies& pair, auto& found) {
+            const PairTask task = p.task_of(pair.a.slot, pair.b.slot);
+            const auto has_surface = [](const Model& model) { return model.is_mesh() || model.terrain(); };
+            p.models.with_room([&, begin = found.size()] {
+                found.resize(begin);
+                if (has_surface(*task.a) && has_surface(*task.b))
+                    worker->contacts.find(*task.a, *task.pose_a, *task.b, *task.pose_b, found);
+                else
+                    worker->solid_contacts.find(task, found);
+            });
+        });
 }
 
 void World::penetration(std::span<const PairOfBodies> pairs, std::span<Penetration> found) const
@@ -258,6 +261,12 @@ void World::penetration(std::span<const PairOfBodies> pairs, std::span<Penetrati
             if (!model.has_triangles())
                 throw Error(ErrorKind::usage,
                             fmt::format("penetration: {} is no mesh, box or hull", p.label(body.slot)));
+            if (model.cooked() && reads_on_demand(p.settings))
+                throw Error(
+                    ErrorKind::usage,
+                    fmt::format("penetration: {} is a cooked mesh that is read on demand, but this needs all of "
+                                "it; add what load_mesh() reads from the file",
+                                p.label(body.slot)));
             p.need_tree(model);
         }
     const ExecutorScope scope(p.settings.executor);
@@ -279,7 +288,7 @@ Distance World::distance(BodyId body_a, BodyId body_b, double tolerance, double 
     const PairTask task = p.task_of(p.slot_of(body_a), p.slot_of(body_b));
     for (Model* model : {task.a, task.b}) p.need_tree(*model);
     Impl::Borrowed worker(p);
-    return worker->distances.find(task, p.settings.mode, tolerance, farthest);
+    return p.models.with_room([&] { return worker->distances.find(task, p.settings.mode, tolerance, farthest); });
 }
 
 } // namespace oncollide

@@ -14,7 +14,10 @@
 
 namespace oncollide {
 
-using GeometryData = std::variant<Mesh, Shape, OccupancyMap, Terrain>;
+class CookedMesh;
+
+/// The last one is a mesh in a cooked file, of which is read what a test needs (scenes/cooked/cooked_mesh.hpp).
+using GeometryData = std::variant<Mesh, Shape, OccupancyMap, Terrain, std::shared_ptr<const CookedMesh>>;
 
 /// What a body is made of, in its own frame. Shared by its instances.
 struct Geometry {

@@ -8,6 +8,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/large_vector.hpp>
+#include <oncollide/scenes/cooked/cooked_mesh.hpp>
 
 namespace oncollide {
 
@@ -65,6 +66,11 @@ Aabb bounds_of(const OccupancyMap& map)
 Aabb bounds_of(const Terrain& terrain)
 {
     return terrain.bounds();
+}
+
+Aabb bounds_of(const std::shared_ptr<const CookedMesh>& mesh)
+{
+    return mesh->bounds();
 }
 
 } // namespace

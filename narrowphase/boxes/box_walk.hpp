@@ -201,11 +201,19 @@ private:
             return Entry{Hierarchy::root, infinity};
         }
     }
+    /// Is a primitive of a hint there? A geometry that is read on demand may have lost it since.
+    static bool holds(const auto& hierarchy, const auto& primitive)
+    {
+        if constexpr (requires { hierarchy.holds(primitive); })
+            return hierarchy.holds(primitive);
+        else
+            return true;
+    }
     /// Before start(), so that a hint that does not meet leaves nothing behind.
     bool go_on_after_hint(A& a, B& b, const RelativePose& b_to_a, const std::optional<Pair>& hint, auto found)
     {
         waiting_.clear(), from_.clear();
-        if (!hint) return true;
+        if (!hint || !holds(a, hint->a) || !holds(b, hint->b)) return true;
         leaves_.start(a, b, b_to_a);
         return leaves_.meeting(std::span<const Pair>(&*hint, 1), found);
     }
@@ -527,7 +535,7 @@ Comparison<typename Leaves::Pair> BoxWalk<A, B, Leaves>::compare(A& a, B& b, con
         lower = std::min(lower, distance - frame.leaf_rounding);
         return true;
     };
-    if (hint) {
+    if (hint && holds(a, hint->a) && holds(b, hint->b)) {
         leaves_.start(a, b, b_to_a);
         if (!take_pair(*hint)) return ++hints_held, Comparison<Pair>{-1, upper, witness};
         lower = upper = infinity; // the walk alone decides

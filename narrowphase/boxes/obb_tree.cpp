@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include <oncollide/narrowphase/boxes/oriented_box.hpp>
@@ -24,24 +23,54 @@ std::atomic<std::uint32_t> trees_made = 1;
 } // namespace
 
 ObbTree::ObbTree(const Mesh& mesh)
-    : mesh_(mesh), identity_(trees_made.fetch_add(1, std::memory_order_relaxed)), centre_(mesh.bounds.centre()),
-      radius_(0), chunks_(most_nodes(mesh) / chunk + 1)
+    : mesh_(&mesh), identity_(trees_made.fetch_add(1, std::memory_order_relaxed)), centre_(mesh.bounds.centre()),
+      radius_(radius_around(mesh)), vertices_(mesh.vertices.data()), triangles_(mesh.triangles.data()),
+      own_chunks_(most_nodes(mesh.triangles.size()) / chunk + 1)
 {
-    for (const Triangle& t : mesh.triangles)
-        for (std::uint32_t v : t) radius_ = std::max(radius_, (mesh.vertices[v] - centre_).squaredNorm());
-    radius_ = std::sqrt(radius_) * (1 + 0x1p-50) + 1e-150;
+    chunks_ = own_chunks_.data();
+    add_node();
+    make_root(mesh.bounds, mesh.triangles.size());
+    if (node(root).leaves) number_triangles();
+}
 
-    BoxNode& node = at(add_node());
+ObbTree::ObbTree(std::shared_ptr<const CookedMesh> mesh, ChunkBudget& budget)
+    : mesh_(nullptr), chunked_(std::make_unique<MeshChunks>(std::move(mesh), budget)),
+      identity_(trees_made.fetch_add(1, std::memory_order_relaxed)), centre_(chunked_->mesh().bounds().centre()),
+      radius_(chunked_->mesh().radius()), vertices_(chunked_->vertices()), triangles_(chunked_->triangles()),
+      order_(chunked_->order()), chunks_(chunked_->blocks())
+{
+    static_assert(chunk == MeshChunks::nodes_per_block);
+    make_root(chunked_->mesh().bounds(), chunked_->mesh().triangles());
+    if (chunked_->upper_nodes() > 1) at(root).child[0] = 1;
+}
+
+ObbTree::~ObbTree()
+{
+    for (BoxNode* nodes : own_chunks_) delete[] nodes;
+}
+
+double ObbTree::radius_around(const Mesh& mesh)
+{
+    const Eigen::Vector3d centre = mesh.bounds.centre();
+    double radius = 0;
+    for (const Triangle& t : mesh.triangles)
+        for (std::uint32_t v : t) radius = std::max(radius, (mesh.vertices[v] - centre).squaredNorm());
+    return std::sqrt(radius) * (1 + 0x1p-50) + 1e-150;
+}
+
+void ObbTree::make_root(const Aabb& bounds, std::size_t triangles)
+{
+    BoxNode& node = at(root);
     set_frame(node, Eigen::Vector3d::Zero(), 2 * radius_); // the box's corners are farther out
-    const Eigen::Vector3d half = mesh.bounds.half_extent();
+    const Eigen::Vector3d half = bounds.half_extent();
     set_box(node, 0, {-half, half});
-    node.lanes = 1, node.begin[0] = 0, node.count[0] = static_cast<std::uint32_t>(mesh.triangles.size());
+    node.lanes = 1, node.begin[0] = 0, node.count[0] = static_cast<std::uint32_t>(triangles);
     node.leaves = node.count[0] <= leaf_triangles, node.singles = node.count[0] == 1;
-    if (node.leaves) number_triangles();
 }
 
 LaneMasks ObbTree::open(Node index, const BoxPlacement* placement, OpenBoxes& boxes) const
 {
+    if (chunked_) chunked_->opened(index);
     const BoxNode& from = node(index);
     oriented_box_kernel().open(from, placement, boxes);
     return {from.leaves, from.singles};
@@ -50,7 +79,6 @@ LaneMasks ObbTree::open(Node index, const BoxPlacement* placement, OpenBoxes& bo
 double ObbTree::starts(const Aabb& box, double size, std::vector<Node>& nodes)
 {
     nodes.clear();
-    if (child(root, 0) >= aligned_) return nodes.push_back(root), std::numeric_limits<double>::infinity();
     // A margin of half the box, so that what is left out is not merely apart.
     const double margin = 0.25 * (box.max - box.min).maxCoeff(), out = margin + 0x1p-20 * radius_; // for floats
     const Eigen::Array3f low = ((box.min - centre_).array() - out).cast<float>();
@@ -63,52 +91,51 @@ double ObbTree::starts(const Aabb& box, double size, std::vector<Node>& nodes)
             const float from = (low[axis] - node.origin[axis]) / node.unit,
                         to = (high[axis] - node.origin[axis]) / node.unit;
             for (unsigned k = 0; k < 8; ++k) {
-                const auto place = float(places[axis][k]), half = float(halves[axis][k]);
-                apart[k] |= place + half < from || place - half > to;
+                const bool turned = node.qx[k] || node.qy[k] || node.qz[k]; // not by the grid, which cannot part all
+                const float half = turned ? float(node.hx[k]) + float(node.hy[k]) + float(node.hz[k]) : halves[axis][k];
+                apart[k] |= float(places[axis][k]) + half < from || float(places[axis][k]) - half > to;
             }
         }
         unsigned near = 0;
         for (unsigned k = 0; k < node.lanes; ++k) near |= unsigned(!apart[k]) << k;
         return near;
     };
-    std::array<std::uint32_t, 128> waiting; // seven more for each level, of which there are a dozen
+    std::array<std::uint32_t, 256> waiting; // seven more for each level, of which there are a dozen
     std::size_t count = 0;
     waiting[count++] = root;
     while (count) {
         const std::uint32_t index = waiting[--count];
-        BoxNode& node = at(index);
+        const BoxNode& node = at(index);
         const unsigned near = lanes_near(node);
         const double reach = 0.5 * 32767 * double(node.unit); // of the ball that the node's boxes are in
         bool deeper = reach * reach > size && count + 8 <= waiting.size();
-        std::uint32_t children[8];
-        for (unsigned left = near; left; left &= left - 1) {
-            const auto k = static_cast<unsigned>(__builtin_ctz(left));
-            children[k] = std::atomic_ref(node.child[k]).load(std::memory_order_acquire);
-            deeper = deeper && children[k] > 0 && children[k] < aligned_;
-        }
+        for (unsigned left = near; left; left &= left - 1)
+            deeper &= node.count[__builtin_ctz(left)] > grid_part_triangles;
         if (!deeper && near) nodes.push_back(index);
         for (unsigned left = deeper ? near : 0; left; left &= left - 1)
-            waiting[count++] = children[__builtin_ctz(left)];
+            waiting[count++] = child(index, static_cast<unsigned>(__builtin_ctz(left)));
     }
     return margin;
 }
 
 void ObbTree::number_triangles()
 {
-    order_.resize(mesh_.triangles.size());
-    std::iota(order_.begin(), order_.end(), 0u);
+    own_order_.resize(mesh_->triangles.size());
+    std::iota(own_order_.begin(), own_order_.end(), 0u);
+    order_ = own_order_.data();
 }
 
 /// No more than there can be: rays and boxes are small meshes.
-std::size_t ObbTree::room_in(const Mesh& mesh, std::size_t number)
+std::size_t ObbTree::room_in(std::size_t number) const
 {
-    return std::min<std::size_t>(chunk, most_nodes(mesh) - number * chunk);
+    return std::min<std::size_t>(chunk, most_nodes(mesh_->triangles.size()) - number * chunk);
 }
 
 std::uint32_t ObbTree::add_node()
 {
+    if (chunked_) return chunked_->add_node(grows_in_);
     const std::uint32_t index = used_.fetch_add(1);
-    if (!chunks_[index / chunk]) chunks_[index / chunk] = std::make_unique<BoxNode[]>(room_in(mesh_, index / chunk));
+    if (!chunks_[index / chunk]) chunks_[index / chunk] = new BoxNode[room_in(index / chunk)]();
     return index;
 }
 
@@ -117,11 +144,14 @@ std::uint32_t ObbTree::grow(std::uint32_t parent, unsigned k)
     const std::lock_guard lock(growing_);
     BoxNode& above = at(parent);
     if (above.child[k]) return above.child[k]; // another walk was first
-    if (order_.empty()) number_triangles();
     const std::uint32_t begin = above.begin[k], count = above.count[k];
+    if (chunked_)
+        chunked_->need(grows_in_ = chunked_->chunk_of(begin));
+    else if (!order_)
+        number_triangles();
     if (count > most_split)
         if (const std::uint32_t index = grow_by_grid(above, k)) return index;
-    parts_.start(mesh_, centre_, std::span(order_).subspan(begin, count));
+    parts_.start({vertices_, triangles_, chunked_ ? chunked_->numbers() : nullptr}, centre_, {order_ + begin, count});
     const std::uint32_t index = add_node();
     BoxNode& node = at(index);
     set_frame(node, centre_of(above, k), radius_of(above, k));
@@ -141,13 +171,12 @@ std::uint32_t ObbTree::grow(std::uint32_t parent, unsigned k)
 std::uint32_t ObbTree::grow_by_grid(BoxNode& above, unsigned k)
 {
     const Eigen::Vector3d middle = centre_of(above, k), reach = Eigen::Vector3d::Constant(radius_of(above, k));
-    const Eigen::Vector3d half = mesh_.bounds.half_extent();
+    const Eigen::Vector3d half = mesh_->bounds.half_extent();
     const Aabb around{(middle - reach).cwiseMax(-half), (middle + reach).cwiseMin(half)};
     const std::uint32_t begin = above.begin[k];
-    const GridPart all = split_by_grid(mesh_, centre_, std::span(order_).subspan(begin, above.count[k]), around);
+    const GridPart all = split_by_grid(*mesh_, centre_, std::span(order_ + begin, above.count[k]), around);
     if (all.parts.empty()) return 0;
     const std::uint32_t index = add_nodes(all, begin);
-    if (&above == &at(root)) aligned_ = used_;
     std::atomic_ref(above.child[k]).store(index, std::memory_order_release);
     return index;
 }
@@ -190,20 +219,28 @@ void ObbTree::add_lane(BoxNode& node, std::size_t from, std::size_t to, std::uin
     fit_box(node, k, columns_, parts_.bounds(from, to));
 }
 
-std::size_t ObbTree::most_bytes(const Mesh& mesh)
+std::size_t ObbTree::most_bytes(std::size_t triangles)
 {
-    const std::size_t triangles = mesh.triangles.size(), chunks = most_nodes(mesh) / chunk + 1;
-    return most_nodes(mesh) * sizeof(BoxNode) + chunks * sizeof(chunks_[0]) +
-           triangles * (sizeof(order_[0]) + 2 * (TriangleParts::bytes_each + sizeof(TrianglePoints)));
+    const std::size_t chunks = most_nodes(triangles) / chunk + 1;
+    return most_nodes(triangles) * sizeof(BoxNode) + chunks * sizeof(BoxNode*) +
+           triangles * (sizeof(std::uint32_t) + 2 * (TriangleParts::bytes_each + sizeof(TrianglePoints)));
 }
 
 std::size_t ObbTree::bytes() const
 {
+    const std::size_t growing = parts_.bytes() + columns_.bytes();
+    if (chunked_) return chunked_->bytes() + growing;
     std::size_t nodes = 0;
-    for (std::size_t c = 0; c < chunks_.size(); ++c)
-        if (chunks_[c]) nodes += room_in(mesh_, c);
-    return nodes * sizeof(BoxNode) + chunks_.capacity() * sizeof(chunks_[0]) + order_.capacity() * sizeof(order_[0]) +
-           parts_.bytes() + columns_.bytes();
+    for (std::size_t c = 0; c < own_chunks_.size(); ++c)
+        if (chunks_[c]) nodes += room_in(c);
+    return nodes * sizeof(BoxNode) + own_chunks_.capacity() * sizeof(own_chunks_[0]) +
+           own_order_.capacity() * sizeof(own_order_[0]) + growing;
+}
+
+void ObbTree::drop(std::uint32_t of_chunks)
+{
+    chunked_->drop(of_chunks);
+    identity_ = trees_made.fetch_add(1, std::memory_order_relaxed); // places in it are none any more
 }
 
 } // namespace oncollide

@@ -9,6 +9,7 @@
 #include <oncollide/narrowphase/boxes/box_fit.hpp>
 #include <oncollide/narrowphase/boxes/grid_split.hpp>
 #include <oncollide/narrowphase/boxes/hierarchy.hpp>
+#include <oncollide/narrowphase/boxes/mesh_chunks.hpp>
 #include <oncollide/narrowphase/boxes/triangle_parts.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 
@@ -26,6 +27,13 @@ class ObbTree {
 public:
     /// Keeps a reference to the mesh. Cost: 5 ns a triangle; the first walk costs some 60.
     explicit ObbTree(const Mesh& mesh);
+    /// Of a cooked mesh: the same tree, but that triangles have other numbers (source()). Its upper levels are those of
+    /// the file, and chunks of triangles are read when a walk first comes to them: open() and child() throw ChunkFault,
+    /// and the walk ends. Cost: that of the upper levels.
+    ObbTree(std::shared_ptr<const CookedMesh> mesh, ChunkBudget& budget);
+    ~ObbTree();
+    ObbTree(const ObbTree&) = delete;
+    ObbTree& operator=(const ObbTree&) = delete;
 
     using Node = std::uint32_t;
     using Primitive = std::uint32_t; ///< a triangle, by its number in the mesh
@@ -37,14 +45,14 @@ public:
     /// A node that holds the box of the whole mesh alone.
     static constexpr Node root = 0;
     LaneMasks open(Node index, const BoxPlacement* placement, OpenBoxes& boxes) const;
-    /// Where to start for what is in a box, in the mesh's frame: nodes of boxes along its axes, as deep as there are
-    /// such and as they are larger than a ball of that squared radius, that hold it together. Returns how far from the
-    /// box all else is at least.
+    /// Where to start for what is in a box, in the mesh's frame: nodes that hold it together, of boxes that are larger
+    /// than a ball of that squared radius, and of thousands of triangles. Returns how far from the box all else is at
+    /// least.
     double starts(const Aabb& box, double size, std::vector<Node>& nodes);
-    bool large() const { return mesh_.triangles.size() > most_split; }
+    bool large() const { return node(root).count[0] > most_split; }
     std::span<const std::uint32_t> primitives(Node index, unsigned k) const
     {
-        return std::span(order_).subspan(node(index).begin[k], node(index).count[k]);
+        return {order_ + node(index).begin[k], node(index).count[k]};
     }
     const BoxNode& node(std::uint32_t index) const { return chunks_[index / chunk][index % chunk]; }
     /// The node of the parts of box k, grown when it is not there yet. The box must hold more than one triangle.
@@ -59,22 +67,46 @@ public:
 
     /// The triangle at a place of the tree's order, by number in the mesh.
     std::uint32_t triangle(std::uint32_t place) const { return order_[place]; }
-    const Mesh& mesh() const { return mesh_; }
+    /// Not of a cooked mesh.
+    const Mesh& mesh() const
+    {
+        ONCOLLIDE_ASSERT(mesh_);
+        return *mesh_;
+    }
+    /// By number in the tree. Of a cooked mesh only what walks have come to.
+    const Eigen::Vector3d* vertices() const { return vertices_; }
+    const Triangle* triangles() const { return triangles_; }
+    TrianglePoints corners(std::uint32_t triangle) const
+    {
+        const Triangle& t = triangles_[triangle];
+        return {vertices_[t[0]], vertices_[t[1]], vertices_[t[2]]};
+    }
+    /// The number in the source of a triangle that a walk has come to.
+    std::uint32_t source(std::uint32_t triangle) const { return chunked_ ? chunked_->number(triangle) : triangle; }
+    /// Is it one that a walk has come to, and that was not dropped since? Else it is no hint.
+    bool holds(std::uint32_t triangle) const { return !chunked_ || chunked_->there(chunked_->chunk_of(triangle)); }
 
-    std::uint32_t nodes() const { return used_; }
+    /// Of a cooked mesh; else null.
+    MeshChunks* chunked() const { return chunked_.get(); }
+    /// Drops a chunk of it. Not while anybody walks.
+    void drop(std::uint32_t of_chunks);
+
+    std::uint32_t nodes() const { return chunked_ ? chunked_->nodes() : used_.load(); }
     /// Of this tree and no other: nodes of one are no nodes of another, though it may be of the same mesh.
     std::uint32_t identity() const { return identity_; }
-    std::size_t bytes() const;                                                              ///< with what growing needs
-    static std::uint64_t most_nodes(const Mesh& mesh) { return mesh.triangles.size() + 1; } ///< when all is grown
-    static std::size_t most_bytes(const Mesh& mesh);
+    std::size_t bytes() const;                                                       ///< with what growing needs
+    static std::uint64_t most_nodes(std::size_t triangles) { return triangles + 1; } ///< when all is grown
+    static std::size_t most_bytes(std::size_t triangles);
+    static double radius_around(const Mesh& mesh); ///< radius() of its tree
 
 private:
     static constexpr std::uint32_t chunk = 64;
     /// Of more triangles the upper levels come from a grid.
     static constexpr std::size_t most_split = 131072;
-    static std::size_t room_in(const Mesh& mesh, std::size_t number); ///< nodes of a chunk
+    std::size_t room_in(std::size_t number) const; ///< nodes of a chunk
 
     BoxNode& at(std::uint32_t index) { return chunks_[index / chunk][index % chunk]; }
+    void make_root(const Aabb& bounds, std::size_t triangles);
     void number_triangles();
     std::uint32_t grow(std::uint32_t parent, unsigned k);
     std::uint32_t add_node();
@@ -82,17 +114,21 @@ private:
     std::uint32_t add_nodes(const GridPart& part, std::uint32_t begin);
     void add_lane(BoxNode& node, std::size_t from, std::size_t to, std::uint32_t begin);
 
-    const Mesh& mesh_;
-    const std::uint32_t identity_;
+    const Mesh* const mesh_; ///< null: a cooked one
+    const std::unique_ptr<MeshChunks> chunked_;
+    std::uint32_t identity_;
     Eigen::Vector3d centre_;
     double radius_;
-    std::vector<std::uint32_t> order_;
-    std::vector<std::unique_ptr<BoxNode[]>> chunks_; ///< as many as there can be; null until used
+    const Eigen::Vector3d* vertices_;
+    const Triangle* triangles_;
+    std::uint32_t* order_ = nullptr;       ///< null until a box grows
+    BoxNode** chunks_;                     ///< as many as there can be; null until used
+    std::vector<std::uint32_t> own_order_; ///< what these point to, but of a cooked mesh
+    std::vector<BoxNode*> own_chunks_;
     std::atomic<std::uint32_t> used_ = 0;
-    std::uint32_t aligned_ =
-        0; ///< so many nodes, the first, hold boxes along the mesh's axes; set before they are seen
     std::mutex growing_;
-    TriangleParts parts_; ///< of the box that grows
+    std::uint32_t grows_in_ = 0; ///< the chunk of a cooked mesh where it grows
+    TriangleParts parts_;        ///< of the box that grows
     TriangleColumns columns_;
 };
 

@@ -56,6 +56,14 @@ double radius_of(const BoxNode& node, unsigned k)
     return Vector3d(node.hx[k], node.hy[k], node.hz[k]).norm() * double(node.unit) * (1 + 0x1p-20);
 }
 
+bool holds(const BoxNode& node, unsigned k, const Vector3d& point)
+{
+    const Vector3d centre = centre_of(node, k), half = Vector3d(node.hx[k], node.hy[k], node.hz[k]) * double(node.unit);
+    const Vector3d along = (axes_of(node, k).transpose() * (point - centre)).cwiseAbs();
+    const double rounding = 0x1p-48 * (point.norm() + centre.norm());
+    return (along.array() * (1 + 0x1p-21) <= half.array() + rounding).all();
+}
+
 namespace {
 
 /// Sets the axes of box k, the nearest that it can have.

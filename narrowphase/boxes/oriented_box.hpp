@@ -19,6 +19,8 @@ void set_frame(BoxNode& node, const Eigen::Vector3d& centre, double radius);
 /// The centre of box k, and how far its points are from there at most.
 Eigen::Vector3d centre_of(const BoxNode& node, unsigned k);
 double radius_of(const BoxNode& node, unsigned k);
+/// Is a point of the tree's frame in box k, as quantise() would have it?
+bool holds(const BoxNode& node, unsigned k, const Eigen::Vector3d& point);
 
 /// Fits a box around the triangles and stores it as box k: its axes as fitted_axes() has them, or the frame's own where
 /// such a box has less area and is not thicker. Conservative: the box as the box test will read it holds every point of

@@ -36,9 +36,10 @@ struct TriangleParts::Growing {
     }
 };
 
-void TriangleParts::start(const Mesh& mesh, const Eigen::Vector3d& centre, std::span<const std::uint32_t> triangles)
+void TriangleParts::start(const Source& mesh, const Eigen::Vector3d& centre, std::span<const std::uint32_t> triangles)
 {
     const std::size_t size = triangles.size();
+    numbers_ = mesh.numbers;
     triangles_.assign(triangles.begin(), triangles.end());
     items_.resize(size), bounds_.resize(size), corners_.resize(size);
     for (std::size_t i = 0; i < size; ++i) {
@@ -114,7 +115,9 @@ bool TriangleParts::before_in_a_tie(const Item& x, const Item& y, int axis) cons
         return corners;
     };
     const auto corners_x = sorted(x), corners_y = sorted(y);
-    return corners_x != corners_y ? corners_x < corners_y : triangles_[x.number] < triangles_[y.number];
+    if (corners_x != corners_y) return corners_x < corners_y;
+    const std::uint32_t a = triangles_[x.number], b = triangles_[y.number];
+    return numbers_ ? numbers_[a] < numbers_[b] : a < b;
 }
 
 /// So that the first `half` items come before() the others. The places are in [low, high] along the axis. Of many items

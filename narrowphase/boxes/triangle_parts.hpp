@@ -17,8 +17,14 @@ namespace oncollide {
 /// not depend on the order in which the triangles come. Working memory.
 class TriangleParts {
 public:
-    /// With these triangles of a mesh. All places are relative to the centre.
-    void start(const Mesh& mesh, const Eigen::Vector3d& centre, std::span<const std::uint32_t> triangles);
+    /// The triangles of a mesh, and, where they go by other numbers than in its file, these.
+    struct Source {
+        const Eigen::Vector3d* vertices;
+        const Triangle* triangles;
+        const std::uint32_t* numbers = nullptr;
+    };
+    /// With these of them. All places are relative to the centre.
+    void start(const Source& mesh, const Eigen::Vector3d& centre, std::span<const std::uint32_t> triangles);
     /// Sorts them into so many parts, eight at most, none of them empty.
     void split(unsigned parts);
     /// Part k is [end(k - 1), end(k)) of the order so made.
@@ -61,6 +67,7 @@ private:
     std::vector<Bounds> bounds_; ///< by number, as the next two
     std::vector<TrianglePoints> corners_;
     std::vector<std::uint32_t> triangles_; ///< in the mesh
+    const std::uint32_t* numbers_ = nullptr;
     std::array<std::size_t, 8> ends_;
 };
 

@@ -35,10 +35,7 @@ class TriangleCorners;
 template <>
 class TriangleCorners<ObbTree> {
 public:
-    void start(const ObbTree& tree)
-    {
-        vertices_ = tree.mesh().vertices.data(), triangles_ = tree.mesh().triangles.data();
-    }
+    void start(const ObbTree& tree) { vertices_ = tree.vertices(), triangles_ = tree.triangles(); }
     TrianglePoints points(std::uint32_t triangle) const
     {
         const Triangle& t = triangles_[triangle];

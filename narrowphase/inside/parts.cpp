@@ -96,6 +96,11 @@ std::vector<PartPoints> points_of(const Terrain& terrain)
 
 } // namespace
 
+std::vector<PartPoints> part_points_of(const Mesh& mesh)
+{
+    return points_of(mesh);
+}
+
 std::vector<PartPoints> part_points_of(const GeometryData& geometry)
 {
     const auto point = [](const Eigen::Vector3d& p) {

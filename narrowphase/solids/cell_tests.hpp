@@ -19,9 +19,9 @@ struct PlacedTriangles {
     using Placed = TrianglePoints;
     static Placed place(const ObbTree& b, const RelativePose& b_to_a, std::uint32_t triangle)
     {
-        const Triangle& t = b.mesh().triangles[triangle];
-        const auto& v = b.mesh().vertices;
-        return {b_to_a(v[t[0]]), b_to_a(v[t[1]]), b_to_a(v[t[2]])};
+        TrianglePoints points = b.corners(triangle);
+        for (Eigen::Vector3d& p : points) p = b_to_a(p);
+        return points;
     }
     static bool meet(const Aabb& cell, const Placed& b) { return cell_meets(cell, b); }
     static double distance(const Aabb& cell, const Placed& b) { return cell_distance(cell, b); }

@@ -99,9 +99,9 @@ void with_corners(Model& body, auto work)
             for (const Vector3d& p : heights.points(triangle)) take(p);
         });
     }
-    const Mesh& mesh = *body.mesh();
-    work(*body.boxes, [&](std::uint32_t triangle, auto take) {
-        for (std::uint32_t v : mesh.triangles[triangle]) take(mesh.vertices[v]);
+    ObbTree& tree = *body.boxes;
+    work(tree, [&](std::uint32_t triangle, auto take) {
+        for (const Vector3d& p : tree.corners(triangle)) take(p);
     });
 }
 

@@ -1,10 +1,13 @@
 #include <oncollide/pipeline/refine/contact_finding.hpp>
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/solids/convex_distance.hpp>
+#include <oncollide/pipeline/refine/part_solid.hpp>
 
 namespace oncollide {
 
@@ -27,6 +30,8 @@ void ContactFinding::find(Body& body_a, const Eigen::Isometry3d& pose_a, Body& b
                           std::vector<Contact>& contacts)
 {
     normals_a_.forget(), normals_b_.forget();
+    const std::size_t begin = contacts.size();
+    bool other_numbers = false;
     walks_.with(body_a, body_b, [&](auto& walk, auto& a, auto& b) {
         const RelativePose b_to_a(pose_a, pose_b);
         walk.all_meeting(a, b, b_to_a, pairs_);
@@ -34,14 +39,18 @@ void ContactFinding::find(Body& body_a, const Eigen::Isometry3d& pose_a, Body& b
         for (const TrianglePair& pair : pairs_) {
             const TrianglePoints of_a = triangles.points_a(pair.a), of_b = triangles.points_b(pair.b);
             const auto [ends, contact] = common_segment(of_a, of_b);
-            contacts.push_back({pair.a,
-                                pair.b,
+            contacts.push_back({source_of(a, pair.a),
+                                source_of(b, pair.b),
                                 contact == TriangleContact::crossing ? ContactKind::crossing : ContactKind::touching,
                                 {pose_a * ends[0], pose_a * ends[1]},
                                 pose_a.linear() * normals_a_.of(pair.a, of_a),
                                 pose_a.linear() * normals_b_.of(pair.b, of_b)});
+            other_numbers |= contacts.back().a != BodyPart(pair.a) || contacts.back().b != BodyPart(pair.b);
         }
     });
+    if (other_numbers)
+        std::sort(contacts.begin() + std::ptrdiff_t(begin), contacts.end(),
+                  [](const Contact& x, const Contact& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); });
 }
 
 template <class Body>
@@ -62,6 +71,7 @@ Distance ContactFinding::distance(Body& body_a, const Eigen::Isometry3d& pose_a,
             const NearestPoints points = nearest_points(of_a, of_b);
             d.point_a = pose_a * points.a, d.point_b = pose_a * points.b;
         }
+        d.a = source_of(a, d.a.triangle), d.b = source_of(b, d.b.triangle);
         return d;
     });
 }

@@ -45,15 +45,13 @@ constexpr std::size_t many_triangles = 1 << 17;
 /// @param convex  is what fills the box convex? Then few triangles are in the box and not in it
 void look_in(const Aabb& box, Model& inner, const RelativePose& into_inner, bool convex, auto visit)
 {
-    const Mesh* const mesh = inner.mesh();
-    if (!convex || !mesh || mesh->triangles.size() < many_triangles || !inner.boxes) {
+    if (!convex || !inner.is_mesh() || inner.triangles() < many_triangles || !inner.boxes) {
         inner.any_part(box, into_inner, visit);
         return;
     }
     any_triangle(*inner.boxes, box_moved(box, into_inner), [&](std::uint32_t triangle) {
-        const auto& [p, q, r] = mesh->triangles[triangle];
-        const auto& v = mesh->vertices;
-        return visit(PartPoints{v[p], v[q], v[r], v[p], v[q], v[r]});
+        const auto [p, q, r] = inner.boxes->corners(triangle);
+        return visit(PartPoints{p, q, r, p, q, r});
     });
 }
 

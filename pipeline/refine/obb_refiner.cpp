@@ -182,6 +182,27 @@ RefineResult ObbRefiner::exact(const RefineContext& context, const PairTask& tas
     return {Verdict::separate, ContactKind::unknown, bound};
 }
 
+/// The same where a cooked mesh may not be there: what was known of the pair then stays true.
+RefineResult ObbRefiner::refine_there(const RefineContext& context, const PairTask& task, const RefineResult& known,
+                                      PairMemory* memory, Worker& worker) const
+{
+    if (!task.a->cooked() && !task.b->cooked()) return refine(context, task, memory, worker);
+    const std::optional<PairMemory> before = memory ? std::optional(*memory) : std::nullopt;
+    const auto begin_again = [&] {
+        if (before) *memory = *before;
+    };
+    try {
+        return models_.with_room([&] {
+            begin_again();
+            return refine(context, task, memory, worker);
+        });
+    } catch (const ChunkFault& fault) {
+        begin_again();
+        models_.note(fault);
+        return known;
+    }
+}
+
 void ObbRefiner::refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
                         std::span<RefineResult> results)
 {
@@ -193,7 +214,7 @@ void ObbRefiner::refine(RefineContext& context, std::span<const PairTask> tasks,
                         for (std::size_t i = begin; i < end; ++i) {
                             if (i % pairs_per_look == 0 && context.stopped()) return;
                             PairMemory* memory = cache ? &(*cache)[tasks[i].number] : nullptr;
-                            results[i] = refine(context, tasks[i], memory, worker);
+                            results[i] = refine_there(context, tasks[i], results[i], memory, worker);
                         }
                     });
     context.trees.narrowed += tasks.size();

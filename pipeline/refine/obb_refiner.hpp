@@ -32,6 +32,8 @@ private:
         std::uint64_t by_hull = 0; ///< pairs that their hulls decided
     };
     RefineResult refine(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;
+    RefineResult refine_there(const RefineContext& context, const PairTask& task, const RefineResult& known,
+                              PairMemory* memory, Worker& worker) const;
     RefineResult near(const RefineContext& context, const PairTask& task, PairMemory* memory, double tolerance,
                       Worker& worker) const;
     RefineResult exact(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;

@@ -10,13 +10,21 @@
 
 namespace oncollide {
 
+/// A part of a body as users know it: the tree of a cooked mesh has numbers of its own.
+inline auto source_of(const auto& tree, const auto& part)
+{
+    if constexpr (requires { tree.source(part); })
+        return tree.source(part);
+    else
+        return part;
+}
+
 /// A part of a body as a convex solid, in the body's frame.
 class PartSolid {
 public:
-    PartSolid(const ObbTree& tree, std::uint32_t triangle) : flat_(true)
+    PartSolid(const ObbTree& tree, std::uint32_t triangle)
+        : corners_(tree.corners(triangle)), solid_(convex_of(corners_)), flat_(true)
     {
-        for (std::size_t k = 0; k < 3; ++k) corners_[k] = tree.mesh().vertices[tree.mesh().triangles[triangle][k]];
-        solid_ = convex_of(corners_);
     }
     PartSolid(const TerrainTree& tree, std::uint32_t triangle)
         : corners_(tree.points(triangle)), solid_(convex_of(corners_)), flat_(true)

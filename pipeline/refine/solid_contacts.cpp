@@ -46,8 +46,8 @@ void find_parts(Walk& walk, auto& a, auto& b, const Isometry3d& pose_a, const Is
         const PartSolid of_a(a, pair.a), of_b(b, pair.b);
         const ConvexDistance points =
             ConvexPair(of_a.solid(), of_b.solid(), placed.b_to_a, placed.slack).distance(nearest_of_all);
-        Contact c{pair.a,
-                  pair.b,
+        Contact c{source_of(a, pair.a),
+                  source_of(b, pair.b),
                   ContactKind::unknown,
                   {pose_a * points.on_a, pose_a * points.on_b},
                   pose_a.linear() * of_a.normal(points.on_a),
@@ -94,7 +94,7 @@ void find_under(const PairTask& task, bool swapped, std::vector<Contact>& contac
     HalfSpacePair(body, placed.b_to_a, placed.slack).each_meeting([&](const BodyPart& part, const Vector3d& lowest) {
         const Vector3d point = plane * lowest;
         Contact c{{},
-                  part,
+                  body.is_mesh() ? BodyPart(source_of(*body.boxes, part.triangle)) : part,
                   ContactKind::unknown,
                   {point, point},
                   plane.linear().col(2),

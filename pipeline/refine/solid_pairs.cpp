@@ -152,7 +152,7 @@ Distance placed_distance(auto& a, auto& b, const PlacedPair& placed, double off,
     Distance d{.lower = std::max(found.lower * (1 - placed.slack) - off, 0.0),
                .upper = found.upper * (1 + placed.slack) + off};
     if (!found.nearest) return d;
-    d.a = found.nearest->a, d.b = found.nearest->b;
+    d.a = source_of(a, found.nearest->a), d.b = source_of(b, found.nearest->b);
     const PartSolid of_a(a, found.nearest->a), of_b(b, found.nearest->b);
     const ConvexDistance points = ConvexPair(of_a.solid(), of_b.solid(), placed.b_to_a, placed.slack).distance({});
     d.point_a = points.on_a, d.point_b = points.on_b;
@@ -198,7 +198,7 @@ Model& placed_first(const PairTask& task)
 
 bool is_surface(const Model& model)
 {
-    return model.mesh() || (model.terrain() && model.terrain()->error() == 0);
+    return model.is_mesh() || (model.terrain() && model.terrain()->error() == 0);
 }
 
 bool is_polytope(const Model& model)

@@ -4,6 +4,7 @@
 
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/base/near_word.hpp>
+#include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 #include <oncollide/scenes/files/terrain_file.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
@@ -108,7 +109,8 @@ Mesh fitted(const std::string& name, Mesh mesh, const MeshOptions& options)
     return transformed(name, std::move(mesh), scale, origin);
 }
 
-Mesh read_mesh(const Node& node, const std::string& name, const fs::path& folder)
+/// Stays in its file, where that is cooked.
+GeometryData read_mesh(const Node& node, const std::string& name, const fs::path& folder, const MeshReading& meshes)
 {
     node.only({"file", "generate", "vertices", "triangles", "scale", "fit_diagonal", "centre"});
     const bool listed = node.has("vertices") || node.has("triangles");
@@ -119,7 +121,15 @@ Mesh read_mesh(const Node& node, const std::string& name, const fs::path& folder
                               .centre = node.has("centre") && node["centre"].boolean()};
     if (node.has("file")) {
         const Node file = node["file"];
-        return at(file, [&] { return load_mesh(file_in(folder, file.text()), options); });
+        return at(file, [&]() -> GeometryData {
+            const fs::path path = file_in(folder, file.text());
+            if (!meshes.on_demand) return load_mesh(path, options);
+            if (is_cooked(path) && options == MeshOptions{}) return std::make_shared<const CookedMesh>(path);
+            if (meshes.cooked)
+                if (const auto cooked = meshes.cooked(path, options))
+                    return std::make_shared<const CookedMesh>(*cooked);
+            return load_mesh(path, options);
+        });
     }
     if (node.has("generate")) {
         const Node generator = node["generate"];
@@ -316,7 +326,8 @@ std::string recipe_of(const Node& entry, const fs::path& folder)
 
 } // namespace
 
-GeometryId add_geometry(Scene& scene, std::string_view given_name, const Node& entry, const fs::path& folder)
+GeometryId add_geometry(Scene& scene, std::string_view given_name, const Node& entry, const fs::path& folder,
+                        const MeshReading& meshes)
 {
     const std::string name(given_name);
     const std::string_view source = entry.one_of({"mesh", "shape", "octomap", "terrain"});
@@ -331,10 +342,11 @@ GeometryId add_geometry(Scene& scene, std::string_view given_name, const Node& e
         Terrain terrain = read_terrain(node, folder);
         return at(entry, [&] { return scene.add(name, std::move(terrain), recipe_of(entry, folder)); });
     }
-    Mesh mesh = read_mesh(node, name, folder);
-    if (mesh.zero_area > 0)
+    GeometryData mesh = read_mesh(node, name, folder, meshes);
+    const auto* cooked = std::get_if<std::shared_ptr<const CookedMesh>>(&mesh);
+    if (const std::size_t flat = cooked ? (*cooked)->zero_area() : std::get<Mesh>(mesh).zero_area)
         scene.warnings.push_back(
-            fmt::format("{}: {} triangle{} without area (kept)", name, mesh.zero_area, mesh.zero_area == 1 ? "" : "s"));
+            fmt::format("{}: {} triangle{} without area (kept)", name, flat, flat == 1 ? "" : "s"));
     return at(entry, [&] { return scene.add(name, std::move(mesh), recipe_of(entry, folder)); });
 }
 
@@ -348,7 +360,8 @@ GeometryId add_geometry(Scene& scene, const std::string& name, const Json& entry
 
 void Expansion::count(const Geometry& geometry, const Node& entry)
 {
-    if (std::holds_alternative<Shape>(geometry.data)) return;
+    using Cooked = std::shared_ptr<const CookedMesh>; // takes no memory that its file does not
+    if (std::holds_alternative<Shape>(geometry.data) || std::holds_alternative<Cooked>(geometry.data)) return;
     const Mesh* mesh = std::get_if<Mesh>(&geometry.data);
     const Terrain* terrain = std::get_if<Terrain>(&geometry.data);
     const Node node = entry[mesh ? "mesh" : terrain ? "terrain" : "octomap"];
@@ -375,6 +388,8 @@ Json entry_of(const Geometry& geometry, const fs::path& folder, const std::strin
         change_file(entry, [&](const fs::path& file) { return fs::proximate(file, folder); });
         return entry;
     }
+    if (const auto* cooked = std::get_if<std::shared_ptr<const CookedMesh>>(&geometry.data))
+        return {{"mesh", {{"file", fs::proximate((*cooked)->name(), folder).string()}}}};
     if (const Mesh* mesh = std::get_if<Mesh>(&geometry.data))
         return {{"mesh", {{"vertices", list_of(mesh->vertices)}, {"triangles", mesh->triangles}}}};
     if (const Terrain* terrain = std::get_if<Terrain>(&geometry.data))

@@ -9,6 +9,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/scenes/files/json/json_node.hpp>
+#include <oncollide/scenes/files/scene_file.hpp>
 #include <oncollide/scenes/scene.hpp>
 
 namespace oncollide {
@@ -20,7 +21,8 @@ using Json = nlohmann::json;
 /// Adds the geometry that `entry` describes; its recipe is the entry with absolute paths. Zero-area triangles become a
 /// line in scene.warnings. Throws Error like load_scene.
 /// @param folder  what relative paths in the entry are relative to
-GeometryId add_geometry(Scene& scene, std::string_view name, const Node& entry, const std::filesystem::path& folder);
+GeometryId add_geometry(Scene& scene, std::string_view name, const Node& entry, const std::filesystem::path& folder,
+                        const MeshReading& meshes = {});
 
 /// The same for code that writes the entry itself; paths are relative to the current folder.
 GeometryId add_geometry(Scene& scene, const std::string& name, const Json& entry);

@@ -8,6 +8,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
+#include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/files/mesh/mesh_source.hpp>
 
 namespace oncollide {
@@ -41,8 +42,8 @@ const Format& format_of(const std::filesystem::path& path, std::string_view byte
                    [](unsigned char c) { return std::tolower(c); });
     for (const Format& format : formats)
         if (extension == std::string(".") + format.extension) return format;
-    throw Error(ErrorKind::bad_data, fmt::format("{}: unknown kind of mesh file '{}'; known are {}", path.string(),
-                                                 extension, fmt::join(mesh_extensions(), ", ")));
+    throw Error(ErrorKind::bad_data, fmt::format("{}: unknown kind of mesh file '{}'; known are {}, and cooked",
+                                                 path.string(), extension, fmt::join(mesh_extensions(), ", ")));
 }
 
 void check(const std::string& name, const MeshOptions& options)
@@ -61,15 +62,17 @@ Mesh load_mesh(const std::filesystem::path& path, const MeshOptions& options)
 {
     const std::string name = path == "-" ? "standard input" : path.string();
     check(name, options);
-    RawMesh raw;
-    {
+    Mesh mesh;
+    if (is_cooked(path)) {
+        mesh = CookedMesh(path).whole();
+    } else {
         const FileBytes bytes = read_large_file(path, std::uintmax_t(2) << 30);
         const Format& format = format_of(path, bytes);
-        raw = format.read({name, bytes});
+        RawMesh raw = format.read({name, bytes});
         if (raw.triangles.empty())
             throw Error(ErrorKind::bad_data, fmt::format("{}: the file holds no triangle", name));
+        mesh = make_mesh(name, std::move(raw.vertices), std::move(raw.triangles));
     }
-    Mesh mesh = make_mesh(name, std::move(raw.vertices), std::move(raw.triangles));
     double scale = options.scale;
     if (options.fit_diagonal > 0) {
         if (!(mesh.bounds.diagonal() > 0))

@@ -12,9 +12,12 @@ struct MeshOptions {
     double scale = 1.0;      ///< metres per unit of the file; finite, > 0
     double fit_diagonal = 0; ///< when > 0: scale again so that the bounding box's diagonal is this long
     bool centre = false;     ///< move the bounding box's centre to the origin
+
+    friend bool operator==(const MeshOptions&, const MeshOptions&) = default;
 };
 
-/// Reads OBJ, STL (text and binary), PLY (text and binary), OFF (text), glTF and GLB. Coordinates are the file's own,
+/// Reads OBJ, STL (text and binary), PLY (text and binary), OFF (text), glTF, GLB, and all of a cooked file
+/// (docs/cooked.md). Coordinates are the file's own,
 /// in double: no digit of a text file is lost. Polygons are triangulated; zero-area triangles stay; points and lines
 /// are left out; all parts of the file, placed by its node tree, become one mesh. Vertices keep the file's order (OBJ,
 /// PLY, OFF); where the format repeats them for every triangle (STL, glTF), equal positions become one vertex. Throws

@@ -200,7 +200,7 @@ void read_tables(Scene& scene, const Node& tables, const fs::path& folder)
     for (const Node& table : tables) at(table, [&] { read_body_table(scene, table, folder); });
 }
 
-Scene read_scene(SceneText& text, const fs::path& path)
+Scene read_scene(SceneText& text, const fs::path& path, const MeshReading& meshes)
 {
     const Node root = text.root();
     root.only({"name", "frames", "geometries", "bodies", "tables", "recording", "exclude"});
@@ -213,7 +213,8 @@ Scene read_scene(SceneText& text, const fs::path& path)
     if (!geometries.is_object()) geometries.fail("must be an object: a name and a geometry for each");
     Expansion expansion;
     for (const Node& geometry : geometries)
-        expansion.count(scene.geometries[index(add_geometry(scene, geometry.key(), geometry, folder))], geometry);
+        expansion.count(scene.geometries[index(add_geometry(scene, geometry.key(), geometry, folder, meshes))],
+                        geometry);
     if (root.has("bodies") || !root.has("tables")) reserve(scene, root["bodies"]);
     text.each_body([&](const Node& body) { read_body(scene, body, folder); });
     if (root.has("tables")) read_tables(scene, root["tables"], folder);
@@ -229,7 +230,7 @@ Scene read_scene(SceneText& text, const fs::path& path)
 
 } // namespace
 
-Scene load_scene(const fs::path& path)
+Scene load_scene(const fs::path& path, const MeshReading& meshes)
 {
     const std::string file = path == "-" ? "standard input" : path.string();
     std::error_code ignored;
@@ -239,7 +240,7 @@ Scene load_scene(const fs::path& path)
     try {
         SceneText text(file, json);
         try {
-            return read_scene(text, path);
+            return read_scene(text, path, meshes);
         } catch (const Error&) {
             text.each_body([](const Node&) {}); // what is no JSON at all is said first
             throw;

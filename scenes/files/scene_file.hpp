@@ -1,15 +1,25 @@
 #pragma once
 #include <filesystem>
+#include <functional>
+#include <optional>
 
+#include <oncollide/scenes/files/mesh_file.hpp>
 #include <oncollide/scenes/scene.hpp>
 
 namespace oncollide {
+
+/// How meshes come into a scene.
+struct MeshReading {
+    bool on_demand = false; ///< those in cooked files stay there, and are read where tests need them
+    /// The cooked file that stands for a mesh file, which need not be one yet; nothing: the mesh file is read.
+    std::function<std::optional<std::filesystem::path>(const std::filesystem::path&, const MeshOptions&)> cooked{};
+};
 
 /// Reads a scene file (JSON; schema in docs/scene-format.md). Paths in it are relative to the file's own folder.
 /// "-" is standard input, whose folder is the current one.
 /// Throws Error{no_input} or Error{bad_data}; messages begin with the path and the place in it (`bodies[3].mesh`), and
 /// for an unknown key or name list the valid ones.
-Scene load_scene(const std::filesystem::path& path);
+Scene load_scene(const std::filesystem::path& path, const MeshReading& meshes = {});
 
 /// Writes `scene` as it stands at frame 0 (start_poses), so that load_scene gives it back bit for bit: every number in
 /// a form that reads back exactly. Files that the scene uses are named relative to `path`'s folder. Geometries made in

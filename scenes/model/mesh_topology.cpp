@@ -1,10 +1,12 @@
 #include <oncollide/scenes/model/mesh_topology.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <compare>
 #include <limits>
 #include <numeric>
 
+#include <oncollide/base/random.hpp>
 #include <oncollide/scenes/model/exact_area.hpp>
 
 namespace oncollide {
@@ -33,6 +35,28 @@ std::vector<std::uint32_t> weld(const std::vector<Eigen::Vector3d>& vertices)
 bool has_area(const Mesh& mesh, const Triangle& t)
 {
     return !has_zero_area(mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]);
+}
+
+/// Do the edges of triangles with an area cancel, each with one that runs the other way? If not the mesh is not closed;
+/// else it may be. One look at each triangle: sums of hashes that only differ in sign.
+bool edges_may_cancel(const Mesh& mesh)
+{
+    std::vector<std::uint64_t> hashes(mesh.vertices.size());
+    std::ranges::transform(mesh.vertices, hashes.begin(), [](const Eigen::Vector3d& v) {
+        std::uint64_t hash = 0;
+        for (const double x : v) hash = splitmix(hash ^ std::bit_cast<std::uint64_t>(x + 0.0)); // -0 is 0
+        return hash;
+    });
+    std::uint64_t sum = 0;
+    for (const Triangle& t : mesh.triangles) {
+        if (mesh.zero_area > 0 && !has_area(mesh, t)) continue;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::uint64_t from = hashes[t[i]], to = hashes[t[(i + 1) % 3]];
+            const std::uint64_t edge = splitmix(std::min(from, to) * 3 ^ std::max(from, to));
+            sum += from < to ? edge : 0 - edge;
+        }
+    }
+    return sum == 0;
 }
 
 } // namespace
@@ -71,7 +95,7 @@ bool is_closed(const Mesh& mesh)
 {
     const bool some_area =
         std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) { return has_area(mesh, t); });
-    return some_area && open_edges(mesh).empty();
+    return some_area && edges_may_cancel(mesh) && open_edges(mesh).empty();
 }
 
 std::vector<std::uint32_t> parts_of(const Mesh& mesh)

@@ -6,6 +6,7 @@
 #include <octomap/OcTree.h>
 
 #include "scenes/mesh_writers.hpp"
+#include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 
@@ -227,6 +228,17 @@ std::vector<std::string> recording_seeds()
         return bytes;
     };
     return {array("(2, 1, 7)", 2, 0.0), array("(3, 2, 7)", 6, 0.0f)};
+}
+
+std::vector<std::string> cooked_seeds()
+{
+    const TemporaryFolder folder;
+    std::vector<std::string> seeds;
+    for (const Mesh& mesh : {box(), make_soup_mesh(30, 0.3, 1, 5), make_terrain_mesh(10, 1, 65, 2)}) {
+        cook_mesh(mesh, folder / "a.cooked");
+        seeds.push_back(folder.read("a.cooked"));
+    }
+    return seeds;
 }
 
 void add_companions(const TemporaryFolder& folder)

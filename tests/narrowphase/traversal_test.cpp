@@ -117,8 +117,8 @@ TEST(Traversal, FindsEveryPairOfTrianglesOfBruteForce)
         }
         EXPECT_GT(colliding, 1u) << c.name;
         EXPECT_LT(colliding, 14u) << c.name;
-        EXPECT_LE(a.nodes(), ObbTree::most_nodes(c.a));
-        EXPECT_LE(a.bytes(), ObbTree::most_bytes(c.a));
+        EXPECT_LE(a.nodes(), ObbTree::most_nodes(c.a.triangles.size()));
+        EXPECT_LE(a.bytes(), ObbTree::most_bytes(c.a.triangles.size()));
     }
 }
 

@@ -27,7 +27,7 @@ TEST(ObbTrees, ReserveRoomUntilTheyAreDropped)
     const Scene scene = row_of_balls();
     const Mesh& mesh = std::get<Mesh>(scene.geometries[0].data);
     Settings settings;
-    settings.age_limit = 2, settings.memory_budget = 5 * ObbTree::most_bytes(mesh) / 2;
+    settings.age_limit = 2, settings.memory_budget = 5 * ObbTree::most_bytes(mesh.triangles.size()) / 2;
     ModelStore models(settings, make_cpu_backend());
     std::vector<Model*> balls_of;
     for (std::size_t i = 0; i < balls; ++i) balls_of.push_back(&models[models.add(scene.geometries.share(i))]);
@@ -44,7 +44,7 @@ TEST(ObbTrees, ReserveRoomUntilTheyAreDropped)
 TEST(ObbTrees, OfAPairThatPartedMakeRoomForOthers)
 {
     Scene scene = row_of_balls();
-    const std::size_t bytes = ObbTree::most_bytes(std::get<Mesh>(scene.geometries[0].data));
+    const std::size_t bytes = ObbTree::most_bytes(std::get<Mesh>(scene.geometries[0].data).triangles.size());
     Settings settings;
     settings.exact = ExactLevel::predicates, settings.age_limit = 2, settings.memory_budget = 5 * bytes / 2;
     Pipeline pipeline(scene, settings);

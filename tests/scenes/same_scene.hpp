@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/scene.hpp>
 
 namespace oncollide::test {
@@ -89,6 +90,11 @@ inline bool same(const Shape& a, const Shape& b)
 {
     return a.index() == b.index() &&
            std::visit([&](const auto& shape) { return same(shape, std::get<std::decay_t<decltype(shape)>>(b)); }, a);
+}
+
+inline bool same(const std::shared_ptr<const CookedMesh>& a, const std::shared_ptr<const CookedMesh>& b)
+{
+    return a->name() == b->name() && same(a->whole(), b->whole());
 }
 
 inline void expect_same_poses(const Scene& a, const Scene& b, const char* when)

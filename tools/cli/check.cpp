@@ -2,6 +2,7 @@
 #include "cli/log.hpp"
 #include "cli/numbers.hpp"
 #include "cli/options.hpp"
+#include "cli/play.hpp"
 #include "cli/system.hpp"
 
 #include <algorithm>
@@ -17,6 +18,7 @@
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/printable.hpp>
 #include <oncollide/pipeline/contacts.hpp>
+#include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 #include <oncollide/scenes/files/terrain_file.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
@@ -27,6 +29,7 @@ namespace {
 struct CheckOptions {
     std::string a, b, pose_a, pose_b;
     SettingsOptions settings;
+    CacheOptions cache;
     std::string json, contacts;
     std::optional<double> distance; ///< tolerance, metres
     bool quiet = false;
@@ -50,7 +53,7 @@ Eigen::Isometry3d parse_pose(const std::string& option, const std::string& text,
     return pose;
 }
 
-GeometryId add_file(Scene& scene, const std::string& name, const std::string& path)
+GeometryId add_file(Scene& scene, const std::string& name, const std::string& path, const MeshReading& cache)
 {
     std::string extension = std::filesystem::path(path).extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
@@ -58,6 +61,10 @@ GeometryId add_file(Scene& scene, const std::string& name, const std::string& pa
     if (extension == ".bt" || extension == ".ot") return scene.add(name, load_octomap(path));
     if (std::ranges::count(terrain_extensions(), extension.substr(extension.empty() ? 0 : 1)))
         return scene.add(name, load_terrain(path));
+    if (extension == ".cooked") return scene.add(name, std::make_shared<const CookedMesh>(path));
+    if (cache.cooked)
+        if (const auto cooked = cache.cooked(path, {}))
+            return scene.add(name, std::make_shared<const CookedMesh>(*cooked));
     return scene.add(name, load_mesh(path));
 }
 
@@ -68,8 +75,9 @@ Scene load_pair(const CheckOptions& options)
     const Eigen::Isometry3d pose_a = parse_pose("--pose-a", options.pose_a, scene.warnings);
     const Eigen::Isometry3d pose_b = parse_pose("--pose-b", options.pose_b, scene.warnings);
     const std::string name_b = options.a == options.b ? options.b + " (second)" : options.b;
-    const GeometryId a = add_file(scene, options.a, options.a);
-    const GeometryId b = options.a == options.b ? a : add_file(scene, options.b, options.b);
+    const MeshReading cache = reading_with(options.cache);
+    const GeometryId a = add_file(scene, options.a, options.a, cache);
+    const GeometryId b = options.a == options.b ? a : add_file(scene, options.b, options.b, cache);
     scene.add_body({.name = options.a, .geometry = a, .pose = pose_a});
     scene.add_body({.name = name_b, .geometry = b, .pose = pose_b});
     return scene;
@@ -196,6 +204,7 @@ int check_pair(const CheckOptions& options)
         said << describe_distance(scene, pipeline.world(), *options.distance) << "\n";
     if (!options.json.empty()) report.write_json(options.json);
     if (contacts) write_contacts(pipeline.world(), *contacts);
+    if (const int code = say_file_faults(pipeline.world())) return code;
     return pair.verdict == Verdict::separate ? 0 : pair.verdict == Verdict::colliding ? 1 : 2;
 }
 
@@ -205,9 +214,10 @@ void add_check(Arguments app)
 {
     Arguments sub = app.add_command("check", "Check two files against each other, once");
     auto options = std::make_shared<CheckOptions>();
-    sub.add_option("A", options->a,
-                   "mesh (OBJ, STL, PLY, OFF, glTF; '-': standard input), OctoMap (.bt, .ot) or terrain (PGM, PNG, "
-                   "NumPy, GDAL's)")
+    sub.add_option(
+           "A", options->a,
+           "mesh (OBJ, STL, PLY, OFF, glTF, cooked; '-': standard input), OctoMap (.bt, .ot) or terrain (PGM, PNG, "
+           "NumPy, GDAL's)")
         .required()
         .type_name("FILE");
     sub.add_option("B", options->b, "the other one; may be the same file").required().type_name("FILE");
@@ -216,6 +226,7 @@ void add_check(Arguments app)
     sub.add_option("--pose-b", options->pose_b, "pose of B").type_name("\"x y z qx qy qz qw\"");
     options->settings.exact.clear();
     add_accuracy_options(sub, options->settings);
+    add_cache_options(sub, options->cache);
     sub.add_option("--json", options->json, "write the result as JSON; '-' is standard output").type_name("FILE");
     sub.add_option(
            "--contacts", options->contacts,

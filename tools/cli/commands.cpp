@@ -11,6 +11,7 @@ void add_commands(Arguments app)
     add_render(app);
     add_check(app);
     add_clash(app);
+    add_cook(app);
     add_scene(app);
     add_spheres(app);
     add_bench(app);

@@ -14,6 +14,7 @@
 #include <oncollide/scenes/files/assembly_file.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
 
+#include "cli/cooked_cache.hpp"
 #include "cli/log.hpp"
 
 namespace oncollide::tools {
@@ -134,6 +135,11 @@ void add_pipeline_options(Arguments command, SettingsOptions& o)
             "bytes that all trees may hold, e.g. 64M; 0: no limit (default). A quarter of it, 1 to 16 MiB, is for "
             "work in hand")
         .type_name("BYTES");
+    command
+        .add_option("--resident", o.resident,
+                    "bytes that cooked meshes may hold, e.g. 64M; 0: no limit (default). Never changes the result, but "
+                    "where one pair alone needs more")
+        .type_name("BYTES");
     command.add_flag("--no-coherence", o.no_coherence,
                      "look at every pair anew, whatever earlier frames told of it; same result");
     command.group("Options");
@@ -162,9 +168,31 @@ Settings settings_from(const SettingsOptions& o)
                       .age_limit = o.age,
                       .node_budget = parse_amount("--node-budget", o.node_budget),
                       .memory_budget = parse_amount("--memory-budget", o.memory_budget),
+                      .resident_budget = parse_amount("--resident", o.resident),
                       .coherence = !o.no_coherence};
     check(settings);
     return settings;
+}
+
+void add_cache_options(Arguments command, CacheOptions& o)
+{
+    command
+        .add_option("--cache", o.folder,
+                    "folder of cooked meshes: mesh files are cooked there when they are first used, and found by their "
+                    "content from then on")
+        .type_name("DIR");
+    command.add_option("--cache-size", o.bytes, "bytes that the folder may hold; the oldest go first (default 4G)")
+        .type_name("BYTES");
+}
+
+MeshReading reading_with(const CacheOptions& o)
+{
+    const std::size_t most = parse_amount("--cache-size", o.bytes);
+    if (o.folder.empty()) return {.on_demand = true};
+    return {.on_demand = true,
+            .cooked = [cache = CookedCache(o.folder, most)](const fs::path& mesh, const MeshOptions& options) {
+                return cache.cooked(mesh, options);
+            }};
 }
 
 void add_catalogue_options(Arguments command, SceneOptions& o)
@@ -237,8 +265,9 @@ Scene open_scene(const SceneOptions& o)
     if (o.bodies || o.seed)
         usage(
             fmt::format("--{} is for scenes of the catalogue; '{}' is a file", o.bodies ? "bodies" : "seed", o.scene));
-    Scene scene =
-        o.scene.ends_with(".glb") || o.scene.ends_with(".gltf") ? load_assembly_scene(o.scene) : load_scene(o.scene);
+    Scene scene = o.scene.ends_with(".glb") || o.scene.ends_with(".gltf") ? load_assembly_scene(o.scene)
+                  : o.on_demand                                           ? load_scene(o.scene, reading_with(o.cache))
+                                                                          : load_scene(o.scene);
     if (o.frames) scene.frames = *o.frames;
     scene.pace = o.pace;
     return said(std::move(scene));

@@ -9,6 +9,7 @@
 #include "cli/outputs.hpp"
 
 #include <oncollide/pipeline/settings.hpp>
+#include <oncollide/scenes/files/scene_file.hpp>
 #include <oncollide/scenes/scene.hpp>
 
 // Options that several subcommands share. Each struct has one function that adds its options to a subcommand; the
@@ -27,6 +28,7 @@ struct SettingsOptions {
     std::vector<std::string> skip;
     int age = Settings{}.age_limit;
     std::string node_budget = "0", memory_budget = "0";
+    std::string resident = "0";
     bool no_coherence = false;
 };
 
@@ -35,6 +37,14 @@ void add_pipeline_options(Arguments command, SettingsOptions& options); ///< the
 /// Throws Error{usage} for a name or number out of range.
 Settings settings_from(const SettingsOptions& options);
 
+/// Of cooked meshes.
+struct CacheOptions {
+    std::string folder, bytes = "4G";
+};
+void add_cache_options(Arguments command, CacheOptions& options);
+/// How a scene's meshes are read with that cache, or without one.
+MeshReading reading_with(const CacheOptions& options);
+
 /// A scene file, a glTF assembly, or a scene of the catalogue by name.
 struct SceneOptions {
     std::string scene;
@@ -42,6 +52,8 @@ struct SceneOptions {
     std::optional<std::uint64_t> seed;
     std::string data;
     double pace = 1;
+    CacheOptions cache;
+    bool on_demand = false; ///< meshes in cooked files stay there; for those who ask nothing of a scene but results
 };
 
 void add_catalogue_options(Arguments command, SceneOptions& options); ///< bodies, frames, seed, data

@@ -100,6 +100,13 @@ std::string describe(const FrameView& frame)
 
 } // namespace
 
+int say_file_faults(const World& world)
+{
+    const std::vector<std::string> faults = world.file_faults();
+    for (const std::string& fault : faults) log(LogLevel::error, fault);
+    return faults.empty() ? 0 : int(ErrorKind::bad_data);
+}
+
 int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const OutputOptions& outputs, int first,
          std::span<FrameSink* const> sinks)
 {
@@ -141,7 +148,7 @@ int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const Out
     if (why.empty() && !outputs.quiet) say_note();
     if (done == frames) {
         release_interrupts();
-        return 0;
+        return say_file_faults(pipeline.world());
     }
     report.interrupted();
     log(LogLevel::error, fmt::format("{} {}", why.empty() ? "interrupted" : why, told(outputs, done, frames)));

@@ -29,4 +29,7 @@ public:
 int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const OutputOptions& outputs, int first = 0,
          std::span<FrameSink* const> sinks = {});
 
+/// Says what went wrong with cooked files, a line each on standard error. Returns the exit code: 0 if nothing did.
+int say_file_faults(const World& world);
+
 } // namespace oncollide::tools

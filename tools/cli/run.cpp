@@ -102,6 +102,7 @@ void add_run(Arguments app)
 {
     Arguments sub = app.add_command("run", "Run a scene frame by frame: a scene file, or a scene of the catalogue");
     auto options = std::make_shared<RunOptions>();
+    options->scene.on_demand = true;
     sub.add_option("scene", options->scene.scene,
                    "scene file, glTF assembly (each node that shows a mesh is a body), or a name from "
                    "'oncollide scene --list'")
@@ -110,6 +111,7 @@ void add_run(Arguments app)
     add_catalogue_options(sub, options->scene), add_pace_option(sub, options->scene);
     add_accuracy_options(sub, options->settings);
     add_pipeline_options(sub, options->settings);
+    add_cache_options(sub, options->scene.cache);
     add_output_options(sub, options->outputs);
     sub.group("Results");
     sub.add_flag(

@@ -1,0 +1,126 @@
+#pragma once
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include <oncollide/base/lazy_memory.hpp>
+#include <oncollide/narrowphase/boxes/box_node.hpp>
+#include <oncollide/scenes/cooked/cooked_mesh.hpp>
+
+namespace oncollide {
+
+/// What chunks of cooked meshes may hold of the memory, all together, and when they were needed.
+class ChunkBudget {
+public:
+    explicit ChunkBudget(std::size_t limit) : limit_(limit) {}
+
+    bool limited() const { return limit_ > 0; }
+    std::size_t limit() const { return limit_; }
+    std::size_t held() const { return held_.load(std::memory_order_relaxed); }
+    /// Throws NoRoomForChunk, in the name of `who`, where that is more than there may be.
+    void take(std::size_t bytes, const std::string& who);
+    /// The same for what is always held.
+    void hold(std::size_t bytes) { held_.fetch_add(bytes, std::memory_order_relaxed); }
+    void give(std::size_t bytes) { held_.fetch_sub(bytes, std::memory_order_relaxed); }
+
+    /// Goes up with each chunk that is read.
+    std::uint64_t now() const { return now_.load(std::memory_order_relaxed); }
+
+private:
+    const std::size_t limit_;
+    std::atomic<std::size_t> held_ = 0;
+    std::atomic<std::uint64_t> now_ = 1;
+};
+
+/// The triangles of a cooked mesh as its tree sees them: numbered in the order of the tree, each chunk on pages of its
+/// own, read when it is needed. Also the nodes, which go with their chunk.
+///
+/// Chunks may be read by many threads at once; they are dropped while nobody walks.
+class MeshChunks {
+public:
+    /// A box of a node.
+    struct Lane {
+        std::uint32_t node = 0, k = 0;
+    };
+
+    /// The upper levels are the root, node 0, which the caller makes, and the file's nodes. The budget must outlive it.
+    /// Throws ChunkFault where these are no tree over the chunks.
+    MeshChunks(std::shared_ptr<const CookedMesh> mesh, ChunkBudget& budget);
+    ~MeshChunks();
+    MeshChunks(const MeshChunks&) = delete;
+    MeshChunks& operator=(const MeshChunks&) = delete;
+
+    const CookedMesh& mesh() const { return *mesh_; }
+
+    const Eigen::Vector3d* vertices() const { return vertices_; }
+    const Triangle* triangles() const { return triangles_; }
+    std::uint32_t* order() const { return order_; }
+    /// The number of a triangle in the source. Its chunk must be there.
+    std::uint32_t number(std::uint32_t triangle) const { return numbers_[triangle]; }
+    const std::uint32_t* numbers() const { return numbers_; }
+
+    /// By number / nodes_per_block; null: none yet.
+    static constexpr std::uint32_t nodes_per_block = 64;
+    BoxNode** blocks() const { return blocks_; }
+    std::uint32_t upper_nodes() const { return upper_; }
+    std::uint32_t add_node(std::uint32_t chunk);
+    std::uint32_t nodes() const { return nodes_.load(std::memory_order_relaxed); }
+
+    /// The place of the first triangle of a chunk, and the chunk of a triangle.
+    std::uint32_t first(std::size_t chunk) const { return chunks_[chunk].first; }
+    std::uint32_t chunk_of(std::uint32_t triangle) const;
+    bool there(std::uint32_t chunk) const { return chunks_[chunk].there.load(std::memory_order_acquire); }
+    /// Reads it unless it is there, and checks the boxes above it. Throws ChunkFault.
+    void need(std::uint32_t chunk);
+    /// A walk opens the node: the chunks of its leaves are read; that of a node below is marked as needed now.
+    void opened(std::uint32_t node);
+
+    /// Those that are there: visit(chunk, when it was needed last).
+    void each_there(auto visit) const
+    {
+        for (std::uint32_t c = 0; c < chunks_.size(); ++c)
+            if (there(c)) visit(c, chunks_[c].needed.load(std::memory_order_relaxed));
+    }
+    /// Not while anybody walks.
+    void drop(std::uint32_t chunk);
+
+    std::size_t bytes() const { return held_.load(std::memory_order_relaxed); }
+
+private:
+    struct Chunk {
+        std::atomic<bool> there = false;
+        std::atomic<std::uint64_t> needed = 0;
+        std::uint32_t first, first_vertex; ///< triangle, vertex
+        Lane lane;                         ///< of the upper levels, whose box is around it
+        std::vector<std::uint32_t> blocks; ///< of its nodes
+        std::uint32_t last_room = 0;       ///< nodes left in the last
+        std::size_t held = 0;
+    };
+    BoxNode& at(std::uint32_t node) { return blocks_[node / nodes_per_block][node % nodes_per_block]; }
+    void place_chunks();
+    void add_upper_nodes();
+    void check_boxes(std::uint32_t chunk, std::span<const Eigen::Vector3d> vertices);
+    std::size_t data_bytes(std::uint32_t chunk) const;
+
+    const std::shared_ptr<const CookedMesh> mesh_;
+    ChunkBudget& budget_;
+    LazyMemory memory_;
+    Eigen::Vector3d* vertices_ = nullptr;
+    Triangle* triangles_ = nullptr;
+    std::uint32_t *order_ = nullptr, *numbers_ = nullptr;
+    BoxNode** blocks_ = nullptr;
+    std::uint32_t* owner_ = nullptr; ///< of a block: its chunk + 1
+    std::uint32_t upper_ = 0, next_block_ = 0;
+    std::vector<Lane> above_; ///< by node of the upper levels: the box that it is the parts of
+    std::vector<Chunk> chunks_;
+    std::vector<std::uint32_t> free_blocks_;
+    std::atomic<std::uint32_t> nodes_ = 0;
+    std::atomic<std::size_t> held_ = 0;
+    std::mutex reading_;
+    CookedMesh::Chunk read_;
+};
+
+} // namespace oncollide

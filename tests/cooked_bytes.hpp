@@ -1,0 +1,54 @@
+#pragma once
+#include <cstddef>
+#include <cstring>
+#include <string>
+
+#include <oncollide/base/checksum.hpp>
+#include <oncollide/scenes/cooked/cooked_format.hpp>
+
+namespace oncollide::test {
+
+template <class Value>
+Value value_at(const std::string& bytes, std::size_t at)
+{
+    Value value;
+    std::memcpy(&value, bytes.data() + at, sizeof value);
+    return value;
+}
+template <class Value>
+void set_value(std::string& bytes, std::size_t at, const Value& value)
+{
+    std::memcpy(bytes.data() + at, &value, sizeof value);
+}
+
+/// Where the table of chunks of a cooked file begins.
+inline std::size_t table_of(const std::string& bytes)
+{
+    return sizeof(CookedHeader) + std::size_t(value_at<CookedHeader>(bytes, 0).nodes) * cooked_node_bytes;
+}
+
+/// A cooked file that was changed, with checksums that say it was not. One that cannot have any stays as it is.
+inline std::string resealed(std::string bytes)
+{
+    if (bytes.size() < sizeof(CookedHeader)) return bytes;
+    const auto header = value_at<CookedHeader>(bytes, 0);
+    const std::size_t table = table_of(bytes);
+    const std::size_t end = table + header.chunks * sizeof(CookedChunkEntry) +
+                            (header.parts < bytes.size() ? header.parts : 0) * cooked_part_bytes;
+    if (table <= bytes.size() && header.chunks <= bytes.size())
+        for (std::size_t c = 0; c < header.chunks && end <= bytes.size(); ++c) {
+            const std::size_t at = table + c * sizeof(CookedChunkEntry);
+            auto entry = value_at<CookedChunkEntry>(bytes, at);
+            if (entry.offset > bytes.size() || entry.bytes > bytes.size() - entry.offset) continue;
+            entry.checksum = checksum(std::string_view(bytes).substr(entry.offset, entry.bytes));
+            set_value(bytes, at, entry);
+        }
+    if (end <= bytes.size())
+        set_value(bytes, offsetof(CookedHeader, top_checksum),
+                  checksum(std::string_view(bytes).substr(sizeof header, end - sizeof header)));
+    set_value(bytes, offsetof(CookedHeader, header_checksum),
+              checksum(std::string_view(bytes).substr(0, offsetof(CookedHeader, header_checksum))));
+    return bytes;
+}
+
+} // namespace oncollide::test

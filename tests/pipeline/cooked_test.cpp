@@ -1,0 +1,476 @@
+// Meshes in cooked files against the meshes that they were cooked from.
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <oncollide/base/random.hpp>
+#include <oncollide/narrowphase/cook_mesh.hpp>
+#include <oncollide/pipeline/mesh_queries.hpp>
+#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/scenes/cooked/cooked_mesh.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
+
+#include "cooked_bytes.hpp"
+#include "random_pose.hpp"
+#include "scenes/test_files.hpp"
+
+namespace oncollide {
+namespace {
+
+namespace fs = std::filesystem;
+using test::TemporaryFolder;
+
+std::string read(const fs::path& file)
+{
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// With vertices that no triangle uses, triangles that are there twice, and others without area.
+Mesh odd_mesh(std::size_t triangles)
+{
+    std::vector<Eigen::Vector3d> vertices;
+    std::vector<Triangle> all;
+    for (std::uint64_t i = 0; i < triangles; ++i) {
+        const Eigen::Vector3d at(4 * u01(5, i, 0), 4 * u01(5, i, 1), u01(5, i, 2));
+        for (std::uint64_t k = 0; k < 4; ++k)
+            vertices.push_back(at +
+                               0.1 * Eigen::Vector3d(u01(6, i, 3 * k), u01(6, i, 3 * k + 1), u01(6, i, 3 * k + 2)));
+        const auto v = static_cast<std::uint32_t>(4 * i);
+        all.push_back({v, v + 1, v + 2});
+        if (i % 7 == 0) all.push_back({v + 1, v + 2, v});
+        if (i % 11 == 0) all.push_back({v, v, v + 1});
+    }
+    return make_mesh("odd", std::move(vertices), std::move(all));
+}
+
+Mesh in_floats(const Mesh& mesh)
+{
+    std::vector<Eigen::Vector3d> vertices;
+    for (const Eigen::Vector3d& v : mesh.vertices) vertices.push_back(v.cast<float>().cast<double>());
+    return make_mesh("floats", std::move(vertices), mesh.triangles);
+}
+
+struct Sample {
+    const char* name;
+    Mesh mesh;
+};
+
+//// From one triangle to more than the trees' grids take to (the terrain), of one chunk and of many.
+const std::vector<Sample>& samples()
+{
+    static const std::vector<Sample> all{
+        {"one triangle", make_mesh("one", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0.5}}, {{0, 1, 2}})},
+        {"box", make_box_mesh({0.5, 0.4, 0.3})},
+        {"odd", odd_mesh(400)},
+        {"many odd", odd_mesh(12'000)},
+        {"knot", make_torus_knot_mesh(2, 3, 0.5, 0.2, 0.1, 30'000)},
+        {"terrain", in_floats(make_terrain_mesh(20, 2, 300, 3))},
+    };
+    return all;
+}
+
+fs::path cooked(const TemporaryFolder& folder, const Mesh& mesh, const std::string& name = "mesh")
+{
+    const fs::path file = folder.path() / (name + ".cooked");
+    cook_mesh(mesh, file);
+    return file;
+}
+
+std::shared_ptr<const CookedMesh> opened(const fs::path& file)
+{
+    return std::make_shared<const CookedMesh>(file);
+}
+
+TEST(Cooked, GivesTheMeshBackBitForBit)
+{
+    const TemporaryFolder folder;
+    for (const Sample& sample : samples()) {
+        SCOPED_TRACE(sample.name);
+        const fs::path file = cooked(folder, sample.mesh);
+        const auto mesh = opened(file);
+        const Mesh back = mesh->whole();
+        ASSERT_EQ(back.vertices.size(), sample.mesh.vertices.size());
+        for (std::size_t v = 0; v < back.vertices.size(); ++v)
+            ASSERT_EQ(std::memcmp(back.vertices[v].data(), sample.mesh.vertices[v].data(), 24), 0) << v;
+        EXPECT_EQ(back.triangles, sample.mesh.triangles);
+        EXPECT_EQ(mesh->closed(), std::optional(is_closed(sample.mesh)));
+        EXPECT_EQ(check_cooked(file).chunks, mesh->chunks());
+        const double bytes = double(fs::file_size(file)) / double(back.triangles.size());
+        EXPECT_TRUE(bytes < 40 || back.triangles.size() < 1000 || back.vertices.size() > back.triangles.size())
+            << bytes;
+        cook_mesh(back, folder.path() / "again.cooked");
+        EXPECT_TRUE(read(file) == read(folder.path() / "again.cooked"));
+    }
+}
+
+/// Bodies of the sample's mesh and a few others, which move through each other and apart.
+Scene scene_of(const GeometryData& mesh, double size, bool turning)
+{
+    Scene scene;
+    const GeometryId one = scene.add("one", mesh);
+    const GeometryId ball = scene.add("ball", Shape(Sphere{0.2 * size})),
+                     crate = scene.add("crate", Shape(Box{{0.1 * size, 0.2 * size, 0.1 * size}}));
+    const GeometryId knot = scene.add("knot", make_torus_knot_mesh(2, 3, 0.2 * size, 0.1 * size, 0.05 * size, 600));
+    scene.add_body({.name = "ground", .geometry = one, .is_static = true});
+    std::uint64_t i = 0;
+    for (const GeometryId geometry : {one, ball, crate, knot, ball, knot, crate, one}) {
+        ++i;
+        Drift drift;
+        drift.velocity =
+            size * (Eigen::Vector3d(u01(1, i, 0), u01(1, i, 1), u01(1, i, 2)) - Eigen::Vector3d::Constant(0.5)) * 0.3;
+        if (turning) drift.spin = {0.3, 0.2 * double(i % 3), 0.1};
+        Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+        pose.translation() =
+            size * (Eigen::Vector3d(u01(2, i, 0), u01(2, i, 1), u01(2, i, 2)) - Eigen::Vector3d::Constant(0.5));
+        scene.add_body({.name = fmt::format("body {}", i), .geometry = geometry, .pose = pose, .motion = drift});
+    }
+    return scene;
+}
+
+struct Played {
+    std::vector<std::vector<PairResult>> frames;
+    std::uint64_t hash = 0;
+    std::vector<std::string> faults;
+    std::size_t bytes = 0;
+};
+
+Played play(Scene scene, const Settings& settings, int frames = 4)
+{
+    Played played;
+    Pipeline pipeline(scene, settings);
+    Mover mover;
+    for (int frame = 0; frame < frames; ++frame) {
+        mover.move(scene, frame);
+        const FrameView view = pipeline.step(scene);
+        played.frames.emplace_back(view.pairs.begin(), view.pairs.end());
+        played.bytes = std::max(played.bytes, view.trees.bytes);
+    }
+    played.hash = pipeline.hash(), played.faults = pipeline.world().file_faults();
+    return played;
+}
+
+void expect_same(const Played& a, const Played& b)
+{
+    EXPECT_EQ(a.hash, b.hash);
+    ASSERT_EQ(a.frames.size(), b.frames.size());
+    for (std::size_t f = 0; f < a.frames.size(); ++f) {
+        ASSERT_EQ(a.frames[f].size(), b.frames[f].size()) << "frame " << f;
+        for (std::size_t i = 0; i < a.frames[f].size(); ++i) {
+            const PairResult &x = a.frames[f][i], &y = b.frames[f][i];
+            EXPECT_TRUE(x.a == y.a && x.b == y.b && x.verdict == y.verdict && x.kind == y.kind && x.bound == y.bound)
+                << "frame " << f << ", pair " << x.a.slot << " " << x.b.slot << ": " << int(x.verdict) << " " << x.bound
+                << ", cooked " << int(y.verdict) << " " << y.bound;
+        }
+    }
+}
+
+TEST(Cooked, GivesTheSameResultsInEveryMode)
+{
+    const TemporaryFolder folder;
+    const std::vector<std::pair<const char*, Settings>> settings{
+        {"exact", {.exact = ExactLevel::predicates}},
+        {"threads", {.exact = ExactLevel::predicates, .threads = 3}},
+        {"without coherence", {.exact = ExactLevel::predicates, .coherence = false}},
+        {"default error", {}},
+        {"error", {.max_error = 0.05}},
+        {"clearance", {.clearance = 0.1, .exact = ExactLevel::predicates}},
+        {"clearance, error", {.max_error = 0.02, .clearance = 0.1}},
+        {"spheres", {.depth = 4}},
+        {"kinds", {.exact = ExactLevel::predicates, .contact_kinds = true}},
+        {"solid", {.exact = ExactLevel::predicates, .mode = Mode::solid, .open_as_surface = true}},
+        {"budget", {.exact = ExactLevel::predicates, .memory_budget = 1'000'000}},
+        {"old trees go", {.exact = ExactLevel::predicates, .age_limit = 1}},
+    };
+    for (const Sample& sample : samples()) {
+        const auto mesh = opened(cooked(folder, sample.mesh));
+        const double size = sample.mesh.bounds.diagonal() / 2;
+        for (const auto& [name, of] : settings) {
+            if (std::string(name) == "spheres" && sample.mesh.triangles.size() > 100'000)
+                continue; // slow, and no other
+            SCOPED_TRACE(fmt::format("{}, {}", sample.name, name));
+            const bool turning = sample.mesh.triangles.size() < 100'000;
+            const Played played = play(scene_of(mesh, size, turning), of);
+            expect_same(play(scene_of(sample.mesh, size, turning), of), played);
+            EXPECT_TRUE(played.faults.empty());
+        }
+    }
+}
+
+TEST(Cooked, GivesTheSameContactsAndDistances)
+{
+    const TemporaryFolder folder;
+    for (const Sample& sample : samples()) {
+        SCOPED_TRACE(sample.name);
+        const auto mesh = opened(cooked(folder, sample.mesh));
+        const double size = sample.mesh.bounds.diagonal() / 2;
+        Settings settings{.exact = ExactLevel::predicates};
+        Scene a = scene_of(sample.mesh, size, true), b = scene_of(mesh, size, true);
+        Pipeline of_a(a, settings), of_b(b, settings);
+        of_a.step(a), of_b.step(b);
+        std::size_t contacts = 0;
+        for (std::uint32_t i = 1; i < a.size(); ++i) {
+            const auto found_a = of_a.world().contacts(BodyId{0}, BodyId{i}),
+                       found_b = of_b.world().contacts(BodyId{0}, BodyId{i});
+            ASSERT_EQ(found_a.size(), found_b.size());
+            contacts += found_a.size();
+            for (std::size_t k = 0; k < found_a.size(); ++k)
+                EXPECT_TRUE(found_a[k].a == found_b[k].a && found_a[k].b == found_b[k].b &&
+                            found_a[k].ends == found_b[k].ends && found_a[k].normal_a == found_b[k].normal_a);
+            const Distance d = of_a.world().distance(BodyId{0}, BodyId{i}, 1e-3),
+                           e = of_b.world().distance(BodyId{0}, BodyId{i}, 1e-3);
+            EXPECT_EQ(d.lower, e.lower);
+            EXPECT_EQ(d.upper, e.upper);
+            EXPECT_TRUE(d.a == e.a && d.b == e.b);
+        }
+        EXPECT_TRUE(contacts > 0 || sample.mesh.triangles.size() < 1000);
+    }
+}
+
+/// A small body over one place of the terrain.
+Scene one_body_on(const GeometryData& ground, const Eigen::Vector3d& at = {0, 0, 0})
+{
+    Scene scene;
+    scene.add_body({.name = "ground", .geometry = scene.add("ground", ground), .is_static = true});
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.translation() = at;
+    scene.add_body({.name = "crate", .geometry = scene.add("crate", make_box_mesh({0.2, 0.2, 5})), .pose = pose});
+    return scene;
+}
+
+TEST(Cooked, ReadsWhatPairsComeNear)
+{
+    const TemporaryFolder folder;
+    const Mesh& terrain = samples().back().mesh;
+    const fs::path file = cooked(folder, terrain);
+    const auto mesh = opened(file);
+    ASSERT_GT(mesh->chunks(), 20u);
+    const Settings settings{.exact = ExactLevel::predicates};
+    const Played of_source = play(one_body_on(terrain), settings, 1), played = play(one_body_on(mesh), settings, 1);
+    expect_same(of_source, played);
+    EXPECT_EQ(played.frames[0].at(0).verdict, Verdict::colliding);
+    EXPECT_LT(played.bytes, fs::file_size(file) / 8);
+}
+
+TEST(Cooked, ResultsDoNotDependOnWhatMayBeHeld)
+{
+    const TemporaryFolder folder;
+    const auto mesh = opened(cooked(folder, samples().back().mesh));
+    Scene scene = one_body_on(mesh);
+    for (std::uint64_t i = 0; i < 30; ++i) {
+        Drift drift;
+        drift.velocity = {u01(8, i, 0) - 0.5, u01(8, i, 1) - 0.5, 0};
+        const Eigen::Translation3d at(18 * u01(7, i, 0) - 9, 18 * u01(7, i, 1) - 9, i % 2 ? 6 : 0);
+        scene.add_body({.name = fmt::format("body {}", i),
+                        .geometry = GeometryId{1},
+                        .pose = Eigen::Isometry3d(at),
+                        .motion = drift});
+    }
+    for (const Settings& settings :
+         {Settings{.exact = ExactLevel::predicates}, Settings{.max_error = 0.05, .threads = 3}}) {
+        const Played all = play(scene, settings);
+        Settings little = settings;
+        little.resident_budget = 1'000'000;
+        const Played some = play(scene, little);
+        expect_same(all, some);
+        EXPECT_TRUE(some.faults.empty());
+        EXPECT_GT(all.bytes, 2 * little.resident_budget);
+        EXPECT_LT(some.bytes, 2 * little.resident_budget); // the crates' trees, too
+    }
+}
+
+TEST(Cooked, APairThatNeedsMoreThanMayBeHeldStaysUndecided)
+{
+    const TemporaryFolder folder;
+    const auto mesh = opened(cooked(folder, samples().back().mesh));
+    Scene scene = one_body_on(mesh);
+    const Played played = play(scene, {.exact = ExactLevel::predicates, .resident_budget = 10'000});
+    EXPECT_EQ(played.frames[0].at(0).verdict, Verdict::undecided);
+    ASSERT_EQ(played.faults.size(), 1u);
+    EXPECT_NE(played.faults[0].find("10000 bytes"), std::string::npos) << played.faults[0];
+}
+
+TEST(Cooked, ADamagedChunkCostsThePairsThatNeedIt)
+{
+    const TemporaryFolder folder;
+    const Mesh& terrain = samples().back().mesh;
+    const fs::path file = cooked(folder, terrain);
+    const std::string bytes = read(file);
+    const auto header = test::value_at<CookedHeader>(bytes, 0);
+    const Settings settings{.exact = ExactLevel::predicates};
+    std::size_t undecided = 0, decided = 0;
+    for (std::uint32_t c = 0; c < header.chunks; c += 3) {
+        std::string damaged = bytes;
+        const auto entry =
+            test::value_at<CookedChunkEntry>(bytes, test::table_of(bytes) + c * sizeof(CookedChunkEntry));
+        damaged[entry.offset + entry.bytes / 2] ^= 1;
+        Scene scene = one_body_on(opened(folder.write("damaged.cooked", damaged)));
+        scene.add_body(
+            {.name = "other", .geometry = GeometryId{1}, .pose = Eigen::Isometry3d(Eigen::Translation3d(6, 6, 0))});
+        const Played played = play(scene, settings, 2);
+        ASSERT_EQ(played.frames[0].size(), 2u);
+        for (const PairResult& pair : played.frames[1]) ++(pair.verdict == Verdict::undecided ? undecided : decided);
+        EXPECT_LE(played.faults.size(), 1u);
+        for (const std::string& fault : played.faults)
+            EXPECT_NE(fault.find(fmt::format("chunk {} of", c)), std::string::npos) << fault;
+        EXPECT_EQ(played.faults.size(), std::size_t(played.frames[0][0].verdict == Verdict::undecided ||
+                                                    played.frames[0][1].verdict == Verdict::undecided));
+    }
+    EXPECT_GT(undecided, 0u);
+    EXPECT_GT(decided, undecided);
+}
+
+TEST(Cooked, AFileThatIsCutOffWhileItIsOpenIsNoCrash)
+{
+    const TemporaryFolder folder;
+    const fs::path file = cooked(folder, samples().back().mesh);
+    const auto mesh = opened(file);
+    fs::resize_file(file, fs::file_size(file) / 50);
+    const Played played = play(one_body_on(mesh), {.exact = ExactLevel::predicates}, 2);
+    EXPECT_EQ(played.frames[1].at(0).verdict, Verdict::undecided);
+    ASSERT_FALSE(played.faults.empty());
+    EXPECT_NE(played.faults[0].find("the file ends before it; cook the file again (2 results undecided)"),
+              std::string::npos)
+        << played.faults[0];
+}
+
+TEST(Cooked, ChunksBeforeACutAreThereAndThoseBehindItAreNot)
+{
+    const TemporaryFolder folder;
+    const std::string bytes = read(cooked(folder, samples()[4].mesh));
+    const auto header = test::value_at<CookedHeader>(bytes, 0);
+    ASSERT_GT(header.chunks, 4u);
+    CookedMesh::Chunk chunk;
+    for (std::uint32_t c = 0; c < header.chunks; ++c) {
+        const auto entry =
+            test::value_at<CookedChunkEntry>(bytes, test::table_of(bytes) + c * sizeof(CookedChunkEntry));
+        for (const std::uint64_t size : {entry.offset, entry.offset + 1, entry.offset + entry.bytes - 1}) {
+            const fs::path file = folder.write("cut.cooked", bytes);
+            const auto mesh = opened(file);
+            fs::resize_file(file, size);
+            for (std::uint32_t k = 0; k < header.chunks; ++k) {
+                if (k < c)
+                    EXPECT_NO_THROW(mesh->read(k, chunk)) << k;
+                else
+                    EXPECT_THROW(mesh->read(k, chunk), ChunkFault) << k;
+            }
+            EXPECT_EQ(mesh->faults().size(), header.chunks - c);
+            EXPECT_THROW(CookedMesh{file}, Error);
+        }
+    }
+}
+
+TEST(Cooked, AFileThatIsChangedUnderneathIsSeenAndOneThatIsRemovedStays)
+{
+    const TemporaryFolder folder;
+    const fs::path file = cooked(folder, samples()[4].mesh);
+    const auto mesh = opened(file);
+    fs::remove(file);
+    EXPECT_EQ(mesh->whole().triangles, samples()[4].mesh.triangles);
+    const auto other = opened(cooked(folder, samples()[4].mesh));
+    const fs::path moved = cooked(folder, transformed("moved", samples()[4].mesh, 1, {0, 0, 1}), "moved");
+    ASSERT_EQ(fs::file_size(moved), fs::file_size(file));
+    { // in place, as a careless program would
+        std::ofstream(file, std::ios::binary | std::ios::in | std::ios::out) << read(moved);
+    }
+    EXPECT_THROW(other->whole(), ChunkFault);
+}
+
+TEST(Cooked, OneThatNeedsAllOfADamagedMeshIsRefusedAtOnce)
+{
+    const TemporaryFolder folder;
+    std::string bytes = read(cooked(folder, samples()[4].mesh));
+    bytes.back() ^= 1, bytes[bytes.size() - 20] ^= 1;
+    const auto mesh = opened(folder.write("damaged.cooked", bytes));
+    World world({.mode = Mode::solid});
+    const ModelId model = world.add(mesh);
+    test::expect_error(
+        ErrorKind::bad_data, [&] { world.add_body({.model = model}); }, "damaged.cooked", "checksum");
+}
+
+/// Does the file open, and is all of it as it was?
+bool is_whole(const TemporaryFolder& folder, const std::string& bytes)
+{
+    const fs::path file = folder.write("changed.cooked", bytes);
+    try {
+        opened(file)->whole();
+        return true;
+    } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::bad_data);
+        EXPECT_NE(std::string(error.what()).find("changed.cooked"), std::string::npos) << error.what();
+        return false;
+    }
+}
+
+TEST(Cooked, EveryByteThatChangesAndEveryCutIsSeen)
+{
+    const TemporaryFolder folder;
+    const std::string bytes = read(cooked(folder, odd_mesh(12)));
+    for (std::size_t at = 0; at < bytes.size(); ++at) {
+        std::string changed = bytes;
+        changed[at] = static_cast<char>(changed[at] ^ 1 << at % 8);
+        ASSERT_FALSE(is_whole(folder, changed)) << at;
+    }
+    for (std::size_t size = 1; size < bytes.size(); size += size < 200 ? 1 : 17)
+        ASSERT_FALSE(is_whole(folder, bytes.substr(0, size))) << size;
+    EXPECT_FALSE(is_whole(folder, bytes + '\0'));
+    EXPECT_TRUE(is_whole(folder, bytes));
+}
+
+TEST(Cooked, OtherVersionsAndByteOrdersAreNamed)
+{
+    const TemporaryFolder folder;
+    const std::string bytes = read(cooked(folder, make_box_mesh({1, 1, 1})));
+    const auto expect = [&](std::size_t at, std::uint32_t value, const char* what) {
+        std::string changed = bytes;
+        test::set_value(changed, at, value);
+        const fs::path file = folder.write("other.cooked", test::resealed(changed));
+        test::expect_error(
+            ErrorKind::bad_data, [&] { opened(file); }, "other.cooked", what);
+    };
+    expect(offsetof(CookedHeader, version), 2, "version 2");
+    expect(offsetof(CookedHeader, byte_order), 0x04030201, "byte order");
+    expect(offsetof(CookedHeader, magic), 7, "no cooked file");
+    expect(offsetof(CookedHeader, kind), 9, "unknown kind");
+    test::expect_error(
+        ErrorKind::no_input, [&] { opened(folder.path() / "none.cooked"); }, "none.cooked");
+}
+
+/// Checksums cannot tell what was forged on purpose; checks of what they cover must.
+TEST(Cooked, BoxesThatTheirTrianglesContradictAreNotTrusted)
+{
+    const TemporaryFolder folder;
+    const Mesh& terrain = samples().back().mesh;
+    const std::string bytes = read(cooked(folder, terrain));
+    const auto header = test::value_at<CookedHeader>(bytes, 0);
+    ASSERT_GT(header.nodes, 2u);
+    // Each node's boxes one unit lower, in turn: all that a chunk below needs is its top.
+    for (std::uint32_t node = 0; node < header.nodes; ++node) {
+        std::string forged = bytes;
+        const std::size_t at = sizeof(CookedHeader) + node * cooked_node_bytes + 8 * 9 * 2; // half-extents along z
+        for (std::size_t k = 0; k < 8; ++k) {
+            const auto half = test::value_at<std::uint16_t>(forged, at + 2 * k);
+            test::set_value(forged, at + 2 * k, std::uint16_t(half - std::min<std::uint16_t>(half, 3)));
+        }
+        const fs::path file = folder.write("forged.cooked", test::resealed(forged));
+        EXPECT_THROW(check_cooked(file), ChunkFault) << node;
+    }
+    // A chunk that is touched is checked before its triangles are taken for all there is.
+    std::string forged = bytes;
+    const auto entry = test::value_at<CookedChunkEntry>(bytes, test::table_of(bytes));
+    for (std::size_t v = 0; v < entry.vertices; ++v)
+        test::set_value(forged, entry.offset + 12 * v + 8,
+                        test::value_at<float>(forged, entry.offset + 12 * v + 8) + 1);
+    const auto mesh = opened(folder.write("moved.cooked", test::resealed(forged)));
+    CookedMesh::Chunk chunk;
+    mesh->read(0, chunk);
+    Scene scene = one_body_on(mesh, chunk.vertices[0]);
+    const Played played = play(scene, {.exact = ExactLevel::predicates}, 1);
+    EXPECT_EQ(played.frames[0].at(0).verdict, Verdict::undecided);
+    ASSERT_EQ(played.faults.size(), 1u);
+    EXPECT_NE(played.faults[0].find("outside"), std::string::npos) << played.faults[0];
+}
+
+} // namespace
+} // namespace oncollide

@@ -1,0 +1,86 @@
+#include "cli/cooked_cache.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/checksum.hpp>
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/file_bytes.hpp>
+#include <oncollide/base/random.hpp>
+#include <oncollide/narrowphase/cook_mesh.hpp>
+#include <oncollide/scenes/cooked/cooked_format.hpp>
+#include <oncollide/scenes/cooked/cooked_mesh.hpp>
+
+namespace oncollide::tools {
+
+namespace fs = std::filesystem;
+
+CookedCache::CookedCache(fs::path folder, std::uintmax_t most) : folder_(std::move(folder)), most_(most)
+{
+    std::error_code error;
+    fs::create_directories(folder_, error);
+    if (!fs::is_directory(folder_, error))
+        throw Error(ErrorKind::cannot_write,
+                    fmt::format("--cache: '{}' is no folder and cannot be made one", folder_.string()));
+}
+
+std::optional<fs::path> CookedCache::cooked(const fs::path& mesh, const MeshOptions& options) const
+{
+    std::string extension = mesh.extension().string();
+    std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+    if (mesh == "-" || extension == ".gltf" || extension == ".cooked") return {};
+    std::uint64_t content, size;
+    {
+        const FileBytes bytes = read_large_file(mesh, std::uintmax_t(2) << 30);
+        content = checksum(bytes), size = bytes.size();
+    }
+    std::uint64_t key = content;
+    for (const std::uint64_t part : {size, checksum(extension), std::bit_cast<std::uint64_t>(options.scale),
+                                     std::bit_cast<std::uint64_t>(options.fit_diagonal), std::uint64_t(options.centre),
+                                     std::uint64_t(cooked_version)})
+        key = splitmix(key ^ part);
+    const fs::path file = folder_ / fmt::format("{:016x}{:016x}.cooked", content, key);
+    std::error_code ignored;
+    if (fs::is_regular_file(file, ignored)) {
+        try {
+            CookedMesh{file};
+            fs::last_write_time(file, fs::file_time_type::clock::now(), ignored); // it was used
+            return file;
+        } catch (const Error&) { // damaged, or gone meanwhile: anew
+        }
+    }
+    cook_mesh(load_mesh(mesh, options), file);
+    make_room(file);
+    return file;
+}
+
+/// Other processes may remove the same files meanwhile; those that read them keep them open.
+void CookedCache::make_room(const fs::path& keep) const
+{
+    struct Entry {
+        fs::file_time_type used;
+        std::uintmax_t bytes;
+        fs::path path;
+    };
+    std::vector<Entry> entries;
+    std::uintmax_t held = 0;
+    std::error_code error;
+    for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
+        std::error_code gone;
+        if (!is_cooked(it->path()) || it->path() == keep) continue;
+        const std::uintmax_t bytes = it->file_size(gone);
+        const fs::file_time_type used = it->last_write_time(gone);
+        if (!gone) entries.push_back({used, bytes, it->path()}), held += bytes;
+    }
+    std::ranges::sort(entries, {}, &Entry::used);
+    for (const Entry& entry : entries) {
+        if (held <= most_) return;
+        fs::remove(entry.path, error);
+        held -= entry.bytes;
+    }
+}
+
+} // namespace oncollide::tools
