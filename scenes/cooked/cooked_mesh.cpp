@@ -46,7 +46,7 @@ template <class Value>
 void take(std::span<const std::byte>& bytes, std::vector<Value>& values)
 {
     if (values.empty()) return;
-    std::memcpy(values.data(), bytes.data(), values.size() * sizeof(Value));
+    std::memcpy(static_cast<void*>(values.data()), bytes.data(), values.size() * sizeof(Value));
     bytes = bytes.subspan(values.size() * sizeof(Value));
 }
 

@@ -1,3 +1,4 @@
+#include <oncollide/scenes/files/tables/body_table.hpp>
 #include <oncollide/scenes/files/tables/recording_file.hpp>
 
 #include <algorithm>
@@ -114,7 +115,6 @@ std::shared_ptr<Recording> open_recording(const Node& entry, const std::filesyst
     if (!hdf5 && entry.has("path")) entry["path"].fail("is for HDF5 files");
     const std::string dataset = !hdf5 ? "" : entry.has("path") ? std::string(entry["path"].text()) : "poses";
     std::unique_ptr<PoseSource> source = hdf5 ? open_hdf5_poses(path, dataset) : open_npy_poses(path);
-    constexpr std::uint64_t most_bodies = 10'000'000;
     if (source->frames == 0 || source->bodies == 0 || source->bodies > most_bodies)
         refuse(path.string(), fmt::format("{} frames of {} bodies; there must be one at least, and at most {} bodies",
                                           source->frames, source->bodies, most_bodies));
