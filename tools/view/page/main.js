@@ -132,7 +132,7 @@ function draw() {
   gatherBodies(lookOf());
   if (pairsDirty) showPairs(frame, {...state, curves: state.curves && state.tree === "none"}, shown, chosenPair), (pairsDirty = false);
   const lean = moving() && quality < 0.35; // the browser does not keep up
-  curveLines.mesh.visible = curveLines.shape.maxInstancedCount > 0 && !lean;
+  curveLines.mesh.visible = curveLines.count > 0 && !lean;
   renderer.clear();
   for (const scene of [ground, solids, volumes, ghosts, lines, marks]) renderer.render(scene, camera);
   placeLabels(), showScale(target);
