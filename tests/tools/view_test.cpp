@@ -78,6 +78,8 @@ TEST_F(View, ThePageHoldsTheFramesOfTheRun)
     EXPECT_NE(outcome.err.find("8 frames"), std::string::npos) << outcome.err;
 
     const nlohmann::json h = header(), results = read_json("r.json");
+    ASSERT_EQ(run({"run", "scene.json", "--exact", "predicates", "--quiet", "--json", "same.json"}).code, 0);
+    EXPECT_EQ(results.at("header").at("hash"), read_json("same.json").at("header").at("hash"));
     EXPECT_EQ(h.at("bodies"), 2);
     EXPECT_EQ(h.at("names"), (nlohmann::json{"one", "other"}));
     EXPECT_EQ(h.at("moving"), 1);
@@ -170,7 +172,7 @@ TEST_F(View, LargeMeshesAreSimplified)
         "triangles": 500000}}}}, "bodies": [{"geometry": "ball"}, {"geometry": "ball", "position": [0.5, 0, 0]}]})");
     const Outcome outcome = run_without_three({"run", "scene.json", "--view", "x.html", "--view-limit", "3"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
-    EXPECT_NE(outcome.err.find("1 mesh shown simplified"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("1 geometry shown simplified"), std::string::npos) << outcome.err;
     EXPECT_LT(folder_.read("x.html").size(), 3'000'000u);
     const nlohmann::json geometry = header().at("geometries")[0];
     EXPECT_GT(geometry.at("triangles"), 400'000);
@@ -203,6 +205,7 @@ TEST_F(View, BadRequestsAreRefusedBeforeTheRun)
     expect_error(64, {"run", "scene.json", "--view", "x.html", "--view-limit", "1"}, {"--view-limit"});
     expect_error(64, {"run", "scene.json", "--view", "scene.json"}, {"--view scene.json", "input"});
     expect_error(64, {"run", "scene.json", "--view", "x.html", "--json", "x.html"}, {"--view", "--json"});
+    expect_error(64, {"run", "scene.json", "--view-limit", "20"}, {"--view-limit", "--view"});
     expect_error(73, {"run", "scene.json", "--view", "missing/x.html"}, {"missing/x.html"});
     Surroundings nothing;
     nothing.environment.emplace_back("ONCOLLIDE_THREE", folder_.path().string());
@@ -322,14 +325,17 @@ slider.value = 6, slider.dispatchEvent(new Event("input"));
 root.dataset.scrubbed = root.dataset.frame;
 key("ArrowLeft"), root.dataset.left = root.dataset.frame;
 key("Home"), root.dataset.home = root.dataset.frame;
-key("End"), key("n"), root.dataset.end = root.dataset.frame;
+key("End"), root.dataset.end = root.dataset.frame;
 const canvas = document.getElementById("scene"), box = canvas.getBoundingClientRect();
+for (const what of ["pointerdown", "pointerup"])
+  canvas.dispatchEvent(new PointerEvent(what, {clientX: box.left + box.width / 2, clientY: box.top + box.height / 2}));
 </script>)");
     const Seen seen = look("y.html", "frame=0&theme=light");
     EXPECT_EQ(seen.data("scrubbed"), "6");
     EXPECT_EQ(seen.data("left"), "5");
     EXPECT_EQ(seen.data("home"), "0");
     EXPECT_EQ(seen.data("end"), "7");
+    EXPECT_NE(seen.document.find("class=\"body-link\""), std::string::npos) << "what is clicked is selected";
     EXPECT_EQ(seen.document.find("<title>owned"), std::string::npos);
     EXPECT_GT(in_scene(seen.picture, is_within), 8000) << "without an exact level they may touch";
 }

@@ -65,21 +65,24 @@ void add_run(Arguments app)
     add_accuracy_options(sub, options->settings);
     add_pipeline_options(sub, options->settings);
     add_output_options(sub, options->outputs);
-    sub.add_option("--view", options->view,
-                   "write one HTML page that shows the run in 3D, frame by frame; needs Debian's libjs-three")
-        .type_name("FILE.html")
-        .check([](const std::string& file) { return std::string(file.empty() ? "the file name is empty" : ""); });
+    const Option view =
+        sub.add_option("--view", options->view,
+                       "write one HTML page that shows the run in 3D, frame by frame; needs Debian's libjs-three")
+            .type_name("FILE.html")
+            .check([](const std::string& file) { return std::string(file.empty() ? "the file name is empty" : ""); });
     sub.add_option("--view-limit", options->view_limit,
                    "size of that page in MB (default 40): frames and meshes beyond are thinned out, which it says")
-        .type_name("MB");
-    sub.footer("Examples:\n"
-               "  oncollide run city --frames 100\n"
-               "  oncollide run town.json --max-error 0.01 --exact fcl --json results.json\n"
-               "  oncollide run city --exact predicates --view city.html\n"
-               "  oncollide run city --bodies 500 --skip exact --threads 0 --csv pairs.csv --trace trace.json\n"
-               "Stages: bounds, delimitation, broad, ocst, exact. Formats of the results: docs/results.md, docs/view.md.\n"
-               "Ctrl-C stops after the frame in hand, or in it if that takes over half a second; what was computed is "
-               "written, and the exit code is 130.");
+        .type_name("MB")
+        .needs(view);
+    sub.footer(
+        "Examples:\n"
+        "  oncollide run city --frames 100\n"
+        "  oncollide run town.json --max-error 0.01 --exact fcl --json results.json\n"
+        "  oncollide run city --exact predicates --view city.html\n"
+        "  oncollide run city --bodies 500 --skip exact --threads 0 --csv pairs.csv --trace trace.json\n"
+        "Stages: bounds, delimitation, broad, ocst, exact. Formats of the results: docs/results.md, docs/view.md.\n"
+        "Ctrl-C stops after the frame in hand, or in it if that takes over half a second; what was computed is "
+        "written, and the exit code is 130.");
     sub.action([options] { return run(*options); });
 }
 

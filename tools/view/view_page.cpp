@@ -184,7 +184,7 @@ ViewPage::Shown ViewPage::shown() const
                 add_block(fmt::format("m{}.{}", g, k), model.meshes[k].block());
             }
             if (model.simplified)
-                ++shown.simplified, shown.triangles += model.triangles,
+                ++shown.simplified, shown.triangles += page_triangles(scene_.geometries[g]),
                     shown.shown_triangles += model.meshes[0].triangles();
         }
         shown.geometries.push_back(std::move(entry));
