@@ -255,8 +255,8 @@ void ViewPage::summarize(const Shown& shown, std::size_t size)
                            : fmt::format("{} of {} frames (one in {})", kept_.size(), seen_, step_);
     if (shown.simplified)
         summary_ +=
-            fmt::format("; {} mesh{} shown simplified, {} of {} triangles", shown.simplified,
-                        shown.simplified == 1 ? "" : "es", grouped(shown.shown_triangles), grouped(shown.triangles));
+            fmt::format("; {} geometr{} shown simplified, {} of {} triangles", shown.simplified,
+                        shown.simplified == 1 ? "y" : "ies", grouped(shown.shown_triangles), grouped(shown.triangles));
     if (step_ > 1) summary_ += fmt::format("; --view-limit allows {}", megabytes(options_.most_bytes));
 }
 
