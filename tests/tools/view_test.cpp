@@ -121,6 +121,21 @@ TEST_F(View, ThePageNeedsNothingElse)
     EXPECT_NE(page.find("three <\\/script>"), std::string::npos);
 }
 
+TEST_F(View, RegionsAreThoseThatTheLevelsCount)
+{
+    ASSERT_EQ(
+        run_without_three({"run", "city", "--bodies", "300", "--frames", "5", "--quiet", "--view", "x.html"}).code, 0);
+    std::size_t all = 0;
+    const nlohmann::json h = header();
+    for (const nlohmann::json& frame : h.at("frames")) {
+        std::size_t counted = 0;
+        for (const nlohmann::json& level : frame.at("levels")) counted += level[0].get<std::size_t>();
+        EXPECT_EQ(frame.at("regions"), counted) << frame;
+        all += counted;
+    }
+    EXPECT_GT(all, 10u);
+}
+
 TEST_F(View, NamesAreTextAndNothingElse)
 {
     const std::string name = "</script><script>document.title='owned'</script><!--<script><img src=x onerror=alert(1)>";
