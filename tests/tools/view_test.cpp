@@ -78,6 +78,8 @@ TEST_F(View, ThePageHoldsTheFramesOfTheRun)
     EXPECT_NE(outcome.err.find("8 frames"), std::string::npos) << outcome.err;
 
     const nlohmann::json h = header(), results = read_json("r.json");
+    ASSERT_EQ(run({"run", "scene.json", "--exact", "predicates", "--quiet", "--json", "same.json"}).code, 0);
+    EXPECT_EQ(results.at("header").at("hash"), read_json("same.json").at("header").at("hash"));
     EXPECT_EQ(h.at("bodies"), 2);
     EXPECT_EQ(h.at("names"), (nlohmann::json{"one", "other"}));
     EXPECT_EQ(h.at("moving"), 1);
@@ -117,6 +119,21 @@ TEST_F(View, ThePageNeedsNothingElse)
     EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
     EXPECT_EQ(page.find("three </script>"), std::string::npos) << "what is embedded ends no element";
     EXPECT_NE(page.find("three <\\/script>"), std::string::npos);
+}
+
+TEST_F(View, RegionsAreThoseThatTheLevelsCount)
+{
+    ASSERT_EQ(
+        run_without_three({"run", "city", "--bodies", "300", "--frames", "5", "--quiet", "--view", "x.html"}).code, 0);
+    std::size_t all = 0;
+    const nlohmann::json h = header();
+    for (const nlohmann::json& frame : h.at("frames")) {
+        std::size_t counted = 0;
+        for (const nlohmann::json& level : frame.at("levels")) counted += level[0].get<std::size_t>();
+        EXPECT_EQ(frame.at("regions"), counted) << frame;
+        all += counted;
+    }
+    EXPECT_GT(all, 10u);
 }
 
 TEST_F(View, NamesAreTextAndNothingElse)
@@ -170,7 +187,7 @@ TEST_F(View, LargeMeshesAreSimplified)
         "triangles": 500000}}}}, "bodies": [{"geometry": "ball"}, {"geometry": "ball", "position": [0.5, 0, 0]}]})");
     const Outcome outcome = run_without_three({"run", "scene.json", "--view", "x.html", "--view-limit", "3"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
-    EXPECT_NE(outcome.err.find("1 mesh shown simplified"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("1 geometry shown simplified"), std::string::npos) << outcome.err;
     EXPECT_LT(folder_.read("x.html").size(), 3'000'000u);
     const nlohmann::json geometry = header().at("geometries")[0];
     EXPECT_GT(geometry.at("triangles"), 400'000);
@@ -203,6 +220,7 @@ TEST_F(View, BadRequestsAreRefusedBeforeTheRun)
     expect_error(64, {"run", "scene.json", "--view", "x.html", "--view-limit", "1"}, {"--view-limit"});
     expect_error(64, {"run", "scene.json", "--view", "scene.json"}, {"--view scene.json", "input"});
     expect_error(64, {"run", "scene.json", "--view", "x.html", "--json", "x.html"}, {"--view", "--json"});
+    expect_error(64, {"run", "scene.json", "--view-limit", "20"}, {"--view-limit", "--view"});
     expect_error(73, {"run", "scene.json", "--view", "missing/x.html"}, {"missing/x.html"});
     Surroundings nothing;
     nothing.environment.emplace_back("ONCOLLIDE_THREE", folder_.path().string());
@@ -322,14 +340,17 @@ slider.value = 6, slider.dispatchEvent(new Event("input"));
 root.dataset.scrubbed = root.dataset.frame;
 key("ArrowLeft"), root.dataset.left = root.dataset.frame;
 key("Home"), root.dataset.home = root.dataset.frame;
-key("End"), key("n"), root.dataset.end = root.dataset.frame;
+key("End"), root.dataset.end = root.dataset.frame;
 const canvas = document.getElementById("scene"), box = canvas.getBoundingClientRect();
+for (const what of ["pointerdown", "pointerup"])
+  canvas.dispatchEvent(new PointerEvent(what, {clientX: box.left + box.width / 2, clientY: box.top + box.height / 2}));
 </script>)");
     const Seen seen = look("y.html", "frame=0&theme=light");
     EXPECT_EQ(seen.data("scrubbed"), "6");
     EXPECT_EQ(seen.data("left"), "5");
     EXPECT_EQ(seen.data("home"), "0");
     EXPECT_EQ(seen.data("end"), "7");
+    EXPECT_NE(seen.document.find("class=\"body-link\""), std::string::npos) << "what is clicked is selected";
     EXPECT_EQ(seen.document.find("<title>owned"), std::string::npos);
     EXPECT_GT(in_scene(seen.picture, is_within), 8000) << "without an exact level they may touch";
 }

@@ -118,13 +118,15 @@ void add_run(Arguments app)
         "--exit-code", options->exit_code,
         "exit with 1 if any pair collides in any frame, with 2 if none does but one may (default: 0 whenever the "
         "run succeeds)");
-    sub.add_option("--view", options->view,
-                   "write one HTML page that shows the run in 3D, frame by frame; needs Debian's libjs-three")
-        .type_name("FILE.html")
-        .check([](const std::string& file) { return std::string(file.empty() ? "the file name is empty" : ""); });
+    const Option view =
+        sub.add_option("--view", options->view,
+                       "write one HTML page that shows the run in 3D, frame by frame; needs Debian's libjs-three")
+            .type_name("FILE.html")
+            .check([](const std::string& file) { return std::string(file.empty() ? "the file name is empty" : ""); });
     sub.add_option("--view-limit", options->view_limit,
                    "size of that page in MB (default 40): frames and meshes beyond are thinned out, which it says")
-        .type_name("MB");
+        .type_name("MB")
+        .needs(view);
     sub.add_option("--pairs", options->outputs.pairs,
                    "write the pairs of each frame as it is done (HDF5); readable up to the last whole frame, whatever "
                    "ends the run")

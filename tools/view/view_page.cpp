@@ -184,7 +184,7 @@ ViewPage::Shown ViewPage::shown() const
                 add_block(fmt::format("m{}.{}", g, k), model.meshes[k].block());
             }
             if (model.simplified)
-                ++shown.simplified, shown.triangles += model.triangles,
+                ++shown.simplified, shown.triangles += page_triangles(scene_.geometries[g]),
                     shown.shown_triangles += model.meshes[0].triangles();
         }
         shown.geometries.push_back(std::move(entry));
@@ -255,8 +255,8 @@ void ViewPage::summarize(const Shown& shown, std::size_t size)
                            : fmt::format("{} of {} frames (one in {})", kept_.size(), seen_, step_);
     if (shown.simplified)
         summary_ +=
-            fmt::format("; {} mesh{} shown simplified, {} of {} triangles", shown.simplified,
-                        shown.simplified == 1 ? "" : "es", grouped(shown.shown_triangles), grouped(shown.triangles));
+            fmt::format("; {} geometr{} shown simplified, {} of {} triangles", shown.simplified,
+                        shown.simplified == 1 ? "y" : "ies", grouped(shown.shown_triangles), grouped(shown.triangles));
     if (step_ > 1) summary_ += fmt::format("; --view-limit allows {}", megabytes(options_.most_bytes));
 }
 

@@ -1,4 +1,4 @@
-// Bodies: instances of meshes, in levels of detail that are chosen anew for each picture.
+// Bodies: copies of meshes, in levels of detail that are chosen anew for each picture.
 const canvas = document.getElementById("scene");
 const gl = canvas.getContext("webgl2", {antialias: true, alpha: false, powerPreference: "high-performance"});
 if (!gl) throw new Error("This page needs WebGL 2, which this browser does not offer.");
@@ -17,7 +17,6 @@ function readPalette() {
 
 const turned = `vec3 turned(vec4 q, vec3 v) { return v + 2.0 * cross(q.xyz, cross(q.xyz, v) + q.w * v); }\n`;
 const bodyVertex = turned + `
-attribute vec3 iPosition; attribute vec4 iTurn, iTint, iNumber;
 uniform vec3 low, size;
 varying vec3 vNormal, vEye; varying vec4 vTint, vNumber;
 void main() {
@@ -38,9 +37,9 @@ vec3 shaded(vec3 n, vec3 tint) {
 }`;
 const uniforms = {up: {value: new THREE.Vector3()}, accent: {value: new THREE.Color()}, night: {value: 0}};
 
-function bodyMaterial(model, ghost) {
+function bodyMaterial(model, ghost, copies) {
   return new THREE.ShaderMaterial({
-    vertexShader: bodyVertex,
+    vertexShader: copies.shader(bodyVertex),
     fragmentShader: shading + (ghost ? `
 void main() {
   vec3 n = normalize(vNormal); if (!gl_FrontFacing) n = -n;
@@ -56,7 +55,7 @@ void main() {
   c = mix(c, accent, vNumber.w * (0.15 + 0.85 * smoothstep(0.2, 0.75, rim)));
   gl_FragColor = vec4(c, 1.0);
 }`),
-    uniforms: {...uniforms, low: {value: new THREE.Vector3(...model.low)},
+    uniforms: {...uniforms, ...copies.uniforms, low: {value: new THREE.Vector3(...model.low)},
                size: {value: new THREE.Vector3(...model.high).sub(new THREE.Vector3(...model.low))}},
     side: THREE.DoubleSide, transparent: ghost, depthWrite: !ghost});
 }
@@ -77,6 +76,16 @@ function surfaceOf(geometry, level) {
   for (let v = 0; v < vertices; ++v) first[v + 1] += first[v];
   const next = first.slice(), around = new Uint32Array(3 * triangles);
   for (let c = 0; c < 3 * triangles; ++c) around[next[index[c]]++] = (c / 3) | 0;
+  if (level > 0 && triangles <= 200) { // from afar edges are not seen, and corners that triangles share cost a third
+    const position = new Uint16Array(4 * vertices), normal = new Int8Array(4 * vertices);
+    for (let v = 0; v < vertices; ++v) {
+      const sum = [0, 0, 0];
+      for (let k = first[v]; k < first[v + 1]; ++k) for (let a = 0; a < 3; ++a) sum[a] += face[3 * around[k] + a];
+      const l = 127 / (Math.hypot(...sum) || 1);
+      for (let a = 0; a < 3; ++a) position[4 * v + a] = at[3 * v + a], normal[4 * v + a] = sum[a] * l;
+    }
+    return {position, normal, index};
+  }
   const position = new Uint16Array(12 * triangles), normal = new Int8Array(12 * triangles), length = new Float32Array(triangles);
   for (let t = 0; t < triangles; ++t) length[t] = Math.hypot(face[3 * t], face[3 * t + 1], face[3 * t + 2]) || 1e-30;
   for (let c = 0; c < 3 * triangles; ++c) {
@@ -90,47 +99,74 @@ function surfaceOf(geometry, level) {
     for (let k = 0; k < 3; ++k) position[4 * c + k] = at[3 * v + k];
     normal[4 * c] = x * l, normal[4 * c + 1] = y * l, normal[4 * c + 2] = z * l;
   }
-  return {position, normal, triangles};
+  return {position, normal, index: null};
 }
 
-// Instances of one level of one geometry.
+// Many copies of a small shape, whose numbers are in a texture: each instance that the GPU draws holds as many copies as
+// make some thousand corners, since instances of a few triangles are slow, above all where the CPU draws them.
+class Copies {
+  // @param columns  sizes by name, 1 to 4: what shaders call the numbers of a copy
+  constructor(position, normal, index, columns) {
+    this.columns = Object.entries(columns), this.room = 0, this.corners = position.count;
+    this.copies = Math.max(1, Math.min(256, Math.floor(4096 / this.corners)));
+    this.shape = new THREE.InstancedBufferGeometry();
+    this.shape.setAttribute("position", this.repeated(position));
+    if (normal) this.shape.setAttribute("normal", this.repeated(normal));
+    if (index) {
+      const all = new Uint32Array(index.length * this.copies);
+      for (let i = 0; i < all.length; ++i) all[i] = index[i % index.length] + this.corners * Math.floor(i / index.length);
+      this.shape.setIndex(new THREE.BufferAttribute(all, 1));
+    }
+    this.uniforms = {data: {value: null}, copies: {value: this.copies}, corners: {value: this.corners}, count: {value: 0}};
+  }
+  repeated(attribute) {
+    if (this.copies === 1) return attribute;
+    const array = new attribute.array.constructor(attribute.array.length * this.copies);
+    for (let k = 0; k < this.copies; ++k) array.set(attribute.array, k * attribute.array.length);
+    return new THREE.BufferAttribute(array, attribute.itemSize, attribute.normalized);
+  }
+  shader(source) {
+    return `uniform highp sampler2D data; uniform int copies, corners, count;
+int copy() { return gl_InstanceID * copies + gl_VertexID / corners; }
+vec4 cell(int column) { int k = copy() * ${this.columns.length} + column; return texelFetch(data, ivec2(k % 1024, k / 1024), 0); }
+${this.columns.map(([name, size], k) => `#define ${name} cell(${k})${["", ".x", ".xy", ".xyz", ""][size]}`).join("\n")}
+` + source.replace("void main() {", "void main() {\n  if (copy() >= count) { gl_Position = vec4(0.0, 0.0, 2.0, 1.0); return; }");
+  }
+  makeRoom(count) {
+    if (count <= this.room) return;
+    const rows = Math.ceil((Math.max(count, 2 * this.room, 16) * this.columns.length) / 1024), old = this.numbers;
+    this.numbers = new Float32Array(4096 * rows), this.room = Math.floor((1024 * rows) / this.columns.length);
+    if (old) this.numbers.set(old), this.uniforms.data.value.dispose();
+    const texture = (this.uniforms.data.value = new THREE.DataTexture(this.numbers, 1024, rows, THREE.RGBAFormat, THREE.FloatType));
+    texture.minFilter = texture.magFilter = THREE.NearestFilter, texture.generateMipmaps = false, texture.unpackAlignment = 4;
+  }
+  show(mesh, count) {
+    mesh.visible = count > 0, this.uniforms.count.value = count;
+    this.shape.maxInstancedCount = Math.ceil(count / this.copies);
+    if (count) this.uniforms.data.value.needsUpdate = true;
+  }
+}
+
+// The bodies that one level of one geometry is drawn for.
 class Batch {
   constructor(surface, model, ghost) {
-    this.surface = surface, this.count = 0, this.room = 0;
-    this.shape = new THREE.InstancedBufferGeometry();
-    this.shape.setAttribute("position", surface.positions), this.shape.setAttribute("normal", surface.normals);
-    this.material = bodyMaterial(model, ghost);
-    this.mesh = new THREE.Mesh(this.shape, this.material);
+    this.surface = surface, this.count = 0;
+    this.copies = new Copies(surface.positions, surface.normals, surface.index, {iPosition: 3, iTurn: 4, iTint: 4, iNumber: 4});
+    this.material = bodyMaterial(model, ghost, this.copies);
+    this.mesh = new THREE.Mesh(this.copies.shape, this.material);
     this.mesh.frustumCulled = false, this.mesh.matrixAutoUpdate = false;
     (ghost ? ghosts : solids).add(this.mesh);
   }
-  grow() {
-    const old = this.attributes;
-    this.room = Math.max(16, 2 * this.room);
-    this.attributes = [[Float32Array, 3, false], [Int16Array, 4, true], [Uint8Array, 4, true], [Uint8Array, 4, true]].map(([Type, size, scaled], k) => {
-      const array = new Type(size * this.room);
-      if (old) array.set(old[k].array);
-      return new THREE.InstancedBufferAttribute(array, size, scaled).setUsage(THREE.DynamicDrawUsage);
-    });
-    // A new geometry: three.js keeps the buffers of the old one until it is disposed of.
-    this.shape.dispose();
-    ["iPosition", "iTurn", "iTint", "iNumber"].forEach((name, k) => this.shape.setAttribute(name, this.attributes[k]));
-  }
   add(b, red, green, blue, alpha) {
-    if (this.count === this.room) this.grow();
-    const [position, turn, tint, number] = this.attributes, i = this.count++;
-    for (let k = 0; k < 3; ++k) position.array[3 * i + k] = bodies.position[3 * b + k];
-    for (let k = 0; k < 4; ++k) turn.array[4 * i + k] = bodies.turn[4 * b + k];
-    tint.array[4 * i] = red, tint.array[4 * i + 1] = green, tint.array[4 * i + 2] = blue, tint.array[4 * i + 3] = alpha;
-    const n = b + 1;
-    number.array[4 * i] = n & 255, number.array[4 * i + 1] = (n >> 8) & 255, number.array[4 * i + 2] = n >> 16;
-    number.array[4 * i + 3] = environment[b] ? 0 : 255 * bodies.selected[b];
+    this.copies.makeRoom(this.count + 1);
+    const to = this.copies.numbers, o = 16 * this.count++, p = bodies.position, q = bodies.turn, n = b + 1, s = 1 / 255;
+    to[o] = p[3 * b], to[o + 1] = p[3 * b + 1], to[o + 2] = p[3 * b + 2];
+    for (let k = 0; k < 4; ++k) to[o + 4 + k] = q[4 * b + k] / 32767;
+    to[o + 8] = red * s, to[o + 9] = green * s, to[o + 10] = blue * s, to[o + 11] = alpha * s;
+    to[o + 12] = (n & 255) * s, to[o + 13] = ((n >> 8) & 255) * s, to[o + 14] = (n >> 16) * s, to[o + 15] = environment[b] ? 0 : bodies.selected[b];
   }
   flush() {
-    this.mesh.visible = this.count > 0;
-    this.shape.maxInstancedCount = this.count;
-    if (!this.count) return;
-    for (const a of this.attributes) a.needsUpdate = true, a.updateRange.count = this.count * a.itemSize;
+    this.copies.show(this.mesh, this.count);
   }
 }
 

@@ -120,7 +120,7 @@ function showFrame(frame) {
 
 function lengthText(metres) {
   if (!isFinite(metres)) return "unknown";
-  const x = Math.abs(metres), digits = (v) => (v >= 100 ? v.toFixed(0) : v >= 10 ? v.toFixed(1) : v.toPrecision(3).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, ""));
+  const x = Math.abs(metres), digits = (v) => (v >= 100 ? v.toFixed(0) : v >= 10 ? v.toFixed(1).replace(/\.0$/, "") : v.toPrecision(3).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, ""));
   if (x === 0) return "0";
   if (x >= 1000) return digits(metres / 1000) + " km";
   if (x >= 1) return digits(metres) + " m";

@@ -114,7 +114,7 @@ function lookOf() {
     const rank = bodies.verdict[b], picked = bodies.selected[b];
     how.hidden = false, how.ghost = false, how.alpha = rank === 3 ? 128 : 255;
     how.colour = environment[b] ? land : state.colours === "body" ? hue(b) : state.only >= 0 && related[b] ? tint[RANK_OF_VERDICT[state.only]] : tint[rank];
-    if (picked) how.ghost = glass, how.alpha = glass ? 70 : how.alpha;
+    if (picked) how.ghost = glass, how.alpha = glass ? (environment[b] ? 120 : 70) : how.alpha;
     else if (chosen && (state.isolate || glass)) how.hidden = bodies.count > 3000, how.ghost = true, how.alpha = environment[b] ? 16 : 26, how.colour = grey;
     else if (state.only >= 0 && !related[b] && !environment[b]) how.ghost = true, how.alpha = 40, how.colour = grey;
     return how;
@@ -132,7 +132,7 @@ function draw() {
   gatherBodies(lookOf());
   if (pairsDirty) showPairs(frame, {...state, curves: state.curves && state.tree === "none"}, shown, chosenPair), (pairsDirty = false);
   const lean = moving() && quality < 0.35; // the browser does not keep up
-  curveLines.mesh.visible = curveLines.shape.maxInstancedCount > 0 && !lean;
+  curveLines.mesh.visible = curveLines.count > 0 && !lean;
   renderer.clear();
   for (const scene of [ground, solids, volumes, ghosts, lines, marks]) renderer.render(scene, camera);
   placeLabels(), showScale(target);
@@ -183,8 +183,8 @@ function fillSelection() {
       const most = deepest(state.tree), level = Math.min(state.level, most);
       parts.push(element("div.row", {}, element("span.soft", {}, "Level"), element("input", {type: "range", min: 0, max: most, value: level, ariaLabel: "Level of the trees", oninput: (e) => ((state.level = +e.target.value), changed())}), element("b", {}, `${level} of ${most}`)));
       if (treeFacts)
-        parts.push(element("dl.facts", {}, ...chosen.flatMap((b, k) => (treeFacts.counts[k] ? fact(nameOf(b), `${grouped(treeFacts.counts[k][0])}${chosen.length > 1 ? `, ${grouped(treeFacts.counts[k][1])} touch` : ""}, off by ≤ ${lengthText(treeFacts.errors[k])}`) : []))),
-          element("p.hint", {}, chosen.length > 1 ? "Solid: these touch one of the other body, and are refined further. Faint: ruled out." : "All volumes of the level."));
+        parts.push(element("dl.facts", {}, ...chosen.flatMap((b, k) => (treeFacts.counts[k] ? fact(nameOf(b), `${grouped(treeFacts.counts[k][0])}${treeFacts.counts[k][1] >= 0 ? `, ${grouped(treeFacts.counts[k][1])} touch` : ""}, off by ≤ ${lengthText(treeFacts.errors[k])}`) : []))),
+          element("p.hint", {}, treeFacts.counts.every((c) => c && c[1] >= 0) ? "Solid: these touch one of the other body, and are refined further. Faint: ruled out." : "All volumes of the level." + (chosen.length > 1 ? " The other body has no such tree on this page." : "")));
     }
   }
   box.replaceChildren(...parts);

@@ -2,32 +2,26 @@
 const lines = new THREE.Scene(), marks = new THREE.Scene(), volumes = new THREE.Scene(), ground = new THREE.Scene();
 const screen = {value: new THREE.Vector2(1, 1)};
 
-// Many copies of one small shape, each with numbers of its own.
+// Marks, lines, balls: copies of a shape of a few corners.
 class Instances {
   constructor(scene, corners, index, columns, material) {
-    this.columns = columns, this.room = 0, this.shape = new THREE.InstancedBufferGeometry();
-    this.shape.setAttribute("position", new THREE.BufferAttribute(new Float32Array(corners), 3));
-    this.shape.setIndex(index);
-    this.mesh = new THREE.Mesh(this.shape, material);
+    this.columns = Object.entries(columns);
+    this.copies = new Copies(new THREE.BufferAttribute(new Float32Array(corners), 3), null, index, columns);
+    material.vertexShader = this.copies.shader(material.vertexShader);
+    material.uniforms = {...material.uniforms, ...this.copies.uniforms};
+    this.mesh = new THREE.Mesh(this.copies.shape, material);
     this.mesh.frustumCulled = false, this.mesh.visible = false;
     scene.add(this.mesh);
   }
-  // @param values  by column: numbers of all instances
+  // @param values  by column: numbers of all copies
   set(count, values) {
-    this.mesh.visible = count > 0;
-    this.shape.maxInstancedCount = count;
-    if (!count) return;
-    if (count > this.room) {
-      this.room = Math.max(count, 2 * this.room);
-      this.shape.dispose();
-      for (const [name, size] of Object.entries(this.columns))
-        this.shape.setAttribute(name, new THREE.InstancedBufferAttribute(new Float32Array(size * this.room), size).setUsage(THREE.DynamicDrawUsage));
-    }
-    for (const [name, size] of Object.entries(this.columns)) {
-      const attribute = this.shape.attributes[name];
-      attribute.array.set(values[name]);
-      attribute.updateRange.count = count * size, attribute.needsUpdate = true;
-    }
+    this.count = count;
+    if (count) this.copies.makeRoom(count);
+    this.columns.forEach(([name, size], column) => {
+      const from = values[name], to = this.copies.numbers, n = this.columns.length;
+      for (let i = 0; i < count; ++i) for (let k = 0; k < size; ++k) to[4 * (n * i + column) + k] = from[size * i + k];
+    });
+    this.copies.show(this.mesh, count);
   }
 }
 const quad = [-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0], quadIndex = [0, 1, 2, 0, 2, 3];
@@ -36,7 +30,6 @@ const quad = [-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0], quadIndex = [0, 1, 2, 0, 
 function makeLines(scene, width, over) {
   return new Instances(scene, [0, -1, 0, 1, -1, 0, 1, 1, 0, 0, 1, 0], quadIndex, {iFrom: 3, iTo: 3, iColour: 4}, new THREE.ShaderMaterial({
     vertexShader: `
-attribute vec3 iFrom, iTo; attribute vec4 iColour;
 uniform vec2 screen; uniform float width;
 varying vec4 vColour; varying float vAlong;
 void main() {
@@ -62,7 +55,7 @@ void main() { if (vColour.a < 0.0 && mod(vAlong, 9.0) > 5.0) discard; gl_FragCol
 function makeMarks(scene) {
   return new Instances(scene, quad, quadIndex, {iAt: 3, iColour: 3, iSize: 1}, new THREE.ShaderMaterial({
     vertexShader: `
-attribute vec3 iAt, iColour; attribute float iSize; uniform vec2 screen;
+uniform vec2 screen;
 varying vec2 vAt; varying vec3 vColour; varying float vSize;
 void main() {
   gl_Position = projectionMatrix * viewMatrix * vec4(iAt, 1.0);
@@ -84,7 +77,7 @@ void main() {
 function makeBalls(scene, solid) {
   return new Instances(scene, quad, quadIndex, {iBall: 4, iColour: 4}, new THREE.ShaderMaterial({
     vertexShader: `
-attribute vec4 iBall, iColour; varying vec3 vAt; varying vec4 vBall, vColour;
+varying vec3 vAt; varying vec4 vBall, vColour;
 void main() {
   vec3 c = (viewMatrix * vec4(iBall.xyz, 1.0)).xyz;
   float d = length(c), r = iBall.w;
@@ -119,7 +112,7 @@ function makeBoxes(scene, solid) {
   for (const f of [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]) index.push(f[0], f[1], f[2], f[0], f[2], f[3]);
   return new Instances(scene, corners, index, {iMiddle: 3, iHalf: 3, iTurn: 4, iColour: 4}, new THREE.ShaderMaterial({
     vertexShader: turned + `
-attribute vec3 iMiddle, iHalf; attribute vec4 iTurn, iColour; varying vec3 vAt, vEye; varying vec4 vColour;
+varying vec3 vAt, vEye; varying vec4 vColour;
 void main() {
   vec4 at = viewMatrix * vec4(iMiddle + turned(iTurn, iHalf * position), 1.0);
   vAt = position; vEye = at.xyz; vColour = iColour;

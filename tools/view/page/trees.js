@@ -108,5 +108,5 @@ function showTrees(chosen, kind, level) {
   for (const [instances, set] of [[solidBoxes, solid], [faintBoxes, faint]])
     instances.set(boxes ? set.n : 0, {iMiddle: set.c, iHalf: set.h, iTurn: set.t, iColour: set.colour});
   if (!there.length) return null;
-  return {counts: sides.map((s) => s && [s.count, s.touching ? s.touching.reduce((n, t) => n + t, 0) : s.count]), errors: sides.map((s) => s && s.error)};
+  return {counts: sides.map((s) => s && [s.count, s.touching ? s.touching.reduce((n, t) => n + t, 0) : -1]), errors: sides.map((s) => s && s.error)};
 }
