@@ -45,6 +45,7 @@ Value take(std::span<const std::byte>& bytes)
 template <class Value>
 void take(std::span<const std::byte>& bytes, std::vector<Value>& values)
 {
+    if (values.empty()) return;
     std::memcpy(values.data(), bytes.data(), values.size() * sizeof(Value));
     bytes = bytes.subspan(values.size() * sizeof(Value));
 }

@@ -335,6 +335,48 @@ TEST(Cooked, AFileThatIsCutOffWhileItIsOpenIsNoCrash)
         << played.faults[0];
 }
 
+TEST(Cooked, ChunksBeforeACutAreThereAndThoseBehindItAreNot)
+{
+    const TemporaryFolder folder;
+    const std::string bytes = read(cooked(folder, samples()[4].mesh));
+    const auto header = test::value_at<CookedHeader>(bytes, 0);
+    ASSERT_GT(header.chunks, 4u);
+    CookedMesh::Chunk chunk;
+    for (std::uint32_t c = 0; c < header.chunks; ++c) {
+        const auto entry =
+            test::value_at<CookedChunkEntry>(bytes, test::table_of(bytes) + c * sizeof(CookedChunkEntry));
+        for (const std::uint64_t size : {entry.offset, entry.offset + 1, entry.offset + entry.bytes - 1}) {
+            const fs::path file = folder.write("cut.cooked", bytes);
+            const auto mesh = opened(file);
+            fs::resize_file(file, size);
+            for (std::uint32_t k = 0; k < header.chunks; ++k) {
+                if (k < c)
+                    EXPECT_NO_THROW(mesh->read(k, chunk)) << k;
+                else
+                    EXPECT_THROW(mesh->read(k, chunk), ChunkFault) << k;
+            }
+            EXPECT_EQ(mesh->faults().size(), header.chunks - c);
+            EXPECT_THROW(CookedMesh{file}, Error);
+        }
+    }
+}
+
+TEST(Cooked, AFileThatIsChangedUnderneathIsSeenAndOneThatIsRemovedStays)
+{
+    const TemporaryFolder folder;
+    const fs::path file = cooked(folder, samples()[4].mesh);
+    const auto mesh = opened(file);
+    fs::remove(file);
+    EXPECT_EQ(mesh->whole().triangles, samples()[4].mesh.triangles);
+    const auto other = opened(cooked(folder, samples()[4].mesh));
+    const fs::path moved = cooked(folder, transformed("moved", samples()[4].mesh, 1, {0, 0, 1}), "moved");
+    ASSERT_EQ(fs::file_size(moved), fs::file_size(file));
+    { // in place, as a careless program would
+        std::ofstream(file, std::ios::binary | std::ios::in | std::ios::out) << read(moved);
+    }
+    EXPECT_THROW(other->whole(), ChunkFault);
+}
+
 TEST(Cooked, OneThatNeedsAllOfADamagedMeshIsRefusedAtOnce)
 {
     const TemporaryFolder folder;
