@@ -12,8 +12,8 @@ namespace oncollide {
 /// the inside.
 using PartPoints = std::array<Eigen::Vector3d, 6>;
 
-/// The parts of a mesh; of a terrain, whose cells that share corners are one; of a shape, which is one; none of a map,
-/// of which each cell is one. Cost: O(triangles).
+/// The parts of a mesh; of a terrain, whose cells that share corners are one; of a shape, which is one; none of a map, of
+/// which each cell is one. Cost: O(triangles).
 std::vector<PartPoints> part_points_of(const GeometryData& geometry);
 std::vector<PartPoints> part_points_of(const Mesh& mesh);
 

@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int most_newton_looks = 8;
+constexpr int most_looks = 8;
 
 /// Two directions across a third, all of length 1 and at right angles.
 /// Source: Duff et al., "Building an orthonormal basis, revisited", JCGT 2017.
@@ -93,8 +93,7 @@ NewtonMeeting newton_meeting(const ConvexDifference& cores)
             found.meeting = {-1, 0};
             break;
         }
-        if (!(apart > last) || found.looks == most_newton_looks || cores.flat_sided())
-            break; // faces, edges: see portals
+        if (!(apart > last) || found.looks == most_looks || cores.flat_sided()) break; // faces, edges: see portals
         last = apart;
         n += newton_step(cores, n, p.w);
     }
