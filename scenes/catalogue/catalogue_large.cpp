@@ -72,7 +72,7 @@ Scene make_campus_scene(const CatalogueOptions& options)
     Scene scene;
     const GeometryId campus =
         add_environment(scene, options, "campus", "octomap", "octomap/fr_campus.bt",
-                        {{"building", {{"rooms", 48}, {"resolution", 0.2}, {"seed", options.seed}}}});
+                        {{"building", {{"rooms", 34}, {"resolution", 0.2}, {"seed", options.seed}}}});
     scene.add_body({.name = "campus", .geometry = campus, .is_static = true});
     std::vector<GeometryId> kinds = add_meshes_of_a_metre(scene);
     kinds.push_back(scene.add("sphere", Sphere{0.5})), kinds.push_back(scene.add("box", Box{{0.4, 0.7, 1}}));

@@ -27,7 +27,7 @@ FclGeometry make_fcl_geometry(const GeometryData& geometry, FclNodes nodes,
 /// A geometry somewhere.
 struct FclBody {
     const FclGeometry& geometry;
-    const Eigen::Isometry3d& pose;
+    Eigen::Isometry3d pose;
 };
 
 /// The number of contacts (of meshes, pairs of triangles that intersect), counted up to `most`.

@@ -24,9 +24,11 @@ hid_t Hdf5::variable(const char* name) const
     return *static_cast<const hid_t*>(linked ? linked : find(name));
 }
 
-Hdf5::Hdf5() : library_(::dlopen(ONCOLLIDE_HDF5_LIBRARY, RTLD_NOW | RTLD_LOCAL))
+Hdf5::Hdf5()
+    : shared_(::dlopen(ONCOLLIDE_HDF5_LIBRARY, RTLD_NOW | RTLD_NOLOAD)),
+      library_(::dlopen(ONCOLLIDE_HDF5_LIBRARY, RTLD_NOW | RTLD_LOCAL))
 {
-    H5dont_atexit(); // a file that could not be written must not be tried again at the end
+    if (!shared_) H5dont_atexit(); // a file that could not be written must not be tried again at the end
     H5open();
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); // it prints its errors otherwise
     native_double = variable("H5T_NATIVE_DOUBLE_g"), native_int64 = variable("H5T_NATIVE_INT64_g");

@@ -9,6 +9,7 @@ namespace oncollide {
 
 /// Loaded when a file first needs it, as GDAL is: linked, it would bring libraries of networks into every program.
 class Hdf5 {
+    const bool shared_; ///< the program had it before
     void* const library_;
     void* find(const char* name) const;
     hid_t variable(const char* name) const;
