@@ -41,9 +41,10 @@ int run(const RunOptions& options)
     const int code = play(scene, pipeline, report, int(end), options.outputs, int(first));
     // Without the mark of a part where frames are missing: it must not be merged.
     write_outputs(report, options.outputs,
-                  code ? "" : shard.line(fmt::format("run {}, {} bodies, {} frames, pace {}, settings {:016x}{}",
-                                                     printable(scene.name), scene.size(), scene.frames, scene.pace,
-                                                     hash_of(settings), options.outputs.separate ? ", separate" : "")));
+                  code ? ""
+                       : shard.line(fmt::format("run {}, {} bodies, {} frames, pace {}, settings {:016x}{}",
+                                                printable(scene.name), scene.size(), scene.frames, scene.pace,
+                                                hash_of(settings), options.outputs.separate ? ", separate" : "")));
     return code;
 }
 
