@@ -304,7 +304,7 @@ TEST_F(RanksTest, AFaultOfOneRankIsAnErrorOfAll)
     });
     Scene scene = balls(6, 1);
     scene.motions[3] = Drift{.velocity = {9e14, 0, 0}, .walls = {}}; // leaves the world in frame 2
-    expect_refused(ErrorKind::bad_data, "beyond 1e15 m", [&] { by_many(scene, 3); });
+    expect_refused(ErrorKind::bad_data, "body 3: the pose is beyond 1e15 m", [&] { by_many(scene, 3); });
     EXPECT_TRUE(folder_.list().empty()) << "no half of a file is left";
 }
 
