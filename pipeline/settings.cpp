@@ -10,8 +10,8 @@
 #include <oncollide/base/near_word.hpp>
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/narrowphase/exact/exact_fcl.hpp>
-#include <oncollide/pipeline/result_hash.hpp>
 #include <oncollide/narrowphase/spheres/cell_key.hpp>
+#include <oncollide/pipeline/result_hash.hpp>
 
 namespace oncollide {
 
@@ -85,10 +85,10 @@ BoundingVolume bounding_volume_from_name(std::string_view name)
 
 std::uint64_t hash_of(const Settings& s)
 {
-    const std::string text = fmt::format(
-        "{} {:a} {:a} {} {} {} {} {} {} {}", s.depth.value_or(0), s.max_error.value_or(0), s.clearance,
-        name_of(s.exact), s.contact_kinds, s.ignore_touching, name_of(s.mode), s.open_as_surface, wants_obbs(s),
-        fmt::join(s.skip, ","));
+    const std::string text =
+        fmt::format("{} {:a} {:a} {} {} {} {} {} {} {}", s.depth.value_or(0), s.max_error.value_or(0), s.clearance,
+                    name_of(s.exact), s.contact_kinds, s.ignore_touching, name_of(s.mode), s.open_as_surface,
+                    wants_obbs(s), fmt::join(s.skip, ","));
     std::uint64_t hash = 0;
     for (const char c : text) mix(hash, std::uint8_t(c));
     return hash;

@@ -185,8 +185,8 @@ SceneSlice slice_of(const Scene& scene, int rank, int size, bool names)
                            .pose = scene.start_pose(i)},
                           scene.start_pose(i),
                           scene.motions[i]};
-        for (auto at = std::ranges::lower_bound(excluded, i, {}, &ExcludedPair::a);
-             at != excluded.end() && at->a == i; ++at)
+        for (auto at = std::ranges::lower_bound(excluded, i, {}, &ExcludedPair::a); at != excluded.end() && at->a == i;
+             ++at)
             record.excluded.push_back(at->b);
         record.name = scene.names[i];
         bytes.clear();

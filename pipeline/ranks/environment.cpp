@@ -16,7 +16,8 @@ int variable(std::initializer_list<const char*> names)
 
 } // namespace
 
-// Open MPI; MPICH and others of its family. What runs under srun alone is told apart by neither: --mpi=pmix sets the first.
+// Open MPI; MPICH and others of its family. What runs under srun alone is told apart by neither: --mpi=pmix sets the
+// first.
 int mpi_size_of_environment()
 {
     return std::max(1, variable({"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"}));

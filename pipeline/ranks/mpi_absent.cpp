@@ -5,7 +5,7 @@ namespace oncollide {
 
 namespace {
 
-[[noreturn]] void refuse()
+[[noreturn]] void refuse_without_mpi()
 {
     throw Error(ErrorKind::usage, "oncollide was built without MPI; build it with -DONCOLLIDE_MPI=ON (Open MPI and "
                                   "Zoltan: libopenmpi-dev, libtrilinos-zoltan-dev)");
@@ -20,12 +20,12 @@ bool mpi_is_built()
 
 std::unique_ptr<Ranks> make_mpi_ranks()
 {
-    refuse();
+    refuse_without_mpi();
 }
 
 std::unique_ptr<Partitioner> make_zoltan_partitioner(const Ranks&)
 {
-    refuse();
+    refuse_without_mpi();
 }
 
 } // namespace oncollide

@@ -2,9 +2,29 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include <oncollide/pipeline/world_impl.hpp>
 
 namespace oncollide {
+
+namespace {
+
+/// The World knows slots; users know the scene's bodies.
+template <class Call>
+auto naming(std::uint32_t gid, Call call)
+{
+    try {
+        return call();
+    } catch (const Error& error) {
+        const std::string_view what = error.what();
+        const std::size_t colon = what.find(": ");
+        const bool of_body = what.starts_with("body ") || what.starts_with("new body");
+        throw Error(error.kind(), of_body ? fmt::format("body {}{}", gid, what.substr(colon)) : std::string(what));
+    }
+}
+
+} // namespace
 
 void check_for_ranks(const Settings& settings)
 {
@@ -61,7 +81,8 @@ void RankWorld::add(const BodyHere& body)
         return;
     }
     found->second.seen = step_;
-    if (world_.pose(found->second.id).matrix() != body.pose.matrix()) world_.set_pose(found->second.id, body.pose);
+    if (world_.pose(found->second.id).matrix() != body.pose.matrix())
+        naming(body.gid, [&] { world_.set_pose(found->second.id, body.pose); });
 }
 
 FrameView RankWorld::step()
@@ -74,13 +95,14 @@ FrameView RankWorld::step()
     // By index, so that slots do not depend on the order of messages.
     std::ranges::sort(come_, {}, &BodyHere::gid);
     for (BodyHere& body : come_) {
-        const BodyId id = world_.add_body({.model = model_of(body.geometry),
-                                           .pose = body.pose,
-                                           .fixed = body.fixed,
-                                           .layer = body.layer,
-                                           .mask = body.mask,
-                                           .group = body.group,
-                                           .user = body.gid});
+        const BodySpec spec{.model = model_of(body.geometry),
+                            .pose = body.pose,
+                            .fixed = body.fixed,
+                            .layer = body.layer,
+                            .mask = body.mask,
+                            .group = body.group,
+                            .user = body.gid};
+        const BodyId id = naming(body.gid, [&] { return world_.add_body(spec); });
         here_.emplace(body.gid, Entry{id, step_});
         if (names_.size() <= id.slot) names_.resize(id.slot + std::size_t{1});
         names_[id.slot] = std::move(body.name);

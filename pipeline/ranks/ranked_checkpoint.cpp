@@ -20,7 +20,7 @@ struct RankedRun::Checkpoint {
     std::uint64_t hash = 0, csv_end = 0;
     std::array<std::uint64_t, 4> verdicts{};
     std::array<std::uint64_t, 5> kinds{};
-    std::uint64_t poses = 0; ///< sum of the hashes of all
+    std::uint64_t poses = 0;  ///< sum of the hashes of all
     std::uint64_t header = 0; ///< hash of all above
 
     std::uint64_t hash_of_header() const

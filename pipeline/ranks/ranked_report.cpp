@@ -95,9 +95,10 @@ void write_rank_trace(const std::filesystem::path& path, const std::string& titl
                    "\"process {0}\"}}}}",
                    rank);
         for (const RankPhase& phase : ranks[rank])
-            file.print(",\n{{\"ph\": \"X\", \"pid\": 1, \"tid\": {}, \"name\": \"{}\", \"ts\": {:.3f}, \"dur\": {:.3f}, "
-                       "\"args\": {{\"frame\": {}}}}}",
-                       rank, phase_names[phase.kind], phase.begin_us, phase.end_us - phase.begin_us, phase.frame);
+            file.print(
+                ",\n{{\"ph\": \"X\", \"pid\": 1, \"tid\": {}, \"name\": \"{}\", \"ts\": {:.3f}, \"dur\": {:.3f}, "
+                "\"args\": {{\"frame\": {}}}}}",
+                rank, phase_names[phase.kind], phase.begin_us, phase.end_us - phase.begin_us, phase.frame);
     }
     file.print("\n]}}\n");
     file.commit();

@@ -39,8 +39,9 @@ RankedRun::RankedRun(Ranks& ranks, std::unique_ptr<Partitioner> partition, Scene
 {
     together(ranks_, [&] {
         if (options_.separate && settings.coherence && ranks_.size() > 1)
-            throw Error(ErrorKind::usage, "--separate: the gaps of pairs that stay apart come from earlier frames, which "
-                                          "other processes may have decided; add --no-coherence");
+            throw Error(ErrorKind::usage,
+                        "--separate: the gaps of pairs that stay apart come from earlier frames, which "
+                        "other processes may have decided; add --no-coherence");
     });
     // Equal on all ranks: compared as the largest of it and of its complement, in halves that doubles hold exactly.
     const auto low = double(scene_.checksum & 0xffffffffu), high = double(scene_.checksum >> 32);

@@ -123,8 +123,8 @@ private:
     int frame_ = 0, moved_to_ = 0;
     bool partitioned_ = false, repartition_now_ = false;
     int uneven_frames_ = 0, rebuilds_ = 0;
-    std::vector<Row> rows_;     ///< of this frame, by this rank's share of first bodies
-    std::uint64_t hash_ = 0;    ///< of all frames so far; on the last rank
+    std::vector<Row> rows_;  ///< of this frame, by this rank's share of first bodies
+    std::uint64_t hash_ = 0; ///< of all frames so far; on the last rank
     std::uint64_t last_work_ = 0;
     std::array<std::uint64_t, 4> verdicts_{};
     std::array<std::uint64_t, 5> kinds_{};

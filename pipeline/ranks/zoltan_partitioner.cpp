@@ -42,8 +42,7 @@ int dimensions(void*, int* error)
 void coordinates(void* data, int, int, int number, ZOLTAN_ID_PTR, ZOLTAN_ID_PTR local, int, double* out, int* error)
 {
     *error = ZOLTAN_OK;
-    for (int i = 0; i < number; ++i)
-        Eigen::Map<Eigen::Vector3d>(out + 3 * i) = points_of(data).points[local[i]];
+    for (int i = 0; i < number; ++i) Eigen::Map<Eigen::Vector3d>(out + 3 * i) = points_of(data).points[local[i]];
 }
 
 void check(int error, const char* what)
@@ -115,8 +114,8 @@ public:
         ranks.assign(1, 0);
         if (!cut_) return;
         int number = 0;
-        check(Zoltan_LB_Box_Assign(zoltan_, box.min.x(), box.min.y(), box.min.z(), box.max.x(), box.max.y(), box.max.z(),
-                                   found_.data(), &number),
+        check(Zoltan_LB_Box_Assign(zoltan_, box.min.x(), box.min.y(), box.min.z(), box.max.x(), box.max.y(),
+                                   box.max.z(), found_.data(), &number),
               "Zoltan_LB_Box_Assign");
         ranks.assign(found_.begin(), found_.begin() + number);
         std::ranges::sort(ranks);

@@ -48,6 +48,24 @@ TEST(PoseBounds, EncloseRotatedMeshesTightlyBeforeAndAfterTheirMapIsMade)
     }
 }
 
+/// Processes that share a scene must find the same boxes, whatever else each has seen of the mesh.
+TEST(PoseBounds, DependOnThePoseAloneAndNotOnWhatWasRequestedBefore)
+{
+    for (const Mesh& mesh : {make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 3000), make_box_mesh({1, 2, 3})}) {
+        const GeometryData geometry = mesh;
+        PoseBounds fresh(geometry), used(geometry);
+        for (std::uint64_t i = 0; i < 700; ++i) used.expect(random_pose(2, i, 10));
+        for (std::uint64_t i = 0; i < 200; ++i) {
+            Eigen::Isometry3d pose = random_pose(1, i, 10);
+            if (i < 10) pose.linear().setIdentity(); // first what floats have no part in
+            fresh.expect(pose), used.expect(pose);
+            const Aabb a = fresh.box(pose), b = used.box(pose);
+            EXPECT_EQ(a.min, b.min) << i;
+            EXPECT_EQ(a.max, b.max) << i;
+        }
+    }
+}
+
 /// A rotation and a translation of large numbers leave a small one, which rounding has moved by more than floats of the
 /// body would.
 TEST(PoseBounds, EncloseSmallMeshesOfFarFilesThatPosesTakeBack)

@@ -81,19 +81,21 @@ TEST_F(Mpirun, SaysOnceWhatIsWrong)
     expect_one_error(64, mpirun(2, {"run", "city", "--partitioner", "best"}), "valid: zoltan, morton");
     expect_one_error(73, mpirun(2, {"run", "boxes", "--csv", "no/folder.csv"}), "no/folder.csv");
     // Two programs in one job.
-    expect_one_error(65, mpirun(1, {"run", "boxes", "--seed", "1", ":", "-n", "1", ONCOLLIDE_COMMAND, "run", "boxes",
-                                    "--seed", "2"}),
-                     "different scenes");
+    expect_one_error(
+        65,
+        mpirun(1, {"run", "boxes", "--seed", "1", ":", "-n", "1", ONCOLLIDE_COMMAND, "run", "boxes", "--seed", "2"}),
+        "different scenes");
     EXPECT_TRUE(folder_.list().empty());
 }
 
 TEST_F(Mpirun, EndsWhenAProcessHangs)
 {
     const Outcome outcome =
-        mpirun(3, {"run", "boxes", "--bodies", "2000", "--frames", "100000", "--patience", "2", "--csv", "r.csv"}, [](pid_t parent) {
-            std::this_thread::sleep_for(std::chrono::seconds(2));
-            if (const auto processes = children(parent); !processes.empty()) ::kill(processes.back(), SIGSTOP);
-        });
+        mpirun(3, {"run", "boxes", "--bodies", "2000", "--frames", "100000", "--patience", "2", "--csv", "r.csv"},
+               [](pid_t parent) {
+                   std::this_thread::sleep_for(std::chrono::seconds(2));
+                   if (const auto processes = children(parent); !processes.empty()) ::kill(processes.back(), SIGSTOP);
+               });
     EXPECT_EQ(outcome.code, 70) << outcome.err;
     EXPECT_NE(outcome.err.find("another process hangs"), std::string::npos) << outcome.err;
     EXPECT_EQ(folder_.read("r.csv"), "") << "nothing is published";
@@ -101,7 +103,7 @@ TEST_F(Mpirun, EndsWhenAProcessHangs)
 
 TEST_F(Mpirun, GoesOnAfterProcessesWereKilled)
 {
-    std::vector<std::string> scene{"run",   "boxes",  "--bodies",     "1500",  "--frames",           "30",
+    std::vector<std::string> scene{"run",   "boxes", "--bodies",     "1500",  "--frames",           "30",
                                    "--csv", "r.csv", "--checkpoint", "check", "--checkpoint-every", "2"};
     std::mt19937 random(5);
     Outcome outcome{};

@@ -1,5 +1,5 @@
-// Scenes played by many ranks: threads of this process, which know no more of each other than processes do. Results must
-// be those of one World, bit by bit.
+// Scenes played by many ranks: threads of this process, which know no more of each other than processes do. Results
+// must be those of one World, bit by bit.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -86,7 +86,8 @@ Scene lattice(int side)
 {
     Scene scene;
     scene.name = "lattice", scene.frames = 2;
-    const GeometryId box = scene.add("box", Box{Vector3d::Constant(0.5)}), mesh = scene.add("mesh", make_box_mesh(Vector3d::Constant(0.5)));
+    const GeometryId box = scene.add("box", Box{Vector3d::Constant(0.5)}),
+                     mesh = scene.add("mesh", make_box_mesh(Vector3d::Constant(0.5)));
     for (int i = 0; i < side * side * side; ++i) {
         Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
         pose.translation() = Vector3d(i % side, i / side % side, i / side / side);
@@ -158,7 +159,9 @@ TEST_F(RanksTest, GiantsThatReachIntoEveryRegionAreDecidedOnce)
     Scene scene = balls(40, 1.5);
     const GeometryId giant = scene.add("giant", make_sphere_mesh(30, 500)), ground = scene.add("ground", HalfSpace{});
     for (int k = 0; k < 3; ++k)
-        scene.add_body({.geometry = giant, .pose = scene.poses[std::size_t(10 * k)], .motion = Drift{.velocity = {0.1, 0, 0}, .walls = {}}});
+        scene.add_body({.geometry = giant,
+                        .pose = scene.poses[std::size_t(10 * k)],
+                        .motion = Drift{.velocity = {0.1, 0, 0}, .walls = {}}});
     scene.add_body({.geometry = ground, .is_static = true});
     expect_the_same(scene);
 }
@@ -168,7 +171,8 @@ TEST_F(RanksTest, FiltersAndExcludedPairsHoldAcrossRanks)
     Scene scene = balls(60, 0.4);
     for (std::uint32_t i = 0; i < scene.size(); ++i) {
         scene.layers[i] = 1u << i % 3, scene.masks[i] = i % 5 ? 7 : 3, scene.groups[i] = i % 4 == 0 ? 1 + i / 8 : 0;
-        if (i % 3 == 0 && i + 2 < scene.size()) scene.exclude(BodyId{i}, BodyId{i + 1}), scene.exclude(BodyId{i + 2}, BodyId{i});
+        if (i % 3 == 0 && i + 2 < scene.size())
+            scene.exclude(BodyId{i}, BodyId{i + 1}), scene.exclude(BodyId{i + 2}, BodyId{i});
     }
     expect_the_same(scene);
 }
@@ -178,8 +182,10 @@ TEST_F(RanksTest, BodiesThatLeaveOneRegionForAnotherTakeTheirMotionAlong)
     Scene scene = balls(50, 2);
     scene.frames = 40;
     for (std::uint32_t i = 0; i < scene.size(); ++i)
-        scene.motions[i] = i % 2 ? Motion(Jitter{.step = 9, .seed = 3, .index = i, .walls = {Vector3d(0, -3, -3), Vector3d(100, 3, 3)}})
-                                 : Motion(Drift{.velocity = {3.0, 0, 0}, .walls = {Vector3d(0, -3, -3), Vector3d(100, 3, 3)}});
+        scene.motions[i] =
+            i % 2
+                ? Motion(Jitter{.step = 9, .seed = 3, .index = i, .walls = {Vector3d(0, -3, -3), Vector3d(100, 3, 3)}})
+                : Motion(Drift{.velocity = {3.0, 0, 0}, .walls = {Vector3d(0, -3, -3), Vector3d(100, 3, 3)}});
     const Played one = by_one(scene);
     EXPECT_GT(one.verdicts[std::size_t(Verdict::within)], 100u);
     for (const int size : {2, 4}) EXPECT_EQ(by_many(scene, size), one);
@@ -298,7 +304,7 @@ TEST_F(RanksTest, AFaultOfOneRankIsAnErrorOfAll)
     });
     Scene scene = balls(6, 1);
     scene.motions[3] = Drift{.velocity = {9e14, 0, 0}, .walls = {}}; // leaves the world in frame 2
-    expect_refused(ErrorKind::bad_data, "beyond 1e15 m", [&] { by_many(scene, 3); });
+    expect_refused(ErrorKind::bad_data, "body 3: the pose is beyond 1e15 m", [&] { by_many(scene, 3); });
     EXPECT_TRUE(folder_.list().empty()) << "no half of a file is left";
 }
 

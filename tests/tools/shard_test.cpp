@@ -37,8 +37,8 @@ TEST_F(CommandLine, PartsOfARunMergeToTheFileOfTheWhole)
 
 TEST_F(CommandLine, PartsOfTheHardCasesMergeToTheFileOfTheWhole)
 {
-    const std::vector<std::string> work{"accuracy", "hard",     "--count",  "20",       "--family", "coplanar",
-                                        "--family", "slivers",  "--csv"};
+    const std::vector<std::string> work{"accuracy", "hard",     "--count", "20",   "--family",
+                                        "coplanar", "--family", "slivers", "--csv"};
     const auto judge = [&](std::vector<std::string> more) {
         std::vector<std::string> arguments = work;
         arguments.insert(arguments.end(), more.begin(), more.end());
@@ -60,7 +60,8 @@ TEST_F(CommandLine, ARunWithCheckpointsIsThatWithoutThem)
         return run(arguments);
     };
     const auto hash = [](const Outcome& outcome) { return outcome.out.substr(outcome.out.rfind("hash")); };
-    const Outcome plain = play({"plain.csv"}), kept = play({"kept.csv", "--checkpoint", "c", "--checkpoint-every", "3"});
+    const Outcome plain = play({"plain.csv"}),
+                  kept = play({"kept.csv", "--checkpoint", "c", "--checkpoint-every", "3"});
     ASSERT_EQ(plain.code, 0) << plain.err;
     ASSERT_EQ(kept.code, 0) << kept.err;
     EXPECT_EQ(hash(kept), hash(plain));
@@ -79,7 +80,8 @@ TEST_F(CommandLine, SimulatedRanksAddUpToTheSamePairsHoweverManyThereAre)
         const Outcome outcome =
             run({"bench", "scale", "--bodies", "30000", "--ranks", ranks, "--sample", sample, "--edge", "0.5"});
         EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
-        return outcome.out.substr(outcome.out.find("\npairs"), outcome.out.rfind("\nprocess") - outcome.out.find("\npairs"));
+        return outcome.out.substr(outcome.out.find("\npairs"),
+                                  outcome.out.rfind("\nprocess") - outcome.out.find("\npairs"));
     };
     const std::string one = result("1", "0");
     EXPECT_EQ(result("8", "0"), one);
@@ -92,8 +94,8 @@ TEST_F(CommandLine, SimulatedRanksAddUpToTheSamePairsHoweverManyThereAre)
 TEST_F(CommandLine, ManyProcessesWithoutMpiAreOneError)
 {
     const auto as_process = [&](const char* rank) {
-        return run({"run", "boxes"}, {.folder = {},
-                                      .environment = {{"OMPI_COMM_WORLD_SIZE", "2"}, {"OMPI_COMM_WORLD_RANK", rank}}});
+        return run({"run", "boxes"},
+                   {.folder = {}, .environment = {{"OMPI_COMM_WORLD_SIZE", "2"}, {"OMPI_COMM_WORLD_RANK", rank}}});
     };
     const Outcome first = as_process("0"), second = as_process("1");
     EXPECT_EQ(first.code, 64);

@@ -332,7 +332,8 @@ void add_bench(Arguments app)
         app.add_command("bench", "Measure against other libraries in one run, on the same work, turn about");
     bench.at_most_one_command();
     bench.action([]() -> int {
-        usage("bench: which one? broad, narrow, planner, world, environment, distances, shapes, clash, read, scale, many, "
+        usage("bench: which one? broad, narrow, planner, world, environment, distances, shapes, clash, read, scale, "
+              "many, "
               "octants, paper, poses or scene (oncollide bench --help)");
     });
     add_broad(bench);

@@ -46,7 +46,8 @@ public:
         Vector3d at(x, y, z);
         for (int k = 0; k < 3; ++k) {
             // There and back in its cell.
-            const double start = u01(seed_, i, std::uint64_t(k)), speed = 0.1 * (u01(seed_, i, std::uint64_t(k) + 4) - 0.5);
+            const double start = u01(seed_, i, std::uint64_t(k)),
+                         speed = 0.1 * (u01(seed_, i, std::uint64_t(k) + 4) - 0.5);
             const double way = std::fmod(std::abs(start + frame_ * speed), 2.0);
             at[k] += way < 1 ? way : 2 - way;
         }
@@ -76,7 +77,8 @@ public:
         int best = 1 << 30;
         for (int a = 1; a * a * a <= ranks; ++a)
             for (int b = a; ranks % a == 0 && a * b * b <= ranks; ++b)
-                if (ranks / a % b == 0 && ranks / a / b - a < best) best = ranks / a / b - a, count_ = {a, b, ranks / a / b};
+                if (ranks / a % b == 0 && ranks / a / b - a < best)
+                    best = ranks / a / b - a, count_ = {a, b, ranks / a / b};
     }
     std::array<int, 3> place(int rank) const
     {
@@ -226,13 +228,12 @@ int bench_scale(const ScaleOptions& o)
     }
     const double n = double(ranks.size());
     const bool all = ranks.size() == std::size_t(o.ranks);
-    say("world      {} cubes, frame {}, edges {} spacings in the mean, one of {} is {} times as large\n", world.bodies(),
-        o.frame, o.edge, large_every, large_by);
+    say("world      {} cubes, frame {}, edges {} spacings in the mean, one of {} is {} times as large\n",
+        world.bodies(), o.frame, o.edge, large_every, large_by);
     say("ranks      {} as {} x {} x {} blocks, {} played\n\n", o.ranks, blocks.count()[0], blocks.count()[1],
         blocks.count()[2], ranks.size());
     say("{:<34}{:>14}{:>14}{:>14}\n", "a rank", "mean", "most", "model");
-    say("{:<34}{:>14.0f}{:>14.0f}{:>14.0f}\n", "bodies at home", home / n, most_home,
-        double(world.bodies()) / o.ranks);
+    say("{:<34}{:>14.0f}{:>14.0f}{:>14.0f}\n", "bodies at home", home / n, most_home, double(world.bodies()) / o.ranks);
     say("{:<34}{:>14.0f}{:>14.0f}{:>14.0f}\n", "ghosts", ghosts / n, most_ghosts, model / n);
     say("{:<34}{:>14.3f}{:>14}{:>14.3f}\n", "MB of ghosts a frame", bytes / n / 1e6, "", 184 * model / n / 1e6);
     say("{:<34}{:>14}{:>14.1f}\n", "MB held", "", most_held / 1e6);

@@ -219,7 +219,8 @@ int accuracy_hard(HardOptions options)
         write_csv(options.csv,
                   shard_from(options.shard)
                       .line(fmt::format("accuracy hard, count {}, families {}{}", options.count,
-                                        options.families.empty() ? "all" : fmt::format("{}", fmt::join(options.families, ";")),
+                                        options.families.empty() ? "all"
+                                                                 : fmt::format("{}", fmt::join(options.families, ";")),
                                         no_queries ? ", without queries/" : "")),
                   rows);
     if (!options.json.empty()) write_json(options.json, rows);
