@@ -46,6 +46,18 @@ std::vector<std::string> quote_all(const Scene& scene, Quote quote)
     return result;
 }
 
+void refuse_unless(bool kept, std::string_view what)
+{
+    if (!kept) throw Error(ErrorKind::usage, fmt::format("report: {} was not among the parts to keep", what));
+}
+
+void copy(const Spool& from, OutputFile& to)
+{
+    from.read([&](std::string_view piece) { to.write(piece); });
+}
+
+} // namespace
+
 std::string settings_json(const Settings& s)
 {
     std::string skip;
@@ -58,18 +70,6 @@ std::string settings_json(const Settings& s)
         name_of(s.backend), name_of(s.broad_phase), name_of(s.bounding_volume), s.gpu, s.viewport, s.threads, skip,
         s.age_limit, s.node_budget, s.memory_budget, s.coherence);
 }
-
-void refuse_unless(bool kept, std::string_view what)
-{
-    if (!kept) throw Error(ErrorKind::usage, fmt::format("report: {} was not among the parts to keep", what));
-}
-
-void copy(const Spool& from, OutputFile& to)
-{
-    from.read([&](std::string_view piece) { to.write(piece); });
-}
-
-} // namespace
 
 std::string csv_field(const std::string& text)
 {

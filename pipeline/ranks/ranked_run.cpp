@@ -116,8 +116,10 @@ void RankedRun::step()
 
 void RankedRun::read_recording()
 {
-    scene_.recording->read(static_cast<std::uint64_t>(frame_ * scene_.pace), recorded_,
-                           [&](std::uint32_t i) { return fmt::format("body {}", scene_.recording->first + i); });
+    scene_.recording->read(
+        static_cast<std::uint64_t>(frame_ * scene_.pace),
+        [&](std::uint32_t i, const Eigen::Isometry3d& pose) { recorded_[i] = pose; },
+        [&](std::uint32_t i) { return fmt::format("body {}", scene_.recording->first + i); });
 }
 
 void RankedRun::move()
