@@ -10,10 +10,10 @@
 namespace oncollide {
 
 struct CatalogueOptions {
-    std::optional<int> bodies; ///< how many, where the scene lets one choose
-    std::optional<int> frames;
+    std::optional<int> bodies{}; ///< how many, where the scene lets one choose
+    std::optional<int> frames{};
     std::uint64_t seed = 12345;
-    std::filesystem::path data; ///< folder with meshes/ and octomap/; empty or missing: generated stand-ins
+    std::filesystem::path data{}; ///< folder with meshes/ and octomap/; empty or missing: generated stand-ins
 };
 
 struct CatalogueEntry {
