@@ -17,17 +17,17 @@ namespace oncollide::tools {
 namespace {
 
 /// A backend in one of its forms.
-struct Contender {
+struct OctantContender {
     std::string name;
     std::function<std::unique_ptr<OcclusionBackend>()> make;
     int threads = 1;
     bool lists = true; ///< false: it draws whole meshes, whatever lists there are
 };
 
-std::vector<Contender> contenders(int gpu)
+std::vector<OctantContender> contenders(int gpu)
 {
     using Query = GlQueryOptions;
-    std::vector<Contender> all;
+    std::vector<OctantContender> all;
     all.push_back({"cpu", make_cpu_backend});
     if (hardware_threads() > 1)
         all.push_back({fmt::format("cpu, {} threads", hardware_threads()), make_cpu_backend, hardware_threads()});
@@ -50,7 +50,7 @@ std::vector<Contender> contenders(int gpu)
 /// A contender with one mesh, and the tree that it grew along the true cells.
 class Candidate {
 public:
-    Candidate(const Contender& contender, const OctantLevels& levels)
+    Candidate(const OctantContender& contender, const OctantLevels& levels)
         : contender_(contender), levels_(levels), backend_(contender.make())
     {
         start_again();
@@ -111,7 +111,7 @@ private:
         return {0, cell, all_triangles, false};
     }
 
-    const Contender& contender_;
+    const OctantContender& contender_;
     const OctantLevels& levels_;
     std::unique_ptr<OcclusionBackend> backend_;
     std::optional<Ocst> tree_;
@@ -170,7 +170,7 @@ private:
             "  rows in a batch");
         for (std::size_t rows : batches) say("{:>12}", grouped(rows));
         say("\n");
-        for (const Contender& contender : contenders_) {
+        for (const OctantContender& contender : contenders_) {
             say("  {:<32}", contender.name);
             Candidate candidate(contender, levels);
             double row_ms = 0;
@@ -198,7 +198,7 @@ private:
         for (int depth : depths) say("{:>20}", depth);
         say("\n");
         const OctantLevels levels(mesh.mesh, 7);
-        for (const Contender& contender : contenders_) {
+        for (const OctantContender& contender : contenders_) {
             if (contender.name.starts_with("gl-query")) continue; // minutes; its speed is the table before
             say("  {:<32}", contender.name);
             Candidate candidate(contender, levels);
@@ -228,7 +228,7 @@ private:
             for (const auto& cell : levels.level(level)) grey += std::uint64_t(std::popcount(cell.truth));
         say("octants missed and too many to depth {}: {}, {} triangles, {} grey octants\n{:<34}{:>16}{:>16}{:>14}\n",
             depth, mesh.name, grouped(mesh.mesh.triangles.size()), grouped(grey), "", "missed", "too many", "queries");
-        for (const Contender& contender : contenders_) {
+        for (const OctantContender& contender : contenders_) {
             if (contender.threads > 1) continue;
             Candidate candidate(contender, levels);
             std::uint64_t missed = 0, extra = 0, queries = 0;
@@ -249,7 +249,7 @@ private:
 
     OctantsOptions options_;
     std::filesystem::path data_;
-    std::vector<Contender> contenders_;
+    std::vector<OctantContender> contenders_;
     std::optional<OutputFile> csv_;
 };
 
