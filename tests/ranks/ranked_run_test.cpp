@@ -97,7 +97,12 @@ Scene lattice(int side)
     return scene;
 }
 
-Scene balls(int count, double apart)
+Motion of_every_second(int i)
+{
+    return i % 2 ? Motion(Drift{.velocity = {0.3, 0.1, 0}, .walls = {}}) : Motion(Still{});
+}
+
+Scene balls(int count, double apart, const std::function<Motion(int)>& motion_of = of_every_second)
 {
     Scene scene;
     scene.name = "balls", scene.frames = 3;
@@ -105,7 +110,7 @@ Scene balls(int count, double apart)
     for (int i = 0; i < count; ++i) {
         BodyInit body{.geometry = ball};
         body.pose.translation().x() = apart * i;
-        if (i % 2) body.motion = Drift{.velocity = {0.3, 0.1, 0}, .walls = {}};
+        body.motion = motion_of(i);
         scene.add_body(body);
     }
     return scene;
@@ -170,7 +175,7 @@ TEST_F(RanksTest, FiltersAndExcludedPairsHoldAcrossRanks)
 {
     Scene scene = balls(60, 0.4);
     for (std::uint32_t i = 0; i < scene.size(); ++i) {
-        scene.layers[i] = 1u << i % 3, scene.masks[i] = i % 5 ? 7 : 3, scene.groups[i] = i % 4 == 0 ? 1 + i / 8 : 0;
+        scene.set_layers(BodyId{i}, 1u << i % 3, i % 5 ? 7 : 3), scene.set_group(BodyId{i}, i % 4 == 0 ? 1 + i / 8 : 0);
         if (i % 3 == 0 && i + 2 < scene.size())
             scene.exclude(BodyId{i}, BodyId{i + 1}), scene.exclude(BodyId{i + 2}, BodyId{i});
     }
@@ -179,13 +184,12 @@ TEST_F(RanksTest, FiltersAndExcludedPairsHoldAcrossRanks)
 
 TEST_F(RanksTest, BodiesThatLeaveOneRegionForAnotherTakeTheirMotionAlong)
 {
-    Scene scene = balls(50, 2);
+    Scene scene = balls(50, 2, [](int i) {
+        const Aabb walls{Vector3d(0, -3, -3), Vector3d(100, 3, 3)};
+        return i % 2 ? Motion(Jitter{.step = 9, .seed = 3, .index = std::uint32_t(i), .walls = walls})
+                     : Motion(Drift{.velocity = {3.0, 0, 0}, .walls = walls});
+    });
     scene.frames = 40;
-    for (std::uint32_t i = 0; i < scene.size(); ++i)
-        scene.motions[i] =
-            i % 2
-                ? Motion(Jitter{.step = 9, .seed = 3, .index = i, .walls = {Vector3d(0, -3, -3), Vector3d(100, 3, 3)}})
-                : Motion(Drift{.velocity = {3.0, 0, 0}, .walls = {Vector3d(0, -3, -3), Vector3d(100, 3, 3)}});
     const Played one = by_one(scene);
     EXPECT_GT(one.verdicts[std::size_t(Verdict::within)], 100u);
     for (const int size : {2, 4}) EXPECT_EQ(by_many(scene, size), one);
@@ -279,8 +283,8 @@ TEST_F(RanksTest, RanksThatReadDifferentScenesSaySo)
             });
         });
     };
-    differs([](Scene& own) { own.start_poses[7].translation().y() = 1e-9; });
-    differs([](Scene& own) { own.layers[0] = 2; });
+    differs([](Scene& own) { own.set_position(BodyId{7}, own.poses.position(7) + Vector3d(0, 1e-9, 0)); });
+    differs([](Scene& own) { own.set_layers(BodyId{0}, 2, own.masks[0]); });
     differs([](Scene& own) { own.pace = 0.5; });
     differs([](Scene& own) { own.add("another", Sphere{2}); });
 }
@@ -302,8 +306,10 @@ TEST_F(RanksTest, AFaultOfOneRankIsAnErrorOfAll)
             });
         });
     });
-    Scene scene = balls(6, 1);
-    scene.motions[3] = Drift{.velocity = {9e14, 0, 0}, .walls = {}}; // leaves the world in frame 2
+    const auto leave = [](int i) { // the world in frame 2
+        return i == 3 ? Motion(Drift{.velocity = {9e14, 0, 0}, .walls = {}}) : of_every_second(i);
+    };
+    Scene scene = balls(6, 1, leave);
     expect_refused(ErrorKind::bad_data, "body 3: the pose is beyond 1e15 m", [&] { by_many(scene, 3); });
     EXPECT_TRUE(folder_.list().empty()) << "no half of a file is left";
 }
