@@ -49,7 +49,7 @@ bool edges_may_cancel(const Mesh& mesh)
     });
     std::uint64_t sum = 0;
     for (const Triangle& t : mesh.triangles) {
-        if (mesh.zero_area > 0 && !has_area(mesh, t)) continue;
+        if (!has_area(mesh, t)) continue;
         for (std::size_t i = 0; i < 3; ++i) {
             const std::uint64_t from = hashes[t[i]], to = hashes[t[(i + 1) % 3]];
             const std::uint64_t edge = splitmix(std::min(from, to) * 3 ^ std::max(from, to));
