@@ -85,7 +85,7 @@ with h5py.File("p.h5", "r") as file:
     assert (frames["first"] == frames["pairs"].cumsum() - frames["pairs"]).all()
     assert file.attrs["scene"] == "city" and file.attrs["bodies"] == 60
 pairs["a"], pairs["b"] = names[pairs["a"]], names[pairs["b"]]
-csv = pandas.read_csv("p.csv")
+csv = pandas.read_csv("p.csv", float_precision="round_trip")
 assert len(csv) > 20 and (csv["frame"] == pairs["frame"]).all()
 for column in "a", "b", "verdict", "stage": assert (csv[column] == pairs[column]).all(), column
 assert (csv["kind"].fillna("unknown") == pairs["kind"]).all()
