@@ -74,13 +74,21 @@ void BoxTree::build(std::span<const Aabb> boxes, std::span<const std::uint32_t> 
     built_extent_ = leaf_extent_;
 }
 
-void BoxTree::append(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, double margin, int threads)
+bool BoxTree::append(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, double margin, int threads)
 {
-    if (order_.empty()) return build(boxes, bodies, margin, threads);
+    if (order_.empty()) return build(boxes, bodies, margin, threads), true;
     const std::uint32_t first = nodes_over(size()) * node_width;
     order_.resize(first, no_body);
     append_in_order(kind_, boxes, bodies, origin_, threads, order_);
     bodies_ += static_cast<std::uint32_t>(bodies.size());
+    std::uint32_t nodes = size();
+    int levels = 1;
+    for (; nodes > node_width; ++levels) nodes = nodes_over(nodes);
+    if (levels > view_.levels) { // nobody knows bounds and layers of what lies below the new level
+        std::vector<std::uint32_t> all = order_;
+        std::erase(all, no_body);
+        return build(boxes, all, margin, threads), true;
+    }
     places_.resize(std::max(places_.size(), boxes.size()));
     extend_levels();
     const Taker take(*this, boxes, margin);
@@ -90,6 +98,7 @@ void BoxTree::append(std::span<const Aabb> boxes, std::span<const std::uint32_t>
     const double before = leaf_extent_;
     measure();
     built_extent_ += leaf_extent_ - before;
+    return false;
 }
 
 void BoxTree::erase(std::span<const std::uint32_t> bodies)

@@ -27,8 +27,9 @@ public:
     /// Takes in the boxes of these bodies only. The bounds above them are widened, not tightened: that waits for
     /// refit(). Cost: O(bodies). Where it throws, some are taken in: call again.
     void refit_bodies(std::span<const Aabb> boxes, double margin, std::span<const std::uint32_t> bodies);
-    /// Adds bodies in leaves of their own at the end. Cost: O(bodies log bodies).
-    void append(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, double margin, int threads);
+    /// Adds bodies in leaves of their own at the end. Cost: O(bodies log bodies). Where the tree gets a level more by
+    /// it, it is built anew: then returns true.
+    bool append(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, double margin, int threads);
     /// Takes bodies out; their places stay empty until the next build(). Cost: O(bodies).
     void erase(std::span<const std::uint32_t> bodies);
     /// Marks which bodies move, those whose state has one of `bits`; pairs of two that do not are never found. Needed

@@ -114,7 +114,8 @@ void DynamicTree::take_in(const BodyColumns& columns)
         tree_.erase(gone_);
         for (std::uint32_t body : gone_) bodies_.clear(body, BodyStates::held);
         if (!come_.empty()) {
-            tree_.append(columns.boxes.first(bodies_.rows()), come_, options_.margin, options_.threads);
+            if (tree_.append(columns.boxes.first(bodies_.rows()), come_, options_.margin, options_.threads))
+                filter_.forget();
             for (std::uint32_t body : come_) bodies_.set(body, BodyStates::held);
             marked_version_ = unmarked;
         }

@@ -199,5 +199,23 @@ TEST(Delimitation, KnowsTheLayersOfBodiesThatAreAddedLittleByLittle)
     }
 }
 
+TEST(DynamicTree, FindsThePairsOfABodyThatMakesTheTreeTaller)
+{
+    for (const bool forbid : {false, true})
+        for (const std::uint32_t count : {3u, 15u, 16u, 17u, 255u, 256u, 257u}) {
+            const auto tree = make_kd_tree();
+            const std::vector<Aabb> boxes(count + 1, Aabb{{0, 0, 0}, {1, 1, 1}});
+            std::vector<std::uint32_t> bodies(count), layers(count + 1, 1), masks(count + 1, ~0u);
+            std::iota(bodies.begin(), bodies.end(), 0u);
+            if (forbid) layers[0] = masks[0] = 2;
+            const BodyColumns columns{boxes, layers, masks};
+            tree->add(bodies);
+            tree->find_pairs(columns, true);
+            tree->add({&count, 1});
+            const std::size_t all = count * (count + 1) / 2;
+            EXPECT_EQ(tree->find_pairs(columns, true).size(), forbid ? all - count : all) << count;
+        }
+}
+
 } // namespace
 } // namespace oncollide
