@@ -115,7 +115,7 @@ struct Scene {
 private:
     void play_recording(int frame, bool as_start);
     std::size_t most_changes() const { return size() / 2 + 1024; }
-    void note(BodyId body, bool only_pose = false) { changes.note({index(body), only_pose}, most_changes()); }
+    void note(BodyId body, bool only_pose = false) { changes.note({index(body) & 0x7fffffffu, only_pose}, most_changes()); }
     void expect_motion(); ///< of the bodies that have one: makes room
     friend class Mover;
 

@@ -59,7 +59,10 @@ TEST_F(CommandLine, ARunWithCheckpointsIsThatWithoutThem)
         arguments.insert(arguments.end(), more.begin(), more.end());
         return run(arguments);
     };
-    const auto hash = [](const Outcome& outcome) { return outcome.out.substr(outcome.out.rfind("hash")); };
+    const auto hash = [](const Outcome& outcome) {
+        const std::size_t begin = outcome.out.rfind("hash");
+        return outcome.out.substr(begin, outcome.out.find('\n', begin) - begin);
+    };
     const Outcome plain = play({"plain.csv"}),
                   kept = play({"kept.csv", "--checkpoint", "c", "--checkpoint-every", "3"});
     ASSERT_EQ(plain.code, 0) << plain.err;

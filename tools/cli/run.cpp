@@ -142,10 +142,10 @@ void add_run(Arguments app)
                "  oncollide run town.json --max-error 0.01 --exact on --json results.json\n"
                "  oncollide run city --exact on --view city.html\n"
                "  oncollide run city --bodies 500 --skip exact --threads 0 --csv pairs.csv --trace trace.json\n"
-               "  mpirun -n 8 oncollide run city --bodies 100000 --csv pairs.csv  (a build with ONCOLLIDE_MPI: "
-               "docs/many-processes.md)\n"
+               "  mpirun -n 8 oncollide run city --bodies 100000 --csv pairs.csv\n"
                "At the end the first pairs that collide are named; --csv FILE or --json FILE has all of them.\n"
-               "Formats of the results: docs/results.md, docs/view.md.\n"
+               "Formats of the results: docs/results.md, docs/view.md. mpirun needs a build with\n"
+               "ONCOLLIDE_MPI: docs/many-processes.md.\n"
                "Ctrl-C stops after the frame in hand, or in it if that takes over half a second; what was computed is "
                "written, and the exit code is 130.");
     sub.action([options] { return run(*options); });
