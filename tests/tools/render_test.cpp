@@ -147,6 +147,17 @@ TEST_F(Render, EveryKindOfGeometryIsDrawn)
     for (const char* body : {"pill", "house"}) EXPECT_GT(picture("kinds.json", {"--body", body}).count(is_drawn), 200);
 }
 
+TEST_F(Render, WhatHasNoSpheresIsDrawnWithoutThem)
+{
+    folder_.write(
+        "ground.json",
+        R"({"geometries": {"hills": {"terrain": {"hills": {"cells": 8, "spacing": 1, "height": 1, "seed": 3}}},
+        "floor": {"shape": {"kind": "half_space"}}, "ball": {"shape": {"kind": "sphere", "radius": 1}}},
+        "bodies": [{"geometry": "hills"}, {"geometry": "floor"}, {"geometry": "ball"}]})");
+    EXPECT_GT(picture("ground.json", {"--whole", "--level", "2"}).count(is_drawn), 100);
+    EXPECT_GT(picture("ground.json", {"--whole", "--level", "2", "--show", "spheres"}).count(is_drawn), 20);
+}
+
 TEST_F(Render, RefusesWhatMakesNoSense)
 {
     const auto refuse = [&](std::vector<std::string> more, const std::vector<std::string>& words) {

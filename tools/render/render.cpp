@@ -30,7 +30,10 @@ void play(Scene& scene, const RenderOptions& options, const Settings& settings, 
     ScenePictures pictures(scene, shown_from(options, scene));
     Pipeline pipeline(scene, settings);
     GrownTrees whole(scene, plan.deepest, thread_count(settings));
-    const TreeOf tree_of = [&](GeometryId id) { return options.whole ? &whole[id].tree() : pipeline.tree(id); };
+    const TreeOf tree_of = [&](GeometryId id) -> const Ocst* {
+        if (!has_spheres(scene.geometries[index(id)].data)) return nullptr;
+        return options.whole ? &whole[id].tree() : pipeline.tree(id);
+    };
     Mover mover;
     int next = 0;
     for (const ImagePlan& image : plan.images) {
@@ -123,7 +126,8 @@ void add_drawing_options(Arguments command, RenderOptions& o)
 
 void add_render(Arguments app)
 {
-    Arguments sub = app.add_command("render", "Draw a scene and the spheres around its bodies (sphere-trees), as PNG; needs no display");
+    Arguments sub = app.add_command(
+        "render", "Draw a scene and the spheres around its bodies (sphere-trees), as PNG; needs no display");
     auto options = std::make_shared<RenderOptions>();
     sub.add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
         .required()

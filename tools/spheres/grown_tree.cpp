@@ -9,6 +9,12 @@
 
 namespace oncollide::tools {
 
+bool has_spheres(const GeometryData& data)
+{
+    const auto* shape = std::get_if<Shape>(&data);
+    return !std::holds_alternative<Terrain>(data) && !(shape && std::holds_alternative<HalfSpace>(*shape));
+}
+
 GrownTree::GrownTree(std::shared_ptr<const Geometry> geometry, const Settings& settings, std::optional<int> levels,
                      std::size_t most)
     : settings_(settings), models_(settings_, make_cpu_backend()),

@@ -9,13 +9,16 @@
 
 namespace oncollide::tools {
 
+/// Half-spaces end nowhere, and terrains are searched by their own grid: they have no sphere-tree.
+bool has_spheres(const GeometryData& data);
+
 /// The sphere-tree of one geometry, grown by the library's model store on the cpu backend as if tests had reached every
 /// cell.
 class GrownTree {
 public:
     /// @param settings  depth or max_error, and threads
     /// @param levels    grow so many below the root alone; none: all
-    /// Throws Error{usage} when a level has more than `most` cells.
+    /// The geometry must have spheres. Throws Error{usage} when a level has more than `most` cells.
     GrownTree(std::shared_ptr<const Geometry> geometry, const Settings& settings, std::optional<int> levels = {},
               std::size_t most = 1'000'000);
 

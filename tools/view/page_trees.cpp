@@ -11,14 +11,6 @@ namespace {
 constexpr int deepest = 8;
 constexpr std::size_t bytes_of_sphere = 12, bytes_of_box = 32;
 
-/// Half-spaces end nowhere, and terrains are searched by their own grid.
-bool has_no_spheres(const GeometryData& data)
-{
-    if (std::holds_alternative<Terrain>(data)) return true;
-    const auto* shape = std::get_if<Shape>(&data);
-    return shape && std::holds_alternative<HalfSpace>(*shape);
-}
-
 } // namespace
 
 std::size_t PageTrees::bytes() const
@@ -32,7 +24,7 @@ std::size_t PageTrees::bytes() const
 PageTrees make_page_trees(std::shared_ptr<const Geometry> geometry, std::size_t most, int threads)
 {
     PageTrees trees;
-    if (has_no_spheres(geometry->data)) return trees;
+    if (!has_spheres(geometry->data)) return trees;
     const Settings settings{.depth = deepest, .threads = threads};
     // A level has about four times as many as the one above, and at most eight times.
     int levels = 0;
