@@ -109,9 +109,9 @@ void add_run(Arguments app)
         .required()
         .type_name("SCENE.json|ASSEMBLY.glb|NAME");
     add_catalogue_options(sub, options->scene), add_pace_option(sub, options->scene);
+    add_cache_options(sub, options->scene.cache);
     add_accuracy_options(sub, options->settings);
     add_pipeline_options(sub, options->settings);
-    add_cache_options(sub, options->scene.cache);
     add_output_options(sub, options->outputs);
     sub.group("Results");
     sub.add_flag(
