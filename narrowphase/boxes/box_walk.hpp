@@ -136,53 +136,37 @@ private:
         reset();
         stack_[top_++] = {0, 0, 0, 0, 0};
     }
-    /// Of the root, in the frame that its places are turned to when shifted, and of what is within `out` of it.
-    static Aabb around(const OpenBoxes& root, const Eigen::Matrix3d& turn, const Eigen::Vector3d& shift, double out)
-    {
-        const auto column = [](const float(&v)[3][8]) { return Eigen::Vector3d(v[0][0], v[1][0], v[2][0]); };
-        const Eigen::Vector3d centre = column(root.c) + shift;
-        // Poses may be 2^-20 from rigid.
-        Eigen::Vector3d half = Eigen::Vector3d::Constant(out + root.margin + 0x1p-18 * centre.norm());
-        for (int j = 0; j < 3; ++j) half += (turn * column(root.axis[j])).cwiseAbs() * root.h[j][0];
-        return {turn * centre - half, turn * centre + half};
-    }
     /// The same for what is within `cutoff`: of a large geometry only the surroundings of the other one.
     void start_near(A& a, B& b, const RelativePose& b_to_a, const WalkFrame& frame, double cutoff)
     {
-        const auto ball = [&](const Eigen::Vector3d& centre, double radius) {
+        const auto around = [&](const Eigen::Vector3d& centre, double radius) {
             const double out = radius * (1 + 0x1p-18) + cutoff + 2 * frame.box_rounding;
             return Aabb{centre.array() - out, centre.array() + out};
         };
         const auto of_b = entry(b, [&] {
             const Eigen::Vector3d between = a.centre() - b_to_a(b.centre());
-            return ball(b.centre() + b_to_a.rotation.transpose() * between, a.radius());
+            return around(b.centre() + b_to_a.rotation.transpose() * between, a.radius());
         });
         begin(a, b, b_to_a, frame, of_b.node.value_or(B::root));
         double gap = of_b.gap;
-        const bool in_a = is_large(a) && (!is_large(b) || a.radius() >= b.radius()), in_b = !in_a && is_large(b);
-        const float far = frame.gap_within(cutoff);
-        const double out = (cutoff + 2 * frame.box_rounding) * (1 + 0x1p-16);
-        if constexpr (HasStarts<A>)
-            if (in_a) {
-                const OpenBoxes& root = b_[0].boxes;
-                const Aabb box = around(root, Eigen::Matrix3d::Identity(), frame.origin, out);
-                gap = std::min(gap, a.starts(box, root.size[0], starts_a_));
-                for (const auto& node : starts_a_) compare<false>({0, 0, 0, 0, 0}, true, a_.open(node), far);
+        if constexpr (requires(const Aabb& box) { a.starts(box, 0.0, starts_); }) {
+            const OpenBoxes& root = b_[0].boxes;
+            Aabb box;
+            for (int i = 0; i < 3; ++i) {
+                double half = (cutoff + 2 * frame.box_rounding) * (1 + 0x1p-16) + root.margin;
+                for (int j = 0; j < 3; ++j) half += std::abs(double(root.axis[j][i][0])) * root.h[j][0];
+                const double centre = frame.origin[i] + root.c[i][0];
+                box.min[i] = centre - half, box.max[i] = centre + half;
             }
-        if (!in_a) {
-            const auto of_a = entry(a, [&] { return ball(b_to_a(b.centre()), b.radius()); });
+            const float far = frame.gap_within(cutoff);
+            gap = std::min(gap, a.starts(box, root.size[0], starts_));
+            for (const typename A::Node& node : starts_) compare<false>({0, 0, 0, 0, 0}, true, a_.open(node), far);
+        } else {
+            const auto of_a = entry(a, [&] { return around(b_to_a(b.centre()), b.radius()); });
             a_.open(of_a.node.value_or(A::root));
             gap = std::min(gap, of_a.gap);
-            if (of_a.node && !in_b) stack_[top_++] = {0, 0, 0, 0, 0};
+            if (of_a.node) stack_[top_++] = {0, 0, 0, 0, 0};
         }
-        if constexpr (HasStarts<B>)
-            if (in_b) {
-                const OpenBoxes& root = a_[0].boxes;
-                const Eigen::Vector3d shift = frame.origin - b_to_a.translation;
-                const Aabb box = around(root, b_to_a.rotation.transpose(), shift, out);
-                gap = std::min(gap, b.starts(box, root.size[0], starts_b_));
-                for (const auto& node : starts_b_) compare<false>({0, 0, 0, 0, 0}, false, b_.open(node), far);
-            }
         nearest_[0] = std::min(nearest_[0], static_cast<float>(cutoff + gap));
         if (!of_b.node) top_ = 0;
         far_ = top_ == 0;
@@ -341,8 +325,7 @@ private:
     std::vector<Entry> stack_; ///< its first top_ are in use
     std::size_t top_ = 0;
     bool far_ = true;
-    std::vector<typename A::Node> starts_a_;
-    std::vector<typename B::Node> starts_b_;
+    std::vector<typename A::Node> starts_;
     std::vector<Pair> waiting_;     ///< to be tested together
     std::vector<Entry> from_;       ///< the boxes that these are in
     alignas(32) float nearest_[8];  ///< least gaps of boxes that were left

@@ -12,6 +12,7 @@ namespace {
 using Eigen::Array3d;
 using Eigen::Vector3d;
 
+constexpr std::uint32_t few = 4096; ///< triangles that are told apart no further
 constexpr std::uint32_t most_cells = 1u << 16;
 
 /// A box of cells, or all of them: [low, high) along each axis.
@@ -129,7 +130,7 @@ public:
     {
         GridPart part{next_, count, {}, {}};
         std::vector<CellRange> lanes;
-        if (count > grid_part_triangles) divide(range, 8, lanes);
+        if (count > few) divide(range, 8, lanes);
         if (lanes.size() < 2) {
             grid_.name(range, static_cast<std::uint32_t>(begins.size()));
             begins.push_back(next_), next_ += count;

@@ -8,9 +8,6 @@
 
 namespace oncollide {
 
-/// So few triangles are told apart no further.
-constexpr std::uint32_t grid_part_triangles = 4096;
-
 /// Some of a mesh's triangles, and how they are told apart further.
 struct GridPart {
     std::uint32_t begin = 0, count = 0; ///< in the order of the triangles

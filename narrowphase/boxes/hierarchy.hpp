@@ -6,11 +6,9 @@
 #include <cstdint>
 #include <ranges>
 #include <span>
-#include <vector>
 
 #include <Eigen/Core>
 
-#include <oncollide/base/aabb.hpp>
 #include <oncollide/narrowphase/boxes/box_node.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/relative_pose.hpp>
@@ -36,9 +34,7 @@ struct LaneMasks {
 ///   from `from` of the placement may be off by more. Lanes past the last box have centres at 1e30.
 /// - `child(node, k)` names the node of the parts of box k, which is no single.
 /// - `primitives(node, k)` is a range of the primitives in box k, which must be a leaf.
-/// - optional, `starts(box, size, nodes)`, where `large()` says that it pays: at which nodes to start for what is in a
-/// box
-///   (MapTree::starts).
+/// - optional, `starts(box, size, nodes)` of a large geometry: where to start for what is in a box (MapTree::starts).
 /// Many walks read a hierarchy side by side.
 template <class H>
 concept BoxHierarchy = requires(H& h, const H& same, typename H::Node node, unsigned k, const BoxPlacement* placement,
@@ -66,22 +62,6 @@ concept BoxHierarchy = requires(H& h, const H& same, typename H::Node node, unsi
     requires std::convertible_to < std::ranges::range_value_t<decltype(same.primitives(node, k))>,
     typename H::Primitive > ;
 };
-
-template <class H>
-concept HasStarts = requires(H& h, const Aabb& box, std::vector<typename H::Node>& nodes)
-{
-    {
-        h.starts(box, 0.0, nodes)
-        } -> std::same_as<double>;
-};
-template <class H>
-bool is_large(const H& hierarchy)
-{
-    if constexpr (HasStarts<H>)
-        return hierarchy.large();
-    else
-        return false;
-}
 
 /// Tests of primitives of A against primitives of B, exact for their coordinates as B's are placed by the relative
 /// pose. One thread's working memory, started for each query.

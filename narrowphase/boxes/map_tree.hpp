@@ -25,7 +25,6 @@ public:
     /// Nodes that together hold all cells in a box of the map's frame. Their boxes are no larger than one of that
     /// squared radius, as far as the tree reaches. Returns how far all other cells are from the box at least, metres.
     double starts(const Aabb& box, double size, std::vector<Node>& nodes) const;
-    static constexpr bool large() { return true; }
 
     const OccupancyMap& map() const { return map_; }
     const Eigen::Vector3d& centre() const { return centre_; }

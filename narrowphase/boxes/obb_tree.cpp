@@ -1,7 +1,6 @@
 #include <oncollide/narrowphase/boxes/obb_tree.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -17,6 +16,9 @@ constexpr unsigned most_lanes = 8;
 constexpr std::size_t most_fitted = 16384;
 /// Room for so many is kept from one node to the next.
 constexpr std::size_t most_kept = 256;
+
+/// Of more the upper levels come from a grid.
+constexpr std::size_t most_split = 131072;
 
 std::atomic<std::uint32_t> trees_made = 1;
 
@@ -74,48 +76,6 @@ LaneMasks ObbTree::open(Node index, const BoxPlacement* placement, OpenBoxes& bo
     const BoxNode& from = node(index);
     oriented_box_kernel().open(from, placement, boxes);
     return {from.leaves, from.singles};
-}
-
-double ObbTree::starts(const Aabb& box, double size, std::vector<Node>& nodes)
-{
-    nodes.clear();
-    // A margin of half the box, so that what is left out is not merely apart.
-    const double margin = 0.25 * (box.max - box.min).maxCoeff(), out = margin + 0x1p-20 * radius_; // for floats
-    const Eigen::Array3f low = ((box.min - centre_).array() - out).cast<float>();
-    const Eigen::Array3f high = ((box.max - centre_).array() + out).cast<float>();
-    const auto lanes_near = [&](const BoxNode& node) {
-        const std::int16_t* const places[3] = {node.x, node.y, node.z};
-        const std::uint16_t* const halves[3] = {node.hx, node.hy, node.hz};
-        bool apart[8] = {};
-        for (int axis = 0; axis < 3; ++axis) {
-            const float from = (low[axis] - node.origin[axis]) / node.unit,
-                        to = (high[axis] - node.origin[axis]) / node.unit;
-            for (unsigned k = 0; k < 8; ++k) {
-                const bool turned = node.qx[k] || node.qy[k] || node.qz[k]; // not by the grid, which cannot part all
-                const float half = turned ? float(node.hx[k]) + float(node.hy[k]) + float(node.hz[k]) : halves[axis][k];
-                apart[k] |= float(places[axis][k]) + half < from || float(places[axis][k]) - half > to;
-            }
-        }
-        unsigned near = 0;
-        for (unsigned k = 0; k < node.lanes; ++k) near |= unsigned(!apart[k]) << k;
-        return near;
-    };
-    std::array<std::uint32_t, 256> waiting; // seven more for each level, of which there are a dozen
-    std::size_t count = 0;
-    waiting[count++] = root;
-    while (count) {
-        const std::uint32_t index = waiting[--count];
-        const BoxNode& node = at(index);
-        const unsigned near = lanes_near(node);
-        const double reach = 0.5 * 32767 * double(node.unit); // of the ball that the node's boxes are in
-        bool deeper = reach * reach > size && count + 8 <= waiting.size();
-        for (unsigned left = near; left; left &= left - 1)
-            deeper &= node.count[__builtin_ctz(left)] > grid_part_triangles;
-        if (!deeper && near) nodes.push_back(index);
-        for (unsigned left = deeper ? near : 0; left; left &= left - 1)
-            waiting[count++] = child(index, static_cast<unsigned>(__builtin_ctz(left)));
-    }
-    return margin;
 }
 
 void ObbTree::number_triangles()

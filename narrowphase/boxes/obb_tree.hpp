@@ -45,11 +45,6 @@ public:
     /// A node that holds the box of the whole mesh alone.
     static constexpr Node root = 0;
     LaneMasks open(Node index, const BoxPlacement* placement, OpenBoxes& boxes) const;
-    /// Where to start for what is in a box, in the mesh's frame: nodes that hold it together, of boxes that are larger
-    /// than a ball of that squared radius, and of thousands of triangles. Returns how far from the box all else is at
-    /// least.
-    double starts(const Aabb& box, double size, std::vector<Node>& nodes);
-    bool large() const { return node(root).count[0] > most_split; }
     std::span<const std::uint32_t> primitives(Node index, unsigned k) const
     {
         return {order_ + node(index).begin[k], node(index).count[k]};
@@ -101,8 +96,6 @@ public:
 
 private:
     static constexpr std::uint32_t chunk = 64;
-    /// Of more triangles the upper levels come from a grid.
-    static constexpr std::size_t most_split = 131072;
     std::size_t room_in(std::size_t number) const; ///< nodes of a chunk
 
     BoxNode& at(std::uint32_t index) { return chunks_[index / chunk][index % chunk]; }

@@ -170,43 +170,6 @@ TEST(GridSplit, ATreeOfALargeMeshHoldsEveryTriangleInEachOfItsBoxes)
     }
 }
 
-/// Nodes to start at hold all that is near a box; the rest is as far away as it is said to be.
-TEST(GridSplit, WalksMayStartNearABox)
-{
-    for (const auto& [name, mesh] : large_meshes()) {
-        SCOPED_TRACE(name);
-        ObbTree tree(mesh);
-        ASSERT_TRUE(tree.large());
-        std::vector<ObbTree::Node> nodes;
-        std::size_t most = 0;
-        for (std::uint64_t seed = 0; seed < 20; ++seed) {
-            const Vector3d& corner = mesh.vertices[seed * 997 % mesh.vertices.size()];
-            const double half = 0.1 * tree.radius() * u01(seed, 3, 0) * (seed % 3 ? 1 : 1e-5);
-            Aabb box{corner.array() - half, corner.array() + half};
-            const double gap = tree.starts(box, half * half, nodes);
-            std::vector<std::uint8_t> held(mesh.triangles.size());
-            for (const ObbTree::Node node : nodes)
-                for (unsigned k = 0; k < tree.node(node).lanes; ++k)
-                    for (std::uint32_t i = 0; i < tree.node(node).count[k]; ++i)
-                        ++held[tree.triangle(tree.node(node).begin[k] + i)];
-            std::size_t many = 0;
-            for (std::uint32_t t = 0; t < held.size(); ++t) {
-                ASSERT_LE(held[t], 1) << "each once";
-                many += held[t];
-                if (held[t]) continue;
-                Aabb of;
-                for (std::uint32_t v : mesh.triangles[t]) of.add(mesh.vertices[v]);
-                const Vector3d between = (of.min - box.max).cwiseMax(box.min - of.max);
-                ASSERT_GE(between.maxCoeff(), gap) << seed;
-            }
-            most = std::max(most, many);
-        }
-        if (&mesh == &large_meshes()[0].mesh || &mesh == &large_meshes()[1].mesh) { // the grid tells those apart
-            EXPECT_LT(most, mesh.triangles.size() / 2) << "no more than the surroundings";
-        }
-    }
-}
-
 TEST(GridSplit, ALargeMeshMeetsWhatItsTrianglesMeet)
 {
     const Mesh& knot = large_meshes()[1].mesh;
