@@ -100,16 +100,18 @@ void Delimitation::compare(const BoxTree& tree, int threads, Found found) const
 {
     if (tree.empty() || queries() == 0) return;
     each_worker(threads, [&](std::size_t w) {
-        PairChunks chunks([&](const std::uint32_t* queries, const std::uint32_t* places, std::size_t count) {
+        const auto take = [&](const std::uint32_t* queries, const std::uint32_t* places, std::size_t count) {
             found(w, queries, places, count);
+        };
+        find_in_chunks(take, [&](PairSink& sink) {
+            if (in_a_heap_) {
+                for (std::size_t k = first_query(w); k < first_query(w + 1); ++k)
+                    box_tree_kernel().below_root(tree.view(), static_cast<std::uint32_t>(k), box(k), sink);
+            } else {
+                box_tree_kernel().in_blocks(tree.view().level[0], reached_[w]->i(), reached_[w]->j(),
+                                            reached_[w]->size(), boxes_.data(), sink);
+            }
         });
-        if (in_a_heap_) {
-            for (std::size_t k = first_query(w); k < first_query(w + 1); ++k)
-                box_tree_kernel().below_root(tree.view(), static_cast<std::uint32_t>(k), box(k), chunks.sink());
-        } else {
-            box_tree_kernel().in_blocks(tree.view().level[0], reached_[w]->i(), reached_[w]->j(), reached_[w]->size(),
-                                        boxes_.data(), chunks.sink());
-        }
     });
 }
 

@@ -150,7 +150,7 @@ void DynamicTree::collect_queries()
             found_.push_back({tree_.place_of(body), body});
             bodies_.set(body, BodyStates::queried);
         }
-    // Neighbours look at the same nodes: where many of them are asked, one after the other.
+    // Neighbours look at the same nodes: many queries are made in the order of the tree.
     constexpr std::size_t worth_sorting = 4096;
     if (found_.size() >= worth_sorting) sort_pairs(found_, scratch_, tree_.size(), threads_for(found_.size()));
     for (const BodyPair& query : found_) queries_.push_back(query.b);
@@ -256,18 +256,17 @@ void DynamicTree::query(const BodyColumns& columns, std::span<const Aabb> boxes,
 {
     check_query(columns, boxes);
     hits.clear();
-    PairChunks chunks([&](const std::uint32_t* query, const std::uint32_t* place, std::size_t count) {
+    const auto take = [&](const std::uint32_t* query, const std::uint32_t* place, std::size_t count) {
         for (std::size_t k = 0; k < count; ++k) {
             const BoxHit hit{query[k], tree_.body_at(place[k])};
             if (overlap(boxes[hit.query], columns.boxes[hit.body], options_.margin)) hits.push_back(hit);
         }
-    });
+    };
     for (std::uint32_t k = 0; k < boxes.size(); ++k) {
         float box[6];
         tree_.round(boxes[k], options_.margin, box);
         const std::size_t first = hits.size();
-        box_tree_kernel().below_root(tree_.view(), k, box, chunks.sink());
-        chunks.flush();
+        find_in_chunks(take, [&](PairSink& sink) { box_tree_kernel().below_root(tree_.view(), k, box, sink); });
         std::sort(hits.begin() + static_cast<std::ptrdiff_t>(first), hits.end());
     }
 }

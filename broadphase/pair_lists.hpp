@@ -8,30 +8,21 @@
 
 namespace oncollide {
 
-/// Hands the pairs that a kernel finds on to take(i, j, count) in chunks that stay in the cache, the last one when it
-/// is destroyed: found pairs that are then filtered out never pile up. Lives on the stack.
-template <class Take>
-class PairChunks {
-public:
-    explicit PairChunks(Take take) : take_(take), sink_{i_, j_, 0, room, flush, this} {}
-    ~PairChunks() { flush(); }
-    PairChunks(const PairChunks&) = delete;
-    PairChunks& operator=(const PairChunks&) = delete;
-    PairSink& sink() { return sink_; }
-    void flush() { flush(sink_); }
-
-private:
-    static constexpr std::uint32_t room = 2048;
-    static void flush(PairSink& sink)
-    {
-        if (sink.count) static_cast<PairChunks*>(sink.owner)->take_(sink.i, sink.j, sink.count);
+/// find(sink) with a sink whose pairs go on to take(i, j, count) in chunks that stay in the cache: found pairs that are
+/// then filtered out never pile up. What take() throws comes out of here.
+template <class Take, class Find>
+void find_in_chunks(Take take, Find find)
+{
+    constexpr std::uint32_t room = 2048;
+    std::uint32_t i[room], j[room];
+    const auto hand_on = [](PairSink& sink) {
+        if (sink.count) (*static_cast<Take*>(sink.owner))(sink.i, sink.j, sink.count);
         sink.count = 0;
-    }
-
-    Take take_;
-    PairSink sink_;
-    std::uint32_t i_[room], j_[room];
-};
+    };
+    PairSink sink{i, j, 0, room, hand_on, &take};
+    find(sink);
+    hand_on(sink);
+}
 
 /// Pairs of nodes, kept as columns.
 class NodePairs {

@@ -29,8 +29,9 @@ void TreeSearch::find_pairs(const BoxTree& tree, const BodyColumns& columns, boo
         };
     };
     if (threads == 1) {
-        PairChunks chunks(keep_into(lists_.of(0)));
-        if (view.levels > 0) kernel.all(view, 0, chunks.sink());
+        find_in_chunks(keep_into(lists_.of(0)), [&](PairSink& sink) {
+            if (view.levels > 0) kernel.all(view, 0, sink);
+        });
     } else {
         // Nodes two levels up, and the pairs of them that overlap, are the threads' tasks.
         constexpr int level = 2;
@@ -38,12 +39,13 @@ void TreeSearch::find_pairs(const BoxTree& tree, const BodyColumns& columns, boo
         kernel.all(view, level, tasks_.sink());
         const std::size_t nodes = view.level[level].count, all = nodes + tasks_.size();
         parallel_chunks(all, 16, threads, [&](std::size_t begin, std::size_t end, int thread) {
-            PairChunks chunks(keep_into(lists_.of(static_cast<std::size_t>(thread))));
-            for (std::size_t i = begin; i < end; ++i)
-                if (i < nodes)
-                    kernel.within(view, level, static_cast<std::uint32_t>(i), chunks.sink());
-                else
-                    kernel.between(view, level, tasks_.i()[i - nodes], tasks_.j()[i - nodes], chunks.sink());
+            find_in_chunks(keep_into(lists_.of(static_cast<std::size_t>(thread))), [&](PairSink& sink) {
+                for (std::size_t i = begin; i < end; ++i)
+                    if (i < nodes)
+                        kernel.within(view, level, static_cast<std::uint32_t>(i), sink);
+                    else
+                        kernel.between(view, level, tasks_.i()[i - nodes], tasks_.j()[i - nodes], sink);
+            });
         });
     }
     lists_.join(pairs);

@@ -1,7 +1,8 @@
 #include <oncollide/pipeline/ranks/body_record.hpp>
 
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/checksum.hpp>
 #include <oncollide/pipeline/report_kept.hpp>
+#include <oncollide/pipeline/result_hash.hpp>
 
 namespace oncollide {
 
@@ -89,15 +90,8 @@ Motion get_motion(ByteReader& reader)
 
 std::uint64_t hash_of(const void* data, std::size_t bytes, std::uint64_t hash)
 {
-    const auto* from = static_cast<const char*>(data);
-    for (; bytes >= 8; from += 8, bytes -= 8) {
-        std::uint64_t word;
-        std::memcpy(&word, from, 8);
-        hash = splitmix(hash ^ word);
-    }
-    std::uint64_t rest = 0;
-    std::memcpy(&rest, from, bytes);
-    return splitmix(hash ^ rest ^ std::uint64_t(bytes) << 56);
+    mix(hash, checksum({static_cast<const char*>(data), bytes}));
+    return hash;
 }
 
 /// Of a mesh all of it; of a shape, a map and a terrain what its recipe, its name and its box tell.
@@ -170,7 +164,7 @@ SceneSlice slice_of(const Scene& scene, int rank, int size, bool names)
     std::uint64_t& sum = slice.checksum;
     sum = hash_of(scene.name.data(), scene.name.size(), scene.size());
     sum = hash_of(&scene.pace, sizeof(scene.pace), sum);
-    for (const Geometry& geometry : scene.geometries) sum = splitmix(sum ^ hash_of(geometry));
+    for (const Geometry& geometry : scene.geometries) mix(sum, hash_of(geometry));
 
     const auto begin = scene.size() * std::size_t(rank) / std::size_t(size);
     const auto end = scene.size() * std::size_t(rank + 1) / std::size_t(size);

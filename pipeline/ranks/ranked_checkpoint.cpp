@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/random.hpp>
 #include <oncollide/pipeline/ranks/ranked_run.hpp>
 #include <oncollide/pipeline/result_hash.hpp>
 
@@ -28,7 +27,7 @@ struct RankedRun::Checkpoint {
         std::array<std::uint64_t, sizeof(Checkpoint) / 8> words;
         std::memcpy(words.data(), this, sizeof(Checkpoint));
         std::uint64_t sum = 0;
-        for (std::size_t k = 0; k + 1 < words.size(); ++k) sum = splitmix(sum ^ words[k]);
+        for (std::size_t k = 0; k + 1 < words.size(); ++k) mix(sum, words[k]);
         return sum;
     }
 };
@@ -48,7 +47,7 @@ PoseWords words_of(const Eigen::Isometry3d& pose)
 std::uint64_t hash_of(std::uint32_t gid, const PoseWords& words)
 {
     std::uint64_t hash = gid;
-    for (const std::uint64_t word : words) hash = splitmix(hash ^ word);
+    for (const std::uint64_t word : words) mix(hash, word);
     return hash;
 }
 

@@ -122,6 +122,22 @@ Eigen::Isometry3d placed(const Eigen::Vector3d& position, const Eigen::Quaternio
     return pose;
 }
 
+GeometryId add_drone(Scene& scene)
+{
+    return add_geometry(scene, "drone",
+                        {{"mesh",
+                          {{"generate",
+                            {{"kind", "torus_knot"},
+                             {"p", 2},
+                             {"q", 3},
+                             {"major", 1},
+                             {"minor", 0.4},
+                             {"tube", 0.2},
+                             {"triangles", 1200}}},
+                           {"fit_diagonal", 3},
+                           {"centre", true}}}});
+}
+
 GeometryId add_model(Scene& scene, const CatalogueOptions& options, const std::string& name, const std::string& file,
                      const Json& generator)
 {

@@ -92,18 +92,7 @@ Scene make_st_helens_scene(const CatalogueOptions& options)
     const auto& ground = std::get<Terrain>(scene.geometries[index(mountain)].data);
     const std::vector<Eigen::Vector3d> points = surface_points(ground);
     const GeometryId car = scene.add("car", Box{{2.2, 0.9, 0.7}}), lorry = scene.add("lorry", Box{{5, 1.2, 1.6}}),
-                     drone = add_geometry(scene, "drone",
-                                          {{"mesh",
-                                            {{"generate",
-                                              {{"kind", "torus_knot"},
-                                               {"p", 2},
-                                               {"q", 3},
-                                               {"major", 1},
-                                               {"minor", 0.4},
-                                               {"tube", 0.2},
-                                               {"triangles", 1200}}},
-                                             {"fit_diagonal", 3},
-                                             {"centre", true}}}});
+                     drone = add_drone(scene);
     Aabb air = bounds_of(ground);
     air.max.z() += 100;
     for (int i = 0; i < *options.bodies; ++i) {

@@ -41,6 +41,9 @@ private:
 Eigen::Isometry3d placed(const Eigen::Vector3d& position,
                          const Eigen::Quaterniond& rotation = Eigen::Quaterniond::Identity());
 
+/// Adds "drone": a torus knot of 1,200 triangles and 3 m.
+GeometryId add_drone(Scene& scene);
+
 /// Adds a mesh of the data folder, or the generator's mesh with a warning when it is not there; either is scaled to a
 /// bounding-box diagonal of 2 m and centred.
 GeometryId add_model(Scene& scene, const CatalogueOptions& options, const std::string& name, const std::string& file,

@@ -126,18 +126,7 @@ MoverKinds add_mover_kinds(Scene& scene)
                           {"tip_radius", 2},
                           {"thickness", 1.2},
                           {"bore_radius", 0.5}}}}}}),
-        add_geometry(scene, "drone",
-                     {{"mesh",
-                       {{"generate",
-                         {{"kind", "torus_knot"},
-                          {"p", 2},
-                          {"q", 3},
-                          {"major", 1},
-                          {"minor", 0.4},
-                          {"tube", 0.2},
-                          {"triangles", 1200}}},
-                        {"fit_diagonal", 3},
-                        {"centre", true}}}}),
+        add_drone(scene),
     };
 }
 

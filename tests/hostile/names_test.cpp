@@ -162,10 +162,10 @@ TEST_F(HostileNames, OutOfMemoryIsOneLineAndCode70InEveryThread)
 {
     int short_of_memory = 0;
     for (const char* how : {"--threads 1", "--threads 4", "--threads 4 --exact predicates", "--threads 2 --exact fcl"})
-        for (int megabytes = 75; megabytes <= 135; megabytes += 15) {
+        for (int megabytes = 50; megabytes <= 98; megabytes += 8) {
             const Outcome outcome = run_program(
                 "/bin/sh",
-                {"-c", fmt::format("ulimit -v {}; exec {} run many --bodies 15000 --frames 1 --quiet {}",
+                {"-c", fmt::format("ulimit -v {}; exec {} run many --bodies 40000 --frames 1 --quiet {}",
                                    megabytes * 1024, ONCOLLIDE_COMMAND, how)},
                 {.folder = folder_.path(), .environment = {{"ONCOLLIDE_DATA", ""}, {"OMP_NUM_THREADS", "1"}}});
             if (outcome.code == 0 || outcome.code == 127) continue; // enough; not even enough to load the libraries

@@ -1,3 +1,4 @@
+#include "browser.hpp"
 #include "decoded_png.hpp"
 #include "study_fixture.hpp"
 
@@ -248,20 +249,15 @@ TEST_F(Study, ShowsWhatOcclusionQueriesMiss)
 
 TEST_F(Study, ABrowserDrawsThePage)
 {
-    const std::string chromium = "/usr/bin/chromium";
     if (!std::filesystem::exists(chromium)) GTEST_SKIP() << "no chromium";
     ASSERT_EQ(run({"accuracy", "study", "cubes.json", "--depths", "2-4", "--html", "s.html", "--peers", "all"}).code,
               0);
     const std::string page = "file://" + (folder_ / "s.html").string();
-    const auto browse = [&](const std::string& what) {
-        const Outcome outcome = run_program(chromium,
-                                            {"--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
-                                             "--window-size=1000,2200", "--host-resolver-rules=MAP * ~NOTFOUND",
-                                             "--user-data-dir=" + (folder_ / "profile").string(), what, page},
-                                            {.folder = folder_.path()});
+    const auto draw = [&](const std::string& what) {
+        const Outcome outcome = browse(folder_, {"--disable-gpu", "--window-size=1000,2200", what, page});
         EXPECT_EQ(outcome.code, 0) << outcome.err;
     };
-    browse("--screenshot=" + (folder_ / "s.png").string());
+    draw("--screenshot=" + (folder_ / "s.png").string());
     const Decoded image = decode(folder_.read("s.png"));
     EXPECT_EQ(image.width, 1000);
     EXPECT_EQ(image.height, 2200);
@@ -274,7 +270,7 @@ TEST_F(Study, ABrowserDrawsThePage)
         << "text";
     EXPECT_FALSE(image.count([](const std::uint8_t* p) { return p[0] < 250; }, 985) > 0)
         << "nothing is cut at the right";
-    browse("--print-to-pdf=" + (folder_ / "s.pdf").string());
+    draw("--print-to-pdf=" + (folder_ / "s.pdf").string());
     EXPECT_TRUE(folder_.read("s.pdf").starts_with("%PDF"));
 }
 

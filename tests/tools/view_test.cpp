@@ -1,4 +1,5 @@
 // The page of 'run --view': what it holds is read back, and where Chromium and three.js are installed, it is looked at.
+#include "browser.hpp"
 #include "command_fixture.hpp"
 #include "decoded_png.hpp"
 
@@ -8,7 +9,6 @@
 namespace oncollide::test {
 namespace {
 
-const char* const chromium = "/usr/bin/chromium";
 const char* const three = "/usr/share/javascript/three/three.min.js";
 
 std::string decoded_base64(std::string_view text)
@@ -268,17 +268,11 @@ protected:
     };
     Seen look(const std::string& page, const std::string& fragment, const std::string& size = "900,640")
     {
-        Surroundings around;
-        around.folder = folder_.path();
-        around.environment.emplace_back("HOME", folder_.path().string());
-        const Outcome outcome = run_program(
-            chromium,
-            {"--headless", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-             "--hide-scrollbars", "--disable-dev-shm-usage", "--no-first-run", "--enable-logging=stderr",
-             "--user-data-dir=" + (folder_ / "profile").string(), "--virtual-time-budget=1500", "--window-size=" + size,
-             "--screenshot=" + (folder_ / "x.png").string(), "--dump-dom",
-             "file://" + (folder_ / page).string() + "#" + fragment},
-            around);
+        const Outcome outcome =
+            browse(folder_, {"--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+                             "--disable-dev-shm-usage", "--enable-logging=stderr", "--virtual-time-budget=1500",
+                             "--window-size=" + size, "--screenshot=" + (folder_ / "x.png").string(), "--dump-dom",
+                             "file://" + (folder_ / page).string() + "#" + fragment});
         EXPECT_EQ(outcome.code, 0) << outcome.err;
         EXPECT_EQ(outcome.err.find("Uncaught"), std::string::npos) << outcome.err;
         EXPECT_EQ(outcome.err.find("THREE."), std::string::npos) << outcome.err; // shaders that do not compile

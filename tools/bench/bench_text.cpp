@@ -116,9 +116,7 @@ std::vector<std::string> split(const std::string& list)
 
 std::string grouped(std::uint64_t value)
 {
-    std::string text = fmt::format("{}", value);
-    for (int at = int(text.size()) - 3; at > 0; at -= 3) text.insert(std::size_t(at), 1, ',');
-    return text;
+    return fmt::format("{}", fmt::group_digits(value));
 }
 
 std::string mean_count(std::uint64_t sum, std::uint64_t frames)

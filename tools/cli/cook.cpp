@@ -27,8 +27,8 @@ int check_file(const CookOptions& options)
         usage("cook: --check looks at a cooked file and writes none");
     const CookedSize size = check_cooked(options.mesh);
     if (!options.quiet)
-        std::cout << fmt::format("{}: whole: {} chunks, {:.1f} MB\n", printable(options.mesh), size.chunks,
-                                 double(size.bytes) / 1e6);
+        std::cout << fmt::format("{}: whole: {} chunk{}, {:.1f} MB\n", printable(options.mesh), size.chunks,
+                                 size.chunks == 1 ? "" : "s", double(size.bytes) / 1e6);
     return 0;
 }
 
@@ -48,10 +48,11 @@ int cook(const CookOptions& options)
     const auto seconds = [](auto time) { return std::chrono::duration<double>(time).count(); };
     if (!options.quiet)
         std::cout << fmt::format(
-            "{}: {} triangles in {} chunks, {:.1f} MB, {:.1f} bytes per triangle; read in {:.2f} s, "
+            "{}: {} triangles in {} chunk{}, {:.1f} MB, {:.1f} bytes per triangle; read in {:.2f} s, "
             "cooked in {:.2f} s\n",
-            printable(options.out), mesh.triangles.size(), size.chunks, double(size.bytes) / 1e6,
-            double(size.bytes) / double(mesh.triangles.size()), seconds(read - begin), seconds(end - read));
+            printable(options.out), mesh.triangles.size(), size.chunks, size.chunks == 1 ? "" : "s",
+            double(size.bytes) / 1e6, double(size.bytes) / double(mesh.triangles.size()), seconds(read - begin),
+            seconds(end - read));
     return 0;
 }
 

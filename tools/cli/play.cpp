@@ -120,7 +120,7 @@ int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const Out
         note = now;
     };
     if (!outputs.quiet) say_note();
-    log(LogLevel::info, fmt::format("running {} frames on {}", frames, pipeline.backend()));
+    log(LogLevel::info, fmt::format("running {} frames on {}", frames - first, pipeline.backend()));
     {
         Progress progress("frame", std::size_t(frames - first), outputs.quiet);
         Watchdog watchdog([&] { end_in_a_frame(report, sinks, outputs, done, frames); });
