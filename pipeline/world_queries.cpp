@@ -7,6 +7,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/parallel.hpp>
+#include <oncollide/pipeline/refine/placed_pair.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>
 
 namespace oncollide {
@@ -286,6 +287,8 @@ Distance World::distance(BodyId body_a, BodyId body_b, double tolerance, double 
     Impl& p = *impl_;
     check_distance(tolerance, farthest);
     const PairTask task = p.task_of(p.slot_of(body_a), p.slot_of(body_b));
+    if (task.a->shape() && task.b->shape()) // which takes no worker and no tree
+        return DirectPair(task).distance({.above = farthest, .tolerance = tolerance});
     for (Model* model : {task.a, task.b}) p.need_tree(*model);
     Impl::Borrowed worker(p);
     return p.models.with_room([&] { return worker->distances.find(task, p.settings.mode, tolerance, farthest); });

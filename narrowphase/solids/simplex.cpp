@@ -80,8 +80,9 @@ void Simplex4::reduce()
     if (count == 2) return take(nearest_on_segment(corner, 0, 1));
     if (count == 3) return take(nearest_on_triangle(corner, 0, 1, 2));
 
-    // Of the faces that have 0 on their outer side the one that is nearest; with none, 0 is inside.
-    static constexpr int faces[4][4] = {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}};
+    // Of the faces that have 0 on their outer side the one that is nearest, which it is where 0 is right above it; with
+    // none, 0 is inside. Those of the last corner come first: mostly that one was added.
+    static constexpr int faces[4][4] = {{1, 3, 2, 0}, {0, 2, 3, 1}, {0, 3, 1, 2}, {0, 1, 2, 3}};
     Face best{};
     double least = std::numeric_limits<double>::infinity();
     std::array<double, 4> opposite{}; // volumes that 0 makes with the faces, by the corner that each leaves out
@@ -95,6 +96,7 @@ void Simplex4::reduce()
         }
         inside = false;
         const Face f = nearest_on_triangle(corner, i, j, k);
+        if (f.count == 3) return take(f);
         Vector3d v = f.weight[0] * corner[f.corner[0]].w;
         for (int m = 1; m < f.count; ++m) v += f.weight[m] * corner[f.corner[m]].w;
         if (const double d = v.squaredNorm(); d < least) least = d, best = f;

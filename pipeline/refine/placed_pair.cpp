@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace oncollide {
@@ -74,14 +75,17 @@ RefineResult DirectPair::compare(double clearance, EnoughDistance enough, Contac
     return {Verdict::within, kind, placed_.above(d.upper) + 0x1p-1000};
 }
 
-ConvexDistance DirectPair::distance(EnoughDistance enough) const
+Distance DirectPair::distance(const EnoughDistance& enough) const
 {
-    ConvexDistance d = placed_distance(enough);
-    d.lower = placed_.below(d.lower), d.upper = placed_.above(d.upper);
+    const ConvexDistance d = placed_distance(enough);
     const Eigen::Isometry3d& frame = swapped_ ? *task_.pose_b : *task_.pose_a;
-    d.on_a = frame * d.on_a, d.on_b = frame * d.on_b;
-    if (swapped_) std::swap(d.on_a, d.on_b);
-    return d;
+    const double lower = placed_.below(d.lower);
+    Distance found{.lower = lower,
+                   .upper = lower > enough.above ? std::numeric_limits<double>::infinity() : placed_.above(d.upper),
+                   .point_a = frame * d.on_a,
+                   .point_b = frame * d.on_b};
+    if (swapped_) std::swap(found.point_a, found.point_b);
+    return found;
 }
 
 } // namespace oncollide

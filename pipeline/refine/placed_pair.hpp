@@ -1,5 +1,6 @@
 #pragma once
 #include <oncollide/narrowphase/solids/half_space.hpp>
+#include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
 
 namespace oncollide {
@@ -32,8 +33,8 @@ public:
     RefineResult by_distance(double clearance) const;
     /// As SolidPairs::near().
     RefineResult near(double clearance, double tolerance) const;
-    /// The points are in the world, on the bodies that they are named after.
-    ConvexDistance distance(EnoughDistance enough) const;
+    /// As World::distance(); of shapes that are farther apart than `enough.above` the upper bound is infinite.
+    Distance distance(const EnoughDistance& enough) const;
 
 private:
     ConvexMeeting meeting() const;

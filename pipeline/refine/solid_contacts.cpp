@@ -65,7 +65,7 @@ void find_direct(const PairTask& task, std::vector<Contact>& contacts)
     const DirectPair pair(task);
     const Verdict verdict = pair.exact(0).verdict;
     if (verdict == Verdict::separate) return;
-    const ConvexDistance points = pair.distance(nearest_of_all);
+    const Distance points = pair.distance(nearest_of_all);
     const auto normal = [](const Model& model, const Isometry3d& pose, const Vector3d& point) -> Vector3d {
         if (model.is_half_space()) return pose.linear().col(2);
         return pose.linear() * outward_normal(model.convex(), pose.inverse(Eigen::Isometry) * point);
@@ -73,9 +73,9 @@ void find_direct(const PairTask& task, std::vector<Contact>& contacts)
     contacts.push_back({{},
                         {},
                         verdict == Verdict::colliding ? ContactKind::unknown : ContactKind::near,
-                        {points.on_a, points.on_b},
-                        normal(*task.a, *task.pose_a, points.on_a),
-                        normal(*task.b, *task.pose_b, points.on_b)});
+                        {points.point_a, points.point_b},
+                        normal(*task.a, *task.pose_a, points.point_a),
+                        normal(*task.b, *task.pose_b, points.point_b)});
     complete(contacts.back());
 }
 

@@ -271,11 +271,7 @@ RefineResult SolidPairs::near(const RefineContext& context, const PairTask& task
 
 Distance SolidPairs::distance(const PairTask& task, double tolerance, double farthest)
 {
-    if (without_walk(*task.a, *task.b)) {
-        const ConvexDistance d = DirectPair(task).distance({.above = farthest, .below = 0, .tolerance = tolerance});
-        return {
-            .lower = d.lower, .upper = d.lower > farthest ? infinity : d.upper, .point_a = d.on_a, .point_b = d.on_b};
-    }
+    if (without_walk(*task.a, *task.b)) return DirectPair(task).distance({.above = farthest, .tolerance = tolerance});
     if (const auto found = solid_distance(task, tolerance, farthest)) return *found;
     return with_walk(task, [&](auto& walk, auto& a, auto& b, const PlacedPair& placed, auto) {
         prepare(walk, placed.slack, false);
