@@ -40,11 +40,9 @@ struct HullGap {
     Eigen::Vector3f across; ///< from A to B, in A's frame: what parts them best of what was tried
 };
 
-/// How far apart are two meshes, by their solids: at least nine tenths of what the solids show, or as much as is
-/// wanted.
+/// How far apart are two meshes, by their solids: at least nine tenths of what the solids show.
 /// @param first  the direction to try first; where it parted them a moment ago it mostly does again
 /// Cost: 0.1 to 1 microseconds.
-HullGap hull_gap(const OuterHull& a, const OuterHull& b, const RelativePose& b_to_a, double wanted,
-                 const Eigen::Vector3f& first);
+HullGap hull_gap(const OuterHull& a, const OuterHull& b, const RelativePose& b_to_a, const Eigen::Vector3f& first);
 
 } // namespace oncollide

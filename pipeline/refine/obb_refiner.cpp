@@ -1,7 +1,6 @@
 #include <oncollide/pipeline/refine/obb_refiner.hpp>
 
 #include <algorithm>
-#include <limits>
 
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/narrowphase/hulls/outer_hull.hpp>
@@ -68,8 +67,7 @@ bool hulls_part(const PairTask& task, double needed, PairMemory& memory, double&
     const OuterHull *const a = task.a->hull(), *const b = task.b->hull();
     if (!a || !b || task.travel == memory.walked_at) return false;
     if (memory.hulls_rest > 0) return --memory.hulls_rest, false;
-    const HullGap found = hull_gap(*a, *b, RelativePose(*task.pose_a, *task.pose_b),
-                                   std::numeric_limits<double>::infinity(), memory.across);
+    const HullGap found = hull_gap(*a, *b, RelativePose(*task.pose_a, *task.pose_b), memory.across);
     memory.across = found.across;
     if (!(found.gap > needed)) {
         memory.hulls_overlapped = std::min<std::uint8_t>(memory.hulls_overlapped + 1, 7);

@@ -52,7 +52,7 @@ struct SceneOptions {
     std::optional<std::uint64_t> seed;
     std::string data;
     double pace = 1;
-    CacheOptions cache;
+    CacheOptions cache = {};
     bool on_demand = false; ///< meshes in cooked files stay there; for those who ask nothing of a scene but results
 };
 
