@@ -7,7 +7,7 @@
 set -euo pipefail
 packages=$(readlink -f "$1")
 archive=$(ls "$packages"/oncollide-*.tar.gz) deb=$(ls "$packages"/oncollide_*.deb)
-mirror=${MIRROR:-$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Suite: stable' 'Codename: bookworm' | head -n 1)}
+mirror=${MIRROR:-$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Codename: bookworm' | head -n 1)}
 [[ $mirror || ${BARE:-} ]] || { echo "try: not tried: apt names no mirror of Debian 12, and MIRROR does not either" >&2; exit 0; }
 (( EUID == 0 )) && command -v debootstrap >/dev/null || { echo "try: not tried: needs root and debootstrap" >&2; exit 0; }
 work=$(mktemp -d)

@@ -29,7 +29,7 @@ public:
         std::size_t most_bytes = 40'000'000; ///< of the file
         bool separate = false;               ///< keep the pairs that were found separate, too
         int threads = 1;
-        std::string results; ///< the file that the frames are read from; empty: they are of a run
+        std::string results{}; ///< the file that the frames are read from; empty: they are of a run
     };
     /// Keeps references to both. Throws Error{no_input} without three.js, Error{usage} if the limit does not even
     /// hold one frame of so many bodies.
