@@ -217,6 +217,40 @@ def hard():
     return table(["family", "missed", "invented", "turned: missed", "invented"], out)
 
 
+def octants():
+    rows = [r for r in rows_of("octants") if r["part"] == "speed"]
+    of = {(r["backend"], r["mesh"], r["n"]): float(r["value"]) / 1e6 for r in rows}
+    meshes = list(dict.fromkeys((r["mesh"], r["triangles"]) for r in rows))
+    batches = ["24", "240", "2400", "24000"]
+    backends = ["cpu", "gl-compute"] + [f"gl-query 16 px, {way}" for way in ("soup", "indexed", "strips", "inherited")]
+    cell = lambda value: "-" if value is None else f"{value:.2g}" if value < 10 else f"{value:.0f}"
+    return table(["million octants a second, by octants in a batch: 24 / 240 / 2,400 / 24,000"] +
+                 [f"{mesh}, {number(n)}" for mesh, n in meshes],
+                 [[f"`{b}`"] + [" / ".join(cell(of.get((b, mesh, n))) for n in batches) for mesh, _ in meshes] for b in backends])
+
+
+def octants_missed():
+    rows = {(r["backend"], r["mesh"]): r for r in rows_of("octants") if r["part"] == "misses"}
+    meshes = list(dict.fromkeys(mesh for _, mesh in rows))
+    ways = ["cpu", "gl-compute"] + [f"gl-query {px} px, soup" for px in (8, 16, 32, 64)] + ["gl-query 16 px, inherited, inflated"]
+
+    def cell(row):
+        missed, extra = (f"{three(round(100 * int(row[k]) / int(row['n']), 2))} %" for k in ("value", "other"))
+        return missed + ("" if extra == "0 %" else f", {extra} too many")
+    return table([""] + meshes, [[f"`{way}`"] + [cell(rows[way, mesh]) for mesh in meshes] for way in ways])
+
+
+def paper():
+    rows = [r for r in rows_of("paper") if r["table"] == "2"]
+    out = []
+    for backend in dict.fromkeys(r["backend"] for r in rows):
+        of = [r for r in rows if r["backend"] == backend]
+        rates = [1000 * int(r["frames"]) / float(r["ms"]) for r in of]
+        out.append([f"`{backend}`", three(sum(float(r["ms"]) for r in of) / 1000), f"{min(rates):,.0f} to {max(rates):,.0f}",
+                    number(sum(int(r["queries"]) for r in of))])
+    return table(["", "seconds", "frames a second, in twelfths of the animation", "queries"], out)
+
+
 def planner():
     titles = {"fcl": "FCL, exact", "bound": "oncollide, within its error", "exact": "oncollide, exact"}
     out = []
@@ -271,7 +305,8 @@ def python():
                   for r in rows_of("python")])
 
 
-TABLES = {f.__name__: f for f in (many, narrow, narrow_large, study, study_peers, planner, world, broad, hard,
+TABLES = {f.__name__: f for f in (many, narrow, narrow_large, study, study_peers, octants, octants_missed, paper, planner,
+                                  world, broad, hard,
                                   environments, distances, shape_distances, shapes, reading, clash,
                                   python, view)}
 BLOCK = re.compile(r"(<!-- figures: (\w+) -->\n)(.*?)(<!-- end -->)", re.S)
