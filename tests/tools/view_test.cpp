@@ -379,9 +379,9 @@ protected:
             chromium,
             {"--headless", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
              "--hide-scrollbars", "--disable-dev-shm-usage", "--no-first-run", "--enable-logging=stderr",
-             "--user-data-dir=" + (folder_ / "profile").string(), "--virtual-time-budget=1500", "--window-size=" + size,
-             "--screenshot=" + (folder_ / "x.png").string(), "--dump-dom",
-             "file://" + (folder_ / page).string() + "#" + fragment},
+             "--run-all-compositor-stages-before-draw", "--user-data-dir=" + (folder_ / "profile").string(),
+             "--virtual-time-budget=1500", "--window-size=" + size, "--screenshot=" + (folder_ / "x.png").string(),
+             "--dump-dom", "file://" + (folder_ / page).string() + "#" + fragment},
             around);
         EXPECT_EQ(outcome.code, 0) << outcome.err;
         EXPECT_EQ(outcome.err.find("Uncaught"), std::string::npos) << outcome.err;
