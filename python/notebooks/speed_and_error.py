@@ -14,9 +14,9 @@ from oncollide import Verdict
 rng = np.random.default_rng(3)
 knot = oncollide.torus_knot_mesh(2, 3, 0.35, 0.14, 0.06, 3000)
 rock = oncollide.sphere_mesh(0.4, 2000)
-count, frames = 160, 12
+count, frames = 120, 8
 start = np.zeros((count, 7))
-start[:, :3] = rng.uniform(0, 3.4, (count, 3))
+start[:, :3] = rng.uniform(0, 4.5, (count, 3))
 start[:, 3:] = rng.normal(size=(count, 4))
 start[:, 3:] /= np.linalg.norm(start[:, 3:], axis=1, keepdims=True)
 velocity = rng.normal(size=(count, 3)) * 0.02  # metres a frame
@@ -51,7 +51,7 @@ def play(**settings):
 
 # %%
 exact_ms, truth = play(exact="predicates")
-errors = [0.3, 0.1, 0.03, 0.01, 0.003, 0.001]
+errors = [0.3, 0.1, 0.05, 0.02, 0.01, 0.005]
 curves = {}
 for name, volume in (("oriented boxes", "obb"), ("spheres, as in the paper", "sphere")):
     rows = []
