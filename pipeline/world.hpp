@@ -201,8 +201,7 @@ public:
     std::vector<DelimitedRegion> regions() const;
     /// Chained hash of all frames so far: equal input gives equal hash for any thread count and instruction set.
     std::uint64_t hash() const;
-    /// Before the first step: that one is frame `frame`, and `hash` that of all frames before it, which another World
-    /// stepped.
+    /// The next step is frame `frame`, and `hash` that of all frames before it, which another World stepped.
     void continue_from(std::uint32_t frame, std::uint64_t hash);
     std::string backend() const;      ///< what finds grey cells, e.g. "cpu (avx2)"
     std::string renderer() const;     ///< GL_RENDERER of a GPU backend; empty otherwise

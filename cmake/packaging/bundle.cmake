@@ -2,6 +2,7 @@
 #   bin/oncollide                 a script that finds the rest (launcher.sh)
 #   lib/oncollide/oncollide       the command; it and its libraries look for each other in their own folder ($ORIGIN)
 #   lib/oncollide/libc/           the C library, for systems whose own is older
+#   share/oncollide/three/        three.js, which pages draw with, where Debian's libjs-three is installed
 if(NOT CPACK_GENERATOR STREQUAL "TGZ")
   return()
 endif()
@@ -25,6 +26,13 @@ foreach(file IN LISTS bundled ITEMS ${home}/oncollide)
   # An old-fashioned rpath, which holds for what is loaded by others, too.
   execute_process(COMMAND ${PATCHELF} --force-rpath --set-rpath "$ORIGIN" ${file} COMMAND_ERROR_IS_FATAL ANY)
 endforeach()
+set(three /usr/share/javascript/three)
+if(EXISTS ${three}/three.min.js AND EXISTS ${three}/examples/js/controls/OrbitControls.js)
+  file(INSTALL ${three}/three.min.js /usr/share/doc/libjs-three/copyright DESTINATION ${root}/share/oncollide/three FOLLOW_SYMLINK_CHAIN)
+  file(INSTALL ${three}/examples/js/controls/OrbitControls.js DESTINATION ${root}/share/oncollide/three/examples/js/controls)
+else()
+  message(WARNING "The archive comes without three.js: 'run --view' will need it. Install Debian's libjs-three before packing.")
+endif()
 # The C library that the command needs at least: the newest version that it or a library asks for.
 set(needed 0)
 foreach(file IN LISTS bundled ITEMS ${home}/oncollide)

@@ -7,7 +7,7 @@
 set -euo pipefail
 packages=$(readlink -f "$1")
 archive=$(ls "$packages"/oncollide-*.tar.gz) deb=$(ls "$packages"/oncollide_*.deb)
-mirror=${MIRROR:-$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Suite: stable' 'Codename: bookworm' | head -n 1)}
+mirror=${MIRROR:-$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Codename: bookworm' | head -n 1)}
 [[ $mirror || ${BARE:-} ]] || { echo "try: not tried: apt names no mirror of Debian 12, and MIRROR does not either" >&2; exit 0; }
 (( EUID == 0 )) && command -v debootstrap >/dev/null || { echo "try: not tried: needs root and debootstrap" >&2; exit 0; }
 work=$(mktemp -d)
@@ -17,14 +17,16 @@ bare=${BARE:-$work/bare}
 [[ -d $bare/usr ]] || debootstrap --variant=minbase bookworm "$bare" "$mirror" >"$work/log" || { tail "$work/log" >&2; exit 1; }
 
 cube='OFF\n8 12 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n3 0 2 1\n3 0 3 2\n3 4 5 6\n3 4 6 7\n3 0 1 5\n3 0 5 4\n3 1 2 6\n3 1 6 5\n3 2 3 7\n3 2 7 6\n3 3 0 4\n3 3 4 7\n'
-# In the root $1: the command $2 says what it is, finds a collision (exit code 1), runs a scene, and says of a picture whether it can.
+# In the root $1: the command $2 says what it is, finds a collision (exit code 1), runs a scene, writes a page if it brings what that needs
+# ($3: 0; 66 otherwise), and says of a picture whether it can.
 works_in() {
-    local root=$1 command=$2
+    local root=$1 command=$2 page=$3
     printf "$cube" >"$root/tmp/cube.off"
     chroot "$root" /bin/sh -euc "
         $command --version | grep -q '^oncollide '
         code=0; $command check /tmp/cube.off /tmp/cube.off --pose-b '0.5 0 0 0 0 0 1' --quiet || code=\$?; [ \$code = 1 ]
         $command run many --bodies 50 --frames 3 --exact on --quiet --json /tmp/r.json; [ -s /tmp/r.json ]
+        code=0; $command run many --bodies 5 --frames 2 --quiet --view /tmp/p.html 2>/dev/null || code=\$?; [ \$code = $page ]
         code=0; $command render many --bodies 3 --out /tmp/p.png >/dev/null 2>&1 || code=\$?; [ \$code = 0 ] || [ \$code = 71 ]" ||
         { echo "try: $command does not work in $root" >&2; exit 1; }
 }
@@ -35,11 +37,11 @@ mount -t proc proc "$bare/proc" 2>/dev/null || true
 trap 'umount "$bare/proc" 2>/dev/null; rm -rf "$work"' EXIT
 cd "$bare"
 folder=$(echo opt/oncollide-*)
-works_in "$bare" "/$folder/bin/oncollide"
+works_in "$bare" "/$folder/bin/oncollide" 0
 mv "$folder" "srv/moved about"
 ln -sf "/srv/moved about/bin/oncollide" usr/local/bin/oncollide
-works_in "$bare" oncollide
-works_in "$bare" "env ONCOLLIDE_LIBC=bundled oncollide"
+works_in "$bare" oncollide 0
+works_in "$bare" "env ONCOLLIDE_LIBC=bundled oncollide" 0
 rm usr/local/bin/oncollide
 echo "try: the archive works in a bare Debian, wherever it lies, with the system's C library and with its own"
 
@@ -50,13 +52,13 @@ cp busybox/bin/busybox nothing/bin/
 for name in sh dirname readlink env grep; do ln -s busybox nothing/bin/$name; done
 : >nothing/dev/null
 cp -r "$bare/srv/moved about" nothing/oncollide
-works_in "$work/nothing" /oncollide/bin/oncollide
+works_in "$work/nothing" /oncollide/bin/oncollide 0
 echo "try: the archive works where there is no library at all"
 
 cp "$deb" "$bare/tmp/oncollide.deb"
 chroot "$bare" sh -c 'apt-get -qq update && apt-get -qq install -y --no-install-recommends /tmp/oncollide.deb' >"$work/log" 2>&1 ||
     { tail "$work/log" >&2; exit 1; }
-works_in "$bare" oncollide
+works_in "$bare" oncollide 66
 chroot "$bare" sh -c 'test -s /usr/share/man/man1/oncollide-run.1 && test -s /usr/share/bash-completion/completions/oncollide'
 chroot "$bare" apt-get -qq remove -y oncollide >/dev/null 2>&1
 echo "try: the .deb installs, works and goes in a bare Debian"

@@ -15,12 +15,15 @@ import sys
 SITE = pathlib.Path(__file__).resolve().parent
 DOCS, SOURCE = SITE.parent, SITE.parent.parent
 PLOTS = {
+    "study": ("Speed against error", "speed-against-error-the-curves"),
+    "broad": ("Broad phase", "broad-phase"),
     "environments": ("Large environments", "large-environments"),
     "distances": ("Distances to large environments", "distances-to-large-environments"),
     "shape_distances": ("Distances of two shapes", "distances-to-large-environments"),
     "shapes": ("Close pairs of shapes", "close-pairs-of-shapes"),
     "reading": ("Reading files", "reading-files"),
 }
+DATA = {"study": "study_many"}  # of plots that several files are behind: the first
 DOXYFILE = """
 PROJECT_NAME = oncollide
 INPUT = {inputs}
@@ -72,7 +75,7 @@ def write_plots(pages, complete):
     else:
         subprocess.run([sys.executable, SITE / "figures.py", "--plots", pages / "plots"], check=True)
         for name, (title, place) in PLOTS.items():
-            text += f"\n## {title}\n\n![{title}](plots/{name}.svg)\n\n[Figures](data/{name}.csv), [how they were measured](benchmarks.md#{place})\n"
+            text += f"\n## {title}\n\n![{title}](plots/{name}.svg)\n\n[Figures](data/{DATA.get(name, name)}.csv), [how they were measured](benchmarks.md#{place})\n"
     (pages / "plots.md").write_text(text, encoding="utf-8")
 
 

@@ -9,6 +9,7 @@ import argparse
 import csv
 import pathlib
 import re
+import statistics
 import sys
 
 DOCS = pathlib.Path(__file__).resolve().parent.parent
@@ -44,6 +45,12 @@ def short(value):
 
 def number(text):
     return f"{int(text):,}"
+
+
+def three(value):
+    """Three digits: 0.0511, 7.69, 1,090."""
+    value = float(value)
+    return f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
 
 
 def environments():
@@ -109,6 +116,166 @@ def reading():
                   for r in rows_of("reading")])
 
 
+MANY = {
+    "1k": "`--frames 30 --repeats 2`",
+    "1k-exact": "the same, `--exact on`",
+    "3k-slow": "`--bodies 3000 --frames 30 --pace 0.1` (slow motion)",
+    "3k-slow-exact": "the same, `--exact on`",
+    "10k": "`--bodies 10000 --frames 10`",
+    "10k-exact": "the same, `--exact on`",
+}
+
+
+def many_frames(name):
+    """(FCL, oncollide) in milliseconds of each frame that counts: the first three warm up."""
+    return [(float(r["fcl_ms"]), float(r["ms"])) for r in rows_of(f"many/{name}")[3:]]
+
+
+def many():
+    out = []
+    for name, title in MANY.items():
+        frames, last = many_frames(name), rows_of(f"many/{name}")[-1]
+        fcl, ours = (sum(f[k] for f in frames) for k in (0, 1))
+        out.append([title, f"{fcl / len(frames):.1f}", f"{ours / len(frames):.2f}",
+                    f"{statistics.median(a / b for a, b in frames):.1f}", f"{fcl / ours:.1f}",
+                    number(last["candidates"]), number(last["left_over"]), number(last["false_positives"])])
+    return table(["`bench many`", "FCL, ms", "oncollide, ms", "ratio, median", "of the totals",
+                  "candidates of the last frame", "left over", "of these apart"], out)
+
+
+QUERIES = {"boolean": "yes or no", "all": "all pairs of triangles", "distance": "distance"}
+
+
+def medians(name):
+    """Of `bench narrow --csv`: what each contender takes at each distance."""
+    rows = rows_of(name)
+    places = list(dict.fromkeys(r["distance"] for r in rows))
+    out = []
+    for query, title in QUERIES.items():
+        for contender in dict.fromkeys(r["contender"] for r in rows if r["ask"] == query):
+            of = [r for r in rows if (r["ask"], r["contender"]) == (query, contender)]
+            extra, missed = (sum(int(r[k]) for r in of) for k in ("extra", "missed"))
+            faults = ", ".join(f"{number(n)} {word}" for n, word in ((missed, "missed"), (extra, "too many")) if n)
+            out.append([title, f"`{contender}`"] + [f"{three(r['median_us'])} ({float(r['ratio_median']):.2g})" for r in of] +
+                       [faults])
+    return table(["query", "contender"] + places + ["results"], out)
+
+
+def narrow():
+    return medians("narrow")
+
+
+def narrow_large():
+    return medians("narrow_large")
+
+
+STUDIES = {"study_paper": "`paper --every 8`, four bodies of 1,500 triangles", "study_many": "`many --frames 6`, 1,000 bodies",
+           "study_poses": "`--poses --every 3 --age 1000000`, bunny and cow"}
+
+
+def study():
+    out = []
+    for name, title in STUDIES.items():
+        rows = {r["variant"]: r for r in rows_of(name)}
+        for volume in ("spheres", "OBBs"):
+            of = [rows[f"{volume}, depth {d}"] for d in range(2, 9)] + [rows[f"{volume}, predicates"]]
+            out.append([f"{title}; {volume}"] + [f"{float(rows['FCL']['ms_median']) / float(r['ms_median']):.2g}" for r in of])
+    return table(["", "50 %", "25 %", "12.5 %", "6.3 %", "3.1 %", "1.6 %", "0.8 %", "exact"], out)
+
+
+def study_peers():
+    names = {"OBBs, predicates": "oncollide, exact", "FCL": "FCL", "ODE": "ODE", "Bullet": "Bullet"}
+    out = []
+    for name, title in STUDIES.items():
+        rows = {r["variant"]: r for r in rows_of(name)}
+        out.append([title] + [three(1000 * float(rows[v]["ms_median"])) for v in names] +
+                   [f"{number(rows['Bullet']['missed'])}, {number(rows['Bullet']['invented'])}"])
+    return table(["microseconds, median"] + list(names.values()) + ["Bullet: missed, invented"], out)
+
+
+def broad():
+    rows, out = rows_of("broad", "broad_1m"), []
+    scenes = list(dict.fromkeys(r["scene"] for r in rows))
+    for boxes in dict.fromkeys(r["boxes"] for r in rows):
+        of = {(r["contender"], r["scene"]): r for r in rows if r["boxes"] == boxes}
+        contenders = list(dict.fromkeys(c for c, _ in of))
+        lines = [[f"`{c}`"] + [three(of[c, s]["ms"]) if (c, s) in of else "-" for s in scenes] for c in contenders]
+        ratios = [max((float(of[c, s]["ratio"]) for c in ("kd", "octree", "dynamic") if (c, s) in of), default=0) for s in scenes]
+        out.append(table([f"{number(boxes)} boxes, ms"] + scenes,
+                         lines + [["*fastest other / fastest of ours*"] + [f"{r:.1f}" if r else "-" for r in ratios]]))
+    return "\n".join(out)
+
+
+def hard():
+    rows = {r["family"]: r for r in rows_of("hard")}
+    out = []
+    for family, row in rows.items():
+        turned = rows.get(f"{family}, turned")
+        counts = [r[k] for r in (row, turned or row) for k in ("fcl_missed", "fcl_false")]
+        if turned and any(map(int, counts)):
+            out.append([family] + [number(c) for c in counts])
+    return table(["family", "missed", "invented", "turned: missed", "invented"], out)
+
+
+def octants():
+    rows = [r for r in rows_of("octants") if r["part"] == "speed"]
+    of = {(r["backend"], r["mesh"], r["n"]): float(r["value"]) / 1e6 for r in rows}
+    meshes = list(dict.fromkeys((r["mesh"], r["triangles"]) for r in rows))
+    batches = ["24", "240", "2400", "24000"]
+    backends = ["cpu", "gl-compute"] + [f"gl-query 16 px, {way}" for way in ("soup", "indexed", "strips", "inherited")]
+    cell = lambda value: "-" if value is None else f"{value:.2g}" if value < 10 else f"{value:.0f}"
+    return table(["million octants a second, by octants in a batch: 24 / 240 / 2,400 / 24,000"] +
+                 [f"{mesh}, {number(n)}" for mesh, n in meshes],
+                 [[f"`{b}`"] + [" / ".join(cell(of.get((b, mesh, n))) for n in batches) for mesh, _ in meshes] for b in backends])
+
+
+def octants_missed():
+    rows = {(r["backend"], r["mesh"]): r for r in rows_of("octants") if r["part"] == "misses"}
+    meshes = list(dict.fromkeys(mesh for _, mesh in rows))
+    ways = ["cpu", "gl-compute"] + [f"gl-query {px} px, soup" for px in (8, 16, 32, 64)] + ["gl-query 16 px, inherited, inflated"]
+
+    def cell(row):
+        missed, extra = (f"{three(round(100 * int(row[k]) / int(row['n']), 2))} %" for k in ("value", "other"))
+        return missed + ("" if extra == "0 %" else f", {extra} too many")
+    return table([""] + meshes, [[f"`{way}`"] + [cell(rows[way, mesh]) for mesh in meshes] for way in ways])
+
+
+def paper():
+    rows = [r for r in rows_of("paper") if r["table"] == "2"]
+    out = []
+    for backend in dict.fromkeys(r["backend"] for r in rows):
+        of = [r for r in rows if r["backend"] == backend]
+        rates = [1000 * int(r["frames"]) / float(r["ms"]) for r in of]
+        out.append([f"`{backend}`", three(sum(float(r["ms"]) for r in of) / 1000), f"{min(rates):,.0f} to {max(rates):,.0f}",
+                    number(sum(int(r["queries"]) for r in of))])
+    return table(["", "seconds", "frames a second, in twelfths of the animation", "queries"], out)
+
+
+def planner():
+    titles = {"fcl": "FCL, exact", "bound": "oncollide, within its error", "exact": "oncollide, exact"}
+    out = []
+    for r in rows_of("planner", "planner_meshes"):
+        share = 100 * int(r["colliding"]) / int(r["poses"])
+        out.append([f"{r['fixed']} of {number(r['fixed_triangles'])}, {r['moving']} of {number(r['moving_triangles'])} triangles",
+                    f"{share:.0f} %", titles[r["who"]], r["threads"], f"{float(r['first_s']):.2f}",
+                    number(int(float(r["poses"]) / float(r["second_s"]) / 1000) * 1000), f"{float(r['ratio']):.1f}"])
+    return table(["meshes", "poses that collide", "query", "threads", "first call, s", "queries a second", "ratio"], out)
+
+
+def world():
+    titles = {"none": "nothing changes", "move": "{} move", "exchange": "{} removed, {} added"}
+    rows = rows_of("world")
+    columns = list(dict.fromkeys((r["change"], r["count"]) for r in rows))
+    settings = list(dict.fromkeys((r["refined_by"], r["exact"], r["skip"]) for r in rows))
+    out = []
+    for refined, exact, skip in settings:
+        name = "`--skip refinement`: boxes alone" if skip else "`--exact on`" if exact != "off" else "1 % of the smaller body"
+        of = {(r["change"], r["count"]): float(r["changes_ms"]) + float(r["step_ms"]) for r in rows
+              if (r["refined_by"], r["exact"], r["skip"]) == (refined, exact, skip)}
+        out.append([name] + [f"{of[c]:,.0f}" for c in columns])
+    return table([""] + [titles[c].format(number(n), number(n)) for c, n in columns], out)
+
+
 def clash():
     out, before = [], None
     for r in rows_of("clash"):
@@ -122,13 +289,26 @@ def clash():
     return table(["assembly", "files", "reading", "finding", "JSON", "all", "the page, 40 pictures"], out)
 
 
+def view():
+    out = []
+    for r in rows_of("view"):
+        shown, frames = int(r["frames_on_page"]), int(r["frames"])
+        out.append([f"`{r['scene']}`", number(r["bodies"]), f"{float(r['bytes']) / 1e6:.1f} MB",
+                    f"{shown}" if shown == frames else f"{shown} (one in {frames // shown})",
+                    f"{float(r['cpu_seconds_without_page']):.2f} s", f"{float(r['cpu_seconds']):.1f} s"])
+    return table(["scene", "bodies", "page", "frames on it", "run without the page", "with it"], out)
+
+
 def python():
     return table(["call", "items", "Python", "C++", "overhead"],
                  [[f"`{r['call']}`", number(r["items"]), r["python_ns"], r["cpp_ns"], r["overhead_ns"]]
                   for r in rows_of("python")])
 
 
-TABLES = {f.__name__: f for f in (environments, distances, shape_distances, shapes, reading, clash, python)}
+TABLES = {f.__name__: f for f in (many, narrow, narrow_large, study, study_peers, octants, octants_missed, paper, planner,
+                                  world, broad, hard,
+                                  environments, distances, shape_distances, shapes, reading, clash,
+                                  python, view)}
 BLOCK = re.compile(r"(<!-- figures: (\w+) -->\n)(.*?)(<!-- end -->)", re.S)
 
 
@@ -201,6 +381,33 @@ def plot_all(folder):
         axes.set_title(title)
         axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5))
         save(figure, name)
+
+    figure, panels = plt.subplots(1, len(STUDIES), figsize=(10, 3.6))
+    for axes, (name, title) in zip(panels, STUDIES.items()):
+        rows = {r["variant"]: r for r in rows_of(name)}
+        errors = [50 / 2 ** k for k in range(7)]
+        for k, volume in enumerate(("spheres", "OBBs")):
+            axes.plot(errors, [1000 * float(rows[f"{volume}, depth {d}"]["ms_median"]) for d in range(2, 9)], marker="o",
+                      markersize=3, color=colours[k], label=f"{volume}, within the error")
+        for k, variant in enumerate(("OBBs, predicates", "FCL", "ODE", "Bullet")):
+            axes.axhline(1000 * float(rows[variant]["ms_median"]), color=colours[k + 2], linestyle="--",
+                         label="oncollide, exact" if k == 0 else f"{variant}, exact")
+        axes.set_xscale("log"), axes.set_yscale("log")
+        axes.set_xlabel("error, per cent of a body"), axes.set_title(title.split("`")[1].split()[0].strip("-"))
+    panels[0].set_ylabel("microseconds a frame")
+    panels[-1].legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5))
+    save(figure, "study")
+
+    figure, axes = plt.subplots(figsize=(8, 3.8))
+    rows = [r for r in rows_of("broad", "broad_1m") if r["scene"] == "brown"]
+    for k, contender in enumerate(dict.fromkeys(r["contender"] for r in rows)):
+        of = [r for r in rows if r["contender"] == contender]
+        axes.plot([int(r["boxes"]) for r in of], [1e6 * float(r["ms"]) / int(r["boxes"]) for r in of], marker="o", markersize=3,
+                  color=colours[k % len(colours)], linestyle="-" if k < len(colours) else "--", label=contender)
+    axes.set_xscale("log"), axes.set_yscale("log")
+    axes.set_xlabel("boxes, all of which move"), axes.set_ylabel("nanoseconds a box"), axes.set_title("Broad phase: all pairs of a frame")
+    axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5))
+    save(figure, "broad")
 
     figure, axes = plt.subplots(figsize=(8, 3))
     rows = rows_of("reading")

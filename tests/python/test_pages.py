@@ -53,8 +53,8 @@ def test_notebooks_run(notebook, plots, run_python, tmp_path):
         assert "matplotlib" in out, "it says why there is no picture"
 
 
-def test_there_are_two_notebooks_of_cells():
-    assert len(NOTEBOOKS) == 2
+def test_notebooks_are_of_cells():
+    assert len(NOTEBOOKS) == 3
     for notebook in NOTEBOOKS:
         assert notebook.read_text().count("\n# %%") >= 4
 

@@ -1,4 +1,5 @@
-// The page of 'run --view': what it holds is read back, and where Chromium and three.js are installed, it is looked at.
+// The page of 'run --view' and 'view': what it holds is read back, and where Chromium and three.js are installed, it is
+// looked at.
 #include "browser.hpp"
 #include "command_fixture.hpp"
 #include "decoded_png.hpp"
@@ -38,26 +39,30 @@ protected:
     }
 
     /// Runs with a stand-in for three.js, so that tests of what is in the page do not need it.
-    Outcome run_without_three(std::vector<std::string> arguments)
+    void write_stand_in()
     {
         const std::filesystem::path controls = "lib/examples/js/controls";
         std::filesystem::create_directories(folder_.path() / controls);
         folder_.write("lib/three.min.js", "/* three </script> */");
         folder_.write(controls / "OrbitControls.js", "/* controls */");
+    }
+    Outcome run_without_three(std::vector<std::string> arguments)
+    {
+        write_stand_in();
         Surroundings around;
         around.environment.emplace_back("ONCOLLIDE_THREE", (folder_.path() / "lib").string());
         return run(std::move(arguments), around);
     }
 
-    /// What the element of that id holds in x.html.
-    std::string block(const std::string& id)
+    /// What the element of that id holds.
+    std::string block(const std::string& id, const std::string& file = "x.html")
     {
-        const std::string page = folder_.read("x.html"), mark = "id=\"" + id + "\">";
+        const std::string page = folder_.read(file), mark = "id=\"" + id + "\">";
         const std::size_t from = page.find(mark);
         if (from == std::string::npos) return ADD_FAILURE() << "no " << id, "";
         return page.substr(from + mark.size(), page.find("</script>", from) - from - mark.size());
     }
-    nlohmann::json header() { return nlohmann::json::parse(block("header")); }
+    nlohmann::json header(const std::string& file = "x.html") { return nlohmann::json::parse(block("header", file)); }
     std::vector<float> floats(const std::string& id, std::size_t first, std::size_t count)
     {
         const std::string bytes = decoded_base64(block(id));
@@ -212,6 +217,105 @@ TEST_F(View, EveryKindOfGeometryIsShown)
     }
 }
 
+class ViewOfResults : public View {
+protected:
+    void SetUp() override
+    {
+        if (run({"run", "city", "--bodies", "5", "--frames", "1", "--quiet", "--pairs", "p.h5"}).code)
+            GTEST_SKIP() << "skipped: no HDF5";
+        write_stand_in();
+        ::setenv("ONCOLLIDE_THREE", (folder_ / "lib").c_str(), 1);
+    }
+    void TearDown() override { ::unsetenv("ONCOLLIDE_THREE"); }
+    std::string without_about(nlohmann::json header)
+    {
+        header.erase("about");
+        return header.dump();
+    }
+};
+
+TEST_F(ViewOfResults, IsThePageOfTheRun)
+{
+    write_scene("scene.json", 1.2);
+    const std::vector<std::vector<std::string>> runs{
+        {"city", "--bodies", "300", "--seed", "5", "--frames", "6", "--pace", "2", "--clearance", "0.1"},
+        {"scene.json", "--exact", "predicates", "--separate"},
+        {"scene.json", "--mode", "solid", "--exact", "predicates", "--kinds", "--from-frame", "3"}};
+    for (const std::vector<std::string>& options : runs) {
+        std::vector<std::string> arguments{"run", "--quiet", "--pairs", "p.h5", "--view", "x.html"};
+        arguments.insert(arguments.end(), options.begin(), options.end());
+        std::filesystem::remove(folder_ / "p.h5");
+        ASSERT_EQ(run(arguments).err, "");
+        const Outcome outcome = run({"view", "p.h5", "-o", "y.html"});
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_NE(outcome.err.find("y.html: "), std::string::npos) << outcome.err;
+        const nlohmann::json ran = header(), read = header("y.html");
+        EXPECT_EQ(without_about(read), without_about(ran));
+        for (std::size_t f = 0; f < ran.at("frames").size(); ++f)
+            EXPECT_EQ(block(fmt::format("f{}", f), "y.html"), block(fmt::format("f{}", f))) << f;
+        EXPECT_NE(read.at("about").dump().find("p.h5"), std::string::npos);
+        EXPECT_EQ(read.at("about").back(), ran.at("about").back());
+    }
+}
+
+TEST_F(ViewOfResults, ShowsTheFramesThatAreRequested)
+{
+    write_scene("scene.json", 1.2);
+    ASSERT_EQ(run({"run", "scene.json", "--quiet", "--pairs", "p.h5"}).code, 0);
+    ASSERT_EQ(run({"view", "p.h5", "-o", "x.html", "--from-frame", "2", "--to-frame", "4"}).code, 0);
+    const nlohmann::json frames = header().at("frames");
+    ASSERT_EQ(frames.size(), 3u);
+    EXPECT_EQ(frames[0].at("frame"), 2);
+    EXPECT_EQ(frames[2].at("frame"), 4);
+
+    const std::vector<std::string> view{"view", "p.h5", "-o", "y.html"};
+    const auto with = [&](std::vector<std::string> more) {
+        more.insert(more.begin(), view.begin(), view.end());
+        return more;
+    };
+    expect_error(64, with({"--to-frame", "8"}), {"--to-frame 8", "p.h5", "0 to 7"});
+    expect_error(64, with({"--from-frame", "-1"}), {"--from-frame -1", "0 to 7"});
+    expect_error(64, with({"--from-frame", "5", "--to-frame", "3"}), {"--from-frame 5"});
+}
+
+TEST_F(ViewOfResults, BelongToTheirScene)
+{
+    write_scene("scene.json", 1.2);
+    ASSERT_EQ(run({"run", "scene.json", "--quiet", "--pairs", "p.h5"}).code, 0);
+    const std::vector<std::string> as_named{"view", "p.h5", "-o", "y.html"};
+    write_scene("moved.json", 2.2), write_scene("renamed.json", 1.2, "somebody");
+    folder_.write("short.json", R"({"frames": 3, "geometries": {"b": {"shape": {"kind": "sphere", "radius": 0.5}}},
+        "bodies": [{"name": "one", "geometry": "b"}, {"name": "other", "geometry": "b"}]})");
+    const auto of = [](const char* scene) { return std::vector<std::string>{"view", "p.h5", scene, "-o", "y.html"}; };
+    expect_error(65, of("moved.json"), {"p.h5", "no results of moved.json", "frame"});
+    expect_error(65, of("renamed.json"), {"p.h5", "no results of renamed.json", "'other'"});
+    expect_error(65, of("short.json"), {"p.h5", "frames 0 to 2", "frame 7"});
+    expect_error(65, of("city"), {"p.h5", "no results of city", "bodies, they are of 2"});
+    std::filesystem::rename(folder_ / "scene.json", folder_ / "elsewhere.json");
+    expect_error(66, as_named, {"scene.json", "p.h5 is of that scene", "elsewhere"});
+    EXPECT_EQ(run(of("elsewhere.json")).code, 0);
+}
+
+TEST_F(ViewOfResults, ThatCannotBeReadAreRefused)
+{
+    ASSERT_EQ(
+        run({"run", "city", "--bodies", "40", "--frames", "40", "--quiet", "--json", "r.json", "--pairs", "p.h5"}).code,
+        0);
+    const auto of = [](const char* file) { return std::vector<std::string>{"view", file, "-o", "y.html"}; };
+    expect_error(66, of("missing.h5"), {"missing.h5"});
+    expect_error(65, of("r.json"), {"r.json", "no file of results", "--pairs"});
+    expect_error(64, {"view", "p.h5", "-o", "p.h5"}, {"--out p.h5", "input"});
+    expect_error(64, {"view", "p.h5", "-o", "-"}, {"--out", "standard output"});
+    expect_error(64, {"view", "p.h5"}, {"--out"});
+    expect_error(73, {"view", "p.h5", "-o", "missing/y.html"}, {"missing/y.html"});
+    const std::string whole = folder_.read("p.h5");
+    for (const double part : {0.02, 0.1, 0.5, 0.9}) { // what HDF5 does not notice, hashes do
+        folder_.write("cut.h5", whole.substr(0, std::size_t(part * double(whole.size()))));
+        expect_error(65, of("cut.h5"), {"cut.h5", "damaged"});
+    }
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "y.html"));
+}
+
 TEST_F(View, BadRequestsAreRefusedBeforeTheRun)
 {
     write_scene("scene.json", 2);
@@ -270,7 +374,8 @@ protected:
     {
         const Outcome outcome =
             browse(folder_, {"--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-                             "--disable-dev-shm-usage", "--enable-logging=stderr", "--virtual-time-budget=1500",
+                             "--disable-dev-shm-usage", "--enable-logging=stderr",
+                             "--run-all-compositor-stages-before-draw", "--virtual-time-budget=1500",
                              "--window-size=" + size, "--screenshot=" + (folder_ / "x.png").string(), "--dump-dom",
                              "file://" + (folder_ / page).string() + "#" + fragment});
         EXPECT_EQ(outcome.code, 0) << outcome.err;

@@ -152,6 +152,7 @@ void add_planner(Arguments bench)
         .type_name("FIXED MOVING");
     sub.add_option("--poses", options->poses, "poses to sample (default 100000)").type_name("N");
     sub.add_option("--seed", options->seed, "seed of the poses (default 12345)").type_name("S");
+    sub.add_option("--csv", options->csv, "write one row per kind of query and number of threads").type_name("FILE");
     sub.footer("The first call starts from nothing: FCL's models, oncollide's trees. Ratios are of second calls.\n"
                "'false' are poses that oncollide leaves over and FCL finds separate.");
     sub.action([options] { return bench_planner(*options); });
@@ -167,6 +168,7 @@ void add_world(Arguments bench)
         .type_name("N");
     sub.add_option("--frames", options->frames, "frames to time (default 20)").type_name("N");
     sub.add_option("--seed", options->seed, "seed of the scene (default 12345)").type_name("S");
+    sub.add_option("--csv", options->csv, "write one row per kind of change").type_name("FILE");
     add_accuracy_options(sub, *settings);
     add_pipeline_options(sub, *settings);
     sub.footer("The results are held against those of a World made anew. Exit code 70: they differ.");

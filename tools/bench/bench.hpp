@@ -89,6 +89,7 @@ struct PlannerOptions {
     std::vector<std::string> meshes; ///< none, or the fixed and the moving one
     int poses = 100'000;
     std::uint64_t seed = 12345;
+    std::string csv;
 };
 
 /// Many poses of one mesh against another at once, beside FCL in a loop. Returns the exit code: 70 when FCL contradicts
@@ -101,6 +102,7 @@ struct WorldOptions {
     int frames = 20;
     std::uint64_t seed = 12345;
     Settings settings;
+    std::string csv;
 };
 
 /// What frames of a World cost, by how many bodies change, and queries of it. Returns the exit code: 70 when a World

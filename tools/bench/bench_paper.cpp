@@ -161,7 +161,8 @@ private:
                                         .bodies = {},
                                         .frames = options_.frames,
                                         .seed = {},
-                                        .data = options_.data});
+                                        .data = options_.data,
+                                        .cache = {}});
         say("Tables 2 and 3: the animation, {} frames, depth {}, cells dropped after {} frames\n"
             "(the paper, 1,500 triangles a model, on a notebook of 2004: 8.58 s with soup, 7.36 s with strips, 178 to "
             "349 frames a second)\n",

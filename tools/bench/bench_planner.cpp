@@ -7,11 +7,12 @@
 #include <filesystem>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/output_file.hpp>
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/base/random.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 namespace oncollide::tools {
@@ -39,6 +40,11 @@ std::vector<MeshQuery> sample(const Mesh& fixed, const Mesh& moving, std::size_t
     return queries;
 }
 
+std::string stem(const std::string& file)
+{
+    return std::filesystem::path(file).stem().string();
+}
+
 /// FCL in a loop, on so many threads.
 double query_fcl(const FclPair& fcl, std::span<const MeshQuery> queries, int threads,
                  std::vector<std::uint8_t>& results)
@@ -57,9 +63,17 @@ int bench_planner(const PlannerOptions& options)
     check_range("--poses", options.poses, 1, 10'000'000);
     if (options.meshes.size() != 0 && options.meshes.size() != 2)
         usage("bench planner: give no meshes or two, the fixed one and the moving one");
+    check_files({{"--csv", options.csv}}, options.meshes);
+    std::optional<OutputFile> csv;
+    if (!options.csv.empty()) csv.emplace(options.csv);
+    if (csv)
+        csv->print(
+            "fixed,fixed_triangles,moving,moving_triangles,poses,colliding,who,threads,first_s,second_s,ratio,false\n");
     const bool given = !options.meshes.empty();
     const Mesh fixed = given ? load_mesh(options.meshes[0]) : make_terrain_mesh(4, 0.8, 186, 1);
     const Mesh moving = given ? load_mesh(options.meshes[1]) : make_torus_knot_mesh(2, 3, 0.3, 0.12, 0.05, 5000);
+    const std::string fixed_name = given ? stem(options.meshes[0]) : "terrain",
+                      moving_name = given ? stem(options.meshes[1]) : "knot";
     const std::vector<MeshQuery> queries = sample(fixed, moving, std::size_t(options.poses), options.seed);
     say("{}fixed      {} triangles\nmoving     {} triangles\nposes      {}, seed {}\n\n", describe_program("planner"),
         grouped(fixed.triangles.size()), grouped(moving.triangles.size()), grouped(queries.size()), options.seed);
@@ -76,6 +90,14 @@ int bench_planner(const PlannerOptions& options)
                      second = query_fcl(fcl, queries, threads, expected);
         say("{:<28}{:>8}{:>16.3f}{:>16.3f}{:>8.2f}{:>12}\n", "FCL OBB in a loop", threads, first + fcl_build, second,
             1.0, grouped(std::uint64_t(double(queries.size()) / second)));
+        const auto record = [&](std::string_view who, double first_s, double second_s, std::uint64_t false_positives) {
+            if (csv)
+                csv->print("\"{}\",{},\"{}\",{},{},{},{},{},{:.4g},{:.4g},{:.3g},{}\n", fixed_name,
+                           fixed.triangles.size(), moving_name, moving.triangles.size(), queries.size(),
+                           std::count(expected.begin(), expected.end(), 1), who, threads, first_s, second_s,
+                           second / second_s, false_positives);
+        };
+        record("fcl", first + fcl_build, second, 0);
         for (const ExactLevel exact : {ExactLevel::off, ExactLevel::predicates}) {
             Settings settings;
             settings.threads = threads, settings.exact = exact;
@@ -96,11 +118,13 @@ int bench_planner(const PlannerOptions& options)
             say("{:<28}{:>8}{:>16.3f}{:>16.3f}{:>8.2f}{:>12}{:>8}\n",
                 fmt::format("oncollide, exact {}", name_of(exact)), threads, cold, warm, second / warm,
                 grouped(std::uint64_t(double(queries.size()) / warm)), grouped(false_positives));
+            record(exact == ExactLevel::off ? "bound" : "exact", cold, warm, false_positives);
         }
     }
     say("\ncolliding  {} of {}; results that FCL contradicts: {}\n",
         grouped(std::uint64_t(std::count(expected.begin(), expected.end(), 1))), grouped(queries.size()),
         grouped(wrong));
+    if (csv) csv->commit();
     return wrong ? int(ErrorKind::internal) : 0;
 }
 

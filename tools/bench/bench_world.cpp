@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 #include <set>
 #include <thread>
 #include <tuple>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/output_file.hpp>
 #include <oncollide/base/random.hpp>
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/scenes/catalogue/catalogue.hpp>
@@ -158,6 +160,10 @@ int bench_world(const WorldOptions& options)
     check_range("--frames", options.frames, 1, 1'000'000);
     check_range("--bodies", options.bodies, 2, 1'000'000);
     check_range("--changes", options.changes, 1, options.bodies);
+    check_files({{"--csv", options.csv}});
+    std::optional<OutputFile> csv;
+    if (!options.csv.empty()) csv.emplace(options.csv);
+    if (csv) csv->print("bodies,pairs,refined_by,exact,skip,change,count,changes_ms,step_ms\n");
 
     const auto begin = Clock::now();
     Crowd crowd(options, std::uint32_t(options.bodies));
@@ -171,16 +177,20 @@ int bench_world(const WorldOptions& options)
 
     const auto changes = std::size_t(options.changes);
     say("{:<34}{:>14}{:>14}{:>14}\n", "ms per frame", "changes", "step", "together");
-    const auto row = [&](const std::string& what, auto change) {
+    const auto row = [&](const std::string& what, const char* kind, std::size_t count, auto change) {
         const auto [changed, step] = time_frames(crowd, options.frames, change);
+        if (csv)
+            csv->print("{},{},{},{},{},{},{},{:.4g},{:.4g}\n", crowd.size(), pairs,
+                       wants_obbs(world.settings()) ? "obb" : "sphere", name_of(world.settings().exact),
+                       world.settings().skip.empty() ? "" : world.settings().skip.front(), kind, count, changed, step);
         say("{:<34}{:>14.3f}{:>14.3f}{:>14.3f}\n", what, changed, step, changed + step);
         return changed + step;
     };
-    row("nothing changes", [] {});
-    const double moved = row(grouped(changes) + " move", [&] { crowd.move(changes); });
-    const double exchanged =
-        row(fmt::format("{0} removed, {0} added", grouped(changes)), [&] { crowd.exchange(changes); });
-    row("all move", [&] { crowd.move(crowd.size()); });
+    row("nothing changes", "none", 0, [] {});
+    const double moved = row(grouped(changes) + " move", "move", changes, [&] { crowd.move(changes); });
+    const double exchanged = row(fmt::format("{0} removed, {0} added", grouped(changes)), "exchange", changes,
+                                 [&] { crowd.exchange(changes); });
+    row("all move", "move", crowd.size(), [&] { crowd.move(crowd.size()); });
     say("\nremoved and added / moved  {:.2f}\n", exchanged / moved);
 
     const std::vector<ModelQuery> queries = crowd.queries(10'000);
@@ -191,6 +201,7 @@ int bench_world(const WorldOptions& options)
         grouped(std::uint64_t(one)), grouped(std::uint64_t(two)), two / one);
     say("memory     World {} MB; process {} MB at its peak\n", world.bytes() / 1'000'000, peak_memory() / 1'000'000);
 
+    if (csv) csv->commit();
     const bool same = crowd.is_as_made_anew();
     say("results    {} a World made anew\n", same ? "those of" : "WRONG: not those of");
     return same ? 0 : int(ErrorKind::internal);

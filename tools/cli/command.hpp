@@ -9,6 +9,7 @@ void add_commands(Arguments app);
 // Each adds one command.
 void add_demo(Arguments app);
 void add_run(Arguments app);
+void add_view(Arguments app);
 void add_merge(Arguments app);
 void add_render(Arguments app);
 void add_check(Arguments app);

@@ -7,6 +7,7 @@ void add_commands(Arguments app)
 {
     add_demo(app);
     add_run(app);
+    add_view(app);
     add_merge(app);
     add_render(app);
     add_check(app);

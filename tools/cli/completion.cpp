@@ -29,7 +29,7 @@ Values values_of(const OptionText& option, const std::vector<std::string>& scene
     if (text.find("NAME") != std::string::npos && option.names.front().find("-") == std::string::npos)
         values.words = scenes;
     values.folders = text.starts_with("DIR");
-    for (const char* kind : {"FILE", "MESH", ".json", ".glb"}) values.files |= text.find(kind) != std::string::npos;
+    for (const char* kind : {"FILE", "MESH", ".json", ".glb", ".csv", ".h5", ".html"}) values.files |= text.find(kind) != std::string::npos;
     return values;
 }
 

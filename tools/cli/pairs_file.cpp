@@ -1,31 +1,72 @@
 #include "cli/pairs_file.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/file_bytes.hpp>
 #include <oncollide/pipeline/report.hpp>
 
 namespace oncollide::tools {
 namespace {
 
-ResultsHeader header_of(const Scene& scene, const Pipeline& pipeline, bool separate)
+using nlohmann::json;
+
+/// What the numbers of a row mean.
+ResultsHeader words(std::span<const std::string_view> stages)
 {
-    ResultsHeader header{.version = std::string(version), .scene = scene.name, .bodies = scene.size()};
+    ResultsHeader header;
+    for (int v = 0; v <= int(Verdict::undecided); ++v) header.verdicts.emplace_back(name_of(Verdict(v)));
+    for (int k = 0; k <= int(ContactKind::enclosed); ++k) header.kinds.emplace_back(name_of(ContactKind(k)));
+    header.stages.assign(stages.begin(), stages.end());
+    return header;
+}
+
+template <class Value>
+json optional_json(const std::optional<Value>& value)
+{
+    return value ? json(*value) : json();
+}
+template <class Value>
+std::optional<Value> optional_from(const json& value)
+{
+    return value.is_null() ? std::nullopt : std::optional(value.get<Value>());
+}
+
+/// Files with their folders: the results may be read from another one.
+std::string source_json(const SceneOptions& o)
+{
+    const auto placed = [](const std::string& path) {
+        return json(path.empty() ? path : std::filesystem::absolute(path).lexically_normal().string());
+    };
+    const json scene = o.scene == "-" ? json() : is_scene_file(o.scene) ? placed(o.scene) : json(o.scene);
+    const json source{{"scene", scene},
+                      {"bodies", optional_json(o.bodies)},
+                      {"frames", optional_json(o.frames)},
+                      {"seed", optional_json(o.seed)},
+                      {"data", placed(o.data)},
+                      {"pace", o.pace}};
+    return source.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+ResultsHeader header_of(const SceneOptions& source, const Scene& scene, const Pipeline& pipeline, bool separate)
+{
+    ResultsHeader header = words(pipeline.stages());
+    header.version = std::string(version), header.scene = scene.name, header.bodies = scene.size();
     Settings settings = pipeline.settings(); // but for what never changes a result
     settings.threads = 1, settings.backend = BackendKind::cpu, settings.gpu = Settings{}.gpu;
     header.settings = fmt::format("{{\"bodies\": {}, \"pace\": {}, \"separate\": {}, \"run\": {}}}", scene.size(),
                                   scene.pace, separate, settings_json(settings));
-    for (int v = 0; v <= int(Verdict::undecided); ++v) header.verdicts.emplace_back(name_of(Verdict(v)));
-    for (int k = 0; k <= int(ContactKind::enclosed); ++k) header.kinds.emplace_back(name_of(ContactKind(k)));
-    header.stages.assign(pipeline.stages().begin(), pipeline.stages().end());
+    header.source = source_json(source);
     return header;
 }
 
 } // namespace
 
-PairsFile::PairsFile(const std::filesystem::path& path, const Scene& scene, Pipeline& pipeline, int frame,
-                     bool separate)
+PairsFile::PairsFile(const std::filesystem::path& path, const SceneOptions& source, const Scene& scene,
+                     Pipeline& pipeline, int frame, bool separate)
     : pipeline_(pipeline), separate_(separate),
-      file_(path, header_of(scene, pipeline, separate), scene.names, static_cast<std::uint64_t>(frame))
+      file_(path, header_of(source, scene, pipeline, separate), scene.names, static_cast<std::uint64_t>(frame))
 {
     if (frame) pipeline.world().continue_from(static_cast<std::uint32_t>(frame), file_.chain());
 }
@@ -38,9 +79,53 @@ void PairsFile::add(const FrameView& frame)
             rows_.push_back({index(pair.a), index(pair.b), static_cast<std::uint8_t>(pair.verdict), pair.stage,
                              static_cast<std::uint8_t>(pair.kind), pair.bound,
                              pipeline_.world().max_error(pair.a, pair.b)});
-    file_.add(
-        rows_,
-        {.frame = frame.frame, .first = 0, .pairs = 0, .hash = frame.hash, .chain = pipeline_.hash(), .ms = frame.ms});
+    FrameRow row{.frame = frame.frame,
+                 .first = 0,
+                 .pairs = 0,
+                 .hash = frame.hash,
+                 .chain = pipeline_.hash(),
+                 .ms = frame.ms,
+                 .stages = {}};
+    std::ranges::transform(frame.stages, row.stages.begin(), [](const StageStats& s) {
+        return StageRow{s.in, s.out, s.undecided, s.cpu_ms};
+    });
+    file_.add(rows_, row);
+}
+
+StoredResults open_pairs(const std::filesystem::path& path)
+{
+    check_readable(path);
+    return {path, words(World().stages())};
+}
+
+StoredRun stored_run(const std::string& name, const ResultsHeader& header)
+{
+    if (header.version != version)
+        throw Error(ErrorKind::usage, fmt::format("{}: was written by oncollide {}, this is {}; run the scene again",
+                                                  name, header.version, version));
+    try {
+        const json settings = json::parse(header.settings), run = settings.at("run"),
+                   source = json::parse(header.source);
+        StoredRun stored{.scene = {}, .settings = {}, .separate = settings.at("separate")};
+        Settings& s = stored.settings;
+        s.depth = optional_from<int>(run.at("depth")), s.max_error = optional_from<double>(run.at("max_error"));
+        s.clearance = run.at("clearance"), s.exact = exact_from_name(run.at("exact").get<std::string>());
+        s.contact_kinds = run.at("kinds"), s.ignore_touching = run.at("ignore_touching");
+        s.mode = mode_from_name(run.at("mode").get<std::string>()), s.open_as_surface = run.at("open_as_surface");
+        s.broad_phase = broad_phase_from_name(run.at("broad").get<std::string>());
+        s.bounding_volume = bounding_volume_from_name(run.at("bounding_volume").get<std::string>());
+        s.skip = run.at("skip").get<std::vector<std::string>>();
+        check(s);
+        SceneOptions& scene = stored.scene;
+        scene.scene = optional_from<std::string>(source.at("scene")).value_or("");
+        scene.bodies = optional_from<int>(source.at("bodies"));
+        scene.seed = optional_from<std::uint64_t>(source.at("seed"));
+        scene.frames = optional_from<int>(source.at("frames"));
+        scene.data = source.at("data"), scene.pace = source.at("pace"), scene.on_demand = true;
+        return stored;
+    } catch (const json::exception& error) {
+        refuse(name, fmt::format("its attributes 'settings' and 'source' cannot be read: {}", error.what()));
+    }
 }
 
 } // namespace oncollide::tools

@@ -66,7 +66,7 @@ int run(const RunOptions& options)
     const bool from_file = is_scene_file(options.scene.scene);
     if (options.outputs.pairs == "-") usage("--pairs -: is written in place, so it must be a file");
     check_outputs(options.outputs, from_file ? options.scene.scene : "");
-    check_view(options.view, options.view_limit, options.outputs, from_file ? options.scene.scene : "");
+    check_view("--view", options.view, options.view_limit, options.outputs, {from_file ? options.scene.scene : ""});
     Scene scene = open_scene(options.scene);
     if (!options.outputs.quiet) print_warnings(scene);
 
@@ -78,7 +78,7 @@ int run(const RunOptions& options)
     if (first) pipeline.world().continue_from(std::uint32_t(first), 0);
     std::optional<PairsFile> pairs;
     if (!options.outputs.pairs.empty())
-        pairs.emplace(options.outputs.pairs, scene, pipeline, first, options.outputs.separate);
+        pairs.emplace(options.outputs.pairs, options.scene, scene, pipeline, first, options.outputs.separate);
     Report report(scene, pipeline, parts_of(options.outputs));
     const std::unique_ptr<ViewPage> page = view_page(options, scene, pipeline);
     std::vector<FrameSink*> sinks;
@@ -123,10 +123,7 @@ void add_run(Arguments app)
                        "write one HTML page that shows the run in 3D, frame by frame; needs Debian's libjs-three")
             .type_name("FILE.html")
             .check([](const std::string& file) { return std::string(file.empty() ? "the file name is empty" : ""); });
-    sub.add_option("--view-limit", options->view_limit,
-                   "size of that page in MB (default 40): frames and meshes beyond are thinned out, which it says")
-        .type_name("MB")
-        .needs(view);
+    add_view_limit(sub, options->view_limit).needs(view);
     sub.add_option("--pairs", options->outputs.pairs,
                    "write the pairs of each frame as it is done (HDF5); readable up to the last whole frame, whatever "
                    "ends the run")

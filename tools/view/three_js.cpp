@@ -32,7 +32,7 @@ ThreeJs read_three_js()
         if (!fs::is_regular_file(file, error))
             throw Error(
                 ErrorKind::no_input,
-                fmt::format("{}: not there; --view needs three.js: install Debian's package libjs-three, or let "
+                fmt::format("{}: not there; pages need three.js: install Debian's package libjs-three, or let "
                             "ONCOLLIDE_THREE name a folder that holds three.min.js (release 111) and "
                             "examples/js/controls/OrbitControls.js",
                             file.string()));

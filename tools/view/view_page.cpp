@@ -80,17 +80,26 @@ std::uint64_t cap_for(std::vector<std::uint64_t> counts, std::uint64_t most)
 
 } // namespace
 
-void check_view(const std::string& file, int limit, const OutputOptions& outputs, const std::string& input)
+Option add_view_limit(Arguments command, int& limit)
+{
+    return command
+        .add_option("--view-limit", limit,
+                    "size of that page in MB (default 40): frames and meshes beyond are thinned out, which it says")
+        .type_name("MB");
+}
+
+void check_view(const char* option, const std::string& file, int limit, const OutputOptions& outputs,
+                const std::vector<std::string>& inputs)
 {
     if (file.empty()) return;
     check_range("--view-limit", limit, 2, 1000);
-    if (file == "-") usage("--view: names a file; a page cannot go to standard output");
-    check_files({{"--view", file},
+    if (file == "-") usage(fmt::format("{}: names a file; a page cannot go to standard output", option));
+    check_files({{option, file},
                  {"--json", outputs.json},
                  {"--csv", outputs.csv},
                  {"--trace", outputs.trace},
                  {"--picture", outputs.picture}},
-                {input});
+                inputs);
     read_three_js();
 }
 
@@ -241,8 +250,12 @@ json ViewPage::about() const
     rows.push_back({"Clearance", fmt::format("{:g} m", s.clearance)});
     rows.push_back({"Inside of meshes (--mode)", s.mode == Mode::solid ? "counts: solid" : "does not count: surface"});
     rows.push_back({"Refined with", wants_obbs(s) ? "oriented boxes (OBB trees)" : "sphere-trees (OCST)"});
-    rows.push_back({"Threads", fmt::format("{}", thread_count(s))});
-    rows.push_back({"Backend", pipeline_.backend()});
+    if (options_.results.empty()) {
+        rows.push_back({"Threads", fmt::format("{}", thread_count(s))});
+        rows.push_back({"Backend", pipeline_.backend()});
+    } else {
+        rows.push_back({"Results", printable(options_.results)});
+    }
     rows.push_back({"Result hash", fmt::format("{:016x}", pipeline_.hash())});
     rows.push_back({"oncollide", version});
     return rows;

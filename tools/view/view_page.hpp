@@ -10,9 +10,12 @@
 
 namespace oncollide::tools {
 
+Option add_view_limit(Arguments command, int& limit);
 /// Finds out before any work that a page could not be written, or that its limit makes no sense; as check_files().
 /// Empty: none is requested.
-void check_view(const std::string& file, int limit, const OutputOptions& outputs, const std::string& input);
+/// @param option  that names the page
+void check_view(const char* option, const std::string& file, int limit, const OutputOptions& outputs,
+                const std::vector<std::string>& inputs);
 
 /// A run as one HTML page to look at: the scene in 3D, frame by frame, with verdicts, pairs and trees. It needs no
 /// network. Format and limits: docs/view.md.
@@ -26,6 +29,7 @@ public:
         std::size_t most_bytes = 40'000'000; ///< of the file
         bool separate = false;               ///< keep the pairs that were found separate, too
         int threads = 1;
+        std::string results{}; ///< the file that the frames are read from; empty: they are of a run
     };
     /// Keeps references to both. Throws Error{no_input} without three.js, Error{usage} if the limit does not even
     /// hold one frame of so many bodies.

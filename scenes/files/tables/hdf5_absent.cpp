@@ -49,4 +49,18 @@ void ResultsFile::fail()
                                               name_));
 }
 
+struct StoredResults::Open {};
+
+StoredResults::StoredResults(const std::filesystem::path& path, const ResultsHeader&) : name_(path.string())
+{
+    fail(path);
+}
+
+StoredResults::~StoredResults() = default;
+std::string StoredResults::unlike(const NameColumn&) const
+{
+    return {};
+}
+void StoredResults::read(const FrameRow&, std::vector<PairRow>&) const {}
+
 } // namespace oncollide

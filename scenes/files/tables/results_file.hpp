@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -15,6 +16,8 @@ namespace oncollide {
 /// What a file of results says of all its frames.
 struct ResultsHeader {
     std::string version, scene, settings;
+    std::string
+        source; ///< where the scene came from (JSON); a file that is continued may have been made from elsewhere
     std::uint64_t bodies = 0;
     std::vector<std::string> verdicts, stages, kinds; ///< what the numbers of a row mean, from 0 on
 };
@@ -28,12 +31,19 @@ struct PairRow {
 };
 #pragma pack(pop)
 
-/// One frame, as in the file.
+/// What one stage did in one frame.
+struct StageRow {
+    std::uint64_t in, out, undecided;
+    double ms;
+};
+
+/// One frame, as in the file: there the stages' columns have the names of ResultsHeader::stages ("broad_out").
 struct FrameRow {
     std::uint64_t frame, first, pairs; ///< its rows among the pairs
     std::uint64_t hash;                ///< of the frame
     std::uint64_t chain;               ///< of all frames up to this one
     double ms;
+    std::array<StageRow, 5> stages;
 };
 
 /// A file of results. Whatever ends the program, all frames that were added can be read, and nothing of another one;
@@ -65,6 +75,31 @@ private:
     std::string name_;
     std::unique_ptr<Open> open_;
     std::uint64_t chain_ = 0, pairs_ = 0, frames_ = 0; ///< written
+};
+
+/// Results that a run wrote, whatever ended it.
+class StoredResults {
+public:
+    /// Throws Error{bad_data} for a file that ResultsFile did not write or that is damaged, and Error{usage} where the
+    /// build or the machine has no HDF5.
+    /// @param words  what verdicts, stages and kinds are called; its other fields are not read
+    StoredResults(const std::filesystem::path& path, const ResultsHeader& words);
+    ~StoredResults();
+
+    const ResultsHeader& header() const { return header_; }      ///< without the words
+    std::span<const FrameRow> frames() const { return frames_; } ///< one after the other, from any first frame on
+    /// The name of the first body that is called otherwise than in `names`, which has one for each body; empty: none.
+    std::string unlike(const NameColumn& names) const;
+    /// The pairs of a frame of the file, in the order in which they were added. Throws Error{bad_data} where they
+    /// cannot be read.
+    void read(const FrameRow& frame, std::vector<PairRow>& pairs) const;
+
+private:
+    struct Open;
+    std::string name_;
+    ResultsHeader header_;
+    std::unique_ptr<Open> open_;
+    std::vector<FrameRow> frames_;
 };
 
 } // namespace oncollide

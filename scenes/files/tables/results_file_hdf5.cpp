@@ -4,6 +4,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -19,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr unsigned truncate = 2, read_while_written = 0x40; // H5F_ACC_TRUNC, H5F_ACC_SWMR_READ: they call functions
-constexpr hsize_t pair_chunk = 16'384, frame_chunk = 512;   // rows that are written and read as one
+constexpr hsize_t pair_chunk = 16'384, frame_chunk = 128;   // rows that are written and read as one
 
 /// Throws Failed where the library says that it failed.
 struct Failed {};
@@ -60,15 +61,15 @@ Hdf5Handle enumeration(const std::vector<std::string>& names)
 }
 
 struct Field {
-    const char* name;
+    std::string name;
     std::size_t offset;
     hid_t type;
 };
 
-Hdf5Handle row_type(std::size_t size, std::initializer_list<Field> fields)
+Hdf5Handle row_type(std::size_t size, const std::vector<Field>& fields)
 {
     Hdf5Handle made = type(hdf5().H5Tcreate(H5T_COMPOUND, size));
-    for (const Field& field : fields) sure(hdf5().H5Tinsert(made.id(), field.name, field.offset, field.type));
+    for (const Field& field : fields) sure(hdf5().H5Tinsert(made.id(), field.name.c_str(), field.offset, field.type));
     return made;
 }
 
@@ -86,15 +87,22 @@ Hdf5Handle pair_type(const ResultsHeader& header)
                                       {"max_error", offsetof(PairRow, max_error), h5.native_double}});
 }
 
-Hdf5Handle frame_type()
+Hdf5Handle frame_type(const ResultsHeader& header)
 {
     const Hdf5& h5 = hdf5();
-    return row_type(sizeof(FrameRow), {{"frame", offsetof(FrameRow, frame), h5.native_uint64},
-                                       {"first", offsetof(FrameRow, first), h5.native_uint64},
-                                       {"pairs", offsetof(FrameRow, pairs), h5.native_uint64},
-                                       {"hash", offsetof(FrameRow, hash), h5.native_uint64},
-                                       {"chain", offsetof(FrameRow, chain), h5.native_uint64},
-                                       {"ms", offsetof(FrameRow, ms), h5.native_double}});
+    std::vector<Field> fields{
+        {"frame", offsetof(FrameRow, frame), h5.native_uint64}, {"first", offsetof(FrameRow, first), h5.native_uint64},
+        {"pairs", offsetof(FrameRow, pairs), h5.native_uint64}, {"hash", offsetof(FrameRow, hash), h5.native_uint64},
+        {"chain", offsetof(FrameRow, chain), h5.native_uint64}, {"ms", offsetof(FrameRow, ms), h5.native_double}};
+    std::size_t at = offsetof(FrameRow, stages);
+    for (const std::string& stage : header.stages) {
+        fields.push_back({stage + "_in", at + offsetof(StageRow, in), h5.native_uint64});
+        fields.push_back({stage + "_out", at + offsetof(StageRow, out), h5.native_uint64});
+        fields.push_back({stage + "_undecided", at + offsetof(StageRow, undecided), h5.native_uint64});
+        fields.push_back({stage + "_ms", at + offsetof(StageRow, ms), h5.native_double});
+        at += sizeof(StageRow);
+    }
+    return row_type(sizeof(FrameRow), fields);
 }
 
 /// A dataset of rows that grows, and the type of its rows.
@@ -108,6 +116,13 @@ struct Rows {
         if (hdf5().H5Sget_simple_extent_ndims(all.id()) != 1) throw Failed{};
         sure(hdf5().H5Sget_simple_extent_dims(all.id(), &extent, nullptr));
         return extent;
+    }
+    /// The same, where the file holds that many: it may say anything.
+    std::uint64_t stored(std::size_t row_bytes) const
+    {
+        const std::uint64_t rows = size();
+        if (rows > hdf5().H5Dget_storage_size(dataset.id()) / row_bytes) throw Failed{};
+        return rows;
     }
     /// Calls move(memory space, file space) for rows `first` to `first + count`.
     template <class Move>
@@ -160,7 +175,7 @@ void write_header(hid_t file, const ResultsHeader& header)
 {
     const Hdf5Handle text = text_type();
     for (const auto& [name, value] : {std::pair("version", &header.version), std::pair("scene", &header.scene),
-                                      std::pair("settings", &header.settings)}) {
+                                      std::pair("settings", &header.settings), std::pair("source", &header.source)}) {
         const char* const letters = value->c_str();
         write_attribute(file, name, text.id(), &letters);
     }
@@ -210,57 +225,28 @@ Hdf5Handle create(const fs::path& path)
     return {sure(h5.H5Fcreate(path.c_str(), truncate, H5P_DEFAULT, access.id())), h5.H5Fclose};
 }
 
-/// Results that an earlier run wrote, whatever ended it.
-class Earlier {
-public:
-    Earlier(const fs::path& path, const ResultsHeader& header) : header_(header), name_(path.string())
-    {
-        const Hdf5& h5 = hdf5();
-        const auto dataset = [&](const char* name) {
-            return Hdf5Handle(sure(h5.H5Dopen2(file_.id(), name, H5P_DEFAULT)), h5.H5Dclose);
-        };
-        file_ = {sure(h5.H5Fopen(path.c_str(), read_while_written, H5P_DEFAULT)), h5.H5Fclose};
-        frames_ = {dataset("frames"), frame_type()}, pairs_ = {dataset("pairs"), pair_type(header)};
-    }
-
-    /// Throws unless it was written by this version, of this scene, by these settings.
-    void check_header() const
-    {
-        for (const auto& [name, value] : {std::pair("version", &header_.version), std::pair("scene", &header_.scene),
-                                          std::pair("settings", &header_.settings)})
-            if (const std::string found = read_text(file_.id(), name); found != *value)
-                throw Error(ErrorKind::usage, fmt::format("{}: cannot be continued: its '{}' is not this run's: {} "
-                                                          "there, {} here",
-                                                          name_, name, found, *value));
-    }
-    /// The frames up to `frame`.
-    std::vector<FrameRow> frames_before(std::uint64_t frame) const
-    {
-        std::vector<FrameRow> rows(frames_.size());
-        if (!rows.empty()) frames_.read(0, rows.size(), rows.data());
-        const auto end = std::ranges::find(rows, frame, &FrameRow::frame);
-        if (rows.empty() || (end == rows.end() && rows.back().frame + 1 != frame) || end == rows.begin())
+/// Throws unless it was written by this version, of this scene, by these settings.
+void check_header(const std::string& name, const ResultsHeader& found, const ResultsHeader& wanted)
+{
+    for (const auto& [what, there, here] :
+         {std::tuple("version", &found.version, &wanted.version), std::tuple("scene", &found.scene, &wanted.scene),
+          std::tuple("settings", &found.settings, &wanted.settings)})
+        if (*there != *here)
             throw Error(ErrorKind::usage,
-                        rows.empty()
-                            ? fmt::format("{}: holds no frame; leave out --from-frame", name_)
-                            : fmt::format("{}: holds frames {} to {}; it can be continued from frames {} to {}", name_,
-                                          rows.front().frame, rows.back().frame, rows.front().frame + 1,
-                                          rows.back().frame + 1));
-        rows.erase(end, rows.end());
-        return rows;
-    }
-    void read(const FrameRow& frame, std::vector<PairRow>& pairs) const
-    {
-        pairs.resize(frame.pairs);
-        if (frame.pairs) pairs_.read(frame.first, frame.pairs, pairs.data());
-    }
+                        fmt::format("{}: cannot be continued: its '{}' is not this run's: {} there, {} here", name,
+                                    what, *there, *here));
+}
 
-private:
-    const ResultsHeader& header_;
-    std::string name_;
-    Hdf5Handle file_;
-    Rows frames_, pairs_;
-};
+/// Those up to `frame`.
+std::span<const FrameRow> frames_before(const std::string& name, std::span<const FrameRow> rows, std::uint64_t frame)
+{
+    if (rows.empty()) throw Error(ErrorKind::usage, fmt::format("{}: holds no frame; leave out --from-frame", name));
+    const std::uint64_t first = rows.front().frame, last = rows.back().frame;
+    if (frame <= first || frame > last + 1)
+        throw Error(ErrorKind::usage, fmt::format("{}: holds frames {} to {}; it can be continued from frames {} to {}",
+                                                  name, first, last, first + 1, last + 1));
+    return rows.first(frame - first);
+}
 
 } // namespace
 
@@ -286,7 +272,7 @@ ResultsFile::ResultsFile(const fs::path& path, const ResultsHeader& header, cons
         write_header(file, header);
         write_names(file, names);
         open_->pairs = make_rows(file, "pairs", pair_type(header), pair_chunk);
-        open_->frames = make_rows(file, "frames", frame_type(), frame_chunk);
+        open_->frames = make_rows(file, "frames", frame_type(header), frame_chunk);
         sure(hdf5().H5Fflush(file, H5F_SCOPE_LOCAL));
         sure(hdf5().H5Fstart_swmr_write(file));
     } catch (const Failed&) {
@@ -295,9 +281,6 @@ ResultsFile::ResultsFile(const fs::path& path, const ResultsHeader& header, cons
     if (!goes_on) return;
     try {
         copy(path, header, frame);
-    } catch (const Failed&) {
-        fs::remove(written, none);
-        refuse(name_, "is no file of results that --pairs wrote, so that it cannot be continued");
     } catch (const Error&) {
         fs::remove(written, none);
         throw;
@@ -309,10 +292,10 @@ ResultsFile::ResultsFile(const fs::path& path, const ResultsHeader& header, cons
 
 void ResultsFile::copy(const fs::path& from, const ResultsHeader& header, std::uint64_t frame)
 {
-    const Earlier earlier(from, header);
-    earlier.check_header();
+    const StoredResults earlier(from, header);
+    check_header(name_, earlier.header(), header);
     std::vector<PairRow> pairs;
-    for (const FrameRow& row : earlier.frames_before(frame)) earlier.read(row, pairs), add(pairs, row);
+    for (const FrameRow& row : frames_before(name_, earlier.frames(), frame)) earlier.read(row, pairs), add(pairs, row);
 }
 
 ResultsFile::~ResultsFile()
@@ -358,6 +341,75 @@ void ResultsFile::fail()
     const std::string why = errno ? std::strerror(errno) : "HDF5 cannot write it";
     static_cast<void>(open_.release());
     throw Error(ErrorKind::cannot_write, fmt::format("{}: cannot write: {}", name_, why));
+}
+
+struct StoredResults::Open {
+    Hdf5Handle file;
+    Rows frames, pairs;
+};
+
+StoredResults::StoredResults(const fs::path& path, const ResultsHeader& words)
+    : name_(path.string()), open_(std::make_unique<Open>())
+{
+    const Hdf5& h5 = hdf5();
+    try {
+        open_->file = {sure(h5.H5Fopen(path.c_str(), read_while_written, H5P_DEFAULT)), h5.H5Fclose};
+        const hid_t file = open_->file.id();
+        header_.version = read_text(file, "version"), header_.scene = read_text(file, "scene");
+        header_.settings = read_text(file, "settings"), header_.source = read_text(file, "source");
+        const Hdf5Handle bodies(sure(h5.H5Aopen(file, "bodies", H5P_DEFAULT)), h5.H5Aclose);
+        sure(h5.H5Aread(bodies.id(), h5.native_uint64, &header_.bodies));
+        const auto dataset = [&](const char* name) {
+            return Hdf5Handle(sure(h5.H5Dopen2(file, name, H5P_DEFAULT)), h5.H5Dclose);
+        };
+        open_->frames = {dataset("frames"), frame_type(words)}, open_->pairs = {dataset("pairs"), pair_type(words)};
+        frames_.resize(open_->frames.stored(sizeof(FrameRow)));
+        if (!frames_.empty()) open_->frames.read(0, frames_.size(), frames_.data());
+        const std::uint64_t pairs = open_->pairs.stored(sizeof(PairRow));
+        for (std::size_t k = 0; k < frames_.size(); ++k) {
+            const FrameRow& row = frames_[k];
+            if (row.frame - frames_[0].frame != k || row.first > pairs || row.pairs > pairs - row.first) throw Failed{};
+        }
+    } catch (const Failed&) {
+        refuse(name_, "is no file of results that 'oncollide run --pairs' wrote, or it is damaged");
+    }
+}
+
+StoredResults::~StoredResults() = default;
+
+std::string StoredResults::unlike(const NameColumn& names) const
+{
+    const Hdf5& h5 = hdf5();
+    Rows rows{{h5.H5Dopen2(open_->file.id(), "names", H5P_DEFAULT), h5.H5Dclose}, text_type()};
+    if (!rows.dataset.valid()) return {}; // none of the bodies has a name
+    constexpr hsize_t block = 65'536;
+    std::vector<char*> letters;
+    std::string found;
+    try {
+        for (hsize_t first = 0, count = rows.stored(sizeof(char*)); first < count && found.empty(); first += block) {
+            letters.assign(std::min(block, count - first), nullptr);
+            rows.read(first, letters.size(), letters.data());
+            for (hsize_t i = 0; i < letters.size(); ++i) {
+                const std::string_view name = letters[i] ? letters[i] : "";
+                if (found.empty() && (first + i >= names.size() || name != std::string_view(names[first + i])))
+                    found = name;
+                h5.H5free_memory(letters[i]);
+            }
+        }
+    } catch (const Failed&) {
+        refuse(name_, "the names of its bodies cannot be read: it is damaged");
+    }
+    return found;
+}
+
+void StoredResults::read(const FrameRow& frame, std::vector<PairRow>& pairs) const
+{
+    pairs.resize(frame.pairs);
+    try {
+        if (frame.pairs) open_->pairs.read(frame.first, frame.pairs, pairs.data());
+    } catch (const Failed&) {
+        refuse(name_, fmt::format("the pairs of frame {} cannot be read: it is damaged", frame.frame));
+    }
 }
 
 } // namespace oncollide

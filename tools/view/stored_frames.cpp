@@ -1,0 +1,138 @@
+#include "view/stored_frames.hpp"
+
+#include <limits>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/pipeline/result_hash.hpp>
+#include <oncollide/pipeline/stage.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+StoredRun run_of(const std::string& name, const ResultsHeader& header, const std::string& scene,
+                 const std::string& data)
+{
+    StoredRun run = stored_run(name, header);
+    if (!data.empty()) run.scene.data = data;
+    if (!scene.empty()) {
+        run.scene.scene = scene;
+        if (is_scene_file(scene)) run.scene.bodies.reset(), run.scene.seed.reset();
+    }
+    if (run.scene.scene.empty())
+        usage(fmt::format(
+            "{0}: its scene came from standard input; name its file: oncollide view {0} SCENE.json -o ...", name));
+    return run;
+}
+
+Scene scene_of(const std::string& name, const StoredRun& run)
+{
+    try {
+        return open_scene(run.scene);
+    } catch (const Error& error) {
+        if (error.kind() != ErrorKind::no_input) throw;
+        throw Error(ErrorKind::no_input, fmt::format("{}; {} is of that scene: name its file behind the results if it "
+                                                     "is elsewhere by now",
+                                                     error.what(), name));
+    }
+}
+
+Settings without_narrow_phase(Settings settings, int threads)
+{
+    settings.threads = threads;
+    settings.skip.insert(settings.skip.end(), {"ocst", "exact"});
+    return settings;
+}
+
+} // namespace
+
+StoredFrames::StoredFrames(const std::string& results, const std::string& scene, const std::string& data, int threads)
+    : name_(results), stored_(open_pairs(results)), run_(run_of(results, stored_.header(), scene, data)),
+      scene_(scene_of(results, run_)), pipeline_(scene_, without_narrow_phase(run_.settings, threads))
+{
+    if (scene_.size() != stored_.header().bodies)
+        refuse_scene(fmt::format("it has {} bodies, they are of {}", scene_.size(), stored_.header().bodies));
+    if (const std::string other = stored_.unlike(scene_.names); !other.empty())
+        refuse_scene(fmt::format("it has no body '{}' in that place", other));
+    if (stored_.frames().empty()) throw Error(ErrorKind::usage, name_ + ": holds no frame");
+    if (stored_.frames().back().frame >= std::uint64_t(scene_.frames))
+        refuse_scene(fmt::format("it has frames 0 to {}, they end with frame {}", scene_.frames - 1,
+                                 stored_.frames().back().frame));
+}
+
+void StoredFrames::refuse_scene(const std::string& why) const
+{
+    throw Error(ErrorKind::bad_data,
+                fmt::format("{}: these are no results of {}, as it is now: {}", name_, run_.scene.scene, why));
+}
+
+FrameView StoredFrames::play(int frame)
+{
+    const FrameRow& row = stored_.frames()[std::size_t(frame - first())];
+    pipeline_.world().continue_from(std::uint32_t(frame), 0);
+    mover_.move(scene_, frame);
+    const FrameView played = pipeline_.step(scene_);
+    pipeline_.world().continue_from(std::uint32_t(frame) + 1, row.chain);
+    decide(row, played.pairs);
+    count(row, played.stages);
+    return {.frame = row.frame,
+            .ms = row.ms,
+            .pairs = results_,
+            .began = played.began,
+            .ended = played.ended,
+            .stages = stages_,
+            .delimitation = played.delimitation,
+            .trees = played.trees,
+            .rounds = played.rounds,
+            .hash = row.hash};
+}
+
+/// Both are sorted by their bodies. Candidates that the file does not have were found separate.
+void StoredFrames::decide(const FrameRow& row, std::span<const PairResult> candidates)
+{
+    stored_.read(row, rows_);
+    results_.assign(candidates.begin(), candidates.end());
+    std::uint64_t hash = 0;
+    auto next = rows_.begin();
+    for (PairResult& pair : results_) {
+        if (next == rows_.end() || next->a != pair.a.slot || next->b != pair.b.slot) {
+            pair.verdict = Verdict::separate, pair.stage = ocst_stage_index, pair.kind = {}, pair.bound = 0;
+            continue;
+        }
+        if (next->verdict > std::uint8_t(Verdict::undecided) || next->stage >= pipeline_.stages().size() ||
+            next->kind > std::uint8_t(ContactKind::enclosed))
+            break;
+        pair.verdict = Verdict(next->verdict), pair.stage = next->stage, pair.kind = ContactKind(next->kind);
+        pair.bound = next->bound;
+        mix(hash, pair, wants_kinds(run_.settings));
+        ++next;
+    }
+    if (next != rows_.end())
+        refuse_scene(fmt::format("in frame {} they have a pair of bodies {} and {}, whose boxes are apart", row.frame,
+                                 next->a, next->b));
+    if (hash != row.hash)
+        refuse(name_, fmt::format("the pairs of frame {} are damaged: their hash is another", row.frame));
+}
+
+/// What each stage took in and passed on is the file's; why one was skipped follows from the settings and the poses.
+void StoredFrames::count(const FrameRow& row, std::span<const StageStats> stages)
+{
+    stages_.assign(stages.begin(), stages.end());
+    for (std::size_t k = 0; k < stages_.size(); ++k) {
+        StageStats& stage = stages_[k];
+        const StageRow& stored = row.stages[k];
+        stage.in = stored.in, stage.out = stored.out, stage.undecided = stored.undecided, stage.cpu_ms = stored.ms;
+        if (k < ocst_stage_index) continue;
+        const bool by_request = std::ranges::count(run_.settings.skip, stage.stage) > 0;
+        const bool off = k == exact_stage_index && run_.settings.exact == ExactLevel::off;
+        stage.skipped = by_request || off;
+        stage.note = by_request ? "by request" : off ? "off" : "";
+    }
+    constexpr std::size_t broad = ocst_stage_index - 1;
+    if (row.stages[broad].out != results_.size())
+        refuse_scene(fmt::format("in frame {} the boxes of {} pairs overlap, of {} in the run", row.frame,
+                                 results_.size(), row.stages[broad].out));
+}
+
+} // namespace oncollide::tools

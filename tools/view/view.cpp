@@ -1,0 +1,90 @@
+// 'oncollide view': the page of a run that was written with --pairs.
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+
+#include "cli/command.hpp"
+#include "cli/log.hpp"
+#include "cli/options.hpp"
+#include "cli/progress.hpp"
+#include "cli/system.hpp"
+#include "view/stored_frames.hpp"
+#include "view/view_page.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+struct ViewOptions {
+    std::string results, scene, out, data;
+    std::optional<int> from, to;
+    int limit = 40; ///< MB
+    int threads = 1;
+    bool quiet = false;
+};
+
+int view(const ViewOptions& o)
+{
+    check_range("--threads", o.threads, 0);
+    check_view("--out", o.out, o.limit, {}, {o.results, o.scene});
+    StoredFrames frames(o.results, o.scene, o.data, o.threads);
+    const int first = o.from.value_or(frames.first()), last = o.to.value_or(frames.last());
+    for (const auto& [option, frame] : {std::pair("--from-frame", first), std::pair("--to-frame", last)})
+        if (frame < frames.first() || frame > frames.last())
+            usage(fmt::format("{} {}: {} holds frames {} to {}", option, frame, o.results, frames.first(),
+                              frames.last()));
+    if (first > last) usage(fmt::format("--from-frame {} is behind --to-frame {}", first, last));
+    if (!o.quiet) print_warnings(frames.scene());
+    ViewPage page(frames.scene(), frames.pipeline(),
+                  {.file = o.out,
+                   .most_bytes = std::size_t(o.limit) * 1'000'000,
+                   .separate = frames.separate(),
+                   .threads = o.threads,
+                   .results = o.results});
+    catch_interrupts();
+    int next = first;
+    {
+        Progress progress("frame", std::size_t(last - first + 1), o.quiet);
+        for (; next <= last && !interrupted(); ++next) page.add(frames.play(next)), progress.step();
+    }
+    page.close();
+    if (!o.quiet && next > first) log(LogLevel::note, page.summary());
+    if (next > last) return 0;
+    log(LogLevel::error,
+        fmt::format("interrupted after {} of {} frames; the page shows these", next - first, last - first + 1));
+    return 130;
+}
+
+} // namespace
+
+void add_view(Arguments app)
+{
+    Arguments sub = app.add_command("view", "Make an HTML page to look at, in 3D, of a run that was kept with --pairs");
+    auto o = std::make_shared<ViewOptions>();
+    sub.add_option("results", o->results, "what 'oncollide run --pairs' wrote").required().type_name("RESULTS.h5");
+    sub.add_option("scene", o->scene, "the scene they are of, where it is no longer where the results say")
+        .type_name("SCENE.json|ASSEMBLY.glb|NAME");
+    sub.add_option("-o,--out", o->out, "the page; needs Debian's libjs-three")
+        .required()
+        .type_name("PAGE.html")
+        .check([](const std::string& file) { return std::string(file.empty() ? "the file name is empty" : ""); });
+    sub.add_option("--from-frame", o->from, "first frame to show (default: the first of the results)").type_name("N");
+    sub.add_option("--to-frame", o->to, "last frame to show (default: the last of the results)").type_name("N");
+    add_view_limit(sub, o->limit);
+    sub.add_option("--data", o->data, "data folder of a scene of the catalogue (default: that of the run)")
+        .type_name("DIR");
+    sub.add_option("--threads", o->threads, "threads; 0: all. Never changes the page's results (default 1)")
+        .type_name("N");
+    sub.add_flag("--quiet", o->quiet, "print nothing but errors");
+    sub.footer("Example:\n"
+               "  oncollide run city --exact on --pairs city.h5\n"
+               "  oncollide view city.h5 -o city.html\n"
+               "Verdicts, bounds and times are those of the run; its narrow phase is not run again. What the page\n"
+               "shows: docs/view.md. 'oncollide run --view' makes it while the scene runs.");
+    sub.action([o] { return view(*o); });
+}
+
+} // namespace oncollide::tools
