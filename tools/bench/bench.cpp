@@ -311,15 +311,16 @@ void add_scale(Arguments bench)
                                                "of what they cost");
     auto options = std::make_shared<ScaleOptions>();
     sub.add_option("--bodies", options->bodies, "of the world, about: a cube of cells (default 1e6)").type_name("N");
-    sub.add_option("--ranks", options->ranks, "that share it (default 64)").type_name("P");
+    sub.add_option("--ranks", options->ranks, "that share it; several numbers are compared (default 64)").type_name("LIST");
     sub.add_option("--sample", options->sample, "play so many of them; 0: all (default 0)").type_name("N");
     sub.add_option("--edge", options->edge, "mean edge of the bodies, in mean spacings (default 1)").type_name("E");
     sub.add_option("--frame", options->frame, "of their motion (default 0)").type_name("F");
     sub.add_option("--threads", options->threads, "ranks at a time; 0: all (default 1)").type_name("N");
     sub.add_option("--seed", options->seed, "of the bodies (default 12345)").type_name("S");
     sub.add_option("--csv", options->csv, "write one row per rank").type_name("FILE");
-    sub.footer("Where all ranks are played, pairs and hash are the same for any number of ranks. Exit code 70: the\n"
-               "ghosts are off the model by more than a tenth.\n"
+    sub.footer("Where all ranks are played, pairs and hash are the same for any number of ranks. Exit code 70: they\n"
+               "are not, or the ghosts are off the model by more than a tenth.\n"
+               "  oncollide bench scale --ranks 8,64 --bodies 1e6\n"
                "  oncollide bench scale --ranks 10000 --bodies 1e9 --sample 26");
     sub.action([options] { return bench_scale(*options); });
 }

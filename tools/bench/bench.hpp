@@ -168,6 +168,9 @@ int bench_read(const ReadOptions& options);
 /// "4-8", "6" or "2,5-7" as ascending numbers; `option` names it in errors. Each 1 to 16.
 std::vector<int> parse_depths(const std::string& option, const std::string& text);
 
+/// "2500,10k,1M" as ascending numbers from 1 to `most`; `option` names it in errors.
+std::vector<std::size_t> parse_counts(const char* option, const std::string& list, std::size_t most);
+
 /// The parts of a list separated by commas, empty ones too.
 std::vector<std::string> split(const std::string& list);
 

@@ -5,7 +5,6 @@
 #include "bench/line_plot.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <map>
 
 #include <oncollide/base/error.hpp>
@@ -14,29 +13,6 @@
 
 namespace oncollide::tools {
 namespace {
-
-/// "2500", "10k" or "1M", from 1 to `most`.
-std::size_t parse_count(const char* option, const std::string& text, std::size_t most)
-{
-    std::size_t value = 0, unit = 1;
-    const char* const end = text.data() + text.size();
-    auto [rest, error] = std::from_chars(text.data(), end, value);
-    if (rest != end && (*rest == 'k' || *rest == 'M')) unit = *rest++ == 'k' ? 1'000 : 1'000'000;
-    if (error != std::errc{} || rest != end || value < 1 || value > most / unit)
-        usage(fmt::format("{} {}: expected numbers from 1 to {}, like {}", option, text, most,
-                          most > 10'000 ? "2500,10k,1M" : "1,2"));
-    return value * unit;
-}
-
-template <class Number>
-std::vector<Number> parse_counts(const char* option, const std::string& list, std::size_t most)
-{
-    std::vector<Number> counts;
-    for (const std::string& part : split(list)) counts.push_back(Number(parse_count(option, part, most)));
-    std::sort(counts.begin(), counts.end());
-    counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
-    return counts;
-}
 
 bool is_recording(const std::string& scene)
 {
@@ -69,10 +45,11 @@ PlotAxes axes(bool per_box)
 
 class BroadBench {
 public:
-    explicit BroadBench(const BroadOptions& options)
-        : options_(options), contenders_(broad_contenders()),
-          threads_(parse_counts<int>("--threads", options.threads.empty() ? "1" : options.threads, 256))
+    explicit BroadBench(const BroadOptions& options) : options_(options), contenders_(broad_contenders())
     {
+        for (const std::size_t threads :
+             parse_counts("--threads", options.threads.empty() ? "1" : options.threads, 256))
+            threads_.push_back(int(threads));
         contenders_.keep(options.only);
         choose_scenes();
         if (!options.csv.empty()) csv_.emplace(options.csv);
@@ -103,8 +80,7 @@ private:
     /// Everything that could be wrong with them shows here, before any work.
     void choose_scenes()
     {
-        sizes_ =
-            parse_counts<std::size_t>("--sizes", options_.sizes.empty() ? "1k,10k,100k" : options_.sizes, most_boxes);
+        sizes_ = parse_counts("--sizes", options_.sizes.empty() ? "1k,10k,100k" : options_.sizes, most_boxes);
         if (options_.frames && (*options_.frames < 2 || *options_.frames > 100'000))
             usage(fmt::format("--frames {}: must be from 2 to 100000", *options_.frames));
         scenes_ = is_recording(options_.scene) ? std::vector{options_.scene} : split(options_.scene);
