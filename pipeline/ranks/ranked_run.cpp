@@ -43,20 +43,55 @@ RankedRun::RankedRun(Ranks& ranks, std::unique_ptr<Partitioner> partition, Scene
                         "--separate: the gaps of pairs that stay apart come from earlier frames, which "
                         "other processes may have decided; add --no-coherence");
     });
-    // Equal on all ranks: compared as the largest of it and of its complement, in halves that doubles hold exactly.
-    const auto low = double(scene_.checksum & 0xffffffffu), high = double(scene_.checksum >> 32);
-    std::array<double, 4> ends{low, -low, high, -high};
-    ranks_.most(ends);
-    together(ranks_, [&] {
-        if (ends[0] != -ends[1] || ends[2] != -ends[3])
-            throw Error(ErrorKind::bad_data, fmt::format("the processes have read different scenes (checksum {:016x} "
-                                                         "here); all need the same files",
-                                                         scene_.checksum));
-    });
-    if (scene_.recording) recorded_.resize(scene_.recording->bodies);
+    compare_slices();
+    refuse_names_twice();
     if (options_.resume) read_checkpoint();
     open_csv();
     began_ = phase_began_ = Clock::now();
+}
+
+/// Each rank has looked at the bodies of the next one, too.
+void RankedRun::compare_slices()
+{
+    struct Sums {
+        std::uint64_t common, other;
+    };
+    for (Bytes& bytes : out_) put(bytes, Sums{scene_.common, scene_.other});
+    ranks_.exchange(out_, in_);
+    bool same = true;
+    for (const Bytes& bytes : in_) same &= ByteReader(bytes).get<Sums>().common == scene_.common;
+    const auto before = std::size_t(ranks_.rank() + ranks_.size() - 1) % in_.size();
+    if (in_.size() > 1) same &= ByteReader(in_[before]).get<Sums>().other == scene_.own;
+    std::uint64_t differ = !same;
+    ranks_.sum({&differ, 1});
+    together(ranks_, [&] {
+        if (differ)
+            throw Error(ErrorKind::bad_data, "the processes have read different scenes; all need the same files");
+    });
+    std::uint64_t bodies = scene_.own;
+    ranks_.sum({&bodies, 1});
+    checksum_ = scene_.common;
+    mix(checksum_, bodies);
+}
+
+/// Names meet on the rank that their hash says.
+void RankedRun::refuse_names_twice()
+{
+    for (Bytes& bytes : out_) bytes.clear();
+    for (const NameMark& mark : scene_.names) put(out_[mark.hash % out_.size()], mark);
+    scene_.names = {};
+    ranks_.exchange(out_, in_);
+    std::vector<NameMark> marks;
+    for (const Bytes& bytes : in_)
+        for (ByteReader reader(bytes); !reader.at_end();) marks.push_back(reader.get<NameMark>());
+    const auto name = [](const NameMark& mark) { return std::pair(mark.hash, mark.other_hash); };
+    std::ranges::sort(marks, {}, [&](const NameMark& mark) { return std::pair(name(mark), mark.gid); });
+    const auto twice = std::ranges::adjacent_find(marks, {}, name);
+    together(ranks_, [&] {
+        if (twice != marks.end())
+            throw Error(ErrorKind::bad_data,
+                        fmt::format("body {}: has the name of body {}; names must differ", twice[1].gid, twice->gid));
+    });
 }
 
 RankedRun::~RankedRun()
@@ -114,12 +149,20 @@ void RankedRun::step()
         write_checkpoint();
 }
 
+/// Bodies at home are met in the order of the recording.
 void RankedRun::read_recording()
 {
+    const std::uint32_t first = scene_.recording->first;
+    std::ranges::sort(home_, {}, &BodyRecord::gid);
+    auto at = std::ranges::lower_bound(home_, first, {}, &BodyRecord::gid);
     scene_.recording->read(
         static_cast<std::uint64_t>(frame_ * scene_.pace),
-        [&](std::uint32_t i, const Eigen::Isometry3d& pose) { recorded_[i] = pose; },
-        [&](std::uint32_t i) { return fmt::format("body {}", scene_.recording->first + i); });
+        [&](std::uint32_t i, const Eigen::Isometry3d& pose) {
+            if (at == home_.end() || at->gid != first + i) return;
+            if (at->pose.matrix() != pose.matrix()) at->pose = pose, at->box = {};
+            ++at;
+        },
+        [&](std::uint32_t i) { return fmt::format("body {}", first + i); });
 }
 
 void RankedRun::move()
@@ -127,10 +170,7 @@ void RankedRun::move()
     if (scene_.recording) read_recording();
     for (BodyRecord& body : home_) {
         const Eigen::Isometry3d before = body.pose;
-        const std::uint32_t number = scene_.recording ? body.gid - scene_.recording->first : 0;
-        if (scene_.recording && number < scene_.recording->bodies)
-            body.pose = recorded_[number];
-        else if (!std::holds_alternative<Still>(body.motion))
+        if (!std::holds_alternative<Still>(body.motion))
             move_body(body.motion, body.start, scene_.pace, moved_to_, frame_, body.pose);
         if (body.box.empty() || before.matrix() != body.pose.matrix()) body.box = world_.box(body);
     }

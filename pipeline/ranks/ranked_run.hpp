@@ -6,6 +6,7 @@
 #include <optional>
 
 #include <oncollide/pipeline/ranks/rank_world.hpp>
+#include <oncollide/pipeline/ranks/scene_slice.hpp>
 #include <oncollide/pipeline/ranks/shared_file.hpp>
 
 namespace oncollide {
@@ -54,7 +55,8 @@ struct RankPhase {
 class RankedRun {
 public:
     /// Keeps a reference to `ranks`. A call of all ranks; throws on all or on none, as every function here.
-    /// Error{usage} for scenes that differ, Error{no_input} or Error{bad_data} for a checkpoint that cannot be used.
+    /// Error{bad_data} for slices of different scenes and for names that two bodies have, Error{no_input} or
+    /// Error{bad_data} for a checkpoint that cannot be used.
     RankedRun(Ranks& ranks, std::unique_ptr<Partitioner> partition, SceneSlice scene, const Settings& settings,
               const RankedOptions& options = {});
     ~RankedRun();
@@ -88,6 +90,8 @@ private:
     };
     using Clock = std::chrono::steady_clock;
 
+    void compare_slices();
+    void refuse_names_twice();
     void move();
     void read_recording();
     void repartition();
@@ -117,7 +121,7 @@ private:
     RankWorld world_;
     std::vector<BodyRecord>& home_; ///< scene_.records
     std::vector<BodyHere> ghosts_;
-    std::vector<Eigen::Isometry3d> recorded_;
+    std::uint64_t checksum_ = 0; ///< of the whole scene, for any number of ranks
     std::vector<Bytes> out_, in_;
 
     int frame_ = 0, moved_to_ = 0;

@@ -1,5 +1,6 @@
 #include "cli/play_ranks.hpp"
 
+#include <algorithm>
 #include <condition_variable>
 #include <cstdlib>
 #include <iostream>
@@ -13,6 +14,7 @@
 #include <oncollide/pipeline/ranks/ranked_report.hpp>
 #include <oncollide/pipeline/report_kept.hpp>
 
+#include "cli/log.hpp"
 #include "cli/progress.hpp"
 #include "cli/system.hpp"
 
@@ -119,6 +121,7 @@ public:
                 usage(error.what());
             }
         });
+        print_warnings_of_all(slice.warnings);
         together(ranks_, [&] { partition = make_partitioner(); });
         if (speaks_ && slice.bodies < std::uint32_t(ranks_.size()))
             std::cerr << fmt::format("oncollide: note: {} processes for {} bodies: some have none\n", ranks_.size(),
@@ -132,9 +135,23 @@ public:
 private:
     SceneSlice read()
     {
-        const Scene scene = open_scene(scene_);
-        if (speaks_) print_warnings(scene);
-        return slice_of(scene, ranks_.rank(), ranks_.size(), !outputs_.csv.empty());
+        SliceReader reader(ranks_.rank(), ranks_.size(), !outputs_.csv.empty());
+        return reader.finish(open_scene(scene_, &reader));
+    }
+    /// What reading put right; what all say, once.
+    void print_warnings_of_all(const std::vector<std::string>& mine)
+    {
+        constexpr std::size_t enough = 100;
+        std::vector<Bytes> out(std::size_t(ranks_.size())), in;
+        for (std::size_t k = 0; k < std::min(enough, mine.size()); ++k) put_list(out[0], mine[k]);
+        ranks_.exchange(out, in);
+        std::vector<std::string> all;
+        for (const Bytes& bytes : in)
+            for (ByteReader reader(bytes); !reader.at_end();) {
+                auto warning = reader.get_list<std::string>();
+                if (std::ranges::find(all, warning) == all.end()) all.push_back(std::move(warning));
+            }
+        if (speaks_) log_warnings(all);
     }
     std::unique_ptr<Partitioner> make_partitioner()
     {
