@@ -188,6 +188,36 @@ void RankedRun::repartition()
     partition_->rebuild(ranks_, centres, weights);
     partitioned_ = true, repartition_now_ = false, uneven_frames_ = 0;
     ++rebuilds_;
+    send_home();
+}
+
+/// Bodies go to where the new cuts have their homes, some at a time: all at once they would be in memory three times.
+void RankedRun::send_home()
+{
+    constexpr std::size_t at_a_time = 50'000;
+    const int me = ranks_.rank();
+    std::size_t looked_at = 0, end = home_.size(); // those between have not been looked at; what follows has come
+    for (std::uint64_t left = 1; left;) {
+        for (Bytes& bytes : out_) bytes.clear();
+        for (std::size_t sent = 0; looked_at < end && sent < at_a_time;) {
+            BodyRecord& body = home_[looked_at];
+            const int home = partition_->owner(body.box.centre());
+            if (home == me) {
+                ++looked_at;
+                continue;
+            }
+            put(out_[std::size_t(home)], body), ++sent;
+            if (looked_at != --end) body = std::move(home_[end]);
+            if (end + 1 != home_.size()) home_[end] = std::move(home_.back());
+            home_.pop_back();
+        }
+        statistics_.sent_bytes += bytes_to_others(out_, me);
+        ranks_.exchange(out_, in_);
+        for (const Bytes& bytes : in_)
+            for (ByteReader reader(bytes); !reader.at_end(); ++statistics_.came) home_.push_back(get_record(reader));
+        left = looked_at < end;
+        ranks_.sum({&left, 1});
+    }
 }
 
 /// Hands over the bodies whose home is elsewhere, shows ghosts, and learns of both.

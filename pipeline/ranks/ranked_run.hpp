@@ -95,6 +95,7 @@ private:
     void move();
     void read_recording();
     void repartition();
+    void send_home();
     void exchange();
     void step_world(std::vector<Bytes>& out);
     void take_rows(std::vector<Bytes>& in);

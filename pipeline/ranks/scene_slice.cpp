@@ -66,7 +66,7 @@ int SliceReader::reader(std::uint32_t body) const
 bool SliceReader::wants(std::uint32_t body) const
 {
     const int by = reader(body);
-    return by == rank_ || by == (rank_ + 1) % size_;
+    return by == rank_ || by == (rank_ + 1) % size_ || body < run_of_bodies;
 }
 
 void SliceReader::take(std::uint32_t body, BodyInit init)
@@ -83,10 +83,10 @@ void SliceReader::take(std::uint32_t body, BodyInit init)
     bytes_.clear();
     put(bytes_, record), put_list(bytes_, init.name);
     const std::uint64_t sum = checksum_of(bytes_);
-    if (reader(body) != rank_) {
-        slice_.other += sum;
-        return;
-    }
+    const int by = reader(body);
+    if (body < run_of_bodies) first_ += sum;
+    if (size_ > 1 && by == (rank_ + 1) % size_) slice_.other += sum;
+    if (by != rank_) return;
     slice_.own += sum;
     if (!init.name.empty()) {
         const std::uint64_t hash = checksum(init.name);
@@ -133,7 +133,7 @@ SceneSlice SliceReader::finish(const Scene& scene)
     slice_.recording = scene.recording, slice_.warnings = scene.warnings;
     std::uint64_t& sum = slice_.common;
     sum = checksum(scene.name);
-    mix(sum, scene.size()), mix(sum, std::bit_cast<std::uint64_t>(scene.pace));
+    mix(sum, scene.size()), mix(sum, first_), mix(sum, std::bit_cast<std::uint64_t>(scene.pace));
     for (const Geometry& geometry : scene.geometries) mix(sum, checksum_of(geometry));
     for (const ExcludedPair pair : scene.excluded) mix(sum, std::uint64_t{pair.a} << 32 | pair.b);
     exclude(scene.excluded);

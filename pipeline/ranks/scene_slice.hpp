@@ -26,13 +26,13 @@ struct SceneSlice {
     std::vector<std::string> warnings;
 
     // Checksums, by which ranks find out whether they have read the same.
-    std::uint64_t common = 0;         ///< of what all read: name, pace, geometries, exclusions, recorded starts
+    std::uint64_t common = 0;         ///< of what all read: name, pace, geometries, first bodies, exclusions, recorded starts
     std::uint64_t own = 0, other = 0; ///< sums over this rank's bodies, and over those of the rank after it
 };
 
 /// Takes one rank's bodies of a scene while it is read or made. Bodies are dealt out in short runs, so that how many
-/// there are need not be known. Those of the next rank are looked at, too, for the sake of `SceneSlice::other`, and not
-/// kept.
+/// there are need not be known. The first ones and those of the next rank are looked at, too, and not kept: so what a
+/// rank has of the scene was seen alike by another one.
 class SliceReader final : public BodySink {
 public:
     /// @param names  keep what bodies are called
@@ -52,6 +52,7 @@ private:
     int rank_, size_;
     bool names_;
     SceneSlice slice_;
+    std::uint64_t first_ = 0; ///< sum over the first bodies
     Bytes bytes_;
 };
 

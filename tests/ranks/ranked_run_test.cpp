@@ -122,7 +122,9 @@ TEST_F(RanksTest, ScenesOfTheCatalogueAreThoseOfOneWorld)
     expect_the_same(catalogue_scene("many", 60, 3));
     expect_the_same(catalogue_scene("octomap", 12, 3));
     expect_the_same(catalogue_scene("hills", 30, 3));
-    expect_the_same(catalogue_scene("boxes", 400, 4));
+    expect_the_same(catalogue_scene("boxes", 400, 4)); // a random walk: brown
+    Scene campus = catalogue_scene("campus", 30, 2);
+    EXPECT_EQ(by_many(campus, 4), by_one(campus));
 }
 
 TEST_F(RanksTest, HardCasesAreThoseOfOneWorldInEverySetting)
