@@ -133,10 +133,12 @@ void RankedRun::read_checkpoint()
         const bool read = bool(file.read(reinterpret_cast<char*>(&header), sizeof(header)));
         kind = ErrorKind::bad_data;
         const auto refuse = [&](const char* what) { why = fmt::format("{}: {}", slot_path(slot).string(), what); };
-        if (!read || header.magic != ours.magic || header.header != header.hash_of_header())
+        if (!read || header.magic != ours.magic)
             refuse("is no checkpoint, or a damaged one");
         else if (header.version != ours.version)
             refuse("is a checkpoint of another version of oncollide");
+        else if (header.header != header.hash_of_header())
+            refuse("is no checkpoint, or a damaged one");
         else if (header.scene != checksum_ || header.bodies != scene_.bodies)
             refuse("is a checkpoint of another scene");
         else if (header.settings != settings_hash())

@@ -105,7 +105,10 @@ void RankedRun::open_csv()
     if (options_.csv.empty()) return;
     csv_.emplace(options_.csv);
     together(ranks_, [&] {
-        if (ranks_.rank() == 0) csv_->create();
+        if (ranks_.rank() != 0) return;
+        // Whoever died after the last rename left a whole file and no part of one.
+        if (options_.resume) csv_->take_back(csv_end_, slot_path(1 - slot_));
+        csv_->create();
     });
     together(ranks_, [&] {
         csv_->open();

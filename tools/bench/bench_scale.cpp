@@ -19,6 +19,7 @@
 #include <oncollide/pipeline/ranks/body_record.hpp>
 
 #include "bench/bench.hpp"
+#include "cli/shard.hpp"
 #include "cli/system.hpp"
 
 namespace oncollide::tools {
@@ -222,10 +223,11 @@ private:
     }
 };
 
-Partition play(const UniformWorld& world, int count, int sample, int threads)
+Partition play(const UniformWorld& world, int count, int sample, int threads, const Shard& shard)
 {
     Partition partition{Blocks(count, world.side()), count, {}};
-    const std::vector<int> numbers = sampled(count, sample);
+    std::vector<int> numbers = sampled(count, sample);
+    keep_part(shard, numbers, "ranks");
     partition.ranks.resize(numbers.size());
     parallel_chunks(numbers.size(), 1, threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t k = begin; k < end; ++k) partition.ranks[k] = play_rank(world, partition.blocks, numbers[k]);
@@ -268,9 +270,11 @@ bool report(const UniformWorld& world, const Partition& partition)
     return !off;
 }
 
-void write_rows(const std::string& path, const UniformWorld& world, const std::vector<Partition>& partitions)
+void write_rows(const std::string& path, const std::string& head, const UniformWorld& world,
+                const std::vector<Partition>& partitions)
 {
     OutputFile file(path);
+    file.write(head);
     file.print("world,ranks,rank,bodies,ghosts,model_ghosts,pairs,hash,ghost_bytes,held_bytes,ms\n");
     for (const Partition& partition : partitions)
         for (const Rank& r : partition.ranks)
@@ -290,6 +294,8 @@ int bench_scale(const ScaleOptions& o)
     check_range("--frame", o.frame, 0), check_range("--threads", o.threads, 0, 1024);
     check_files({{"--csv", o.csv}});
     const std::vector<std::size_t> counts = parse_counts("--ranks", o.ranks, 1'000'000);
+    const Shard shard = shard_from(o.shard);
+    if (!shard.whole() && counts.size() > 1) usage("--shard: the ranks of one number of them are divided; give one");
     const UniformWorld world(o.bodies, o.edge, o.seed, o.frame);
     const int threads = o.threads ? o.threads : hardware_threads();
     say("world      {} cubes, frame {}, edges {} spacings in the mean, one of {} is {} times as large\n",
@@ -297,7 +303,7 @@ int bench_scale(const ScaleOptions& o)
     std::vector<Partition> partitions;
     bool good = true;
     for (const std::size_t count : counts) {
-        partitions.push_back(play(world, int(count), o.sample, threads));
+        partitions.push_back(play(world, int(count), o.sample, threads, shard));
         good &= report(world, partitions.back());
         const Partition& first = partitions.front();
         if (first.all() && partitions.back().all() &&
@@ -307,7 +313,11 @@ int bench_scale(const ScaleOptions& o)
         }
     }
     say("process    {:.0f} MB at most\n", double(peak_memory()) / 1e6);
-    if (!o.csv.empty()) write_rows(o.csv, world, partitions);
+    if (!o.csv.empty())
+        write_rows(o.csv,
+                   shard.line(fmt::format("bench scale, {} bodies, {} ranks, sample {}, edge {}, seed {}, frame {}",
+                                          world.bodies(), o.ranks, o.sample, o.edge, o.seed, o.frame)),
+                   world, partitions);
     return good ? 0 : int(ErrorKind::internal);
 }
 

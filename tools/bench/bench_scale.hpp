@@ -11,7 +11,7 @@ struct ScaleOptions {
     double edge = 1;          ///< mean, in mean spacings
     int frame = 0, threads = 1;
     std::uint64_t seed = 12345;
-    std::string csv;
+    std::string csv, shard;
 };
 
 /// Ranks of a large uniform world, played one after another on this machine, against the model of their cost. Returns
