@@ -141,6 +141,7 @@ void RankedRun::step()
     exchange();
     std::vector<Bytes> rows(out_.size()), came;
     together(ranks_, [&] { step_world(rows); });
+    statistics_.row_bytes += bytes_to_others(rows, ranks_.rank());
     statistics_.sent_bytes += bytes_to_others(rows, ranks_.rank());
     ranks_.exchange(rows, came);
     together(ranks_, [&] { take_rows(came); });
@@ -184,9 +185,13 @@ void RankedRun::repartition()
 {
     std::vector<Eigen::Vector3d> centres;
     std::vector<float> weights;
+    // What this rank did for pairs is that of its bodies, by how many pairs they were in.
+    std::uint64_t pairs = 0;
+    for (const BodyRecord& body : home_) pairs += world_.pairs_of(body.gid);
+    const float of_a_pair = pairs ? float(double(last_pair_work_) / double(pairs)) : 0;
     for (const BodyRecord& body : home_) {
         centres.push_back(body.box.centre());
-        weights.push_back(float(work_of_a_body) + 0.5f * float(world_.pairs_of(body.gid)));
+        weights.push_back(float(work_of_a_body) + of_a_pair * float(world_.pairs_of(body.gid)));
     }
     partition_->rebuild(ranks_, centres, weights);
     partitioned_ = true, repartition_now_ = false, uneven_frames_ = 0;
@@ -241,7 +246,10 @@ void RankedRun::exchange()
                 ghosts_.push_back(body);
                 continue;
             }
-            put(out_[std::size_t(rank)], Sent::ghost), put(out_[std::size_t(rank)], static_cast<BodyHere&>(body));
+            Bytes& bytes = out_[std::size_t(rank)];
+            const std::size_t before = bytes.size();
+            put(bytes, Sent::ghost), put(bytes, static_cast<BodyHere&>(body));
+            statistics_.ghost_bytes += bytes.size() - before;
         }
         if (home == me) {
             if (kept != i) home_[kept] = std::move(body);
@@ -280,7 +288,8 @@ void RankedRun::step_world(std::vector<Bytes>& out)
             put_list(to, csv_row(std::uint64_t(frame_), world_.name(pair.a), world_.name(pair.b), pair,
                                  world_.world().stages()[pair.stage], world_.world().max_error(pair.a, pair.b)));
     }
-    last_work_ = work_of_a_body * home_.size() + view.pairs.size() + view.trees.node_pairs / 8;
+    last_pair_work_ = view.pairs.size() + view.trees.node_pairs / 8;
+    last_work_ = work_of_a_body * home_.size() + last_pair_work_;
     statistics_.frames += 1, statistics_.pairs += view.pairs.size(), statistics_.work += last_work_;
     statistics_.bodies += home_.size(), statistics_.ghosts += ghosts_.size();
     statistics_.most_bodies = std::max<std::uint64_t>(statistics_.most_bodies, home_.size());
@@ -338,7 +347,9 @@ void RankedRun::watch_balance()
     uneven_frames_ = most > 1.2 * mean ? uneven_frames_ + 1 : 0;
     // To cut anew costs each rank about as much as to look at its bodies four times.
     const double cost = 4.0 * double(work_of_a_body) * scene_.bodies / ranks_.size();
-    repartition_now_ = uneven_frames_ >= 3 && (most - mean) * (scene_.frames - frame_ - 1) > cost;
+    // The first cut knew nothing of pairs.
+    repartition_now_ =
+        uneven_frames_ >= (rebuilds_ == 1 ? 1 : 3) && (most - mean) * (scene_.frames - frame_ - 1) > cost;
 }
 
 void RankedRun::finish()

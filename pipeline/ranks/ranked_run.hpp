@@ -12,7 +12,7 @@
 namespace oncollide {
 
 /// When the regions are cut anew. Automatic: where one rank has had over a fifth more work than the mean for three
-/// frames, and the frames that are left pay for it. Never changes the result.
+/// frames, or in the first one, and the frames that are left pay for it. Never changes the result.
 enum class Rebalance : std::uint8_t { automatic, always, never };
 Rebalance rebalance_from_name(std::string_view name); ///< throws Error{usage} that lists the valid names
 
@@ -32,6 +32,7 @@ struct RankStatistics {
     std::uint64_t bodies = 0, ghosts = 0, pairs = 0; ///< at home; known besides; decided here
     std::uint64_t work = 0;                          ///< counted: 4 a body, 1 a pair, 1 for 8 pairs of cells or boxes
     std::uint64_t sent_bytes = 0, came = 0;          ///< to other ranks; bodies whose home this rank became
+    std::uint64_t ghost_bytes = 0, row_bytes = 0;    ///< of those sent: ghosts, results
     std::uint64_t most_bodies = 0;                   ///< at home in one frame
     double step_ms = 0, move_ms = 0;                 ///< of the World; of moving and packing
     double wait_ms = 0;                              ///< exchanging and waiting for other ranks
@@ -128,9 +129,9 @@ private:
     int frame_ = 0, moved_to_ = 0;
     bool partitioned_ = false, repartition_now_ = false;
     int uneven_frames_ = 0, rebuilds_ = 0;
-    std::vector<Row> rows_;  ///< of this frame, by this rank's share of first bodies
-    std::uint64_t hash_ = 0; ///< of all frames so far; on the last rank
-    std::uint64_t last_work_ = 0;
+    std::vector<Row> rows_;                            ///< of this frame, by this rank's share of first bodies
+    std::uint64_t hash_ = 0;                           ///< of all frames so far; on the last rank
+    std::uint64_t last_work_ = 0, last_pair_work_ = 0; ///< of the last frame; what pairs were of it
     std::array<std::uint64_t, 4> verdicts_{};
     std::array<std::uint64_t, 5> kinds_{};
     RankStatistics statistics_;

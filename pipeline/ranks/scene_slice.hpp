@@ -26,7 +26,7 @@ struct SceneSlice {
     std::vector<std::string> warnings;
 
     // Checksums, by which ranks find out whether they have read the same.
-    std::uint64_t common = 0;         ///< of what all read: name, pace, geometries, first bodies, exclusions, recorded starts
+    std::uint64_t common = 0; ///< of what all read: name, pace, geometries, first bodies, exclusions, recorded starts
     std::uint64_t own = 0, other = 0; ///< sums over this rank's bodies, and over those of the rank after it
 };
 

@@ -114,6 +114,7 @@ public:
             check_range("--patience", options_.patience, 1);
             if (options_.resume && options_.checkpoint.empty()) usage("--resume goes on from --checkpoint FILE");
             check_rank_outputs(outputs_);
+            if (ranks_.rank() == 0) check_files({{"--process-csv", options_.csv}});
             if (ranks_.rank() == 0) check_outputs(outputs_, is_scene_file(scene_.scene) ? scene_.scene : "");
             try {
                 slice = read();
@@ -201,6 +202,7 @@ private:
                           << rank_table(ranks)
                           << fmt::format("regions    cut {} time{}\n", run.rebuilds(), run.rebuilds() == 1 ? "" : "s")
                           << verdict_line(verdicts) << fmt::format("hash       {:016x}\n", hash) << std::flush;
+            if (!options_.csv.empty()) write_rank_csv(options_.csv, ranks);
             if (!outputs_.trace.empty()) write_rank_trace(outputs_.trace, "oncollide " + title, phases);
         });
     }
@@ -243,6 +245,8 @@ void add_rank_options(Arguments command, RankOptions& o)
         .type_name("WHEN");
     command.add_option("--partitioner", o.partitioner, "under mpirun, what cuts regions: zoltan (default) or morton")
         .type_name("NAME");
+    command.add_option("--process-csv", o.csv, "under mpirun, write one row per process: what it had, did and sent")
+        .type_name("FILE");
     command
         .add_option("--patience", o.patience,
                     "under mpirun, seconds after which a frame that does not end is an error (default 600)")
@@ -251,7 +255,8 @@ void add_rank_options(Arguments command, RankOptions& o)
 
 bool wants_ranks(const RankOptions& o)
 {
-    return mpi_size_of_environment() > 1 || (started_by_mpi() && mpi_is_built()) || !o.checkpoint.empty() || o.resume;
+    return mpi_size_of_environment() > 1 || (started_by_mpi() && mpi_is_built()) || !o.checkpoint.empty() || o.resume ||
+           !o.csv.empty();
 }
 
 int play_on_ranks(const SceneOptions& scene, const SettingsOptions& settings, const OutputOptions& outputs,
