@@ -150,6 +150,11 @@ BodyId Scene::add_body(BodyInit body)
         check_motion(who_is(body.name, size()), body.motion);
     }
     const auto number = static_cast<std::uint32_t>(size());
+    if (sink_) {
+        if (wants(number)) sink_->take(number, std::move(body));
+        ++passed_;
+        return BodyId{number};
+    }
     if (!body.name.empty() && !body_index_.add(body.name, number, body_names(*this)))
         fail("the scene has another one of this name");
 
@@ -167,8 +172,23 @@ BodyId Scene::add_body(BodyInit body)
     return BodyId{number};
 }
 
+void pass_bodies(const Scene& scene, BodySink& sink)
+{
+    for (std::uint32_t i = 0; i < scene.size(); ++i)
+        if (sink.wants(i))
+            sink.take(i, {.name = std::string(scene.names[i]),
+                          .geometry = scene.geometry[i],
+                          .pose = scene.start_pose(i),
+                          .motion = scene.motions[i],
+                          .is_static = scene.is_static[i] != 0,
+                          .layer = scene.layers[i],
+                          .mask = scene.masks[i],
+                          .group = scene.groups[i]});
+}
+
 void Scene::reserve(std::size_t bodies)
 {
+    if (sink_) return;
     poses.reserve(bodies);
     is_static.values_.reserve(bodies), reserve_large(geometry.values_, bodies);
     for (BodyColumn<std::uint32_t>* column : {&layers, &masks, &groups}) reserve_large(column->values_, bodies);
@@ -269,12 +289,12 @@ void Scene::record(std::shared_ptr<Recording> source)
     if (source->first > size() || source->bodies > size() - source->first)
         refuse(source->file, fmt::format("holds {} bodies, for those from number {} on; the scene has {} bodies",
                                          source->bodies, source->first, size()));
-    for (std::uint32_t i = source->first; i < source->first + source->bodies; ++i)
+    for (std::uint32_t i = source->first; holds_bodies() && i < source->first + source->bodies; ++i)
         if (is_static[i] || !std::holds_alternative<Still>(motions[i]))
             refuse(source->file, fmt::format("moves {}, which {}", who_is(names[i], i),
                                              is_static[i] ? "is static" : "has a motion of its own"));
     recording = std::move(source);
-    play_recording(0, true);
+    if (holds_bodies()) play_recording(0, true);
 }
 
 void Scene::play_recording(int frame, bool as_start)

@@ -28,6 +28,16 @@ struct BodyInit {
     std::uint32_t group = 0;          ///< bodies of one group never collide with each other; 0: in no group
 };
 
+/// Takes the bodies of a scene that holds none of them: see Scene(BodySink*).
+class BodySink {
+public:
+    virtual ~BodySink() = default;
+    /// Whether it wants the body of this index. The others are counted, and most are not even made.
+    virtual bool wants(std::uint32_t body) const = 0;
+    /// The bodies that it wants, ascending. They are checked as add_body does, but for names that another one has.
+    virtual void take(std::uint32_t body, BodyInit init) = 0;
+};
+
 /// Two bodies that never collide, by their indices.
 struct ExcludedPair {
     std::uint32_t a, b; ///< a < b
@@ -61,6 +71,11 @@ private:
 /// Geometries and bodies are added by add and add_body, which keep the columns of one length; they are not renamed or
 /// removed afterwards. A body takes 45 bytes, 72 more if it is turned, and what its name and its motion need.
 struct Scene {
+    Scene() = default;
+    /// A scene too large to be held: its bodies go to `sink` as they are added, and none of its columns has a row.
+    /// Null: a scene that holds its bodies.
+    explicit Scene(BodySink* sink) : sink_(sink) {}
+
     std::string name;
     int frames = 1;  ///< how long the scene's motion is worth running
     double pace = 1; ///< how much of a frame's motion a frame plays: at 0.1 bodies move a tenth as far
@@ -82,7 +97,11 @@ struct Scene {
 
     std::vector<std::string> warnings; ///< what loading put right (normalised quaternions, zero-area triangles)
 
-    std::size_t size() const { return names.size(); }
+    std::size_t size() const { return sink_ ? passed_ : names.size(); }
+    bool holds_bodies() const { return !sink_; }
+    /// Does nobody want the next body? Then it counts as added, and need not be made.
+    bool skip_body() { return !wants(size()) && ++passed_; }
+    bool wants(std::size_t body) const { return !sink_ || sink_->wants(static_cast<std::uint32_t>(body)); }
 
     /// Throws Error{bad_data} when a geometry of that name exists, and for a shape that check_shape refuses.
     GeometryId add(std::string geometry_name, GeometryData data, std::string recipe = {});
@@ -99,7 +118,8 @@ struct Scene {
     void set_layers(BodyId body, std::uint32_t layer, std::uint32_t mask);
     void set_group(BodyId body, std::uint32_t group);
     /// Its bodies go to their poses at frame 0, which are their start. Throws Error{bad_data} for bodies that do not
-    /// exist, are static or have a motion, and what Recording::read throws.
+    /// exist, are static or have a motion, and what Recording::read throws. A scene that holds no bodies looks at
+    /// their number alone.
     void record(std::shared_ptr<Recording> poses);
     /// Makes room for `bodies` bodies in all.
     void reserve(std::size_t bodies);
@@ -115,14 +135,22 @@ struct Scene {
 private:
     void play_recording(int frame, bool as_start);
     std::size_t most_changes() const { return size() / 2 + 1024; }
-    void note(BodyId body, bool only_pose = false) { changes.note({index(body) & 0x7fffffffu, only_pose}, most_changes()); }
+    void note(BodyId body, bool only_pose = false)
+    {
+        changes.note({index(body) & 0x7fffffffu, only_pose}, most_changes());
+    }
     void expect_motion(); ///< of the bodies that have one: makes room
     friend class Mover;
 
+    BodySink* sink_ = nullptr;
+    std::size_t passed_ = 0; ///< bodies that the sink was offered
     NameIndex geometry_index_, body_index_;
     PoseColumn starts_;                   ///< of the bodies that were moved
     std::vector<std::uint32_t> start_of_; ///< one more than the place in starts_, 0 for others; may end early
 };
+
+/// Hands the bodies of a scene that holds them to a sink, as they are at frame 0.
+void pass_bodies(const Scene& scene, BodySink& sink);
 
 /// Why `pose` is not a rigid motion, or an empty text: entries not finite, or a linear part whose R^T R is off the
 /// identity by more than 1e-6 or that mirrors.

@@ -1,9 +1,5 @@
 #include <oncollide/pipeline/ranks/body_record.hpp>
 
-#include <oncollide/base/checksum.hpp>
-#include <oncollide/pipeline/report_kept.hpp>
-#include <oncollide/pipeline/result_hash.hpp>
-
 namespace oncollide {
 
 namespace {
@@ -88,35 +84,6 @@ Motion get_motion(ByteReader& reader)
     }
 }
 
-std::uint64_t hash_of(const void* data, std::size_t bytes, std::uint64_t hash)
-{
-    mix(hash, checksum({static_cast<const char*>(data), bytes}));
-    return hash;
-}
-
-/// Of a mesh all of it; of a shape, a map and a terrain what its recipe, its name and its box tell.
-std::uint64_t hash_of(const Geometry& geometry)
-{
-    std::uint64_t hash = hash_of(geometry.name.data(), geometry.name.size(), geometry.data.index());
-    const Aabb box = bounds_of(geometry);
-    Bytes bytes;
-    put_box(bytes, box);
-    if (const auto* map = std::get_if<OccupancyMap>(&geometry.data)) put_box(bytes, map->bounds());
-    if (const auto* terrain = std::get_if<Terrain>(&geometry.data))
-        for (std::uint32_t row = 0; row < terrain->rows(); ++row)
-            for (std::uint32_t column = 0; column < terrain->columns(); ++column)
-                put(bytes, terrain->height(column, row));
-    if (const auto* shape = std::get_if<Shape>(&geometry.data))
-        if (const auto* hull = std::get_if<ConvexHull>(shape))
-            for (const Eigen::Vector3d& point : hull->points) put_vector(bytes, point);
-    hash = hash_of(bytes.data(), bytes.size(), hash);
-    if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) {
-        hash = hash_of(mesh->vertices.data(), mesh->vertices.size() * sizeof(mesh->vertices[0]), hash);
-        hash = hash_of(mesh->triangles.data(), mesh->triangles.size() * sizeof(mesh->triangles[0]), hash);
-    }
-    return hash;
-}
-
 } // namespace
 
 void put(Bytes& bytes, const BodyHere& b)
@@ -146,51 +113,6 @@ BodyRecord get_record(ByteReader& reader)
     BodyRecord r{get_body(reader), {}, {}};
     r.start = get_pose(reader), r.motion = get_motion(reader), r.box = get_box(reader);
     return r;
-}
-
-SceneSlice slice_of(const Scene& scene, int rank, int size, bool names)
-{
-    SceneSlice slice{.name = scene.name,
-                     .frames = scene.frames,
-                     .pace = scene.pace,
-                     .bodies = static_cast<std::uint32_t>(scene.size()),
-                     .geometries = scene.geometries,
-                     .recording = scene.recording,
-                     .records = {},
-                     .checksum = 0};
-    std::vector<ExcludedPair> excluded;
-    for (const ExcludedPair pair : scene.excluded) excluded.push_back(pair), excluded.push_back({pair.b, pair.a});
-    std::ranges::sort(excluded, {}, &ExcludedPair::a);
-    std::uint64_t& sum = slice.checksum;
-    sum = hash_of(scene.name.data(), scene.name.size(), scene.size());
-    sum = hash_of(&scene.pace, sizeof(scene.pace), sum);
-    for (const Geometry& geometry : scene.geometries) mix(sum, hash_of(geometry));
-
-    const auto begin = scene.size() * std::size_t(rank) / std::size_t(size);
-    const auto end = scene.size() * std::size_t(rank + 1) / std::size_t(size);
-    Bytes bytes;
-    for (std::uint32_t i = 0; i < scene.size(); ++i) {
-        BodyRecord record{{.gid = i,
-                           .geometry = index(scene.geometry[i]),
-                           .layer = scene.layers[i],
-                           .mask = scene.masks[i],
-                           .group = scene.groups[i],
-                           .fixed = scene.is_static[i] != 0,
-                           .pose = scene.start_pose(i)},
-                          scene.start_pose(i),
-                          scene.motions[i]};
-        for (auto at = std::ranges::lower_bound(excluded, i, {}, &ExcludedPair::a); at != excluded.end() && at->a == i;
-             ++at)
-            record.excluded.push_back(at->b);
-        record.name = scene.names[i];
-        bytes.clear();
-        put(bytes, record);
-        sum += hash_of(bytes.data(), bytes.size(), 0); // in any order
-        if (i < begin || i >= end) continue;
-        record.name = names ? csv_field(scene.label(BodyId{i})) : std::string();
-        slice.records.push_back(std::move(record));
-    }
-    return slice;
 }
 
 } // namespace oncollide

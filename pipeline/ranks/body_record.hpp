@@ -30,21 +30,4 @@ void put(Bytes& bytes, const BodyRecord& record);
 BodyHere get_body(ByteReader& reader);
 BodyRecord get_record(ByteReader& reader);
 
-/// A scene of which this rank has some of the bodies.
-struct SceneSlice {
-    std::string name;
-    int frames = 1;
-    double pace = 1;
-    std::uint32_t bodies = 0; ///< of the whole scene
-    GeometryList geometries;
-    std::shared_ptr<Recording> recording;
-    std::vector<BodyRecord> records; ///< of this rank
-    /// Of the whole scene, equal on all ranks and for any number of them: name, geometries, bodies, pace.
-    std::uint64_t checksum = 0;
-};
-
-/// This rank's part of a scene that every rank has read whole: as many bodies as the others', by index.
-/// @param names  keep what bodies are called
-SceneSlice slice_of(const Scene& scene, int rank, int size, bool names);
-
 } // namespace oncollide

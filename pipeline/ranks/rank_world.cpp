@@ -77,7 +77,7 @@ void RankWorld::add(const BodyHere& body)
 {
     const auto found = here_.find(body.gid);
     if (found == here_.end()) {
-        come_.push_back(body);
+        come_.push_back(&body);
         return;
     }
     found->second.seen = step_;
@@ -94,7 +94,8 @@ FrameView RankWorld::step()
             ++at;
     // By index, so that slots do not depend on the order of messages.
     std::ranges::sort(come_, {}, &BodyHere::gid);
-    for (BodyHere& body : come_) {
+    for (const BodyHere* const come : come_) {
+        const BodyHere& body = *come;
         const BodySpec spec{.model = model_of(body.geometry),
                             .pose = body.pose,
                             .fixed = body.fixed,
@@ -105,7 +106,7 @@ FrameView RankWorld::step()
         const BodyId id = naming(body.gid, [&] { return world_.add_body(spec); });
         here_.emplace(body.gid, Entry{id, step_});
         if (names_.size() <= id.slot) names_.resize(id.slot + std::size_t{1});
-        names_[id.slot] = std::move(body.name);
+        names_[id.slot] = body.name;
         for (const std::uint32_t other : body.excluded)
             if (const auto found = here_.find(other); found != here_.end()) world_.exclude(id, found->second.id);
     }

@@ -29,7 +29,7 @@ public:
 
     /// From now on these are the bodies here: begin, add each once, step.
     void begin();
-    void add(const BodyHere& body);
+    void add(const BodyHere& body); ///< which must stay until then
     FrameView step();
 
     World& world() { return world_; }
@@ -55,7 +55,7 @@ private:
     double half_margin_;
     std::vector<std::optional<ModelId>> models_; ///< by geometry
     std::unordered_map<std::uint32_t, Entry> here_;
-    std::vector<BodyHere> come_;
+    std::vector<const BodyHere*> come_;
     std::uint32_t step_ = 0;
     std::vector<std::string> names_;   ///< by slot
     std::vector<std::uint32_t> pairs_; ///< by slot

@@ -13,7 +13,7 @@ namespace oncollide {
 
 struct RankedRun::Checkpoint {
     std::array<char, 8> magic{'o', 'n', 'c', 'o', 'l', 'l', 'c', 'p'};
-    std::uint32_t version = 1, bodies = 0;
+    std::uint32_t version = 2, bodies = 0;
     std::uint64_t scene = 0, settings = 0; ///< checksums
     std::uint64_t frame = 0;               ///< the next one
     std::uint64_t hash = 0, csv_end = 0;
@@ -70,7 +70,7 @@ void RankedRun::write_checkpoint()
 {
     Checkpoint header;
     static_assert(sizeof(Checkpoint) <= poses_begin && sizeof(Checkpoint) % 8 == 0);
-    header.bodies = scene_.bodies, header.scene = scene_.checksum, header.settings = settings_hash();
+    header.bodies = scene_.bodies, header.scene = checksum_, header.settings = settings_hash();
     header.frame = std::uint64_t(frame_), header.csv_end = csv_end_;
     header.hash = hash(), header.verdicts = verdicts(), header.kinds = kinds();
 
@@ -132,11 +132,13 @@ void RankedRun::read_checkpoint()
         const bool read = bool(file.read(reinterpret_cast<char*>(&header), sizeof(header)));
         kind = ErrorKind::bad_data;
         const auto refuse = [&](const char* what) { why = fmt::format("{}: {}", slot_path(slot).string(), what); };
-        if (!read || header.magic != ours.magic || header.header != header.hash_of_header())
+        if (!read || header.magic != ours.magic)
             refuse("is no checkpoint, or a damaged one");
         else if (header.version != ours.version)
             refuse("is a checkpoint of another version of oncollide");
-        else if (header.scene != scene_.checksum || header.bodies != scene_.bodies)
+        else if (header.header != header.hash_of_header())
+            refuse("is no checkpoint, or a damaged one");
+        else if (header.scene != checksum_ || header.bodies != scene_.bodies)
             refuse("is a checkpoint of another scene");
         else if (header.settings != settings_hash())
             refuse("is a checkpoint of a run with other settings or outputs");
@@ -163,15 +165,16 @@ void RankedRun::read_checkpoint()
     together(ranks_, [&] { throw Error(kind, why); });
 }
 
-/// Of this rank's bodies, which are a run as the scene was read. Changes nothing unless all are as they were written.
+/// Of this rank's bodies, which are runs as the scene was read. Changes nothing unless all are as they were written.
 bool RankedRun::read_poses(int slot, const Checkpoint& header)
 {
     std::vector<PoseWords> words(home_.size());
     std::uint64_t sum = 0;
     std::ifstream file(slot_path(slot), std::ios::binary);
-    if (!home_.empty()) {
-        file.seekg(std::streamoff(poses_begin + std::uint64_t{home_.front().gid} * sizeof(PoseWords)));
-        file.read(reinterpret_cast<char*>(words.data()), std::streamsize(words.size() * sizeof(PoseWords)));
+    for (std::size_t begin = 0, end = 0; begin < home_.size(); begin = end) {
+        for (end = begin + 1; end < home_.size() && home_[end].gid == home_[end - 1].gid + 1;) ++end;
+        file.seekg(std::streamoff(poses_begin + std::uint64_t{home_[begin].gid} * sizeof(PoseWords)));
+        file.read(reinterpret_cast<char*>(words.data() + begin), std::streamsize((end - begin) * sizeof(PoseWords)));
     }
     for (std::size_t i = 0; i < home_.size(); ++i) sum += hash_of(home_[i].gid, words[i]);
     ranks_.sum({&sum, 1});

@@ -83,6 +83,21 @@ std::string rank_table(const std::vector<RankStatistics>& ranks)
     return text;
 }
 
+void write_rank_csv(const std::filesystem::path& path, const std::vector<RankStatistics>& ranks)
+{
+    OutputFile file(path);
+    file.print(
+        "processes,process,frames,bodies,ghosts,pairs,work,came,sent_bytes,ghost_bytes,row_bytes,step_ms,wait_ms,"
+        "memory_bytes\n");
+    for (std::size_t rank = 0; rank < ranks.size(); ++rank) {
+        const RankStatistics& r = ranks[rank];
+        file.print("{},{},{},{},{},{},{},{},{},{},{},{:.3f},{:.3f},{}\n", ranks.size(), rank, r.frames, r.bodies,
+                   r.ghosts, r.pairs, r.work, r.came, r.sent_bytes, r.ghost_bytes, r.row_bytes, r.step_ms, r.wait_ms,
+                   r.peak_memory);
+    }
+    file.commit();
+}
+
 void write_rank_trace(const std::filesystem::path& path, const std::string& title,
                       const std::vector<std::vector<RankPhase>>& ranks)
 {

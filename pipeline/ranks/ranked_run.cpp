@@ -43,20 +43,55 @@ RankedRun::RankedRun(Ranks& ranks, std::unique_ptr<Partitioner> partition, Scene
                         "--separate: the gaps of pairs that stay apart come from earlier frames, which "
                         "other processes may have decided; add --no-coherence");
     });
-    // Equal on all ranks: compared as the largest of it and of its complement, in halves that doubles hold exactly.
-    const auto low = double(scene_.checksum & 0xffffffffu), high = double(scene_.checksum >> 32);
-    std::array<double, 4> ends{low, -low, high, -high};
-    ranks_.most(ends);
-    together(ranks_, [&] {
-        if (ends[0] != -ends[1] || ends[2] != -ends[3])
-            throw Error(ErrorKind::bad_data, fmt::format("the processes have read different scenes (checksum {:016x} "
-                                                         "here); all need the same files",
-                                                         scene_.checksum));
-    });
-    if (scene_.recording) recorded_.resize(scene_.recording->bodies);
+    compare_slices();
+    refuse_names_twice();
     if (options_.resume) read_checkpoint();
     open_csv();
     began_ = phase_began_ = Clock::now();
+}
+
+/// Each rank has looked at the bodies of the next one, too.
+void RankedRun::compare_slices()
+{
+    struct Sums {
+        std::uint64_t common, other;
+    };
+    for (Bytes& bytes : out_) put(bytes, Sums{scene_.common, scene_.other});
+    ranks_.exchange(out_, in_);
+    bool same = true;
+    for (const Bytes& bytes : in_) same &= ByteReader(bytes).get<Sums>().common == scene_.common;
+    const auto before = std::size_t(ranks_.rank() + ranks_.size() - 1) % in_.size();
+    if (in_.size() > 1) same &= ByteReader(in_[before]).get<Sums>().other == scene_.own;
+    std::uint64_t differ = !same;
+    ranks_.sum({&differ, 1});
+    together(ranks_, [&] {
+        if (differ)
+            throw Error(ErrorKind::bad_data, "the processes have read different scenes; all need the same files");
+    });
+    std::uint64_t bodies = scene_.own;
+    ranks_.sum({&bodies, 1});
+    checksum_ = scene_.common;
+    mix(checksum_, bodies);
+}
+
+/// Names meet on the rank that their hash says.
+void RankedRun::refuse_names_twice()
+{
+    for (Bytes& bytes : out_) bytes.clear();
+    for (const NameMark& mark : scene_.names) put(out_[mark.hash % out_.size()], mark);
+    scene_.names = {};
+    ranks_.exchange(out_, in_);
+    std::vector<NameMark> marks;
+    for (const Bytes& bytes : in_)
+        for (ByteReader reader(bytes); !reader.at_end();) marks.push_back(reader.get<NameMark>());
+    const auto name = [](const NameMark& mark) { return std::pair(mark.hash, mark.other_hash); };
+    std::ranges::sort(marks, {}, [&](const NameMark& mark) { return std::pair(name(mark), mark.gid); });
+    const auto twice = std::ranges::adjacent_find(marks, {}, name);
+    together(ranks_, [&] {
+        if (twice != marks.end())
+            throw Error(ErrorKind::bad_data,
+                        fmt::format("body {}: has the name of body {}; names must differ", twice[1].gid, twice->gid));
+    });
 }
 
 RankedRun::~RankedRun()
@@ -70,7 +105,10 @@ void RankedRun::open_csv()
     if (options_.csv.empty()) return;
     csv_.emplace(options_.csv);
     together(ranks_, [&] {
-        if (ranks_.rank() == 0) csv_->create();
+        if (ranks_.rank() != 0) return;
+        // Whoever died after the last rename left a whole file and no part of one.
+        if (options_.resume) csv_->take_back(csv_end_, slot_path(1 - slot_));
+        csv_->create();
     });
     together(ranks_, [&] {
         csv_->open();
@@ -103,6 +141,7 @@ void RankedRun::step()
     exchange();
     std::vector<Bytes> rows(out_.size()), came;
     together(ranks_, [&] { step_world(rows); });
+    statistics_.row_bytes += bytes_to_others(rows, ranks_.rank());
     statistics_.sent_bytes += bytes_to_others(rows, ranks_.rank());
     ranks_.exchange(rows, came);
     together(ranks_, [&] { take_rows(came); });
@@ -114,12 +153,20 @@ void RankedRun::step()
         write_checkpoint();
 }
 
+/// Bodies at home are met in the order of the recording.
 void RankedRun::read_recording()
 {
+    const std::uint32_t first = scene_.recording->first;
+    std::ranges::sort(home_, {}, &BodyRecord::gid);
+    auto at = std::ranges::lower_bound(home_, first, {}, &BodyRecord::gid);
     scene_.recording->read(
         static_cast<std::uint64_t>(frame_ * scene_.pace),
-        [&](std::uint32_t i, const Eigen::Isometry3d& pose) { recorded_[i] = pose; },
-        [&](std::uint32_t i) { return fmt::format("body {}", scene_.recording->first + i); });
+        [&](std::uint32_t i, const Eigen::Isometry3d& pose) {
+            if (at == home_.end() || at->gid != first + i) return;
+            if (at->pose.matrix() != pose.matrix()) at->pose = pose, at->box = {};
+            ++at;
+        },
+        [&](std::uint32_t i) { return fmt::format("body {}", first + i); });
 }
 
 void RankedRun::move()
@@ -127,10 +174,7 @@ void RankedRun::move()
     if (scene_.recording) read_recording();
     for (BodyRecord& body : home_) {
         const Eigen::Isometry3d before = body.pose;
-        const std::uint32_t number = scene_.recording ? body.gid - scene_.recording->first : 0;
-        if (scene_.recording && number < scene_.recording->bodies)
-            body.pose = recorded_[number];
-        else if (!std::holds_alternative<Still>(body.motion))
+        if (!std::holds_alternative<Still>(body.motion))
             move_body(body.motion, body.start, scene_.pace, moved_to_, frame_, body.pose);
         if (body.box.empty() || before.matrix() != body.pose.matrix()) body.box = world_.box(body);
     }
@@ -141,13 +185,47 @@ void RankedRun::repartition()
 {
     std::vector<Eigen::Vector3d> centres;
     std::vector<float> weights;
+    // What this rank did for pairs is that of its bodies, by how many pairs they were in.
+    std::uint64_t pairs = 0;
+    for (const BodyRecord& body : home_) pairs += world_.pairs_of(body.gid);
+    const float of_a_pair = pairs ? float(double(last_pair_work_) / double(pairs)) : 0;
     for (const BodyRecord& body : home_) {
         centres.push_back(body.box.centre());
-        weights.push_back(float(work_of_a_body) + 0.5f * float(world_.pairs_of(body.gid)));
+        weights.push_back(float(work_of_a_body) + of_a_pair * float(world_.pairs_of(body.gid)));
     }
     partition_->rebuild(ranks_, centres, weights);
     partitioned_ = true, repartition_now_ = false, uneven_frames_ = 0;
     ++rebuilds_;
+    send_home();
+}
+
+/// Bodies go to where the new cuts have their homes, some at a time: all at once they would be in memory three times.
+void RankedRun::send_home()
+{
+    constexpr std::size_t at_a_time = 50'000;
+    const int me = ranks_.rank();
+    std::size_t looked_at = 0, end = home_.size(); // those between have not been looked at; what follows has come
+    for (std::uint64_t left = 1; left;) {
+        for (Bytes& bytes : out_) bytes.clear();
+        for (std::size_t sent = 0; looked_at < end && sent < at_a_time;) {
+            BodyRecord& body = home_[looked_at];
+            const int home = partition_->owner(body.box.centre());
+            if (home == me) {
+                ++looked_at;
+                continue;
+            }
+            put(out_[std::size_t(home)], body), ++sent;
+            if (looked_at != --end) body = std::move(home_[end]);
+            if (end + 1 != home_.size()) home_[end] = std::move(home_.back());
+            home_.pop_back();
+        }
+        statistics_.sent_bytes += bytes_to_others(out_, me);
+        ranks_.exchange(out_, in_);
+        for (const Bytes& bytes : in_)
+            for (ByteReader reader(bytes); !reader.at_end(); ++statistics_.came) home_.push_back(get_record(reader));
+        left = looked_at < end;
+        ranks_.sum({&left, 1});
+    }
 }
 
 /// Hands over the bodies whose home is elsewhere, shows ghosts, and learns of both.
@@ -168,7 +246,10 @@ void RankedRun::exchange()
                 ghosts_.push_back(body);
                 continue;
             }
-            put(out_[std::size_t(rank)], Sent::ghost), put(out_[std::size_t(rank)], static_cast<BodyHere&>(body));
+            Bytes& bytes = out_[std::size_t(rank)];
+            const std::size_t before = bytes.size();
+            put(bytes, Sent::ghost), put(bytes, static_cast<BodyHere&>(body));
+            statistics_.ghost_bytes += bytes.size() - before;
         }
         if (home == me) {
             if (kept != i) home_[kept] = std::move(body);
@@ -207,7 +288,8 @@ void RankedRun::step_world(std::vector<Bytes>& out)
             put_list(to, csv_row(std::uint64_t(frame_), world_.name(pair.a), world_.name(pair.b), pair,
                                  world_.world().stages()[pair.stage], world_.world().max_error(pair.a, pair.b)));
     }
-    last_work_ = work_of_a_body * home_.size() + view.pairs.size() + view.trees.node_pairs / 8;
+    last_pair_work_ = view.pairs.size() + view.trees.node_pairs / 8;
+    last_work_ = work_of_a_body * home_.size() + last_pair_work_;
     statistics_.frames += 1, statistics_.pairs += view.pairs.size(), statistics_.work += last_work_;
     statistics_.bodies += home_.size(), statistics_.ghosts += ghosts_.size();
     statistics_.most_bodies = std::max<std::uint64_t>(statistics_.most_bodies, home_.size());
@@ -265,7 +347,9 @@ void RankedRun::watch_balance()
     uneven_frames_ = most > 1.2 * mean ? uneven_frames_ + 1 : 0;
     // To cut anew costs each rank about as much as to look at its bodies four times.
     const double cost = 4.0 * double(work_of_a_body) * scene_.bodies / ranks_.size();
-    repartition_now_ = uneven_frames_ >= 3 && (most - mean) * (scene_.frames - frame_ - 1) > cost;
+    // The first cut knew nothing of pairs.
+    repartition_now_ =
+        uneven_frames_ >= (rebuilds_ == 1 ? 1 : 3) && (most - mean) * (scene_.frames - frame_ - 1) > cost;
 }
 
 void RankedRun::finish()

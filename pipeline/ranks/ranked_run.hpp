@@ -6,12 +6,13 @@
 #include <optional>
 
 #include <oncollide/pipeline/ranks/rank_world.hpp>
+#include <oncollide/pipeline/ranks/scene_slice.hpp>
 #include <oncollide/pipeline/ranks/shared_file.hpp>
 
 namespace oncollide {
 
 /// When the regions are cut anew. Automatic: where one rank has had over a fifth more work than the mean for three
-/// frames, and the frames that are left pay for it. Never changes the result.
+/// frames, or in the first one, and the frames that are left pay for it. Never changes the result.
 enum class Rebalance : std::uint8_t { automatic, always, never };
 Rebalance rebalance_from_name(std::string_view name); ///< throws Error{usage} that lists the valid names
 
@@ -31,6 +32,7 @@ struct RankStatistics {
     std::uint64_t bodies = 0, ghosts = 0, pairs = 0; ///< at home; known besides; decided here
     std::uint64_t work = 0;                          ///< counted: 4 a body, 1 a pair, 1 for 8 pairs of cells or boxes
     std::uint64_t sent_bytes = 0, came = 0;          ///< to other ranks; bodies whose home this rank became
+    std::uint64_t ghost_bytes = 0, row_bytes = 0;    ///< of those sent: ghosts, results
     std::uint64_t most_bodies = 0;                   ///< at home in one frame
     double step_ms = 0, move_ms = 0;                 ///< of the World; of moving and packing
     double wait_ms = 0;                              ///< exchanging and waiting for other ranks
@@ -54,7 +56,8 @@ struct RankPhase {
 class RankedRun {
 public:
     /// Keeps a reference to `ranks`. A call of all ranks; throws on all or on none, as every function here.
-    /// Error{usage} for scenes that differ, Error{no_input} or Error{bad_data} for a checkpoint that cannot be used.
+    /// Error{bad_data} for slices of different scenes and for names that two bodies have, Error{no_input} or
+    /// Error{bad_data} for a checkpoint that cannot be used.
     RankedRun(Ranks& ranks, std::unique_ptr<Partitioner> partition, SceneSlice scene, const Settings& settings,
               const RankedOptions& options = {});
     ~RankedRun();
@@ -88,9 +91,12 @@ private:
     };
     using Clock = std::chrono::steady_clock;
 
+    void compare_slices();
+    void refuse_names_twice();
     void move();
     void read_recording();
     void repartition();
+    void send_home();
     void exchange();
     void step_world(std::vector<Bytes>& out);
     void take_rows(std::vector<Bytes>& in);
@@ -117,15 +123,15 @@ private:
     RankWorld world_;
     std::vector<BodyRecord>& home_; ///< scene_.records
     std::vector<BodyHere> ghosts_;
-    std::vector<Eigen::Isometry3d> recorded_;
+    std::uint64_t checksum_ = 0; ///< of the whole scene, for any number of ranks
     std::vector<Bytes> out_, in_;
 
     int frame_ = 0, moved_to_ = 0;
     bool partitioned_ = false, repartition_now_ = false;
     int uneven_frames_ = 0, rebuilds_ = 0;
-    std::vector<Row> rows_;  ///< of this frame, by this rank's share of first bodies
-    std::uint64_t hash_ = 0; ///< of all frames so far; on the last rank
-    std::uint64_t last_work_ = 0;
+    std::vector<Row> rows_;                            ///< of this frame, by this rank's share of first bodies
+    std::uint64_t hash_ = 0;                           ///< of all frames so far; on the last rank
+    std::uint64_t last_work_ = 0, last_pair_work_ = 0; ///< of the last frame; what pairs were of it
     std::array<std::uint64_t, 4> verdicts_{};
     std::array<std::uint64_t, 5> kinds_{};
     RankStatistics statistics_;

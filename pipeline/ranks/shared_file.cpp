@@ -23,6 +23,16 @@ void SharedFile::fail(int error) const
     throw Error(ErrorKind::cannot_write, fmt::format("{}: cannot write: {}", path_.string(), std::strerror(error)));
 }
 
+void SharedFile::take_back(std::uint64_t size, const std::filesystem::path& than) const
+{
+    std::error_code error;
+    if (std::filesystem::exists(part(), error) || !std::filesystem::is_regular_file(path_, error)) return;
+    const bool newer = std::filesystem::last_write_time(path_, error) >= std::filesystem::last_write_time(than, error);
+    if (error || !newer || std::filesystem::file_size(path_, error) < size) return;
+    std::filesystem::copy_file(path_, part(), error);
+    if (error) fail(error.value());
+}
+
 void SharedFile::create()
 {
     const int file = ::open(part().c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);

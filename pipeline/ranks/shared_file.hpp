@@ -13,6 +13,9 @@ public:
     ~SharedFile();
     SharedFile(const SharedFile&) = delete;
 
+    /// Where FILE is there, newer than `than` and at least `size` bytes long, and FILE.part is not: begins with a copy
+    /// of FILE.
+    void take_back(std::uint64_t size, const std::filesystem::path& than) const;
     /// Opens it, once one process has created it; what was there stays.
     void create();
     void open();

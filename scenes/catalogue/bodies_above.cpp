@@ -51,6 +51,7 @@ void add_bodies_above(Scene& scene, const std::vector<Vector3d>& points, const A
                       const std::vector<GeometryId>& of, int count, std::uint64_t seed)
 {
     for (int i = 0; i < count; ++i) {
+        if (scene.skip_body()) continue;
         const auto random = [&](std::uint64_t k) { return u01(seed, std::uint64_t(i), k); };
         const Vector3d at = points[std::size_t(random(0) * double(points.size()))];
         Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();

@@ -20,13 +20,16 @@ struct Maker {
     int most_bodies;
     int frames;
     Scene (*make)(const CatalogueOptions&);
+    /// Each body follows from its index, and their geometries are few: as many as there are numbers for, where a sink
+    /// takes them.
+    bool endless = false;
 };
 
 constexpr Maker makers[] = {
     {"paper", "a bunny winds past a dragon, a cow and a lamp: the paper's scene, 1,500 triangles each", 0, 0, 2400,
      make_paper_scene},
     {"paper-5k", "the same with 5,100 triangles each", 0, 0, 2400, make_paper_5k_scene},
-    {"many", "bunnies, dragons and cows drift and turn in a cube", 1000, 1'000'000, 100, make_many_scene},
+    {"many", "bunnies, dragons and cows drift and turn in a cube", 1000, 1'000'000, 100, make_many_scene, true},
     {"boxes", "boxes of all sizes on a random walk: the broad phase alone", 1000, 2'000'000, 60, make_boxes_scene},
     {"city", "traffic and drones between the static buildings of a city on a terrain", 2021, 1'000'000, 600,
      make_city_scene},
@@ -38,7 +41,7 @@ constexpr Maker makers[] = {
      make_st_helens_scene},
     {"chunks", "2,000 balls over a game's ground of 16,384 static meshes of 578 triangles", 18'384, 100'000, 100,
      make_chunks_scene},
-    {"swarm", "ten million balls, of which one in a hundred moves", 10'000'000, 10'000'000, 20, make_swarm_scene},
+    {"swarm", "ten million balls, of which one in a hundred moves", 10'000'000, 10'000'000, 20, make_swarm_scene, true},
     {"hard", "touching, coplanar, nested, tiny, huge and far: what collision detection gets wrong", 0, 0, 60,
      make_hard_scene},
     {"random", "every kind of geometry, drawn by lot: another seed is another scene", 20, 100'000, 20,
@@ -78,8 +81,9 @@ Scene make_scene(const std::string& name, const CatalogueOptions& options)
     const Maker& maker = find_maker(name);
     if (options.bodies && maker.default_bodies == 0)
         refuse(fmt::format("scene {}: its number of bodies is fixed, {} is not possible", name, *options.bodies));
-    if (options.bodies && (*options.bodies < 1 || *options.bodies > maker.most_bodies))
-        refuse(fmt::format("scene {}: {} bodies, must be from 1 to {}", name, *options.bodies, maker.most_bodies));
+    const int most_bodies = options.sink && maker.endless ? 2'000'000'000 : maker.most_bodies;
+    if (options.bodies && (*options.bodies < 1 || *options.bodies > most_bodies))
+        refuse(fmt::format("scene {}: {} bodies, must be from 1 to {}", name, *options.bodies, most_bodies));
     if (options.frames && (*options.frames < 1 || *options.frames > most_frames))
         refuse(fmt::format("scene {}: {} frames, must be from 1 to {}", name, *options.frames, most_frames));
 
@@ -87,6 +91,7 @@ Scene make_scene(const std::string& name, const CatalogueOptions& options)
     if (maker.default_bodies) complete.bodies = options.bodies.value_or(maker.default_bodies);
     complete.frames = options.frames.value_or(maker.frames);
     Scene scene = maker.make(complete);
+    if (options.sink && scene.holds_bodies()) pass_bodies(scene, *options.sink);
     scene.name = name;
     scene.frames = *complete.frames;
     return scene;

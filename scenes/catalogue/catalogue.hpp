@@ -14,6 +14,7 @@ struct CatalogueOptions {
     std::optional<int> frames{};
     std::uint64_t seed = 12345;
     std::filesystem::path data{}; ///< folder with meshes/ and octomap/; empty or missing: generated stand-ins
+    BodySink* sink = nullptr;     ///< takes the bodies; null: the scene holds them
 };
 
 struct CatalogueEntry {

@@ -11,7 +11,7 @@ Scene make_hills_scene(const CatalogueOptions& options)
 {
     constexpr std::uint32_t cells = 400;
     constexpr double spacing = 0.5;
-    Scene scene;
+    Scene scene(options.sink);
     const GeometryId land = add_geometry(
         scene, "land",
         {{"terrain", {{"hills", {{"cells", cells}, {"spacing", spacing}, {"height", 20}, {"seed", options.seed}}}}}});
@@ -36,6 +36,7 @@ Scene make_hills_scene(const CatalogueOptions& options)
     Aabb walls = bounds_of(scene.geometries[index(land)]);
     walls.max.z() += 2;
     for (int i = 0; i < *options.bodies; ++i) {
+        if (scene.skip_body()) continue;
         Dice dice(options.seed, static_cast<std::uint64_t>(i));
         const GeometryId kind = kinds[i % 5];
         const double x = dice.between(1, cells * spacing - 1), y = dice.between(1, cells * spacing - 1);

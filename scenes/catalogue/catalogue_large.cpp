@@ -69,7 +69,7 @@ Keyed route(const Terrain& ground, double height, int frames, Dice& dice)
 
 Scene make_campus_scene(const CatalogueOptions& options)
 {
-    Scene scene;
+    Scene scene(options.sink);
     const GeometryId campus =
         add_environment(scene, options, "campus", "octomap", "octomap/fr_campus.bt",
                         {{"building", {{"rooms", 34}, {"resolution", 0.2}, {"seed", options.seed}}}});
@@ -84,7 +84,7 @@ Scene make_campus_scene(const CatalogueOptions& options)
 
 Scene make_st_helens_scene(const CatalogueOptions& options)
 {
-    Scene scene;
+    Scene scene(options.sink);
     const GeometryId mountain =
         add_environment(scene, options, "mountain", "terrain", "terrain/SainteHelens.dem",
                         {{"hills", {{"cells", 389}, {"spacing", 30}, {"height", 1861}, {"seed", options.seed}}}});
@@ -96,6 +96,7 @@ Scene make_st_helens_scene(const CatalogueOptions& options)
     Aabb air = bounds_of(ground);
     air.max.z() += 100;
     for (int i = 0; i < *options.bodies; ++i) {
+        if (scene.skip_body()) continue;
         Dice dice(options.seed, static_cast<std::uint64_t>(i));
         BodyInit body;
         if (i % 2 == 0) {
@@ -122,7 +123,7 @@ Scene make_chunks_scene(const CatalogueOptions& options)
     constexpr double side = 16;             // of a chunk, metres
     const int bodies = *options.bodies, least_balls = static_cast<int>(bodies * std::int64_t{2000} / whole);
     const auto across = static_cast<int>(std::sqrt(double(bodies - least_balls)));
-    Scene scene;
+    Scene scene(options.sink);
     scene.reserve(static_cast<std::size_t>(bodies));
     for (int i = 0; i < across * across; ++i) {
         const std::string name = fmt::format("chunk {} {}", i % across, i / across);
@@ -141,6 +142,7 @@ Scene make_chunks_scene(const CatalogueOptions& options)
     const GeometryId ball = scene.add("ball", Sphere{0.5});
     const Aabb room{{0, 0, -1}, {across * side, across * side, 3}};
     for (int i = across * across; i < bodies; ++i) {
+        if (scene.skip_body()) continue;
         Dice dice(options.seed, static_cast<std::uint64_t>(i));
         scene.add_body(
             {.geometry = ball,
@@ -154,11 +156,12 @@ Scene make_swarm_scene(const CatalogueOptions& options)
 {
     const int bodies = *options.bodies, every = 100; // of so many one moves
     const double side = 2.5 * std::cbrt(double(bodies));
-    Scene scene;
+    Scene scene(options.sink);
     scene.reserve(static_cast<std::size_t>(bodies));
     const GeometryId ball = scene.add("ball", Sphere{0.5});
     const Aabb room{{0, 0, 0}, {side, side, side}};
     for (int i = 0; i < bodies; ++i) {
+        if (scene.skip_body()) continue;
         Dice dice(options.seed, static_cast<std::uint64_t>(i));
         BodyInit body{.geometry = ball, .pose = placed(room.centre() + dice.within(room.half_extent()))};
         if (i % every == 0)

@@ -77,7 +77,7 @@ Aabb cube(double side)
 
 Scene make_paper_scene(const CatalogueOptions& options)
 {
-    Scene scene;
+    Scene scene(options.sink);
     const Models models{add_model(scene, options, "bunny", "bunny.obj", bunny_like(1500)),
                         add_model(scene, options, "dragon", "dragon.obj", knot_like(3, 4, 1496)),
                         add_model(scene, options, "cow", "cow.obj", knot_like(2, 3, 1500))};
@@ -87,7 +87,7 @@ Scene make_paper_scene(const CatalogueOptions& options)
 
 Scene make_paper_5k_scene(const CatalogueOptions& options)
 {
-    Scene scene;
+    Scene scene(options.sink);
     const Models models = add_large_models(scene, options);
     fill_paper_scene(scene, models, options);
     return scene;
@@ -95,11 +95,12 @@ Scene make_paper_5k_scene(const CatalogueOptions& options)
 
 Scene make_many_scene(const CatalogueOptions& options)
 {
-    Scene scene;
+    Scene scene(options.sink);
     const Models models = add_large_models(scene, options);
     const GeometryId kinds[] = {models.bunny, models.dragon, models.cow};
     const Aabb walls = cube(std::cbrt(3.0 * *options.bodies));
     for (int i = 0; i < *options.bodies; ++i) {
+        if (scene.skip_body()) continue;
         Dice dice(options.seed, static_cast<std::uint64_t>(i));
         const GeometryId kind = kinds[i % 3];
         const Eigen::Vector3d position = walls.centre() + dice.within(walls.half_extent());
@@ -116,7 +117,7 @@ Scene make_many_scene(const CatalogueOptions& options)
 
 Scene make_boxes_scene(const CatalogueOptions& options)
 {
-    Scene scene;
+    Scene scene(options.sink);
     const std::uint64_t s = options.seed;
     const Aabb walls = cube(std::cbrt(4.0 * *options.bodies));
     for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(*options.bodies); ++i) {
@@ -126,8 +127,9 @@ Scene make_boxes_scene(const CatalogueOptions& options)
             position[Eigen::Index(axis)] = walls.max[Eigen::Index(axis)] * u01(s, i, 10 + axis);
         }
         const std::string name = fmt::format("box-{}", i);
+        const GeometryId box = scene.add(name, Box{half});
         scene.add_body({.name = name,
-                        .geometry = scene.add(name, Box{half}),
+                        .geometry = box,
                         .pose = placed(position),
                         .motion = Jitter{.step = 0.2, .seed = s + 1000, .index = i, .walls = walls}});
     }

@@ -109,7 +109,7 @@ GeometryId random_geometry(Scene& scene, Dice& dice, double size, std::uint64_t 
 
 Scene make_random_scene(const CatalogueOptions& options)
 {
-    Scene scene;
+    Scene scene(options.sink);
     Dice dice(options.seed, 0);
     const double scale = spread(dice, 0.01, 100);
     const bool layered = dice.next() < 0.4;
@@ -127,6 +127,7 @@ Scene make_random_scene(const CatalogueOptions& options)
     const double side = std::cbrt(volume * spread(dice, 0.5, 4)) + scale;
     const Aabb walls{origin - Vector3d::Constant(0.5 * side), origin + Vector3d::Constant(0.5 * side)};
     for (int i = 0; i < *options.bodies; ++i) {
+        if (scene.skip_body()) continue;
         Dice own(options.seed, 2'000'000 + static_cast<std::uint64_t>(i));
         BodyInit body{.name = fmt::format("body-{}", i), .geometry = geometries[std::size_t(whole(own, 0, kinds - 1))]};
         body.pose = placed(origin + own.within(walls.half_extent()), own.rotation());

@@ -62,6 +62,7 @@ void add_buildings(Scene& scene, int count, int blocks, std::uint64_t seed)
 {
     const std::vector<GeometryId> kinds = add_building_kinds(scene);
     for (int i = 0; i < count; ++i) {
+        if (scene.skip_body()) continue;
         Dice dice(seed, static_cast<std::uint64_t>(i));
         const int block = i / 4, corner = i % 4;
         const auto kind = kinds[static_cast<std::size_t>(dice.next() * double(kinds.size()))];
@@ -147,6 +148,7 @@ void add_movers(Scene& scene, int count, int blocks, const CatalogueOptions& opt
     const double end = blocks * pitch;
     const Eigen::Quaterniond lying_x(half_root, 0, half_root, 0), standing(half_root, half_root, 0, 0);
     for (int i = 0; i < count; ++i) {
+        if (scene.skip_body()) continue;
         Dice dice(options.seed + 1, static_cast<std::uint64_t>(i));
         const int line = static_cast<int>(dice.next() * (blocks + 1));
         const double along = dice.between(0, end), speed = dice.between(0.3, 0.6);
@@ -183,7 +185,7 @@ void add_movers(Scene& scene, int count, int blocks, const CatalogueOptions& opt
 
 Scene make_city_scene(const CatalogueOptions& options)
 {
-    Scene scene;
+    Scene scene(options.sink);
     const int bodies = *options.bodies, movers = std::min(20, bodies - bodies / 2);
     const int buildings = std::max(0, bodies - movers - 1);
     int blocks = 1;
@@ -209,7 +211,7 @@ Scene make_city_scene(const CatalogueOptions& options)
 
 Scene make_octomap_scene(const CatalogueOptions& options)
 {
-    Scene scene;
+    Scene scene(options.sink);
     const std::filesystem::path file = options.data / "octomap" / "geb079.bt";
     std::error_code ignored;
     Json map = {{"building", {{"rooms", 4}, {"resolution", 0.1}, {"seed", options.seed}}}};
@@ -241,6 +243,7 @@ Scene make_octomap_scene(const CatalogueOptions& options)
     };
     const Aabb walls = bounds_of(scene.geometries[index(building)]);
     for (int i = 0; i < *options.bodies; ++i) {
+        if (scene.skip_body()) continue;
         Dice dice(options.seed, static_cast<std::uint64_t>(i));
         const GeometryId kind = kinds[i % 4];
         const Eigen::Vector3d position = walls.centre() + dice.within(walls.half_extent());

@@ -200,12 +200,23 @@ void read_tables(Scene& scene, const Node& tables, const fs::path& folder)
     for (const Node& table : tables) at(table, [&] { read_body_table(scene, table, folder); });
 }
 
-Scene read_scene(SceneText& text, const fs::path& path, const MeshReading& meshes)
+/// Are bodies called by name? Then all names must be known.
+bool excludes_names(const Node& root)
+{
+    if (!root.has("exclude")) return false;
+    for (const Node& pair : root["exclude"])
+        for (const Node& body : pair)
+            if (body.is_text()) return true;
+    return false;
+}
+
+Scene read_scene(SceneText& text, const fs::path& path, const MeshReading& meshes, BodySink* sink)
 {
     const Node root = text.root();
     root.only({"name", "frames", "geometries", "bodies", "tables", "recording", "exclude"});
 
-    Scene scene;
+    const bool whole = !sink || excludes_names(root);
+    Scene scene(whole ? nullptr : sink);
     scene.name = root.has("name") ? std::string(root["name"].text()) : path.stem().string();
     if (root.has("frames")) scene.frames = static_cast<int>(root["frames"].integer(1, 1'000'000'000));
     const fs::path folder = path.parent_path();
@@ -216,7 +227,9 @@ Scene read_scene(SceneText& text, const fs::path& path, const MeshReading& meshe
         expansion.count(scene.geometries[index(add_geometry(scene, geometry.key(), geometry, folder, meshes))],
                         geometry);
     if (root.has("bodies") || !root.has("tables")) reserve(scene, root["bodies"]);
-    text.each_body([&](const Node& body) { read_body(scene, body, folder); });
+    text.each_body([&](const Node& body) {
+        if (!scene.skip_body()) read_body(scene, body, folder);
+    });
     if (root.has("tables")) read_tables(scene, root["tables"], folder);
     if (root.has("recording")) {
         const Node entry = root["recording"];
@@ -225,12 +238,13 @@ Scene read_scene(SceneText& text, const fs::path& path, const MeshReading& meshe
             scene.frames = static_cast<int>(std::min<std::uint64_t>(scene.recording->frames, 1'000'000'000));
     }
     if (root.has("exclude")) read_excluded(scene, root["exclude"]);
+    if (sink && whole) pass_bodies(scene, *sink);
     return scene;
 }
 
 } // namespace
 
-Scene load_scene(const fs::path& path, const MeshReading& meshes)
+Scene load_scene(const fs::path& path, const MeshReading& meshes, BodySink* sink)
 {
     const std::string file = path == "-" ? "standard input" : path.string();
     std::error_code ignored;
@@ -240,7 +254,7 @@ Scene load_scene(const fs::path& path, const MeshReading& meshes)
     try {
         SceneText text(file, json);
         try {
-            return read_scene(text, path, meshes);
+            return read_scene(text, path, meshes, sink);
         } catch (const Error&) {
             text.each_body([](const Node&) {}); // what is no JSON at all is said first
             throw;

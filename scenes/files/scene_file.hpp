@@ -19,7 +19,9 @@ struct MeshReading {
 /// "-" is standard input, whose folder is the current one.
 /// Throws Error{no_input} or Error{bad_data}; messages begin with the path and the place in it (`bodies[3].mesh`), and
 /// for an unknown key or name list the valid ones.
-Scene load_scene(const std::filesystem::path& path, const MeshReading& meshes = {});
+/// @param sink  takes the bodies; null: the scene holds them. One whose "exclude" names bodies, not numbers, is held,
+///   too.
+Scene load_scene(const std::filesystem::path& path, const MeshReading& meshes = {}, BodySink* sink = nullptr);
 
 /// Writes `scene` as it stands at frame 0 (start_poses), so that load_scene gives it back bit for bit: every number in
 /// a form that reads back exactly. Files that the scene uses are named relative to `path`'s folder. Geometries made in

@@ -200,6 +200,19 @@ TEST_F(Hdf5Table, ManyRowsComeBlockByBlock)
     ASSERT_EQ(scene.size(), rows);
     for (std::size_t i = 0; i < rows; ++i)
         ASSERT_EQ(scene.poses[i].translation(), Vector3d(points[3 * i], points[3 * i + 1], points[3 * i + 2])) << i;
+
+    struct EveryThirdRun final : BodySink {
+        bool wants(std::uint32_t body) const override { return body / 700 % 3 == 1; }
+        void take(std::uint32_t body, BodyInit init) override { taken.emplace_back(body, init.pose.translation()); }
+        std::vector<std::pair<std::uint32_t, Vector3d>> taken;
+    } some;
+    const Scene passed = load_scene(folder_.path() / "s.json", {}, &some);
+    EXPECT_EQ(passed.size(), rows);
+    EXPECT_EQ(passed.poses.size(), 0u) << "bodies are held";
+    std::size_t next = 0;
+    for (std::uint32_t i = 0; i < rows; ++i)
+        if (some.wants(i)) ASSERT_EQ(some.taken.at(next++), std::pair(i, Vector3d(scene.poses.position(i)))) << i;
+    EXPECT_EQ(next, some.taken.size());
 }
 
 TEST_F(Hdf5Table, RefusesOtherShapesTypesAndLengths)

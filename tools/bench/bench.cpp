@@ -2,6 +2,7 @@
 #include "bench/bench.hpp"
 #include "bench/bench_scale.hpp"
 #include "cli/command.hpp"
+#include "cli/shard.hpp"
 
 #include <memory>
 
@@ -24,6 +25,7 @@ void add_compare_options(Arguments sub, CompareOptions& o)
                  "find every contact of every pair that collides, instead of yes or no; needs --exact predicates");
     sub.add_option("--timeline", o.timeline, "a line every so many frames: cells alive, pairs, times").type_name("N");
     sub.add_option("--csv", o.csv, "write one row per frame").type_name("FILE");
+    sub.add_option("--shard", o.shard, std::string("of the frames, ") + shard_help).type_name("I/N");
 }
 
 void add_scene_bench(Arguments bench, const char* name, const char* summary)
@@ -96,6 +98,7 @@ void add_broad(Arguments bench)
     sub.add_option("--threads", options->threads, "numbers of threads (default 1)").type_name("LIST");
     sub.add_option("--only", options->only, "these contenders alone").type_name("LIST");
     sub.add_option("--csv", options->csv, "write one row per contender and size").type_name("FILE");
+    sub.add_option("--shard", options->shard, std::string("of the scenes and sizes, ") + shard_help).type_name("I/N");
     Option plot = sub.add_option("--plot", options->plot, "draw time against size, one panel a scene");
     plot.type_name("FILE.svg");
     sub.add_flag("--per-box", options->per_box, "let the plot show nanoseconds a box, to see growth").needs(plot);
@@ -126,6 +129,7 @@ void add_narrow(Arguments bench)
     sub.add_option("--only", options->only, "these contenders alone").type_name("LIST");
     sub.add_option("--repeats", options->repeats, "of each query the fastest counts (default 3)").type_name("N");
     sub.add_option("--csv", options->csv, "write one row per contender, query and distance").type_name("FILE");
+    sub.add_option("--shard", options->shard, std::string("of the distances, ") + shard_help).type_name("I/N");
     sub.add_option("--plot", options->plot, "draw time against distance, one panel a query").type_name("FILE.svg");
     sub.add_option("--seed", options->seed, "seed of the poses (default 12345)").type_name("S");
     sub.add_option("--data", options->data, "folder with poses/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
@@ -215,6 +219,8 @@ void add_distances(Arguments bench)
         .type_name("M");
     sub.add_option("--repeats", options->repeats, "of each query the least time counts (default 3)").type_name("N");
     sub.add_option("--csv", options->csv, "write one row per environment, bodies and distance").type_name("FILE");
+    sub.add_option("--shard", options->shard, std::string("of the environments with their bodies, ") + shard_help)
+        .type_name("I/N");
     sub.footer("Examples:\n"
                "  oncollide bench distances --environments hills --distances 1,10,100 --bodies 30\n"
                "  oncollide bench distances --environments campus --bodies-of shapes --csv distances.csv");
@@ -235,6 +241,8 @@ void add_environment(Arguments bench)
     sub.add_option("--cold-runs", options->cold_runs, "first frames measured from nothing (default 1)").type_name("N");
     sub.add_option("--threads", options->threads, "threads of oncollide; 0: all (default 1)").type_name("N");
     sub.add_option("--csv", options->csv, "write one row per environment, bodies and error").type_name("FILE");
+    sub.add_option("--shard", options->shard, std::string("of the environments with their bodies, ") + shard_help)
+        .type_name("I/N");
     sub.add_option("--plot", options->plot, "draw time against error, a panel an environment").type_name("FILE.svg");
     sub.footer("Examples:\n"
                "  oncollide bench environment --environments building --bodies 50 --errors 0.1,exact\n"
@@ -313,15 +321,18 @@ void add_scale(Arguments bench)
                                                "of what they cost");
     auto options = std::make_shared<ScaleOptions>();
     sub.add_option("--bodies", options->bodies, "of the world, about: a cube of cells (default 1e6)").type_name("N");
-    sub.add_option("--ranks", options->ranks, "that share it (default 64)").type_name("P");
+    sub.add_option("--ranks", options->ranks, "that share it; several numbers are compared (default 64)")
+        .type_name("LIST");
     sub.add_option("--sample", options->sample, "play so many of them; 0: all (default 0)").type_name("N");
     sub.add_option("--edge", options->edge, "mean edge of the bodies, in mean spacings (default 1)").type_name("E");
     sub.add_option("--frame", options->frame, "of their motion (default 0)").type_name("F");
     sub.add_option("--threads", options->threads, "ranks at a time; 0: all (default 1)").type_name("N");
     sub.add_option("--seed", options->seed, "of the bodies (default 12345)").type_name("S");
     sub.add_option("--csv", options->csv, "write one row per rank").type_name("FILE");
-    sub.footer("Where all ranks are played, pairs and hash are the same for any number of ranks. Exit code 70: the\n"
-               "ghosts are off the model by more than a tenth.\n"
+    sub.add_option("--shard", options->shard, std::string("of the ranks, ") + shard_help).type_name("I/N");
+    sub.footer("Where all ranks are played, pairs and hash are the same for any number of ranks. Exit code 70: they\n"
+               "are not, or the ghosts are off the model by more than a tenth.\n"
+               "  oncollide bench scale --ranks 8,64 --bodies 1e6\n"
                "  oncollide bench scale --ranks 10000 --bodies 1e9 --sample 26");
     sub.action([options] { return bench_scale(*options); });
 }

@@ -27,6 +27,7 @@ struct CompareOptions {
     int timeline = 0;      ///< print a line every so many frames; 0: none
     std::string only;      ///< "fcl" or "oncollide": measure that one alone
     std::string csv;       ///< one row a frame
+    std::string shard;     ///< of the frames
 };
 
 /// Plays a scene with both. Returns the exit code: 70 when oncollide missed a collision.
@@ -61,7 +62,7 @@ struct OctantsOptions {
 int bench_octants(const OctantsOptions& options);
 
 struct BroadOptions {
-    std::string scene = "brown", sizes, threads, only, csv, plot;
+    std::string scene = "brown", sizes, threads, only, csv, plot, shard;
     bool per_box = false; ///< the plot shows nanoseconds a box
     std::optional<int> frames;
     std::uint64_t seed = 12345;
@@ -75,7 +76,7 @@ struct NarrowOptions {
     std::vector<std::string> meshes; ///< none or two files
     bool use_poses = false;          ///< a pose file instead of generated poses
     std::string poses;               ///< that file; empty: the data folder's, with its own meshes
-    std::string distances, ask, only, csv, plot, data;
+    std::string distances, ask, only, csv, plot, data, shard;
     std::optional<int> count; ///< poses a distance, or of the file
     int repeats = 3;
     std::uint64_t seed = 12345;
@@ -114,7 +115,7 @@ struct EnvironmentOptions {
     std::string errors = "1,0.1,0.01,exact";
     int frames = 10, warm_up = 3, cold_runs = 1, threads = 1;
     int repeats = 1; ///< of all frames; of each frame the least time counts
-    std::string csv, plot;
+    std::string csv, plot, shard;
 };
 
 /// Large environments with many bodies, beside FCL. Returns the exit code: 70 when oncollide missed a collision or an
@@ -126,7 +127,7 @@ struct DistancesOptions {
     std::string distances = "0.1,1,5,10,25,50,100,200"; ///< per cent of the environment's diagonal
     double tolerance = 0;                               ///< metres
     int repeats = 3;
-    std::string csv;
+    std::string csv, shard;
 };
 
 /// Distances of bodies to large environments, beside FCL. Returns the exit code.
@@ -169,6 +170,9 @@ int bench_read(const ReadOptions& options);
 
 /// "4-8", "6" or "2,5-7" as ascending numbers; `option` names it in errors. Each 1 to 16.
 std::vector<int> parse_depths(const std::string& option, const std::string& text);
+
+/// "2500,10k,1M" as ascending numbers from 1 to `most`; `option` names it in errors.
+std::vector<std::size_t> parse_counts(const char* option, const std::string& list, std::size_t most);
 
 /// The parts of a list separated by commas, empty ones too.
 std::vector<std::string> split(const std::string& list);

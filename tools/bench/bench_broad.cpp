@@ -3,9 +3,9 @@
 #include "bench/bench.hpp"
 #include "bench/broad_race.hpp"
 #include "bench/line_plot.hpp"
+#include "cli/shard.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <map>
 
 #include <oncollide/base/error.hpp>
@@ -14,29 +14,6 @@
 
 namespace oncollide::tools {
 namespace {
-
-/// "2500", "10k" or "1M", from 1 to `most`.
-std::size_t parse_count(const char* option, const std::string& text, std::size_t most)
-{
-    std::size_t value = 0, unit = 1;
-    const char* const end = text.data() + text.size();
-    auto [rest, error] = std::from_chars(text.data(), end, value);
-    if (rest != end && (*rest == 'k' || *rest == 'M')) unit = *rest++ == 'k' ? 1'000 : 1'000'000;
-    if (error != std::errc{} || rest != end || value < 1 || value > most / unit)
-        usage(fmt::format("{} {}: expected numbers from 1 to {}, like {}", option, text, most,
-                          most > 10'000 ? "2500,10k,1M" : "1,2"));
-    return value * unit;
-}
-
-template <class Number>
-std::vector<Number> parse_counts(const char* option, const std::string& list, std::size_t most)
-{
-    std::vector<Number> counts;
-    for (const std::string& part : split(list)) counts.push_back(Number(parse_count(option, part, most)));
-    std::sort(counts.begin(), counts.end());
-    counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
-    return counts;
-}
 
 bool is_recording(const std::string& scene)
 {
@@ -70,13 +47,19 @@ PlotAxes axes(bool per_box)
 class BroadBench {
 public:
     explicit BroadBench(const BroadOptions& options)
-        : options_(options), contenders_(broad_contenders()),
-          threads_(parse_counts<int>("--threads", options.threads.empty() ? "1" : options.threads, 256))
+        : options_(options), contenders_(broad_contenders()), shard_(shard_from(options.shard))
     {
+        for (const std::size_t threads :
+             parse_counts("--threads", options.threads.empty() ? "1" : options.threads, 256))
+            threads_.push_back(int(threads));
         contenders_.keep(options.only);
         choose_scenes();
         if (!options.csv.empty()) csv_.emplace(options.csv);
         if (!options.plot.empty()) plot_.emplace(options.plot);
+        if (csv_)
+            csv_->write(shard_.line(fmt::format("bench broad, {}, sizes {}, {} frames, seed {}, threads {}, only {}",
+                                                printable(options.scene), options.sizes, options.frames.value_or(0),
+                                                options.seed, options.threads, options.only)));
         if (csv_)
             csv_->print(
                 "scene,boxes,movers,frame,seed,contender,library,threads,ms,ratio,pairs,hash,missed,extra,bytes\n");
@@ -87,12 +70,11 @@ public:
         say("{}", describe_program("broad phase alone"));
         for (const MissingPeer& peer : contenders_.missing)
             say("{:<11}not in this build (Debian: {})\n", peer.library, peer.package);
-        for (const std::string& scene : scenes_) {
-            panels_.push_back({scene, {}});
-            if (is_recording(scene))
-                run(open_aabbs(scene));
-            else
-                for (std::size_t size : sizes_) run(make_box_scene(scene, size, options_.seed));
+        std::string last;
+        for (const auto& [scene, size] : work_) {
+            if (scene != last) panels_.push_back({scene, {}});
+            last = scene;
+            run(is_recording(scene) ? open_aabbs(scene) : make_box_scene(scene, size, options_.seed));
         }
         if (csv_) csv_->commit();
         if (plot_) draw_line_plot(*plot_, panels_, axes(options_.per_box)), plot_->commit();
@@ -103,13 +85,18 @@ private:
     /// Everything that could be wrong with them shows here, before any work.
     void choose_scenes()
     {
-        sizes_ =
-            parse_counts<std::size_t>("--sizes", options_.sizes.empty() ? "1k,10k,100k" : options_.sizes, most_boxes);
+        const std::vector<std::size_t> sizes =
+            parse_counts("--sizes", options_.sizes.empty() ? "1k,10k,100k" : options_.sizes, most_boxes);
         if (options_.frames && (*options_.frames < 2 || *options_.frames > 100'000))
             usage(fmt::format("--frames {}: must be from 2 to 100000", *options_.frames));
-        scenes_ = is_recording(options_.scene) ? std::vector{options_.scene} : split(options_.scene);
-        for (const std::string& scene : scenes_)
-            if (!is_recording(scene)) make_box_scene(scene, 1, options_.seed);
+        if (is_recording(options_.scene))
+            work_.emplace_back(options_.scene, 0);
+        else
+            for (const std::string& scene : split(options_.scene)) {
+                make_box_scene(scene, 1, options_.seed);
+                for (const std::size_t size : sizes) work_.emplace_back(scene, size);
+            }
+        keep_part(shard_, work_, "scenes and sizes");
         if (!is_recording(options_.scene)) return;
         if (!options_.sizes.empty()) usage(fmt::format("--sizes: the recording {} has its own", options_.scene));
         const std::uint64_t last = open_aabbs(options_.scene).last_frame;
@@ -181,8 +168,8 @@ private:
     BroadOptions options_;
     Contenders contenders_;
     std::vector<int> threads_;
-    std::vector<std::string> scenes_;
-    std::vector<std::size_t> sizes_;
+    Shard shard_;
+    std::vector<std::pair<std::string, std::size_t>> work_; ///< scenes, each with every size
     std::optional<OutputFile> csv_, plot_;
     std::vector<PlotPanel> panels_;             ///< one a scene
     std::map<std::string, std::size_t> styles_; ///< of the lines, by label

@@ -12,6 +12,7 @@
 #include "bench/bench.hpp"
 #include "bench/environment_scenes.hpp"
 #include "cli/progress.hpp"
+#include "cli/shard.hpp"
 #include "peers/fcl_world.hpp"
 
 namespace oncollide::tools {
@@ -120,7 +121,9 @@ int bench_distances(const DistancesOptions& o)
     if (!(o.tolerance >= 0)) usage("bench distances: --tolerance is 0 or more");
     check_files({{"--csv", o.csv}});
     const std::vector<double> percents = percents_of(o.distances);
-    const std::vector<EnvironmentScene> scenes = scenes_of(o.in, 1);
+    std::vector<EnvironmentScene> scenes = scenes_of(o.in, 1);
+    const Shard shard = shard_from(o.shard);
+    keep_part(shard, scenes, "environments with their bodies");
     say("{}{} bodies, one after the other; microseconds a query, warm, of each the least of {}; tolerance {} m\n\n",
         describe_program("distances"), o.in.bodies, o.repeats, o.tolerance);
     say("{:<11} {:<10} {:>10} {:>10} {:>10} {:>10} {:>7} {:>7}\n", "environment", "bodies", "% diagonal", "metres",
@@ -140,6 +143,8 @@ int bench_distances(const DistancesOptions& o)
     say("\n'differ' counts results of FCL outside of oncollide's certified bounds.\n");
     if (o.csv.empty()) return 0;
     OutputFile file(o.csv);
+    file.write(shard.line(
+        fmt::format("bench distances, {}, distances {}, tolerance {}", o.in.work(), o.distances, o.tolerance)));
     file.print("environment,bodies,percent,metres,fcl_us,us,ratio,differ\n");
     for (const DistanceRow& r : rows)
         file.print("{},{},{},{:.6g},{:.6g},{:.6g},{:.4g},{}\n", r.environment, r.bodies_of, r.percent, r.metres,

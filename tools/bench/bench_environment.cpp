@@ -12,6 +12,7 @@
 #include "bench/line_plot.hpp"
 #include "bench/scene_race.hpp"
 #include "cli/progress.hpp"
+#include "cli/shard.hpp"
 
 namespace oncollide::tools {
 
@@ -93,9 +94,10 @@ void print(const Row& row)
     if (row.missed || row.wrong) say("MISSED     {} ({} wrong): {}\n", row.missed, row.wrong, row.first_missed);
 }
 
-void write_csv(const std::string& path, const std::vector<Row>& rows, int threads)
+void write_csv(const std::string& path, const std::string& head, const std::vector<Row>& rows, int threads)
 {
     OutputFile file(path);
+    file.write(head);
     file.print("environment,bodies,error,threads,fcl_ms,ms,ratio,fcl_first_ms,first_ms,fcl_mb,trees_mb,process_mb,"
                "pairs,left_over,colliding,false_positives,missed,hash\n");
     for (const Row& r : rows)
@@ -133,7 +135,9 @@ int bench_environment(const EnvironmentOptions& o)
     check_range("--repeats", o.repeats, 1, 100);
     check_files({{"--csv", o.csv}, {"--plot", o.plot}});
     const std::vector<Dial> dials = dials_of(o);
-    const std::vector<EnvironmentScene> scenes = scenes_of(o.in, o.frames);
+    std::vector<EnvironmentScene> scenes = scenes_of(o.in, o.frames);
+    const Shard shard = shard_from(o.shard);
+    keep_part(shard, scenes, "environments with their bodies");
     say("{}{} bodies in each environment; FCL says yes or no, oncollide is certain to the error\n\n",
         describe_program("environments"), grouped(std::uint64_t(o.in.bodies)));
     say("{:<11} {:<7} {:>6} {:>9} {:>9} {:>7} {:>10} {:>10} {:>8} {:>8} {:>10} {:>10} {:>9}\n", "environment", "bodies",
@@ -147,7 +151,11 @@ int bench_environment(const EnvironmentOptions& o)
         }
     }
     say("\nThe process held {:.0f} MB at most, FCL's models and the environments among it.\n", peak_mb());
-    if (!o.csv.empty()) write_csv(o.csv, rows, o.threads);
+    if (!o.csv.empty())
+        write_csv(
+            o.csv,
+            shard.line(fmt::format("bench environment, {}, errors {}, {} frames", o.in.work(), o.errors, o.frames)),
+            rows, o.threads);
     if (!o.plot.empty()) write_plot(o.plot, rows, dials);
     const bool faulty = std::ranges::any_of(rows, [](const Row& row) { return row.missed || row.wrong; });
     return faulty ? int(ErrorKind::internal) : 0;

@@ -1,6 +1,7 @@
 // How long does one query of two meshes take? oncollide beside the narrow phases of other libraries.
 #include "bench/bench.hpp"
 #include "bench/narrow_report.hpp"
+#include "cli/shard.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +10,8 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/near_word.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
 
 namespace oncollide::tools {
 namespace {
@@ -110,11 +111,21 @@ void leave_out_fragile(std::vector<NarrowContender>& contenders, std::size_t tri
     });
 }
 
+/// The groups of poses that are the shard's; which poses they have depends on all.
+void keep_groups(const Shard& shard, NarrowWorkload& workload)
+{
+    const auto [first, end] = shard.range(workload.groups.size());
+    keep_part(shard, workload.groups, "distances");
+    std::erase_if(workload.poses, [&](const NarrowPose& pose) { return pose.group < first || pose.group >= end; });
+    for (NarrowPose& pose : workload.poses) pose.group -= first;
+}
+
 } // namespace
 
 int bench_narrow(const NarrowOptions& options)
 {
     check(options);
+    const Shard shard = shard_from(options.shard);
     NarrowResult result;
     result.queries = parse_queries(options.ask.empty() ? "boolean,all,distance" : options.ask);
     const std::vector<double> percents =
@@ -139,12 +150,19 @@ int bench_narrow(const NarrowOptions& options)
     result.workload = options.use_poses
                           ? read_workload(options)
                           : make_workload(a, b, percents, std::size_t(options.count.value_or(100)), options.seed);
+    keep_groups(shard, result.workload);
     result.truth = judge(a, b, result.workload, result.queries);
     print_settings(options, result, contenders);
     leave_out_fragile(contenders.all, std::min(result.triangles_a, result.triangles_b));
     result.rows = race(a, b, result.workload, result.truth, contenders.all, result.queries, options.repeats);
     print_narrow(result);
-    if (csv) write_narrow_csv(*csv, result), csv->commit();
+    if (csv) {
+        csv->write(shard.line(fmt::format("bench narrow, {} and {}, query {}, distances {}, count {}, seed {}, only {}",
+                                          printable(result.mesh_a), printable(result.mesh_b), options.ask,
+                                          options.use_poses ? "of a file" : options.distances,
+                                          options.count.value_or(0), options.seed, options.only)));
+        write_narrow_csv(*csv, result), csv->commit();
+    }
     if (plot) draw_narrow_plot(*plot, result), plot->commit();
     return broken_promise(result) ? int(ErrorKind::internal) : 0;
 }

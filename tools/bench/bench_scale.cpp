@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <vector>
 
@@ -18,6 +19,7 @@
 #include <oncollide/pipeline/ranks/body_record.hpp>
 
 #include "bench/bench.hpp"
+#include "cli/shard.hpp"
 #include "cli/system.hpp"
 
 namespace oncollide::tools {
@@ -25,7 +27,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::uint32_t large_every = 1000; // one body of so many is 8 times as large
+constexpr std::uint32_t large_every = 1000; // one body of so many is 8 times as large, drawn by lot
 constexpr double large_by = 8;
 
 /// One cube in each cell of a lattice of unit cells, somewhere in it.
@@ -51,7 +53,7 @@ public:
             const double way = std::fmod(std::abs(start + frame_ * speed), 2.0);
             at[k] += way < 1 ? way : 2 - way;
         }
-        const double size = edge_ * (0.5 + u01(seed_, i, 3)) * (i % large_every == 0 ? large_by : 1);
+        const double size = edge_ * (0.5 + u01(seed_, i, 3)) * (u01(seed_, i, 7) * large_every < 1 ? large_by : 1);
         return {at - Vector3d::Constant(0.5 * size), at + Vector3d::Constant(0.5 * size)};
     }
     /// The mean of the k-th power of the edges.
@@ -106,6 +108,14 @@ struct Rank {
     double ms = 0;
 };
 
+/// What a rank is sent of a ghost without a name.
+std::size_t ghost_bytes()
+{
+    Bytes message;
+    put(message, BodyHere{});
+    return message.size() + 1;
+}
+
 /// Which bodies are here, their pairs, and whose they are: as RankWorld decides.
 Rank play_rank(const UniformWorld& world, const Blocks& blocks, int number)
 {
@@ -149,9 +159,7 @@ Rank play_rank(const UniformWorld& world, const Blocks& blocks, int number)
         const auto [low, high] = std::minmax(gids[pair.a], gids[pair.b]);
         rank.hash += splitmix(std::uint64_t{low} << 32 | high);
     }
-    Bytes message;
-    put(message, BodyHere{});
-    rank.bytes = rank.ghosts * (message.size() + 1);
+    rank.bytes = rank.ghosts * ghost_bytes();
     rank.held = boxes.capacity() * sizeof(Aabb) + (gids.capacity() + all.capacity()) * 4 + broad->bytes() +
                 pairs.size() * sizeof(BodyPair) + rank.home * sizeof(BodyRecord) + rank.ghosts * sizeof(BodyHere);
     rank.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin_time).count();
@@ -197,62 +205,120 @@ std::vector<int> sampled(int ranks, int sample)
     return numbers;
 }
 
+/// One partition of the world, as far as it was played.
+struct Partition {
+    Blocks blocks;
+    int count; ///< of ranks
+    std::vector<Rank> ranks;
+
+    bool all() const { return ranks.size() == std::size_t(count); }
+    std::uint64_t pairs() const { return sum(&Rank::pairs); }
+    std::uint64_t hash() const { return sum(&Rank::hash); }
+
+private:
+    std::uint64_t sum(std::uint64_t Rank::*of) const
+    {
+        return std::transform_reduce(ranks.begin(), ranks.end(), std::uint64_t{0}, std::plus<>(),
+                                     [&](const Rank& rank) { return rank.*of; });
+    }
+};
+
+Partition play(const UniformWorld& world, int count, int sample, int threads, const Shard& shard)
+{
+    Partition partition{Blocks(count, world.side()), count, {}};
+    std::vector<int> numbers = sampled(count, sample);
+    keep_part(shard, numbers, "ranks");
+    partition.ranks.resize(numbers.size());
+    parallel_chunks(numbers.size(), 1, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t k = begin; k < end; ++k) partition.ranks[k] = play_rank(world, partition.blocks, numbers[k]);
+    });
+    return partition;
+}
+
+/// Says what its ranks cost. Are the ghosts those of the model, to a tenth?
+bool report(const UniformWorld& world, const Partition& partition)
+{
+    double home = 0, ghosts = 0, model = 0, ms = 0, bytes = 0, most_home = 0, most_ghosts = 0, most_held = 0;
+    double least_efficiency = 1;
+    for (const Rank& r : partition.ranks) {
+        home += double(r.home), ghosts += double(r.ghosts), ms += r.ms, bytes += double(r.bytes);
+        model += model_ghosts(world, partition.blocks, r.number);
+        most_home = std::max(most_home, double(r.home)), most_ghosts = std::max(most_ghosts, double(r.ghosts));
+        most_held = std::max(most_held, double(r.held));
+        least_efficiency =
+            std::min(least_efficiency, model_efficiency(double(r.home), double(r.ghosts), partition.count));
+    }
+    const double n = double(partition.ranks.size());
+    const auto& blocks = partition.blocks.count();
+    say("ranks      {} as {} x {} x {} blocks, {} played\n\n", partition.count, blocks[0], blocks[1], blocks[2],
+        partition.ranks.size());
+    say("{:<34}{:>14}{:>14}{:>14}\n", "a rank", "mean", "most", "model");
+    say("{:<34}{:>14.0f}{:>14.0f}{:>14.0f}\n", "bodies at home", home / n, most_home,
+        double(world.bodies()) / partition.count);
+    say("{:<34}{:>14.0f}{:>14.0f}{:>14.0f}\n", "ghosts", ghosts / n, most_ghosts, model / n);
+    say("{:<34}{:>14.3f}{:>14}{:>14.3f}\n", "MB of ghosts a frame", bytes / n / 1e6, "",
+        double(ghost_bytes()) * model / n / 1e6);
+    say("{:<34}{:>14}{:>14.1f}\n", "MB held", "", most_held / 1e6);
+    say("{:<34}{:>14.3f}\n", "us a body, with its making", 1e3 * ms / (home + ghosts));
+    say("{:<34}{:>14.3f}{:>14}\n", "efficiency by the model", model_efficiency(home / n, ghosts / n, partition.count),
+        "");
+    say("{:<34}{:>14.3f}\n\n", "  of the worst rank", least_efficiency);
+    say("pairs      {}, order-free hash {:016x}{}\n", partition.pairs(), partition.hash(),
+        partition.all() ? "" : " (of the ranks played)");
+    const bool off = model > 0 && std::abs(ghosts / model - 1) > 0.1;
+    if (off) say("FAULT      the ghosts are off the model by more than a tenth\n");
+    return !off;
+}
+
+void write_rows(const std::string& path, const std::string& head, const UniformWorld& world,
+                const std::vector<Partition>& partitions)
+{
+    OutputFile file(path);
+    file.write(head);
+    file.print("world,ranks,rank,bodies,ghosts,model_ghosts,pairs,hash,ghost_bytes,held_bytes,ms\n");
+    for (const Partition& partition : partitions)
+        for (const Rank& r : partition.ranks)
+            file.print("{},{},{},{},{},{:.1f},{},{:016x},{},{},{:.3f}\n", world.bodies(), partition.count, r.number,
+                       r.home, r.ghosts, model_ghosts(world, partition.blocks, r.number), r.pairs, r.hash, r.bytes,
+                       r.held, r.ms);
+    file.commit();
+}
+
 } // namespace
 
 int bench_scale(const ScaleOptions& o)
 {
     if (!(o.bodies >= 1 && o.bodies <= 4e9)) usage(fmt::format("--bodies {}: must be from 1 to 4e9", o.bodies));
     if (!(o.edge > 0 && o.edge <= 10)) usage(fmt::format("--edge {}: must be above 0 and at most 10", o.edge));
-    check_range("--ranks", o.ranks, 1, 1'000'000), check_range("--sample", o.sample, 0);
+    check_range("--sample", o.sample, 0);
     check_range("--frame", o.frame, 0), check_range("--threads", o.threads, 0, 1024);
     check_files({{"--csv", o.csv}});
+    const std::vector<std::size_t> counts = parse_counts("--ranks", o.ranks, 1'000'000);
+    const Shard shard = shard_from(o.shard);
+    if (!shard.whole() && counts.size() > 1) usage("--shard: the ranks of one number of them are divided; give one");
     const UniformWorld world(o.bodies, o.edge, o.seed, o.frame);
-    const Blocks blocks(o.ranks, world.side());
-    const std::vector<int> numbers = sampled(o.ranks, o.sample);
     const int threads = o.threads ? o.threads : hardware_threads();
-    std::vector<Rank> ranks(numbers.size());
-    parallel_chunks(numbers.size(), 1, threads, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t k = begin; k < end; ++k) ranks[k] = play_rank(world, blocks, numbers[k]);
-    });
-
-    double home = 0, ghosts = 0, model = 0, ms = 0, bytes = 0, most_home = 0, most_ghosts = 0, most_held = 0;
-    double least_efficiency = 1;
-    std::uint64_t pairs = 0, hash = 0;
-    for (const Rank& r : ranks) {
-        home += double(r.home), ghosts += double(r.ghosts), ms += r.ms, bytes += double(r.bytes);
-        model += model_ghosts(world, blocks, r.number);
-        most_home = std::max(most_home, double(r.home)), most_ghosts = std::max(most_ghosts, double(r.ghosts));
-        most_held = std::max(most_held, double(r.held));
-        least_efficiency = std::min(least_efficiency, model_efficiency(double(r.home), double(r.ghosts), o.ranks));
-        pairs += r.pairs, hash += r.hash;
-    }
-    const double n = double(ranks.size());
-    const bool all = ranks.size() == std::size_t(o.ranks);
     say("world      {} cubes, frame {}, edges {} spacings in the mean, one of {} is {} times as large\n",
         world.bodies(), o.frame, o.edge, large_every, large_by);
-    say("ranks      {} as {} x {} x {} blocks, {} played\n\n", o.ranks, blocks.count()[0], blocks.count()[1],
-        blocks.count()[2], ranks.size());
-    say("{:<34}{:>14}{:>14}{:>14}\n", "a rank", "mean", "most", "model");
-    say("{:<34}{:>14.0f}{:>14.0f}{:>14.0f}\n", "bodies at home", home / n, most_home, double(world.bodies()) / o.ranks);
-    say("{:<34}{:>14.0f}{:>14.0f}{:>14.0f}\n", "ghosts", ghosts / n, most_ghosts, model / n);
-    say("{:<34}{:>14.3f}{:>14}{:>14.3f}\n", "MB of ghosts a frame", bytes / n / 1e6, "", 184 * model / n / 1e6);
-    say("{:<34}{:>14}{:>14.1f}\n", "MB held", "", most_held / 1e6);
-    say("{:<34}{:>14.3f}\n", "us a body, with its making", 1e3 * ms / (home + ghosts));
-    say("{:<34}{:>14.3f}{:>14}\n", "efficiency by the model", model_efficiency(home / n, ghosts / n, o.ranks), "");
-    say("{:<34}{:>14.3f}\n\n", "  of the worst rank", least_efficiency);
-    say("pairs      {}, order-free hash {:016x}{}\n", pairs, hash, all ? "" : " (of the ranks played)");
-    say("process    {:.0f} MB at most\n", double(peak_memory()) / 1e6);
-    if (!o.csv.empty()) {
-        OutputFile file(o.csv);
-        file.print("rank,bodies,ghosts,model_ghosts,pairs,ghost_bytes,held_bytes,ms\n");
-        for (const Rank& r : ranks)
-            file.print("{},{},{},{:.1f},{},{},{},{:.3f}\n", r.number, r.home, r.ghosts,
-                       model_ghosts(world, blocks, r.number), r.pairs, r.bytes, r.held, r.ms);
-        file.commit();
+    std::vector<Partition> partitions;
+    bool good = true;
+    for (const std::size_t count : counts) {
+        partitions.push_back(play(world, int(count), o.sample, threads, shard));
+        good &= report(world, partitions.back());
+        const Partition& first = partitions.front();
+        if (first.all() && partitions.back().all() &&
+            (partitions.back().pairs() != first.pairs() || partitions.back().hash() != first.hash())) {
+            say("FAULT      {} ranks found other pairs than {}\n", count, first.count);
+            good = false;
+        }
     }
-    const bool off = model > 0 && std::abs(ghosts / model - 1) > 0.1;
-    if (off) say("FAULT      the ghosts are off the model by more than a tenth\n");
-    return off ? int(ErrorKind::internal) : 0;
+    say("process    {:.0f} MB at most\n", double(peak_memory()) / 1e6);
+    if (!o.csv.empty())
+        write_rows(o.csv,
+                   shard.line(fmt::format("bench scale, {} bodies, {} ranks, sample {}, edge {}, seed {}, frame {}",
+                                          world.bodies(), o.ranks, o.sample, o.edge, o.seed, o.frame)),
+                   world, partitions);
+    return good ? 0 : int(ErrorKind::internal);
 }
 
 } // namespace oncollide::tools

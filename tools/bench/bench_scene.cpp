@@ -1,10 +1,13 @@
 // FCL and oncollide on the same scene, frame by frame in turn.
 #include "bench/bench.hpp"
 
+#include <algorithm>
+
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/output_file.hpp>
 
 #include "bench/scene_report.hpp"
+#include "cli/shard.hpp"
 
 namespace oncollide::tools {
 
@@ -18,7 +21,10 @@ int bench_scene(const CompareOptions& given)
     const Settings settings = settings_from(options.settings);
     if (options.contacts && settings.exact != ExactLevel::predicates) usage("--contacts: needs --exact predicates");
     Scene scene = open_scene(options.scene);
-    if (options.warm_up >= scene.frames) options.warm_up = scene.frames - 1;
+    const Shard shard = shard_from(options.shard);
+    check_parts(shard, std::size_t(scene.frames), "frames");
+    const auto [begin, end] = shard.range(std::size_t(scene.frames));
+    options.warm_up = std::min(options.warm_up, int(end - begin) - 1);
     print_warnings(scene);
     const SceneRuns runs = race(options, settings, scene);
     const SceneReport report(options, settings, scene, runs);

@@ -114,6 +114,32 @@ std::vector<std::string> split(const std::string& list)
     return parts;
 }
 
+namespace {
+
+/// "2500", "10k" or "1M", from 1 to `most`.
+std::size_t parse_count(const char* option, const std::string& text, std::size_t most)
+{
+    std::size_t value = 0, unit = 1;
+    const char* const end = text.data() + text.size();
+    auto [rest, error] = std::from_chars(text.data(), end, value);
+    if (rest != end && (*rest == 'k' || *rest == 'M')) unit = *rest++ == 'k' ? 1'000 : 1'000'000;
+    if (error != std::errc{} || rest != end || value < 1 || value > most / unit)
+        usage(fmt::format("{} {}: expected numbers from 1 to {}, like {}", option, text, most,
+                          most > 10'000 ? "2500,10k,1M" : "1,2"));
+    return value * unit;
+}
+
+} // namespace
+
+std::vector<std::size_t> parse_counts(const char* option, const std::string& list, std::size_t most)
+{
+    std::vector<std::size_t> counts;
+    for (const std::string& part : split(list)) counts.push_back(parse_count(option, part, most));
+    std::sort(counts.begin(), counts.end());
+    counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
+    return counts;
+}
+
 std::string grouped(std::uint64_t value)
 {
     return fmt::format("{}", fmt::group_digits(value));

@@ -98,6 +98,11 @@ void check(const EnvironmentScene& which)
     if (const std::filesystem::path file = file_of(which); !file.empty()) check_readable(file);
 }
 
+std::string EnvironmentChoice::work() const
+{
+    return fmt::format("{} with {} {}, {} cells, seed {}", environments, bodies, bodies_of, cells, seed);
+}
+
 std::vector<EnvironmentScene> scenes_of(const EnvironmentChoice& choice, int frames)
 {
     check_range("--cells", choice.cells, 8, 20'000);

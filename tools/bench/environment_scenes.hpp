@@ -18,6 +18,9 @@ struct EnvironmentChoice {
     int cells = 500; ///< along a side of generated terrains
     std::uint64_t seed = 1;
     std::string data{};
+
+    /// What parts of the work must have in common, in words.
+    std::string work() const;
 };
 
 /// One large, fixed body, and many small ones on and just above its surface, which drift a little every frame.

@@ -146,8 +146,8 @@ void write_narrow_csv(OutputFile& file, const NarrowResult& result)
     file.print("mesh_a,triangles_a,mesh_b,triangles_b,seed,ask,distance,poses,colliding,contender,library,promise,"
                "median_us,mean_us,mean_colliding_us,mean_separate_us,ratio_median,ratio_mean,missed,extra,error,hash,"
                "build_ms,warm_up_ms,bytes\n");
-    for (NarrowQuery query : result.queries)
-        for (std::size_t group = 0; group < result.workload.groups.size(); ++group)
+    for (std::size_t group = 0; group < result.workload.groups.size(); ++group)
+        for (NarrowQuery query : result.queries)
             for (const NarrowRow& row : result.rows) {
                 if (!took_part(row, query)) continue;
                 const NarrowSummary s = summarise(result, row, query, group);

@@ -2,6 +2,8 @@
 
 #include <optional>
 
+#include "cli/shard.hpp"
+
 #include <oncollide/base/error.hpp>
 #include <oncollide/pipeline/contacts.hpp>
 
@@ -19,8 +21,10 @@ public:
     SceneRuns run()
     {
         if (with_fcl_) octrees_ = FclWorld::octrees_of(scene_);
+        const auto [begin, end] = shard_from(options_.shard).range(std::size_t(scene_.frames));
+        runs_.first = int(begin);
+        runs_.rows.resize(end - begin);
         measure_cold_starts();
-        runs_.rows.resize(static_cast<std::size_t>(scene_.frames));
         for (int repeat = 0; repeat < options_.repeats; ++repeat) play(repeat);
         return std::move(runs_);
     }
@@ -31,7 +35,7 @@ private:
     {
         for (int run = 0; run < options_.cold_runs; ++run) {
             Mover mover;
-            mover.move(scene_, 0);
+            mover.move(scene_, 0), mover.move(scene_, runs_.first);
             for (const bool fcl : {run % 2 == 0, run % 2 != 0}) {
                 if (!(fcl ? with_fcl_ : with_ours_)) continue;
                 const Clock::time_point from = Clock::now();
@@ -53,15 +57,16 @@ private:
     void play(int repeat)
     {
         Mover mover;
-        mover.move(scene_, 0);
+        mover.move(scene_, 0), mover.move(scene_, runs_.first);
         std::optional<FclWorld> world;
         std::optional<Pipeline> pipeline;
         ContactLists contacts;
         if (with_fcl_) world.emplace(scene_, octrees_), runs_.fcl_bytes = world->model_bytes();
         if (with_ours_) pipeline.emplace(scene_, settings_), runs_.backend = pipeline->backend();
-        for (int frame = 0; frame < scene_.frames; ++frame) {
+        if (pipeline && runs_.first) pipeline->world().continue_from(std::uint32_t(runs_.first), 0);
+        for (int frame = runs_.first; frame < runs_.first + int(runs_.rows.size()); ++frame) {
             mover.move(scene_, frame);
-            SceneRow& row = runs_.rows[static_cast<std::size_t>(frame)];
+            SceneRow& row = runs_.rows[static_cast<std::size_t>(frame - runs_.first)];
             FclFrame theirs;
             std::optional<FrameView> ours;
             const bool fcl_first = (frame + repeat) % 2 == 0;

@@ -29,7 +29,8 @@ struct SceneRow {
 
 /// Both on the same scene.
 struct SceneRuns {
-    std::vector<SceneRow> rows;             ///< by frame
+    int first = 0;                          ///< frame
+    std::vector<SceneRow> rows;             ///< by frame, from the first on
     std::vector<double> fcl_cold, our_cold; ///< building everything and the first frame, ms
     std::uint64_t hash = 0;
     FclWorld::ModelBytes fcl_bytes;
@@ -37,8 +38,8 @@ struct SceneRuns {
     std::string backend = "not run";
 };
 
-/// Plays `scene` with those that options.only leaves, as often as the options say. Throws Error{internal} when two runs
-/// differ.
+/// Plays the frames of `scene` that options.shard says, with those that options.only leaves, as often as the options
+/// say. Throws Error{internal} when two runs differ.
 SceneRuns race(const CompareOptions& options, const Settings& settings, Scene& scene);
 
 } // namespace oncollide::tools

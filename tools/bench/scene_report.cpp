@@ -3,7 +3,9 @@
 #include <algorithm>
 
 #include <oncollide/base/output_file.hpp>
+#include <oncollide/pipeline/result_hash.hpp>
 
+#include "cli/shard.hpp"
 #include "cli/system.hpp"
 
 namespace oncollide::tools {
@@ -23,9 +25,9 @@ void SceneReport::print_head() const
     say("scene      {}, {} bodies, {} geometries of {} triangles together; frames {} to {}, {} before them to warm "
         "up, least of {} {}\n"
         "settings   {}\n{}\n",
-        printable(scene_.name), grouped(scene_.size()), scene_.geometries.size(), grouped(triangles), options_.warm_up,
-        scene_.frames - 1, options_.warm_up, options_.repeats, options_.repeats == 1 ? "run" : "runs",
-        describe(settings_), describe_program(runs_.backend));
+        printable(scene_.name), grouped(scene_.size()), scene_.geometries.size(), grouped(triangles), runs_.first + options_.warm_up,
+        runs_.first + int(runs_.rows.size()) - 1, options_.warm_up, options_.repeats,
+        options_.repeats == 1 ? "run" : "runs", describe(settings_), describe_program(runs_.backend));
 }
 
 std::span<const SceneRow> SceneReport::counted() const
@@ -183,13 +185,17 @@ void SceneReport::print_timeline() const
 void SceneReport::write_csv() const
 {
     OutputFile file(options_.csv);
+    file.write(shard_from(options_.shard)
+                   .line(fmt::format("bench scene {}, {} bodies, {} frames, pace {}, settings {:016x}, only {}",
+                                     printable(scene_.name), scene_.size(), scene_.frames, scene_.pace,
+                                     hash_of(settings_), options_.only)));
     file.print("frame,fcl_ms,fcl_transforms_ms,fcl_update_ms,fcl_pairs_ms,fcl_narrow_ms,fcl_candidates,fcl_colliding,"
                "ms,bounds_ms,delimitation_ms,broad_ms,ocst_ms,exact_ms,candidates,left_over,colliding,undecided,"
                "false_positives,missed,cells,cells_asked,cell_pairs,bytes,hash\n");
     for (std::size_t frame = 0; frame < runs_.rows.size(); ++frame) {
         const SceneRow& r = runs_.rows[frame];
-        file.print("{},{},{},{},{},{},{},{},", frame, with_fcl_ ? r.fcl_ms : 0, r.fcl_parts[0], r.fcl_parts[1],
-                   r.fcl_parts[2], r.fcl_parts[3], r.fcl_candidates, r.counts.fcl_colliding);
+        file.print("{},{},{},{},{},{},{},{},", runs_.first + int(frame), with_fcl_ ? r.fcl_ms : 0, r.fcl_parts[0],
+                   r.fcl_parts[1], r.fcl_parts[2], r.fcl_parts[3], r.fcl_candidates, r.counts.fcl_colliding);
         file.print("{},{},{},{},{},{},", with_ours_ ? r.our_ms : 0, r.our_parts[0], r.our_parts[1], r.our_parts[2],
                    r.our_parts[3], r.our_parts[4]);
         file.print("{},{},{},{},{},{},{},{},{},{},{:016x}\n", r.counts.pairs, r.counts.left_over, r.counts.colliding,

@@ -102,6 +102,12 @@ std::string Shard::line(const std::string& work) const
     return whole() ? "" : fmt::format("{}{}/{}: {}\n", mark, part, parts, work);
 }
 
+void check_parts(const Shard& shard, std::size_t items, const char* what)
+{
+    if (!shard.whole() && std::size_t(shard.parts) > items)
+        usage(fmt::format("--shard {}/{}: there are {} {} to divide", shard.part, shard.parts, items, what));
+}
+
 Shard shard_from(const std::string& text)
 {
     if (text.empty()) return {};

@@ -246,9 +246,9 @@ bool is_scene_file(const std::string& text)
     return exists;
 }
 
-Scene make_catalogue_scene(const SceneOptions& o)
+Scene make_catalogue_scene(const SceneOptions& o, BodySink* sink)
 {
-    CatalogueOptions options{.bodies = o.bodies, .frames = o.frames, .data = data_folder(o.data)};
+    CatalogueOptions options{.bodies = o.bodies, .frames = o.frames, .data = data_folder(o.data), .sink = sink};
     if (o.seed) options.seed = *o.seed;
     check_range("--frames", o.frames.value_or(1), 1), check_range("--bodies", o.bodies.value_or(1), 1);
     Scene scene = make_scene(o.scene, options);
@@ -256,18 +256,19 @@ Scene make_catalogue_scene(const SceneOptions& o)
     return scene;
 }
 
-Scene open_scene(const SceneOptions& o)
+Scene open_scene(const SceneOptions& o, BodySink* sink)
 {
     check_range("--frames", o.frames.value_or(1), 1);
     if (!(o.pace > 0 && o.pace <= 1000))
         usage(fmt::format("--pace is {}; it must be above 0 and at most 1000", o.pace));
-    if (!is_scene_file(o.scene)) return said(make_catalogue_scene(o));
+    if (!is_scene_file(o.scene)) return said(make_catalogue_scene(o, sink));
     if (o.bodies || o.seed)
         usage(
             fmt::format("--{} is for scenes of the catalogue; '{}' is a file", o.bodies ? "bodies" : "seed", o.scene));
-    Scene scene = o.scene.ends_with(".glb") || o.scene.ends_with(".gltf") ? load_assembly_scene(o.scene)
-                  : o.on_demand                                           ? load_scene(o.scene, reading_with(o.cache))
-                                                                          : load_scene(o.scene);
+    const bool assembly = o.scene.ends_with(".glb") || o.scene.ends_with(".gltf");
+    Scene scene = assembly ? load_assembly_scene(o.scene)
+                           : load_scene(o.scene, o.on_demand ? reading_with(o.cache) : MeshReading{}, sink);
+    if (assembly && sink) pass_bodies(scene, *sink);
     if (o.frames) scene.frames = *o.frames;
     scene.pace = o.pace;
     return said(std::move(scene));

@@ -60,9 +60,10 @@ void add_catalogue_options(Arguments command, SceneOptions& options); ///< bodie
 void add_pace_option(Arguments command, SceneOptions& options);       ///< of the commands that play it
 /// Reads or makes the scene. Throws Error{no_input} for a missing file or data folder, Error{usage} for an unknown name
 /// or an option that has no meaning for a file.
-Scene open_scene(const SceneOptions& options);
+/// @param sink  takes the bodies, as they are read or made; null: the scene holds them
+Scene open_scene(const SceneOptions& options, BodySink* sink = nullptr);
 /// Makes a scene of the catalogue only.
-Scene make_catalogue_scene(const SceneOptions& options);
+Scene make_catalogue_scene(const SceneOptions& options, BodySink* sink = nullptr);
 /// True when `text` names a file rather than a scene of the catalogue: it is "-" (standard input), holds a '/' or ends
 /// in .json, or is no known name but a file that exists. Throws Error{usage} when it could be both.
 bool is_scene_file(const std::string& text);

@@ -1,5 +1,6 @@
 #include "cli/play_ranks.hpp"
 
+#include <algorithm>
 #include <condition_variable>
 #include <cstdlib>
 #include <iostream>
@@ -13,6 +14,7 @@
 #include <oncollide/pipeline/ranks/ranked_report.hpp>
 #include <oncollide/pipeline/report_kept.hpp>
 
+#include "cli/log.hpp"
 #include "cli/progress.hpp"
 #include "cli/system.hpp"
 
@@ -112,6 +114,7 @@ public:
             check_range("--patience", options_.patience, 1);
             if (options_.resume && options_.checkpoint.empty()) usage("--resume goes on from --checkpoint FILE");
             check_rank_outputs(outputs_);
+            if (ranks_.rank() == 0) check_files({{"--process-csv", options_.csv}});
             if (ranks_.rank() == 0) check_outputs(outputs_, is_scene_file(scene_.scene) ? scene_.scene : "");
             try {
                 slice = read();
@@ -119,6 +122,7 @@ public:
                 usage(error.what());
             }
         });
+        print_warnings_of_all(slice.warnings);
         together(ranks_, [&] { partition = make_partitioner(); });
         if (speaks_ && slice.bodies < std::uint32_t(ranks_.size()))
             std::cerr << fmt::format("oncollide: note: {} processes for {} bodies: some have none\n", ranks_.size(),
@@ -132,9 +136,23 @@ public:
 private:
     SceneSlice read()
     {
-        const Scene scene = open_scene(scene_);
-        if (speaks_) print_warnings(scene);
-        return slice_of(scene, ranks_.rank(), ranks_.size(), !outputs_.csv.empty());
+        SliceReader reader(ranks_.rank(), ranks_.size(), !outputs_.csv.empty());
+        return reader.finish(open_scene(scene_, &reader));
+    }
+    /// What reading put right; what all say, once.
+    void print_warnings_of_all(const std::vector<std::string>& mine)
+    {
+        constexpr std::size_t enough = 100;
+        std::vector<Bytes> out(std::size_t(ranks_.size())), in;
+        for (std::size_t k = 0; k < std::min(enough, mine.size()); ++k) put_list(out[0], mine[k]);
+        ranks_.exchange(out, in);
+        std::vector<std::string> all;
+        for (const Bytes& bytes : in)
+            for (ByteReader reader(bytes); !reader.at_end();) {
+                auto warning = reader.get_list<std::string>();
+                if (std::ranges::find(all, warning) == all.end()) all.push_back(std::move(warning));
+            }
+        if (speaks_) log_warnings(all);
     }
     std::unique_ptr<Partitioner> make_partitioner()
     {
@@ -184,6 +202,7 @@ private:
                           << rank_table(ranks)
                           << fmt::format("regions    cut {} time{}\n", run.rebuilds(), run.rebuilds() == 1 ? "" : "s")
                           << verdict_line(verdicts) << fmt::format("hash       {:016x}\n", hash) << std::flush;
+            if (!options_.csv.empty()) write_rank_csv(options_.csv, ranks);
             if (!outputs_.trace.empty()) write_rank_trace(outputs_.trace, "oncollide " + title, phases);
         });
     }
@@ -226,6 +245,8 @@ void add_rank_options(Arguments command, RankOptions& o)
         .type_name("WHEN");
     command.add_option("--partitioner", o.partitioner, "under mpirun, what cuts regions: zoltan (default) or morton")
         .type_name("NAME");
+    command.add_option("--process-csv", o.csv, "under mpirun, write one row per process: what it had, did and sent")
+        .type_name("FILE");
     command
         .add_option("--patience", o.patience,
                     "under mpirun, seconds after which a frame that does not end is an error (default 600)")
@@ -234,7 +255,8 @@ void add_rank_options(Arguments command, RankOptions& o)
 
 bool wants_ranks(const RankOptions& o)
 {
-    return mpi_size_of_environment() > 1 || (started_by_mpi() && mpi_is_built()) || !o.checkpoint.empty() || o.resume;
+    return mpi_size_of_environment() > 1 || (started_by_mpi() && mpi_is_built()) || !o.checkpoint.empty() || o.resume ||
+           !o.csv.empty();
 }
 
 int play_on_ranks(const SceneOptions& scene, const SettingsOptions& settings, const OutputOptions& outputs,

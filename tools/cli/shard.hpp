@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace oncollide::tools {
 
@@ -20,6 +21,17 @@ struct Shard {
     /// @param work  what is divided, the same in all parts: text without line breaks
     std::string line(const std::string& work) const;
 };
+
+/// Keeps the shard's part of `items`, called `what`. Throws Error{usage} where there are fewer of them than parts.
+void check_parts(const Shard& shard, std::size_t items, const char* what);
+template <class Item>
+void keep_part(const Shard& shard, std::vector<Item>& items, const char* what)
+{
+    check_parts(shard, items.size(), what);
+    const auto [first, end] = shard.range(items.size());
+    items.erase(items.begin() + std::ptrdiff_t(end), items.end());
+    items.erase(items.begin(), items.begin() + std::ptrdiff_t(first));
+}
 
 /// From "3/8"; empty: all of the work. Throws Error{usage}.
 Shard shard_from(const std::string& text);

@@ -1,5 +1,6 @@
 // oncollide accuracy study: what a scene costs at which error, beside other libraries, as a table and as a page.
 #include "cli/command.hpp"
+#include "cli/shard.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -9,6 +10,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/output_file.hpp>
+#include <oncollide/pipeline/result_hash.hpp>
 
 #include "bench/bench.hpp"
 #include "study/play.hpp"
@@ -21,7 +23,7 @@ struct StudyOptions {
     WorkloadOptions workload;
     SettingsOptions settings;
     std::string depths, max_errors, backends = "cpu", bounding_volumes = "sphere,obb", exact = "off,predicates";
-    std::string viewports = "16", peers, html, csv, json;
+    std::string viewports = "16", peers, html, csv, json, shard;
     int warm_up = 3, repeats = 1;
 };
 
@@ -138,8 +140,12 @@ std::string names_of(const std::vector<StudyPeer>& peers)
 int accuracy_study(const StudyOptions& o)
 {
     check_range("--repeats", o.repeats, 1, 1000), check_range("--warm-up", o.warm_up, 0);
-    const std::vector<StudyVariant> variants = variants_of(o);
-    const std::vector<PeerKind> peers = peers_from_names(o.peers);
+    std::vector<StudyVariant> variants = variants_of(o);
+    std::vector<PeerKind> peers = peers_from_names(o.peers);
+    const Shard shard = shard_from(o.shard);
+    const std::size_t all = variants.size();
+    keep_part(shard, variants, "variants");
+    if (shard.part < shard.parts) peers.clear(); // the last rows
     std::vector<std::string> inputs = o.workload.what;
     inputs.push_back(o.workload.poses);
     check_files({{"--html", o.html}, {"--csv", o.csv}, {"--json", o.json}}, inputs);
@@ -160,7 +166,12 @@ int accuracy_study(const StudyOptions& o)
     for (const std::string& note : study.left_out) say("left out   {}\n", note);
     print_study(study);
     std::cout.flush();
-    write_file(o.csv, [&](OutputFile& file) { write_study_csv(file, study); });
+    write_file(o.csv, [&](OutputFile& file) {
+        file.write(shard.line(fmt::format("accuracy study, {}; {} variants, {} frames, warm-up {}, settings {:016x}",
+                                          printable(study.title), all, study.frames, study.warm_up,
+                                          hash_of(settings_from(o.settings)))));
+        write_study_csv(file, study);
+    });
     write_file(o.json, [&](OutputFile& file) { write_study_json(file, study, about); });
     write_file(o.html,
                [&](OutputFile& file) { write_study_page(file, study, draw_study_pictures(workload, study), about); });
@@ -204,6 +215,7 @@ Option add_study_options(Arguments sub, StudyOptions& o)
     sub.add_option("--html", o.html, "write a page with all of it, figures and pictures; needs no network")
         .type_name("FILE");
     sub.add_option("--csv", o.csv, "write one row a variant").type_name("FILE");
+    sub.add_option("--shard", o.shard, std::string("of the variants, ") + shard_help).type_name("I/N");
     sub.add_option("--json", o.json, "write the same as JSON, with the stages").type_name("FILE");
     return poses;
 }

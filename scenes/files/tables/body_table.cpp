@@ -10,9 +10,17 @@ namespace oncollide {
 
 void BodyRows::expect(std::size_t rows)
 {
-    if (rows > most_bodies - std::min(most_bodies, scene_.size()))
-        refuse(file_, fmt::format("{} bodies besides {}; a scene has at most {}", rows, scene_.size(), most_bodies));
+    const std::size_t most = scene_.holds_bodies() ? most_bodies : most_passed_bodies;
+    if (rows > most - std::min(most, scene_.size()))
+        refuse(file_, fmt::format("{} bodies besides {}; a scene has at most {}", rows, scene_.size(), most));
     scene_.reserve(scene_.size() + rows);
+}
+
+std::size_t BodyRows::wanted(std::size_t most) const
+{
+    std::size_t rows = 0;
+    while (rows < most && scene_.wants(scene_.size() + rows)) ++rows;
+    return rows;
 }
 
 void BodyRows::add(const BodyRow& row, FunctionRef<std::string()> place)

@@ -12,8 +12,9 @@ namespace oncollide {
 
 // Bodies as rows of a table, in a file of its own that a scene file names. Private to scenes.
 
-/// A file may hold at most so many bodies, in its scene file and its tables together.
-constexpr std::size_t most_bodies = 10'000'000;
+/// A scene may have at most so many bodies, in its scene file and its tables together; one that passes them on, as many
+/// as there are numbers for.
+constexpr std::size_t most_bodies = 10'000'000, most_passed_bodies = 2'000'000'000;
 
 /// One row. What a table has no column for stays as it is here.
 struct BodyRow {
@@ -40,6 +41,10 @@ public:
     const std::optional<GeometryId>& geometry() const { return geometry_; }
     /// Makes room; throws when that is too many.
     void expect(std::size_t rows);
+    /// Passes over the next row where the scene does not want it.
+    bool skip() { return scene_.skip_body(); }
+    /// How many of the next rows, `most` at most, the scene wants, up to the first that it does not.
+    std::size_t wanted(std::size_t most) const;
     /// @param place  where the row is, for errors
     void add(const BodyRow& row, FunctionRef<std::string()> place);
 

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -48,6 +49,14 @@ public:
         return {begin, static_cast<std::size_t>(stop - begin)};
     }
     void next_line() { ++line_; }
+    /// Passes over the rest of the line.
+    void skip_line()
+    {
+        const auto* const end = static_cast<const char*>(std::memchr(at_, '\n', static_cast<std::size_t>(end_ - at_)));
+        at_ = end ? end + 1 : end_;
+    }
+    /// The text that follows.
+    void go_on(std::string_view text) { at_ = text.data(), end_ = at_ + text.size(); }
 
 private:
     std::string_view next_quoted(bool& last)
@@ -170,21 +179,16 @@ private:
     std::string geometry_name_, name_;
 };
 
-} // namespace
-
-void read_csv_bodies(BodyRows& rows, const std::filesystem::path& path)
+/// The lines that `fields` holds.
+void read_rows(BodyRows& rows, CsvFields& fields, const std::vector<Column>& header, RowReader& reader)
 {
-    const FileBytes bytes = read_large_file(path, largest_table);
-    const std::string_view text = without_byte_order_mark(bytes);
-    CsvFields fields(rows.file(), text);
-    const std::vector<Column> header = read_header(fields, !rows.geometry());
-    if (rows.geometry() && std::ranges::find(header, geometry) != header.end())
-        fields.fail("the table has a column 'geometry', and the scene file gives one for all rows");
-    rows.expect(static_cast<std::size_t>(std::ranges::count(text, '\n')) - (text.back() == '\n'));
-    RowReader reader(rows, fields);
     const auto place = [&] { return fmt::format("{}: line {}", rows.file(), fields.line()); };
     while (!fields.at_end()) {
         fields.next_line();
+        if (rows.skip()) {
+            fields.skip_line();
+            continue;
+        }
         bool last = false;
         for (std::size_t k = 0; k < header.size(); ++k) {
             if (last) fields.fail(fmt::format("has {} fields; the header has {}", k, header.size()));
@@ -193,6 +197,79 @@ void read_csv_bodies(BodyRows& rows, const std::filesystem::path& path)
         if (!last) fields.fail(fmt::format("has more fields than the header, which has {}", header.size()));
         rows.add(reader.row, place);
     }
+}
+
+std::vector<Column> header_of(const BodyRows& rows, CsvFields& fields)
+{
+    std::vector<Column> header = read_header(fields, !rows.geometry());
+    if (rows.geometry() && std::ranges::find(header, geometry) != header.end())
+        fields.fail("the table has a column 'geometry', and the scene file gives one for all rows");
+    return header;
+}
+
+/// A file in pieces that end with a line, of which one is in memory.
+class Pieces {
+public:
+    explicit Pieces(const std::filesystem::path& path) : name_(path.string())
+    {
+        check_readable(path);
+        file_.open(path, std::ios::binary);
+    }
+    /// The next piece, valid until the next call; empty: there is none.
+    std::string_view next()
+    {
+        constexpr std::size_t size = std::size_t(1) << 20, longest_line = std::size_t(64) << 20;
+        text_.erase(0, taken_);
+        taken_ = 0;
+        while (file_ && taken_ == 0) {
+            const std::size_t before = text_.size();
+            if (before > longest_line) refuse(name_, "has a line of over 64 MB");
+            text_.resize(before + size);
+            file_.read(text_.data() + before, std::streamsize(size));
+            text_.resize(before + std::size_t(file_.gcount()));
+            if (file_.bad()) throw Error(ErrorKind::no_input, name_ + ": cannot be read");
+            taken_ = text_.rfind('\n') + 1; // none: 0
+        }
+        if (!file_) taken_ = text_.size();
+        return std::string_view(text_).substr(0, taken_);
+    }
+
+private:
+    std::string name_;
+    std::ifstream file_;
+    std::string text_;
+    std::size_t taken_ = 0;
+};
+
+/// For a scene that wants some of the rows: holds a piece of the file at a time.
+void read_csv_pieces(BodyRows& rows, const std::filesystem::path& path)
+{
+    Pieces pieces(path);
+    const std::string_view first = pieces.next();
+    if (first.empty()) refuse(rows.file(), "the file is empty");
+    CsvFields fields(rows.file(), without_byte_order_mark(first));
+    const std::vector<Column> header = header_of(rows, fields);
+    RowReader reader(rows, fields);
+    read_rows(rows, fields, header, reader);
+    for (std::string_view piece = pieces.next(); !piece.empty(); piece = pieces.next()) {
+        rows.expect(piece.size() / 2); // a line has two bytes at least
+        fields.go_on(piece);
+        read_rows(rows, fields, header, reader);
+    }
+}
+
+} // namespace
+
+void read_csv_bodies(BodyRows& rows, const std::filesystem::path& path)
+{
+    if (!rows.scene().holds_bodies()) return read_csv_pieces(rows, path);
+    const FileBytes bytes = read_large_file(path, largest_table);
+    const std::string_view text = without_byte_order_mark(bytes);
+    CsvFields fields(rows.file(), text);
+    const std::vector<Column> header = header_of(rows, fields);
+    rows.expect(static_cast<std::size_t>(std::ranges::count(text, '\n')) - (text.back() == '\n'));
+    RowReader reader(rows, fields);
+    read_rows(rows, fields, header, reader);
 }
 
 } // namespace oncollide

@@ -115,8 +115,15 @@ void read_hdf5_bodies(BodyRows& rows, const std::filesystem::path& path, const s
         refuse(rows.file(), fmt::format("{} rows are announced; the file is too short for them", columns.size()));
     if (rows.scene().geometries.size() == 0) refuse(rows.file(), "the scene has no geometries");
     rows.expect(columns.size());
-    for (std::uint64_t first = 0; first < columns.size(); first += block)
-        columns.add(first, std::min(block, columns.size() - first), rows);
+    for (std::uint64_t row = 0; row < columns.size();) {
+        if (rows.skip()) {
+            ++row;
+            continue;
+        }
+        const std::uint64_t count = rows.wanted(std::min(block, columns.size() - row));
+        columns.add(row, count, rows);
+        row += count;
+    }
 }
 
 } // namespace oncollide

@@ -88,16 +88,29 @@ Hdf5Column Hdf5File::column(const std::string& path, Numbers numbers, const std:
     return column;
 }
 
-void Hdf5Column::read(std::uint64_t first, std::uint64_t count, std::int64_t type, void* out) const
+void Hdf5Column::read(const std::vector<hsize_t>& start, const std::vector<hsize_t>& extent, std::int64_t type,
+                      void* out) const
 {
     const Hdf5& h5 = hdf5();
-    std::vector<hsize_t> start(extent_.size(), 0), extent = extent_;
-    start[0] = first, extent[0] = count;
     const Hdf5Handle memory(h5.H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr), h5.H5Sclose);
     if (h5.H5Sselect_hyperslab(space_.id(), H5S_SELECT_SET, start.data(), nullptr, extent.data(), nullptr) < 0 ||
         h5.H5Dread(dataset_.id(), type, memory.id(), space_.id(), H5P_DEFAULT, out) < 0)
-        refuse(place_,
-               fmt::format("rows {} to {} cannot be read; the file is damaged or cut off", first, first + count - 1));
+        refuse(place_, fmt::format("rows {} to {} cannot be read; the file is damaged or cut off", start[0],
+                                   start[0] + extent[0] - 1));
+}
+
+void Hdf5Column::read(std::uint64_t first, std::uint64_t count, std::int64_t type, void* out) const
+{
+    std::vector<hsize_t> start(extent_.size(), 0), extent = extent_;
+    start[0] = first, extent[0] = count;
+    read(start, extent, type, out);
+}
+
+void Hdf5Column::read_within(std::uint64_t row, std::uint64_t first, std::uint64_t count, double* out) const
+{
+    std::vector<hsize_t> start(extent_.size(), 0), extent = extent_;
+    start[0] = row, extent[0] = 1, start[1] = first, extent[1] = count;
+    read(start, extent, hdf5().native_double, out);
 }
 
 void Hdf5Column::read(std::uint64_t first, std::uint64_t count, double* out) const

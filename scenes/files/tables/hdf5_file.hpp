@@ -41,9 +41,13 @@ public:
     /// Rows `first` to `first + count`, converted as HDF5 does. Throws Error{bad_data} where they cannot be read.
     void read(std::uint64_t first, std::uint64_t count, double* out) const;
     void read(std::uint64_t first, std::uint64_t count, std::int64_t* out) const; ///< of whole numbers
+    /// Of one row, `first` to `first + count` along the second dimension.
+    void read_within(std::uint64_t row, std::uint64_t first, std::uint64_t count, double* out) const;
 
 private:
     friend class Hdf5File;
+    void read(const std::vector<unsigned long long>& start, const std::vector<unsigned long long>& extent,
+              std::int64_t type, void* out) const;
     void read(std::uint64_t first, std::uint64_t count, std::int64_t type, void* out) const;
 
     std::string place_; ///< file and dataset, for errors

@@ -28,10 +28,11 @@ public:
               FunctionRef<std::string(std::uint32_t)> name_of) override
     {
         frame = std::min(frame, frames - 1);
-        source_->read(frame, numbers_);
+        constexpr std::uint32_t block = 65'536; // bodies in memory at a time
         constexpr double farthest = 1e15, unit = 1e-3;
         for (std::uint32_t i = 0; i < bodies; ++i) {
-            const double* const n = &numbers_[numbers_each * i];
+            if (i % block == 0) source_->read(frame, i, std::min(block, bodies - i), numbers_);
+            const double* const n = &numbers_[numbers_each * (i % block)];
             const Eigen::Map<const Eigen::Vector3d> position(n);
             Eigen::Quaterniond rotation(n[6], n[3], n[4], n[5]);
             const double length = rotation.norm();
@@ -78,11 +79,12 @@ public:
                                       type_.size, found));
     }
 
-    void read(std::uint64_t frame, std::vector<double>& numbers) override
+    void read(std::uint64_t frame, std::uint64_t first, std::uint64_t count, std::vector<double>& numbers) override
     {
-        bytes_.resize(bodies * numbers_each * type_.size);
+        const std::size_t of_a_body = numbers_each * type_.size;
+        bytes_.resize(count * of_a_body);
         in_.clear();
-        in_.seekg(static_cast<std::streamoff>(begin_ + frame * bytes_.size()));
+        in_.seekg(static_cast<std::streamoff>(begin_ + (frame * bodies + first) * of_a_body));
         in_.read(bytes_.data(), static_cast<std::streamsize>(bytes_.size()));
         if (in_.gcount() != static_cast<std::streamsize>(bytes_.size()))
             refuse(name_, fmt::format("frame {}: cannot be read; the file was cut off", frame));

@@ -20,8 +20,8 @@ class PoseSource {
 public:
     virtual ~PoseSource() = default;
     std::uint64_t frames = 0, bodies = 0;
-    /// Seven numbers for each body.
-    virtual void read(std::uint64_t frame, std::vector<double>& numbers) = 0;
+    /// Seven numbers for each of `count` bodies from `first` on.
+    virtual void read(std::uint64_t frame, std::uint64_t first, std::uint64_t count, std::vector<double>& numbers) = 0;
 };
 
 // One function a format.

@@ -13,10 +13,10 @@ public:
         frames = poses_.rows(), bodies = poses_.extent(1);
     }
 
-    void read(std::uint64_t frame, std::vector<double>& numbers) override
+    void read(std::uint64_t frame, std::uint64_t first, std::uint64_t count, std::vector<double>& numbers) override
     {
-        numbers.resize(7 * bodies);
-        poses_.read(frame, 1, numbers.data());
+        numbers.resize(7 * count);
+        poses_.read_within(frame, first, count, numbers.data());
     }
 
 private:
