@@ -138,7 +138,13 @@ bool ModelStore::admit_boxes(Model& model, std::uint32_t frame)
     if (more.nodes > left(std::uint64_t(settings_.node_budget), cells() + reserved_.nodes) ||
         more.bytes > left(settings_.memory_budget, sphere_bytes() + reserved_.bytes))
         return false;
-    make_boxes(model, more);
+    if (!model.unreadable.empty()) return false;
+    try {
+        make_boxes(model, more);
+    } catch (const ChunkFault& fault) {
+        model.unreadable = fault.what();
+        return false;
+    }
     return true;
 }
 
@@ -177,10 +183,10 @@ void ModelStore::drop_chunks(std::size_t down_to) const
     }
 }
 
-void ModelStore::note(const ChunkFault& fault) const
+void ModelStore::note(const std::string& fault) const
 {
     const std::lock_guard lock(noting_);
-    ++noted_[fault.what()];
+    ++noted_[fault];
 }
 
 std::vector<std::string> ModelStore::faults() const

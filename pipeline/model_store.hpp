@@ -54,7 +54,7 @@ public:
     /// The level at which walks of pairs with that error end: two such trees certify it. The tree must be there.
     int depth(const Model& model, double max_error) const;
     /// Sees to it that a mesh, or the core of a shape, has its tree of oriented boxes, and a map or a terrain its own.
-    /// False when a budget has no room for the tree all grown. Not while the model's tree is being walked, unless it is
+    /// False when a budget has no room for the tree all grown, or the file of a cooked mesh cannot be read. Not while the model's tree is being walked, unless it is
     /// there.
     bool admit_boxes(Model& model, std::uint32_t frame);
     /// The same, whatever the budgets say; not for a map or a terrain.
@@ -66,7 +66,7 @@ public:
     template <class Work>
     auto with_room(Work work) const;
     /// A pair stays undecided for this reason.
-    void note(const ChunkFault& fault) const;
+    void note(const std::string& fault) const;
     /// What went wrong with cooked meshes, a line for each chunk or budget, and how many pairs and frames it touched.
     std::vector<std::string> faults() const;
 

@@ -198,7 +198,7 @@ RefineResult ObbRefiner::refine_there(const RefineContext& context, const PairTa
         });
     } catch (const ChunkFault& fault) {
         begin_again();
-        models_.note(fault);
+        models_.note(fault.what());
         return known;
     }
 }

@@ -250,6 +250,11 @@ Scene make_catalogue_scene(const SceneOptions& o)
 {
     CatalogueOptions options{.bodies = o.bodies, .frames = o.frames, .data = data_folder(o.data)};
     if (o.seed) options.seed = *o.seed;
+    if (o.on_demand && !o.cache.folder.empty())
+        options.tiles = [cache = CookedCache(o.cache.folder, parse_amount("--cache-size", o.cache.bytes))](
+                            const std::string& name, std::size_t count, const std::function<Mesh(std::size_t)>& make) {
+            return cache.tiles(name, count, make);
+        };
     check_range("--frames", o.frames.value_or(1), 1), check_range("--bodies", o.bodies.value_or(1), 1);
     Scene scene = make_scene(o.scene, options);
     scene.pace = o.pace;
