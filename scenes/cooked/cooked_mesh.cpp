@@ -154,6 +154,12 @@ std::shared_ptr<const CookedMesh::Top> CookedMesh::open() const
     }
 }
 
+bool CookedMesh::is_open() const
+{
+    const std::lock_guard lock(mutex_);
+    return kept_ || !open_.expired();
+}
+
 /// Reads and checks all but the chunks, and tells what an outline tells.
 CookedMesh::Top CookedMesh::read_file(CookedOutline& outline) const
 {

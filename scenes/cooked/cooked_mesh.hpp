@@ -102,6 +102,7 @@ public:
     };
     /// The top, to be held while it is used.
     std::shared_ptr<const Top> open() const;
+    bool is_open() const; ///< does anybody hold it?
 
     struct Chunk {
         std::vector<Eigen::Vector3d> vertices;

@@ -2,7 +2,9 @@
 #include "cli/cooked_tiles.hpp"
 #include "cli/outputs.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <chrono>
 #include <iostream>
@@ -15,6 +17,7 @@
 #include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/files/terrain_file.hpp>
 
 namespace oncollide::tools {
 namespace {
@@ -24,8 +27,28 @@ namespace fs = std::filesystem;
 struct CookOptions {
     std::string mesh, out, tiles;
     MeshOptions options;
+    double spacing = 0, vertical_scale = 1;
     bool check = false, quiet = false;
 };
+
+/// The mesh of the file, or the surface over its heights.
+Mesh read_source(const CookOptions& options)
+{
+    std::string extension = fs::path(options.mesh).extension().string();
+    std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+    const bool heights = !extension.empty() && std::ranges::count(terrain_extensions(), extension.substr(1)) > 0;
+    if (!heights) {
+        if (options.spacing != 0 || options.vertical_scale != 1)
+            usage("cook: --spacing and --vertical-scale are for files of heights");
+        return load_mesh(options.mesh, options.options);
+    }
+    if (options.options.scale != 1)
+        usage("cook: --scale is for meshes; of heights --spacing and --vertical-scale tell");
+    TerrainOptions terrain;
+    if (options.spacing != 0) terrain.spacing = Eigen::Vector2d::Constant(options.spacing);
+    terrain.vertical_scale = options.vertical_scale, terrain.centre = options.options.centre;
+    return mesh_of(load_terrain(options.mesh, terrain));
+}
 
 int check_file(const CookOptions& options)
 {
@@ -69,7 +92,7 @@ int cook_into_tiles(const CookOptions& options)
     if (options.out.empty()) usage("cook: --out FOLDER is needed");
     const auto [columns, rows] = tile_counts(options.tiles);
     const fs::path index = fs::path(options.out) / tile_index_name;
-    const Mesh mesh = load_mesh(options.mesh, options.options);
+    const Mesh mesh = read_source(options);
     const MeshTiles tiles(mesh, columns, rows);
     const TilesSize size = cook_tiles(
         options.out, tiles.size(), [&](std::size_t i) { return std::pair(tiles.name(i), tiles.mesh(i)); },
@@ -90,7 +113,7 @@ int cook(const CookOptions& options)
     check_files({{"--out", options.out}}, {options.mesh});
     using Clock = std::chrono::steady_clock;
     const auto begin = Clock::now();
-    const Mesh mesh = load_mesh(options.mesh, options.options);
+    const Mesh mesh = read_source(options);
     const auto read = Clock::now();
     const CookedSize size = cook_mesh(mesh, options.out);
     const auto end = Clock::now();
@@ -110,7 +133,10 @@ void add_cook(Arguments app)
 {
     Arguments sub = app.add_command("cook", "Write a mesh as a cooked file, which is read where pairs come near it");
     auto options = std::make_shared<CookOptions>();
-    sub.add_option("mesh", options->mesh, "mesh file (OBJ, STL, PLY, OFF, glTF; '-': standard input)")
+    sub.add_option("mesh", options->mesh,
+                   "mesh file (OBJ, STL, PLY, OFF, glTF; '-': standard input), or file of heights (GeoTIFF, DEM, PNG, "
+                   "PGM, npy), of "
+                   "which the surface is cooked")
         .required()
         .type_name("FILE");
     sub.add_option("-o,--out", options->out, "cooked file to write; with --tiles a folder").type_name("FILE.cooked");
@@ -118,6 +144,10 @@ void add_cook(Arguments app)
                    "cut the mesh along x and y into so many tiles, each a cooked file, with an index of them all")
         .type_name("COLUMNSxROWS");
     sub.add_option("--scale", options->options.scale, "metres per unit of the file (default 1)").type_name("S");
+    sub.add_option("--spacing", options->spacing, "heights: metres between neighbours (default: what the file says)")
+        .type_name("M");
+    sub.add_option("--vertical-scale", options->vertical_scale, "heights: metres per unit of the file (default 1)")
+        .type_name("S");
     sub.add_flag("--centre", options->options.centre, "move the middle of its box to the origin");
     sub.add_flag("--check", options->check,
                  "read all of a cooked file instead, or of all tiles of an index, and check every box");
@@ -127,6 +157,7 @@ void add_cook(Arguments app)
                "  oncollide check terrain.cooked car.obj --max-error 0.01\n"
                "  oncollide cook --check terrain.cooked\n"
                "  oncollide cook terrain.ply --tiles 100x100 -o land  # land/tiles.json\n"
+               "  oncollide cook heights.png --spacing 10 --vertical-scale 0.1 --tiles 20x20 -o land\n"
                "Scene files name a cooked file as any mesh file. Results are those of the mesh that was cooked. See "
                "docs/cooked.md.");
     sub.action([options] { return cook(*options); });
