@@ -73,6 +73,10 @@ public:
     {
         for (std::size_t c = 0; c < 6; ++c) box[c] = corner(place)[16 * c];
     }
+    void prefetch_box_at(std::uint32_t place) const
+    {
+        for (std::size_t c = 0; c < 6; ++c) __builtin_prefetch(&corner(place)[16 * c]);
+    }
     std::size_t bytes() const;
 
 private:

@@ -162,10 +162,13 @@ void DynamicTree::delimit(const BodyColumns& columns)
     if (delimited_) return;
     collect_queries();
     if (!whole_) {
-        for (std::uint32_t body : queries_) {
+        const bool layers = filter_.layers_forbid();
+        constexpr std::size_t ahead = 8; // places lie apart in memory, and so does what is known of bodies
+        for (std::size_t k = 0; k < queries_.size(); ++k) {
+            if (k + ahead < queries_.size()) tree_.prefetch_box_at(found_[k + ahead].a);
+            const std::uint32_t body = queries_[k];
             float box[6];
-            tree_.box_at(tree_.place_of(body), box);
-            const bool layers = filter_.layers_forbid();
+            tree_.box_at(found_[k].a, box); // as collect_queries() put it
             delimitation_.add(box, layers ? columns.layers[body] : ~0u, layers ? columns.masks[body] : ~0u);
         }
         delimitation_.run(tree_, filter_.layers_forbid(), threads_for(queries_.size()));

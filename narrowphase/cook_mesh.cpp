@@ -198,14 +198,14 @@ CookedSize check_cooked(const std::filesystem::path& path)
     const auto mesh = std::make_shared<const CookedMesh>(path);
     ChunkBudget budget(0);
     ObbTree tree(mesh, budget);
-    for (std::uint32_t chunk = 0; chunk < mesh->tree_chunks(); ++chunk) {
+    for (std::uint32_t chunk = 0; chunk < mesh->open()->tree_chunks; ++chunk) {
         tree.chunked()->need(chunk);
         tree.drop(chunk);
     }
     const Mesh whole = mesh->whole();
     if (whole.bounds.centre() != tree.centre() || ObbTree::radius_around(whole) != tree.radius() ||
         (mesh->closed() && *mesh->closed() != is_closed(whole)) ||
-        (mesh->parts() && *mesh->parts() != part_points_of(whole)))
+        (mesh->open()->parts && *mesh->open()->parts != part_points_of(whole)))
         throw Error(ErrorKind::bad_data,
                     path.string() + ": what it says of the mesh as a whole is wrong; cook it again");
     std::error_code ignored;

@@ -83,7 +83,9 @@ Surface Model::surface(const RootCell& root) const
 bool Model::closed() const
 {
     std::call_once(closed_once_, [this] {
-        if (is_mesh()) closed_ = cooked() && cooked()->closed() ? *cooked()->closed() : is_closed(*mesh());
+        if (!is_mesh()) return;
+        const std::optional<bool> known = cooked() ? cooked()->closed() : std::nullopt;
+        closed_ = known ? *known : is_closed(*mesh());
     });
     return closed_;
 }
@@ -93,8 +95,10 @@ std::span<const PartPoints> Model::parts() const
     std::call_once(parts_once_, [this] {
         if (!cooked())
             parts_ = part_points_of(geometry_->data);
+        else if (std::optional known = cooked()->parts())
+            parts_ = std::move(*known);
         else
-            parts_ = cooked()->parts() ? *cooked()->parts() : part_points_of(whole());
+            parts_ = part_points_of(whole());
     });
     return parts_;
 }

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <oncollide/broadphase/pose_bounds.hpp>
@@ -104,6 +105,7 @@ public:
     std::uint32_t number = 0;       ///< by which backends know its sphere-tree
     std::unique_ptr<Ocst> spheres;  ///< the sphere-tree; null until a test reaches it
     std::unique_ptr<ObbTree> boxes; ///< the hierarchy of oriented boxes of surface_mesh(); null until a test reaches it
+    std::string unreadable;         ///< why the hierarchy of a cooked mesh cannot be had; empty: it can
     /// Frame in which a pair last needed it.
     std::atomic<std::uint32_t> boxes_used = 0;
 

@@ -137,12 +137,19 @@ void Bodies::take_changes(BodyChanges& changes)
 
 void update_boxes(Bodies& bodies, const BodyChanges& changes, bool tight, int threads)
 {
+    constexpr std::size_t ahead = 8;
     for (const auto* list : {&changes.added_fixed, &changes.added_moving, &changes.moved}) {
-        if (tight)
-            for (std::uint32_t slot : *list) bodies.model(slot).bounds().expect(bodies.pose(slot));
+        const auto prefetch = [&](std::size_t i) {
+            if (i + ahead < list->size()) bodies.prefetch((*list)[i + ahead]);
+        };
+        for (std::size_t i = 0; tight && i < list->size(); ++i) {
+            prefetch(i);
+            bodies.model((*list)[i]).bounds().expect(bodies.pose((*list)[i]));
+        }
         parallel_chunks(list->size(), 2048, threads, [&](std::size_t begin, std::size_t end, int) {
             for (std::size_t i = begin; i < end; ++i) {
                 const std::uint32_t slot = (*list)[i];
+                prefetch(i);
                 const PoseBounds& bounds = bodies.model(slot).bounds();
                 bodies.boxes()[slot] = tight ? bounds.box(bodies.pose(slot)) : bounds.sphere_box(bodies.pose(slot));
             }

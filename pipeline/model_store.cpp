@@ -35,6 +35,7 @@ ModelId ModelStore::add(std::shared_ptr<const Geometry> geometry)
     const std::uint32_t slot = free_.back();
     free_.pop_back();
     model->number = 2 * slot;
+    if (model->terrain()) terrains_.push_back(model.get());
     slots_[slot].model = std::move(model);
     ++size_;
     return {slot, slots_[slot].generation};
@@ -42,9 +43,13 @@ ModelId ModelStore::add(std::shared_ptr<const Geometry> geometry)
 
 void ModelStore::drop(Model& model)
 {
+    const LookAhead::Pause pause(ahead_.get());
+    if (ahead_) ahead_->forget(model);
+    drop_prepared(&model, 0, 0);
     drop_spheres(model.number);
     drop_boxes(model);
     std::erase(with_boxes_, &model);
+    std::erase(terrains_, &model);
 }
 
 void ModelStore::replace(ModelId id, std::shared_ptr<const Geometry> geometry)
@@ -54,6 +59,7 @@ void ModelStore::replace(ModelId id, std::shared_ptr<const Geometry> geometry)
     Slot& slot = slots_[id.slot];
     drop(*slot.model);
     if (&model->geometry() != slot.own.get()) slot.own.reset();
+    if (model->terrain()) terrains_.push_back(model.get());
     slot.model = std::move(model);
 }
 
@@ -138,7 +144,13 @@ bool ModelStore::admit_boxes(Model& model, std::uint32_t frame)
     if (more.nodes > left(std::uint64_t(settings_.node_budget), cells() + reserved_.nodes) ||
         more.bytes > left(settings_.memory_budget, sphere_bytes() + reserved_.bytes))
         return false;
-    make_boxes(model, more);
+    if (!model.unreadable.empty()) return false;
+    try {
+        make_boxes(model, more);
+    } catch (const ChunkFault& fault) {
+        model.unreadable = fault.what();
+        return false;
+    }
     return true;
 }
 
@@ -151,9 +163,58 @@ ObbTree& ModelStore::boxes(Model& model, std::uint32_t frame)
 
 void ModelStore::make_boxes(Model& model, const Room& room)
 {
-    model.make_boxes(reads_on_demand(settings_) ? &chunks_ : nullptr);
+    const auto make = [&] { model.make_boxes(reads_on_demand(settings_) ? &chunks_ : nullptr); };
+    if (!ahead_) {
+        make();
+    } else {
+        const std::lock_guard lock(preparing_);
+        const auto found = std::ranges::find(prepared_, &model, &Prepared::model);
+        if (found == prepared_.end())
+            make();
+        else
+            model.boxes = std::move(found->boxes), prepared_.erase(found);
+    }
     with_boxes_.push_back(&model);
     reserved_.nodes += room.nodes, reserved_.bytes += room.bytes;
+}
+
+void ModelStore::look_ahead(std::vector<Ahead> parts)
+{
+    if (!ahead_) ahead_ = std::make_unique<LookAhead>([this](const Ahead& part) { prepare(part); });
+    ahead_->set(std::move(parts));
+}
+
+/// By the thread that looks ahead. What fails here is told when a pair needs it.
+void ModelStore::prepare(const Ahead& part)
+{
+    constexpr std::uint32_t fine = 64; // triangles: what is below a walk grows in no time
+    try {
+        ObbTree* tree = nullptr;
+        {
+            const std::lock_guard lock(preparing_);
+            const auto found = std::ranges::find(prepared_, part.model, &Prepared::model);
+            if (found != prepared_.end())
+                tree = found->boxes.get(), found->frame = frame_;
+            else
+                tree = part.model->boxes.get();
+        }
+        if (!tree) {
+            const auto& cooked = std::get<std::shared_ptr<const CookedMesh>>(part.model->geometry().data);
+            auto made = std::make_unique<ObbTree>(cooked, chunks_);
+            const std::lock_guard lock(preparing_);
+            tree = part.model->boxes.get();
+            if (!tree) tree = made.get(), prepared_.push_back({part.model, std::move(made), frame_});
+        }
+        tree->grow_in(part.box, fine);
+    } catch (const ChunkFault&) {
+    } catch (const std::bad_alloc&) {
+    }
+}
+
+/// Of a model, or those that were not wanted for so long; the thread is at rest.
+void ModelStore::drop_prepared(const Model* of, std::uint32_t frame, std::uint32_t age)
+{
+    std::erase_if(prepared_, [&](const Prepared& p) { return of ? p.model == of : frame - p.frame >= age; });
 }
 
 /// The chunks that were not needed for longest, until so much is held, or all.
@@ -165,11 +226,14 @@ void ModelStore::drop_chunks(std::size_t down_to) const
         std::uint32_t chunk;
     };
     std::vector<Candidate> candidates;
-    for (const Model* model : with_boxes_)
-        if (const MeshChunks* chunks = model->boxes->chunked())
+    const auto add = [&](ObbTree* tree) {
+        if (const MeshChunks* chunks = tree->chunked())
             chunks->each_there([&](std::uint32_t chunk, std::uint64_t needed) {
-                candidates.push_back({needed, model->boxes.get(), chunk});
+                candidates.push_back({needed, tree, chunk});
             });
+    };
+    for (const Model* model : with_boxes_) add(model->boxes.get());
+    for (const Prepared& prepared : prepared_) add(prepared.boxes.get());
     std::ranges::stable_sort(candidates, {}, &Candidate::needed);
     for (const Candidate& candidate : candidates) {
         if (chunks_.held() <= down_to) return;
@@ -177,10 +241,10 @@ void ModelStore::drop_chunks(std::size_t down_to) const
     }
 }
 
-void ModelStore::note(const ChunkFault& fault) const
+void ModelStore::note(const std::string& fault) const
 {
     const std::lock_guard lock(noting_);
-    ++noted_[fault.what()];
+    ++noted_[fault];
 }
 
 std::vector<std::string> ModelStore::faults() const
@@ -296,6 +360,10 @@ void ModelStore::drop_spheres(std::uint32_t slot)
 std::uint64_t ModelStore::collapse(std::uint32_t frame, std::uint32_t age)
 {
     std::uint64_t dropped = 0;
+    const LookAhead::Pause pause(ahead_.get(), false);
+    late_ = pause.failed();
+    if (late_) return 0; // in the next frame
+    drop_prepared(nullptr, frame, age);
     std::erase_if(with_boxes_, [&](Model* model) {
         if (frame - model->boxes_used < age) return false;
         dropped += drop_boxes(*model);
@@ -313,9 +381,13 @@ std::uint64_t ModelStore::collapse(std::uint32_t frame, std::uint32_t age)
 std::uint64_t ModelStore::age(std::uint32_t frame)
 {
     auto limit = static_cast<std::uint32_t>(settings_.age_limit);
+    if (ahead_) {
+        const std::lock_guard lock(preparing_);
+        frame_ = frame;
+    }
     std::uint64_t dropped = 0;
     // Looking at every cell costs; a few looks per age are enough.
-    if (frame % std::max(1u, limit / 8) == 0) dropped = collapse(frame, limit);
+    if (late_ || frame % std::max(1u, limit / 8) == 0) dropped = collapse(frame, limit);
     while (settings_.memory_budget && limit > 0 && bytes() > settings_.memory_budget) {
         limit /= 2;
         dropped += collapse(frame, limit);
@@ -347,7 +419,7 @@ std::size_t ModelStore::sphere_bytes() const
 std::size_t ModelStore::bytes() const
 {
     std::size_t sum = sphere_bytes();
-    for (const Slot& slot : slots_) sum += slot.model ? slot.model->heights_bytes() : 0;
+    for (const Model* model : terrains_) sum += model->heights_bytes();
     for (const Model* model : with_boxes_) sum += model->boxes->bytes();
     return sum;
 }

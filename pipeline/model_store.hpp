@@ -11,6 +11,7 @@
 #include <oncollide/narrowphase/model.hpp>
 #include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
 #include <oncollide/narrowphase/spheres/walk.hpp>
+#include <oncollide/pipeline/look_ahead.hpp>
 #include <oncollide/pipeline/settings.hpp>
 #include <oncollide/scenes/ids.hpp>
 
@@ -54,8 +55,8 @@ public:
     /// The level at which walks of pairs with that error end: two such trees certify it. The tree must be there.
     int depth(const Model& model, double max_error) const;
     /// Sees to it that a mesh, or the core of a shape, has its tree of oriented boxes, and a map or a terrain its own.
-    /// False when a budget has no room for the tree all grown. Not while the model's tree is being walked, unless it is
-    /// there.
+    /// False when a budget has no room for the tree all grown, or the file of a cooked mesh cannot be read. Not while
+    /// the model's tree is being walked, unless it is there.
     bool admit_boxes(Model& model, std::uint32_t frame);
     /// The same, whatever the budgets say; not for a map or a terrain.
     ObbTree& boxes(Model& model, std::uint32_t frame);
@@ -65,8 +66,11 @@ public:
     /// read, or the budget is too small for it.
     template <class Work>
     auto with_room(Work work) const;
+    /// Has another thread open these parts and grow their trees, in place of what it was given before.
+    void look_ahead(std::vector<Ahead> parts);
+
     /// A pair stays undecided for this reason.
-    void note(const ChunkFault& fault) const;
+    void note(const std::string& fault) const;
     /// What went wrong with cooked meshes, a line for each chunk or budget, and how many pairs and frames it touched.
     std::vector<std::string> faults() const;
 
@@ -103,6 +107,8 @@ private:
     static Room all_grown(const Model& model);
 
     void make_boxes(Model& model, const Room& room);
+    void prepare(const Ahead& part);
+    void drop_prepared(const Model* of, std::uint32_t frame, std::uint32_t age);
     void drop_chunks(std::size_t down_to) const;
     void drop(Model& model);
     Model& by_number(std::uint32_t number) const;
@@ -127,6 +133,7 @@ private:
     std::vector<std::uint32_t> with_spheres_; ///< numbers of models that have a sphere-tree
     std::vector<Model*> with_boxes_;          ///< models that have a tree of oriented boxes
     Room reserved_;                           ///< for these, all grown
+    std::vector<const Model*> terrains_;      ///< of slots
     std::vector<OctantRow> rows_;             ///< of the batch under way
     std::vector<OctantResult> results_;
     int threads_ = 1;
@@ -135,6 +142,18 @@ private:
     mutable std::shared_mutex walking_; ///< shared by those who walk where chunks may be dropped
     mutable std::mutex noting_;
     mutable std::map<std::string, std::uint64_t> noted_; ///< pairs by reason
+
+    /// A tree that another thread made before a pair needed it.
+    struct Prepared {
+        Model* model;
+        std::unique_ptr<ObbTree> boxes;
+        std::uint32_t frame; ///< when it was last wanted
+    };
+    mutable std::mutex preparing_; ///< of what follows, and of Model::boxes of cooked meshes while it is set
+    std::vector<Prepared> prepared_;
+    std::unique_ptr<LookAhead> ahead_; ///< null until it is needed; ends before the rest
+    std::uint32_t frame_ = 0;          ///< of the last age()
+    bool late_ = false;                ///< should have dropped what is old, but the other thread was at it
 };
 
 template <class Work>
@@ -147,6 +166,7 @@ auto ModelStore::with_room(Work work) const
     } catch (const NoRoomForChunk&) {
     }
     const std::unique_lock lock(walking_);
+    const LookAhead::Pause pause(ahead_.get());
     try {
         drop_chunks(chunks_.limit() / 2);
         return work();

@@ -89,7 +89,11 @@ private:
     {
         frame.cache.begin_frame(frame.pairs, frame.fresh);
         frame.results.clear(), frame.results.reserve(frame.pairs.size());
-        for (const BodyPair pair : frame.pairs) frame.results.push_back(undecided(bodies, pair));
+        constexpr std::size_t ahead = 8;
+        for (std::size_t i = 0; i < frame.pairs.size(); ++i) {
+            if (i + ahead < frame.pairs.size()) bodies.prefetch(frame.pairs[i + ahead].b); // a is near the last one
+            frame.results.push_back(undecided(bodies, frame.pairs[i]));
+        }
     }
 
     LevelRun level_;

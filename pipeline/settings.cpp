@@ -122,6 +122,10 @@ void check(const Settings& s)
                     "ignore-touching needs clearance = 0: bodies that touch are inside any clearance");
     require(s.threads >= 0 && s.threads <= 1024, "threads", s.threads, "0 (all) to 1024");
     require(s.age_limit >= 1 && s.age_limit <= 1'000'000, "age", s.age_limit, "1 to 1000000 frames");
+    require(s.look_ahead >= 0 && s.look_ahead <= 10'000, "look-ahead", s.look_ahead, "0 (off) to 10000 frames");
+    if (s.look_ahead > 0 && s.memory_budget > 0)
+        throw Error(ErrorKind::usage, "look-ahead: not with memory-budget, as results would depend on how far another "
+                                      "thread came; bound cooked meshes by resident instead");
     if (s.backend == BackendKind::gl_raster)
         throw Error(ErrorKind::usage,
                     "backend = gl-raster: left out, gl-compute was faster wherever both ran; use gl-compute");

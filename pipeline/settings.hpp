@@ -53,8 +53,10 @@ struct Settings {
                                      ///< to 16 MiB, bounds the walks that wait for trees to grow
     std::size_t resident_budget = 0; ///< bytes that chunks of cooked meshes may hold; 0: no limit. What a pair needs is
                                      ///< read again; a pair that needs more than that at once stays `undecided`
-    bool coherence = true;           ///< try what decided a pair last first, and leave those apart that cannot have met
-                                     ///< since. Never changes the result: without, every pair is walked all the same
+    int look_ahead = 0; ///< frames for which another thread prepares the cooked meshes that bodies come near, as far as
+                        ///< their motion tells; 0: none does. Never changes the result
+    bool coherence = true; ///< try what decided a pair last first, and leave those apart that cannot have met
+                           ///< since. Never changes the result: without, every pair is walked all the same
     /// Asked every few pairs, by any thread of the call. From when it returns true, pairs that are not refined yet stay
     /// `undecided`, so that step(), query() and MeshQueries::run() end soon; the next call knows nothing of it.
     std::function<bool()> stop{};

@@ -25,6 +25,7 @@ struct World::Impl {
     std::vector<std::unique_ptr<Stage>> stages;
     std::vector<std::uint8_t> skipped; ///< by stage: by request
     std::vector<StageStats> stats, totals;
+    Courses courses;
     std::vector<PairOfBodies> active, last_active, began, ended; ///< active: not separate in the last frame
     std::string backend_note;
     std::uint64_t hash = 0;
@@ -75,6 +76,7 @@ struct World::Impl {
     /// Hands what changed to the broad phase and makes the boxes that are out of date.
     void take_in_changes();
     void find_events();
+    void look_ahead();
     /// For const calls: the broad phase is current afterwards.
     void bring_up_to_date();
 

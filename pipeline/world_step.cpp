@@ -165,6 +165,7 @@ FrameView World::step()
         total.skipped &= stats.skipped, total.note = total.skipped ? stats.note : std::string_view{};
     }
     p.find_events();
+    p.look_ahead();
     for (std::uint32_t slot : frame.fresh_slots) frame.fresh[slot] = 0;
     frame.fresh_slots.clear(), frame.moved = 0;
 
@@ -184,6 +185,15 @@ FrameView World::step()
             trees,
             frame.context.rounds,
             hash};
+}
+
+/// Has what moving bodies come to next prepared.
+void World::Impl::look_ahead()
+{
+    if (settings.look_ahead == 0 || !reads_on_demand(settings)) return;
+    std::vector<Ahead> parts = courses.find(bodies, frame.changes.moved, *broad, frame.number,
+                                            static_cast<std::uint32_t>(settings.look_ahead));
+    if (!parts.empty()) models.look_ahead(std::move(parts));
 }
 
 /// Both lists are sorted by the slots; a pair of slots that other bodies have by now is another pair.

@@ -40,17 +40,17 @@ void ChunkBudget::take(std::size_t bytes, const std::string& who)
 }
 
 MeshChunks::MeshChunks(std::shared_ptr<const CookedMesh> mesh, ChunkBudget& budget)
-    : mesh_(std::move(mesh)), budget_(budget), chunks_(mesh_->tree_chunks())
+    : mesh_(std::move(mesh)), top_(mesh_->open()), budget_(budget), chunks_(top_->tree_chunks)
 {
     place_chunks();
     add_upper_nodes();
-    budget_.hold(held_ = mesh_->bytes() + chunks_.size() * sizeof(Chunk) + upper_ * sizeof(BoxNode));
+    held_ = top_->bytes() + chunks_.size() * sizeof(Chunk) + upper_ * sizeof(BoxNode);
 }
 
 MeshChunks::~MeshChunks()
 {
     for (std::uint32_t block = 0; block < next_block_; ++block) delete[] blocks_[block];
-    budget_.give(held_);
+    for (const Chunk& chunk : chunks_) budget_.give(chunk.held);
 }
 
 void MeshChunks::place_chunks()
@@ -59,13 +59,13 @@ void MeshChunks::place_chunks()
     for (std::size_t c = 0; c < chunks_.size(); ++c) {
         chunks_[c].first = static_cast<std::uint32_t>(triangles);
         chunks_[c].first_vertex = static_cast<std::uint32_t>(vertices);
-        triangles += up_to(mesh_->chunk_triangles(c), triangle_step);
-        vertices += up_to(mesh_->chunk_vertices(c), vertex_step);
-        blocks += mesh_->chunk_triangles(c) / nodes_per_block + 2;
+        triangles += up_to(top_->chunks[c].triangles, triangle_step);
+        vertices += up_to(top_->chunks[c].vertices, vertex_step);
+        blocks += top_->chunks[c].triangles / nodes_per_block + 2;
     }
     if (std::max(triangles, vertices) > std::numeric_limits<std::uint32_t>::max())
         throw ChunkFault(ErrorKind::bad_data, mesh_->name() + ": has too many triangles for one mesh");
-    blocks += mesh_->nodes().size() / sizeof(BoxNode) / nodes_per_block + 2;
+    blocks += top_->nodes.size() / sizeof(BoxNode) / nodes_per_block + 2;
     std::uint64_t bytes = 0;
     const auto room = [&](std::uint64_t size) { return std::exchange(bytes, up_to(bytes + size, LazyMemory::page)); };
     const std::uint64_t at[] = {room(vertices * sizeof vertices_[0]), room(triangles * sizeof triangles_[0]),
@@ -83,7 +83,7 @@ void MeshChunks::place_chunks()
 /// Checks that they are a tree, each of whose leaves is the next chunk, and that its numbers are such as trees have.
 void MeshChunks::add_upper_nodes()
 {
-    const auto from = mesh_->nodes();
+    const std::span from(top_->nodes);
     const auto fail = [&](std::uint32_t node, const char* what) {
         throw ChunkFault(ErrorKind::bad_data, fmt::format("{}: node {} of its upper levels {}; cook the file again",
                                                           mesh_->name(), node, what));
@@ -108,7 +108,7 @@ void MeshChunks::add_upper_nodes()
         const std::uint32_t index = lane.node ? at(lane.node).child[lane.k] : 1;
         if (index == 0) {
             BoxNode& node = at(lane.node);
-            if (chunk == chunks_.size() || mesh_->chunk_triangles(chunk) != node.count[lane.k])
+            if (chunk == chunks_.size() || top_->chunks[chunk].triangles != node.count[lane.k])
                 fail(lane.node, "has a box that is not around its chunk");
             node.begin[lane.k] = chunks_[chunk].first;
             chunks_[chunk++].lane = lane;
@@ -148,7 +148,7 @@ std::uint32_t MeshChunks::chunk_of(std::uint32_t triangle) const
 
 std::size_t MeshChunks::data_bytes(std::uint32_t chunk) const
 {
-    const std::uint64_t triangles = mesh_->chunk_triangles(chunk), vertices = mesh_->chunk_vertices(chunk);
+    const std::uint64_t triangles = top_->chunks[chunk].triangles, vertices = top_->chunks[chunk].vertices;
     return up_to(vertices * sizeof vertices_[0], LazyMemory::page) +
            up_to(triangles * sizeof triangles_[0], LazyMemory::page) +
            2 * up_to(triangles * sizeof order_[0], LazyMemory::page);
@@ -217,7 +217,7 @@ std::uint32_t MeshChunks::add_node(std::uint32_t chunk)
     if (c.last_room == 0) {
         // A box holds a triangle at least, so that there are no more nodes than these.
         const auto made = static_cast<std::uint32_t>(c.blocks.size()) * nodes_per_block;
-        const std::uint32_t room = std::min(nodes_per_block, mesh_->chunk_triangles(chunk) + 1 - made);
+        const std::uint32_t room = std::min(nodes_per_block, top_->chunks[chunk].triangles + 1 - made);
         const std::size_t bytes = room * sizeof(BoxNode);
         budget_.take(bytes, mesh_->name());
         if (free_blocks_.empty()) free_blocks_.push_back(next_block_++);
@@ -227,7 +227,7 @@ std::uint32_t MeshChunks::add_node(std::uint32_t chunk)
         c.blocks.push_back(block), c.last_room = room, c.held += bytes, held_ += bytes;
     }
     const std::uint32_t in_block = std::min(
-        nodes_per_block, mesh_->chunk_triangles(chunk) + 1 - (std::uint32_t(c.blocks.size()) - 1) * nodes_per_block);
+        nodes_per_block, top_->chunks[chunk].triangles + 1 - (std::uint32_t(c.blocks.size()) - 1) * nodes_per_block);
     nodes_.fetch_add(1, std::memory_order_relaxed);
     return c.blocks.back() * nodes_per_block + (in_block - c.last_room--);
 }
@@ -242,7 +242,7 @@ void MeshChunks::drop(std::uint32_t chunk)
         blocks_[block] = nullptr, owner_[block] = 0;
         free_blocks_.push_back(block), nodes += nodes_per_block;
     }
-    const std::uint32_t triangles = mesh_->chunk_triangles(chunk);
+    const std::uint32_t triangles = top_->chunks[chunk].triangles;
     if (!c.blocks.empty()) nodes = std::min(nodes, triangles + 1) - c.last_room;
     nodes_.fetch_sub(nodes, std::memory_order_relaxed);
     c.blocks.clear(), c.last_room = 0;
@@ -250,7 +250,7 @@ void MeshChunks::drop(std::uint32_t chunk)
         const auto begin = reinterpret_cast<std::byte*>(array + first) - memory_.data();
         memory_.give_back(std::size_t(begin), count * sizeof array[0]);
     };
-    give_back(vertices_, c.first_vertex, mesh_->chunk_vertices(chunk));
+    give_back(vertices_, c.first_vertex, top_->chunks[chunk].vertices);
     give_back(triangles_, c.first, triangles), give_back(order_, c.first, triangles);
     give_back(numbers_, c.first, triangles);
     budget_.give(c.held), held_ -= c.held, c.held = 0;

@@ -22,8 +22,6 @@ public:
     std::size_t held() const { return held_.load(std::memory_order_relaxed); }
     /// Throws NoRoomForChunk, in the name of `who`, where that is more than there may be.
     void take(std::size_t bytes, const std::string& who);
-    /// The same for what is always held.
-    void hold(std::size_t bytes) { held_.fetch_add(bytes, std::memory_order_relaxed); }
     void give(std::size_t bytes) { held_.fetch_sub(bytes, std::memory_order_relaxed); }
 
     /// Goes up with each chunk that is read.
@@ -106,6 +104,7 @@ private:
     std::size_t data_bytes(std::uint32_t chunk) const;
 
     const std::shared_ptr<const CookedMesh> mesh_;
+    const std::shared_ptr<const CookedMesh::Top> top_;
     ChunkBudget& budget_;
     LazyMemory memory_;
     Eigen::Vector3d* vertices_ = nullptr;

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 
+#include <oncollide/narrowphase/boxes/box_fit.hpp>
 #include <oncollide/narrowphase/boxes/oriented_box.hpp>
+#include <oncollide/narrowphase/boxes/triangle_parts.hpp>
 
 namespace oncollide {
 
@@ -14,8 +17,8 @@ constexpr unsigned most_lanes = 8;
 /// Triangles whose box is fitted. Boxes of more lie along the mesh's axes: fitting costs ten times what looking at
 /// bounds does, and of a mesh so large the first answer would wait for it.
 constexpr std::size_t most_fitted = 16384;
-/// Room for so many is kept from one node to the next.
-constexpr std::size_t most_kept = 256;
+/// Room for so many is kept from one node to the next, by each thread.
+constexpr std::size_t most_kept = 4096;
 
 /// Of more the upper levels come from a grid.
 constexpr std::size_t most_split = 131072;
@@ -23,6 +26,17 @@ constexpr std::size_t most_split = 131072;
 std::atomic<std::uint32_t> trees_made = 1;
 
 } // namespace
+
+struct ObbTree::Growing {
+    TriangleParts parts; ///< of the box that grows
+    TriangleColumns columns;
+};
+
+ObbTree::Growing& ObbTree::growing()
+{
+    static thread_local Growing of_thread;
+    return of_thread;
+}
 
 ObbTree::ObbTree(const Mesh& mesh)
     : mesh_(&mesh), identity_(trees_made.fetch_add(1, std::memory_order_relaxed)), centre_(mesh.bounds.centre()),
@@ -78,6 +92,24 @@ LaneMasks ObbTree::open(Node index, const BoxPlacement* placement, OpenBoxes& bo
     return {from.leaves, from.singles};
 }
 
+void ObbTree::grow_in(const Aabb& box, std::uint32_t triangles)
+{
+    const Aabb around{box.min - centre_, box.max - centre_};
+    std::vector<std::uint32_t> waiting{root};
+    while (!waiting.empty()) {
+        const std::uint32_t index = waiting.back();
+        waiting.pop_back();
+        if (chunked_) chunked_->opened(index);
+        for (unsigned k = 0; k < node(index).lanes; ++k) {
+            const BoxNode& from = node(index);
+            if (from.count[k] <= std::max(triangles, 1u)) continue;
+            const Eigen::Vector3d centre = centre_of(from, k);
+            const Eigen::Vector3d nearest = centre.cwiseMax(around.min).cwiseMin(around.max);
+            if ((nearest - centre).norm() <= radius_of(from, k)) waiting.push_back(child(index, k));
+        }
+    }
+}
+
 void ObbTree::number_triangles()
 {
     own_order_.resize(mesh_->triangles.size());
@@ -95,7 +127,8 @@ std::uint32_t ObbTree::add_node()
 {
     if (chunked_) return chunked_->add_node(grows_in_);
     const std::uint32_t index = used_.fetch_add(1);
-    if (!chunks_[index / chunk]) chunks_[index / chunk] = new BoxNode[room_in(index / chunk)]();
+    if (!chunks_[index / chunk]) chunks_[index / chunk] = new BoxNode[room_in(index / chunk)];
+    std::memset(static_cast<void*>(&at(index)), 0, sizeof(BoxNode)); // not the chunk: of most trees few are needed
     return index;
 }
 
@@ -111,18 +144,19 @@ std::uint32_t ObbTree::grow(std::uint32_t parent, unsigned k)
         number_triangles();
     if (count > most_split)
         if (const std::uint32_t index = grow_by_grid(above, k)) return index;
-    parts_.start({vertices_, triangles_, chunked_ ? chunked_->numbers() : nullptr}, centre_, {order_ + begin, count});
+    Growing& g = growing();
+    g.parts.start({vertices_, triangles_, chunked_ ? chunked_->numbers() : nullptr}, centre_, {order_ + begin, count});
     const std::uint32_t index = add_node();
     BoxNode& node = at(index);
     set_frame(node, centre_of(above, k), radius_of(above, k));
     // A leaf keeps the order of its triangles, which others may be reading.
-    if (count > leaf_triangles) parts_.split(std::min(most_lanes, count));
+    if (count > leaf_triangles) g.parts.split(std::min(most_lanes, count));
     for (std::size_t from = 0; from < count; ++node.lanes) {
-        const std::size_t to = count > leaf_triangles ? parts_.end(node.lanes) : from + 1;
-        add_lane(node, from, to, begin);
+        const std::size_t to = count > leaf_triangles ? g.parts.end(node.lanes) : from + 1;
+        add_lane(g, node, from, to, begin);
         from = to;
     }
-    if (count > most_kept) parts_ = {}, columns_ = {}; // rarely needed again, and then less
+    if (count > most_kept) g = {}; // rarely needed again, and then less
     std::atomic_ref(above.child[k]).store(index, std::memory_order_release);
     return index;
 }
@@ -157,7 +191,7 @@ std::uint32_t ObbTree::add_nodes(const GridPart& part, std::uint32_t begin)
     return index;
 }
 
-void ObbTree::add_lane(BoxNode& node, std::size_t from, std::size_t to, std::uint32_t begin)
+void ObbTree::add_lane(Growing& g, BoxNode& node, std::size_t from, std::size_t to, std::uint32_t begin)
 {
     const unsigned k = node.lanes;
     const std::size_t size = to - from;
@@ -166,17 +200,17 @@ void ObbTree::add_lane(BoxNode& node, std::size_t from, std::size_t to, std::uin
     node.singles |= unsigned(size == 1) << k;
     for (std::size_t i = from; i < to; ++i) {
         std::uint32_t& place = order_[begin + i];
-        if (place != parts_.triangle(i)) place = parts_.triangle(i);
+        if (place != g.parts.triangle(i)) place = g.parts.triangle(i);
     }
     if (size > most_fitted) {
         Aabb box;
         for (std::size_t i = from; i < to; ++i)
-            for (const Eigen::Vector3d& p : parts_.corners(i)) box.add(p);
+            for (const Eigen::Vector3d& p : g.parts.corners(i)) box.add(p);
         return set_box(node, k, box);
     }
-    columns_.resize(size);
-    for (std::size_t i = 0; i < size; ++i) columns_.set(i, parts_.corners(from + i));
-    fit_box(node, k, columns_, parts_.bounds(from, to));
+    g.columns.resize(size);
+    for (std::size_t i = 0; i < size; ++i) g.columns.set(i, g.parts.corners(from + i));
+    fit_box(node, k, g.columns, g.parts.bounds(from, to));
 }
 
 std::size_t ObbTree::most_bytes(std::size_t triangles)
@@ -188,13 +222,12 @@ std::size_t ObbTree::most_bytes(std::size_t triangles)
 
 std::size_t ObbTree::bytes() const
 {
-    const std::size_t growing = parts_.bytes() + columns_.bytes();
-    if (chunked_) return chunked_->bytes() + growing;
-    std::size_t nodes = 0;
-    for (std::size_t c = 0; c < own_chunks_.size(); ++c)
-        if (chunks_[c]) nodes += room_in(c);
+    if (chunked_) return chunked_->bytes(); // it may grow beside this
+    // Chunks come one after the other.
+    const std::size_t nodes =
+        std::min<std::size_t>((used_.load() + chunk - 1) / chunk * chunk, most_nodes(mesh_->triangles.size()));
     return nodes * sizeof(BoxNode) + own_chunks_.capacity() * sizeof(own_chunks_[0]) +
-           own_order_.capacity() * sizeof(own_order_[0]) + growing;
+           own_order_.capacity() * sizeof(own_order_[0]);
 }
 
 void ObbTree::drop(std::uint32_t of_chunks)

@@ -6,11 +6,9 @@
 #include <span>
 #include <vector>
 
-#include <oncollide/narrowphase/boxes/box_fit.hpp>
 #include <oncollide/narrowphase/boxes/grid_split.hpp>
 #include <oncollide/narrowphase/boxes/hierarchy.hpp>
 #include <oncollide/narrowphase/boxes/mesh_chunks.hpp>
-#include <oncollide/narrowphase/boxes/triangle_parts.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 
 namespace oncollide {
@@ -56,6 +54,9 @@ public:
         const std::uint32_t child = std::atomic_ref(at(index).child[k]).load(std::memory_order_acquire);
         return child ? child : grow(index, k);
     }
+    /// Grows what a walk with a body in this box of the mesh's frame would come to, down to boxes of so many triangles.
+    /// Beside walks.
+    void grow_in(const Aabb& box, std::uint32_t triangles);
     /// A box of so many triangles or fewer counts as a leaf. Where it is much larger than what it is compared with, its
     /// triangles can still get boxes of their own.
     static constexpr std::uint32_t leaf_triangles = 2;
@@ -89,7 +90,7 @@ public:
     std::uint32_t nodes() const { return chunked_ ? chunked_->nodes() : used_.load(); }
     /// Of this tree and no other: nodes of one are no nodes of another, though it may be of the same mesh.
     std::uint32_t identity() const { return identity_; }
-    std::size_t bytes() const;                                                       ///< with what growing needs
+    std::size_t bytes() const;
     static std::uint64_t most_nodes(std::size_t triangles) { return triangles + 1; } ///< when all is grown
     static std::size_t most_bytes(std::size_t triangles);
     static double radius_around(const Mesh& mesh); ///< radius() of its tree
@@ -105,7 +106,9 @@ private:
     std::uint32_t add_node();
     std::uint32_t grow_by_grid(BoxNode& above, unsigned k);
     std::uint32_t add_nodes(const GridPart& part, std::uint32_t begin);
-    void add_lane(BoxNode& node, std::size_t from, std::size_t to, std::uint32_t begin);
+    struct Growing; ///< what a thread works with
+    static Growing& growing();
+    void add_lane(Growing& g, BoxNode& node, std::size_t from, std::size_t to, std::uint32_t begin);
 
     const Mesh* const mesh_; ///< null: a cooked one
     const std::unique_ptr<MeshChunks> chunked_;
@@ -121,8 +124,6 @@ private:
     std::atomic<std::uint32_t> used_ = 0;
     std::mutex growing_;
     std::uint32_t grows_in_ = 0; ///< the chunk of a cooked mesh where it grows
-    TriangleParts parts_;        ///< of the box that grows
-    TriangleColumns columns_;
 };
 
 } // namespace oncollide

@@ -12,7 +12,7 @@ enum class Level : std::uint8_t { refine, exact };
 
 enum class Refiner : std::uint8_t {
     none,    ///< the level leaves the pair as it is
-    no_room, ///< so too, for a budget has no room for what would decide it
+    no_room, ///< so too, for a budget has no room for what would decide it, or a file cannot be read
     spheres, ///< sphere-trees
     boxes,   ///< oriented boxes, down to the error
     exact,   ///< boxes, down to triangles, shapes and cells
@@ -49,7 +49,7 @@ public:
         if (level == Level::refine) {
             const bool no_spheres = !has_spheres(a) || !has_spheres(b);
             if ((obb_ || no_spheres) && room()) return left_to_exact_ ? Refiner::none : Refiner::boxes;
-            if (no_spheres) return Refiner::no_room;
+            if (no_spheres || !a.unreadable.empty() || !b.unreadable.empty()) return Refiner::no_room;
             const double error = models.max_error(a, b);
             models.spheres(a, error), models.spheres(b, error);
             return Refiner::spheres;

@@ -44,6 +44,17 @@ void Narrowing::refine(Refiner which, PairRefiner& refiner, RefineContext& conte
     for (std::size_t k = 0; k < mine.size(); ++k) results[mine[k]] = results_[k];
 }
 
+/// Where a file cannot be read. Of bodies whose box was wrong it is only certain that all there can be is this large.
+void Narrowing::tell_unreadable(const Settings& settings, const PairTask& task, RefineResult& result) const
+{
+    constexpr double beyond_all = 1e16; // coordinates and poses are within 1e15 m
+    for (const Model* model : {task.a, task.b}) {
+        if (model->unreadable.empty()) continue;
+        if (level_ == Level::exact || !exact_runs(settings)) models_.note(model->unreadable);
+        if (model->cooked()->contradicts_outline()) result.bound = beyond_all;
+    }
+}
+
 void Narrowing::run(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
                     std::span<RefineResult> results)
 {
@@ -52,8 +63,10 @@ void Narrowing::run(RefineContext& context, std::span<const PairTask> tasks, Pai
     refine(Refiner::boxes, boxes_, context, tasks, cache, results);
     refine(Refiner::exact, exact_, context, tasks, cache, results);
     refine(Refiner::fcl, fcl_, context, tasks, cache, results);
-    for (std::uint32_t i : taken_[static_cast<std::size_t>(Refiner::no_room)])
+    for (std::uint32_t i : taken_[static_cast<std::size_t>(Refiner::no_room)]) {
         if (results[i].verdict == Verdict::within) results[i].verdict = Verdict::undecided;
+        tell_unreadable(context.settings, tasks[i], results[i]);
+    }
     if (level_ == Level::exact && context.stopped()) // what it had no time for
         for (RefineResult& result : results)
             if (result.verdict == Verdict::within && result.kind == ContactKind::unknown)

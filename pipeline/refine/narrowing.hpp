@@ -32,6 +32,7 @@ public:
 private:
     void sort_out(const RefineContext& context, std::span<const PairTask> tasks);
     void give_out(const RefineContext& context, std::span<const PairTask> tasks);
+    void tell_unreadable(const Settings& settings, const PairTask& task, RefineResult& result) const;
     void refine(Refiner which, PairRefiner& refiner, RefineContext& context, std::span<const PairTask> tasks,
                 PairCache* cache, std::span<RefineResult> results);
 

@@ -196,7 +196,7 @@ RefineResult ObbRefiner::refine_there(const RefineContext& context, const PairTa
         });
     } catch (const ChunkFault& fault) {
         begin_again();
-        models_.note(fault);
+        models_.note(fault.what());
         return known;
     }
 }
@@ -211,6 +211,10 @@ void ObbRefiner::refine(RefineContext& context, std::span<const PairTask> tasks,
                         Worker& worker = workers_[static_cast<std::size_t>(thread)];
                         for (std::size_t i = begin; i < end; ++i) {
                             if (i % pairs_per_look == 0 && context.stopped()) return;
+                            if (constexpr std::size_t ahead = 8; i + ahead < end) {
+                                const char* const pose = reinterpret_cast<const char*>(tasks[i + ahead].pose_b);
+                                __builtin_prefetch(pose), __builtin_prefetch(pose + sizeof(Eigen::Isometry3d) - 1);
+                            }
                             PairMemory* memory = cache ? &(*cache)[tasks[i].number] : nullptr;
                             results[i] = refine_there(context, tasks[i], results[i], memory, worker);
                         }

@@ -41,6 +41,8 @@ constexpr Maker makers[] = {
      make_st_helens_scene},
     {"chunks", "2,000 balls over a game's ground of 16,384 static meshes of 578 triangles", 18'384, 100'000, 100,
      make_chunks_scene},
+    {"tiles", "convoys of 2,000 vehicles over 10,000 tiles of ground, 101 million triangles; with --cache read from disk",
+     12'000, 100'000, 300, make_tiles_scene},
     {"swarm", "ten million balls, of which one in a hundred moves", 10'000'000, 10'000'000, 20, make_swarm_scene, true},
     {"hard", "touching, coplanar, nested, tiny, huge and far: what collision detection gets wrong", 0, 0, 60,
      make_hard_scene},

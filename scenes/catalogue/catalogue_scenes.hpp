@@ -18,6 +18,7 @@ Scene make_hills_scene(const CatalogueOptions& options);
 Scene make_campus_scene(const CatalogueOptions& options);
 Scene make_st_helens_scene(const CatalogueOptions& options);
 Scene make_chunks_scene(const CatalogueOptions& options);
+Scene make_tiles_scene(const CatalogueOptions& options);
 Scene make_swarm_scene(const CatalogueOptions& options);
 Scene make_hard_scene(const CatalogueOptions& options);
 Scene make_random_scene(const CatalogueOptions& options);

@@ -56,10 +56,7 @@ void take(std::span<const std::byte>& bytes, std::vector<Value>& values)
 /// checked could change afterwards.
 class CookedMesh::File {
 public:
-    explicit File(const fs::path& path) : path_(fs::absolute(path)), at_(open_it())
-    {
-        if (at_ < 0) throw Error(ErrorKind::no_input, path.string() + ": cannot be read; check its permissions");
-    }
+    explicit File(const fs::path& path) : path_(path), at_(open_it()) {}
     ~File() { close_it(); }
     File(const File&) = delete;
     File& operator=(const File&) = delete;
@@ -98,7 +95,7 @@ public:
     }
 
 private:
-    int open_it() const { return open(path_.c_str(), O_RDONLY | O_CLOEXEC); }
+    int open_it() const { return ::open(path_.c_str(), O_RDONLY | O_CLOEXEC); }
     void close_it()
     {
         if (at_ >= 0) close(at_), at_ = -1;
@@ -110,15 +107,69 @@ private:
     bool kept_ = false;
 };
 
+const char* why_not_outline(const CookedOutline& outline)
+{
+    for (const Eigen::Vector3d& corner : {outline.bounds.min, outline.bounds.max})
+        if (!corner.allFinite() || corner.cwiseAbs().maxCoeff() > largest_cooked)
+            return "has bounds that are not finite or too far from the origin";
+    if ((outline.bounds.min.array() > outline.bounds.max.array()).any()) return "has bounds without an inside";
+    if (!(outline.radius >= 0 && outline.radius <= 4 * largest_cooked)) return "has a radius that cannot be";
+    return nullptr;
+}
+
 CookedMesh::CookedMesh(const fs::path& path) : name_(path.string())
 {
     check_readable(path);
-    file_ = std::make_unique<File>(path);
+    path_ = fs::absolute(path);
+    kept_ = std::make_shared<const Top>(read_file(outline_));
+}
+
+CookedMesh::CookedMesh(const fs::path& path, const CookedOutline& outline)
+    : name_(path.string()), path_(fs::absolute(path)), outline_(outline)
+{
+}
+
+CookedMesh::~CookedMesh() = default;
+
+std::shared_ptr<const CookedMesh::Top> CookedMesh::open() const
+{
+    if (kept_) return kept_;
+    const std::lock_guard lock(mutex_);
+    if (auto top = open_.lock()) return top;
+    if (const auto known = faults_.find(whole_file); known != faults_.end())
+        throw ChunkFault(ErrorKind::bad_data, known->second);
+    try {
+        check_readable(path_);
+        CookedOutline found;
+        const auto top = std::make_shared<const Top>(read_file(found));
+        if (found != outline_) {
+            contradicts_ = true;
+            refuse_file("is not what the index of its tiles says: another file, or other bounds; cook the tiles again");
+        }
+        open_ = top;
+        return top;
+    } catch (const Error& error) {
+        faults_.emplace(whole_file, error.what());
+        throw ChunkFault(ErrorKind::bad_data, error.what());
+    }
+}
+
+bool CookedMesh::is_open() const
+{
+    const std::lock_guard lock(mutex_);
+    return kept_ || !open_.expired();
+}
+
+/// Reads and checks all but the chunks, and tells what an outline tells.
+CookedMesh::Top CookedMesh::read_file(CookedOutline& outline) const
+{
     CookedHeader header;
-    const std::int64_t size = file_->size();
+    const auto file = std::make_shared<File>(path_);
+    const std::int64_t size = file->size();
+    if (size < 0) throw Error(ErrorKind::no_input, name_ + ": cannot be read; check its permissions");
     if (size < std::int64_t(sizeof header)) refuse_file("is no cooked file, or cut off");
     const auto header_bytes = std::as_writable_bytes(std::span(&header, 1));
-    if (const char* why = file_->read(0, header_bytes)) refuse_file(why);
+    if (const char* why = file->read(0, header_bytes)) refuse_file(why);
     if (std::memcmp(header.magic, cooked_magic, sizeof cooked_magic) != 0)
         refuse_file("is no cooked file: it does not begin with 'oncooked'");
     if (header.byte_order != cooked_byte_order)
@@ -141,56 +192,55 @@ CookedMesh::CookedMesh(const fs::path& path) : name_(path.string())
     if (header.triangles == 0 || header.triangles > most || header.vertices == 0 || header.vertices > most ||
         header.zero_area > header.triangles || header.chunks == 0 || header.parts > header.triangles)
         refuse_file("has counts that cannot be");
-    file_bytes_ = header.file_bytes, coordinate_bytes_ = header.coordinate_bytes;
-    triangles_ = header.triangles, vertices_ = header.vertices, zero_area_ = header.zero_area;
-    radius_ = header.radius;
-    std::memcpy(bounds_.min.data(), header.low, sizeof header.low);
-    std::memcpy(bounds_.max.data(), header.high, sizeof header.high);
-    for (const Eigen::Vector3d& corner : {bounds_.min, bounds_.max})
-        if (!corner.allFinite() || corner.cwiseAbs().maxCoeff() > largest_cooked)
-            refuse_file("has bounds that are not finite or too far from the origin");
-    if ((bounds_.min.array() > bounds_.max.array()).any()) refuse_file("has bounds without an inside");
-    if (!(radius_ >= 0 && radius_ <= 4 * largest_cooked)) refuse_file("has a radius that cannot be");
-    if (header.topology != CookedTopology::unknown) closed_ = header.topology == CookedTopology::closed;
+    outline.radius = header.radius, outline.header_checksum = header.header_checksum;
+    outline.triangles = header.triangles, outline.vertices = header.vertices, outline.zero_area = header.zero_area;
+    std::memcpy(outline.bounds.min.data(), header.low, sizeof header.low);
+    std::memcpy(outline.bounds.max.data(), header.high, sizeof header.high);
+    if (const char* why = why_not_outline(outline)) refuse_file(why);
+    Top top;
+    top.file = file, top.coordinate_bytes = header.coordinate_bytes;
+    if (header.topology != CookedTopology::unknown) top.closed = header.topology == CookedTopology::closed;
 
-    const std::uint64_t top = std::uint64_t(header.nodes) * cooked_node_bytes +
-                              std::uint64_t(header.chunks) * sizeof(CookedChunkEntry) +
-                              header.parts * cooked_part_bytes;
-    if (top > file_bytes_ - sizeof header) refuse_file("is cut off before the end of its top");
-    std::vector<std::byte> bytes(top);
-    if (const char* why = file_->read(sizeof header, bytes)) refuse_file(why);
+    const std::uint64_t top_bytes = std::uint64_t(header.nodes) * cooked_node_bytes +
+                                    std::uint64_t(header.chunks) * sizeof(CookedChunkEntry) +
+                                    header.parts * cooked_part_bytes;
+    if (top_bytes > header.file_bytes - sizeof header) refuse_file("is cut off before the end of its top");
+    std::vector<std::byte> bytes(top_bytes);
+    if (const char* why = file->read(sizeof header, bytes)) refuse_file(why);
     if (checksum(text_of(bytes)) != header.top_checksum) refuse_file("is damaged: the top's checksum is another one");
-    nodes_.assign(bytes.begin(), bytes.begin() + std::ptrdiff_t(header.nodes) * cooked_node_bytes);
-    if (header.parts_known) parts_.emplace(header.parts);
-    read_top(std::span(bytes).subspan(nodes_.size()), header.chunks, sizeof header + top);
-    file_->keep();
+    top.nodes.assign(bytes.begin(), bytes.begin() + std::ptrdiff_t(header.nodes) * cooked_node_bytes);
+    if (header.parts_known) top.parts.emplace(header.parts);
+    read_table(top, outline, std::span(bytes).subspan(top.nodes.size()), header.chunks, sizeof header + top_bytes,
+               header.file_bytes);
+    file->keep();
+    return top;
 }
 
-CookedMesh::~CookedMesh() = default;
-
-/// The table of chunks, which lie one after the other from `first` to the end of the file, and the parts.
-void CookedMesh::read_top(std::span<const std::byte> top, std::uint32_t chunks, std::uint64_t first)
+/// The table of chunks, which lie one after the other from `first` to `end`, and the parts.
+void CookedMesh::read_table(Top& top, const CookedOutline& outline, std::span<const std::byte> bytes,
+                            std::uint32_t chunks, std::uint64_t first, std::uint64_t end) const
 {
     std::uint64_t triangles = 0, vertices = 0;
     for (std::uint32_t i = 0; i < chunks; ++i) {
-        const auto entry = take<CookedChunkEntry>(top);
+        const auto entry = take<CookedChunkEntry>(bytes);
         if (entry.triangles > most_chunk_triangles || entry.vertices > most_chunk_vertices || entry.vertices == 0 ||
-            entry.offset != first || entry.bytes != chunk_bytes(entry.triangles, entry.vertices, coordinate_bytes_))
+            entry.offset != first || entry.bytes != chunk_bytes(entry.triangles, entry.vertices, top.coordinate_bytes))
             refuse_file(fmt::format("says of chunk {} what cannot be", i));
-        if (entry.triangles > 0 && tree_chunks_ < i) refuse_file(fmt::format("has chunk {} behind an empty one", i));
-        if (entry.triangles > 0) tree_chunks_ = i + std::size_t{1};
+        if (entry.triangles > 0 && top.tree_chunks < i) refuse_file(fmt::format("has chunk {} behind an empty one", i));
+        if (entry.triangles > 0) top.tree_chunks = i + std::size_t{1};
         first += entry.bytes, triangles += entry.triangles, vertices += entry.vertices;
-        chunks_.push_back({entry.offset, entry.bytes, entry.checksum, entry.triangles, entry.vertices});
+        top.chunks.push_back({entry.offset, entry.bytes, entry.checksum, entry.triangles, entry.vertices});
     }
-    if (first != file_bytes_) refuse_file("has chunks that do not fill it");
-    if (triangles != triangles_ || vertices < vertices_)
+    if (first != end) refuse_file("has chunks that do not fill it");
+    if (triangles != outline.triangles || vertices < outline.vertices)
         refuse_file(fmt::format("has {} triangles and {} vertices in its chunks, but {} and {} in its header",
-                                triangles, vertices, triangles_, vertices_));
-    if (!parts_) return;
-    for (Part& part : *parts_)
+                                triangles, vertices, outline.triangles, outline.vertices));
+    if (!top.parts) return;
+    for (Part& part : *top.parts)
         for (Eigen::Vector3d& point : part) {
-            for (double& coordinate : point) coordinate = take<double>(top);
-            if (!((point.array() >= bounds_.min.array()).all() && (point.array() <= bounds_.max.array()).all()))
+            for (double& coordinate : point) coordinate = take<double>(bytes);
+            if (!((point.array() >= outline.bounds.min.array()).all() &&
+                  (point.array() <= outline.bounds.max.array()).all()))
                 refuse_file("has a part outside its bounds");
         }
 }
@@ -202,7 +252,12 @@ void CookedMesh::refuse_file(const std::string& why) const
 
 void CookedMesh::refuse_chunk(std::size_t chunk, const std::string& why) const
 {
-    std::string what = fmt::format("{}: chunk {} of {}: {}; cook the file again", name_, chunk, chunks_.size(), why);
+    refuse_chunk(*open(), chunk, why);
+}
+
+void CookedMesh::refuse_chunk(const Top& top, std::size_t chunk, const std::string& why) const
+{
+    std::string what = fmt::format("{}: chunk {} of {}: {}; cook the file again", name_, chunk, top.chunks.size(), why);
     {
         const std::lock_guard lock(mutex_);
         what = faults_.emplace(chunk, what).first->second;
@@ -225,19 +280,20 @@ void CookedMesh::read(std::size_t chunk, Chunk& out) const
         if (const auto known = faults_.find(chunk); known != faults_.end())
             throw ChunkFault(ErrorKind::bad_data, known->second);
     }
-    const Entry& entry = chunks_[chunk];
+    const std::shared_ptr<const Top> top = open();
+    const Top::Entry& entry = top->chunks[chunk];
     std::vector<std::byte> bytes(entry.bytes);
-    if (const char* why = file_->read(entry.offset, bytes)) refuse_chunk(chunk, why);
-    if (checksum(text_of(bytes)) != entry.checksum) refuse_chunk(chunk, "the checksum is another one");
-    unpack(chunk, bytes, out);
+    if (const char* why = top->file->read(entry.offset, bytes)) refuse_chunk(*top, chunk, why);
+    if (checksum(text_of(bytes)) != entry.checksum) refuse_chunk(*top, chunk, "the checksum is another one");
+    unpack(*top, chunk, bytes, out);
 }
 
-void CookedMesh::unpack(std::size_t chunk, std::span<const std::byte> bytes, Chunk& out) const
+void CookedMesh::unpack(const Top& top, std::size_t chunk, std::span<const std::byte> bytes, Chunk& out) const
 {
-    const Entry& entry = chunks_[chunk];
+    const Top::Entry& entry = top.chunks[chunk];
     out.vertices.resize(entry.vertices), out.vertex_numbers.resize(entry.vertices);
     out.triangles.resize(entry.triangles), out.numbers.resize(entry.triangles);
-    if (coordinate_bytes_ == 4) {
+    if (top.coordinate_bytes == 4) {
         std::vector<Eigen::Vector3f> floats(entry.vertices);
         take(bytes, floats);
         std::ranges::transform(floats, out.vertices.begin(), [](const auto& v) { return v.template cast<double>(); });
@@ -250,29 +306,30 @@ void CookedMesh::unpack(std::size_t chunk, std::span<const std::byte> bytes, Chu
 
     for (const Eigen::Vector3d& v : out.vertices)
         if (!(v.array().abs() <= largest_cooked).all()) // nor is what is no number
-            refuse_chunk(chunk, "a coordinate is not finite or too far from the origin");
+            refuse_chunk(top, chunk, "a coordinate is not finite or too far from the origin");
     for (std::size_t i = 0; i < corners.size(); ++i)
         for (std::size_t k = 0; k < 3; ++k) {
-            if (corners[i][k] >= entry.vertices) refuse_chunk(chunk, "a triangle has a corner that is not there");
+            if (corners[i][k] >= entry.vertices) refuse_chunk(top, chunk, "a triangle has a corner that is not there");
             out.triangles[i][k] = corners[i][k];
         }
     const auto below = [](const std::vector<std::uint32_t>& numbers, std::size_t end) {
         return std::ranges::all_of(numbers, [=](std::uint32_t number) { return number < end; });
     };
-    if (!below(out.vertex_numbers, vertices_) || !below(out.numbers, triangles_))
-        refuse_chunk(chunk, "a number of a vertex or a triangle is beyond their count");
+    if (!below(out.vertex_numbers, outline_.vertices) || !below(out.numbers, outline_.triangles))
+        refuse_chunk(top, chunk, "a number of a vertex or a triangle is beyond their count");
     if (std::ranges::any_of(bytes, [](std::byte byte) { return byte != std::byte{}; }))
-        refuse_chunk(chunk, "something stands behind its end");
+        refuse_chunk(top, chunk, "something stands behind its end");
 }
 
 Mesh CookedMesh::whole() const
 {
-    std::vector<Eigen::Vector3d> vertices(vertices_);
-    std::vector<Triangle> triangles(triangles_);
-    std::vector<bool> has_vertex(vertices_), has_triangle(triangles_);
+    std::vector<Eigen::Vector3d> vertices(outline_.vertices);
+    std::vector<Triangle> triangles(outline_.triangles);
+    std::vector<bool> has_vertex(outline_.vertices), has_triangle(outline_.triangles);
     std::size_t seen = 0;
+    const std::shared_ptr<const Top> top = open();
     Chunk chunk;
-    for (std::size_t c = 0; c < chunks_.size(); ++c) {
+    for (std::size_t c = 0; c < top->chunks.size(); ++c) {
         read(c, chunk);
         for (std::size_t i = 0; i < chunk.vertices.size(); ++i) {
             const std::uint32_t number = chunk.vertex_numbers[i];
@@ -289,16 +346,17 @@ Mesh CookedMesh::whole() const
             for (std::size_t k = 0; k < 3; ++k) triangles[number][k] = chunk.vertex_numbers[chunk.triangles[i][k]];
         }
     }
-    if (seen != vertices_) refuse_file(fmt::format("has {} of its {} vertices", seen, vertices_));
+    if (seen != outline_.vertices) refuse_file(fmt::format("has {} of its {} vertices", seen, outline_.vertices));
     Mesh mesh = make_mesh(name_, std::move(vertices), std::move(triangles));
-    if (mesh.bounds.min != bounds_.min || mesh.bounds.max != bounds_.max || mesh.zero_area != zero_area_)
+    if (mesh.bounds.min != outline_.bounds.min || mesh.bounds.max != outline_.bounds.max ||
+        mesh.zero_area != outline_.zero_area)
         refuse_file("has triangles that contradict its header");
     return mesh;
 }
 
-std::size_t CookedMesh::bytes() const
+std::size_t CookedMesh::Top::bytes() const
 {
-    return nodes_.size() + chunks_.size() * sizeof(chunks_[0]) + (parts_ ? parts_->size() * sizeof(Part) : 0);
+    return nodes.size() + chunks.size() * sizeof(chunks[0]) + (parts ? parts->size() * sizeof(Part) : 0);
 }
 
 bool is_cooked(const fs::path& path)

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -27,9 +28,28 @@ public:
     using ChunkFault::ChunkFault;
 };
 
+/// What can be said of a cooked mesh before anything of its file is read, because an index of tiles repeats it.
+struct CookedOutline {
+    Aabb bounds;
+    double radius = 0; ///< around the bounds' centre, of the triangles' corners
+    std::uint64_t triangles = 0, vertices = 0, zero_area = 0;
+    std::uint64_t header_checksum = 0;
+
+    friend bool operator==(const CookedOutline& a, const CookedOutline& b)
+    {
+        return a.bounds.min == b.bounds.min && a.bounds.max == b.bounds.max && a.radius == b.radius &&
+               a.triangles == b.triangles && a.vertices == b.vertices && a.zero_area == b.zero_area &&
+               a.header_checksum == b.header_checksum;
+    }
+};
+
+/// Why no mesh can be like this; null: one can.
+const char* why_not_outline(const CookedOutline& outline);
+
 /// A mesh in a cooked file (docs/cooked.md), of which only the top is read: its bounds, what is known of it, the upper
 /// levels of its tree. The triangles lie in chunks, each of which is checked as a whole when it is read: the checksum,
-/// every index, every coordinate.
+/// every index, every coordinate. Of a tile not even the top is read before somebody needs it, and it is given back
+/// when nobody does any more.
 ///
 /// Const calls are safe from many threads at once.
 class CookedMesh {
@@ -37,29 +57,52 @@ public:
     /// Throws Error{no_input} when the file cannot be read, Error{bad_data} when it is no cooked mesh, of another
     /// version or byte order, damaged or cut off. Cost: reading the top, 35 bytes for each thousand triangles.
     explicit CookedMesh(const std::filesystem::path& path);
+    /// A tile: the file is not touched. What is called below throws ChunkFault where it cannot be read, or contradicts
+    /// the outline, when that is first found out, and from then on always the same.
+    CookedMesh(const std::filesystem::path& path, const CookedOutline& outline);
     ~CookedMesh();
     CookedMesh(const CookedMesh&) = delete;
     CookedMesh& operator=(const CookedMesh&) = delete;
 
     const std::string& name() const { return name_; } ///< the path, for errors
-    const Aabb& bounds() const { return bounds_; }
-    std::size_t triangles() const { return triangles_; }
-    std::size_t vertices() const { return vertices_; } ///< with those that no triangle uses
-    std::size_t zero_area() const { return zero_area_; }
-    double radius() const { return radius_; }              ///< around the bounds' centre, of the triangles' corners
-    std::optional<bool> closed() const { return closed_; } ///< nothing: the file does not say
+    const CookedOutline& outline() const { return outline_; }
+    const Aabb& bounds() const { return outline_.bounds; }
+    std::size_t triangles() const { return outline_.triangles; }
+    std::size_t vertices() const { return outline_.vertices; } ///< with those that no triangle uses
+    std::size_t zero_area() const { return outline_.zero_area; }
+    double radius() const { return outline_.radius; }
+    /// Was the file found to have other bounds than the outline says? Then nothing may rest on these.
+    bool contradicts_outline() const { return contradicts_.load(std::memory_order_relaxed); }
+
     using Part = std::array<Eigen::Vector3d, 6>;
-    const std::optional<std::vector<Part>>& parts() const { return parts_; } ///< nothing: the file does not say
+    std::optional<bool> closed() const { return open()->closed; }            ///< nothing: the file does not say
+    std::optional<std::vector<Part>> parts() const { return open()->parts; } ///< nothing: the file does not say
+    std::size_t chunks() const { return open()->chunks.size(); }
 
-    /// Nodes of the tree's upper levels, cooked_node_bytes each, as the file has them: not checked here.
-    std::span<const std::byte> nodes() const { return nodes_; }
+    class File;
+    /// What is held of the file while it is used.
+    struct Top {
+        struct Entry {
+            std::uint64_t offset, bytes, checksum;
+            std::uint32_t triangles, vertices;
+        };
 
-    /// Of these the first tree_chunks() are the leaves of the upper levels, in the order of the tree; others hold
-    /// vertices that no triangle uses.
-    std::size_t chunks() const { return chunks_.size(); }
-    std::size_t tree_chunks() const { return tree_chunks_; }
-    std::uint32_t chunk_triangles(std::size_t chunk) const { return chunks_[chunk].triangles; }
-    std::uint32_t chunk_vertices(std::size_t chunk) const { return chunks_[chunk].vertices; }
+        std::shared_ptr<const File> file;
+        std::uint32_t coordinate_bytes = 0;
+        std::optional<bool> closed;
+        std::optional<std::vector<Part>> parts;
+        /// Nodes of the tree's upper levels, cooked_node_bytes each, as the file has them: not checked here.
+        std::vector<std::byte> nodes;
+        /// Of these the first `tree_chunks` are the leaves of the upper levels, in the order of the tree; others hold
+        /// vertices that no triangle uses.
+        std::vector<Entry> chunks;
+        std::size_t tree_chunks = 0;
+
+        std::size_t bytes() const;
+    };
+    /// The top, to be held while it is used.
+    std::shared_ptr<const Top> open() const;
+    bool is_open() const; ///< does anybody hold it?
 
     struct Chunk {
         std::vector<Eigen::Vector3d> vertices;
@@ -77,30 +120,21 @@ public:
     /// The mesh as it was cooked, in the order of the source. Throws ChunkFault.
     Mesh whole() const;
 
-    std::size_t bytes() const; ///< held
-
 private:
-    struct Entry {
-        std::uint64_t offset, bytes, checksum;
-        std::uint32_t triangles, vertices;
-    };
-    class File;
-    void read_top(std::span<const std::byte> top, std::uint32_t chunks, std::uint64_t first);
-    void unpack(std::size_t chunk, std::span<const std::byte> bytes, Chunk& out) const;
+    static constexpr std::size_t whole_file = ~std::size_t{0}; ///< among the faults
+    Top read_file(CookedOutline& outline) const;
+    void read_table(Top& top, const CookedOutline& outline, std::span<const std::byte> bytes, std::uint32_t chunks,
+                    std::uint64_t first, std::uint64_t end) const;
+    void unpack(const Top& top, std::size_t chunk, std::span<const std::byte> bytes, Chunk& out) const;
     [[noreturn]] void refuse_file(const std::string& why) const;
+    [[noreturn]] void refuse_chunk(const Top& top, std::size_t chunk, const std::string& why) const;
 
     std::string name_;
-    std::unique_ptr<File> file_;
-    std::uint64_t file_bytes_ = 0;
-    std::uint32_t coordinate_bytes_ = 0;
-    Aabb bounds_;
-    std::size_t triangles_ = 0, vertices_ = 0, zero_area_ = 0;
-    double radius_ = 0;
-    std::optional<bool> closed_;
-    std::optional<std::vector<Part>> parts_;
-    std::vector<std::byte> nodes_;
-    std::vector<Entry> chunks_;
-    std::size_t tree_chunks_ = 0;
+    std::filesystem::path path_; ///< absolute
+    CookedOutline outline_;
+    std::shared_ptr<const Top> kept_;       ///< null: a tile
+    mutable std::weak_ptr<const Top> open_; ///< of a tile
+    mutable std::atomic<bool> contradicts_ = false;
     mutable std::mutex mutex_;
     mutable std::map<std::size_t, std::string> faults_; ///< by chunk
 };

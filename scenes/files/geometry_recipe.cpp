@@ -60,6 +60,12 @@ Mesh generate(const Node& node)
         node.only({"kind", "size", "height", "cells", "seed"});
         return make_terrain_mesh(size(node, "size"), size(node, "height"), count(node, "cells", 2000), seed(node));
     }
+    if (kind == "hills") {
+        node.only({"kind", "cells", "spacing", "height", "seed", "x", "y", "size"});
+        const auto whole = [&](const char* key) { return static_cast<std::uint32_t>(node[key].integer(0, 20'000)); };
+        return make_hills_mesh(whole("cells"), size(node, "spacing"), size(node, "height"), seed(node), whole("x"),
+                               whole("y"), static_cast<std::uint32_t>(count(node, "size", 2000)));
+    }
     if (kind == "needles") {
         node.only({"kind", "count", "length", "aspect", "size", "seed"});
         return make_needles_mesh(count(node, "count"), size(node, "length"), size(node, "aspect"), size(node, "size"),
@@ -71,7 +77,7 @@ Mesh generate(const Node& node)
     }
     node["kind"].fail(
         fmt::format("no generator named '{}'{}", kind,
-                    valid_names(kind, {"box", "sphere", "torus", "torus_knot", "gear", "terrain", "needles", "soup"})));
+                    valid_names(kind, {"box", "sphere", "torus", "torus_knot", "gear", "terrain", "hills", "needles", "soup"})));
 }
 
 std::vector<Eigen::Vector3d> points_of(const Node& node)

@@ -16,6 +16,7 @@
 #include <oncollide/scenes/files/scene_pose.hpp>
 #include <oncollide/scenes/files/tables/body_table.hpp>
 #include <oncollide/scenes/files/tables/recording_file.hpp>
+#include <oncollide/scenes/files/tile_index.hpp>
 
 namespace oncollide {
 
@@ -200,6 +201,22 @@ void read_tables(Scene& scene, const Node& tables, const fs::path& folder)
     for (const Node& table : tables) at(table, [&] { read_body_table(scene, table, folder); });
 }
 
+void read_tiles(Scene& scene, const Node& sets, const fs::path& folder, const MeshReading& meshes)
+{
+    if (!sets.is_array()) sets.fail("must be an array of objects with the key: file");
+    for (const Node& node : sets) {
+        node.only({"file", "name", "position", "rotation", "layer", "mask", "group"});
+        BodyInit like;
+        if (node.has("position")) like.pose.translation() = node["position"].vector3();
+        if (node.has("rotation")) like.pose.linear() = read_rotation(node["rotation"], scene.warnings);
+        like.layer = read_u32(node, "layer", like.layer);
+        like.mask = read_u32(node, "mask", like.mask);
+        like.group = read_u32(node, "group", like.group);
+        const std::string name(node.has("name") ? node["name"].text() : "tiles");
+        at(node, [&] { add_tiles(scene, name, file_in(folder, node["file"].text()), like, meshes); });
+    }
+}
+
 /// Are bodies called by name? Then all names must be known.
 bool excludes_names(const Node& root)
 {
@@ -213,7 +230,7 @@ bool excludes_names(const Node& root)
 Scene read_scene(SceneText& text, const fs::path& path, const MeshReading& meshes, BodySink* sink)
 {
     const Node root = text.root();
-    root.only({"name", "frames", "geometries", "bodies", "tables", "recording", "exclude"});
+    root.only({"name", "frames", "geometries", "bodies", "tables", "tiles", "recording", "exclude"});
 
     const bool whole = !sink || excludes_names(root);
     Scene scene(whole ? nullptr : sink);
@@ -226,11 +243,12 @@ Scene read_scene(SceneText& text, const fs::path& path, const MeshReading& meshe
     for (const Node& geometry : geometries)
         expansion.count(scene.geometries[index(add_geometry(scene, geometry.key(), geometry, folder, meshes))],
                         geometry);
-    if (root.has("bodies") || !root.has("tables")) reserve(scene, root["bodies"]);
+    if (root.has("bodies") || !(root.has("tables") || root.has("tiles"))) reserve(scene, root["bodies"]);
     text.each_body([&](const Node& body) {
         if (!scene.skip_body()) read_body(scene, body, folder);
     });
     if (root.has("tables")) read_tables(scene, root["tables"], folder);
+    if (root.has("tiles")) read_tiles(scene, root["tiles"], folder, meshes);
     if (root.has("recording")) {
         const Node entry = root["recording"];
         at(entry, [&] { scene.record(open_recording(entry, folder)); });

@@ -158,6 +158,11 @@ Terrain make_terrain(const std::string& name, const TerrainGrid& grid, std::span
 /// Deterministic, on every platform. Throws Error{usage} for counts or sizes that make no terrain. Cost: 30 ns a cell.
 Terrain make_hills(std::uint32_t cells_x, std::uint32_t cells_y, double spacing, double height, std::uint64_t seed);
 
+/// Of make_hills(cells, cells, ...) the cells [x, x + size) x [y, y + size), as a mesh: the hills are made of such parts.
+/// Throws Error{usage}.
+Mesh make_hills_mesh(std::uint32_t cells, double spacing, double height, std::uint64_t seed, std::uint32_t x,
+                     std::uint32_t y, std::uint32_t size);
+
 /// With the bounding box's centre at the origin.
 Terrain centred(Terrain terrain);
 

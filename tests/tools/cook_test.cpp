@@ -70,6 +70,74 @@ TEST_F(Cook, ScenesAndChecksTakeCookedFiles)
     }
 }
 
+TEST_F(Cook, AWorldOfTilesIsNamedByItsIndex)
+{
+    write_ground("ground.obj", 100);
+    const Outcome cooked = run({"cook", "ground.obj", "--tiles", "5x4", "-o", "land"});
+    EXPECT_EQ(cooked.code, 0) << cooked.err;
+    EXPECT_NE(cooked.out.find("20000 triangles in 20 tiles"), std::string::npos) << cooked.out;
+    EXPECT_EQ(run({"cook", "--check", "land/tiles.json"}).code, 0);
+    const auto scene_with = [](const std::string& index) {
+        return R"({"geometries": {"ball": {"mesh": {"generate": {"kind": "sphere", "radius": 0.5, "triangles": 500}}}},
+            "bodies": [{"name": "a", "geometry": "ball", "position": [2, 2, 1], "motion": {"drift": {"velocity": [0.3, 0, -0.1]}}}],
+            "tiles": [{"file": ")" +
+               index + R"(", "name": "land", "position": [0, 0, 0.1]}], "frames": 12})";
+    };
+    folder_.write("scene.json", scene_with("land/tiles.json"));
+    const std::string hash = hash_of({"scene.json", "--exact", "on"});
+    EXPECT_EQ(hash_of({"scene.json", "--exact", "on", "--resident", "1M", "--look-ahead", "5", "--threads", "2"}),
+              hash);
+    const Outcome outcome = run({"run", "scene.json", "--exact", "on"});
+    EXPECT_NE(outcome.out.find("'land/1-0'"), std::string::npos) << outcome.out;
+    ASSERT_EQ(run({"scene", "scene.json", "-o", "saved.json"}).code, 0); // as meshes in cooked files
+    EXPECT_NE(folder_.read("saved.json").find("land/4-3.cooked"), std::string::npos);
+
+    // Wrong bounds, for the tiles that the ball comes to and for all: the answers that would rest on them are
+    // undecided.
+    const std::string index = folder_.read("land/tiles.json");
+    auto wrong = nlohmann::json::parse(index);
+    for (auto& tile : wrong["tiles"]) tile["bounds"][1][2] = tile["bounds"][1][2].get<double>() + 0.5;
+    folder_.write("land/wrong.json", wrong.dump());
+    folder_.write("wrong-scene.json", scene_with("land/wrong.json"));
+    const Outcome undecided = run({"run", "wrong-scene.json", "--exact", "on", "--quiet", "--json", "wrong.out.json"});
+    EXPECT_EQ(undecided.code, 65);
+    EXPECT_NE(undecided.err.find("not what the index of its tiles says"), std::string::npos) << undecided.err;
+    const auto verdicts = nlohmann::json::parse(folder_.read("wrong.out.json"))["frames"][6]["verdicts"];
+    EXPECT_EQ(verdicts["colliding"], 0) << verdicts.dump();
+    expect_error(65, {"cook", "--check", "land/wrong.json"}, {"0-0.cooked", "not what the index"});
+    const std::vector<std::pair<std::string, std::string>> damaged{
+        {"", "empty"},
+        {index.substr(0, index.size() / 2), "line"},
+        {R"({"oncollide_tiles": 2, "tiles": []})", "version 2"},
+        {R"({"oncollide_tiles": 1})", "tiles"},
+        {R"({"oncollide_tiles": 1, "tiles": [{"file": "a.cooked"}]})", "bounds"},
+        {R"({"oncollide_tiles": 1, "tiles": [{"file": "a.obj"}]})", ".cooked"},
+        {R"({"oncollide_tiles": 1, "tiles": [{"file": "a.cooked", "bounds": [[1, 0, 0], [0, 1, 1]], "radius": 1,
+            "triangles": 1, "vertices": 3, "zero_area": 0, "header": 5}]})",
+         "bounds without an inside"},
+    };
+    for (const auto& [text, what] : damaged) {
+        folder_.write("land/damaged.json", text);
+        folder_.write("damaged-scene.json", scene_with("land/damaged.json"));
+        expect_error(65, {"run", "damaged-scene.json"}, {"damaged.json", what.c_str()});
+    }
+    expect_error(64, {"cook", "ground.obj", "--tiles", "5y4", "-o", "land"}, {"--tiles", "5y4"});
+    expect_error(64, {"cook", "ground.obj", "--tiles", "5"}, {"--out"});
+    expect_error(73, {"cook", "ground.obj", "--tiles", "5", "-o", "ground.obj"}, {"ground.obj"});
+}
+
+TEST_F(Cook, TheSceneOfTilesIsTheSameFromDiskAndMemory)
+{
+    const std::vector<std::string> scene{"tiles", "--bodies", "24", "--frames", "40", "--exact", "on"};
+    const std::string hash = hash_of(scene);
+    std::vector<std::string> cached = scene;
+    cached.insert(cached.end(), {"--cache", "cache"});
+    EXPECT_EQ(hash_of(cached), hash);
+    cached.insert(cached.end(), {"--resident", "1M", "--look-ahead", "10"});
+    EXPECT_EQ(hash_of(cached), hash);
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_ / "cache"), {}), 1);
+}
+
 TEST_F(Cook, WhatIsDamagedEndsWith65AndTheRestIsWritten)
 {
     write_ground("ground.obj", 100), write_scene("scene.json", "ground.cooked");

@@ -4,6 +4,8 @@
 #include <bit>
 #include <vector>
 
+#include <unistd.h>
+
 #include <fmt/format.h>
 
 #include <oncollide/base/checksum.hpp>
@@ -14,9 +16,27 @@
 #include <oncollide/scenes/cooked/cooked_format.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 
+#include "cli/cooked_tiles.hpp"
+
 namespace oncollide::tools {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+std::uintmax_t bytes_in(const fs::path& folder)
+{
+    std::uintmax_t sum = 0;
+    std::error_code error;
+    for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+        std::error_code gone;
+        const std::uintmax_t bytes = it->file_size(gone);
+        if (!gone) sum += bytes;
+    }
+    return sum;
+}
+
+} // namespace
 
 CookedCache::CookedCache(fs::path folder, std::uintmax_t most) : folder_(std::move(folder)), most_(most)
 {
@@ -57,6 +77,28 @@ std::optional<fs::path> CookedCache::cooked(const fs::path& mesh, const MeshOpti
     return file;
 }
 
+fs::path CookedCache::tiles(const std::string& name, std::size_t count,
+                            const std::function<Mesh(std::size_t)>& make) const
+{
+    const fs::path folder = folder_ / fmt::format("{}-v{}", name, cooked_version), index = folder / tile_index_name;
+    std::error_code ignored;
+    if (!fs::is_regular_file(index, ignored)) {
+        const fs::path made = folder_ / fmt::format("{}.{}.tmp", folder.filename().string(), getpid());
+        try {
+            cook_tiles(
+                made, count, [&](std::size_t i) { return std::pair(fmt::format("{}", i), make(i)); }, false);
+        } catch (...) {
+            fs::remove_all(made, ignored);
+            throw;
+        }
+        fs::rename(made, folder, ignored);
+        if (ignored) fs::remove_all(made, ignored); // another process was first
+        make_room(folder);
+    }
+    fs::last_write_time(folder, fs::file_time_type::clock::now(), ignored); // it was used
+    return index;
+}
+
 /// Other processes may remove the same files meanwhile; those that read them keep them open.
 void CookedCache::make_room(const fs::path& keep) const
 {
@@ -70,15 +112,16 @@ void CookedCache::make_room(const fs::path& keep) const
     std::error_code error;
     for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
         std::error_code gone;
-        if (!is_cooked(it->path()) || it->path() == keep) continue;
-        const std::uintmax_t bytes = it->file_size(gone);
+        const bool tiles = fs::is_regular_file(it->path() / tile_index_name, gone);
+        if (!(tiles || is_cooked(it->path())) || it->path() == keep) continue;
+        const std::uintmax_t bytes = tiles ? bytes_in(it->path()) : it->file_size(gone);
         const fs::file_time_type used = it->last_write_time(gone);
         if (!gone) entries.push_back({used, bytes, it->path()}), held += bytes;
     }
     std::ranges::sort(entries, {}, &Entry::used);
     for (const Entry& entry : entries) {
         if (held <= most_) return;
-        fs::remove(entry.path, error);
+        fs::remove_all(entry.path, error);
         held -= entry.bytes;
     }
 }

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 
 #include <oncollide/scenes/files/mesh_file.hpp>
@@ -18,6 +19,10 @@ public:
     /// The cooked file of a mesh file, cooked unless it is there. Nothing: the mesh lies in several files (glTF beside
     /// its buffers), or is no file.
     std::optional<std::filesystem::path> cooked(const std::filesystem::path& mesh, const MeshOptions& options) const;
+
+    /// The index of a folder of so many tiles by that name, cooked on all processors unless it is there.
+    std::filesystem::path tiles(const std::string& name, std::size_t count,
+                                const std::function<Mesh(std::size_t)>& make) const;
 
 private:
     void make_room(const std::filesystem::path& keep) const;

@@ -140,6 +140,11 @@ void add_pipeline_options(Arguments command, SettingsOptions& o)
                     "bytes that cooked meshes may hold, e.g. 64M; 0: no limit (default). Never changes the result, but "
                     "where one pair alone needs more")
         .type_name("BYTES");
+    command
+        .add_option("--look-ahead", o.look_ahead,
+                    "frames for which another thread prepares the cooked meshes and tiles that bodies come near, as far "
+                    "as their motion tells; 0: none (default). Never changes the result")
+        .type_name("FRAMES");
     command.add_flag("--no-coherence", o.no_coherence,
                      "look at every pair anew, whatever earlier frames told of it; same result");
     command.group("Options");
@@ -169,6 +174,7 @@ Settings settings_from(const SettingsOptions& o)
                       .node_budget = parse_amount("--node-budget", o.node_budget),
                       .memory_budget = parse_amount("--memory-budget", o.memory_budget),
                       .resident_budget = parse_amount("--resident", o.resident),
+                      .look_ahead = o.look_ahead,
                       .coherence = !o.no_coherence};
     check(settings);
     return settings;
@@ -250,6 +256,11 @@ Scene make_catalogue_scene(const SceneOptions& o, BodySink* sink)
 {
     CatalogueOptions options{.bodies = o.bodies, .frames = o.frames, .data = data_folder(o.data), .sink = sink};
     if (o.seed) options.seed = *o.seed;
+    if (o.on_demand && !o.cache.folder.empty())
+        options.tiles = [cache = CookedCache(o.cache.folder, parse_amount("--cache-size", o.cache.bytes))](
+                            const std::string& name, std::size_t count, const std::function<Mesh(std::size_t)>& make) {
+            return cache.tiles(name, count, make);
+        };
     check_range("--frames", o.frames.value_or(1), 1), check_range("--bodies", o.bodies.value_or(1), 1);
     Scene scene = make_scene(o.scene, options);
     scene.pace = o.pace;

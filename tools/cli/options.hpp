@@ -26,7 +26,7 @@ struct SettingsOptions {
     int gpu = Settings{}.gpu, viewport = Settings{}.viewport;
     bool kinds = false, ignore_touching = false, open_as_surface = false;
     std::vector<std::string> skip;
-    int age = Settings{}.age_limit;
+    int age = Settings{}.age_limit, look_ahead = Settings{}.look_ahead;
     std::string node_budget = "0", memory_budget = "0";
     std::string resident = "0";
     bool no_coherence = false;
