@@ -41,7 +41,8 @@ void TriangleParts::start(const Source& mesh, const Eigen::Vector3d& centre, std
     const std::size_t size = triangles.size();
     numbers_ = mesh.numbers;
     triangles_.assign(triangles.begin(), triangles.end());
-    items_.resize(size), bounds_.resize(size), corners_.resize(size);
+    items_.resize(size);
+    if (bounds_.size() < size) bounds_.resize(size), corners_.resize(size); // else there is room
     for (std::size_t i = 0; i < size; ++i) {
         Growing bounds;
         Eigen::Vector3d sum = Eigen::Vector3d::Zero(); // of floats: exact, whatever the order of the corners
@@ -209,12 +210,6 @@ Aabb TriangleParts::bounds(std::size_t from, std::size_t to) const
     Growing all;
     for (std::size_t i = from; i < to; ++i) all.add(bounds_[items_[i].number]);
     return {all.low.head<3>().matrix().cast<double>(), all.high.head<3>().matrix().cast<double>()};
-}
-
-std::size_t TriangleParts::bytes() const
-{
-    return items_.capacity() * sizeof(Item) + bounds_.capacity() * sizeof(Bounds) +
-           corners_.capacity() * sizeof(TrianglePoints) + triangles_.capacity() * sizeof(std::uint32_t);
 }
 
 } // namespace oncollide

@@ -36,7 +36,6 @@ public:
     /// Of those in [from, to), as floats.
     Aabb bounds(std::size_t from, std::size_t to) const;
 
-    std::size_t bytes() const;
     static const std::size_t bytes_each; ///< of a triangle
 
 private:

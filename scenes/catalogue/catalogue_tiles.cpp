@@ -1,4 +1,5 @@
 // Convoys that cross a ground of many tiles.
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -89,7 +90,7 @@ Scene make_tiles_scene(const CatalogueOptions& options)
     };
     constexpr double gap = 6, key_step = 4, speed = 1; // metres, frames, metres a frame
     const double margin = 5, length = ground.cells() - 2 * margin;
-    const int frames = std::min(*options.frames, 100'000);
+    const int frames = std::clamp(*options.frames, 300, 100'000);
     const int vehicles = std::max(0, bodies - static_cast<int>(ground.across * ground.across));
     for (int i = 0; i < vehicles; ++i) {
         const int convoy = i / convoy_bodies, place = i % convoy_bodies;

@@ -18,6 +18,7 @@
 #include <oncollide/scenes/files/mesh_file.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
 #include <oncollide/scenes/files/terrain_file.hpp>
+#include <oncollide/scenes/files/tile_index.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 
 namespace oncollide::test {
@@ -44,6 +45,7 @@ constexpr Format all_formats[] = {
     {"table", "input.csv", table_seeds},
     {"recording", "recorded.npy", recording_seeds},
     {"cooked", "input.cooked", cooked_seeds},
+    {"tiles", "tiles.json", tiles_seeds},
 };
 
 [[noreturn]] void fault(const std::string& what)
@@ -96,10 +98,28 @@ void load_cooked(const fs::path& file)
     check(mesh->whole());
 }
 
+/// Opens each tile that is there, as a body would that comes to it.
+void load_tiles(const fs::path& file)
+{
+    Scene scene;
+    add_tiles(scene, "tiles", file, {}, {.on_demand = true});
+    check(scene);
+    for (const Geometry& geometry : scene.geometries) {
+        const auto& tile = std::get<std::shared_ptr<const CookedMesh>>(geometry.data);
+        try {
+            if (tile->open()->chunks.empty()) fault("a tile without chunks");
+            check(tile->whole());
+        } catch (const ChunkFault&) {
+            if (tile->faults().size() != 1) fault("a tile that says nothing of its fault");
+        }
+    }
+}
+
 void load(const fs::path& file)
 {
     const std::string ending = file.extension();
     if (ending == ".cooked") return load_cooked(file);
+    if (file.filename() == "tiles.json") return load_tiles(file);
     if (ending == ".json") {
         check(load_scene(file));
     } else if (ending == ".csv") {

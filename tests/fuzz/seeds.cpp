@@ -7,6 +7,7 @@
 
 #include "scenes/mesh_writers.hpp"
 #include <oncollide/narrowphase/cook_mesh.hpp>
+#include <oncollide/scenes/files/tile_index.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 
@@ -241,8 +242,23 @@ std::vector<std::string> cooked_seeds()
     return seeds;
 }
 
+std::vector<std::string> tiles_seeds()
+{
+    const TemporaryFolder folder;
+    std::vector<std::string> seeds;
+    for (const char* file : {"tile.cooked", "none.cooked"}) {
+        cook_mesh(box(), folder / "tile.cooked");
+        IndexedTile tile = index_tile(folder.path(), "tile.cooked");
+        tile.file = file;
+        save_tile_index(folder / "tiles.json", {tile});
+        seeds.push_back(folder.read("tiles.json"));
+    }
+    return seeds;
+}
+
 void add_companions(const TemporaryFolder& folder)
 {
+    cook_mesh(box(), folder / "tile.cooked");
     folder.write("buffer.bin", gltf_buffer(soup()));
     folder.write("thing.off", as_off(box()));
     folder.write("walk.tum", "0 1 2 3 0 0 0 1\n0.5 1 2 4 0 0 0.6 0.8\n");

@@ -137,7 +137,7 @@ TEST(Catalogue, NamesTheKnownScenesForAnUnknownOne)
 {
     expect_error(
         ErrorKind::usage, [] { make_scene("papr"); }, "'papr'",
-        "paper, paper-5k, many, boxes, city, octomap, hills, campus, st-helens, chunks, swarm, hard");
+        "paper, paper-5k, many, boxes, city, octomap, hills, campus, st-helens, chunks, tiles, swarm, hard");
 }
 
 TEST(Catalogue, SeedsChangeRandomScenes)
@@ -328,6 +328,16 @@ TEST(LargeScenes, AreMadeAsTheirSummariesSay)
     EXPECT_EQ(still(chunks), 144u) << "a square of chunks";
     EXPECT_EQ(movers(chunks), 40u);
     EXPECT_EQ(mesh_of(chunks, "chunk 3 2").triangles.size(), 578u);
+    const Scene tiles = make_scene("tiles", {.bodies = 24, .frames = 8});
+    EXPECT_EQ(still(tiles), 16u) << "a square of tiles";
+    EXPECT_EQ(movers(tiles), 8u);
+    EXPECT_EQ(mesh_of(tiles, "ground/5").triangles.size(), 10'082u);
+    for (const auto& [a, b] : {std::pair("ground/5", "ground/6"), std::pair("ground/5", "ground/9")}) {
+        const auto& vertices = mesh_of(tiles, b).vertices; // they join
+        EXPECT_EQ(std::ranges::count_if(mesh_of(tiles, a).vertices,
+                                        [&](const auto& v) { return std::ranges::count(vertices, v); }),
+                  72);
+    }
     const Scene mountain = make_scene("st-helens", {.bodies = 40});
     const auto& ground = std::get<Terrain>(mountain.geometries[0].data);
     for (const std::uint32_t body : mountain.motions.bodies()) {
