@@ -325,6 +325,12 @@ TEST_F(ViewOfResults, ThatCannotBeReadAreRefused)
         folder_.write("p.h5", damaged);
         expect_error(65, of("p.h5"), {"p.h5", fault});
     }
+    const std::size_t header = sound.rfind("OHDR"); // of a dataset, with a checksum
+    ASSERT_NE(header, std::string::npos);
+    std::string damaged = sound;
+    damaged[header + 20] ^= 2;
+    folder_.write("p.h5", damaged);
+    expect_error(65, of("p.h5"), {"p.h5", "damaged"}); // and HDF5 does not try to read it for minutes
     EXPECT_FALSE(std::filesystem::exists(folder_ / "y.html"));
 }
 
