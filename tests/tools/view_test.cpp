@@ -313,6 +313,24 @@ TEST_F(ViewOfResults, ThatCannotBeReadAreRefused)
         folder_.write("cut.h5", whole.substr(0, std::size_t(part * double(whole.size()))));
         expect_error(65, of("cut.h5"), {"cut.h5", "damaged"});
     }
+    write_scene("scene.json", 1.2);
+    ASSERT_EQ(run({"run", "scene.json", "--quiet", "--pairs", "p.h5"}).code, 0);
+    const std::string sound = folder_.read("p.h5");
+    const std::size_t row =
+        sound.find(std::string("\0\0\0\0\1\0\0\0\1\3", 10)); // bodies 0 and 1, within, by refinement
+    ASSERT_NE(row, std::string::npos);
+    for (const auto& [byte, fault] : {std::pair(12, "hash is another"), std::pair(4, "boxes are apart")}) {
+        std::string damaged = sound;
+        damaged[row + std::size_t(byte)] ^= 2;
+        folder_.write("p.h5", damaged);
+        expect_error(65, of("p.h5"), {"p.h5", fault});
+    }
+    const std::size_t header = sound.rfind("OHDR"); // of a dataset, with a checksum
+    ASSERT_NE(header, std::string::npos);
+    std::string damaged = sound;
+    damaged[header + 20] ^= 2;
+    folder_.write("p.h5", damaged);
+    expect_error(65, of("p.h5"), {"p.h5", "damaged"}); // and HDF5 does not try to read it for minutes
     EXPECT_FALSE(std::filesystem::exists(folder_ / "y.html"));
 }
 

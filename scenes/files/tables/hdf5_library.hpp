@@ -51,6 +51,7 @@ public:
     ONCOLLIDE_HDF5_FUNCTION(H5Pcreate);
     ONCOLLIDE_HDF5_FUNCTION(H5Pset_libver_bounds);
     ONCOLLIDE_HDF5_FUNCTION(H5Pset_chunk);
+    ONCOLLIDE_HDF5_FUNCTION(H5Pset_metadata_read_attempts);
     ONCOLLIDE_HDF5_FUNCTION(H5Dcreate2);
     ONCOLLIDE_HDF5_FUNCTION(H5Dset_extent);
     ONCOLLIDE_HDF5_FUNCTION(H5Dwrite);

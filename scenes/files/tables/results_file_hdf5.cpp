@@ -102,6 +102,7 @@ Hdf5Handle frame_type(const ResultsHeader& header)
         fields.push_back({stage + "_ms", at + offsetof(StageRow, ms), h5.native_double});
         at += sizeof(StageRow);
     }
+    std::ranges::sort(fields, {}, &Field::name); // as HDF5 does in each write, with a slow sort
     return row_type(sizeof(FrameRow), fields);
 }
 
@@ -353,7 +354,11 @@ StoredResults::StoredResults(const fs::path& path, const ResultsHeader& words)
 {
     const Hdf5& h5 = hdf5();
     try {
-        open_->file = {sure(h5.H5Fopen(path.c_str(), read_while_written, H5P_DEFAULT)), h5.H5Fclose};
+        // Each attempt to read what a writer may just be changing waits twice as long as the one before: 17 ms in all,
+        // not for ever where the file is damaged.
+        const Hdf5Handle access = properties(h5.file_access);
+        sure(h5.H5Pset_metadata_read_attempts(access.id(), 24));
+        open_->file = {sure(h5.H5Fopen(path.c_str(), read_while_written, access.id())), h5.H5Fclose};
         const hid_t file = open_->file.id();
         header_.version = read_text(file, "version"), header_.scene = read_text(file, "scene");
         header_.settings = read_text(file, "settings"), header_.source = read_text(file, "source");
