@@ -202,7 +202,7 @@ void RankedRun::repartition()
 /// Bodies go to where the new cuts have their homes, some at a time: all at once they would be in memory three times.
 void RankedRun::send_home()
 {
-    constexpr std::size_t at_a_time = 50'000;
+    constexpr std::size_t at_a_time = 5'000;
     const int me = ranks_.rank();
     std::size_t looked_at = 0, end = home_.size(); // those between have not been looked at; what follows has come
     for (std::uint64_t left = 1; left;) {
@@ -226,6 +226,8 @@ void RankedRun::send_home()
         left = looked_at < end;
         ranks_.sum({&left, 1});
     }
+    for (Bytes& bytes : out_) bytes = {};
+    for (Bytes& bytes : in_) bytes = {};
 }
 
 /// Hands over the bodies whose home is elsewhere, shows ghosts, and learns of both.

@@ -83,9 +83,11 @@ TEST_F(Mpirun, WritesTheFileAndTheHashOfOneProcess)
 TEST_F(Mpirun, TiesGiantsAndEmptyRegionsAreThoseOfOneProcess)
 {
     std::string lattice, heap;
-    for (int i = 0; i < 343; ++i)
+    // Bisection cuts through centres: cubes that are shifted by half an edge touch each other there.
+    for (int i = 0; i < 432; ++i)
         for (int copies = i % 7 == 0 ? 2 : 1; copies > 0; --copies)
-            lattice += fmt::format(R"({{"geometry": "cube", "position": [{}, {}, {}]}},)", i % 7, i / 7 % 7, i / 49);
+            lattice += fmt::format(R"({{"geometry": "cube", "position": [{}, {}, {}]}},)", i % 6 + 0.5 * (i / 216),
+                                   i / 6 % 6 + 0.5 * (i / 216), i / 36 % 6 + 0.5 * (i / 216));
     for (int i = 0; i < 30; ++i) heap += R"({"geometry": "cube", "position": [1, 2, 3]},)";
     const auto write = [&](const char* name, std::string bodies) {
         if (!bodies.empty()) bodies.pop_back();

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <oncollide/base/random.hpp>
 #include <oncollide/pipeline/ranks/ranked_run.hpp>
 #include <oncollide/pipeline/report.hpp>
 #include <oncollide/scenes/catalogue/catalogue.hpp>
@@ -197,6 +198,37 @@ TEST_F(RanksTest, BodiesThatLeaveOneRegionForAnotherTakeTheirMotionAlong)
     const Played one = by_one(scene);
     EXPECT_GT(one.verdicts[std::size_t(Verdict::within)], 100u);
     for (const int size : {2, 4}) EXPECT_EQ(by_many(scene, size), one);
+}
+
+/// Bodies in heaps of very different density: what is counted is shared, and the cuts do not show in the results.
+TEST_F(RanksTest, ClusteredScenesAreCutByWorkNotByBodies)
+{
+    Scene scene;
+    scene.name = "clusters", scene.frames = 24; // the first one is cut by bodies alone
+    const GeometryId ball = scene.add("ball", Sphere{0.4});
+    for (std::uint64_t i = 0; i < 3000; ++i) {
+        const double heap = std::floor(6 * u01(1, i, 0)), spread = 3 + 2 * heap;
+        BodyInit body{.geometry = ball, .motion = Drift{.velocity = {0.02, 0, 0.01}, .walls = {}}};
+        for (std::uint64_t k = 0; k < 3; ++k)
+            body.pose.translation()[Eigen::Index(k)] =
+                40 * u01(2, std::uint64_t(heap), k) + spread * (u01(3, i, k) + u01(4, i, k) - 1);
+        scene.add_body(body);
+    }
+    const auto imbalance = [&](int size, Rebalance rebalance) {
+        double result = 0;
+        run_ranks_on_threads(size, [&](Ranks& ranks) {
+            RankedRun run(ranks, make_morton_partitioner(), slice_of(scene, ranks.rank(), size, false), {},
+                          {.rebalance = rebalance});
+            while (run.frame() < scene.frames) run.step();
+            double most = 0, all = 0;
+            for (const RankStatistics& r : run.statistics(0))
+                most = std::max(most, double(r.work)), all += double(r.work);
+            if (ranks.rank() == 0) result = most * size / all;
+        });
+        return result;
+    };
+    for (const int size : {2, 4, 7}) EXPECT_LT(imbalance(size, Rebalance::automatic), 1.2) << size;
+    EXPECT_GT(imbalance(7, Rebalance::never), 1.4);
 }
 
 // --- Faults: what the tests above rest on would show.

@@ -1,5 +1,7 @@
 #include "command_fixture.hpp"
 
+#include <sstream>
+
 namespace oncollide::test {
 namespace {
 
@@ -51,6 +53,48 @@ TEST_F(CommandLine, PartsOfTheHardCasesMergeToTheFileOfTheWhole)
     EXPECT_EQ(folder_.read("merged.csv"), folder_.read("whole.csv"));
 }
 
+/// Rows without the columns that no two runs share.
+std::vector<std::string> without_times(const std::string& csv)
+{
+    std::vector<std::string> rows;
+    std::vector<bool> kept;
+    std::istringstream lines(csv);
+    for (std::string line, field; std::getline(lines, line);) {
+        std::istringstream fields(line);
+        std::string row;
+        for (std::size_t k = 0; std::getline(fields, field, ','); ++k) {
+            if (rows.empty()) kept.push_back(field != "ms" && field.find("_ms") == std::string::npos);
+            if (kept.at(k)) row += field + ",";
+        }
+        rows.push_back(row);
+    }
+    return rows;
+}
+
+TEST_F(CommandLine, PartsOfBenchmarksMergeToTheRowsOfTheWhole)
+{
+    using Words = std::vector<std::string>;
+    for (const Words& bench :
+         {Words{"bench", "scale", "--bodies", "5000", "--ranks", "10"},
+          Words{"bench", "scene", "boxes", "--bodies", "60", "--frames", "7", "--only", "oncollide"}}) {
+        SCOPED_TRACE(bench[1]);
+        const auto play = [&](Words more) {
+            more.insert(more.begin(), bench.begin(), bench.end());
+            const Outcome outcome = run(more);
+            EXPECT_EQ(outcome.code, 0) << outcome.err;
+        };
+        play({"--csv", "whole.csv"});
+        for (const char* part : {"1", "2", "3"})
+            play({"--csv", fmt::format("{}.csv", part), "--shard", fmt::format("{}/3", part)});
+        ASSERT_EQ(run({"merge", "3.csv", "1.csv", "2.csv", "--out", "merged.csv"}).code, 0);
+        const Words whole = without_times(folder_.read("whole.csv"));
+        EXPECT_EQ(without_times(folder_.read("merged.csv")), whole);
+        EXPECT_GT(whole.size(), 6u);
+    }
+    expect_error(64, {"bench", "scale", "--ranks", "4", "--shard", "1/5"}, {"--shard", "4 ranks"});
+    expect_error(64, {"bench", "scale", "--ranks", "4,8", "--shard", "1/2"}, {"--shard"});
+}
+
 TEST_F(CommandLine, ARunWithCheckpointsIsThatWithoutThem)
 {
     const std::vector<std::string> scene{"run", "boxes", "--bodies", "200", "--frames", "7", "--csv"};
@@ -90,6 +134,9 @@ TEST_F(CommandLine, SimulatedRanksAddUpToTheSamePairsHoweverManyThereAre)
     EXPECT_EQ(result("8", "0"), one);
     EXPECT_EQ(result("30", "0"), one);
     EXPECT_NE(result("30", "4"), one);
+    const Outcome both = run({"bench", "scale", "--bodies", "30000", "--ranks", "8,30", "--edge", "0.5"});
+    EXPECT_EQ(both.code, 0) << both.out;
+    EXPECT_NE(both.out.find(one), both.out.rfind(one)) << "two numbers of ranks, the same pairs";
     expect_error(64, {"bench", "scale", "--bodies", "1e12"}, {"--bodies"});
 }
 

@@ -296,6 +296,7 @@ int bench_scale(const ScaleOptions& o)
     const std::vector<std::size_t> counts = parse_counts("--ranks", o.ranks, 1'000'000);
     const Shard shard = shard_from(o.shard);
     if (!shard.whole() && counts.size() > 1) usage("--shard: the ranks of one number of them are divided; give one");
+    check_parts(shard, sampled(int(counts.front()), o.sample).size(), "ranks");
     const UniformWorld world(o.bodies, o.edge, o.seed, o.frame);
     const int threads = o.threads ? o.threads : hardware_threads();
     say("world      {} cubes, frame {}, edges {} spacings in the mean, one of {} is {} times as large\n",
