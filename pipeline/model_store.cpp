@@ -214,6 +214,7 @@ void ModelStore::prepare(const Ahead& part)
 /// Of a model, or those that were not wanted for so long; the thread is at rest.
 void ModelStore::drop_prepared(const Model* of, std::uint32_t frame, std::uint32_t age)
 {
+    const std::lock_guard lock(preparing_);
     std::erase_if(prepared_, [&](const Prepared& p) { return of ? p.model == of : frame - p.frame >= age; });
 }
 
@@ -233,6 +234,7 @@ void ModelStore::drop_chunks(std::size_t down_to) const
             });
     };
     for (const Model* model : with_boxes_) add(model->boxes.get());
+    const std::lock_guard lock(preparing_);
     for (const Prepared& prepared : prepared_) add(prepared.boxes.get());
     std::ranges::stable_sort(candidates, {}, &Candidate::needed);
     for (const Candidate& candidate : candidates) {
