@@ -39,7 +39,6 @@ public:
     std::size_t size() const { return size_; }
     std::span<const FourTriangles> fours() const { return std::span(fours_).first(number_); }
     TrianglePoints first() const;
-    std::size_t bytes() const { return fours_.capacity() * sizeof(FourTriangles); }
 
 private:
     std::vector<FourTriangles> fours_; ///< the first number_ are in use
