@@ -1,6 +1,7 @@
 #include <oncollide/base/file_bytes.hpp>
 
 #include <array>
+#include <cctype>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -128,6 +129,13 @@ fs::path file_in(const fs::path& folder, std::string_view name)
 {
     const fs::path path = folder / name;
     return path == "-" ? fs::path("./-") : path;
+}
+
+std::string lower_extension(const fs::path& path)
+{
+    std::string extension = path.extension().string();
+    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return extension;
 }
 
 std::string_view without_byte_order_mark(std::string_view text)

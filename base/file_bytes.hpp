@@ -44,6 +44,9 @@ void on_file_read(void (*visit)(const std::filesystem::path&));
 /// The file that another file, in `folder`, calls `name`; never standard input.
 std::filesystem::path file_in(const std::filesystem::path& folder, std::string_view name);
 
+/// What the name ends with, by which kinds of files are known, in small letters: ".obj"; empty where it has none.
+std::string lower_extension(const std::filesystem::path& path);
+
 /// `text` without the byte-order mark that some editors put before UTF-8.
 std::string_view without_byte_order_mark(std::string_view text);
 

@@ -2,6 +2,15 @@
 
 namespace oncollide {
 
+void put_vector(Bytes& bytes, const Eigen::Vector3d& v)
+{
+    for (int k = 0; k < 3; ++k) put(bytes, v[k]);
+}
+void put_box(Bytes& bytes, const Aabb& box)
+{
+    put_vector(bytes, box.min), put_vector(bytes, box.max);
+}
+
 namespace {
 
 void put_pose(Bytes& bytes, const Eigen::Isometry3d& pose)
@@ -17,10 +26,6 @@ Eigen::Isometry3d get_pose(ByteReader& reader)
     return pose;
 }
 
-void put_vector(Bytes& bytes, const Eigen::Vector3d& v)
-{
-    for (int k = 0; k < 3; ++k) put(bytes, v[k]);
-}
 Eigen::Vector3d get_vector(ByteReader& reader)
 {
     Eigen::Vector3d v;
@@ -28,10 +33,6 @@ Eigen::Vector3d get_vector(ByteReader& reader)
     return v;
 }
 
-void put_box(Bytes& bytes, const Aabb& box)
-{
-    put_vector(bytes, box.min), put_vector(bytes, box.max);
-}
 Aabb get_box(ByteReader& reader)
 {
     Aabb box;

@@ -25,6 +25,8 @@ struct BodyRecord : BodyHere {
     Aabb box{}; ///< world; empty: not known yet. Grown by half the clearance
 };
 
+void put_vector(Bytes& bytes, const Eigen::Vector3d& v);
+void put_box(Bytes& bytes, const Aabb& box);
 void put(Bytes& bytes, const BodyHere& body);
 void put(Bytes& bytes, const BodyRecord& record);
 BodyHere get_body(ByteReader& reader);

@@ -31,17 +31,15 @@ std::uint64_t checksum_of(const Geometry& geometry)
     std::uint64_t sum = checksum(geometry.name);
     Bytes bytes;
     put(bytes, geometry.data.index());
-    const auto put_vector = [&](const Eigen::Vector3d& v) { put(bytes, v.x()), put(bytes, v.y()), put(bytes, v.z()); };
-    const auto put_box = [&](const Aabb& box) { put_vector(box.min), put_vector(box.max); };
-    put_box(bounds_of(geometry));
-    if (const auto* map = std::get_if<OccupancyMap>(&geometry.data)) put_box(map->bounds());
+    put_box(bytes, bounds_of(geometry));
+    if (const auto* map = std::get_if<OccupancyMap>(&geometry.data)) put_box(bytes, map->bounds());
     if (const auto* terrain = std::get_if<Terrain>(&geometry.data))
         for (std::uint32_t row = 0; row < terrain->rows(); ++row)
             for (std::uint32_t column = 0; column < terrain->columns(); ++column)
                 put(bytes, terrain->height(column, row));
     if (const auto* shape = std::get_if<Shape>(&geometry.data))
         if (const auto* hull = std::get_if<ConvexHull>(shape))
-            for (const Eigen::Vector3d& point : hull->points) put_vector(point);
+            for (const Eigen::Vector3d& point : hull->points) put_vector(bytes, point);
     mix(sum, checksum_of(bytes));
     if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) {
         mix(sum, checksum_of(mesh->vertices.data(), mesh->vertices.size() * sizeof(mesh->vertices[0])));

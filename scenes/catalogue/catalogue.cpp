@@ -41,7 +41,8 @@ constexpr Maker makers[] = {
      make_st_helens_scene},
     {"chunks", "2,000 balls over a game's ground of 16,384 static meshes of 578 triangles", 18'384, 100'000, 100,
      make_chunks_scene},
-    {"tiles", "convoys of 2,000 vehicles over 10,000 tiles of ground, 101 million triangles; with --cache read from disk",
+    {"tiles",
+     "convoys of 2,000 vehicles over 10,000 tiles of ground, 101 million triangles; with --cache read from disk",
      12'000, 100'000, 300, make_tiles_scene},
     {"swarm", "ten million balls, of which one in a hundred moves", 10'000'000, 10'000'000, 20, make_swarm_scene, true},
     {"hard", "touching, coplanar, nested, tiny, huge and far: what collision detection gets wrong", 0, 0, 60,
@@ -129,9 +130,9 @@ Eigen::Isometry3d placed(const Eigen::Vector3d& position, const Eigen::Quaternio
     return pose;
 }
 
-GeometryId add_drone(Scene& scene)
+GeometryId add_knot(Scene& scene, const std::string& name, double diagonal, int triangles)
 {
-    return add_geometry(scene, "drone",
+    return add_geometry(scene, name,
                         {{"mesh",
                           {{"generate",
                             {{"kind", "torus_knot"},
@@ -140,9 +141,14 @@ GeometryId add_drone(Scene& scene)
                              {"major", 1},
                              {"minor", 0.4},
                              {"tube", 0.2},
-                             {"triangles", 1200}}},
-                           {"fit_diagonal", 3},
+                             {"triangles", triangles}}},
+                           {"fit_diagonal", diagonal},
                            {"centre", true}}}});
+}
+
+GeometryId add_drone(Scene& scene)
+{
+    return add_knot(scene, "drone", 3, 1200);
 }
 
 GeometryId add_model(Scene& scene, const CatalogueOptions& options, const std::string& name, const std::string& file,

@@ -42,7 +42,9 @@ private:
 Eigen::Isometry3d placed(const Eigen::Vector3d& position,
                          const Eigen::Quaterniond& rotation = Eigen::Quaterniond::Identity());
 
-/// Adds "drone": a torus knot of 1,200 triangles and 3 m.
+/// Adds a trefoil knot of a tube, around the origin.
+GeometryId add_knot(Scene& scene, const std::string& name, double diagonal, int triangles);
+/// Adds "drone": such a knot of 1,200 triangles and 3 m.
 GeometryId add_drone(Scene& scene);
 
 /// Adds a mesh of the data folder, or the generator's mesh with a warning when it is not there; either is scaled to a

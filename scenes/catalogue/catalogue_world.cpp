@@ -224,18 +224,7 @@ Scene make_octomap_scene(const CatalogueOptions& options)
 
     const GeometryId kinds[] = {
         scene.add("ball", Sphere{0.3}),
-        add_geometry(scene, "knot",
-                     {{"mesh",
-                       {{"generate",
-                         {{"kind", "torus_knot"},
-                          {"p", 2},
-                          {"q", 3},
-                          {"major", 1},
-                          {"minor", 0.4},
-                          {"tube", 0.2},
-                          {"triangles", 1500}}},
-                        {"fit_diagonal", 1},
-                        {"centre", true}}}}),
+        add_knot(scene, "knot", 1, 1500),
         scene.add("rod", Capsule{.radius = 0.1, .length = 0.8}),
         add_geometry(
             scene, "ring",

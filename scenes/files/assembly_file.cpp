@@ -23,8 +23,7 @@ static_assert(no_node_above == no_node);
 
 bool is_gltf(const std::filesystem::path& path)
 {
-    std::string extension = path.extension().string();
-    std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+    const std::string extension = lower_extension(path);
     return extension == ".gltf" || extension == ".glb";
 }
 

@@ -37,9 +37,7 @@ std::string extension_of(std::string_view bytes)
 
 const Format& format_of(const std::filesystem::path& path, std::string_view bytes)
 {
-    std::string extension = path == "-" ? extension_of(bytes) : path.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return std::tolower(c); });
+    const std::string extension = path == "-" ? extension_of(bytes) : lower_extension(path);
     for (const Format& format : formats)
         if (extension == std::string(".") + format.extension) return format;
     throw Error(ErrorKind::bad_data, fmt::format("{}: unknown kind of mesh file '{}'; known are {}, and cooked",

@@ -44,9 +44,7 @@ OccupancyMap load_octomap(const std::filesystem::path& path, const MapOptions& o
 {
     constexpr std::uintmax_t most = std::uintmax_t(256) << 20; // of a `.ot` file OctoMap needs ten times that
     const std::string name = path.string();
-    std::string extension = path.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return std::tolower(c); });
+    const std::string extension = lower_extension(path);
     std::string bytes = read_file(path, most);
     const double threshold = options.occupancy_threshold.value_or(0.5);
     if (!(threshold > 0 && threshold < 1))

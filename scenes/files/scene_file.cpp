@@ -1,7 +1,6 @@
 #include <oncollide/scenes/files/scene_file.hpp>
 
 #include <algorithm>
-#include <cctype>
 
 #include <fmt/format.h>
 
@@ -29,9 +28,7 @@ constexpr std::uintmax_t most_bytes = std::uintmax_t(2) << 30;
 /// A mesh or a map in the place of a scene is a frequent slip; JSON's complaint about it would not help.
 void refuse_other_files(const fs::path& path)
 {
-    std::string extension = path.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return std::tolower(c); });
+    std::string extension = lower_extension(path);
     if (extension.empty()) return;
     extension.erase(0, 1);
     const auto& meshes = mesh_extensions();

@@ -37,9 +37,8 @@ const std::vector<std::string> extensions{"pgm",  "png", "npy", "raw", "bin", "t
 HeightRaster read_raster(const fs::path& path, const TerrainOptions& options)
 {
     const std::string name = path.string();
-    std::string ending = path.extension().string();
+    std::string ending = lower_extension(path);
     ending.erase(0, 1);
-    std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
     const auto known = std::ranges::find(extensions, ending);
     if (known == extensions.end())
         refuse(name,

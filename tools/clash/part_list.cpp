@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/file_bytes.hpp>
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/scenes/files/assembly_file.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
@@ -24,8 +25,7 @@ namespace fs = std::filesystem;
 
 bool is_mesh_file(const fs::path& path)
 {
-    std::string extension = path.extension().string();
-    std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+    const std::string extension = lower_extension(path);
     return !extension.empty() && std::ranges::count(mesh_extensions(), extension.substr(1)) > 0;
 }
 

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/base/file_bytes.hpp>
+
 #include "clash/name_pattern.hpp"
 #include "cli/arguments.hpp"
 
@@ -59,8 +61,7 @@ Units::Units(const std::vector<std::string>& texts) : reported_(&all_units[0])
 double Units::scale_of(const std::string& file) const
 {
     const std::filesystem::path path(file);
-    std::string extension = path.extension().string();
-    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+    const std::string extension = lower_extension(path);
     const Unit* unit = extension == ".glb" || extension == ".gltf" ? &unit_from("", "m") : reported_;
     for (const OfFiles& some : of_files_)
         if (matches(some.pattern, file) || matches(some.pattern, path.filename().string())) unit = some.unit;

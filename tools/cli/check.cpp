@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/file_bytes.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/printable.hpp>
 #include <oncollide/pipeline/contacts.hpp>
@@ -55,9 +56,7 @@ Eigen::Isometry3d parse_pose(const std::string& option, const std::string& text,
 
 GeometryId add_file(Scene& scene, const std::string& name, const std::string& path, const MeshReading& cache)
 {
-    std::string extension = std::filesystem::path(path).extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return std::tolower(c); });
+    const std::string extension = lower_extension(path);
     if (extension == ".bt" || extension == ".ot") return scene.add(name, load_octomap(path));
     if (std::ranges::count(terrain_extensions(), extension.substr(extension.empty() ? 0 : 1)))
         return scene.add(name, load_terrain(path));

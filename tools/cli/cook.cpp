@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <charconv>
 #include <chrono>
 #include <iostream>
@@ -13,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/base/file_bytes.hpp>
 #include <oncollide/base/printable.hpp>
 #include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
@@ -34,8 +34,7 @@ struct CookOptions {
 /// The mesh of the file, or the surface over its heights.
 Mesh read_source(const CookOptions& options)
 {
-    std::string extension = fs::path(options.mesh).extension().string();
-    std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+    const std::string extension = lower_extension(options.mesh);
     const bool heights = !extension.empty() && std::ranges::count(terrain_extensions(), extension.substr(1)) > 0;
     if (!heights) {
         if (options.spacing != 0 || options.vertical_scale != 1)

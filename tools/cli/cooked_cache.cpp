@@ -49,8 +49,7 @@ CookedCache::CookedCache(fs::path folder, std::uintmax_t most) : folder_(std::mo
 
 std::optional<fs::path> CookedCache::cooked(const fs::path& mesh, const MeshOptions& options) const
 {
-    std::string extension = mesh.extension().string();
-    std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+    const std::string extension = lower_extension(mesh);
     if (mesh == "-" || extension == ".gltf" || extension == ".cooked") return {};
     std::uint64_t content, size;
     {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <mutex>
-#include <optional>
 
 #include <fmt/format.h>
 
@@ -28,26 +27,18 @@ TilesSize cook_tiles(const fs::path& folder, std::size_t count,
     fs::remove(folder / tile_index_name, error); // of tiles that are about to change
     std::vector<IndexedTile> tiles(count);
     std::atomic<std::uint64_t> bytes = 0, triangles = 0;
-    std::mutex mutex;
-    std::optional<Error> failed; // whichever was first
-    std::atomic<bool> over = false;
+    std::mutex mutex; // of the progress
     Progress progress("tile", count, quiet);
     parallel_chunks(count, 1, hardware_threads(), [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t i = begin; i < end && !over; ++i) {
-            try {
-                const auto [name, mesh] = make(i);
-                const std::string file = name + ".cooked";
-                bytes += cook_mesh(mesh, folder / file).bytes, triangles += mesh.triangles.size();
-                tiles[i] = index_tile(folder, file);
-            } catch (const Error& fault) {
-                const std::lock_guard lock(mutex);
-                if (!over.exchange(true)) failed = fault;
-            }
+        for (std::size_t i = begin; i < end; ++i) {
+            const auto [name, mesh] = make(i);
+            const std::string file = name + ".cooked";
+            bytes += cook_mesh(mesh, folder / file).bytes, triangles += mesh.triangles.size();
+            tiles[i] = index_tile(folder, file);
             const std::lock_guard lock(mutex);
             progress.step();
         }
     });
-    if (failed) throw Error(*failed);
     save_tile_index(folder / tile_index_name, tiles);
     return {count, triangles, bytes};
 }
