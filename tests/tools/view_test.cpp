@@ -376,7 +376,7 @@ protected:
     }
 
     struct Seen {
-        std::string document; ///< as it is after a second
+        std::string document; ///< as it is at the end
         Decoded picture;
 
         /// data-NAME of the document.
@@ -388,14 +388,15 @@ protected:
             return document.substr(from + mark.size(), document.find('"', from + mark.size()) - from - mark.size());
         }
     };
-    Seen look(const std::string& page, const std::string& fragment, const std::string& size = "900,640")
+    Seen look(const std::string& page, const std::string& fragment, const std::string& size = "900,640",
+              int milliseconds = 1500)
     {
-        const Outcome outcome =
-            browse(folder_, {"--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-                             "--disable-dev-shm-usage", "--enable-logging=stderr",
-                             "--run-all-compositor-stages-before-draw", "--virtual-time-budget=1500",
-                             "--window-size=" + size, "--screenshot=" + (folder_ / "x.png").string(), "--dump-dom",
-                             "file://" + (folder_ / page).string() + "#" + fragment});
+        const Outcome outcome = browse(
+            folder_, {"--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+                      "--disable-dev-shm-usage", "--enable-logging=stderr", "--run-all-compositor-stages-before-draw",
+                      fmt::format("--virtual-time-budget={}", milliseconds), "--window-size=" + size,
+                      "--screenshot=" + (folder_ / "x.png").string(), "--dump-dom",
+                      "file://" + (folder_ / page).string() + "#" + fragment});
         EXPECT_EQ(outcome.code, 0) << outcome.err;
         EXPECT_EQ(outcome.err.find("Uncaught"), std::string::npos) << outcome.err;
         EXPECT_EQ(outcome.err.find("THREE."), std::string::npos) << outcome.err; // shaders that do not compile
@@ -460,7 +461,7 @@ key("Home"), root.dataset.home = root.dataset.frame;
 key("End"), root.dataset.end = root.dataset.frame;
 const canvas = document.getElementById("scene"), box = canvas.getBoundingClientRect();
 for (const what of ["pointerdown", "pointerup"])
-  canvas.dispatchEvent(new PointerEvent(what, {clientX: box.left + box.width / 2, clientY: box.top + box.height / 2}));
+  canvas.dispatchEvent(new PointerEvent(what, {clientX: box.left + box.width / 4, clientY: box.top + box.height / 2}));
 </script>)");
     const Seen seen = look("y.html", "frame=0&theme=light");
     EXPECT_EQ(seen.data("scrubbed"), "6");
@@ -470,6 +471,32 @@ for (const what of ["pointerdown", "pointerup"])
     EXPECT_NE(seen.document.find("class=\"body-link\""), std::string::npos) << "what is clicked is selected";
     EXPECT_EQ(seen.document.find("<title>owned"), std::string::npos);
     EXPECT_GT(in_scene(seen.picture, is_within), 8000) << "without an exact level they may touch";
+}
+
+TEST_F(ViewInBrowser, DetailIsLessWhileItPlaysAndReturnsAtRest)
+{
+    ASSERT_EQ(run({"run", "city", "--bodies", "400", "--frames", "30", "--quiet", "--view", "x.html"}).code, 0);
+    folder_.write("y.html", folder_.read("x.html") + R"(<script>
+const root = document.documentElement, play = () => dispatchEvent(new KeyboardEvent("keydown", {key: " "}));
+play();
+const wait = () => {
+  if (+root.dataset.drawn < 3) return requestAnimationFrame(wait);
+  for (const name of ["bodies", "triangles", "pixels"]) root.setAttribute("data-played-" + name, root.dataset[name]);
+  play();
+};
+wait();
+</script>)");
+    const Seen seen = look("y.html", "frame=0&theme=light", "900,640", 5000);
+    const auto rest = [&](const char* name) { return std::stoi(seen.data(name)); };
+    const auto played = [&](const char* name) { return std::stoi(seen.data(std::string("played-") + name)); };
+    EXPECT_GT(rest("frame"), 0);
+    EXPECT_GT(rest("bodies"), 300);
+    EXPECT_EQ(played("bodies"), rest("bodies")) << "nothing disappears";
+    EXPECT_LT(played("triangles"), rest("triangles") / 2);
+    EXPECT_LT(played("pixels"), rest("pixels") / 2 + 1);
+    const Seen never = look("x.html", fmt::format("frame={}&theme=light", rest("frame")));
+    EXPECT_EQ(seen.data("triangles"), never.data("triangles"));
+    EXPECT_EQ(seen.data("pixels"), never.data("pixels"));
 }
 
 TEST_F(ViewInBrowser, RegionsAndMarksOfALargeScene)

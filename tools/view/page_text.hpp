@@ -4,6 +4,6 @@
 // The page's own files, which the build embeds: tools/view/page/.
 namespace oncollide::tools::page {
 
-extern const std::string_view page_html, style_css, data_js, bodies_js, overlay_js, trees_js, panel_js, main_js;
+extern const std::string_view page_html, style_css, data_js, bodies_js, sprites_js, overlay_js, trees_js, panel_js, main_js;
 
 } // namespace oncollide::tools::page

@@ -116,7 +116,7 @@ ViewPage::ViewPage(const Scene& scene, const Pipeline& pipeline, const Options& 
     using namespace page;
     std::size_t fixed = three_.library.size() + three_.controls.size() + 16'384;
     for (const std::string_view text :
-         {page_html, style_css, data_js, bodies_js, overlay_js, trees_js, panel_js, main_js})
+         {page_html, style_css, data_js, bodies_js, sprites_js, overlay_js, trees_js, panel_js, main_js})
         fixed += text.size();
     frames_ = std::make_unique<PageFrames>(scene, pipeline, options.separate, 0);
     const std::size_t bodies = encoded(bytes_of_body * scene.size()) + bytes_of_geometry * scene.geometries.size();
@@ -339,7 +339,7 @@ void ViewPage::close()
     for (std::size_t k = 0; k < kept_.size(); ++k) write_block(file, fmt::format("f{}", k), kept_[k].block);
     until("{{three}}"), file.write(three_.library), file.write("\n"), file.write(three_.controls);
     until("{{script}}"), file.write("(() => {\n");
-    for (const std::string_view script : {data_js, bodies_js, overlay_js, trees_js, panel_js, main_js})
+    for (const std::string_view script : {data_js, bodies_js, sprites_js, overlay_js, trees_js, panel_js, main_js})
         file.write(script);
     file.write("})();\n"), file.write(rest);
     file.commit();

@@ -1,12 +1,21 @@
 // Bodies: copies of meshes, in levels of detail that are chosen anew for each picture.
 const canvas = document.getElementById("scene");
-const gl = canvas.getContext("webgl2", {antialias: true, alpha: false, powerPreference: "high-performance"});
+const gl = canvas.getContext("webgl2", {antialias: false, alpha: false, powerPreference: "high-performance"});
 if (!gl) throw new Error("This page needs WebGL 2, which this browser does not offer.");
-const renderer = new THREE.WebGLRenderer({canvas, context: gl, antialias: true});
+const renderer = new THREE.WebGLRenderer({canvas, context: gl});
 renderer.autoClear = false;
 const camera = new THREE.PerspectiveCamera(42, 1, 0.1, 1000);
 camera.up.set(0, 0, 1);
-const solids = new THREE.Scene(), ghosts = new THREE.Scene();
+// What is drawn, from back to front.
+const scene = new THREE.Scene(), [ground, solids, volumes, ghosts, lines, marks] = Array.from({length: 6}, () => new THREE.Scene());
+scene.add(ground, solids, volumes, ghosts, lines, marks);
+const addTo = (layer, mesh) => (layer.add(mesh), (mesh.renderOrder = scene.children.indexOf(layer)));
+// Does the CPU draw, in the stead of a GPU?
+const drawsOnCpu = (() => {
+  const named = gl.getExtension("WEBGL_debug_renderer_info");
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(gl.getParameter(named ? named.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
+})();
+const screen = {value: new THREE.Vector2(1, 1)}, drawnPixels = {value: new THREE.Vector2(1, 1)}; // the view's size: in CSS's pixels, in those drawn
 let palette = {}; // by name of the style sheet: 0 to 1 each
 
 function readPalette() {
@@ -16,49 +25,66 @@ function readPalette() {
 }
 
 const turned = `vec3 turned(vec4 q, vec3 v) { return v + 2.0 * cross(q.xyz, cross(q.xyz, v) + q.w * v); }\n`;
-const bodyVertex = turned + `
+const bodyVaryings = "varying vec3 vNormal, vEye; varying vec4 vTint, vNumber;\n";
+const bodyVertex = turned + bodyVaryings + `
 uniform vec3 low, size;
-varying vec3 vNormal, vEye; varying vec4 vTint, vNumber;
 void main() {
   vec4 at = viewMatrix * vec4(iPosition + turned(iTurn, low + size * position), 1.0);
   vNormal = mat3(viewMatrix) * turned(iTurn, normal);
   vEye = at.xyz; vTint = iTint; vNumber = iNumber;
   gl_Position = projectionMatrix * at;
 }`;
+// @param n, eye  the normal, and the direction to the eye: both as the camera sees them
 const shading = `
 uniform vec3 up, accent; uniform float night;
-varying vec3 vNormal, vEye; varying vec4 vTint, vNumber;
-vec3 shaded(vec3 n, vec3 tint) {
-  vec3 eye = normalize(-vEye), key = normalize(up * 0.9 + vec3(-0.45, 0.0, 0.55));
-  float sky = 0.5 + 0.5 * dot(n, up), lit = max(dot(n, key), 0.0), front = max(dot(n, eye), 0.0);
-  vec3 c = tint * (mix(0.42, 0.30, night) + 0.26 * sky + 0.42 * lit + 0.10 * front);
-  c += 0.10 * pow(max(dot(n, normalize(key + eye)), 0.0), 24.0);
-  return c;
+vec3 keyLight() { return normalize(up * 0.9 + vec3(-0.45, 0.0, 0.55)); }
+float light(float sky, float lit, float front) {
+  return mix(0.42, 0.30, night) + 0.26 * (0.5 + 0.5 * sky) + 0.42 * max(lit, 0.0) + 0.10 * max(front, 0.0);
+}
+vec3 shaded(vec3 n, vec3 eye, vec3 tint) {
+  vec3 key = keyLight();
+  return tint * light(dot(n, up), dot(n, key), dot(n, eye)) + 0.10 * pow(max(dot(n, normalize(key + eye)), 0.0), 24.0);
+}
+vec3 chosen(vec3 c, vec3 n, vec3 eye, float is) {
+  return mix(c, accent, is * (0.15 + 0.85 * smoothstep(0.2, 0.75, pow(1.0 - abs(dot(n, eye)), 2.0))));
 }`;
+const stripes = `
+vec3 striped(vec4 tint) { return tint.a < 0.75 && mod(gl_FragCoord.x + gl_FragCoord.y, 12.0) < 4.5 ? mix(tint.rgb, vec3(1.0), 0.6) : tint.rgb; }`;
 const uniforms = {up: {value: new THREE.Vector3()}, accent: {value: new THREE.Color()}, night: {value: 0}};
 
 function bodyMaterial(model, ghost, copies) {
   return new THREE.ShaderMaterial({
     vertexShader: copies.shader(bodyVertex),
-    fragmentShader: shading + (ghost ? `
+    fragmentShader: bodyVaryings + shading + (ghost ? `
 void main() {
-  vec3 n = normalize(vNormal); if (!gl_FrontFacing) n = -n;
-  float rim = pow(1.0 - abs(dot(n, normalize(vEye))), 2.0);
-  gl_FragColor = vec4(shaded(n, vTint.rgb), vTint.a * mix(0.35, 1.0, rim));
-}` : `
+  vec3 n = normalize(vNormal), eye = normalize(-vEye); if (!gl_FrontFacing) n = -n;
+  float rim = pow(1.0 - abs(dot(n, eye)), 2.0);
+  gl_FragColor = vec4(shaded(n, eye, vTint.rgb), vTint.a * mix(0.35, 1.0, rim));
+}` : stripes + `
 void main() {
-  vec3 n = normalize(vNormal); if (!gl_FrontFacing) n = -n;
-  vec3 tint = vTint.rgb;
-  if (vTint.a < 0.75 && mod(gl_FragCoord.x + gl_FragCoord.y, 12.0) < 4.5) tint = mix(tint, vec3(1.0), 0.6);
-  vec3 c = shaded(n, tint);
-  float rim = pow(1.0 - abs(dot(n, normalize(vEye))), 2.0);
-  c = mix(c, accent, vNumber.w * (0.15 + 0.85 * smoothstep(0.2, 0.75, rim)));
-  gl_FragColor = vec4(c, 1.0);
+  vec3 n = normalize(vNormal), eye = normalize(-vEye); if (!gl_FrontFacing) n = -n;
+  gl_FragColor = vec4(chosen(shaded(n, eye, striped(vTint)), n, eye, vNumber.w), 1.0);
 }`),
-    uniforms: {...uniforms, ...copies.uniforms, low: {value: new THREE.Vector3(...model.low)},
-               size: {value: new THREE.Vector3(...model.high).sub(new THREE.Vector3(...model.low))}},
-    side: THREE.DoubleSide, transparent: ghost, depthWrite: !ghost});
+    uniforms: {...uniforms, ...copies.uniforms, ...boxUniforms(model)}, side: THREE.DoubleSide, transparent: ghost, depthWrite: !ghost});
 }
+// The same, shaded at corners alone: a quarter of the work where the CPU draws.
+function plainMaterial(model, copies) {
+  return new THREE.ShaderMaterial({
+    vertexShader: copies.shader(turned + shading + `
+uniform vec3 low, size;
+varying vec4 vColour;
+void main() {
+  vec4 at = viewMatrix * vec4(iPosition + turned(iTurn, low + size * position), 1.0);
+  vec3 n = normalize(mat3(viewMatrix) * turned(iTurn, normal)), eye = normalize(-at.xyz);
+  n = faceforward(n, -eye, n);
+  vColour = vec4(chosen(shaded(n, eye, iTint.rgb), n, eye, iNumber.w), iTint.a);
+  gl_Position = projectionMatrix * at;
+}`),
+    fragmentShader: stripes + "varying vec4 vColour; void main() { gl_FragColor = vec4(striped(vColour), 1.0); }",
+    uniforms: {...uniforms, ...copies.uniforms, ...boxUniforms(model)}, side: THREE.DoubleSide});
+}
+const boxUniforms = (model) => ({low: {value: new THREE.Vector3(...model.low)},
+                                 size: {value: new THREE.Vector3(...model.high).sub(new THREE.Vector3(...model.low))}});
 const pickFragment = `varying vec4 vNumber; void main() { gl_FragColor = vec4(vNumber.xyz, 1.0); }`;
 
 // Corners of all triangles with normals, smooth but at edges that turn by more than 35 degrees.
@@ -79,8 +105,12 @@ function surfaceOf(geometry, level) {
   if (level > 0 && triangles <= 200) { // from afar edges are not seen, and corners that triangles share cost a third
     const position = new Uint16Array(4 * vertices), normal = new Int8Array(4 * vertices);
     for (let v = 0; v < vertices; ++v) {
-      const sum = [0, 0, 0];
-      for (let k = first[v]; k < first[v + 1]; ++k) for (let a = 0; a < 3; ++a) sum[a] += face[3 * around[k] + a];
+      let sum = [0, 0, 0], largest = 0;
+      for (let k = first[v]; k < first[v + 1]; ++k) {
+        const own = face.subarray(3 * around[k], 3 * around[k] + 3);
+        sum = sum.map((x, a) => x + own[a]), largest = Math.max(largest, Math.hypot(...own));
+      }
+      if (Math.hypot(...sum) < 0.1 * largest) sum = [...face.subarray(3 * around[first[v]], 3 * around[first[v]] + 3)]; // both sides of a sheet
       const l = 127 / (Math.hypot(...sum) || 1);
       for (let a = 0; a < 3; ++a) position[4 * v + a] = at[3 * v + a], normal[4 * v + a] = sum[a] * l;
     }
@@ -102,13 +132,21 @@ function surfaceOf(geometry, level) {
   return {position, normal, index: null};
 }
 
+// Numbers for shaders, four in a cell.
+function tableOf(numbers, columns) {
+  const texture = new THREE.DataTexture(numbers, columns, numbers.length / (4 * columns), THREE.RGBAFormat, THREE.FloatType);
+  texture.minFilter = texture.magFilter = THREE.NearestFilter, texture.generateMipmaps = false, texture.unpackAlignment = 4;
+  texture.needsUpdate = true;
+  return texture;
+}
+
 // Many copies of a small shape, whose numbers are in a texture: each instance that the GPU draws holds as many copies as
 // make some thousand corners, since instances of a few triangles are slow, above all where the CPU draws them.
 class Copies {
   // @param columns  sizes by name, 1 to 4: what shaders call the numbers of a copy
   constructor(position, normal, index, columns) {
     this.columns = Object.entries(columns), this.room = 0, this.corners = position.count;
-    this.copies = Math.max(1, Math.min(256, Math.floor(4096 / this.corners)));
+    this.copies = Math.max(1, Math.floor(4096 / this.corners));
     this.shape = new THREE.InstancedBufferGeometry();
     this.shape.setAttribute("position", this.repeated(position));
     if (normal) this.shape.setAttribute("normal", this.repeated(normal));
@@ -137,8 +175,7 @@ ${this.columns.map(([name, size], k) => `#define ${name} cell(${k})${["", ".x", 
     const rows = Math.ceil((Math.max(count, 2 * this.room, 16) * this.columns.length) / 1024), old = this.numbers;
     this.numbers = new Float32Array(4096 * rows), this.room = Math.floor((1024 * rows) / this.columns.length);
     if (old) this.numbers.set(old), this.uniforms.data.value.dispose();
-    const texture = (this.uniforms.data.value = new THREE.DataTexture(this.numbers, 1024, rows, THREE.RGBAFormat, THREE.FloatType));
-    texture.minFilter = texture.magFilter = THREE.NearestFilter, texture.generateMipmaps = false, texture.unpackAlignment = 4;
+    this.uniforms.data.value = tableOf(this.numbers, 1024);
   }
   show(mesh, count) {
     mesh.visible = count > 0, this.uniforms.count.value = count;
@@ -147,15 +184,14 @@ ${this.columns.map(([name, size], k) => `#define ${name} cell(${k})${["", ".x", 
   }
 }
 
-// The bodies that one level of one geometry is drawn for.
-class Batch {
-  constructor(surface, model, ghost) {
-    this.surface = surface, this.count = 0;
-    this.copies = new Copies(surface.positions, surface.normals, surface.index, {iPosition: 3, iTurn: 4, iTint: 4, iNumber: 4});
-    this.material = bodyMaterial(model, ghost, this.copies);
-    this.mesh = new THREE.Mesh(this.copies.shape, this.material);
+// Bodies that are drawn alike.
+const bodyColumns = {iPosition: 3, iTurn: 4, iTint: 4, iNumber: 4};
+class Drawer {
+  constructor(copies, layer) {
+    this.copies = copies, this.count = 0;
+    this.mesh = new THREE.Mesh(copies.shape);
     this.mesh.frustumCulled = false, this.mesh.matrixAutoUpdate = false;
-    (ghost ? ghosts : solids).add(this.mesh);
+    addTo(layer, this.mesh);
   }
   add(b, red, green, blue, alpha) {
     this.copies.makeRoom(this.count + 1);
@@ -170,61 +206,107 @@ class Batch {
   }
 }
 
+// Bodies that one level of one geometry is drawn for.
+class Batch extends Drawer {
+  constructor(surface, model, ghost) {
+    super(new Copies(surface.positions, surface.normals, surface.index, bodyColumns), ghost ? ghosts : solids);
+    this.surface = surface, this.triangles = surface.triangles;
+    this.fine = bodyMaterial(model, ghost, this.copies), this.plain = ghost ? this.fine : plainMaterial(model, this.copies);
+  }
+  flush() {
+    super.flush();
+    this.mesh.material = manner.plain ? this.plain : this.fine;
+  }
+}
+
+function surfaceAt(geometry, level) {
+  const surface = surfaceOf(geometry, level);
+  surface.positions = new THREE.BufferAttribute(surface.position, 4, true);
+  surface.normals = new THREE.BufferAttribute(surface.normal, 4, true);
+  surface.triangles = header.geometries[geometry].meshes[level][1];
+  return surface;
+}
+
 const batches = []; // by geometry, then [level of solids..., level of ghosts...]
 function batchOf(geometry, level, ghost) {
   const model = header.geometries[geometry], levels = model.meshes.length, all = (batches[geometry] = batches[geometry] || []);
-  const k = level + (ghost ? levels : 0);
-  if (all[k]) return all[k];
-  const other = all[level + (ghost ? 0 : levels)];
-  let surface = other && other.surface;
-  if (!surface) {
-    surface = surfaceOf(geometry, level);
-    surface.positions = new THREE.BufferAttribute(surface.position, 4, true);
-    surface.normals = new THREE.BufferAttribute(surface.normal, 4, true);
-  }
-  return (all[k] = new Batch(surface, model, ghost));
+  const k = level + (ghost ? levels : 0), other = all[level + (ghost ? 0 : levels)];
+  return (all[k] = all[k] || new Batch(other ? other.surface : surfaceAt(geometry, level), model, ghost));
 }
 
-// How finely bodies are drawn: 1 is as finely as can be, less where the browser does not keep up.
-let quality = 1;
+// How finely pictures are drawn: at rest as in the first line, else as far down as it takes to keep up.
+// pixels: of the screen's, along a side; detail: triangles of a body by its size on the screen; smooth: edges; plain: shaded at
+// corners alone; sprites: where the CPU draws, bodies of a smaller radius (in pixels) are copied from pictures.
+const MANNERS = [
+  {pixels: 1, detail: 1.2, smooth: true, plain: false, sprites: 12},
+  {pixels: 1, detail: 0.7, smooth: false, plain: false, sprites: 24},
+  {pixels: 1, detail: 0.5, smooth: false, plain: true, sprites: 24},
+  {pixels: 0.7, detail: 0.3, smooth: false, plain: true, sprites: 24},
+  {pixels: 0.5, detail: 0.2, smooth: false, plain: true, sprites: 24},
+  {pixels: 0.4, detail: 0.1, smooth: false, plain: true, sprites: 24}];
+let manner = MANNERS[0];
 const frustum = new THREE.Frustum(), matrix = new THREE.Matrix4(), sphere = new THREE.Sphere();
 let drawnBodies = 0, drawnTriangles = 0;
 
 // @param look  look(body) says how: {hidden} or {ghost, colour: [r, g, b] 0 to 255, alpha}
 function gatherBodies(look) {
-  for (const all of batches) if (all) for (const batch of all) if (batch) batch.count = 0;
+  for (const batch of batches.flat()) if (batch) batch.count = 0;
+  sprites.begin();
   matrix.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
   frustum.setFromMatrix(matrix);
   const perMetre = (renderer.domElement.clientHeight / 2) / Math.tan((camera.fov * Math.PI) / 360);
   const {x, y, z} = camera.position;
   drawnBodies = drawnTriangles = 0;
-  // Few bodies are all shown as finely as can be.
-  const few = quality === 1 && bodies.count < 64, scale = perMetre * Math.min(quality, bodies.count > 2000 ? 0.6 : 1);
+  const few = manner === MANNERS[0] && bodies.count < 64; // all are shown as finely as can be
   for (let b = 0; b < bodies.count; ++b) {
     const how = look(b);
     if (how.hidden) continue;
     const g = bodies.geometry[b], mx = bodies.middle[3 * b], my = bodies.middle[3 * b + 1], mz = bodies.middle[3 * b + 2];
     sphere.center.set(mx, my, mz), sphere.radius = bodies.radius[b];
     if (!frustum.intersectsSphere(sphere)) continue;
-    const meshes = header.geometries[g].meshes, pixels = (scale * bodies.radius[b]) / Math.max(Math.hypot(mx - x, my - y, mz - z) - bodies.radius[b], 1e-9);
-    let level = 0;
-    if (!few && !bodies.selected[b])
-      while (level + 1 < meshes.length && pixels * pixels * 0.5 < meshes[level][1]) ++level;
-    batchOf(g, level, how.ghost).add(b, how.colour[0], how.colour[1], how.colour[2], how.alpha);
-    ++drawnBodies, drawnTriangles += meshes[level][1];
+    const far = Math.hypot(mx - x, my - y, mz - z), pixels = (perMetre * bodies.radius[b]) / Math.max(far - bodies.radius[b], 1e-9);
+    let to = sprites;
+    if (how.ghost || bodies.selected[b] || !sprites.show(b, pixels)) {
+      const meshes = header.geometries[g].meshes, fine = manner.detail * pixels;
+      let level = 0;
+      if (!few && !bodies.selected[b])
+        while (level + 1 < meshes.length && fine * fine < meshes[level][1]) ++level;
+      to = batchOf(g, level, how.ghost);
+    }
+    to.add(b, how.colour[0], how.colour[1], how.colour[2], how.alpha, far);
   }
-  for (const all of batches) if (all) for (const batch of all) if (batch) batch.flush();
+  for (const drawer of [sprites, ...batches.flat()]) {
+    if (!drawer) continue;
+    drawer.flush();
+    drawnBodies += drawer.count, drawnTriangles += drawer.count * drawer.triangles;
+  }
+}
+
+// Edges are smooth where all is drawn into four samples a pixel.
+const samples = new THREE.WebGLMultisampleRenderTarget(1, 1, {format: THREE.RGBAFormat, stencilBuffer: true}); // with 24 bits of depth
+const sheet = new THREE.Mesh(new THREE.PlaneBufferGeometry(2, 2), new THREE.ShaderMaterial({
+  vertexShader: "varying vec2 vAt; void main() { vAt = uv; gl_Position = vec4(position.xy, 0.0, 1.0); }",
+  fragmentShader: "varying vec2 vAt; uniform sampler2D drawn; void main() { gl_FragColor = texture2D(drawn, vAt); }",
+  uniforms: {drawn: {value: samples.texture}}, depthTest: false, depthWrite: false}));
+sheet.frustumCulled = false;
+function render() {
+  if (manner.smooth) samples.setSize(drawnPixels.value.x, drawnPixels.value.y);
+  renderer.setRenderTarget(manner.smooth ? samples : null);
+  renderer.clear(), renderer.render(scene, camera);
+  if (manner.smooth) renderer.setRenderTarget(null), renderer.render(sheet, camera);
 }
 
 // The body at a place of the canvas, in pixels; -1: none.
-const pickTarget = new THREE.WebGLRenderTarget(1, 1), pickMaterials = new Map();
-function bodyAt(px, py) {
+const pickTarget = new THREE.WebGLRenderTarget(1, 1, {stencilBuffer: true}), pickMaterials = new Map();
+function bodyAt(px, py, look) {
   const width = canvas.clientWidth, height = canvas.clientHeight, bytes = new Uint8Array(4);
-  for (const all of batches) if (all) for (const batch of all) {
+  const usual = manner;
+  manner = {...MANNERS[0], sprites: 0}, gatherBodies(look), (manner = usual);
+  for (const batch of batches.flat()) {
     if (!batch || !batch.mesh.visible) continue;
     if (!pickMaterials.has(batch)) {
-      const material = batch.material.clone();
-      material.uniforms = batch.material.uniforms, material.fragmentShader = pickFragment;
+      const material = batch.fine.clone();
+      material.uniforms = batch.fine.uniforms, material.fragmentShader = pickFragment;
       material.transparent = false, material.depthWrite = true;
       pickMaterials.set(batch, material);
     }
@@ -236,6 +318,5 @@ function bodyAt(px, py) {
   renderer.readRenderTargetPixels(pickTarget, 0, 0, 1, 1, bytes);
   renderer.setRenderTarget(null);
   camera.clearViewOffset();
-  for (const all of batches) if (all) for (const batch of all) if (batch) batch.mesh.material = batch.material;
   return bytes[0] + (bytes[1] << 8) + (bytes[2] << 16) - 1;
 }

@@ -8,7 +8,7 @@ let dirty = true, pairsDirty = true, panelDirty = true; // the picture; what is 
 const changed = () => (dirty = pairsDirty = panelDirty = true);
 const controls = new THREE.OrbitControls(camera, canvas);
 Object.assign(controls, {enableDamping: true, dampingFactor: 0.16, enableKeys: false, screenSpacePanning: true, zoomSpeed: 1.1});
-controls.addEventListener("change", () => (dirty = true));
+controls.addEventListener("change", () => ((dirty = true), touch()));
 
 const isDark = () => (state.theme ? state.theme === "dark" : mediaDark.matches);
 function applyTheme() {
@@ -23,7 +23,7 @@ const isSelected = (p) => (state.pair ? p === chosenPair : frame.a[p] === state.
 const selectedBodies = () => state.pair || (state.body >= 0 ? [state.body] : []);
 
 function setFrame(k) {
-  state.frame = Math.max(0, Math.min(last, k | 0));
+  state.frame = Math.max(0, Math.min(last, k | 0)), touch();
   frame = frameAt(state.frame);
   showFrame(frame);
   choose();
@@ -92,12 +92,17 @@ const groundHeight = (() => {
 
 function resize() {
   const width = Math.max($("view").clientWidth, 1), height = Math.max($("view").clientHeight, 1);
-  renderer.setPixelRatio(Math.min(devicePixelRatio || 1, 2) * (moving() && quality < 0.5 ? Math.max(0.5, 2 * quality) : 1));
+  renderer.setPixelRatio(Math.min(devicePixelRatio || 1, 2) * manner.pixels);
   renderer.setSize(width, height, false);
-  screen.value.set(width, height);
+  screen.value.set(width, height), renderer.getDrawingBufferSize(drawnPixels.value);
   camera.aspect = width / height;
   camera.updateProjectionMatrix();
   dirty = true;
+}
+function changeManner(to) {
+  const {pixels} = manner;
+  manner = to, (dirty = true);
+  if (pixels !== manner.pixels) resize();
 }
 new ResizeObserver(() => { resize(), (panelDirty = true); }).observe($("view"));
 
@@ -128,15 +133,12 @@ function draw() {
   uniforms.up.value.set(0, 0, 1).transformDirection(camera.matrixWorldInverse);
   const scale = Math.pow(10, Math.floor(Math.log10(Math.max(target, 1e-9) / 1.5))), g = grid.material.uniforms;
   g.cell.value = scale, g.reach.value = Math.max(extent.radius * 1.6, Math.min(target * 2, extent.radius * 4)), g.middle.value.set(extent.middle.x, extent.middle.y, groundHeight);
-  grid.visible = !hasEnvironment && !(moving() && quality < 0.35);
+  grid.visible = !hasEnvironment;
   gatherBodies(lookOf());
   if (pairsDirty) showPairs(frame, {...state, curves: state.curves && state.tree === "none"}, shown, chosenPair), (pairsDirty = false);
-  const lean = moving() && quality < 0.35; // the browser does not keep up
-  curveLines.mesh.visible = curveLines.count > 0 && !lean;
-  renderer.clear();
-  for (const scene of [ground, solids, volumes, ghosts, lines, marks]) renderer.render(scene, camera);
+  render();
   placeLabels(), showScale(target);
-  root.dataset.bodies = drawnBodies, root.dataset.triangles = drawnTriangles, root.dataset.drawn = drawn + 1;
+  Object.assign(root.dataset, {bodies: drawnBodies, triangles: drawnTriangles, pixels: canvas.width * canvas.height, drawn: ++drawn});
 }
 
 const onScreen = new THREE.Vector3();
@@ -302,16 +304,17 @@ canvas.addEventListener("pointerup", (e) => {
     if (d < best) (best = d), (pair = p);
   }
   if (pair >= 0) return choosePair(frame.a[pair], frame.b[pair]);
-  const body = bodyAt(Math.floor(x), Math.floor(y));
+  const body = bodyAt(Math.floor(x), Math.floor(y), lookOf());
   body >= 0 ? chooseBody(body) : clearSelection();
 });
 canvas.addEventListener("dblclick", fit);
 
-// Draws when something changed. While it moves and the browser does not keep up, quality goes down; at rest it is full.
+// Draws when something changed: at rest as finely as can be, while it moves so that the browser keeps up.
 const FRAMES_PER_SECOND = 20; // of the run, at speed 1
-let due = 0, before = 0, slow = 0, touched = 0, drawn = 0;
+let due = 0, before = 0, touched = 0, drawn = 0, bench = 0;
+const touch = () => (touched = Math.max(touched, performance.now()));
 controls.addEventListener("start", () => (touched = Infinity)), controls.addEventListener("end", () => (touched = performance.now()));
-const moving = () => state.playing || bench > 0 || performance.now() - touched < 150 || touched === Infinity;
+const moving = () => state.playing || bench > 0 || performance.now() - touched < 150;
 function tick(now) {
   requestAnimationFrame(tick);
   const since = now - before, passed = Math.min(since, 200);
@@ -324,27 +327,38 @@ function tick(now) {
   }
   controls.update();
   if (bench > 0) turnFor(passed);
-  const busy = moving();
-  if (busy !== tick.busy && !busy && quality < 1) (quality = 1), resize(); // at rest: once as finely as can be
-  tick.busy = busy;
-  if (panelDirty && (!state.playing || now - (tick.panel || 0) > 200)) (tick.panel = now), (panelDirty = false), fillPanel();
+  const busy = moving(), wanted = busy ? MANNERS[pace.at] : MANNERS[0];
+  if (wanted !== manner) changeManner(wanted);
+  if (panelDirty && (!state.playing || now - (tick.panel || 0) > (drawsOnCpu ? 500 : 200))) (tick.panel = now), (panelDirty = false), fillPanel();
   if (!dirty) return;
   dirty = false;
-  draw(), ++drawn;
-  if (!busy) return;
-  slow = 0.7 * slow + 0.3 * Math.min(since, 1000);
-  const to = slow > 36 ? Math.max(0.06, quality * Math.max(0.4, Math.min(0.9, 30 / slow))) : slow < 24 ? Math.min(1, quality * 1.06) : quality;
-  if (to !== quality) { const half = quality < 0.5 || to < 0.5; quality = to; if (half) resize(); }
+  draw();
+  if (busy && tick.busy) keepPace(since);
+  tick.busy = busy;
+}
+
+// The manner while it moves: coarser when pictures take too long, finer when there is time; in vain: later the next time.
+const pace = {at: drawsOnCpu ? 3 : 0, pictures: 0, time: 0, good: 0, patience: 8, tried: false};
+function keepPace(since) {
+  pace.time += Math.min(since, 1000);
+  if (++pace.pictures < 8 && pace.time < 400) return;
+  const each = pace.time / pace.pictures;
+  pace.pictures = pace.time = 0;
+  if (each > 36 && pace.at + 1 < MANNERS.length) {
+    if (pace.tried) pace.patience = Math.min(2 * pace.patience, 256);
+    ++pace.at, (pace.good = 0), (pace.tried = false);
+  } else if (each < 20 && pace.at > 0 && ++pace.good >= pace.patience) --pace.at, (pace.good = 0), (pace.tried = true);
 }
 
 // "#bench=SECONDS" plays and turns for so long, and leaves the pictures a second in data-fps.
-let bench = 0, turned_ = 0, started = 0;
+let started = 0;
 function turnFor(passed) {
+  if (!started) (started = performance.now()), (drawn = 0);
   const angle = 0.0006 * passed, x = camera.position.x - controls.target.x, y = camera.position.y - controls.target.y;
   camera.position.x = controls.target.x + x * Math.cos(angle) - y * Math.sin(angle), camera.position.y = controls.target.y + x * Math.sin(angle) + y * Math.cos(angle);
-  camera.lookAt(controls.target), (dirty = true), (turned_ += passed);
+  camera.lookAt(controls.target), (dirty = true);
   if (performance.now() - started < 1000 * bench) return;
-  root.dataset.fps = ((1000 * drawn) / (performance.now() - started)).toFixed(1), (root.dataset.quality = quality.toFixed(2));
+  root.dataset.fps = ((1000 * drawn) / (performance.now() - started)).toFixed(1), (root.dataset.manner = pace.at);
   bench = 0, play(false);
 }
 
@@ -353,7 +367,7 @@ $("subtitle").textContent = `${grouped(header.bodies)} bodies, ${grouped(header.
 resize();
 const wanted = readHash();
 fit(), fillAbout();
-if (wanted.has("bench")) (bench = +wanted.get("bench") || 3), (started = performance.now()), (state.playing = true), (drawn = 0);
+if (wanted.has("bench")) (bench = +wanted.get("bench") || 3), (state.playing = true);
 fillPanel(), draw();
 root.dataset.ready = "yes";
 requestAnimationFrame(tick);

@@ -1,17 +1,16 @@
 // What is drawn between and around bodies: lines, marks, balls, boxes, regions, the ground.
-const lines = new THREE.Scene(), marks = new THREE.Scene(), volumes = new THREE.Scene(), ground = new THREE.Scene();
-const screen = {value: new THREE.Vector2(1, 1)};
 
 // Marks, lines, balls: copies of a shape of a few corners.
 class Instances {
+  // @param index  null: corners are points
   constructor(scene, corners, index, columns, material) {
     this.columns = Object.entries(columns);
     this.copies = new Copies(new THREE.BufferAttribute(new Float32Array(corners), 3), null, index, columns);
     material.vertexShader = this.copies.shader(material.vertexShader);
     material.uniforms = {...material.uniforms, ...this.copies.uniforms};
-    this.mesh = new THREE.Mesh(this.copies.shape, material);
+    this.mesh = index ? new THREE.Mesh(this.copies.shape, material) : new THREE.Points(this.copies.shape, material);
     this.mesh.frustumCulled = false, this.mesh.visible = false;
-    scene.add(this.mesh);
+    addTo(scene, this.mesh);
   }
   // @param values  by column: numbers of all copies
   set(count, values) {
@@ -53,24 +52,23 @@ void main() { if (vColour.a < 0.0 && mod(vAlong, 9.0) > 5.0) discard; gl_FragCol
 
 // Discs that keep their size on the screen, over everything.
 function makeMarks(scene) {
-  return new Instances(scene, quad, quadIndex, {iAt: 3, iColour: 3, iSize: 1}, new THREE.ShaderMaterial({
+  return new Instances(scene, [0, 0, 0], null, {iAt: 3, iColour: 3, iSize: 1}, new THREE.ShaderMaterial({
     vertexShader: `
-uniform vec2 screen;
-varying vec2 vAt; varying vec3 vColour; varying float vSize;
+uniform vec2 screen, pixels;
+varying vec3 vColour; varying float vSize;
 void main() {
   gl_Position = projectionMatrix * viewMatrix * vec4(iAt, 1.0);
-  gl_Position.xy += position.xy * iSize / screen * 2.0 * gl_Position.w;
-  vAt = position.xy; vColour = iColour; vSize = iSize;
+  vSize = iSize * max(pixels.y / screen.y, 0.5), vColour = iColour, gl_PointSize = 2.0 * vSize;
 }`,
     fragmentShader: `
-varying vec2 vAt; varying vec3 vColour; varying float vSize; uniform vec3 edge; uniform float rim;
+varying vec3 vColour; varying float vSize; uniform vec3 edge; uniform float rim;
 void main() {
-  float r = length(vAt), w = 1.3 / vSize;
+  float r = length(2.0 * gl_PointCoord - 1.0), w = 1.3 / vSize;
   if (r > 1.0) discard;
   vec3 c = mix(vColour, edge, (vSize > 6.0 ? 1.0 : rim) * smoothstep(1.0 - 3.0 * w, 1.0 - 2.0 * w, r));
   gl_FragColor = vec4(c, 1.0 - smoothstep(1.0 - w, 1.0, r));
 }`,
-    uniforms: {screen, rim: {value: 1}, edge: {value: new THREE.Color(1, 1, 1)}}, transparent: true, depthTest: false, depthWrite: false}));
+    uniforms: {screen, pixels: drawnPixels, rim: {value: 1}, edge: {value: new THREE.Color(1, 1, 1)}}, transparent: true, depthTest: false, depthWrite: false}));
 }
 
 // Balls: squares on which each pixel computes where its ray meets the ball. Opacity below 1: only the rim shows.
@@ -89,7 +87,8 @@ void main() {
   vBall = vec4(c, r); vColour = iColour;
   gl_Position = projectionMatrix * vec4(vAt, 1.0);
 }`,
-    fragmentShader: shading.replace("varying vec3 vNormal, vEye; varying vec4 vTint, vNumber;", "#define vEye vAt\nvarying vec3 vAt; varying vec4 vBall, vColour; uniform mat4 projection;") + `
+    fragmentShader: shading + `
+varying vec3 vAt; varying vec4 vBall, vColour; uniform mat4 projection;
 void main() {
   vec3 ray = normalize(vAt);
   float b = dot(ray, vBall.xyz), c = dot(vBall.xyz, vBall.xyz) - vBall.w * vBall.w, h = b * b - c;
@@ -100,7 +99,7 @@ void main() {
   vec4 clip = projection * vec4(at, 1.0);
   gl_FragDepthEXT = 0.5 + 0.5 * clip.z / clip.w;
   float rim = 1.0 - abs(dot(n, ray));
-  gl_FragColor = vec4(shaded(n, vColour.rgb), ${solid ? "1.0" : "vColour.a * (0.12 + 0.88 * rim * rim)"});
+  gl_FragColor = vec4(shaded(n, -ray, vColour.rgb), ${solid ? "1.0" : "vColour.a * (0.12 + 0.88 * rim * rim)"});
 }`,
     uniforms: {...uniforms, projection: {value: camera.projectionMatrix}}, transparent: !solid, depthWrite: solid}));
 }
@@ -118,13 +117,14 @@ void main() {
   vAt = position; vEye = at.xyz; vColour = iColour;
   gl_Position = projectionMatrix * at;
 }`,
-    fragmentShader: shading.replace("varying vec3 vNormal, vEye; varying vec4 vTint, vNumber;", "varying vec3 vAt, vEye; varying vec4 vColour;") + `
+    fragmentShader: shading + `
+varying vec3 vAt, vEye; varying vec4 vColour;
 void main() {
-  vec3 n = normalize(cross(dFdx(vEye), dFdy(vEye))); if (dot(n, vEye) > 0.0) n = -n;
+  vec3 n = normalize(cross(dFdx(vEye), dFdy(vEye))), eye = normalize(-vEye); if (dot(n, eye) < 0.0) n = -n;
   vec3 edge = (1.0 - abs(vAt)) / max(fwidth(vAt), 1e-5);
   float second = max(min(edge.x, edge.y), min(max(edge.x, edge.y), edge.z)); // the nearest is the face itself
   float line = 1.0 - smoothstep(0.6, 1.6, second);
-  gl_FragColor = ${solid ? "vec4(mix(shaded(n, vColour.rgb), vColour.rgb * 0.35, line), 1.0)" : "vec4(vColour.rgb, vColour.a * (0.06 + 0.94 * line))"};
+  gl_FragColor = ${solid ? "vec4(mix(shaded(n, eye, vColour.rgb), vColour.rgb * 0.35, line), 1.0)" : "vec4(vColour.rgb, vColour.a * (0.06 + 0.94 * line))"};
 }`,
     uniforms, transparent: !solid, depthWrite: solid, side: THREE.DoubleSide}));
 }
@@ -136,7 +136,7 @@ boundBalls.mesh.material.depthTest = false; // they are small, and between bodie
 // Edges of axis-aligned boxes, one pixel wide.
 const regionLines = new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({vertexColors: THREE.VertexColors, transparent: true, opacity: 0.75, depthWrite: false}));
 regionLines.frustumCulled = false;
-volumes.add(regionLines);
+addTo(volumes, regionLines);
 function showRegions(frame, on, level) {
   const at = [], colour = [], edges = [0, 1, 2, 3, 4, 5, 6, 7, 0, 2, 1, 3, 4, 6, 5, 7, 0, 4, 1, 5, 2, 6, 3, 7];
   for (let r = 0; on && r < frame.header.regions; ++r) {
@@ -157,7 +157,7 @@ const backdrop = new THREE.Mesh(new THREE.PlaneBufferGeometry(2, 2), new THREE.S
   fragmentShader: `varying vec2 vAt; uniform vec3 inner, outer;
 void main() { float d = length(vAt * vec2(0.8, 1.0) - vec2(0.0, 0.15)); gl_FragColor = vec4(mix(inner, outer, smoothstep(0.1, 1.5, d)), 1.0); }`,
   uniforms: {inner: {value: new THREE.Color()}, outer: {value: new THREE.Color()}}, depthTest: false, depthWrite: false}));
-backdrop.frustumCulled = false, backdrop.renderOrder = -2;
+backdrop.frustumCulled = false;
 const grid = new THREE.Mesh(new THREE.PlaneBufferGeometry(2, 2), new THREE.ShaderMaterial({
   vertexShader: `uniform vec3 middle; uniform float reach; varying vec2 vAt; varying vec2 vOff;
 void main() { vOff = position.xy; vec3 at = middle + vec3(position.xy * reach, 0.0); vAt = at.xy; gl_Position = projectionMatrix * viewMatrix * vec4(at, 1.0); }`,
@@ -166,9 +166,8 @@ float lines(float c) { vec2 p = vAt / c, w = fwidth(p), d = abs(fract(p - 0.5) -
 void main() { gl_FragColor = vec4(line, (0.25 * lines(cell) + 0.6 * lines(10.0 * cell)) * (1.0 - smoothstep(0.25, 1.0, length(vOff)))); }`,
   uniforms: {middle: {value: new THREE.Vector3()}, reach: {value: 1}, cell: {value: 1}, line: {value: new THREE.Color()}},
   transparent: true, depthWrite: false, side: THREE.DoubleSide}));
-grid.frustumCulled = false, grid.renderOrder = -1;
-ground.add(backdrop);
-ground.add(grid);
+grid.frustumCulled = false;
+addTo(ground, backdrop), addTo(ground, grid);
 
 function paletteChanged(dark) {
   readPalette();

@@ -1,0 +1,173 @@
+// Where the CPU draws, small bodies are drawn here: a software renderer takes about ten times as long for their pixels. Each body
+// is copied from a picture of its geometry, seen from the nearest of 144 sides. The sides are the cells of a map of all directions
+// (an octahedron unfolded); pictures hold normals, and 0 beside the body.
+const SIDES = 12, SIDE_PIXELS = 32;
+const sideAxes = Array.from({length: SIDES * SIDES}, (_, side) => { // what is right, up and towards the eye from there
+  const u = ((side % SIDES) + 0.5) * (2 / SIDES) - 1, v = (Math.floor(side / SIDES) + 0.5) * (2 / SIDES) - 1, w = 1 - Math.abs(u) - Math.abs(v);
+  const sign = (x) => (x < 0 ? -1 : 1), d = new THREE.Vector3(u, v, w);
+  if (w < 0) d.set((1 - Math.abs(v)) * sign(u), (1 - Math.abs(u)) * sign(v), w);
+  d.normalize();
+  const right = new THREE.Vector3(Math.abs(d.z) < 0.9 ? 0 : 1, 0, Math.abs(d.z) < 0.9 ? 1 : 0).cross(d).normalize();
+  return [right, d.clone().cross(right), d];
+});
+function sideTowards(x, y, z) {
+  const l = 1 / (Math.abs(x) + Math.abs(y) + Math.abs(z)), cell = (a) => Math.min(SIDES - 1, Math.floor((0.5 + 0.5 * a) * SIDES));
+  const u = x * l, v = y * l, au = 1 - Math.abs(v), av = 1 - Math.abs(u);
+  return z < 0 ? cell(u < 0 ? -au : au) + SIDES * cell(v < 0 ? -av : av) : cell(u) + SIDES * cell(v);
+}
+
+// A geometry from all sides: normals, 8 bits each (128: 0), and how far its box reaches to the right, up and to the eye.
+function picturesOf(geometry) {
+  const {low, high, meshes} = header.geometries[geometry], level = Math.max(0, meshes.findIndex((m) => m[1] < 1500)), count = SIDES * SIDES;
+  const {positions, normals, index} = surfaceAt(geometry, level), copies = new Copies(positions, normals, index, {iRight: 3, iAbove: 3, iSide: 3, iCell: 2});
+  const half = high.map((x, k) => Math.max(0.5 * (x - low[k]), 1e-9)), reach = new Float32Array(3 * count), size = SIDES * SIDE_PIXELS;
+  copies.makeRoom(count);
+  sideAxes.forEach((axes, side) => {
+    axes.forEach((axis, k) => {
+      reach[3 * side + k] = Math.abs(axis.x) * half[0] + Math.abs(axis.y) * half[1] + Math.abs(axis.z) * half[2];
+      axis.clone().divideScalar(reach[3 * side + k]).toArray(copies.numbers, 16 * side + 4 * k);
+    });
+    copies.numbers.set([side % SIDES, Math.floor(side / SIDES)], 16 * side + 12);
+  });
+  const mesh = new THREE.Mesh(copies.shape, new THREE.ShaderMaterial({
+    vertexShader: copies.shader(`
+uniform vec3 size;
+varying vec3 vNormal, vSide;
+void main() {
+  vec3 at = size * (position - 0.5);
+  vNormal = normal, vSide = iSide;
+  gl_Position = vec4((iCell + 0.5 + ${(0.5 - 1 / SIDE_PIXELS).toFixed(6)} * vec2(dot(at, iRight), dot(at, iAbove))) * ${(2 / SIDES).toFixed(8)} - 1.0, -0.999 * dot(at, iSide), 1.0);
+}`),
+    fragmentShader: "varying vec3 vNormal, vSide; void main() { vec3 n = normalize(vNormal); gl_FragColor = vec4(128.0 + 127.0 * faceforward(n, -vSide, n), 255.0) / 255.0; }",
+    uniforms: {...copies.uniforms, ...boxUniforms(header.geometries[geometry])}, side: THREE.DoubleSide}));
+  copies.show(mesh, count), (mesh.frustumCulled = false);
+  const only = new THREE.Scene(), target = new THREE.WebGLRenderTarget(size, size), bytes = new Uint8Array(4 * size * size);
+  only.add(mesh);
+  renderer.setRenderTarget(target), renderer.setClearColor(0, 0), renderer.clear(), renderer.render(only, camera);
+  renderer.readRenderTargetPixels(target, 0, 0, size, size, bytes), renderer.setRenderTarget(null);
+  target.dispose(), copies.uniforms.data.value.dispose(), copies.shape.dispose(), mesh.material.dispose();
+  return {texels: new Uint32Array(bytes.buffer), reach};
+}
+
+// Numbers 0 to count - 1 by `far`, nearest first: about.
+function nearestFirst(far, count) {
+  const BINS = 2048, starts = new Uint32Array(BINS + 1), order = new Uint32Array(count);
+  let least = Infinity, most = 0;
+  for (let i = 0; i < count; ++i) least = Math.min(least, far[i]), most = Math.max(most, far[i]);
+  const scale = (BINS - 1) / Math.max(most - least, 1e-9), bin = (i) => Math.floor((far[i] - least) * scale);
+  for (let i = 0; i < count; ++i) ++starts[bin(i) + 1];
+  for (let k = 0; k < BINS; ++k) starts[k + 1] += starts[k];
+  for (let i = 0; i < count; ++i) order[starts[bin(i)]++] = i;
+  return order;
+}
+
+class Sprites {
+  constructor() {
+    this.count = 0, this.triangles = 2, this.pictures = [];
+    this.body = new Uint32Array(bodies.count), this.far = new Float32Array(bodies.count), this.tint = new Uint8Array(4 * bodies.count);
+    this.usedBy = header.geometries.map(() => 0); // bodies
+    for (const g of bodies.geometry) ++this.usedBy[g];
+    this.colours = new Uint32Array(0), this.depths = new Float32Array(0); // of the view's pixels, from the lowest row
+    this.uniforms = {colours: {value: null}, depths: {value: null}};
+    this.mesh = new THREE.Mesh(new THREE.PlaneBufferGeometry(2, 2), new THREE.ShaderMaterial({
+      vertexShader: "void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }",
+      fragmentShader: `
+uniform sampler2D colours; uniform highp sampler2D depths; uniform mat4 projectionMatrix;
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  float z = -texelFetch(depths, at, 0).r;
+  if (z < -9e29) discard;
+  gl_FragDepthEXT = 0.5 - 0.5 * (projectionMatrix[2][2] * z + projectionMatrix[3][2]) / z;
+  gl_FragColor = vec4(texelFetch(colours, at, 0).rgb, 1.0);
+}`,
+      uniforms: {...this.uniforms, projectionMatrix: {value: camera.projectionMatrix}}}));
+    this.mesh.frustumCulled = this.mesh.visible = false;
+    addTo(solids, this.mesh);
+  }
+  // Pictures are worth it for geometries of many bodies.
+  show(body, pixels) {
+    return drawsOnCpu && pixels < manner.sprites && this.usedBy[bodies.geometry[body]] >= 16;
+  }
+  begin() {
+    const {x: width, y: height} = drawnPixels.value;
+    this.count = 0;
+    if (this.colours.length !== width * height) {
+      this.colours = new Uint32Array(width * height), this.depths = new Float32Array(width * height);
+      for (const {value} of Object.values(this.uniforms)) if (value) value.dispose();
+      const table = (numbers, format, type) => new THREE.DataTexture(numbers, width, height, format, type);
+      this.uniforms.colours.value = table(new Uint8Array(this.colours.buffer), THREE.RGBAFormat, THREE.UnsignedByteType);
+      this.uniforms.depths.value = table(this.depths, THREE.RedFormat, THREE.FloatType);
+    }
+    this.depths.fill(1e30);
+    const v = camera.matrixWorldInverse.elements, sun = new THREE.Vector3(-0.45, 0, 0.55).addScaledVector(uniforms.up.value, 0.9).normalize();
+    this.view = v, this.width = width, this.height = height;
+    this.perMetre = (0.5 * height) / Math.tan((camera.fov * Math.PI) / 360); // pixels, a metre away
+    const world = (c) => [0, 4, 8].map((row) => v[row] * c.x + v[row + 1] * c.y + v[row + 2] * c.z); // of a direction that the camera sees
+    this.sun = world(sun), this.right = [v[0], v[4], v[8]];
+  }
+  add(b, red, green, blue, alpha, far) {
+    const i = this.count++;
+    this.body[i] = b, this.far[i] = far;
+    this.tint[4 * i] = red, this.tint[4 * i + 1] = green, this.tint[4 * i + 2] = blue, this.tint[4 * i + 3] = alpha;
+  }
+  flush() {
+    for (const i of nearestFirst(this.far, this.count)) this.draw(this.body[i], this.tint[4 * i], this.tint[4 * i + 1], this.tint[4 * i + 2], this.tint[4 * i + 3]);
+    this.mesh.visible = this.count > 0;
+    if (this.count) for (const {value} of Object.values(this.uniforms)) value.needsUpdate = true;
+  }
+  draw(b, red, green, blue, alpha) {
+    const g = bodies.geometry[b], {texels, reach} = (this.pictures[g] = this.pictures[g] || picturesOf(g)), m = this.view, s = 1 / 32767;
+    const mx = bodies.middle[3 * b], my = bodies.middle[3 * b + 1], mz = bodies.middle[3 * b + 2];
+    const depth = -(m[2] * mx + m[6] * my + m[10] * mz + m[14]), scale = this.perMetre / depth;
+    // The body's axes in the world, and what the eye sees as the body has it.
+    const qx = bodies.turn[4 * b] * s, qy = bodies.turn[4 * b + 1] * s, qz = bodies.turn[4 * b + 2] * s, qw = bodies.turn[4 * b + 3] * s;
+    const ax = 1 - 2 * (qy * qy + qz * qz), ay = 2 * (qx * qy + qw * qz), az = 2 * (qx * qz - qw * qy);
+    const bx = 2 * (qx * qy - qw * qz), by = 1 - 2 * (qx * qx + qz * qz), bz = 2 * (qy * qz + qw * qx);
+    const cx = 2 * (qx * qz + qw * qy), cy = 2 * (qy * qz - qw * qx), cz = 1 - 2 * (qx * qx + qy * qy);
+    let dx = camera.position.x - mx, dy = camera.position.y - my, dz = camera.position.z - mz;
+    const far = 1 / Math.hypot(dx, dy, dz);
+    dx *= far, dy *= far, dz *= far;
+    const ex = ax * dx + ay * dy + az * dz, ey = bx * dx + by * dy + bz * dz, ez = cx * dx + cy * dy + cz * dz;
+    const side = sideTowards(ex, ey, ez), [right, above] = sideAxes[side], [rx, ry, rz] = this.right, [sx, sy, sz] = this.sun;
+    let ux = ax * rx + ay * ry + az * rz, uy = bx * rx + by * ry + bz * rz, uz = cx * rx + cy * ry + cz * rz;
+    const along = ux * ex + uy * ey + uz * ez;
+    ux -= along * ex, uy -= along * ey, uz -= along * ez;
+    const l = 1 / Math.hypot(ux, uy, uz);
+    ux *= l, uy *= l, uz *= l;
+    const vx = ey * uz - ez * uy, vy = ez * ux - ex * uz, vz = ex * uy - ey * ux;
+    // Texels of the picture by pixels of the view, and the square of pixels that it takes.
+    const reachX = reach[3 * side], reachY = reach[3 * side + 1], texelsX = (SIDE_PIXELS / 2 - 1) / (scale * reachX), texelsY = (SIDE_PIXELS / 2 - 1) / (scale * reachY);
+    const xu = ux * right.x + uy * right.y + uz * right.z, xv = ux * above.x + uy * above.y + uz * above.z;
+    const yu = vx * right.x + vy * right.y + vz * right.z, yv = vx * above.x + vy * above.y + vz * above.z;
+    const half = scale * Math.max(Math.abs(xu) * reachX + Math.abs(xv) * reachY, Math.abs(yu) * reachX + Math.abs(yv) * reachY);
+    const atX = 0.5 * this.width + scale * (m[0] * mx + m[4] * my + m[8] * mz + m[12]), atY = 0.5 * this.height + scale * (m[1] * mx + m[5] * my + m[9] * mz + m[13]);
+    // Light as the shaders' light(), of normals that are 127 long.
+    const night = uniforms.night.value, soft = 1 / 127, lightX = soft * (0.13 * az + 0.1 * ex), lightY = soft * (0.13 * bz + 0.1 * ey), lightZ = soft * (0.13 * cz + 0.1 * ez);
+    const key = 0.42 / 127, keyX = key * (ax * sx + ay * sy + az * sz), keyY = key * (bx * sx + by * sy + bz * sz), keyZ = key * (cx * sx + cy * sy + cz * sz);
+    const base = 0.42 - 0.12 * night + 0.13, near = Math.max(depth - reach[3 * side + 2], 1e-9), {colours, depths, width} = this, whole = half < 0.75;
+    const left = Math.max(0, Math.floor(atX - half)), last = Math.min(width - 1, Math.floor(atX + half));
+    const low = Math.max(0, Math.floor(atY - half)), high = Math.min(this.height - 1, Math.floor(atY + half));
+    const stepU = texelsX * xu, stepV = texelsY * xv, first = (side % SIDES) * SIDE_PIXELS + Math.floor(side / SIDES) * SIDE_PIXELS * SIDE_PIXELS * SIDES;
+    for (let row = low; row <= high; ++row) {
+      const y = row + 0.5 - atY;
+      const x = left + 0.5 - atX;
+      let u = SIDE_PIXELS / 2 + texelsX * (xu * x + yu * y), v = SIDE_PIXELS / 2 + texelsY * (xv * x + yv * y);
+      for (let pixel = row * width + left, end = row * width + last; pixel <= end; ++pixel, u += stepU, v += stepV) {
+        if (depths[pixel] <= near) continue;
+        let bright = base + 0.3;
+        if (!whole) {
+          if (!(u >= 0 && u < SIDE_PIXELS && v >= 0 && v < SIDE_PIXELS)) continue;
+          const n = texels[first + (u | 0) + (v | 0) * (SIDE_PIXELS * SIDES)];
+          if (n === 0) continue;
+          const nx = (n & 255) - 128, ny = ((n >> 8) & 255) - 128, nz = ((n >> 16) & 255) - 128, lit = nx * keyX + ny * keyY + nz * keyZ;
+          bright = base + nx * lightX + ny * lightY + nz * lightZ + (lit > 0 ? lit : 0);
+        }
+        const white = alpha < 191 && (pixel - row * width + row) % 12 < 4.5 ? 153 : 0, own = white ? 0.4 : 1; // stripes
+        const r = bright * (own * red + white), gr = bright * (own * green + white), bl = bright * (own * blue + white);
+        depths[pixel] = near;
+        colours[pixel] = (r > 255 ? 255 : r) | ((gr > 255 ? 255 : gr) << 8) | ((bl > 255 ? 255 : bl) << 16);
+      }
+    }
+  }
+}
+const sprites = new Sprites();
