@@ -206,6 +206,63 @@ def broad():
     return "\n".join(out)
 
 
+def levels_of(mesh):
+    """Of `spheres --levels`: rows by kind and level, and a length in thousandths of the longest side."""
+    rows = rows_of(f"spheres/{mesh}")
+    return {(r["kind"], int(r["level"])): r for r in rows}, lambda r, k: f"{1000 * float(r[k]) / float(r['longest_side']):.1f}"
+
+
+def spheres():
+    out = []
+    for mesh, title in (("cow_5144", "paper/cow_5144.obj"), ("spot", "spot.obj"), ("armadillo_86k", "armadillo_86k.obj")):
+        of, side = levels_of(mesh)
+        both = lambda kind, level: ", ".join(side(of[kind, level], f"{what}_outside") for what in ("worst", "mean"))
+        fine = of["sphere", 5]
+        out.append([f"`{title}`", number(fine["triangles"]), number(fine["count"]), both("sphere", 5), f"{float(fine['volume']):.3f}",
+                    both("box", 3), f"{number(of['box', 4]['count'])}: {both('box', 4)}", f"{float(of['box', 4]['volume']):.3f}"])
+    out.append(["published: octree, depth 5", "", "about 4,100", "mean 19 to 26", "", "", "", ""])
+    out.append(["published: adaptive medial axis", "", "484", "mean 5 to 7, with 2.0 to 2.6 % of the surface uncovered"] + 4 * [""])
+    return table(["mesh", "triangles", "spheres of level 5", "worst, mean", "volume", "512 boxes: worst, mean",
+                  "boxes of level 4: number, worst, mean", "volume"], out)
+
+
+def sphere_levels():
+    of, side = levels_of("cow_5144")
+    return table(["level", "spheres", "worst, mean", "boxes", "worst, mean"],
+                 [[str(level)] + [cell for kind in ("sphere", "box") for cell in
+                                  (number(of[kind, level]["count"]),
+                                   ", ".join(side(of[kind, level], f"{what}_outside") for what in ("worst", "mean")))]
+                  for level in range(6)])
+
+
+def occlusion_losses():
+    titles = {"paper": "`paper --every 4`", "poses": "`--poses --every 4`, bunny and cow", "hard": "`hard --frames 3`",
+              "needles": "[`needles.json`](data/gl_query/needles.json): needles of 1 : 100,000, tiny triangles and a knot in passing"}
+    out = []
+    for name, title in titles.items():
+        rows = {r["variant"].removesuffix(", spheres, depth 6"): r for r in rows_of(f"gl_query/{name}")}
+        first = rows["spheres, depth 6"]
+        out.append([title, number(first["truly_colliding"]), number(int(first["missed"]) + int(rows["gl-compute"]["missed"]))] +
+                   [number(rows[f"gl-query {pixels} px"]["missed"]) for pixels in (8, 16, 64)])
+    return table(["", "collisions", "`cpu`, `gl-compute`", "8 px", "16 px", "64 px"], out)
+
+
+def delimitation():
+    ruled_out = lambda r: ", ".join(f"{number(a)} of {number(b)}" for a, b in (level.split("/") for level in r["regions"].split()))
+    city = [rows_of(f"delimitation/{name}")[3:] for name in ("city", "city_whole")]
+    ms = [statistics.median(float(r["delimitation_ms"]) + float(r["broad_ms"]) for r in rows) for rows in city]
+    last, bodies = city[0][-1], int(city[1][-1]["left"])
+    out = [[f"`city`, {bodies:,} bodies", ruled_out(last), f"{100 * int(last['left']) / bodies:.2g} %",
+            f"{statistics.median(float(r['delimitation_ms']) for r in city[0]):.2g} ms", f"{ms[0]:.2g} ms", f"{ms[1]:.2g} ms"]]
+    rows = {(r["scene"], r["boxes"], r["contender"]): r for r in rows_of("delimitation/boxes")}
+    for (scene, boxes, contender), r in rows.items():
+        if contender == "dynamic":
+            out.append([f"`{scene}`, {number(boxes)} boxes", ruled_out(r), f"{100 * int(r['left']) / int(boxes):.2g} %",
+                        f"{float(r['delimitation_ms']):.2g} ms", f"{float(r['ms']):.2g} ms",
+                        f"{float(rows[scene, boxes, 'kd']['ms']):.2g} ms"])
+    return table(["scene", "regions ruled out, level by level", "bodies left", "its time", "boxes and all pairs", "without it"], out)
+
+
 def hard():
     rows = {r["family"]: r for r in rows_of("hard")}
     out = []
@@ -306,7 +363,7 @@ def python():
 
 
 TABLES = {f.__name__: f for f in (many, narrow, narrow_large, study, study_peers, octants, octants_missed, paper, planner,
-                                  world, broad, hard,
+                                  world, broad, hard, spheres, sphere_levels, occlusion_losses, delimitation,
                                   environments, distances, shape_distances, shapes, reading, clash,
                                   python, view)}
 BLOCK = re.compile(r"(<!-- figures: (\w+) -->\n)(.*?)(<!-- end -->)", re.S)

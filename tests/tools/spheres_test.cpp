@@ -1,4 +1,5 @@
 #include "command_fixture.hpp"
+#include "csv_rows.hpp"
 
 #include <cmath>
 #include <random>
@@ -148,7 +149,8 @@ protected:
 
 TEST_F(Spheres, ListsCountsAndCoverageOfEveryLevel)
 {
-    const Outcome outcome = run({"spheres", "cube.off", "--depth", "3", "--json", "-", "--csv", "s.csv"});
+    const Outcome outcome =
+        run({"spheres", "cube.off", "--depth", "3", "--json", "-", "--csv", "s.csv", "--levels", "l.csv"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_NE(outcome.err.find("cube.off: 12 triangles, closed; longest side 1 m"), std::string::npos) << outcome.err;
     const nlohmann::json result = nlohmann::json::parse(outcome.out);
@@ -178,6 +180,16 @@ TEST_F(Spheres, ListsCountsAndCoverageOfEveryLevel)
     std::size_t count = 0;
     while (std::getline(rows, row)) ++count;
     EXPECT_EQ(count, result.at("rows").size());
+
+    const auto levels = read_csv(folder_.read("l.csv"));
+    ASSERT_EQ(levels.size(), result.at("levels").size());
+    for (std::size_t k = 0; k < levels.size(); ++k) {
+        const auto& level = result.at("levels").at(k);
+        EXPECT_EQ(levels[k].at("kind"), level.at("kind"));
+        EXPECT_EQ(std::stoul(levels[k].at("count")), level.at("count"));
+        EXPECT_EQ(std::stod(levels[k].at("mean_outside")), level.at("over_reach_outside").at("mean"));
+    }
+    expect_error(64, {"spheres", "cube.off", "--levels", "x.csv", "--csv", "x.csv"}, {"both go to 'x.csv'"});
 }
 
 TEST_F(Spheres, WritesTightOnesAsOrientedBoxes)

@@ -1,6 +1,7 @@
 #pragma once
 #include <iostream>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "cli/options.hpp"
 
 #include <oncollide/base/printable.hpp>
+#include <oncollide/broadphase/broad_phase.hpp>
 
 // What the benchmarks share. Each runs FCL and oncollide on the same work in one program, turn about, and reports
 // ratios.
@@ -167,6 +169,9 @@ struct ReadOptions {
 
 /// Reads mesh files of every format. Returns the exit code.
 int bench_read(const ReadOptions& options);
+
+/// Regions that delimitation rejected of those that it looked at, level by level below the whole: "0/2 81/112".
+std::string regions_text(std::span<const DelimitationLevel> levels);
 
 /// "4-8", "6" or "2,5-7" as ascending numbers; `option` names it in errors. Each 1 to 16.
 std::vector<int> parse_depths(const std::string& option, const std::string& text);

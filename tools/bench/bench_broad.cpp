@@ -37,6 +37,24 @@ std::string answer_text(const RaceRow& row)
     return row.extra ? fmt::format("+{}", row.extra) : "ok";
 }
 
+std::string delimitation_text(const RaceRow& row)
+{
+    if (row.levels.empty()) return "delimitation off: over a quarter of the boxes changed";
+    std::string text = "delimitation by level, rejected:";
+    for (const DelimitationLevel& level : std::span(row.levels).subspan(1))
+        text += fmt::format(" {} of {} regions with {} boxes, {:.0f} % of the volume out of play, {:.4f} ms;",
+                            level.regions_rejected, level.regions, level.bodies_rejected, 100 * level.volume_rejected,
+                            level.ms);
+    return text += fmt::format(" {} boxes left", row.left);
+}
+
+double delimitation_ms(const RaceRow& row)
+{
+    double ms = 0;
+    for (const DelimitationLevel& level : row.levels) ms += level.ms;
+    return ms;
+}
+
 PlotAxes axes(bool per_box)
 {
     if (per_box) return {"boxes", "ns per box and frame", [](double ns) { return fmt::format("{:.3g} ns", ns); }};
@@ -62,7 +80,8 @@ public:
                                                 options.seed, options.threads, options.only)));
         if (csv_)
             csv_->print(
-                "scene,boxes,movers,frame,seed,contender,library,threads,ms,ratio,pairs,hash,missed,extra,bytes\n");
+                "scene,boxes,movers,frame,seed,contender,library,threads,ms,ratio,pairs,hash,missed,extra,bytes,"
+                "regions,left,delimitation_ms\n");
     }
 
     int run()
@@ -129,8 +148,8 @@ private:
             say("  {:<18}{:>8}{:>12.4f}{:>8.2f}{:>9}  {:<12}{}\n", row.contender->name, row.threads, row.ms, row.ratio,
                 memory_text(row.bytes), answer_text(row), row.contender->what);
         for (const RaceRow& row : result.rows)
-            if (!row.remark.empty() && row.threads == threads_.front())
-                say("  {:<18}{}\n", row.contender->name, row.remark);
+            if (row.delimited && row.threads == threads_.front())
+                say("  {:<18}{}\n", row.contender->name, delimitation_text(row));
         for (const std::string& reason : result.left) say("  left out  {}\n", reason);
         say("  result    {} pairs, hash {:016x}", grouped(result.pairs.count), result.pairs.hash);
         if (const auto published = published_result(scene.name, scene.boxes.size(), scene.frame);
@@ -146,10 +165,11 @@ private:
     void record(const BoxScene& scene, const RaceRow& row)
     {
         if (csv_)
-            csv_->print("{},{},{},{},{},{},\"{}\",{},{},{},{},{:016x},{},{},{}\n", scene.name, scene.boxes.size(),
-                        scene.moved.size(), scene.frame, options_.seed, row.contender->name, row.contender->what,
-                        row.threads, row.ms, row.ratio, row.pairs.count, row.pairs.hash, row.missed, row.extra,
-                        std::uint64_t(row.bytes));
+            csv_->print("{},{},{},{},{},{},\"{}\",{},{},{},{},{:016x},{},{},{},{},{},{}\n", scene.name,
+                        scene.boxes.size(), scene.moved.size(), scene.frame, options_.seed, row.contender->name,
+                        row.contender->what, row.threads, row.ms, row.ratio, row.pairs.count, row.pairs.hash,
+                        row.missed, row.extra, std::uint64_t(row.bytes), regions_text(row.levels), row.left,
+                        delimitation_ms(row));
         const std::string label =
             row.threads == 1 ? row.contender->name : fmt::format("{}, {} threads", row.contender->name, row.threads);
         const auto style = styles_.try_emplace(label, styles_.size()).first;

@@ -31,6 +31,14 @@ double mean(const std::vector<double>& values)
     return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
 }
 
+std::string regions_text(std::span<const DelimitationLevel> levels)
+{
+    std::string text;
+    for (const DelimitationLevel& level : levels.subspan(std::min<std::size_t>(1, levels.size())))
+        text += fmt::format("{}{}/{}", text.empty() ? "" : " ", level.regions_rejected, level.regions);
+    return text;
+}
+
 std::vector<int> parse_depths(const std::string& option, const std::string& text)
 {
     constexpr int deepest = 16;

@@ -82,7 +82,12 @@ public:
         for (const Entrant& entrant : entrants_) {
             if (entrant.trouble.empty()) {
                 result.rows.push_back(entrant.row), result.rows.back().ms = median(entrant.times);
-                result.rows.back().remark = entrant.peer->remark();
+                if (BroadPhase* broad = entrant.peer->delimited()) {
+                    const std::span<const DelimitationLevel> levels = broad->levels();
+                    RaceRow& row = result.rows.back();
+                    row.delimited = true, row.left = broad->bodies_left();
+                    row.levels.assign(levels.begin(), levels.end());
+                }
             } else
                 result.left.push_back(fmt::format("{}: {}", entrant.row.contender->name, entrant.trouble));
         }

@@ -16,8 +16,10 @@ struct RaceRow {
     double ratio = 0; ///< time of the best Debian peer on as many threads or fewer, over this; 0: there was none
     double bytes = 0; ///< by which the process grew while this contender took in the scene and its first frame
     PairSet pairs;    ///< of the last frame
-    std::uint64_t missed = 0, extra = 0; ///< pairs, the most in any frame
-    std::string remark;                  ///< of the contender, on the last frame
+    std::uint64_t missed = 0, extra = 0;   ///< pairs, the most in any frame
+    bool delimited = false;                ///< can it rule out regions?
+    std::vector<DelimitationLevel> levels; ///< of the last frame; empty: it was off
+    std::uint64_t left = 0;                ///< boxes in regions that are left
 };
 
 struct RaceResult {

@@ -119,6 +119,7 @@ private:
     {
         row.hash = frame.hash, row.trees = frame.trees, row.counts = {};
         row.counts.pairs = frame.pairs.size();
+        row.regions = regions_text(frame.delimitation), row.left = frame.stages[1].out;
         for (const PairResult& pair : frame.pairs) {
             row.counts.left_over += pair.verdict != Verdict::separate;
             row.counts.colliding += pair.verdict == Verdict::colliding;

@@ -25,6 +25,8 @@ struct SceneRow {
     TreeStats trees;
     double gpu_ms = 0, wait_ms = 0;
     std::uint64_t hash = 0;
+    std::string regions;    ///< of delimitation, as regions_text() has them
+    std::uint64_t left = 0; ///< bodies in those that are left
 };
 
 /// Both on the same scene.

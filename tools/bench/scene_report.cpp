@@ -25,8 +25,8 @@ void SceneReport::print_head() const
     say("scene      {}, {} bodies, {} geometries of {} triangles together; frames {} to {}, {} before them to warm "
         "up, least of {} {}\n"
         "settings   {}\n{}\n",
-        printable(scene_.name), grouped(scene_.size()), scene_.geometries.size(), grouped(triangles), runs_.first + options_.warm_up,
-        runs_.first + int(runs_.rows.size()) - 1, options_.warm_up, options_.repeats,
+        printable(scene_.name), grouped(scene_.size()), scene_.geometries.size(), grouped(triangles),
+        runs_.first + options_.warm_up, runs_.first + int(runs_.rows.size()) - 1, options_.warm_up, options_.repeats,
         options_.repeats == 1 ? "run" : "runs", describe(settings_), describe_program(runs_.backend));
 }
 
@@ -191,16 +191,16 @@ void SceneReport::write_csv() const
                                      hash_of(settings_), options_.only)));
     file.print("frame,fcl_ms,fcl_transforms_ms,fcl_update_ms,fcl_pairs_ms,fcl_narrow_ms,fcl_candidates,fcl_colliding,"
                "ms,bounds_ms,delimitation_ms,broad_ms,ocst_ms,exact_ms,candidates,left_over,colliding,undecided,"
-               "false_positives,missed,cells,cells_asked,cell_pairs,bytes,hash\n");
+               "false_positives,missed,cells,cells_asked,cell_pairs,bytes,hash,regions,left\n");
     for (std::size_t frame = 0; frame < runs_.rows.size(); ++frame) {
         const SceneRow& r = runs_.rows[frame];
         file.print("{},{},{},{},{},{},{},{},", runs_.first + int(frame), with_fcl_ ? r.fcl_ms : 0, r.fcl_parts[0],
                    r.fcl_parts[1], r.fcl_parts[2], r.fcl_parts[3], r.fcl_candidates, r.counts.fcl_colliding);
         file.print("{},{},{},{},{},{},", with_ours_ ? r.our_ms : 0, r.our_parts[0], r.our_parts[1], r.our_parts[2],
                    r.our_parts[3], r.our_parts[4]);
-        file.print("{},{},{},{},{},{},{},{},{},{},{:016x}\n", r.counts.pairs, r.counts.left_over, r.counts.colliding,
-                   r.counts.undecided, r.counts.false_positives, r.counts.missed, r.trees.nodes, r.trees.rows,
-                   r.trees.node_pairs, r.trees.bytes, r.hash);
+        file.print("{},{},{},{},{},{},{},{},{},{},{:016x},{},{}\n", r.counts.pairs, r.counts.left_over,
+                   r.counts.colliding, r.counts.undecided, r.counts.false_positives, r.counts.missed, r.trees.nodes,
+                   r.trees.rows, r.trees.node_pairs, r.trees.bytes, r.hash, r.regions, r.left);
     }
     file.commit();
 }

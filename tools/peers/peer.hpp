@@ -27,8 +27,8 @@ public:
     /// Takes in the next frame. `pairs` is overwritten: every two boxes that overlap and are not both static, each
     /// once, in any order.
     virtual void step(const BoxFrame& frame, std::vector<BodyPair>& pairs) = 0;
-    /// What it did in the last frame, for people; not timed.
-    virtual std::string remark() { return {}; }
+    /// What its delimitation did in the last frame; null: it has none. Not timed.
+    virtual BroadPhase* delimited() { return nullptr; }
 };
 
 struct Contender {

@@ -30,18 +30,7 @@ public:
         pairs.assign(found.begin(), found.end());
     }
 
-    std::string remark() override
-    {
-        if (whole_) return {};
-        const std::span<const DelimitationLevel> levels = broad_->levels();
-        if (levels.empty()) return "delimitation off: over a quarter of the boxes changed";
-        std::string text = "delimitation by level, rejected:";
-        for (const DelimitationLevel& level : levels.subspan(std::min<std::size_t>(1, levels.size())))
-            text += fmt::format(" {} of {} regions with {} boxes, {:.0f} % of the volume out of play, {:.4f} ms;",
-                                level.regions_rejected, level.regions, level.bodies_rejected,
-                                100 * level.volume_rejected, level.ms);
-        return text += fmt::format(" {} boxes left", broad_->bodies_left());
-    }
+    BroadPhase* delimited() override { return whole_ ? nullptr : broad_.get(); }
 
 private:
     std::unique_ptr<BroadPhase> broad_;

@@ -21,7 +21,7 @@ namespace oncollide::tools {
 namespace {
 
 struct SpheresOptions {
-    std::string mesh, csv, json, bounding_volume = "sphere";
+    std::string mesh, csv, json, levels, bounding_volume = "sphere";
     std::optional<int> depth;
     std::optional<double> max_error;
     int directions = QualityOptions{}.directions, threads = 1;
@@ -80,6 +80,11 @@ std::string uncovered(const LevelQuality& q)
     return fmt::format("{} of triangles, {} of {} points", q.open_triangles, q.outside, q.points);
 }
 
+double volume_of(const RootCell& root)
+{
+    return 8.0 * root.half[0] * root.half[1] * root.half[2];
+}
+
 void print_table(const Judged& judged, const GrownTree& tree, const ObbTree& boxes, const SpheresOptions& options,
                  std::FILE* to)
 {
@@ -93,8 +98,7 @@ void print_table(const Judged& judged, const GrownTree& tree, const ObbTree& box
         "volume     of all spheres or boxes, over that of the root cell\n",
         printable(options.mesh), judged.mesh.triangles.size(), judged.closed ? "closed" : "open", judged.side,
         tree.depth(), tree.tree().size(), tree.bytes(), boxes.nodes(), boxes.bytes());
-    const RootCell& root = tree.tree().root();
-    const double cell = 8.0 * root.half[0] * root.half[1] * root.half[2];
+    const double cell = volume_of(tree.tree().root());
     const auto out = [&](double length) {
         return judged.closed ? fmt::format("{:.2f}", 1000 * length / judged.side) : std::string("-");
     };
@@ -147,6 +151,26 @@ void write_csv(const std::string& path, const Judged& judged, BoundingVolume kin
     for (const Row& row : judged.rows)
         for (std::size_t i = 0; row.kind == kind && i < row.volumes.size(); ++i)
             file.print("{}\n", numbers(row, i, judged.closed));
+    file.commit();
+}
+
+/// The tables, one row a level.
+void write_levels(const std::string& path, const Judged& judged, double cell)
+{
+    OutputFile file(path);
+    file.print("kind,level,count,triangles,longest_side,radius,worst,mean,certified,worst_outside,mean_outside,volume,"
+               "open_triangles,points,points_outside\n");
+    for (const Row& row : judged.rows) {
+        const LevelQuality& q = row.quality;
+        file.print("{},{},{},{},{},{},{},{},{},", row.name(), row.level, row.volumes.size(),
+                   judged.mesh.triangles.size(), judged.side, row.radius(), q.worst.either, q.mean.either,
+                   row.certified);
+        if (judged.closed)
+            file.print("{},{}", q.worst.beyond, q.mean.beyond);
+        else
+            file.print(",");
+        file.print(",{},{},{},{}\n", q.volume / cell, q.open_triangles, q.points, q.outside);
+    }
     file.commit();
 }
 
@@ -203,9 +227,7 @@ int spheres(const SpheresOptions& options)
     const BoundingVolume kind = bounding_volume_from_name(options.bounding_volume);
     if (kind == BoundingVolume::automatic) usage("--bounding-volume auto: must be sphere or obb here");
     check_range("--directions", options.directions, 1, 100'000);
-    OutputOptions outputs;
-    outputs.csv = options.csv, outputs.json = options.json;
-    check_outputs(outputs, options.mesh);
+    check_files({{"--levels", options.levels}, {"--json", options.json}, {"--csv", options.csv}}, {options.mesh});
 
     Scene scene;
     const GeometryId geometry = scene.add(options.mesh, load_mesh(options.mesh));
@@ -214,9 +236,10 @@ int spheres(const SpheresOptions& options)
     Judged judged{mesh, is_closed(mesh), (mesh.bounds.max - mesh.bounds.min).maxCoeff(), {}};
     ObbTree boxes(mesh);
     judge(judged, tree, boxes, options);
-    const bool stdout_taken = options.csv == "-" || options.json == "-";
+    const bool stdout_taken = options.csv == "-" || options.json == "-" || options.levels == "-";
     if (!options.quiet) print_table(judged, tree, boxes, options, stdout_taken ? stderr : stdout);
     if (!options.csv.empty()) write_csv(options.csv, judged, kind);
+    if (!options.levels.empty()) write_levels(options.levels, judged, volume_of(tree.tree().root()));
     if (!options.json.empty()) write_json(options.json, options, judged, tree.depth(), kind);
     // What the judge measures with is rounded where the mesh lies.
     const double rounding = 1e-14 * mesh.bounds.min.cwiseAbs().cwiseMax(mesh.bounds.max.cwiseAbs()).maxCoeff();
@@ -235,8 +258,8 @@ int spheres(const SpheresOptions& options)
 
 void add_spheres(Arguments app)
 {
-    Arguments sub =
-        app.add_command("spheres", "List the spheres or boxes that enclose a mesh (its trees), and how closely they fit");
+    Arguments sub = app.add_command(
+        "spheres", "List the spheres or boxes that enclose a mesh (its trees), and how closely they fit");
     auto options = std::make_shared<SpheresOptions>();
     sub.add_option("mesh", options->mesh, "mesh (OBJ, STL, PLY, OFF, glTF)").required().type_name("MESH");
     sub.add_option("--depth", options->depth,
@@ -249,6 +272,8 @@ void add_spheres(Arguments app)
                    "which to write. sphere: spheres around cells (default); obb: oriented boxes around triangles")
         .type_name("NAME");
     sub.add_option("--csv", options->csv, "write those of all levels, one a row; '-' is standard output")
+        .type_name("FILE");
+    sub.add_option("--levels", options->levels, "write the tables as CSV, one row a level; '-' is standard output")
         .type_name("FILE");
     sub.add_option("--json", options->json, "write the tables and those of all levels; '-' is standard output")
         .type_name("FILE");

@@ -159,22 +159,23 @@ void write_study_csv(OutputFile& file, const Study& study)
         "variant,backend,certified,error,ms_mean,ms_median,times_fcl,on_front,bounds_ms,delimitation_ms,broad_ms,"
         "ocst_ms,exact_ms,separate,within,undecided,colliding,missed,false_positives,invented,bounds_broken,"
         "false_positive_median,false_positive_worst,node_pairs,triangle_pairs,queries,peak_bytes,nodes_needed,nodes_"
-        "all\n");
+        "all,truly_colliding\n");
     for (const StudyRow& row : study.rows) {
         const std::array<double, 5> ms = mean_stages(study, row);
         file.print("\"{}\",\"{}\",{:d},{},{},{},{},{:d},{},{},{},{},{},", row.variant.name, row.backend,
                    row.variant.certified(), row.error, study.mean_ms(row.ms), study.median_ms(row.ms),
                    study.ratio(row.ms).value_or(0), on_front(study, row), ms[0], ms[1], ms[2], ms[3], ms[4]);
-        file.print("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", count(row, Verdict::separate),
+        file.print("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", count(row, Verdict::separate),
                    count(row, Verdict::within), count(row, Verdict::undecided), count(row, Verdict::colliding),
                    row.missed, row.false_positives, row.invented, row.broken, false_positive_quantile(row, 0.5),
                    false_positive_quantile(row, 1), row.trees.node_pairs, row.trees.triangle_pairs, row.trees.queries,
-                   row.trees.bytes, row.nodes_needed, row.nodes_all ? fmt::format("{}", *row.nodes_all) : "");
+                   row.trees.bytes, row.nodes_needed, row.nodes_all ? fmt::format("{}", *row.nodes_all) : "",
+                   study.colliding);
     }
     for (const StudyPeer& peer : study.peers)
-        file.print("\"{}\",\"\",0,0,{},{},{},{:d},,,,,,,,,{},{},,{},,,,,,,{},,\n", peer.name, study.mean_ms(peer.ms),
+        file.print("\"{}\",\"\",0,0,{},{},{},{:d},,,,,,,,,{},{},,{},,,,,,,{},,,{}\n", peer.name, study.mean_ms(peer.ms),
                    study.median_ms(peer.ms), study.ratio(peer.ms).value_or(0), on_front(study, peer), peer.colliding,
-                   peer.missed, peer.invented, peer.bytes);
+                   peer.missed, peer.invented, peer.bytes, study.colliding);
 }
 
 void write_study_json(OutputFile& file, const Study& study, const std::string& program)
