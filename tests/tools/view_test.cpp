@@ -499,6 +499,32 @@ wait();
     EXPECT_EQ(seen.data("pixels"), never.data("pixels"));
 }
 
+TEST_F(ViewInBrowser, SmallBodiesHaveTheirColoursAndHideWhatIsBehind)
+{
+    // A wall of 24 x 16 pairs of balls that collide, and behind the first of each, as the page looks at it, one that
+    // does not.
+    std::string placed;
+    const auto put = [&](double x, double y, double z) {
+        placed += fmt::format(R"(,{{"geometry": "ball", "position": [{}, {}, {}]}})", x, y, z);
+    };
+    for (int row = 0; row < 16; ++row)
+        for (int column = 0; column < 24; ++column) {
+            const double x = 2.5 * column, z = 1.5 * row;
+            put(x, 0, z), put(x + 0.9, 0, z), put(x + 1.1, 2, z - 1.24);
+        }
+    folder_.write("wall.json", R"({"geometries": {"ball": {"mesh": {"generate": {"kind": "sphere", "radius": 0.5,
+        "triangles": 512}}}}, "bodies": [)" +
+                                   placed.substr(1) + "]}");
+    ASSERT_EQ(run({"run", "wall.json", "--exact", "on", "--quiet", "--view", "x.html"}).code, 0);
+    folder_.write("y.html", folder_.read("x.html") + R"(<script>
+for (const key of ["l", "c"]) dispatchEvent(new KeyboardEvent("keydown", {key})); // no marks
+</script>)");
+    const Seen seen = look("y.html", "theme=light");
+    EXPECT_EQ(seen.data("bodies"), "1152");
+    EXPECT_EQ(seen.data("triangles"), "2304") << "they are drawn as sprites";
+    EXPECT_GT(in_scene(seen.picture, is_colliding), 30'000) << "24,000 if what is behind were drawn before";
+}
+
 TEST_F(ViewInBrowser, RegionsAndMarksOfALargeScene)
 {
     ASSERT_EQ(

@@ -65,8 +65,10 @@ class Sprites {
   constructor() {
     this.count = 0, this.triangles = 2, this.pictures = [];
     this.body = new Uint32Array(bodies.count), this.far = new Float32Array(bodies.count), this.tint = new Uint8Array(4 * bodies.count);
-    this.usedBy = header.geometries.map(() => 0); // bodies
-    for (const g of bodies.geometry) ++this.usedBy[g];
+    // Pictures are worth it for geometries of many bodies, and take time and memory.
+    const users = header.geometries.map(() => 0);
+    for (const g of bodies.geometry) ++users[g];
+    this.shown = new Set([...users.keys()].filter((g) => users[g] >= 16).sort((g, h) => users[h] - users[g]).slice(0, 48));
     this.colours = new Uint32Array(0), this.depths = new Float32Array(0); // of the view's pixels, from the lowest row
     this.uniforms = {colours: {value: null}, depths: {value: null}};
     this.mesh = new THREE.Mesh(new THREE.PlaneBufferGeometry(2, 2), new THREE.ShaderMaterial({
@@ -84,9 +86,9 @@ void main() {
     this.mesh.frustumCulled = this.mesh.visible = false;
     addTo(solids, this.mesh);
   }
-  // Pictures are worth it for geometries of many bodies.
+  // @param pixels  the body's radius
   show(body, pixels) {
-    return drawsOnCpu && pixels < manner.sprites && this.usedBy[bodies.geometry[body]] >= 16;
+    return drawsOnCpu && pixels < manner.sprites && this.shown.has(bodies.geometry[body]);
   }
   begin() {
     const {x: width, y: height} = drawnPixels.value;
