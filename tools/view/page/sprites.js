@@ -69,7 +69,7 @@ class Sprites {
     const users = header.geometries.map(() => 0);
     for (const g of bodies.geometry) ++users[g];
     this.shown = new Set([...users.keys()].filter((g) => users[g] >= 16).sort((g, h) => users[h] - users[g]).slice(0, 48));
-    this.colours = new Uint32Array(0), this.depths = new Float32Array(0); // of the view's pixels, from the lowest row
+    this.seen = {}, this.colours = new Uint32Array(0), this.depths = new Float32Array(0); // of the view's pixels, from the lowest row
     this.uniforms = {colours: {value: null}, depths: {value: null}};
     this.mesh = new THREE.Mesh(new THREE.PlaneBufferGeometry(2, 2), new THREE.ShaderMaterial({
       vertexShader: "void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }",
@@ -117,19 +117,18 @@ void main() {
     this.mesh.visible = this.count > 0;
     if (this.count) for (const {value} of Object.values(this.uniforms)) value.needsUpdate = true;
   }
-  draw(b, red, green, blue, alpha) {
-    const g = bodies.geometry[b], {texels, reach} = (this.pictures[g] = this.pictures[g] || picturesOf(g)), m = this.view, s = 1 / 32767;
+  // Where a body is in the view, which texels of its picture are there, and how normals of the picture are lit.
+  see(b) {
+    const g = bodies.geometry[b], {texels, reach} = (this.pictures[g] = this.pictures[g] || picturesOf(g)), m = this.view, seen = this.seen, s = 1 / 32767;
     const mx = bodies.middle[3 * b], my = bodies.middle[3 * b + 1], mz = bodies.middle[3 * b + 2];
     const depth = -(m[2] * mx + m[6] * my + m[10] * mz + m[14]), scale = this.perMetre / depth;
-    // The body's axes in the world, and what the eye sees as the body has it.
+    // The body's axes in the world, and the ways to the eye, to the right and up as the body has them.
     const qx = bodies.turn[4 * b] * s, qy = bodies.turn[4 * b + 1] * s, qz = bodies.turn[4 * b + 2] * s, qw = bodies.turn[4 * b + 3] * s;
     const ax = 1 - 2 * (qy * qy + qz * qz), ay = 2 * (qx * qy + qw * qz), az = 2 * (qx * qz - qw * qy);
     const bx = 2 * (qx * qy - qw * qz), by = 1 - 2 * (qx * qx + qz * qz), bz = 2 * (qy * qz + qw * qx);
     const cx = 2 * (qx * qz + qw * qy), cy = 2 * (qy * qz - qw * qx), cz = 1 - 2 * (qx * qx + qy * qy);
-    let dx = camera.position.x - mx, dy = camera.position.y - my, dz = camera.position.z - mz;
-    const far = 1 / Math.hypot(dx, dy, dz);
-    dx *= far, dy *= far, dz *= far;
-    const ex = ax * dx + ay * dy + az * dz, ey = bx * dx + by * dy + bz * dz, ez = cx * dx + cy * dy + cz * dz;
+    const dx = camera.position.x - mx, dy = camera.position.y - my, dz = camera.position.z - mz, d = 1 / Math.hypot(dx, dy, dz);
+    const ex = d * (ax * dx + ay * dy + az * dz), ey = d * (bx * dx + by * dy + bz * dz), ez = d * (cx * dx + cy * dy + cz * dz);
     const side = sideTowards(ex, ey, ez), [right, above] = sideAxes[side], [rx, ry, rz] = this.right, [sx, sy, sz] = this.sun;
     let ux = ax * rx + ay * ry + az * rz, uy = bx * rx + by * ry + bz * rz, uz = cx * rx + cy * ry + cz * rz;
     const along = ux * ex + uy * ey + uz * ez;
@@ -137,37 +136,47 @@ void main() {
     const l = 1 / Math.hypot(ux, uy, uz);
     ux *= l, uy *= l, uz *= l;
     const vx = ey * uz - ez * uy, vy = ez * ux - ex * uz, vz = ex * uy - ey * ux;
-    // Texels of the picture by pixels of the view, and the square of pixels that it takes.
-    const reachX = reach[3 * side], reachY = reach[3 * side + 1], texelsX = (SIDE_PIXELS / 2 - 1) / (scale * reachX), texelsY = (SIDE_PIXELS / 2 - 1) / (scale * reachY);
     const xu = ux * right.x + uy * right.y + uz * right.z, xv = ux * above.x + uy * above.y + uz * above.z;
     const yu = vx * right.x + vy * right.y + vz * right.z, yv = vx * above.x + vy * above.y + vz * above.z;
-    const half = scale * Math.max(Math.abs(xu) * reachX + Math.abs(xv) * reachY, Math.abs(yu) * reachX + Math.abs(yv) * reachY);
-    const atX = 0.5 * this.width + scale * (m[0] * mx + m[4] * my + m[8] * mz + m[12]), atY = 0.5 * this.height + scale * (m[1] * mx + m[5] * my + m[9] * mz + m[13]);
-    // Light as the shaders' light(), of normals that are 127 long.
-    const night = uniforms.night.value, soft = 1 / 127, lightX = soft * (0.13 * az + 0.1 * ex), lightY = soft * (0.13 * bz + 0.1 * ey), lightZ = soft * (0.13 * cz + 0.1 * ez);
-    const key = 0.42 / 127, keyX = key * (ax * sx + ay * sy + az * sz), keyY = key * (bx * sx + by * sy + bz * sz), keyZ = key * (cx * sx + cy * sy + cz * sz);
-    const base = 0.42 - 0.12 * night + 0.13, near = Math.max(depth - reach[3 * side + 2], 1e-9), {colours, depths, width} = this, whole = half < 0.75;
-    const left = Math.max(0, Math.floor(atX - half)), last = Math.min(width - 1, Math.floor(atX + half));
-    const low = Math.max(0, Math.floor(atY - half)), high = Math.min(this.height - 1, Math.floor(atY + half));
-    const stepU = texelsX * xu, stepV = texelsY * xv, first = (side % SIDES) * SIDE_PIXELS + Math.floor(side / SIDES) * SIDE_PIXELS * SIDE_PIXELS * SIDES;
+
+    const reachU = reach[3 * side], reachV = reach[3 * side + 1], texelsU = (SIDE_PIXELS / 2 - 1) / (scale * reachU), texelsV = (SIDE_PIXELS / 2 - 1) / (scale * reachV);
+    seen.texels = texels, seen.first = (side % SIDES) * SIDE_PIXELS + Math.floor(side / SIDES) * SIDE_PIXELS * SIDE_PIXELS * SIDES;
+    seen.x = 0.5 * this.width + scale * (m[0] * mx + m[4] * my + m[8] * mz + m[12]);
+    seen.y = 0.5 * this.height + scale * (m[1] * mx + m[5] * my + m[9] * mz + m[13]);
+    seen.halfX = scale * (Math.abs(xu) * reachU + Math.abs(xv) * reachV), seen.halfY = scale * (Math.abs(yu) * reachU + Math.abs(yv) * reachV);
+    seen.uByX = texelsU * xu || 1e-9, seen.vByX = texelsV * xv || 1e-9, seen.uByY = texelsU * yu, seen.vByY = texelsV * yv;
+    seen.near = Math.max(depth - reach[3 * side + 2], 1e-9);
+    // light() of the shaders; normals are 127 long
+    const soft = 1 / 127, key = 0.42 / 127;
+    seen.softX = soft * (0.13 * az + 0.1 * ex), seen.softY = soft * (0.13 * bz + 0.1 * ey), seen.softZ = soft * (0.13 * cz + 0.1 * ez);
+    seen.keyX = key * (ax * sx + ay * sy + az * sz), seen.keyY = key * (bx * sx + by * sy + bz * sz), seen.keyZ = key * (cx * sx + cy * sy + cz * sz);
+    return seen;
+  }
+  draw(b, red, green, blue, alpha) {
+    const {texels, first, x, y, halfX, halfY, uByX, vByX, uByY, vByY, near, softX, softY, softZ, keyX, keyY, keyZ} = this.see(b);
+    const {colours, depths, width} = this, base = 0.55 - 0.12 * uniforms.night.value, tiny = halfX < 0.75 && halfY < 0.75;
+    const left = Math.max(0, Math.floor(x - halfX)), right = Math.min(width - 1, Math.floor(x + halfX));
+    const low = Math.max(0, Math.floor(y - halfY)), high = Math.min(this.height - 1, Math.floor(y + halfY));
     for (let row = low; row <= high; ++row) {
-      const y = row + 0.5 - atY;
-      const x = left + 0.5 - atX;
-      let u = SIDE_PIXELS / 2 + texelsX * (xu * x + yu * y), v = SIDE_PIXELS / 2 + texelsY * (xv * x + yv * y);
-      for (let pixel = row * width + left, end = row * width + last; pixel <= end; ++pixel, u += stepU, v += stepV) {
+      const away = row + 0.5 - y, u0 = SIDE_PIXELS / 2 + uByX * (0.5 - x) + uByY * away, v0 = SIDE_PIXELS / 2 + vByX * (0.5 - x) + vByY * away;
+      let from = left, to = right;
+      if (!tiny) { // what of the row is on the picture
+        const u1 = -u0 / uByX, u2 = (SIDE_PIXELS - u0) / uByX, v1 = -v0 / vByX, v2 = (SIDE_PIXELS - v0) / vByX;
+        from = Math.max(from, Math.ceil(Math.max(Math.min(u1, u2), Math.min(v1, v2)))), to = Math.min(to, Math.floor(Math.min(Math.max(u1, u2), Math.max(v1, v2))));
+      }
+      for (let column = from, pixel = row * width + from; column <= to; ++column, ++pixel) {
         if (depths[pixel] <= near) continue;
         let bright = base + 0.3;
-        if (!whole) {
-          if (!(u >= 0 && u < SIDE_PIXELS && v >= 0 && v < SIDE_PIXELS)) continue;
-          const n = texels[first + (u | 0) + (v | 0) * (SIDE_PIXELS * SIDES)];
-          if (n === 0) continue;
+        if (!tiny) {
+          const n = texels[first + ((u0 + uByX * column) | 0) + ((v0 + vByX * column) | 0) * (SIDE_PIXELS * SIDES)];
+          if (!n) continue;
           const nx = (n & 255) - 128, ny = ((n >> 8) & 255) - 128, nz = ((n >> 16) & 255) - 128, lit = nx * keyX + ny * keyY + nz * keyZ;
-          bright = base + nx * lightX + ny * lightY + nz * lightZ + (lit > 0 ? lit : 0);
+          bright = base + nx * softX + ny * softY + nz * softZ + (lit > 0 ? lit : 0);
         }
-        const white = alpha < 191 && (pixel - row * width + row) % 12 < 4.5 ? 153 : 0, own = white ? 0.4 : 1; // stripes
-        const r = bright * (own * red + white), gr = bright * (own * green + white), bl = bright * (own * blue + white);
+        const white = alpha < 191 && (column + row) % 12 < 4.5 ? 153 : 0, own = white ? 0.4 : 1; // stripes
+        const r = bright * (own * red + white), g = bright * (own * green + white), blu = bright * (own * blue + white);
         depths[pixel] = near;
-        colours[pixel] = (r > 255 ? 255 : r) | ((gr > 255 ? 255 : gr) << 8) | ((bl > 255 ? 255 : bl) << 16);
+        colours[pixel] = (r > 255 ? 255 : r) | ((g > 255 ? 255 : g) << 8) | ((blu > 255 ? 255 : blu) << 16);
       }
     }
   }
