@@ -486,7 +486,7 @@ const wait = () => {
 };
 wait();
 </script>)");
-    const Seen seen = look("y.html", "frame=0&theme=light", "900,640", 12000);
+    const Seen seen = look("y.html", "frame=0&theme=light", "900,640", 60000);
     const auto rest = [&](const char* name) { return std::stoi(seen.data(name)); };
     const auto played = [&](const char* name) { return std::stoi(seen.data(std::string("played-") + name)); };
     EXPECT_GT(rest("frame"), 0);
