@@ -39,6 +39,11 @@ bool is_binary_stl(std::string_view bytes);
 /// points and lines are left out. Triangles, vertices and parts of meshes are at most as many as all files together
 /// have bytes, 200 million at the very most; but 10 million are always allowed.
 RawMesh read_gltf(const MeshSource& source);
+/// COLLADA: the triangles and polygons that the visual scene shows, in metres, z up. Controllers show what they deform.
+/// 3MF: the objects that the build places, in metres. Both are bounded as glTF is. Throw Error{usage} without
+/// ONCOLLIDE_XML.
+RawMesh read_collada(const MeshSource& source);
+RawMesh read_3mf(const MeshSource& source);
 
 /// Between words, besides the end of a line.
 inline bool is_blank(char c)
