@@ -215,7 +215,7 @@ void add_check(Arguments app)
     auto options = std::make_shared<CheckOptions>();
     sub.add_option(
            "A", options->a,
-           "mesh (OBJ, STL, PLY, OFF, glTF, cooked; '-': standard input), OctoMap (.bt, .ot) or terrain (PGM, PNG, "
+           "mesh (OBJ, STL, PLY, OFF, glTF, COLLADA, 3MF, cooked; '-': standard input), OctoMap (.bt, .ot) or terrain (PGM, PNG, "
            "NumPy, GDAL's)")
         .required()
         .type_name("FILE");

@@ -134,7 +134,7 @@ void add_cook(Arguments app)
     Arguments sub = app.add_command("cook", "Write a mesh as a cooked file, which is read where pairs come near it");
     auto options = std::make_shared<CookOptions>();
     sub.add_option("mesh", options->mesh,
-                   "mesh file (OBJ, STL, PLY, OFF, glTF; '-': standard input), or file of heights (GeoTIFF, DEM, PNG, "
+                   "mesh file (OBJ, STL, PLY, OFF, glTF, COLLADA, 3MF; '-': standard input), or file of heights (GeoTIFF, DEM, PNG, "
                    "PGM, npy), of "
                    "which the surface is cooked")
         .required()

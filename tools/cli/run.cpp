@@ -104,10 +104,10 @@ void add_run(Arguments app)
     auto options = std::make_shared<RunOptions>();
     options->scene.on_demand = true;
     sub.add_option("scene", options->scene.scene,
-                   "scene file, glTF assembly (each node that shows a mesh is a body), or a name from "
+                   "scene file, glTF, COLLADA or 3MF assembly (each node that shows a mesh is a body), or a name from "
                    "'oncollide scene --list'")
         .required()
-        .type_name("SCENE.json|ASSEMBLY.glb|NAME");
+        .type_name("SCENE.json|ASSEMBLY|NAME");
     add_catalogue_options(sub, options->scene), add_pace_option(sub, options->scene);
     add_cache_options(sub, options->scene.cache);
     add_accuracy_options(sub, options->settings);

@@ -46,13 +46,15 @@ public:
     RawAssembly parts(double scale, int threads) { return parts_of(source_, placed_, expansion_, scale, threads); }
 
 private:
+    using Model = std::map<std::string, ModelPart>::value_type;
+
     /// An object on its way to becoming a node.
     struct Open {
         const ModelReference* reference;
-        const std::string* model; ///< in which the reference stands
+        const Model* from; ///< in which the reference stands
         std::uint32_t above;
         int level;
-        Eigen::Affine3d pose; ///< of the node above, from that model's units
+        Eigen::Affine3d frame; ///< of the node above, from that model's units
     };
 
     std::string model_file() const
@@ -86,37 +88,36 @@ private:
 
     void expand(const std::string& root)
     {
-        const auto& [root_name, root_model] = *models_.find(root);
         std::vector<Open> open;
-        const auto add = [&](const std::vector<ModelReference>& references, const std::string& model,
-                             std::uint32_t above, int level, const Eigen::Affine3d& pose) {
+        const auto add = [&](const std::vector<ModelReference>& references, const Model& model, std::uint32_t above,
+                             int level, const Eigen::Affine3d& pose) {
             for (auto reference = references.rbegin(); reference != references.rend(); ++reference)
                 open.push_back({&*reference, &model, above, level, pose});
         };
-        add(root_model.build, root_name, no_node, 1, Eigen::Affine3d(Eigen::Scaling(root_model.metres)));
+        const Model& first = *models_.find(root);
+        add(first.second.build, first, no_node, 1, Eigen::Affine3d(Eigen::Scaling(first.second.metres)));
         while (!open.empty()) {
             const Open next = open.back();
             open.pop_back();
-            const auto& [name, model] =
-                *models_.find(next.reference->model.empty() ? *next.model : next.reference->model);
-            const auto found = model.objects.find(next.reference->object);
+            const auto& [reference, from, above, level, frame] = next;
+            const Model& model = reference->model.empty() ? *from : *models_.find(reference->model);
+            const auto found = model.second.objects.find(reference->object);
             const auto fail = [&](const std::string& what) {
-                source_.fail(fmt::format("{}: line {}: {}", *next.model, next.reference->line, what));
+                source_.fail(fmt::format("{}: line {}: {}", next.from->first, next.reference->line, what));
             };
-            if (found == model.objects.end())
-                fail(fmt::format("there is no object {} in {}", next.reference->object, name));
-            const ModelObject& object = found->second;
-            if (next.level > XmlReader::most_levels)
+            if (found == model.second.objects.end())
+                fail(fmt::format("there is no object {} in {}", reference->object, model.first));
+            const auto& [id, object] = *found;
+            if (level > XmlReader::most_levels)
                 fail(fmt::format("objects are nested deeper than {} levels; is object {} a component of itself?",
-                                 XmlReader::most_levels, found->first));
+                                 XmlReader::most_levels, id));
             expansion_.spend(1);
-            Eigen::Affine3d pose = next.pose * next.reference->pose;
-            if (const double unit = models_.find(*next.model)->second.metres; model.metres != unit)
-                pose.scale(model.metres / unit);
+            Eigen::Affine3d pose = frame * reference->pose;
+            if (model.second.metres != from->second.metres) pose.scale(model.second.metres / from->second.metres);
             const auto number = static_cast<std::uint32_t>(placed_.nodes.size());
-            placed_.nodes.push_back({next.above, definition(object, found->first)});
+            placed_.nodes.push_back({above, definition(object, id)});
             if (!object.mesh.triangles.empty()) placed_.shows.push_back({number, mesh_of(object), pose});
-            add(object.components, name, number, next.level + 1, pose);
+            add(object.components, model, number, level + 1, pose);
         }
     }
 
