@@ -65,9 +65,9 @@ RawAssembly PartPlacer::take(std::span<const std::uint32_t> above,
     }
     parallel_chunks(placed_.size(), 1, threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) {
-            Surface surface;
-            add(placed_[i].mesh, Eigen::Affine3d(placed_[i].linear), surface);
-            assembly.meshes[i] = surface.take();
+            WeldedMesh mesh;
+            add(placed_[i].mesh, Eigen::Affine3d(placed_[i].linear), mesh);
+            assembly.meshes[i] = mesh.take();
         }
     });
     return assembly;

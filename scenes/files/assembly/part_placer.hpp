@@ -26,7 +26,7 @@ private:
 };
 
 /// Triangles on their way to a mesh.
-struct Surface {
+struct WeldedMesh {
     Welder weld;
     std::vector<Triangle> triangles;
 
@@ -39,8 +39,8 @@ struct Surface {
     RawMesh take() { return {weld.take(), std::move(triangles)}; }
 };
 
-/// Adds the mesh of that number, moved by the pose, to a surface.
-using AddMesh = std::function<void(std::uint32_t mesh, const Eigen::Affine3d& pose, Surface& to)>;
+/// Adds the mesh of that number, moved by the pose, to another one.
+using AddMesh = std::function<void(std::uint32_t mesh, const Eigen::Affine3d& pose, WeldedMesh& to)>;
 
 /// Makes parts of nodes that show meshes.
 class PartPlacer {

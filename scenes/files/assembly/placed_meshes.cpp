@@ -13,7 +13,7 @@ public:
     {
     }
 
-    void operator()(std::uint32_t number, const Eigen::Affine3d& pose, Surface& to) const
+    void operator()(std::uint32_t number, const Eigen::Affine3d& pose, WeldedMesh& to) const
     {
         const RawMesh& mesh = placed_.meshes[number];
         expansion_.spend(1 + mesh.vertices.size() + mesh.triangles.size());
@@ -40,9 +40,9 @@ private:
 RawMesh whole_mesh(const MeshSource& source, const PlacedMeshes& placed, ExpansionLimit& expansion)
 {
     const Adder add(source, placed, expansion);
-    Surface surface;
-    for (const PlacedMeshes::Show& show : placed.shows) add(show.mesh, show.pose, surface);
-    return surface.take();
+    WeldedMesh mesh;
+    for (const PlacedMeshes::Show& show : placed.shows) add(show.mesh, show.pose, mesh);
+    return mesh.take();
 }
 
 RawAssembly parts_of(const MeshSource& source, const PlacedMeshes& placed, ExpansionLimit& expansion, double scale,

@@ -40,7 +40,7 @@ public:
 
     RawMesh read()
     {
-        Surface whole;
+        WeldedMesh whole;
         each_mesh([&](std::uint32_t, std::uint32_t mesh, const Eigen::Affine3d& pose) { add(mesh, pose, whole); });
         return whole.take();
     }
@@ -56,7 +56,7 @@ public:
         });
         return placer.take(
             tree_.parents, [this](std::uint32_t node) { return name_of(node); },
-            [this](std::uint32_t mesh, const Eigen::Affine3d& pose, Surface& to) { add(mesh, pose, to); }, threads);
+            [this](std::uint32_t mesh, const Eigen::Affine3d& pose, WeldedMesh& to) { add(mesh, pose, to); }, threads);
     }
 
 private:
@@ -120,12 +120,12 @@ private:
         return part;
     }
 
-    void add(std::uint32_t mesh, const Eigen::Affine3d& pose, Surface& to)
+    void add(std::uint32_t mesh, const Eigen::Affine3d& pose, WeldedMesh& to)
     {
         for (const Primitive& part : *meshes_[mesh]) add(part, pose, to);
     }
 
-    void add(const Primitive& part, const Eigen::Affine3d& pose, Surface& to)
+    void add(const Primitive& part, const Eigen::Affine3d& pose, WeldedMesh& to)
     {
         spend(1 + part.count());
         const bool mirrored = pose.linear().determinant() < 0;
