@@ -16,7 +16,7 @@ inline bool is_digit(char c)
 /// Reads the digits at `at` on and appends them to `value`, which wraps where they are too many; the first other byte.
 /// Eight at a time: no branch depends on how many there are.
 /// Source: Lemire, "Number parsing at a gigabyte per second", 2021, section 7 (parsing digits).
-inline const char* read_digits(const char* at, const char* end, std::uint64_t& value)
+[[gnu::always_inline]] inline const char* read_digits(const char* at, const char* end, std::uint64_t& value)
 {
     static_assert(std::endian::native == std::endian::little);
     constexpr std::array<std::uint64_t, 9> powers = {1,       10,        100,        1'000,      10'000,
