@@ -7,6 +7,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/base/near_word.hpp>
+#include <oncollide/base/reading_progress.hpp>
 #include <oncollide/scenes/files/geometry_recipe.hpp>
 #include <oncollide/scenes/files/json/json_fault.hpp>
 #include <oncollide/scenes/files/json/json_node.hpp>
@@ -173,7 +174,12 @@ public:
     {
         const Node root = this->root();
         if (!root.has("bodies") || !root["bodies"].is_array()) return;
-        each_element(root["bodies"].source(), 1, body_, [&](const JsonTape& body) { visit(Node(body)); });
+        const std::string_view bodies = root["bodies"].source();
+        ReadingProgress progress(rest_.place.file, bodies.size());
+        each_element(bodies, 1, body_, [&](const JsonTape& body) {
+            progress.at(static_cast<std::uint64_t>(body.values().front().source - bodies.data()));
+            visit(Node(body));
+        });
     }
 
 private:

@@ -13,6 +13,7 @@
 #include "cli/command.hpp"
 #include "cli/log.hpp"
 #include "cli/outputs.hpp"
+#include "cli/progress.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -86,6 +87,7 @@ void print(const ClashOptions& o, const ClashReport& report)
 
 int clash(const ClashOptions& o)
 {
+    show_reading(o.quiet);
     const Units units(o.units);
     check_range("--list", o.list, 0), check_range("--pictures", o.pictures, 0, 10'000);
     check_range("--threads", o.threads, 0, 1024);

@@ -3,6 +3,7 @@
 #include "cli/numbers.hpp"
 #include "cli/options.hpp"
 #include "cli/play.hpp"
+#include "cli/progress.hpp"
 #include "cli/system.hpp"
 
 #include <algorithm>
@@ -186,6 +187,7 @@ int check_pair(const CheckOptions& options)
 
     std::optional<OutputFile> contacts;
     if (!options.contacts.empty()) contacts.emplace(options.contacts);
+    show_reading(options.quiet);
     const Scene scene = load_pair(options);
     if (!options.quiet) print_warnings(scene);
     Pipeline pipeline(scene, settings);

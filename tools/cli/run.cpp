@@ -3,6 +3,7 @@
 #include "cli/options.hpp"
 #include "cli/pairs_file.hpp"
 #include "cli/play_ranks.hpp"
+#include "cli/progress.hpp"
 #include "cli/shard.hpp"
 
 #include <memory>
@@ -67,6 +68,7 @@ int run(const RunOptions& options)
     if (options.outputs.pairs == "-") usage("--pairs -: is written in place, so it must be a file");
     check_outputs(options.outputs, from_file ? options.scene.scene : "");
     check_view("--view", options.view, options.view_limit, options.outputs, {from_file ? options.scene.scene : ""});
+    show_reading(options.outputs.quiet);
     Scene scene = open_scene(options.scene);
     if (!options.outputs.quiet) print_warnings(scene);
 

@@ -242,10 +242,10 @@ public:
         const std::size_t count = std::min(rows.size() / stride_, static_cast<std::size_t>(most));
         std::size_t row = 0, batch = 4; // small where kinds of rows take turns
         for (bool all = true; all && row < count; batch = std::min<std::size_t>(2 * batch, 4096)) {
-            const std::size_t most = std::min(batch, count - row), read = faces.add_many(most, [&](Triangle*to) {
-                return read_triangles(rows.data() + offset_ + row * stride_, most, to);
+            const std::size_t some = std::min(batch, count - row), read = faces.add_many(some, [&](Triangle*to) {
+                return read_triangles(rows.data() + offset_ + row * stride_, some, to);
             });
-            row += read, all = read == most;
+            row += read, all = read == some;
         }
         values.take(row * stride_);
         return static_cast<std::int64_t>(row);

@@ -148,8 +148,7 @@ XmlReader::~XmlReader() = default;
 
 void XmlReader::read(std::string_view piece)
 {
-    for (; !piece.empty(); piece.remove_prefix(std::min(piece_bytes, piece.size())))
-        parser_->pass(piece.substr(0, piece_bytes), false);
+    parser_->pass(piece, false);
 }
 
 void XmlReader::finish()
@@ -160,7 +159,11 @@ void XmlReader::finish()
 void read_xml(const MeshSource& source, XmlHandler& handler)
 {
     XmlReader reader(source, handler);
-    reader.read(source.bytes);
+    ReadingProgress progress(source.name, source.bytes.size());
+    for (std::size_t at = 0; at < source.bytes.size(); at += piece_bytes) {
+        reader.read(source.bytes.substr(at, piece_bytes));
+        progress.at(at);
+    }
     reader.finish();
 }
 
