@@ -62,19 +62,6 @@ TEST_F(Terminal, ALongRunShowsHowFarItIsAndWhatIsLeft)
     EXPECT_EQ(on_terminal({"run", "many", "--bodies", "400", "--frames", "20", "--quiet"}), "");
 }
 
-TEST_F(Terminal, ALongFileShowsHowMuchOfItIsRead)
-{
-    std::string scene = R"({"geometries":{"g":{"shape":{"kind":"sphere","radius":1}}},"bodies":[{"geometry":"g","static":true})";
-    for (int i = 0; i < 400'000; ++i) scene += R"(,{"geometry":"g","static":true})";
-    folder_.write("a.json", scene + "]}");
-    const std::string shown = on_terminal({"run", "a.json"});
-    const std::size_t line = shown.find("reading a.json: ");
-    ASSERT_NE(line, std::string::npos) << shown;
-    EXPECT_NE(shown.find(" of 12 MB, ", line), std::string::npos) << shown;
-    EXPECT_NE(shown.find(" MB per second, 0 s left", line), std::string::npos) << shown;
-    EXPECT_NE(shown.find("\r\033[K", line), std::string::npos) << "the line goes";
-}
-
 TEST_F(Terminal, HelpFitsTheTerminal)
 {
     for (const char* command : {"run", "check", "render", "clash", "spheres", "accuracy"}) {
