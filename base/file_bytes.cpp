@@ -1,5 +1,6 @@
 #include <oncollide/base/file_bytes.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cstdio>
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/reading_progress.hpp>
 
 namespace oncollide {
 
@@ -76,8 +78,14 @@ std::ifstream open_file(const fs::path& path, std::uintmax_t most, std::uintmax_
 
 void fill(const fs::path& path, std::ifstream& in, char* bytes, std::uintmax_t size)
 {
-    in.read(bytes, static_cast<std::streamsize>(size));
-    if (in.gcount() != static_cast<std::streamsize>(size)) fail(path, ErrorKind::no_input, "cannot be read to its end");
+    constexpr std::uintmax_t piece = std::uintmax_t{16} << 20;
+    ReadingProgress progress(path.string(), size);
+    for (std::uintmax_t at = 0; at < size; progress.at(at)) {
+        const auto length = static_cast<std::streamsize>(std::min(piece, size - at));
+        in.read(bytes + at, length);
+        if (in.gcount() != length) fail(path, ErrorKind::no_input, "cannot be read to its end");
+        at += static_cast<std::uintmax_t>(length);
+    }
 }
 
 } // namespace

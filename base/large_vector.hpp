@@ -2,6 +2,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <new>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #if defined(__linux__)
@@ -67,10 +69,10 @@ void reserve_large(std::vector<T>& vector, std::size_t count)
 
 /// The same for a vector that grows, nobody knows how far.
 template <class T>
-void append_large(std::vector<T>& vector, const T& value)
+void append_large(std::vector<T>& vector, std::type_identity_t<T> value)
 {
     if (vector.size() == vector.capacity()) reserve_large(vector, 2 * vector.size() + 16);
-    vector.push_back(value);
+    vector.push_back(std::move(value));
 }
 
 template <class T>

@@ -91,10 +91,12 @@ std::string why_not_rigid(const Eigen::Isometry3d& pose)
     if (!pose.matrix().allFinite()) return "the pose is not finite";
     if (pose.matrix().row(3) != Eigen::RowVector4d(0, 0, 0, 1)) return "the pose's last row is not (0, 0, 0, 1)";
     const Eigen::Matrix3d r = pose.linear();
-    const double off = (r.transpose() * r - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-    if (!(off <= tolerance))
-        return fmt::format("the pose is not rigid: R^T R is off the identity by {:.3g}, at most {} is allowed", off,
-                           tolerance);
+    const Eigen::Vector3d x = r.col(0), y = r.col(1), z = r.col(2); // by hand: every pose of every frame comes here
+    const auto is = [](double dot, double wanted) { return std::abs(dot - wanted) <= tolerance; };
+    if (!is(x.dot(x), 1) || !is(y.dot(y), 1) || !is(z.dot(z), 1) || !is(x.dot(y), 0) || !is(y.dot(z), 0) ||
+        !is(z.dot(x), 0))
+        return fmt::format("the pose is not rigid: R^T R is off the identity by {:.3g}, at most {} is allowed",
+                           (r.transpose() * r - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff(), tolerance);
     if (r.determinant() < 0) return "the pose is not rigid: it mirrors (the determinant of R is negative)";
     return {};
 }

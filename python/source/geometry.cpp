@@ -154,7 +154,7 @@ of range or a vertex that is not finite. Cost: 10 ns a triangle.)");
           R"(load_mesh(path, scale=1.0, fit_diagonal=0.0, centre=False)
 --
 
-A mesh from an OBJ, STL, PLY, OFF, glTF or GLB file.
+A mesh from an OBJ, STL, PLY, OFF, glTF, GLB, COLLADA or 3MF file.
 
 scale: metres for each unit of the file. fit_diagonal: if above 0, scaled again so that the diagonal of the box around it
 is this long, metres. centre: moves the middle of that box to the origin. Raises Error for a file that is missing or not

@@ -11,8 +11,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/scenes/files/gltf/gltf_nodes.hpp>
-#include <oncollide/scenes/files/gltf/gltf_parts.hpp>
+#include <oncollide/scenes/files/assembly/raw_assembly.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 
 namespace oncollide {
@@ -21,10 +20,20 @@ namespace {
 
 static_assert(no_node_above == no_node);
 
-bool is_gltf(const std::filesystem::path& path)
+struct Format {
+    const char* extension;
+    RawAssembly (*read)(const MeshSource&, double scale, int threads);
+};
+constexpr Format formats[] = {
+    {".gltf", read_gltf_parts}, {".glb", read_gltf_parts}, {".dae", read_collada_parts}, {".3mf", read_3mf_parts}};
+
+/// Null: another kind of file.
+const Format* format_of(const std::filesystem::path& path)
 {
     const std::string extension = lower_extension(path);
-    return extension == ".gltf" || extension == ".glb";
+    for (const Format& format : formats)
+        if (extension == format.extension) return &format;
+    return nullptr;
 }
 
 std::shared_ptr<const Geometry> shared_geometry(std::string name, Mesh mesh)
@@ -32,13 +41,13 @@ std::shared_ptr<const Geometry> shared_geometry(std::string name, Mesh mesh)
     return std::make_shared<const Geometry>(Geometry{std::move(name), std::move(mesh), {}});
 }
 
-Assembly load_gltf(const std::filesystem::path& path, double scale, int threads)
+Assembly load_parts(const Format& format, const std::filesystem::path& path, double scale, int threads)
 {
     const std::string file = path.string();
     RawAssembly raw;
     {
-        const std::string bytes = read_file(path, std::uintmax_t(2) << 30);
-        raw = read_gltf_parts({file, bytes}, scale, threads);
+        const FileBytes bytes = read_large_file(path, std::uintmax_t(2) << 30);
+        raw = format.read({file, bytes}, scale, threads);
     }
     Assembly assembly;
     std::erase_if(raw.parts, [&](const RawPart& part) { return raw.meshes[part.mesh].triangles.empty(); });
@@ -62,12 +71,17 @@ Assembly load_gltf(const std::filesystem::path& path, double scale, int threads)
 
 } // namespace
 
+bool is_assembly_file(const std::filesystem::path& path)
+{
+    return format_of(path) != nullptr;
+}
+
 Assembly load_assembly(const std::filesystem::path& path, double scale, int threads)
 {
     if (!(scale > 0) || !std::isfinite(scale))
         throw Error(ErrorKind::usage,
                     fmt::format("{}: the scale is {}; it must be finite and above 0", path.string(), scale));
-    if (is_gltf(path)) return load_gltf(path, scale, threads);
+    if (const Format* const format = format_of(path)) return load_parts(*format, path, scale, threads);
     const std::string name = path == "-" ? "standard input" : path.stem().string();
     return {{shared_geometry(path.string(), load_mesh(path, {.scale = scale}))},
             {{name, name, no_node_above, 0, Eigen::Isometry3d::Identity()}}};

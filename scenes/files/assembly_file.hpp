@@ -27,8 +27,11 @@ struct Assembly {
     std::vector<AssemblyPart> parts;
 };
 
-/// Reads a mesh file as an assembly: each node of a glTF file that shows triangles is a part, at its place in the
-/// default scene; any other file is one part. Throws as load_mesh.
+/// Whether files of that name hold assemblies: glTF, GLB, COLLADA (.dae) and 3MF.
+bool is_assembly_file(const std::filesystem::path& path);
+
+/// Reads a mesh file as an assembly: each node of a glTF or COLLADA file, and each object that a 3MF file's build
+/// places, is a part if it shows triangles, at its place in the scene; any other file is one part. Throws as load_mesh.
 /// @param scale  metres per unit of the file; finite, > 0
 Assembly load_assembly(const std::filesystem::path& path, double scale = 1, int threads = 1);
 

@@ -359,9 +359,9 @@ GeometryId add_geometry(Scene& scene, std::string_view given_name, const Node& e
 GeometryId add_geometry(Scene& scene, const std::string& name, const Json& entry)
 {
     const std::string text = entry.dump();
-    JsonTape tape;
+    JsonTape tape({name});
     tape.read(text, 0);
-    return add_geometry(scene, name, Node(tape, {name}), {});
+    return add_geometry(scene, name, Node(tape), {});
 }
 
 void Expansion::count(const Geometry& geometry, const Node& entry)

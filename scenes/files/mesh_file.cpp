@@ -19,17 +19,19 @@ struct Format {
     const char* extension;
     RawMesh (*read)(const MeshSource&);
 };
-constexpr Format formats[] = {{"obj", read_obj}, {"stl", read_stl},   {"ply", read_ply},
-                              {"off", read_off}, {"gltf", read_gltf}, {"glb", read_gltf}};
+constexpr Format formats[] = {{"obj", read_obj},   {"stl", read_stl},  {"ply", read_ply},     {"off", read_off},
+                              {"gltf", read_gltf}, {"glb", read_gltf}, {"dae", read_collada}, {"3mf", read_3mf}};
 
 /// Standard input has no extension, but what it begins with tells.
 std::string extension_of(std::string_view bytes)
 {
     if (bytes.starts_with("glTF")) return ".glb";
+    if (bytes.starts_with("PK\3\4")) return ".3mf";
     if (is_binary_stl(bytes)) return ".stl";
     bytes = without_byte_order_mark(bytes);
     bytes.remove_prefix(std::min(bytes.find_first_not_of(" \t\r\n"), bytes.size()));
     if (bytes.starts_with('{')) return ".gltf";
+    if (bytes.starts_with('<')) return ".dae";
     if (bytes.starts_with("ply")) return ".ply";
     if (bytes.starts_with("solid")) return ".stl";
     return bytes.substr(0, bytes.find_first_of(" \t\r\n")).ends_with("OFF") ? ".off" : ".obj";

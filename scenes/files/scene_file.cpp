@@ -7,6 +7,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/base/near_word.hpp>
+#include <oncollide/base/reading_progress.hpp>
 #include <oncollide/scenes/files/geometry_recipe.hpp>
 #include <oncollide/scenes/files/json/json_fault.hpp>
 #include <oncollide/scenes/files/json/json_node.hpp>
@@ -38,11 +39,9 @@ void refuse_other_files(const fs::path& path)
                                                  path.string(), mesh ? "a mesh" : "an OctoMap"));
 }
 
-Aabb read_walls(const Node& motion)
+Aabb read_walls(const Node& node)
 {
     Aabb walls;
-    if (!motion.has("walls")) return walls;
-    const Node node = motion["walls"];
     if (node.size() != 2) node.fail("must be two points: [[min x, y, z], [max x, y, z]]");
     walls.min = node[0].vector3();
     walls.max = node[1].vector3();
@@ -76,23 +75,23 @@ Motion read_motion(const Node& node, const fs::path& folder, std::vector<std::st
         return at(value, [&] { return load_tum(file_in(folder, value["file"].text()), rate, warnings); });
     }
     if (kind == "drift") {
-        value.only({"velocity", "spin", "walls"});
+        const auto [velocity, spin, walls] = value.members("velocity", "spin", "walls");
         Drift drift;
-        if (value.has("velocity")) drift.velocity = value["velocity"].vector3();
-        if (value.has("spin")) drift.spin = value["spin"].vector3();
-        drift.walls = read_walls(value);
+        if (velocity) drift.velocity = velocity->vector3();
+        if (spin) drift.spin = spin->vector3();
+        if (walls) drift.walls = read_walls(*walls);
         return drift;
     }
     value.only({"step", "seed", "index", "walls"});
     return Jitter{.step = value["step"].number(),
                   .seed = value.has("seed") ? value["seed"].natural() : 0,
                   .index = value.has("index") ? value["index"].natural() : 0,
-                  .walls = read_walls(value)};
+                  .walls = value.has("walls") ? read_walls(value["walls"]) : Aabb()};
 }
 
-std::uint32_t read_u32(const Node& body, std::string_view key, std::uint32_t otherwise)
+std::uint32_t read_u32(const std::optional<Node>& node, std::uint32_t otherwise)
 {
-    return body.has(key) ? static_cast<std::uint32_t>(body[key].integer(0, 0xffffffff)) : otherwise;
+    return node ? static_cast<std::uint32_t>(node->integer(0, 0xffffffff)) : otherwise;
 }
 
 std::vector<std::string_view> names_of(const Scene& scene)
@@ -118,18 +117,19 @@ GeometryId read_reference(const Node& node, const Scene& scene)
 
 void read_body(Scene& scene, const Node& node, const fs::path& folder)
 {
-    node.only({"name", "geometry", "position", "rotation", "layer", "mask", "static", "motion", "group"});
+    const auto [name, geometry, position, rotation, layer, mask, is_static, motion, group] =
+        node.members("name", "geometry", "position", "rotation", "layer", "mask", "static", "motion", "group");
     BodyInit body;
-    if (node.has("name")) body.name = node["name"].text();
-    body.geometry = read_reference(node["geometry"], scene);
-    if (node.has("motion")) body.motion = read_motion(node["motion"], folder, scene.warnings);
+    if (name) body.name = name->text();
+    body.geometry = read_reference(geometry ? *geometry : node["geometry"], scene);
+    if (motion) body.motion = read_motion(*motion, folder, scene.warnings);
     body.pose = default_pose(body.motion);
-    if (node.has("position")) body.pose.translation() = node["position"].vector3();
-    if (node.has("rotation")) body.pose.linear() = read_rotation(node["rotation"], scene.warnings);
-    body.is_static = node.has("static") && node["static"].boolean();
-    body.layer = read_u32(node, "layer", body.layer);
-    body.mask = read_u32(node, "mask", body.mask);
-    body.group = read_u32(node, "group", body.group);
+    if (position) body.pose.translation() = position->vector3();
+    if (rotation) body.pose.linear() = read_rotation(*rotation, scene.warnings);
+    body.is_static = is_static && is_static->boolean();
+    body.layer = read_u32(layer, body.layer);
+    body.mask = read_u32(mask, body.mask);
+    body.group = read_u32(group, body.group);
     at(node, [&] { scene.add_body(std::move(body)); });
 }
 
@@ -160,13 +160,13 @@ void read_excluded(Scene& scene, const Node& list)
 class SceneText {
 public:
     /// Throws JsonFault.
-    SceneText(std::string_view file, std::string_view text) : file_(file)
+    SceneText(std::string_view file, std::string_view text) : rest_({file}), body_({file, "bodies"})
     {
         const char* const end = rest_.read(text, 0, "bodies");
         if (end != text.data() + text.size()) throw JsonFault{end};
     }
 
-    Node root() const { return {rest_, {file_}}; }
+    Node root() const { return Node(rest_); }
 
     /// Calls visit(node) for each body. Throws JsonFault.
     template <class Visit>
@@ -174,13 +174,15 @@ public:
     {
         const Node root = this->root();
         if (!root.has("bodies") || !root["bodies"].is_array()) return;
-        each_element(root["bodies"].source(), 1, body_, [&](const JsonTape& tape, std::size_t i) {
-            visit(Node(tape, {file_, "bodies", i}));
+        const std::string_view bodies = root["bodies"].source();
+        ReadingProgress progress(rest_.place.file, bodies.size());
+        each_element(bodies, 1, body_, [&](const JsonTape& body) {
+            progress.at(static_cast<std::uint64_t>(body.values().front().source - bodies.data()));
+            visit(Node(body));
         });
     }
 
 private:
-    std::string_view file_;
     JsonTape rest_, body_;
 };
 
@@ -202,14 +204,15 @@ void read_tiles(Scene& scene, const Node& sets, const fs::path& folder, const Me
 {
     if (!sets.is_array()) sets.fail("must be an array of objects with the key: file");
     for (const Node& node : sets) {
-        node.only({"file", "name", "position", "rotation", "layer", "mask", "group"});
+        const auto [file, own_name, position, rotation, layer, mask, group] =
+            node.members("file", "name", "position", "rotation", "layer", "mask", "group");
         BodyInit like;
-        if (node.has("position")) like.pose.translation() = node["position"].vector3();
-        if (node.has("rotation")) like.pose.linear() = read_rotation(node["rotation"], scene.warnings);
-        like.layer = read_u32(node, "layer", like.layer);
-        like.mask = read_u32(node, "mask", like.mask);
-        like.group = read_u32(node, "group", like.group);
-        const std::string name(node.has("name") ? node["name"].text() : "tiles");
+        if (position) like.pose.translation() = position->vector3();
+        if (rotation) like.pose.linear() = read_rotation(*rotation, scene.warnings);
+        like.layer = read_u32(layer, like.layer);
+        like.mask = read_u32(mask, like.mask);
+        like.group = read_u32(group, like.group);
+        const std::string name(own_name ? own_name->text() : "tiles");
         at(node, [&] { add_tiles(scene, name, file_in(folder, node["file"].text()), like, meshes); });
     }
 }

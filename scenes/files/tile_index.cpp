@@ -48,13 +48,13 @@ std::vector<IndexedTile> load_tile_index(const fs::path& path)
     const std::string file = path.string();
     const FileBytes bytes = read_large_file(path, most_index_bytes);
     const std::string_view text = without_byte_order_mark(bytes);
-    JsonTape tape;
+    JsonTape tape({file});
     try {
         if (const char* end = tape.read(text, 0); end != text.data() + text.size()) throw JsonFault{end};
     } catch (const JsonFault& fault) {
         explain_json(file, bytes, fault.where);
     }
-    const Node root(tape, {file});
+    const Node root(tape);
     root.only({version_key, "tiles"});
     if (const std::int64_t version = root[version_key].integer(0, 1'000'000); version != index_version)
         root[version_key].fail(fmt::format("version {} of such indexes; this program reads version {}; cook the tiles "

@@ -49,17 +49,8 @@ bool in_line(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Ve
 
 } // namespace
 
-bool has_zero_area(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c)
+bool are_in_line(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c)
 {
-    // Filter: each difference is off by at most one half ulp, each product and their difference by another. Eight half
-    // ulps of the two products' magnitudes exceed that; the smallest normal number covers underflow.
-    constexpr double ulps = 8 * std::numeric_limits<double>::epsilon(), tiny = std::numeric_limits<double>::min();
-    const Eigen::Vector3d u = b - a, v = c - a;
-    for (int k = 0; k < 3; ++k) {
-        const int i = (k + 1) % 3, j = (k + 2) % 3;
-        const double left = u[i] * v[j], right = u[j] * v[i];
-        if (std::abs(left - right) > ulps * (std::abs(left) + std::abs(right)) + 4 * tiny) return false;
-    }
     // A power of two moves the largest coordinate to about 2^500: products neither overflow nor lose low bits.
     const double largest = std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
     if (largest == 0) return true;

@@ -8,6 +8,7 @@
 #include "bench/aabbs_file.hpp"
 #include "bench/pose_file.hpp"
 #include "cooked_bytes.hpp"
+#include "scenes/xml_writers.hpp"
 #include "seeds.hpp"
 #include "tools/run_command.hpp"
 #include <oncollide/base/error.hpp>
@@ -34,6 +35,10 @@ constexpr Format all_formats[] = {
     {"stl", "input.stl", stl_seeds},
     {"gltf", "input.gltf", gltf_seeds},
     {"glb", "input.glb", glb_seeds},
+#ifdef ONCOLLIDE_XML
+    {"dae", "input.dae", dae_seeds},
+    {"3mf", "input.3mf", threemf_seeds},
+#endif
     {"bt", "input.bt", bt_seeds},
     {"ot", "input.ot", ot_seeds},
     {"scene", "input.json", scene_seeds},
@@ -140,7 +145,7 @@ void load(const fs::path& file)
         tools::open_aabbs(file);
     } else {
         check(load_mesh(file));
-        if (ending != ".gltf" && ending != ".glb") return;
+        if (!is_assembly_file(file)) return;
         for (const auto& mesh : load_assembly(file).meshes)
             if (mesh) check(std::get<Mesh>(mesh->data));
     }
@@ -174,8 +179,10 @@ const Format& format_named(std::string_view name)
 bool load_bytes(const Format& format, std::string_view given)
 {
     // Damage is what checksums find; what is behind them must bear anything.
-    const bool sealed = std::string_view(format.name) == "cooked";
-    const std::string bytes = sealed ? resealed(std::string(given)) : std::string(given);
+    const std::string_view name = format.name;
+    const std::string bytes = name == "cooked"                           ? resealed(std::string(given))
+                              : name == "3mf" && !given.starts_with("P") ? as_3mf(std::string(given))
+                                                                         : std::string(given);
     static const TemporaryFolder folder;
     static const bool ready = (add_companions(folder), true);
     (void)ready;

@@ -6,6 +6,7 @@
 #include <octomap/OcTree.h>
 
 #include "scenes/mesh_writers.hpp"
+#include "scenes/xml_writers.hpp"
 #include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/scenes/files/tile_index.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
@@ -94,6 +95,38 @@ std::vector<std::string> gltf_seeds()
 std::vector<std::string> glb_seeds()
 {
     return {as_glb(soup()), as_glb(box(), R"({"children":[1]},{"mesh":0,"translation":[1,2,3]})")};
+}
+
+std::vector<std::string> dae_seeds()
+{
+    const std::string libraries = R"(<library_controllers><controller id="c"><skin source="#g"><bind_shape_matrix>)"
+                                  R"(1 0 0 5 0 1 0 0 0 0 1 0 0 0 0 1</bind_shape_matrix></skin></controller>)"
+                                  R"(</library_controllers><library_nodes><node id="n"><scale>1 2 -1</scale>)"
+                                  R"(<instance_geometry url="#g"/></node></library_nodes>)";
+    const std::string nodes = R"(<node name="a"><lookat>1 2 3 0 0 0 0 0 1</lookat><instance_node url="#n"/></node>)"
+                              R"(<node id="b"><rotate>0 0 1 90</rotate><instance_controller url="#c"/></node>)";
+    std::string faces = as_dae(box(), R"(<node><instance_geometry url="#g"/></node>)", R"(<unit meter="0.0254"/>)");
+    const std::size_t begin = faces.find("<triangles"), end = faces.find("</triangles>") + 12;
+    const std::string corner = R"(<input semantic="VERTEX" source="#v" offset="0"/>)";
+    faces.replace(begin, end - begin,
+                  "<polylist count=\"2\">" + corner + "<vcount>4 3</vcount><p>0 1 3 2 4 5 6</p></polylist>" +
+                      "<tristrips count=\"1\">" + corner + "<p>0 1 2 3 4</p></tristrips><trifans count=\"1\">" +
+                      corner + "<p>0 1 2 3 4</p></trifans><polygons count=\"1\">" + corner +
+                      "<p>0 1 3 2</p></polygons>");
+    return {as_dae(box()), as_dae(soup(), nodes, "<up_axis>X_UP</up_axis>", libraries), faces};
+}
+
+std::vector<std::string> threemf_seeds()
+{
+    const std::string resources =
+        object_xml(box(), 1, R"(name="a")") + object_xml(soup(), 2) +
+        R"(<object id="3"><components><component objectid="1" transform="0 1 0 -1 0 0 0 0 2 5 6 7"/>)"
+        R"(<component objectid="2"/></components></object>)";
+    const std::string model =
+        model_xml(resources, R"(<item objectid="3" transform="1 0 0 0 1 0 0 0 1 9 9 9"/><item objectid="1"/>)", "inch");
+    const std::string other = model_xml(object_xml(box(), 4), "", "foot"),
+                      both = model_xml(resources, R"(<item objectid="4" p:path="/3D/other.model"/>)");
+    return {as_3mf(model), as_3mf(both, other), model, model_xml(object_xml(box(), 1), R"(<item objectid="1"/>)")};
 }
 
 std::vector<std::string> bt_seeds()

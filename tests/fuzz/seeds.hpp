@@ -13,6 +13,8 @@ std::vector<std::string> ply_seeds();
 std::vector<std::string> stl_seeds();
 std::vector<std::string> gltf_seeds();
 std::vector<std::string> glb_seeds();
+std::vector<std::string> dae_seeds();
+std::vector<std::string> threemf_seeds(); ///< archives, and models of their own
 std::vector<std::string> bt_seeds();
 std::vector<std::string> ot_seeds();
 std::vector<std::string> pgm_seeds();

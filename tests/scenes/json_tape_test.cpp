@@ -75,7 +75,7 @@ std::optional<json> meaning_in_pieces(const std::string& text)
             if (values[k].as_text() != "bodies" || values[k + 1].kind != JsonValue::Kind::array) continue;
             json list = json::array();
             each_element(values[k + 1].source_text(), 1, element,
-                         [&](const JsonTape& tape, std::size_t) { list.push_back(tree_of(tape)); });
+                         [&](const JsonTape& tape) { list.push_back(tree_of(tape)); });
             EXPECT_EQ(list.size(), values[k + 1].size) << text;
             tree["bodies"] = list;
         }

@@ -1,4 +1,5 @@
 #include <oncollide/base/random.hpp>
+#include <oncollide/base/reading_progress.hpp>
 #include <oncollide/scenes/files/mesh/decimal.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 
@@ -374,14 +375,41 @@ TEST(MeshFile, MissingFilesAndFoldersAreNoInput)
 
 TEST(MeshFile, UnknownKindsListTheKnown)
 {
-    expect_bad("a.png", "\x89PNG\r\n", "known are obj, stl, ply, off, gltf, glb");
+    expect_bad("a.png", "\x89PNG\r\n", "known are obj, stl, ply, off, gltf, glb, dae, 3mf");
     expect_bad("a", "v 0 0 0\n", "known are obj");
     for (const std::string& extension : mesh_extensions()) {
+#ifndef ONCOLLIDE_XML
+        if (extension == "dae" || extension == "3mf") continue; // refused whatever they hold
+#endif
         expect_bad("empty." + extension, "", "empty");
         expect_bad("picture." + extension, std::string("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16), "");
         expect_bad("zeros." + extension, std::string(1000, '\0'), "");
         expect_bad("words." + extension, "a text about nothing\nin two lines\n", "");
     }
+}
+
+TEST(MeshFile, WhoWatchesIsToldHowMuchOfALongFileIsRead)
+{
+    static std::vector<std::array<std::uint64_t, 2>> told;
+    static std::string file;
+    std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    while (text.size() < (std::size_t{3} << 20)) text += "vn 0 0 1 # a long line, of which nothing is kept\n";
+    const test::TemporaryFolder folder;
+    const auto path = folder.write("a.obj", text);
+    on_reading([](const std::string& name, std::uint64_t bytes, std::uint64_t total) {
+        file = name, told.push_back({bytes, total});
+    });
+    load_mesh(path);
+    load_mesh(folder.write("short.obj", text.substr(0, 100'000)));
+    on_reading(nullptr);
+    load_mesh(path);
+    EXPECT_EQ(file, path.string());
+    const std::uint64_t size = text.size();
+    ASSERT_EQ(told.size(), 4u) << "all of it read, and taken apart after one and two megabytes, and at the end";
+    EXPECT_EQ(told[0], (std::array{size, size}));
+    EXPECT_NEAR(double(told[1][0]), 1 << 20, 100);
+    EXPECT_NEAR(double(told[2][0]), 2 << 20, 200);
+    EXPECT_EQ(told[3], (std::array{size, size}));
 }
 
 TEST(MeshFile, BadObjIsRefusedWithItsLine)

@@ -28,7 +28,9 @@ TEST(TestModels, EachIsAnsweredOrRefusedInOneLine)
             ++answered;
             continue;
         }
-        EXPECT_EQ(outcome.code, 65);
+        const std::string ending = entry.path().extension();
+        const bool heights = (ending == ".raw" || ending == ".bin") && entry.file_size() > 0;
+        EXPECT_EQ(outcome.code, heights ? 64 : 65) << "raw arrays of heights need more than their name";
         EXPECT_TRUE(outcome.err.starts_with("oncollide: " + file + ": ")) << outcome.err;
         EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
         ++refused;

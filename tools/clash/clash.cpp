@@ -13,6 +13,7 @@
 #include "cli/command.hpp"
 #include "cli/log.hpp"
 #include "cli/outputs.hpp"
+#include "cli/progress.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -86,6 +87,7 @@ void print(const ClashOptions& o, const ClashReport& report)
 
 int clash(const ClashOptions& o)
 {
+    show_reading(o.quiet);
     const Units units(o.units);
     check_range("--list", o.list, 0), check_range("--pictures", o.pictures, 0, 10'000);
     check_range("--threads", o.threads, 0, 1024);
@@ -115,12 +117,13 @@ void add_clash(Arguments app)
     Arguments sub = app.add_command("clash", "Find the parts of an assembly that are in each other's way");
     auto o = std::make_shared<ClashOptions>();
     sub.add_option("parts", o->inputs,
-                   "part files (OBJ, STL, PLY, OFF; each is a part, at the coordinates of its file), glTF assemblies "
-                   "(each node that shows a mesh is a part), folders of these")
+                   "part files (OBJ, STL, PLY, OFF; each is a part, at the coordinates of its file), glTF, COLLADA or "
+                   "3MF assemblies (each node that shows a mesh is a part), folders of these")
         .required()
-        .type_name("FILES|FOLDER|ASSEMBLY.glb");
+        .type_name("FILES|FOLDER|ASSEMBLY");
     sub.add_option("--units", o->units,
-                   "unit of the files and of the report: mm, cm, m or in (default mm). glTF files are in metres. "
+                   "unit of the files and of the report: mm, cm, m or in (default mm). glTF files are in metres, "
+                   "COLLADA and 3MF files in what they say. "
                    "PATTERN=UNIT says it of some files: 'frame*.stl=m' (repeatable)")
         .type_name("UNIT")
         .repeatable();
@@ -133,7 +136,7 @@ void add_clash(Arguments app)
     sub.add_flag("--touching", o->touching, "parts that only touch clash, too, as bolted faces do");
     sub.add_option(
            "--group", o->groups,
-           "parts of one group are not compared: file (of one file), node (below one node of a glTF file), or a "
+           "parts of one group are not compared: file (of one file), node (below one node of an assembly), or a "
            "pattern of names, 'bolt*' (repeatable; the first that fits)")
         .type_name("file|node|PATTERN")
         .repeatable();

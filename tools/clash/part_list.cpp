@@ -39,7 +39,7 @@ std::vector<std::string> files_below(const std::string& folder)
     if (error) throw Error(ErrorKind::no_input, fmt::format("{}: {}", folder, error.message()));
     if (found.empty())
         throw Error(ErrorKind::no_input,
-                    fmt::format("{}: no mesh file in this folder (obj, stl, ply, off, gltf, glb)", folder));
+                    fmt::format("{}: no mesh file in this folder ({})", folder, fmt::join(mesh_extensions(), ", ")));
     std::ranges::sort(found);
     return found;
 }
@@ -224,7 +224,7 @@ PartList read_parts(const std::vector<std::string>& files, const Units& units, c
     if (list.parts.size() < 2)
         throw Error(ErrorKind::bad_data,
                     fmt::format("{}: one part alone ('{}'), which clashes with nothing; name two files, a folder, or a "
-                                "glTF assembly of several nodes",
+                                "glTF, COLLADA or 3MF assembly of several nodes",
                                 files.front(), names.front().own));
     name_parts(list, names);
     warn_of_units(list, std::move(reaches), units.reported());

@@ -36,7 +36,7 @@ struct PartList {
 /// Error{no_input} for what does not exist and for a folder without mesh files.
 std::vector<std::string> files_of(const std::vector<std::string>& inputs);
 
-/// Reads the parts of files: the nodes of glTF files, all else as one part each. Throws as load_mesh, and Error{usage}
+/// Reads the parts of files: the nodes of glTF, COLLADA and 3MF files, all else as one part each. Throws as load_mesh, and Error{usage}
 /// for a single part.
 /// @param groups  each "file", "node", or a pattern of names: the first that fits a part says its group
 PartList read_parts(const std::vector<std::string>& files, const Units& units, const std::vector<std::string>& groups,

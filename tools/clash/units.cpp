@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/file_bytes.hpp>
+#include <oncollide/scenes/files/assembly_file.hpp>
 
 #include "clash/name_pattern.hpp"
 #include "cli/arguments.hpp"
@@ -62,9 +63,14 @@ double Units::scale_of(const std::string& file) const
 {
     const std::filesystem::path path(file);
     const std::string extension = lower_extension(path);
-    const Unit* unit = extension == ".glb" || extension == ".gltf" ? &unit_from("", "m") : reported_;
-    for (const OfFiles& some : of_files_)
-        if (matches(some.pattern, file) || matches(some.pattern, path.filename().string())) unit = some.unit;
+    const bool says_itself = extension == ".dae" || extension == ".3mf"; // and is read in metres
+    const Unit* unit = is_assembly_file(path) ? &unit_from("", "m") : reported_;
+    for (const OfFiles& some : of_files_) {
+        if (!matches(some.pattern, file) && !matches(some.pattern, path.filename().string())) continue;
+        if (says_itself)
+            usage(fmt::format("--units {}={}: {} says itself what its unit is", some.pattern, some.unit->name, file));
+        unit = some.unit;
+    }
     return unit == reported_ ? 1 : unit->millimetres / reported_->millimetres;
 }
 

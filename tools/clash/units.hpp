@@ -24,7 +24,8 @@ public:
     explicit Units(const std::vector<std::string>& texts);
 
     const Unit& reported() const { return *reported_; }
-    /// How many reported units one of the file's is. glTF files are in metres unless a pattern says otherwise.
+    /// How many reported units one of the file's is. glTF files are in metres unless a pattern says otherwise;
+    /// COLLADA and 3MF files say it themselves. Throws Error{usage} for a pattern that says it of these.
     double scale_of(const std::string& file) const;
 
 private:

@@ -3,6 +3,7 @@
 #include "cli/numbers.hpp"
 #include "cli/options.hpp"
 #include "cli/play.hpp"
+#include "cli/progress.hpp"
 #include "cli/system.hpp"
 
 #include <algorithm>
@@ -186,6 +187,7 @@ int check_pair(const CheckOptions& options)
 
     std::optional<OutputFile> contacts;
     if (!options.contacts.empty()) contacts.emplace(options.contacts);
+    show_reading(options.quiet);
     const Scene scene = load_pair(options);
     if (!options.quiet) print_warnings(scene);
     Pipeline pipeline(scene, settings);
@@ -215,7 +217,7 @@ void add_check(Arguments app)
     auto options = std::make_shared<CheckOptions>();
     sub.add_option(
            "A", options->a,
-           "mesh (OBJ, STL, PLY, OFF, glTF, cooked; '-': standard input), OctoMap (.bt, .ot) or terrain (PGM, PNG, "
+           "mesh (OBJ, STL, PLY, OFF, glTF, COLLADA, 3MF, cooked; '-': standard input), OctoMap (.bt, .ot) or terrain (PGM, PNG, "
            "NumPy, GDAL's)")
         .required()
         .type_name("FILE");

@@ -1,6 +1,7 @@
 #include "cli/command.hpp"
 #include "cli/cooked_tiles.hpp"
 #include "cli/outputs.hpp"
+#include "cli/progress.hpp"
 
 #include <algorithm>
 #include <array>
@@ -104,6 +105,7 @@ int cook_into_tiles(const CookOptions& options)
 
 int cook(const CookOptions& options)
 {
+    show_reading(options.quiet);
     if (options.check) return check_file(options);
     if (!options.tiles.empty()) return cook_into_tiles(options);
     if (options.out.empty()) usage("cook: --out FILE.cooked is needed");
@@ -134,7 +136,8 @@ void add_cook(Arguments app)
     Arguments sub = app.add_command("cook", "Write a mesh as a cooked file, which is read where pairs come near it");
     auto options = std::make_shared<CookOptions>();
     sub.add_option("mesh", options->mesh,
-                   "mesh file (OBJ, STL, PLY, OFF, glTF; '-': standard input), or file of heights (GeoTIFF, DEM, PNG, "
+                   "mesh file (OBJ, STL, PLY, OFF, glTF, COLLADA, 3MF; '-': standard input), or file of heights "
+                   "(GeoTIFF, DEM, PNG, "
                    "PGM, npy), of "
                    "which the surface is cooked")
         .required()

@@ -104,6 +104,19 @@ void say_loaded_libraries([[maybe_unused]] Findings& found)
 #else
     found.say("GeoTIFF files", "left out of this build (ONCOLLIDE_GDAL=OFF)");
 #endif
+#ifdef ONCOLLIDE_EXPAT_LIBRARY
+    const auto version = [](const char* name) {
+        return [name](void* library) {
+            const auto get = reinterpret_cast<const char* (*)()>(::dlsym(library, name));
+            std::string text = get ? get() : "of an unknown version";
+            return text.substr(text.find('_') + 1); // "expat_2.5.0"
+        };
+    };
+    found.say("COLLADA files", loaded_library("Expat", ONCOLLIDE_EXPAT_LIBRARY, version("XML_ExpatVersion")));
+    found.say("3MF files", loaded_library("libzip", ONCOLLIDE_ZIP_LIBRARY, version("zip_libzip_version")));
+#else
+    found.say("COLLADA files", "left out of this build (ONCOLLIDE_XML=OFF)");
+#endif
 }
 
 /// Every device is opened: which renderer answers shows only then.

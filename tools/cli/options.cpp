@@ -276,7 +276,7 @@ Scene open_scene(const SceneOptions& o, BodySink* sink)
     if (o.bodies || o.seed)
         usage(
             fmt::format("--{} is for scenes of the catalogue; '{}' is a file", o.bodies ? "bodies" : "seed", o.scene));
-    const bool assembly = o.scene.ends_with(".glb") || o.scene.ends_with(".gltf");
+    const bool assembly = is_assembly_file(o.scene);
     Scene scene = assembly ? load_assembly_scene(o.scene)
                            : load_scene(o.scene, o.on_demand ? reading_with(o.cache) : MeshReading{}, sink);
     if (assembly && sink) pass_bodies(scene, *sink);

@@ -45,7 +45,7 @@ void add_cache_options(Arguments command, CacheOptions& options);
 /// How a scene's meshes are read with that cache, or without one.
 MeshReading reading_with(const CacheOptions& options);
 
-/// A scene file, a glTF assembly, or a scene of the catalogue by name.
+/// A scene file, an assembly, or a scene of the catalogue by name.
 struct SceneOptions {
     std::string scene;
     std::optional<int> bodies, frames;

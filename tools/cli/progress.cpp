@@ -1,9 +1,14 @@
 #include "cli/progress.hpp"
 
 #include <cstdio>
+#include <filesystem>
+#include <mutex>
 #include <utility>
 
 #include <fmt/format.h>
+
+#include <oncollide/base/printable.hpp>
+#include <oncollide/base/reading_progress.hpp>
 
 #include "cli/system.hpp"
 
@@ -20,6 +25,37 @@ std::string duration_text(double seconds)
     if (s < 3600) return fmt::format("{} min {} s", s / 60, s % 60);
     return fmt::format("{} h {} min", s / 3600, s / 60 % 60);
 }
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::milliseconds between_lines{100};
+
+/// What is being read: of several files at once the one that began first.
+class Reading {
+public:
+    void tell(const std::string& file, std::uint64_t bytes, std::uint64_t total)
+    {
+        const std::lock_guard lock(mutex_);
+        const auto now = Clock::now();
+        if (file_.empty()) file_ = file, start_ = shown_ = now;
+        if (file != file_) return;
+        if (bytes == total) {
+            if (shown_ != start_) fmt::print(stderr, "\r\033[K");
+            file_.clear();
+        } else if (now - shown_ >= between_lines) {
+            shown_ = now;
+            const double rate = double(bytes) / std::chrono::duration<double>(now - start_).count();
+            const std::string name = printable(std::filesystem::path(file).filename().string());
+            fmt::print(stderr, "\r\033[Kreading {}: {:.0f} of {:.0f} MB, {:.1f} MB per second, {} left",
+                       name.substr(0, 30), double(bytes) / 1e6, double(total) / 1e6, rate / 1e6,
+                       duration_text(double(total - bytes) / rate));
+        }
+    }
+
+private:
+    std::mutex mutex_;
+    std::string file_; ///< empty: nothing
+    Clock::time_point start_, shown_;
+};
 
 } // namespace
 
@@ -38,11 +74,20 @@ void Progress::step()
     ++done_;
     if (!seen_) return;
     const auto now = Clock::now();
-    if (now - shown_ < std::chrono::milliseconds(100)) return;
+    if (now - shown_ < between_lines) return;
     shown_ = now;
     const double rate = double(done_) / std::chrono::duration<double>(now - start_).count();
     fmt::print(stderr, "\r\033[K{}: {} of {}, {:.1f} per second, {} left", what_, done_, total_, rate,
                duration_text(double(total_ - done_) / rate));
+}
+
+void show_reading(bool quiet)
+{
+    if (quiet || !stderr_is_terminal()) return on_reading(nullptr);
+    on_reading([](const std::string& file, std::uint64_t bytes, std::uint64_t total) {
+        static Reading reading;
+        reading.tell(file, bytes, total);
+    });
 }
 
 } // namespace oncollide::tools

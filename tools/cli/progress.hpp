@@ -25,4 +25,7 @@ private:
     Clock::time_point start_ = Clock::now(), shown_ = start_;
 };
 
+/// From now on the same is shown of long files as they are read. Nothing where `quiet`.
+void show_reading(bool quiet);
+
 } // namespace oncollide::tools

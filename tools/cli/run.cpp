@@ -3,6 +3,7 @@
 #include "cli/options.hpp"
 #include "cli/pairs_file.hpp"
 #include "cli/play_ranks.hpp"
+#include "cli/progress.hpp"
 #include "cli/shard.hpp"
 
 #include <memory>
@@ -67,6 +68,7 @@ int run(const RunOptions& options)
     if (options.outputs.pairs == "-") usage("--pairs -: is written in place, so it must be a file");
     check_outputs(options.outputs, from_file ? options.scene.scene : "");
     check_view("--view", options.view, options.view_limit, options.outputs, {from_file ? options.scene.scene : ""});
+    show_reading(options.outputs.quiet);
     Scene scene = open_scene(options.scene);
     if (!options.outputs.quiet) print_warnings(scene);
 
@@ -104,10 +106,10 @@ void add_run(Arguments app)
     auto options = std::make_shared<RunOptions>();
     options->scene.on_demand = true;
     sub.add_option("scene", options->scene.scene,
-                   "scene file, glTF assembly (each node that shows a mesh is a body), or a name from "
+                   "scene file, glTF, COLLADA or 3MF assembly (each node that shows a mesh is a body), or a name from "
                    "'oncollide scene --list'")
         .required()
-        .type_name("SCENE.json|ASSEMBLY.glb|NAME");
+        .type_name("SCENE.json|ASSEMBLY|NAME");
     add_catalogue_options(sub, options->scene), add_pace_option(sub, options->scene);
     add_cache_options(sub, options->scene.cache);
     add_accuracy_options(sub, options->settings);

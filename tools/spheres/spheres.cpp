@@ -261,7 +261,7 @@ void add_spheres(Arguments app)
     Arguments sub = app.add_command(
         "spheres", "List the spheres or boxes that enclose a mesh (its trees), and how closely they fit");
     auto options = std::make_shared<SpheresOptions>();
-    sub.add_option("mesh", options->mesh, "mesh (OBJ, STL, PLY, OFF, glTF)").required().type_name("MESH");
+    sub.add_option("mesh", options->mesh, "mesh (OBJ, STL, PLY, OFF, glTF, COLLADA, 3MF)").required().type_name("MESH");
     sub.add_option("--depth", options->depth,
                    "depth of the sphere-tree, 1 to 16 (default 6); boxes go down to single triangles")
         .type_name("D");

@@ -66,7 +66,7 @@ void add_view(Arguments app)
     auto o = std::make_shared<ViewOptions>();
     sub.add_option("results", o->results, "what 'oncollide run --pairs' wrote").required().type_name("RESULTS.h5");
     sub.add_option("scene", o->scene, "the scene they are of, where it is no longer where the results say")
-        .type_name("SCENE.json|ASSEMBLY.glb|NAME");
+        .type_name("SCENE.json|ASSEMBLY|NAME");
     sub.add_option("-o,--out", o->out, "the page; needs Debian's libjs-three")
         .required()
         .type_name("PAGE.html")

@@ -38,7 +38,7 @@ class Oncollide(ConanFile):
     def generate(self):
         CMakeDeps(self).generate()
         toolchain = CMakeToolchain(self)
-        for part in ("TOOLS", "TESTS", "PYTHON", "GDAL", "HDF5", "GL"):
+        for part in ("TOOLS", "TESTS", "PYTHON", "GDAL", "HDF5", "XML", "GL"):
             toolchain.cache_variables[f"ONCOLLIDE_{part}"] = False
         toolchain.cache_variables["ONCOLLIDE_FCL"] = bool(self.options.fcl)
         toolchain.cache_variables["ONCOLLIDE_OCTOMAP"] = bool(self.options.octomap)

@@ -39,7 +39,7 @@ Node list_of(const Node& node)
     return node;
 }
 
-GltfDocument::GltfDocument(const MeshSource& source) : source_(source)
+GltfDocument::GltfDocument(const MeshSource& source) : source_(source), tape_({source.name})
 {
     const std::string_view text =
         source.bytes.starts_with("glTF") ? split_glb() : without_byte_order_mark(source.bytes);

@@ -22,7 +22,7 @@ public:
     GltfDocument& operator=(const GltfDocument&) = delete;
 
     const MeshSource& source() const { return source_; }
-    Node root() const { return {tape_, {source_.name}}; }
+    Node root() const { return Node(tape_); }
     const std::vector<Node>& all(List list) const { return lists_[list]; }
     /// The place in `list` that `number` gives. Throws Error{bad_data} when there is none.
     std::size_t index(List list, const Node& number) const;

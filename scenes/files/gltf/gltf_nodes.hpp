@@ -4,11 +4,10 @@
 
 #include <Eigen/Geometry>
 
+#include <oncollide/scenes/files/assembly/raw_assembly.hpp>
 #include <oncollide/scenes/files/gltf/gltf_document.hpp>
 
 namespace oncollide {
-
-constexpr std::uint32_t no_node = 0xffffffffu;
 
 /// The nodes of a glTF file, from the roots down. Private to scenes.
 struct NodeTree {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -52,11 +53,12 @@ std::string Node::place() const
         }
         path = step + path;
     }
-    if (!root_.list.empty())
-        path = fmt::format("{}[{}]{}", root_.list, root_.number, path);
+    const JsonPlace& root = tape_->place;
+    if (!root.list.empty())
+        path = fmt::format("{}[{}]{}", root.list, root.number, path);
     else if (path.starts_with('.'))
         path.erase(0, 1);
-    return path.empty() ? std::string(root_.file) : fmt::format("{}: {}", root_.file, path);
+    return path.empty() ? std::string(root.file) : fmt::format("{}: {}", root.file, path);
 }
 
 void Node::fail(const std::string& what) const
@@ -73,12 +75,6 @@ void Node::must_be(bool right, std::string_view what) const
 std::string Node::dump() const
 {
     return nlohmann::json::parse(source()).dump();
-}
-
-bool Node::is_number() const
-{
-    const Kind kind = value().kind;
-    return kind == Kind::natural || kind == Kind::negative || kind == Kind::real;
 }
 
 void Node::only(std::initializer_list<std::string_view> keys) const
@@ -125,11 +121,6 @@ std::size_t Node::size() const
     return value().size;
 }
 
-std::string_view Node::key() const
-{
-    return tape_->values()[at_ - 1].as_text();
-}
-
 Node::Iterator Node::begin() const
 {
     return {*this, std::min(at_ + 1, value().end)};
@@ -143,14 +134,7 @@ Node::Iterator Node::end() const
 double Node::number() const
 {
     must_be(is_number(), "a number");
-    switch (value().kind) {
-    case Kind::natural:
-        return static_cast<double>(value().natural);
-    case Kind::negative:
-        return static_cast<double>(value().negative);
-    default:
-        return value().real;
-    }
+    return value().as_number();
 }
 
 double Node::number(std::string_view key, double otherwise) const
@@ -208,10 +192,9 @@ Eigen::Vector3d Node::vector3() const
 
 bool Node::holds_numbers(std::size_t count) const
 {
-    if (!is_array() || value().size != count) return false;
-    for (const Node& element : *this)
-        if (!element.is_number()) return false;
-    return true;
+    if (!is_array() || value().size != count || value().end != at_ + 1 + count) return false;
+    const std::span elements = std::span(tape_->values()).subspan(at_ + 1, count);
+    return std::ranges::all_of(elements, &JsonValue::is_number);
 }
 
 void Node::numbers(std::size_t count, double* out) const
@@ -221,7 +204,7 @@ void Node::numbers(std::size_t count, double* out) const
         if (got.size() > 60) got = got.substr(0, 57) + "...";
         fail(fmt::format("is {}, must be an array of {} numbers", got, count));
     }
-    for (const Node& number : *this) *out++ = number.number();
+    for (std::size_t i = 1; i <= count; ++i) *out++ = tape_->values()[at_ + i].as_number();
 }
 
 } // namespace oncollide

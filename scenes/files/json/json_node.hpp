@@ -1,6 +1,8 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <initializer_list>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -12,38 +14,34 @@ namespace oncollide {
 
 // Reading JSON so that every complaint names its place. Private to scenes.
 
-/// Where the root of a tape stands: the whole of `file`, or element `number` of its list `list`.
-struct JsonPlace {
-    std::string_view file;
-    std::string_view list = {}; ///< "bodies"; empty: the whole file
-    std::size_t number = 0;
-};
-
 /// A value and where it stands. The accessors throw Error{bad_data} `file: place: what is wrong and what would be
 /// right`. Lives as long as the tape keeps its text.
 class Node {
 public:
     /// The root.
-    Node(const JsonTape& tape, const JsonPlace& root) : tape_(&tape), root_(root), at_(0) {}
+    explicit Node(const JsonTape& tape) : tape_(&tape), at_(0) {}
 
     std::string place() const; ///< "scene.json: bodies[3].motion"
     [[noreturn]] void fail(const std::string& what) const;
 
     bool is_object() const { return value().kind == JsonValue::Kind::object; }
     bool is_array() const { return value().kind == JsonValue::Kind::array; }
-    bool is_number() const;
+    bool is_number() const { return value().is_number(); }
     bool is_text() const { return value().kind == JsonValue::Kind::text; }
     std::string_view source() const { return value().source_text(); } ///< its bytes in the file
 
     /// The value is an object without other keys than these.
     void only(std::initializer_list<std::string_view> keys) const;
+    /// The same; in the order of the keys, which are literals, the members, or nothing where there is none.
+    template <class... Keys>
+    std::array<std::optional<Node>, sizeof...(Keys)> members(const Keys&... keys) const;
     /// The value is an object with exactly one key, one of these; returns it.
     std::string_view one_of(std::initializer_list<std::string_view> keys) const;
     bool has(std::string_view key) const { return find(key) != 0; }
     Node operator[](std::string_view key) const; ///< a member that must exist
     Node operator[](std::size_t i) const;        ///< an element; walks over those before it: iterate over long arrays
     std::size_t size() const;                    ///< of an array
-    std::string_view key() const;                ///< of a member
+    std::string_view key() const { return tape_->values()[at_ - 1].as_text(); } ///< of a member
 
     double number() const;
     double number(std::string_view key, double otherwise) const; ///< of a member that may be missing
@@ -63,14 +61,13 @@ public:
     Iterator end() const;
 
 private:
-    Node(const Node& other, std::uint32_t at) : tape_(other.tape_), root_(other.root_), at_(at) {}
+    Node(const Node& other, std::uint32_t at) : tape_(other.tape_), at_(at) {}
     const JsonValue& value() const { return tape_->values()[at_]; }
     std::uint32_t find(std::string_view key) const; ///< 0: there is none
     void must_be(bool right, std::string_view what) const;
     std::string dump() const;
 
     const JsonTape* tape_;
-    JsonPlace root_;
     std::uint32_t at_; ///< on the tape
 };
 
@@ -91,5 +88,19 @@ private:
     const Node* of_;
     std::uint32_t at_;
 };
+
+template <class... Keys>
+std::array<std::optional<Node>, sizeof...(Keys)> Node::members(const Keys&... keys) const
+{
+    std::array<std::optional<Node>, sizeof...(Keys)> found;
+    if (!is_object()) only({keys...}); // which says so
+    for (const Node member : *this) {
+        const std::string_view key = member.key();
+        std::size_t i = 0;
+        if (!((key == std::string_view(keys, sizeof keys - 1) || (++i, false)) || ...)) only({keys...});
+        found[i] = member;
+    }
+    return found;
+}
 
 } // namespace oncollide

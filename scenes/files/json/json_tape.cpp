@@ -1,10 +1,16 @@
 #include <oncollide/scenes/files/json/json_tape.hpp>
 
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
 
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
 #include <nlohmann/json.hpp>
 
 #include <oncollide/scenes/files/mesh/decimal.hpp>
@@ -22,6 +28,30 @@ bool is_plain(char c)
     return byte >= 0x20 && byte < 0x80 && c != '"' && c != '\\';
 }
 
+/// What an array is skipped by.
+constexpr std::array<bool, 256> is_structure = [] {
+    std::array<bool, 256> is{};
+    for (const unsigned char c : {'"', ',', '[', ']', '{', '}'}) is[c] = true;
+    return is;
+}();
+
+/// The first byte that tells where the elements of an array end and begin, or a text; `end` where there is none.
+const char* find_structure(const char* at, const char* end)
+{
+#if defined(__SSE2__)
+    const auto is = [](__m128i bytes, char c) { return _mm_cmpeq_epi8(bytes, _mm_set1_epi8(c)); };
+    for (; end - at >= 16; at += 16) {
+        const __m128i bytes = _mm_loadu_si128(reinterpret_cast<const __m128i*>(at));
+        const __m128i folded = _mm_or_si128(bytes, _mm_set1_epi8(0x20)); // '[' is '{' then, and ']' is '}'
+        const __m128i found =
+            _mm_or_si128(_mm_or_si128(is(bytes, '"'), is(bytes, ',')), _mm_or_si128(is(folded, '{'), is(folded, '}')));
+        if (const int mask = _mm_movemask_epi8(found)) return at + std::countr_zero(static_cast<unsigned>(mask));
+    }
+#endif
+    while (at != end && !is_structure[static_cast<unsigned char>(*at)]) ++at;
+    return at;
+}
+
 } // namespace
 
 const char* JsonTape::read(std::string_view text, std::uint32_t level, std::string_view unread)
@@ -37,7 +67,9 @@ const char* JsonTape::read(std::string_view text, std::uint32_t level, std::stri
 
 void JsonTape::skip_blanks()
 {
-    while (at_ != end_ && (*at_ == ' ' || *at_ == '\n' || *at_ == '\r' || *at_ == '\t')) ++at_;
+    const char* at = at_;
+    while (at != end_ && is_json_blank(*at)) ++at;
+    at_ = at;
 }
 
 bool JsonTape::take(char c)
@@ -53,21 +85,15 @@ void JsonTape::read_value(std::uint32_t parent, std::uint32_t level)
     if (at_ == end_) fail();
     const auto number = static_cast<std::uint32_t>(values_.size());
     const char* const begin = at_;
-    JsonValue value{};
+    JsonValue& value = values_.emplace_back(); // until others follow
     value.parent = parent;
     value.source = begin;
-    const bool holds_others = *at_ == '{' || *at_ == '[';
-    if (holds_others && level >= most_json_levels) fail();
     switch (*at_) {
     case '{':
-        value.kind = Kind::object;
-        values_.push_back(value);
-        read_object(number, level);
-        break;
     case '[':
-        value.kind = Kind::array;
-        values_.push_back(value);
-        read_array(number, level);
+        if (level >= most_json_levels) fail();
+        value.kind = *at_ == '{' ? Kind::object : Kind::array;
+        *at_ == '{' ? read_object(number, level) : read_array(number, level);
         break;
     case '"':
         read_text(value);
@@ -84,7 +110,6 @@ void JsonTape::read_value(std::uint32_t parent, std::uint32_t level)
     default:
         read_number(value);
     }
-    if (!holds_others) values_.push_back(value);
     values_[number].end = static_cast<std::uint32_t>(values_.size());
     values_[number].length = static_cast<std::uint32_t>(at_ - begin);
     skip_blanks();
@@ -157,25 +182,26 @@ void JsonTape::skip_array(JsonValue& array)
 {
     array.source = at_;
     std::uint64_t commas = 0;
-    bool empty = true;
-    for (std::int64_t open = 0;; ++at_) {
-        if (at_ == end_) fail();
-        const char c = *at_;
+    const char* at = at_; // held in a register, unlike at_
+    for (std::int64_t open = 0;; ++at) {
+        at = find_structure(at, end_);
+        if (at == end_) break;
+        const char c = *at;
         if (c == '"') {
-            for (++at_; at_ != end_ && *at_ != '"'; ++at_)
-                if (*at_ == '\\' && at_ + 1 != end_) ++at_;
-            if (at_ == end_) fail();
-            empty = false;
+            for (++at; at != end_ && *at != '"'; ++at)
+                if (*at == '\\' && at + 1 != end_) ++at;
+            if (at == end_) break;
         } else if (c == '{' || c == '[') {
-            if (++open > 1) empty = false;
-        } else if (c == '}' || c == ']') {
-            if (--open == 0) break;
+            ++open;
         } else if (c == ',') {
             commas += open == 1;
-        } else if (c > ' ') {
-            empty = false;
+        } else if (--open == 0) {
+            break;
         }
     }
+    at_ = at;
+    if (at == end_) fail();
+    const bool empty = std::all_of(array.source + 1, at, is_json_blank);
     ++at_;
     array.length = static_cast<std::uint32_t>(at_ - array.source);
     array.size = empty ? 0 : commas + 1;
@@ -185,7 +211,9 @@ void JsonTape::read_text(JsonValue& value)
 {
     value.kind = Kind::text;
     const char* const begin = ++at_;
-    while (at_ != end_ && is_plain(*at_)) ++at_;
+    const char* at = begin;
+    while (at != end_ && is_plain(*at)) ++at;
+    at_ = at;
     if (at_ == end_) fail();
     if (*at_ == '"') {
         value.text = {begin, static_cast<std::size_t>(at_ - begin)};
@@ -214,23 +242,32 @@ void JsonTape::read_word(JsonValue& value, std::string_view word)
 void JsonTape::read_number(JsonValue& value)
 {
     const char* const begin = at_;
-    const auto digits = [&] {
-        if (at_ == end_ || !is_digit(*at_)) fail();
-        while (at_ != end_ && is_digit(*at_)) ++at_;
+    std::uint64_t digits = 0;
+    std::size_t count = 0;
+    const auto read_some = [&](std::uint64_t& to) {
+        const char* const first = at_;
+        at_ = read_digits(at_, end_, to);
+        if (at_ == first) fail();
+        return static_cast<std::size_t>(at_ - first);
     };
     const bool minus = *at_ == '-';
     if (minus) ++at_;
     if (at_ != end_ && *at_ == '0')
-        ++at_;
+        ++at_, count = 1;
     else
-        digits();
-    bool whole = true;
-    if (at_ != end_ && *at_ == '.') whole = false, ++at_, digits();
+        count = read_some(digits);
+    bool whole = true, scaled = false;
+    std::size_t decimals = 0;
+    if (at_ != end_ && *at_ == '.') {
+        whole = false, ++at_;
+        decimals = read_some(digits), count += decimals;
+    }
     if (at_ != end_ && (*at_ == 'e' || *at_ == 'E')) {
-        whole = false;
+        whole = false, scaled = true;
         ++at_;
         if (at_ != end_ && (*at_ == '+' || *at_ == '-')) ++at_;
-        digits();
+        std::uint64_t exponent = 0;
+        read_some(exponent);
     }
     if (whole) {
         value.kind = minus ? Kind::negative : Kind::natural;
@@ -239,6 +276,10 @@ void JsonTape::read_number(JsonValue& value)
         if (error == std::errc()) return;
     }
     value.kind = Kind::real;
+    if (!scaled && exact_quotient(digits, count, decimals, value.real)) {
+        if (minus) value.real = -value.real;
+        return;
+    }
     if (std::from_chars(begin, at_, value.real).ec == std::errc()) return;
     value.real = std::strtod(std::string(begin, at_).c_str(), nullptr); // too large, or so small that it is all but 0
     if (!std::isfinite(value.real)) fail();

@@ -40,12 +40,34 @@ struct JsonValue {
         } text; ///< escapes decoded
     };
 
+    bool is_number() const { return kind == Kind::natural || kind == Kind::negative || kind == Kind::real; }
+    double as_number() const ///< of a number
+    {
+        return kind == Kind::real      ? real
+               : kind == Kind::natural ? static_cast<double>(natural)
+                                       : static_cast<double>(negative);
+    }
     std::string_view source_text() const { return {source, length}; }
     std::string_view as_text() const { return {text.data, text.size}; }
 };
 
+/// Where the root of a tape stands: the whole of `file`, or element `number` of its list `list`.
+struct JsonPlace {
+    std::string_view file{};
+    std::string_view list{}; ///< "bodies"; empty: the whole file
+    std::size_t number = 0;
+};
+
+inline bool is_json_blank(char c)
+{
+    return c == ' ' || c == '\n' || c == '\r' || c == '\t';
+}
+
 class JsonTape {
 public:
+    JsonTape() = default;
+    explicit JsonTape(const JsonPlace& stands_at) : place(stands_at) {}
+
     /// Reads the value that `text` begins with, after blanks, in place of the one before; returns what follows it,
     /// after blanks. `text` must stay. Throws JsonFault.
     /// @param level    how many objects and arrays the value lies in
@@ -54,6 +76,8 @@ public:
     const char* read(std::string_view text, std::uint32_t level, std::string_view unread = {});
 
     const std::vector<JsonValue>& values() const { return values_; }
+
+    JsonPlace place; ///< for messages
 
 private:
     void read_value(std::uint32_t parent, std::uint32_t level);
@@ -74,20 +98,19 @@ private:
     const char *at_ = nullptr, *end_ = nullptr;
 };
 
-/// Calls visit(tape, i) for each element of `array`, the source of an array that lies in `level` objects and arrays;
-/// `tape` then holds the i-th element. Throws JsonFault.
+/// Calls visit(tape) for each element of `array`, the source of an array that lies in `level` objects and arrays;
+/// `tape` then holds the element, and its place has the element's number. Throws JsonFault.
 template <class Visit>
 void each_element(std::string_view array, std::uint32_t level, JsonTape& tape, Visit visit)
 {
     const char* const end = array.data() + array.size();
     const auto rest = [&](const char* at) { return std::string_view(at, static_cast<std::size_t>(end - at)); };
-    const auto blank = [](char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; };
     const char* at = array.data() + 1;
-    while (at != end && blank(*at)) ++at;
+    while (at != end && is_json_blank(*at)) ++at;
     if (at + 1 == end && *at == ']') return;
-    for (std::size_t i = 0;; ++i) {
+    for (tape.place.number = 0;; ++tape.place.number) {
         at = tape.read(rest(at), level + 1);
-        visit(tape, i);
+        visit(tape);
         if (at == end || (*at != ',' && *at != ']')) throw JsonFault{at};
         if (*at++ == ']') break;
     }

@@ -16,7 +16,7 @@ inline bool is_digit(char c)
 /// Reads the digits at `at` on and appends them to `value`, which wraps where they are too many; the first other byte.
 /// Eight at a time: no branch depends on how many there are.
 /// Source: Lemire, "Number parsing at a gigabyte per second", 2021, section 7 (parsing digits).
-inline const char* read_digits(const char* at, const char* end, std::uint64_t& value)
+[[gnu::always_inline]] inline const char* read_digits(const char* at, const char* end, std::uint64_t& value)
 {
     static_assert(std::endian::native == std::endian::little);
     constexpr std::array<std::uint64_t, 9> powers = {1,       10,        100,        1'000,      10'000,
@@ -39,15 +39,24 @@ inline const char* read_digits(const char* at, const char* end, std::uint64_t& v
     return at;
 }
 
-/// Reads [+-]digits[.digits] into the nearest double; null where it is of another form (an exponent) or has more digits
-/// than are certain to be rounded right: that needs std::from_chars.
+/// digits / 10^decimals, the nearest double; false where that is not certain.
 ///
 /// A whole number up to 2^53 and a power of ten up to 10^22 are doubles, so their quotient is rounded once.
 /// Source: Clinger, "How to read floating point numbers accurately", 1990.
-inline const char* read_decimal(const char* at, const char* end, double& value)
+/// @param count  of digits that were read, before the point and behind it: more than 19 may have wrapped
+inline bool exact_quotient(std::uint64_t digits, std::size_t count, std::size_t decimals, double& value)
 {
     constexpr std::array<double, 20> powers = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,
                                                1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19};
+    if (count > 19 || digits > std::uint64_t{1} << 53) return false;
+    value = static_cast<double>(digits) / powers[decimals];
+    return true;
+}
+
+/// Reads [+-]digits[.digits] into the nearest double; null where it is of another form (an exponent) or has more digits
+/// than are certain to be rounded right: that needs std::from_chars.
+inline const char* read_decimal(const char* at, const char* end, double& value)
+{
     if (at == end) return nullptr;
     const bool minus = *at == '-';
     at += minus || *at == '+';
@@ -61,9 +70,8 @@ inline const char* read_decimal(const char* at, const char* end, double& value)
         decimals = static_cast<std::size_t>(at - point - 1);
         count += decimals;
     }
-    if (count == 0 || count > 19 || digits > std::uint64_t{1} << 53) return nullptr;
-    if (at != end && (*at == 'e' || *at == 'E')) return nullptr;
-    value = static_cast<double>(digits) / powers[decimals];
+    if (count == 0 || (at != end && (*at == 'e' || *at == 'E'))) return nullptr;
+    if (!exact_quotient(digits, count, decimals, value)) return nullptr;
     if (minus) value = -value;
     return at;
 }

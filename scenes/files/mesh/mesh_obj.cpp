@@ -53,6 +53,7 @@ public:
             const char* const next = read_line(line, text.line() + lines + 1);
             if (!next) break;
             line = next, ++lines;
+            text.reached(line);
         }
         text.skip_lines(static_cast<std::size_t>(line - begin), lines);
     }

@@ -37,6 +37,7 @@ bool TextReader::next_line(bool continued)
         std::string_view text = rest_.substr(0, end);
         rest_ = end == rest_.npos ? std::string_view{} : rest_.substr(end + 1);
         ++line_;
+        reached(text.data());
         text = trimmed(text.substr(0, text.find('#')));
         if (continued && text.ends_with('\\')) {
             joined_.append(text.substr(0, text.size() - 1)).push_back(' ');

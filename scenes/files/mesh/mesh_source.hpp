@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <oncollide/base/file_bytes.hpp>
+#include <oncollide/base/reading_progress.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 
 namespace oncollide {
@@ -39,6 +40,11 @@ bool is_binary_stl(std::string_view bytes);
 /// points and lines are left out. Triangles, vertices and parts of meshes are at most as many as all files together
 /// have bytes, 200 million at the very most; but 10 million are always allowed.
 RawMesh read_gltf(const MeshSource& source);
+/// COLLADA: the triangles and polygons that the visual scene shows, in metres, z up. Controllers show what they deform.
+/// 3MF: the objects that the build places, in metres. Both are bounded as glTF is. Throw Error{usage} without
+/// ONCOLLIDE_XML.
+RawMesh read_collada(const MeshSource& source);
+RawMesh read_3mf(const MeshSource& source);
 
 /// Between words, besides the end of a line.
 inline bool is_blank(char c)
@@ -50,7 +56,10 @@ inline bool is_blank(char c)
 /// mark is skipped.
 class TextReader {
 public:
-    explicit TextReader(const MeshSource& source) : source_(source), rest_(without_byte_order_mark(source.bytes)) {}
+    explicit TextReader(const MeshSource& source)
+        : source_(source), rest_(without_byte_order_mark(source.bytes)), progress_(source.name, source.bytes.size())
+    {
+    }
 
     /// Goes to the next line that has a word; `#` starts a comment, and a backslash at the end joins lines where
     /// `continued`. False at the end of the file.
@@ -65,6 +74,8 @@ public:
     /// What comes after the line, for a reader who knows better how to take it apart, and how far that one came.
     std::string_view rest() const { return rest_; }
     void skip_lines(std::size_t bytes, std::size_t lines) { rest_.remove_prefix(bytes), line_ += lines; }
+    /// Says how far that one is.
+    void reached(const char* at) { progress_.at(static_cast<std::uint64_t>(at - source_.bytes.data())); }
     [[noreturn]] void fail(const std::string& what) const { source_.fail(what, line_); }
 
 private:
@@ -72,6 +83,7 @@ private:
     std::string_view rest_, words_;
     std::string joined_;
     std::size_t line_ = 0;
+    ReadingProgress progress_;
 };
 
 /// A word as it may stand in a message: short, printable.

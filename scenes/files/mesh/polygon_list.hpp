@@ -21,6 +21,17 @@ public:
         append_large(triangles_, triangle);
     }
 
+    /// Appends triangles of a file without lines: `fill` writes up to `most` of them, and returns how many it wrote.
+    template <class Fill>
+    std::size_t add_many(std::size_t most, Fill fill)
+    {
+        const std::size_t before = triangles_.size();
+        triangles_.resize(before + most);
+        const std::size_t count = fill(triangles_.data() + before);
+        triangles_.resize(before + count);
+        return count;
+    }
+
     /// The triangles of all polygons, in order; the list is empty then. Throws for an index out of range, as the file
     /// counts: from `first` on.
     std::vector<Triangle> triangulate(const MeshSource& source, std::span<const Eigen::Vector3d> vertices,

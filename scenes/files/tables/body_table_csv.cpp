@@ -13,6 +13,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/base/near_word.hpp>
+#include <oncollide/base/reading_progress.hpp>
 #include <oncollide/scenes/files/mesh/mesh_source.hpp>
 
 namespace oncollide {
@@ -29,7 +30,7 @@ constexpr std::array<std::string_view, columns> column_names = {
 class CsvFields {
 public:
     CsvFields(const std::string& file, std::string_view text)
-        : file_(file), at_(text.data()), end_(text.data() + text.size())
+        : file_(file), at_(text.data()), end_(text.data() + text.size()), begin_(at_), progress_(file, text.size())
     {
     }
 
@@ -48,7 +49,11 @@ public:
         pass_separator(last);
         return {begin, static_cast<std::size_t>(stop - begin)};
     }
-    void next_line() { ++line_; }
+    void next_line()
+    {
+        ++line_;
+        progress_.at(static_cast<std::uint64_t>(at_ - begin_));
+    }
     /// Passes over the rest of the line.
     void skip_line()
     {
@@ -56,7 +61,7 @@ public:
         at_ = end ? end + 1 : end_;
     }
     /// The text that follows.
-    void go_on(std::string_view text) { at_ = text.data(), end_ = at_ + text.size(); }
+    void go_on(std::string_view text) { at_ = begin_ = text.data(), end_ = at_ + text.size(); }
 
 private:
     std::string_view next_quoted(bool& last)
@@ -80,7 +85,8 @@ private:
     }
 
     const std::string& file_;
-    const char *at_, *end_;
+    const char *at_, *end_, *begin_;
+    ReadingProgress progress_; ///< of a text that is there as a whole
     std::size_t line_ = 1;
     std::string text_;
 };

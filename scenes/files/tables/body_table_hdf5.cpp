@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/reading_progress.hpp>
 #include <oncollide/scenes/files/tables/hdf5_file.hpp>
 
 namespace oncollide {
@@ -115,6 +116,8 @@ void read_hdf5_bodies(BodyRows& rows, const std::filesystem::path& path, const s
         refuse(rows.file(), fmt::format("{} rows are announced; the file is too short for them", columns.size()));
     if (rows.scene().geometries.size() == 0) refuse(rows.file(), "the scene has no geometries");
     rows.expect(columns.size());
+    const std::uint64_t bytes = std::filesystem::file_size(path);
+    ReadingProgress progress(rows.file(), bytes);
     for (std::uint64_t row = 0; row < columns.size();) {
         if (rows.skip()) {
             ++row;
@@ -123,6 +126,7 @@ void read_hdf5_bodies(BodyRows& rows, const std::filesystem::path& path, const s
         const std::uint64_t count = rows.wanted(std::min(block, columns.size() - row));
         columns.add(row, count, rows);
         row += count;
+        progress.at(static_cast<std::uint64_t>(double(bytes) * double(row) / double(columns.size())));
     }
 }
 

@@ -1,32 +1,19 @@
 #include <oncollide/scenes/files/tables/hdf5_library.hpp>
 
 #include <dlfcn.h>
-#include <fmt/format.h>
-
-#include <oncollide/base/error.hpp>
 
 namespace oncollide {
-
-void* Hdf5::find(const char* name) const
-{
-    void* const found = library_ ? ::dlsym(library_, name) : nullptr;
-    if (!found)
-        throw Error(ErrorKind::usage, fmt::format("{} cannot be loaded, which reads and writes HDF5 files: {}; install "
-                                                  "Debian's libhdf5-103-1",
-                                                  ONCOLLIDE_HDF5_LIBRARY, ::dlerror()));
-    return found;
-}
 
 /// A program that is linked with HDF5 holds copies of its variables, which are then those that the library uses.
 hid_t Hdf5::variable(const char* name) const
 {
     const void* const linked = ::dlsym(RTLD_DEFAULT, name);
-    return *static_cast<const hid_t*>(linked ? linked : find(name));
+    return *static_cast<const hid_t*>(linked ? linked : library_.find(name));
 }
 
 Hdf5::Hdf5()
     : shared_(::dlopen(ONCOLLIDE_HDF5_LIBRARY, RTLD_NOW | RTLD_NOLOAD)),
-      library_(::dlopen(ONCOLLIDE_HDF5_LIBRARY, RTLD_NOW | RTLD_LOCAL))
+      library_(ONCOLLIDE_HDF5_LIBRARY, "reads and writes HDF5 files", "libhdf5-103-1")
 {
     if (!shared_) H5dont_atexit(); // a file that could not be written must not be tried again at the end
     H5open();

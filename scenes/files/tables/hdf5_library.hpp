@@ -3,6 +3,8 @@
 
 #include <hdf5.h>
 
+#include <oncollide/scenes/files/loaded_library.hpp>
+
 namespace oncollide {
 
 // What of HDF5's library is called, for the sources that read and write its files. Private to scenes.
@@ -10,13 +12,12 @@ namespace oncollide {
 /// Loaded when a file first needs it, as GDAL is: linked, it would bring libraries of networks into every program.
 class Hdf5 {
     const bool shared_; ///< the program had it before
-    void* const library_;
-    void* find(const char* name) const;
+    const LoadedLibrary library_;
     hid_t variable(const char* name) const;
 
 public:
     Hdf5();
-#define ONCOLLIDE_HDF5_FUNCTION(name) const decltype(&::name) name = reinterpret_cast<decltype(&::name)>(find(#name))
+#define ONCOLLIDE_HDF5_FUNCTION(name) const decltype(&::name) name = reinterpret_cast<decltype(&::name)>(library_.find(#name))
     ONCOLLIDE_HDF5_FUNCTION(H5open);
     ONCOLLIDE_HDF5_FUNCTION(H5Eset_auto2);
     ONCOLLIDE_HDF5_FUNCTION(H5Fopen);

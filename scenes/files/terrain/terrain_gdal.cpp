@@ -3,12 +3,12 @@
 
 #include <cpl_error.h>
 #include <cpl_string.h>
-#include <dlfcn.h>
 #include <fmt/format.h>
 #include <gdal.h>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
+#include <oncollide/scenes/files/loaded_library.hpp>
 #include <oncollide/scenes/files/terrain/height_raster.hpp>
 #include <oncollide/scenes/model/terrain.hpp>
 
@@ -19,20 +19,10 @@ namespace {
 /// Loaded when a file first needs it: linked, GDAL and the hundred libraries behind it would add 80 ms to every start
 /// of a program.
 class Gdal {
-    void* const library_ = ::dlopen(ONCOLLIDE_GDAL_LIBRARY, RTLD_NOW | RTLD_LOCAL);
-    template <class Function>
-    Function find(const char* name) const
-    {
-        void* const function = library_ ? ::dlsym(library_, name) : nullptr;
-        if (!function)
-            throw Error(ErrorKind::usage, fmt::format("{} cannot be loaded, which reads such files: {}; install "
-                                                      "Debian's libgdal32",
-                                                      ONCOLLIDE_GDAL_LIBRARY, ::dlerror()));
-        return reinterpret_cast<Function>(function);
-    }
+    const LoadedLibrary library_{ONCOLLIDE_GDAL_LIBRARY, "reads such files", "libgdal32"};
 
 public:
-#define ONCOLLIDE_GDAL_FUNCTION(name) decltype(&::name) const name = find<decltype(&::name)>(#name)
+#define ONCOLLIDE_GDAL_FUNCTION(name) decltype(&::name) const name = reinterpret_cast<decltype(&::name)>(library_.find(#name))
     ONCOLLIDE_GDAL_FUNCTION(CPLPushErrorHandler);
     ONCOLLIDE_GDAL_FUNCTION(CPLPopErrorHandler);
     ONCOLLIDE_GDAL_FUNCTION(CPLQuietErrorHandler);

@@ -1,0 +1,76 @@
+#include <oncollide/scenes/files/assembly/part_placer.hpp>
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/parallel.hpp>
+
+namespace oncollide {
+
+void ExpansionLimit::spend(std::uint64_t pieces, std::uint64_t beside)
+{
+    constexpr std::uint64_t always = 10'000'000, never = 200'000'000;
+    if (pieces == 0) return;
+    const std::uint64_t spent = spent_ += pieces;
+    if (spent <= always) return;
+    const std::uint64_t most = std::clamp<std::uint64_t>(source_.bytes.size() + beside, always, never);
+    if (spent > most)
+        source_.fail(fmt::format("its nodes expand to more than {} triangles, vertices and parts of meshes", most));
+}
+
+bool PartPlacer::place(std::uint32_t node, std::uint32_t mesh, const Eigen::Affine3d& pose)
+{
+    constexpr double farthest = 1e15; // metres
+    if (!(pose.matrix().cwiseAbs().maxCoeff() <= farthest)) return false;
+    const auto [number, rotation] = shared(mesh, pose.linear());
+    Eigen::Isometry3d rigid = Eigen::Isometry3d::Identity();
+    rigid.linear() = rotation, rigid.translation() = pose.translation();
+    parts_.push_back({.node = node, .mesh = number, .pose = rigid});
+    return true;
+}
+
+/// The number of what a part shares with others of its mesh, and how it is turned. World takes poses that are rigid to
+/// 1e-6; a file's floats are to some 1e-7.
+std::pair<std::uint32_t, Eigen::Matrix3d> PartPlacer::shared(std::uint32_t mesh, const Eigen::Matrix3d& linear)
+{
+    const Eigen::Matrix3d same = Eigen::Matrix3d::Identity();
+    const auto is_rotation = [&](const Eigen::Matrix3d& m) {
+        return (m.transpose() * m - same).cwiseAbs().maxCoeff() < 5e-7 && m.determinant() > 0;
+    };
+    std::vector<std::uint32_t>& of_mesh = by_mesh_[mesh];
+    constexpr std::size_t most = 64; // looked at: a file may stretch each part differently
+    for (std::size_t k = 0; k < std::min(of_mesh.size(), most); ++k) {
+        const Eigen::Matrix3d turned = linear * placed_[of_mesh[k]].linear.inverse();
+        if (turned.allFinite() && is_rotation(turned))
+            return {of_mesh[k], linear == placed_[of_mesh[k]].linear ? same : turned};
+    }
+    const bool rigid = is_rotation(linear);
+    of_mesh.push_back(static_cast<std::uint32_t>(placed_.size()));
+    placed_.push_back({mesh, rigid ? same : linear});
+    return {of_mesh.back(), rigid ? linear : same};
+}
+
+RawAssembly PartPlacer::take(std::span<const std::uint32_t> above,
+                             const std::function<std::string(std::uint32_t)>& name_of, const AddMesh& add, int threads)
+{
+    constexpr int levels = 8; // of a path: nodes may be chained by the million
+    RawAssembly assembly{std::vector<RawMesh>(placed_.size()), std::move(parts_)};
+    for (RawPart& part : assembly.parts) {
+        part.name = part.path = name_of(part.node);
+        part.above = above[part.node];
+        std::uint32_t next = part.above;
+        for (int level = 1; next != no_node && level < levels; ++level, next = above[next])
+            part.path = name_of(next) + "/" + part.path;
+    }
+    parallel_chunks(placed_.size(), 1, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) {
+            WeldedMesh mesh;
+            add(placed_[i].mesh, Eigen::Affine3d(placed_[i].linear), mesh);
+            assembly.meshes[i] = mesh.take();
+        }
+    });
+    return assembly;
+}
+
+} // namespace oncollide

@@ -1,0 +1,65 @@
+#include <oncollide/scenes/files/assembly/placed_meshes.hpp>
+
+#include <fmt/format.h>
+
+namespace oncollide {
+
+namespace {
+
+class Adder {
+public:
+    Adder(const MeshSource& source, const PlacedMeshes& placed, ExpansionLimit& expansion)
+        : source_(source), placed_(placed), expansion_(expansion)
+    {
+    }
+
+    void operator()(std::uint32_t number, const Eigen::Affine3d& pose, WeldedMesh& to) const
+    {
+        const RawMesh& mesh = placed_.meshes[number];
+        expansion_.spend(1 + mesh.vertices.size() + mesh.triangles.size());
+        std::vector<Eigen::Vector3d> points(mesh.vertices.size());
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            points[i] = pose * mesh.vertices[i];
+            if (!points[i].allFinite()) // welded, such points would each be looked for among all others
+                source_.fail(fmt::format("vertex {} of a mesh lies beyond all numbers where it is placed", i));
+        }
+        std::vector<std::uint32_t> numbers(points.size());
+        to.weld.add(points, numbers.data());
+        const bool mirrored = pose.linear().determinant() < 0;
+        for (const Triangle& t : mesh.triangles) to.add({numbers[t[0]], numbers[t[1]], numbers[t[2]]}, mirrored);
+    }
+
+private:
+    const MeshSource& source_;
+    const PlacedMeshes& placed_;
+    ExpansionLimit& expansion_;
+};
+
+} // namespace
+
+RawMesh whole_mesh(const MeshSource& source, const PlacedMeshes& placed, ExpansionLimit& expansion)
+{
+    const Adder add(source, placed, expansion);
+    WeldedMesh mesh;
+    for (const PlacedMeshes::Show& show : placed.shows) add(show.mesh, show.pose, mesh);
+    return mesh.take();
+}
+
+RawAssembly parts_of(const MeshSource& source, const PlacedMeshes& placed, ExpansionLimit& expansion, double scale,
+                     int threads)
+{
+    PartPlacer placer(placed.meshes.size());
+    const auto name_of = [&](std::uint32_t node) {
+        const std::string& name = placed.names[placed.nodes[node].name];
+        return name.empty() ? fmt::format("node {}", node) : name;
+    };
+    for (const PlacedMeshes::Show& show : placed.shows)
+        if (!placed.meshes[show.mesh].triangles.empty() &&
+            !placer.place(show.node, show.mesh, Eigen::Scaling(scale) * show.pose))
+            source.fail(fmt::format("{} places its mesh beyond 1e15 m", oncollide::quoted(name_of(show.node))));
+    std::vector<std::uint32_t> above;
+    for (const PlacedMeshes::Node& node : placed.nodes) above.push_back(node.above);
+    return placer.take(above, name_of, Adder(source, placed, expansion), threads);
+}
+
+} // namespace oncollide

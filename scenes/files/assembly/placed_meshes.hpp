@@ -1,0 +1,31 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include <oncollide/scenes/files/assembly/part_placer.hpp>
+
+namespace oncollide {
+
+/// What a file shows and where: what its nodes instance is resolved. Private to scenes.
+struct PlacedMeshes {
+    struct Node {
+        std::uint32_t above; ///< in nodes, or no_node
+        std::uint32_t name;  ///< in names
+    };
+    /// A mesh that a node shows, placed in the world.
+    struct Show {
+        std::uint32_t node, mesh;
+        Eigen::Affine3d pose;
+    };
+    std::vector<RawMesh> meshes; ///< their indices are in range
+    std::vector<std::string> names;
+    std::vector<Node> nodes;
+    std::vector<Show> shows;
+};
+
+// Equal positions become one vertex.
+RawMesh whole_mesh(const MeshSource& source, const PlacedMeshes& placed, ExpansionLimit& expansion);
+RawAssembly parts_of(const MeshSource& source, const PlacedMeshes& placed, ExpansionLimit& expansion, double scale,
+                     int threads);
+
+} // namespace oncollide

@@ -1,0 +1,17 @@
+#pragma once
+#include <Eigen/Geometry>
+
+#include <oncollide/scenes/files/xml/xml_element.hpp>
+
+namespace oncollide {
+
+/// What a node does to all below it: its transforms, one after the other. Private to scenes.
+Eigen::Affine3d collada_pose(const MeshSource& source, const XmlElement& node);
+
+/// The element's 16 numbers, row by row.
+Eigen::Affine3d collada_matrix(const MeshSource& source, const XmlElement& element);
+
+/// From the file's units and axes to metres, with z up.
+Eigen::Affine3d collada_units(const MeshSource& source, const XmlElement& root);
+
+} // namespace oncollide

@@ -1,0 +1,172 @@
+#include <algorithm>
+#include <array>
+#include <unordered_map>
+
+#include <fmt/format.h>
+
+#include <oncollide/scenes/files/assembly/placed_meshes.hpp>
+#include <oncollide/scenes/files/collada/collada_mesh.hpp>
+#include <oncollide/scenes/files/collada/collada_pose.hpp>
+#include <oncollide/scenes/files/xml/xml_reader.hpp>
+
+namespace oncollide {
+
+namespace {
+
+constexpr std::array kept_libraries = {"asset",         "library_geometries",    "library_controllers",
+                                       "library_nodes", "library_visual_scenes", "scene"};
+
+/// Of what a program adds for itself, materials and all else nothing is kept.
+bool is_kept(std::string_view name, int level)
+{
+    if (level == 1) return std::ranges::find(kept_libraries, name) != kept_libraries.end();
+    return name != "extra" && name != "technique" && name != "bind_material" && name != "Name_array" &&
+           name != "IDREF_array";
+}
+
+class ColladaReader {
+public:
+    explicit ColladaReader(const MeshSource& source)
+        : source_(source), root_(read_xml_elements(source, is_kept)), expansion_(source), geometries_(source),
+          controllers_(source), nodes_(source), scenes_(source)
+    {
+        if (root_.name != "COLLADA")
+            source.fail(fmt::format("not a COLLADA file: it holds <{}>", printable(root_.name)));
+        for (const XmlElement& library : root_.children)
+            for (const XmlElement& element : library.children) {
+                if (element.name == "geometry") geometries_.add(element);
+                if (element.name == "controller") controllers_.add(element);
+                if (element.name == "visual_scene") scenes_.add(element);
+                if (element.name == "node" || element.name == "visual_scene") add_nodes(element);
+            }
+        expand(shown_scene(), collada_units(source, root_));
+    }
+
+    RawMesh whole() { return whole_mesh(source_, placed_, expansion_); }
+    RawAssembly parts(double scale, int threads) { return parts_of(source_, placed_, expansion_, scale, threads); }
+
+private:
+    /// A node on its way to becoming one or more of the world.
+    struct Open {
+        const XmlElement* element;
+        std::uint32_t above;
+        int level;
+        Eigen::Affine3d pose; ///< of the node above
+    };
+
+    /// The levels of elements are bounded, so is this recursion.
+    void add_nodes(const XmlElement& element)
+    {
+        if (element.name == "node") nodes_.add(element);
+        for (const XmlElement& child : element.children)
+            if (child.name == "node") add_nodes(child);
+    }
+
+    /// The one that the file says; else the first.
+    const XmlElement& shown_scene() const
+    {
+        const XmlElement* const scene = root_.find("scene");
+        if (const XmlElement* const instance = scene ? scene->find("instance_visual_scene") : nullptr)
+            return scenes_.find(*instance, "url");
+        const XmlElement* const library = root_.find("library_visual_scenes");
+        const XmlElement* const first = library ? library->find("visual_scene") : nullptr;
+        if (!first) source_.fail("the file has no <visual_scene>, which would show its meshes");
+        return *first;
+    }
+
+    void expand(const XmlElement& scene, const Eigen::Affine3d& units)
+    {
+        std::vector<Open> open;
+        const auto add_children = [&](const XmlElement& element, std::uint32_t above, int level,
+                                      const Eigen::Affine3d& pose) {
+            for (auto child = element.children.rbegin(); child != element.children.rend(); ++child) {
+                if (child->name == "node") open.push_back({&*child, above, level, pose});
+                if (child->name == "instance_node") open.push_back({&nodes_.find(*child, "url"), above, level, pose});
+            }
+        };
+        add_children(scene, no_node, 1, units);
+        while (!open.empty()) {
+            const Open node = open.back();
+            open.pop_back();
+            if (node.level > XmlReader::most_levels)
+                source_.fail(fmt::format("nodes are nested deeper than {} levels; does {} instance itself?",
+                                         XmlReader::most_levels, oncollide::quoted(name_of(*node.element))),
+                             node.element->line);
+            expansion_.spend(1);
+            const auto number = static_cast<std::uint32_t>(placed_.nodes.size());
+            const Eigen::Affine3d pose = node.pose * collada_pose(source_, *node.element);
+            placed_.nodes.push_back({node.above, definition(*node.element)});
+            for (const XmlElement& child : node.element->children) show(child, number, pose);
+            add_children(*node.element, number, node.level + 1, pose);
+        }
+    }
+
+    void show(const XmlElement& child, std::uint32_t node, Eigen::Affine3d pose)
+    {
+        if (child.name != "instance_geometry" && child.name != "instance_controller") return;
+        const XmlElement* shown =
+            child.name == "instance_geometry" ? &geometries_.find(child, "url") : &controllers_.find(child, "url");
+        for (int level = 0; shown->name == "controller"; ++level) { // as it was when its bones were tied to it
+            if (level > 8) source_.fail("controllers are their own sources", shown->line);
+            const XmlElement* const skin = shown->find("skin");
+            const XmlElement* const deforms = skin ? skin : shown->find("morph");
+            if (!deforms) source_.fail("<controller> has neither <skin> nor <morph>", shown->line);
+            if (const XmlElement* const bind = skin ? skin->find("bind_shape_matrix") : nullptr)
+                pose = pose * collada_matrix(source_, *bind);
+            shown = &source_of(*deforms);
+        }
+        expansion_.spend(1);
+        placed_.shows.push_back({node, mesh_of(*shown), pose});
+        std::string& name = placed_.names[placed_.nodes[node].name];
+        if (name.empty()) name = name_of(*shown);
+    }
+
+    /// Of a controller: another one, or a geometry.
+    const XmlElement& source_of(const XmlElement& deforms) const
+    {
+        const XmlElement* const controller = controllers_.try_find(deforms.attribute("source"));
+        return controller ? *controller : geometries_.find(deforms, "source");
+    }
+
+    static const std::string& name_of(const XmlElement& element)
+    {
+        const std::string& name = element.attribute("name");
+        return name.empty() ? element.attribute("id") : name;
+    }
+
+    /// The number of the element's name.
+    std::uint32_t definition(const XmlElement& node)
+    {
+        const auto [at, is_new] = definitions_.try_emplace(&node, static_cast<std::uint32_t>(placed_.names.size()));
+        if (is_new) placed_.names.push_back(name_of(node));
+        return at->second;
+    }
+
+    std::uint32_t mesh_of(const XmlElement& geometry)
+    {
+        const auto [at, is_new] = meshes_.try_emplace(&geometry, static_cast<std::uint32_t>(placed_.meshes.size()));
+        if (is_new) placed_.meshes.push_back(read_collada_mesh(source_, geometry));
+        return at->second;
+    }
+
+    const MeshSource& source_;
+    const XmlElement root_;
+    ExpansionLimit expansion_;
+    ColladaIds geometries_, controllers_, nodes_, scenes_;
+    std::unordered_map<const XmlElement*, std::uint32_t> definitions_, meshes_;
+    PlacedMeshes placed_;
+};
+
+} // namespace
+
+RawMesh read_collada(const MeshSource& source)
+{
+    return ColladaReader(source).whole();
+}
+
+RawAssembly read_collada_parts(const MeshSource& source, double scale, int threads)
+{
+    return ColladaReader(source).parts(scale, threads);
+}
+
+} // namespace oncollide

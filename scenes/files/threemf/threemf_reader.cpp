@@ -1,0 +1,158 @@
+#include <algorithm>
+#include <map>
+#include <unordered_map>
+
+#include <fmt/format.h>
+
+#include <oncollide/scenes/files/assembly/placed_meshes.hpp>
+#include <oncollide/scenes/files/threemf/model_part.hpp>
+#include <oncollide/scenes/files/xml/xml_reader.hpp>
+
+namespace oncollide {
+
+namespace {
+
+/// Without the '/' that stands for the archive.
+std::string in_archive(std::string_view path)
+{
+    path.remove_prefix(path.starts_with('/'));
+    return std::string(path);
+}
+
+/// Which file of the archive is the model.
+class Relationships : public XmlHandler {
+public:
+    void begin(const XmlTag& tag) override
+    {
+        if (tag.name == "Relationship" && model.empty() &&
+            tag["Type"] == "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel")
+            model = in_archive(tag["Target"].value_or(""));
+    }
+    void end() override {}
+
+    std::string model{};
+};
+
+class ThreeMfReader {
+public:
+    explicit ThreeMfReader(const MeshSource& source) : source_(source), archive_(source), expansion_(source)
+    {
+        const std::string root = model_file();
+        read_models(root);
+        expand(root);
+    }
+
+    RawMesh whole() { return whole_mesh(source_, placed_, expansion_); }
+    RawAssembly parts(double scale, int threads) { return parts_of(source_, placed_, expansion_, scale, threads); }
+
+private:
+    using Model = std::map<std::string, ModelPart>::value_type;
+
+    /// An object on its way to becoming a node.
+    struct Open {
+        const ModelReference* reference;
+        const Model* from; ///< in which the reference stands
+        std::uint32_t above;
+        int level;
+        Eigen::Affine3d frame; ///< of the node above, from that model's units
+    };
+
+    std::string model_file() const
+    {
+        const std::string file = "_rels/.rels";
+        const MeshSource text{fmt::format("{}: {}", source_.name, file), {}};
+        Relationships found;
+        XmlReader reader(text, found);
+        archive_.read(file, [&](std::string_view piece) { reader.read(piece); });
+        reader.finish();
+        if (found.model.empty()) text.fail("it names no 3D model");
+        return found.model;
+    }
+
+    /// The model and all that it and others name.
+    void read_models(const std::string& root)
+    {
+        std::vector<std::string> waiting = {root};
+        while (!waiting.empty()) {
+            const auto [model, is_new] = models_.try_emplace(std::move(waiting.back()));
+            waiting.pop_back();
+            if (!is_new) continue;
+            model->second = read_model_part(source_, archive_, model->first, expansion_);
+            const auto note = [&](ModelReference& reference) {
+                if (!reference.model.empty()) waiting.push_back(reference.model = in_archive(reference.model));
+            };
+            std::ranges::for_each(model->second.build, note);
+            for (auto& [id, object] : model->second.objects) std::ranges::for_each(object.components, note);
+        }
+    }
+
+    void expand(const std::string& root)
+    {
+        std::vector<Open> open;
+        const auto add = [&](const std::vector<ModelReference>& references, const Model& model, std::uint32_t above,
+                             int level, const Eigen::Affine3d& pose) {
+            for (auto reference = references.rbegin(); reference != references.rend(); ++reference)
+                open.push_back({&*reference, &model, above, level, pose});
+        };
+        const Model& first = *models_.find(root);
+        add(first.second.build, first, no_node, 1, Eigen::Affine3d(Eigen::Scaling(first.second.metres)));
+        while (!open.empty()) {
+            const Open next = open.back();
+            open.pop_back();
+            const auto& [reference, from, above, level, frame] = next;
+            const Model& model = reference->model.empty() ? *from : *models_.find(reference->model);
+            const auto found = model.second.objects.find(reference->object);
+            const auto fail = [&](const std::string& what) {
+                source_.fail(fmt::format("{}: line {}: {}", next.from->first, next.reference->line, what));
+            };
+            if (found == model.second.objects.end())
+                fail(fmt::format("there is no object {} in {}", reference->object, model.first));
+            const auto& [id, object] = *found;
+            if (level > XmlReader::most_levels)
+                fail(fmt::format("objects are nested deeper than {} levels; is object {} a component of itself?",
+                                 XmlReader::most_levels, id));
+            expansion_.spend(1);
+            Eigen::Affine3d pose = frame * reference->pose;
+            if (model.second.metres != from->second.metres) pose.scale(model.second.metres / from->second.metres);
+            const auto number = static_cast<std::uint32_t>(placed_.nodes.size());
+            placed_.nodes.push_back({above, definition(object, id)});
+            if (!object.mesh.triangles.empty()) placed_.shows.push_back({number, mesh_of(object), pose});
+            add(object.components, model, number, level + 1, pose);
+        }
+    }
+
+    /// The number of the object's name.
+    std::uint32_t definition(const ModelObject& object, std::uint32_t id)
+    {
+        const auto [at, is_new] = definitions_.try_emplace(&object, static_cast<std::uint32_t>(placed_.names.size()));
+        if (is_new) placed_.names.push_back(object.name.empty() ? fmt::format("object {}", id) : object.name);
+        return at->second;
+    }
+    std::uint32_t mesh_of(const ModelObject& object)
+    {
+        const auto [at, is_new] = meshes_.try_emplace(&object, static_cast<std::uint32_t>(placed_.meshes.size()));
+        if (is_new) placed_.meshes.push_back(object.mesh);
+        return at->second;
+    }
+
+    const MeshSource& source_;
+    const ZipArchive archive_;
+    ExpansionLimit expansion_;
+    std::map<std::string, ModelPart> models_;
+    std::unordered_map<const ModelObject*, std::uint32_t> definitions_, meshes_;
+    PlacedMeshes placed_;
+};
+
+} // namespace
+
+RawMesh read_3mf(const MeshSource& source)
+{
+    return ThreeMfReader(source).whole();
+}
+
+RawAssembly read_3mf_parts(const MeshSource& source, double scale, int threads)
+{
+    return ThreeMfReader(source).parts(scale, threads);
+}
+
+} // namespace oncollide

@@ -1,0 +1,170 @@
+#include <oncollide/scenes/files/xml/xml_reader.hpp>
+
+#include <algorithm>
+#include <exception>
+#include <new>
+
+#include <expat.h>
+#include <fmt/format.h>
+
+#include <oncollide/scenes/files/loaded_library.hpp>
+
+namespace oncollide {
+
+namespace {
+
+class Expat {
+    const LoadedLibrary library_{ONCOLLIDE_EXPAT_LIBRARY, "reads COLLADA and 3MF files", "libexpat1"};
+
+public:
+#define ONCOLLIDE_EXPAT_FUNCTION(name)                                                                                 \
+    decltype(&::name) const name = reinterpret_cast<decltype(&::name)>(library_.find(#name))
+    ONCOLLIDE_EXPAT_FUNCTION(XML_ParserCreateNS);
+    ONCOLLIDE_EXPAT_FUNCTION(XML_ParserFree);
+    ONCOLLIDE_EXPAT_FUNCTION(XML_SetUserData);
+    ONCOLLIDE_EXPAT_FUNCTION(XML_SetElementHandler);
+    ONCOLLIDE_EXPAT_FUNCTION(XML_SetStartNamespaceDeclHandler);
+    ONCOLLIDE_EXPAT_FUNCTION(XML_SetCharacterDataHandler);
+    ONCOLLIDE_EXPAT_FUNCTION(XML_SetEntityDeclHandler);
+    ONCOLLIDE_EXPAT_FUNCTION(XML_StopParser);
+    ONCOLLIDE_EXPAT_FUNCTION(XML_Parse);
+    ONCOLLIDE_EXPAT_FUNCTION(XML_GetErrorCode);
+    ONCOLLIDE_EXPAT_FUNCTION(XML_ErrorString);
+    ONCOLLIDE_EXPAT_FUNCTION(XML_GetCurrentLineNumber);
+    ONCOLLIDE_EXPAT_FUNCTION(XML_GetCurrentByteIndex);
+#undef ONCOLLIDE_EXPAT_FUNCTION
+};
+
+const Expat& expat()
+{
+    static const Expat library;
+    return library;
+}
+
+constexpr char separator = '\n'; // between a namespace and a name: no name has one
+constexpr std::size_t piece_bytes = std::size_t{1} << 20, most_tag_bytes = 4 * piece_bytes;
+
+} // namespace
+
+struct XmlReader::Parser {
+    const MeshSource& source;
+    XmlHandler& handler;
+    XML_Parser expat_parser = expat().XML_ParserCreateNS(nullptr, separator);
+    std::exception_ptr fault{}; ///< no exception may cross the frames of C
+    int levels = 0;
+    std::uint64_t bytes = 0;
+
+    Parser(const MeshSource& s, XmlHandler& h) : source(s), handler(h)
+    {
+        if (!expat_parser) throw std::bad_alloc();
+        expat().XML_SetUserData(expat_parser, this);
+        expat().XML_SetElementHandler(expat_parser, begin, end);
+        expat().XML_SetStartNamespaceDeclHandler(expat_parser, name_space);
+        expat().XML_SetCharacterDataHandler(expat_parser, text);
+        expat().XML_SetEntityDeclHandler(expat_parser, entity);
+    }
+    ~Parser() { expat().XML_ParserFree(expat_parser); }
+    Parser(const Parser&) = delete;
+    Parser& operator=(const Parser&) = delete;
+
+    std::size_t line() const { return expat().XML_GetCurrentLineNumber(expat_parser); }
+
+    /// Runs one call of the handler.
+    template <class Call>
+    static void guarded(void* self, Call call)
+    {
+        Parser& parser = *static_cast<Parser*>(self);
+        if (parser.fault) return;
+        try {
+            call(parser);
+        } catch (...) {
+            parser.fault = std::current_exception();
+            expat().XML_StopParser(parser.expat_parser, XML_FALSE);
+        }
+    }
+
+    static void begin(void* self, const char* name, const char** attributes)
+    {
+        guarded(self, [&](Parser& p) {
+            if (++p.levels > most_levels)
+                p.source.fail(fmt::format("elements are nested deeper than {} levels", most_levels), p.line());
+            const std::string_view whole = name;
+            const std::size_t at = whole.rfind(separator);
+            const bool plain = at == whole.npos;
+            p.handler.begin(
+                {plain ? "" : whole.substr(0, at), plain ? whole : whole.substr(at + 1), attributes, p.line()});
+        });
+    }
+    static void name_space(void* self, const char* prefix, const char* name)
+    {
+        guarded(self, [&](Parser& p) { p.handler.name_space(prefix ? prefix : "", name ? name : ""); });
+    }
+    static void end(void* self, const char*)
+    {
+        guarded(self, [](Parser& p) { --p.levels, p.handler.end(); });
+    }
+    static void text(void* self, const char* begin, int length)
+    {
+        guarded(self, [&](Parser& p) { p.handler.text({begin, static_cast<std::size_t>(length)}); });
+    }
+    static void entity(void* self, const char* name, int, const char*, int, const char*, const char*, const char*,
+                       const char*)
+    {
+        guarded(self, [&](Parser& p) {
+            p.source.fail(fmt::format("the entity {} is declared; such a file is not read", oncollide::quoted(name)),
+                          p.line());
+        });
+    }
+
+    void pass(std::string_view piece, bool last)
+    {
+        bytes += piece.size();
+        const auto status = expat().XML_Parse(expat_parser, piece.data(), static_cast<int>(piece.size()), last);
+        if (fault) std::rethrow_exception(fault);
+        if (status == XML_STATUS_ERROR) {
+            const XML_Error error = expat().XML_GetErrorCode(expat_parser);
+            if (error == XML_ERROR_NO_MEMORY) throw std::bad_alloc();
+            source.fail(fmt::format("not well-formed XML: {}", expat().XML_ErrorString(error)), line());
+        }
+        // What of a tag has come is looked at again with each piece.
+        const auto at = static_cast<std::uint64_t>(expat().XML_GetCurrentByteIndex(expat_parser));
+        if (!last && bytes - std::min(bytes, at) > most_tag_bytes)
+            source.fail(fmt::format("a tag or comment is longer than {} bytes", most_tag_bytes), line());
+    }
+};
+
+std::optional<std::string_view> XmlTag::operator[](std::string_view key) const
+{
+    for (const char** attribute = attributes; *attribute; attribute += 2)
+        if (key == *attribute) return attribute[1];
+    return {};
+}
+
+XmlReader::XmlReader(const MeshSource& source, XmlHandler& handler) : parser_(std::make_unique<Parser>(source, handler))
+{
+}
+
+XmlReader::~XmlReader() = default;
+
+void XmlReader::read(std::string_view piece)
+{
+    parser_->pass(piece, false);
+}
+
+void XmlReader::finish()
+{
+    parser_->pass({}, true);
+}
+
+void read_xml(const MeshSource& source, XmlHandler& handler)
+{
+    XmlReader reader(source, handler);
+    ReadingProgress progress(source.name, source.bytes.size());
+    for (std::size_t at = 0; at < source.bytes.size(); at += piece_bytes) {
+        reader.read(source.bytes.substr(at, piece_bytes));
+        progress.at(at);
+    }
+    reader.finish();
+}
+
+} // namespace oncollide
