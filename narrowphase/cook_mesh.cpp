@@ -46,7 +46,9 @@ bool all_floats(const Mesh& mesh)
 
 class Cook {
 public:
-    explicit Cook(const Mesh& mesh) : mesh_(mesh), tree_(mesh), local_(mesh.vertices.size(), none)
+    Cook(const Mesh& mesh, std::uint32_t chunk)
+        : mesh_(mesh), tree_(mesh), chunk_(std::clamp(chunk, ObbTree::leaf_triangles + 1, most_chunk_triangles)),
+          local_(mesh.vertices.size(), none)
     {
         std::memcpy(header_.magic, cooked_magic, sizeof cooked_magic);
         header_.byte_order = cooked_byte_order, header_.version = cooked_version;
@@ -64,7 +66,7 @@ public:
         OutputFile file(path);
         data_.reserve(mesh_.triangles.size() * (header_.coordinate_bytes == 4 ? 20 : 28));
         const auto count = static_cast<std::uint32_t>(mesh_.triangles.size());
-        if (count > most_chunk_triangles)
+        if (count > chunk_)
             add_below(ObbTree::root, 0);
         else
             add_chunk(0, count);
@@ -102,7 +104,7 @@ private:
         nodes_.push_back(node);
         for (unsigned lane = 0; lane < node.lanes; ++lane) {
             std::uint32_t& child = nodes_[place].child[lane];
-            if (!child && node.count[lane] <= most_chunk_triangles) {
+            if (!child && node.count[lane] <= chunk_) {
                 add_chunk(node.begin[lane], node.count[lane]);
                 continue;
             }
@@ -175,6 +177,7 @@ private:
 
     const Mesh& mesh_;
     ObbTree tree_;
+    const std::uint32_t chunk_; ///< triangles, at most
     CookedHeader header_{};
     std::vector<BoxNode> nodes_;
     std::vector<CookedChunkEntry> table_; ///< offsets from the first
@@ -188,9 +191,9 @@ private:
 
 } // namespace
 
-CookedSize cook_mesh(const Mesh& mesh, const std::filesystem::path& path)
+CookedSize cook_mesh(const Mesh& mesh, const std::filesystem::path& path, std::uint32_t chunk)
 {
-    return Cook(mesh).write(path);
+    return Cook(mesh, chunk).write(path);
 }
 
 CookedSize check_cooked(const std::filesystem::path& path)

@@ -126,10 +126,10 @@ void MeshChunks::add_upper_nodes()
         for (unsigned k = 0; k < 8; ++k) {
             if (k >= node.lanes ? node.count[k] || node.child[k] || node.begin[k] : node.count[k] == 0)
                 fail(index, "has an empty box, or more than it says");
-            if (node.child[k] && node.count[k] <= most_chunk_triangles / 2) fail(index, "has a box that has no parts");
+            if (node.child[k] && node.count[k] <= leaf_triangles) fail(index, "has a box that has no parts");
             if (node.child[k]) node.begin[k] = 0; // says nothing
             count += node.count[k];
-            node.leaves |= unsigned(k < node.lanes && node.count[k] <= 2) << k;
+            node.leaves |= unsigned(k < node.lanes && node.count[k] <= leaf_triangles) << k;
             node.singles |= unsigned(node.count[k] == 1) << k;
         }
         if (count != (lane.node ? at(lane.node).count[lane.k] : mesh_->triangles()))

@@ -39,6 +39,8 @@ private:
 /// Chunks may be read by many threads at once; they are dropped while nobody walks.
 class MeshChunks {
 public:
+    static constexpr std::uint32_t leaf_triangles = 2; ///< a box of so many or fewer is a leaf
+
     /// A box of a node.
     struct Lane {
         std::uint32_t node = 0, k = 0;

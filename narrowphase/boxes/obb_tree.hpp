@@ -59,7 +59,7 @@ public:
     void grow_in(const Aabb& box, std::uint32_t triangles);
     /// A box of so many triangles or fewer counts as a leaf. Where it is much larger than what it is compared with, its
     /// triangles can still get boxes of their own.
-    static constexpr std::uint32_t leaf_triangles = 2;
+    static constexpr std::uint32_t leaf_triangles = MeshChunks::leaf_triangles;
 
     /// The triangle at a place of the tree's order, by number in the mesh.
     std::uint32_t triangle(std::uint32_t place) const { return order_[place]; }

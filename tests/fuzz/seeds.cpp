@@ -231,17 +231,28 @@ std::vector<std::string> recording_seeds()
     return {array("(2, 1, 7)", 2, 0.0), array("(3, 2, 7)", 6, 0.0f)};
 }
 
+/// Of one chunk, and of several under up to three levels of nodes; floats and doubles; with vertices that no triangle
+/// uses; in parts; closed and not.
 std::vector<std::string> cooked_seeds()
 {
     const TemporaryFolder folder;
     std::vector<std::string> seeds;
-    for (const Mesh& mesh : {box(), make_soup_mesh(30, 0.3, 1, 5), make_terrain_mesh(10, 1, 65, 2)}) {
-        cook_mesh(mesh, folder / "a.cooked");
+    const auto add = [&](const Mesh& mesh, std::uint32_t chunk) {
+        cook_mesh(mesh, folder / "a.cooked", chunk);
         seeds.push_back(folder.read("a.cooked"));
-    }
+    };
+    add(box(), 8192), add(make_soup_mesh(9, 0.8, 2, 5), 8192);
+    add(make_soup_mesh(11, 0.8, 2, 6), 3), add(make_sphere_mesh(1, 20), 4);
+    const Mesh ground = make_terrain_mesh(2, 0.5, 4, 2);
+    std::vector<Eigen::Vector3d> vertices = ground.vertices;
+    for (Eigen::Vector3d& v : vertices) v = v.cast<float>().cast<double>();
+    vertices.insert(vertices.begin() + 3, {0, 0, 0.25});
+    std::vector<Triangle> triangles = ground.triangles;
+    for (Triangle& t : triangles)
+        for (std::uint32_t& corner : t) corner += corner >= 3;
+    add(make_mesh("ground", std::move(vertices), std::move(triangles)), 4);
     return seeds;
 }
-
 std::vector<std::string> tiles_seeds()
 {
     const TemporaryFolder folder;
