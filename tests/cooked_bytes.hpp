@@ -24,7 +24,8 @@ void set_value(std::string& bytes, std::size_t at, const Value& value)
 /// Where the table of chunks of a cooked file begins.
 inline std::size_t table_of(const std::string& bytes)
 {
-    return sizeof(CookedHeader) + std::size_t(value_at<CookedHeader>(bytes, 0).nodes) * cooked_node_bytes;
+    return sizeof(CookedHeader) +
+           std::size_t(value_at<CookedHeader>(bytes, 0).nodes) * cooked_node_bytes(CookedKind::mesh);
 }
 
 /// A cooked file that was changed, with checksums that say it was not. One that cannot have any stays as it is.

@@ -38,7 +38,7 @@ struct Layout {
         const auto header = value_at<CookedHeader>(bytes, 0);
         add({{8, 4, 5}, {24, 8, 12}, {112, 4, 2}, {120, 8, 1}, {128, 4, 2}, {136, 8, 2}});
         for (std::uint32_t i = 0; i < header.nodes && at_ < end_; ++i)
-            add({{0, 2, 80}, {160, 4, 32}}, cooked_node_bytes);
+            add({{0, 2, 80}, {160, 4, 32}}, cooked_node_bytes(CookedKind::mesh));
         const std::size_t table = at_;
         for (std::uint32_t i = 0; i < header.chunks && at_ < end_; ++i) add({{0, 8, 3}, {24, 4, 2}}, 32);
         for (std::uint64_t i = 0; i < header.parts && at_ < end_; ++i) add({{0, 8, 18}}, cooked_part_bytes);

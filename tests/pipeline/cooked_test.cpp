@@ -584,7 +584,8 @@ TEST(Cooked, BoxesThatTheirTrianglesContradictAreNotTrusted)
     // Each node's boxes one unit lower, in turn: all that a chunk below needs is its top.
     for (std::uint32_t node = 0; node < header.nodes; ++node) {
         std::string forged = bytes;
-        const std::size_t at = sizeof(CookedHeader) + node * cooked_node_bytes + 8 * 9 * 2; // half-extents along z
+        const std::size_t at =
+            sizeof(CookedHeader) + node * cooked_node_bytes(CookedKind::mesh) + 8 * 9 * 2; // half-extents along z
         for (std::size_t k = 0; k < 8; ++k) {
             const auto half = test::value_at<std::uint16_t>(forged, at + 2 * k);
             test::set_value(forged, at + 2 * k, std::uint16_t(half - std::min<std::uint16_t>(half, 3)));
