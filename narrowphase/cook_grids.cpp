@@ -49,10 +49,10 @@ CookedSize cook_terrain(const Terrain& terrain, const std::filesystem::path& pat
     return file.write(path, CookedKind::terrain);
 }
 
-CookedSize cook_map(const OccupancyMap& map, const std::filesystem::path& path)
+CookedSize cook_map(const OccupancyMap& map, const std::filesystem::path& path, std::uint32_t chunk)
 {
     CookedWriter file;
-    add_map(map, file);
+    add_map(map, std::clamp(chunk, 1u, most_chunk_nodes), file);
     return file.write(path, CookedKind::map);
 }
 

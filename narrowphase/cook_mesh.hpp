@@ -20,7 +20,8 @@ CookedSize cook_mesh(const Mesh& mesh, const std::filesystem::path& path, std::u
 CookedSize cook_terrain(const Terrain& terrain, const std::filesystem::path& path);
 
 /// What is known of a map's cells, without their probabilities. Cost: 20 ns a node of its octree.
-CookedSize cook_map(const OccupancyMap& map, const std::filesystem::path& path);
+/// @param chunk  nodes of a chunk, at most, up to 4096; results do not depend on it
+CookedSize cook_map(const OccupancyMap& map, const std::filesystem::path& path, std::uint32_t chunk = 4096);
 
 /// Reads all of a cooked file, and checks what its top says against what its chunks hold. Throws Error{no_input}
 /// or Error{bad_data}.

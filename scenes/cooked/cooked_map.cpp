@@ -240,7 +240,7 @@ namespace {
 /// Divides the nodes of a map into a top and chunks, in the order in which CookedMap expects them.
 class MapParts {
 public:
-    explicit MapParts(const CellTree& cells) : cells_(cells), grid_(cells.top())
+    MapParts(const CellTree& cells, std::uint32_t most) : cells_(cells), most_(most), grid_(cells.top())
     {
         divide(grid_, 0, true);
         for (std::size_t i = 0; i < top_.size(); ++i) divide(top_[i], i, false);
@@ -286,7 +286,7 @@ private:
     std::uint32_t below(const Node& node) const
     {
         std::uint32_t nodes = octants_in(node);
-        for (unsigned k = 0; k < 8 && nodes <= most_chunk_nodes; ++k)
+        for (unsigned k = 0; k < 8 && nodes <= most_; ++k)
             if (node.inner >> k & 1) nodes += below(cells_.below(node, k));
         return nodes;
     }
@@ -297,18 +297,19 @@ private:
         node.first = 0;
         if (!node.inner) return;
         const std::uint32_t nodes = below(of);
-        if (nodes > most_chunk_nodes) {
+        if (nodes > most_) {
             node.first = static_cast<std::uint32_t>(top_.size());
             each_inner(of, [&](unsigned k) { top_.push_back(cells_.below(of, k)); });
             return;
         }
-        if (parts_.empty() || parts_.back().nodes + nodes > most_chunk_nodes) parts_.emplace_back();
+        if (parts_.empty() || parts_.back().nodes + nodes > most_) parts_.emplace_back();
         Part& part = parts_.back();
         part.nodes += nodes, part.roots.push_back({grid, number, octants_in(of)});
         each_inner(of, [&](unsigned k) { part.begin.push_back(cells_.below(of, k)); });
     }
 
     const CellTree& cells_;
+    const std::uint32_t most_; ///< nodes of a chunk
     Node grid_;
     std::vector<Node> top_;
     std::vector<Part> parts_;
@@ -316,9 +317,9 @@ private:
 
 } // namespace
 
-void add_map(const OccupancyMap& map, CookedWriter& file)
+void add_map(const OccupancyMap& map, std::uint32_t most_in_chunk, CookedWriter& file)
 {
-    MapParts parts(map.cells());
+    MapParts parts(map.cells(), most_in_chunk);
     parts.add_to(file);
     file.set_bounds(map.bounds());
     file.header.coordinate_bytes = 8;

@@ -123,6 +123,6 @@ private:
 };
 
 /// Puts a map into a file, all but its probabilities.
-void add_map(const OccupancyMap& map, CookedWriter& file);
+void add_map(const OccupancyMap& map, std::uint32_t most_in_chunk, CookedWriter& file);
 
 } // namespace oncollide

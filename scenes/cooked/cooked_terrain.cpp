@@ -195,12 +195,13 @@ std::unique_ptr<CookedTerrain::Chunk> CookedTerrain::read(std::size_t number) co
         refuse_chunk(number, "says of a tile what cannot be");
     if (t.holes_ && each < 4) return chunk; // any height: those of cells are compared with the top
     constexpr double farthest = 1e15;
+    const double off = t.error_ * (1 + 0x1p-20); // the bounds are those of the heights before they were stored
     for (std::uint32_t row = 0; row < part.rows; ++row)
         for (std::uint32_t column = 0; column < part.columns; ++column) {
             const double height = TerrainChunks::sample(t, *chunk, row / tile * part.tiles_x + column / tile,
                                                         row % tile * tile + column % tile);
             if (t.holes_ ? !(std::isnan(height) || std::abs(height) <= farthest)
-                         : !(height >= t.low_ && height <= t.high_))
+                         : !(height >= t.low_ - off && height <= t.high_ + off))
                 refuse_chunk(number, "a height is not within the bounds");
         }
     return chunk;

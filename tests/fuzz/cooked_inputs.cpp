@@ -13,7 +13,9 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/pipeline/world.hpp>
+#include <oncollide/scenes/cooked/cooked_map.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
+#include <oncollide/scenes/cooked/cooked_terrain.hpp>
 #include <oncollide/scenes/geometry.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
@@ -37,13 +39,29 @@ struct Layout {
         if (end_ < sizeof(CookedHeader)) return;
         const auto header = value_at<CookedHeader>(bytes, 0);
         add({{8, 4, 5}, {24, 8, 12}, {112, 4, 2}, {120, 8, 1}, {128, 4, 2}, {136, 8, 2}});
+        const bool mesh = header.kind == CookedKind::mesh, terrain = header.kind == CookedKind::terrain;
         for (std::uint32_t i = 0; i < header.nodes && at_ < end_; ++i)
-            add({{0, 2, 80}, {160, 4, 32}}, cooked_node_bytes(CookedKind::mesh));
+            if (mesh)
+                add({{0, 2, 80}, {160, 4, 32}}, cooked_node_bytes(header.kind));
+            else if (terrain)
+                add({{0, 4, 6}}, sizeof(CookedRange));
+            else
+                add({{0, 4, 1}, {4, 1, 4}}, 8);
         const std::size_t table = at_;
         for (std::uint32_t i = 0; i < header.chunks && at_ < end_; ++i) add({{0, 8, 3}, {24, 4, 2}}, 32);
         for (std::uint64_t i = 0; i < header.parts && at_ < end_; ++i) add({{0, 8, 18}}, cooked_part_bytes);
+        if (terrain) add({{0, 4, 2}, {8, 8, 5}, {48, 4, 4}, {64, 8, 5}, {104, 4, 2}}, sizeof(CookedTerrainRecord));
+        if (!mesh && !terrain) add({{0, 8, 1}, {8, 4, 8}, {40, 1, 4}, {44, 4, 1}}, sizeof(CookedMapRecord));
         for (std::uint32_t i = 0; i < header.chunks && at_ < end_ && table + 32 * (i + 1) <= end_; ++i) {
             const auto chunk = value_at<CookedChunkEntry>(bytes, table + 32 * i);
+            if (!mesh) {
+                const std::size_t size = !terrain ? 1 : header.coordinate_bytes;
+                const std::size_t bytes = std::min<std::size_t>(chunk.bytes, end_);
+                add({{0, 4, terrain ? 4 : bytes / 4},
+                     {0, std::clamp<std::size_t>(size, 1, 8), bytes / std::clamp<std::size_t>(size, 1, 8)}},
+                    bytes);
+                continue;
+            }
             const std::size_t coordinate = header.coordinate_bytes == 4 ? 4 : 8;
             const std::size_t vertices = std::min<std::size_t>(chunk.vertices, end_ / 16),
                               triangles = std::min<std::size_t>(chunk.triangles, end_ / 10);
@@ -107,6 +125,62 @@ std::uint64_t changed(std::uint64_t value, std::size_t size, std::mt19937_64& ra
         return value ^ std::uint64_t{1} << random() % (8 * size);
     }
 }
+
+/// As a scene opens it, and all of it in memory.
+struct Opened {
+    GeometryData data;
+    std::uint64_t checksum = 0;
+
+    explicit Opened(const fs::path& file)
+    {
+        switch (cooked_kind(file)) {
+        case CookedKind::terrain: {
+            auto terrain = std::make_shared<const CookedTerrain>(file);
+            checksum = terrain->checksum(), data = TerrainChunks::terrain(std::move(terrain));
+            break;
+        }
+        case CookedKind::map: {
+            auto map = std::make_shared<const CookedMap>(file);
+            checksum = map->checksum(), data = MapChunks::map(std::move(map));
+            break;
+        }
+        default: {
+            auto mesh = std::make_shared<const CookedMesh>(file);
+            checksum = mesh->outline().header_checksum, data = std::move(mesh);
+        }
+        }
+    }
+    GeometryData whole() const
+    {
+        if (const auto* terrain = std::get_if<Terrain>(&data)) return in_memory(*terrain);
+        if (const auto* map = std::get_if<OccupancyMap>(&data)) {
+            CellTree cells(map->cells().unknown_is_solid());
+            map->cells().each_leaf([&](const MapCell& cube, CellState state) { cells.set(CellBox(cube), state); });
+            return OccupancyMap("map", std::move(cells), map->resolution());
+        }
+        return std::get<std::shared_ptr<const CookedMesh>>(data)->whole();
+    }
+
+private:
+    static Terrain in_memory(const Terrain& terrain)
+    {
+        TerrainGrid grid{.columns = terrain.columns(),
+                         .rows = terrain.rows(),
+                         .spacing = terrain.spacing(),
+                         .origin = terrain.origin(),
+                         .bytes = 8,
+                         .error = terrain.error()};
+        if (terrain.holes()) grid.no_data = std::numeric_limits<double>::quiet_NaN();
+        std::vector<double> heights;
+        for (std::uint32_t row = 0; row < terrain.rows(); ++row)
+            for (std::uint32_t column = 0; column < terrain.columns(); ++column)
+                heights.push_back(terrain.height(column, row));
+        for (std::uint32_t y = 0; y < terrain.cells_y(); ++y)
+            for (std::uint32_t x = 0; x < terrain.cells_x(); ++x)
+                grid.falling.push_back(terrain.diagonal(x, y) == CellDiagonal::falling);
+        return make_terrain("terrain", grid, heights);
+    }
+};
 
 /// What a World finds of a mesh, at rest and turned, with bodies in it, on it and beside it.
 struct Found {
@@ -178,15 +252,16 @@ void compare_damaged(const Found& seed, const Found& now)
     if (undecided && now.faults.empty()) fault("undecided, and no fault says why");
 }
 
-/// Of a file in which nothing is wrong and of its mesh in memory. Its boxes may be others,
+/// Of a file in which nothing is wrong and of what it holds, in memory. Its boxes may be others,
 /// so that bounds may differ.
-void compare_sealed(Queries& of_mesh, const Found& mesh, const Found& now)
+void compare_sealed(Queries& of_whole, const Found& whole, const Found& now)
 {
-    if (now.pairs.size() != mesh.pairs.size()) fault("a cooked mesh has other pairs than the mesh");
+    if (now.pairs.size() != whole.pairs.size()) fault("a cooked file has other pairs than what is in it");
     for (std::size_t i = 0; i < now.pairs.size(); ++i) {
-        const Found::Pair &a = mesh.pairs[i], &b = now.pairs[i];
-        if (a.a != b.a || a.b != b.b || a.verdict != b.verdict) fault("a cooked mesh has another result than the mesh");
-        if (a.bound != b.bound && !(b.bound <= of_mesh.most_distance(b))) fault("a bound that is no bound");
+        const Found::Pair &a = whole.pairs[i], &b = now.pairs[i];
+        if (a.a != b.a || a.b != b.b || a.verdict != b.verdict)
+            fault("a cooked file has another result than what is in it");
+        if (a.bound != b.bound && !(b.bound <= of_whole.most_distance(b))) fault("a bound that is no bound");
     }
 }
 
@@ -198,11 +273,11 @@ const std::map<std::uint64_t, Found>& seeds_results(const fs::path& folder)
         const fs::path file = folder / "seed.cooked";
         for (const std::string& seed : cooked_seeds()) {
             write_bytes(file, seed);
-            const auto mesh = std::make_shared<const CookedMesh>(file);
-            Found found = Queries(named(mesh)).results(), whole = Queries(named(mesh->whole())).results();
+            const Opened opened(file);
+            Found found = Queries(named(opened.data)).results(), whole = Queries(named(opened.whole())).results();
             if (!std::ranges::equal(found.pairs, whole.pairs, same) || found.pairs.size() < 3)
-                fault("a seed's results are not those of its mesh");
-            all.emplace(mesh->outline().header_checksum, std::move(found));
+                fault("a seed's results are not those of what is in it");
+            all.emplace(opened.checksum, std::move(found));
         }
         fs::remove(file);
         return all;
@@ -253,19 +328,19 @@ std::string mutated_cooked(std::string bytes, std::mt19937_64& random)
 void query_cooked(const fs::path& file, bool sealed)
 {
     const auto& seeds = seeds_results(file.parent_path());
-    const auto mesh = std::make_shared<const CookedMesh>(file);
-    const Found found = Queries(named(mesh)).results();
+    const Opened opened(file);
+    const Found found = Queries(named(opened.data)).results();
     for (const std::string& what : found.faults)
         if (what.find(file.string()) == what.npos) fault("a fault that does not name the file: " + what);
     if (!sealed) {
-        const auto seed = seeds.find(mesh->outline().header_checksum);
+        const auto seed = seeds.find(opened.checksum);
         if (seed != seeds.end()) compare_damaged(seed->second, found);
         return;
     }
     check_cooked(file);
     if (!found.faults.empty()) fault("a sound file with a fault: " + found.faults[0]);
-    Queries of_mesh(named(mesh->whole()));
-    compare_sealed(of_mesh, of_mesh.results(), found);
+    Queries of_whole(named(opened.whole()));
+    compare_sealed(of_whole, of_whole.results(), found);
 }
 
 } // namespace oncollide::test

@@ -1,11 +1,13 @@
 #include "seeds.hpp"
 
+#include <cmath>
 #include <sstream>
 
 #include <fmt/format.h>
 #include <octomap/OcTree.h>
 
 #include "scenes/mesh_writers.hpp"
+#include <oncollide/base/random.hpp>
 #include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/scenes/files/tile_index.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
@@ -232,7 +234,7 @@ std::vector<std::string> recording_seeds()
 }
 
 /// Of one chunk, and of several under up to three levels of nodes; floats and doubles; with vertices that no triangle
-/// uses; in parts; closed and not.
+/// uses; in parts; closed and not. Terrains and maps.
 std::vector<std::string> cooked_seeds()
 {
     const TemporaryFolder folder;
@@ -251,6 +253,35 @@ std::vector<std::string> cooked_seeds()
     for (Triangle& t : triangles)
         for (std::uint32_t& corner : t) corner += corner >= 3;
     add(make_mesh("ground", std::move(vertices), std::move(triangles)), 4);
+
+    // Heights at 1, 2 and 8 bytes, in four chunks and in one; with holes; with diagonals of their own.
+    const auto add_heights = [&](TerrainGrid grid, double holes) {
+        std::vector<double> heights;
+        for (std::uint32_t i = 0; i < grid.columns * grid.rows; ++i)
+            heights.push_back(u01(3, i, 0) < holes ? std::nan("") : std::round(64 * u01(2, i, 0)) / 64);
+        if (holes > 0) grid.no_data = std::nan("");
+        grid.origin = {-1, -1, 0}, grid.spacing = {3.0 / grid.columns, 3.0 / grid.rows};
+        cook_terrain(make_terrain("heights", grid, heights), folder / "a.cooked");
+        seeds.push_back(folder.read("a.cooked"));
+    };
+    add_heights({.columns = 65, .rows = 9}, 0), add_heights({.columns = 9, .rows = 8, .bytes = 8, .error = 0.01}, 0);
+    TerrainGrid mixed{.columns = 10, .rows = 9, .bytes = 2};
+    for (std::uint64_t i = 0; i < 72; ++i) mixed.falling.push_back(u01(4, i, 0) < 0.5);
+    add_heights(mixed, 0.1);
+
+    // Maps of one chunk, with unknown cells that count, and of several.
+    const auto add_map = [&](const OccupancyMap& of, std::uint32_t chunk) {
+        cook_map(of, folder / "a.cooked", chunk);
+        seeds.push_back(folder.read("a.cooked"));
+    };
+    CellTree cells(true), blocks;
+    for (std::int32_t i = 0; i < 12; ++i) {
+        const Eigen::Vector3i at(i * 3 % 8 - 3, i * 5 % 7 - 2, i * 11 % 13);
+        cells.set({at, at.array() + 1 + i % 2}, i % 3 ? CellState::occupied : CellState::free);
+        blocks.set({at, at.array() + 1 + i % 3}, CellState::occupied);
+    }
+    add_map(OccupancyMap("unknown", std::move(cells), 0.25), 4096),
+        add_map(OccupancyMap("blocks", std::move(blocks), 0.25), 6);
     return seeds;
 }
 std::vector<std::string> tiles_seeds()

@@ -158,7 +158,8 @@ int cook(const CookOptions& options)
     } else {
         const OccupancyMap map = load_octomap(options.mesh, {.unknown_is_occupied = options.unknown == "occupied",
                                                              .occupancy_threshold = options.occupancy_threshold});
-        cooked(map, cook_map, map.cells().count());
+        cooked(
+            map, [](const OccupancyMap& m, const fs::path& out) { return cook_map(m, out); }, map.cells().count());
     }
     const auto end = Clock::now();
     const auto seconds = [](auto time) { return std::chrono::duration<double>(time).count(); };
