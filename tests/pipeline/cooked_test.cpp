@@ -340,7 +340,7 @@ Scene over_grid(const GeometryData& grid)
         for (int k = 0; k < 3; ++k)
             pose.translation()[k] =
                 bounds.min[k] + (1.2 * u01(6, i, std::uint64_t(k)) - 0.1) * (bounds.max[k] - bounds.min[k]);
-        Drift drift{.velocity = {0.1 * size, 0, -0.2 * size}, .spin = {}, .walls = {}};
+        Drift drift{.velocity = {0.1 * size, 0, -0.2 * size}, .spin = {0, 0, 0}, .walls = {}};
         if (i % 3) drift.spin = {0.2, 0.1 * double(i % 5), 0.05};
         scene.add_body({.name = fmt::format("body {}", i), .geometry = bodies[i % 7], .pose = pose, .motion = drift});
     }
