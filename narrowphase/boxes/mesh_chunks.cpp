@@ -11,7 +11,7 @@
 
 namespace oncollide {
 
-static_assert(sizeof(BoxNode) == cooked_node_bytes(CookedKind::mesh));
+static_assert(sizeof(BoxNode) == sizeof(CookedNode) && offsetof(BoxNode, child) == offsetof(CookedNode, child));
 
 namespace {
 

@@ -52,6 +52,15 @@ struct CookedChunkEntry {
 };
 static_assert(sizeof(CookedChunkEntry) == 32);
 
+/// Of the upper levels of a mesh's tree: eight boxes, as BoxNode has them.
+struct CookedNode {
+    std::int16_t x[8], y[8], z[8], qw[8], qx[8], qy[8], qz[8];
+    std::uint16_t hx[8], hy[8], hz[8];
+    float origin[3], unit;
+    std::uint32_t begin[8], count[8], child[8], lanes, leaves, singles, none;
+};
+static_assert(sizeof(CookedNode) == 288);
+
 /// Of a terrain, all but what its chunks hold. Its nodes are what CookedRange says of each block of cells.
 struct CookedTerrainRecord {
     std::uint32_t columns, rows;
@@ -84,7 +93,7 @@ static_assert(sizeof(CookedMapRecord) == 48);
 /// Of a node of the top: BoxNode, CookedRange, a node of the octree.
 constexpr std::uint32_t cooked_node_bytes(CookedKind kind)
 {
-    return kind == CookedKind::mesh ? 288 : kind == CookedKind::terrain ? sizeof(CookedRange) : 8;
+    return kind == CookedKind::mesh ? sizeof(CookedNode) : kind == CookedKind::terrain ? sizeof(CookedRange) : 8;
 }
 constexpr std::uint32_t cooked_part_bytes = 6 * 3 * 8; ///< of a part: six points
 /// Of what comes last in the top.

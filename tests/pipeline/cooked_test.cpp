@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/random.hpp>
+#include <oncollide/broadphase/pose_bounds.hpp>
 #include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
@@ -506,6 +507,44 @@ TEST(Cooked, APairThatNeedsMoreThanMayBeHeldStaysUndecided)
     EXPECT_EQ(played.frames[0].at(0).verdict, Verdict::undecided);
     ASSERT_EQ(played.faults.size(), 1u);
     EXPECT_NE(played.faults[0].find("10000 bytes"), std::string::npos) << played.faults[0];
+}
+
+TEST(Cooked, BoxesOfTurnedBodiesAreThoseOfTheMeshAndNeedItsEndsOnly)
+{
+    const TemporaryFolder folder;
+    const Mesh knot = make_torus_knot_mesh(2, 3, 0.5, 0.2, 0.1, 140'000);
+    for (const Mesh* mesh : {&samples().back().mesh, &knot}) {
+        const fs::path file = cooked(folder, *mesh);
+        const GeometryData of_mesh = *mesh, in_file = opened(file);
+        const auto chunks = opened(file)->chunks();
+        ASSERT_GT(chunks, 8u);
+        PoseBounds a(of_mesh), b(in_file);
+        for (std::uint64_t i = 0; i < 40; ++i) {
+            const Eigen::Isometry3d pose = random_pose(i, 3), other = random_pose(i + 1000, 3); // which nobody expects
+            a.expect(pose), b.expect(pose);
+            EXPECT_EQ(a.box(pose).min, b.box(pose).min);
+            EXPECT_EQ(a.box(pose).max, b.box(pose).max);
+            const Aabb exact = a.box(other), wide = b.box(other);
+            EXPECT_TRUE((wide.min.array() <= exact.min.array()).all() && (wide.max.array() >= exact.max.array()).all());
+            if (i == 0 && mesh != &knot) EXPECT_LT(b.bytes(), mesh->vertices.size() * 12 / 2);
+        }
+        // A chunk that cannot be read makes boxes wider, and never smaller.
+        std::string bytes = read(file);
+        for (std::uint32_t c = 0; c < chunks; c += 3)
+            if (const CookedChunkEntry entry = test::chunk_at(bytes, c); entry.triangles > 0)
+                bytes[entry.offset + entry.bytes / 2] ^= 1;
+        const GeometryData damaged = opened(folder.write("damaged.cooked", bytes));
+        PoseBounds c(damaged);
+        std::size_t wider = 0;
+        for (std::uint64_t i = 0; i < 20; ++i) {
+            const Eigen::Isometry3d pose = random_pose(i, 3);
+            c.expect(pose);
+            const Aabb exact = a.box(pose), wide = c.box(pose);
+            EXPECT_TRUE((wide.min.array() <= exact.min.array()).all() && (wide.max.array() >= exact.max.array()).all());
+            wider += wide.min != exact.min || wide.max != exact.max;
+        }
+        EXPECT_GT(wider, 0u);
+    }
 }
 
 TEST(Cooked, ADamagedChunkCostsThePairsThatNeedIt)
