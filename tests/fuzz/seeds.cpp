@@ -244,7 +244,7 @@ std::vector<std::string> cooked_seeds()
         seeds.push_back(folder.read("a.cooked"));
     };
     add(box(), 8192), add(make_soup_mesh(9, 0.8, 2, 5), 8192);
-    add(make_soup_mesh(11, 0.8, 2, 6), 3), add(make_sphere_mesh(1, 20), 4);
+    add(make_soup_mesh(11, 0.8, 2, 6), 3), add(make_sphere_mesh(1, 20), 4), add(make_sphere_mesh(1, 44), 4);
     const Mesh ground = make_terrain_mesh(2, 0.5, 4, 2);
     std::vector<Eigen::Vector3d> vertices = ground.vertices;
     for (Eigen::Vector3d& v : vertices) v = v.cast<float>().cast<double>();
