@@ -16,15 +16,15 @@ namespace oncollide {
 
 namespace {
 
-constexpr std::uint32_t side = CookedTerrain::side;
+constexpr std::uint32_t block_side = CookedTerrain::side;
 constexpr std::size_t most_parts = 1 << 16; ///< of a terrain with holes; of more it is to be asked as a whole
 
 /// visit(x, y) for the blocks of so many cells a side.
 template <class Visit>
 void each_block(const Terrain& terrain, Visit visit)
 {
-    for (std::uint32_t y = 0; y < (terrain.cells_y() + side - 1) / side; ++y)
-        for (std::uint32_t x = 0; x < (terrain.cells_x() + side - 1) / side; ++x) visit(x, y);
+    for (std::uint32_t y = 0; y < (terrain.cells_y() + block_side - 1) / block_side; ++y)
+        for (std::uint32_t x = 0; x < (terrain.cells_x() + block_side - 1) / block_side; ++x) visit(x, y);
 }
 
 } // namespace
@@ -41,9 +41,9 @@ CookedSize cook_terrain(const Terrain& terrain, const std::filesystem::path& pat
     if (const auto parts = part_points_of(terrain); parts.size() <= most_parts) file.set_parts(parts);
     const TerrainTree tree(terrain);
     each_block(terrain, [&](std::uint32_t x, std::uint32_t y) { file.nodes.add(tree.range_of_chunk(x, y)); });
-    const std::size_t chunks =
-        std::size_t((terrain.columns() + side - 1) / side) * ((terrain.rows() + side - 1) / side);
-    file.data.reserve(terrain.bytes() + chunks * side * 8);
+    const std::size_t chunks = std::size_t((terrain.columns() + block_side - 1) / block_side) *
+                               ((terrain.rows() + block_side - 1) / block_side);
+    file.data.reserve(terrain.bytes() + chunks * block_side * 8);
     for (std::size_t chunk = 0; chunk < chunks; ++chunk)
         CookedTerrain::add_chunk(terrain, chunk, file.data), file.end_chunk();
     return file.write(path, CookedKind::terrain);

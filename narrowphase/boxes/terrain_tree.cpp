@@ -53,11 +53,13 @@ void TerrainTree::fill(Part& part, std::uint32_t x, std::uint32_t y) const
     constexpr std::uint32_t cells = CookedTerrain::side, width = cells + 1;
     const double zero = centre_.z() - terrain_.origin().z();
     std::vector<float> z(std::size_t(width) * width);
-    for (std::uint32_t j = 0; j < width; ++j)
-        for (std::uint32_t i = 0; i < width; ++i)
-            z[j * width + i] = static_cast<float>(terrain_.height(std::min(x * cells + i, terrain_.cells_x()),
-                                                                  std::min(y * cells + j, terrain_.cells_y())) -
-                                                  zero);
+    const std::uint32_t begin = x * cells, end = std::min(begin + width, terrain_.columns());
+    double heights[width];
+    for (std::uint32_t j = 0; j < width; ++j) {
+        terrain_.chunks()->read_row(std::min(y * cells + j, terrain_.cells_y()), begin, end, heights);
+        std::fill(heights + (end - begin), heights + width, heights[end - begin - 1]); // beyond the last column
+        for (std::uint32_t i = 0; i < width; ++i) z[j * width + i] = static_cast<float>(heights[i] - zero);
+    }
     const auto each = [&](std::uint32_t level, std::uint32_t across, std::uint32_t down, auto visit) {
         const Block all = blocks(level);
         for (std::uint32_t j = 0; j < std::min(down, all.y - y * down); ++j)

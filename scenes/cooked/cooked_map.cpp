@@ -130,11 +130,15 @@ const char* CookedMap::why_not_node(const Node& node, const MapCell& cube) const
     if ((inner & occupied) || (inner & free) || (occupied & free)) return "an octant has two states";
     if (occupied == 0xff || free == 0xff || !(inner | occupied | free)) return "a node has one state";
     if (inner ? cube.side < 4 : node.first != 0) return "a cell has octants";
-    const CellBox bounds({record_.low[0], record_.low[1], record_.low[2]},
-                         {record_.high[0], record_.high[1], record_.high[2]});
+    const auto inside = [&](const MapCell& cell) {
+        const std::int32_t low[3] = {cell.x, cell.y, cell.z};
+        bool within = true;
+        for (int i = 0; i < 3; ++i) within &= low[i] >= record_.low[i] && low[i] + cell.side <= record_.high[i];
+        return within;
+    };
+    if (inside(cube)) return nullptr;
     for (unsigned left = record_.unknown_is_solid ? occupied | free : occupied; left; left &= left - 1)
-        if (!bounds.contains(CellBox(cube.octant(static_cast<unsigned>(std::countr_zero(left))))))
-            return "a cell is outside the bounds";
+        if (!inside(cube.octant(static_cast<unsigned>(std::countr_zero(left))))) return "a cell is outside the bounds";
     return nullptr;
 }
 

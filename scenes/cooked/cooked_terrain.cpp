@@ -196,13 +196,17 @@ std::unique_ptr<CookedTerrain::Chunk> CookedTerrain::read(std::size_t number) co
     if (t.holes_ && each < 4) return chunk; // any height: those of cells are compared with the top
     constexpr double farthest = 1e15;
     const double off = t.error_ * (1 + 0x1p-20); // the bounds are those of the heights before they were stored
+    const double low = t.holes_ ? -farthest : t.low_ - off, high = t.holes_ ? farthest : t.high_ + off;
     for (std::uint32_t row = 0; row < part.rows; ++row)
-        for (std::uint32_t column = 0; column < part.columns; ++column) {
-            const double height = TerrainChunks::sample(t, *chunk, row / tile * part.tiles_x + column / tile,
-                                                        row % tile * tile + column % tile);
-            if (t.holes_ ? !(std::isnan(height) || std::abs(height) <= farthest)
-                         : !(height >= t.low_ - off && height <= t.high_ + off))
-                refuse_chunk(number, "a height is not within the bounds");
+        for (std::uint32_t column = 0; column < part.columns; column += tile) {
+            double heights[tile];
+            const std::uint32_t count = std::min(tile, part.columns - column);
+            TerrainChunks::decode(t, *chunk, row / tile * part.tiles_x + column / tile, row % tile * tile, count,
+                                  heights);
+            bool within = true;
+            for (std::uint32_t i = 0; i < count; ++i)
+                within &= (heights[i] >= low && heights[i] <= high) || (t.holes_ && std::isnan(heights[i]));
+            if (!within) refuse_chunk(number, "a height is not within the bounds");
         }
     return chunk;
 }
@@ -225,30 +229,47 @@ Terrain TerrainChunks::terrain(std::shared_ptr<const CookedTerrain> cooked, Chun
     return terrain;
 }
 
-double TerrainChunks::sample(const Terrain& terrain, const CookedTerrain::Chunk& chunk, std::uint32_t number,
-                             std::uint32_t k)
+/// The heights of `count` places of a tile, one after the other.
+template <class Sample>
+void TerrainChunks::decode_as(const Terrain& terrain, const CookedTerrain::Chunk& chunk, std::uint32_t number,
+                              std::uint32_t k, std::uint32_t count, double* out)
 {
-    const std::size_t at = std::size_t(number) * of_tile + k;
-    const auto whole = [&]<class Sample>(Sample) {
+    const std::byte* const from = &chunk.samples[(std::size_t(number) * of_tile + k) * sizeof(Sample)];
+    for (std::uint32_t i = 0; i < count; ++i) {
         Sample q;
-        std::memcpy(&q, &chunk.samples[at * sizeof q], sizeof q);
-        if (q == std::numeric_limits<Sample>::max()) return std::numeric_limits<double>::quiet_NaN();
-        return terrain.unit_ * static_cast<double>(chunk.tiles[number].at(q));
-    };
-    const auto real = [&]<class Sample>(Sample) {
-        Sample q;
-        std::memcpy(&q, &chunk.samples[at * sizeof q], sizeof q);
-        return static_cast<double>(q);
-    };
+        std::memcpy(&q, from + i * sizeof q, sizeof q);
+        if constexpr (std::is_floating_point_v<Sample>)
+            out[i] = static_cast<double>(q);
+        else
+            out[i] = q == std::numeric_limits<Sample>::max()
+                         ? std::numeric_limits<double>::quiet_NaN()
+                         : terrain.unit_ * static_cast<double>(chunk.tiles[number].at(q));
+    }
+}
+
+void TerrainChunks::decode(const Terrain& terrain, const CookedTerrain::Chunk& chunk, std::uint32_t number,
+                           std::uint32_t k, std::uint32_t count, double* out)
+{
     switch (terrain.bytes_per_height()) {
     case 1:
-        return whole(std::uint8_t{});
+        return decode_as<std::uint8_t>(terrain, chunk, number, k, count, out);
     case 2:
-        return whole(std::uint16_t{});
+        return decode_as<std::uint16_t>(terrain, chunk, number, k, count, out);
     case 4:
-        return real(float{});
+        return decode_as<float>(terrain, chunk, number, k, count, out);
     default:
-        return real(double{});
+        return decode_as<double>(terrain, chunk, number, k, count, out);
+    }
+}
+
+void TerrainChunks::read_row(std::uint32_t row, std::uint32_t from, std::uint32_t to, double* out) const
+{
+    while (from < to) {
+        const CookedTerrain::Chunk& chunk = at(std::size_t(row / side) * cooked_->across() + from / side);
+        const std::uint32_t end = std::min(to, (from / tile + 1) * tile);
+        decode(cooked_->outline(), chunk, row % side / tile * chunk.tiles_x + from % side / tile,
+               row % tile * tile + from % tile, end - from, out);
+        out += end - from, from = end;
     }
 }
 

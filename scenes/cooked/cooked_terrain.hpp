@@ -90,8 +90,12 @@ public:
         constexpr std::uint32_t side = CookedTerrain::side, tile = Terrain::tile;
         const CookedTerrain::Chunk& chunk = at(std::size_t(row / side) * cooked_->across() + column / side);
         const std::uint32_t number = row % side / tile * chunk.tiles_x + column % side / tile;
-        return sample(cooked_->outline(), chunk, number, row % tile * tile + column % tile);
+        double height;
+        decode(cooked_->outline(), chunk, number, row % tile * tile + column % tile, 1, &height);
+        return height;
     }
+    /// Those of columns [from, to) in a row.
+    void read_row(std::uint32_t row, std::uint32_t from, std::uint32_t to, double* out) const;
     CellDiagonal diagonal(std::uint32_t x, std::uint32_t y) const
     {
         constexpr std::uint32_t side = CookedTerrain::side;
@@ -119,8 +123,12 @@ private:
     }
     const CookedTerrain::Chunk& need(std::size_t chunk) const;
     friend class CookedTerrain;
-    static double sample(const Terrain& terrain, const CookedTerrain::Chunk& chunk, std::uint32_t tile,
-                         std::uint32_t k);
+    /// Heights k to k + count of a tile.
+    static void decode(const Terrain& terrain, const CookedTerrain::Chunk& chunk, std::uint32_t tile, std::uint32_t k,
+                       std::uint32_t count, double* out);
+    template <class Sample>
+    static void decode_as(const Terrain& terrain, const CookedTerrain::Chunk& chunk, std::uint32_t tile,
+                          std::uint32_t k, std::uint32_t count, double* out);
 
     std::shared_ptr<const CookedTerrain> cooked_;
     std::unique_ptr<ChunkBudget> own_;

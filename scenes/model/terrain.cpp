@@ -359,7 +359,9 @@ template <class Number>
 void Terrain::read_row(std::uint32_t row, double zero, Number* out) const
 {
     if (chunks_) {
-        for (std::uint32_t c = 0; c < columns_; ++c) out[c] = static_cast<Number>(chunks_->height(c, row) - zero);
+        std::vector<double> heights(columns_);
+        chunks_->read_row(row, 0, columns_, heights.data());
+        std::ranges::transform(heights, out, [&](double height) { return static_cast<Number>(height - zero); });
         return;
     }
     std::visit(

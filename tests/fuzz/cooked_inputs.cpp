@@ -55,11 +55,9 @@ struct Layout {
         for (std::uint32_t i = 0; i < header.chunks && at_ < end_ && table + 32 * (i + 1) <= end_; ++i) {
             const auto chunk = value_at<CookedChunkEntry>(bytes, table + 32 * i);
             if (!mesh) {
-                const std::size_t size = !terrain ? 1 : header.coordinate_bytes;
-                const std::size_t bytes = std::min<std::size_t>(chunk.bytes, end_);
-                add({{0, 4, terrain ? 4 : bytes / 4},
-                     {0, std::clamp<std::size_t>(size, 1, 8), bytes / std::clamp<std::size_t>(size, 1, 8)}},
-                    bytes);
+                const std::size_t length = std::min<std::size_t>(chunk.bytes, end_);
+                const std::size_t size = terrain ? std::clamp<std::size_t>(header.coordinate_bytes, 1, 8) : 1;
+                add({{0, 4, terrain ? 4 : length / 4}, {0, size, length / size}}, length);
                 continue;
             }
             const std::size_t coordinate = header.coordinate_bytes == 4 ? 4 : 8;
