@@ -70,8 +70,10 @@ void CookedSupport::add_boxes(const CookedMesh::Top& top)
 float CookedSupport::bound(std::size_t chunk, const Vector3f& d) const
 {
     const Box& box = boxes_[chunk];
-    const float most = d.dot(box.centre) + d.cwiseAbs().dot(box.half) + rounding_;
-    return most == most ? most : std::numeric_limits<float>::infinity();
+    const float most = d.dot(box.centre) + d.cwiseAbs().dot(box.half);
+    // A box of the file may be anything until its chunk is read, but nothing reaches beyond the bounds.
+    const float all = d.cwiseAbs().dot(mesh_->bounds().half_extent().cast<float>());
+    return (most < all ? most : all) + rounding_;
 }
 
 float CookedSupport::most_of(std::size_t chunk, const Vector3f& d) const

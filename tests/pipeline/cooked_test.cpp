@@ -546,6 +546,19 @@ TEST(Cooked, BoxesOfTurnedBodiesAreThoseOfTheMeshAndNeedItsEndsOnly)
             wider += wide.min != exact.min || wide.max != exact.max;
         }
         EXPECT_GT(wider, 0u);
+        // Nor does a box of no numbers do more than that.
+        test::set_value(bytes, sizeof(CookedHeader) + offsetof(CookedNode, origin), std::nanf(""));
+        std::string sealed = test::resealed(bytes);
+        sealed.back() ^= 1;
+        const GeometryData forged = opened(folder.write("forged.cooked", sealed));
+        PoseBounds d(forged);
+        for (std::uint64_t i = 0; i < 20; ++i) {
+            const Eigen::Isometry3d pose = random_pose(i, 3);
+            d.expect(pose);
+            const Aabb exact = a.box(pose), wide = d.box(pose);
+            EXPECT_TRUE((wide.min.array() <= exact.min.array()).all() && (wide.max.array() >= exact.max.array()).all());
+            EXPECT_LT(wide.diagonal(), 4 * mesh->bounds.diagonal());
+        }
     }
 }
 
