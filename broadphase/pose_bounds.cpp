@@ -20,6 +20,7 @@ namespace {
 // Making a map costs about as much as so many boxes without one.
 constexpr std::uint64_t boxes_that_pay_for_a_map = 600;
 constexpr std::size_t fewest_points_of_a_map = 256;
+constexpr std::size_t most_read_at_once = 8; ///< chunks of a cooked mesh; of more only those at its ends are read
 
 Aabb around(const Eigen::Vector3d& centre, const Eigen::Vector3d& half)
 {
@@ -110,6 +111,7 @@ void PoseBounds::expect(const Eigen::Isometry3d& pose)
     const std::vector<Eigen::Vector3d>* points = points_of(geometry_);
     const auto* cooked = std::get_if<std::shared_ptr<const CookedMesh>>(&geometry_);
     if (final_ || (!points && !cooked) || turns_by_quarters(pose.linear())) return;
+    if (cooked && expect(*cooked, pose)) return;
     if (++requested_ == 1) {
         const auto* mesh = std::get_if<Mesh>(&geometry_);
         try {
@@ -124,6 +126,26 @@ void PoseBounds::expect(const Eigen::Isometry3d& pose)
     const bool large = points_.size() >= fewest_points_of_a_map;
     final_ = !large || requested_ >= boxes_that_pay_for_a_map;
     if (large && final_) support_ = SupportMap(points_), points_ = {};
+}
+
+/// False: it is to be read as a whole.
+bool PoseBounds::expect(const std::shared_ptr<const CookedMesh>& mesh, const Eigen::Isometry3d& pose)
+{
+    try {
+        if (!cooked_) {
+            if (points_.size() > 0 || !support_.empty() || mesh->open()->tree_chunks <= most_read_at_once) return false;
+            cooked_ = std::make_unique<CookedSupport>(mesh, centre_);
+        }
+        const Eigen::Matrix3f rows = pose.linear().cast<float>();
+        for (int axis = 0; axis < 3; ++axis) {
+            const Eigen::Vector3f row = rows.row(axis);
+            cooked_->prepare(row), cooked_->prepare(-row);
+        }
+        requested_ = 1;
+    } catch (const ChunkFault&) { // which the file keeps: the box stays that of the rotated bounds
+        final_ = true;
+    }
+    return true;
 }
 
 double PoseBounds::motion(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) const
@@ -150,10 +172,11 @@ Aabb PoseBounds::box(const Eigen::Isometry3d& pose) const
     if (requested_ > 0 && !turns_by_quarters(r)) {
         const Eigen::Matrix3f rows = r.cast<float>();
         Eigen::Vector3f lo, hi;
-        if (!support_.empty()) {
+        if (cooked_ || !support_.empty()) {
+            const auto most = [&](const Eigen::Vector3f& d) { return cooked_ ? cooked_->most(d) : support_.most(d); };
             for (int axis = 0; axis < 3; ++axis) {
                 const Eigen::Vector3f row = rows.row(axis);
-                hi[axis] = support_.most(row), lo[axis] = -support_.most(-row);
+                hi[axis] = most(row), lo[axis] = -most(-row);
             }
         } else {
             const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> by_rows = rows;

@@ -1,7 +1,8 @@
 #pragma once
 #include <cstdint>
+#include <memory>
 
-#include <oncollide/broadphase/support_map.hpp>
+#include <oncollide/broadphase/cooked_support.hpp>
 #include <oncollide/scenes/scene.hpp>
 
 namespace oncollide {
@@ -20,9 +21,9 @@ public:
     /// it but for their tightness. Allocates nothing where nothing pays.
     void expect(const Eigen::Isometry3d& pose);
 
-    /// Encloses the geometry at this pose, rounding included: at most 2^-20 of its size too large. After expect() of the
-    /// pose it depends on geometry and pose alone, whatever else was requested: other processes find the same box. Safe
-    /// from many threads at once. Cost: 0.5 to 0.8 microseconds for a large mesh, once its map is there.
+    /// Encloses the geometry at this pose, rounding included: at most 2^-20 of its size too large. After expect() of
+    /// the pose it depends on geometry and pose alone, whatever else was requested: other processes find the same box.
+    /// Safe from many threads at once. Cost: 0.5 to 0.8 microseconds for a large mesh, once its map is there.
     Aabb box(const Eigen::Isometry3d& pose) const;
     /// The loose box: of the sphere around the geometry's own box, whatever the rotation.
     Aabb sphere_box(const Eigen::Isometry3d& pose) const;
@@ -36,9 +37,11 @@ public:
     /// How far its points are from the origin of the body's frame, at most.
     double reach() const { return centre_.norm() + radius_; }
 
-    std::size_t bytes() const { return support_.bytes() + points_.bytes(); }
+    std::size_t bytes() const { return support_.bytes() + points_.bytes() + (cooked_ ? cooked_->bytes() : 0); }
 
 private:
+    bool expect(const std::shared_ptr<const CookedMesh>& mesh, const Eigen::Isometry3d& pose);
+
     const GeometryData& geometry_;
     Eigen::Vector3d centre_, half_; ///< of the geometry's own box, body frame
     double radius_ = 0;             ///< of the sphere around that box
@@ -46,8 +49,9 @@ private:
     // Support points relative to the centre: all, padded to 8 with copies, or, in their place, a map.
     PointColumns points_;
     SupportMap support_;
-    std::uint64_t requested_ = 0; ///< boxes
-    bool final_ = false;          ///< is the support what it will be?
+    std::unique_ptr<CookedSupport> cooked_; ///< of a mesh in a file of many chunks, in place of these
+    std::uint64_t requested_ = 0;           ///< boxes
+    bool final_ = false;                    ///< is the support what it will be?
 };
 
 } // namespace oncollide

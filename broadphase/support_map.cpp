@@ -39,6 +39,7 @@ Vector3f direction(std::uint32_t face, float u, float v)
 PointColumns point_columns(std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& centre)
 {
     PointColumns columns;
+    for (std::vector<float>& column : columns.xyz) column.reserve((points.size() + 7) / 8 * 8);
     for (const Eigen::Vector3d& point : points) {
         const Vector3f p = (point - centre).cast<float>();
         columns.add(p.x(), p.y(), p.z());

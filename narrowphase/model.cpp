@@ -1,8 +1,59 @@
 #include <oncollide/narrowphase/model.hpp>
 
+#include <oncollide/scenes/cooked/cooked_map.hpp>
+
 namespace oncollide {
 
-Model::Model(std::shared_ptr<const Geometry> geometry) : geometry_(std::move(geometry)), bounds_(geometry_->data) {}
+namespace {
+
+const CookedFile* file_of(const GeometryData& data)
+{
+    if (const auto* mesh = std::get_if<std::shared_ptr<const CookedMesh>>(&data)) return &(*mesh)->file();
+    if (const auto* terrain = std::get_if<Terrain>(&data); terrain && terrain->chunks())
+        return &terrain->chunks()->cooked()->file();
+    if (const auto* map = std::get_if<OccupancyMap>(&data); map && map->cells().chunks())
+        return &map->cells().chunks()->cooked()->file();
+    return nullptr;
+}
+
+} // namespace
+
+Model::Model(std::shared_ptr<const Geometry> geometry)
+    : geometry_(std::move(geometry)), file_(file_of(geometry_->data)), bounds_(geometry_->data)
+{
+}
+
+void Model::read_on_demand(ChunkBudget& budget)
+{
+    if (!file_ || cooked()) return;
+    if (terrain())
+        own_terrain_ = TerrainChunks::terrain(terrain()->chunks()->cooked(), &budget);
+    else
+        own_map_ = MapChunks::map(map()->cells().chunks()->cooked(), &budget);
+}
+
+void Model::read_all() const
+{
+    if (!file_) return;
+    if (cooked())
+        mesh();
+    else if (terrain())
+        terrain()->chunks()->need_all();
+    else
+        map()->cells().chunks()->need_all();
+}
+
+HeldChunks* Model::held_grid() const
+{
+    if (!file_ || cooked()) return nullptr;
+    return map() ? static_cast<HeldChunks*>(map()->cells().chunks()) : heights_.get();
+}
+
+std::size_t Model::grid_bytes() const
+{
+    if (heights_) return heights_->bytes();
+    return file_ && map() ? map()->cells().bytes() : 0;
+}
 
 const BoundingMesh& Model::bounding_mesh() const
 {
@@ -93,7 +144,9 @@ bool Model::closed() const
 std::span<const PartPoints> Model::parts() const
 {
     std::call_once(parts_once_, [this] {
-        if (!cooked())
+        if (terrain())
+            parts_ = part_points_of(*terrain());
+        else if (!cooked())
             parts_ = part_points_of(geometry_->data);
         else if (std::optional known = cooked()->parts())
             parts_ = std::move(*known);

@@ -45,10 +45,19 @@ public:
         const auto* mesh = std::get_if<std::shared_ptr<const CookedMesh>>(&geometry_->data);
         return mesh ? mesh->get() : nullptr;
     }
+    /// The file that parts of it are read from where tests need them; null: none.
+    const CookedFile* file() const { return file_; }
+    /// Of a map or a terrain in a file: what is read of it is this model's own from now on, and counts here. Before
+    /// anything else is asked of it.
+    void read_on_demand(ChunkBudget& budget);
+    /// Reads all of the file, for what needs all of it. Throws ChunkFault.
+    void read_all() const;
+    /// What it holds of a map's or a terrain's file; null: nothing.
+    HeldChunks* held_grid() const;
     bool is_mesh() const { return cooked() || std::holds_alternative<Mesh>(geometry_->data); }
     const Shape* shape() const { return std::get_if<Shape>(&geometry_->data); }
-    const OccupancyMap* map() const { return std::get_if<OccupancyMap>(&geometry_->data); }
-    const Terrain* terrain() const { return std::get_if<Terrain>(&geometry_->data); }
+    const OccupancyMap* map() const { return own_map_ ? &*own_map_ : std::get_if<OccupancyMap>(&geometry_->data); }
+    const Terrain* terrain() const { return own_terrain_ ? &*own_terrain_ : std::get_if<Terrain>(&geometry_->data); }
 
     /// World boxes at any pose.
     PoseBounds& bounds() { return bounds_; }
@@ -75,7 +84,7 @@ public:
     MapTree& cells() const;
     /// The quadtree of a terrain. The model must be a terrain.
     TerrainTree& heights() const;
-    std::size_t heights_bytes() const { return heights_ ? heights_->bytes() : 0; } ///< of the quadtree, if it is there
+    std::size_t grid_bytes() const; ///< of the quadtree, and of what is held of a map's file
     /// Around the geometry, or around the bounding mesh of a shape.
     RootCell root_cell() const;
     /// What occlusion backends see, but not of a terrain. Not kept: backends own it. Cost: 10 ns a primitive.
@@ -114,6 +123,9 @@ private:
     const Mesh& whole() const;
 
     std::shared_ptr<const Geometry> geometry_;
+    const CookedFile* file_;
+    std::optional<OccupancyMap> own_map_;
+    std::optional<Terrain> own_terrain_;
     PoseBounds bounds_;
     mutable std::once_flag bounding_mesh_once_, closed_once_, parts_once_, fcl_once_, polytope_once_, convex_once_,
         shape_tree_once_, cells_once_, heights_once_, whole_once_;

@@ -28,15 +28,21 @@ Model& ModelStore::by_number(std::uint32_t number) const
     return number % 2 ? *passing_[number / 2] : *slots_[number / 2].model;
 }
 
-ModelId ModelStore::add(std::shared_ptr<const Geometry> geometry)
+std::unique_ptr<Model> ModelStore::make_model(std::shared_ptr<const Geometry> geometry, std::uint32_t number)
 {
     auto model = std::make_unique<Model>(std::move(geometry));
+    model->number = number;
+    if (reads_on_demand(settings_)) model->read_on_demand(chunks_);
+    if (model->terrain() || (model->file() && model->map())) grids_.push_back(model.get());
+    return model;
+}
+
+ModelId ModelStore::add(std::shared_ptr<const Geometry> geometry)
+{
     if (free_.empty()) free_.push_back(static_cast<std::uint32_t>(slots_.size())), slots_.emplace_back();
     const std::uint32_t slot = free_.back();
     free_.pop_back();
-    model->number = 2 * slot;
-    if (model->terrain()) terrains_.push_back(model.get());
-    slots_[slot].model = std::move(model);
+    slots_[slot].model = make_model(std::move(geometry), 2 * slot);
     ++size_;
     return {slot, slots_[slot].generation};
 }
@@ -49,18 +55,15 @@ void ModelStore::drop(Model& model)
     drop_spheres(model.number);
     drop_boxes(model);
     std::erase(with_boxes_, &model);
-    std::erase(terrains_, &model);
+    std::erase(grids_, &model);
 }
 
 void ModelStore::replace(ModelId id, std::shared_ptr<const Geometry> geometry)
 {
-    auto model = std::make_unique<Model>(std::move(geometry));
-    model->number = 2 * id.slot;
     Slot& slot = slots_[id.slot];
     drop(*slot.model);
-    if (&model->geometry() != slot.own.get()) slot.own.reset();
-    if (model->terrain()) terrains_.push_back(model.get());
-    slot.model = std::move(model);
+    if (geometry != slot.own) slot.own.reset();
+    slot.model = make_model(std::move(geometry), 2 * id.slot);
 }
 
 std::shared_ptr<Geometry> ModelStore::own(ModelId id)
@@ -81,9 +84,8 @@ void ModelStore::remove(ModelId id)
 
 Model& ModelStore::add_passing(std::shared_ptr<const Geometry> geometry)
 {
-    auto model = std::make_unique<Model>(std::move(geometry));
     const auto free = std::find(passing_.begin(), passing_.end(), nullptr);
-    model->number = 2 * static_cast<std::uint32_t>(free - passing_.begin()) + 1;
+    auto model = make_model(std::move(geometry), 2 * static_cast<std::uint32_t>(free - passing_.begin()) + 1);
     return **(free == passing_.end() ? passing_.insert(free, std::move(model)) : (*free = std::move(model), free));
 }
 
@@ -221,25 +223,24 @@ void ModelStore::drop_prepared(const Model* of, std::uint32_t frame, std::uint32
 /// The chunks that were not needed for longest, until so much is held, or all.
 void ModelStore::drop_chunks(std::size_t down_to) const
 {
-    struct Candidate {
-        std::uint64_t needed;
-        ObbTree* tree;
-        std::uint32_t chunk;
+    struct Candidate : HeldChunks::Held {
+        HeldChunks* of;
     };
     std::vector<Candidate> candidates;
-    const auto add = [&](ObbTree* tree) {
-        if (const MeshChunks* chunks = tree->chunked())
-            chunks->each_there([&](std::uint32_t chunk, std::uint64_t needed) {
-                candidates.push_back({needed, tree, chunk});
-            });
+    std::vector<HeldChunks::Held> held;
+    const auto add = [&](HeldChunks* of) {
+        held.clear();
+        if (of) of->add_held(held);
+        for (const HeldChunks::Held& chunk : held) candidates.push_back({chunk, of});
     };
     for (const Model* model : with_boxes_) add(model->boxes.get());
+    for (const Model* model : grids_) add(model->held_grid());
     const std::lock_guard lock(preparing_);
     for (const Prepared& prepared : prepared_) add(prepared.boxes.get());
-    std::ranges::stable_sort(candidates, {}, &Candidate::needed);
+    std::ranges::stable_sort(candidates, {}, [](const Candidate& c) { return c.needed; });
     for (const Candidate& candidate : candidates) {
         if (chunks_.held() <= down_to) return;
-        candidate.tree->drop(candidate.chunk);
+        candidate.of->drop(candidate.chunk);
     }
 }
 
@@ -256,8 +257,8 @@ std::vector<std::string> ModelStore::faults() const
     for (const auto& [what, pairs] : noted_)
         lines.push_back(fmt::format("{} ({} result{} undecided)", what, pairs, pairs == 1 ? "" : "s"));
     for (const Slot& slot : slots_)
-        if (slot.model && slot.model->cooked())
-            for (const std::string& what : slot.model->cooked()->faults())
+        if (slot.model && slot.model->file())
+            for (const std::string& what : slot.model->file()->faults())
                 if (!noted_.contains(what)) lines.push_back(what);
     return lines;
 }
@@ -421,7 +422,7 @@ std::size_t ModelStore::sphere_bytes() const
 std::size_t ModelStore::bytes() const
 {
     std::size_t sum = sphere_bytes();
-    for (const Model* model : terrains_) sum += model->heights_bytes();
+    for (const Model* model : grids_) sum += model->grid_bytes();
     for (const Model* model : with_boxes_) sum += model->boxes->bytes();
     return sum;
 }

@@ -122,10 +122,12 @@ private:
     void take_over(const GpuLost& why);
     template <class Work>
     void survive(Work work);
+    std::unique_ptr<Model> make_model(std::shared_ptr<const Geometry> geometry, std::uint32_t number);
 
     const Settings& settings_;
     std::unique_ptr<OcclusionBackend> backend_;
     // Model::number is 2 * slot for a model of a slot, odd for one that passes: backends keep arrays by number.
+    mutable ChunkBudget chunks_; ///< before the models, which give back what they took
     std::vector<Slot> slots_;
     std::vector<std::uint32_t> free_;
     std::vector<std::unique_ptr<Model>> passing_;
@@ -133,12 +135,11 @@ private:
     std::vector<std::uint32_t> with_spheres_; ///< numbers of models that have a sphere-tree
     std::vector<Model*> with_boxes_;          ///< models that have a tree of oriented boxes
     Room reserved_;                           ///< for these, all grown
-    std::vector<const Model*> terrains_;      ///< of slots
+    std::vector<const Model*> grids_;         ///< terrains, and maps in files
     std::vector<OctantRow> rows_;             ///< of the batch under way
     std::vector<OctantResult> results_;
     int threads_ = 1;
     std::string lost_;
-    mutable ChunkBudget chunks_;
     mutable std::shared_mutex walking_; ///< shared by those who walk where chunks may be dropped
     mutable std::mutex noting_;
     mutable std::map<std::string, std::uint64_t> noted_; ///< pairs by reason

@@ -89,7 +89,7 @@ void World::Impl::check_body(const BodySpec& body)
 {
     const Model& model = model_of(body.model);
     check_pose(std::nullopt, body.pose);
-    if (model.cooked() && !reads_on_demand(settings)) model.mesh(); // now, not in the middle of a frame
+    if (!reads_on_demand(settings)) model.read_all(); // now, not in the middle of a frame
     if (settings.mode == Mode::solid && !settings.open_as_surface && model.is_mesh() && !model.closed())
         refuse_open_mesh(name_or(model.geometry().name, "mesh"), *model.mesh());
 }

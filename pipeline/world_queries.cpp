@@ -88,14 +88,26 @@ public:
         for (std::size_t i = 0; i < w.tasks.size(); ++i) {
             const std::uint32_t slot = w.tasks[i].number;
             RefineResult& result = w.refined[i];
-            if (probe.solid_box && result.verdict != Verdict::colliding && has_point_in(bodies, slot, *probe.solid_box))
-                result = {Verdict::colliding, ContactKind::enclosed, 0};
+            if (probe.solid_box && result.verdict != Verdict::colliding) look_inside(probe, slot, result);
             if (result.verdict != Verdict::separate)
                 hits.push_back({bodies.id(slot), result.verdict, result.kind, result.bound});
         }
     }
 
 private:
+    /// Parts of the body that are in the box whose surface meets none.
+    void look_inside(const Probe& probe, std::uint32_t slot, RefineResult& result)
+    {
+        try {
+            if (impl_.models.with_room([&] { return has_point_in(impl_.bodies, slot, *probe.solid_box); }))
+                result = {Verdict::colliding, ContactKind::enclosed, 0};
+        } catch (const ChunkFault& fault) {
+            impl_.models.note(fault.what());
+            result = {Verdict::undecided, ContactKind::unknown,
+                      farthest_apart(worker_->boxes.front(), impl_.bodies.boxes()[slot])};
+        }
+    }
+
     Impl& impl_;
     std::unique_ptr<QueryWorker> worker_;
 };

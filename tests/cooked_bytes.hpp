@@ -24,7 +24,13 @@ void set_value(std::string& bytes, std::size_t at, const Value& value)
 /// Where the table of chunks of a cooked file begins.
 inline std::size_t table_of(const std::string& bytes)
 {
-    return sizeof(CookedHeader) + std::size_t(value_at<CookedHeader>(bytes, 0).nodes) * cooked_node_bytes;
+    const auto header = value_at<CookedHeader>(bytes, 0);
+    return sizeof header + std::size_t(header.nodes) * cooked_node_bytes(header.kind);
+}
+
+inline CookedChunkEntry chunk_at(const std::string& bytes, std::size_t chunk)
+{
+    return value_at<CookedChunkEntry>(bytes, table_of(bytes) + chunk * sizeof(CookedChunkEntry));
 }
 
 /// A cooked file that was changed, with checksums that say it was not. One that cannot have any stays as it is.
@@ -34,7 +40,8 @@ inline std::string resealed(std::string bytes)
     const auto header = value_at<CookedHeader>(bytes, 0);
     const std::size_t table = table_of(bytes);
     const std::size_t end = table + header.chunks * sizeof(CookedChunkEntry) +
-                            (header.parts < bytes.size() ? header.parts : 0) * cooked_part_bytes;
+                            (header.parts < bytes.size() ? header.parts : 0) * cooked_part_bytes +
+                            cooked_record_bytes(header.kind);
     if (table <= bytes.size() && header.chunks <= bytes.size())
         for (std::size_t c = 0; c < header.chunks && end <= bytes.size(); ++c) {
             const std::size_t at = table + c * sizeof(CookedChunkEntry);

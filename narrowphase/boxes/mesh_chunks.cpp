@@ -11,7 +11,7 @@
 
 namespace oncollide {
 
-static_assert(sizeof(BoxNode) == cooked_node_bytes);
+static_assert(sizeof(BoxNode) == sizeof(CookedNode) && offsetof(BoxNode, child) == offsetof(CookedNode, child));
 
 namespace {
 
@@ -26,18 +26,6 @@ constexpr std::uint64_t up_to(std::uint64_t count, std::uint64_t step)
 }
 
 } // namespace
-
-void ChunkBudget::take(std::size_t bytes, const std::string& who)
-{
-    const std::size_t before = held_.fetch_add(bytes, std::memory_order_relaxed);
-    now_.fetch_add(1, std::memory_order_relaxed);
-    if (limit_ == 0 || before + bytes <= limit_) return;
-    give(bytes);
-    throw NoRoomForChunk(ErrorKind::bad_data,
-                         fmt::format("{}: what one pair needs of it does not fit into the {} bytes that chunks may "
-                                     "hold",
-                                     who, limit_));
-}
 
 MeshChunks::MeshChunks(std::shared_ptr<const CookedMesh> mesh, ChunkBudget& budget)
     : mesh_(std::move(mesh)), top_(mesh_->open()), budget_(budget), chunks_(top_->tree_chunks)
@@ -126,10 +114,10 @@ void MeshChunks::add_upper_nodes()
         for (unsigned k = 0; k < 8; ++k) {
             if (k >= node.lanes ? node.count[k] || node.child[k] || node.begin[k] : node.count[k] == 0)
                 fail(index, "has an empty box, or more than it says");
-            if (node.child[k] && node.count[k] <= most_chunk_triangles / 2) fail(index, "has a box that has no parts");
+            if (node.child[k] && node.count[k] <= leaf_triangles) fail(index, "has a box that has no parts");
             if (node.child[k]) node.begin[k] = 0; // says nothing
             count += node.count[k];
-            node.leaves |= unsigned(k < node.lanes && node.count[k] <= 2) << k;
+            node.leaves |= unsigned(k < node.lanes && node.count[k] <= leaf_triangles) << k;
             node.singles |= unsigned(node.count[k] == 1) << k;
         }
         if (count != (lane.node ? at(lane.node).count[lane.k] : mesh_->triangles()))
@@ -201,10 +189,7 @@ void MeshChunks::opened(std::uint32_t node)
 {
     if (node >= upper_) {
         const std::uint32_t owner = owner_[node / nodes_per_block];
-        std::atomic<std::uint64_t>& needed = chunks_[owner - 1].needed;
-        if (const std::uint64_t now = budget_.now(); needed.load(std::memory_order_relaxed) != now)
-            needed.store(now, std::memory_order_relaxed);
-        return;
+        return budget_.mark(chunks_[owner - 1].needed);
     }
     const BoxNode& from = at(node);
     for (std::uint32_t left = from.leaves; left; left &= left - 1) need(chunk_of(from.begin[__builtin_ctz(left)]));

@@ -8,30 +8,10 @@
 
 #include <oncollide/base/lazy_memory.hpp>
 #include <oncollide/narrowphase/boxes/box_node.hpp>
+#include <oncollide/scenes/cooked/chunk_budget.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 
 namespace oncollide {
-
-/// What chunks of cooked meshes may hold of the memory, all together, and when they were needed.
-class ChunkBudget {
-public:
-    explicit ChunkBudget(std::size_t limit) : limit_(limit) {}
-
-    bool limited() const { return limit_ > 0; }
-    std::size_t limit() const { return limit_; }
-    std::size_t held() const { return held_.load(std::memory_order_relaxed); }
-    /// Throws NoRoomForChunk, in the name of `who`, where that is more than there may be.
-    void take(std::size_t bytes, const std::string& who);
-    void give(std::size_t bytes) { held_.fetch_sub(bytes, std::memory_order_relaxed); }
-
-    /// Goes up with each chunk that is read.
-    std::uint64_t now() const { return now_.load(std::memory_order_relaxed); }
-
-private:
-    const std::size_t limit_;
-    std::atomic<std::size_t> held_ = 0;
-    std::atomic<std::uint64_t> now_ = 1;
-};
 
 /// The triangles of a cooked mesh as its tree sees them: numbered in the order of the tree, each chunk on pages of its
 /// own, read when it is needed. Also the nodes, which go with their chunk.
@@ -39,6 +19,8 @@ private:
 /// Chunks may be read by many threads at once; they are dropped while nobody walks.
 class MeshChunks {
 public:
+    static constexpr std::uint32_t leaf_triangles = 2; ///< a box of so many or fewer is a leaf
+
     /// A box of a node.
     struct Lane {
         std::uint32_t node = 0, k = 0;
@@ -76,11 +58,10 @@ public:
     /// A walk opens the node: the chunks of its leaves are read; that of a node below is marked as needed now.
     void opened(std::uint32_t node);
 
-    /// Those that are there: visit(chunk, when it was needed last).
-    void each_there(auto visit) const
+    void add_held(std::vector<HeldChunks::Held>& to) const
     {
         for (std::uint32_t c = 0; c < chunks_.size(); ++c)
-            if (there(c)) visit(c, chunks_[c].needed.load(std::memory_order_relaxed));
+            if (there(c)) to.push_back({chunks_[c].needed.load(std::memory_order_relaxed), c});
     }
     /// Not while anybody walks.
     void drop(std::uint32_t chunk);

@@ -230,6 +230,11 @@ std::size_t ObbTree::bytes() const
            own_order_.capacity() * sizeof(own_order_[0]);
 }
 
+void ObbTree::add_held(std::vector<Held>& to) const
+{
+    if (chunked_) chunked_->add_held(to);
+}
+
 void ObbTree::drop(std::uint32_t of_chunks)
 {
     chunked_->drop(of_chunks);

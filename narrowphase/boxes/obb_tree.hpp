@@ -21,7 +21,7 @@ namespace oncollide {
 /// triangles, but into parts of two fifths at least, so the tree is at most 0.46 log2(n) + 2 nodes deep whatever the
 /// triangles. What a node holds depends on the mesh alone, not on who walked first.
 /// Walks may grow the tree side by side.
-class ObbTree {
+class ObbTree final : public HeldChunks {
 public:
     /// Keeps a reference to the mesh. Cost: 5 ns a triangle; the first walk costs some 60.
     explicit ObbTree(const Mesh& mesh);
@@ -29,7 +29,7 @@ public:
     /// the file, and chunks of triangles are read when a walk first comes to them: open() and child() throw ChunkFault,
     /// and the walk ends. Cost: that of the upper levels.
     ObbTree(std::shared_ptr<const CookedMesh> mesh, ChunkBudget& budget);
-    ~ObbTree();
+    ~ObbTree() override;
     ObbTree(const ObbTree&) = delete;
     ObbTree& operator=(const ObbTree&) = delete;
 
@@ -59,7 +59,7 @@ public:
     void grow_in(const Aabb& box, std::uint32_t triangles);
     /// A box of so many triangles or fewer counts as a leaf. Where it is much larger than what it is compared with, its
     /// triangles can still get boxes of their own.
-    static constexpr std::uint32_t leaf_triangles = 2;
+    static constexpr std::uint32_t leaf_triangles = MeshChunks::leaf_triangles;
 
     /// The triangle at a place of the tree's order, by number in the mesh.
     std::uint32_t triangle(std::uint32_t place) const { return order_[place]; }
@@ -84,8 +84,8 @@ public:
 
     /// Of a cooked mesh; else null.
     MeshChunks* chunked() const { return chunked_.get(); }
-    /// Drops a chunk of it. Not while anybody walks.
-    void drop(std::uint32_t of_chunks);
+    void add_held(std::vector<Held>& to) const override;
+    void drop(std::uint32_t of_chunks) override;
 
     std::uint32_t nodes() const { return chunked_ ? chunked_->nodes() : used_.load(); }
     /// Of this tree and no other: nodes of one are no nodes of another, though it may be of the same mesh.

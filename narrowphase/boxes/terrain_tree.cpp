@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include <oncollide/narrowphase/boxes/oriented_box.hpp>
@@ -26,8 +27,106 @@ TerrainTree::TerrainTree(const Terrain& terrain)
     std::uint32_t level = 0;
     for (Block all = blocks(0); all.x > wide(level) || all.y > high(level); all = blocks(level)) ++level;
     top_ = {0, 0, level, false};
-    make_squares();
-    for (std::uint32_t l = 3; l <= level; ++l) make_level(l);
+    if (!terrain.chunks()) {
+        make_squares();
+        for (std::uint32_t l = 3; l <= level; ++l) make_level(l);
+        return;
+    }
+    const CookedTerrain& cooked = *terrain.chunks()->cooked();
+    parts_across_ = cooked.blocks_across();
+    parts_ = std::vector<std::atomic<Part*>>(cooked.ranges().size());
+    bounds_.resize(2); // of level 3 none
+    for (const CookedRange& r : cooked.ranges())
+        bounds_[1].push_back({{r.low, r.high}, {{r.slab_low, r.slab_high}, r.slope_x, r.slope_y}});
+    for (std::uint32_t l = part_level + 1; l <= level; ++l) make_level(l);
+}
+
+TerrainTree::~TerrainTree()
+{
+    for (std::atomic<Part*>& part : parts_) delete part.load();
+    if (terrain_.chunks()) terrain_.chunks()->budget().give(held_);
+}
+
+/// The squares of a block and the level above them, from its heights. Those of other blocks begin where it ends.
+void TerrainTree::fill(Part& part, std::uint32_t x, std::uint32_t y) const
+{
+    constexpr std::uint32_t cells = CookedTerrain::side, width = cells + 1;
+    const double zero = centre_.z() - terrain_.origin().z();
+    std::vector<float> z(std::size_t(width) * width);
+    const std::uint32_t begin = x * cells, end = std::min(begin + width, terrain_.columns());
+    double heights[width];
+    for (std::uint32_t j = 0; j < width; ++j) {
+        terrain_.chunks()->read_row(std::min(y * cells + j, terrain_.cells_y()), begin, end, heights);
+        std::fill(heights + (end - begin), heights + width, heights[end - begin - 1]); // beyond the last column
+        for (std::uint32_t i = 0; i < width; ++i) z[j * width + i] = static_cast<float>(heights[i] - zero);
+    }
+    const auto each = [&](std::uint32_t level, std::uint32_t across, std::uint32_t down, auto visit) {
+        const Block all = blocks(level);
+        for (std::uint32_t j = 0; j < std::min(down, all.y - y * down); ++j)
+            for (std::uint32_t i = 0; i < std::min(across, all.x - x * across); ++i) visit(j * across + i, i, j);
+    };
+    each(2, 8, 8, [&](std::uint32_t k, std::uint32_t i, std::uint32_t j) {
+        part.squares[k] = square_of(&z[std::size_t(j * square_side) * width + i * square_side], width);
+    });
+    each(3, 2, 4, [&](std::uint32_t k, std::uint32_t i, std::uint32_t j) {
+        part.bounds[k] = bounds_around(3, 2 * x + i, 4 * y + j, [&](std::uint32_t of_x, std::uint32_t of_y) {
+            const Square& square = part.squares[of_y % 8 * 8 + of_x % 8];
+            return Bounds{range_of(square), slab_of(square)};
+        });
+    });
+}
+
+const TerrainTree::Part& TerrainTree::make_part(std::uint32_t x, std::uint32_t y) const
+{
+    const std::lock_guard lock(making_);
+    const std::size_t number = std::size_t(y) * parts_across_ + x;
+    if (const Part* const there = parts_[number].load(std::memory_order_acquire)) return *there;
+    TerrainChunks& chunks = *terrain_.chunks();
+    chunks.budget().take(sizeof(Part), chunks.cooked()->file().name());
+    try {
+        auto made = std::make_unique<Part>();
+        fill(*made, x, y);
+        const Bounds of = bounds_around(part_level, x, y, [&](std::uint32_t of_x, std::uint32_t of_y) {
+            return made->bounds[of_y % 4 * 2 + of_x % 2];
+        });
+        if (std::memcmp(&of, &bounds_[1][number], sizeof of) != 0)
+            chunks.cooked()->refuse_chunk(std::size_t(y) * chunks.cooked()->across() + x,
+                                          "its heights are not within the bounds that the top says");
+        parts_[number].store(made.release(), std::memory_order_release);
+    } catch (...) {
+        chunks.budget().give(sizeof(Part));
+        throw;
+    }
+    held_ += sizeof(Part);
+    return *parts_[number].load(std::memory_order_relaxed);
+}
+
+CookedRange TerrainTree::range_of_chunk(std::uint32_t x, std::uint32_t y) const
+{
+    const Bounds of = bounds_around(part_level, x, y, [&](std::uint32_t of_x, std::uint32_t of_y) {
+        const auto square_bounds = [&](std::uint32_t sx, std::uint32_t sy) { return bounds_below(2, sx, sy); };
+        return bounds_around(3, of_x, of_y, square_bounds);
+    });
+    return {of.range.low, of.range.high, of.slab.low, of.slab.high, of.slab.slope_x, of.slab.slope_y};
+}
+
+void TerrainTree::add_held(std::vector<Held>& to) const
+{
+    const TerrainChunks& chunks = *terrain_.chunks();
+    for (std::uint32_t chunk = 0; chunk < chunks.cooked()->chunks(); ++chunk)
+        if (chunks.there(chunk)) to.push_back({chunks.needed(chunk), chunk});
+}
+
+/// The heights, and what was made of them and those beside them.
+void TerrainTree::drop(std::uint32_t chunk)
+{
+    TerrainChunks& chunks = *terrain_.chunks();
+    const std::uint32_t x = chunk % chunks.cooked()->across(), y = chunk / chunks.cooked()->across();
+    const std::size_t number = std::size_t(y) * parts_across_ + x;
+    if (x < parts_across_ && number < parts_.size())
+        if (const std::unique_ptr<Part> gone(parts_[number].exchange(nullptr)); gone)
+            chunks.budget().give(sizeof(Part)), held_ -= sizeof(Part);
+    chunks.drop(chunk);
 }
 
 void TerrainTree::make_squares()
@@ -142,25 +241,44 @@ void TerrainTree::make_level(std::uint32_t level)
 {
     const Block all = blocks(level);
     std::vector<Bounds> bounds(std::size_t(all.x) * all.y);
-    const std::uint32_t w = wide(level - 1), h = high(level - 1);
-    const Block below = blocks(level - 1);
     for (std::uint32_t y = 0; y < all.y; ++y)
-        for (std::uint32_t x = 0; x < all.x; ++x) {
-            Bounds& sum = bounds[std::size_t(y) * all.x + x];
-            sum.range = {nothing, -nothing};
-            for (std::uint32_t j = y * h; j < std::min((y + 1) * h, below.y); ++j)
-                for (std::uint32_t i = x * w; i < std::min((x + 1) * w, below.x); ++i) {
-                    const Range part = range(level - 1, i, j);
-                    sum.range.low = std::min(sum.range.low, part.low);
-                    sum.range.high = std::max(sum.range.high, part.high);
-                }
-            sum.slab = slab_around(level, x, y);
-        }
+        for (std::uint32_t x = 0; x < all.x; ++x)
+            bounds[std::size_t(y) * all.x + x] =
+                bounds_around(level, x, y, [&](std::uint32_t of_x, std::uint32_t of_y) {
+                    return bounds_below(level - 1, of_x, of_y);
+                });
     bounds_.push_back(std::move(bounds));
 }
 
+/// Of level 2 or above.
+TerrainTree::Bounds TerrainTree::bounds_below(std::uint32_t level, std::uint32_t x, std::uint32_t y) const
+{
+    if (level > 2) return bounds(level, x, y);
+    const Square& of = square(x, y);
+    return {range_of(of), slab_of(of)};
+}
+
+template <class Below>
+TerrainTree::Bounds TerrainTree::bounds_around(std::uint32_t level, std::uint32_t x, std::uint32_t y,
+                                               Below bounds_of) const
+{
+    const std::uint32_t w = wide(level - 1), h = high(level - 1);
+    const Block below = blocks(level - 1);
+    Bounds sum;
+    sum.range = {nothing, -nothing};
+    for (std::uint32_t j = y * h; j < std::min((y + 1) * h, below.y); ++j)
+        for (std::uint32_t i = x * w; i < std::min((x + 1) * w, below.x); ++i) {
+            const Range part = bounds_of(i, j).range;
+            sum.range.low = std::min(sum.range.low, part.low);
+            sum.range.high = std::max(sum.range.high, part.high);
+        }
+    sum.slab = slab_around(level, x, y, bounds_of);
+    return sum;
+}
+
 /// About the plane that fits the middles of the blocks below.
-TerrainTree::Slab TerrainTree::slab_around(std::uint32_t level, std::uint32_t x, std::uint32_t y) const
+template <class Below>
+TerrainTree::Slab TerrainTree::slab_around(std::uint32_t level, std::uint32_t x, std::uint32_t y, Below bounds_of) const
 {
     const Eigen::Vector2f half = half_of_block(level - 1);
     const std::uint32_t w = wide(level - 1), h = high(level - 1);
@@ -168,7 +286,7 @@ TerrainTree::Slab TerrainTree::slab_around(std::uint32_t level, std::uint32_t x,
     const auto each = [&](auto visit) {
         for (std::uint32_t j = 0; j < std::min(h, below.y - y * h); ++j)
             for (std::uint32_t i = 0; i < std::min(w, below.x - x * w); ++i)
-                if (const Slab part = slab(level - 1, x * w + i, y * h + j); part.low <= part.high)
+                if (const Slab part = bounds_of(x * w + i, y * h + j).slab; part.low <= part.high)
                     visit(part, half.x() * (2 * float(i) + 1 - float(w)), half.y() * (2 * float(j) + 1 - float(h)));
     };
     Eigen::Vector3f sums = Eigen::Vector3f::Zero();
@@ -201,25 +319,24 @@ TerrainTree::Slab TerrainTree::slab_around(std::uint32_t level, std::uint32_t x,
     return slab;
 }
 
+TerrainTree::Range TerrainTree::range_of(const Square& square)
+{
+    return {square.low, square.low < nothing ? square.low + 255 * square.step : -nothing};
+}
+
+TerrainTree::Slab TerrainTree::slab_of(const Square& s)
+{
+    return {{s.slab_low, s.slab_low < nothing ? s.slab_low + 255 * s.slab_step : -nothing}, s.slope_x, s.slope_y};
+}
+
 TerrainTree::Range TerrainTree::range(std::uint32_t level, std::uint32_t x, std::uint32_t y) const
 {
-    if (level > 2) return bounds_[level - 3][std::size_t(y) * blocks(level).x + x].range;
-    if (level == 2) {
-        const Square& s = squares_[std::size_t(y) * blocks(2).x + x];
-        return {s.low, s.low < nothing ? s.low + 255 * s.step : -nothing};
-    }
-    const Square& s = squares_[std::size_t(y / 4) * blocks(2).x + x / 2];
+    if (level > 2) return bounds(level, x, y).range;
+    if (level == 2) return range_of(square(x, y));
+    const Square& s = square(x / 2, y / 4);
     const std::uint32_t k = y % 4 * 2 + x % 2;
     if (s.lows[k] > s.highs[k]) return {nothing, -nothing};
     return {s.low + s.lows[k] * s.step, s.low + s.highs[k] * s.step};
-}
-
-/// Of level 2 or above.
-TerrainTree::Slab TerrainTree::slab(std::uint32_t level, std::uint32_t x, std::uint32_t y) const
-{
-    if (level > 2) return bounds_[level - 3][std::size_t(y) * blocks(level).x + x].slab;
-    const Square& s = squares_[std::size_t(y) * blocks(2).x + x];
-    return {{s.slab_low, s.slab_low < nothing ? s.slab_low + 255 * s.slab_step : -nothing}, s.slope_x, s.slope_y};
 }
 
 void TerrainTree::cell_ranges(const Node& node, Range (&ranges)[8]) const
@@ -439,7 +556,7 @@ void TerrainTree::open_blocks(const Node& node, const Eigen::Vector3d& from, Ter
         blocks.slope_x[k] = slab.slope_x, blocks.slope_y[k] = slab.slope_y;
     };
     if (level == 1) { // the eight blocks of one square
-        const Square& s = squares_[std::size_t(node.y / 4) * this->blocks(2).x + node.x / 2];
+        const Square& s = square(node.x / 2, node.y / 4);
         const auto put_all = [](float* out, float low, float step, const std::uint8_t* steps) {
             for (unsigned k = 0; k < 8; ++k) out[k] = low + float(steps[k]) * step;
         };
@@ -455,13 +572,11 @@ void TerrainTree::open_blocks(const Node& node, const Eigen::Vector3d& from, Ter
         if (x >= all.x || y >= all.y) {
             put(k, {nothing, -nothing}, {});
         } else if (level == 2) {
-            const Square& s = squares_[std::size_t(y) * all.x + x];
-            const bool there = s.low < nothing;
-            put(k, {s.low, there ? s.low + 255 * s.step : -nothing},
-                {{s.slab_low, s.slab_low + 255 * s.slab_step}, s.slope_x, s.slope_y});
+            const Square& s = square(x, y);
+            put(k, range_of(s), {{s.slab_low, s.slab_low + 255 * s.slab_step}, s.slope_x, s.slope_y});
         } else {
-            const Bounds& bounds = bounds_[level - 3][std::size_t(y) * all.x + x];
-            put(k, bounds.range, bounds.slab);
+            const Bounds& of = bounds(level, x, y);
+            put(k, of.range, of.slab);
         }
     }
 }
@@ -470,6 +585,7 @@ std::size_t TerrainTree::bytes() const
 {
     std::size_t sum = squares_.capacity() * sizeof(Square);
     for (const auto& level : bounds_) sum += level.capacity() * sizeof(Bounds);
+    if (terrain_.chunks()) sum += parts_.size() * sizeof(parts_[0]) + held_ + terrain_.chunks()->bytes();
     return sum;
 }
 

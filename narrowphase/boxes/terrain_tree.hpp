@@ -1,12 +1,16 @@
 #pragma once
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <vector>
 
 #include <oncollide/narrowphase/boxes/hierarchy.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
+#include <oncollide/scenes/cooked/cooked_terrain.hpp>
 #include <oncollide/scenes/model/terrain.hpp>
 
 namespace oncollide {
@@ -20,10 +24,17 @@ struct TerrainCells;
 /// Level 0 are the cells, level 1 blocks of four by two of them, level 2 blocks of two by four of these, so eight by
 /// eight cells, and so on in turns. A node is the eight blocks, wherever they begin, that one of the next level is made
 /// of; so any place has a node that fits it. Below a cell are its two triangles, each in a flat box.
-class TerrainTree {
+///
+/// Of a terrain in a cooked file it has the same boxes. Blocks of 64 by 64 cells and above come from the file's top;
+/// what is below is made when a walk first comes to it, from the chunks of heights, which must be as the top says:
+/// all that follows then may throw ChunkFault.
+class TerrainTree final : public HeldChunks {
 public:
-    /// Keeps a reference to the terrain. Cost: 6 ns a cell.
+    /// Keeps a reference to the terrain. Cost: 6 ns a cell; of a cooked one, of each block of 64 by 64.
     explicit TerrainTree(const Terrain& terrain);
+    ~TerrainTree() override;
+    TerrainTree(const TerrainTree&) = delete;
+    TerrainTree& operator=(const TerrainTree&) = delete;
 
     struct Node {
         std::uint32_t x, y;  ///< the first block, counted in blocks of its level
@@ -84,6 +95,10 @@ public:
     const Terrain& terrain() const { return terrain_; }
 
     std::size_t bytes() const;
+    CookedRange range_of_chunk(std::uint32_t x, std::uint32_t y) const; ///< of a block of 64 by 64 cells
+
+    void add_held(std::vector<Held>& to) const override;
+    void drop(std::uint32_t chunk) override;
 
 private:
     /// Heights from the centre's, metres, of what is there; nothing is: low > high.
@@ -110,6 +125,12 @@ private:
     struct Block {
         std::uint32_t x, y;
     };
+    /// Of eight squares by eight: a block of level 4.
+    static constexpr std::uint32_t part_level = 4;
+    struct Part {
+        Square squares[64];
+        Bounds bounds[8]; ///< of level 3
+    };
 
     // A block of the level above is so many blocks of this one wide and high.
     static std::uint32_t wide(std::uint32_t level) { return level % 2 ? 2 : 4; }
@@ -134,8 +155,29 @@ private:
         return {((terrain_.cells_x() - 1) >> log_width(level)) + 1,
                 ((terrain_.cells_y() - 1) >> log_height(level)) + 1};
     }
+    const Square& square(std::uint32_t x, std::uint32_t y) const
+    {
+        if (terrain_.chunks()) return part(x / 8, y / 8).squares[y % 8 * 8 + x % 8];
+        return squares_[std::size_t(y) * blocks(2).x + x];
+    }
+    /// Of level 3 or above.
+    const Bounds& bounds(std::uint32_t level, std::uint32_t x, std::uint32_t y) const
+    {
+        if (level < part_level && terrain_.chunks()) return part(x / 2, y / 4).bounds[y % 4 * 2 + x % 2];
+        return bounds_[level - 3][std::size_t(y) * blocks(level).x + x];
+    }
     Range range(std::uint32_t level, std::uint32_t x, std::uint32_t y) const;
-    Slab slab(std::uint32_t level, std::uint32_t x, std::uint32_t y) const;
+    static Range range_of(const Square& square);
+    static Slab slab_of(const Square& square);
+    const Part& part(std::uint32_t x, std::uint32_t y) const
+    {
+        const std::size_t number = std::size_t(y) * parts_across_ + x;
+        const Part* const there = parts_[number].load(std::memory_order_acquire);
+        terrain_.chunks()->mark(x, y);
+        return there ? *there : make_part(x, y);
+    }
+    const Part& make_part(std::uint32_t x, std::uint32_t y) const;
+    void fill(Part& part, std::uint32_t x, std::uint32_t y) const;
     /// What boxes are relative to, in the terrain's frame.
     Eigen::Vector3d origin(const BoxPlacement* placement) const;
     LaneMasks open_cell(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const;
@@ -144,8 +186,13 @@ private:
     Square square_of(const float* z, std::size_t width) const;
     static void ranges_of_blocks(const float* z, std::size_t width, bool holes, Range (&of)[8]);
     void add_slabs(Square& square, const float* z, std::size_t width, bool holes) const;
-    Slab slab_around(std::uint32_t level, std::uint32_t x, std::uint32_t y) const;
+    /// Around the blocks of the level below: visit(below, x, y) has their bounds.
+    template <class Below>
+    Bounds bounds_around(std::uint32_t level, std::uint32_t x, std::uint32_t y, Below below) const;
+    template <class Below>
+    Slab slab_around(std::uint32_t level, std::uint32_t x, std::uint32_t y, Below below) const;
     void make_level(std::uint32_t level);
+    Bounds bounds_below(std::uint32_t level, std::uint32_t x, std::uint32_t y) const;
 
     const Terrain& terrain_;
     Eigen::Vector3d centre_;
@@ -154,6 +201,10 @@ private:
     Node top_;                                ///< holds all cells
     std::vector<Square> squares_;             ///< of level 2, row by row
     std::vector<std::vector<Bounds>> bounds_; ///< of level 3 and above, row by row
+    std::uint32_t parts_across_ = 0;
+    mutable std::vector<std::atomic<Part*>> parts_; ///< of a cooked terrain, in place of the squares and level 3
+    mutable std::atomic<std::size_t> held_ = 0;     ///< by these
+    mutable std::mutex making_;
 };
 
 } // namespace oncollide

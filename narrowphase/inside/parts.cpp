@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/scenes/cooked/cooked_terrain.hpp>
 #include <oncollide/scenes/model/mesh_topology.hpp>
 
 namespace oncollide {
@@ -101,6 +102,13 @@ std::vector<PartPoints> part_points_of(const Mesh& mesh)
     return points_of(mesh);
 }
 
+std::vector<PartPoints> part_points_of(const Terrain& terrain)
+{
+    if (terrain.chunks())
+        if (const auto& known = terrain.chunks()->cooked()->parts()) return *known;
+    return points_of(terrain);
+}
+
 std::vector<PartPoints> part_points_of(const GeometryData& geometry)
 {
     const auto point = [](const Eigen::Vector3d& p) {
@@ -113,7 +121,7 @@ std::vector<PartPoints> part_points_of(const GeometryData& geometry)
         const auto* hull = std::get_if<ConvexHull>(shape); // others hold their origin
         return {point(hull ? hull->points.front() : Eigen::Vector3d::Zero())};
     }
-    if (const auto* terrain = std::get_if<Terrain>(&geometry)) return points_of(*terrain);
+    if (const auto* terrain = std::get_if<Terrain>(&geometry)) return part_points_of(*terrain);
     return {}; // far too many
 }
 

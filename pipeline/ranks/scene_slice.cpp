@@ -7,7 +7,9 @@
 #include <oncollide/base/checksum.hpp>
 #include <oncollide/pipeline/report_kept.hpp>
 #include <oncollide/pipeline/result_hash.hpp>
+#include <oncollide/scenes/cooked/cooked_map.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
+#include <oncollide/scenes/cooked/cooked_terrain.hpp>
 
 namespace oncollide {
 
@@ -32,8 +34,13 @@ std::uint64_t checksum_of(const Geometry& geometry)
     Bytes bytes;
     put(bytes, geometry.data.index());
     put_box(bytes, bounds_of(geometry));
-    if (const auto* map = std::get_if<OccupancyMap>(&geometry.data)) put_box(bytes, map->bounds());
-    if (const auto* terrain = std::get_if<Terrain>(&geometry.data))
+    if (const auto* map = std::get_if<OccupancyMap>(&geometry.data)) {
+        put_box(bytes, map->bounds());
+        if (map->cells().chunks()) put(bytes, map->cells().chunks()->cooked()->checksum());
+    }
+    if (const auto* terrain = std::get_if<Terrain>(&geometry.data); terrain && terrain->chunks())
+        put(bytes, terrain->chunks()->cooked()->checksum());
+    else if (terrain)
         for (std::uint32_t row = 0; row < terrain->rows(); ++row)
             for (std::uint32_t column = 0; column < terrain->columns(); ++column)
                 put(bytes, terrain->height(column, row));

@@ -180,11 +180,11 @@ RefineResult ObbRefiner::exact(const RefineContext& context, const PairTask& tas
     return {Verdict::separate, ContactKind::unknown, bound};
 }
 
-/// The same where a cooked mesh may not be there: what was known of the pair then stays true.
+/// The same where a part of a cooked file may not be there: what was known of the pair then stays true.
 RefineResult ObbRefiner::refine_there(const RefineContext& context, const PairTask& task, const RefineResult& known,
                                       PairMemory* memory, Worker& worker) const
 {
-    if (!task.a->cooked() && !task.b->cooked()) return refine(context, task, memory, worker);
+    if (!task.a->file() && !task.b->file()) return refine(context, task, memory, worker);
     const std::optional<PairMemory> before = memory ? std::optional(*memory) : std::nullopt;
     const auto begin_again = [&] {
         if (before) *memory = *before;

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/base/checksum.hpp>
+#include <oncollide/base/random.hpp>
 #include <oncollide/scenes/catalogue/catalogue_scenes.hpp>
 #include <oncollide/scenes/files/tile_index.hpp>
 #include <oncollide/scenes/model/noise.hpp>
@@ -14,6 +16,12 @@ namespace {
 
 constexpr std::uint32_t tile_cells = 71; ///< a side, of a metre each: 10,082 triangles
 constexpr int convoy_width = 10, convoy_bodies = convoy_width * convoy_width;
+
+template <class Value>
+std::string_view bytes_of(const std::vector<Value>& values)
+{
+    return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value)};
+}
 
 /// What the ground is: `across` x `across` tiles of one range of hills.
 struct Ground {
@@ -37,6 +45,17 @@ struct Ground {
         return make_hills_mesh(cells(), 1, height(), seed, std::uint32_t(tile % across) * tile_cells,
                                std::uint32_t(tile / across) * tile_cells, tile_cells);
     }
+    /// Of what the generator makes of some tiles, so that those that another one made go by another name.
+    std::uint64_t content() const
+    {
+        std::uint64_t sum = splitmix(tile_cells);
+        for (const std::size_t number : {0u, across / 2 * (across + 1), across * across - 1}) {
+            const Mesh mesh = tile(number);
+            for (const std::string_view bytes : {bytes_of(mesh.vertices), bytes_of(mesh.triangles)})
+                sum = splitmix(sum ^ checksum(bytes));
+        }
+        return sum;
+    }
     /// About as high as the surface is there.
     double height(double x, double y) const { return height() * fractal_noise(x / cells(), y / cells(), seed); }
     double height() const { return 0.03 * cells(); }
@@ -46,7 +65,7 @@ void add_ground(Scene& scene, const Ground& ground, const CatalogueOptions& opti
 {
     const std::size_t tiles = std::size_t(ground.across) * ground.across;
     if (options.tiles) {
-        const std::string name = fmt::format("tiles-{}-{}", ground.across, ground.seed);
+        const std::string name = fmt::format("tiles-{}-{}-{:016x}", ground.across, ground.seed, ground.content());
         const auto index = options.tiles(name, tiles, [&](std::size_t tile) { return ground.tile(tile); });
         return add_tiles(scene, "ground", index, {}, {.on_demand = true});
     }

@@ -1,6 +1,8 @@
 // What a cooked file consists of: docs/cooked.md, "The format". Private to those who read and write such files.
 #pragma once
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 namespace oncollide {
 
@@ -9,17 +11,27 @@ constexpr std::uint32_t cooked_byte_order = 0x01020304;
 /// Of the format and of the trees in it: to be raised whenever ObbTree parts triangles in another way, too.
 constexpr std::uint32_t cooked_version = 1;
 
-enum class CookedKind : std::uint32_t { mesh = 1 };
+enum class CookedKind : std::uint32_t { mesh = 1, terrain = 2, map = 3 };
+constexpr const char* name_of(CookedKind kind)
+{
+    return kind == CookedKind::mesh ? "mesh" : kind == CookedKind::terrain ? "terrain" : "map";
+}
+struct CookedSize {
+    std::uint64_t bytes = 0;
+    std::uint32_t chunks = 0;
+};
+
 enum class CookedTopology : std::uint32_t { unknown = 0, open = 1, closed = 2 };
 
-/// At the beginning of the file. Followed by the top (nodes, table of chunks, parts) and then the chunks, without gaps.
+/// At the beginning of the file. Followed by the top (nodes, table of chunks, parts, record) and then the chunks,
+/// without gaps.
 struct CookedHeader {
     char magic[8];
     std::uint32_t byte_order, version;
     CookedKind kind;
     std::uint32_t coordinate_bytes; ///< 4: all coordinates are floats; 8: doubles
     std::uint64_t file_bytes;
-    std::uint64_t triangles, vertices, zero_area; ///< of the source
+    std::uint64_t triangles, vertices, zero_area; ///< of the source; of a map nodes, then 0
     double low[3], high[3];                       ///< its bounds
     double radius;                                ///< of the tree
     CookedTopology topology;
@@ -40,10 +52,61 @@ struct CookedChunkEntry {
 };
 static_assert(sizeof(CookedChunkEntry) == 32);
 
-constexpr std::uint32_t cooked_node_bytes = 288;       ///< of a node of the top (BoxNode)
+/// Of the upper levels of a mesh's tree: eight boxes, as BoxNode has them.
+struct CookedNode {
+    std::int16_t x[8], y[8], z[8], qw[8], qx[8], qy[8], qz[8];
+    std::uint16_t hx[8], hy[8], hz[8];
+    float origin[3], unit;
+    std::uint32_t begin[8], count[8], child[8], lanes, leaves, singles, none;
+};
+static_assert(sizeof(CookedNode) == 288);
+
+/// Of a terrain, all but what its chunks hold. Its nodes are what CookedRange says of each block of cells.
+struct CookedTerrainRecord {
+    std::uint32_t columns, rows;
+    double spacing[2], origin[3];
+    std::uint32_t least[2], greatest[2]; ///< column and row, between which the cells are
+    double low, high;                    ///< heights between which they are
+    double error, unit;
+    std::uint64_t cells;
+    std::uint32_t diagonal; ///< 0 rising, 1 falling, 2 each cell has its own
+    std::uint32_t holes;    ///< 1: a cell is absent
+};
+static_assert(sizeof(CookedTerrainRecord) == 112);
+/// All cells of a block are between two heights, and between two planes over the middle of the block; floats, from the
+/// middle of the bounds.
+struct CookedRange {
+    float low, high, slab_low, slab_high, slope_x, slope_y;
+};
+
+/// Of a map, all but the nodes of its octree.
+struct CookedMapRecord {
+    double resolution;
+    std::int32_t low[3], high[3]; ///< bounds, in cells
+    std::uint32_t unknown_is_solid;
+    std::uint32_t first; ///< of the node of the whole grid, and its masks
+    std::uint8_t inner, occupied, free, solid;
+    std::uint32_t none; ///< 0
+};
+static_assert(sizeof(CookedMapRecord) == 48);
+
+/// Of a node of the top: BoxNode, CookedRange, a node of the octree.
+constexpr std::uint32_t cooked_node_bytes(CookedKind kind)
+{
+    return kind == CookedKind::mesh ? sizeof(CookedNode) : kind == CookedKind::terrain ? sizeof(CookedRange) : 8;
+}
 constexpr std::uint32_t cooked_part_bytes = 6 * 3 * 8; ///< of a part: six points
-constexpr std::uint32_t most_chunk_triangles = 8192;   ///< of a chunk
+/// Of what comes last in the top.
+constexpr std::uint32_t cooked_record_bytes(CookedKind kind)
+{
+    return kind == CookedKind::terrain ? sizeof(CookedTerrainRecord)
+           : kind == CookedKind::map   ? sizeof(CookedMapRecord)
+                                       : 0;
+}
+
+constexpr std::uint32_t most_chunk_triangles = 8192; ///< of a chunk
 constexpr std::uint32_t most_chunk_vertices = 3 * most_chunk_triangles;
+constexpr std::uint32_t most_chunk_nodes = 4096; ///< of an octree, in a chunk of a map
 
 /// Of a chunk's data.
 constexpr std::uint64_t chunk_bytes(std::uint64_t triangles, std::uint64_t vertices, std::uint64_t coordinate_bytes)

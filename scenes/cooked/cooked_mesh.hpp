@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -12,21 +11,10 @@
 #include <string>
 #include <vector>
 
-#include <oncollide/base/error.hpp>
+#include <oncollide/scenes/cooked/cooked_file.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 
 namespace oncollide {
-
-/// A part of a cooked file cannot be had: it is damaged, cut off, changed since it was opened, or not to be read. Of
-/// `NoRoomForChunk` that only the budget is in the way.
-class ChunkFault : public Error {
-public:
-    using Error::Error;
-};
-class NoRoomForChunk final : public ChunkFault {
-public:
-    using ChunkFault::ChunkFault;
-};
 
 /// What can be said of a cooked mesh before anything of its file is read, because an index of tiles repeats it.
 struct CookedOutline {
@@ -64,7 +52,7 @@ public:
     CookedMesh(const CookedMesh&) = delete;
     CookedMesh& operator=(const CookedMesh&) = delete;
 
-    const std::string& name() const { return name_; } ///< the path, for errors
+    const std::string& name() const; ///< the path, for errors
     const CookedOutline& outline() const { return outline_; }
     const Aabb& bounds() const { return outline_.bounds; }
     std::size_t triangles() const { return outline_.triangles; }
@@ -74,28 +62,22 @@ public:
     /// Was the file found to have other bounds than the outline says? Then nothing may rest on these.
     bool contradicts_outline() const { return contradicts_.load(std::memory_order_relaxed); }
 
-    using Part = std::array<Eigen::Vector3d, 6>;
+    using Part = CookedPart;
     std::optional<bool> closed() const { return open()->closed; }            ///< nothing: the file does not say
     std::optional<std::vector<Part>> parts() const { return open()->parts; } ///< nothing: the file does not say
     std::size_t chunks() const { return open()->chunks.size(); }
 
-    class File;
     /// What is held of the file while it is used.
     struct Top {
-        struct Entry {
-            std::uint64_t offset, bytes, checksum;
-            std::uint32_t triangles, vertices;
-        };
-
-        std::shared_ptr<const File> file;
+        std::shared_ptr<const CookedFile::Handle> file;
         std::uint32_t coordinate_bytes = 0;
         std::optional<bool> closed;
         std::optional<std::vector<Part>> parts;
-        /// Nodes of the tree's upper levels, cooked_node_bytes each, as the file has them: not checked here.
+        /// Nodes of the tree's upper levels, 288 bytes each, as the file has them: not checked here.
         std::vector<std::byte> nodes;
         /// Of these the first `tree_chunks` are the leaves of the upper levels, in the order of the tree; others hold
         /// vertices that no triangle uses.
-        std::vector<Entry> chunks;
+        std::vector<CookedChunkEntry> chunks;
         std::size_t tree_chunks = 0;
 
         std::size_t bytes() const;
@@ -120,23 +102,19 @@ public:
     /// The mesh as it was cooked, in the order of the source. Throws ChunkFault.
     Mesh whole() const;
 
-private:
-    static constexpr std::size_t whole_file = ~std::size_t{0}; ///< among the faults
-    Top read_file(CookedOutline& outline) const;
-    void read_table(Top& top, const CookedOutline& outline, std::span<const std::byte> bytes, std::uint32_t chunks,
-                    std::uint64_t first, std::uint64_t end) const;
-    void unpack(const Top& top, std::size_t chunk, std::span<const std::byte> bytes, Chunk& out) const;
-    [[noreturn]] void refuse_file(const std::string& why) const;
-    [[noreturn]] void refuse_chunk(const Top& top, std::size_t chunk, const std::string& why) const;
+    const CookedFile& file() const { return *file_; }
 
-    std::string name_;
-    std::filesystem::path path_; ///< absolute
+private:
+    Top read_file(CookedOutline& outline) const;
+    void take_table(Top& top, const CookedOutline& outline, const CookedFile::Opened& opened) const;
+    void unpack(const Top& top, std::size_t chunk, std::span<const std::byte> bytes, Chunk& out) const;
+
+    std::unique_ptr<const CookedFile> file_;
     CookedOutline outline_;
     std::shared_ptr<const Top> kept_;       ///< null: a tile
     mutable std::weak_ptr<const Top> open_; ///< of a tile
     mutable std::atomic<bool> contradicts_ = false;
     mutable std::mutex mutex_;
-    mutable std::map<std::size_t, std::string> faults_; ///< by chunk
 };
 
 /// Is it one by its name? Cooked files end in `.cooked`.

@@ -4,7 +4,9 @@
 
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/base/near_word.hpp>
+#include <oncollide/scenes/cooked/cooked_map.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
+#include <oncollide/scenes/cooked/cooked_terrain.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 #include <oncollide/scenes/files/terrain_file.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
@@ -75,9 +77,9 @@ Mesh generate(const Node& node)
         node.only({"kind", "count", "edge", "size", "seed"});
         return make_soup_mesh(count(node, "count"), size(node, "edge"), size(node, "size"), seed(node));
     }
-    node["kind"].fail(
-        fmt::format("no generator named '{}'{}", kind,
-                    valid_names(kind, {"box", "sphere", "torus", "torus_knot", "gear", "terrain", "hills", "needles", "soup"})));
+    node["kind"].fail(fmt::format(
+        "no generator named '{}'{}", kind,
+        valid_names(kind, {"box", "sphere", "torus", "torus_knot", "gear", "terrain", "hills", "needles", "soup"})));
 }
 
 std::vector<Eigen::Vector3d> points_of(const Node& node)
@@ -342,10 +344,12 @@ GeometryId add_geometry(Scene& scene, std::string_view given_name, const Node& e
 
     if (source == "octomap") {
         OccupancyMap map = read_map(node, folder);
+        if (map.cells().chunks() && !meshes.on_demand) map.cells().chunks()->need_all();
         return at(entry, [&] { return scene.add(name, std::move(map), recipe_of(entry, folder)); });
     }
     if (source == "terrain") {
         Terrain terrain = read_terrain(node, folder);
+        if (terrain.chunks() && !meshes.on_demand) terrain.chunks()->need_all();
         return at(entry, [&] { return scene.add(name, std::move(terrain), recipe_of(entry, folder)); });
     }
     GeometryData mesh = read_mesh(node, name, folder, meshes);
@@ -372,13 +376,15 @@ void Expansion::count(const Geometry& geometry, const Node& entry)
     const Terrain* terrain = std::get_if<Terrain>(&geometry.data);
     const Node node = entry[mesh ? "mesh" : terrain ? "terrain" : "octomap"];
     if (node.has("vertices")) return;
+    const auto* map = std::get_if<OccupancyMap>(&geometry.data);
+    if ((terrain && terrain->chunks()) || (map && map->cells().chunks())) return;
     if (node.has("file") && files_.emplace(node["file"].text()).second) return;
     if (mesh)
         triangles_ += mesh->triangles.size();
     else if (terrain)
         triangles_ += 2 * terrain->cells();
     else
-        cells_ += std::get<OccupancyMap>(geometry.data).count();
+        cells_ += map->count();
     if (triangles_ > most_triangles || cells_ > most_cells)
         entry.fail(fmt::format("too much for one scene: generated geometries and files used again may together have at "
                                "most {} triangles and {} cells; bodies can share a geometry",

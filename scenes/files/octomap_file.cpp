@@ -8,6 +8,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/base/output_file.hpp>
+#include <oncollide/scenes/cooked/cooked_map.hpp>
 #include <oncollide/scenes/files/octomap_nodes.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 
@@ -45,6 +46,12 @@ OccupancyMap load_octomap(const std::filesystem::path& path, const MapOptions& o
     constexpr std::uintmax_t most = std::uintmax_t(256) << 20; // of a `.ot` file OctoMap needs ten times that
     const std::string name = path.string();
     const std::string extension = lower_extension(path);
+    if (extension == ".cooked") {
+        if (options.unknown_is_occupied || options.occupancy_threshold)
+            throw Error(ErrorKind::usage, name + ": what unknown cells and thresholds mean is decided when a map is "
+                                                 "cooked; give these options to 'oncollide cook'");
+        return MapChunks::map(std::make_shared<const CookedMap>(path));
+    }
     std::string bytes = read_file(path, most);
     const double threshold = options.occupancy_threshold.value_or(0.5);
     if (!(threshold > 0 && threshold < 1))
@@ -59,7 +66,7 @@ OccupancyMap load_octomap(const std::filesystem::path& path, const MapOptions& o
     }
     if (extension != ".ot")
         throw Error(ErrorKind::bad_data,
-                    fmt::format("{}: unknown kind of map file '{}'; known are bt, ot", name, extension));
+                    fmt::format("{}: unknown kind of map file '{}'; known are bt, ot, cooked", name, extension));
     OctomapNodes nodes = read_full_octomap(name, bytes, options.unknown_is_occupied, threshold);
     OccupancyMap map(name, std::move(nodes.cells), nodes.resolution);
     map.keep(octree_of(nodes, std::move(bytes), threshold));

@@ -11,6 +11,8 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/base/output_file.hpp>
+#include <oncollide/scenes/cooked/cooked_mesh.hpp>
+#include <oncollide/scenes/cooked/cooked_terrain.hpp>
 #include <oncollide/scenes/files/terrain/height_raster.hpp>
 
 namespace oncollide {
@@ -85,6 +87,12 @@ const std::vector<std::string>& terrain_extensions()
 Terrain load_terrain(const fs::path& path, const TerrainOptions& options)
 {
     const std::string name = path.string();
+    if (is_cooked(path)) {
+        if (!(options == TerrainOptions{}))
+            throw Error(ErrorKind::usage, name + ": the grid of a cooked terrain is in the file; give its options to "
+                                                 "'oncollide cook'");
+        return TerrainChunks::terrain(std::make_shared<const CookedTerrain>(path));
+    }
     if (!(options.vertical_scale > 0 && options.vertical_scale <= 1e15))
         throw Error(ErrorKind::usage, fmt::format("{}: a vertical scale of {}; must be above 0 and at most 1e15", name,
                                                   options.vertical_scale));

@@ -23,6 +23,8 @@ struct TerrainOptions {
     // Of raw arrays, which do not say it:
     std::uint32_t columns = 0, rows = 0;
     std::string type{}; ///< as NumPy writes it: "<i2", ">u2", "|u1", "<f4", "<f8" ...
+
+    friend bool operator==(const TerrainOptions&, const TerrainOptions&) = default;
 };
 
 /// Reads PGM (P5, 8 and 16 bits), PNG (grey, 8 and 16 bits), NumPy arrays (.npy), raw arrays (.raw, .bin), and what
@@ -30,8 +32,9 @@ struct TerrainOptions {
 /// row is the terrain's, at the least y; but GDAL's, whose first row is the northernmost, has y to the north.
 /// Throws Error{no_input} when the file is missing, unreadable or a folder; Error{bad_data} when it is empty, too large
 /// (over 8 GiB), cut off, malformed, of an unknown kind, or as make_terrain says; Error{usage} for options out of
-/// range, and for a file of GDAL in a build without it. Allocates nothing for what a header announces that the file
-/// cannot hold. Cost: reading the file; 8 bytes a height besides.
+/// range or given for a cooked file (.cooked, of which chunks are read where heights are looked at), and for a file of
+/// GDAL in a build without it. Allocates nothing for what a header announces that the file cannot hold. Cost: reading
+/// the file; 8 bytes a height besides.
 Terrain load_terrain(const std::filesystem::path& path, const TerrainOptions& options = {});
 
 /// The extensions that load_terrain knows, lower case, without the dot.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <oncollide/scenes/cooked/cooked_map.hpp>
+
 namespace oncollide {
 
 namespace {
@@ -17,6 +19,44 @@ CellTree::CellTree(bool unknown_is_solid) : unknown_(unknown_is_solid ? 0xff : 0
 {
     spare_.fill(none);
     set_grid(CellState::unknown);
+}
+
+CellTree::CellTree(std::shared_ptr<MapChunks> chunks, const Node& top, bool unknown_is_solid)
+    : chunks_(std::move(chunks)), top_(top), unknown_(unknown_is_solid ? 0xff : 0)
+{
+    spare_.fill(none);
+}
+
+const CellTree::Node& CellTree::in_chunk(std::uint32_t number) const
+{
+    return chunks_->node(number);
+}
+
+std::size_t CellTree::bytes() const
+{
+    return chunks_ ? chunks_->bytes() : nodes_.capacity() * sizeof(Node);
+}
+
+CellTree::Node CellTree::taken(const Node& node, std::vector<Node>& nodes) const
+{
+    Node copy = node;
+    copy.first = node.inner ? static_cast<std::uint32_t>(nodes.size()) : 0;
+    nodes.resize(nodes.size() + bits_in(node.inner));
+    std::uint32_t next = copy.first;
+    for (unsigned k = 0; k < 8; ++k)
+        if (node.inner >> k & 1) {
+            const Node inner = taken(below(node, k), nodes);
+            nodes[next++] = inner;
+        }
+    return copy;
+}
+
+void CellTree::take_all()
+{
+    if (!chunks_) return;
+    std::vector<Node> nodes;
+    top_ = taken(top_, nodes);
+    nodes_ = std::move(nodes), chunks_.reset();
 }
 
 void CellTree::Octants::set(unsigned octant, CellState state)
@@ -102,6 +142,7 @@ CellState CellTree::state(const Eigen::Vector3i& cell) const
 
 void CellTree::set(const CellBox& box, CellState state, Before* before)
 {
+    take_all();
     const Eigen::Vector3i least = Eigen::Vector3i::Constant(lowest), end = Eigen::Vector3i::Constant(lowest + side);
     const CellBox inside(box.low.cwiseMax(least), box.high.cwiseMin(end));
     if (!inside.empty()) top_ = changed(top_, top_cube, inside, state, before);

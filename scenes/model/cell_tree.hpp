@@ -2,6 +2,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -39,6 +40,8 @@ struct CellBox {
     }
 };
 
+class MapChunks;
+
 /// What is known of a cell of an occupancy map.
 enum class CellState : std::uint8_t { unknown, free, occupied };
 
@@ -73,7 +76,8 @@ public:
     /// The node of an inner octant.
     const Node& below(const Node& node, unsigned octant) const
     {
-        return nodes_[node.first + bits_in(node.inner & ((1u << octant) - 1))];
+        const std::uint32_t number = node.first + bits_in(node.inner & ((1u << octant) - 1));
+        return chunks_ ? in_chunk(number) : nodes_[number];
     }
     static CellState state(const Node& node, unsigned octant)
     {
@@ -110,7 +114,12 @@ public:
 
     /// Inner nodes and leaves that are known, as OctoMap counts them.
     std::size_t count() const;
-    std::size_t bytes() const { return nodes_.capacity() * sizeof(Node); }
+    std::size_t bytes() const;
+
+    /// Of a map in a cooked file, of which chunks are read where nodes are looked at, which then may throw ChunkFault;
+    /// null: all of it is in memory. What is changed is taken into memory first.
+    MapChunks* chunks() const { return chunks_.get(); }
+    CellTree(std::shared_ptr<MapChunks> chunks, const Node& top, bool unknown_is_solid);
 
     /// The octants of one node, while a tree is put together from its leaves up.
     class Octants {
@@ -141,6 +150,9 @@ public:
     }
 
 private:
+    const Node& in_chunk(std::uint32_t number) const;
+    void take_all();
+    Node taken(const Node& node, std::vector<Node>& nodes) const;
     using Before = std::vector<std::pair<MapCell, CellState>>;
     Octants open(const Node& node);
     void take(const Node& node, const MapCell& cube, Before* before);
@@ -168,6 +180,7 @@ private:
     }
 
     std::vector<Node> nodes_;
+    std::shared_ptr<MapChunks> chunks_; ///< in place of the nodes
     Node top_;
     std::uint8_t unknown_;               ///< all bits: what is unknown counts as occupied
     std::array<std::uint32_t, 9> spare_; ///< by length: the first run of nodes that is not in use; `first` leads on

@@ -94,6 +94,12 @@ public:
 
 private:
     friend class MapChange;
+    friend class MapChunks;
+    OccupancyMap(CellTree cells, double resolution, const CellBox& bounds)
+        : cells_(std::move(cells)), resolution_(resolution), cell_bounds_(bounds)
+    {
+        set_bounds(bounds);
+    }
 
     bool empty() const;
     void set_bounds(const CellBox& cells);

@@ -8,12 +8,13 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/scenes/cooked/cooked_terrain.hpp>
 
 namespace oncollide {
 
 namespace {
 
-constexpr double largest_coordinate = 1e15;
+constexpr double farthest_coordinate = 1e15;
 constexpr std::uint32_t tile = Terrain::tile;
 
 /// Power of two of the lowest bit that is set; of 0 a large number.
@@ -132,22 +133,22 @@ void TerrainBuilder::check_grid(std::size_t count) const
         throw Error(ErrorKind::usage,
                     fmt::format("{}: heights of {} bytes; must be 1, 2, 4 or 8, or 0 for the fewest that are exact",
                                 name_, grid_.bytes));
-    if (!(grid_.error >= 0 && grid_.error <= largest_coordinate))
+    if (!(grid_.error >= 0 && grid_.error <= farthest_coordinate))
         fail(fmt::format("heights are off by {}; must be 0 or more", grid_.error));
-    if (!(grid_.unit >= 0 && grid_.unit <= largest_coordinate))
+    if (!(grid_.unit >= 0 && grid_.unit <= farthest_coordinate))
         fail(fmt::format("the unit of heights is {}; must be 0 or more", grid_.unit));
     for (int i = 0; i < 2; ++i) {
         const double from = grid_.origin[i], to = from + grid_.spacing[i] * (i ? rows - 1 : columns - 1);
         const double far = std::max(std::abs(from), std::abs(to));
         if (!(grid_.spacing[i] > 0)) fail(fmt::format("the spacing is {}; must be above 0", grid_.spacing[i]));
-        if (!(far <= largest_coordinate))
+        if (!(far <= farthest_coordinate))
             fail(fmt::format("the grid is from {} to {}, at most {:g} m from the origin are allowed", from, to,
-                             largest_coordinate));
+                             farthest_coordinate));
         if (grid_.spacing[i] < 0x1p-30 * far)
             fail(
                 fmt::format("the spacing of {} m is too small for a grid from {} to {} m", grid_.spacing[i], from, to));
     }
-    if (!(std::abs(grid_.origin.z()) <= largest_coordinate)) fail("the origin is not finite, or too far");
+    if (!(std::abs(grid_.origin.z()) <= farthest_coordinate)) fail("the origin is not finite, or too far");
 }
 
 void TerrainBuilder::fail_at(double height, std::size_t number) const
@@ -155,7 +156,7 @@ void TerrainBuilder::fail_at(double height, std::size_t number) const
     fail(fmt::format("the height in column {}, row {} is {}; {}", number % grid_.columns, number / grid_.columns,
                      height,
                      std::isnan(height) ? "no_data can say that such heights are holes"
-                                        : fmt::format("at most {:g} m are allowed", largest_coordinate)));
+                                        : fmt::format("at most {:g} m are allowed", farthest_coordinate)));
 }
 
 template <class Height>
@@ -169,7 +170,7 @@ void TerrainBuilder::look_at(std::span<const Height> heights)
             holes_ = true;
             continue;
         }
-        if (!(std::abs(height) <= largest_coordinate))
+        if (!(std::abs(height) <= farthest_coordinate))
             fail_at(height, static_cast<std::size_t>(&given - heights.data()));
         least_ = std::min(least_, height), greatest_ = std::max(greatest_, height);
         const double multiple = height * per_lowest;
@@ -279,6 +280,7 @@ LargeVector<Sample> TerrainBuilder::keep_real(std::span<const Height> heights)
 
 void TerrainBuilder::keep_diagonals()
 {
+    terrain_.mixed_ = !grid_.falling.empty();
     terrain_.falling_.resize((grid_.falling.size() + 63) / 64);
     for (std::size_t i = 0; i < grid_.falling.size(); ++i)
         terrain_.falling_[i / 64] |= std::uint64_t{grid_.falling[i]} << i % 64;
@@ -319,6 +321,16 @@ void Terrain::find_bounds()
     bounds_.add(Eigen::Vector3d(x(greatest_.column), y(greatest_.row), origin_.z() + high_ + error_));
 }
 
+double Terrain::height_in_chunk(std::uint32_t column, std::uint32_t row) const
+{
+    return chunks_->height(column, row);
+}
+
+CellDiagonal Terrain::diagonal_in_chunk(std::uint32_t x, std::uint32_t y) const
+{
+    return chunks_->diagonal(x, y);
+}
+
 Terrain centred(Terrain terrain)
 {
     terrain.origin_ -= terrain.bounds_.centre();
@@ -338,6 +350,7 @@ Terrain make_terrain(const std::string& name, const TerrainGrid& grid, std::span
 
 std::size_t Terrain::bytes() const
 {
+    if (chunks_) return chunks_->bytes();
     return std::visit([](const auto& samples) { return samples.size() * sizeof(samples[0]); }, samples_) +
            tiles_.size() * sizeof(Tile) + falling_.size() * 8;
 }
@@ -345,6 +358,12 @@ std::size_t Terrain::bytes() const
 template <class Number>
 void Terrain::read_row(std::uint32_t row, double zero, Number* out) const
 {
+    if (chunks_) {
+        std::vector<double> heights(columns_);
+        chunks_->read_row(row, 0, columns_, heights.data());
+        std::ranges::transform(heights, out, [&](double height) { return static_cast<Number>(height - zero); });
+        return;
+    }
     std::visit(
         [&](const auto& samples) {
             using Sample = typename std::decay_t<decltype(samples)>::value_type;

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -14,6 +15,8 @@
 #include <oncollide/scenes/model/mesh.hpp>
 
 namespace oncollide {
+
+class TerrainChunks;
 
 /// Which diagonal cuts a cell into two triangles: from its least corner to its greatest (rising), or the other one.
 enum class CellDiagonal : std::uint8_t { rising, falling };
@@ -35,7 +38,8 @@ struct TerrainGrid {
 /// height). Each cell between four heights is two triangles; cells at a hole are absent. It has no inside.
 ///
 /// Heights are kept in tiles of eight by eight. At 1 and 2 bytes they are whole numbers, relative to the tile's least,
-/// of the terrain's unit times a power of two of the tile's own. Made by make_terrain, so: at least one cell.
+/// of the terrain's unit times a power of two of the tile's own. Made by make_terrain, so: at least one cell. One in a
+/// cooked file (load_terrain) reads of it what is looked at.
 class Terrain {
 public:
     static constexpr std::uint32_t tile = 8;
@@ -58,6 +62,7 @@ public:
     /// Not a number: a hole.
     double height(std::uint32_t column, std::uint32_t row) const
     {
+        if (chunks_) return height_in_chunk(column, row);
         return std::visit([&](const auto& samples) { return height(samples, column, row); }, samples_);
     }
     double x(std::uint32_t column) const { return origin_.x() + column * spacing_.x(); }
@@ -67,10 +72,11 @@ public:
         return {x(column), y(row), origin_.z() + height(column, row)};
     }
     bool has_cell(std::uint32_t x, std::uint32_t y) const;
-    bool mixed_diagonals() const { return !falling_.empty(); }
+    bool mixed_diagonals() const { return mixed_; }
     CellDiagonal diagonal(std::uint32_t x, std::uint32_t y) const
     {
-        if (falling_.empty()) return diagonal_;
+        if (!mixed_) return diagonal_;
+        if (chunks_) return diagonal_in_chunk(x, y);
         const std::uint64_t cell = std::uint64_t(y) * cells_x() + x;
         return falling_[cell / 64] >> cell % 64 & 1 ? CellDiagonal::falling : CellDiagonal::rising;
     }
@@ -92,6 +98,7 @@ public:
     template <class Work>
     void with_heights(Work work) const
     {
+        if (chunks_) return work([&](std::uint32_t column, std::uint32_t row) { return height_in_chunk(column, row); });
         std::visit(
             [&](const auto& samples) {
                 work([&](std::uint32_t column, std::uint32_t row) { return height(samples, column, row); });
@@ -99,10 +106,18 @@ public:
             samples_);
     }
 
+    /// Of one in a cooked file, of which chunks are read where heights are looked at, which then may throw ChunkFault;
+    /// null: all of it is in memory.
+    TerrainChunks* chunks() const { return chunks_.get(); }
+
 private:
     friend class TerrainBuilder;
+    friend class TerrainChunks;
+    friend class CookedTerrain;
     friend Terrain centred(Terrain terrain);
     void find_bounds();
+    double height_in_chunk(std::uint32_t column, std::uint32_t row) const;
+    CellDiagonal diagonal_in_chunk(std::uint32_t x, std::uint32_t y) const;
     /// Heights of a tile are unit (base + (q << shift)).
     struct Tile {
         std::int32_t base = 0;
@@ -139,10 +154,12 @@ private:
     bool holes_ = false;
     std::uint64_t cells_ = 0;
     CellDiagonal diagonal_ = CellDiagonal::rising;
-    std::vector<std::uint64_t> falling_; ///< a bit a cell; empty: all are cut alike
+    bool mixed_ = false;                 ///< have cells a diagonal of their own?
+    std::vector<std::uint64_t> falling_; ///< a bit a cell
     std::vector<Tile> tiles_;            ///< at 1 and 2 bytes
     std::variant<LargeVector<std::uint8_t>, LargeVector<std::uint16_t>, LargeVector<float>, LargeVector<double>>
         samples_;
+    std::shared_ptr<TerrainChunks> chunks_; ///< in place of samples, tiles and diagonals
 };
 
 /// @param name     names the terrain in errors
@@ -158,8 +175,8 @@ Terrain make_terrain(const std::string& name, const TerrainGrid& grid, std::span
 /// Deterministic, on every platform. Throws Error{usage} for counts or sizes that make no terrain. Cost: 30 ns a cell.
 Terrain make_hills(std::uint32_t cells_x, std::uint32_t cells_y, double spacing, double height, std::uint64_t seed);
 
-/// Of make_hills(cells, cells, ...) the cells [x, x + size) x [y, y + size), as a mesh: the hills are made of such parts.
-/// Throws Error{usage}.
+/// Of make_hills(cells, cells, ...) the cells [x, x + size) x [y, y + size), as a mesh: the hills are made of such
+/// parts. Throws Error{usage}.
 Mesh make_hills_mesh(std::uint32_t cells, double spacing, double height, std::uint64_t seed, std::uint32_t x,
                      std::uint32_t y, std::uint32_t size);
 

@@ -8,12 +8,11 @@
 #include "bench/aabbs_file.hpp"
 #include "bench/pose_file.hpp"
 #include "cooked_bytes.hpp"
+#include "cooked_inputs.hpp"
 #include "scenes/xml_writers.hpp"
 #include "seeds.hpp"
 #include "tools/run_command.hpp"
 #include <oncollide/base/error.hpp>
-#include <oncollide/narrowphase/boxes/traversal.hpp>
-#include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/files/assembly_file.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
@@ -49,15 +48,10 @@ constexpr Format all_formats[] = {
     {"aabbs", "input.aabbs", aabbs_seeds},
     {"table", "input.csv", table_seeds},
     {"recording", "recorded.npy", recording_seeds},
-    {"cooked", "input.cooked", cooked_seeds},
+    {"cooked", "input.cooked", cooked_seeds, mutated_cooked}, // with checksums that fit whatever it holds
+    {"damaged", "input.cooked", cooked_seeds, mutated_cooked},
     {"tiles", "tiles.json", tiles_seeds},
 };
-
-[[noreturn]] void fault(const std::string& what)
-{
-    std::fprintf(stderr, "contract broken: %s\n", what.c_str());
-    std::abort();
-}
 
 /// What make_mesh promises.
 void check(const Mesh& mesh)
@@ -84,25 +78,6 @@ void check(const Scene& scene)
         if (!why_not_rigid(pose).empty()) fault("a pose that is not rigid");
 }
 
-/// A walk through it, chunk by chunk, and all of it at once.
-void load_cooked(const fs::path& file)
-{
-    const auto mesh = std::make_shared<const CookedMesh>(file);
-    ChunkBudget budget(0);
-    ObbTree tree(mesh, budget);
-    const Eigen::Vector3d centre = mesh->bounds().centre();
-    const Mesh line = make_mesh("line", {mesh->bounds().min, centre, mesh->bounds().max}, {{0, 1, 2}});
-    ObbTree other(line);
-    const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
-    std::vector<TrianglePair> pairs;
-    Traversal walk;
-    walk.all_meeting(tree, other, RelativePose(here, here), pairs);
-    for (const TrianglePair& pair : pairs)
-        if (tree.source(pair.a) >= mesh->triangles()) fault("a triangle number out of range");
-    check_cooked(file);
-    check(mesh->whole());
-}
-
 /// Opens each tile that is there, as a body would that comes to it.
 void load_tiles(const fs::path& file)
 {
@@ -123,7 +98,6 @@ void load_tiles(const fs::path& file)
 void load(const fs::path& file)
 {
     const std::string ending = file.extension();
-    if (ending == ".cooked") return load_cooked(file);
     if (file.filename() == "tiles.json") return load_tiles(file);
     if (ending == ".json") {
         check(load_scene(file));
@@ -176,25 +150,36 @@ const Format& format_named(std::string_view name)
     std::exit(64);
 }
 
-bool load_bytes(const Format& format, std::string_view given)
+void fault(const std::string& what)
 {
-    // Damage is what checksums find; what is behind them must bear anything.
+    std::fprintf(stderr, "contract broken: %s\n", what.c_str());
+    std::abort();
+}
+
+void write_bytes(const fs::path& file, std::string_view bytes)
+{
+    std::FILE* const out = std::fopen(file.c_str(), "wb");
+    if (!out) fault("the temporary folder cannot be written");
+    const std::size_t written = std::fwrite(bytes.data(), 1, bytes.size(), out);
+    if (std::fclose(out) != 0 || written != bytes.size()) fault("the temporary folder is full");
+}
+
+bool load_bytes(const Format& format, std::string_view bytes)
+{
     const std::string_view name = format.name;
-    const std::string bytes = name == "cooked"                           ? resealed(std::string(given))
-                              : name == "3mf" && !given.starts_with("P") ? as_3mf(std::string(given))
-                                                                         : std::string(given);
+    const bool sealed = name == "cooked";
     static const TemporaryFolder folder;
     static const bool ready = (add_companions(folder), true);
     (void)ready;
     const fs::path file = folder / format.file;
-    if (std::FILE* out = std::fopen(file.c_str(), "wb")) {
-        const std::size_t written = std::fwrite(bytes.data(), 1, bytes.size(), out);
-        if (std::fclose(out) != 0 || written != bytes.size()) fault("the temporary folder is full");
-    } else {
-        fault("the temporary folder cannot be written");
-    }
+    write_bytes(file, sealed                                     ? resealed(std::string(bytes)) // what is behind checksums
+                      : name == "3mf" && !bytes.starts_with("P") ? as_3mf(std::string(bytes))
+                                                                 : std::string(bytes));
     try {
-        load(file);
+        if (format.mutated == mutated_cooked)
+            query_cooked(file, sealed);
+        else
+            load(file);
         return true;
     } catch (const Error& error) {
         check(error, file);

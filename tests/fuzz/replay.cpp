@@ -85,8 +85,11 @@ int replay(const Format& format, int mutations, const std::vector<fs::path>& pat
     int refused = 0, accepted = 0;
     for (const std::string& seed : seeds) refused += !load_bytes(format, seed);
     std::mt19937_64 random(7);
-    for (int i = 0; i < mutations; ++i)
-        accepted += load_bytes(format, mutated(seeds[static_cast<std::size_t>(i) % seeds.size()], random));
+    for (int i = 0; i < mutations; ++i) {
+        const std::string& seed = seeds[static_cast<std::size_t>(i) % seeds.size()];
+        const bool known = format.mutated && random() % 8 > 0;
+        accepted += load_bytes(format, known ? format.mutated(seed, random) : mutated(seed, random));
+    }
     for (const fs::path& path : paths) {
         std::ifstream file(path, std::ios::binary);
         accepted += load_bytes(format, std::string(std::istreambuf_iterator<char>(file), {}));

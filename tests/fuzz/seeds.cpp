@@ -1,5 +1,6 @@
 #include "seeds.hpp"
 
+#include <cmath>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -7,6 +8,7 @@
 
 #include "scenes/mesh_writers.hpp"
 #include "scenes/xml_writers.hpp"
+#include <oncollide/base/random.hpp>
 #include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/scenes/files/tile_index.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
@@ -264,17 +266,57 @@ std::vector<std::string> recording_seeds()
     return {array("(2, 1, 7)", 2, 0.0), array("(3, 2, 7)", 6, 0.0f)};
 }
 
+/// Of one chunk, and of several under up to three levels of nodes; floats and doubles; with vertices that no triangle
+/// uses; in parts; closed and not. Terrains and maps.
 std::vector<std::string> cooked_seeds()
 {
     const TemporaryFolder folder;
     std::vector<std::string> seeds;
-    for (const Mesh& mesh : {box(), make_soup_mesh(30, 0.3, 1, 5), make_terrain_mesh(10, 1, 65, 2)}) {
-        cook_mesh(mesh, folder / "a.cooked");
+    const auto add = [&](const Mesh& mesh, std::uint32_t chunk) {
+        cook_mesh(mesh, folder / "a.cooked", chunk);
         seeds.push_back(folder.read("a.cooked"));
+    };
+    add(box(), 8192), add(make_soup_mesh(9, 0.8, 2, 5), 8192);
+    add(make_soup_mesh(11, 0.8, 2, 6), 3), add(make_sphere_mesh(1, 20), 4), add(make_sphere_mesh(1, 44), 4);
+    const Mesh ground = make_terrain_mesh(2, 0.5, 4, 2);
+    std::vector<Eigen::Vector3d> vertices = ground.vertices;
+    for (Eigen::Vector3d& v : vertices) v = v.cast<float>().cast<double>();
+    vertices.insert(vertices.begin() + 3, {0, 0, 0.25});
+    std::vector<Triangle> triangles = ground.triangles;
+    for (Triangle& t : triangles)
+        for (std::uint32_t& corner : t) corner += corner >= 3;
+    add(make_mesh("ground", std::move(vertices), std::move(triangles)), 4);
+
+    // Heights at 1, 2 and 8 bytes, in four chunks and in one; with holes; with diagonals of their own.
+    const auto add_heights = [&](TerrainGrid grid, double holes) {
+        std::vector<double> heights;
+        for (std::uint32_t i = 0; i < grid.columns * grid.rows; ++i)
+            heights.push_back(u01(3, i, 0) < holes ? std::nan("") : std::round(64 * u01(2, i, 0)) / 64);
+        if (holes > 0) grid.no_data = std::nan("");
+        grid.origin = {-1, -1, 0}, grid.spacing = {3.0 / grid.columns, 3.0 / grid.rows};
+        cook_terrain(make_terrain("heights", grid, heights), folder / "a.cooked");
+        seeds.push_back(folder.read("a.cooked"));
+    };
+    add_heights({.columns = 65, .rows = 9}, 0), add_heights({.columns = 9, .rows = 8, .bytes = 8, .error = 0.01}, 0);
+    TerrainGrid mixed{.columns = 10, .rows = 9, .bytes = 2};
+    for (std::uint64_t i = 0; i < 72; ++i) mixed.falling.push_back(u01(4, i, 0) < 0.5);
+    add_heights(mixed, 0.1);
+
+    // Maps of one chunk, with unknown cells that count, and of several.
+    const auto add_map = [&](const OccupancyMap& of, std::uint32_t chunk) {
+        cook_map(of, folder / "a.cooked", chunk);
+        seeds.push_back(folder.read("a.cooked"));
+    };
+    CellTree cells(true), blocks;
+    for (std::int32_t i = 0; i < 12; ++i) {
+        const Eigen::Vector3i at(i * 3 % 8 - 3, i * 5 % 7 - 2, i * 11 % 13);
+        cells.set({at, at.array() + 1 + i % 2}, i % 3 ? CellState::occupied : CellState::free);
+        blocks.set({at, at.array() + 1 + i % 3}, CellState::occupied);
     }
+    add_map(OccupancyMap("unknown", std::move(cells), 0.25), 4096),
+        add_map(OccupancyMap("blocks", std::move(blocks), 0.25), 6);
     return seeds;
 }
-
 std::vector<std::string> tiles_seeds()
 {
     const TemporaryFolder folder;

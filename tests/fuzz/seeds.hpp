@@ -26,7 +26,7 @@ std::vector<std::string> aabbs_seeds();
 std::vector<std::string> table_seeds();     ///< CSV
 std::vector<std::string> recording_seeds(); ///< NumPy
 std::vector<std::string> cooked_seeds();
-std::vector<std::string> tiles_seeds();    ///< of one chunk, and of several
+std::vector<std::string> tiles_seeds(); ///< of one chunk, and of several
 
 /// The files that some of them name.
 void add_companions(const TemporaryFolder& folder);

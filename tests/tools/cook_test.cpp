@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 
 #include "tools/command_fixture.hpp"
+#include <oncollide/scenes/model/occupancy_map.hpp>
 
 namespace oncollide::test {
 namespace {
@@ -68,6 +69,61 @@ TEST_F(Cook, ScenesAndChecksTakeCookedFiles)
         EXPECT_EQ(run({"check", file, file, "--pose-b", "0 0 0.5 0 0 0 1", "--max-error", "0.1"}).code, 0);
         EXPECT_EQ(run({"check", file, file, "--pose-b", "0.1 0 0 0 0 0 1"}).code, 1);
     }
+}
+
+TEST_F(Cook, TerrainsAndMapsAreCookedAsWhatTheyAre)
+{
+    std::string pgm = "P5\n200 150\n255\n";
+    for (int i = 0; i < 200 * 150; ++i) pgm += char(7 * (i % 200) % 40 + 5 * (i / 200) % 30);
+    folder_.write("heights.pgm", pgm);
+    save_octomap(make_building_map(3, 0.1, 3), folder_ / "building.bt");
+    const std::vector<std::string> grid{"--spacing", "0.1", "--vertical-scale", "0.01"};
+    std::vector<std::string> heights{"cook", "heights.pgm", "-o", "heights.cooked"};
+    heights.insert(heights.end(), grid.begin(), grid.end());
+    EXPECT_NE(run(heights).out.find("59302 triangles in 12 chunks"), std::string::npos) << run(heights).out;
+    EXPECT_NE(run({"cook", "building.bt", "-o", "building.cooked"}).out.find("nodes in"), std::string::npos);
+    for (const char* file : {"heights.cooked", "building.cooked"}) EXPECT_EQ(run({"cook", "--check", file}).code, 0);
+
+    const auto write_pair = [&](const std::string& name, const std::string& terrain, const std::string& map) {
+        folder_.write(name, R"({"geometries": {"ground": {"terrain": )" + terrain +
+                                R"(}, "rooms": {"octomap": {"file": ")" + map + R"("}},
+            "ball": {"mesh": {"generate": {"kind": "sphere", "radius": 0.5, "triangles": 500}}}},
+            "bodies": [{"geometry": "ground", "static": true}, {"geometry": "rooms", "static": true, "position": [4, 4, 0.2]},
+            {"name": "a", "geometry": "ball", "position": [2, 2, 1], "motion": {"drift": {"velocity": [0.4, 0.1, -0.1]}}},
+            {"name": "b", "geometry": "ball", "position": [6, 6, 2], "motion": {"drift": {"velocity": [0, 0.1, -0.1]}}}],
+            "frames": 8})");
+    };
+    write_pair("source.json", R"({"file": "heights.pgm", "spacing": 0.1, "vertical_scale": 0.01})", "building.bt");
+    write_pair("cooked.json", R"({"file": "heights.cooked"})", "building.cooked");
+    for (const std::vector<std::string>& how : std::vector<std::vector<std::string>>{
+             {"--exact", "on"}, {"--max-error", "0.01", "--resident", "1M"}, {"--depth", "4"}, {"--exact", "fcl"}}) {
+        std::vector<std::string> source{"source.json"}, cooked{"cooked.json"};
+        source.insert(source.end(), how.begin(), how.end()), cooked.insert(cooked.end(), how.begin(), how.end());
+        EXPECT_EQ(hash_of(source), hash_of(cooked)) << how[0];
+    }
+    EXPECT_EQ(run({"check", "building.cooked", "heights.cooked", "--pose-b", "2 2 0.5 0 0 0 1"}).code, 1);
+    EXPECT_EQ(run({"check", "building.cooked", "heights.cooked", "--pose-b", "0 0 50 0 0 0 1"}).code, 0);
+
+    // What cannot be read costs the pairs that need it.
+    std::string bytes = folder_.read("heights.cooked");
+    for (std::size_t at = bytes.size() / 2; at < bytes.size(); at += 1000) bytes[at] ^= 1;
+    folder_.write("damaged.cooked", bytes);
+    write_pair("damaged.json", R"({"file": "damaged.cooked"})", "building.cooked");
+    const Outcome damaged = run({"run", "damaged.json", "--exact", "on", "--quiet"});
+    EXPECT_EQ(damaged.code, 65);
+    EXPECT_NE(damaged.err.find("damaged.cooked: chunk"), std::string::npos) << damaged.err;
+    expect_error(65, {"run", "damaged.json", "--exact", "on", "--mode", "solid"}, {"damaged.cooked", "checksum"});
+    expect_error(65, {"cook", "--check", "damaged.cooked"}, {"damaged.cooked", "checksum"});
+
+    write_pair("wrong.json", R"({"file": "building.cooked"})", "building.cooked");
+    expect_error(65, {"run", "wrong.json"}, {"building.cooked", "holds a map, not a terrain"});
+    write_pair("wrong.json", R"({"file": "heights.cooked", "spacing": 2})", "building.cooked");
+    expect_error(65, {"run", "wrong.json"}, {"heights.cooked", "oncollide cook"});
+    expect_error(64, {"cook", "heights.cooked", "-o", "again.cooked"}, {"is cooked already"});
+    expect_error(64, {"cook", "building.bt", "--tiles", "2", "-o", "land"}, {"--tiles"});
+    expect_error(64, {"cook", "building.bt", "--unknown", "maybe", "-o", "a.cooked"}, {"--unknown", "maybe"});
+    expect_error(64, {"cook", "heights.pgm", "--unknown", "occupied", "-o", "a.cooked"}, {"--unknown"});
+    expect_error(64, {"cook", "building.bt", "--spacing", "2", "-o", "a.cooked"}, {"--spacing"});
 }
 
 TEST_F(Cook, AWorldOfTilesIsNamedByItsIndex)

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -19,6 +20,7 @@
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 #include <oncollide/scenes/files/terrain_file.hpp>
+#include <oncollide/scenes/model/occupancy_map.hpp>
 
 namespace oncollide::tools {
 namespace {
@@ -29,25 +31,50 @@ struct CookOptions {
     std::string mesh, out, tiles;
     MeshOptions options;
     double spacing = 0, vertical_scale = 1;
+    std::optional<double> no_data;
+    std::string unknown = "free";
+    std::optional<double> occupancy_threshold;
     bool check = false, quiet = false;
 };
 
-/// The mesh of the file, or the surface over its heights.
-Mesh read_source(const CookOptions& options)
+CookedKind kind_of(const CookOptions& options)
 {
     const std::string extension = lower_extension(options.mesh);
+    if (extension == ".cooked") usage(fmt::format("cook: {} is cooked already", options.mesh));
+    if (extension == ".bt" || extension == ".ot") return CookedKind::map;
     const bool heights = !extension.empty() && std::ranges::count(terrain_extensions(), extension.substr(1)) > 0;
-    if (!heights) {
-        if (options.spacing != 0 || options.vertical_scale != 1)
-            usage("cook: --spacing and --vertical-scale are for files of heights");
-        return load_mesh(options.mesh, options.options);
-    }
-    if (options.options.scale != 1)
+    return heights ? CookedKind::terrain : CookedKind::mesh;
+}
+
+void check_options(const CookOptions& options, CookedKind kind)
+{
+    if (kind != CookedKind::terrain && (options.spacing != 0 || options.vertical_scale != 1 || options.no_data))
+        usage("cook: --spacing, --vertical-scale and --no-data are for files of heights");
+    if (options.unknown != "free" && options.unknown != "occupied")
+        usage(fmt::format("cook: --unknown {}: expected free or occupied", options.unknown));
+    if (kind != CookedKind::map && (options.unknown != "free" || options.occupancy_threshold))
+        usage("cook: --unknown and --occupancy-threshold are for maps");
+    if (kind != CookedKind::mesh && options.options.scale != 1)
         usage("cook: --scale is for meshes; of heights --spacing and --vertical-scale tell");
+    if (kind == CookedKind::map && options.options.centre) usage("cook: --centre is not for maps");
+}
+
+Terrain read_heights(const CookOptions& options)
+{
     TerrainOptions terrain;
     if (options.spacing != 0) terrain.spacing = Eigen::Vector2d::Constant(options.spacing);
     terrain.vertical_scale = options.vertical_scale, terrain.centre = options.options.centre;
-    return mesh_of(load_terrain(options.mesh, terrain));
+    terrain.no_data = options.no_data;
+    return load_terrain(options.mesh, terrain);
+}
+
+/// The mesh of the file, or the surface over its heights.
+Mesh read_mesh(const CookOptions& options)
+{
+    const CookedKind kind = kind_of(options);
+    check_options(options, kind);
+    if (kind == CookedKind::map) usage("cook: --tiles is for meshes and heights; a map is opened where bodies are");
+    return kind == CookedKind::terrain ? mesh_of(read_heights(options)) : load_mesh(options.mesh, options.options);
 }
 
 int check_file(const CookOptions& options)
@@ -92,7 +119,7 @@ int cook_into_tiles(const CookOptions& options)
     if (options.out.empty()) usage("cook: --out FOLDER is needed");
     const auto [columns, rows] = tile_counts(options.tiles);
     const fs::path index = fs::path(options.out) / tile_index_name;
-    const Mesh mesh = read_source(options);
+    const Mesh mesh = read_mesh(options);
     const MeshTiles tiles(mesh, columns, rows);
     const TilesSize size = cook_tiles(
         options.out, tiles.size(), [&](std::size_t i) { return std::pair(tiles.name(i), tiles.mesh(i)); },
@@ -113,19 +140,37 @@ int cook(const CookOptions& options)
         usage(fmt::format("cook: --out {}: the name must end in .cooked, by which such files are known", options.out));
     check_files({{"--out", options.out}}, {options.mesh});
     using Clock = std::chrono::steady_clock;
+    const CookedKind kind = kind_of(options);
+    check_options(options, kind);
     const auto begin = Clock::now();
-    const Mesh mesh = read_source(options);
-    const auto read = Clock::now();
-    const CookedSize size = cook_mesh(mesh, options.out);
+    auto read = begin;
+    CookedSize size;
+    std::uint64_t parts = 0; // what there is of it
+    const auto cooked = [&](const auto& source, auto cook_it, std::uint64_t count) {
+        read = Clock::now(), parts = count;
+        size = cook_it(source, options.out);
+    };
+    if (kind == CookedKind::mesh) {
+        const Mesh mesh = load_mesh(options.mesh, options.options);
+        cooked(
+            mesh, [](const Mesh& m, const fs::path& out) { return cook_mesh(m, out); }, mesh.triangles.size());
+    } else if (kind == CookedKind::terrain) {
+        const Terrain heights = read_heights(options);
+        cooked(heights, cook_terrain, 2 * heights.cells());
+    } else {
+        const OccupancyMap map = load_octomap(options.mesh, {.unknown_is_occupied = options.unknown == "occupied",
+                                                             .occupancy_threshold = options.occupancy_threshold});
+        cooked(
+            map, [](const OccupancyMap& m, const fs::path& out) { return cook_map(m, out); }, map.cells().count());
+    }
     const auto end = Clock::now();
     const auto seconds = [](auto time) { return std::chrono::duration<double>(time).count(); };
+    const char* const part = kind == CookedKind::map ? "node" : "triangle";
     if (!options.quiet)
         std::cout << fmt::format(
-            "{}: {} triangles in {} chunk{}, {:.1f} MB, {:.1f} bytes per triangle; read in {:.2f} s, "
-            "cooked in {:.2f} s\n",
-            printable(options.out), mesh.triangles.size(), size.chunks, size.chunks == 1 ? "" : "s",
-            double(size.bytes) / 1e6, double(size.bytes) / double(mesh.triangles.size()), seconds(read - begin),
-            seconds(end - read));
+            "{}: {} {}s in {} chunk{}, {:.1f} MB, {:.2f} bytes per {}; read in {:.2f} s, cooked in {:.2f} s\n",
+            printable(options.out), parts, part, size.chunks, size.chunks == 1 ? "" : "s", double(size.bytes) / 1e6,
+            double(size.bytes) / double(parts), part, seconds(read - begin), seconds(end - read));
     return 0;
 }
 
@@ -133,13 +178,12 @@ int cook(const CookOptions& options)
 
 void add_cook(Arguments app)
 {
-    Arguments sub = app.add_command("cook", "Write a mesh as a cooked file, which is read where pairs come near it");
+    Arguments sub = app.add_command(
+        "cook", "Write a mesh, a map or a terrain as a cooked file, which is read where pairs come near it");
     auto options = std::make_shared<CookOptions>();
     sub.add_option("mesh", options->mesh,
                    "mesh file (OBJ, STL, PLY, OFF, glTF, COLLADA, 3MF; '-': standard input), or file of heights "
-                   "(GeoTIFF, DEM, PNG, "
-                   "PGM, npy), of "
-                   "which the surface is cooked")
+                   "(GeoTIFF, DEM, PNG, PGM, npy), or OctoMap (bt, ot)")
         .required()
         .type_name("FILE");
     sub.add_option("-o,--out", options->out, "cooked file to write; with --tiles a folder").type_name("FILE.cooked");
@@ -151,6 +195,13 @@ void add_cook(Arguments app)
         .type_name("M");
     sub.add_option("--vertical-scale", options->vertical_scale, "heights: metres per unit of the file (default 1)")
         .type_name("S");
+    sub.add_option("--no-data", options->no_data, "heights: such ones are holes (default: what the file says)")
+        .type_name("H");
+    sub.add_option("--unknown", options->unknown, "maps: what cells are that nothing is known of (default free)")
+        .type_name("free|occupied");
+    sub.add_option("--occupancy-threshold", options->occupancy_threshold,
+                   "maps in .ot files: from which probability on a cell is occupied (default 0.5)")
+        .type_name("P");
     sub.add_flag("--centre", options->options.centre, "move the middle of its box to the origin");
     sub.add_flag("--check", options->check,
                  "read all of a cooked file instead, or of all tiles of an index, and check every box");
@@ -159,9 +210,11 @@ void add_cook(Arguments app)
                "  oncollide cook terrain.ply -o terrain.cooked\n"
                "  oncollide check terrain.cooked car.obj --max-error 0.01\n"
                "  oncollide cook --check terrain.cooked\n"
+               "  oncollide cook heights.tif -o heights.cooked  # as heights, half a byte to 4 bytes per triangle\n"
+               "  oncollide cook building.bt -o building.cooked\n"
                "  oncollide cook terrain.ply --tiles 100x100 -o land  # land/tiles.json\n"
                "  oncollide cook heights.png --spacing 10 --vertical-scale 0.1 --tiles 20x20 -o land\n"
-               "Scene files name a cooked file as any mesh file. Results are those of the mesh that was cooked. See "
+               "Scene files name a cooked file as they name its source. Results are those of the source. See "
                "docs/cooked.md.");
     sub.action([options] { return cook(*options); });
 }

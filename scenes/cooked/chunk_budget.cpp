@@ -1,0 +1,21 @@
+#include <oncollide/scenes/cooked/chunk_budget.hpp>
+
+#include <fmt/format.h>
+
+#include <oncollide/scenes/cooked/chunk_fault.hpp>
+
+namespace oncollide {
+
+void ChunkBudget::take(std::size_t bytes, const std::string& who)
+{
+    const std::size_t before = held_.fetch_add(bytes, std::memory_order_relaxed);
+    now_.fetch_add(1, std::memory_order_relaxed);
+    if (limit_ == 0 || before + bytes <= limit_) return;
+    give(bytes);
+    throw NoRoomForChunk(ErrorKind::bad_data,
+                         fmt::format("{}: what one pair needs of it does not fit into the {} bytes that chunks may "
+                                     "hold",
+                                     who, limit_));
+}
+
+} // namespace oncollide

@@ -1,0 +1,50 @@
+#pragma once
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace oncollide {
+
+/// What chunks of cooked files may hold of the memory, all together, and when they were needed.
+class ChunkBudget {
+public:
+    /// @param limit  bytes; 0: no limit
+    explicit ChunkBudget(std::size_t limit) : limit_(limit) {}
+
+    bool limited() const { return limit_ > 0; }
+    std::size_t limit() const { return limit_; }
+    std::size_t held() const { return held_.load(std::memory_order_relaxed); }
+    /// Throws NoRoomForChunk, in the name of `who`, where that is more than there may be.
+    void take(std::size_t bytes, const std::string& who);
+    void give(std::size_t bytes) { held_.fetch_sub(bytes, std::memory_order_relaxed); }
+
+    /// Goes up with each chunk that is read.
+    std::uint64_t now() const { return now_.load(std::memory_order_relaxed); }
+    /// Marks what is needed now.
+    void mark(std::atomic<std::uint64_t>& needed) const
+    {
+        if (const std::uint64_t at = now(); needed.load(std::memory_order_relaxed) != at)
+            needed.store(at, std::memory_order_relaxed);
+    }
+
+private:
+    const std::size_t limit_;
+    std::atomic<std::size_t> held_ = 0;
+    std::atomic<std::uint64_t> now_ = 1;
+};
+
+/// The chunks of one cooked file that are in memory, as whoever holds the budget sees them.
+class HeldChunks {
+public:
+    virtual ~HeldChunks() = default;
+    struct Held {
+        std::uint64_t needed; ///< when, last
+        std::uint32_t chunk;
+    };
+    virtual void add_held(std::vector<Held>& to) const = 0;
+    /// Not while anybody walks.
+    virtual void drop(std::uint32_t chunk) = 0;
+};
+
+} // namespace oncollide

@@ -1,0 +1,110 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <oncollide/base/aabb.hpp>
+#include <oncollide/base/error.hpp>
+#include <oncollide/scenes/cooked/chunk_fault.hpp>
+#include <oncollide/scenes/cooked/cooked_format.hpp>
+
+namespace oncollide {
+
+/// Points of a connected part: its least and most along x, y and z.
+using CookedPart = std::array<Eigen::Vector3d, 6>;
+static_assert(sizeof(CookedPart) == cooked_part_bytes);
+
+/// A cooked file (docs/cooked.md), whatever is in it: its header, its top and its chunks, each checked against its
+/// checksum when it is read, and what went wrong since. Const calls are safe from many threads at once.
+class CookedFile {
+public:
+    /// The file is not touched.
+    explicit CookedFile(const std::filesystem::path& path);
+    ~CookedFile();
+    CookedFile(const CookedFile&) = delete;
+    CookedFile& operator=(const CookedFile&) = delete;
+
+    const std::string& name() const { return name_; } ///< the path, for errors
+
+    class Handle; ///< of the open file
+    struct Opened {
+        std::shared_ptr<const Handle> handle;
+        CookedHeader header;
+        std::vector<std::byte> top;
+
+        std::span<const std::byte> nodes() const;
+        std::vector<CookedChunkEntry> table() const;
+        std::optional<std::vector<CookedPart>> parts() const; ///< nothing: the file does not say
+        std::span<const std::byte> record() const;
+    };
+    /// Reads all but the chunks. What is checked: that it is a cooked file of this version and kind, as long as it
+    /// should be, with checksums that fit. Throws Error{no_input} or Error{bad_data}.
+    Opened open(CookedKind kind) const;
+    /// Checks that chunks lie one after the other behind the top, each as long as `bytes_of(entry, its number)` says.
+    template <class BytesOf>
+    void check_table(const Opened& opened, std::span<const CookedChunkEntry> table, BytesOf bytes_of) const
+    {
+        std::uint64_t next = sizeof(CookedHeader) + opened.top.size();
+        for (std::size_t i = 0; i < table.size(); ++i) {
+            if (table[i].offset != next || table[i].bytes != bytes_of(table[i], i)) refuse_entry(i);
+            next += table[i].bytes;
+        }
+        if (next != opened.header.file_bytes) refuse("has chunks that do not fill it");
+    }
+
+    /// A chunk's bytes, `count` of all in number. Throws ChunkFault, from then on for this chunk always the same.
+    std::vector<std::byte> read(const Handle& handle, const CookedChunkEntry& entry, std::size_t chunk,
+                                std::size_t count) const;
+    /// Throws where a part is not within the bounds.
+    void check_parts(std::span<const CookedPart> parts, const Aabb& bounds) const;
+    [[noreturn]] void refuse(const std::string& why) const;
+    [[noreturn]] void refuse_entry(std::size_t chunk) const;
+    /// Records what is wrong with a chunk. Throws the ChunkFault.
+    [[noreturn]] void refuse_chunk(std::size_t chunk, std::size_t count, const std::string& why) const;
+
+    static constexpr std::size_t whole = ~std::size_t{0}; ///< stands for the file among chunks
+    void note(std::size_t chunk, const std::string& what) const;
+    /// Throws what was noted before.
+    void check_known(std::size_t chunk) const;
+    /// What went wrong since the file was opened, a line for each chunk.
+    std::vector<std::string> faults() const;
+
+private:
+    std::string name_;
+    std::filesystem::path path_; ///< absolute
+    mutable std::mutex mutex_;
+    mutable std::map<std::size_t, std::string> faults_; ///< by chunk
+};
+
+/// What kind of cooked file it is, by its header. Throws as CookedFile::open() does.
+CookedKind cooked_kind(const std::filesystem::path& path);
+
+/// Takes values off the front of bytes that are known to suffice.
+template <class Value>
+Value take(std::span<const std::byte>& bytes)
+{
+    Value value;
+    std::memcpy(&value, bytes.data(), sizeof value);
+    bytes = bytes.subspan(sizeof value);
+    return value;
+}
+
+template <class Value>
+void take(std::span<const std::byte>& bytes, std::span<Value> values)
+{
+    if (values.empty()) return;
+    std::memcpy(static_cast<void*>(values.data()), bytes.data(), values.size_bytes());
+    bytes = bytes.subspan(values.size_bytes());
+}
+
+} // namespace oncollide
