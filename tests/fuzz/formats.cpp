@@ -172,7 +172,7 @@ bool load_bytes(const Format& format, std::string_view bytes)
     static const bool ready = (add_companions(folder), true);
     (void)ready;
     const fs::path file = folder / format.file;
-    write_bytes(file, sealed                                     ? resealed(std::string(bytes)) // what is behind checksums
+    write_bytes(file, sealed ? resealed(std::string(bytes)) // what is behind checksums
                       : name == "3mf" && !bytes.starts_with("P") ? as_3mf(std::string(bytes))
                                                                  : std::string(bytes));
     try {
