@@ -208,8 +208,7 @@ void ObbTree::add_lane(Growing& g, BoxNode& node, std::size_t from, std::size_t 
             for (const Eigen::Vector3d& p : g.parts.corners(i)) box.add(p);
         return set_box(node, k, box);
     }
-    g.columns.resize(size);
-    for (std::size_t i = 0; i < size; ++i) g.columns.set(i, g.parts.corners(from + i));
+    g.columns.assign(size, [&](std::size_t i) -> const TrianglePoints& { return g.parts.corners(from + i); });
     fit_box(node, k, g.columns, g.parts.bounds(from, to));
 }
 
