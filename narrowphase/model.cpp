@@ -22,20 +22,18 @@ const Mesh& Model::whole() const
     return whole_;
 }
 
-void Model::make_boxes(ChunkBudget* budget)
+void Model::make_boxes(ChunkBudget* budget, BoxTotals& totals)
 {
     const auto* cooked = std::get_if<std::shared_ptr<const CookedMesh>>(&geometry_->data);
-    boxes = cooked && budget ? std::make_unique<ObbTree>(*cooked, *budget) : std::make_unique<ObbTree>(*surface_mesh());
+    boxes = cooked && budget ? std::make_unique<ObbTree>(*cooked, *budget)
+                             : std::make_unique<ObbTree>(*surface_mesh(), &totals);
 }
 
 /// Of a cooked mesh all is read for it, and none of it kept.
 void Model::make_hull()
 {
     try {
-        if (cooked())
-            hull_.emplace(cooked()->whole());
-        else
-            hull_.emplace(*surface_mesh());
+        hull_ = std::make_unique<OuterHull>(cooked() ? cooked()->whole() : *surface_mesh());
     } catch (const ChunkFault&) { // which the file keeps
         no_hull_ = true;
     }

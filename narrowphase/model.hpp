@@ -7,6 +7,8 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 #include <oncollide/broadphase/pose_bounds.hpp>
@@ -38,17 +40,17 @@ public:
     const Geometry& geometry() const { return *geometry_; }
     /// Null: it is no mesh. Of a cooked one all of its file is read and kept, unless cooked() serves as well; then it
     /// throws ChunkFault.
-    const Mesh* mesh() const { return cooked() ? &whole() : std::get_if<Mesh>(&geometry_->data); }
+    const Mesh* mesh() const { return cooked() ? &whole() : as<Mesh>(); }
     /// Of a mesh in a cooked file; else null.
     const CookedMesh* cooked() const
     {
-        const auto* mesh = std::get_if<std::shared_ptr<const CookedMesh>>(&geometry_->data);
+        const auto* mesh = as<std::shared_ptr<const CookedMesh>>();
         return mesh ? mesh->get() : nullptr;
     }
-    bool is_mesh() const { return cooked() || std::holds_alternative<Mesh>(geometry_->data); }
-    const Shape* shape() const { return std::get_if<Shape>(&geometry_->data); }
-    const OccupancyMap* map() const { return std::get_if<OccupancyMap>(&geometry_->data); }
-    const Terrain* terrain() const { return std::get_if<Terrain>(&geometry_->data); }
+    bool is_mesh() const { return cooked() || as<Mesh>(); }
+    const Shape* shape() const { return as<Shape>(); }
+    const OccupancyMap* map() const { return as<OccupancyMap>(); }
+    const Terrain* terrain() const { return as<Terrain>(); }
 
     /// World boxes at any pose.
     PoseBounds& bounds() { return bounds_; }
@@ -69,8 +71,9 @@ public:
     const Mesh* surface_mesh() const { return !has_triangles() ? nullptr : shape() ? &polytope() : mesh(); }
     std::size_t triangles() const { return cooked() ? cooked()->triangles() : surface_mesh()->triangles.size(); }
     std::size_t vertices() const { return cooked() ? cooked()->vertices() : surface_mesh()->vertices.size(); }
-    /// Makes its tree of oriented boxes. @param budget  null: a cooked mesh is read as a whole
-    void make_boxes(ChunkBudget* budget);
+    /// Makes its tree of oriented boxes, which counts in the totals unless it has a budget.
+    /// @param budget  null: a cooked mesh is read as a whole
+    void make_boxes(ChunkBudget* budget, BoxTotals& totals);
     /// The octree of a map. The model must be a map.
     MapTree& cells() const;
     /// The quadtree of a terrain. The model must be a terrain.
@@ -100,20 +103,35 @@ public:
     /// Makes it. Not beside other calls.
     void make_hull();
     /// The convex solid around surface_mesh(); null: not there.
-    const OuterHull* hull() const { return hull_ ? &*hull_ : nullptr; }
+    const OuterHull* hull() const { return hull_.get(); }
 
-    std::uint32_t number = 0;       ///< by which backends know its sphere-tree
+    std::uint32_t number = 0; ///< by which backends know its sphere-tree
+    /// Frame in which a pair last needed the boxes.
+    std::atomic<std::uint32_t> boxes_used = 0;
     std::unique_ptr<Ocst> spheres;  ///< the sphere-tree; null until a test reaches it
     std::unique_ptr<ObbTree> boxes; ///< the hierarchy of oriented boxes of surface_mesh(); null until a test reaches it
     std::string unreadable;         ///< why the hierarchy of a cooked mesh cannot be had; empty: it can
-    /// Frame in which a pair last needed it.
-    std::atomic<std::uint32_t> boxes_used = 0;
 
 private:
+    /// The geometry, which itself is not looked at where it is something else.
+    template <class Kind>
+    const Kind* as() const
+    {
+        return kind_ == index_of<Kind>(&geometry_->data) ? std::get_if<Kind>(&geometry_->data) : nullptr;
+    }
+    template <class Kind, class... Kinds>
+    static constexpr std::size_t index_of(const std::variant<Kinds...>*)
+    {
+        std::size_t index = 0;
+        ((!std::is_same_v<Kind, Kinds> && ++index) && ...);
+        return index;
+    }
     const Mesh& polytope() const;
     const Mesh& whole() const;
 
     std::shared_ptr<const Geometry> geometry_;
+    const std::size_t kind_ = geometry_->data.index();
+    std::unique_ptr<OuterHull> hull_;
     PoseBounds bounds_;
     mutable std::once_flag bounding_mesh_once_, closed_once_, parts_once_, fcl_once_, polytope_once_, convex_once_,
         shape_tree_once_, cells_once_, heights_once_, whole_once_;
@@ -126,7 +144,6 @@ private:
     mutable bool closed_ = false;
     mutable std::vector<PartPoints> parts_;
     mutable std::shared_ptr<const FclModel> fcl_;
-    std::optional<OuterHull> hull_;
     std::uint64_t walks_ = 0; ///< expected without a hull
     bool no_hull_ = false;    ///< the file cannot be read
 };

@@ -8,16 +8,6 @@
 
 namespace oncollide {
 
-namespace {
-
-/// Of its trees of oriented boxes.
-std::uint64_t nodes_of(const Model& model)
-{
-    return model.boxes->nodes();
-}
-
-} // namespace
-
 ModelStore::ModelStore(const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
     : settings_(settings), backend_(std::move(backend)), chunks_(settings.resident_budget)
 {
@@ -47,8 +37,7 @@ void ModelStore::drop(Model& model)
     if (ahead_) ahead_->forget(model);
     drop_prepared(&model, 0, 0);
     drop_spheres(model.number);
-    drop_boxes(model);
-    std::erase(with_boxes_, &model);
+    if (drop_boxes(model)) std::erase(with_boxes_, &model);
     std::erase(terrains_, &model);
 }
 
@@ -163,7 +152,7 @@ ObbTree& ModelStore::boxes(Model& model, std::uint32_t frame)
 
 void ModelStore::make_boxes(Model& model, const Room& room)
 {
-    const auto make = [&] { model.make_boxes(reads_on_demand(settings_) ? &chunks_ : nullptr); };
+    const auto make = [&] { model.make_boxes(reads_on_demand(settings_) ? &chunks_ : nullptr, boxes_); };
     if (!ahead_) {
         make();
     } else {
@@ -175,6 +164,7 @@ void ModelStore::make_boxes(Model& model, const Room& room)
             model.boxes = std::move(found->boxes), prepared_.erase(found);
     }
     with_boxes_.push_back(&model);
+    if (model.boxes->chunked()) with_chunks_.push_back(&model);
     reserved_.nodes += room.nodes, reserved_.bytes += room.bytes;
 }
 
@@ -228,12 +218,11 @@ void ModelStore::drop_chunks(std::size_t down_to) const
     };
     std::vector<Candidate> candidates;
     const auto add = [&](ObbTree* tree) {
-        if (const MeshChunks* chunks = tree->chunked())
-            chunks->each_there([&](std::uint32_t chunk, std::uint64_t needed) {
-                candidates.push_back({needed, tree, chunk});
-            });
+        tree->chunked()->each_there([&](std::uint32_t chunk, std::uint64_t needed) {
+            candidates.push_back({needed, tree, chunk});
+        });
     };
-    for (const Model* model : with_boxes_) add(model->boxes.get());
+    for (const Model* model : with_chunks_) add(model->boxes.get());
     const std::lock_guard lock(preparing_);
     for (const Prepared& prepared : prepared_) add(prepared.boxes.get());
     std::ranges::stable_sort(candidates, {}, &Candidate::needed);
@@ -346,7 +335,8 @@ std::uint64_t ModelStore::drop_boxes(Model& model)
     if (!model.boxes) return 0;
     const Room less = all_grown(model);
     reserved_.nodes -= less.nodes, reserved_.bytes -= less.bytes;
-    const std::uint64_t dropped = nodes_of(model);
+    const std::uint64_t dropped = model.boxes->nodes();
+    if (model.boxes->chunked()) std::erase(with_chunks_, &model);
     model.boxes.reset();
     return dropped;
 }
@@ -406,8 +396,8 @@ std::uint64_t ModelStore::cells() const
 
 std::uint64_t ModelStore::nodes() const
 {
-    std::uint64_t sum = cells();
-    for (const Model* model : with_boxes_) sum += nodes_of(*model);
+    std::uint64_t sum = cells() + boxes_.nodes;
+    for (const Model* model : with_chunks_) sum += model->boxes->nodes();
     return sum;
 }
 
@@ -420,9 +410,9 @@ std::size_t ModelStore::sphere_bytes() const
 
 std::size_t ModelStore::bytes() const
 {
-    std::size_t sum = sphere_bytes();
+    std::size_t sum = sphere_bytes() + boxes_.bytes;
     for (const Model* model : terrains_) sum += model->heights_bytes();
-    for (const Model* model : with_boxes_) sum += model->boxes->bytes();
+    for (const Model* model : with_chunks_) sum += model->boxes->bytes();
     return sum;
 }
 

@@ -125,6 +125,7 @@ private:
 
     const Settings& settings_;
     std::unique_ptr<OcclusionBackend> backend_;
+    BoxTotals boxes_; ///< of the models' trees that read no chunks
     // Model::number is 2 * slot for a model of a slot, odd for one that passes: backends keep arrays by number.
     std::vector<Slot> slots_;
     std::vector<std::uint32_t> free_;
@@ -132,6 +133,7 @@ private:
     std::size_t size_ = 0;
     std::vector<std::uint32_t> with_spheres_; ///< numbers of models that have a sphere-tree
     std::vector<Model*> with_boxes_;          ///< models that have a tree of oriented boxes
+    std::vector<Model*> with_chunks_;         ///< of these, those that read chunks
     Room reserved_;                           ///< for these, all grown
     std::vector<const Model*> terrains_;      ///< of slots
     std::vector<OctantRow> rows_;             ///< of the batch under way
