@@ -2,7 +2,12 @@
 
 namespace oncollide {
 
-Model::Model(std::shared_ptr<const Geometry> geometry) : geometry_(std::move(geometry)), bounds_(geometry_->data) {}
+Model::Model(std::shared_ptr<const Geometry> geometry)
+    : geometry_(std::move(geometry)),
+      data_(std::visit([](const auto& data) -> const void* { return &data; }, geometry_->data)),
+      bounds_(geometry_->data)
+{
+}
 
 const BoundingMesh& Model::bounding_mesh() const
 {

@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include <oncollide/base/prefetch.hpp>
 #include <oncollide/broadphase/pose_bounds.hpp>
 #include <oncollide/narrowphase/boxes/map_tree.hpp>
 #include <oncollide/narrowphase/boxes/obb_tree.hpp>
@@ -47,7 +48,7 @@ public:
         const auto* mesh = as<std::shared_ptr<const CookedMesh>>();
         return mesh ? mesh->get() : nullptr;
     }
-    bool is_mesh() const { return cooked() || as<Mesh>(); }
+    bool is_mesh() const { return as<Mesh>() || cooked(); }
     const Shape* shape() const { return as<Shape>(); }
     const OccupancyMap* map() const { return as<OccupancyMap>(); }
     const Terrain* terrain() const { return as<Terrain>(); }
@@ -112,12 +113,15 @@ public:
     std::unique_ptr<ObbTree> boxes; ///< the hierarchy of oriented boxes of surface_mesh(); null until a test reaches it
     std::string unreadable;         ///< why the hierarchy of a cooked mesh cannot be had; empty: it can
 
+    /// Begins to load what pairs of it look at first.
+    void prefetch() const { oncollide::prefetch(this, 192); }
+
 private:
-    /// The geometry, which itself is not looked at where it is something else.
+    /// Without a look at the geometry itself: of a large world it lies scattered in memory.
     template <class Kind>
     const Kind* as() const
     {
-        return kind_ == index_of<Kind>(&geometry_->data) ? std::get_if<Kind>(&geometry_->data) : nullptr;
+        return kind_ == index_of<Kind>(&geometry_->data) ? static_cast<const Kind*>(data_) : nullptr;
     }
     template <class Kind, class... Kinds>
     static constexpr std::size_t index_of(const std::variant<Kinds...>*)
@@ -131,6 +135,7 @@ private:
 
     std::shared_ptr<const Geometry> geometry_;
     const std::size_t kind_ = geometry_->data.index();
+    const void* const data_; ///< what the geometry holds of that kind
     std::unique_ptr<OuterHull> hull_;
     PoseBounds bounds_;
     mutable std::once_flag bounding_mesh_once_, closed_once_, parts_once_, fcl_once_, polytope_once_, convex_once_,

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include <oncollide/base/prefetch.hpp>
 #include <oncollide/narrowphase/boxes/grid_split.hpp>
 #include <oncollide/narrowphase/boxes/hierarchy.hpp>
 #include <oncollide/narrowphase/boxes/mesh_chunks.hpp>
@@ -76,6 +77,10 @@ public:
         ONCOLLIDE_ASSERT(mesh_);
         return *mesh_;
     }
+    /// Begin to load what walks look at first: where the nodes are, and, some time later, these.
+    void prefetch_table() const { prefetch_all_of(chunks_[0]); }
+    void prefetch_root() const { prefetch(&node(root), 2 * sizeof(BoxNode)); }
+
     /// By number in the tree. Of a cooked mesh only what walks have come to.
     const Eigen::Vector3d* vertices() const { return vertices_; }
     const Triangle* triangles() const { return triangles_; }
