@@ -19,7 +19,9 @@ const CookedFile* file_of(const GeometryData& data)
 } // namespace
 
 Model::Model(std::shared_ptr<const Geometry> geometry)
-    : geometry_(std::move(geometry)), file_(file_of(geometry_->data)), bounds_(geometry_->data)
+    : geometry_(std::move(geometry)),
+      data_(std::visit([](const auto& data) -> const void* { return &data; }, geometry_->data)),
+      file_(file_of(geometry_->data)), bounds_(geometry_->data)
 {
 }
 
@@ -27,9 +29,9 @@ void Model::read_on_demand(ChunkBudget& budget)
 {
     if (!file_ || cooked()) return;
     if (terrain())
-        own_terrain_ = TerrainChunks::terrain(terrain()->chunks()->cooked(), &budget);
+        data_ = &own_terrain_.emplace(TerrainChunks::terrain(terrain()->chunks()->cooked(), &budget));
     else
-        own_map_ = MapChunks::map(map()->cells().chunks()->cooked(), &budget);
+        data_ = &own_map_.emplace(MapChunks::map(map()->cells().chunks()->cooked(), &budget));
 }
 
 void Model::read_all() const
@@ -73,20 +75,18 @@ const Mesh& Model::whole() const
     return whole_;
 }
 
-void Model::make_boxes(ChunkBudget* budget)
+void Model::make_boxes(ChunkBudget* budget, BoxTotals& totals)
 {
     const auto* cooked = std::get_if<std::shared_ptr<const CookedMesh>>(&geometry_->data);
-    boxes = cooked && budget ? std::make_unique<ObbTree>(*cooked, *budget) : std::make_unique<ObbTree>(*surface_mesh());
+    boxes = cooked && budget ? std::make_unique<ObbTree>(*cooked, *budget)
+                             : std::make_unique<ObbTree>(*surface_mesh(), &totals);
 }
 
 /// Of a cooked mesh all is read for it, and none of it kept.
 void Model::make_hull()
 {
     try {
-        if (cooked())
-            hull_.emplace(cooked()->whole());
-        else
-            hull_.emplace(*surface_mesh());
+        hull_ = std::make_unique<OuterHull>(cooked() ? cooked()->whole() : *surface_mesh());
     } catch (const ChunkFault&) { // which the file keeps
         no_hull_ = true;
     }

@@ -7,8 +7,11 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
+#include <oncollide/base/prefetch.hpp>
 #include <oncollide/broadphase/pose_bounds.hpp>
 #include <oncollide/narrowphase/boxes/map_tree.hpp>
 #include <oncollide/narrowphase/boxes/obb_tree.hpp>
@@ -38,11 +41,11 @@ public:
     const Geometry& geometry() const { return *geometry_; }
     /// Null: it is no mesh. Of a cooked one all of its file is read and kept, unless cooked() serves as well; then it
     /// throws ChunkFault.
-    const Mesh* mesh() const { return cooked() ? &whole() : std::get_if<Mesh>(&geometry_->data); }
+    const Mesh* mesh() const { return cooked() ? &whole() : as<Mesh>(); }
     /// Of a mesh in a cooked file; else null.
     const CookedMesh* cooked() const
     {
-        const auto* mesh = std::get_if<std::shared_ptr<const CookedMesh>>(&geometry_->data);
+        const auto* mesh = as<std::shared_ptr<const CookedMesh>>();
         return mesh ? mesh->get() : nullptr;
     }
     /// The file that parts of it are read from where tests need them; null: none.
@@ -54,10 +57,10 @@ public:
     void read_all() const;
     /// What it holds of a map's or a terrain's file; null: nothing.
     HeldChunks* held_grid() const;
-    bool is_mesh() const { return cooked() || std::holds_alternative<Mesh>(geometry_->data); }
-    const Shape* shape() const { return std::get_if<Shape>(&geometry_->data); }
-    const OccupancyMap* map() const { return own_map_ ? &*own_map_ : std::get_if<OccupancyMap>(&geometry_->data); }
-    const Terrain* terrain() const { return own_terrain_ ? &*own_terrain_ : std::get_if<Terrain>(&geometry_->data); }
+    bool is_mesh() const { return as<Mesh>() || cooked(); }
+    const Shape* shape() const { return as<Shape>(); }
+    const OccupancyMap* map() const { return as<OccupancyMap>(); }
+    const Terrain* terrain() const { return as<Terrain>(); }
 
     /// World boxes at any pose.
     PoseBounds& bounds() { return bounds_; }
@@ -78,8 +81,9 @@ public:
     const Mesh* surface_mesh() const { return !has_triangles() ? nullptr : shape() ? &polytope() : mesh(); }
     std::size_t triangles() const { return cooked() ? cooked()->triangles() : surface_mesh()->triangles.size(); }
     std::size_t vertices() const { return cooked() ? cooked()->vertices() : surface_mesh()->vertices.size(); }
-    /// Makes its tree of oriented boxes. @param budget  null: a cooked mesh is read as a whole
-    void make_boxes(ChunkBudget* budget);
+    /// Makes its tree of oriented boxes, which counts in the totals unless it has a budget.
+    /// @param budget  null: a cooked mesh is read as a whole
+    void make_boxes(ChunkBudget* budget, BoxTotals& totals);
     /// The octree of a map. The model must be a map.
     MapTree& cells() const;
     /// The quadtree of a terrain. The model must be a terrain.
@@ -109,24 +113,43 @@ public:
     /// Makes it. Not beside other calls.
     void make_hull();
     /// The convex solid around surface_mesh(); null: not there.
-    const OuterHull* hull() const { return hull_ ? &*hull_ : nullptr; }
+    const OuterHull* hull() const { return hull_.get(); }
 
-    std::uint32_t number = 0;       ///< by which backends know its sphere-tree
+    std::uint32_t number = 0; ///< by which backends know its sphere-tree
+    /// Frame in which a pair last needed the boxes.
+    std::atomic<std::uint32_t> boxes_used = 0;
     std::unique_ptr<Ocst> spheres;  ///< the sphere-tree; null until a test reaches it
     std::unique_ptr<ObbTree> boxes; ///< the hierarchy of oriented boxes of surface_mesh(); null until a test reaches it
     std::string unreadable;         ///< why the hierarchy of a cooked mesh cannot be had; empty: it can
-    /// Frame in which a pair last needed it.
-    std::atomic<std::uint32_t> boxes_used = 0;
+
+    /// Begins to load what pairs of it look at first.
+    void prefetch() const { oncollide::prefetch(this, 192); }
 
 private:
+    /// Without a look at the geometry itself: of a large world it lies scattered in memory.
+    template <class Kind>
+    const Kind* as() const
+    {
+        return kind_ == index_of<Kind>(&geometry_->data) ? static_cast<const Kind*>(data_) : nullptr;
+    }
+    template <class Kind, class... Kinds>
+    static constexpr std::size_t index_of(const std::variant<Kinds...>*)
+    {
+        std::size_t index = 0;
+        ((!std::is_same_v<Kind, Kinds> && ++index) && ...);
+        return index;
+    }
     const Mesh& polytope() const;
     const Mesh& whole() const;
 
     std::shared_ptr<const Geometry> geometry_;
+    const std::size_t kind_ = geometry_->data.index();
+    const void* data_; ///< what there is of that kind: the geometry's, or this model's own
     const CookedFile* file_;
+    std::unique_ptr<OuterHull> hull_;
+    PoseBounds bounds_;
     std::optional<OccupancyMap> own_map_;
     std::optional<Terrain> own_terrain_;
-    PoseBounds bounds_;
     mutable std::once_flag bounding_mesh_once_, closed_once_, parts_once_, fcl_once_, polytope_once_, convex_once_,
         shape_tree_once_, cells_once_, heights_once_, whole_once_;
     mutable std::optional<BoundingMesh> bounding_mesh_;
@@ -138,7 +161,6 @@ private:
     mutable bool closed_ = false;
     mutable std::vector<PartPoints> parts_;
     mutable std::shared_ptr<const FclModel> fcl_;
-    std::optional<OuterHull> hull_;
     std::uint64_t walks_ = 0; ///< expected without a hull
     bool no_hull_ = false;    ///< the file cannot be read
 };

@@ -9,6 +9,7 @@
 
 #include <Eigen/Geometry>
 
+#include <oncollide/base/prefetch.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
 #include <oncollide/narrowphase/model.hpp>
 #include <oncollide/scenes/ids.hpp>
@@ -74,12 +75,8 @@ public:
     /// What is read of a body whose turn will come soon: bodies lie scattered in memory.
     void prefetch(std::uint32_t slot) const
     {
-        const auto lines = [](const void* at, std::size_t bytes) {
-            for (std::size_t line = 0; line < bytes + 63; line += 64)
-                __builtin_prefetch(static_cast<const char*>(at) + std::min(line, bytes - 1));
-        };
-        lines(&boxes_[slot], sizeof(Aabb)), lines(&poses_[slot], sizeof poses_[0]);
-        __builtin_prefetch(&model_of_[slot]), __builtin_prefetch(&travel_[slot]);
+        prefetch_all_of(boxes_[slot]), prefetch_all_of(poses_[slot]);
+        prefetch_all_of(model_of_[slot]), prefetch_all_of(travel_[slot]);
     }
 
     std::vector<Aabb>& boxes() { return boxes_; } ///< by slot; world, metres

@@ -8,16 +8,6 @@
 
 namespace oncollide {
 
-namespace {
-
-/// Of its trees of oriented boxes.
-std::uint64_t nodes_of(const Model& model)
-{
-    return model.boxes->nodes();
-}
-
-} // namespace
-
 ModelStore::ModelStore(const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
     : settings_(settings), backend_(std::move(backend)), chunks_(settings.resident_budget)
 {
@@ -53,8 +43,7 @@ void ModelStore::drop(Model& model)
     if (ahead_) ahead_->forget(model);
     drop_prepared(&model, 0, 0);
     drop_spheres(model.number);
-    drop_boxes(model);
-    std::erase(with_boxes_, &model);
+    if (drop_boxes(model)) std::erase(with_boxes_, &model);
     std::erase(grids_, &model);
 }
 
@@ -165,7 +154,7 @@ ObbTree& ModelStore::boxes(Model& model, std::uint32_t frame)
 
 void ModelStore::make_boxes(Model& model, const Room& room)
 {
-    const auto make = [&] { model.make_boxes(reads_on_demand(settings_) ? &chunks_ : nullptr); };
+    const auto make = [&] { model.make_boxes(reads_on_demand(settings_) ? &chunks_ : nullptr, boxes_); };
     if (!ahead_) {
         make();
     } else {
@@ -177,6 +166,7 @@ void ModelStore::make_boxes(Model& model, const Room& room)
             model.boxes = std::move(found->boxes), prepared_.erase(found);
     }
     with_boxes_.push_back(&model);
+    if (model.boxes->chunked()) with_chunks_.push_back(&model);
     reserved_.nodes += room.nodes, reserved_.bytes += room.bytes;
 }
 
@@ -233,7 +223,7 @@ void ModelStore::drop_chunks(std::size_t down_to) const
         if (of) of->add_held(held);
         for (const HeldChunks::Held& chunk : held) candidates.push_back({chunk, of});
     };
-    for (const Model* model : with_boxes_) add(model->boxes.get());
+    for (const Model* model : with_chunks_) add(model->boxes.get());
     for (const Model* model : grids_) add(model->held_grid());
     const std::lock_guard lock(preparing_);
     for (const Prepared& prepared : prepared_) add(prepared.boxes.get());
@@ -347,7 +337,8 @@ std::uint64_t ModelStore::drop_boxes(Model& model)
     if (!model.boxes) return 0;
     const Room less = all_grown(model);
     reserved_.nodes -= less.nodes, reserved_.bytes -= less.bytes;
-    const std::uint64_t dropped = nodes_of(model);
+    const std::uint64_t dropped = model.boxes->nodes();
+    if (model.boxes->chunked()) std::erase(with_chunks_, &model);
     model.boxes.reset();
     return dropped;
 }
@@ -407,8 +398,8 @@ std::uint64_t ModelStore::cells() const
 
 std::uint64_t ModelStore::nodes() const
 {
-    std::uint64_t sum = cells();
-    for (const Model* model : with_boxes_) sum += nodes_of(*model);
+    std::uint64_t sum = cells() + boxes_.nodes;
+    for (const Model* model : with_chunks_) sum += model->boxes->nodes();
     return sum;
 }
 
@@ -421,9 +412,9 @@ std::size_t ModelStore::sphere_bytes() const
 
 std::size_t ModelStore::bytes() const
 {
-    std::size_t sum = sphere_bytes();
+    std::size_t sum = sphere_bytes() + boxes_.bytes;
     for (const Model* model : grids_) sum += model->grid_bytes();
-    for (const Model* model : with_boxes_) sum += model->boxes->bytes();
+    for (const Model* model : with_chunks_) sum += model->boxes->bytes();
     return sum;
 }
 

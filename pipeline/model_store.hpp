@@ -126,6 +126,7 @@ private:
 
     const Settings& settings_;
     std::unique_ptr<OcclusionBackend> backend_;
+    BoxTotals boxes_; ///< of the models' trees that read no chunks
     // Model::number is 2 * slot for a model of a slot, odd for one that passes: backends keep arrays by number.
     mutable ChunkBudget chunks_; ///< before the models, which give back what they took
     std::vector<Slot> slots_;
@@ -134,6 +135,7 @@ private:
     std::size_t size_ = 0;
     std::vector<std::uint32_t> with_spheres_; ///< numbers of models that have a sphere-tree
     std::vector<Model*> with_boxes_;          ///< models that have a tree of oriented boxes
+    std::vector<Model*> with_chunks_;         ///< of these, those that read chunks
     Room reserved_;                           ///< for these, all grown
     std::vector<const Model*> grids_;         ///< terrains, and maps in files
     std::vector<OctantRow> rows_;             ///< of the batch under way

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -21,20 +22,24 @@ inline const BoxFitKernel& box_fit_kernel()
 class TriangleColumns {
 public:
     TriangleColumns() = default;
-    explicit TriangleColumns(const TrianglePoints& triangle) { resize(1), set(0, triangle); }
+    explicit TriangleColumns(const TrianglePoints& triangle)
+    {
+        assign(1, [&](std::size_t) -> const TrianglePoints& { return triangle; });
+    }
 
-    /// The triangles are to be set then, the last one last.
-    void resize(std::size_t size)
+    /// Those that corners(i) says. The last one fills its four.
+    void assign(std::size_t size, auto corners)
     {
         size_ = size, number_ = (size + 3) / 4;
         if (fours_.size() < number_) fours_.resize(number_);
-    }
-    void set(std::size_t i, const TrianglePoints& triangle)
-    {
-        for (std::size_t lane = i % 4; lane < (i + 1 == size_ ? 4 : i % 4 + 1); ++lane) // the last one fills its four
-            for (int c = 0; c < 3; ++c)
+        for (std::size_t n = 0; n < number_; ++n) {
+            const TrianglePoints* four[4];
+            for (std::size_t lane = 0; lane < 4; ++lane) four[lane] = &corners(std::min(4 * n + lane, size - 1));
+            for (std::size_t c = 0; c < 3; ++c)
                 for (int axis = 0; axis < 3; ++axis)
-                    fours_[i / 4].corners[c][axis][lane] = triangle[std::size_t(c)][axis];
+                    for (std::size_t lane = 0; lane < 4; ++lane)
+                        fours_[n].corners[c][axis][lane] = (*four[lane])[c][axis];
+        }
     }
     std::size_t size() const { return size_; }
     std::span<const FourTriangles> fours() const { return std::span(fours_).first(number_); }

@@ -38,19 +38,20 @@ ObbTree::Growing& ObbTree::growing()
     return of_thread;
 }
 
-ObbTree::ObbTree(const Mesh& mesh)
-    : mesh_(&mesh), identity_(trees_made.fetch_add(1, std::memory_order_relaxed)), centre_(mesh.bounds.centre()),
+ObbTree::ObbTree(const Mesh& mesh, BoxTotals* totals)
+    : mesh_(&mesh), totals_(totals), identity_(trees_made.fetch_add(1, std::memory_order_relaxed)), centre_(mesh.bounds.centre()),
       radius_(radius_around(mesh)), vertices_(mesh.vertices.data()), triangles_(mesh.triangles.data()),
       own_chunks_(most_nodes(mesh.triangles.size()) / chunk + 1)
 {
     chunks_ = own_chunks_.data();
+    count(0, own_chunks_.capacity() * sizeof(own_chunks_[0]));
     add_node();
     make_root(mesh.bounds, mesh.triangles.size());
     if (node(root).leaves) number_triangles();
 }
 
 ObbTree::ObbTree(std::shared_ptr<const CookedMesh> mesh, ChunkBudget& budget)
-    : mesh_(nullptr), chunked_(std::make_unique<MeshChunks>(std::move(mesh), budget)),
+    : mesh_(nullptr), totals_(nullptr), chunked_(std::make_unique<MeshChunks>(std::move(mesh), budget)),
       identity_(trees_made.fetch_add(1, std::memory_order_relaxed)), centre_(chunked_->mesh().bounds().centre()),
       radius_(chunked_->mesh().radius()), vertices_(chunked_->vertices()), triangles_(chunked_->triangles()),
       order_(chunked_->order()), chunks_(chunked_->blocks())
@@ -62,6 +63,7 @@ ObbTree::ObbTree(std::shared_ptr<const CookedMesh> mesh, ChunkBudget& budget)
 
 ObbTree::~ObbTree()
 {
+    if (totals_) totals_->nodes -= nodes(), totals_->bytes -= bytes();
     for (BoxNode* nodes : own_chunks_) delete[] nodes;
 }
 
@@ -115,6 +117,7 @@ void ObbTree::number_triangles()
     own_order_.resize(mesh_->triangles.size());
     std::iota(own_order_.begin(), own_order_.end(), 0u);
     order_ = own_order_.data();
+    count(0, own_order_.capacity() * sizeof(own_order_[0]));
 }
 
 /// No more than there can be: rays and boxes are small meshes.
@@ -123,11 +126,18 @@ std::size_t ObbTree::room_in(std::size_t number) const
     return std::min<std::size_t>(chunk, most_nodes(mesh_->triangles.size()) - number * chunk);
 }
 
+void ObbTree::count(std::uint64_t nodes, std::size_t bytes)
+{
+    if (totals_) totals_->nodes += nodes, totals_->bytes += bytes;
+}
+
 std::uint32_t ObbTree::add_node()
 {
     if (chunked_) return chunked_->add_node(grows_in_);
     const std::uint32_t index = used_.fetch_add(1);
-    if (!chunks_[index / chunk]) chunks_[index / chunk] = new BoxNode[room_in(index / chunk)];
+    const bool full = !chunks_[index / chunk];
+    if (full) chunks_[index / chunk] = new BoxNode[room_in(index / chunk)];
+    count(1, full ? room_in(index / chunk) * sizeof(BoxNode) : 0);
     std::memset(static_cast<void*>(&at(index)), 0, sizeof(BoxNode)); // not the chunk: of most trees few are needed
     return index;
 }
@@ -208,8 +218,7 @@ void ObbTree::add_lane(Growing& g, BoxNode& node, std::size_t from, std::size_t 
             for (const Eigen::Vector3d& p : g.parts.corners(i)) box.add(p);
         return set_box(node, k, box);
     }
-    g.columns.resize(size);
-    for (std::size_t i = 0; i < size; ++i) g.columns.set(i, g.parts.corners(from + i));
+    g.columns.assign(size, [&](std::size_t i) -> const TrianglePoints& { return g.parts.corners(from + i); });
     fit_box(node, k, g.columns, g.parts.bounds(from, to));
 }
 

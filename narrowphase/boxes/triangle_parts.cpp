@@ -1,6 +1,8 @@
 #include <oncollide/narrowphase/boxes/triangle_parts.hpp>
 
 #include <algorithm>
+#include <bit>
+#include <cstring>
 #include <limits>
 
 namespace oncollide {
@@ -13,21 +15,30 @@ constexpr std::size_t most_halved = 16, most_sorted = 64, most_tried = most_sort
 
 constexpr float infinite = std::numeric_limits<float>::infinity();
 
+using F32x4 = float __attribute__((vector_size(16)));
+using F64x4 = double __attribute__((vector_size(32)));
+
+Eigen::Array4f four(const auto& numbers)
+{
+    static_assert(sizeof numbers == sizeof(Eigen::Array4f));
+    Eigen::Array4f same;
+    std::memcpy(same.data(), &numbers, sizeof same);
+    return same;
+}
+
 } // namespace
 
 const std::size_t TriangleParts::bytes_each =
-    sizeof(Item) + sizeof(Bounds) + sizeof(TrianglePoints) + sizeof(std::uint32_t);
+    2 * sizeof(Item) + sizeof(Bounds) + sizeof(TrianglePoints) + sizeof(std::uint32_t);
 
 /// Bounds of what was added so far.
 struct TriangleParts::Growing {
     Eigen::Array4f low{infinite, infinite, infinite, 0}, high{-infinite, -infinite, -infinite, 0};
 
     void add(const auto& other) { low = low.min(other.low), high = high.max(other.high); }
-    void add_point(const std::array<float, 3>& p)
-    {
-        const Eigen::Array4f v(p[0], p[1], p[2], 0);
-        low = low.min(v), high = high.max(v);
-    }
+    void add_point(const Eigen::Array4f& p) { low = low.min(p), high = high.max(p); }
+    /// The fourth lane says nothing then.
+    void add_place(const Item& item) { add_point(four(item)); }
     Eigen::Array4f extent() const { return high - low; }
     float area() const
     {
@@ -42,19 +53,22 @@ void TriangleParts::start(const Source& mesh, const Eigen::Vector3d& centre, std
     numbers_ = mesh.numbers;
     triangles_.assign(triangles.begin(), triangles.end());
     items_.resize(size);
-    if (bounds_.size() < size) bounds_.resize(size), corners_.resize(size); // else there is room
+    if (bounds_.size() < size) bounds_.resize(size), corners_.resize(size), above_.resize(size); // else there is room
+    const F64x4 middle{centre.x(), centre.y(), centre.z(), 0};
     for (std::size_t i = 0; i < size; ++i) {
         Growing bounds;
-        Eigen::Vector3d sum = Eigen::Vector3d::Zero(); // of floats: exact, whatever the order of the corners
+        F64x4 sum{}; // of floats: exact, whatever the order of the corners
         for (std::size_t c = 0; c < 3; ++c) {
-            const Eigen::Vector3d& p = corners_[i][c] = mesh.vertices[mesh.triangles[triangles[i]][c]] - centre;
-            const Eigen::Vector3f rounded = p.cast<float>();
-            sum += rounded.cast<double>();
-            bounds.add_point({rounded.x(), rounded.y(), rounded.z()});
+            const Eigen::Vector3d& v = mesh.vertices[mesh.triangles[triangles[i]][c]];
+            const F64x4 p = F64x4{v.x(), v.y(), v.z(), 0} - middle;
+            corners_[i][c] = {p[0], p[1], p[2]};
+            const F32x4 rounded = __builtin_convertvector(p, F32x4);
+            sum += __builtin_convertvector(rounded, F64x4);
+            bounds.add_point(four(rounded));
         }
         bounds_[i] = {bounds.low, bounds.high};
-        items_[i] = {{static_cast<float>(sum.x()), static_cast<float>(sum.y()), static_cast<float>(sum.z())},
-                     static_cast<std::uint32_t>(i)};
+        items_[i] = std::bit_cast<Item>(__builtin_convertvector(sum, F32x4));
+        items_[i].number = static_cast<std::uint32_t>(i);
     }
 }
 
@@ -76,20 +90,27 @@ void TriangleParts::split(std::span<Item> items, unsigned parts, std::size_t beg
     const std::size_t least = half - away, most = half + away;
 
     Growing places;
-    for (const Item& item : items) places.add_point(item.place);
+    for (const Item& item : items) places.add_place(item);
     const Eigen::Array4f extent = places.extent();
     int longest = 0;
     for (int axis = 1; axis < 3; ++axis)
         if (extent[axis] > extent[longest]) longest = axis;
     Cut best{longest, half, infinite};
+    int sorted = -1; // axis along which they lie as best_of_few() left them
     for (int axis = 0; size > most_halved && axis < 3; ++axis) {
         if (!(extent[axis] > 0.5f * extent[longest])) continue;
-        const Cut cut = size <= most_sorted
-                            ? best_of_few(items, least, most, axis)
-                            : best_of_slices(items, least, most, axis, places.low[axis], places.high[axis]);
+        Cut cut;
+        if (size <= most_sorted)
+            cut = best_of_few(items, least, most, sorted = axis);
+        else
+            cut = best_of_slices(items, least, most, {axis, places.low[axis], places.high[axis]});
         if (cut.cost < best.cost) best = cut;
     }
-    halve(items, best.at, best.axis, places.low[best.axis], places.high[best.axis]);
+    const Slices slices{best.axis, places.low[best.axis], places.high[best.axis]};
+    if (best.slice > 0)
+        part(items, [&](const Item& item) { return slices.of(item) < best.slice; });
+    else if (best.axis != sorted)
+        halve(items, best.at, slices);
     split(items.first(best.at), low_parts, begin, first);
     split(items.subspan(best.at), high_parts, begin + best.at, first + low_parts);
 }
@@ -121,29 +142,37 @@ bool TriangleParts::before_in_a_tie(const Item& x, const Item& y, int axis) cons
     return numbers_ ? numbers_[a] < numbers_[b] : a < b;
 }
 
-/// So that the first `half` items come before() the others. The places are in [low, high] along the axis. Of many items
-/// most are told apart by counting those in each of some thousand slices.
-void TriangleParts::halve(std::span<Item> items, std::size_t half, int axis, float low, float high) const
+/// Those of which `first` is true before the others. Without branches: which way one goes cannot be foreseen.
+void TriangleParts::part(std::span<Item> items, auto first)
 {
-    constexpr std::size_t many = 8192, slices = 4096;
-    const auto a = static_cast<std::size_t>(axis);
-    if (items.size() >= many && high > low) {
-        const float scale = slices / (high - low);
-        const auto slice_of = [=](const Item& item) {
-            return std::min(static_cast<std::uint32_t>((item.place[a] - low) * scale), std::uint32_t(slices - 1));
-        };
-        std::vector<std::uint32_t> counts(slices);
-        for (const Item& item : items) ++counts[slice_of(item)];
+    std::size_t below = 0, above = 0;
+    for (const Item item : items) {
+        const bool goes_below = first(item);
+        items[below] = above_[above] = item;
+        below += goes_below, above += !goes_below;
+    }
+    std::copy_n(above_.begin(), above, items.begin() + static_cast<std::ptrdiff_t>(below));
+}
+
+/// So that the first `half` items come before() the others. Of many items most are told apart by counting those in
+/// each slice.
+void TriangleParts::halve(std::span<Item> items, std::size_t half, const Slices& slices)
+{
+    constexpr std::size_t many = 8192;
+    if (items.size() >= many && slices.high > slices.low) {
+        const Slices fine{slices.axis, slices.low, slices.high, 4096};
+        std::vector<std::uint32_t> counts(fine.number);
+        for (const Item& item : items) ++counts[fine.of(item)];
         std::uint32_t slice = 0;
         std::size_t before = 0;
         while (before + counts[slice] < half) before += counts[slice++];
-        std::partition(items.begin(), items.end(), [&](const Item& item) { return slice_of(item) < slice; });
+        part(items, [&](const Item& item) { return fine.of(item) < slice; });
         items = items.subspan(before), half -= before;
-        std::partition(items.begin(), items.end(), [&](const Item& item) { return slice_of(item) == slice; });
+        part(items, [&](const Item& item) { return fine.of(item) == slice; });
         items = items.first(counts[slice]);
     }
     std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(half), items.end(),
-                     [this, axis](const Item& x, const Item& y) { return before(x, y, axis); });
+                     [this, axis = slices.axis](const Item& x, const Item& y) { return before(x, y, axis); });
 }
 
 /// The best cut along the axis of those that leave `least` to `most` items on the first side, by trying each: sorts the
@@ -175,32 +204,29 @@ TriangleParts::Cut TriangleParts::best_of_few(std::span<Item> items, std::size_t
     return best;
 }
 
-/// The same of many items, between slices across the axis along which their places are in [low, high].
+/// The same of many items, between slices.
 TriangleParts::Cut TriangleParts::best_of_slices(std::span<const Item> items, std::size_t least, std::size_t most,
-                                                 int axis, float low, float high) const
+                                                 const Slices& slices) const
 {
-    constexpr std::size_t slices = 32;
     struct Slice {
         Growing bounds;
         std::size_t count = 0;
     };
-    std::array<Slice, slices> slice;
-    const auto a = static_cast<std::size_t>(axis);
-    const float scale = slices / (high - low);
+    std::array<Slice, Slices::few> slice;
     for (const Item& item : items) {
-        Slice& s = slice[std::min(static_cast<std::size_t>((item.place[a] - low) * scale), slices - 1)];
+        Slice& s = slice[slices.of(item)];
         s.bounds.add(bounds_[item.number]), ++s.count;
     }
-    std::array<float, slices> areas_above;
+    std::array<float, Slices::few> areas_above;
     Growing above, below;
-    for (std::size_t i = slices; i-- > 0;) above.add(slice[i].bounds), areas_above[i] = above.area();
-    Cut best{axis, 0, infinite};
+    for (std::size_t i = Slices::few; i-- > 0;) above.add(slice[i].bounds), areas_above[i] = above.area();
+    Cut best{slices.axis, 0, infinite};
     std::size_t at = 0;
-    for (std::size_t i = 0; i + 1 < slices; ++i) {
+    for (std::uint32_t i = 0; i + 1 < Slices::few; ++i) {
         below.add(slice[i].bounds), at += slice[i].count;
         if (at < least || at > most) continue;
         const float cost = float(at) * below.area() + float(items.size() - at) * areas_above[i + 1];
-        if (cost < best.cost) best = {axis, at, cost};
+        if (cost < best.cost) best = {slices.axis, at, cost, i + 1};
     }
     return best;
 }

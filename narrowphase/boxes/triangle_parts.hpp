@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -53,16 +54,30 @@ private:
         int axis;
         std::size_t at;
         float cost; ///< the area of a box around each side times its triangles, summed
+        std::uint32_t slice = 0; ///< the first of the second side, where it is a cut between Slices; else 0
+    };
+    /// Across an axis along which places are in [low, high].
+    struct Slices {
+        int axis;
+        float low, high;
+        std::uint32_t number = few;
+
+        static constexpr std::uint32_t few = 32;
+        std::uint32_t of(const Item& item) const
+        {
+            const float along = item.place[static_cast<std::size_t>(axis)] - low;
+            return std::min(static_cast<std::uint32_t>(along * (float(number) / (high - low))), number - 1);
+        }
     };
     void split(std::span<Item> items, unsigned parts, std::size_t begin, unsigned first);
     bool before(const Item& x, const Item& y, int axis) const;
     bool before_in_a_tie(const Item& x, const Item& y, int axis) const;
     Cut best_of_few(std::span<Item> items, std::size_t least, std::size_t most, int axis) const;
-    Cut best_of_slices(std::span<const Item> items, std::size_t least, std::size_t most, int axis, float low,
-                       float high) const;
-    void halve(std::span<Item> items, std::size_t half, int axis, float low, float high) const;
+    Cut best_of_slices(std::span<const Item> items, std::size_t least, std::size_t most, const Slices& slices) const;
+    void part(std::span<Item> items, auto first);
+    void halve(std::span<Item> items, std::size_t half, const Slices& slices);
 
-    std::vector<Item> items_;
+    std::vector<Item> items_, above_; ///< above_: scratch
     std::vector<Bounds> bounds_; ///< by number, as the next two
     std::vector<TrianglePoints> corners_;
     std::vector<std::uint32_t> triangles_; ///< in the mesh

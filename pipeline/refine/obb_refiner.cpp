@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <oncollide/base/parallel.hpp>
+#include <oncollide/base/prefetch.hpp>
 #include <oncollide/narrowphase/hulls/outer_hull.hpp>
 #include <oncollide/pipeline/refine/placed_pair.hpp>
 
@@ -90,6 +91,30 @@ void make_hulls(std::span<const PairTask> tasks)
         for (Model* model : {task.a, task.b})
             if (model->expect_hull() && made < most) model->make_hull(), ++made;
     }
+}
+
+/// In a large world what pairs look at lies scattered in memory: begins to load it for those after number i, a pointer
+/// at a time.
+void fetch_ahead(std::span<const PairTask> tasks, PairCache* cache, std::size_t i)
+{
+    const auto after = [&](std::size_t steps, auto visit) {
+        constexpr std::size_t pairs_a_step = 4;
+        const std::size_t later = i + steps * pairs_a_step;
+        if (later >= tasks.size()) return;
+        const PairTask& task = tasks[later];
+        if (!cache || !((*cache)[task.number].gap(task.travel) > 0)) visit(task); // else the gap decides, as a rule
+    };
+    const auto trees = [](const PairTask& task, auto visit) {
+        for (const Model* model : {task.a, task.b})
+            if (model->boxes) visit(*model->boxes);
+    };
+    after(4, [](const PairTask& task) {
+        task.a->prefetch(), task.b->prefetch();
+        prefetch_all_of(*task.pose_b); // that of a is the last one's, as a rule
+    });
+    after(3, [&](const PairTask& task) { trees(task, [](const ObbTree& tree) { prefetch_all_of(tree); }); });
+    after(2, [&](const PairTask& task) { trees(task, [](const ObbTree& tree) { tree.prefetch_table(); }); });
+    after(1, [&](const PairTask& task) { trees(task, [](const ObbTree& tree) { tree.prefetch_root(); }); });
 }
 
 } // namespace
@@ -211,10 +236,7 @@ void ObbRefiner::refine(RefineContext& context, std::span<const PairTask> tasks,
                         Worker& worker = workers_[static_cast<std::size_t>(thread)];
                         for (std::size_t i = begin; i < end; ++i) {
                             if (i % pairs_per_look == 0 && context.stopped()) return;
-                            if (constexpr std::size_t ahead = 8; i + ahead < end) {
-                                const char* const pose = reinterpret_cast<const char*>(tasks[i + ahead].pose_b);
-                                __builtin_prefetch(pose), __builtin_prefetch(pose + sizeof(Eigen::Isometry3d) - 1);
-                            }
+                            fetch_ahead(tasks.first(end), cache, i);
                             PairMemory* memory = cache ? &(*cache)[tasks[i].number] : nullptr;
                             results[i] = refine_there(context, tasks[i], results[i], memory, worker);
                         }
