@@ -5,6 +5,14 @@
 namespace oncollide::ONCOLLIDE_ISA {
 namespace {
 
+/// The greatest lane, in every lane.
+inline F32x8 greatest(F32x8 v)
+{
+    v = max(v, ONCOLLIDE_SHUFFLE(v, 4, 5, 6, 7, 0, 1, 2, 3));
+    v = max(v, ONCOLLIDE_SHUFFLE(v, 2, 3, 0, 1, 6, 7, 4, 5));
+    return max(v, ONCOLLIDE_SHUFFLE(v, 1, 0, 3, 2, 5, 4, 7, 6));
+}
+
 std::uint32_t overlap_range(const BoxColumnsView& c, std::uint32_t begin, std::uint32_t end, const float box[6],
                             std::uint32_t* out)
 {
@@ -33,13 +41,7 @@ void support_box(const float* x, const float* y, const float* z, std::uint32_t c
             low[axis] = min(low[axis], v), high[axis] = max(high[axis], v);
         }
     }
-    for (int axis = 0; axis < 3; ++axis) {
-        lo[axis] = low[axis][0], hi[axis] = high[axis][0];
-        for (int lane = 1; lane < 8; ++lane) {
-            if (low[axis][lane] < lo[axis]) lo[axis] = low[axis][lane];
-            if (high[axis][lane] > hi[axis]) hi[axis] = high[axis][lane];
-        }
-    }
+    for (int axis = 0; axis < 3; ++axis) lo[axis] = -greatest(-low[axis])[0], hi[axis] = greatest(high[axis])[0];
 }
 
 float most_along(const float* x, const float* y, const float* z, std::uint32_t count, const float d[3])
@@ -47,26 +49,24 @@ float most_along(const float* x, const float* y, const float* z, std::uint32_t c
     F32x8 high = splat(-__builtin_inff());
     for (std::uint32_t i = 0; i < count; i += 8)
         high = max(high, d[0] * load(x + i) + d[1] * load(y + i) + d[2] * load(z + i));
-    float most = high[0];
-    for (int lane = 1; lane < 8; ++lane)
-        if (high[lane] > most) most = high[lane];
-    return most;
+    return greatest(high)[0];
 }
 
+/// Of points that show the same, the first of the first lane.
 std::uint32_t farthest(const float* x, const float* y, const float* z, std::uint32_t count, const float d[3])
 {
     F32x8 high = splat(-__builtin_inff());
-    I32x8 at{}, here{0, 1, 2, 3, 4, 5, 6, 7};
-    for (std::uint32_t i = 0; i < count; i += 8, here = here + 8) {
+    I32x8 at{};
+    for (std::uint32_t i = 0; i < count; i += 8) {
         const F32x8 along = d[0] * load(x + i) + d[1] * load(y + i) + d[2] * load(z + i);
         const I32x8 farther = along > high;
-        at = farther ? here : at;
-        high = farther ? along : high;
+        at = farther ? I32x8{} + static_cast<std::int32_t>(i) : at;
+        high = max(along, high);
     }
-    int best = 0;
-    for (int lane = 1; lane < 8; ++lane)
-        if (high[lane] > high[best]) best = lane;
-    return static_cast<std::uint32_t>(at[best]);
+    const auto lane = static_cast<std::uint32_t>(__builtin_ctz(bits(high == greatest(high))));
+    std::int32_t place[8];
+    __builtin_memcpy(place, &at, sizeof place);
+    return static_cast<std::uint32_t>(place[lane]) + lane;
 }
 
 } // namespace

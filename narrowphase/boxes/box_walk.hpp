@@ -320,6 +320,7 @@ private:
         return least * (1 - 0x1p-18); // poses may be 2^-20 from rigid
     }
 
+    const OrientedBoxKernel kernel_ = oriented_box_kernel();
     OpenNodes<A> a_;
     OpenNodes<B> b_;
     std::vector<Entry> stack_; ///< its first top_ are in use
@@ -366,9 +367,9 @@ unsigned BoxWalk<A, B, Leaves>::compare(const Entry& e, bool down_a, std::uint32
     const unsigned k = down_a ? e.lane_b : e.lane_a;
     unsigned near;
     if constexpr (far)
-        near = oriented_box_kernel().compare_far(boxes, other, k, line_from(e, down_a), cutoff, gaps, nearest_);
+        near = kernel_.compare_far(boxes, other, k, line_from(e, down_a), cutoff, gaps, nearest_);
     else
-        near = oriented_box_kernel().compare(boxes, other, k, cutoff, gaps, nearest_);
+        near = kernel_.compare(boxes, other, k, cutoff, gaps, nearest_);
     if (!near) return 0;
     if (stack_.size() < top_ + 8) stack_.resize(2 * (top_ + 8));
     Entry* const first = &stack_[top_];

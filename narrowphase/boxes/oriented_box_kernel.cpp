@@ -5,22 +5,27 @@
 namespace oncollide::ONCOLLIDE_ISA {
 namespace {
 
-template <class Number, class Lanes>
-inline F32x8 widen(const Number (&from)[8])
-{
-    Lanes v;
-    __builtin_memcpy(&v, from, sizeof v);
-    return __builtin_convertvector(__builtin_convertvector(v, I32x8), F32x8);
-}
 inline F32x8 widen(const std::int16_t (&from)[8])
 {
-    using Lanes = std::int16_t __attribute__((vector_size(16)));
-    return widen<std::int16_t, Lanes>(from);
+#if defined(__AVX2__) // else GCC widens halves and joins them
+    const __m128i v = _mm_loadu_si128(reinterpret_cast<const __m128i*>(from));
+    return reinterpret_cast<F32x8>(_mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(v)));
+#else
+    std::int16_t v __attribute__((vector_size(16)));
+    __builtin_memcpy(&v, from, sizeof v);
+    return __builtin_convertvector(__builtin_convertvector(v, I32x8), F32x8);
+#endif
 }
 inline F32x8 widen(const std::uint16_t (&from)[8])
 {
-    using Lanes = std::uint16_t __attribute__((vector_size(16)));
-    return widen<std::uint16_t, Lanes>(from);
+#if defined(__AVX2__)
+    const __m128i v = _mm_loadu_si128(reinterpret_cast<const __m128i*>(from));
+    return reinterpret_cast<F32x8>(_mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(v)));
+#else
+    std::uint16_t v __attribute__((vector_size(16)));
+    __builtin_memcpy(&v, from, sizeof v);
+    return __builtin_convertvector(__builtin_convertvector(v, I32x8), F32x8);
+#endif
 }
 
 inline F32x8 abs(F32x8 v)
@@ -64,11 +69,13 @@ void open(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out)
         centre = turned(placement->rotation, centre);
         centre = {centre.x + placement->translation[0], centre.y + placement->translation[1],
                   centre.z + placement->translation[2]};
+#pragma GCC unroll 3
         for (Vec& axis : axes) axis = turned(placement->rotation, axis);
     }
     const int last = static_cast<int>(node.lanes);
     centre.x = I32x8{0, 1, 2, 3, 4, 5, 6, 7} < last ? centre.x : splat(far_away);
     store(out.c, centre);
+#pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) store(out.axis[i], axes[i]);
     const Vec half{widen(node.hx) * unit, widen(node.hy) * unit, widen(node.hz) * unit};
     store(out.h, half);
