@@ -101,11 +101,21 @@ public:
     std::uint64_t hints_held = 0; ///< queries that their hint or place decided
 
 private:
-    /// Where a walk stands: a box of an open node on both sides.
+    /// Where a walk stands: a box of an open node on both sides. In one word, since a walk goes on with what it has
+    /// just written: a processor waits for several stores that one load reads.
     struct Entry {
-        std::uint32_t a, b;
-        std::uint8_t lane_a, lane_b;
-        float gap;
+        std::uint64_t boxes = 0; ///< 8 * slot + lane, of B in the upper half
+        float gap = 0;
+
+        Entry() = default;
+        Entry(std::uint32_t slot_a, std::uint32_t lane_a, std::uint32_t slot_b, std::uint32_t lane_b)
+            : boxes(8 * slot_a + lane_a + (std::uint64_t(8 * slot_b + lane_b) << 32))
+        {
+        }
+        std::uint32_t slot_a() const { return static_cast<std::uint32_t>(boxes) / 8; }
+        std::uint32_t slot_b() const { return static_cast<std::uint32_t>(boxes >> 35); }
+        std::uint8_t lane_a() const { return boxes & 7; }
+        std::uint8_t lane_b() const { return boxes >> 32 & 7; }
     };
     static constexpr std::size_t first_batch = 4, most_batch = 64; ///< pairs of primitives tested together
     static constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -134,7 +144,7 @@ private:
     void start_again()
     {
         reset();
-        stack_[top_++] = {0, 0, 0, 0, 0};
+        stack_[top_++] = {};
     }
     /// The same for what is within `cutoff`: of a large geometry only the surroundings of the other one.
     void start_near(A& a, B& b, const RelativePose& b_to_a, const WalkFrame& frame, double cutoff)
@@ -160,12 +170,12 @@ private:
             }
             const float far = frame.gap_within(cutoff);
             gap = std::min(gap, a.starts(box, root.size[0], starts_));
-            for (const typename A::Node& node : starts_) compare<false>({0, 0, 0, 0, 0}, true, a_.open(node), far);
+            for (const typename A::Node& node : starts_) compare<false>({}, true, a_.open(node), far);
         } else {
             const auto of_a = entry(a, [&] { return around(b_to_a(b.centre()), b.radius()); });
             a_.open(of_a.node.value_or(A::root));
             gap = std::min(gap, of_a.gap);
-            if (of_a.node) stack_[top_++] = {0, 0, 0, 0, 0};
+            if (of_a.node) stack_[top_++] = {};
         }
         nearest_[0] = std::min(nearest_[0], static_cast<float>(cutoff + gap));
         if (!of_b.node) top_ = 0;
@@ -208,16 +218,16 @@ private:
         if (!place || !*place || !(*place)->holds_in(a, b)) return true;
         begin(a, b, b_to_a, frame, (*place)->b);
         a_.open((*place)->a);
-        stack_[top_++] = {0, 0, (*place)->lane_a, (*place)->lane_b, 0};
+        stack_[top_++] = {0, (*place)->lane_a, 0, (*place)->lane_b};
         std::size_t batch = first_batch;
         bool go_on = true;
-        walk(frame.gap_within(0), [&](const Entry& e) {
+        walk(frame.gap_within(0), [&](Entry e) {
             wait(e, leave);
             return go_on = test_if_enough(batch, found);
         });
         return go_on && test_waiting(found);
     }
-    void wait(const Entry& e, auto leave)
+    void wait(Entry e, auto leave)
     {
         each_pair(e, [&](Pair pair) {
             if (!leave(pair)) waiting_.push_back(pair), from_.push_back(e);
@@ -232,40 +242,40 @@ private:
         for (std::size_t i = 0; i < from_.size(); ++i)
             if (waiting_[i].a == pair.a && waiting_[i].b == pair.b) from = &from_[i];
         if (!from) return; // the hint
-        const auto [slot_a, lane_a] = a_.up(from->a, from->lane_a, levels);
-        const auto [slot_b, lane_b] = b_.up(from->b, from->lane_b, levels);
+        const auto [slot_a, lane_a] = a_.up(from->slot_a(), from->lane_a(), levels);
+        const auto [slot_b, lane_b] = b_.up(from->slot_b(), from->lane_b(), levels);
         place->emplace(a, a_[slot_a].node, lane_a, b, b_[slot_b].node, lane_b);
     }
-    bool both_leaves(const Entry& e) const { return a_[e.a].leaf(e.lane_a) && b_[e.b].leaf(e.lane_b); }
-    bool each_pair(const Entry& e, auto visit) const;
+    bool both_leaves(Entry e) const { return a_[e.slot_a()].leaf(e.lane_a()) && b_[e.slot_b()].leaf(e.lane_b()); }
+    bool each_pair(Entry e, auto visit) const;
     template <bool far>
-    unsigned open(const Entry& e, float cutoff);
+    unsigned open(Entry e, float cutoff);
     template <bool far>
-    unsigned compare(const Entry& e, bool down_a, std::uint32_t slot, float cutoff);
-    double high_a(const Entry& e) const
+    unsigned compare(Entry e, bool down_a, std::uint32_t slot, float cutoff);
+    double high_a(Entry e) const
     {
         double high = -infinity;
-        for (const auto a : a_.primitives(e.a, e.lane_a)) high = std::max(high, leaves_.high_a(a, line_));
+        for (const auto a : a_.primitives(e.slot_a(), e.lane_a())) high = std::max(high, leaves_.high_a(a, line_));
         return high;
     }
-    double low_b(const Entry& e) const
+    double low_b(Entry e) const
     {
         double low = infinity;
-        for (const auto b : b_.primitives(e.b, e.lane_b)) low = std::min(low, leaves_.low_b(b, line_));
+        for (const auto b : b_.primitives(e.slot_b(), e.lane_b())) low = std::min(low, leaves_.low_b(b, line_));
         return low;
     }
     /// The line as the parts of the one box see the other: towards them. Of a leaf its primitives count, not the box.
-    BoxLine line_from(const Entry& e, bool down_a) const
+    BoxLine line_from(Entry e, bool down_a) const
     {
         const Eigen::Vector3d to = down_a ? Eigen::Vector3d(-line_) : line_;
         BoxLine line{{float(to.x()), float(to.y()), float(to.z())}, 0};
-        if (down_a ? b_[e.b].leaf(e.lane_b) : a_[e.a].leaf(e.lane_a)) {
+        if (down_a ? b_[e.slot_b()].leaf(e.lane_b()) : a_[e.slot_a()].leaf(e.lane_a())) {
             const double middle = line_.dot(origin_);
             line.other_reach = static_cast<float>(down_a ? middle - low_b(e) : high_a(e) - middle);
             return line;
         }
-        const OpenBoxes& boxes = down_a ? b_[e.b].boxes : a_[e.a].boxes;
-        const unsigned k = down_a ? e.lane_b : e.lane_a;
+        const OpenBoxes& boxes = down_a ? b_[e.slot_b()].boxes : a_[e.slot_a()].boxes;
+        const unsigned k = down_a ? e.lane_b() : e.lane_a();
         const auto along = [&](const auto& v) {
             return line.direction[0] * v[0][k] + line.direction[1] * v[1][k] + line.direction[2] * v[2][k];
         };
@@ -336,10 +346,10 @@ private:
 
 /// Of the primitives in two leaves, while visit(pair) returns true. False when it did not.
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
-bool BoxWalk<A, B, Leaves>::each_pair(const Entry& e, auto visit) const
+bool BoxWalk<A, B, Leaves>::each_pair(Entry e, auto visit) const
 {
-    const auto of_b = b_.primitives(e.b, e.lane_b);
-    for (const auto a : a_.primitives(e.a, e.lane_a))
+    const auto of_b = b_.primitives(e.slot_b(), e.lane_b());
+    for (const auto a : a_.primitives(e.slot_a(), e.lane_a()))
         for (const auto b : of_b)
             if (!visit(Pair{a, b})) return false;
     return true;
@@ -348,23 +358,30 @@ bool BoxWalk<A, B, Leaves>::each_pair(const Entry& e, auto visit) const
 /// Opens the larger box, and compares its parts with the other.
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 template <bool far>
-unsigned BoxWalk<A, B, Leaves>::open(const Entry& e, float cutoff)
+unsigned BoxWalk<A, B, Leaves>::open(Entry e, float cutoff)
 {
     const bool down_a =
-        b_[e.b].single(e.lane_b) || (!a_[e.a].single(e.lane_a) && a_[e.a].size(e.lane_a) >= b_[e.b].size(e.lane_b));
-    return compare<far>(e, down_a, down_a ? a_.descend(e.a, e.lane_a) : b_.descend(e.b, e.lane_b), cutoff);
+        b_[e.slot_b()].single(e.lane_b()) ||
+        (!a_[e.slot_a()].single(e.lane_a()) && a_[e.slot_a()].size(e.lane_a()) >= b_[e.slot_b()].size(e.lane_b()));
+    return compare<far>(e, down_a, down_a ? a_.descend(e.slot_a(), e.lane_a()) : b_.descend(e.slot_b(), e.lane_b()),
+                        cutoff);
 }
 
 /// Pushes the boxes of the node in the slot, of A or of B, that are within `cutoff` of the other's, the nearest last.
 /// Returns how many.
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 template <bool far>
-unsigned BoxWalk<A, B, Leaves>::compare(const Entry& e, bool down_a, std::uint32_t slot, float cutoff)
+unsigned BoxWalk<A, B, Leaves>::compare(Entry e, bool down_a, std::uint32_t slot, float cutoff)
 {
-    const OpenBoxes &boxes = down_a ? a_[slot].boxes : b_[slot].boxes, &other = down_a ? b_[e.b].boxes : a_[e.a].boxes;
+    const OpenBoxes &boxes = down_a ? a_[slot].boxes : b_[slot].boxes,
+                    &other = down_a ? b_[e.slot_b()].boxes : a_[e.slot_a()].boxes;
     ++box_rows;
     float gaps[8];
-    const unsigned k = down_a ? e.lane_b : e.lane_a;
+    const unsigned k = down_a ? e.lane_b() : e.lane_a();
+    if (down_a) // the larger one soon, as a rule
+        b_.prefetch(e.slot_b(), k);
+    else
+        a_.prefetch(e.slot_a(), k);
     unsigned near;
     if constexpr (far)
         near = kernel_.compare_far(boxes, other, k, line_from(e, down_a), cutoff, gaps, nearest_);
@@ -373,11 +390,11 @@ unsigned BoxWalk<A, B, Leaves>::compare(const Entry& e, bool down_a, std::uint32
     if (!near) return 0;
     if (stack_.size() < top_ + 8) stack_.resize(2 * (top_ + 8));
     Entry* const first = &stack_[top_];
-    Entry *out = first, child = e, nearest;
+    const Entry part = down_a ? Entry(slot, 0, e.slot_b(), k) : Entry(e.slot_a(), k, slot, 0); // box 0 of the node
+    Entry *out = first, child, nearest;
     for (bool any = false; near; near &= near - 1, any = true) {
-        const auto lane = static_cast<std::uint8_t>(__builtin_ctz(near));
-        (down_a ? child.a : child.b) = slot;
-        (down_a ? child.lane_a : child.lane_b) = lane;
+        const auto lane = static_cast<unsigned>(__builtin_ctz(near));
+        child.boxes = part.boxes + (std::uint64_t{lane} << (down_a ? 0 : 32));
         child.gap = gaps[lane];
         if (!any) {
             nearest = child;
@@ -433,7 +450,7 @@ double BoxWalk<A, B, Leaves>::meetings(A& a, B& b, const RelativePose& b_to_a, s
     if (!go_on_after_place(a, b, b_to_a, frame, place, take, leave)) return ++hints_held, 0;
     std::size_t batch = first_batch;
     start_near(a, b, b_to_a, frame, 0);
-    walk(frame.gap_within(0), [&](const Entry& e) {
+    walk(frame.gap_within(0), [&](Entry e) {
         wait(e, leave);
         return go_on = test_if_enough(batch, take);
     });
@@ -485,8 +502,8 @@ NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const 
     };
     std::size_t batch = first_batch;
     start_near(a, b, b_to_a, frame, clearance);
-    walk(frame.gap_within(clearance), [&](const Entry& e) {
-        const float size2 = a_[e.a].size(e.lane_a) + b_[e.b].size(e.lane_b);
+    walk(frame.gap_within(clearance), [&](Entry e) {
+        const float size2 = a_[e.slot_a()].size(e.lane_a()) + b_[e.slot_b()].size(e.lane_b());
         const bool small = double(size2) <= 16 * enough * enough; // else their corners are hardly so near
         from = &e;
         return each_pair(e, [&](Pair pair) { return take_pair(pair, small); }) && test_if_enough(batch, take);
@@ -526,7 +543,7 @@ Comparison<typename Leaves::Pair> BoxWalk<A, B, Leaves>::compare(A& a, B& b, con
     }
     start_near(a, b, b_to_a, frame, most);
     bool go_on = true;
-    walk(frame.gap_within(most), [&](const Entry& e) { return go_on = each_pair(e, take_pair); });
+    walk(frame.gap_within(most), [&](Entry e) { return go_on = each_pair(e, take_pair); });
     if (!go_on) return {-1, upper, witness};
     lower = std::min(lower, least_box_gap(frame));
     if (lower > most) return {1, lower, {}};

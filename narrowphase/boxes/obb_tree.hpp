@@ -62,6 +62,10 @@ public:
         const std::uint32_t child = std::atomic_ref(at(index).child[k]).load(std::memory_order_acquire);
         return child ? child : grow(index, k);
     }
+    void prefetch_child(std::uint32_t index, unsigned k) const
+    {
+        oncollide::prefetch(&node(node(index).child[k]), sizeof(BoxNode)); // the root where it is not there yet
+    }
     /// Grows what a walk with a body in this box of the mesh's frame would come to, down to boxes of so many triangles.
     /// Beside walks.
     void grow_in(const Aabb& box, std::uint32_t triangles);
@@ -80,6 +84,13 @@ public:
     /// Begin to load what walks look at first: where the nodes are, and, some time later, these.
     void prefetch_table() const { prefetch_all_of(chunks_[0]); }
     void prefetch_root() const { prefetch(&node(root), 2 * sizeof(BoxNode)); }
+    void prefetch_node(std::uint32_t index) const { prefetch_all_of(node(index)); }
+    /// Of a triangle first which corners it has, and, some time later, these.
+    void prefetch_triangle(std::uint32_t triangle) const { prefetch_all_of(triangles_[triangle]); }
+    void prefetch_corners(std::uint32_t triangle) const
+    {
+        for (const std::uint32_t corner : triangles_[triangle]) prefetch_all_of(vertices_[corner]);
+    }
 
     /// By number in the tree. Of a cooked mesh only what walks have come to.
     const Eigen::Vector3d* vertices() const { return vertices_; }

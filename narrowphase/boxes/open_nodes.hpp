@@ -50,6 +50,13 @@ public:
         nodes_[below].above = slot, nodes_[below].lane = static_cast<std::uint8_t>(k);
         return nodes_[slot].below[k] = below;
     }
+    /// Begins to load the node below box `k`, where it is stored and not open.
+    void prefetch(std::uint32_t slot, unsigned k) const
+    {
+        if constexpr (requires(const Hierarchy& h, typename Hierarchy::Node n) { h.prefetch_child(n, k); })
+            if (const Node& above = nodes_[slot]; !above.below[k] && !above.leaf(k))
+                hierarchy_->prefetch_child(above.node, k);
+    }
     /// The box `levels` up from box `k`, or as far up as nodes are open.
     std::pair<std::uint32_t, std::uint8_t> up(std::uint32_t slot, std::uint8_t k, int levels) const
     {

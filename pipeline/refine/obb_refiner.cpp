@@ -93,8 +93,15 @@ void make_hulls(std::span<const PairTask> tasks)
     }
 }
 
-/// In a large world what pairs look at lies scattered in memory: begins to load it for those after number i, a pointer
-/// at a time.
+/// Where two meshes met last, if both are still there.
+const MeetingPlace<ObbTree, ObbTree>* place_of(const PairTask& task, const PairMemory& memory)
+{
+    const auto* place = std::get_if<MeetingPlace<ObbTree, ObbTree>>(&memory.place);
+    const bool stored = place && task.a->boxes && task.b->boxes && !task.a->file() && !task.b->file();
+    return stored && place->holds_in(*task.a->boxes, *task.b->boxes) ? place : nullptr;
+}
+
+/// What pairs look at lies scattered in memory: begins to load it for those after number i, a pointer at a time.
 void fetch_ahead(std::span<const PairTask> tasks, PairCache* cache, std::size_t i)
 {
     const auto after = [&](std::size_t steps, auto visit) {
@@ -102,19 +109,31 @@ void fetch_ahead(std::span<const PairTask> tasks, PairCache* cache, std::size_t 
         const std::size_t later = i + steps * pairs_a_step;
         if (later >= tasks.size()) return;
         const PairTask& task = tasks[later];
-        if (!cache || !((*cache)[task.number].gap(task.travel) > 0)) visit(task); // else the gap decides, as a rule
+        const PairMemory* const memory = cache ? &(*cache)[task.number] : nullptr;
+        if (!memory || !(memory->gap(task.travel) > 0)) visit(task, memory); // else the gap decides, as a rule
     };
     const auto trees = [](const PairTask& task, auto visit) {
         for (const Model* model : {task.a, task.b})
             if (model->boxes) visit(*model->boxes);
     };
-    after(4, [](const PairTask& task) {
+    after(4, [](const PairTask& task, const PairMemory*) {
         task.a->prefetch(), task.b->prefetch();
         prefetch_all_of(*task.pose_b); // that of a is the last one's, as a rule
     });
-    after(3, [&](const PairTask& task) { trees(task, [](const ObbTree& tree) { prefetch_all_of(tree); }); });
-    after(2, [&](const PairTask& task) { trees(task, [](const ObbTree& tree) { tree.prefetch_table(); }); });
-    after(1, [&](const PairTask& task) { trees(task, [](const ObbTree& tree) { tree.prefetch_root(); }); });
+    after(3, [&](const PairTask& task, const PairMemory*) {
+        trees(task, [](const ObbTree& tree) { prefetch_all_of(tree); });
+    });
+    after(2, [&](const PairTask& task, const PairMemory* memory) {
+        trees(task, [](const ObbTree& tree) { tree.prefetch_table(); });
+        if (!memory || !memory->met || !place_of(task, *memory)) return;
+        task.a->boxes->prefetch_triangle(memory->triangles.a), task.b->boxes->prefetch_triangle(memory->triangles.b);
+    });
+    after(1, [&](const PairTask& task, const PairMemory* memory) {
+        const auto* const place = memory && memory->met ? place_of(task, *memory) : nullptr;
+        if (!place) return trees(task, [](const ObbTree& tree) { tree.prefetch_root(); });
+        task.a->boxes->prefetch_node(place->a), task.b->boxes->prefetch_node(place->b);
+        task.a->boxes->prefetch_corners(memory->triangles.a), task.b->boxes->prefetch_corners(memory->triangles.b);
+    });
 }
 
 } // namespace
