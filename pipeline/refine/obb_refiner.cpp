@@ -104,8 +104,10 @@ const MeetingPlace<ObbTree, ObbTree>* place_of(const PairTask& task, const PairM
 /// What pairs look at lies scattered in memory: begins to load it for those after number i, a pointer at a time.
 void fetch_ahead(std::span<const PairTask> tasks, PairCache* cache, std::size_t i)
 {
+    constexpr std::size_t pairs_a_step = 4;
+    if (const std::size_t later = i + 6 * pairs_a_step; cache && later < tasks.size())
+        prefetch_all_of((*cache)[tasks[later].number]);
     const auto after = [&](std::size_t steps, auto visit) {
-        constexpr std::size_t pairs_a_step = 4;
         const std::size_t later = i + steps * pairs_a_step;
         if (later >= tasks.size()) return;
         const PairTask& task = tasks[later];
