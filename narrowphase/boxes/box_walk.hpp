@@ -265,23 +265,23 @@ private:
         return low;
     }
     /// The line as the parts of the one box see the other: towards them. Of a leaf its primitives count, not the box.
-    BoxLine line_from(Entry e, bool down_a) const
+    void set_line(BoxLine& line, Entry e, bool down_a) const
     {
         const Eigen::Vector3d to = down_a ? Eigen::Vector3d(-line_) : line_;
-        BoxLine line{{float(to.x()), float(to.y()), float(to.z())}, 0};
+        for (int i = 0; i < 3; ++i) line.direction[i] = static_cast<float>(to[i]);
         if (down_a ? b_[e.slot_b()].leaf(e.lane_b()) : a_[e.slot_a()].leaf(e.lane_a())) {
             const double middle = line_.dot(origin_);
             line.other_reach = static_cast<float>(down_a ? middle - low_b(e) : high_a(e) - middle);
-            return line;
+            return;
         }
         const OpenBoxes& boxes = down_a ? b_[e.slot_b()].boxes : a_[e.slot_a()].boxes;
         const unsigned k = down_a ? e.lane_b() : e.lane_a();
         const auto along = [&](const auto& v) {
             return line.direction[0] * v[0][k] + line.direction[1] * v[1][k] + line.direction[2] * v[2][k];
         };
-        line.other_reach = along(boxes.c);
-        for (int i = 0; i < 3; ++i) line.other_reach += boxes.h[i][k] * std::abs(along(boxes.axis[i]));
-        return line;
+        float reach = along(boxes.c);
+        for (int i = 0; i < 3; ++i) reach += boxes.h[i][k] * std::abs(along(boxes.axis[i]));
+        line.other_reach = reach;
     }
     /// The nearest of the last `count` entries last. There are eight at most.
     void sort_last(unsigned count)
@@ -383,10 +383,13 @@ unsigned BoxWalk<A, B, Leaves>::compare(Entry e, bool down_a, std::uint32_t slot
     else
         a_.prefetch(e.slot_a(), k);
     unsigned near;
-    if constexpr (far)
-        near = kernel_.compare_far(boxes, other, k, line_from(e, down_a), cutoff, gaps, nearest_);
-    else
+    if constexpr (far) {
+        BoxLine line;
+        set_line(line, e, down_a);
+        near = kernel_.compare_far(boxes, other, k, line, cutoff, gaps, nearest_);
+    } else {
         near = kernel_.compare(boxes, other, k, cutoff, gaps, nearest_);
+    }
     if (!near) return 0;
     if (stack_.size() < top_ + 8) stack_.resize(2 * (top_ + 8));
     Entry* const first = &stack_[top_];
