@@ -62,9 +62,10 @@ public:
         const std::uint32_t child = std::atomic_ref(at(index).child[k]).load(std::memory_order_acquire);
         return child ? child : grow(index, k);
     }
-    void prefetch_child(std::uint32_t index, unsigned k) const
+    void prefetch_child(std::uint32_t index, unsigned k)
     {
-        oncollide::prefetch(&node(node(index).child[k]), sizeof(BoxNode)); // the root where it is not there yet
+        const std::uint32_t child = std::atomic_ref(at(index).child[k]).load(std::memory_order_acquire);
+        prefetch_all_of(node(child)); // the root where it is not there yet
     }
     /// Grows what a walk with a body in this box of the mesh's frame would come to, down to boxes of so many triangles.
     /// Beside walks.

@@ -53,7 +53,7 @@ public:
     /// Begins to load the node below box `k`, where it is stored and not open.
     void prefetch(std::uint32_t slot, unsigned k) const
     {
-        if constexpr (requires(const Hierarchy& h, typename Hierarchy::Node n) { h.prefetch_child(n, k); })
+        if constexpr (requires(Hierarchy & h, typename Hierarchy::Node n) { h.prefetch_child(n, k); })
             if (const Node& above = nodes_[slot]; !above.below[k] && !above.leaf(k))
                 hierarchy_->prefetch_child(above.node, k);
     }
