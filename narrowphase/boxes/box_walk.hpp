@@ -370,6 +370,7 @@ unsigned BoxWalk<A, B, Leaves>::compare(const Entry& e, bool down_a, std::uint32
     else
         near = oriented_box_kernel().compare(boxes, other, k, cutoff, gaps, nearest_);
     if (!near) return 0;
+    const unsigned found = near;
     if (stack_.size() < top_ + 8) stack_.resize(2 * (top_ + 8));
     Entry* const first = &stack_[top_];
     Entry *out = first, child = e, nearest;
@@ -389,6 +390,7 @@ unsigned BoxWalk<A, B, Leaves>::compare(const Entry& e, bool down_a, std::uint32
     }
     *out++ = nearest;
     const auto count = static_cast<unsigned>(out - first);
+    down_a ? a_.prefetch_below(slot, found) : b_.prefetch_below(slot, found);
     top_ += count;
     return count;
 }

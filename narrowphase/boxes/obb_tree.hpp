@@ -80,6 +80,26 @@ public:
     /// Begin to load what walks look at first: where the nodes are, and, some time later, these.
     void prefetch_table() const { prefetch_all_of(chunks_[0]); }
     void prefetch_root() const { prefetch(&node(root), 2 * sizeof(BoxNode)); }
+    /// Is it so large that nodes and triangles are mostly in no cache when a walk comes to them? Then these pay. A
+    /// cooked mesh never is.
+    bool is_large() const { return large_; }
+    void prefetch_below(Node index, unsigned k) const
+    {
+        const BoxNode& above = node(index);
+        if (const std::uint32_t child =
+                std::atomic_ref(const_cast<std::uint32_t&>(above.child[k])).load(std::memory_order_relaxed))
+            prefetch_node(child);
+    }
+    void prefetch_node(Node index) const { prefetch_all_of(node(index)); }
+    void prefetch_triangle(std::uint32_t triangle) const
+    {
+        if (triangle < mesh().triangles.size()) prefetch_all_of(triangles_[triangle]);
+    }
+    void prefetch_corners(std::uint32_t triangle) const
+    {
+        if (triangle >= mesh().triangles.size()) return;
+        for (const std::uint32_t vertex : triangles_[triangle]) prefetch_all_of(vertices_[vertex]);
+    }
 
     /// By number in the tree. Of a cooked mesh only what walks have come to.
     const Eigen::Vector3d* vertices() const { return vertices_; }
@@ -129,6 +149,7 @@ private:
     std::uint32_t identity_;
     Eigen::Vector3d centre_;
     double radius_;
+    const bool large_;
     const Eigen::Vector3d* vertices_;
     const Triangle* triangles_;
     std::uint32_t* order_ = nullptr;       ///< null until a box grows

@@ -50,6 +50,14 @@ public:
         nodes_[below].above = slot, nodes_[below].lane = static_cast<std::uint8_t>(k);
         return nodes_[slot].below[k] = below;
     }
+    /// Of these boxes, a bit each, in a hierarchy that is mostly in no cache: begins to load what is below them.
+    void prefetch_below(std::uint32_t slot, unsigned boxes) const
+    {
+        if constexpr (requires { hierarchy_->is_large(); })
+            if (hierarchy_->is_large())
+                for (boxes &= ~nodes_[slot].masks.leaves; boxes; boxes &= boxes - 1)
+                    hierarchy_->prefetch_below(nodes_[slot].node, static_cast<unsigned>(__builtin_ctz(boxes)));
+    }
     /// The box `levels` up from box `k`, or as far up as nodes are open.
     std::pair<std::uint32_t, std::uint8_t> up(std::uint32_t slot, std::uint8_t k, int levels) const
     {

@@ -93,6 +93,33 @@ void make_hulls(std::span<const PairTask> tasks)
     }
 }
 
+/// Where walks begin in large meshes. @param corners  of triangles that are loaded
+void fetch_hints(const PairTask& task, const PairMemory& memory, bool corners)
+{
+    const auto large = [](const Model& model) {
+        return model.boxes && model.boxes->is_large() ? model.boxes.get() : nullptr;
+    };
+    const ObbTree *const a = large(*task.a), *const b = large(*task.b);
+    if (!a && !b) return;
+    const auto fetch = [&](const ObbTree* tree, std::uint32_t triangle) {
+        if (!tree) return;
+        if (corners)
+            tree->prefetch_corners(triangle);
+        else
+            tree->prefetch_triangle(triangle);
+    };
+    if (memory.met) {
+        // What has no triangles comes first.
+        const bool swapped = !task.b->boxes;
+        fetch(a, swapped ? memory.triangles.b : memory.triangles.a);
+        fetch(b, memory.triangles.b);
+    }
+    if (const auto* place = std::get_if<MeetingPlace<ObbTree, ObbTree>>(&memory.place); place && !corners) {
+        if (a && place->of_a == a->identity()) a->prefetch_node(place->a);
+        if (b && place->of_b == b->identity()) b->prefetch_node(place->b);
+    }
+}
+
 /// In a large world what pairs look at lies scattered in memory: begins to load it for those after number i, a pointer
 /// at a time.
 void fetch_ahead(std::span<const PairTask> tasks, PairCache* cache, std::size_t i)
@@ -115,6 +142,9 @@ void fetch_ahead(std::span<const PairTask> tasks, PairCache* cache, std::size_t 
     after(3, [&](const PairTask& task) { trees(task, [](const ObbTree& tree) { prefetch_all_of(tree); }); });
     after(2, [&](const PairTask& task) { trees(task, [](const ObbTree& tree) { tree.prefetch_table(); }); });
     after(1, [&](const PairTask& task) { trees(task, [](const ObbTree& tree) { tree.prefetch_root(); }); });
+    if (!cache) return;
+    after(2, [&](const PairTask& task) { fetch_hints(task, (*cache)[task.number], false); });
+    after(1, [&](const PairTask& task) { fetch_hints(task, (*cache)[task.number], true); });
 }
 
 } // namespace
