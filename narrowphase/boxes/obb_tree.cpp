@@ -14,7 +14,7 @@ namespace oncollide {
 namespace {
 
 constexpr unsigned most_lanes = 8;
-constexpr std::size_t large_from = 1 << 18; ///< triangles: 6 MB of them and their corners
+constexpr std::size_t large_from = 4096; ///< triangles: half a megabyte with their corners and boxes
 /// Triangles whose box is fitted. Boxes of more lie along the mesh's axes: fitting costs ten times what looking at
 /// bounds does, and of a mesh so large the first answer would wait for it.
 constexpr std::size_t most_fitted = 16384;

@@ -80,8 +80,8 @@ public:
     /// Begin to load what walks look at first: where the nodes are, and, some time later, these.
     void prefetch_table() const { prefetch_all_of(chunks_[0]); }
     void prefetch_root() const { prefetch(&node(root), 2 * sizeof(BoxNode)); }
-    /// Is it so large that nodes and triangles are mostly in no cache when a walk comes to them? Then these pay. A
-    /// cooked mesh never is.
+    /// Is it so large that nodes and triangles are mostly not in the nearest caches when a walk comes to them? Then
+    /// these pay. Cooked meshes do not count as large: what is below a box may not be there.
     bool is_large() const { return large_; }
     void prefetch_below(Node index, unsigned k) const
     {
