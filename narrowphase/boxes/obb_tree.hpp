@@ -59,7 +59,7 @@ public:
     /// The node of the parts of box k, grown when it is not there yet. The box must hold more than one triangle.
     std::uint32_t child(std::uint32_t index, unsigned k)
     {
-        const std::uint32_t child = std::atomic_ref(at(index).child[k]).load(std::memory_order_acquire);
+        const std::uint32_t child = grown(index, k);
         return child ? child : grow(index, k);
     }
     /// Grows what a walk with a body in this box of the mesh's frame would come to, down to boxes of so many triangles.
@@ -85,10 +85,7 @@ public:
     bool is_large() const { return large_; }
     void prefetch_below(Node index, unsigned k) const
     {
-        const BoxNode& above = node(index);
-        if (const std::uint32_t child =
-                std::atomic_ref(const_cast<std::uint32_t&>(above.child[k])).load(std::memory_order_relaxed))
-            prefetch_node(child);
+        if (const std::uint32_t child = grown(index, k)) prefetch_node(child);
     }
     void prefetch_node(Node index) const { prefetch_all_of(node(index)); }
     void prefetch_triangle(std::uint32_t triangle) const
@@ -131,6 +128,11 @@ private:
     static constexpr std::uint32_t chunk = 64;
     std::size_t room_in(std::size_t number) const; ///< nodes of a chunk
 
+    /// The node of the parts of box k; 0: none yet.
+    std::uint32_t grown(std::uint32_t index, unsigned k) const
+    {
+        return std::atomic_ref(const_cast<std::uint32_t&>(node(index).child[k])).load(std::memory_order_acquire);
+    }
     BoxNode& at(std::uint32_t index) { return chunks_[index / chunk][index % chunk]; }
     void make_root(const Aabb& bounds, std::size_t triangles);
     void number_triangles();
