@@ -16,8 +16,8 @@ bool is_enough(const ConvexDistance& d, const EnoughDistance& enough, double rou
     return d.lower > enough.above || d.upper <= enough.below || d.upper - d.lower <= enough.tolerance + 4 * rounding;
 }
 
-/// Is one of them an ellipsoid or a point? Where both have edges or rims, Newton's method soon gets stuck, and its looks
-/// are lost.
+/// Is one of them an ellipsoid or a point? Where both have edges or rims, Newton's method soon gets stuck, and its
+/// looks are lost.
 bool one_is_smooth(const ConvexDifference& cores)
 {
     const auto smooth = [](const Convex& c) { return c.core == Convex::Core::ellipsoid || !(c.extent > 0); };
