@@ -93,6 +93,26 @@ function(oncollide_add_part module part)
   endif()
 endfunction()
 
+# Compiles sources of which every number is a double as one unit with the straight-line vectoriser, which has no rounding
+# to float there that it could drop: GJK takes 0.55 to 0.6 of the time.
+function(oncollide_add_vectorised target)
+  set(includes)
+  foreach(source IN LISTS ARGN)
+    get_filename_component(source ${source} ABSOLUTE)
+    file(STRINGS ${source} floats REGEX "float|F32")
+    if(floats)
+      message(FATAL_ERROR "${source} computes with floats: oncollide_add_vectorised is for others")
+    endif()
+    string(APPEND includes "#include \"${source}\"\n")
+    list(APPEND sources ${source})
+  endforeach()
+  set(unit ${CMAKE_CURRENT_BINARY_DIR}/vectorised.cpp)
+  file(CONFIGURE OUTPUT ${unit} CONTENT "${includes}")
+  set_source_files_properties(${unit} PROPERTIES COMPILE_OPTIONS -ftree-slp-vectorize OBJECT_DEPENDS "${sources}"
+                              SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)
+  target_sources(${target} PRIVATE ${unit})
+endfunction()
+
 # Compiles KERNEL once per instruction set: oncollide_add_kernel(TARGET kernel.cpp) builds it with ONCOLLIDE_ISA set to
 # baseline and, on x86-64, avx2 and avx512; WITHOUT avx512 where that gains too little. The kernel puts everything it defines in namespace ONCOLLIDE_ISA and shares no inline
 # function with the rest of the program: the linker must never hand AVX code to a machine without it.

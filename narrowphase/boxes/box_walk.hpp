@@ -391,6 +391,7 @@ unsigned BoxWalk<A, B, Leaves>::compare(Entry e, bool down_a, std::uint32_t slot
         near = kernel_.compare(boxes, other, k, cutoff, gaps, nearest_);
     }
     if (!near) return 0;
+    const unsigned found = near;
     if (stack_.size() < top_ + 8) stack_.resize(2 * (top_ + 8));
     Entry* const first = &stack_[top_];
     const Entry part = down_a ? Entry(slot, 0, e.slot_b(), k) : Entry(e.slot_a(), k, slot, 0); // box 0 of the node
@@ -410,6 +411,7 @@ unsigned BoxWalk<A, B, Leaves>::compare(Entry e, bool down_a, std::uint32_t slot
     }
     *out++ = nearest;
     const auto count = static_cast<unsigned>(out - first);
+    down_a ? a_.prefetch_below(slot, found) : b_.prefetch_below(slot, found);
     top_ += count;
     return count;
 }

@@ -14,6 +14,7 @@ namespace oncollide {
 namespace {
 
 constexpr unsigned most_lanes = 8;
+constexpr std::size_t large_from = 4096; ///< triangles: half a megabyte with their corners and boxes
 /// Triangles whose box is fitted. Boxes of more lie along the mesh's axes: fitting costs ten times what looking at
 /// bounds does, and of a mesh so large the first answer would wait for it.
 constexpr std::size_t most_fitted = 16384;
@@ -39,8 +40,9 @@ ObbTree::Growing& ObbTree::growing()
 }
 
 ObbTree::ObbTree(const Mesh& mesh, BoxTotals* totals)
-    : mesh_(&mesh), totals_(totals), identity_(trees_made.fetch_add(1, std::memory_order_relaxed)), centre_(mesh.bounds.centre()),
-      radius_(radius_around(mesh)), vertices_(mesh.vertices.data()), triangles_(mesh.triangles.data()),
+    : mesh_(&mesh), totals_(totals), identity_(trees_made.fetch_add(1, std::memory_order_relaxed)),
+      centre_(mesh.bounds.centre()), radius_(radius_around(mesh)), large_(mesh.triangles.size() >= large_from),
+      vertices_(mesh.vertices.data()), triangles_(mesh.triangles.data()),
       own_chunks_(most_nodes(mesh.triangles.size()) / chunk + 1)
 {
     chunks_ = own_chunks_.data();
@@ -53,8 +55,8 @@ ObbTree::ObbTree(const Mesh& mesh, BoxTotals* totals)
 ObbTree::ObbTree(std::shared_ptr<const CookedMesh> mesh, ChunkBudget& budget)
     : mesh_(nullptr), totals_(nullptr), chunked_(std::make_unique<MeshChunks>(std::move(mesh), budget)),
       identity_(trees_made.fetch_add(1, std::memory_order_relaxed)), centre_(chunked_->mesh().bounds().centre()),
-      radius_(chunked_->mesh().radius()), vertices_(chunked_->vertices()), triangles_(chunked_->triangles()),
-      order_(chunked_->order()), chunks_(chunked_->blocks())
+      radius_(chunked_->mesh().radius()), large_(false), vertices_(chunked_->vertices()),
+      triangles_(chunked_->triangles()), order_(chunked_->order()), chunks_(chunked_->blocks())
 {
     static_assert(chunk == MeshChunks::nodes_per_block);
     make_root(chunked_->mesh().bounds(), chunked_->mesh().triangles());

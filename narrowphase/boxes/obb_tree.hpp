@@ -59,13 +59,12 @@ public:
     /// The node of the parts of box k, grown when it is not there yet. The box must hold more than one triangle.
     std::uint32_t child(std::uint32_t index, unsigned k)
     {
-        const std::uint32_t child = std::atomic_ref(at(index).child[k]).load(std::memory_order_acquire);
+        const std::uint32_t child = grown(index, k);
         return child ? child : grow(index, k);
     }
     void prefetch_child(std::uint32_t index, unsigned k)
     {
-        const std::uint32_t child = std::atomic_ref(at(index).child[k]).load(std::memory_order_acquire);
-        prefetch_all_of(node(child)); // the root where it is not there yet
+        prefetch_all_of(node(grown(index, k))); // the root where it is not there yet
     }
     /// Grows what a walk with a body in this box of the mesh's frame would come to, down to boxes of so many triangles.
     /// Beside walks.
@@ -92,6 +91,9 @@ public:
     {
         for (const std::uint32_t corner : triangles_[triangle]) prefetch_all_of(vertices_[corner]);
     }
+    /// Is it so large that nodes and triangles are mostly not in the nearest caches when a walk comes to them? Then it
+    /// pays to fetch all children early. Cooked meshes do not count: what is below a box may not be there.
+    bool is_large() const { return large_; }
 
     /// By number in the tree. Of a cooked mesh only what walks have come to.
     const Eigen::Vector3d* vertices() const { return vertices_; }
@@ -123,6 +125,11 @@ private:
     static constexpr std::uint32_t chunk = 64;
     std::size_t room_in(std::size_t number) const; ///< nodes of a chunk
 
+    /// The node of the parts of box k; 0: none yet.
+    std::uint32_t grown(std::uint32_t index, unsigned k) const
+    {
+        return std::atomic_ref(const_cast<std::uint32_t&>(node(index).child[k])).load(std::memory_order_acquire);
+    }
     BoxNode& at(std::uint32_t index) { return chunks_[index / chunk][index % chunk]; }
     void make_root(const Aabb& bounds, std::size_t triangles);
     void number_triangles();
@@ -141,6 +148,7 @@ private:
     std::uint32_t identity_;
     Eigen::Vector3d centre_;
     double radius_;
+    const bool large_;
     const Eigen::Vector3d* vertices_;
     const Triangle* triangles_;
     std::uint32_t* order_ = nullptr;       ///< null until a box grows

@@ -57,6 +57,14 @@ public:
             if (const Node& above = nodes_[slot]; !above.below[k] && !above.leaf(k))
                 hierarchy_->prefetch_child(above.node, k);
     }
+    /// The same of these boxes, a bit each, in a hierarchy that is mostly in no cache.
+    void prefetch_below(std::uint32_t slot, unsigned boxes) const
+    {
+        if constexpr (requires { hierarchy_->is_large(); })
+            if (hierarchy_->is_large())
+                for (boxes &= ~nodes_[slot].masks.leaves; boxes; boxes &= boxes - 1)
+                    hierarchy_->prefetch_child(nodes_[slot].node, static_cast<unsigned>(__builtin_ctz(boxes)));
+    }
     /// The box `levels` up from box `k`, or as far up as nodes are open.
     std::pair<std::uint32_t, std::uint8_t> up(std::uint32_t slot, std::uint8_t k, int levels) const
     {

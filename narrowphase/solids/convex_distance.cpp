@@ -16,6 +16,14 @@ bool is_enough(const ConvexDistance& d, const EnoughDistance& enough, double rou
     return d.lower > enough.above || d.upper <= enough.below || d.upper - d.lower <= enough.tolerance + 4 * rounding;
 }
 
+/// Is one of them an ellipsoid or a point? Where both have edges or rims, Newton's method soon gets stuck, and its
+/// looks are lost.
+bool one_is_smooth(const ConvexDifference& cores)
+{
+    const auto smooth = [](const Convex& c) { return c.core == Convex::Core::ellipsoid || !(c.extent > 0); };
+    return smooth(cores.a()) || smooth(cores.b());
+}
+
 /// Of curved cores: Newton's method comes to the direction of smooth ones in a few looks. Returns whether that was
 /// enough; `v` is then or else the best direction.
 bool look_along_normals(const ConvexDifference& cores, const EnoughDistance& enough, Eigen::Vector3d& v,
@@ -49,13 +57,12 @@ ConvexDistance convex_distance(const ConvexDifference& cores, const EnoughDistan
     Simplex4 simplex;
     Eigen::Vector3d v = first ? *first : cores.middle();
     if (v.isZero(0)) v = Eigen::Vector3d::UnitX();
-    if (!first && !cores.flat_sided() && look_along_normals(cores, enough, v, found)) {
+    if (!first && !cores.flat_sided() && one_is_smooth(cores) && look_along_normals(cores, enough, v, found)) {
         found.lower = std::min(found.lower, found.upper);
         return found;
     }
-    for (int step = 0; step < most_steps; ++step) {
-        const double length = v.norm();
-        if (!(length > 0)) break;
+    double length = v.norm();
+    for (int step = 0; step < most_steps && length > 0; ++step) {
         const ConvexDifference::Point p = cores.support(-v);
         found.lower = std::max(found.lower, v.dot(p.w) / length - rounding);
         if (found.lower > enough.above || found.upper - found.lower <= enough.tolerance + 4 * rounding) break;
@@ -63,7 +70,8 @@ ConvexDistance convex_distance(const ConvexDifference& cores, const EnoughDistan
         simplex.corner[simplex.count++] = p;
         simplex.reduce();
         v = simplex.nearest();
-        const double upper = v.norm() + rounding;
+        length = v.norm();
+        const double upper = length + rounding;
         if (!(upper < nearest)) break;
         nearest = upper;
         if (upper < found.upper) found.upper = upper, found.on_a = simplex.on_a(), found.on_b = found.on_a + v;

@@ -101,6 +101,18 @@ const MeetingPlace<ObbTree, ObbTree>* place_of(const PairTask& task, const PairM
     return stored && place->holds_in(*task.a->boxes, *task.b->boxes) ? place : nullptr;
 }
 
+/// visit(tree, triangle) for those at which the walk of a pair that met begins.
+void each_hint(const PairTask& task, const PairMemory& memory, auto visit)
+{
+    const ObbTree *const a = task.a->boxes.get(), *const b = task.b->boxes.get();
+    if (a && b) {
+        if (place_of(task, memory)) visit(*a, memory.triangles.a), visit(*b, memory.triangles.b);
+    } else if (const ObbTree* one = a ? a : b; one && one->is_large()) {
+        const std::uint32_t triangle = memory.triangles.b; // of walks what has no triangles is the first body
+        if (triangle < one->mesh().triangles.size()) visit(*one, triangle);
+    }
+}
+
 /// What pairs look at lies scattered in memory: begins to load it for those after number i, a pointer at a time.
 void fetch_ahead(std::span<const PairTask> tasks, PairCache* cache, std::size_t i)
 {
@@ -127,14 +139,18 @@ void fetch_ahead(std::span<const PairTask> tasks, PairCache* cache, std::size_t 
     });
     after(2, [&](const PairTask& task, const PairMemory* memory) {
         trees(task, [](const ObbTree& tree) { tree.prefetch_table(); });
-        if (!memory || !memory->met || !place_of(task, *memory)) return;
-        task.a->boxes->prefetch_triangle(memory->triangles.a), task.b->boxes->prefetch_triangle(memory->triangles.b);
+        if (!memory || !memory->met) return;
+        each_hint(task, *memory, [](const ObbTree& tree, std::uint32_t triangle) { tree.prefetch_triangle(triangle); });
     });
     after(1, [&](const PairTask& task, const PairMemory* memory) {
-        const auto* const place = memory && memory->met ? place_of(task, *memory) : nullptr;
-        if (!place) return trees(task, [](const ObbTree& tree) { tree.prefetch_root(); });
-        task.a->boxes->prefetch_node(place->a), task.b->boxes->prefetch_node(place->b);
-        task.a->boxes->prefetch_corners(memory->triangles.a), task.b->boxes->prefetch_corners(memory->triangles.b);
+        const bool met = memory && memory->met;
+        const auto* const place = met ? place_of(task, *memory) : nullptr;
+        if (place)
+            task.a->boxes->prefetch_node(place->a), task.b->boxes->prefetch_node(place->b);
+        else
+            trees(task, [](const ObbTree& tree) { tree.prefetch_root(); });
+        if (!met) return;
+        each_hint(task, *memory, [](const ObbTree& tree, std::uint32_t triangle) { tree.prefetch_corners(triangle); });
     });
 }
 
