@@ -143,6 +143,36 @@ def many():
                   "candidates of the last frame", "left over", "of these apart"], out)
 
 
+WORLDS = {
+    "campus": "`campus`: 500 shapes and meshes, 1.09 million cells",
+    "st-helens": "`st-helens`: 1,000 cars, lorries and drones, {triangles}",
+    "chunks": "`chunks`: 2,000 balls over 16,384 meshes, {triangles}",
+    "tiles": "`tiles`: 2,000 vehicles over 10,000 cooked tiles, {triangles}",
+    "swarm": "`swarm`: 10 million balls, 100,000 of them moving",
+}
+
+
+def worlds():
+    """Times of a race of both, memory of the process of each alone; where FCL took no part, what its models would need."""
+    chunks = rows_of("worlds/chunks")[0]
+    fcl_bytes = 1e6 * float(chunks["fcl_mb"]) / float(chunks["triangles"])
+    out = []
+    for name, title in WORLDS.items():
+        row, triangles = rows_of(f"worlds/{name}")[0], float(rows_of(f"worlds/{name}")[0]["triangles"])
+        ours = [short(row["first_ms"]), short(row["ms"]), short(row["slowest_ms"])]
+        if row["fcl_ms"]:
+            fcl = [short(row["fcl_first_ms"]), short(row["fcl_ms"]), f"{float(row['fcl_ms']) / float(row['ms']):.1f}"]
+            memory = [f"{float(rows_of(f'worlds/{name}-{who}')[0]['process_mb']):,.0f}" for who in ("fcl", "oncollide")]
+        else:
+            fcl = ["-", "-", "-"]
+            memory = [f"over {round(fcl_bytes * triangles / 1e6, -3):,.0f}", f"{float(row['process_mb']):,.0f}"]
+        count = f"{three(triangles / 1e6)} million" if triangles >= 1e6 else f"{triangles:,.0f}"
+        out.append([title.format(triangles=f"{count} triangles"),
+                    f"{fcl[0]}, {ours[0]}", f"{fcl[1]}, {ours[1]}", fcl[2], ours[2], f"{memory[0]}, {memory[1]}"])
+    return table(["world", "first result, ms: FCL, oncollide", "a frame, ms: FCL, oncollide", "ratio",
+                  "slowest frame, ms: oncollide", "process, MB: FCL, oncollide"], out)
+
+
 QUERIES = {"boolean": "yes or no", "all": "all pairs of triangles", "distance": "distance"}
 
 
@@ -364,7 +394,7 @@ def python():
 
 TABLES = {f.__name__: f for f in (many, narrow, narrow_large, study, study_peers, octants, octants_missed, paper, planner,
                                   world, broad, hard, spheres, sphere_levels, occlusion_losses, delimitation,
-                                  environments, distances, shape_distances, shapes, reading, clash,
+                                  environments, worlds, distances, shape_distances, shapes, reading, clash,
                                   python, view)}
 BLOCK = re.compile(r"(<!-- figures: (\w+) -->\n)(.*?)(<!-- end -->)", re.S)
 

@@ -18,6 +18,7 @@ from ._core import (
     capsule,
     cone,
     convex_hull,
+    cook,
     cylinder,
     ellipsoid,
     half_space,

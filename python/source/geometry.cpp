@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/narrowphase/cook_mesh.hpp>
+#include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
@@ -35,19 +37,44 @@ GeometryHandle mesh(py::handle vertices, py::handle faces, py::handle name)
                              [&] { return make_mesh(name_or(called, "mesh"), std::move(corners), std::move(all)); });
 }
 
-GeometryHandle mesh_file(py::handle file, py::handle scale, py::handle fit_diagonal, py::handle centre)
+using CookedHandle = std::shared_ptr<const CookedMesh>;
+
+GeometryHandle mesh_file(py::handle file, py::handle scale, py::handle fit_diagonal, py::handle centre,
+                         py::handle on_demand)
 {
     const char* const call = "load_mesh";
     const std::string from = path(file, {call, "path"});
     const MeshOptions options{.scale = number(scale, {call, "scale"}),
                               .fit_diagonal = number(fit_diagonal, {call, "fit_diagonal"}),
                               .centre = truth(centre, {call, "centre"})};
-    return made_without_lock(from, [&] { return load_mesh(from, options); });
+    if (!truth(on_demand, {call, "on_demand"}))
+        return made_without_lock(from, [&] { return load_mesh(from, options); });
+    if (options.scale != 1 || options.fit_diagonal != 0 || options.centre)
+        refuse_value({call, "on_demand"},
+                     "a mesh that stays in its file has the scale and the place that it has there");
+    return made_without_lock(from, [&] { return std::make_shared<const CookedMesh>(from); });
+}
+
+void cook(py::handle made, py::handle file)
+{
+    const GeometryHandle shared = geometry(made, {"cook", "geometry"});
+    const std::string to = path(file, {"cook", "path"});
+    if (!is_cooked(to)) refuse_value({"cook", "path"}, "the name must end in .cooked, by which such files are known");
+    const Released released;
+    if (const auto* mesh = std::get_if<Mesh>(&shared->data))
+        cook_mesh(*mesh, to);
+    else if (const auto* map = std::get_if<OccupancyMap>(&shared->data))
+        cook_map(*map, to);
+    else if (const auto* terrain = std::get_if<Terrain>(&shared->data))
+        cook_terrain(*terrain, to);
+    else
+        throw Error(ErrorKind::usage, "cook: only a mesh in memory, a map or a terrain can be cooked");
 }
 
 const char* kind_of(const Geometry& geometry)
 {
-    if (std::holds_alternative<Mesh>(geometry.data)) return "mesh";
+    if (std::holds_alternative<Mesh>(geometry.data) || std::holds_alternative<CookedHandle>(geometry.data))
+        return "mesh";
     if (std::holds_alternative<OccupancyMap>(geometry.data)) return "map";
     if (std::holds_alternative<Terrain>(geometry.data)) return "terrain";
     constexpr const char* shapes[] = {"sphere",      "box",       "capsule", "cylinder",
@@ -58,6 +85,10 @@ const char* kind_of(const Geometry& geometry)
 const Mesh& mesh_in(const Geometry& geometry, const char* property)
 {
     if (const auto* found = std::get_if<Mesh>(&geometry.data)) return *found;
+    if (std::holds_alternative<CookedHandle>(geometry.data))
+        throw py::attribute_error(fmt::format("Geometry.{}: this mesh stays in its file; load_mesh() without on_demand "
+                                              "has it",
+                                              property));
     throw py::attribute_error(
         fmt::format("Geometry.{}: only a mesh has it; this is a {}", property, kind_of(geometry)));
 }
@@ -129,6 +160,7 @@ made from, and is shared, not copied, by every World and Queries that it is give
         .def_property_readonly(
             "closed",
             [](const Geometry& g) {
+                if (std::holds_alternative<CookedHandle>(g.data)) return is_closed(mesh_in(g, "closed"));
                 const auto* mesh = std::get_if<Mesh>(&g.data);
                 return mesh ? is_closed(*mesh) : !std::holds_alternative<Terrain>(g.data);
             },
@@ -139,6 +171,8 @@ made from, and is shared, not copied, by every World and Queries that it is give
             if (!g.name.empty()) text += fmt::format(" '{}'", printable(g.name));
             if (const auto* mesh = std::get_if<Mesh>(&g.data))
                 text += fmt::format(", {} vertices, {} faces", mesh->vertices.size(), mesh->triangles.size());
+            if (const auto* cooked = std::get_if<CookedHandle>(&g.data))
+                text += fmt::format(", {} faces, in its file", (*cooked)->triangles());
             return text + ">";
         });
 
@@ -151,14 +185,19 @@ vertices: (V, 3) numbers, metres, finite and at most 1e15. faces: (F, 3) whole n
 name: what messages call it. Raises TypeError or ValueError for arrays of another type or shape, Error for an index out
 of range or a vertex that is not finite. Cost: 10 ns a triangle.)");
     m.def("load_mesh", &mesh_file, "path"_a, "scale"_a = 1.0, "fit_diagonal"_a = 0.0, "centre"_a = false,
-          R"(load_mesh(path, scale=1.0, fit_diagonal=0.0, centre=False)
+          "on_demand"_a = false, R"(load_mesh(path, scale=1.0, fit_diagonal=0.0, centre=False, on_demand=False)
 --
 
-A mesh from an OBJ, STL, PLY, OFF, glTF, GLB, COLLADA or 3MF file.
+A mesh from an OBJ, STL, PLY, OFF, glTF, GLB, COLLADA or 3MF file, or from a cooked one.
 
 scale: metres for each unit of the file. fit_diagonal: if above 0, scaled again so that the diagonal of the box around it
-is this long, metres. centre: moves the middle of that box to the origin. Raises Error for a file that is missing or not
-valid.)");
+is this long, metres. centre: moves the middle of that box to the origin. on_demand: leaves a cooked mesh in its file;
+a World reads of it what its pairs come near. Raises Error for a file that is missing or not valid.)");
+    m.def("cook", &cook, "geometry"_a, "path"_a, R"(cook(geometry, path)
+--
+
+Writes a mesh, a map or a terrain as a cooked file, NAME.cooked, which load_mesh(path, on_demand=True), load_map and
+load_terrain open without reading it. Results are those of what was cooked. Raises Error where it cannot be written.)");
     m.def(
         "box_mesh",
         [](py::handle half) {

@@ -58,6 +58,9 @@ constexpr std::array known_settings{
     Setting{"age_limit", [](Settings& s, py::handle v, const Place& p) { s.age_limit = whole_int(v, p); }},
     Setting{"node_budget", [](Settings& s, py::handle v, const Place& p) { s.node_budget = whole(v, p, ~0ull); }},
     Setting{"memory_budget", [](Settings& s, py::handle v, const Place& p) { s.memory_budget = whole(v, p, ~0ull); }},
+    Setting{"resident_budget",
+            [](Settings& s, py::handle v, const Place& p) { s.resident_budget = whole(v, p, ~0ull); }},
+    Setting{"look_ahead", [](Settings& s, py::handle v, const Place& p) { s.look_ahead = whole_int(v, p); }},
     Setting{"coherence", [](Settings& s, py::handle v, const Place& p) { s.coherence = truth(v, p); }},
 };
 

@@ -92,6 +92,7 @@ Settings, all by keyword:
   bounding_volume: 'auto', 'sphere' or 'obb'. broad_phase: 'kd', 'octree' or 'brute'.
   backend: 'cpu', 'auto', 'gl-compute' or 'gl-query'; gpu, viewport: for these.
   skip: names of stages to leave out. age_limit, node_budget, memory_budget, coherence: as in the C++ library.
+  resident_budget: bytes that cooked files may hold; 0: no limit. look_ahead: frames for which they are prepared beside.
 
 Bodies have ids, whole numbers. That of a removed body is stale: using it raises Error. Poses are float64: (4, 4), body
 to world, metres, or (7,) with position and quaternion x y z qx qy qz qw.
@@ -146,6 +147,17 @@ Removes a model. Raises Error while a body uses it.)");
                                 "HeldWorld for bodies, boxes and trees, bytes; the geometries come on top (int).");
     world.def_property_readonly("backend", look("World.backend", [](const World& w) { return w.backend(); }),
                                 "What finds grey cells, e.g. 'cpu (avx2)' (str).");
+    world.def_property_readonly(
+        "file_faults",
+        look("World.file_faults",
+             [](const World& w) {
+                 py::list made;
+                 for (const std::string& fault : w.file_faults()) // a path may hold bytes that are no UTF-8
+                     made.append(py::reinterpret_steal<py::object>(
+                         PyUnicode_DecodeFSDefaultAndSize(fault.data(), static_cast<py::ssize_t>(fault.size()))));
+                 return made;
+             }),
+        "What went wrong with cooked files so far; the pairs that it concerns stay undecided (list of str).");
     world.def("__repr__", [](const HeldWorld& held) { // also while another thread is inside
         return fmt::format("<oncollide.World {}>", held.number);
     });

@@ -14,7 +14,7 @@ void ChunkBudget::take(std::size_t bytes, const std::string& who)
     give(bytes);
     throw NoRoomForChunk(ErrorKind::bad_data,
                          fmt::format("{}: what one pair needs of it does not fit into the {} bytes that chunks may "
-                                     "hold",
+                                     "hold (--resident, Settings::resident_budget)",
                                      who, limit_));
 }
 

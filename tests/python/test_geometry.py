@@ -8,6 +8,7 @@ import pytest
 
 import oncollide
 from conftest import SOURCE, Cube, at
+from oncollide import Verdict
 
 
 def test_a_mesh_copies_its_arrays_and_gives_them_back():
@@ -150,6 +151,55 @@ def test_files_become_geometries(tmp_path):
         with pytest.raises(oncollide.Error, match=name) as caught:
             load(tmp_path / name)
         assert caught.value.kind == "bad_data"
+
+
+def test_cooked_files_stay_where_they_are_and_give_the_same_results(tmp_path):
+    heights = np.sin(np.arange(90)[:, None] / 5) + np.cos(np.arange(70) / 7)
+    land = oncollide.terrain(heights, spacing=0.5)
+    columns, rows = np.meshgrid(np.arange(70) * 0.5, np.arange(90) * 0.5)
+    corners = np.stack([columns, rows, heights], axis=-1).reshape(-1, 3)
+    first = (np.arange(89)[:, None] * 70 + np.arange(69)).reshape(-1)
+    faces = np.concatenate([np.stack([first, first + 1, first + 71], 1), np.stack([first, first + 71, first + 70], 1)])
+    mesh = oncollide.mesh(corners, faces)
+    city = oncollide.occupancy_map(np.argwhere(np.random.default_rng(3).random((30, 30, 3)) < 0.2), 0.5)
+
+    def play(geometry, **settings):
+        world = oncollide.World(exact="predicates", **settings)
+        world.add_body(world.add(geometry), fixed=True)
+        world.add_bodies(world.add(oncollide.torus_mesh(1.5, 0.4, 200)), np.stack([at(3 * i + 2, 2 * i + 2, 1) for i in range(6)]))
+        return [sorted(p.tolist() for p in world.step().pairs), world.hash, world.file_faults]
+
+    load = {"mesh": lambda p: oncollide.load_mesh(p, on_demand=True), "terrain": oncollide.load_terrain, "map": oncollide.load_map}
+    for source in (mesh, land, city):
+        file = tmp_path / f"{source.kind}.cooked"
+        oncollide.cook(source, file)
+        cooked = load[source.kind](file)
+        assert cooked.kind == source.kind and np.array_equal(cooked.bounds, source.bounds)
+        pairs = play(source)
+        assert any(p[2] == Verdict.COLLIDING for p in pairs[0]), source
+        assert play(cooked) == play(cooked, resident_budget=1 << 20, look_ahead=3) == pairs
+
+    on_disk = load["mesh"](tmp_path / "mesh.cooked")
+    assert "in its file" in repr(on_disk)
+    for of_memory in ("vertices", "faces", "closed"):
+        with pytest.raises(AttributeError, match="without on_demand"):
+            getattr(on_disk, of_memory)
+    assert np.array_equal(oncollide.load_mesh(tmp_path / "mesh.cooked").faces, mesh.faces)
+    with pytest.raises(ValueError, match="load_mesh: on_demand"):
+        oncollide.load_mesh(tmp_path / "mesh.cooked", scale=2, on_demand=True)
+    with pytest.raises(ValueError, match="cook: path.*cooked"):
+        oncollide.cook(mesh, tmp_path / "mesh.bin")
+    for of_no_use in (oncollide.sphere(1), on_disk):
+        with pytest.raises(oncollide.Error, match="cook: only"):
+            oncollide.cook(of_no_use, tmp_path / "a.cooked")
+
+    damaged = bytearray((tmp_path / "mesh.cooked").read_bytes())
+    for byte in range(len(damaged) // 4, len(damaged), 1000):
+        damaged[byte] ^= 1  # in every chunk
+    (tmp_path / "mesh.cooked").write_bytes(damaged)
+    pairs, _, faults = play(load["mesh"](tmp_path / "mesh.cooked"))
+    assert Verdict.UNDECIDED in [p[2] for p in pairs]
+    assert faults and all("mesh.cooked: chunk" in f and "checksum" in f for f in faults)
 
 
 def test_generators_are_closed_and_of_the_size_that_was_asked_for():

@@ -1,4 +1,5 @@
 #include "command_fixture.hpp"
+#include "csv_rows.hpp"
 
 namespace oncollide::test {
 namespace {
@@ -21,6 +22,34 @@ TEST_F(CommandLine, BenchManyFindsTheContactsThatFclFinds)
     EXPECT_GT(ours, 100);
     EXPECT_NEAR(ours, fcl, 0.01 * fcl) << outcome.out;
     EXPECT_NE(outcome.out.find("bytes a triangle"), std::string::npos);
+}
+
+TEST_F(CommandLine, BenchSceneSumsUpARaceInOneRow)
+{
+    expect_error(64, {"bench", "scene", "tiles", "--cache", "cache"}, {"--cache", "--only oncollide"});
+    expect_error(64, {"bench", "many", "--cold-runs", "0"}, {"--cold-runs 0", "from 1 to"});
+    expect_error(73, {"bench", "many", "--bodies", "9", "--summary", "no/s.csv"}, {"no/s.csv"});
+    const auto row_of = [&](const std::string& scene, const std::vector<std::string>& more) {
+        std::vector<std::string> words{"bench",    "scene",   scene,       "--bodies",  "24",
+                                       "--frames", "6",       "--warm-up", "2",         "--cold-runs",
+                                       "1",        "--exact", "on",        "--summary", "s.csv"};
+        words.insert(words.end(), more.begin(), more.end());
+        const Outcome outcome = run(words);
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        return read_csv(folder_.read("s.csv")).at(0);
+    };
+    auto both = row_of("st-helens", {}), fcl = row_of("st-helens", {"--only", "fcl"});
+    for (const char* column : {"fcl_first_ms", "fcl_ms", "fcl_mb", "first_ms", "ms", "slowest_ms", "process_mb"})
+        EXPECT_GT(std::stod(both[column]), 0) << column;
+    EXPECT_GE(std::stod(both["slowest_ms"]), std::stod(both["median_ms"]));
+    EXPECT_EQ(both["bodies"] + both["frames"] + both["missed"], "2540");
+    EXPECT_EQ(fcl["ms"] + fcl["first_ms"], "");
+    EXPECT_EQ(fcl["colliding"], both["colliding"]);
+    EXPECT_GT(std::stod(both["colliding"]), 0);
+    auto disk = row_of("tiles", {"--only", "oncollide", "--cache", "cache"});
+    EXPECT_GT(std::stod(disk["triangles"]), 1e5);
+    EXPECT_GT(std::stod(disk["colliding"]), 0);
+    EXPECT_EQ(disk["fcl_ms"], "");
 }
 
 } // namespace

@@ -210,6 +210,17 @@ TEST_F(Cook, WhatIsDamagedEndsWith65AndTheRestIsWritten)
     EXPECT_NE(outcome.err.find("the checksum is another one"), std::string::npos) << outcome.err;
     EXPECT_NE(outcome.err.find("undecided"), std::string::npos) << outcome.err;
     EXPECT_EQ(nlohmann::json::parse(folder_.read("result.json"))["frames"].size(), 8u);
+
+    // Also where something else ends the run: this body leaves the world.
+    std::string scene = folder_.read("scene.json");
+    scene.insert(scene.rfind(']'), R"(, {"name": "rocket", "geometry": "ball", "position": [0, 0, 500],
+        "motion": {"drift": {"velocity": [0, 0, 3e14]}}})");
+    folder_.write("ended.json", scene);
+    const Outcome ended = run({"run", "ended.json", "--exact", "predicates", "--quiet"});
+    EXPECT_EQ(ended.code, 65);
+    for (const char* part :
+         {"ground.cooked: chunk", "the checksum is another one", "rocket", "ended after 4 of 8 frames"})
+        EXPECT_NE(ended.err.find(part), std::string::npos) << ended.err;
 }
 
 TEST_F(Cook, RefusesWhatMakesNoSense)

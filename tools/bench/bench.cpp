@@ -16,15 +16,18 @@ namespace {
 void add_compare_options(Arguments sub, CompareOptions& o)
 {
     add_catalogue_options(sub, o.scene), add_pace_option(sub, o.scene);
+    add_cache_options(sub, o.scene.cache);
     add_accuracy_options(sub, o.settings);
     add_pipeline_options(sub, o.settings);
     sub.add_option("--warm-up", o.warm_up, "frames at the start that are not counted (default 3)").type_name("N");
     sub.add_option("--repeats", o.repeats, "runs from frame 0; of each frame the fastest counts").type_name("N");
+    sub.add_option("--cold-runs", o.cold_runs, "first frames measured from nothing (default 5)").type_name("N");
     sub.add_option("--only", o.only, "run fcl or oncollide alone, to measure its memory").type_name("WHO");
     sub.add_flag("--contacts", o.contacts,
                  "find every contact of every pair that collides, instead of yes or no; needs --exact predicates");
     sub.add_option("--timeline", o.timeline, "a line every so many frames: cells alive, pairs, times").type_name("N");
     sub.add_option("--csv", o.csv, "write one row per frame").type_name("FILE");
+    sub.add_option("--summary", o.summary, "write one row: the first result, a frame, memory").type_name("FILE");
     sub.add_option("--shard", o.shard, std::string("of the frames, ") + shard_help).type_name("I/N");
 }
 

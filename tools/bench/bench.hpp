@@ -29,6 +29,7 @@ struct CompareOptions {
     int timeline = 0;      ///< print a line every so many frames; 0: none
     std::string only;      ///< "fcl" or "oncollide": measure that one alone
     std::string csv;       ///< one row a frame
+    std::string summary;   ///< one row in all
     std::string shard;     ///< of the frames
 };
 

@@ -17,7 +17,11 @@ int bench_scene(const CompareOptions& given)
     if (!options.only.empty() && options.only != "fcl" && options.only != "oncollide")
         usage(fmt::format("--only {}: valid are fcl, oncollide", options.only));
     check_range("--warm-up", options.warm_up, 0), check_range("--repeats", options.repeats, 1, 1000);
-    check_files({{"--csv", options.csv}});
+    check_range("--cold-runs", options.cold_runs, 1, 100);
+    check_files({{"--csv", options.csv}, {"--summary", options.summary}});
+    options.scene.on_demand = options.only == "oncollide"; // FCL needs all of a mesh
+    if (!options.scene.cache.folder.empty() && !options.scene.on_demand)
+        usage("--cache: needs --only oncollide; FCL cannot leave a part of a mesh on the disk");
     const Settings settings = settings_from(options.settings);
     if (options.contacts && settings.exact != ExactLevel::predicates) usage("--contacts: needs --exact predicates");
     Scene scene = open_scene(options.scene);
@@ -30,6 +34,7 @@ int bench_scene(const CompareOptions& given)
     const SceneReport report(options, settings, scene, runs);
     const std::uint64_t faults = report.print();
     if (!options.csv.empty()) report.write_csv();
+    if (!options.summary.empty()) report.write_summary();
     return faults ? int(ErrorKind::internal) : 0;
 }
 

@@ -21,11 +21,10 @@ std::uint64_t SceneReport::print() const
 
 void SceneReport::print_head() const
 {
-    const std::size_t triangles = in_meshes().triangles;
     say("scene      {}, {} bodies, {} geometries of {} triangles together; frames {} to {}, {} before them to warm "
         "up, least of {} {}\n"
         "settings   {}\n{}\n",
-        printable(scene_.name), grouped(scene_.size()), scene_.geometries.size(), grouped(triangles),
+        printable(scene_.name), grouped(scene_.size()), scene_.geometries.size(), grouped(triangles()),
         runs_.first + options_.warm_up, runs_.first + int(runs_.rows.size()) - 1, options_.warm_up, options_.repeats,
         options_.repeats == 1 ? "run" : "runs", describe(settings_), describe_program(runs_.backend));
 }
@@ -120,8 +119,8 @@ void SceneReport::print_memory(std::uint64_t nodes) const
     if (with_fcl_) say("FCL models {:.3f} MB; ", double(runs_.fcl_bytes.obb) / 1e6);
     say("process {:.1f} MB at its peak{}\n", double(peak_memory()) / 1e6,
         with_fcl_ && with_ours_ ? " (both; --only tells them apart)" : "");
-    if (const auto [triangles, bytes] = in_meshes(); triangles) {
-        const auto each = [count = double(triangles)](std::size_t all) { return double(all) / count; };
+    if (const auto [meshed, bytes] = in_meshes(); meshed && meshed == triangles()) {
+        const auto each = [count = double(meshed)](std::size_t all) { return double(all) / count; };
         say("           bytes a triangle:");
         if (with_ours_)
             say(" trees {:.0f}, with the meshes {:.0f};", each(runs_.our_bytes), each(runs_.our_bytes + bytes));
@@ -139,6 +138,18 @@ SceneReport::InMeshes SceneReport::in_meshes() const
             sum.triangles += mesh->triangles.size();
             sum.bytes += mesh->triangles.size() * sizeof(Triangle) + mesh->vertices.size() * sizeof(Eigen::Vector3d);
         }
+    return sum;
+}
+
+std::uint64_t SceneReport::triangles() const
+{
+    std::uint64_t sum = 0;
+    for (const Geometry& geometry : scene_.geometries) {
+        if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) sum += mesh->triangles.size();
+        if (const auto* terrain = std::get_if<Terrain>(&geometry.data)) sum += 2 * terrain->cells();
+        if (const auto* cooked = std::get_if<std::shared_ptr<const CookedMesh>>(&geometry.data))
+            sum += (*cooked)->triangles();
+    }
     return sum;
 }
 
@@ -202,6 +213,34 @@ void SceneReport::write_csv() const
                    r.counts.colliding, r.counts.undecided, r.counts.false_positives, r.counts.missed, r.trees.nodes,
                    r.trees.rows, r.trees.node_pairs, r.trees.bytes, r.hash, r.regions, r.left);
     }
+    file.commit();
+}
+
+void SceneReport::write_summary() const
+{
+    std::vector<double> fcl, ours;
+    Comparison sum;
+    for (const SceneRow& row : counted()) fcl.push_back(row.fcl_ms), ours.push_back(row.our_ms), sum += row.counts;
+    std::uint64_t missed = 0;
+    for (const SceneRow& row : runs_.rows) missed += row.counts.missed + row.counts.wrong_exact;
+    const double n = double(counted().size());
+    OutputFile file(options_.summary);
+    file.write("scene,bodies,triangles,exact,threads,frames,only,fcl_first_ms,fcl_ms,fcl_median_ms,fcl_mb,first_ms,ms,"
+               "median_ms,slowest_ms,trees_mb,process_mb,colliding,false_positives,missed,hash\n");
+    file.print("\"{}\",{},{},{},{},{},{},", printable(scene_.name), scene_.size(), triangles(),
+               name_of(settings_.exact), settings_.threads, counted().size(), options_.only);
+    if (with_fcl_)
+        file.print("{},{},{},{},", median(runs_.fcl_cold), mean(fcl), median(fcl), double(runs_.fcl_bytes.obb) / 1e6);
+    else
+        file.write(",,,,");
+    if (with_ours_)
+        file.print("{},{},{},{},{},", median(runs_.our_cold), mean(ours), median(ours),
+                   *std::max_element(ours.begin(), ours.end()), double(runs_.our_bytes) / 1e6);
+    else
+        file.write(",,,,,");
+    file.print("{},{},{},{},{:016x}\n", double(peak_memory()) / 1e6,
+               double(with_fcl_ ? sum.fcl_colliding : sum.colliding) / n, double(sum.false_positives) / n, missed,
+               runs_.hash);
     file.commit();
 }
 

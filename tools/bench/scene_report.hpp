@@ -17,6 +17,7 @@ public:
     /// Returns how many collisions oncollide missed or got wrong.
     std::uint64_t print() const;
     void write_csv() const;
+    void write_summary() const;
 
 private:
     void print_head() const;
@@ -32,6 +33,7 @@ private:
         std::size_t triangles = 0, bytes = 0;
     };
     InMeshes in_meshes() const;
+    std::uint64_t triangles() const; ///< of all geometries, wherever they lie
 
     const CompareOptions& options_;
     const Settings& settings_;

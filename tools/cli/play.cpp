@@ -151,6 +151,7 @@ int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const Out
         return say_file_faults(pipeline.world());
     }
     report.interrupted();
+    say_file_faults(pipeline.world());
     log(LogLevel::error, fmt::format("{} {}", why.empty() ? "interrupted" : why + "; ended", told(outputs, done, frames)));
     return code;
 }
