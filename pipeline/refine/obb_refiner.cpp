@@ -110,7 +110,7 @@ void fetch_ahead(std::span<const PairTask> tasks, PairCache* cache, std::size_t 
     };
     after(4, [](const PairTask& task) {
         task.a->prefetch(), task.b->prefetch();
-        prefetch_all_of(*task.pose_b); // that of a is the last one's, as a rule
+        prefetch_all_of(*task.pose_a), prefetch_all_of(*task.pose_b);
     });
     after(3, [&](const PairTask& task) { trees(task, [](const ObbTree& tree) { prefetch_all_of(tree); }); });
     after(2, [&](const PairTask& task) { trees(task, [](const ObbTree& tree) { tree.prefetch_table(); }); });
