@@ -15,8 +15,9 @@ public:
         awake = 2,
         changed = 4,
         held = 8,
-        queried = 16
-    }; ///< last two: the owner's
+        queried = 16,
+        escaped = 32
+    }; ///< last three: the owner's
 
     // As in BroadPhase.
     void add(std::span<const std::uint32_t> bodies, bool asleep);

@@ -173,7 +173,7 @@ void order_octree(const std::vector<std::span<Item>>& runs, int threads)
 } // namespace
 
 void append_in_order(BoxOrder kind, std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies,
-                     const Eigen::Vector3d& origin, int threads, std::vector<std::uint32_t>& order)
+                     const Eigen::Vector3d& origin, int threads, LargeVector<std::uint32_t>& order)
 {
     if (bodies.empty()) return;
     const double median = median_size(boxes, bodies);
@@ -188,7 +188,7 @@ void append_in_order(BoxOrder kind, std::span<const Aabb> boxes, std::span<const
         const std::size_t unit = counts[c] >= 8 * node_width * node_width ? node_width * node_width : node_width;
         places += c > 0 ? (counts[c] + unit - 1) / unit * unit : counts[c];
     }
-    std::vector<Item> items(places, {{0, 0, 0}, no_body});
+    LargeVector<Item> items(places, {{0, 0, 0}, no_body});
     for (std::uint32_t body : bodies) {
         const Eigen::Vector3d centre = 0.5 * (boxes[body].min + boxes[body].max) - origin;
         items[next[size_class(boxes[body], median)]++] = {
@@ -200,6 +200,7 @@ void append_in_order(BoxOrder kind, std::span<const Aabb> boxes, std::span<const
         order_kd(std::move(runs), threads);
     else
         order_octree(runs, threads);
+    order.reserve(order.size() + places);
     for (const Item& item : items) order.push_back(item.body);
 }
 

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include <oncollide/base/aabb.hpp>
+#include <oncollide/base/large_vector.hpp>
 
 namespace oncollide {
 
@@ -23,6 +24,6 @@ constexpr std::uint32_t no_body = ~0u;   ///< at places of padding
 /// would widen every node that they are in. The same for any number of threads.
 /// @param origin  near the boxes: centres are rounded to float relative to it
 void append_in_order(BoxOrder kind, std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies,
-                     const Eigen::Vector3d& origin, int threads, std::vector<std::uint32_t>& order);
+                     const Eigen::Vector3d& origin, int threads, LargeVector<std::uint32_t>& order);
 
 } // namespace oncollide

@@ -32,15 +32,14 @@ const BoxTreeKernel& box_tree_kernel()
 /// Rounds boxes outward into level 0.
 class BoxTree::Taker {
 public:
-    Taker(BoxTree& tree, std::span<const Aabb> boxes, double margin)
-        : boxes_(boxes), half_margin_(0.5 * margin), origin_{tree.origin_[0], tree.origin_[1], tree.origin_[2]},
+    Taker(BoxTree& tree, double margin)
+        : half_margin_(0.5 * margin), origin_{tree.origin_[0], tree.origin_[1], tree.origin_[2]},
           blocks_(tree.levels_[0].blocks.data())
     {
     }
     /// False for a box that no tree can hold.
-    bool operator()(std::uint32_t place, std::uint32_t body) const
+    bool operator()(std::uint32_t place, const Aabb& box) const
     {
-        const Aabb& box = boxes_[body];
         if (!usable(box)) return false;
         float* p = blocks_ + std::size_t{place / node_width} * box_block + place % node_width;
         for (int axis = 0; axis < 3; ++axis, p += node_width) {
@@ -51,7 +50,6 @@ public:
     }
 
 private:
-    std::span<const Aabb> boxes_;
     double half_margin_, origin_[3];
     float* blocks_;
 };
@@ -85,15 +83,15 @@ bool BoxTree::append(std::span<const Aabb> boxes, std::span<const std::uint32_t>
     int levels = 1;
     for (; nodes > node_width; ++levels) nodes = nodes_over(nodes);
     if (levels > view_.levels) { // nobody knows bounds and layers of what lies below the new level
-        std::vector<std::uint32_t> all = order_;
+        std::vector<std::uint32_t> all(order_.begin(), order_.end());
         std::erase(all, no_body);
         return build(boxes, all, margin, threads), true;
     }
     places_.resize(std::max(places_.size(), boxes.size()));
     extend_levels();
-    const Taker take(*this, boxes, margin);
+    const Taker take(*this, margin);
     for (std::uint32_t place = first; place < size(); ++place)
-        if (order_[place] != no_body) take(place, order_[place]);
+        if (order_[place] != no_body) take(place, boxes[order_[place]]);
     bound_from(first);
     const double before = leaf_extent_;
     measure();
@@ -171,7 +169,7 @@ void BoxTree::refit(std::span<const Aabb> boxes, double margin, int threads)
 {
     constexpr std::size_t grain = 1024; // nodes a chunk
     if (levels_.empty()) return;
-    const Taker take(*this, boxes, margin);
+    const Taker take(*this, margin);
     std::atomic<bool> refused = false;
     parallel_chunks(nodes_over(size()), grain, threads, [&](std::size_t first, std::size_t last, int) {
         const auto end = std::min(static_cast<std::uint32_t>(last * node_width), size());
@@ -181,13 +179,13 @@ void BoxTree::refit(std::span<const Aabb> boxes, double margin, int threads)
                 const auto* next = reinterpret_cast<const char*>(&boxes[order_[place + ahead]]);
                 __builtin_prefetch(next), __builtin_prefetch(next + sizeof(Aabb) - 1);
             }
-            if (order_[place] != no_body && !take(place, order_[place])) refused = true;
+            if (order_[place] != no_body && !take(place, boxes[order_[place]])) refused = true;
         }
         if (view_.levels > 1)
             for (auto node = static_cast<std::uint32_t>(first); node < last; ++node) bound(1, node);
     });
     if (refused) {
-        std::vector<std::uint32_t> bodies = order_;
+        std::vector<std::uint32_t> bodies(order_.begin(), order_.end());
         std::erase(bodies, no_body);
         std::sort(bodies.begin(), bodies.end());
         refuse_unusable(boxes, bodies);
@@ -245,13 +243,13 @@ void BoxTree::round(const Aabb& box, double margin, float out[6]) const
     }
 }
 
-void BoxTree::refit_bodies(std::span<const Aabb> boxes, double margin, std::span<const std::uint32_t> bodies)
+void BoxTree::refit_bodies(std::span<const std::uint32_t> bodies, FunctionRef<Aabb(std::uint32_t body)> box_of,
+                           double margin)
 {
-    const Taker take(*this, boxes, margin);
+    const Taker take(*this, margin);
     constexpr std::size_t ahead = 4; // bodies lie scattered in memory
     for (std::size_t k = 0; k < bodies.size(); ++k) {
-        if (k + 4 * ahead < bodies.size()) __builtin_prefetch(&places_[bodies[k + 4 * ahead]]);
-        if (k + 2 * ahead < bodies.size()) __builtin_prefetch(&boxes[bodies[k + 2 * ahead]]);
+        if (k + 4 * ahead < bodies.size()) prefetch_place_of(bodies[k + 4 * ahead]);
         if (k + ahead < bodies.size()) {
             std::uint32_t next = places_[bodies[k + ahead]];
             for (int level = 0; level < std::min(view_.levels, 2); ++level, next /= node_width)
@@ -259,7 +257,7 @@ void BoxTree::refit_bodies(std::span<const Aabb> boxes, double margin, std::span
                     __builtin_prefetch(&coordinate(levels_[static_cast<std::size_t>(level)], next, c));
         }
         std::uint32_t place = places_[bodies[k]];
-        if (!take(place, bodies[k])) refuse_unusable(boxes, bodies);
+        take(place, box_of(bodies[k]));
         float box[6];
         box_at(place, box);
         for (float x : box) farthest_ = std::max(farthest_, std::abs(x));

@@ -3,7 +3,9 @@
 #include <span>
 #include <vector>
 
+#include <oncollide/base/function_ref.hpp>
 #include <oncollide/base/large_vector.hpp>
+#include <oncollide/base/prefetch.hpp>
 #include <oncollide/broadphase/box_order.hpp>
 #include <oncollide/broadphase/box_tree_kernel.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
@@ -24,9 +26,10 @@ public:
     void build(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, double margin, int threads);
     /// Takes in the boxes of all bodies. Cost: O(n).
     void refit(std::span<const Aabb> boxes, double margin, int threads);
-    /// Takes in the boxes of these bodies only. The bounds above them are widened, not tightened: that waits for
-    /// refit(). Cost: O(bodies). Where it throws, some are taken in: call again.
-    void refit_bodies(std::span<const Aabb> boxes, double margin, std::span<const std::uint32_t> bodies);
+    /// Takes in box_of(body) for these bodies only, which must be usable. The bounds above them are widened, not
+    /// tightened: that waits for refit(). Cost: O(bodies).
+    void refit_bodies(std::span<const std::uint32_t> bodies, FunctionRef<Aabb(std::uint32_t body)> box_of,
+                      double margin);
     /// Adds bodies in leaves of their own at the end. Cost: O(bodies log bodies). Where the tree gets a level more by
     /// it, it is built anew: then returns true.
     bool append(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, double margin, int threads);
@@ -42,13 +45,14 @@ public:
     void forget_layers();
 
     /// Have the leaves grown by so much, since they were built, that a search costs markedly more?
-    bool degraded() const { return leaf_extent_ > 1.2 * built_extent_; }
+    bool degraded(double to = 1.2) const { return leaf_extent_ > to * built_extent_; }
     bool empty() const { return order_.empty(); }
     std::uint32_t size() const { return static_cast<std::uint32_t>(order_.size()); } ///< places, padding included
     std::uint32_t bodies() const { return bodies_; }
     std::uint32_t body_at(std::uint32_t place) const { return order_[place]; }
-    void prefetch_body_at(std::uint32_t place) const { __builtin_prefetch(&order_[place]); }
+    void prefetch_body_at(std::uint32_t place) const { prefetch(&order_[place]); }
     std::uint32_t place_of(std::uint32_t body) const { return places_[body]; }
+    void prefetch_place_of(std::uint32_t body) const { prefetch(&places_[body]); }
     const BoxTreeView& view() const { return view_; }
     /// Bodies below node `node` of level `level` >= 1.
     std::uint32_t bodies_below(int level, std::uint32_t node) const { return at(level).nodes[node].bodies; }
@@ -75,7 +79,7 @@ public:
     }
     void prefetch_box_at(std::uint32_t place) const
     {
-        for (std::size_t c = 0; c < 6; ++c) __builtin_prefetch(&corner(place)[16 * c]);
+        for (std::size_t c = 0; c < 6; ++c) prefetch(&corner(place)[16 * c]);
     }
     std::size_t bytes() const;
 
@@ -112,8 +116,8 @@ private:
 
     BoxOrder kind_;
     std::uint32_t bodies_ = 0;
-    std::vector<std::uint32_t> order_;  ///< body by place
-    std::vector<std::uint32_t> places_; ///< place by body
+    LargeVector<std::uint32_t> order_;  ///< body by place
+    LargeVector<std::uint32_t> places_; ///< place by body
     Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
     std::vector<Level> levels_;
     BoxTreeView view_{};

@@ -106,9 +106,11 @@ public:
     virtual std::span<const DelimitationLevel> levels() { return {}; }
     /// The regions that levels() counts, level by level, to look at. Empty where levels() are.
     virtual std::vector<DelimitedRegion> regions() { return {}; }
-    /// Bodies in the regions that are left. Every pair that a changed body is in is among them.
+    /// Bodies in the regions that are left.
     virtual std::uint64_t bodies_left() { return size(); }
-    virtual void survivors(std::vector<std::uint32_t>& bodies) = 0; ///< overwrites `bodies` with them, ascending
+    /// Overwrites `bodies` with them, and with those that were near bodies that changed before; ascending. Every pair
+    /// that a changed body is in is among them.
+    virtual void survivors(std::vector<std::uint32_t>& bodies) = 0;
 
     /// Bodies whose boxes, grown by the margin in all, overlap each of `boxes`, whatever their layers, group and sleep;
     /// sorted. Overwrites `hits`, and allocates nothing but what these need. Safe from many threads at once while
@@ -125,10 +127,12 @@ public:
 
 // All throw Error{usage} for options out of range.
 
-/// kd-tree: boxes in kd order under an implicit 16-ary tree of bounds. What changed is searched in the regions that it
-/// reaches; where over a quarter changed, and now and then when the tree has become loose, all is.
-/// Cost of find_pairs(): O(changed + pairs), about a microsecond per body that changed, O(n) where all is searched; of
-/// query(): about a microsecond per box. Memory: 45 bytes per body and 8 to 24 per pair, not counting pairs forbidden.
+/// kd-tree: boxes in kd order under an implicit 16-ary tree of bounds. It holds somewhat larger boxes of bodies that
+/// move, and what leaves these is searched in the regions that it reaches; where over a quarter does, and now and then
+/// when the tree has become loose, all is.
+/// Cost of find_pairs(): O(changed + pairs), about a microsecond per body that left its larger box and a tenth per body
+/// that did not, O(n) where all is searched; of query(): about a microsecond per box. Memory: 45 bytes per body, 70 per
+/// body that moved, and 8 to 40 per pair, not counting pairs forbidden.
 std::unique_ptr<BroadPhase> make_kd_tree(const BroadPhase::Options& options = {});
 
 /// Octree: the same tree over boxes in the order of an octree's cells. Its order costs a third of the kd-tree's to

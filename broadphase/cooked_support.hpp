@@ -24,7 +24,7 @@ public:
 private:
     /// Of a box along the axes around a chunk, relative to the centre.
     struct Box {
-        Eigen::Vector3f centre, half;
+        Eigen::Vector3f centre = Eigen::Vector3f::Zero(), half = Eigen::Vector3f::Zero();
     };
     void add_boxes(const CookedMesh::Top& top);
     float bound(std::size_t chunk, const Eigen::Vector3f& direction) const;

@@ -5,6 +5,7 @@
 #include <oncollide/broadphase/box_checks.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
 #include <oncollide/broadphase/delimitation.hpp>
+#include <oncollide/broadphase/loose_boxes.hpp>
 #include <oncollide/broadphase/pair_filter.hpp>
 #include <oncollide/broadphase/pair_sort.hpp>
 #include <oncollide/broadphase/tree_search.hpp>
@@ -19,9 +20,9 @@ constexpr std::uint64_t unmarked = ~std::uint64_t{0};
 
 /// A tree that stays from frame to frame, and the pairs found in it.
 ///
-///     changes -> take_in: tree up to date -> delimit: regions that changed bodies reach -> their pairs replace old
-///     ones
-///                                         \-> much changed: the whole tree against itself -> all pairs
+///     changes -> take_in: loose boxes and tree up to date -> delimit: regions that bodies reach that left their loose
+///     boxes -> what is near them -> boxes compared where a body changed -> pairs
+///                                                         \-> much changed: the whole tree against itself -> all pairs
 class DynamicTree final : public TracksBodies {
 public:
     DynamicTree(std::string_view name, BoxOrder order, const Options& options)
@@ -44,9 +45,19 @@ public:
 private:
     void rebuild(const BodyColumns& columns);
     void refit(const BodyColumns& columns);
+    void loosen(const BodyColumns& columns, std::span<const std::uint32_t> moved);
+    void note_escaped(std::span<const std::uint32_t> bodies);
     void collect_queries();
     void find_whole(const BodyColumns& columns);
-    void find_changed(const BodyColumns& columns);
+    void find_near(const BodyColumns& columns);
+    void compare_near(const BodyColumns& columns);
+    /// Of a pair that was near: has a body of it changed, within loose boxes of both?
+    bool to_compare(BodyPair pair) const
+    {
+        const std::uint8_t a = bodies_.data()[pair.a], b = bodies_.data()[pair.b];
+        return (a | b) & BodyStates::changed && !((a | b) & BodyStates::escaped) && a & b & BodyStates::present &&
+               (a | b) & BodyStates::awake;
+    }
     int threads_for(std::size_t queries) const
     {
         return queries < TreeSearch::worth_threads / 8 ? 1 : options_.threads;
@@ -58,10 +69,14 @@ private:
     PairFilter filter_;
     TreeSearch search_;
     Delimitation delimitation_;
-    std::vector<std::uint32_t> gone_, come_, moved_; ///< scratch: bodies for the tree to change
-    std::vector<std::uint32_t> queries_;             ///< changed bodies whose pairs are looked for
-    std::vector<BodyPair> pairs_, found_, scratch_;
+    std::vector<std::uint32_t> gone_, come_, moved_, left_; ///< scratch: bodies for the tree to change
+    LooseBoxes loose_;
+    std::vector<std::uint32_t> escaped_; ///< bodies that came, or left their loose boxes, since pairs were last found
+    std::vector<std::uint32_t> queries_; ///< of these, those whose pairs are looked for
+    std::vector<BodyPair> near_;         ///< that pairs_ are among, and all that bodies can form in their loose boxes
+    std::vector<BodyPair> pairs_, found_, scratch_, before_;
     PairLists lists_;
+    bool near_are_pairs_ = true;              ///< then near_ is empty
     bool delimited_ = false;                  ///< has delimit() run since the changes were taken in?
     bool whole_ = true;                       ///< is the whole tree searched, not regions of it?
     std::uint64_t marked_version_ = unmarked; ///< of who is awake, as the tree has it
@@ -76,12 +91,14 @@ void DynamicTree::rebuild(const BodyColumns& columns)
     for (std::uint32_t body : come_) bodies_.set(body, BodyStates::held);
     marked_version_ = unmarked;
     filter_.forget();
+    loose_.clear();
 }
 
-/// Every box of the tree follows its body again.
+/// Every box of the tree is its body's again.
 void DynamicTree::refit(const BodyColumns& columns)
 {
     tree_.refit(columns.boxes, options_.margin, threads_for_all());
+    loose_.clear();
     if (tree_.degraded()) rebuild(columns);
 }
 
@@ -110,34 +127,65 @@ void DynamicTree::take_in(const BodyColumns& columns)
     const bool sparse = places > worth_compacting && places > 2 * size();
     if (fresh || sparse || tree_.empty()) {
         rebuild(columns);
+        note_escaped(moved);
     } else {
         tree_.erase(gone_);
-        for (std::uint32_t body : gone_) bodies_.clear(body, BodyStates::held);
+        for (std::uint32_t body : gone_) bodies_.clear(body, BodyStates::held), loose_.erase(body);
         if (!come_.empty()) {
             if (tree_.append(columns.boxes.first(bodies_.rows()), come_, options_.margin, options_.threads))
-                filter_.forget();
+                filter_.forget(), loose_.clear();
             for (std::uint32_t body : come_) bodies_.set(body, BodyStates::held);
             marked_version_ = unmarked;
         }
         if (moved.size() * whole_share > size()) {
             refit(columns);
+            note_escaped(moved);
         } else {
-            tree_.refit_bodies(columns.boxes, options_.margin, moved);
-            if (tree_.degraded()) refit(columns);
+            loosen(columns, moved);
         }
     }
+    note_escaped(come_);
     filter_.update(bodies_, columns, tree_);
     taken_in_ = true;
 }
 
-/// The changed bodies' pairs are to be looked for. A pair of one that is asleep with one that is awake is found from
-/// the latter, if that changed too.
+/// Those of the bodies that moved out of their loose boxes get others, in the tree too.
+void DynamicTree::loosen(const BodyColumns& columns, std::span<const std::uint32_t> moved)
+{
+    left_.clear();
+    for (std::size_t k = 0; k < moved.size(); ++k) {
+        constexpr std::size_t ahead = 8; // what is known of bodies lies scattered in memory
+        if (k + ahead < moved.size())
+            loose_.prefetch(moved[k + ahead]), prefetch_all_of(columns.boxes[moved[k + ahead]]);
+        if (!loose_.hold(moved[k], columns, bodies_.is(moved[k], BodyStates::awake))) left_.push_back(moved[k]);
+    }
+    refuse_unusable(columns.boxes, left_);
+    const auto renew = [&](std::uint32_t body) {
+        return loose_.renew(body, columns, bodies_.is(body, BodyStates::awake));
+    };
+    tree_.refit_bodies(left_, renew, options_.margin);
+    note_escaped(left_);
+    constexpr double too_loose = 1.5; // few look at it
+    if (tree_.degraded(too_loose)) refit(columns);
+}
+
+void DynamicTree::note_escaped(std::span<const std::uint32_t> bodies)
+{
+    for (std::uint32_t body : bodies)
+        if (!bodies_.is(body, BodyStates::escaped)) {
+            bodies_.set(body, BodyStates::escaped);
+            escaped_.push_back(body);
+        }
+}
+
+/// The pairs of those that escaped are to be looked for. A pair of one that is asleep with one that is awake is found
+/// from the latter, if that escaped too.
 void DynamicTree::collect_queries()
 {
     for (std::uint32_t body : queries_) bodies_.clear(body, BodyStates::queried);
     queries_.clear();
-    std::size_t awake = 0, asleep = 0; // of the changed
-    for (std::uint32_t body : bodies_.changes()) {
+    std::size_t awake = 0, asleep = 0; // of those that escaped
+    for (std::uint32_t body : escaped_) {
         awake += bodies_.is(body, BodyStates::awake);
         asleep += bodies_.is(body, BodyStates::present) && !bodies_.is(body, BodyStates::awake);
     }
@@ -145,11 +193,15 @@ void DynamicTree::collect_queries()
     whole_ = (awake + (sleepers ? asleep : 0)) * whole_share > size();
     if (whole_) return;
     found_.clear();
-    for (std::uint32_t body : bodies_.changes())
+    for (std::size_t k = 0; k < escaped_.size(); ++k) {
+        constexpr std::size_t ahead = 16;
+        if (k + ahead < escaped_.size()) tree_.prefetch_place_of(escaped_[k + ahead]);
+        const std::uint32_t body = escaped_[k];
         if (bodies_.is(body, BodyStates::awake) || (sleepers && contains(body))) {
             found_.push_back({tree_.place_of(body), body});
             bodies_.set(body, BodyStates::queried);
         }
+    }
     // Neighbours look at the same nodes: many queries are made in the order of the tree.
     constexpr std::size_t worth_sorting = 4096;
     if (found_.size() >= worth_sorting) sort_pairs(found_, scratch_, tree_.size(), threads_for(found_.size()));
@@ -178,14 +230,19 @@ void DynamicTree::delimit(const BodyColumns& columns)
 
 void DynamicTree::find_whole(const BodyColumns& columns)
 {
+    if (!loose_.empty()) {
+        refit(columns);
+        filter_.update(bodies_, columns, tree_);
+    }
     if (marked_version_ != bodies_.awake_version()) tree_.set_moving(bodies_.data(), BodyStates::awake);
     marked_version_ = bodies_.awake_version();
     search_.find_pairs(tree_, columns, filter_.forbids(), options_.margin, options_.threads, pairs_);
     sort_pairs(pairs_, scratch_, bodies_.rows(), threads_for_all());
+    near_.clear(), near_are_pairs_ = true;
 }
 
-/// The pairs of the queries replace what was known of the bodies that changed.
-void DynamicTree::find_changed(const BodyColumns& columns)
+/// The pairs that the queries can form, boxes in the tree being what they are.
+void DynamicTree::find_near(const BodyColumns& columns)
 {
     const int threads = threads_for(queries_.size());
     const std::uint8_t* const states = bodies_.data();
@@ -198,27 +255,67 @@ void DynamicTree::find_changed(const BodyColumns& columns)
             [&](std::size_t k) {
                 constexpr std::size_t ahead = 8; // what the places found point to lies scattered in memory
                 if (k + 2 * ahead < count) tree_.prefetch_body_at(place[k + 2 * ahead]);
-                if (k + ahead < count) __builtin_prefetch(&states[tree_.body_at(place[k + ahead])]);
+                if (k + ahead < count) prefetch(&states[tree_.body_at(place[k + ahead])]);
                 return BodyPair{queries_[query[k]], tree_.body_at(place[k])};
             },
-            [&](std::size_t k, BodyPair& pair) {
+            [&](std::size_t, BodyPair& pair) {
                 const auto [body, other] = pair;
                 if (other == body || !((states[body] | states[other]) & BodyStates::awake)) return false;
                 if (states[other] & BodyStates::queried && other < body) return false; // that one finds the pair
                 if (filtered && !columns.allows(body, other)) return false;
                 if (body > other) pair = {other, body};
-                return tree_.surely_overlap(place[k], delimitation_.box(query[k])) ||
-                       overlap(columns.boxes[body], columns.boxes[other], options_.margin);
+                return true;
             });
     };
     delimitation_.compare(tree_, threads, keep);
     lists_.join(found_);
     sort_pairs(found_, scratch_, bodies_.rows(), options_.threads);
-    std::erase_if(pairs_, [&](BodyPair p) { return (states[p.a] | states[p.b]) & BodyStates::changed; });
-    if (found_.empty()) return;
-    scratch_.resize(pairs_.size() + found_.size());
-    std::ranges::merge(pairs_, found_, scratch_.begin());
-    pairs_.swap(scratch_);
+}
+
+/// What was found replaces what was near the bodies that escaped; of all that is near, boxes are compared where a body
+/// changed.
+void DynamicTree::compare_near(const BodyColumns& columns)
+{
+    const std::uint8_t* const states = bodies_.data();
+    if (near_are_pairs_) near_ = pairs_;
+    near_are_pairs_ = false;
+    before_.swap(pairs_);
+    pairs_.clear(), scratch_.clear();
+    const auto add = [&](BodyPair pair, bool overlapping) {
+        scratch_.push_back(pair);
+        if (overlapping) pairs_.push_back(pair);
+    };
+    const auto overlapping = [&](BodyPair p) {
+        return overlap(columns.boxes[p.a], columns.boxes[p.b], options_.margin);
+    };
+    const auto look_ahead = [&](const std::vector<BodyPair>& list, std::size_t k) { // bodies lie scattered in memory
+        constexpr std::size_t ahead = 8;
+        if (k + ahead >= list.size()) return;
+        const BodyPair later = list[k + ahead];
+        if (!((states[later.a] | states[later.b]) & BodyStates::changed)) return;
+        prefetch_all_of(columns.boxes[later.a]), prefetch_all_of(columns.boxes[later.b]);
+    };
+    std::size_t found = 0;
+    const auto add_found = [&](auto comes_before) {
+        for (; found < found_.size() && comes_before(found_[found]); ++found) {
+            look_ahead(found_, found);
+            add(found_[found], overlapping(found_[found]));
+        }
+    };
+    auto last = before_.begin();
+    for (std::size_t k = 0; k < near_.size(); ++k) {
+        const BodyPair pair = near_[k];
+        look_ahead(near_, k);
+        add_found([=](BodyPair other) { return other < pair; });
+        if (to_compare(pair)) {
+            add(pair, overlapping(pair));
+        } else if (!((states[pair.a] | states[pair.b]) & BodyStates::changed)) {
+            while (last != before_.end() && *last < pair) ++last;
+            add(pair, last != before_.end() && *last == pair);
+        }
+    }
+    add_found([](BodyPair) { return true; });
+    near_.swap(scratch_);
 }
 
 std::span<const BodyPair> DynamicTree::find_pairs(const BodyColumns& columns, bool whole)
@@ -230,9 +327,17 @@ std::span<const BodyPair> DynamicTree::find_pairs(const BodyColumns& columns, bo
         find_whole(columns);
     } else {
         delimit(columns);
-        if (!bodies_.changes().empty()) whole_ ? find_whole(columns) : find_changed(columns);
+        if (!bodies_.changes().empty()) {
+            if (whole_)
+                find_whole(columns);
+            else
+                find_near(columns), compare_near(columns);
+        }
     }
     bodies_.forget_changes();
+    for (std::uint32_t body : escaped_) bodies_.clear(body, BodyStates::escaped);
+    escaped_.clear();
+    loose_.end_frame();
     return pairs_;
 }
 
@@ -252,7 +357,12 @@ std::uint64_t DynamicTree::bodies_left()
 }
 void DynamicTree::survivors(std::vector<std::uint32_t>& bodies)
 {
-    whole_ || delimitation_.in_a_heap() ? bodies_.list(bodies) : delimitation_.survivors(tree_, bodies);
+    if (whole_ || delimitation_.in_a_heap()) return bodies_.list(bodies);
+    delimitation_.survivors(tree_, bodies);
+    for (const BodyPair pair : near_are_pairs_ ? pairs_ : near_)
+        if (to_compare(pair)) bodies.push_back(pair.a), bodies.push_back(pair.b);
+    std::ranges::sort(bodies);
+    bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
 }
 
 void DynamicTree::query(const BodyColumns& columns, std::span<const Aabb> boxes, std::vector<BoxHit>& hits) const
@@ -276,9 +386,11 @@ void DynamicTree::query(const BodyColumns& columns, std::span<const Aabb> boxes,
 
 std::size_t DynamicTree::bytes() const
 {
-    const std::size_t lists = gone_.capacity() + come_.capacity() + moved_.capacity() + queries_.capacity();
-    const std::size_t pairs = pairs_.capacity() + found_.capacity() + scratch_.capacity();
-    return tree_.bytes() + bodies_.bytes() + search_.bytes() + delimitation_.bytes() + lists_.bytes() +
+    const std::size_t lists = gone_.capacity() + come_.capacity() + moved_.capacity() + left_.capacity() +
+                              escaped_.capacity() + queries_.capacity();
+    const std::size_t pairs =
+        near_.capacity() + pairs_.capacity() + found_.capacity() + scratch_.capacity() + before_.capacity();
+    return tree_.bytes() + bodies_.bytes() + search_.bytes() + delimitation_.bytes() + lists_.bytes() + loose_.bytes() +
            lists * sizeof(std::uint32_t) + pairs * sizeof(BodyPair);
 }
 

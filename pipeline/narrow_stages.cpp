@@ -91,7 +91,11 @@ private:
         frame.results.clear(), frame.results.reserve(frame.pairs.size());
         constexpr std::size_t ahead = 8;
         for (std::size_t i = 0; i < frame.pairs.size(); ++i) {
-            if (i + ahead < frame.pairs.size()) bodies.prefetch(frame.pairs[i + ahead].b); // a is near the last one
+            if (i + ahead < frame.pairs.size()) {
+                const BodyPair later = frame.pairs[i + ahead];
+                bodies.prefetch(later.b);
+                if (later.a != frame.pairs[i + ahead - 1].a) bodies.prefetch(later.a);
+            }
             frame.results.push_back(undecided(bodies, frame.pairs[i]));
         }
     }

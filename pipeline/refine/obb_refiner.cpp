@@ -132,7 +132,7 @@ void fetch_ahead(std::span<const PairTask> tasks, PairCache* cache, std::size_t 
     };
     after(4, [](const PairTask& task, const PairMemory*) {
         task.a->prefetch(), task.b->prefetch();
-        prefetch_all_of(*task.pose_b); // that of a is the last one's, as a rule
+        prefetch_all_of(*task.pose_a), prefetch_all_of(*task.pose_b);
     });
     after(3, [&](const PairTask& task, const PairMemory*) {
         trees(task, [](const ObbTree& tree) { prefetch_all_of(tree); });

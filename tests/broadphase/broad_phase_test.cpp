@@ -192,6 +192,61 @@ TEST_P(EveryBroadPhase, FollowsBodiesThatComeGoMoveSleepWakeAndChangeLayersAndGr
     }
 }
 
+/// Most stay within the larger boxes that trees hold, and meet what else happens there.
+TEST_P(EveryBroadPhase, FollowsBodiesThatDriftSlowlyAmongOtherChanges)
+{
+    Boxes scene = random_boxes(1600, 19, 0.5, 41, {-7, 1e3, 0});
+    const auto broad = make();
+    scene.add_to(*broad);
+    std::vector<std::uint8_t> there(scene.all.size(), 1);
+    Bodies left;
+    for (std::uint64_t frame = 0; frame < 70; ++frame) {
+        Bodies drifting, changed;
+        for (std::uint32_t body : scene.all)
+            if (there[body] && body % 8 == 3) drifting.push_back(body);
+        const auto drift = [&](double frames) {
+            for (std::uint32_t body : drifting) // some fast; all turn back now and then
+                scene.step(body, random_step(frame / 20, body, body % 5 ? 0.06 : 0.5) * frames);
+            broad->move(drifting);
+        };
+        drift(0.5);
+        if (frame % 5 == 4) broad->take_in(scene.columns());
+        drift(0.5);
+        for (std::uint32_t body : scene.all) {
+            const double dice = u01(frame + 300, body, 0) / 0.01;
+            if (dice >= 1) continue;
+            const Bodies one{body};
+            if (!there[body]) {
+                broad->add(one, scene.asleep[body] != 0), there[body] = 1;
+            } else if (dice < 0.2) {
+                broad->remove(one), there[body] = 0;
+            } else if (dice < 0.6) {
+                (scene.asleep[body] ^= 1) ? broad->sleep(one) : broad->wake(one);
+            } else {
+                (dice < 0.8 ? scene.layers[body] : scene.groups[body]) ^= 1, broad->move(one);
+            }
+            changed.push_back(body);
+        }
+        Pairs expected = truth(scene);
+        std::erase_if(expected, [&](BodyPair p) { return !there[p.a] || !there[p.b]; });
+        if (frame % 4 == 1) {
+            changed.insert(changed.end(), drifting.begin(), drifting.end());
+            std::ranges::sort(changed);
+            broad->delimit(scene.columns());
+            broad->survivors(left);
+            const auto is_in = [](const Bodies& list, std::uint32_t body) {
+                return std::ranges::binary_search(list, body);
+            };
+            for (const auto [a, b] : expected) {
+                const bool told = is_in(left, a) && is_in(left, b);
+                ASSERT_TRUE(told || !(is_in(changed, a) || is_in(changed, b))) << a << ' ' << b;
+            }
+        }
+        if (frame % 4 == 3) continue; // nobody asks
+        ASSERT_EQ(find(*broad, scene, frame % 13 == 12), expected) << "frame " << frame;
+    }
+}
+
 /// Memory that boxes in a heap take is not that of the pairs which layers, groups or sleep forbid.
 TEST_P(EveryBroadPhase, HoldsNoForbiddenPairsOfAHeap)
 {

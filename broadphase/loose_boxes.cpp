@@ -1,0 +1,72 @@
+#include <oncollide/broadphase/loose_boxes.hpp>
+
+#include <algorithm>
+
+#include <oncollide/broadphase/box_checks.hpp>
+
+namespace oncollide {
+
+LooseBoxes::Row LooseBoxes::row(std::uint32_t body, const BodyColumns& columns, bool awake)
+{
+    const auto of = [&](std::span<const std::uint32_t> column) { return column.empty() ? 0 : column[body]; };
+    return {columns.boxes[body], of(columns.layers), of(columns.masks), of(columns.groups), awake, 0};
+}
+
+bool LooseBoxes::hold(std::uint32_t body, const BodyColumns& columns, bool awake) const
+{
+    if (body >= row_of_.size() || row_of_[body] == none) return false;
+    const Row &loose = rows_[row_of_[body]], now = row(body, columns, awake);
+    return loose.box.contains(now.box) && loose.layers == now.layers && loose.mask == now.mask &&
+           loose.group == now.group && loose.awake == now.awake;
+}
+
+Aabb LooseBoxes::renew(std::uint32_t body, const BodyColumns& columns, bool awake)
+{
+    if (body >= row_of_.size()) row_of_.resize(columns.boxes.size(), none);
+    std::uint32_t& number = row_of_[body];
+    const bool known = number != none;
+    if (!known && free_.empty()) {
+        number = static_cast<std::uint32_t>(rows_.size());
+        rows_.emplace_back(), owners_.push_back(body);
+    } else if (!known) {
+        number = free_.back();
+        free_.pop_back();
+        owners_[number] = body;
+    }
+    constexpr double frames = 4; // that it is to stay there
+    Row& loose = rows_[number];
+    const Row before = loose;
+    loose = row(body, columns, awake);
+    loose.made = frame_;
+    if (!known) return loose.box;
+    const std::uint32_t since = (frame_ - before.made) & 0x7fffffffu; // as wide as what is kept
+    const double moved = (loose.box.centre() - before.box.centre()).cwiseAbs().maxCoeff();
+    const double room = frames * moved / std::max(1u, since);
+    const Eigen::Vector3d by = Eigen::Vector3d::Constant(room);
+    const Aabb larger{loose.box.min - by, loose.box.max + by};
+    if (6 * room < (loose.box.max - loose.box.min).sum() && usable(larger)) loose.box = larger; // half its size
+    return loose.box;
+}
+
+void LooseBoxes::erase(std::uint32_t body)
+{
+    if (body >= row_of_.size() || row_of_[body] == none) return;
+    owners_[row_of_[body]] = none;
+    free_.push_back(row_of_[body]);
+    row_of_[body] = none;
+}
+
+void LooseBoxes::clear()
+{
+    for (std::uint32_t body : owners_)
+        if (body != none) row_of_[body] = none;
+    rows_.clear(), owners_.clear(), free_.clear();
+}
+
+std::size_t LooseBoxes::bytes() const
+{
+    return (row_of_.capacity() + owners_.capacity() + free_.capacity()) * sizeof(std::uint32_t) +
+           rows_.capacity() * sizeof(Row);
+}
+
+} // namespace oncollide
