@@ -33,7 +33,7 @@ Aabb LooseBoxes::renew(std::uint32_t body, const BodyColumns& columns, bool awak
         free_.pop_back();
         owners_[number] = body;
     }
-    constexpr double frames = 4; // that it is to stay there
+    const std::uint32_t frames = 3 + (body * 2654435769u >> 30); // to stay there: 3 to 6, so that not all leave at once
     Row& loose = rows_[number];
     const Row before = loose;
     loose = row(body, columns, awake);
@@ -41,10 +41,10 @@ Aabb LooseBoxes::renew(std::uint32_t body, const BodyColumns& columns, bool awak
     if (!known) return loose.box;
     const std::uint32_t since = (frame_ - before.made) & 0x7fffffffu; // as wide as what is kept
     const double moved = (loose.box.centre() - before.box.centre()).cwiseAbs().maxCoeff();
-    const double room = frames * moved / std::max(1u, since);
-    const Eigen::Vector3d by = Eigen::Vector3d::Constant(room);
-    const Aabb larger{loose.box.min - by, loose.box.max + by};
-    if (6 * room < (loose.box.max - loose.box.min).sum() && usable(larger)) loose.box = larger; // half its size
+    const double step = moved / std::max(1u, since), half = (loose.box.max - loose.box.min).sum() / 6;
+    const Eigen::Vector3d room = Eigen::Vector3d::Constant(std::min(frames * step, half));
+    const Aabb larger{loose.box.min - room, loose.box.max + room};
+    if (2 * step < half && usable(larger)) loose.box = larger;
     return loose.box;
 }
 

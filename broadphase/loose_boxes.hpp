@@ -10,8 +10,8 @@ namespace oncollide {
 /// Boxes somewhat larger than those of bodies that move. A tree that holds them need not change, nor be searched, while
 /// each body's box stays within its own: what was found with them holds all pairs that there can be.
 ///
-/// They leave room for some frames of what the body moved in the last ones; those of fast bodies, and the first ones,
-/// leave none. 64 bytes per body that has moved, and 4 per body.
+/// They leave room for three to six frames of what the body moved in the last ones; those of fast bodies, and the first
+/// ones, leave none. 64 bytes per body that has moved, and 4 per body.
 class LooseBoxes {
 public:
     bool empty() const { return rows_.size() == free_.size(); }
