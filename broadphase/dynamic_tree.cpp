@@ -145,7 +145,7 @@ void DynamicTree::take_in(const BodyColumns& columns)
         }
     }
     note_escaped(come_);
-    filter_.update(bodies_, columns, tree_);
+    filter_.update(bodies_, escaped_, columns, tree_);
     taken_in_ = true;
 }
 
@@ -154,9 +154,7 @@ void DynamicTree::loosen(const BodyColumns& columns, std::span<const std::uint32
 {
     left_.clear();
     for (std::size_t k = 0; k < moved.size(); ++k) {
-        constexpr std::size_t ahead = 8; // what is known of bodies lies scattered in memory
-        if (k + ahead < moved.size())
-            loose_.prefetch(moved[k + ahead]), prefetch_all_of(columns.boxes[moved[k + ahead]]);
+        if (constexpr std::size_t ahead = 8; k + ahead < moved.size()) loose_.prefetch(moved[k + ahead], columns);
         if (!loose_.hold(moved[k], columns, bodies_.is(moved[k], BodyStates::awake))) left_.push_back(moved[k]);
     }
     refuse_unusable(columns.boxes, left_);
@@ -232,7 +230,7 @@ void DynamicTree::find_whole(const BodyColumns& columns)
 {
     if (!loose_.empty()) {
         refit(columns);
-        filter_.update(bodies_, columns, tree_);
+        filter_.update(bodies_, escaped_, columns, tree_);
     }
     if (marked_version_ != bodies_.awake_version()) tree_.set_moving(bodies_.data(), BodyStates::awake);
     marked_version_ = bodies_.awake_version();

@@ -15,9 +15,13 @@ namespace oncollide {
 class LooseBoxes {
 public:
     bool empty() const { return rows_.size() == free_.size(); }
-    void prefetch(std::uint32_t body) const
+    /// Begins to load what hold() looks at: bodies lie scattered in memory.
+    void prefetch(std::uint32_t body, const BodyColumns& columns) const
     {
         if (body < row_of_.size()) oncollide::prefetch(&row_of_[body]);
+        prefetch_all_of(columns.boxes[body]);
+        for (const auto& column : {columns.layers, columns.masks, columns.groups})
+            if (!column.empty()) oncollide::prefetch(&column[body]);
     }
     /// Is the body's box within its loose one, and all else as it was that decides which pairs it may form?
     bool hold(std::uint32_t body, const BodyColumns& columns, bool awake) const;

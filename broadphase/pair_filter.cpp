@@ -11,7 +11,8 @@ void PairFilter::add(std::uint32_t body, const BodyColumns& columns)
     if (with_groups_) groups_ |= columns.groups[body] != 0;
 }
 
-void PairFilter::update(const BodyStates& bodies, const BodyColumns& columns, BoxTree& tree)
+void PairFilter::update(const BodyStates& bodies, std::span<const std::uint32_t> changed, const BodyColumns& columns,
+                        BoxTree& tree)
 {
     const bool layers = !columns.layers.empty(), groups = !columns.groups.empty();
     known_ = known_ && layers == with_layers_ && groups == with_groups_;
@@ -23,7 +24,7 @@ void PairFilter::update(const BodyStates& bodies, const BodyColumns& columns, Bo
             for (std::uint32_t body = 0; body < bodies.rows(); ++body)
                 if (bodies.is(body, BodyStates::present)) add(body, columns);
     } else if (layers || groups) {
-        for (std::uint32_t body : bodies.changes())
+        for (std::uint32_t body : changed)
             if (bodies.is(body, BodyStates::present)) {
                 add(body, columns);
                 if (tree_knows) tree.add_layers(body, columns);

@@ -10,8 +10,10 @@ namespace oncollide {
 /// Whether layers, masks and groups forbid any pair at all; where layers do, the tree knows them.
 class PairFilter {
 public:
-    /// Takes in the bodies that changed. Cost: O(changed), or O(n) where nothing is known.
-    void update(const BodyStates& bodies, const BodyColumns& columns, BoxTree& tree);
+    /// Takes in bodies, all those among them that are new or of other layers, masks or groups. Cost: O(changed), or
+    /// O(n) where nothing is known.
+    void update(const BodyStates& bodies, std::span<const std::uint32_t> changed, const BodyColumns& columns,
+                BoxTree& tree);
     void forget() { known_ = false; } ///< the tree was built anew
     bool layers_forbid() const { return some_in_none_ || (layers_ & ~common_mask_) != 0; }
     bool forbids() const { return layers_forbid() || groups_; }
