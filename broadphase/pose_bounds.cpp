@@ -110,7 +110,8 @@ void PoseBounds::expect(const Eigen::Isometry3d& pose)
 {
     const std::vector<Eigen::Vector3d>* points = points_of(geometry_);
     const auto* cooked = std::get_if<std::shared_ptr<const CookedMesh>>(&geometry_);
-    if (final_ || (!points && !cooked) || turns_by_quarters(pose.linear())) return;
+    if (!points && !cooked) final_ = true;
+    if (final_ || turns_by_quarters(pose.linear())) return;
     if (cooked && expect(*cooked, pose)) return;
     if (++requested_ == 1) {
         const auto* mesh = std::get_if<Mesh>(&geometry_);

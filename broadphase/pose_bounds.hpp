@@ -20,6 +20,8 @@ public:
     /// A box at this pose is about to be requested: prepares what pays. Not beside other calls. Results never depend on
     /// it but for their tightness. Allocates nothing where nothing pays.
     void expect(const Eigen::Isometry3d& pose);
+    /// Can there still be anything to prepare?
+    bool prepares() const { return !final_; }
 
     /// Encloses the geometry at this pose, rounding included: at most 2^-20 of its size too large. After expect() of
     /// the pose it depends on geometry and pose alone, whatever else was requested: other processes find the same box.

@@ -79,6 +79,8 @@ public:
         prefetch_all_of(model_of_[slot]), prefetch_all_of(travel_[slot]);
     }
 
+    void prefetch_model(std::uint32_t slot) const { oncollide::prefetch(&model_of_[slot]); }
+
     std::vector<Aabb>& boxes() { return boxes_; } ///< by slot; world, metres
     const std::vector<Aabb>& boxes() const { return boxes_; }
     /// What the broad phase reads.
