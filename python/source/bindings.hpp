@@ -23,12 +23,18 @@ void bind_grids(py::module_& module);
 void bind_world(py::module_& module);
 void bind_queries(py::module_& module);
 
-// Structured arrays over the library's own structures.
-py::dtype pair_type();     ///< PairResult
-py::dtype bodies_type();   ///< PairOfBodies
-py::dtype hit_type();      ///< QueryHit
-py::dtype contact_type();  ///< Contact
-py::dtype distance_type(); ///< Distance
+/// Structured types over the library's own results.
+struct ResultTypes {
+    py::dtype pair;     ///< PairResult
+    py::dtype bodies;   ///< PairOfBodies
+    py::dtype hit;      ///< QueryHit
+    py::dtype contact;  ///< Contact
+    py::dtype distance; ///< Distance
+};
+/// When the module is imported, so that no thread waits for another that makes them: making them runs Python, which
+/// may hand the interpreter's lock to the one that waits.
+void make_result_types();
+const ResultTypes& result_types();
 
 /// An array that takes the vector over.
 template <class T>

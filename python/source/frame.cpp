@@ -29,7 +29,7 @@ template <auto member, auto type>
 py::array column(py::object self)
 {
     const auto& items = self.cast<const FrameResult&>().*member;
-    return py::array(type(), {static_cast<py::ssize_t>(items.size())}, {}, items.data(), self);
+    return py::array(result_types().*type, {static_cast<py::ssize_t>(items.size())}, {}, items.data(), self);
 }
 
 py::dict stage_dict(const StageStats& s)
@@ -70,16 +70,16 @@ void bind_frames(py::module_& m, WorldClass& world)
         .def_readonly("ms", &FrameResult::ms, "How long the step took, milliseconds (float).")
         .def_readonly("hash", &FrameResult::hash,
                       "Of the pairs that are not separate; equal input gives an equal hash (int).")
-        .def_property_readonly("pairs", &column<&FrameResult::pairs, pair_type>,
+        .def_property_readonly("pairs", &column<&FrameResult::pairs, &ResultTypes::pair>,
                                R"(Every pair whose boxes overlap, separate ones too, sorted by the slots of a and b.
 
 Structured (N,): a, b (uint64, ids of bodies), verdict (uint8, a Verdict), stage (uint8, index into World.stages), kind
 (uint8, a ContactKind), bound (float64, metres; separate: certified lower bound on the distance; within and undecided:
 certified upper bound; colliding: 0).)")
         .def_property_readonly(
-            "began", &column<&FrameResult::began, bodies_type>,
+            "began", &column<&FrameResult::began, &ResultTypes::bodies>,
             "Pairs that are not separate, and were in the step before: structured (N,), a, b (uint64).")
-        .def_property_readonly("ended", &column<&FrameResult::ended, bodies_type>,
+        .def_property_readonly("ended", &column<&FrameResult::ended, &ResultTypes::bodies>,
                                "The reverse, also where a body was removed: structured (N,), a, b (uint64).")
         .def_property_readonly(
             "stages", [](const FrameResult& f) { return stage_list(f.stages); },

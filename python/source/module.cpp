@@ -53,6 +53,7 @@ PYBIND11_MODULE(_core, m)
     using namespace oncollide::python;
     py::options options;
     options.disable_function_signatures(); // docstrings begin with signatures that inspect understands
+    make_result_types();
     bind_error(m);
     bind_geometry(m);
     bind_shapes(m);

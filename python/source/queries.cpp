@@ -135,7 +135,7 @@ py::array distances(HeldQueries& held, py::handle a, py::handle b, py::handle po
         held.queries.distances(columns.columns(), within, found, limit);
     }
     held.interrupts.rethrow();
-    return array_of(distance_type(), std::move(found));
+    return array_of(result_types().distance, std::move(found));
 }
 
 } // namespace

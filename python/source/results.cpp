@@ -33,64 +33,47 @@ static_assert(sizeof(Eigen::Vector3d) == 24 && std::endian::native == std::endia
 
 constexpr std::size_t cell_in_part = offsetof(BodyPart, cell);
 
+/// Never freed: the interpreter may be gone before static objects are.
+const ResultTypes* types = nullptr;
+
 } // namespace
 
-// Made once, and never freed: the interpreter may be gone before static objects are.
-py::dtype pair_type()
+void make_result_types()
 {
-    static const py::dtype& type =
-        *new py::dtype(structure(sizeof(PairResult), {{"a", "u8", offsetof(PairResult, a)},
-                                                      {"b", "u8", offsetof(PairResult, b)},
-                                                      {"verdict", "u1", offsetof(PairResult, verdict)},
-                                                      {"stage", "u1", offsetof(PairResult, stage)},
-                                                      {"kind", "u1", offsetof(PairResult, kind)},
-                                                      {"bound", "f8", offsetof(PairResult, bound)}}));
-    return type;
+    types = new ResultTypes{
+        .pair = structure(sizeof(PairResult), {{"a", "u8", offsetof(PairResult, a)},
+                                               {"b", "u8", offsetof(PairResult, b)},
+                                               {"verdict", "u1", offsetof(PairResult, verdict)},
+                                               {"stage", "u1", offsetof(PairResult, stage)},
+                                               {"kind", "u1", offsetof(PairResult, kind)},
+                                               {"bound", "f8", offsetof(PairResult, bound)}}),
+        .bodies = structure(sizeof(PairOfBodies),
+                            {{"a", "u8", offsetof(PairOfBodies, a)}, {"b", "u8", offsetof(PairOfBodies, b)}}),
+        .hit = structure(sizeof(QueryHit), {{"body", "u8", offsetof(QueryHit, body)},
+                                            {"verdict", "u1", offsetof(QueryHit, verdict)},
+                                            {"kind", "u1", offsetof(QueryHit, kind)},
+                                            {"bound", "f8", offsetof(QueryHit, bound)}}),
+        .contact = structure(sizeof(Contact), {{"triangle_a", "u4", offsetof(Contact, a)},
+                                               {"cell_a", "4i4", offsetof(Contact, a) + cell_in_part},
+                                               {"triangle_b", "u4", offsetof(Contact, b)},
+                                               {"cell_b", "4i4", offsetof(Contact, b) + cell_in_part},
+                                               {"kind", "u1", offsetof(Contact, kind)},
+                                               {"ends", "(2,3)f8", offsetof(Contact, ends)},
+                                               {"normal_a", "3f8", offsetof(Contact, normal_a)},
+                                               {"normal_b", "3f8", offsetof(Contact, normal_b)}}),
+        .distance = structure(sizeof(Distance), {{"lower", "f8", offsetof(Distance, lower)},
+                                                 {"upper", "f8", offsetof(Distance, upper)},
+                                                 {"triangle_a", "u4", offsetof(Distance, a)},
+                                                 {"cell_a", "4i4", offsetof(Distance, a) + cell_in_part},
+                                                 {"triangle_b", "u4", offsetof(Distance, b)},
+                                                 {"cell_b", "4i4", offsetof(Distance, b) + cell_in_part},
+                                                 {"point_a", "3f8", offsetof(Distance, point_a)},
+                                                 {"point_b", "3f8", offsetof(Distance, point_b)}})};
 }
 
-py::dtype bodies_type()
+const ResultTypes& result_types()
 {
-    static const py::dtype& type = *new py::dtype(structure(
-        sizeof(PairOfBodies), {{"a", "u8", offsetof(PairOfBodies, a)}, {"b", "u8", offsetof(PairOfBodies, b)}}));
-    return type;
-}
-
-py::dtype hit_type()
-{
-    static const py::dtype& type =
-        *new py::dtype(structure(sizeof(QueryHit), {{"body", "u8", offsetof(QueryHit, body)},
-                                                    {"verdict", "u1", offsetof(QueryHit, verdict)},
-                                                    {"kind", "u1", offsetof(QueryHit, kind)},
-                                                    {"bound", "f8", offsetof(QueryHit, bound)}}));
-    return type;
-}
-
-py::dtype contact_type()
-{
-    static const py::dtype& type =
-        *new py::dtype(structure(sizeof(Contact), {{"triangle_a", "u4", offsetof(Contact, a)},
-                                                   {"cell_a", "4i4", offsetof(Contact, a) + cell_in_part},
-                                                   {"triangle_b", "u4", offsetof(Contact, b)},
-                                                   {"cell_b", "4i4", offsetof(Contact, b) + cell_in_part},
-                                                   {"kind", "u1", offsetof(Contact, kind)},
-                                                   {"ends", "(2,3)f8", offsetof(Contact, ends)},
-                                                   {"normal_a", "3f8", offsetof(Contact, normal_a)},
-                                                   {"normal_b", "3f8", offsetof(Contact, normal_b)}}));
-    return type;
-}
-
-py::dtype distance_type()
-{
-    static const py::dtype& type =
-        *new py::dtype(structure(sizeof(Distance), {{"lower", "f8", offsetof(Distance, lower)},
-                                                    {"upper", "f8", offsetof(Distance, upper)},
-                                                    {"triangle_a", "u4", offsetof(Distance, a)},
-                                                    {"cell_a", "4i4", offsetof(Distance, a) + cell_in_part},
-                                                    {"triangle_b", "u4", offsetof(Distance, b)},
-                                                    {"cell_b", "4i4", offsetof(Distance, b) + cell_in_part},
-                                                    {"point_a", "3f8", offsetof(Distance, point_a)},
-                                                    {"point_b", "3f8", offsetof(Distance, point_b)}}));
-    return type;
+    return *types;
 }
 
 } // namespace oncollide::python

@@ -33,7 +33,7 @@ py::array hits_of(HeldWorld& held, const char* call, const Query&... query)
         const Released released;
         hits = held.world.query(query...);
     }
-    return array_of(hit_type(), std::move(hits));
+    return array_of(result_types().hit, std::move(hits));
 }
 
 py::tuple query_batch(HeldWorld& held, py::handle model, py::handle at, py::handle layer, py::handle mask,
@@ -51,7 +51,7 @@ py::tuple query_batch(HeldWorld& held, py::handle model, py::handle at, py::hand
         for (std::size_t i = 0; i < queries.size(); ++i) queries[i].pose = poses[i];
         held.world.query(queries, hits);
     }
-    return py::make_tuple(array_of(hit_type(), std::move(hits.hits)), offsets_of(hits.ends));
+    return py::make_tuple(array_of(result_types().hit, std::move(hits.hits)), offsets_of(hits.ends));
 }
 
 py::array contacts(HeldWorld& held, py::handle a, py::handle b)
@@ -64,7 +64,7 @@ py::array contacts(HeldWorld& held, py::handle a, py::handle b)
         const Released released;
         found = held.world.contacts(first, second);
     }
-    return array_of(contact_type(), std::move(found));
+    return array_of(result_types().contact, std::move(found));
 }
 
 py::tuple contacts_batch(HeldWorld& held, py::handle a, py::handle b)
@@ -81,7 +81,7 @@ py::tuple contacts_batch(HeldWorld& held, py::handle a, py::handle b)
         for (std::size_t i = 0; i < firsts.size(); ++i) pairs.push_back({firsts[i], seconds[i]});
         held.world.contacts(pairs, lists);
     }
-    return py::make_tuple(array_of(contact_type(), std::move(lists.contacts)), offsets_of(lists.ends));
+    return py::make_tuple(array_of(result_types().contact, std::move(lists.contacts)), offsets_of(lists.ends));
 }
 
 py::object distance(HeldWorld& held, py::handle a, py::handle b, py::handle tolerance, py::handle farthest)
@@ -95,7 +95,7 @@ py::object distance(HeldWorld& held, py::handle a, py::handle b, py::handle tole
         const Released released;
         found = held.world.distance(first, second, within, limit);
     }
-    py::array made(distance_type(), py::ssize_t{1});
+    py::array made(result_types().distance, py::ssize_t{1});
     std::memcpy(made.mutable_data(), static_cast<const void*>(&found), sizeof found);
     return made[py::int_(0)];
 }

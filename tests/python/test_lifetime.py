@@ -107,6 +107,28 @@ def test_const_calls_run_side_by_side():
     assert not faults
 
 
+def test_threads_may_all_be_the_first_to_call(run_python):
+    """Whatever a call makes once must not wait for the interpreter's lock while another thread waits for it."""
+    code = """
+import sys, threading, numpy as np, oncollide
+world = oncollide.World(exact="predicates")
+ball = world.add(oncollide.sphere_mesh(1.0, 200))
+a, b = world.add_body(ball), world.add_body(ball, np.array([1.5, 0, 0, 0, 0, 0, 1]))
+frame = world.step()
+sys.setswitchinterval(1e-6)
+calls = [lambda: world.distance(a, b), lambda: world.contacts(a, b), lambda: world.query(ball, np.eye(4)),
+         lambda: world.query_batch(ball, np.eye(4)[None]), lambda: frame.pairs, lambda: frame.began]
+for call in calls:
+    ready = threading.Barrier(6)
+    threads = [threading.Thread(target=lambda: (ready.wait(), call())) for _ in range(6)]
+    for thread in threads: thread.start()
+    for thread in threads: thread.join()
+print(len(frame.pairs))
+"""
+    for _ in range(5):
+        assert run_python(code) == (0, "1\n", "")
+
+
 def test_a_world_with_a_gpu_belongs_to_its_thread():
     try:
         world = oncollide.World(backend="gl-compute", depth=4)
