@@ -24,6 +24,9 @@ struct BodyColumns {
     std::span<const std::uint32_t> layers{}, masks{};
     /// Two bodies of one group other than 0 never form a pair. Empty: all are of group 0.
     std::span<const std::uint32_t> groups{};
+    /// Another number whenever a layer, a mask or a group has changed: while it stays, nobody looks whether one has.
+    /// 0: not counted.
+    std::uint64_t filters_version = 0;
 
     /// Do layers, masks and groups allow this pair?
     bool allows(std::uint32_t a, std::uint32_t b) const

@@ -80,6 +80,7 @@ private:
     bool delimited_ = false;                  ///< has delimit() run since the changes were taken in?
     bool whole_ = true;                       ///< is the whole tree searched, not regions of it?
     std::uint64_t marked_version_ = unmarked; ///< of who is awake, as the tree has it
+    std::uint64_t filters_version_ = 0;       ///< as last taken in
 };
 
 void DynamicTree::rebuild(const BodyColumns& columns)
@@ -146,16 +147,20 @@ void DynamicTree::take_in(const BodyColumns& columns)
     }
     note_escaped(come_);
     filter_.update(bodies_, escaped_, columns, tree_);
+    filters_version_ = columns.filters_version;
     taken_in_ = true;
 }
 
 /// Those of the bodies that moved out of their loose boxes get others, in the tree too.
 void DynamicTree::loosen(const BodyColumns& columns, std::span<const std::uint32_t> moved)
 {
+    const bool filters_too = columns.filters_version == 0 || columns.filters_version != filters_version_;
     left_.clear();
     for (std::size_t k = 0; k < moved.size(); ++k) {
-        if (constexpr std::size_t ahead = 8; k + ahead < moved.size()) loose_.prefetch(moved[k + ahead], columns);
-        if (!loose_.hold(moved[k], columns, bodies_.is(moved[k], BodyStates::awake))) left_.push_back(moved[k]);
+        if (constexpr std::size_t ahead = 8; k + ahead < moved.size())
+            loose_.prefetch(moved[k + ahead], columns, filters_too);
+        const bool awake = bodies_.is(moved[k], BodyStates::awake);
+        if (!loose_.hold(moved[k], columns, awake, filters_too)) left_.push_back(moved[k]);
     }
     refuse_unusable(columns.boxes, left_);
     const auto renew = [&](std::uint32_t body) {

@@ -12,12 +12,14 @@ LooseBoxes::Row LooseBoxes::row(std::uint32_t body, const BodyColumns& columns, 
     return {columns.boxes[body], of(columns.layers), of(columns.masks), of(columns.groups), awake, 0};
 }
 
-bool LooseBoxes::hold(std::uint32_t body, const BodyColumns& columns, bool awake) const
+bool LooseBoxes::hold(std::uint32_t body, const BodyColumns& columns, bool awake, bool filters_too) const
 {
     if (body >= row_of_.size() || row_of_[body] == none) return false;
-    const Row &loose = rows_[row_of_[body]], now = row(body, columns, awake);
-    return loose.box.contains(now.box) && loose.layers == now.layers && loose.mask == now.mask &&
-           loose.group == now.group && loose.awake == now.awake;
+    const Row& loose = rows_[row_of_[body]];
+    if (!loose.box.contains(columns.boxes[body]) || loose.awake != awake) return false;
+    if (!filters_too) return true;
+    const Row now = row(body, columns, awake);
+    return loose.layers == now.layers && loose.mask == now.mask && loose.group == now.group;
 }
 
 Aabb LooseBoxes::renew(std::uint32_t body, const BodyColumns& columns, bool awake)

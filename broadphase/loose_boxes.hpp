@@ -16,15 +16,17 @@ class LooseBoxes {
 public:
     bool empty() const { return rows_.size() == free_.size(); }
     /// Begins to load what hold() looks at: bodies lie scattered in memory.
-    void prefetch(std::uint32_t body, const BodyColumns& columns) const
+    void prefetch(std::uint32_t body, const BodyColumns& columns, bool filters_too) const
     {
         if (body < row_of_.size()) oncollide::prefetch(&row_of_[body]);
         prefetch_all_of(columns.boxes[body]);
+        if (!filters_too) return;
         for (const auto& column : {columns.layers, columns.masks, columns.groups})
             if (!column.empty()) oncollide::prefetch(&column[body]);
     }
     /// Is the body's box within its loose one, and all else as it was that decides which pairs it may form?
-    bool hold(std::uint32_t body, const BodyColumns& columns, bool awake) const;
+    /// @param filters_too  layers, mask and group may have changed
+    bool hold(std::uint32_t body, const BodyColumns& columns, bool awake, bool filters_too) const;
     /// Makes another one for it as it is now. Its box must be usable.
     Aabb renew(std::uint32_t body, const BodyColumns& columns, bool awake);
     void erase(std::uint32_t body);

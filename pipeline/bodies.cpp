@@ -50,6 +50,7 @@ std::uint32_t Bodies::add(const Init& body)
     }
     note_model(slot, body.model, body.model_id), poses_[slot] = body.pose;
     layers_[slot] = body.layer, masks_[slot] = body.mask, groups_[slot] = body.group;
+    ++filters_version_;
     if (body.user || user(slot)) set_user(slot, body.user);
     any_group_ |= body.group != 0;
     state_[slot] = static_cast<std::uint8_t>((state_[slot] & ~fixed_bit) | alive_bit | (body.fixed ? fixed_bit : 0));
@@ -85,6 +86,7 @@ void Bodies::set_filter(std::uint32_t slot, std::uint32_t layer, std::uint32_t m
 {
     if (layers_[slot] == layer && masks_[slot] == mask && groups_[slot] == group) return;
     layers_[slot] = layer, masks_[slot] = mask, groups_[slot] = group;
+    ++filters_version_;
     any_group_ |= group != 0;
     mark(slot, moved_bit);
 }

@@ -87,7 +87,8 @@ public:
     BodyColumns columns() const
     {
         return {boxes_, layers_, masks_,
-                any_group_ ? std::span<const std::uint32_t>(groups_) : std::span<const std::uint32_t>{}};
+                any_group_ ? std::span<const std::uint32_t>(groups_) : std::span<const std::uint32_t>{},
+                filters_version_};
     }
 
     /// Overwrites `changes` with what changed since the last call, and forgets it.
@@ -130,6 +131,7 @@ private:
     std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> partners_; ///< by slot: all it was ever excluded from
     std::uint32_t size_ = 0, moving_ = 0;
     bool any_group_ = false;
+    std::uint64_t filters_version_ = 1; ///< grows when layers, a mask or a group change
 };
 
 /// Makes the world boxes of the bodies that came or moved: tight, or of spheres.

@@ -87,7 +87,8 @@ public:
 private:
     static void begin(const Bodies& bodies, Frame& frame)
     {
-        frame.cache.begin_frame(frame.pairs, frame.fresh);
+        const std::span<const std::uint8_t> none, fresh = frame.fresh;
+        frame.cache.begin_frame(frame.pairs, frame.fresh_slots.empty() ? none : fresh);
         frame.results.clear(), frame.results.reserve(frame.pairs.size());
         constexpr std::size_t ahead = 8;
         for (std::size_t i = 0; i < frame.pairs.size(); ++i) {

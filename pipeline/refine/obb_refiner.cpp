@@ -61,16 +61,16 @@ double surely_separate(const PairTask& task, double beyond)
     return beyond * (1 + 0x1p-16) + rounding * (reach(*task.a) + reach(*task.b));
 }
 
-/// Do their hulls show more than what is needed between two bodies? The gap is remembered. Hulls that overlapped are
-/// left alone for a while, the longer the more often they did. Bodies at rest get no other answer than before.
-bool hulls_part(const PairTask& task, double needed, PairMemory& memory, double& gap)
+/// Do their hulls show that two bodies are surely separate? The gap is remembered. Hulls that overlapped are left alone
+/// for a while, the longer the more often they did. Bodies at rest get no other answer than before.
+bool hulls_part(const PairTask& task, double beyond, PairMemory& memory, double& gap)
 {
     const OuterHull *const a = task.a->hull(), *const b = task.b->hull();
     if (!a || !b || task.travel == memory.walked_at) return false;
     if (memory.hulls_rest > 0) return --memory.hulls_rest, false;
     const HullGap found = hull_gap(*a, *b, RelativePose(*task.pose_a, *task.pose_b), memory.across);
     memory.across = found.across;
-    if (!(found.gap > needed)) {
+    if (!(found.gap > surely_separate(task, beyond))) {
         memory.hulls_overlapped = std::min<std::uint8_t>(memory.hulls_overlapped + 1, 7);
         memory.hulls_rest = static_cast<std::uint8_t>((1u << memory.hulls_overlapped) - 1);
         return false;
@@ -167,9 +167,10 @@ RefineResult ObbRefiner::refine(const RefineContext& context, const PairTask& ta
                                    : exact(context, task, hints, worker);
     };
     if (!memory) return walk(nullptr);
-    const double needed = surely_separate(task, settings.clearance + tolerance);
+    const double beyond = settings.clearance + tolerance;
     double gap = memory->gap(task.travel);
-    const bool kept = gap > needed, parted = !kept && hulls_part(task, needed, *memory, gap);
+    const bool kept = gap > beyond && gap > surely_separate(task, beyond),
+               parted = !kept && hulls_part(task, beyond, *memory, gap);
     if (kept || parted) {
         ++(kept ? worker.by_gap : worker.by_hull);
         // Without coherence they are walked all the same.

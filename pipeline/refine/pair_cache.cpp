@@ -2,19 +2,33 @@
 
 namespace oncollide {
 
+std::uint32_t PairCache::make_row()
+{
+    if (free_.empty()) {
+        memories_.emplace_back();
+        return static_cast<std::uint32_t>(memories_.size() - 1);
+    }
+    const std::uint32_t row = free_.back();
+    free_.pop_back();
+    memories_[row] = {};
+    return row;
+}
+
 void PairCache::begin_frame(std::span<const BodyPair> pairs, std::span<const std::uint8_t> fresh)
 {
     now_.swap(before_);
-    now_.resize(pairs.size());
+    now_.clear();
     auto last = before_.begin();
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-        const BodyPair pair = pairs[i];
-        while (last != before_.end() && last->pair < pair) ++last;
-        if (last != before_.end() && last->pair == pair && !fresh[pair.a] && !fresh[pair.b])
-            now_[i] = *last;
-        else
-            now_[i] = {.pair = pair};
+    for (const BodyPair pair : pairs) {
+        for (; last != before_.end() && last->pair < pair; ++last) free_.push_back(last->row);
+        if (last == before_.end() || last->pair != pair) {
+            now_.push_back({pair, make_row()});
+            continue;
+        }
+        now_.push_back(*last++);
+        if (!fresh.empty() && (fresh[pair.a] || fresh[pair.b])) memories_[now_.back().row] = {};
     }
+    for (; last != before_.end(); ++last) free_.push_back(last->row);
 }
 
 } // namespace oncollide

@@ -15,39 +15,49 @@ namespace oncollide {
 /// where it holds again, so results do not depend on it. A gap is used up by what the bodies can have moved since it
 /// was certified: until then they are apart.
 struct PairMemory {
-    BodyPair pair;
-    bool met = false;         ///< `triangles` met, or were as near as was asked
-    TrianglePair triangles{}; ///< witness of contact; 0 for a shape
-    /// Of a map the cell, in place of its triangle; else where the triangles are.
-    std::variant<std::monostate, MapCell, MeetingPlace<ObbTree, ObbTree>, MeetingPlace<TerrainTree, ObbTree>,
-                 MeetingPlace<ObbTree, TerrainTree>>
-        place = std::monostate();
-    LeafPair leaves{};      ///< leaves of the sphere-trees that touched
     double apart_until = 0; ///< while their travel is less, so far are the bodies apart at least
     double walked_at = -1;  ///< their travel when they were walked last
     Eigen::Vector3f across = Eigen::Vector3f::Zero(); ///< what parted their hulls (hull_gap), or nearly did
     std::uint8_t hulls_rest = 0;                      ///< their hulls are left alone for so many more walks
     std::uint8_t hulls_overlapped = 0;                ///< so many times in a row, which is why
+    bool met = false;                                 ///< `triangles` met, or were as near as was asked
+    TrianglePair triangles{};                         ///< witness of contact; 0 for a shape
+    LeafPair leaves{};                                ///< leaves of the sphere-trees that touched
+    /// Of a map the cell, in place of its triangle; else where the triangles are.
+    std::variant<std::monostate, MapCell, MeetingPlace<ObbTree, ObbTree>, MeetingPlace<TerrainTree, ObbTree>,
+                 MeetingPlace<ObbTree, TerrainTree>>
+        place = std::monostate();
 
     /// @param travel  of both, now
     double gap(double travel) const { return apart_until - travel - 0x1p-50 * travel; }
     void part(double gap, double travel) { apart_until = std::max(apart_until, (travel + gap) * (1 - 0x1p-52)); }
 };
 
-/// The memory of the candidate pairs, in their order.
+/// The memory of the candidate pairs. Each stays where it is for as long as its pair is a candidate.
 class PairCache {
 public:
-    /// Takes what is remembered over to the pairs of a new frame.
+    /// Keeps what is remembered of pairs that were candidates before, and forgets the others.
     /// @param pairs  sorted
-    /// @param fresh  by slot: what is remembered of such a body is void
+    /// @param fresh  by slot: what is remembered of such a body is void; empty: of none
     void begin_frame(std::span<const BodyPair> pairs, std::span<const std::uint8_t> fresh);
     /// Of pair number `i` of the frame.
-    PairMemory& operator[](std::size_t i) { return now_[i]; }
-    bool empty() const { return now_.empty(); }
-    std::size_t bytes() const { return (now_.capacity() + before_.capacity()) * sizeof(PairMemory); }
+    PairMemory& operator[](std::size_t i) { return memories_[now_[i].row]; }
+    std::size_t bytes() const
+    {
+        return memories_.capacity() * sizeof(PairMemory) + (now_.capacity() + before_.capacity()) * sizeof(Known) +
+               free_.capacity() * sizeof(std::uint32_t);
+    }
 
 private:
-    std::vector<PairMemory> now_, before_;
+    struct Known {
+        BodyPair pair;
+        std::uint32_t row; ///< in memories_
+    };
+    std::uint32_t make_row();
+
+    std::vector<PairMemory> memories_;
+    std::vector<std::uint32_t> free_; ///< rows
+    std::vector<Known> now_, before_; ///< by pair
 };
 
 } // namespace oncollide
