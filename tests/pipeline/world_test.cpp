@@ -137,6 +137,57 @@ TEST(World, GivesAfterAnyChangesWhatAFreshOneGives)
         }
 }
 
+/// The broad phase looks around bodies that drift only now and then; what they may collide with can change any time.
+TEST(World, FollowsWhatMayCollideWhileBodiesDrift)
+{
+    for (const BroadPhaseKind broad : {BroadPhaseKind::kd_tree, BroadPhaseKind::octree}) {
+        World world({.broad_phase = broad}), reference({.broad_phase = BroadPhaseKind::brute_force});
+        std::mt19937 random(7);
+        const auto below = [&](unsigned n) { return random() % n; };
+        const auto filter = [&](BodySpec& spec) {
+            spec.layer = 1u << below(2), spec.mask = 1 + below(3), spec.group = below(4) ? 0 : 1 + below(3);
+        };
+        const Shape ball = Sphere{0.5};
+        const ModelId model = world.add(ball), model_there = reference.add(ball);
+        struct Both {
+            BodySpec spec;
+            BodyId here, there;
+        };
+        std::vector<Both> bodies(400);
+        const auto add = [&](Both& body) {
+            body.spec.model = model, body.here = world.add_body(body.spec);
+            BodySpec spec = body.spec;
+            spec.model = model_there, body.there = reference.add_body(spec);
+        };
+        for (std::size_t i = 0; i < bodies.size(); ++i) {
+            bodies[i].spec.pose = at(0.9 * double(i % 20), 0.9 * double(i / 20 % 20), 0.1 * below(3));
+            bodies[i].spec.user = i;
+            filter(bodies[i].spec);
+            add(bodies[i]);
+        }
+        for (int frame = 0; frame < 60; ++frame) {
+            for (std::size_t i = 0; i < bodies.size(); ++i) {
+                Both& body = bodies[i];
+                if (i % 10 == 3) {
+                    body.spec.pose.translation().x() += frame / 15 % 2 ? -0.01 : 0.01;
+                    world.set_pose(body.here, body.spec.pose), reference.set_pose(body.there, body.spec.pose);
+                }
+                if (below(40)) continue;
+                filter(body.spec);
+                if (frame % 2) { // another body in its slot
+                    world.remove_body(body.here), reference.remove_body(body.there);
+                    add(body);
+                } else {
+                    world.set_layers(body.here, body.spec.layer, body.spec.mask);
+                    reference.set_layers(body.there, body.spec.layer, body.spec.mask);
+                    world.set_group(body.here, body.spec.group), reference.set_group(body.there, body.spec.group);
+                }
+            }
+            ASSERT_EQ(outcome_of(world), outcome_of(reference)) << "frame " << frame;
+        }
+    }
+}
+
 TEST(World, RefusesStaleIdsAndLeavesEverythingAsItWas)
 {
     World world;
