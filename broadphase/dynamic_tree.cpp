@@ -293,6 +293,8 @@ void DynamicTree::compare_near(const BodyColumns& columns)
     };
     const auto look_ahead = [&](const std::vector<BodyPair>& list, std::size_t k) { // bodies lie scattered in memory
         constexpr std::size_t ahead = 8;
+        if (k + 2 * ahead < list.size())
+            prefetch(&states[list[k + 2 * ahead].a]), prefetch(&states[list[k + 2 * ahead].b]);
         if (k + ahead >= list.size()) return;
         const BodyPair later = list[k + ahead];
         if (!((states[later.a] | states[later.b]) & BodyStates::changed)) return;

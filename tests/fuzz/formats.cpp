@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "bench/aabbs_file.hpp"
-#include "bench/pose_file.hpp"
+#include "bench/broad/aabbs_file.hpp"
+#include "bench/narrow/pose_file.hpp"
 #include "cooked_bytes.hpp"
 #include "cooked_inputs.hpp"
 #include "scenes/xml_writers.hpp"

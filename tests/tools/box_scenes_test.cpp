@@ -8,8 +8,8 @@
 
 #include <oncollide/base/error.hpp>
 
-#include "bench/aabbs_file.hpp"
-#include "bench/box_scenes.hpp"
+#include "bench/broad/aabbs_file.hpp"
+#include "bench/broad/box_scenes.hpp"
 #include "peers/peer.hpp"
 #include "run_command.hpp"
 

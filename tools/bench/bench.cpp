@@ -1,6 +1,6 @@
 // oncollide bench: one subcommand a benchmark.
 #include "bench/bench.hpp"
-#include "bench/bench_scale.hpp"
+#include "bench/scenes/bench_scale.hpp"
 #include "cli/command.hpp"
 #include "cli/shard.hpp"
 

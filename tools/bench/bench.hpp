@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "bench/environment_scenes.hpp"
+#include "bench/scenes/environment_scenes.hpp"
 #include "bench/statistics.hpp"
 #include "cli/options.hpp"
 

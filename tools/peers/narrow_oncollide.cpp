@@ -4,7 +4,7 @@
 
 #include <oncollide/narrowphase/boxes/traversal.hpp>
 
-#include "bench/tree_pair.hpp"
+#include "bench/narrow/tree_pair.hpp"
 
 namespace oncollide::tools {
 namespace {

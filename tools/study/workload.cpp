@@ -5,7 +5,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 
-#include "bench/narrow_poses.hpp"
+#include "bench/narrow/narrow_poses.hpp"
 
 namespace oncollide::tools {
 namespace {

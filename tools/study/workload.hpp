@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/pose_file.hpp"
+#include "bench/narrow/pose_file.hpp"
 #include "cli/options.hpp"
 
 namespace oncollide::tools {

@@ -1,0 +1,207 @@
+// Who finds all overlapping boxes how fast? oncollide beside the broad phases of other libraries.
+#include "bench/bench.hpp"
+#include "bench/broad/aabbs_file.hpp"
+#include "bench/broad/broad_race.hpp"
+#include "bench/line_plot.hpp"
+#include "cli/shard.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/parallel.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+bool is_recording(const std::string& scene)
+{
+    return scene.ends_with(".aabbs") || scene.find('/') != std::string::npos;
+}
+
+/// As many as the published results are after.
+std::uint64_t usual_frames(std::size_t boxes)
+{
+    return boxes <= 3'000 ? 60 : boxes <= 30'000 ? 40 : boxes <= 300'000 ? 12 : 8;
+}
+
+std::string memory_text(double bytes)
+{
+    return bytes < 1e5 ? "-" : fmt::format("{:.1f}", bytes / 1e6);
+}
+
+std::string answer_text(const RaceRow& row)
+{
+    if (row.missed) return fmt::format("MISSED {}", row.missed);
+    return row.extra ? fmt::format("+{}", row.extra) : "ok";
+}
+
+std::string delimitation_text(const RaceRow& row)
+{
+    if (row.levels.empty()) return "delimitation off: over a quarter of the boxes changed";
+    std::string text = "delimitation by level, rejected:";
+    for (const DelimitationLevel& level : std::span(row.levels).subspan(1))
+        text += fmt::format(" {} of {} regions with {} boxes, {:.0f} % of the volume out of play, {:.4f} ms;",
+                            level.regions_rejected, level.regions, level.bodies_rejected, 100 * level.volume_rejected,
+                            level.ms);
+    return text += fmt::format(" {} boxes left", row.left);
+}
+
+double delimitation_ms(const RaceRow& row)
+{
+    double ms = 0;
+    for (const DelimitationLevel& level : row.levels) ms += level.ms;
+    return ms;
+}
+
+PlotAxes axes(bool per_box)
+{
+    if (per_box) return {"boxes", "ns per box and frame", [](double ns) { return fmt::format("{:.3g} ns", ns); }};
+    return {"boxes", "ms per frame",
+            [](double ms) { return ms >= 1000 ? fmt::format("{:.3g} s", ms / 1e3) : fmt::format("{:.3g} ms", ms); }};
+}
+
+class BroadBench {
+public:
+    explicit BroadBench(const BroadOptions& options)
+        : options_(options), contenders_(broad_contenders()), shard_(shard_from(options.shard))
+    {
+        for (const std::size_t threads :
+             parse_counts("--threads", options.threads.empty() ? "1" : options.threads, 256))
+            threads_.push_back(int(threads));
+        contenders_.keep(options.only);
+        choose_scenes();
+        if (!options.csv.empty()) csv_.emplace(options.csv);
+        if (!options.plot.empty()) plot_.emplace(options.plot);
+        if (csv_)
+            csv_->write(shard_.line(fmt::format("bench broad, {}, sizes {}, {} frames, seed {}, threads {}, only {}",
+                                                printable(options.scene), options.sizes, options.frames.value_or(0),
+                                                options.seed, options.threads, options.only)));
+        if (csv_)
+            csv_->print(
+                "scene,boxes,movers,frame,seed,contender,library,threads,ms,ratio,pairs,hash,missed,extra,bytes,"
+                "regions,left,delimitation_ms\n");
+    }
+
+    int run()
+    {
+        say("{}", describe_program("broad phase alone"));
+        for (const MissingPeer& peer : contenders_.missing)
+            say("{:<11}not in this build (Debian: {})\n", peer.library, peer.package);
+        std::string last;
+        for (const auto& [scene, size] : work_) {
+            if (scene != last) panels_.push_back({scene, {}});
+            last = scene;
+            run(is_recording(scene) ? open_aabbs(scene) : make_box_scene(scene, size, options_.seed));
+        }
+        if (csv_) csv_->commit();
+        if (plot_) draw_line_plot(*plot_, panels_, axes(options_.per_box)), plot_->commit();
+        return wrong_ ? 70 : 0;
+    }
+
+private:
+    /// Everything that could be wrong with them shows here, before any work.
+    void choose_scenes()
+    {
+        const std::vector<std::size_t> sizes =
+            parse_counts("--sizes", options_.sizes.empty() ? "1k,10k,100k" : options_.sizes, most_boxes);
+        if (options_.frames && (*options_.frames < 2 || *options_.frames > 100'000))
+            usage(fmt::format("--frames {}: must be from 2 to 100000", *options_.frames));
+        if (is_recording(options_.scene))
+            work_.emplace_back(options_.scene, 0);
+        else
+            for (const std::string& scene : split(options_.scene)) {
+                make_box_scene(scene, 1, options_.seed);
+                for (const std::size_t size : sizes) work_.emplace_back(scene, size);
+            }
+        keep_part(shard_, work_, "scenes and sizes");
+        if (!is_recording(options_.scene)) return;
+        if (!options_.sizes.empty()) usage(fmt::format("--sizes: the recording {} has its own", options_.scene));
+        const std::uint64_t last = open_aabbs(options_.scene).last_frame;
+        if (last < 2 || std::uint64_t(options_.frames.value_or(2)) > last)
+            usage(fmt::format("{}: has {} frames after the initial one; {} are to be played", options_.scene, last,
+                              options_.frames.value_or(2)));
+    }
+
+    void run(BoxScene scene)
+    {
+        const std::uint64_t usual = usual_frames(scene.boxes.size());
+        const std::uint64_t frames = std::min(scene.last_frame, std::uint64_t(options_.frames.value_or(int(usual))));
+        const auto statics = std::size_t(std::count(scene.is_static.begin(), scene.is_static.end(), 1));
+        say("\n{}, {} boxes ({} static), seed {}: frames {} to {}\n", printable(scene.name),
+            grouped(scene.boxes.size()), grouped(statics), options_.seed, std::max<std::uint64_t>(2, frames / 3 + 1),
+            frames);
+        std::cout.flush();
+        const RaceResult result = race(scene, contenders_.all, threads_, frames, frames / 3);
+        print(scene, result);
+        for (const RaceRow& row : result.rows) {
+            wrong_ |= row.missed > 0;
+            record(scene, row);
+        }
+    }
+
+    void print(const BoxScene& scene, const RaceResult& result)
+    {
+        say("  {:<18}{:>8}{:>12}{:>8}{:>9}  {:<12}{}\n", "", "threads", "ms", "ratio", "MB", "pairs", "");
+        for (const RaceRow& row : result.rows)
+            say("  {:<18}{:>8}{:>12.4f}{:>8.2f}{:>9}  {:<12}{}\n", row.contender->name, row.threads, row.ms, row.ratio,
+                memory_text(row.bytes), answer_text(row), row.contender->what);
+        for (const RaceRow& row : result.rows)
+            if (row.delimited && row.threads == threads_.front())
+                say("  {:<18}{}\n", row.contender->name, delimitation_text(row));
+        for (const std::string& reason : result.left) say("  left out  {}\n", reason);
+        say("  result    {} pairs, hash {:016x}", grouped(result.pairs.count), result.pairs.hash);
+        if (const auto published = published_result(scene.name, scene.boxes.size(), scene.frame);
+            published && options_.seed == 12345) {
+            const bool match = *published == result.pairs;
+            say(": {} the published one", match ? "matches" : "MISMATCH with");
+            wrong_ |= !match;
+        }
+        say("\n");
+        std::cout.flush();
+    }
+
+    void record(const BoxScene& scene, const RaceRow& row)
+    {
+        if (csv_)
+            csv_->print("{},{},{},{},{},{},\"{}\",{},{},{},{},{:016x},{},{},{},{},{},{}\n", scene.name,
+                        scene.boxes.size(), scene.moved.size(), scene.frame, options_.seed, row.contender->name,
+                        row.contender->what, row.threads, row.ms, row.ratio, row.pairs.count, row.pairs.hash,
+                        row.missed, row.extra, std::uint64_t(row.bytes), regions_text(row.levels), row.left,
+                        delimitation_ms(row));
+        const std::string label =
+            row.threads == 1 ? row.contender->name : fmt::format("{}, {} threads", row.contender->name, row.threads);
+        const auto style = styles_.try_emplace(label, styles_.size()).first;
+        std::vector<PlotLine>& lines = panels_.back().lines;
+        auto line = std::find_if(lines.begin(), lines.end(), [&](const PlotLine& l) { return l.label == label; });
+        if (line == lines.end()) {
+            using Weight = PlotLine::Weight;
+            constexpr Weight weights[] = {Weight::main, Weight::baseline, Weight::peer}; // by group
+            lines.push_back({weights[int(row.contender->group)], label, {}, style->second});
+            line = std::prev(lines.end());
+        }
+        const double boxes = double(scene.boxes.size()), ms = std::max(row.ms, 1e-4);
+        line->points.push_back({boxes, options_.per_box ? 1e6 * ms / boxes : ms});
+    }
+
+    BroadOptions options_;
+    Contenders contenders_;
+    std::vector<int> threads_;
+    Shard shard_;
+    std::vector<std::pair<std::string, std::size_t>> work_; ///< scenes, each with every size
+    std::optional<OutputFile> csv_, plot_;
+    std::vector<PlotPanel> panels_;             ///< one a scene
+    std::map<std::string, std::size_t> styles_; ///< of the lines, by label
+    bool wrong_ = false;
+};
+
+} // namespace
+
+int bench_broad(const BroadOptions& options)
+{
+    check_files({{"--csv", options.csv}, {"--plot", options.plot}});
+    return BroadBench(options).run();
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,170 @@
+// How long does one query of two meshes take? oncollide beside the narrow phases of other libraries.
+#include "bench/bench.hpp"
+#include "bench/narrow/narrow_report.hpp"
+#include "cli/shard.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/near_word.hpp>
+#include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/model/mesh_generators.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<NarrowQuery> parse_queries(const std::string& list)
+{
+    std::array<bool, 3> wanted{};
+    for (const std::string& part : split(list)) {
+        const auto found = std::find(query_names.begin(), query_names.end(), part);
+        if (found == query_names.end())
+            usage(fmt::format("--query {}: no such query{}", part,
+                              valid_names(part, {query_names.begin(), query_names.end()}, "there are")));
+        wanted[std::size_t(found - query_names.begin())] = true;
+    }
+    std::vector<NarrowQuery> queries;
+    for (NarrowQuery query : {NarrowQuery::boolean, NarrowQuery::all, NarrowQuery::distance})
+        if (wanted[std::size_t(query)]) queries.push_back(query);
+    return queries;
+}
+
+struct BenchedMesh {
+    std::string name;
+    Mesh mesh;
+};
+
+/// The mesh without its triangles that have no area: whether these meet anything, the peers cannot agree.
+BenchedMesh with_area(BenchedMesh named)
+{
+    const Mesh& mesh = named.mesh;
+    if (mesh.zero_area == 0) return named;
+    std::vector<Triangle> kept;
+    for (const Triangle& t : mesh.triangles) {
+        const std::vector<Eigen::Vector3d> corners{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
+        if (make_mesh(named.name, corners, {{0, 1, 2}}).zero_area == 0) kept.push_back(t);
+    }
+    return {named.name, make_mesh(named.name + ", without triangles of no area", mesh.vertices, std::move(kept))};
+}
+
+/// Two files, the pair of the pose set, or generated.
+std::array<BenchedMesh, 2> open_meshes(const NarrowOptions& options)
+{
+    const auto load = [](const fs::path& path) { return with_area({path.stem().string(), load_mesh(path)}); };
+    if (options.meshes.size() == 2) return {load(options.meshes[0]), load(options.meshes[1])};
+    if (options.use_poses) {
+        const PoseSet set = pose_set(data_folder(options.data));
+        return {load(set.mesh_a), load(set.mesh_b)};
+    }
+    return {BenchedMesh{"knot-3-4", make_torus_knot_mesh(3, 4, 1, 0.4, 0.18, 5082)},
+            BenchedMesh{"knot-2-3", make_torus_knot_mesh(2, 3, 1, 0.4, 0.18, 5144)}};
+}
+
+/// Poses of a file, with the exact results beside it when there are any.
+NarrowWorkload read_workload(const NarrowOptions& options)
+{
+    std::vector<KnownPose> poses =
+        read_known_poses(options.poses.empty() ? pose_set(data_folder(options.data)).poses : fs::path(options.poses));
+    if (options.count && std::size_t(*options.count) < poses.size()) poses.resize(std::size_t(*options.count));
+    return workload_of(std::move(poses));
+}
+
+void check(const NarrowOptions& options)
+{
+    if (options.meshes.size() == 1) usage(fmt::format("{}: a second mesh is missing", options.meshes[0]));
+    if (!options.poses.empty() && options.meshes.empty())
+        usage(fmt::format("--poses {}: needs the two meshes that it is about: MESH_A MESH_B", options.poses));
+    if (options.use_poses && options.poses.empty() && !options.meshes.empty())
+        usage("--poses: the data folder's poses have meshes of their own; name a pose file or no meshes");
+    if (options.use_poses && !options.distances.empty()) usage("--distances: the poses of a file have their own");
+    check_range("--repeats", options.repeats, 1, 1000);
+    check_range("--count", options.count.value_or(1), 1, 100'000);
+    check_files({{"--csv", options.csv}, {"--plot", options.plot}});
+}
+
+void print_settings(const NarrowOptions& options, const NarrowResult& result, const NarrowContenders& contenders)
+{
+    say("{}", describe_program("narrow phase alone"));
+    for (const MissingPeer& peer : contenders.missing)
+        say("{:<11}not in this build (Debian: {})\n", peer.library, peer.package);
+    const auto colliding = std::count(result.truth.colliding.begin(), result.truth.colliding.end(), true);
+    say("meshes     {} ({} triangles), {} ({})\n"
+        "poses      {}, {} colliding{}; the least of {} repeats of each query, after a pass to warm up\n",
+        result.mesh_a, grouped(result.triangles_a), result.mesh_b, grouped(result.triangles_b),
+        grouped(result.workload.poses.size()), grouped(std::uint64_t(colliding)),
+        options.use_poses ? "" : fmt::format(", seed {}", options.seed), options.repeats);
+    std::cout.flush();
+}
+
+/// Takes out those that would crash on meshes of so few triangles, and says so.
+void leave_out_fragile(std::vector<NarrowContender>& contenders, std::size_t triangles)
+{
+    std::erase_if(contenders, [&](const NarrowContender& contender) {
+        if (triangles < contender.least)
+            say("left out   {}: crashes on meshes of fewer than {} triangles\n", contender.name, contender.least);
+        return triangles < contender.least;
+    });
+}
+
+/// The groups of poses that are the shard's; which poses they have depends on all.
+void keep_groups(const Shard& shard, NarrowWorkload& workload)
+{
+    const auto [first, end] = shard.range(workload.groups.size());
+    keep_part(shard, workload.groups, "distances");
+    std::erase_if(workload.poses, [&](const NarrowPose& pose) { return pose.group < first || pose.group >= end; });
+    for (NarrowPose& pose : workload.poses) pose.group -= first;
+}
+
+} // namespace
+
+int bench_narrow(const NarrowOptions& options)
+{
+    check(options);
+    const Shard shard = shard_from(options.shard);
+    NarrowResult result;
+    result.queries = parse_queries(options.ask.empty() ? "boolean,all,distance" : options.ask);
+    const std::vector<double> percents =
+        parse_distances(options.distances.empty() ? "0,0.1,1,5,10,20,40" : options.distances);
+    NarrowContenders contenders = narrow_contenders();
+    contenders.keep(options.only);
+    const auto supports_any = [&](const NarrowContender& contender) {
+        return std::any_of(result.queries.begin(), result.queries.end(),
+                           [&](NarrowQuery query) { return supports(contender, query); });
+    };
+    if (std::none_of(contenders.all.begin(), contenders.all.end(), supports_any))
+        usage(fmt::format("--only {}: supports none of --query {}", options.only, options.ask));
+    std::optional<OutputFile> csv, plot;
+    if (!options.csv.empty()) csv.emplace(options.csv);
+    if (!options.plot.empty()) plot.emplace(options.plot);
+
+    const std::array<BenchedMesh, 2> meshes = open_meshes(options);
+    const Mesh &a = meshes[0].mesh, &b = meshes[1].mesh;
+    result.mesh_a = meshes[0].name, result.triangles_a = a.triangles.size();
+    result.mesh_b = meshes[1].name, result.triangles_b = b.triangles.size();
+    result.diagonal = a.bounds.diagonal(), result.seed = options.seed;
+    result.workload = options.use_poses
+                          ? read_workload(options)
+                          : make_workload(a, b, percents, std::size_t(options.count.value_or(100)), options.seed);
+    keep_groups(shard, result.workload);
+    result.truth = judge(a, b, result.workload, result.queries);
+    print_settings(options, result, contenders);
+    leave_out_fragile(contenders.all, std::min(result.triangles_a, result.triangles_b));
+    result.rows = race(a, b, result.workload, result.truth, contenders.all, result.queries, options.repeats);
+    print_narrow(result);
+    if (csv) {
+        csv->write(shard.line(fmt::format("bench narrow, {} and {}, query {}, distances {}, count {}, seed {}, only {}",
+                                          printable(result.mesh_a), printable(result.mesh_b), options.ask,
+                                          options.use_poses ? "of a file" : options.distances,
+                                          options.count.value_or(0), options.seed, options.only)));
+        write_narrow_csv(*csv, result), csv->commit();
+    }
+    if (plot) draw_narrow_plot(*plot, result), plot->commit();
+    return broken_promise(result) ? int(ErrorKind::internal) : 0;
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,185 @@
+#include "bench/narrow/narrow_race.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <cmath>
+
+#include <oncollide/base/random.hpp>
+#include <oncollide/scenes/motion.hpp>
+
+#include "bench/bench.hpp"
+#include "cli/progress.hpp"
+#include "cli/system.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+constexpr double long_us = 5'000; // what a query may take in all before it is repeated no more
+
+double microseconds_since(Clock::time_point from)
+{
+    return 1e3 * milliseconds_since(from);
+}
+
+/// The result of any of the queries.
+struct Found {
+    bool colliding = false;
+    std::vector<TrianglePair> pairs;
+    double distance = 0;
+};
+
+void give(NarrowPeer& peer, NarrowQuery query, const Eigen::Isometry3d& pose, Found& found)
+{
+    if (query == NarrowQuery::boolean)
+        found.colliding = peer.collides(pose);
+    else if (query == NarrowQuery::all)
+        peer.all_pairs(pose, found.pairs);
+    else
+        found.distance = peer.distance(pose);
+}
+
+/// Independent of the order of pairs.
+std::uint64_t hash_of(NarrowQuery query, const Found& found)
+{
+    if (query == NarrowQuery::boolean) return splitmix(found.colliding);
+    if (query == NarrowQuery::distance) return splitmix(std::bit_cast<std::uint64_t>(found.distance));
+    std::uint64_t sum = 0;
+    for (const TrianglePair& pair : found.pairs) sum += splitmix(std::uint64_t{pair.a} << 32 | pair.b);
+    return splitmix(sum);
+}
+
+std::uint64_t not_in(const std::vector<TrianglePair>& these, const std::vector<TrianglePair>& those)
+{
+    std::uint64_t count = 0;
+    for (const TrianglePair& pair : these) count += !std::binary_search(those.begin(), those.end(), pair);
+    return count;
+}
+
+struct NarrowEntrant {
+    NarrowRow row;
+    std::unique_ptr<NarrowPeer> peer;
+};
+
+class NarrowRace {
+public:
+    NarrowRace(const Mesh& a, const Mesh& b, const NarrowWorkload& workload, const NarrowTruth& truth,
+               const std::vector<NarrowQuery>& queries, int repeats)
+        : a_(a), b_(b), workload_(workload), truth_(truth), queries_(queries), repeats_(repeats)
+    {
+    }
+
+    /// Builds the contender and lets it meet every pose once.
+    void enter(const NarrowContender& contender)
+    {
+        NarrowEntrant entrant;
+        entrant.row.contender = &contender;
+        for (NarrowQuery query : queries_)
+            if (supports(contender, query)) entrant.row.queries[std::size_t(query)] = empty_result(query);
+        trim_memory();
+        const double before = double(resident_memory());
+        Clock::time_point from = Clock::now();
+        entrant.peer = contender.make(a_, b_);
+        entrant.row.build_ms = 1e-3 * microseconds_since(from);
+        from = Clock::now();
+        Progress progress("warming up " + contender.name, workload_.poses.size());
+        for (const NarrowPose& pose : workload_.poses) {
+            for (NarrowQuery query : queries_)
+                if (supports(contender, query)) give(*entrant.peer, query, pose.known.b, found_);
+            progress.step();
+        }
+        entrant.row.warm_up_ms = 1e-3 * microseconds_since(from);
+        trim_memory();
+        entrant.row.bytes = std::max(0.0, double(resident_memory()) - before);
+        entrants_.push_back(std::move(entrant));
+    }
+
+    std::vector<NarrowRow> run()
+    {
+        Progress progress("measuring", workload_.poses.size());
+        for (std::size_t pose = 0; pose < workload_.poses.size(); ++pose, progress.step())
+            for (NarrowQuery query : queries_)
+                for (std::size_t k = 0; k < entrants_.size(); ++k)
+                    if (NarrowEntrant& entrant = entrants_[(k + pose) % entrants_.size()];
+                        supports(*entrant.row.contender, query))
+                        measure(entrant, query, pose);
+        std::vector<NarrowRow> rows;
+        for (NarrowEntrant& entrant : entrants_) rows.push_back(std::move(entrant.row));
+        return rows;
+    }
+
+private:
+    QueryResult empty_result(NarrowQuery query) const
+    {
+        const std::size_t poses = workload_.poses.size();
+        QueryResult result;
+        result.us.resize(poses), result.hashes.resize(poses);
+        if (query == NarrowQuery::distance)
+            result.errors.resize(poses);
+        else
+            result.missed.resize(poses), result.extra.resize(poses);
+        return result;
+    }
+
+    void measure(NarrowEntrant& entrant, NarrowQuery query, std::size_t pose)
+    {
+        double least = 1e300, sum = 0;
+        for (int repeat = 0; repeat < repeats_ && sum < long_us; ++repeat) {
+            const Clock::time_point from = Clock::now();
+            give(*entrant.peer, query, workload_.poses[pose].known.b, found_);
+            const double us = microseconds_since(from);
+            least = std::min(least, us), sum += us;
+        }
+        QueryResult& result = *entrant.row.queries[std::size_t(query)];
+        result.us[pose] = least;
+        result.hashes[pose] = hash_of(query, found_);
+        compare(query, pose, result);
+    }
+
+    void compare(NarrowQuery query, std::size_t pose, QueryResult& result)
+    {
+        if (query == NarrowQuery::boolean) {
+            result.missed[pose] = !found_.colliding && truth_.colliding[pose];
+            result.extra[pose] = found_.colliding && !truth_.colliding[pose];
+        } else if (query == NarrowQuery::all) {
+            std::vector<TrianglePair>& given = found_.pairs;
+            std::sort(given.begin(), given.end());
+            const auto once = std::unique(given.begin(), given.end());
+            const std::uint64_t twice = std::uint64_t(given.end() - once);
+            given.erase(once, given.end());
+            result.missed[pose] = not_in(truth_.pairs[pose], given);
+            result.extra[pose] = not_in(given, truth_.pairs[pose]) + twice;
+        } else {
+            result.errors[pose] = std::abs(found_.distance - truth_.distances[pose]);
+        }
+    }
+
+    const Mesh &a_, &b_;
+    const NarrowWorkload& workload_;
+    const NarrowTruth& truth_;
+    const std::vector<NarrowQuery>& queries_;
+    int repeats_;
+    std::vector<NarrowEntrant> entrants_;
+    Found found_;
+};
+
+} // namespace
+
+bool supports(const NarrowContender& contender, NarrowQuery query)
+{
+    return query == NarrowQuery::boolean ||
+           (query == NarrowQuery::all ? contender.has_all_pairs : contender.has_distance);
+}
+
+std::vector<NarrowRow> race(const Mesh& a, const Mesh& b, const NarrowWorkload& workload, const NarrowTruth& truth,
+                            const std::vector<NarrowContender>& contenders, const std::vector<NarrowQuery>& queries,
+                            int repeats)
+{
+    NarrowRace race(a, b, workload, truth, queries, repeats);
+    for (const NarrowContender& contender : contenders)
+        if (std::any_of(queries.begin(), queries.end(), [&](NarrowQuery query) { return supports(contender, query); }))
+            race.enter(contender);
+    return race.run();
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,156 @@
+// How far small bodies are from large environments, from close by to far away, beside FCL.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <vector>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/random.hpp>
+#include <oncollide/pipeline/world.hpp>
+
+#include "bench/bench.hpp"
+#include "bench/scenes/environment_scenes.hpp"
+#include "cli/progress.hpp"
+#include "cli/shard.hpp"
+#include "peers/fcl_world.hpp"
+
+namespace oncollide::tools {
+
+namespace {
+
+using Eigen::Vector3d;
+using Clock = std::chrono::steady_clock;
+
+/// One environment, one kind of bodies, one distance.
+struct DistanceRow {
+    std::string environment, bodies_of;
+    double percent = 0, metres = 0, fcl_us = 0, our_us = 0;
+    int differ = 0; ///< results of FCL beyond oncollide's certified bounds
+};
+
+double microseconds(auto query)
+{
+    const auto from = Clock::now();
+    query();
+    return std::chrono::duration<double, std::micro>(Clock::now() - from).count();
+}
+
+/// A scene whose body 0 is the environment, in both libraries. Both keep their trees.
+class DistanceRace {
+public:
+    explicit DistanceRace(Scene& scene) : scene_(scene), fcl_(scene)
+    {
+        for (std::uint32_t g = 0; g < scene.geometries.size(); ++g)
+            models_.push_back(world_.add(scene.geometries.share(g)));
+        for (std::size_t i = 0; i < scene.size(); ++i)
+            ids_.push_back(
+                world_.add_body({.model = models_[index(scene.geometry[i])], .pose = scene.poses[i], .fixed = i == 0}));
+        const Aabb bounds = bounds_of(scene.geometries[index(scene.geometry[0])].data);
+        middle_ = bounds.centre(), diagonal_ = bounds.diagonal();
+    }
+
+    DistanceRow at(double percent, const DistancesOptions& o)
+    {
+        DistanceRow row;
+        row.percent = percent;
+        const auto bodies = std::uint32_t(scene_.size() - 1);
+        for (std::uint32_t body = 1; body <= bodies; ++body) {
+            place(body, 0.01 * percent * diagonal_, o.in.seed);
+            Distance ours;
+            double fcl = 0, our_us = HUGE_VAL, fcl_us = HUGE_VAL;
+            for (int repeat = 0; repeat < o.repeats; ++repeat) {
+                our_us =
+                    std::min(our_us, microseconds([&] { ours = world_.distance(ids_[0], ids_[body], o.tolerance); }));
+                fcl_us = std::min(fcl_us, microseconds([&] { fcl = fcl_.distance({0, body}); }));
+            }
+            row.our_us += our_us / bodies, row.fcl_us += fcl_us / bodies, row.metres += ours.upper / bodies;
+            const double rounding = 1e-6 * (1 + ours.upper);
+            row.differ += fcl < ours.lower - rounding || fcl > ours.upper + rounding;
+        }
+        return row;
+    }
+
+private:
+    /// About so far from the environment, from a random side, by steps that are certainly free; where these lead past
+    /// it towards what is nearest.
+    void place(std::uint32_t body, double wanted, std::uint64_t seed)
+    {
+        const auto random = [&](std::uint64_t k) { return u01(seed, 1000 + body, k) - 0.5; };
+        const Vector3d out = Vector3d(random(0), random(1), 0.2 + std::abs(random(2))).normalized();
+        Eigen::Isometry3d pose = scene_.poses[body];
+        pose.translation() = middle_ + Vector3d(random(3), random(4), 0) * 0.3 * diagonal_ + (diagonal_ + wanted) * out;
+        double last = HUGE_VAL;
+        for (int step = 0; step < 30; ++step) {
+            world_.set_pose(ids_[body], pose);
+            const Distance d = world_.distance(ids_[0], ids_[body], 0.1 * wanted);
+            if (d.lower <= 1.1 * wanted) break;
+            const Vector3d back = d.lower < last ? out : Vector3d((d.point_b - d.point_a).normalized());
+            pose.translation() -= (d.lower - wanted) * back;
+            last = d.lower;
+        }
+        scene_.set_pose(BodyId{body}, pose);
+    }
+
+    Scene& scene_;
+    World world_;
+    FclWorld fcl_;
+    std::vector<ModelId> models_;
+    std::vector<BodyId> ids_;
+    Vector3d middle_;
+    double diagonal_ = 0;
+};
+
+std::vector<double> percents_of(const std::string& list)
+{
+    std::vector<double> percents;
+    for (const std::string& text : split(list)) {
+        char* end = nullptr;
+        percents.push_back(std::strtod(text.c_str(), &end));
+        if (text.empty() || *end != 0 || !(percents.back() > 0 && percents.back() <= 1e4))
+            usage(fmt::format("--distances {}: expected percentages above 0 and up to 10000, like 0.1,10,200", list));
+    }
+    return percents;
+}
+
+} // namespace
+
+int bench_distances(const DistancesOptions& o)
+{
+    check_range("--bodies", o.in.bodies, 1, 100'000), check_range("--repeats", o.repeats, 1, 100);
+    if (!(o.tolerance >= 0)) usage("bench distances: --tolerance is 0 or more");
+    check_files({{"--csv", o.csv}});
+    const std::vector<double> percents = percents_of(o.distances);
+    std::vector<EnvironmentScene> scenes = scenes_of(o.in, 1);
+    const Shard shard = shard_from(o.shard);
+    keep_part(shard, scenes, "environments with their bodies");
+    say("{}{} bodies, one after the other; microseconds a query, warm, of each the least of {}; tolerance {} m\n\n",
+        describe_program("distances"), o.in.bodies, o.repeats, o.tolerance);
+    say("{:<11} {:<10} {:>10} {:>10} {:>10} {:>10} {:>7} {:>7}\n", "environment", "bodies", "% diagonal", "metres",
+        "FCL us", "us", "ratio", "differ");
+    std::vector<DistanceRow> rows;
+    for (const EnvironmentScene& which : scenes) {
+        Scene scene = make_environment_scene(which);
+        DistanceRace race(scene);
+        for (const double percent : percents) {
+            DistanceRow row = race.at(percent, o);
+            row.environment = which.environment, row.bodies_of = which.bodies_of;
+            say("{:<11} {:<10} {:>10} {:>10.4f} {:>10.2f} {:>10.2f} {:>7.2f} {:>7}\n", row.environment, row.bodies_of,
+                row.percent, row.metres, row.fcl_us, row.our_us, row.fcl_us / row.our_us, row.differ);
+            rows.push_back(row);
+        }
+    }
+    say("\n'differ' counts results of FCL outside of oncollide's certified bounds.\n");
+    if (o.csv.empty()) return 0;
+    OutputFile file(o.csv);
+    file.write(shard.line(
+        fmt::format("bench distances, {}, distances {}, tolerance {}", o.in.work(), o.distances, o.tolerance)));
+    file.print("environment,bodies,percent,metres,fcl_us,us,ratio,differ\n");
+    for (const DistanceRow& r : rows)
+        file.print("{},{},{},{:.6g},{:.6g},{:.6g},{:.4g},{}\n", r.environment, r.bodies_of, r.percent, r.metres,
+                   r.fcl_us, r.our_us, r.fcl_us / r.our_us, r.differ);
+    file.commit();
+    return 0;
+}
+
+} // namespace oncollide::tools
