@@ -37,6 +37,9 @@ class Model {
 public:
     /// Shares the geometry. Cost: its bounds, no more.
     explicit Model(std::shared_ptr<const Geometry> geometry);
+    ~Model() { boxes.reset(); } // what they are of goes later
+    Model(const Model&) = delete;
+    Model& operator=(const Model&) = delete;
 
     const Geometry& geometry() const { return *geometry_; }
     /// Null: it is no mesh. Of a cooked one all of its file is read and kept, unless cooked() serves as well; then it

@@ -188,6 +188,23 @@ TEST(World, FollowsWhatMayCollideWhileBodiesDrift)
     }
 }
 
+TEST(World, CountsNoMemoryOfModelsThatWereRemoved)
+{
+    World world({.exact = ExactLevel::predicates});
+    const auto come_and_go = [&] {
+        const ModelId model = world.add(knot());
+        const BodyId a = world.add_body({.model = model}), b = world.add_body({.model = model, .pose = at(0.3)});
+        EXPECT_EQ(world.step().pairs.size(), 1u);
+        const std::size_t held = world.bytes();
+        world.remove_body(a), world.remove_body(b), world.remove(model);
+        world.step();
+        EXPECT_LT(world.bytes(), held) << "its boxes are gone";
+        return world.bytes();
+    };
+    const std::size_t once = come_and_go();
+    for (int time = 0; time < 3; ++time) EXPECT_EQ(come_and_go(), once);
+}
+
 TEST(World, RefusesStaleIdsAndLeavesEverythingAsItWas)
 {
     World world;
