@@ -1,0 +1,148 @@
+#include <oncollide/scenes/files/mesh/facet_welder.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include <oncollide/base/prefetch.hpp>
+
+namespace oncollide {
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "keys are cut out of the file");
+
+constexpr std::size_t least_slots = 64, most_recent = std::size_t{1} << 15;
+constexpr std::uint64_t no_key = 0x8000000080000000u; // -0 twice, which no key has
+
+Eigen::Vector3d point_at(const char* corner)
+{
+    Eigen::Vector3f point;
+    std::memcpy(point.data(), corner, sizeof point);
+    return point.cast<double>();
+}
+
+} // namespace
+
+FacetWelder::FacetWelder(std::size_t facets)
+    : missing_(3 * batch), found_(3 * batch)
+{
+    // A closed surface has half as many points as triangles, one with a rim a few more; a soup takes more room as it
+    // needs it. Room that is not used is not taken from the system.
+    reserve_large(points_, facets / 2 + facets / 16 + 3 * batch);
+    make_slots(std::bit_ceil(std::max(least_slots, facets / 2 * 8 / 5)));
+    const std::size_t recent = std::clamp(std::bit_ceil(facets), least_slots, most_recent);
+    recent_.assign(recent, Recent{no_key, 0, 0});
+    recent_shift_ = 64 - std::countr_zero(recent);
+}
+
+inline FacetWelder::Key FacetWelder::key_at(const char* corner)
+{
+    using F32x4 = float __attribute__((vector_size(16)));
+    using U64x2 = std::uint64_t __attribute__((vector_size(16)));
+    F32x4 point;
+    std::memcpy(&point, corner, sizeof point);
+    point += 0.0f; // -0 becomes 0
+    const auto bits = reinterpret_cast<U64x2>(point);
+    return {bits[0], static_cast<std::uint32_t>(bits[1])};
+}
+
+inline std::uint64_t FacetWelder::hash_of(const Key& key)
+{
+    const std::uint64_t hash = key.xy * 0x9E3779B97F4A7C15u + key.z * 0xC2B2AE3D27D4EB4Fu;
+    return (hash ^ hash >> 29) * 0xBF58476D1CE4E5B9u;
+}
+
+inline std::uint32_t FacetWelder::tag_of(std::uint64_t hash) const
+{
+    return static_cast<std::uint32_t>(hash) & ~mask_;
+}
+
+/// The slot of an equal point, or the empty one where it belongs.
+inline std::uint32_t& FacetWelder::slot_of(const Eigen::Vector3d& point, std::uint64_t hash)
+{
+    const std::uint32_t tag = tag_of(hash);
+    for (std::size_t at = hash >> 32 & mask_;; at = (at + 1) & mask_) {
+        std::uint32_t& slot = slots_[at];
+        if (slot == 0) return slot;
+        if (((slot - 1) & ~mask_) == tag && points_[(slot - 1) & mask_] == point) return slot;
+    }
+}
+
+void FacetWelder::make_slots(std::size_t count)
+{
+    slots_ = LargeVector<std::uint32_t>();
+    slots_.resize(count);
+    mask_ = static_cast<std::uint32_t>(count - 1);
+    for (std::uint32_t i = 0; i < points_.size(); ++i) {
+        const Eigen::Vector3f point = points_[i].cast<float>();
+        char corner[sizeof point + sizeof(float)] = {};
+        std::memcpy(corner, point.data(), sizeof point);
+        const std::uint64_t hash = hash_of(key_at(corner));
+        slot_of(points_[i], hash) = (i | tag_of(hash)) + 1;
+    }
+}
+
+/// Numbers the corners; those that are missing there are taken for new, and counted.
+std::size_t FacetWelder::look_among_recent(const char* facets, std::size_t count, std::uint32_t* numbers)
+{
+    const auto first_new = static_cast<std::uint32_t>(points_.size());
+    std::size_t missing = 0;
+    for (const char* facet = facets; facet != facets + count * facet_bytes; facet += facet_bytes)
+        for (const char* corner = facet + corners_at; corner != facet + corners_at + 36; corner += 12) {
+            const Key key = key_at(corner);
+            const std::uint64_t hash = hash_of(key);
+            const std::size_t place = hash >> recent_shift_;
+            Recent& recent = recent_[place];
+            if (!recent.holds(key)) {
+                std::swap(recent, recent_[place ^ 1]);
+                if (!recent.holds(key)) {
+                    recent = {key.xy, key.z, first_new + static_cast<std::uint32_t>(missing)};
+                    missing_[missing++] = {corner, hash, &recent, key};
+                    prefetch(&slots_[hash >> 32 & mask_]);
+                }
+            }
+            *numbers++ = recent.number;
+        }
+    return missing;
+}
+
+/// Begins to load the points that the table names for them.
+void FacetWelder::fetch_points(std::span<const Missing> missing) const
+{
+    for (const Missing& m : missing) prefetch(points_.data() + ((slots_[m.hash >> 32 & mask_] - 1) & mask_), sizeof(Eigen::Vector3d));
+}
+
+bool FacetWelder::add(const char* facets, std::size_t count, Triangle* triangles)
+{
+    while (8 * (points_.size() + 3 * count) > 5 * slots_.size()) make_slots(2 * slots_.size());
+    const auto first_new = static_cast<std::uint32_t>(points_.size());
+    const std::size_t missing = look_among_recent(facets, count, triangles->data());
+    if (2 * missing > 3 * count) fetch_points({missing_.data(), missing}); // hardly any is new
+    for (std::size_t i = 0; i < missing; ++i) {
+        const Eigen::Vector3d point = point_at(missing_[i].corner);
+        if (!point.allFinite()) return false;
+        std::uint32_t& slot = slot_of(point, missing_[i].hash);
+        if (slot == 0) {
+            slot = (static_cast<std::uint32_t>(points_.size()) | tag_of(missing_[i].hash)) + 1;
+            append_large(points_, point);
+        }
+        found_[i] = (slot - 1) & mask_;
+    }
+    if (points_.size() != first_new + missing) correct(missing, first_new, {triangles->data(), 3 * count});
+    return true;
+}
+
+/// Of the missing, some were not new.
+void FacetWelder::correct(std::size_t missing, std::uint32_t first_new, std::span<std::uint32_t> numbers)
+{
+    for (std::uint32_t& number : numbers)
+        if (number >= first_new) number = found_[number - first_new];
+    for (std::size_t i = 0; i < missing; ++i) {
+        const std::size_t place = static_cast<std::size_t>(missing_[i].recent - recent_.data());
+        for (Recent* recent : {&recent_[place], &recent_[place ^ 1]})
+            if (recent->holds(missing_[i].key)) recent->number = found_[i];
+    }
+}
+
+} // namespace oncollide

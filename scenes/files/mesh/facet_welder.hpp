@@ -1,0 +1,66 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <oncollide/base/large_vector.hpp>
+#include <oncollide/scenes/files/mesh/mesh_source.hpp>
+
+namespace oncollide {
+
+/// Welder for the facets of binary STL, many at once: equal corners get one number, in order of first use. Beside the
+/// points it takes 6 to 13 bytes a point and at most 0.5 MB. Private to scenes.
+class FacetWelder {
+public:
+    static constexpr std::size_t facet_bytes = 50, corners_at = 12; ///< of a facet; three corners of three floats
+    static constexpr std::size_t batch = 256;                       ///< facets at once, at most
+    static constexpr std::size_t bytes_behind = 2;                  ///< that may be read after the last facet
+
+    explicit FacetWelder(std::size_t facets);
+    /// The corners of up to `batch` facets as they lie in the file. False where one is not finite: that is the end.
+    bool add(const char* facets, std::size_t count, Triangle* triangles);
+    std::vector<Eigen::Vector3d> take() { return std::move(points_); }
+
+private:
+    /// The bits of a point, the same for both zeros.
+    struct Key {
+        std::uint64_t xy;
+        std::uint32_t z;
+        bool operator==(const Key& other) const { return xy == other.xy && z == other.z; }
+    };
+    struct Recent {
+        std::uint64_t xy;
+        std::uint32_t z, number;
+        bool holds(const Key& key) const { return xy == key.xy && z == key.z; }
+    };
+    /// A corner that is not among the recent ones.
+    struct Missing {
+        const char* corner;
+        std::uint64_t hash;
+        Recent* recent; ///< where it is now, or beside it
+        Key key;
+    };
+
+    static Key key_at(const char* corner);
+    static std::uint64_t hash_of(const Key& key);
+    std::size_t look_among_recent(const char* facets, std::size_t count, std::uint32_t* numbers);
+    std::uint32_t& slot_of(const Eigen::Vector3d& point, std::uint64_t hash);
+    std::uint32_t tag_of(std::uint64_t hash) const;
+    void fetch_points(std::span<const Missing> missing) const;
+    void make_slots(std::size_t count);
+    void correct(std::size_t missing, std::uint32_t first_new, std::span<std::uint32_t> numbers);
+
+    std::vector<Eigen::Vector3d> points_;
+    /// A power of two of them, at most five in eight in use: 0, or 1 + a number in the low bits and bits of the hash in
+    /// the others, so that few points are looked at in vain.
+    LargeVector<std::uint32_t> slots_;
+    std::uint32_t mask_ = 0; ///< of a number in a slot
+    /// What was found last, by hash, two places for each: in most files nearly all corners are here.
+    std::vector<Recent> recent_;
+    int recent_shift_;
+    std::vector<Missing> missing_;
+    std::vector<std::uint32_t> found_; ///< numbers of the missing
+};
+
+} // namespace oncollide
