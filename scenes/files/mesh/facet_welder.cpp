@@ -22,17 +22,21 @@ Eigen::Vector3d point_at(const char* corner)
     return point.cast<double>();
 }
 
+bool is_same(const Eigen::Vector3d& a, const Eigen::Vector3d& b) // in one branch
+{
+    return (a.x() == b.x()) & (a.y() == b.y()) & (a.z() == b.z());
+}
+
 } // namespace
 
-FacetWelder::FacetWelder(std::size_t facets)
-    : missing_(3 * batch), found_(3 * batch)
+FacetWelder::FacetWelder(std::size_t facets) : corners_(3 * batch), missing_(3 * batch), found_(3 * batch + 1)
 {
     // A closed surface has half as many points as triangles, one with a rim a few more; a soup takes more room as it
     // needs it. Room that is not used is not taken from the system.
     reserve_large(points_, facets / 2 + facets / 16 + 3 * batch);
     make_slots(std::bit_ceil(std::max(least_slots, facets / 2 * 8 / 5)));
     const std::size_t recent = std::clamp(std::bit_ceil(facets), least_slots, most_recent);
-    recent_.assign(recent, Recent{no_key, 0, 0});
+    recent_.assign(recent, Recent{{no_key, 0}, 0});
     recent_shift_ = 64 - std::countr_zero(recent);
 }
 
@@ -65,7 +69,7 @@ inline std::uint32_t& FacetWelder::slot_of(const Eigen::Vector3d& point, std::ui
     for (std::size_t at = hash >> 32 & mask_;; at = (at + 1) & mask_) {
         std::uint32_t& slot = slots_[at];
         if (slot == 0) return slot;
-        if (((slot - 1) & ~mask_) == tag && points_[(slot - 1) & mask_] == point) return slot;
+        if (((slot - 1) & ~mask_) == tag && is_same(points_[(slot - 1) & mask_], point)) return slot;
     }
 }
 
@@ -83,65 +87,87 @@ void FacetWelder::make_slots(std::size_t count)
     }
 }
 
-/// Numbers the corners; those that are missing there are taken for new, and counted.
-std::size_t FacetWelder::look_among_recent(const char* facets, std::size_t count, std::uint32_t* numbers)
+/// Finds the keys of the corners, and begins to load where they may be.
+void FacetWelder::take_apart(const char* facets, std::size_t count)
 {
-    const auto first_new = static_cast<std::uint32_t>(points_.size());
-    std::size_t missing = 0;
+    Corner* next = corners_.data();
     for (const char* facet = facets; facet != facets + count * facet_bytes; facet += facet_bytes)
         for (const char* corner = facet + corners_at; corner != facet + corners_at + 36; corner += 12) {
             const Key key = key_at(corner);
             const std::uint64_t hash = hash_of(key);
-            const std::size_t place = hash >> recent_shift_;
-            Recent& recent = recent_[place];
-            if (!recent.holds(key)) {
-                std::swap(recent, recent_[place ^ 1]);
-                if (!recent.holds(key)) {
-                    recent = {key.xy, key.z, first_new + static_cast<std::uint32_t>(missing)};
-                    missing_[missing++] = {corner, hash, &recent, key};
-                    prefetch(&slots_[hash >> 32 & mask_]);
-                }
-            }
-            *numbers++ = recent.number;
+            prefetch(&recent_[hash >> recent_shift_]);
+            *next++ = {key, hash};
         }
+}
+
+/// Numbers the corners; those that are missing there are taken for new, and counted.
+std::size_t FacetWelder::look_among_recent(std::size_t corners, std::uint32_t* numbers)
+{
+    const auto first_new = static_cast<std::uint32_t>(points_.size());
+    std::uint32_t missing = 0;
+    for (std::uint32_t i = 0; i < corners; ++i) {
+        const Corner& corner = corners_[i];
+        const std::size_t place = corner.hash >> recent_shift_;
+        Recent& recent = recent_[place];
+        if (!recent.holds(corner.key)) {
+            std::swap(recent, recent_[place ^ 1]);
+            if (!recent.holds(corner.key)) {
+                recent = {corner.key, first_new + missing};
+                missing_[missing++] = i;
+                prefetch(&slots_[corner.hash >> 32 & mask_]);
+            }
+        }
+        numbers[i] = recent.number;
+    }
     return missing;
 }
 
 /// Begins to load the points that the table names for them.
-void FacetWelder::fetch_points(std::span<const Missing> missing) const
+void FacetWelder::fetch_points(std::size_t missing) const
 {
-    for (const Missing& m : missing) prefetch(points_.data() + ((slots_[m.hash >> 32 & mask_] - 1) & mask_), sizeof(Eigen::Vector3d));
+    for (std::size_t i = 0; i < missing; ++i) {
+        const std::uint32_t slot = slots_[corners_[missing_[i]].hash >> 32 & mask_];
+        prefetch(points_.data() + ((slot - 1) & mask_), sizeof(Eigen::Vector3d));
+    }
 }
 
 bool FacetWelder::add(const char* facets, std::size_t count, Triangle* triangles)
 {
-    while (8 * (points_.size() + 3 * count) > 5 * slots_.size()) make_slots(2 * slots_.size());
+    const std::size_t corners = 3 * count;
+    while (8 * (points_.size() + corners) > 5 * slots_.size()) make_slots(2 * slots_.size());
     const auto first_new = static_cast<std::uint32_t>(points_.size());
-    const std::size_t missing = look_among_recent(facets, count, triangles->data());
-    if (2 * missing > 3 * count) fetch_points({missing_.data(), missing}); // hardly any is new
+    take_apart(facets, count);
+    const std::size_t missing = look_among_recent(corners, triangles->data());
+    if (2 * missing > corners) fetch_points(missing); // hardly any is new
     for (std::size_t i = 0; i < missing; ++i) {
-        const Eigen::Vector3d point = point_at(missing_[i].corner);
+        const std::size_t corner = missing_[i];
+        const Eigen::Vector3d point = point_at(facets + corner / 3 * facet_bytes + corners_at + corner % 3 * 12);
         if (!point.allFinite()) return false;
-        std::uint32_t& slot = slot_of(point, missing_[i].hash);
+        const std::uint64_t hash = corners_[corner].hash;
+        std::uint32_t& slot = slot_of(point, hash);
         if (slot == 0) {
-            slot = (static_cast<std::uint32_t>(points_.size()) | tag_of(missing_[i].hash)) + 1;
+            slot = (static_cast<std::uint32_t>(points_.size()) | tag_of(hash)) + 1;
             append_large(points_, point);
         }
         found_[i] = (slot - 1) & mask_;
     }
-    if (points_.size() != first_new + missing) correct(missing, first_new, {triangles->data(), 3 * count});
+    if (points_.size() != first_new + missing) correct(missing, first_new, {triangles->data(), corners});
     return true;
 }
 
 /// Of the missing, some were not new.
 void FacetWelder::correct(std::size_t missing, std::uint32_t first_new, std::span<std::uint32_t> numbers)
 {
-    for (std::uint32_t& number : numbers)
-        if (number >= first_new) number = found_[number - first_new];
+    found_[missing] = 0;
+    for (std::uint32_t& number : numbers) {
+        const std::size_t i = std::min<std::size_t>(number - first_new, missing); // wraps where it was known
+        number = i == missing ? number : found_[i];
+    }
     for (std::size_t i = 0; i < missing; ++i) {
-        const std::size_t place = static_cast<std::size_t>(missing_[i].recent - recent_.data());
+        const Corner& corner = corners_[missing_[i]];
+        const std::size_t place = corner.hash >> recent_shift_;
         for (Recent* recent : {&recent_[place], &recent_[place ^ 1]})
-            if (recent->holds(missing_[i].key)) recent->number = found_[i];
+            if (recent->holds(corner.key)) recent->number = found_[i];
     }
 }
 

@@ -14,7 +14,7 @@ namespace oncollide {
 class FacetWelder {
 public:
     static constexpr std::size_t facet_bytes = 50, corners_at = 12; ///< of a facet; three corners of three floats
-    static constexpr std::size_t batch = 256;                       ///< facets at once, at most
+    static constexpr std::size_t batch = 64; ///< facets at once, at most
     static constexpr std::size_t bytes_behind = 2;                  ///< that may be read after the last facet
 
     explicit FacetWelder(std::size_t facets);
@@ -24,30 +24,28 @@ public:
 
 private:
     /// The bits of a point, the same for both zeros.
-    struct Key {
+    struct [[gnu::packed]] Key {
         std::uint64_t xy;
         std::uint32_t z;
         bool operator==(const Key& other) const { return xy == other.xy && z == other.z; }
     };
     struct Recent {
-        std::uint64_t xy;
-        std::uint32_t z, number;
-        bool holds(const Key& key) const { return xy == key.xy && z == key.z; }
-    };
-    /// A corner that is not among the recent ones.
-    struct Missing {
-        const char* corner;
-        std::uint64_t hash;
-        Recent* recent; ///< where it is now, or beside it
         Key key;
+        std::uint32_t number;
+        bool holds(const Key& other) const { return key == other; }
+    };
+    struct Corner {
+        Key key;
+        std::uint64_t hash;
     };
 
     static Key key_at(const char* corner);
     static std::uint64_t hash_of(const Key& key);
-    std::size_t look_among_recent(const char* facets, std::size_t count, std::uint32_t* numbers);
+    void take_apart(const char* facets, std::size_t count);
+    std::size_t look_among_recent(std::size_t corners, std::uint32_t* numbers);
     std::uint32_t& slot_of(const Eigen::Vector3d& point, std::uint64_t hash);
     std::uint32_t tag_of(std::uint64_t hash) const;
-    void fetch_points(std::span<const Missing> missing) const;
+    void fetch_points(std::size_t missing) const;
     void make_slots(std::size_t count);
     void correct(std::size_t missing, std::uint32_t first_new, std::span<std::uint32_t> numbers);
 
@@ -59,8 +57,8 @@ private:
     /// What was found last, by hash, two places for each: in most files nearly all corners are here.
     std::vector<Recent> recent_;
     int recent_shift_;
-    std::vector<Missing> missing_;
-    std::vector<std::uint32_t> found_; ///< numbers of the missing
+    std::vector<Corner> corners_;                ///< of the batch
+    std::vector<std::uint32_t> missing_, found_; ///< of its corners, those that are not recent, and their numbers
 };
 
 } // namespace oncollide
