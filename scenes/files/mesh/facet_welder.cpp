@@ -12,7 +12,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "keys are cut out of the file");
 
-constexpr std::size_t least_slots = 64, most_recent = std::size_t{1} << 15;
+constexpr std::size_t least_slots = 64, most_recent_lines = std::size_t{1} << 13;
 constexpr std::uint64_t no_key = 0x8000000080000000u; // -0 twice, which no key has
 
 Eigen::Vector3d point_at(const char* corner)
@@ -35,9 +35,28 @@ FacetWelder::FacetWelder(std::size_t facets) : corners_(3 * batch), missing_(3 *
     // needs it. Room that is not used is not taken from the system.
     reserve_large(points_, facets / 2 + facets / 16 + 3 * batch);
     make_slots(std::bit_ceil(std::max(least_slots, facets / 2 * 8 / 5)));
-    const std::size_t recent = std::clamp(std::bit_ceil(facets), least_slots, most_recent);
-    recent_.assign(recent, Recent{{no_key, 0}, 0});
-    recent_shift_ = 64 - std::countr_zero(recent);
+    const std::size_t lines = std::bit_ceil(std::clamp<std::size_t>(facets / 4, 2, most_recent_lines));
+    RecentLine empty;
+    empty.entries.fill({{no_key, 0}, 0});
+    recent_.assign(lines, empty);
+    recent_shift_ = 64 - std::countr_zero(lines);
+}
+
+inline bool FacetWelder::RecentLine::bring_forward(const Key& key)
+{
+    for (std::size_t i = 1; i < entries.size(); ++i)
+        if (entries[i].key == key) {
+            std::rotate(entries.begin(), entries.begin() + static_cast<std::ptrdiff_t>(i),
+                        entries.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+            return true;
+        }
+    return false;
+}
+
+inline void FacetWelder::RecentLine::insert(const Recent& entry)
+{
+    std::shift_right(entries.begin(), entries.end(), 1);
+    entries[0] = entry;
 }
 
 inline FacetWelder::Key FacetWelder::key_at(const char* corner)
@@ -101,23 +120,19 @@ void FacetWelder::take_apart(const char* facets, std::size_t count)
 }
 
 /// Numbers the corners; those that are missing there are taken for new, and counted.
-std::size_t FacetWelder::look_among_recent(std::size_t corners, std::uint32_t* numbers)
+std::uint32_t FacetWelder::look_among_recent(std::size_t corners, std::uint32_t* numbers)
 {
     const auto first_new = static_cast<std::uint32_t>(points_.size());
     std::uint32_t missing = 0;
     for (std::uint32_t i = 0; i < corners; ++i) {
         const Corner& corner = corners_[i];
-        const std::size_t place = corner.hash >> recent_shift_;
-        Recent& recent = recent_[place];
-        if (!recent.holds(corner.key)) {
-            std::swap(recent, recent_[place ^ 1]);
-            if (!recent.holds(corner.key)) {
-                recent = {corner.key, first_new + missing};
-                missing_[missing++] = i;
-                prefetch(&slots_[corner.hash >> 32 & mask_]);
-            }
+        RecentLine& recent = recent_[corner.hash >> recent_shift_];
+        if (!recent.begins_with(corner.key) && !recent.bring_forward(corner.key)) {
+            recent.insert({corner.key, first_new + missing});
+            missing_[missing++] = i;
+            prefetch(&slots_[corner.hash >> 32 & mask_]);
         }
-        numbers[i] = recent.number;
+        numbers[i] = recent.entries[0].number;
     }
     return missing;
 }
@@ -137,8 +152,9 @@ bool FacetWelder::add(const char* facets, std::size_t count, Triangle* triangles
     while (8 * (points_.size() + corners) > 5 * slots_.size()) make_slots(2 * slots_.size());
     const auto first_new = static_cast<std::uint32_t>(points_.size());
     take_apart(facets, count);
-    const std::size_t missing = look_among_recent(corners, triangles->data());
-    if (2 * missing > corners) fetch_points(missing); // hardly any is new
+    const std::uint32_t missing = look_among_recent(corners, triangles->data());
+    if (many_known_) fetch_points(missing);
+    if (first_new + missing > points_.capacity()) reserve_large(points_, 2 * (first_new + missing));
     for (std::size_t i = 0; i < missing; ++i) {
         const std::size_t corner = missing_[i];
         const Eigen::Vector3d point = point_at(facets + corner / 3 * facet_bytes + corners_at + corner % 3 * 12);
@@ -147,27 +163,28 @@ bool FacetWelder::add(const char* facets, std::size_t count, Triangle* triangles
         std::uint32_t& slot = slot_of(point, hash);
         if (slot == 0) {
             slot = (static_cast<std::uint32_t>(points_.size()) | tag_of(hash)) + 1;
-            append_large(points_, point);
+            points_.push_back(point);
         }
         found_[i] = (slot - 1) & mask_;
     }
-    if (points_.size() != first_new + missing) correct(missing, first_new, {triangles->data(), corners});
+    const std::size_t known = first_new + missing - points_.size();
+    many_known_ = 8 * known > missing;
+    if (known > 0) correct(missing, first_new, {triangles->data(), corners});
     return true;
 }
 
 /// Of the missing, some were not new.
-void FacetWelder::correct(std::size_t missing, std::uint32_t first_new, std::span<std::uint32_t> numbers)
+void FacetWelder::correct(std::uint32_t missing, std::uint32_t first_new, std::span<std::uint32_t> numbers)
 {
     found_[missing] = 0;
-    for (std::uint32_t& number : numbers) {
-        const std::size_t i = std::min<std::size_t>(number - first_new, missing); // wraps where it was known
-        number = i == missing ? number : found_[i];
+    for (std::uint32_t& number : numbers) { // without branches: which of them are new, nobody can guess
+        const std::uint32_t place = number - first_new, is_new = place < missing;
+        number = number * (1 - is_new) + found_[std::min(place, missing)] * is_new;
     }
     for (std::size_t i = 0; i < missing; ++i) {
         const Corner& corner = corners_[missing_[i]];
-        const std::size_t place = corner.hash >> recent_shift_;
-        for (Recent* recent : {&recent_[place], &recent_[place ^ 1]})
-            if (recent->holds(corner.key)) recent->number = found_[i];
+        for (Recent& recent : recent_[corner.hash >> recent_shift_].entries)
+            if (recent.key == corner.key) recent.number = found_[i];
     }
 }
 
