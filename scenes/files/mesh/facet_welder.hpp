@@ -28,7 +28,7 @@ private:
     struct [[gnu::packed]] Key {
         std::uint64_t xy;
         std::uint32_t z;
-        bool operator==(const Key& other) const { return xy == other.xy && z == other.z; }
+        bool operator==(const Key& other) const { return (xy == other.xy) & (z == other.z); }
     };
     struct Recent {
         Key key;
