@@ -12,7 +12,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "keys are cut out of the file");
 
-constexpr std::size_t least_slots = 64, most_recent_lines = std::size_t{1} << 13;
+constexpr std::size_t slots_a_line = 16, least_slots = 64, most_recent_lines = std::size_t{1} << 13;
 constexpr std::uint64_t no_key = 0x8000000080000000u; // -0 twice, which no key has
 
 Eigen::Vector3d point_at(const char* corner)
@@ -52,8 +52,7 @@ inline bool FacetWelder::RecentLine::bring_forward(const Key& key)
 
 inline void FacetWelder::RecentLine::insert(const Recent& entry)
 {
-    std::shift_right(entries.begin(), entries.end(), 1);
-    entries[0] = entry;
+    entries = {entry, entries[0], entries[1], entries[2]};
 }
 
 inline FacetWelder::Key FacetWelder::key_at(const char* corner)
@@ -78,15 +77,17 @@ inline std::uint32_t FacetWelder::tag_of(std::uint64_t hash) const
     return static_cast<std::uint32_t>(hash) & ~mask_;
 }
 
-/// The slot of an equal point, or the empty one where it belongs.
+/// The slot of an equal point, or the empty one where it belongs: in the same line of memory, unless it is full.
 inline std::uint32_t& FacetWelder::slot_of(const Eigen::Vector3d& point, std::uint64_t hash)
 {
     const std::uint32_t tag = tag_of(hash);
-    for (std::size_t at = hash >> 32 & mask_;; at = (at + 1) & mask_) {
-        std::uint32_t& slot = slots_[at];
-        if (slot == 0) return slot;
-        if (((slot - 1) & ~mask_) == tag && is_same(points_[(slot - 1) & mask_], point)) return slot;
-    }
+    const std::size_t home = hash >> 32;
+    for (std::size_t line = home & mask_ & ~(slots_a_line - 1);; line = (line + slots_a_line) & mask_)
+        for (std::size_t i = home; i < home + slots_a_line; ++i) {
+            std::uint32_t& slot = slots_[line + i % slots_a_line];
+            if (slot == 0) return slot;
+            if (((slot - 1) & ~mask_) == tag && is_same(points_[(slot - 1) & mask_], point)) return slot;
+        }
 }
 
 void FacetWelder::make_slots(std::size_t count)
@@ -107,11 +108,13 @@ void FacetWelder::make_slots(std::size_t count)
 void FacetWelder::take_apart(const char* facets, std::size_t count)
 {
     Corner* next = corners_.data();
+    const RecentLine* const recent = recent_.data(); // in registers: a compiler must take what is written for members
+    const int shift = recent_shift_;
     for (const char* facet = facets; facet != facets + count * facet_bytes; facet += facet_bytes)
         for (const char* corner = facet + corners_at; corner != facet + corners_at + 36; corner += 12) {
             const Key key = key_at(corner);
             const std::uint64_t hash = hash_of(key);
-            prefetch(&recent_[hash >> recent_shift_]);
+            prefetch(&recent[hash >> shift]);
             *next++ = {key, hash};
         }
 }
@@ -120,14 +123,20 @@ void FacetWelder::take_apart(const char* facets, std::size_t count)
 std::uint32_t FacetWelder::look_among_recent(std::size_t corners, std::uint32_t* numbers)
 {
     const auto first_new = static_cast<std::uint32_t>(points_.size());
+    const Corner* const all = corners_.data();
+    RecentLine* const lines = recent_.data();
+    const int shift = recent_shift_;
+    const std::uint32_t* const slots = slots_.data();
+    const std::uint64_t mask = mask_;
+    std::uint32_t* const indices = missing_.data();
     std::uint32_t missing = 0;
     for (std::uint32_t i = 0; i < corners; ++i) {
-        const Corner& corner = corners_[i];
-        RecentLine& recent = recent_[corner.hash >> recent_shift_];
+        const Corner& corner = all[i];
+        RecentLine& recent = lines[corner.hash >> shift];
         if (!recent.begins_with(corner.key) && !recent.bring_forward(corner.key)) {
             recent.insert({corner.key, first_new + missing});
-            missing_[missing++] = i;
-            prefetch(&slots_[corner.hash >> 32 & mask_]);
+            indices[missing++] = i;
+            prefetch(&slots[corner.hash >> 32 & mask]);
         }
         numbers[i] = recent.entries[0].number;
     }
@@ -160,7 +169,7 @@ bool FacetWelder::add(const char* facets, std::size_t count, Triangle* triangles
         std::uint32_t& slot = slot_of(point, hash);
         if (slot == 0) {
             slot = (static_cast<std::uint32_t>(points_.size()) | tag_of(hash)) + 1;
-            points_.push_back(point);
+            points_.emplace_back(point.x(), point.y(), point.z());
         }
         found_[i] = (slot - 1) & mask_;
     }

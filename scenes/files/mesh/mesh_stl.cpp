@@ -58,9 +58,8 @@ RawMesh read_facets(const std::string& name, std::size_t facets, FunctionRef<voi
 RawMesh read_binary(const MeshSource& source)
 {
     const char* rest = source.bytes.data() + header_bytes;
-    return read_facets(source.name, announced(source.bytes), [&](char* to, std::size_t size) {
-        std::memcpy(to, std::exchange(rest, rest + size), size);
-    });
+    return read_facets(source.name, announced(source.bytes),
+                       [&](char* to, std::size_t size) { std::memcpy(to, std::exchange(rest, rest + size), size); });
 }
 
 /// @param header what the file begins with
