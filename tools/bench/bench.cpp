@@ -303,7 +303,7 @@ void add_read(Arguments bench)
         .expected(0, 1000)
         .type_name("FILE...");
     sub.add_option("--styles", options->styles,
-                   "of the generated files: obj, obj-full, obj-back, obj-exact, stl, ply, stl-text, ply-text, off "
+                   "of the generated files: obj, obj-full, obj-back, obj-exact, stl, stl-mixed, ply, stl-text, ply-text, off "
                    "(default: all)")
         .type_name("LIST");
     sub.add_option("--triangles", options->triangles, "of the height field, about (default 10000000)").type_name("N");

@@ -51,7 +51,9 @@ private:
     static std::uint64_t hash_of(const Key& key);
     void take_apart(const char* facets, std::size_t count);
     std::uint32_t look_among_recent(std::size_t corners, std::uint32_t* numbers);
-    std::uint32_t& slot_of(const Eigen::Vector3d& point, std::uint64_t hash);
+    template <class IsIt>
+    const std::uint32_t& slot_of(std::uint64_t hash, IsIt is_it) const;
+    void fill(const std::uint32_t& slot, std::uint64_t hash, std::size_t number);
     std::uint32_t tag_of(std::uint64_t hash) const;
     void fetch_points(std::size_t missing) const;
     void make_slots(std::size_t count);
