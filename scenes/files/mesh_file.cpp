@@ -49,8 +49,7 @@ const Format& format_of(const std::filesystem::path& path, std::string_view byte
 RawMesh read_raw(const std::filesystem::path& path, const std::string& name)
 {
     constexpr std::uintmax_t most = std::uintmax_t{2} << 30; // bytes
-    if (lower_extension(path) == ".stl")
-        if (std::optional<RawMesh> mesh = read_binary_stl(path, most)) return *std::move(mesh);
+    if (lower_extension(path) == ".stl") return read_stl_file(path, most);
     const FileBytes bytes = read_large_file(path, most);
     return format_of(path, bytes).read({name, bytes});
 }

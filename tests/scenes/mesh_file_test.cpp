@@ -463,7 +463,13 @@ TEST(MeshFile, WhoWatchesIsToldHowMuchOfALongFileIsRead)
     });
     load_mesh(path);
     load_mesh(folder.write("short.obj", text.substr(0, 100'000)));
+    const auto of_obj = std::exchange(told, {});
+    const std::string obj = file, stl = corners_on_grid(60'000, 20);
+    load_mesh(folder.write("a.stl", stl));
     on_reading(nullptr);
+    EXPECT_EQ(told.size(), 3u) << "after one and two megabytes, and at the end";
+    EXPECT_EQ(told.back(), (std::array<std::uint64_t, 2>{stl.size(), stl.size()}));
+    told = of_obj, file = obj;
     load_mesh(path);
     EXPECT_EQ(file, path.string());
     const std::uint64_t size = text.size();

@@ -77,24 +77,19 @@ inline std::uint32_t FacetWelder::tag_of(std::uint64_t hash) const
     return static_cast<std::uint32_t>(hash) & ~mask_;
 }
 
-/// The first slot whose tag is the hash's and whose number is the one, else the empty one where it belongs: in the same
-/// line of memory, unless it is full.
+/// The place of the first slot whose tag is the hash's and whose number is the one, else of the empty one where it
+/// belongs: in the same line of memory, unless it is full.
 template <class IsIt>
-inline const std::uint32_t& FacetWelder::slot_of(std::uint64_t hash, IsIt is_it) const
+inline std::size_t FacetWelder::place_of(std::uint64_t hash, IsIt is_it) const
 {
     const std::uint32_t tag = tag_of(hash);
     const std::size_t home = hash >> 32;
     for (std::size_t line = home & mask_ & ~(slots_a_line - 1);; line = (line + slots_a_line) & mask_)
         for (std::size_t i = home; i < home + slots_a_line; ++i) {
-            const std::uint32_t& slot = slots_[line + i % slots_a_line];
-            if (slot == 0 || (((slot - 1) & ~mask_) == tag && is_it((slot - 1) & mask_))) return slot;
+            const std::size_t place = line + i % slots_a_line;
+            const std::uint32_t slot = slots_[place];
+            if (slot == 0 || (((slot - 1) & ~mask_) == tag && is_it((slot - 1) & mask_))) return place;
         }
-}
-
-/// Puts a number where slot_of() found room for it.
-void FacetWelder::fill(const std::uint32_t& slot, std::uint64_t hash, std::size_t number)
-{
-    slots_[static_cast<std::size_t>(&slot - slots_.data())] = (static_cast<std::uint32_t>(number) | tag_of(hash)) + 1;
 }
 
 void FacetWelder::make_slots(std::size_t count)
@@ -107,7 +102,7 @@ void FacetWelder::make_slots(std::size_t count)
         char corner[sizeof point + sizeof(float)] = {};
         std::memcpy(corner, point.data(), sizeof point);
         const std::uint64_t hash = hash_of(key_at(corner));
-        fill(slot_of(hash, [](std::uint32_t) { return false; }), hash, i);
+        slots_[place_of(hash, [](std::uint32_t) { return false; })] = (i | tag_of(hash)) + 1;
     }
 }
 
@@ -154,7 +149,7 @@ std::uint32_t FacetWelder::look_among_recent(std::size_t corners, std::uint32_t*
 void FacetWelder::fetch_points(std::size_t missing) const
 {
     for (std::size_t i = 0; i < missing; ++i) {
-        const std::uint32_t slot = slot_of(corners_[missing_[i]].hash, [](std::uint32_t) { return true; });
+        const std::uint32_t slot = slots_[place_of(corners_[missing_[i]].hash, [](std::uint32_t) { return true; })];
         if (slot != 0) prefetch_all_of(points_[(slot - 1) & mask_]);
     }
 }
@@ -173,10 +168,10 @@ bool FacetWelder::add(const char* facets, std::size_t count, Triangle* triangles
         const Eigen::Vector3d point = point_at(facets + corner / 3 * facet_bytes + corners_at + corner % 3 * 12);
         if (!point.allFinite()) return false;
         const std::uint64_t hash = corners_[corner].hash;
-        const std::uint32_t& slot =
-            slot_of(hash, [&](std::uint32_t number) { return is_same(points_[number], point); });
+        const auto is_it = [&](std::uint32_t number) { return is_same(points_[number], point); };
+        std::uint32_t& slot = slots_[place_of(hash, is_it)];
         if (slot == 0) {
-            fill(slot, hash, points_.size());
+            slot = (static_cast<std::uint32_t>(points_.size()) | tag_of(hash)) + 1;
             points_.emplace_back(point.x(), point.y(), point.z());
         }
         found_[i] = (slot - 1) & mask_;

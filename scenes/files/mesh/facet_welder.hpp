@@ -52,8 +52,7 @@ private:
     void take_apart(const char* facets, std::size_t count);
     std::uint32_t look_among_recent(std::size_t corners, std::uint32_t* numbers);
     template <class IsIt>
-    const std::uint32_t& slot_of(std::uint64_t hash, IsIt is_it) const;
-    void fill(const std::uint32_t& slot, std::uint64_t hash, std::size_t number);
+    std::size_t place_of(std::uint64_t hash, IsIt is_it) const;
     std::uint32_t tag_of(std::uint64_t hash) const;
     void fetch_points(std::size_t missing) const;
     void make_slots(std::size_t count);

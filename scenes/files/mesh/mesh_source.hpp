@@ -1,7 +1,6 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -36,9 +35,9 @@ RawMesh read_obj(const MeshSource& source);
 RawMesh read_off(const MeshSource& source);
 RawMesh read_ply(const MeshSource& source);
 RawMesh read_stl(const MeshSource& source);
+/// The same from a file of at most so many bytes; one that is binary is never in memory as a whole.
+RawMesh read_stl_file(const std::filesystem::path& path, std::uintmax_t most);
 bool is_binary_stl(std::string_view bytes);
-/// The same without all of the file in memory; nothing where it is no binary STL.
-std::optional<RawMesh> read_binary_stl(const std::filesystem::path& path, std::uintmax_t most);
 /// glTF and GLB: the triangles of the default scene (of all nodes where there is no scene), placed by its nodes and
 /// welded. Buffers in files of their own are found beside the file at source.name. Skins, animations, morph targets,
 /// points and lines are left out. Triangles, vertices and parts of meshes are at most as many as all files together

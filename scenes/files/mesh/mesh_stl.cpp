@@ -44,12 +44,13 @@ RawMesh read_facets(const std::string& name, std::size_t facets, FunctionRef<voi
     std::vector<char> bytes(std::min(facets, block) * FacetWelder::facet_bytes + FacetWelder::bytes_behind);
     RawMesh mesh;
     reserve_large(mesh.triangles, facets);
-    mesh.triangles.resize(facets);
     FacetWelder weld(facets);
     for (std::size_t first = 0; first < facets; first += batch) {
+        const std::size_t count = std::min(batch, facets - first);
+        mesh.triangles.resize(first + count);
         char* const at = bytes.data() + first % block * FacetWelder::facet_bytes;
         if (first % block == 0) read(at, std::min(facets - first, block) * FacetWelder::facet_bytes);
-        if (!weld.add(at, std::min(batch, facets - first), &mesh.triangles[first])) fail_infinite(name, at, first);
+        if (!weld.add(at, count, &mesh.triangles[first])) fail_infinite(name, at, first);
     }
     mesh.vertices = weld.take();
     return mesh;
@@ -125,17 +126,6 @@ bool is_binary_stl(std::string_view bytes)
     return is_binary(bytes, bytes.size());
 }
 
-std::optional<RawMesh> read_binary_stl(const std::filesystem::path& path, std::uintmax_t most)
-{
-    FileReader file(path, most);
-    std::array<char, header_bytes> header{};
-    if (file.size() < header.size()) return std::nullopt;
-    file.read(header.data(), header.size());
-    if (!is_binary({header.data(), header.size()}, file.size())) return std::nullopt;
-    return read_facets(path.string(), announced({header.data(), header.size()}),
-                       [&](char* to, std::size_t size) { file.read(to, size); });
-}
-
 RawMesh read_stl(const MeshSource& source)
 {
     const std::string_view bytes = source.bytes;
@@ -150,6 +140,20 @@ RawMesh read_stl(const MeshSource& source)
                                 header_bytes + FacetWelder::facet_bytes * announced(bytes), bytes.size()));
     }
     return binary ? read_binary(source) : read_text(source);
+}
+
+RawMesh read_stl_file(const std::filesystem::path& path, std::uintmax_t most)
+{
+    FileReader file(path, most);
+    std::array<char, header_bytes> header;
+    const std::string_view begin(header.data(), std::min<std::uintmax_t>(file.size(), header.size()));
+    file.read(header.data(), begin.size());
+    if (is_binary(begin, file.size()))
+        return read_facets(path.string(), announced(begin), [&](char* to, std::size_t size) { file.read(to, size); });
+    FileBytes bytes(file.size());
+    begin.copy(bytes.data(), begin.size());
+    file.read(bytes.data() + begin.size(), bytes.size() - begin.size());
+    return read_stl({path.string(), bytes});
 }
 
 } // namespace oncollide
