@@ -24,7 +24,7 @@ Eigen::Vector3d point_at(const char* corner)
 
 bool is_same(const Eigen::Vector3d& a, const Eigen::Vector3d& b) // in one branch
 {
-    return (a.x() == b.x()) & (a.y() == b.y()) & (a.z() == b.z());
+    return (int{a.x() == b.x()} & int{a.y() == b.y()} & int{a.z() == b.z()}) != 0;
 }
 
 } // namespace
