@@ -5,12 +5,10 @@
 #include <cctype>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/reading_progress.hpp>
 
 namespace oncollide {
 
@@ -76,27 +74,14 @@ std::ifstream open_file(const fs::path& path, std::uintmax_t most, std::uintmax_
     return in;
 }
 
-void fill(const fs::path& path, std::ifstream& in, char* bytes, std::uintmax_t size)
-{
-    constexpr std::uintmax_t piece = std::uintmax_t{16} << 20;
-    ReadingProgress progress(path.string(), size);
-    for (std::uintmax_t at = 0; at < size; progress.at(at)) {
-        const auto length = static_cast<std::streamsize>(std::min(piece, size - at));
-        in.read(bytes + at, length);
-        if (in.gcount() != length) fail(path, ErrorKind::no_input, "cannot be read to its end");
-        at += static_cast<std::uintmax_t>(length);
-    }
-}
-
 } // namespace
 
 std::string read_file(const fs::path& path, std::uintmax_t most)
 {
     if (path == "-") return read_standard_input(most);
-    std::uintmax_t size = 0;
-    std::ifstream in = open_file(path, most, size);
-    std::string bytes(size, '\0');
-    fill(path, in, bytes.data(), size);
+    FileReader file(path, most);
+    std::string bytes(file.size(), '\0');
+    file.read(bytes.data(), bytes.size());
     return bytes;
 }
 
@@ -108,11 +93,28 @@ FileBytes read_large_file(const fs::path& path, std::uintmax_t most)
         input.copy(bytes.data(), input.size());
         return bytes;
     }
-    std::uintmax_t size = 0;
-    std::ifstream in = open_file(path, most, size);
-    FileBytes bytes(size);
-    fill(path, in, bytes.data(), size);
+    FileReader file(path, most);
+    FileBytes bytes(file.size());
+    file.read(bytes.data(), bytes.size());
     return bytes;
+}
+
+FileReader::FileReader(const fs::path& path, std::uintmax_t most)
+    : path_(path), in_(open_file(path, most, size_)), progress_(path.string(), size_)
+{
+}
+
+void FileReader::read(char* bytes, std::size_t size)
+{
+    constexpr std::size_t piece = std::size_t{16} << 20;
+    while (size > 0) {
+        const std::size_t length = std::min(piece, size);
+        in_.read(bytes, static_cast<std::streamsize>(length));
+        if (static_cast<std::size_t>(in_.gcount()) != length)
+            fail(path_, ErrorKind::no_input, "cannot be read to its end");
+        bytes += length, size -= length;
+        progress_.at(read_ += length);
+    }
 }
 
 void check_readable(const fs::path& path)

@@ -1,11 +1,13 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include <oncollide/base/large_vector.hpp>
+#include <oncollide/base/reading_progress.hpp>
 
 namespace oncollide {
 
@@ -33,6 +35,21 @@ private:
     std::size_t size_;
 };
 FileBytes read_large_file(const std::filesystem::path& path, std::uintmax_t most);
+
+/// The same piece by piece, for what need not be in memory as a whole. Never standard input.
+class FileReader {
+public:
+    FileReader(const std::filesystem::path& path, std::uintmax_t most);
+    std::uintmax_t size() const { return size_; }
+    /// The next `size` bytes. Throws Error{no_input} where the file has fewer.
+    void read(char* bytes, std::size_t size);
+
+private:
+    std::filesystem::path path_;
+    std::uintmax_t size_ = 0, read_ = 0;
+    std::ifstream in_;
+    ReadingProgress progress_;
+};
 
 /// Throws the Error{no_input} of read_file, for files that are read piece by piece.
 void check_readable(const std::filesystem::path& path);

@@ -105,6 +105,7 @@ STYLES = {
     "obj-back": "OBJ, negative numbers of vertices",
     "obj-exact": "OBJ, every digit of a double",
     "stl": "STL, binary, welded",
+    "stl-mixed": "STL, binary, welded, triangles in no order",
     "ply": "PLY, binary, floats",
 }
 

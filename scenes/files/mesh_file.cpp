@@ -46,6 +46,14 @@ const Format& format_of(const std::filesystem::path& path, std::string_view byte
                                                  path.string(), extension, fmt::join(mesh_extensions(), ", ")));
 }
 
+RawMesh read_raw(const std::filesystem::path& path, const std::string& name)
+{
+    constexpr std::uintmax_t most = std::uintmax_t{2} << 30; // bytes
+    if (lower_extension(path) == ".stl") return read_stl_file(path, most);
+    const FileBytes bytes = read_large_file(path, most);
+    return format_of(path, bytes).read({name, bytes});
+}
+
 void check(const std::string& name, const MeshOptions& options)
 {
     if (!(options.scale > 0) || !std::isfinite(options.scale))
@@ -66,9 +74,7 @@ Mesh load_mesh(const std::filesystem::path& path, const MeshOptions& options)
     if (is_cooked(path)) {
         mesh = CookedMesh(path).whole();
     } else {
-        const FileBytes bytes = read_large_file(path, std::uintmax_t(2) << 30);
-        const Format& format = format_of(path, bytes);
-        RawMesh raw = format.read({name, bytes});
+        RawMesh raw = read_raw(path, name);
         if (raw.triangles.empty())
             throw Error(ErrorKind::bad_data, fmt::format("{}: the file holds no triangle", name));
         mesh = make_mesh(name, std::move(raw.vertices), std::move(raw.triangles));

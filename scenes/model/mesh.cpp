@@ -37,15 +37,20 @@ Mesh make_mesh(const std::string& name, std::vector<Eigen::Vector3d> vertices, s
     check_vertices(name, vertices);
 
     Mesh mesh{.vertices = std::move(vertices), .triangles = std::move(triangles), .bounds = {}, .zero_area = 0};
+    std::vector<char> used(mesh.vertices.size());
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const Triangle& t = mesh.triangles[i];
         for (const std::uint32_t v : t)
             if (v >= mesh.vertices.size())
                 refuse(name, fmt::format("triangle {} uses vertex {}, but the mesh has {} vertices", i, v,
                                          mesh.vertices.size()));
-        for (const std::uint32_t v : t) mesh.bounds.add(mesh.vertices[v]);
+        for (const std::uint32_t v : t) used[v] = 1;
         mesh.zero_area += has_zero_area(mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]);
     }
+    Aabb bounds; // here, not in memory that others may point to
+    for (std::size_t i = 0; i < used.size(); ++i)
+        if (used[i]) bounds.add(mesh.vertices[i]);
+    mesh.bounds = bounds;
     return mesh;
 }
 

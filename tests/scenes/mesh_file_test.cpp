@@ -7,6 +7,8 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <cstring>
+#include <map>
 #include <numbers>
 
 #include <Eigen/Geometry>
@@ -246,6 +248,66 @@ TEST(MeshFile, StlOfManyPointsIsWelded)
     expect_bad("a.stl", bytes, "a corner of facet 1 is not finite");
 }
 
+/// Corners on a grid of so many points along each axis, zeros of both signs, as a binary STL.
+std::string corners_on_grid(std::uint32_t facets, std::uint64_t points)
+{
+    std::string bytes(80, ' ');
+    test::append(bytes, facets);
+    for (std::uint32_t f = 0; f < facets; ++f) {
+        bytes.append(12, '\0');
+        for (std::uint32_t k = 0; k < 9; ++k) {
+            const float x = float(splitmix(9 * std::uint64_t{f} + k) % points) * 0.1f;
+            test::append(bytes, x == 0 && f % 2 ? -x : x);
+        }
+        bytes.append(2, '\0');
+    }
+    return bytes;
+}
+
+TEST(MeshFile, StlIsWeldedAsOneCornerAfterTheOtherWouldBe)
+{
+    const test::TemporaryFolder folder;
+    struct Case {
+        std::uint32_t facets;
+        std::uint64_t points;
+    };
+    // Few points, many, all but all different; numbers of facets around those that are welded and read together.
+    for (const auto& [facets, points] :
+         {Case{1, 2}, {63, 5}, {64, 5}, {65, 5}, {4097, 30}, {120'000, 40}, {30'000, 5'000}}) {
+        SCOPED_TRACE(fmt::format("{} facets, {} points along each axis", facets, points));
+        const std::string bytes = corners_on_grid(facets, points);
+        const Mesh read = load_mesh(folder.write("a.stl", bytes));
+        std::map<std::array<float, 3>, std::uint32_t> numbers;
+        ASSERT_EQ(read.triangles.size(), facets);
+        for (std::size_t f = 0; f < facets; ++f)
+            for (std::size_t k = 0; k < 3; ++k) {
+                std::array<float, 3> corner;
+                std::memcpy(corner.data(), bytes.data() + 84 + 50 * f + 12 + 12 * k, sizeof corner);
+                const auto [known, is_new] = numbers.try_emplace(corner, numbers.size());
+                ASSERT_EQ(read.triangles[f][k], known->second) << "facet " << f;
+                if (!is_new) continue;
+                const Vector3d& vertex = read.vertices[known->second];
+                for (int axis = 0; axis < 3; ++axis) {
+                    ASSERT_EQ(vertex[axis], corner[axis]);
+                    ASSERT_EQ(std::signbit(vertex[axis]), std::signbit(corner[axis])) << "of the first that is there";
+                }
+            }
+        EXPECT_EQ(read.vertices.size(), numbers.size());
+    }
+}
+
+TEST(MeshFile, EveryCornerOfAnStlThatIsNotFiniteIsNamed)
+{
+    const std::string bytes = corners_on_grid(5000, 20);
+    for (const std::size_t facet : {0u, 63u, 64u, 4095u, 4096u, 4999u})
+        for (const std::uint32_t bits : {0x7f800000u, 0xff800000u, 0x7fc00000u, 0x7f800001u, 0xffffffffu}) {
+            std::string bad = bytes;
+            for (std::size_t k = 0; k < 2; ++k) std::memcpy(bad.data() + 84 + 50 * facet + 24 + 4 * k, &bits, 4);
+            std::memset(bad.data() + 84 + 50 * facet + 32, 0, 4);
+            expect_bad("a.stl", bad, fmt::format("a corner of facet {} is not finite", facet));
+        }
+}
+
 TEST(MeshFile, OffAndPlyDialectsAreUnderstood)
 {
     const test::TemporaryFolder folder;
@@ -401,7 +463,13 @@ TEST(MeshFile, WhoWatchesIsToldHowMuchOfALongFileIsRead)
     });
     load_mesh(path);
     load_mesh(folder.write("short.obj", text.substr(0, 100'000)));
+    const auto of_obj = std::exchange(told, {});
+    const std::string obj = file, stl = corners_on_grid(60'000, 20);
+    load_mesh(folder.write("a.stl", stl));
     on_reading(nullptr);
+    EXPECT_EQ(told.size(), 3u) << "after one and two megabytes, and at the end";
+    EXPECT_EQ(told.back(), (std::array<std::uint64_t, 2>{stl.size(), stl.size()}));
+    told = of_obj, file = obj;
     load_mesh(path);
     EXPECT_EQ(file, path.string());
     const std::uint64_t size = text.size();

@@ -22,7 +22,7 @@ TEST_F(CommandLine, BenchReadReadsEveryStyleAndLeavesNoFile)
     EXPECT_EQ(outcome.err, "");
     EXPECT_EQ(folder_.list(), std::vector<std::string>{"r.csv"});
     const auto rows = read_csv(folder_.read("r.csv"));
-    EXPECT_EQ(rows.size(), 9u);
+    EXPECT_EQ(rows.size(), 10u);
     for (auto row : rows) {
         SCOPED_TRACE(row["style"]);
         EXPECT_EQ(row["triangles"], "5000");

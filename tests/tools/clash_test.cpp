@@ -415,6 +415,15 @@ TEST_F(PlantedClashes, AnAssemblyRunsAsAScene)
     for (const json& pair : pairs)
         if (pair[2] == "colliding") found.insert(std::minmax(pair[0].get<std::string>(), pair[1].get<std::string>()));
     EXPECT_EQ(found, expected);
+    // And is written as a scene file.
+    const auto written = [&](const std::string& out) {
+        return run_program(ONCOLLIDE_COMMAND, {"scene", "all.glb", "--out", out}, {.folder = folder_.path()});
+    };
+    EXPECT_EQ(written("all.json").code, 0);
+    EXPECT_EQ(written("all.glb").code, 64);
+    run_program(ONCOLLIDE_COMMAND, {"run", "all.json", "--exact", "predicates", "--mode", "solid", "--json", "w.json"},
+                {.folder = folder_.path()});
+    EXPECT_EQ(json::parse(folder_.read("w.json"))["header"]["hash"], results["header"]["hash"]);
 }
 
 TEST_F(PlantedClashes, TheBenchmarkFindsNoFaultInMadeAndRealParts)

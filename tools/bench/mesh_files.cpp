@@ -2,6 +2,8 @@
 
 #include <bit>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/random.hpp>
@@ -93,18 +95,29 @@ void write_backward_obj(const HeightField& field, OutputFile& file)
     }
 }
 
-void write_binary_stl(const HeightField& field, OutputFile& file)
+void put_facet(const HeightField& field, OutputFile& file, const std::array<std::uint32_t, 3>& corners)
+{
+    put(file, std::array<float, 3>{0, 0, 1});
+    for (const std::uint32_t corner : corners) {
+        const auto [x, y, z] = field.vertex(corner);
+        put(file, std::array<float, 3>{float(x), float(y), float(z)});
+    }
+    put(file, std::uint16_t(0));
+}
+
+void write_binary_stl(const HeightField& field, OutputFile& file, bool mixed)
 {
     file.write(std::string(80, ' '));
     put(file, field.triangles());
-    field.each_triangle([&](auto a, auto b, auto c) {
-        put(file, std::array<float, 3>{0, 0, 1});
-        for (const std::uint32_t corner : {a, b, c}) {
-            const auto [x, y, z] = field.vertex(corner);
-            put(file, std::array<float, 3>{float(x), float(y), float(z)});
-        }
-        put(file, std::uint16_t(0));
-    });
+    if (!mixed) {
+        field.each_triangle([&](auto a, auto b, auto c) { put_facet(field, file, {a, b, c}); });
+        return;
+    }
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    triangles.reserve(field.triangles());
+    field.each_triangle([&](auto a, auto b, auto c) { triangles.push_back({a, b, c}); });
+    for (std::size_t i = triangles.size(); i > 1; --i) std::swap(triangles[i - 1], triangles[splitmix(i) % i]);
+    for (const auto& corners : triangles) put_facet(field, file, corners);
 }
 
 void write_text_stl(const HeightField& field, OutputFile& file)
@@ -164,8 +177,8 @@ void write_mesh_file(const MeshFileStyle& style, const std::filesystem::path& pa
         write_backward_obj(field, file);
     else if (style.extension == "obj")
         write_plain_obj(field, file, style.name == "obj-exact");
-    else if (style.name == "stl")
-        write_binary_stl(field, file);
+    else if (style.name == "stl" || style.name == "stl-mixed")
+        write_binary_stl(field, file, style.name == "stl-mixed");
     else if (style.name == "stl-text")
         write_text_stl(field, file);
     else if (style.extension == "ply")

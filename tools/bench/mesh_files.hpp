@@ -11,12 +11,13 @@ struct MeshFileStyle {
     std::string_view name, extension;
     std::string_view what; ///< a few words for the table
 };
-inline constexpr std::array<MeshFileStyle, 9> mesh_file_styles = {{
+inline constexpr std::array<MeshFileStyle, 10> mesh_file_styles = {{
     {"obj", "obj", "six decimals, f a b c"},
     {"obj-full", "obj", "vt, vn, f a/b/c, groups, comments, CR LF"},
     {"obj-back", "obj", "negative numbers of vertices, each before its faces"},
     {"obj-exact", "obj", "every digit of a double"},
     {"stl", "stl", "binary"},
+    {"stl-mixed", "stl", "binary, triangles in no order"},
     {"ply", "ply", "binary, floats"},
     {"stl-text", "stl", "six decimals"},
     {"ply-text", "ply", "six decimals"},

@@ -112,10 +112,12 @@ void CookedCache::make_room(const fs::path& keep) const
     for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
         std::error_code gone;
         const bool tiles = fs::is_regular_file(it->path() / tile_index_name, gone);
-        if (!(tiles || is_cooked(it->path())) || it->path() == keep) continue;
+        if (!(tiles || is_cooked(it->path()))) continue;
         const std::uintmax_t bytes = tiles ? bytes_in(it->path()) : it->file_size(gone);
         const fs::file_time_type used = it->last_write_time(gone);
-        if (!gone) entries.push_back({used, bytes, it->path()}), held += bytes;
+        if (gone) continue;
+        held += bytes;
+        if (it->path() != keep) entries.push_back({used, bytes, it->path()});
     }
     std::ranges::sort(entries, {}, &Entry::used);
     for (const Entry& entry : entries) {

@@ -13,7 +13,8 @@ namespace oncollide::tools {
 class CookedCache {
 public:
     /// Makes the folder if need be. Throws Error{cannot_write}.
-    /// @param most  bytes that its files may hold after each that was added, the new one aside; the oldest go first
+    /// @param most  bytes that its files may hold after each that was added; the oldest go first, and the new one stays
+    ///              though it alone be larger
     CookedCache(std::filesystem::path folder, std::uintmax_t most);
 
     /// The cooked file of a mesh file, cooked unless it is there. Nothing: the mesh lies in several files (glTF beside

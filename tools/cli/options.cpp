@@ -187,7 +187,9 @@ void add_cache_options(Arguments command, CacheOptions& o)
                     "folder of cooked meshes: mesh files are cooked there when they are first used, and found by their "
                     "content from then on")
         .type_name("DIR");
-    command.add_option("--cache-size", o.bytes, "bytes that the folder may hold; the oldest go first (default 4G)")
+    command
+        .add_option("--cache-size", o.bytes,
+                    "bytes that the folder may hold; the oldest go first, never the newest (default 4G)")
         .type_name("BYTES");
 }
 
@@ -252,6 +254,8 @@ bool is_scene_file(const std::string& text)
     return exists;
 }
 
+namespace {
+
 Scene make_catalogue_scene(const SceneOptions& o, BodySink* sink)
 {
     CatalogueOptions options{.bodies = o.bodies, .frames = o.frames, .data = data_folder(o.data), .sink = sink};
@@ -266,6 +270,8 @@ Scene make_catalogue_scene(const SceneOptions& o, BodySink* sink)
     scene.pace = o.pace;
     return scene;
 }
+
+} // namespace
 
 Scene open_scene(const SceneOptions& o, BodySink* sink)
 {

@@ -62,8 +62,6 @@ void add_pace_option(Arguments command, SceneOptions& options);       ///< of th
 /// or an option that has no meaning for a file.
 /// @param sink  takes the bodies, as they are read or made; null: the scene holds them
 Scene open_scene(const SceneOptions& options, BodySink* sink = nullptr);
-/// Makes a scene of the catalogue only.
-Scene make_catalogue_scene(const SceneOptions& options, BodySink* sink = nullptr);
 /// True when `text` names a file rather than a scene of the catalogue: it is "-" (standard input), holds a '/' or ends
 /// in .json, or is no known name but a file that exists. Throws Error{usage} when it could be both.
 bool is_scene_file(const std::string& text);

@@ -33,11 +33,11 @@ int list_scenes()
 int write_scene(const WriteOptions& options)
 {
     if (options.list) return list_scenes();
-    if (options.scene.scene.empty()) usage("scene: give a NAME, or --list to see the names");
+    if (options.scene.scene.empty()) usage("scene: give a NAME or a FILE, or --list to see the names");
     if (options.out.empty() || options.out == "-")
         usage("scene: --out FILE.json is needed; a scene may bring mesh files that stand beside it");
-    check_files({{"--out", options.out}});
-    const Scene scene = make_catalogue_scene(options.scene);
+    check_files({{"--out", options.out}}, {is_scene_file(options.scene.scene) ? options.scene.scene : ""});
+    const Scene scene = open_scene(options.scene);
     print_warnings(scene);
     save_scene(scene, options.out);
     std::cout << fmt::format("{}: {} bodies, {} geometries, {} frames\n", printable(options.out), scene.size(),
@@ -49,9 +49,10 @@ int write_scene(const WriteOptions& options)
 
 void add_scene(Arguments app)
 {
-    Arguments sub = app.add_command("scene", "List the catalogue of scenes, or write one as a scene file");
+    Arguments sub = app.add_command("scene", "List the catalogue of scenes, or write a scene as a scene file");
     auto options = std::make_shared<WriteOptions>();
-    sub.add_option("name", options->scene.scene, "which scene").type_name("NAME");
+    sub.add_option("name", options->scene.scene, "a scene of the catalogue, or a file: .glb, .gltf, .dae, .3mf, .json")
+        .type_name("NAME|FILE");
     sub.add_flag("--list", options->list, "list the scenes");
     sub.add_option("--out", options->out, "scene file to write").type_name("SCENE.json");
     add_catalogue_options(sub, options->scene);
@@ -59,6 +60,7 @@ void add_scene(Arguments app)
                "  oncollide scene --list\n"
                "  oncollide scene city --bodies 200 --seed 7 --out city.json\n"
                "  oncollide run city.json\n"
+               "  oncollide scene factory.glb --out factory.json\n"
                "The format of scene files: docs/scene-format.md.");
     sub.action([options] { return write_scene(*options); });
 }

@@ -21,6 +21,37 @@ constexpr std::array ignored = {"vt",        "vn",     "vp",     "o",     "g",  
                                 "sp",        "end",    "con",    "bevel", "c_interp", "d_interp", "lod",  "shadow_obj",
                                 "trace_obj", "ctech",  "stech",  "call",  "csh"};
 
+struct Counts {
+    std::size_t vertices = 0, faces = 0;
+};
+
+Counts count_lines(std::string_view text)
+{
+    Counts counts;
+    for (std::size_t at = text.find('\n'); at != text.npos && at + 2 < text.size(); at = text.find('\n', at + 1)) {
+        if (!is_blank(text[at + 2])) continue;
+        counts.vertices += text[at + 1] == 'v', counts.faces += text[at + 1] == 'f';
+    }
+    return counts;
+}
+
+/// About as many as a large file has, and a few more, from looks at a small part of it. No line is shorter than eight
+/// bytes.
+Counts estimate(std::string_view bytes)
+{
+    constexpr std::size_t looks = 256, window = 4096;
+    if (bytes.size() < 4 * looks * window) return {};
+    Counts seen;
+    for (std::size_t i = 0; i < looks; ++i) {
+        const Counts here = count_lines(bytes.substr(bytes.size() / looks * i, window));
+        seen.vertices += here.vertices, seen.faces += here.faces;
+    }
+    const auto of_all = [&](std::size_t count) {
+        return std::min(bytes.size() / 8, bytes.size() / (looks * window) * (count + count / 16 + 64));
+    };
+    return {of_all(seen.vertices), of_all(seen.faces)};
+}
+
 /// The vertex of a corner `7`, `7/1`, `7//2` or `7/1/2`, counted from 0. Negative numbers count back from the last
 /// vertex.
 std::int64_t corner_vertex(const TextReader& text, std::string_view word, std::size_t vertices)
@@ -147,6 +178,9 @@ RawMesh read_obj(const MeshSource& source)
 {
     RawMesh mesh;
     PolygonList faces;
+    const Counts expected = estimate(source.bytes);
+    reserve_large(mesh.vertices, expected.vertices);
+    faces.reserve(expected.faces);
     PlainLines plain(source, mesh, faces);
     std::vector<std::int64_t> corners;
     TextReader text(source);

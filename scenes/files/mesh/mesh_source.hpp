@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
@@ -34,6 +35,8 @@ RawMesh read_obj(const MeshSource& source);
 RawMesh read_off(const MeshSource& source);
 RawMesh read_ply(const MeshSource& source);
 RawMesh read_stl(const MeshSource& source);
+/// The same from a file of at most so many bytes; one that is binary is never in memory as a whole.
+RawMesh read_stl_file(const std::filesystem::path& path, std::uintmax_t most);
 bool is_binary_stl(std::string_view bytes);
 /// glTF and GLB: the triangles of the default scene (of all nodes where there is no scene), placed by its nodes and
 /// welded. Buffers in files of their own are found beside the file at source.name. Skins, animations, morph targets,

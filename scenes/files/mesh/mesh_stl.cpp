@@ -3,9 +3,12 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include <oncollide/base/function_ref.hpp>
+#include <oncollide/scenes/files/mesh/facet_welder.hpp>
 #include <oncollide/scenes/files/mesh/welder.hpp>
 
 namespace oncollide {
@@ -14,51 +17,56 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "binary STL is read as it lies");
 
-constexpr std::size_t header_bytes = 84, facet_bytes = 50;
+constexpr std::size_t header_bytes = 84;
 
-/// The number of facets that a binary file announces.
-std::uint64_t announced(std::string_view bytes)
+std::uint64_t announced(std::string_view header)
 {
     std::uint32_t count = 0;
-    std::memcpy(&count, bytes.data() + 80, sizeof count);
+    std::memcpy(&count, header.data() + 80, sizeof count);
     return count;
 }
 
-[[noreturn]] void fail_infinite(const MeshSource& source, std::size_t facet)
+[[noreturn]] void fail_infinite(const std::string& name, const char* facets, std::size_t first)
 {
-    for (;; ++facet)
-        for (std::size_t k = 3; k < 12; ++k) {
+    for (std::size_t facet = 0;; ++facet)
+        for (std::size_t k = 0; k < 9; ++k) {
             float x = 0;
-            std::memcpy(&x, source.bytes.data() + header_bytes + facet * facet_bytes + 4 * k, sizeof x);
-            if (!std::isfinite(x)) source.fail(fmt::format("a corner of facet {} is not finite", facet));
+            std::memcpy(&x, facets + facet * FacetWelder::facet_bytes + FacetWelder::corners_at + 4 * k, sizeof x);
+            if (!std::isfinite(x))
+                MeshSource{name, {}}.fail(fmt::format("a corner of facet {} is not finite", first + facet));
         }
+}
+
+/// @param read gives so many bytes of the file, from behind the header on
+RawMesh read_facets(const std::string& name, std::size_t facets, FunctionRef<void(char*, std::size_t)> read)
+{
+    constexpr std::size_t batch = FacetWelder::batch, block = 16 * batch;
+    std::vector<char> bytes(std::min(facets, block) * FacetWelder::facet_bytes + FacetWelder::bytes_behind);
+    RawMesh mesh;
+    reserve_large(mesh.triangles, facets);
+    FacetWelder weld(facets);
+    for (std::size_t first = 0; first < facets; first += batch) {
+        const std::size_t count = std::min(batch, facets - first);
+        mesh.triangles.resize(first + count);
+        char* const at = bytes.data() + first % block * FacetWelder::facet_bytes;
+        if (first % block == 0) read(at, std::min(facets - first, block) * FacetWelder::facet_bytes);
+        if (!weld.add(at, count, &mesh.triangles[first])) fail_infinite(name, at, first);
+    }
+    mesh.vertices = weld.take();
+    return mesh;
 }
 
 RawMesh read_binary(const MeshSource& source)
 {
-    const std::size_t facets = announced(source.bytes);
-    constexpr std::size_t batch = 16;
-    RawMesh mesh;
-    reserve_large(mesh.triangles, facets + batch);
-    mesh.triangles.resize(facets);
-    Welder weld;
-    weld.reserve(facets / 2); // a closed surface has about as many; a soup takes more room as it needs it
-    std::array<Eigen::Vector3d, 3 * batch> corners;
-    const char* at = source.bytes.data() + header_bytes;
-    for (std::size_t first = 0; first < facets; first += batch) {
-        const std::size_t count = std::min(batch, facets - first);
-        float sum = 0; // of zeros, if all is finite
-        for (std::size_t i = 0; i < count; ++i, at += facet_bytes) {
-            std::array<float, 9> points;
-            std::memcpy(points.data(), at + 12, sizeof points); // after the normal
-            for (std::size_t k = 0; k < 3; ++k) corners[3 * i + k] = Eigen::Vector3f(&points[3 * k]).cast<double>();
-            for (const float x : points) sum += 0 * x;
-        }
-        if (sum != 0) fail_infinite(source, first);
-        weld.add({corners.data(), 3 * count}, mesh.triangles[first].data());
-    }
-    mesh.vertices = weld.take();
-    return mesh;
+    const char* rest = source.bytes.data() + header_bytes;
+    return read_facets(source.name, announced(source.bytes),
+                       [&](char* to, std::size_t size) { std::memcpy(to, std::exchange(rest, rest + size), size); });
+}
+
+/// @param header what the file begins with
+bool is_binary(std::string_view header, std::uintmax_t size)
+{
+    return header.size() >= header_bytes && size == header_bytes + FacetWelder::facet_bytes * announced(header);
 }
 
 std::string lower(std::string_view word)
@@ -115,7 +123,7 @@ RawMesh read_text(const MeshSource& source)
 
 bool is_binary_stl(std::string_view bytes)
 {
-    return bytes.size() >= header_bytes && bytes.size() == header_bytes + facet_bytes * announced(bytes);
+    return is_binary(bytes, bytes.size());
 }
 
 RawMesh read_stl(const MeshSource& source)
@@ -129,9 +137,23 @@ RawMesh read_stl(const MeshSource& source)
         if (bytes.size() < header_bytes)
             source.fail(fmt::format("neither text ('solid ...') nor binary STL: {} bytes are too short", bytes.size()));
         source.fail(fmt::format("binary STL of {} facets must have {} bytes, but the file has {}", announced(bytes),
-                                header_bytes + facet_bytes * announced(bytes), bytes.size()));
+                                header_bytes + FacetWelder::facet_bytes * announced(bytes), bytes.size()));
     }
     return binary ? read_binary(source) : read_text(source);
+}
+
+RawMesh read_stl_file(const std::filesystem::path& path, std::uintmax_t most)
+{
+    FileReader file(path, most);
+    std::array<char, header_bytes> header;
+    const std::string_view begin(header.data(), std::min<std::uintmax_t>(file.size(), header.size()));
+    file.read(header.data(), begin.size());
+    if (is_binary(begin, file.size()))
+        return read_facets(path.string(), announced(begin), [&](char* to, std::size_t size) { file.read(to, size); });
+    FileBytes bytes(file.size());
+    begin.copy(bytes.data(), begin.size());
+    file.read(bytes.data() + begin.size(), bytes.size() - begin.size());
+    return read_stl({path.string(), bytes});
 }
 
 } // namespace oncollide

@@ -9,8 +9,6 @@ namespace oncollide {
 
 namespace {
 
-constexpr std::int64_t most_corners = 0xffffffff;
-
 std::uint32_t largest_corner(std::span<const Triangle> triangles)
 {
     std::uint32_t largest = 0;
@@ -25,13 +23,8 @@ void PolygonList::reserve(std::size_t triangles)
     reserve_large(triangles_, triangles);
 }
 
-void PolygonList::add(std::span<const std::int64_t> corners, std::size_t line)
+void PolygonList::add_polygon(std::span<const std::int64_t> corners, std::size_t line)
 {
-    const auto fits = [](std::int64_t corner) { return corner >= 0 && corner < most_corners; };
-    if (corners.size() == 3 && std::ranges::all_of(corners, fits)) {
-        const auto corner = [&](std::size_t k) { return static_cast<std::uint32_t>(corners[k]); };
-        return add({corner(0), corner(1), corner(2)}, line);
-    }
     note(line);
     polygons_.push_back({triangles_.size(), corners_.size()});
     corners_.insert(corners_.end(), corners.begin(), corners.end());

@@ -14,7 +14,14 @@ public:
     void reserve(std::size_t triangles);
     /// @param corners numbers of vertices, counted from 0, or whatever the file says
     /// @param line    0: the file has no lines
-    void add(std::span<const std::int64_t> corners, std::size_t line);
+    void add(std::span<const std::int64_t> corners, std::size_t line)
+    {
+        const auto fits = [](std::int64_t corner) { return static_cast<std::uint64_t>(corner) < most_corners; };
+        if (corners.size() != 3 || !fits(corners[0]) || !fits(corners[1]) || !fits(corners[2]))
+            return add_polygon(corners, line);
+        const auto corner = [&](std::size_t k) { return static_cast<std::uint32_t>(corners[k]); };
+        add({corner(0), corner(1), corner(2)}, line);
+    }
     void add(const Triangle& triangle, std::size_t line)
     {
         note(line);
@@ -48,6 +55,9 @@ private:
         std::size_t polygon, line;
     };
 
+    static constexpr std::uint64_t most_corners = 0xffffffff;
+
+    void add_polygon(std::span<const std::int64_t> corners, std::size_t line);
     std::size_t size() const { return triangles_.size() + polygons_.size(); }
     void note(std::size_t line)
     {

@@ -22,12 +22,6 @@ std::uint32_t hash_of(const Eigen::Vector3d& p)
 
 } // namespace
 
-void Welder::reserve(std::size_t points)
-{
-    reserve_large(points_, points);
-    make_slots(std::bit_ceil(std::max(least_slots, points * 8 / 5 + 1)));
-}
-
 void Welder::make_slots(std::size_t count)
 {
     LargeVector<Slot> old(count, Slot{0, none});

@@ -20,8 +20,6 @@ public:
     }
     /// Many at once wait for memory less.
     void add(std::span<const Eigen::Vector3d> points, std::uint32_t* numbers);
-    /// Makes room, so that fewer points than these are never moved.
-    void reserve(std::size_t points);
     std::size_t size() const { return points_.size(); }
     std::vector<Eigen::Vector3d> take() { return std::move(points_); }
 
