@@ -227,7 +227,8 @@ bool SolidPairs::shape_apart_from_large(const PairTask& task)
 {
     const bool swapped = task.b->shape();
     Model &shape = swapped ? *task.b : *task.a, &other = swapped ? *task.a : *task.b;
-    if (!other.is_mesh() || other.triangles() < many_triangles || !other.boxes || shape.convex().count > most_points)
+    if (!shape.shape() || !other.is_mesh() || other.triangles() < many_triangles || !other.boxes ||
+        shape.convex().count > most_points)
         return false;
     const PlacedPair placed(swapped ? *task.pose_b : *task.pose_a, swapped ? *task.pose_a : *task.pose_b);
     prepare(shape_mesh_, placed.slack, true);
