@@ -143,8 +143,8 @@ private:
     /// Half of a whole block, metres.
     Eigen::Vector2f half_of_block(std::uint32_t level) const
     {
-        return 0.5f * terrain_.spacing().cast<float>().cwiseProduct(
-                          Eigen::Vector2f(cells_wide(level), cells_high(level)));
+        return 0.5f *
+               terrain_.spacing().cast<float>().cwiseProduct(Eigen::Vector2f(cells_wide(level), cells_high(level)));
     }
     static Block block_of(const Node& node, unsigned lane)
     {
