@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include <oncollide/base/large_vector.hpp>
 #include <oncollide/base/prefetch.hpp>
 #include <oncollide/narrowphase/boxes/grid_split.hpp>
 #include <oncollide/narrowphase/boxes/hierarchy.hpp>
@@ -153,7 +154,7 @@ private:
     const Triangle* triangles_;
     std::uint32_t* order_ = nullptr;       ///< null until a box grows
     BoxNode** chunks_;                     ///< as many as there can be; null until used
-    std::vector<std::uint32_t> own_order_; ///< what these point to, but of a cooked mesh
+    LargeVector<std::uint32_t> own_order_; ///< what these point to, but of a cooked mesh
     std::vector<BoxNode*> own_chunks_;
     std::atomic<std::uint32_t> used_ = 0;
     std::mutex growing_;

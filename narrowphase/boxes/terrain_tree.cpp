@@ -540,8 +540,8 @@ void TerrainTree::open_blocks(const Node& node, const Eigen::Vector3d& from, Ter
     const auto lines = [](float* out, std::uint32_t count, double first, double step, double last) {
         for (std::uint32_t i = 0; i <= count; ++i) out[i] = static_cast<float>(std::min(first + i * step, last));
     };
-    const double across = std::ldexp(terrain_.spacing().x(), int(log_width(level))),
-                 along = std::ldexp(terrain_.spacing().y(), int(log_height(level)));
+    const double across = terrain_.spacing().x() * cells_wide(level),
+                 along = terrain_.spacing().y() * cells_high(level);
     const Eigen::Vector3d& origin = terrain_.origin();
     lines(blocks.x, w, origin.x() + node.x * across - from.x(), across, terrain_.x(terrain_.cells_x()) - from.x());
     lines(blocks.y, h, origin.y() + node.y * along - from.y(), along, terrain_.y(terrain_.cells_y()) - from.y());

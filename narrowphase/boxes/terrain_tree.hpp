@@ -138,11 +138,13 @@ private:
     /// Sides of a block in cells, as powers of two.
     static std::uint32_t log_width(std::uint32_t level) { return level / 2 * 3 + level % 2 * 2; }
     static std::uint32_t log_height(std::uint32_t level) { return level / 2 * 3 + level % 2; }
+    static float cells_wide(std::uint32_t level) { return static_cast<float>(std::uint64_t{1} << log_width(level)); }
+    static float cells_high(std::uint32_t level) { return static_cast<float>(std::uint64_t{1} << log_height(level)); }
     /// Half of a whole block, metres.
     Eigen::Vector2f half_of_block(std::uint32_t level) const
     {
-        return 0.5f * terrain_.spacing().cast<float>().cwiseProduct(Eigen::Vector2f(
-                          std::ldexp(1.0f, int(log_width(level))), std::ldexp(1.0f, int(log_height(level)))));
+        return 0.5f *
+               terrain_.spacing().cast<float>().cwiseProduct(Eigen::Vector2f(cells_wide(level), cells_high(level)));
     }
     static Block block_of(const Node& node, unsigned lane)
     {

@@ -38,9 +38,6 @@ bool may_hold(const Model& outer, const Eigen::Isometry3d& pose_outer, const Mod
                           [&](const PartPoints& part) { return may_hold(box, part, into); });
 }
 
-/// A mesh of so many triangles takes longer to be told apart into its parts than a first answer should.
-constexpr std::size_t many_triangles = 1 << 17;
-
 /// visit(part) for all parts of a body, or triangles of them, that may be in a box, until it returns true.
 /// @param convex  is what fills the box convex? Then few triangles are in the box and not in it
 void look_in(const Aabb& box, Model& inner, const RelativePose& into_inner, bool convex, auto visit)

@@ -10,6 +10,9 @@
 
 namespace oncollide {
 
+/// A mesh of so many triangles takes longer to be told apart into its parts than a first answer should.
+constexpr std::size_t many_triangles = 1 << 17;
+
 /// A point, in the world, of a part of one body that lies inside the other, their surfaces being apart.
 /// @param around  the surface around a model's inside; null: it has none
 std::optional<Eigen::Vector3d> one_holds_the_other(const PairTask& task, PointLocator& locator,

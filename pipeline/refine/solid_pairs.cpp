@@ -213,11 +213,31 @@ bool needs_trees(const Model& a, const Model& b, bool kinds)
 
 bool SolidPairs::shape_holds(const PairTask& task)
 {
+    if (shape_apart_from_large(task)) return false;
     return one_holds_the_other(task, locator_,
                                [](const Model& model) -> ObbTree* {
                                    return model.shape() && model.has_inside() ? model.boxes.get() : nullptr;
                                })
         .has_value();
+}
+
+/// Is a shape certainly apart, as a solid, from all triangles of a large mesh? Looking for those that it may hold takes
+/// three times as long.
+bool SolidPairs::shape_apart_from_large(const PairTask& task)
+{
+    const bool swapped = task.b->shape();
+    Model &shape = swapped ? *task.b : *task.a, &other = swapped ? *task.a : *task.b;
+    if (!shape.shape() || !other.is_mesh() || other.triangles() < many_triangles || !other.boxes ||
+        shape.convex().count > most_points)
+        return false;
+    const PlacedPair placed(swapped ? *task.pose_b : *task.pose_a, swapped ? *task.pose_a : *task.pose_b);
+    prepare(shape_mesh_, placed.slack, true);
+    using Pair = ShapeMeshWalk::Pair;
+    bool apart = true;
+    shape_mesh_.meetings(
+        shape.shape_tree(), *other.boxes, placed.b_to_a, {}, [&](const Pair&) { return apart = false; },
+        [](const Pair&) { return false; });
+    return apart;
 }
 
 /// Calls work(walk, a, b, placed, holds) with what decides the pair.

@@ -51,6 +51,7 @@ public:
 
 private:
     auto with_walk(const PairTask& task, auto work);
+    bool shape_apart_from_large(const PairTask& task);
     std::optional<Distance> solid_distance(const PairTask& task, double tolerance, double farthest);
 
     TriangleWalks triangles_;

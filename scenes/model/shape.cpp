@@ -30,7 +30,7 @@ Match(Cases...) -> Match<Cases...>; // Clang 14 does not deduce aggregates
 void check_dimension(const std::string& name, const char* what, double value, bool zero_too = false)
 {
     if (!(value > 0 || (zero_too && value == 0)) || !(value <= largest))
-        refuse(name, fmt::format("{} is {}; it must be {} and at most {}", what, value,
+        refuse(name, fmt::format("{} is {}; it must be {} and at most {:g}", what, value,
                                  zero_too ? "0 or above" : "above 0", largest));
     if (value != 0 && value < least)
         refuse(name,
@@ -230,7 +230,7 @@ void check_shape(const std::string& name, const Shape& shape)
             refuse(name, fmt::format("the convex hull has {} points; it needs at least 4", hull.points.size()));
         for (std::size_t i = 0; i < hull.points.size(); ++i)
             if (!(hull.points[i].cwiseAbs().maxCoeff() <= largest) || !hull.points[i].allFinite())
-                refuse(name, fmt::format("point {} of the convex hull is not finite or beyond {}", i, largest));
+                refuse(name, fmt::format("point {} of the convex hull is not finite or beyond {:g}", i, largest));
         enclose_hull(name, hull.points);
     };
     std::visit(Match{[&](const Sphere& s) { check_dimension(name, "the radius", s.radius); },

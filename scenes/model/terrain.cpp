@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/large_vector.hpp>
 #include <oncollide/scenes/cooked/cooked_terrain.hpp>
 
 namespace oncollide {
@@ -418,7 +419,8 @@ Mesh mesh_of(const Terrain& terrain)
         refuse("terrain", fmt::format("a mesh cannot have the triangles of {} cells", terrain.cells()));
     std::vector<Eigen::Vector3d> points;
     std::vector<Triangle> triangles;
-    points.reserve(std::size_t(terrain.columns()) * terrain.rows()), triangles.reserve(2 * terrain.cells());
+    reserve_large(points, std::size_t(terrain.columns()) * terrain.rows()),
+        reserve_large(triangles, 2 * terrain.cells());
     for (std::uint32_t r = 0; r < terrain.rows(); ++r)
         for (std::uint32_t c = 0; c < terrain.columns(); ++c) {
             Eigen::Vector3d point = terrain.point(c, r);

@@ -196,6 +196,22 @@ TEST(Terrain, WithHeightsThatAreOffIsNeverSureWithinTheirError)
     EXPECT_GT(within, 50);
 }
 
+/// Neither is a shape, that could hold a part of the other.
+TEST(Terrain, WithHeightsThatAreOffIsApartFromALargeMeshAboveIt)
+{
+    TerrainGrid grid{.columns = 3, .rows = 3};
+    grid.spacing = {5, 5}, grid.origin = {-5, -5, 0}, grid.bytes = 1;
+    const Terrain valley = make_terrain("valley", grid, std::vector<double>{2, 2, 2, 0, 0.123456, 0, 2, 2, 2});
+    ASSERT_GT(valley.error(), 0);
+    Isometry3d pose(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX()));
+    pose.translation().z() = 2;
+    const GeometryData roof = make_terrain_mesh(4, 0.1, 300, 1);
+    Pair pair = pair_of({.exact = ExactLevel::predicates}, valley, Isometry3d::Identity(), roof, pose);
+    const PairResult found = result_of(pair.world);
+    EXPECT_EQ(found.verdict, Verdict::separate);
+    EXPECT_GT(found.bound, 0);
+}
+
 /// An island in a large box: no surfaces meet.
 TEST(Terrain, PartsInsideASolidCollide)
 {
