@@ -302,9 +302,10 @@ void add_read(Arguments bench)
                    "mesh files, or scene files, whose bodies count (default: a generated height field in each style)")
         .expected(0, 1000)
         .type_name("FILE...");
-    sub.add_option("--styles", options->styles,
-                   "of the generated files: obj, obj-full, obj-back, obj-exact, stl, stl-mixed, ply, stl-text, ply-text, "
-                   "off (default: all)")
+    sub.add_option(
+           "--styles", options->styles,
+           "of the generated files: obj, obj-full, obj-back, obj-exact, stl, stl-mixed, ply, stl-text, ply-text, "
+           "off (default: all)")
         .type_name("LIST");
     sub.add_option("--triangles", options->triangles, "of the height field, about (default 10000000)").type_name("N");
     sub.add_option("--repeats", options->repeats, "of each file the least time counts (default 3)").type_name("N");
