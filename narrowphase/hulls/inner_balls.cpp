@@ -200,7 +200,7 @@ void InnerBalls::add_enclosed(const Mesh& mesh)
             add(centre, radius);
             ++enclosed_;
         }
-        const double covered = std::max(0.75 * radius, 0.5 * grid.side());
+        const double covered = std::max(radius, 0.5 * grid.side());
         std::erase_if(cells, [&](const Cell& cell) { return (cell.centre - centre).norm() <= covered; });
     }
 }
