@@ -65,7 +65,8 @@ class Grid {
 public:
     explicit Grid(const Mesh& mesh)
     {
-        constexpr double most_cells = 40; // along the longest side
+        // Along the longest side: few where the mesh has few vertices, for which a fine grid would take the longest.
+        const double most_cells = std::clamp(0.8 * std::sqrt(double(mesh.vertices.size())), 16.0, 40.0);
         const Vector3d size = mesh.bounds.max - mesh.bounds.min;
         side_ = size.maxCoeff() / most_cells;
         origin_ = mesh.bounds.min - Vector3d::Constant(1.5 * side_);
