@@ -83,13 +83,23 @@ void Model::make_boxes(ChunkBudget* budget, BoxTotals& totals)
 }
 
 /// Of a cooked mesh all is read for it, and none of it kept.
-void Model::make_hull()
+bool Model::prepare_solids()
 {
+    // As long as so many walks for each vertex take: the balls save less, and are not to delay first results.
+    constexpr std::uint64_t walks_for_hull = 1, walks_for_balls = 8;
+    if (has_solids() || ++walks_ <= (hull_ ? walks_for_balls : walks_for_hull) * vertices()) return false;
     try {
-        hull_ = std::make_unique<OuterHull>(cooked() ? cooked()->whole() : *surface_mesh());
+        std::optional<Mesh> whole;
+        if (cooked()) whole = cooked()->whole();
+        const Mesh& mesh = whole ? *whole : *surface_mesh();
+        if (hull_)
+            balls_ = std::make_unique<InnerBalls>(mesh);
+        else
+            hull_ = std::make_unique<OuterHull>(mesh);
     } catch (const ChunkFault&) { // which the file keeps
-        no_hull_ = true;
+        no_solids_ = true;
     }
+    return true;
 }
 
 const Convex& Model::convex() const
@@ -160,12 +170,6 @@ const FclModel& Model::fcl() const
 {
     std::call_once(fcl_once_, [&] { fcl_ = cooked() ? make_fcl_model(*mesh()) : make_fcl_model(geometry_->data); });
     return *fcl_;
-}
-
-bool Model::expect_hull()
-{
-    // Making it costs about as much as so many walks.
-    return !hull_ && !no_hull_ && has_triangles() && ++walks_ > vertices();
 }
 
 } // namespace oncollide

@@ -17,6 +17,7 @@
 #include <oncollide/narrowphase/boxes/obb_tree.hpp>
 #include <oncollide/narrowphase/boxes/terrain_tree.hpp>
 #include <oncollide/narrowphase/exact/exact_fcl.hpp>
+#include <oncollide/narrowphase/hulls/inner_balls.hpp>
 #include <oncollide/narrowphase/hulls/outer_hull.hpp>
 #include <oncollide/narrowphase/inside/parts.hpp>
 #include <oncollide/narrowphase/solids/convex.hpp>
@@ -110,13 +111,15 @@ public:
     /// FCL's model, for exact = fcl.
     const FclModel& fcl() const;
 
-    /// A walk of it against another mesh is about to begin; is hull() still missing though so many have been that it
-    /// pays? Not beside other calls.
-    bool expect_hull();
-    /// Makes it. Not beside other calls.
-    void make_hull();
+    /// A walk of it against another mesh is about to begin: makes the hull, and later the balls, where so many have
+    /// been that it pays. Returns whether it made something. Not beside other calls.
+    bool prepare_solids();
+    /// Is there nothing more to prepare?
+    bool has_solids() const { return (hull_ && (balls_ || !is_mesh())) || no_solids_ || !has_triangles(); }
     /// The convex solid around surface_mesh(); null: not there.
     const OuterHull* hull() const { return hull_.get(); }
+    /// The balls within a mesh; null: not there.
+    const InnerBalls* balls() const { return balls_.get(); }
 
     std::uint32_t number = 0; ///< by which backends know its sphere-tree
     /// Frame in which a pair last needed the boxes.
@@ -150,6 +153,7 @@ private:
     const void* data_; ///< what there is of that kind: the geometry's, or this model's own
     const CookedFile* file_;
     std::unique_ptr<OuterHull> hull_;
+    std::unique_ptr<InnerBalls> balls_;
     PoseBounds bounds_;
     std::optional<OccupancyMap> own_map_;
     std::optional<Terrain> own_terrain_;
@@ -164,8 +168,8 @@ private:
     mutable bool closed_ = false;
     mutable std::vector<PartPoints> parts_;
     mutable std::shared_ptr<const FclModel> fcl_;
-    std::uint64_t walks_ = 0; ///< expected without a hull
-    bool no_hull_ = false;    ///< the file cannot be read
+    std::uint64_t walks_ = 0; ///< expected while there was something to prepare
+    bool no_solids_ = false;  ///< the file cannot be read
 };
 
 /// Around a box that is moved, rounded outward.

@@ -131,7 +131,7 @@ void Report::add_sums(const FrameView& frame)
     trees_.node_pairs += trees.node_pairs, trees_.triangle_pairs += trees.triangle_pairs;
     trees_.unsure_pairs += trees.unsure_pairs;
     trees_.narrowed += trees.narrowed, trees_.by_gap += trees.by_gap, trees_.by_hull += trees.by_hull,
-        trees_.by_witness += trees.by_witness;
+        trees_.by_balls += trees.by_balls, trees_.by_witness += trees.by_witness;
     trees_.collapsed += trees.collapsed, trees_.refused += trees.refused;
     trees_.queries += trees.queries, trees_.gpu_bytes += trees.gpu_bytes;
     trees_.repeats += trees.repeats;
@@ -186,14 +186,16 @@ void Report::print_header(OutputFile& file) const
     file.print("  \"verdicts\": {}, \"kinds\": {},\n", counts_json(verdict_order, verdicts()),
                counts_json(kind_order, kinds()));
     file.print("  \"trees\": {{\"rounds\": {}, \"rows\": {}, \"node_pairs\": {}, \"triangle_pairs\": {}, "
-               "\"unsure_pairs\": {}, \"narrowed\": {}, \"by_gap\": {}, \"by_hull\": {}, \"by_witness\": {}, "
+               "\"unsure_pairs\": {}, \"narrowed\": {}, \"by_gap\": {}, \"by_hull\": {}, \"by_balls\": {}, "
+               "\"by_witness\": {}, "
                "\"collapsed\": {}, "
                "\"refused\": {}, "
                "\"queries\": {}, \"gpu_bytes\": {}, "
                "\"repeats\": {}, \"nodes\": {}, \"bytes\": {}, \"peak_nodes\": {}, \"peak_bytes\": {}}}}}",
                trees_.rounds, trees_.rows, trees_.node_pairs, trees_.triangle_pairs, trees_.unsure_pairs,
-               trees_.narrowed, trees_.by_gap, trees_.by_hull, trees_.by_witness, trees_.collapsed, trees_.refused,
-               trees_.queries, trees_.gpu_bytes, trees_.repeats, trees_.nodes, trees_.bytes, peak_nodes_, peak_bytes_);
+               trees_.narrowed, trees_.by_gap, trees_.by_hull, trees_.by_balls, trees_.by_witness, trees_.collapsed,
+               trees_.refused, trees_.queries, trees_.gpu_bytes, trees_.repeats, trees_.nodes, trees_.bytes,
+               peak_nodes_, peak_bytes_);
 }
 
 void Report::print_stages(OutputFile& file) const

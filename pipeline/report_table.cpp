@@ -116,11 +116,12 @@ void Report::print_table(std::ostream& out) const
                             grouped(kinds_[int(ContactKind::crossing)]), grouped(kinds_[int(ContactKind::enclosed)]),
                             grouped(kinds_[int(ContactKind::near)]));
     if (trees_.narrowed)
-        text += fmt::format("walks      {} pairs by boxes or exactly: {} by the gap of an earlier frame, {} by hulls, "
-                            "{} by what met last, {} walked\n",
-                            grouped(trees_.narrowed), grouped(trees_.by_gap), grouped(trees_.by_hull),
-                            grouped(trees_.by_witness),
-                            grouped(trees_.narrowed - trees_.by_gap - trees_.by_hull - trees_.by_witness));
+        text += fmt::format(
+            "walks      {} pairs by boxes or exactly: {} by the gap of an earlier frame, {} by hulls, "
+            "{} by balls within them, {} by what met last, {} walked\n",
+            grouped(trees_.narrowed), grouped(trees_.by_gap), grouped(trees_.by_hull), grouped(trees_.by_balls),
+            grouped(trees_.by_witness),
+            grouped(trees_.narrowed - trees_.by_gap - trees_.by_hull - trees_.by_balls - trees_.by_witness));
     text += fmt::format("trees      {} cells requested in {} rounds; at the end {} cells, {}", grouped(trees_.rows),
                         grouped(trees_.rounds), grouped(trees_.nodes), bytes_text(trees_.bytes));
     text += trees_.refused ? fmt::format("; {} cells refused by a budget\n", grouped(trees_.refused)) : "\n";

@@ -144,6 +144,22 @@ def many():
                   "candidates of the last frame", "left over", "of these apart"], out)
 
 
+def many_pairs():
+    """What decides a pair of `many`, and where a frame's time goes, in the mean of the frames that count."""
+    out = []
+    for name, title in MANY.items():
+        frames = rows_of(f"many/{name}")[3:]
+        mean = lambda *columns: sum(float(r[c]) for r in frames for c in columns) / len(frames)
+        pairs = mean("narrowed")
+        decided = [mean(f"by_{what}") for what in ("gap", "hull", "balls", "witness")]
+        shares = [f"{100 * n / pairs:.0f} %" for n in decided + [pairs - sum(decided)]]
+        out.append([title, *shares, f"{mean('cell_pairs') / pairs:.1f}", f"{mean('bounds_ms'):.2f}", f"{mean('broad_ms'):.2f}",
+                    f"{mean('ocst_ms', 'exact_ms'):.2f}", f"{1e6 * mean('ocst_ms', 'exact_ms') / pairs:,.0f}",
+                    f"{1e6 * mean('fcl_narrow_ms') / pairs:,.0f}"])
+    return table(["`bench many`", "by the gap", "hulls", "balls", "what met last", "walked", "rows of boxes a pair", "bounds, ms", "broad, ms",
+                  "narrow, ms", "ns a pair", "FCL, ns a pair"], out)
+
+
 WORLDS = {
     "campus": "`campus`: 500 shapes and meshes, 1.09 million cells",
     "st-helens": "`st-helens`: 1,000 cars, lorries and drones, {triangles}",
@@ -393,7 +409,7 @@ def python():
                   for r in rows_of("python")])
 
 
-TABLES = {f.__name__: f for f in (many, narrow, narrow_large, study, study_peers, octants, octants_missed, paper, planner,
+TABLES = {f.__name__: f for f in (many, many_pairs, narrow, narrow_large, study, study_peers, octants, octants_missed, paper, planner,
                                   world, broad, hard, spheres, sphere_levels, occlusion_losses, delimitation,
                                   environments, worlds, distances, shape_distances, shapes, reading, clash,
                                   python, view)}

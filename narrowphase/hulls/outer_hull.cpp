@@ -131,7 +131,8 @@ Vector3d OuterHull::farthest(const Vector3f& direction) const
     return point(points_, number_of_farthest(points_, direction));
 }
 
-HullGap hull_gap(const OuterHull& a, const OuterHull& b, const RelativePose& b_to_a, const Vector3f& first)
+HullGap hull_gap(const OuterHull& a, const OuterHull& b, const RelativePose& b_to_a, const Vector3f& first,
+                 double enough)
 {
     const Vector3d between = b_to_a(b.centre()) - a.centre();
     // Poses may be 2^-20 from rigid. A point that is farthest in float may show less than another one by 2^-21 of the
@@ -146,7 +147,7 @@ HullGap hull_gap(const OuterHull& a, const OuterHull& b, const RelativePose& b_t
             const Vector3d of_b = b.farthest((b_to_a.rotation.transpose() * -n).cast<float>());
             return ConvexDifference::Point{between + b_to_a.rotation * of_b - of_a, of_a};
         },
-        [&](const Search& s) { return s.upper <= covered || s.lower >= 0.9 * s.upper; });
+        [&](const Search& s) { return s.upper <= covered || s.lower >= 0.9 * s.upper || s.lower - covered >= enough; });
     const double gap = (search.lower - covered) * (1 - 0x1p-18);
     return {std::max(gap, 0.0), search.across.cast<float>()};
 }

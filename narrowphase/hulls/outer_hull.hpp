@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include <Eigen/Core>
 
@@ -43,6 +44,7 @@ struct HullGap {
 /// How far apart are two meshes, by their solids: at least nine tenths of what the solids show.
 /// @param first  the direction to try first; where it parted them a moment ago it mostly does again
 /// Cost: 0.1 to 1 microseconds.
-HullGap hull_gap(const OuterHull& a, const OuterHull& b, const RelativePose& b_to_a, const Eigen::Vector3f& first);
+HullGap hull_gap(const OuterHull& a, const OuterHull& b, const RelativePose& b_to_a, const Eigen::Vector3f& first,
+                 double enough = std::numeric_limits<double>::infinity());
 
 } // namespace oncollide

@@ -52,44 +52,77 @@ void remember(PairMemory* memory, const std::optional<TrianglePair>& meeting)
     if (meeting) memory->triangles = *meeting;
 }
 
-/// Of bodies farther apart a walk says `separate`, whatever rounding and poses that are not quite rigid do to it.
-/// @param beyond  it may say something else up to there
-double surely_separate(const PairTask& task, double beyond)
+/// What rounding and poses that are not quite rigid do to distances of the two bodies, at most.
+double rounding_of(const PairTask& task)
 {
     const auto reach = [](const Model& model) { return model.is_half_space() ? 0 : model.bounds().reach(); };
     const double rounding = 0x1p-30 + 4 * (stretch(*task.pose_a) + stretch(*task.pose_b));
-    return beyond * (1 + 0x1p-16) + rounding * (reach(*task.a) + reach(*task.b));
+    return rounding * (reach(*task.a) + reach(*task.b));
 }
 
-/// Do their hulls show that two bodies are surely separate? The gap is remembered. Hulls that overlapped are left alone
-/// for a while, the longer the more often they did. Bodies at rest get no other answer than before.
+/// Of bodies farther apart a walk says `separate`.
+/// @param beyond  it may say something else up to there
+double surely_separate(const PairTask& task, double beyond)
+{
+    return beyond * (1 + 0x1p-16) + rounding_of(task);
+}
+
+/// Hulls and balls that showed nothing are left alone for a while, the longer the more often they did not.
+bool rests(PairMemory::Rest& rest)
+{
+    return rest.walks > 0 && (--rest.walks, true);
+}
+void let_rest(PairMemory::Rest& rest)
+{
+    rest.in_vain = std::min<std::uint8_t>(rest.in_vain + 1, 7);
+    rest.walks = static_cast<std::uint8_t>((1u << rest.in_vain) - 1);
+}
+
+/// Do their hulls show that two bodies are surely separate? The gap is remembered. Bodies at rest get no other answer
+/// than before.
 bool hulls_part(const PairTask& task, double beyond, PairMemory& memory, double& gap)
 {
     const OuterHull *const a = task.a->hull(), *const b = task.b->hull();
-    if (!a || !b || task.travel == memory.walked_at) return false;
-    if (memory.hulls_rest > 0) return --memory.hulls_rest, false;
-    const HullGap found = hull_gap(*a, *b, RelativePose(*task.pose_a, *task.pose_b), memory.across);
+    if (!a || !b || task.travel == memory.walked_at || rests(memory.hulls)) return false;
+    const double needed = surely_separate(task, beyond);
+    // A gap that lasts half as long as it is since they were looked at is found along the remembered direction, as a
+    // rule; the largest takes four times as long to find.
+    const double enough = std::max(2 * needed, 0.5 * (task.travel - memory.walked_at));
+    const HullGap found = hull_gap(*a, *b, RelativePose(*task.pose_a, *task.pose_b), memory.across, enough);
     memory.across = found.across;
-    if (!(found.gap > surely_separate(task, beyond))) {
-        memory.hulls_overlapped = std::min<std::uint8_t>(memory.hulls_overlapped + 1, 7);
-        memory.hulls_rest = static_cast<std::uint8_t>((1u << memory.hulls_overlapped) - 1);
-        return false;
-    }
-    memory.hulls_overlapped = 0;
+    if (!(found.gap > needed)) return let_rest(memory.hulls), false;
+    memory.hulls.in_vain = 0;
+    memory.walked_at = task.travel;
     memory.part(found.gap, task.travel);
     gap = found.gap;
     return true;
 }
 
-/// Makes hulls of models of which many pairs were walked, a few a frame, the first of the list first.
-void make_hulls(std::span<const PairTask> tasks)
+/// Do their surfaces certainly meet, since balls within them overlap so far? How far the bodies must move to part is
+/// remembered.
+bool balls_meet(const PairTask& task, PairMemory& memory)
+{
+    const auto holds = [&](double depth) { return depth > 0 && depth > rounding_of(task); };
+    if (holds(memory.depth(task.travel))) return true;
+    const InnerBalls *const a = task.a->balls(), *const b = task.b->balls();
+    if (!a || !b || !memory.met || task.travel == memory.walked_at || rests(memory.balls)) return false;
+    const double depth = meeting_depth(*a, *b, RelativePose(*task.pose_a, *task.pose_b));
+    if (!holds(depth)) return let_rest(memory.balls), false;
+    memory.balls.in_vain = 0;
+    memory.meet(depth, task.travel);
+    return true;
+}
+
+/// Makes hulls of models of which many pairs were walked, and balls, a few a frame, the first of the list first.
+void prepare_solids(std::span<const PairTask> tasks)
 {
     constexpr int most = 4;
     int made = 0;
     for (const PairTask& task : tasks) {
-        if ((task.a->hull() && task.b->hull()) || !task.a->has_triangles() || !task.b->has_triangles()) continue;
-        for (Model* model : {task.a, task.b})
-            if (model->expect_hull() && made < most) model->make_hull(), ++made;
+        if (made == most) return;
+        if ((task.a->has_solids() && task.b->has_solids()) || !task.a->has_triangles() || !task.b->has_triangles())
+            continue;
+        for (Model* model : {task.a, task.b}) made += model->prepare_solids();
     }
 }
 
@@ -156,7 +189,7 @@ void fetch_ahead(std::span<const PairTask> tasks, PairCache* cache, std::size_t 
 
 } // namespace
 
-/// What the pair's gap decides again, its hulls, or its walk.
+/// What the pair's gap decides again, balls within the bodies, their hulls, or a walk.
 RefineResult ObbRefiner::refine(const RefineContext& context, const PairTask& task, PairMemory* memory,
                                 Worker& worker) const
 {
@@ -169,8 +202,16 @@ RefineResult ObbRefiner::refine(const RefineContext& context, const PairTask& ta
     if (!memory) return walk(nullptr);
     const double beyond = settings.clearance + tolerance;
     double gap = memory->gap(task.travel);
-    const bool kept = gap > beyond && gap > surely_separate(task, beyond),
-               parted = !kept && hulls_part(task, beyond, *memory, gap);
+    const bool kept = gap > beyond && gap > surely_separate(task, beyond);
+    if (!kept && settings.coherence && !wants_kinds(settings) && balls_meet(task, *memory)) {
+        const bool meeting = goal_ == Goal::exact;
+        // As near() has it, but of an error that rounding exceeds.
+        if (meeting || tolerance >= 2 * rounding_of(task) + 0x1p-16 * settings.clearance) {
+            ++worker.by_balls;
+            return {meeting ? Verdict::colliding : Verdict::within, ContactKind::unknown, meeting ? 0 : beyond};
+        }
+    }
+    const bool parted = !kept && hulls_part(task, beyond, *memory, gap);
     if (kept || parted) {
         ++(kept ? worker.by_gap : worker.by_hull);
         // Without coherence they are walked all the same.
@@ -183,7 +224,7 @@ RefineResult ObbRefiner::refine(const RefineContext& context, const PairTask& ta
     if (result.verdict == Verdict::separate)
         memory->part(result.bound, task.travel);
     else
-        memory->hulls_rest = std::max<std::uint8_t>(memory->hulls_rest, 1);
+        memory->hulls.walks = std::max<std::uint8_t>(memory->hulls.walks, 1);
     return result;
 }
 
@@ -267,7 +308,7 @@ RefineResult ObbRefiner::refine_there(const RefineContext& context, const PairTa
 void ObbRefiner::refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
                         std::span<RefineResult> results)
 {
-    if (cache) make_hulls(tasks);
+    if (cache) prepare_solids(tasks);
     while (workers_.size() < static_cast<std::size_t>(std::max(context.threads, 1))) workers_.emplace_back();
     parallel_chunks(tasks.size(), pairs_per_chunk, context.threads,
                     [&](std::size_t begin, std::size_t end, int thread) {
@@ -291,6 +332,7 @@ void ObbRefiner::refine(RefineContext& context, std::span<const PairTask> tasks,
         worker.solids.reset_counts();
         context.trees.by_gap += worker.by_gap, worker.by_gap = 0;
         context.trees.by_hull += worker.by_hull, worker.by_hull = 0;
+        context.trees.by_balls += worker.by_balls, worker.by_balls = 0;
     }
 }
 

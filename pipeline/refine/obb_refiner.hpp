@@ -28,8 +28,9 @@ private:
         TriangleWalks walks;
         SharedInside inside;
         SolidPairs solids;
-        std::uint64_t by_gap = 0;  ///< pairs that their gap decided
-        std::uint64_t by_hull = 0; ///< pairs that their hulls decided
+        std::uint64_t by_gap = 0;   ///< pairs that their gap decided
+        std::uint64_t by_hull = 0;  ///< pairs that their hulls decided
+        std::uint64_t by_balls = 0; ///< pairs that balls within them decided
     };
     RefineResult refine(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;
     RefineResult refine_there(const RefineContext& context, const PairTask& task, const RefineResult& known,

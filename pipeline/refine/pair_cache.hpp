@@ -16,13 +16,18 @@ namespace oncollide {
 /// was certified: until then they are apart.
 struct PairMemory {
     double apart_until = 0; ///< while their travel is less, so far are the bodies apart at least
-    double walked_at = -1;  ///< their travel when they were walked last
+    double meet_until = 0;  ///< while their travel is less, their surfaces meet
+    double walked_at = -1;  ///< their travel when they were walked last, or parted by their hulls
     Eigen::Vector3f across = Eigen::Vector3f::Zero(); ///< what parted their hulls (hull_gap), or nearly did
-    std::uint8_t hulls_rest = 0;                      ///< their hulls are left alone for so many more walks
-    std::uint8_t hulls_overlapped = 0;                ///< so many times in a row, which is why
-    bool met = false;                                 ///< `triangles` met, or were as near as was asked
-    TrianglePair triangles{};                         ///< witness of contact; 0 for a shape
-    LeafPair leaves{};                                ///< leaves of the sphere-trees that touched
+    struct Rest {
+        std::uint8_t walks = 0;   ///< not looked at for so many more walks
+        std::uint8_t in_vain = 0; ///< looked at so many times in a row, which is why
+    };
+    Rest hulls{};             ///< around them
+    Rest balls{};             ///< within them
+    bool met = false;         ///< `triangles` met, or were as near as was asked
+    TrianglePair triangles{}; ///< witness of contact; 0 for a shape
+    LeafPair leaves{};        ///< leaves of the sphere-trees that touched
     /// Of a map the cell, in place of its triangle; else where the triangles are.
     std::variant<std::monostate, MapCell, MeetingPlace<ObbTree, ObbTree>, MeetingPlace<TerrainTree, ObbTree>,
                  MeetingPlace<ObbTree, TerrainTree>>
@@ -30,6 +35,9 @@ struct PairMemory {
 
     /// @param travel  of both, now
     double gap(double travel) const { return apart_until - travel - 0x1p-50 * travel; }
+    /// So far must they move before they can have parted.
+    double depth(double travel) const { return meet_until - travel - 0x1p-50 * travel; }
+    void meet(double depth, double travel) { meet_until = (travel + depth) * (1 - 0x1p-52); }
     void part(double gap, double travel) { apart_until = std::max(apart_until, (travel + gap) * (1 - 0x1p-52)); }
 };
 

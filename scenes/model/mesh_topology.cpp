@@ -91,6 +91,25 @@ std::vector<MeshEdge> open_edges(const Mesh& mesh)
     return open;
 }
 
+bool edges_are_even(const Mesh& mesh)
+{
+    const std::vector<std::uint32_t> first = weld(mesh.vertices);
+    std::vector<std::uint64_t> edges;
+    edges.reserve(3 * mesh.triangles.size());
+    for (const Triangle& t : mesh.triangles)
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::uint64_t from = first[t[i]], to = first[t[(i + 1) % 3]];
+            if (from != to) edges.push_back(std::min(from, to) << 32 | std::max(from, to));
+        }
+    std::sort(edges.begin(), edges.end());
+    for (auto begin = edges.begin(); begin != edges.end();) {
+        const auto end = std::find_if(begin, edges.end(), [&](std::uint64_t edge) { return edge != *begin; });
+        if ((end - begin) % 2) return false;
+        begin = end;
+    }
+    return true;
+}
+
 bool is_closed(const Mesh& mesh)
 {
     const bool some_area =

@@ -18,6 +18,10 @@ struct MeshEdge {
 /// along in the same direction. Triangles without area are left out. Cost: O(n log n).
 std::vector<MeshEdge> open_edges(const Mesh& mesh);
 
+/// Is every edge one of an even number of triangles? Then the surface parts space into regions, and a ray out of one
+/// that is within it crosses it an odd number of times, or the region is not within. Cost: O(n log n).
+bool edges_are_even(const Mesh& mesh);
+
 /// By triangle: the number of its part, parts being numbered from 0 in the order of their first triangles. Triangles
 /// that share a vertex are of one part. Cost: O(n log n).
 std::vector<std::uint32_t> parts_of(const Mesh& mesh);

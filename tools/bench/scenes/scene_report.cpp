@@ -203,16 +203,19 @@ void SceneReport::write_csv() const
                                      hash_of(settings_), options_.only)));
     file.print("frame,fcl_ms,fcl_transforms_ms,fcl_update_ms,fcl_pairs_ms,fcl_narrow_ms,fcl_candidates,fcl_colliding,"
                "ms,bounds_ms,delimitation_ms,broad_ms,ocst_ms,exact_ms,candidates,left_over,colliding,undecided,"
-               "false_positives,missed,cells,cells_asked,cell_pairs,bytes,hash,regions,left\n");
+               "false_positives,missed,cells,cells_asked,cell_pairs,bytes,hash,regions,left,"
+               "narrowed,by_gap,by_hull,by_balls,by_witness\n");
     for (std::size_t frame = 0; frame < runs_.rows.size(); ++frame) {
         const SceneRow& r = runs_.rows[frame];
         file.print("{},{},{},{},{},{},{},{},", runs_.first + int(frame), with_fcl_ ? r.fcl_ms : 0, r.fcl_parts[0],
                    r.fcl_parts[1], r.fcl_parts[2], r.fcl_parts[3], r.fcl_candidates, r.counts.fcl_colliding);
         file.print("{},{},{},{},{},{},", with_ours_ ? r.our_ms : 0, r.our_parts[0], r.our_parts[1], r.our_parts[2],
                    r.our_parts[3], r.our_parts[4]);
-        file.print("{},{},{},{},{},{},{},{},{},{},{:016x},{},{}\n", r.counts.pairs, r.counts.left_over,
+        file.print("{},{},{},{},{},{},{},{},{},{},{:016x},{},{},", r.counts.pairs, r.counts.left_over,
                    r.counts.colliding, r.counts.undecided, r.counts.false_positives, r.counts.missed, r.trees.nodes,
                    r.trees.rows, r.trees.node_pairs, r.trees.bytes, r.hash, r.regions, r.left);
+        file.print("{},{},{},{},{}\n", r.trees.narrowed, r.trees.by_gap, r.trees.by_hull, r.trees.by_balls,
+                   r.trees.by_witness);
     }
     file.commit();
 }
