@@ -96,7 +96,7 @@ bool balls_meet(const PairTask& task, double rounding, PairMemory& memory)
 {
     if (memory.depth(task.travel) > rounding) return true;
     const InnerBalls *const a = task.a->balls(), *const b = task.b->balls();
-    if (!a || !b || !memory.met || task.travel == memory.walked_at || rests(memory.balls)) return false;
+    if (!a || !b || !memory.near || task.travel == memory.walked_at || rests(memory.balls)) return false;
     const double depth = meeting_depth(*a, *b, RelativePose(*task.pose_a, *task.pose_b));
     if (!(depth > rounding)) return let_rest(memory.balls), false;
     memory.balls.in_vain = 0;
@@ -195,13 +195,13 @@ RefineResult ObbRefiner::refine(const RefineContext& context, const PairTask& ta
     const double rounding = rounding_of(task), needed = (settings.clearance + tolerance) * (1 + 0x1p-16) + rounding;
     double gap = memory->gap(task.travel);
     const bool kept = gap > needed;
-    if (!kept && settings.coherence && !wants_kinds(settings) && balls_meet(task, rounding, *memory)) {
-        const double bound = settings.clearance + tolerance; // as near() has it, but of an error that rounding exceeds
-        const bool meeting = goal_ == Goal::exact;
-        if (meeting || tolerance >= 2 * rounding + 0x1p-16 * settings.clearance) {
-            ++worker.by_balls;
-            return {meeting ? Verdict::colliding : Verdict::within, ContactKind::unknown, meeting ? 0 : bound};
-        }
+    // What near() says, too, where the error is more than what rounding hides.
+    const bool sure = goal_ == Goal::exact || tolerance >= 2 * rounding + 0x1p-16 * settings.clearance;
+    if (!kept && sure && !wants_kinds(settings) && balls_meet(task, rounding, *memory)) {
+        ++worker.by_balls;
+        if (!settings.coherence) return walk(nullptr);
+        if (goal_ == Goal::exact) return {Verdict::colliding, ContactKind::unknown, 0};
+        return {Verdict::within, ContactKind::unknown, settings.clearance + tolerance};
     }
     const bool parted = !kept && hulls_part(task, needed, *memory, gap);
     if (kept || parted) {
@@ -213,6 +213,7 @@ RefineResult ObbRefiner::refine(const RefineContext& context, const PairTask& ta
     }
     const RefineResult result = walk(settings.coherence ? memory : nullptr);
     memory->walked_at = task.travel;
+    memory->near = result.verdict != Verdict::separate;
     if (result.verdict == Verdict::separate)
         memory->part(result.bound, task.travel);
     else

@@ -31,8 +31,9 @@ struct PairMemory {
         std::uint8_t walks = 0;   ///< not looked at for so many more walks
         std::uint8_t in_vain = 0; ///< looked at so many times in a row, which is why
     };
-    Rest hulls{}; ///< around them
-    Rest balls{}; ///< within them
+    bool near = false; ///< their last walk did not part them
+    Rest hulls{};      ///< around them
+    Rest balls{};      ///< within them
 
     /// @param travel  of both, now
     double gap(double travel) const { return apart_until - travel - 0x1p-50 * travel; }
