@@ -105,7 +105,7 @@ bool balls_meet(const PairTask& task, PairMemory& memory)
     const auto holds = [&](double depth) { return depth > 0 && depth > rounding_of(task); };
     if (holds(memory.depth(task.travel))) return true;
     const InnerBalls *const a = task.a->balls(), *const b = task.b->balls();
-    if (!a || !b || !memory.met || task.travel == memory.walked_at || rests(memory.balls)) return false;
+    if (!a || !b || !memory.near || task.travel == memory.walked_at || rests(memory.balls)) return false;
     const double depth = meeting_depth(*a, *b, RelativePose(*task.pose_a, *task.pose_b));
     if (!holds(depth)) return let_rest(memory.balls), false;
     memory.balls.in_vain = 0;
@@ -203,13 +203,15 @@ RefineResult ObbRefiner::refine(const RefineContext& context, const PairTask& ta
     const double beyond = settings.clearance + tolerance;
     double gap = memory->gap(task.travel);
     const bool kept = gap > beyond && gap > surely_separate(task, beyond);
-    if (!kept && settings.coherence && !wants_kinds(settings) && balls_meet(task, *memory)) {
-        const bool meeting = goal_ == Goal::exact;
-        // As near() has it, but of an error that rounding exceeds.
-        if (meeting || tolerance >= 2 * rounding_of(task) + 0x1p-16 * settings.clearance) {
-            ++worker.by_balls;
-            return {meeting ? Verdict::colliding : Verdict::within, ContactKind::unknown, meeting ? 0 : beyond};
-        }
+    // What near() says, too, where the error is more than what rounding hides.
+    const auto sure = [&] {
+        return goal_ == Goal::exact || tolerance >= 2 * rounding_of(task) + 0x1p-16 * settings.clearance;
+    };
+    if (!kept && task.a->balls() && task.b->balls() && !wants_kinds(settings) && sure() && balls_meet(task, *memory)) {
+        ++worker.by_balls;
+        if (!settings.coherence) return walk(nullptr);
+        if (goal_ == Goal::exact) return {Verdict::colliding, ContactKind::unknown, 0};
+        return {Verdict::within, ContactKind::unknown, beyond};
     }
     const bool parted = !kept && hulls_part(task, beyond, *memory, gap);
     if (kept || parted) {
@@ -221,6 +223,7 @@ RefineResult ObbRefiner::refine(const RefineContext& context, const PairTask& ta
     }
     const RefineResult result = walk(settings.coherence ? memory : nullptr);
     memory->walked_at = task.travel;
+    memory->near = result.verdict != Verdict::separate;
     if (result.verdict == Verdict::separate)
         memory->part(result.bound, task.travel);
     else

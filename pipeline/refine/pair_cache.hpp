@@ -25,6 +25,7 @@ struct PairMemory {
     };
     Rest hulls{};             ///< around them
     Rest balls{};             ///< within them
+    bool near = false;        ///< their last walk did not part them
     bool met = false;         ///< `triangles` met, or were as near as was asked
     TrianglePair triangles{}; ///< witness of contact; 0 for a shape
     LeafPair leaves{};        ///< leaves of the sphere-trees that touched

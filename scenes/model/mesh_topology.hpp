@@ -18,8 +18,8 @@ struct MeshEdge {
 /// along in the same direction. Triangles without area are left out. Cost: O(n log n).
 std::vector<MeshEdge> open_edges(const Mesh& mesh);
 
-/// Is every edge one of an even number of triangles? Then the surface parts space into regions, and a ray out of one
-/// that is within it crosses it an odd number of times, or the region is not within. Cost: O(n log n).
+/// Is every edge one of an even number of triangles? Then a point from which a ray crosses the surface an odd number of
+/// times is enclosed: no way leads from it to the outside but through the surface. Cost: O(n log n).
 bool edges_are_even(const Mesh& mesh);
 
 /// By triangle: the number of its part, parts being numbered from 0 in the order of their first triangles. Triangles
