@@ -212,7 +212,9 @@ TEST_P(Coherence, ChangesNoVerdictAndNoBoundAndKeepsPairsApartThatAre)
     EXPECT_GT(bounds + (on.mode == Mode::solid ? 1000 : 0), 100u);
     EXPECT_GT(by_gap, 1000u);
     EXPECT_GT(by_hull, 10u) << by_gap;
-    if (!wants_kinds(on)) EXPECT_GT(by_balls, 10u);
+    if (!wants_kinds(on)) {
+        EXPECT_GT(by_balls, 10u);
+    }
     EXPECT_GT(by_witness, 1000u);
 }
 
