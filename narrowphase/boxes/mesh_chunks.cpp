@@ -27,8 +27,14 @@ constexpr std::uint64_t up_to(std::uint64_t count, std::uint64_t step)
 
 } // namespace
 
-MeshChunks::MeshChunks(std::shared_ptr<const CookedMesh> mesh, ChunkBudget& budget)
+MeshChunks::MeshChunks(Empty, std::shared_ptr<const CookedMesh> mesh, ChunkBudget& budget)
     : mesh_(std::move(mesh)), top_(mesh_->open()), budget_(budget), chunks_(top_->tree_chunks)
+{
+}
+
+// What an empty one then gets, the destructor frees, where the file turns out to be no good, too.
+MeshChunks::MeshChunks(std::shared_ptr<const CookedMesh> mesh, ChunkBudget& budget)
+    : MeshChunks(Empty{}, std::move(mesh), budget)
 {
     place_chunks();
     add_upper_nodes();

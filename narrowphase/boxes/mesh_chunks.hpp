@@ -84,6 +84,9 @@ private:
     void check_boxes(std::uint32_t chunk, std::span<const Eigen::Vector3d> vertices);
     std::size_t data_bytes(std::uint32_t chunk) const;
 
+    struct Empty {};
+    MeshChunks(Empty, std::shared_ptr<const CookedMesh> mesh, ChunkBudget& budget);
+
     const std::shared_ptr<const CookedMesh> mesh_;
     const std::shared_ptr<const CookedMesh::Top> top_;
     ChunkBudget& budget_;
