@@ -18,9 +18,13 @@ namespace {
 struct Format {
     const char* extension;
     RawMesh (*read)(const MeshSource&);
+    /// From a file of at most so many bytes, which need not be in memory as a whole; null: it must be.
+    RawMesh (*read_file)(const std::filesystem::path&, std::uintmax_t) = nullptr;
 };
-constexpr Format formats[] = {{"obj", read_obj},   {"stl", read_stl},  {"ply", read_ply},     {"off", read_off},
-                              {"gltf", read_gltf}, {"glb", read_gltf}, {"dae", read_collada}, {"3mf", read_3mf}};
+constexpr Format formats[] = {{"obj", read_obj},     {"stl", read_stl, read_stl_file},
+                              {"ply", read_ply},     {"off", read_off},
+                              {"gltf", read_gltf},   {"glb", read_gltf},
+                              {"dae", read_collada}, {"3mf", read_3mf}};
 
 /// Standard input has no extension, but what it begins with tells.
 std::string extension_of(std::string_view bytes)
@@ -37,21 +41,26 @@ std::string extension_of(std::string_view bytes)
     return bytes.substr(0, bytes.find_first_of(" \t\r\n")).ends_with("OFF") ? ".off" : ".obj";
 }
 
-const Format& format_of(const std::filesystem::path& path, std::string_view bytes)
+/// Null: there is none.
+const Format* format_of(std::string_view extension)
 {
-    const std::string extension = path == "-" ? extension_of(bytes) : lower_extension(path);
     for (const Format& format : formats)
-        if (extension == std::string(".") + format.extension) return format;
-    throw Error(ErrorKind::bad_data, fmt::format("{}: unknown kind of mesh file '{}'; known are {}, and cooked",
-                                                 path.string(), extension, fmt::join(mesh_extensions(), ", ")));
+        if (extension == std::string(".") + format.extension) return &format;
+    return nullptr;
 }
 
 RawMesh read_raw(const std::filesystem::path& path, const std::string& name)
 {
     constexpr std::uintmax_t most = std::uintmax_t{2} << 30; // bytes
-    if (lower_extension(path) == ".stl") return read_stl_file(path, most);
+    const std::string extension = lower_extension(path);
+    const Format* format = format_of(extension);
+    if (format && format->read_file) return format->read_file(path, most);
     const FileBytes bytes = read_large_file(path, most);
-    return format_of(path, bytes).read({name, bytes});
+    if (path == "-") format = format_of(extension_of(bytes));
+    if (!format)
+        throw Error(ErrorKind::bad_data, fmt::format("{}: unknown kind of mesh file '{}'; known are {}, and cooked",
+                                                     name, extension, fmt::join(mesh_extensions(), ", ")));
+    return format->read({name, bytes});
 }
 
 void check(const std::string& name, const MeshOptions& options)

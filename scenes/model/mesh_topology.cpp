@@ -5,6 +5,7 @@
 #include <compare>
 #include <limits>
 #include <numeric>
+#include <span>
 
 #include <oncollide/base/random.hpp>
 #include <oncollide/scenes/model/exact_area.hpp>
@@ -59,55 +60,57 @@ bool edges_may_cancel(const Mesh& mesh)
     return sum == 0;
 }
 
-} // namespace
+/// A side of a triangle between two positions.
+struct Side {
+    std::uint32_t low, high; ///< welded
+    bool forward;            ///< the triangle runs from low to high
+    MeshEdge edge;
+};
 
-std::vector<MeshEdge> open_edges(const Mesh& mesh)
+/// visit(sides between the same two positions, in the order of their triangles), of the triangles that count.
+void each_edge(const Mesh& mesh, auto counts, auto visit)
 {
-    struct Side {
-        std::uint32_t low, high; ///< welded
-        bool forward;            ///< the triangle runs from low to high
-        MeshEdge edge;
-    };
     const std::vector<std::uint32_t> first = weld(mesh.vertices);
     std::vector<Side> sides;
     sides.reserve(3 * mesh.triangles.size());
     for (const Triangle& t : mesh.triangles) {
-        if (!has_area(mesh, t)) continue;
+        if (!counts(t)) continue;
         for (std::size_t i = 0; i < 3; ++i) {
             const MeshEdge edge{t[i], t[(i + 1) % 3]};
             const std::uint32_t from = first[edge.from], to = first[edge.to];
-            sides.push_back({std::min(from, to), std::max(from, to), from < to, edge});
+            if (from != to) sides.push_back({std::min(from, to), std::max(from, to), from < to, edge});
         }
     }
     std::stable_sort(sides.begin(), sides.end(),
                      [](const Side& x, const Side& y) { return x.low != y.low ? x.low < y.low : x.high < y.high; });
-    std::vector<MeshEdge> open;
     for (auto begin = sides.begin(); begin != sides.end();) {
         const auto end = std::find_if(begin, sides.end(),
                                       [&](const Side& s) { return s.low != begin->low || s.high != begin->high; });
-        if (end - begin != 2 || begin->forward == begin[1].forward) open.push_back(begin->edge);
+        visit(std::span<const Side>(begin, end));
         begin = end;
     }
+}
+
+} // namespace
+
+std::vector<MeshEdge> open_edges(const Mesh& mesh)
+{
+    std::vector<MeshEdge> open;
+    each_edge(
+        mesh, [&](const Triangle& t) { return has_area(mesh, t); },
+        [&](std::span<const Side> sides) {
+            if (sides.size() != 2 || sides[0].forward == sides[1].forward) open.push_back(sides[0].edge);
+        });
     return open;
 }
 
 bool edges_are_even(const Mesh& mesh)
 {
-    const std::vector<std::uint32_t> first = weld(mesh.vertices);
-    std::vector<std::uint64_t> edges;
-    edges.reserve(3 * mesh.triangles.size());
-    for (const Triangle& t : mesh.triangles)
-        for (std::size_t i = 0; i < 3; ++i) {
-            const std::uint64_t from = first[t[i]], to = first[t[(i + 1) % 3]];
-            if (from != to) edges.push_back(std::min(from, to) << 32 | std::max(from, to));
-        }
-    std::sort(edges.begin(), edges.end());
-    for (auto begin = edges.begin(); begin != edges.end();) {
-        const auto end = std::find_if(begin, edges.end(), [&](std::uint64_t edge) { return edge != *begin; });
-        if ((end - begin) % 2) return false;
-        begin = end;
-    }
-    return true;
+    bool even = true;
+    each_edge(
+        mesh, [](const Triangle&) { return true; },
+        [&](std::span<const Side> sides) { even = even && sides.size() % 2 == 0; });
+    return even;
 }
 
 bool is_closed(const Mesh& mesh)
