@@ -118,6 +118,15 @@ template <class Found, class Item, class Work>
 void World::Impl::in_parts(std::span<const Item> items, std::size_t chunk, std::vector<Found>& found,
                            std::vector<std::size_t>& ends, Work work)
 {
+    found.clear(), ends.clear();
+    if (frame.context.threads == 1) {
+        Borrowed worker(*this);
+        for (const Item& item : items) {
+            work(worker, item, found);
+            ends.push_back(found.size());
+        }
+        return;
+    }
     struct Part {
         std::vector<Found> found;
         std::vector<std::size_t> ends;
@@ -132,7 +141,6 @@ void World::Impl::in_parts(std::span<const Item> items, std::size_t chunk, std::
                 parts[i].ends.push_back(parts[i].found.size());
             }
     });
-    found.clear(), ends.clear();
     for (const Part& part : parts) {
         for (std::size_t end : part.ends) ends.push_back(found.size() + end);
         found.insert(found.end(), part.found.begin(), part.found.end());

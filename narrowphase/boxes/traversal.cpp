@@ -93,11 +93,8 @@ template <class Leave>
 void TraversalOf<A, B>::collect(A& a, B& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out, Leave leave)
 {
     out.clear();
-    const auto found = [&](TrianglePair pair) {
-        out.push_back(pair);
-        return true;
-    };
-    walk_.meetings(a, b, b_to_a, {}, found, leave);
+    walk_.all_meetings(
+        a, b, b_to_a, [&](TrianglePair pair) { out.push_back(pair); }, leave);
     std::sort(out.begin(), out.end());
 }
 

@@ -2,133 +2,10 @@
 //
 // Guigue and Devillers' test for triangle_contact's generic case, a lane a pair. A pair with a sign that is not certain
 // is left to the scalar test, unless another sign shows that it is separate.
-//
-// When a sign is certain. Let X, Y, Z be the sides of the pair's common box, each plus 2^-300. A determinant has six
-// terms, each the product of a difference in x, one in y and one in z, so with u = 2^-53 the bound of
-// exact_predicates.hpp, 8 u (1 + 8 u) P, has P <= 6 X Y Z; rounding of the sides and of their product included, 56 u X
-// Y Z bounds the error. Products of two that underflow, times the third side, err by at most 2^-1072 X, and so on: the
-// 2^-300 in the others cover that. Sides above 2^300 might overflow; there the bound is infinite.
-#if defined(__SSE2__)
-#include <immintrin.h>
-#endif
-
-#include <oncollide/narrowphase/exact/triangle_kernel.hpp>
+#include <oncollide/narrowphase/exact/triangle_lanes.hpp>
 
 namespace oncollide::ONCOLLIDE_ISA {
 namespace {
-
-#if defined(__AVX512F__)
-constexpr int width = 8;
-#elif defined(__AVX2__)
-constexpr int width = 4;
-#else
-constexpr int width = 2;
-#endif
-using F64 = double __attribute__((vector_size(8 * width)));
-using I64 = long long __attribute__((vector_size(8 * width)));
-
-#if defined(__AVX512F__)
-inline F64 min(F64 a, F64 b)
-{
-    return _mm512_maskz_min_pd(0xff, a, b);
-}
-inline F64 max(F64 a, F64 b)
-{
-    return _mm512_maskz_max_pd(0xff, a, b);
-}
-/// One bit a lane.
-inline unsigned bits(I64 mask)
-{
-    return _mm512_movepi64_mask(reinterpret_cast<__m512i>(mask));
-}
-#elif defined(__AVX2__)
-inline F64 min(F64 a, F64 b)
-{
-    return _mm256_min_pd(a, b);
-}
-inline F64 max(F64 a, F64 b)
-{
-    return _mm256_max_pd(a, b);
-}
-inline unsigned bits(I64 mask)
-{
-    return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(mask)));
-}
-#elif defined(__SSE2__)
-inline F64 min(F64 a, F64 b)
-{
-    return _mm_min_pd(a, b);
-}
-inline F64 max(F64 a, F64 b)
-{
-    return _mm_max_pd(a, b);
-}
-inline unsigned bits(I64 mask)
-{
-    return static_cast<unsigned>(_mm_movemask_pd(reinterpret_cast<__m128d>(mask)));
-}
-#else
-inline F64 min(F64 a, F64 b)
-{
-    return a < b ? a : b;
-}
-inline F64 max(F64 a, F64 b)
-{
-    return a > b ? a : b;
-}
-inline unsigned bits(I64 mask)
-{
-    return static_cast<unsigned>((mask[0] & 1) | (mask[1] & 2));
-}
-#endif
-
-struct Vec {
-    F64 x, y, z;
-};
-inline Vec operator-(const Vec& a, const Vec& b)
-{
-    return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-inline Vec min(const Vec& a, const Vec& b)
-{
-    return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)};
-}
-inline Vec max(const Vec& a, const Vec& b)
-{
-    return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)};
-}
-inline Vec select(I64 mask, const Vec& a, const Vec& b)
-{
-    return {mask ? a.x : b.x, mask ? a.y : b.y, mask ? a.z : b.z};
-}
-inline Vec cross(const Vec& u, const Vec& v)
-{
-    return {u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
-}
-inline F64 dot(const Vec& u, const Vec& v)
-{
-    return u.x * v.x + u.y * v.y + u.z * v.z;
-}
-
-struct Corners {
-    Vec p, q, r;
-};
-
-/// Of the box of both, made a little larger.
-inline Vec sides(const Corners& a, const Corners& b)
-{
-    const Vec lo = min(min(min(a.p, a.q), a.r), min(min(b.p, b.q), b.r));
-    const Vec hi = max(max(max(a.p, a.q), a.r), max(max(b.p, b.q), b.r));
-    const Vec side = hi - lo;
-    return {side.x + 0x1p-300, side.y + 0x1p-300, side.z + 0x1p-300};
-}
-
-inline F64 error_bound(const Corners& a, const Corners& b)
-{
-    const auto [x, y, z] = sides(a, b);
-    const F64 bound = x * y * z * (56 * 0x1p-53);
-    return max(max(x, y), z) < 0x1p300 ? bound : F64{} + __builtin_inf();
-}
 
 /// By how much each component of an axis errs at most: 2^-50 times the product of two sides.
 inline F64 axis_error(const Corners& a, const Corners& b)
@@ -155,56 +32,32 @@ struct Gaps {
     /// (l + e)^2 <= (1 + 2^-10) l^2 + (1 + 2^10) e^2; roundings are far below that.
     F64 squared() const { return height * height / (length2 * (1 + 0x1p-9) + length_error2); }
 };
-
-/// Of a triangle's corners against a plane: lanes in which p, q, r are certainly above, or below.
-struct Sides {
-    I64 p_above, q_above, r_above, p_below, q_below, r_below;
-    Vec normal;
-    F64 beyond; ///< the least of them, where all are on one side, times the normal's length
-
-    Sides(const Corners& corners, const Corners& plane, F64 bound)
-    {
-        normal = cross(plane.q - plane.p, plane.r - plane.p);
-        const F64 p = dot(normal, corners.p - plane.p), q = dot(normal, corners.q - plane.p),
-                  r = dot(normal, corners.r - plane.p);
-        p_above = p > bound, q_above = q > bound, r_above = r > bound;
-        p_below = p < -bound, q_below = q < -bound, r_below = r < -bound;
-        beyond = max(min(min(p, q), r), -max(max(p, q), r));
-    }
-    I64 apart() const { return (p_above & q_above & r_above) | (p_below & q_below & r_below); }
-    I64 known() const { return (p_above | p_below) & (q_above | q_below) & (r_above | r_below); }
+struct NoGaps {
+    void take(I64, F64, const Vec&) {}
 };
-
-/// Turns the triangle so that p is alone on its side; sets where p is above. For lanes whose sides are known.
-inline I64 rotation(Corners& t, const Sides& s)
-{
-    const I64 r_alone = ~(s.p_above ^ s.q_above), q_alone = ~(s.p_above ^ s.r_above) & ~r_alone;
-    const Corners old = t;
-    t.p = select(r_alone, old.r, select(q_alone, old.q, old.p));
-    t.q = select(r_alone, old.p, select(q_alone, old.r, old.q));
-    t.r = select(r_alone, old.q, select(q_alone, old.p, old.r));
-    return (r_alone & s.r_above) | (q_alone & s.q_above) | (~(r_alone | q_alone) & s.p_above);
-}
 
 /// Lanes that are certainly separate, and lanes about which nothing is uncertain.
 struct Verdicts {
     I64 separate, known;
 };
 
+template <class Gaps>
 inline Verdicts judge(Corners a, Corners b, F64 bound, Gaps& gaps)
 {
     const Sides of_b(b, a, bound);
     I64 separate = of_b.apart();
-    gaps.take(separate, of_b.beyond, of_b.normal);
+    gaps.take(separate, of_b.beyond(), of_b.normal);
     if (bits(~separate) == 0) return {separate, separate};
     const Sides of_a(a, b, bound);
-    gaps.take(of_a.apart() & ~separate, of_a.beyond, of_a.normal);
+    gaps.take(of_a.apart() & ~separate, of_a.beyond(), of_a.normal);
     separate |= of_a.apart();
     if (bits(~separate) == 0) return {separate, separate};
     const I64 known = of_a.known() & of_b.known() & ~separate;
 
     // As in triangle_contact: the edges that leave the lone corners, in the order that the sides of these call for.
-    const I64 a_above = rotation(a, of_a), b_above = rotation(b, of_b), alike = ~(a_above ^ b_above);
+    const Turn turn_a(of_a), turn_b(of_b);
+    turn_a(a.p, a.q, a.r), turn_b(b.p, b.q, b.r);
+    const I64 b_above = turn_b.above, alike = ~(turn_a.above ^ b_above);
     const Vec w = b.p - a.p, t = b.q - b.p, u = b.r - b.p;
     const Vec first_axis = cross(a.q - a.p, select(alike, t, u)), second_axis = cross(a.r - a.p, select(alike, u, t));
     const F64 first = dot(first_axis, w), second = dot(second_axis, w);
@@ -219,53 +72,32 @@ inline Verdicts judge(Corners a, Corners b, F64 bound, Gaps& gaps)
     return {separate, separate | (known & (first_above | first_below) & (second_above | second_below))};
 }
 
-/// Lane i holds v[i][k].
-inline F64 gather(const double* const* v, int k)
+/// Of a triangle pair a lane: keeps the least gaps where there are any, and leaves what is too small or too large for
+/// their squares to exact arithmetic.
+inline Verdicts judge_with_gaps(const Corners& a, const Corners& b, F64 bound, double* nearest2)
 {
-#if defined(__AVX512F__)
-    return F64{v[0][k], v[1][k], v[2][k], v[3][k], v[4][k], v[5][k], v[6][k], v[7][k]};
-#elif defined(__AVX2__)
-    return F64{v[0][k], v[1][k], v[2][k], v[3][k]};
-#else
-    return F64{v[0][k], v[1][k]};
-#endif
-}
-
-inline Vec gather(const double* const* v)
-{
-    return {gather(v, 0), gather(v, 1), gather(v, 2)};
-}
-
-/// As RelativePose does, operation by operation.
-inline Vec moved(const Vec& p, const double* rotation, const double* translation)
-{
-    const auto row = [&](int i) {
-        return rotation[i] * p.x + (rotation[3 + i] * p.y + rotation[6 + i] * p.z) + translation[i];
-    };
-    return {row(0), row(1), row(2)};
+    Gaps gaps(a, b, bound);
+    const Verdicts verdicts = judge(a, b, bound, gaps);
+    const F64 squared = gaps.squared();
+    const I64 none = verdicts.separate & ~((squared > F64{}) & (squared < F64{} + __builtin_inf()));
+    const I64 separate = verdicts.separate & ~none;
+    F64 least;
+    __builtin_memcpy(&least, nearest2, sizeof least);
+    least = separate ? min(squared, least) : least;
+    __builtin_memcpy(nearest2, &least, sizeof least);
+    return {separate, verdicts.known & ~none};
 }
 
 PairVerdicts judge_all(const CornersOfPairs& corners, const double* rotation, const double* translation,
-                       double (&nearest2)[8])
+                       double (*nearest2)[8])
 {
     PairVerdicts all{0, 0};
     for (unsigned first = 0; first < 8; first += width) {
-        const Corners a{gather(corners.a[0] + first), gather(corners.a[1] + first), gather(corners.a[2] + first)};
-        const Corners b{moved(gather(corners.b[0] + first), rotation, translation),
-                        moved(gather(corners.b[1] + first), rotation, translation),
-                        moved(gather(corners.b[2] + first), rotation, translation)};
+        const Corners a = corners_a(corners, first), b = corners_b(corners, first, rotation, translation);
         const F64 bound = error_bound(a, b);
-        Gaps gaps(a, b, bound);
-        const Verdicts verdicts = judge(a, b, bound, gaps);
-        const F64 squared = gaps.squared();
-        // A gap too small or too large for squares is left to exact arithmetic.
-        const I64 none = verdicts.separate & ~((squared > F64{}) & (squared < F64{} + __builtin_inf()));
-        const I64 separate = verdicts.separate & ~none;
-        F64 least;
-        __builtin_memcpy(&least, nearest2 + first, sizeof least);
-        least = separate ? min(squared, least) : least;
-        __builtin_memcpy(nearest2 + first, &least, sizeof least);
-        all.separate |= bits(separate) << first, all.known |= bits(verdicts.known & ~none) << first;
+        NoGaps none;
+        const Verdicts verdicts = nearest2 ? judge_with_gaps(a, b, bound, *nearest2 + first) : judge(a, b, bound, none);
+        all.separate |= bits(verdicts.separate) << first, all.known |= bits(verdicts.known) << first;
     }
     return all;
 }

@@ -15,9 +15,10 @@ struct PairVerdicts {
 };
 
 /// Triangles of A against triangles of B, moved as RelativePose does. `rotation` is column-major.
-/// @param nearest2  in and out, by pair: the least squared distance, as certified, of triangles that were separate
+/// @param nearest2  in and out, by pair: the least squared distance, as certified, of triangles that were separate;
+///                  null: nobody wants to know
 using JudgePairs = PairVerdicts(const CornersOfPairs& corners, const double* rotation, const double* translation,
-                                double (&nearest2)[8]);
+                                double (*nearest2)[8]);
 
 namespace baseline {
 JudgePairs* judge_pairs();

@@ -14,7 +14,7 @@ void TriangleTestsOf<A, B>::start(const A& a, const B& b, const RelativePose& b_
 {
     b_to_a_ = &b_to_a;
     a_.start(a), b_.start(b);
-    barely_apart_.clear();
+    barely_apart_.clear(), met_ = false;
     std::fill(std::begin(nearest2_), std::end(nearest2_), std::numeric_limits<double>::infinity());
 }
 
@@ -35,6 +35,14 @@ double TriangleTestsOf<A, B>::least_gap(double rounding) const
             least = std::min(least, exact_gaps++ < most_exact_gaps ? triangle_gap(a, b) : least_possible_gap(a, b));
     }
     return least;
+}
+
+template <class A, class B>
+unsigned TriangleTestsOf<A, B>::segments(std::span<const TrianglePair> pairs, const RigidMap& place,
+                                         SegmentsOfPairs& out)
+{
+    const RigidMap b_to_a{b_to_a_->rotation.data(), b_to_a_->translation.data()};
+    return common_segments()(corners_of(pairs), b_to_a, place, out);
 }
 
 template <class A, class B>

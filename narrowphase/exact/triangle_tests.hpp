@@ -8,6 +8,7 @@
 #include <oncollide/base/cpu_features.hpp>
 #include <oncollide/narrowphase/boxes/obb_tree.hpp>
 #include <oncollide/narrowphase/boxes/terrain_tree.hpp>
+#include <oncollide/narrowphase/exact/segment_kernel.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/exact/triangle_kernel.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
@@ -25,6 +26,12 @@ struct TrianglePair {
 inline JudgePairs* judge_pairs()
 {
     static JudgePairs* const kernel = ONCOLLIDE_CHOOSE(judge_pairs);
+    return kernel;
+}
+
+inline CommonSegments* common_segments()
+{
+    static CommonSegments* const kernel = ONCOLLIDE_CHOOSE(common_segments);
     return kernel;
 }
 
@@ -83,6 +90,8 @@ public:
     template <class Found>
     bool meeting(std::span<const TrianglePair> pairs, Found found);
     double least_gap(double rounding) const;
+    /// Of up to eight pairs that meet, as CommonSegments says.
+    unsigned segments(std::span<const TrianglePair> pairs, const RigidMap& place, SegmentsOfPairs& out);
     bool meet(TrianglePair pair) const { return triangles_meet(points_a(pair.a), points_b(pair.b)); }
     double distance(TrianglePair pair);
     double most(TrianglePair pair) const;
@@ -113,11 +122,23 @@ public:
     Counts counts;
 
 private:
+    /// Of up to eight pairs; places past the last hold it once more.
+    CornersOfPairs corners_of(std::span<const TrianglePair> pairs)
+    {
+        CornersOfPairs corners;
+        for (unsigned i = 0; i < 8; ++i) {
+            const TrianglePair& pair = pairs[std::min<std::size_t>(i, pairs.size() - 1)];
+            a_.put(pair.a, i, corners.a), b_.put(pair.b, i, corners.b);
+        }
+        return corners;
+    }
+
     const RelativePose* b_to_a_ = nullptr;
     TriangleCorners<A> a_;
     TriangleCorners<B> b_;
     std::vector<TrianglePair> barely_apart_; ///< that exact arithmetic alone could part
     alignas(64) double nearest2_[8];         ///< least squared gaps of those that the kernel found apart
+    bool met_ = false;                       ///< did some? Then gaps do not count any more
 };
 using TriangleTests = TriangleTestsOf<ObbTree, ObbTree>;
 
@@ -127,13 +148,9 @@ bool TriangleTestsOf<A, B>::meeting(std::span<const TrianglePair> pairs, Found f
 {
     for (; !pairs.empty(); pairs = pairs.subspan(std::min<std::size_t>(8, pairs.size()))) {
         const auto count = static_cast<unsigned>(std::min<std::size_t>(8, pairs.size()));
-        CornersOfPairs corners;
-        for (unsigned i = 0; i < 8; ++i) { // places past the last pair hold it once more
-            const TrianglePair& pair = pairs[std::min(i, count - 1)];
-            a_.put(pair.a, i, corners.a), b_.put(pair.b, i, corners.b);
-        }
+        const CornersOfPairs corners = corners_of(pairs.first(count));
         const PairVerdicts verdicts =
-            judge_pairs()(corners, b_to_a_->rotation.data(), b_to_a_->translation.data(), nearest2_);
+            judge_pairs()(corners, b_to_a_->rotation.data(), b_to_a_->translation.data(), met_ ? nullptr : &nearest2_);
         counts.tested += count;
         for (unsigned rest = ~verdicts.separate & ((1u << count) - 1); rest; rest &= rest - 1) {
             const auto i = static_cast<unsigned>(__builtin_ctz(rest));
@@ -144,6 +161,7 @@ bool TriangleTestsOf<A, B>::meeting(std::span<const TrianglePair> pairs, Found f
                     continue;
                 }
             }
+            met_ = true;
             if (!found(pairs[i])) return false;
         }
     }

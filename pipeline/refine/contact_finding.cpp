@@ -18,34 +18,56 @@ void check_distance(double tolerance, double farthest)
             throw Error(ErrorKind::usage, fmt::format("distance: a {} of {}; must be 0 or more", what, value));
 }
 
-const Eigen::Vector3d& ContactFinding::Normals::of(std::uint32_t place, const TrianglePoints& t)
+namespace {
+
+void set(Contact& contact, const SegmentsOfPairs& common, unsigned i)
 {
-    Kept& kept = kept_[place % kept_.size()];
-    if (kept.place != place) kept = {place, unit_normal(t[0], t[1], t[2])};
-    return kept.normal;
+    const auto vector = [&](const double(&v)[3][8]) { return Eigen::Vector3d(v[0][i], v[1][i], v[2][i]); };
+    contact.kind = ContactKind::crossing;
+    contact.ends = {vector(common.ends[0]), vector(common.ends[1])};
+    contact.normal_a = vector(common.normal_a), contact.normal_b = vector(common.normal_b);
 }
+
+void set(Contact& contact, const TrianglePoints& a, const TrianglePoints& b, const Eigen::Isometry3d& pose)
+{
+    const auto [ends, how] = common_segment(a, b);
+    contact.kind = how == TriangleContact::crossing ? ContactKind::crossing : ContactKind::touching;
+    contact.ends = {pose * ends[0], pose * ends[1]};
+    contact.normal_a = pose.linear() * unit_normal(a[0], a[1], a[2]);
+    contact.normal_b = pose.linear() * unit_normal(b[0], b[1], b[2]);
+}
+
+} // namespace
 
 template <class Body>
 void ContactFinding::find(Body& body_a, const Eigen::Isometry3d& pose_a, Body& body_b, const Eigen::Isometry3d& pose_b,
                           std::vector<Contact>& contacts)
 {
-    normals_a_.forget(), normals_b_.forget();
+    const Eigen::Matrix3d rotation = pose_a.linear();
+    const Eigen::Vector3d translation = pose_a.translation();
+    const RigidMap place{rotation.data(), translation.data()};
     const std::size_t begin = contacts.size();
     bool other_numbers = false;
     walks_.with(body_a, body_b, [&](auto& walk, auto& a, auto& b) {
         const RelativePose b_to_a(pose_a, pose_b);
         walk.all_meeting(a, b, b_to_a, pairs_);
-        const auto& triangles = walk.walk().leaves();
-        for (const TrianglePair& pair : pairs_) {
-            const TrianglePoints of_a = triangles.points_a(pair.a), of_b = triangles.points_b(pair.b);
-            const auto [ends, contact] = common_segment(of_a, of_b);
-            contacts.push_back({source_of(a, pair.a),
-                                source_of(b, pair.b),
-                                contact == TriangleContact::crossing ? ContactKind::crossing : ContactKind::touching,
-                                {pose_a * ends[0], pose_a * ends[1]},
-                                pose_a.linear() * normals_a_.of(pair.a, of_a),
-                                pose_a.linear() * normals_b_.of(pair.b, of_b)});
-            other_numbers |= contacts.back().a != BodyPart(pair.a) || contacts.back().b != BodyPart(pair.b);
+        contacts.resize(begin + pairs_.size());
+        Contact* contact = contacts.data() + begin;
+        auto& triangles = walk.walk().leaves();
+        for (std::span<const TrianglePair> rest = pairs_; !rest.empty();) {
+            const auto eight = rest.first(std::min<std::size_t>(8, rest.size()));
+            rest = rest.subspan(eight.size());
+            SegmentsOfPairs common;
+            const unsigned found = triangles.segments(eight, place, common);
+            for (unsigned i = 0; i < eight.size(); ++i, ++contact) {
+                const TrianglePair pair = eight[i];
+                contact->a = source_of(a, pair.a), contact->b = source_of(b, pair.b);
+                if (found >> i & 1)
+                    set(*contact, common, i);
+                else
+                    set(*contact, triangles.points_a(pair.a), triangles.points_b(pair.b), pose_a);
+                other_numbers |= contact->a.triangle != pair.a || contact->b.triangle != pair.b;
+            }
         }
     });
     if (other_numbers)

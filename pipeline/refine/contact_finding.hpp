@@ -31,24 +31,8 @@ public:
                       double tolerance, double farthest);
 
 private:
-    /// Unit normals of the triangles of one body, of which most have several contacts.
-    class Normals {
-    public:
-        void forget() { kept_.fill({}); }
-        /// @param place  the triangle's number in its mesh, which is in one pose until forget()
-        const Eigen::Vector3d& of(std::uint32_t place, const TrianglePoints& t);
-
-    private:
-        struct Kept {
-            std::uint32_t place = ~0u;
-            Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-        };
-        std::array<Kept, 256> kept_;
-    };
-
     TriangleWalks walks_;
     std::vector<TrianglePair> pairs_;
-    Normals normals_a_, normals_b_;
 };
 
 } // namespace oncollide

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/cpu_features.hpp>
+#include <oncollide/narrowphase/exact/exact_predicates.hpp>
+#include <oncollide/narrowphase/exact/segment_kernel.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/exact/triangle_kernel.hpp>
 #include <oncollide/narrowphase/relative_pose.hpp>
@@ -17,13 +19,16 @@ namespace {
 struct Kernel {
     std::string name;
     JudgePairs* judge;
+    CommonSegments* segments;
 };
 
 std::vector<Kernel> kernels()
 {
-    std::vector<Kernel> all{{"baseline", baseline::judge_pairs()}};
-    if (instruction_set() >= InstructionSet::avx2) all.push_back({"avx2", avx2::judge_pairs()});
-    if (instruction_set() >= InstructionSet::avx512) all.push_back({"avx512", avx512::judge_pairs()});
+    std::vector<Kernel> all{{"baseline", baseline::judge_pairs(), baseline::common_segments()}};
+    if (instruction_set() >= InstructionSet::avx2)
+        all.push_back({"avx2", avx2::judge_pairs(), avx2::common_segments()});
+    if (instruction_set() >= InstructionSet::avx512)
+        all.push_back({"avx512", avx512::judge_pairs(), avx512::common_segments()});
     return all;
 }
 
@@ -50,6 +55,15 @@ bool ordinary(const Eigen::Matrix3d& map)
     return map.norm() < 1e20 && map.norm() > 1e-20;
 }
 
+CornersOfPairs corners_of(const std::vector<TwoTriangles>& eight)
+{
+    CornersOfPairs corners;
+    for (unsigned i = 0; i < 8; ++i)
+        for (unsigned k = 0; k < 3; ++k)
+            corners.a[k][i] = eight[i].first[k].data(), corners.b[k][i] = eight[i].second[k].data();
+    return corners;
+}
+
 class EveryFamilyInEights : public testing::TestWithParam<TriangleFamily> {};
 
 TEST_P(EveryFamilyInEights, IsJudgedAsTheExactTestDoesOrLeftOpen)
@@ -66,20 +80,22 @@ TEST_P(EveryFamilyInEights, IsJudgedAsTheExactTestDoesOrLeftOpen)
                 truth.push_back(triangles_meet(eight[i].first, eight[i].second));
                 meeting += truth.back();
             }
-            CornersOfPairs corners;
-            for (unsigned i = 0; i < count; ++i)
-                for (unsigned k = 0; k < 3; ++k)
-                    corners.a[k][i] = eight[i].first[k].data(), corners.b[k][i] = eight[i].second[k].data();
+            const CornersOfPairs corners = corners_of(eight);
             pairs += count;
             const RelativePose stay(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
             for (const Kernel& kernel : kernels()) {
                 double nearest2[8];
                 std::fill(std::begin(nearest2), std::end(nearest2), std::numeric_limits<double>::infinity());
                 const PairVerdicts verdicts =
-                    kernel.judge(corners, stay.rotation.data(), stay.translation.data(), nearest2);
+                    kernel.judge(corners, stay.rotation.data(), stay.translation.data(), &nearest2);
+                const PairVerdicts without_gaps =
+                    kernel.judge(corners, stay.rotation.data(), stay.translation.data(), nullptr);
                 for (unsigned i = 0; i < count; ++i) {
                     const bool separate = verdicts.separate >> i & 1, known = verdicts.known >> i & 1;
                     EXPECT_TRUE(known || !separate) << kernel.name;
+                    if (without_gaps.known >> i & 1) {
+                        EXPECT_EQ(without_gaps.separate >> i & 1, !truth[i]) << kernel.name << " map\n" << map;
+                    }
                     EXPECT_EQ(std::isfinite(nearest2[i]), separate) << kernel.name;
                     if (separate && ordinary(map)) {
                         const auto& [p, q] = eight[i];
@@ -105,6 +121,106 @@ TEST_P(EveryFamilyInEights, IsJudgedAsTheExactTestDoesOrLeftOpen)
     }
 }
 
+/// What a kernel says that a pair has in common, not moved.
+struct Common {
+    bool found;
+    Eigen::Vector3d ends[2], normal_a, normal_b;
+
+    friend bool operator==(const Common&, const Common&) = default;
+};
+Common common(const SegmentsOfPairs& all, unsigned found, unsigned i)
+{
+    if (!(found >> i & 1)) return {false, {{0, 0, 0}, {0, 0, 0}}, {0, 0, 0}, {0, 0, 0}};
+    const auto vector = [&](const double(&v)[3][8]) { return Eigen::Vector3d(v[0][i], v[1][i], v[2][i]); };
+    return {true, {vector(all.ends[0]), vector(all.ends[1])}, vector(all.normal_a), vector(all.normal_b)};
+}
+
+TEST_P(EveryFamilyInEights, HasTheSegmentAndNormalsOfTheExactTestOrIsLeftOpen)
+{
+    const Eigen::Matrix3d unit = Eigen::Matrix3d::Identity();
+    const double nowhere[3] = {0, 0, 0};
+    const RigidMap stay{unit.data(), nowhere};
+    for (const Eigen::Matrix3d& map : maps()) {
+        GridPoints random(31);
+        int crossing = 0, found = 0;
+        for (unsigned turn = 0; turn < 40; ++turn) {
+            std::vector<TwoTriangles> eight;
+            for (unsigned i = 0; i < 8; ++i) // some far from the origin
+                eight.push_back(moved(GetParam().make(random), map, map * random.point(i < 4 ? 0 : 1 << 22)));
+            const CornersOfPairs corners = corners_of(eight);
+            std::vector<Common> first;
+            for (const Kernel& kernel : kernels()) {
+                SegmentsOfPairs all;
+                const unsigned mask = kernel.segments(corners, stay, stay, all);
+                for (unsigned i = 0; i < 8; ++i) {
+                    const Common c = common(all, mask, i);
+                    if (first.size() == i) first.push_back(c);
+                    EXPECT_EQ(c, first[i]) << kernel.name << ": the same on every instruction set";
+                }
+            }
+            for (unsigned i = 0; i < 8; ++i) {
+                const auto& [a, b] = eight[i];
+                const bool cross = triangle_contact(a, b) == TriangleContact::crossing;
+                crossing += cross, found += first[i].found;
+                if (!first[i].found) continue;
+                ASSERT_TRUE(cross) << shown(eight[i]);
+                const CommonSegment truth = common_segment(a, b);
+                double largest = 0;
+                for (const TrianglePoints* t : {&a, &b})
+                    for (const Eigen::Vector3d& p : *t) largest = std::max(largest, p.cwiseAbs().maxCoeff());
+                const auto off = [&](const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
+                    return (p / largest - q / largest).cwiseAbs().maxCoeff();
+                };
+                const double as_they_are =
+                    std::max(off(first[i].ends[0], truth.ends[0]), off(first[i].ends[1], truth.ends[1]));
+                const double turned =
+                    std::max(off(first[i].ends[0], truth.ends[1]), off(first[i].ends[1], truth.ends[0]));
+                EXPECT_LE(std::min(as_they_are, turned), 0x1p-46 + 0x1p-48) << shown(eight[i]);
+                const Eigen::Vector3d normal_a = unit_normal(a[0], a[1], a[2]),
+                                      normal_b = unit_normal(b[0], b[1], b[2]);
+                EXPECT_LE((first[i].normal_a - normal_a).cwiseAbs().maxCoeff(), 0x1p-40 + 0x1p-49) << shown(eight[i]);
+                EXPECT_LE((first[i].normal_b - normal_b).cwiseAbs().maxCoeff(), 0x1p-40 + 0x1p-49) << shown(eight[i]);
+            }
+        }
+        if (GetParam().name == "random large" && ordinary(map)) {
+            EXPECT_GT(crossing, 10);
+            EXPECT_GE(found, 0.8 * crossing) << "a filter that knows";
+        }
+    }
+}
+
+TEST(TriangleKernel, MovesSegmentsToTheWorld)
+{
+    GridPoints random(41);
+    const Eigen::Matrix3d rotation = random.rotation();
+    const Eigen::Isometry3d a = Eigen::Translation3d(3, 1, 2) * Eigen::Isometry3d(rotation), b(random.rotation());
+    const RelativePose b_to_a(a, b);
+    const Eigen::Vector3d translation = a.translation();
+    const TrianglePoints flat{Eigen::Vector3d(-4, -4, 0), Eigen::Vector3d(4, -4, 0), Eigen::Vector3d(0, 4, 0)};
+    const TrianglePoints steep{Eigen::Vector3d(-1, 0, -1), Eigen::Vector3d(1, 0, -1), Eigen::Vector3d(0, 0, 1)};
+    TwoTriangles pair{flat,
+                      steep}; // where they are in the world; they share the segment from (-1/2, 0, 0) to (1/2, 0, 0)
+    for (Eigen::Vector3d& p : pair.first) p = a.inverse() * p;
+    for (Eigen::Vector3d& p : pair.second) p = b.inverse() * p;
+    const std::vector<TwoTriangles> eight(8, pair);
+    const CornersOfPairs corners = corners_of(eight);
+    for (const Kernel& kernel : kernels()) {
+        SegmentsOfPairs all;
+        ASSERT_EQ(kernel.segments(corners, {b_to_a.rotation.data(), b_to_a.translation.data()},
+                                  {rotation.data(), translation.data()}, all),
+                  255u)
+            << kernel.name;
+        for (unsigned i = 0; i < 8; ++i) {
+            const Common c = common(all, 255, i);
+            EXPECT_NEAR(std::abs(c.ends[0].x()), 0.5, 1e-14);
+            EXPECT_LT((c.ends[0] + c.ends[1]).norm(), 1e-14);
+            EXPECT_LT(std::abs(c.ends[0].y()) + std::abs(c.ends[0].z()), 1e-14);
+            EXPECT_LT((c.normal_a - Eigen::Vector3d::UnitZ()).norm(), 1e-14);
+            EXPECT_LT((c.normal_b + Eigen::Vector3d::UnitY()).norm(), 1e-14);
+        }
+    }
+}
+
 TEST(TriangleKernel, MovesPointsToTheLastBitAsTheExactTestIsTold)
 {
     // Triangles of B that end exactly on, or one step of a double above, a corner of A after the move.
@@ -121,7 +237,7 @@ TEST(TriangleKernel, MovesPointsToTheLastBitAsTheExactTestIsTold)
         for (const Kernel& kernel : kernels()) {
             double nearest2[8]{};
             const PairVerdicts verdicts =
-                kernel.judge(corners, b_to_a.rotation.data(), b_to_a.translation.data(), nearest2);
+                kernel.judge(corners, b_to_a.rotation.data(), b_to_a.translation.data(), &nearest2);
             EXPECT_EQ(verdicts.separate, 0u) << kernel.name << ": they meet";
         }
     }

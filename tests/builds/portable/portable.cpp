@@ -91,6 +91,31 @@ void oriented_boxes(Hash& hash)
     hash.add(walk.counts().box_rows), hash.add(walk.counts().triangles), hash.add(walk.counts().unsure);
 }
 
+void segments(Hash& hash)
+{
+    const Mesh mesh_a = random_triangles(600, 0.3, 7), mesh_b = random_triangles(600, 0.3, 8);
+    ObbTree a(mesh_a), b(mesh_b);
+    Traversal walk;
+    std::vector<TrianglePair> meeting;
+    for (std::uint64_t i = 0; i < 20; ++i) {
+        const RelativePose b_to_a(random_pose(2 * i + 10, 0.5), random_pose(2 * i + 11, 0.5));
+        walk.all_meeting(a, b, b_to_a, meeting);
+        const RigidMap place{b_to_a.rotation.data(), b_to_a.translation.data()};
+        for (std::size_t k = 0; k + 8 <= meeting.size(); k += 8) {
+            SegmentsOfPairs common;
+            const unsigned found = walk.walk().leaves().segments({&meeting[k], 8}, place, common);
+            hash.add(std::uint64_t{found});
+            for (unsigned rest = found; rest; rest &= rest - 1) {
+                const int lane = __builtin_ctz(rest);
+                for (int axis = 0; axis < 3; ++axis) {
+                    hash.add(common.ends[0][axis][lane]), hash.add(common.ends[1][axis][lane]);
+                    hash.add(common.normal_a[axis][lane]), hash.add(common.normal_b[axis][lane]);
+                }
+            }
+        }
+    }
+}
+
 void predicates(Hash& hash)
 {
     for (std::uint64_t i = 0; i < 2000; ++i) {
@@ -144,6 +169,7 @@ int main()
         void (*run)(Hash&);
     } parts[] = {{"broad phase", broad_phase},
                  {"oriented boxes", oriented_boxes},
+                 {"segments", segments},
                  {"predicates", predicates},
                  {"octants", octants}};
     for (const auto& part : parts) {
