@@ -78,7 +78,8 @@ public:
     double meetings(A& a, B& b, const RelativePose& b_to_a, std::optional<Pair> hint, auto found, auto leave,
                     std::optional<Place>* place = nullptr);
 
-    /// found(pair) for all primitives that meet, in any order, each once, but those for which leave(pair).
+    /// found(pair) for all primitives that meet, in any order, each once, but those for which leave(pair). Defined in
+    /// box_walk_all.hpp.
     void all_meetings(A& a, B& b, const RelativePose& b_to_a, auto found, auto leave);
 
     /// Are they within `clearance`? Geometries farther apart than that, but not than clearance + tolerance, may be
@@ -470,71 +471,6 @@ double BoxWalk<A, B, Leaves>::meetings(A& a, B& b, const RelativePose& b_to_a, s
     });
     if (go_on) test_waiting(take);
     return met ? 0 : least_gap(frame);
-}
-
-/// take_leaves(entry) for all leaves within `cutoff`. Nothing ends it, so several boxes are opened together: a
-/// processor begins with one while it does not know yet what another one holds.
-template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
-void BoxWalk<A, B, Leaves>::walk_all(float cutoff, auto take_leaves)
-{
-    constexpr std::size_t at_once = 8;
-    struct Row {
-        Entry part; // box 0 of the node that was opened, and the box that it was compared with
-        bool down_a;
-        unsigned near, leaves; // a bit for each of the node's boxes
-    } rows[at_once];
-    if (top_ == 1 && both_leaves(stack_[0])) top_ = 0, take_leaves(stack_[0]);
-    while (top_) {
-        const std::size_t count = std::min(top_, at_once);
-        float gaps[8];
-        for (std::size_t i = 0; i < count; ++i) {
-            const Entry e = stack_[--top_];
-            const bool down_a = opens_a(e);
-            const std::uint32_t slot = down_a ? a_.descend(e.slot_a(), e.lane_a()) : b_.descend(e.slot_b(), e.lane_b());
-            const unsigned k = down_a ? e.lane_b() : e.lane_a();
-            const bool other_leaf = down_a ? b_[e.slot_b()].leaf(k) : a_[e.slot_a()].leaf(k);
-            rows[i].part = down_a ? Entry(slot, 0, e.slot_b(), k) : Entry(e.slot_a(), k, slot, 0);
-            rows[i].down_a = down_a;
-            rows[i].leaves = other_leaf ? (down_a ? a_[slot].masks.leaves : b_[slot].masks.leaves) : 0;
-            rows[i].near =
-                kernel_.compare(down_a ? a_[slot].boxes : b_[slot].boxes,
-                                down_a ? b_[e.slot_b()].boxes : a_[e.slot_a()].boxes, k, cutoff, gaps, nearest_);
-        }
-        box_rows += count;
-        if (stack_.size() < top_ + 8 * at_once) stack_.resize(2 * (top_ + 8 * at_once));
-        for (std::size_t i = 0; i < count; ++i) {
-            const Row& row = rows[i];
-            const auto each = [&](unsigned boxes, auto visit) {
-                for (Entry e; boxes; boxes &= boxes - 1) {
-                    e.boxes = row.part.boxes + (std::uint64_t(__builtin_ctz(boxes)) << (row.down_a ? 0 : 32));
-                    visit(e);
-                }
-            };
-            each(row.near & ~row.leaves, [&](Entry e) { stack_[top_++] = e; });
-            each(row.near & row.leaves, take_leaves);
-        }
-    }
-}
-
-template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
-void BoxWalk<A, B, Leaves>::all_meetings(A& a, B& b, const RelativePose& b_to_a, auto found, auto leave)
-{
-    const WalkFrame frame(a, b, b_to_a);
-    far_ = true;
-    if (frame.apart > 0) return;
-    start_near(a, b, b_to_a, frame, 0);
-    const auto test = [&] {
-        leaves_.meeting(std::span<const Pair>(waiting_), [&](Pair pair) { return found(pair), true; });
-        waiting_.clear();
-    };
-    walk_all(frame.gap_within(0), [&](Entry e) {
-        each_pair(e, [&](Pair pair) {
-            if (!leave(pair)) waiting_.push_back(pair);
-            return true;
-        });
-        if (waiting_.size() >= most_batch) test();
-    });
-    test();
 }
 
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <span>
 
+#include <oncollide/narrowphase/boxes/box_walk_all.hpp>
 #include <oncollide/narrowphase/exact/common_corner.hpp>
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 
@@ -95,7 +96,10 @@ void TraversalOf<A, B>::collect(A& a, B& b, const RelativePose& b_to_a, std::vec
     out.clear();
     walk_.all_meetings(
         a, b, b_to_a, [&](TrianglePair pair) { out.push_back(pair); }, leave);
-    std::sort(out.begin(), out.end());
+    std::sort(out.begin(), out.end(), [](const TrianglePair& x, const TrianglePair& y) {
+        const auto key = [](const TrianglePair& pair) { return std::uint64_t{pair.a} << 32 | pair.b; };
+        return key(x) < key(y);
+    });
 }
 
 template <class A, class B>

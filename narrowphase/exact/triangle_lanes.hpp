@@ -154,7 +154,7 @@ struct Sides {
     I64 p_above, q_above, r_above, p_below, q_below, r_below;
     Vec normal;
 
-    Sides(const Corners& corners, const Corners& plane, F64 bound)
+    [[gnu::always_inline]] Sides(const Corners& corners, const Corners& plane, F64 bound)
     {
         normal = cross(plane.q - plane.p, plane.r - plane.p);
         p = dot(normal, corners.p - plane.p), q = dot(normal, corners.q - plane.p),
