@@ -1,5 +1,9 @@
 // The walk that finds all primitives that meet. Nothing ends it before its time, so their order does not matter.
 #pragma once
+#include <algorithm>
+#include <span>
+#include <type_traits>
+
 #include <oncollide/narrowphase/boxes/box_walk.hpp>
 
 namespace oncollide {
