@@ -17,8 +17,8 @@ void check_distance(double tolerance, double farthest);
 /// every two triangles with a common point are found, touching included.
 class ContactFinding {
 public:
-    /// Appends, sorted by (triangle_a, triangle_b), each pair once. Cost: about 15 microseconds for two meshes of 5,000
-    /// triangles once their trees have grown there, and half a microsecond per contact.
+    /// Appends, sorted by (triangle_a, triangle_b), each pair once. Cost: from 7 microseconds for two meshes of 5,000
+    /// triangles once their trees have grown there, to 90 where 240 pairs meet.
     template <class Body>
     void find(Body& a, const Eigen::Isometry3d& pose_a, Body& b, const Eigen::Isometry3d& pose_b,
               std::vector<Contact>& contacts);
