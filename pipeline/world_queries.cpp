@@ -119,7 +119,7 @@ void World::Impl::in_parts(std::span<const Item> items, std::size_t chunk, std::
                            std::vector<std::size_t>& ends, Work work)
 {
     found.clear(), ends.clear();
-    if (frame.context.threads == 1) {
+    if (frame.context.threads == 1) { // without copies
         Borrowed worker(*this);
         for (const Item& item : items) {
             work(worker, item, found);

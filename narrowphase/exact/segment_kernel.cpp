@@ -89,8 +89,10 @@ inline I64 segment(Corners a, Corners b, const RigidMap& place, unsigned first_p
     Sides of_a(a, b, bound), of_b(b, a, bound);
     const Vec magnitude_a = normal_magnitude(a), magnitude_b = normal_magnitude(b);
     const auto error_of = [&](const Vec& magnitude) { return dot(magnitude, box) * (10 * 0x1p-53) + 0x1p-900; };
-    const F64 above_a = error_of(magnitude_a), above_b = error_of(magnitude_b); // of heights above their planes
-    I64 sure = of_a.known() & of_b.known() & ~of_a.apart() & ~of_b.apart() & (size > 0x1p-100) & (size < 0x1p300);
+    const F64 error_a = error_of(magnitude_a),
+              error_b = error_of(magnitude_b); // of heights above the planes of a, of b
+    // Where sizes are such that nothing below underflows or overflows unseen.
+    I64 sure = of_a.known() & of_b.known() & ~of_a.apart() & ~of_b.apart() & (size > 0x1p-100) & (size < 0x1p200);
 
     const Turn turn_a(of_a), turn_b(of_b);
     turn_a(a.p, a.q, a.r), turn_b(b.p, b.q, b.r);
@@ -100,8 +102,8 @@ inline I64 segment(Corners a, Corners b, const RigidMap& place, unsigned first_p
     const auto sign = [&](F64 v) { return turn_b.above ? v : -v; };
     const F64 et = sign(dot(e, tw)), ft = sign(dot(f, tw)), eu = sign(dot(e, uw)), fu = sign(dot(f, uw));
     const I64 alike = ~(turn_a.above ^ turn_b.above);
-    const Edge pq{a.p, a.q, of_a.p, of_a.q, above_b}, pr{a.p, a.r, of_a.p, of_a.r, above_b};
-    const Edge st{b.p, b.q, of_b.p, of_b.q, above_a}, su{b.p, b.r, of_b.p, of_b.r, above_a};
+    const Edge pq{a.p, a.q, of_a.p, of_a.q, error_b}, pr{a.p, a.r, of_a.p, of_a.r, error_b};
+    const Edge st{b.p, b.q, of_b.p, of_b.q, error_a}, su{b.p, b.r, of_b.p, of_b.r, error_a};
     // A's interval is from pq to pr; B's from su to st where their lone corners are alike, else from st to su.
     const F64 begin_to_end = select(alike, et, eu), begins = select(alike, eu, et);
     const F64 end_to_begin = select(alike, fu, ft), ends = select(alike, ft, fu);
