@@ -57,11 +57,17 @@ inline Vec choose(I32x8 which, const Vec& a, const Vec& b)
 {
     return {which ? a.x : b.x, which ? a.y : b.y, which ? a.z : b.z};
 }
-/// What is left of v without what is along u.
-inline Vec square_to(const Vec& u, const Vec& v)
+inline Vec cross(const Vec& a, const Vec& b)
 {
-    const F32x8 along = dot(u, v);
-    return {v.x - along * u.x, v.y - along * u.y, v.z - along * u.z};
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+/// Any direction square to u, of length 1.
+inline Vec normal_to(const Vec& u)
+{
+    const F32x8 one = splat(1), none = splat(0);
+    const I32x8 x_least = (abs(u.x) <= abs(u.y)) & (abs(u.x) <= abs(u.z)), y_less = abs(u.y) <= abs(u.z);
+    const Vec v = cross(u, choose(x_least, {one, none, none}, choose(y_less, {none, one, none}, {none, none, one})));
+    return scaled(v, 1 / sqrt(dot(v, v)));
 }
 inline void store(float (&to)[3][8], const Vec& v)
 {
@@ -125,21 +131,20 @@ void open_triangles(const TriangleRow& row, const BoxPlacement* placement, OpenB
     const F32x8 ss = dot(s, s), tt = dot(t, t), rr = dot(r, r);
     const I32x8 s_longest = (ss >= tt) & (ss >= rr), t_longer = tt >= rr;
     const F32x8 longest2 = max(ss, max(tt, rr));
-    // Sides of less than 2^-30 are none: the box is along the mesh's axes, and holds the three corners all the same.
-    const I32x8 point = longest2 < splat(0x1p-60f);
+    // Sides of less than 2^-20 are none: the box is along the mesh's axes, and holds the three corners all the same.
+    const I32x8 point = longest2 < splat(0x1p-40f);
     const Vec side = choose(s_longest, s, choose(t_longer, t, r));
     const Vec u = choose(point, {splat(1), splat(0), splat(0)}, scaled(side, 1 / sqrt(point ? splat(1) : longest2)));
-    // Square to it, twice, as the first time little may be left of a sliver's height.
-    Vec v = square_to(u, choose(s_longest, t, s));
-    const F32x8 height2 = dot(v, v);
-    const I32x8 thin = (height2 < 0x1p-32f * longest2) | point;
-    const I32x8 x_least = (abs(u.x) <= abs(u.y)) & (abs(u.x) <= abs(u.z)), y_less = abs(u.y) <= abs(u.z);
-    const F32x8 one = splat(1), none = splat(0);
-    const Vec least = choose(x_least, {one, none, none}, choose(y_less, {none, one, none}, {none, none, one}));
-    v = choose(thin, square_to(u, least), scaled(v, 1 / sqrt(thin ? one : height2)));
-    v = square_to(u, v);
-    v = scaled(v, 1 / sqrt(dot(v, v)));
-    Vec axes[3] = {u, v, {u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x}};
+    Vec n = cross(s, t);
+    const F32x8 area2 = dot(n, n);
+    const I32x8 thin = (area2 < 0x1p-32f * longest2 * longest2) | point;
+    n = scaled(n, 1 / sqrt(thin ? splat(1) : area2));
+    if (bits(thin)) n = choose(thin, normal_to(u), n);
+    // Of a sliver the normal is not quite square to its side: then v is a little short.
+    Vec v = cross(n, u);
+    v = scaled(v, 1.5f - 0.5f * dot(v, v));
+    Vec axes[3] = {u, v, cross(u, v)};
+    const F32x8 none = splat(0);
     Vec centre{none, none, none};
     F32x8 half[3], all = none;
 #pragma GCC unroll 3

@@ -17,9 +17,10 @@ void add_boxes(const ObbTree& tree, ObbTree::Node index, std::vector<Place>& pla
     for (unsigned k = 0; k < 8 && boxes.c[0][k] < 1e29f; ++k) {
         CoveringVolume& box = volumes.emplace_back();
         places.push_back({index, k, (masks.singles >> k & 1) != 0});
+        const double rounding = 0x1p-23 * Eigen::Vector3d(boxes.c[0][k], boxes.c[1][k], boxes.c[2][k]).norm();
         for (int i = 0; i < 3; ++i) {
             box.centre[i] = tree.centre()[i] + double(boxes.c[i][k]);
-            box.half[i] = boxes.h[i][k];
+            box.half[i] = boxes.h[i][k] + rounding;
             for (int component = 0; component < 3; ++component) box.axes(component, i) = boxes.axis[i][component][k];
         }
     }
