@@ -44,6 +44,22 @@ void support_box(const float* x, const float* y, const float* z, std::uint32_t c
     for (int axis = 0; axis < 3; ++axis) lo[axis] = -greatest(-low[axis])[0], hi[axis] = greatest(high[axis])[0];
 }
 
+void lists_box(const float* x, const float* y, const float* z, const PointRange lists[6], const float rows[9],
+               float lo[3], float hi[3])
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        const float *const d = rows + 3 * axis, infinite = __builtin_inff();
+        const auto along = [=](std::uint32_t i) {
+            return d[0] * load(x + i) + d[1] * load(y + i) + d[2] * load(z + i);
+        };
+        const PointRange high = lists[2 * axis], low = lists[2 * axis + 1];
+        F32x8 most = splat(-infinite), least = splat(infinite);
+        for (std::uint32_t i = high.begin; i < high.begin + high.count; i += 8) most = max(most, along(i));
+        for (std::uint32_t i = low.begin; i < low.begin + low.count; i += 8) least = min(least, along(i));
+        lo[axis] = -greatest(-least)[0], hi[axis] = greatest(most)[0];
+    }
+}
+
 float most_along(const float* x, const float* y, const float* z, std::uint32_t count, const float d[3])
 {
     F32x8 high = splat(-__builtin_inff());
@@ -73,7 +89,7 @@ std::uint32_t farthest(const float* x, const float* y, const float* z, std::uint
 
 BoxKernel box_kernel()
 {
-    return {overlap_range, support_box, most_along, farthest};
+    return {overlap_range, support_box, lists_box, most_along, farthest};
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

@@ -20,7 +20,17 @@ using OverlapRange = std::uint32_t(const BoxColumnsView& columns, std::uint32_t 
 using SupportBox = void(const float* x, const float* y, const float* z, std::uint32_t count, const float rows[9],
                         float lo[3], float hi[3]);
 
-/// Largest of direction * point over the same.
+/// Some points of the columns, the first at a multiple of 8; readable up to the next one after the last.
+struct PointRange {
+    std::uint32_t begin, count;
+};
+
+/// The same, each of lists of its own: lists[2 k] holds the points of which one shows the largest along row k, the next
+/// one those of the smallest.
+using ListsBox = void(const float* x, const float* y, const float* z, const PointRange lists[6], const float rows[9],
+                      float lo[3], float hi[3]);
+
+/// Largest of direction * point over points as of SupportBox.
 using MostAlong = float(const float* x, const float* y, const float* z, std::uint32_t count, const float direction[3]);
 
 /// The number of a point that shows as much.
@@ -30,6 +40,7 @@ using Farthest = std::uint32_t(const float* x, const float* y, const float* z, s
 struct BoxKernel {
     OverlapRange* overlap_range;
     SupportBox* support_box;
+    ListsBox* lists_box;
     MostAlong* most_along;
     Farthest* farthest;
 };

@@ -57,6 +57,13 @@ TEST(Kernels, BoundPointsAlikeOnEveryInstructionSet)
             kernel.support_box(x.data(), y.data(), z.data(), 1024, rows, out, out + 3);
             for (int axis = 0; axis < 3; ++axis)
                 EXPECT_EQ(kernel.most_along(x.data(), y.data(), z.data(), 1024, rows + 3 * axis), out[3 + axis]);
+            const PointRange all{0, 1021}, lists[] = {all, all, all, all, {8, 1013}, {0, 8}}; // padded
+            float low[3], high[3], first[3], rest[3];
+            kernel.lists_box(x.data(), y.data(), z.data(), lists, rows, low, high);
+            kernel.support_box(x.data(), y.data(), z.data(), 8, rows, first, rest);
+            EXPECT_EQ(low[2], first[2]);
+            EXPECT_EQ(std::max(high[2], rest[2]), out[5]);
+            EXPECT_TRUE(std::equal(low, low + 2, out) && std::equal(high, high + 2, out + 3));
         };
         ask(baseline::box_kernel(), expected);
         if (instruction_set() >= InstructionSet::avx2) {
