@@ -18,7 +18,7 @@ const BoxKernel& box_kernel()
 namespace {
 
 // Sorting out what is left of a map costs little more than looking through it for so many boxes once more.
-constexpr std::uint64_t boxes_that_complete_a_map = 8192;
+constexpr std::uint64_t boxes_that_complete_a_map = 2048;
 constexpr std::size_t fewest_points_of_a_map = 256;
 constexpr std::size_t most_read_at_once = 8; ///< chunks of a cooked mesh; of more only those at its ends are read
 
@@ -127,7 +127,7 @@ void PoseBounds::expect(const Eigen::Isometry3d& pose)
         if (!final_) support_ = SupportMap(std::move(points_)), points_ = {};
     }
     if (final_) return;
-    support_.prepare(pose.linear().cast<float>());
+    if (requested_ % SupportMap::boxes_a_look == 0) support_.prepare(pose.linear().cast<float>());
     final_ = requested_ >= boxes_that_complete_a_map;
     if (final_) support_.complete();
 }

@@ -10,7 +10,8 @@ namespace oncollide {
 /// World boxes of one geometry at any pose, tight: the box of the rotated vertices, not of a sphere.
 ///
 /// Shapes have closed forms. A mesh's box comes from its vertices: from the bounds at rotations by quarter turns, else
-/// from all, by a SupportMap if they are many; before the first expect() it is the box of the rotated bounds. An occupancy map's box is that of its rotated occupied bounds.
+/// from all, by a SupportMap if they are many; before the first expect() it is the box of the rotated bounds. An
+/// occupancy map's box is that of its rotated occupied bounds.
 class PoseBounds {
 public:
     /// Keeps a reference. Cost: O(1).

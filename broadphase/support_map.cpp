@@ -12,7 +12,7 @@ using Eigen::Vector3f;
 constexpr std::uint32_t few = 16;       // points: looking at fewer is no faster
 constexpr std::uint32_t most_side = 64; // cells
 /// Sorting those of a part out of a list costs about as much as looking at the list so often.
-constexpr std::uint32_t requests_that_pay = 16;
+constexpr std::uint32_t looks_that_pay = 16;
 
 Vector3f direction(std::uint32_t face, float u, float v)
 {
@@ -160,7 +160,9 @@ PointRange SupportMap::farthest(std::uint32_t face, std::uint32_t x, std::uint32
 void SupportMap::prepare(const Eigen::Matrix3f& rows)
 {
     for (const std::uint32_t cell : cells_along(rows)) {
-        const auto pays = [&](Square& square) { return divisible(square) && ++square.requests > requests_that_pay; };
+        const auto pays = [](Square& square) {
+            return divisible(square) && (square.looks += boxes_a_look) > looks_that_pay;
+        };
         while (pays(squares_[square_of_[cell]])) divide(cell);
     }
 }
