@@ -18,7 +18,7 @@ const BoxKernel& box_kernel()
 namespace {
 
 // Sorting out what is left of a map costs little more than looking through it for so many boxes once more.
-constexpr std::uint64_t boxes_that_complete_a_map = 2048;
+constexpr std::uint64_t boxes_that_complete_a_map = 4096;
 constexpr std::size_t fewest_points_of_a_map = 256;
 constexpr std::size_t most_read_at_once = 8; ///< chunks of a cooked mesh; of more only those at its ends are read
 

@@ -38,7 +38,7 @@ TEST(PoseBounds, EncloseRotatedMeshesTightlyBeforeAndAfterTheirMapIsMade)
             if (i == 0) {
                 EXPECT_TRUE(bounds.box(pose).contains(exact)) << "not prepared";
             }
-            for (std::uint64_t k = 0; i == 1000 && k < 2048; ++k)
+            for (std::uint64_t k = 0; i == 1000 && k < 4096; ++k)
                 bounds.expect(random_pose(3, k, 10)); // completes the map
             bounds.expect(pose);
             const Aabb box = bounds.box(pose);
@@ -57,7 +57,7 @@ TEST(PoseBounds, DependOnThePoseAloneAndNotOnWhatWasRequestedBefore)
         const GeometryData geometry = mesh;
         PoseBounds fresh(geometry), used(geometry), complete(geometry);
         for (std::uint64_t i = 0; i < 700; ++i) used.expect(random_pose(2, i, 10));
-        for (std::uint64_t i = 0; i < 2100; ++i) complete.expect(random_pose(2, i, 10));
+        for (std::uint64_t i = 0; i < 4200; ++i) complete.expect(random_pose(2, i, 10));
         for (std::uint64_t i = 0; i < 200; ++i) {
             Eigen::Isometry3d pose = random_pose(1, i, 10);
             if (i < 10) pose.linear().setIdentity(); // first what floats have no part in
