@@ -37,12 +37,19 @@ using MostAlong = float(const float* x, const float* y, const float* z, std::uin
 using Farthest = std::uint32_t(const float* x, const float* y, const float* z, std::uint32_t count,
                                const float direction[3]);
 
+/// Which of the points no other one exceeds along all of four directions by more than the rounding: 1, else 0. The
+/// others tried are those farthest along the four and along their sum. Both outputs have room for `count` rounded up to
+/// 8, `along` for five times as many.
+using KeepFarthest = void(const float* x, const float* y, const float* z, std::uint32_t count,
+                          const float (&directions)[4][3], float rounding, float* along, std::int32_t* keep);
+
 struct BoxKernel {
     OverlapRange* overlap_range;
     SupportBox* support_box;
     ListsBox* lists_box;
     MostAlong* most_along;
     Farthest* farthest;
+    KeepFarthest* keep_farthest;
 };
 
 namespace baseline {

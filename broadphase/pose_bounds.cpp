@@ -191,7 +191,7 @@ Aabb PoseBounds::box(const Eigen::Isometry3d& pose) const
         }
         const Eigen::Vector3d low = lo.cast<double>(), high = hi.cast<double>();
         // With |r . p| <= |p|, coordinates, products and sums err by at most 9 * 2^-24 |p|.
-        const Eigen::Vector3d float_slack = Eigen::Vector3d::Constant(std::ldexp(radius_, -20) + rounding);
+        const Eigen::Vector3d float_slack = Eigen::Vector3d::Constant(0x1p-20 * radius_ + rounding);
         return around(centre + 0.5 * (low + high), 0.5 * (high - low) + float_slack);
     }
     if (const auto* cone = shape ? std::get_if<Cone>(shape) : nullptr) {

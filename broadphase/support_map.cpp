@@ -118,38 +118,22 @@ PointRange SupportMap::farthest(std::uint32_t face, std::uint32_t x, std::uint32
 {
     const auto at = [&](std::uint32_t cell) { return 2 * static_cast<float>(cell) / static_cast<float>(side_) - 1; };
     const float u[] = {at(x), at(x + side)}, v[] = {at(y), at(y + side)};
-    const std::size_t count = among.count;
-    std::array<std::vector<float>, 5> along; // by point
-    for (std::vector<float>& column : along) column.resize(count);
-    const float *const px = &points_.xyz[0][among.begin], *const py = &points_.xyz[1][among.begin],
-                       *const pz = &points_.xyz[2][among.begin];
+    float corners[4][3];
     for (std::size_t c = 0; c < 4; ++c) {
         const Vector3f d = direction(face, u[c & 1], v[c >> 1]);
-        const float dx = d.x(), dy = d.y(), dz = d.z();
-        float* const out = along[c].data();
-        for (std::size_t i = 0; i < count; ++i) out[i] = dx * px[i] + dy * py[i] + dz * pz[i];
+        std::copy_n(d.data(), 3, corners[c]);
     }
-    const float *a0 = along[0].data(), *a1 = along[1].data(), *a2 = along[2].data(), *a3 = along[3].data();
-    float* const sum = along[4].data();
-    for (std::size_t i = 0; i < count; ++i) sum[i] = (a0[i] + a1[i]) + (a2[i] + a3[i]);
-    float bar[5][4]; // what one of the others has along each corner, less rounding
-    for (unsigned k = 0; k < 5; ++k) {
-        const float most = Eigen::Map<const Eigen::ArrayXf>(along[k].data(), Eigen::Index(count)).maxCoeff();
-        const std::size_t other = std::size_t(std::ranges::find(along[k], most) - along[k].begin());
-        for (unsigned c = 0; c < 4; ++c) bar[k][c] = along[c][other] - rounding_;
-    }
-    std::vector<int> keep(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        int every = 1;
-        for (const auto& b : bar) every &= (a0[i] >= b[0]) | (a1[i] >= b[1]) | (a2[i] >= b[2]) | (a3[i] >= b[3]);
-        keep[i] = every;
-    }
+    const std::size_t count = among.count, room = (count + 7) / 8 * 8;
+    const auto& [px, py, pz] = points_.xyz;
+    if (keep_.size() < room) along_.resize(5 * room), keep_.resize(room);
+    box_kernel().keep_farthest(&px[among.begin], &py[among.begin], &pz[among.begin], among.count, corners, rounding_,
+                               along_.data(), keep_.data());
     const auto begin = static_cast<std::uint32_t>(points_.size());
     for (std::vector<float>& column : points_.xyz) {
         column.resize(begin + count);
         const float* const from = &column[among.begin];
         float* to = &column[begin];
-        for (std::size_t i = 0; i < count; ++i) *to = from[i], to += keep[i];
+        for (std::size_t i = 0; i < count; ++i) *to = from[i], to += keep_[i];
         column.resize(std::size_t(to - column.data()));
     }
     const auto kept = static_cast<std::uint32_t>(points_.size() - begin);
@@ -184,7 +168,7 @@ void SupportMap::complete()
         cells_[cell] = square.points;
     }
     for (std::vector<float>& column : packed.xyz) column.shrink_to_fit();
-    points_ = std::move(packed), squares_ = {}, square_of_ = {};
+    points_ = std::move(packed), squares_ = {}, square_of_ = {}, along_ = {}, keep_ = {};
 }
 
 void SupportMap::box(const Eigen::Matrix3f& rows, Vector3f& lo, Vector3f& hi) const
@@ -200,7 +184,7 @@ void SupportMap::box(const Eigen::Matrix3f& rows, Vector3f& lo, Vector3f& hi) co
 std::size_t SupportMap::bytes() const
 {
     return points_.bytes() + cells_.capacity() * sizeof(PointRange) + squares_.capacity() * sizeof(Square) +
-           square_of_.capacity() * sizeof(std::uint32_t);
+           (square_of_.capacity() + along_.capacity() + keep_.capacity()) * sizeof(std::uint32_t);
 }
 
 } // namespace oncollide

@@ -69,6 +69,8 @@ private:
     // Until it is complete:
     std::vector<Square> squares_;
     std::vector<std::uint32_t> square_of_; ///< by cell
+    std::vector<float> along_;             ///< scratch, as the next
+    std::vector<std::int32_t> keep_;
 };
 
 } // namespace oncollide
