@@ -260,7 +260,7 @@ TriangleParts::Cut TriangleParts::best_of_slices(std::span<const Item> items, st
         const Bounds& added = bounds_[item.number];
         for (std::size_t axis = 0; axis < 3; ++axis) {
             if (!axes[axis]) continue;
-            const auto k = static_cast<std::size_t>(slice[axis]);
+            const std::size_t k = static_cast<std::uint32_t>(slice[axis]) % few; // none of 0 / 0, below 2^-120 m
             Bounds& all = bounds[axis][k];
             all = {all.low.min(added.low), all.high.max(added.high)};
             ++counts[axis][k];

@@ -1,6 +1,7 @@
 // Trees of oriented boxes and the questions asked of them, against brute force over all triangles.
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -8,6 +9,7 @@
 #include <oncollide/base/cpu_features.hpp>
 #include <oncollide/base/random.hpp>
 #include <oncollide/narrowphase/boxes/traversal.hpp>
+#include <oncollide/narrowphase/boxes/triangle_parts.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
@@ -391,6 +393,43 @@ TEST(OrientedBoxKernel, PartsBoxesByTheirEdges)
 }
 
 /// Others may be reading it.
+/// Whether they are halved, sorted or cut between slices; where many triangles lie at one place along an axis, too.
+TEST(TriangleParts, DoNotDependOnTheOrderOfTheTriangles)
+{
+    const Mesh meshes[] = {make_terrain_mesh(10, 1, 20, 3), make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 800),
+                           scaled(make_sphere_mesh(1, 500), 1e-44), flat_copies()};
+    for (const Mesh& mesh : meshes)
+        for (const std::size_t size : {9u, 16u, 17u, 40u, 64u, 65u, 129u, 400u}) {
+            if (size > mesh.triangles.size()) continue;
+            std::vector<std::uint32_t> triangles(size);
+            std::iota(triangles.begin(), triangles.end(), 0u);
+            TriangleParts parts;
+            const auto split = [&] {
+                parts.start({mesh.vertices.data(), mesh.triangles.data()}, mesh.bounds.centre(), triangles);
+                parts.split(8);
+                std::vector<std::vector<std::uint32_t>> sets;
+                for (std::size_t k = 0, i = 0; k < 8; ++k) {
+                    sets.emplace_back();
+                    for (; i < parts.end(unsigned(k)); ++i) sets.back().push_back(parts.triangle(i));
+                    std::ranges::sort(sets.back());
+                }
+                return sets;
+            };
+            const auto expected = split();
+            std::size_t all = 0;
+            for (const auto& set : expected) {
+                EXPECT_FALSE(set.empty());
+                all += set.size();
+            }
+            EXPECT_EQ(all, size);
+            for (std::uint64_t seed = 0; seed < 5; ++seed) {
+                for (std::size_t i = size; i-- > 1;)
+                    std::swap(triangles[i], triangles[std::size_t(u01(seed, i, 0) * double(i + 1))]);
+                EXPECT_EQ(split(), expected) << mesh.triangles.size() << ", " << size << " triangles";
+            }
+        }
+}
+
 TEST(ObbTree, KeepsTheOrderOfALeafThatGetsBoxesOfItsOwn)
 {
     const Mesh knot = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 1000);
