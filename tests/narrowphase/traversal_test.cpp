@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -10,6 +11,7 @@
 #include <oncollide/base/cpu_features.hpp>
 #include <oncollide/base/random.hpp>
 #include <oncollide/narrowphase/boxes/traversal.hpp>
+#include <oncollide/narrowphase/boxes/triangle_parts.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
@@ -403,6 +405,43 @@ TEST(OrientedBoxKernel, PartsBoxesByTheirEdges)
         EXPECT_EQ(kernel.kernel.compare(boxes, other, 3, 0, gaps, nearest), 0u) << kernel.name;
         EXPECT_NEAR(gaps[0], 2.9 - 2 * std::sqrt(2.0), 1e-5) << kernel.name;
     }
+}
+
+/// Whether they are halved, sorted or cut between slices; where many triangles lie at one place along an axis, too.
+TEST(TriangleParts, DoNotDependOnTheOrderOfTheTriangles)
+{
+    const Mesh meshes[] = {make_terrain_mesh(10, 1, 20, 3), make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 800),
+                           scaled(make_sphere_mesh(1, 500), 1e-44), flat_copies()};
+    for (const Mesh& mesh : meshes)
+        for (const std::size_t size : {9u, 16u, 17u, 40u, 64u, 65u, 129u, 400u}) {
+            if (size > mesh.triangles.size()) continue;
+            std::vector<std::uint32_t> triangles(size);
+            std::iota(triangles.begin(), triangles.end(), 0u);
+            TriangleParts parts;
+            const auto split = [&] {
+                parts.start({mesh.vertices.data(), mesh.triangles.data()}, mesh.bounds.centre(), triangles);
+                parts.split(8);
+                std::vector<std::vector<std::uint32_t>> sets;
+                for (std::size_t k = 0, i = 0; k < 8; ++k) {
+                    sets.emplace_back();
+                    for (; i < parts.end(unsigned(k)); ++i) sets.back().push_back(parts.triangle(i));
+                    std::ranges::sort(sets.back());
+                }
+                return sets;
+            };
+            const auto expected = split();
+            std::size_t all = 0;
+            for (const auto& set : expected) {
+                EXPECT_FALSE(set.empty());
+                all += set.size();
+            }
+            EXPECT_EQ(all, size);
+            for (std::uint64_t seed = 0; seed < 5; ++seed) {
+                for (std::size_t i = size; i-- > 1;)
+                    std::swap(triangles[i], triangles[std::size_t(u01(seed, i, 0) * double(i + 1))]);
+                EXPECT_EQ(split(), expected) << mesh.triangles.size() << ", " << size << " triangles";
+            }
+        }
 }
 
 /// Is every corner of the triangles in its box, and no box larger than need be?
