@@ -61,11 +61,20 @@ private:
 /// The part of every broad phase that keeps track of bodies.
 class TracksBodies : public BroadPhase {
 public:
-    void add(std::span<const std::uint32_t> bodies, bool asleep) final { bodies_.add(bodies, asleep), outdate(bodies); }
-    void remove(std::span<const std::uint32_t> bodies) final { bodies_.remove(bodies), outdate(bodies); }
-    void move(std::span<const std::uint32_t> bodies) final { bodies_.move(bodies), outdate(bodies); }
-    void sleep(std::span<const std::uint32_t> bodies) final { bodies_.set_awake(bodies, false), outdate(bodies); }
-    void wake(std::span<const std::uint32_t> bodies) final { bodies_.set_awake(bodies, true), outdate(bodies); }
+    void add(std::span<const std::uint32_t> bodies, bool asleep) final
+    {
+        if (!bodies.empty()) bodies_.add(bodies, asleep), taken_in_ = false;
+    }
+    void remove(std::span<const std::uint32_t> bodies) final
+    {
+        if (!bodies.empty()) bodies_.remove(bodies), taken_in_ = false;
+    }
+    void move(std::span<const std::uint32_t> bodies) final
+    {
+        if (!bodies.empty()) bodies_.move(bodies), taken_in_ = false;
+    }
+    void sleep(std::span<const std::uint32_t> bodies) final { set_awake(bodies, false); }
+    void wake(std::span<const std::uint32_t> bodies) final { set_awake(bodies, true); }
     std::size_t size() const final { return bodies_.size(); }
     bool contains(std::uint32_t body) const final { return bodies_.is(body, BodyStates::present); }
 
@@ -80,7 +89,10 @@ protected:
     bool taken_in_ = false; ///< have all changes been taken in?
 
 private:
-    void outdate(std::span<const std::uint32_t> bodies) { taken_in_ = taken_in_ && bodies.empty(); }
+    void set_awake(std::span<const std::uint32_t> bodies, bool now)
+    {
+        if (!bodies.empty()) bodies_.set_awake(bodies, now), taken_in_ = false;
+    }
 };
 
 } // namespace oncollide

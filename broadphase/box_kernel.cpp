@@ -44,6 +44,22 @@ void support_box(const float* x, const float* y, const float* z, std::uint32_t c
     for (int axis = 0; axis < 3; ++axis) lo[axis] = -greatest(-low[axis])[0], hi[axis] = greatest(high[axis])[0];
 }
 
+void lists_box(const float* x, const float* y, const float* z, const PointRange lists[6], const float rows[9],
+               float lo[3], float hi[3])
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        const float *const d = rows + 3 * axis, infinite = __builtin_inff();
+        const auto along = [=](std::uint32_t i) {
+            return d[0] * load(x + i) + d[1] * load(y + i) + d[2] * load(z + i);
+        };
+        const PointRange high = lists[2 * axis], low = lists[2 * axis + 1];
+        F32x8 most = splat(-infinite), least = splat(infinite);
+        for (std::uint32_t i = high.begin; i < high.begin + high.count; i += 8) most = max(most, along(i));
+        for (std::uint32_t i = low.begin; i < low.begin + low.count; i += 8) least = min(least, along(i));
+        lo[axis] = -greatest(-least)[0], hi[axis] = greatest(most)[0];
+    }
+}
+
 float most_along(const float* x, const float* y, const float* z, std::uint32_t count, const float d[3])
 {
     F32x8 high = splat(-__builtin_inff());
@@ -69,11 +85,47 @@ std::uint32_t farthest(const float* x, const float* y, const float* z, std::uint
     return static_cast<std::uint32_t>(place[lane]) + lane;
 }
 
+void keep_farthest(const float* x, const float* y, const float* z, std::uint32_t count, const float (&directions)[4][3],
+                   float rounding, float* along, std::int32_t* keep)
+{
+    const std::uint32_t room = (count + 7) / 8 * 8;
+    F32x8 most[5];
+    for (F32x8& of_all : most) of_all = splat(-__builtin_inff());
+    I32x8 at[5] = {};
+    for (std::uint32_t i = 0; i < room; i += 8) {
+        const F32x8 px = load(x + i), py = load(y + i), pz = load(z + i);
+        F32x8 sum{};
+#pragma GCC unroll 5
+        for (std::uint32_t k = 0; k < 5; ++k) {
+            const F32x8 v =
+                k < 4 ? directions[k & 3][0] * px + directions[k & 3][1] * py + directions[k & 3][2] * pz : sum;
+            sum += v;
+            store(along + k * room + i, v);
+            const I32x8 farther = v > most[k];
+            at[k] = farther ? I32x8{} + static_cast<std::int32_t>(i) : at[k];
+            most[k] = max(v, most[k]);
+        }
+    }
+    float bar[5][4]; // what one of the others has along each direction, less rounding
+    for (std::uint32_t k = 0; k < 5; ++k) {
+        const int lane = __builtin_ctz(bits(most[k] == greatest(most[k])));
+        const std::uint32_t other = static_cast<std::uint32_t>(at[k][lane] + lane);
+        for (std::uint32_t c = 0; c < 4; ++c) bar[k][c] = along[c * room + other] - rounding;
+    }
+    for (std::uint32_t i = 0; i < room; i += 8) {
+        const F32x8 a0 = load(along + i), a1 = load(along + room + i), a2 = load(along + 2 * room + i),
+                    a3 = load(along + 3 * room + i);
+        I32x8 every = I32x8{} + 1;
+        for (const auto& b : bar) every &= (a0 >= b[0]) | (a1 >= b[1]) | (a2 >= b[2]) | (a3 >= b[3]);
+        __builtin_memcpy(keep + i, &every, sizeof every);
+    }
+}
+
 } // namespace
 
 BoxKernel box_kernel()
 {
-    return {overlap_range, support_box, most_along, farthest};
+    return {overlap_range, support_box, lists_box, most_along, farthest, keep_farthest};
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

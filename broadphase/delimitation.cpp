@@ -72,7 +72,6 @@ void Delimitation::drop_forbidden(const BoxLevelView& level, PairSink& found, st
 
 void Delimitation::run(const BoxTree& tree, bool layers, int threads)
 {
-    const auto begin = Clock::now();
     workers_ = queries() < queries_worth_threads ? 1 : static_cast<std::size_t>(threads);
     while (reached_.size() < workers_)
         reached_.push_back(std::make_unique<NodePairs>()), next_.push_back(std::make_unique<NodePairs>());
@@ -80,9 +79,10 @@ void Delimitation::run(const BoxTree& tree, bool layers, int threads)
     levels_.assign(static_cast<std::size_t>(std::max(top, 0)) + 1, {});
     in_a_heap_ = false;
     if (tree.empty()) return;
+    counted_ = false;
+    if (queries() == 0) return;
 
     each_worker(threads, [&](std::size_t w) { reached_[w]->assign_root(first_query(w), first_query(w + 1)); });
-    levels_[0].ms = ms_since(begin);
     for (int level = top; level > 0 && !in_a_heap_; --level) {
         const auto from = Clock::now();
         std::atomic<std::int64_t> room = 4 * std::int64_t{tree.size()} + 65536;

@@ -17,8 +17,8 @@ const BoxKernel& box_kernel()
 
 namespace {
 
-// Making a map costs about as much as so many boxes without one.
-constexpr std::uint64_t boxes_that_pay_for_a_map = 600;
+// Sorting out what is left of a map costs little more than looking through it for so many boxes once more.
+constexpr std::uint64_t boxes_that_complete_a_map = 4096;
 constexpr std::size_t fewest_points_of_a_map = 256;
 constexpr std::size_t most_read_at_once = 8; ///< chunks of a cooked mesh; of more only those at its ends are read
 
@@ -123,10 +123,13 @@ void PoseBounds::expect(const Eigen::Isometry3d& pose)
             final_ = true, requested_ = 0;
             return;
         }
+        final_ = points_.size() < fewest_points_of_a_map;
+        if (!final_) support_ = SupportMap(std::move(points_)), points_ = {};
     }
-    const bool large = points_.size() >= fewest_points_of_a_map;
-    final_ = !large || requested_ >= boxes_that_pay_for_a_map;
-    if (large && final_) support_ = SupportMap(points_), points_ = {};
+    if (final_) return;
+    if (requested_ % SupportMap::boxes_a_look == 0) support_.prepare(pose.linear().cast<float>());
+    final_ = requested_ >= boxes_that_complete_a_map;
+    if (final_) support_.complete();
 }
 
 /// False: it is to be read as a whole.
@@ -173,12 +176,13 @@ Aabb PoseBounds::box(const Eigen::Isometry3d& pose) const
     if (requested_ > 0 && !turns_by_quarters(r)) {
         const Eigen::Matrix3f rows = r.cast<float>();
         Eigen::Vector3f lo, hi;
-        if (cooked_ || !support_.empty()) {
-            const auto most = [&](const Eigen::Vector3f& d) { return cooked_ ? cooked_->most(d) : support_.most(d); };
+        if (cooked_) {
             for (int axis = 0; axis < 3; ++axis) {
                 const Eigen::Vector3f row = rows.row(axis);
-                hi[axis] = most(row), lo[axis] = -most(-row);
+                hi[axis] = cooked_->most(row), lo[axis] = -cooked_->most(-row);
             }
+        } else if (!support_.empty()) {
+            support_.box(rows, lo, hi);
         } else {
             const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> by_rows = rows;
             const auto& [x, y, z] = points_.xyz;
@@ -187,7 +191,7 @@ Aabb PoseBounds::box(const Eigen::Isometry3d& pose) const
         }
         const Eigen::Vector3d low = lo.cast<double>(), high = hi.cast<double>();
         // With |r . p| <= |p|, coordinates, products and sums err by at most 9 * 2^-24 |p|.
-        const Eigen::Vector3d float_slack = Eigen::Vector3d::Constant(std::ldexp(radius_, -20) + rounding);
+        const Eigen::Vector3d float_slack = Eigen::Vector3d::Constant(0x1p-20 * radius_ + rounding);
         return around(centre + 0.5 * (low + high), 0.5 * (high - low) + float_slack);
     }
     if (const auto* cone = shape ? std::get_if<Cone>(shape) : nullptr) {

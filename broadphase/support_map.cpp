@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-
-#include <oncollide/broadphase/box_kernel.hpp>
 
 namespace oncollide {
 
@@ -12,19 +9,10 @@ namespace {
 
 using Eigen::Vector3f;
 
-/// Of a direction: the face of the cube that it goes through, and where, from -1 to 1 each.
-struct OnCube {
-    std::uint32_t face;
-    float u, v;
-
-    explicit OnCube(const Vector3f& d)
-    {
-        int axis;
-        const float most = d.cwiseAbs().maxCoeff(&axis);
-        face = 2 * static_cast<std::uint32_t>(axis) + (d[axis] < 0);
-        u = d[(axis + 1) % 3] / most, v = d[(axis + 2) % 3] / most;
-    }
-};
+constexpr std::uint32_t few = 16;       // points: looking at fewer is no faster
+constexpr std::uint32_t most_side = 64; // cells
+/// Sorting those of a part out of a list costs about as much as looking at the list so often.
+constexpr std::uint32_t looks_that_pay = 16;
 
 Vector3f direction(std::uint32_t face, float u, float v)
 {
@@ -32,6 +20,12 @@ Vector3f direction(std::uint32_t face, float u, float v)
     Vector3f d;
     d[axis] = face % 2 ? -1.0f : 1.0f, d[(axis + 1) % 3] = u, d[(axis + 2) % 3] = v;
     return d.normalized();
+}
+
+/// Rounds the number of points up to a multiple of 8, with copies of the one at `first`.
+void pad(PointColumns& points, std::size_t first)
+{
+    while (points.size() % 8) points.add(points, first);
 }
 
 } // namespace
@@ -44,7 +38,7 @@ PointColumns point_columns(std::span<const Eigen::Vector3d> points, const Eigen:
         const Vector3f p = (point - centre).cast<float>();
         columns.add(p.x(), p.y(), p.z());
     }
-    while (columns.size() % 8) columns.add(columns, 0);
+    pad(columns, 0);
     return columns;
 }
 
@@ -58,109 +52,139 @@ PointColumns used_points(const Mesh& mesh, const Eigen::Vector3d& centre)
     return point_columns(points, centre);
 }
 
-/// Fills the cells from whole faces down: what cannot be farthest along any direction of a square cannot be so along
-/// any of a part of it.
-class SupportMap::Filling {
-public:
-    Filling(SupportMap& map, const PointColumns& points) : map_(map)
-    {
-        float reach = 0;
-        for (std::size_t i = 0; i < points.size(); ++i)
-            reach = std::max(reach, std::hypot(points.xyz[0][i], points.xyz[1][i], points.xyz[2][i]));
-        // Products and sums err by a quarter of that, and a direction on an edge may be taken for a neighbour's.
-        rounding_ = 0x1p-19f * reach;
-        for (std::uint32_t face = 0; face < 6; ++face) divide(face, 0, 0, map.side_, points);
-    }
-
-private:
-    /// @param x, y   of a square of cells of the face
-    /// @param among  all that may be farthest along one of its directions
-    void divide(std::uint32_t face, std::uint32_t x, std::uint32_t y, std::uint32_t side, const PointColumns& among)
-    {
-        const PointColumns left = farthest(face, x, y, side, among);
-        if (side == 1) {
-            for (std::size_t i = 0; i < left.size(); ++i) map_.points_.add(left, i);
-            while (map_.points_.size() % 8) map_.points_.add(left, 0);
-            map_.ends_.push_back(static_cast<std::uint32_t>(map_.points_.size()));
-            return;
-        }
-        const std::uint32_t half = side / 2;
-        for (std::uint32_t k = 0; k < 4; ++k) divide(face, x + (k & 1) * half, y + (k >> 1) * half, half, left);
-    }
-    /// Directions of the square are sums of those at its corners, with weights that are not negative: what another
-    /// point exceeds along all four is exceeded along every one. The others tried are those farthest along the four
-    /// and along their sum.
-    PointColumns farthest(std::uint32_t face, std::uint32_t x, std::uint32_t y, std::uint32_t side,
-                          const PointColumns& among)
-    {
-        const auto at = [&](std::uint32_t cell) {
-            return 2 * static_cast<float>(cell) / static_cast<float>(map_.side_) - 1;
-        };
-        const float u[] = {at(x), at(x + side)}, v[] = {at(y), at(y + side)};
-        const std::size_t count = among.size();
-        for (std::vector<float>& column : along_) column.resize(count);
-        const float *px = among.xyz[0].data(), *py = among.xyz[1].data(), *pz = among.xyz[2].data();
-        for (unsigned k = 0; k < 4; ++k) {
-            const Vector3f d = direction(face, u[k & 1], v[k >> 1]);
-            const float dx = d.x(), dy = d.y(), dz = d.z();
-            float* const out = along_[k].data();
-            for (std::size_t i = 0; i < count; ++i) out[i] = dx * px[i] + dy * py[i] + dz * pz[i];
-        }
-        const float *a0 = along_[0].data(), *a1 = along_[1].data(), *a2 = along_[2].data(), *a3 = along_[3].data();
-        float* const sum = along_[4].data();
-        for (std::size_t i = 0; i < count; ++i) sum[i] = (a0[i] + a1[i]) + (a2[i] + a3[i]);
-        float bar[5][4]; // what one of the others has along each corner, less rounding
-        for (unsigned k = 0; k < 5; ++k) {
-            const float most = Eigen::Map<const Eigen::ArrayXf>(along_[k].data(), Eigen::Index(count)).maxCoeff();
-            const std::size_t other = std::size_t(std::ranges::find(along_[k], most) - along_[k].begin());
-            for (unsigned c = 0; c < 4; ++c) bar[k][c] = along_[c][other] - rounding_;
-        }
-        keep_.resize(count);
-        int* const keep = keep_.data();
-        for (std::size_t i = 0; i < count; ++i) {
-            int every = 1;
-            for (const auto& b : bar) every &= (a0[i] >= b[0]) | (a1[i] >= b[1]) | (a2[i] >= b[2]) | (a3[i] >= b[3]);
-            keep[i] = every;
-        }
-        PointColumns left;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const float* const from = among.xyz[axis].data();
-            std::vector<float>& column = left.xyz[axis];
-            column.resize(count);
-            std::size_t kept = 0;
-            for (std::size_t i = 0; i < count; ++i) column[kept] = from[i], kept += std::size_t(keep[i]);
-            column.resize(kept);
-        }
-        return left;
-    }
-
-    SupportMap& map_;
-    float rounding_;
-    std::array<std::vector<float>, 5> along_; ///< by point
-    std::vector<int> keep_;
-};
-
-SupportMap::SupportMap(const PointColumns& points) : side_(2)
+SupportMap::SupportMap(PointColumns points) : side_(2), points_(std::move(points))
 {
-    while (side_ < 32 && 256 * std::size_t(side_) * side_ < points.size()) side_ *= 2;
-    Filling(*this, points);
-    for (std::vector<float>& column : points_.xyz) column.shrink_to_fit();
+    const auto& [x, y, z] = points_.xyz;
+    float reach2 = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) reach2 = std::max(reach2, x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
+    // Products and sums err by a quarter of that, and a direction on an edge may be taken for a neighbour's.
+    rounding_ = 0x1p-19f * std::sqrt(reach2);
+    while (side_ < most_side && 64 * std::size_t(side_) * side_ < points_.size()) side_ *= 2;
+    const PointRange all{0, static_cast<std::uint32_t>(points_.size())};
+    cells_.assign(std::size_t(6) * side_ * side_, all);
+    squares_.push_back({all, 2 * side_, 0});
+    square_of_.assign(cells_.size(), 0);
 }
 
-float SupportMap::most(const Vector3f& d) const
+inline std::uint32_t SupportMap::cell(std::uint32_t face, float u, float v) const
 {
-    const OnCube at(d);
-    const auto cell = [&](float u) {
-        return std::min(static_cast<std::uint32_t>(0.5f * (u + 1) * static_cast<float>(side_)), side_ - 1);
+    const auto along = [this](float t) {
+        return std::min(static_cast<std::uint32_t>(0.5f * (t + 1) * static_cast<float>(side_)), side_ - 1);
     };
-    // Cells are in the order in which squares are divided: by the bits of y and x in turn.
-    std::uint32_t number = 0;
-    const std::uint32_t x = cell(at.u), y = cell(at.v);
-    for (std::uint32_t bit = side_ / 2; bit; bit /= 2) number = 4 * number + 2 * ((y & bit) != 0) + ((x & bit) != 0);
-    number += at.face * side_ * side_;
-    const std::uint32_t begin = number ? ends_[number - 1] : 0;
-    return box_kernel().most_along(&points_.xyz[0][begin], &points_.xyz[1][begin], &points_.xyz[2][begin],
-                                   ends_[number] - begin, d.data());
+    return (face * side_ + along(v)) * side_ + along(u);
+}
+
+/// Those that the rows go through, and that their opposites do.
+inline std::array<std::uint32_t, 6> SupportMap::cells_along(const Eigen::Matrix3f& rows) const
+{
+    std::array<std::uint32_t, 6> cells;
+    for (unsigned row = 0; row < 3; ++row) {
+        const float d[] = {rows(row, 0), rows(row, 1), rows(row, 2)};
+        const float x = std::abs(d[0]), y = std::abs(d[1]), z = std::abs(d[2]);
+        const std::uint32_t axis = x >= y ? (x >= z ? 0 : 2) : (y >= z ? 1 : 2);
+        const float most = std::max(x, std::max(y, z)), u = d[(axis + 1) % 3] / most, v = d[(axis + 2) % 3] / most;
+        const std::uint32_t face = 2 * axis + (d[axis] < 0);
+        cells[2 * row] = cell(face, u, v), cells[2 * row + 1] = cell(face ^ 1, -u, -v);
+    }
+    return cells;
+}
+
+inline bool SupportMap::divisible(const Square& square)
+{
+    return square.points.count > few && square.side > 1;
+}
+
+/// Gives the quarter of its square that a cell is in a list of its own; of the whole cube the face.
+void SupportMap::divide(std::uint32_t cell)
+{
+    const Square& whole = squares_[square_of_[cell]];
+    const std::uint32_t side = whole.side / 2, face = cell / (side_ * side_);
+    const std::uint32_t x = cell % side_ / side * side, y = cell / side_ % side_ / side * side;
+    const PointRange points = farthest(face, x, y, side, whole.points);
+    for (std::uint32_t row = y; row < y + side; ++row) {
+        const std::size_t first = (std::size_t(face) * side_ + row) * side_ + x;
+        std::fill_n(cells_.begin() + std::ptrdiff_t(first), side, points);
+        std::fill_n(square_of_.begin() + std::ptrdiff_t(first), side, static_cast<std::uint32_t>(squares_.size()));
+    }
+    squares_.push_back({points, side, 0});
+}
+
+/// Appends those of a list that may be farthest along a direction of a square.
+///
+/// Its directions are sums of those at its corners, with weights that are not negative: what another point exceeds
+/// along all four is exceeded along every one. The others tried are those farthest along the four and along their sum.
+PointRange SupportMap::farthest(std::uint32_t face, std::uint32_t x, std::uint32_t y, std::uint32_t side,
+                                PointRange among)
+{
+    const auto at = [&](std::uint32_t cell) { return 2 * static_cast<float>(cell) / static_cast<float>(side_) - 1; };
+    const float u[] = {at(x), at(x + side)}, v[] = {at(y), at(y + side)};
+    float corners[4][3];
+    for (std::size_t c = 0; c < 4; ++c) {
+        const Vector3f d = direction(face, u[c & 1], v[c >> 1]);
+        std::copy_n(d.data(), 3, corners[c]);
+    }
+    const std::size_t count = among.count, room = (count + 7) / 8 * 8;
+    const auto& [px, py, pz] = points_.xyz;
+    if (keep_.size() < room) along_.resize(5 * room), keep_.resize(room);
+    box_kernel().keep_farthest(&px[among.begin], &py[among.begin], &pz[among.begin], among.count, corners, rounding_,
+                               along_.data(), keep_.data());
+    const auto begin = static_cast<std::uint32_t>(points_.size());
+    for (std::vector<float>& column : points_.xyz) {
+        column.resize(begin + count);
+        const float* const from = &column[among.begin];
+        float* to = &column[begin];
+        for (std::size_t i = 0; i < count; ++i) *to = from[i], to += keep_[i];
+        column.resize(std::size_t(to - column.data()));
+    }
+    const auto kept = static_cast<std::uint32_t>(points_.size() - begin);
+    pad(points_, begin);
+    return {begin, kept};
+}
+
+void SupportMap::prepare(const Eigen::Matrix3f& rows)
+{
+    for (const std::uint32_t cell : cells_along(rows)) {
+        const auto pays = [](Square& square) {
+            return divisible(square) && (square.looks += boxes_a_look) > looks_that_pay;
+        };
+        while (pays(squares_[square_of_[cell]])) divide(cell);
+    }
+}
+
+void SupportMap::complete()
+{
+    for (std::uint32_t cell = 0; cell < cells_.size(); ++cell)
+        while (divisible(squares_[square_of_[cell]])) divide(cell);
+    PointColumns packed; // without the lists that no cell has any more
+    for (Square& square : squares_) square.side = 0;
+    for (std::uint32_t cell = 0; cell < cells_.size(); ++cell) {
+        Square& square = squares_[square_of_[cell]];
+        if (square.side == 0) {
+            const std::size_t begin = packed.size();
+            for (std::size_t i = 0; i < square.points.count; ++i) packed.add(points_, square.points.begin + i);
+            pad(packed, begin);
+            square.points.begin = static_cast<std::uint32_t>(begin), square.side = 1;
+        }
+        cells_[cell] = square.points;
+    }
+    for (std::vector<float>& column : packed.xyz) column.shrink_to_fit();
+    points_ = std::move(packed), squares_ = {}, square_of_ = {}, along_ = {}, keep_ = {};
+}
+
+void SupportMap::box(const Eigen::Matrix3f& rows, Vector3f& lo, Vector3f& hi) const
+{
+    const std::array<std::uint32_t, 6> cells = cells_along(rows);
+    PointRange lists[6];
+    for (unsigned k = 0; k < 6; ++k) lists[k] = cells_[cells[k]];
+    const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> by_rows = rows;
+    const auto& [x, y, z] = points_.xyz;
+    box_kernel().lists_box(x.data(), y.data(), z.data(), lists, by_rows.data(), lo.data(), hi.data());
+}
+
+std::size_t SupportMap::bytes() const
+{
+    return points_.bytes() + cells_.capacity() * sizeof(PointRange) + squares_.capacity() * sizeof(Square) +
+           (square_of_.capacity() + along_.capacity() + keep_.capacity()) * sizeof(std::uint32_t);
 }
 
 } // namespace oncollide

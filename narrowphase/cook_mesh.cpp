@@ -8,6 +8,7 @@
 
 #include <oncollide/narrowphase/boxes/obb_tree.hpp>
 #include <oncollide/narrowphase/inside/parts.hpp>
+#include <oncollide/scenes/cooked/cooked_format.hpp>
 #include <oncollide/scenes/cooked/cooked_writer.hpp>
 
 namespace oncollide {
@@ -47,7 +48,7 @@ public:
             add_chunk(0, count);
         add_vertices_without_triangles();
         find_topology();
-        for (const BoxNode& node : nodes_) file_.nodes.add(node);
+        for (const CookedNode& node : nodes_) file_.nodes.add(node);
         return file_.write(path, CookedKind::mesh);
     }
 
@@ -56,22 +57,32 @@ private:
     static_assert(most_chunk_vertices < none);
 
     /// The node of the parts of box k, and all below it that have more triangles than a chunk. Returns its number.
-    std::uint32_t add_below(std::uint32_t index, unsigned k)
+    std::uint32_t add_below(ObbTree::Node index, unsigned k)
     {
-        const BoxNode node = tree_.node(tree_.child(index, k));
-        const std::uint32_t from = tree_.node(index).child[k];
+        const ObbTree::Node from = tree_.child(index, k);
         const std::size_t place = nodes_.size();
-        nodes_.push_back(node);
-        for (unsigned lane = 0; lane < node.lanes; ++lane) {
-            std::uint32_t& child = nodes_[place].child[lane];
-            if (!child && node.count[lane] <= chunk_) {
-                add_chunk(node.begin[lane], node.count[lane]);
+        nodes_.push_back(cooked(from));
+        for (unsigned lane = 0; lane < tree_.node(from).lanes; ++lane) {
+            const std::uint32_t begin = tree_.begin_of(from, lane), count = tree_.count_of(from, lane);
+            if (!tree_.is_grown(from, lane) && count <= chunk_) {
+                add_chunk(begin, count);
                 continue;
             }
             const std::uint32_t below = add_below(from, lane);
             nodes_[place].child[lane] = below;
         }
         return static_cast<std::uint32_t>(place) + 1;
+    }
+    CookedNode cooked(ObbTree::Node index) const
+    {
+        const BoxNode& node = tree_.node(index);
+        CookedNode to{};
+        static_assert(offsetof(BoxNode, begin) == offsetof(CookedNode, begin));
+        std::memcpy(&to, &node, offsetof(CookedNode, begin));
+        to.lanes = node.lanes, to.leaves = node.leaves, to.singles = node.singles;
+        for (unsigned k = 0; k < node.lanes; ++k)
+            to.begin[k] = tree_.begin_of(index, k), to.count[k] = tree_.count_of(index, k);
+        return to;
     }
 
     void add_chunk(std::uint32_t begin, std::uint32_t count)
@@ -132,7 +143,7 @@ private:
     ObbTree tree_;
     const std::uint32_t chunk_; ///< triangles, at most
     CookedWriter file_;
-    std::vector<BoxNode> nodes_;
+    std::vector<CookedNode> nodes_;
     std::vector<std::uint16_t> local_; ///< by vertex: its number in the chunk at hand
     std::vector<bool> used_;
     std::vector<std::uint32_t> numbers_; ///< of the chunk's vertices

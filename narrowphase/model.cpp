@@ -83,11 +83,12 @@ void Model::make_boxes(ChunkBudget* budget, BoxTotals& totals)
 }
 
 /// Of a cooked mesh all is read for it, and none of it kept.
-bool Model::prepare_solids()
+bool Model::prepare_solids(bool near)
 {
-    // As long as so many walks for each vertex take: the balls save less, and are not to delay first results.
-    constexpr std::uint64_t walks_for_hull = 1, walks_for_balls = 8;
-    if (has_solids() || ++walks_ <= (hull_ ? walks_for_balls : walks_for_hull) * vertices()) return false;
+    // As long as so many walks for each four vertices take: the balls save less, and are not to delay first results.
+    constexpr std::uint64_t walks_for_hull = 3, walks_for_balls = 32;
+    if (has_solids() || (near && !hull_)) return false;
+    if (4 * ++walks_ <= (hull_ ? walks_for_balls : walks_for_hull) * vertices()) return false;
     try {
         std::optional<Mesh> whole;
         if (cooked()) whole = cooked()->whole();

@@ -113,7 +113,8 @@ public:
 
     /// A walk of it against another mesh is about to begin: makes the hull, and later the balls, where so many have
     /// been that it pays. Returns whether it made something. Not beside other calls.
-    bool prepare_solids();
+    /// @param near  the last walk of the two did not part them, and so would not have their hulls
+    bool prepare_solids(bool near);
     /// Is there nothing more to prepare?
     bool has_solids() const { return (hull_ && (balls_ || !is_mesh())) || no_solids_ || !has_triangles(); }
     /// The convex solid around surface_mesh(); null: not there.
@@ -168,7 +169,7 @@ private:
     mutable bool closed_ = false;
     mutable std::vector<PartPoints> parts_;
     mutable std::shared_ptr<const FclModel> fcl_;
-    std::uint64_t walks_ = 0; ///< expected while there was something to prepare
+    std::uint64_t walks_ = 0; ///< that what there is to prepare might have saved
     bool no_solids_ = false;  ///< the file cannot be read
 };
 

@@ -48,7 +48,7 @@ public:
 
     void skip(Bodies& bodies, Frame& frame, StageStats& stats) override
     {
-        frame.whole = true;
+        frame.whole = stats.note == by_request; // else the broad phase finds what to search by itself
         frame.delimitation.clear();
         stats.in = stats.out = bodies.size();
     }
@@ -68,13 +68,13 @@ public:
         const std::span<const BodyPair> pairs = broad_.find_pairs(bodies.columns(), frame.whole);
         frame.pairs.assign(pairs.begin(), pairs.end());
         leave(bodies, frame);
-        count(bodies, frame, frame.whole ? bodies.size() : broad_.bodies_left(), stats);
+        count(bodies, frame, frame.delimitation.empty() ? bodies.size() : broad_.bodies_left(), stats);
     }
 
     void skip(Bodies& bodies, Frame& frame, StageStats& stats) override
     {
         survivors_.clear();
-        if (frame.whole)
+        if (frame.delimitation.empty())
             for (std::uint32_t slot = 0; slot < bodies.slots(); ++slot) {
                 if (bodies.alive(slot)) survivors_.push_back(slot);
             }

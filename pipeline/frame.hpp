@@ -25,7 +25,7 @@ struct Frame {
     std::vector<std::uint8_t> fresh;             ///< by slot: since the last frame the body is new, or its geometry is
     std::vector<std::uint32_t> fresh_slots;      ///< the slots that are
     std::size_t moved = 0;                       ///< bodies that moved since the last frame
-    bool whole = false;                          ///< delimitation was skipped: all bodies are to be searched
+    bool whole = false;                          ///< delimitation is left out by request: all bodies are to be searched
     std::vector<DelimitationLevel> delimitation; ///< by level; empty when skipped
     std::vector<BodyPair> pairs;                 ///< candidates, sorted
     /// Leaves of the candidates those that this World is to decide, and may turn them round; null: all (RankWorld).

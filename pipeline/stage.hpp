@@ -10,6 +10,9 @@ namespace oncollide {
 // Indices of the stages, as in PairResult::stage.
 constexpr std::uint8_t ocst_stage_index = 3, exact_stage_index = 4;
 
+/// StageStats::note of a stage that the settings leave out.
+constexpr std::string_view by_request = "by request";
+
 /// One step of a frame. It may keep what does not collide; it must never lose what does.
 /// No timing inside: the loop outside times every stage alike.
 class Stage {

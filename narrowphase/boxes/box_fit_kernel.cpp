@@ -1,8 +1,5 @@
 // Compiled once per instruction set; see oncollide_add_kernel.
-#if defined(__SSE2__)
-#include <immintrin.h>
-#endif
-
+#include <oncollide/base/simd.hpp>
 #include <oncollide/narrowphase/boxes/box_fit_kernel.hpp>
 
 namespace oncollide::ONCOLLIDE_ISA {
@@ -145,11 +142,21 @@ void sums(const FourTriangles* fours, std::size_t triangles, const double (&midd
     out.weight = total(weights);
 }
 
+void count_less(const float* numbers, std::size_t size, std::int32_t* less)
+{
+    for (std::size_t i = 0; i < size; i += 8) {
+        const F32x8 eight = load(numbers + i);
+        I32x8 count{};
+        for (std::size_t k = 0; k < size; ++k) count -= splat(numbers[k]) < eight;
+        __builtin_memcpy(less + i, &count, sizeof count);
+    }
+}
+
 } // namespace
 
 BoxFitKernel box_fit_kernel()
 {
-    return {extent, sums};
+    return {extent, sums, count_less};
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

@@ -1,6 +1,7 @@
 // What boxes are fitted around triangles with, one implementation an instruction set. Plain data in, plain data out.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 
 namespace oncollide {
 
@@ -25,6 +26,8 @@ struct BoxFitKernel {
     /// exact: the order of triangles and corners does not show, not even where all directions are alike.
     void (*sums)(const FourTriangles* fours, std::size_t triangles, const double (&middle)[3], double scale,
                  SurfaceSums& out);
+    /// Of each of some numbers, how many others are less. Both readable and writable up to a multiple of 8.
+    void (*count_less)(const float* numbers, std::size_t size, std::int32_t* less);
 };
 
 namespace baseline {

@@ -7,18 +7,29 @@ namespace oncollide {
 /// Eight oriented boxes around parts of one mesh, in its tree's frame, quantised. Box k has its centre at origin + unit
 /// (x, y, z)[k], half-extents unit (hx, hy, hz)[k], and axes turned by the quaternion (qw, qx, qy, qz)[k] / 32767,
 /// brought to unit length as axes_of() does. Lanes past the last box are zero.
-struct alignas(16) BoxNode {
+///
+/// Where all boxes are leaves that is all; a node with others is an InnerNode.
+struct alignas(64) BoxNode {
     std::int16_t x[8], y[8], z[8];
     std::int16_t qw[8], qx[8], qy[8], qz[8];
     std::uint16_t hx[8], hy[8], hz[8];
     float origin[3];
     float unit;
+    std::uint32_t begin;    ///< where the triangles of the first box begin, in the tree's order
+    std::uint8_t offset[8]; ///< and from there those of box k, where all are leaves
+    std::uint8_t lanes;     ///< boxes here
+    std::uint8_t leaves;    ///< a bit for each box that counts as a leaf
+    std::uint8_t singles;   ///< and for each of one triangle; of the other leaves each has two
+    bool inner;
+};
+static_assert(sizeof(BoxNode) == 192);
+
+/// A node of which not all boxes are leaves.
+struct InnerNode {
+    BoxNode boxes;
+    std::uint32_t child[8]; ///< node of box k's parts; 0: not grown yet, or a leaf. Other threads may set it
     std::uint32_t begin[8]; ///< the triangles of box k are [begin[k], begin[k] + count[k]) of the tree's order
     std::uint32_t count[8];
-    std::uint32_t child[8]; ///< node of box k's parts; 0: not grown yet, or a leaf. Other threads may set it
-    std::uint32_t lanes;    ///< boxes here
-    std::uint32_t leaves;   ///< a bit for each box that counts as a leaf
-    std::uint32_t singles;  ///< and for each of one triangle
 };
 
 /// p -> rotation (p - from) + translation, or, not turned, p - from.
@@ -47,6 +58,14 @@ struct alignas(32) OpenBoxes {
 /// that the bits of k say.
 struct OctantBoxes {
     float centre[3][2], half[3][2];
+};
+
+/// Up to eight triangles of one node: a corner of each, relative to `from` of the placement, and from there to the
+/// other two, divided by the size: components up to 1. All 0 in lanes past the last.
+struct TriangleRow {
+    float corner[3][8], sides[2][3][8];
+    float size;
+    std::uint32_t lanes;
 };
 
 } // namespace oncollide

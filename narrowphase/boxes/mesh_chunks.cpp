@@ -11,7 +11,7 @@
 
 namespace oncollide {
 
-static_assert(sizeof(BoxNode) == sizeof(CookedNode) && offsetof(BoxNode, child) == offsetof(CookedNode, child));
+static_assert(offsetof(BoxNode, begin) == offsetof(CookedNode, begin));
 
 namespace {
 
@@ -38,7 +38,7 @@ MeshChunks::MeshChunks(std::shared_ptr<const CookedMesh> mesh, ChunkBudget& budg
 {
     place_chunks();
     add_upper_nodes();
-    held_ = top_->bytes() + chunks_.size() * sizeof(Chunk) + upper_ * sizeof(BoxNode);
+    held_ = top_->bytes() + chunks_.size() * sizeof(Chunk) + upper_ * sizeof(InnerNode);
 }
 
 MeshChunks::~MeshChunks()
@@ -55,11 +55,11 @@ void MeshChunks::place_chunks()
         chunks_[c].first_vertex = static_cast<std::uint32_t>(vertices);
         triangles += up_to(top_->chunks[c].triangles, triangle_step);
         vertices += up_to(top_->chunks[c].vertices, vertex_step);
-        blocks += top_->chunks[c].triangles / nodes_per_block + 2;
+        blocks += most_node_lines(top_->chunks[c].triangles, false) / lines_per_block + 1;
     }
     if (std::max(triangles, vertices) > std::numeric_limits<std::uint32_t>::max())
         throw ChunkFault(ErrorKind::bad_data, mesh_->name() + ": has too many triangles for one mesh");
-    blocks += top_->nodes.size() / sizeof(BoxNode) / nodes_per_block + 2;
+    blocks += top_->nodes.size() / sizeof(CookedNode) / upper_per_block + 2;
     std::uint64_t bytes = 0;
     const auto room = [&](std::uint64_t size) { return std::exchange(bytes, up_to(bytes + size, LazyMemory::page)); };
     const std::uint64_t at[] = {room(vertices * sizeof vertices_[0]), room(triangles * sizeof triangles_[0]),
@@ -70,7 +70,7 @@ void MeshChunks::place_chunks()
     triangles_ = reinterpret_cast<Triangle*>(memory_.data() + at[1]);
     order_ = reinterpret_cast<std::uint32_t*>(memory_.data() + at[2]);
     numbers_ = reinterpret_cast<std::uint32_t*>(memory_.data() + at[3]);
-    blocks_ = reinterpret_cast<BoxNode**>(memory_.data() + at[4]);
+    blocks_ = reinterpret_cast<NodeLine**>(memory_.data() + at[4]);
     owner_ = reinterpret_cast<std::uint32_t*>(memory_.data() + at[5]);
 }
 
@@ -82,12 +82,20 @@ void MeshChunks::add_upper_nodes()
         throw ChunkFault(ErrorKind::bad_data, fmt::format("{}: node {} of its upper levels {}; cook the file again",
                                                           mesh_->name(), node, what));
     };
-    nodes_ = upper_ = 1 + static_cast<std::uint32_t>(from.size() / sizeof(BoxNode));
-    next_block_ = (upper_ - 1) / nodes_per_block + 1;
+    nodes_ = upper_ = 1 + static_cast<std::uint32_t>(from.size() / sizeof(CookedNode));
+    next_block_ = (upper_ - 1) / upper_per_block + 1;
     for (std::uint32_t block = 0; block < next_block_; ++block)
-        blocks_[block] = new BoxNode[std::min(nodes_per_block, upper_ - block * nodes_per_block)]();
-    for (std::uint32_t i = 1; i < upper_; ++i)
-        std::memcpy(&at(i), from.data() + (i - 1) * sizeof(BoxNode), sizeof(BoxNode));
+        blocks_[block] = new NodeLine[std::min(upper_per_block, upper_ - block * upper_per_block) * inner_node_lines];
+    make_node(blocks_, 0, true);
+    for (std::uint32_t i = 1; i < upper_; ++i) {
+        CookedNode node;
+        std::memcpy(&node, from.data() + (i - 1) * sizeof node, sizeof node);
+        if (node.lanes < 2 || node.lanes > 8) fail(i, "has no two to eight boxes");
+        make_node(blocks_, number_of(i), true).lanes = static_cast<std::uint8_t>(node.lanes);
+        std::memcpy(&upper(i).boxes, &node, offsetof(CookedNode, begin));
+        std::ranges::copy(node.begin, upper(i).begin), std::ranges::copy(node.count, upper(i).count);
+        std::ranges::copy(node.child, upper(i).child);
+    }
     above_.resize(upper_);
     if (upper_ == 1) {
         if (chunks_.size() != 1) fail(0, "are missing");
@@ -99,9 +107,9 @@ void MeshChunks::add_upper_nodes()
     while (!waiting.empty()) {
         const Lane lane = waiting.back();
         waiting.pop_back();
-        const std::uint32_t index = lane.node ? at(lane.node).child[lane.k] : 1;
+        const std::uint32_t index = lane.node ? upper(lane.node).child[lane.k] : 1;
         if (index == 0) {
-            BoxNode& node = at(lane.node);
+            InnerNode& node = upper(lane.node);
             if (chunk == chunks_.size() || top_->chunks[chunk].triangles != node.count[lane.k])
                 fail(lane.node, "has a box that is not around its chunk");
             node.begin[lane.k] = chunks_[chunk].first;
@@ -110,27 +118,29 @@ void MeshChunks::add_upper_nodes()
         }
         if (index >= upper_ || seen[index]) fail(lane.node, "has parts that are no node of its own");
         seen[index] = true, ++found, above_[index] = lane;
-        BoxNode& node = at(index);
-        if (node.lanes < 2 || node.lanes > 8) fail(index, "has no two to eight boxes");
-        const Eigen::Vector3d origin(node.origin[0], node.origin[1], node.origin[2]);
+        InnerNode& node = upper(index);
+        BoxNode& boxes = node.boxes;
+        const Eigen::Vector3d origin(boxes.origin[0], boxes.origin[1], boxes.origin[2]);
         const double most = 2 * mesh_->radius() * (1 + 0x1p-20) + 1e-30;
-        if (!(origin.norm() <= most && node.unit > 0 && node.unit <= 8 * most)) fail(index, "is far from the mesh");
+        if (!(origin.norm() <= most && boxes.unit > 0 && boxes.unit <= 8 * most)) fail(index, "is far from the mesh");
         std::uint64_t count = 0;
-        node.leaves = node.singles = 0;
         for (unsigned k = 0; k < 8; ++k) {
-            if (k >= node.lanes ? node.count[k] || node.child[k] || node.begin[k] : node.count[k] == 0)
+            if (k >= boxes.lanes ? node.count[k] || node.child[k] || node.begin[k] : node.count[k] == 0)
                 fail(index, "has an empty box, or more than it says");
             if (node.child[k] && node.count[k] <= leaf_triangles) fail(index, "has a box that has no parts");
             if (node.child[k]) node.begin[k] = 0; // says nothing
             count += node.count[k];
-            node.leaves |= unsigned(k < node.lanes && node.count[k] <= leaf_triangles) << k;
-            node.singles |= unsigned(node.count[k] == 1) << k;
+            boxes.leaves |= static_cast<std::uint8_t>((k < boxes.lanes && node.count[k] <= leaf_triangles) << k);
+            boxes.singles |= static_cast<std::uint8_t>((node.count[k] == 1) << k);
         }
-        if (count != (lane.node ? at(lane.node).count[lane.k] : mesh_->triangles()))
+        if (count != (lane.node ? upper(lane.node).count[lane.k] : mesh_->triangles()))
             fail(index, "has not as many triangles as its box above");
-        for (unsigned k = node.lanes; k-- > 0;) waiting.push_back({index, k});
+        for (unsigned k = boxes.lanes; k-- > 0;) waiting.push_back({index, k});
     }
     if (chunk != chunks_.size() || found + 1 != upper_) fail(0, "are no tree over all chunks");
+    upper(0).child[0] = 1;
+    for (std::uint32_t i = 0; i < upper_; ++i)
+        for (std::uint32_t& child : upper(i).child) child = child ? number_of(child) : 0;
 }
 
 std::uint32_t MeshChunks::chunk_of(std::uint32_t triangle) const
@@ -188,59 +198,61 @@ void MeshChunks::check_boxes(std::uint32_t chunk, std::span<const Eigen::Vector3
         mesh_->refuse_chunk(chunk, "a vertex is outside the mesh");
     for (Lane lane = chunks_[chunk].lane; lane.node; lane = above_[lane.node])
         for (const Eigen::Vector3d& v : vertices)
-            if (!holds(at(lane.node), lane.k, v - centre)) mesh_->refuse_chunk(chunk, "a vertex is outside its box");
+            if (!holds(upper(lane.node).boxes, lane.k, v - centre))
+                mesh_->refuse_chunk(chunk, "a vertex is outside its box");
 }
 
 void MeshChunks::opened(std::uint32_t node)
 {
-    if (node >= upper_) {
-        const std::uint32_t owner = owner_[node / nodes_per_block];
-        return budget_.mark(chunks_[owner - 1].needed);
-    }
-    const BoxNode& from = at(node);
-    for (std::uint32_t left = from.leaves; left; left &= left - 1) need(chunk_of(from.begin[__builtin_ctz(left)]));
+    if (const std::uint32_t owner = owner_[node / lines_per_block]) return budget_.mark(chunks_[owner - 1].needed);
+    const InnerNode& from = inner_at(blocks_, node);
+    for (std::uint32_t left = from.boxes.leaves; left; left &= left - 1)
+        need(chunk_of(from.begin[__builtin_ctz(left)]));
 }
 
 /// Of the tree of a chunk that is there. One thread at a time.
-std::uint32_t MeshChunks::add_node(std::uint32_t chunk)
+std::uint32_t MeshChunks::add_node(std::uint32_t chunk, bool inner)
 {
     Chunk& c = chunks_[chunk];
-    if (c.last_room == 0) {
-        // A box holds a triangle at least, so that there are no more nodes than these.
-        const auto made = static_cast<std::uint32_t>(c.blocks.size()) * nodes_per_block;
-        const std::uint32_t room = std::min(nodes_per_block, top_->chunks[chunk].triangles + 1 - made);
-        const std::size_t bytes = room * sizeof(BoxNode);
+    const auto room = [&] {
+        const std::uint64_t most = most_node_lines(top_->chunks[chunk].triangles, false);
+        return [=](std::uint64_t before) {
+            return std::uint32_t(std::min<std::uint64_t>(lines_per_block, most - before * lines_per_block));
+        };
+    }();
+    if (c.free_lines < lines_of(inner)) {
+        const std::uint32_t lines = room(c.blocks.size());
+        const std::size_t bytes = lines * sizeof(NodeLine);
         budget_.take(bytes, mesh_->name());
         if (free_blocks_.empty()) free_blocks_.push_back(next_block_++);
         const std::uint32_t block = free_blocks_.back();
         free_blocks_.pop_back();
-        blocks_[block] = new BoxNode[room](), owner_[block] = chunk + 1;
-        c.blocks.push_back(block), c.last_room = room, c.held += bytes, held_ += bytes;
+        blocks_[block] = new NodeLine[lines], owner_[block] = chunk + 1;
+        c.blocks.push_back(block), c.free_lines = lines, c.held += bytes, held_ += bytes;
     }
-    const std::uint32_t in_block = std::min(
-        nodes_per_block, top_->chunks[chunk].triangles + 1 - (std::uint32_t(c.blocks.size()) - 1) * nodes_per_block);
+    const std::uint32_t number = c.blocks.back() * lines_per_block + room(c.blocks.size() - 1) - c.free_lines;
+    c.free_lines -= lines_of(inner), ++c.nodes;
     nodes_.fetch_add(1, std::memory_order_relaxed);
-    return c.blocks.back() * nodes_per_block + (in_block - c.last_room--);
+    make_node(blocks_, number, inner);
+    return number;
 }
 
 void MeshChunks::drop(std::uint32_t chunk)
 {
     Chunk& c = chunks_[chunk];
-    at(c.lane.node).child[c.lane.k] = 0;
-    std::uint32_t nodes = 0;
+    upper(c.lane.node).child[c.lane.k] = 0;
     for (const std::uint32_t block : c.blocks) {
         delete[] blocks_[block];
         blocks_[block] = nullptr, owner_[block] = 0;
-        free_blocks_.push_back(block), nodes += nodes_per_block;
+        free_blocks_.push_back(block);
     }
-    const std::uint32_t triangles = top_->chunks[chunk].triangles;
-    if (!c.blocks.empty()) nodes = std::min(nodes, triangles + 1) - c.last_room;
-    nodes_.fetch_sub(nodes, std::memory_order_relaxed);
-    c.blocks.clear(), c.last_room = 0;
+    nodes_.fetch_sub(c.nodes, std::memory_order_relaxed);
+    c.blocks.clear(), c.nodes = c.free_lines = 0;
     const auto give_back = [&](auto* array, std::uint32_t first, std::uint32_t count) {
         const auto begin = reinterpret_cast<std::byte*>(array + first) - memory_.data();
         memory_.give_back(std::size_t(begin), count * sizeof array[0]);
     };
+    const std::uint32_t triangles = top_->chunks[chunk].triangles;
     give_back(vertices_, c.first_vertex, top_->chunks[chunk].vertices);
     give_back(triangles_, c.first, triangles), give_back(order_, c.first, triangles);
     give_back(numbers_, c.first, triangles);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <oncollide/base/lazy_memory.hpp>
-#include <oncollide/narrowphase/boxes/box_node.hpp>
+#include <oncollide/narrowphase/boxes/node_lines.hpp>
 #include <oncollide/scenes/cooked/chunk_budget.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 
@@ -21,7 +21,7 @@ class MeshChunks {
 public:
     static constexpr std::uint32_t leaf_triangles = 2; ///< a box of so many or fewer is a leaf
 
-    /// A box of a node.
+    /// A box of a node of the upper levels, by its place in the file; the root is 0.
     struct Lane {
         std::uint32_t node = 0, k = 0;
     };
@@ -42,11 +42,9 @@ public:
     std::uint32_t number(std::uint32_t triangle) const { return numbers_[triangle]; }
     const std::uint32_t* numbers() const { return numbers_; }
 
-    /// By number / nodes_per_block; null: none yet.
-    static constexpr std::uint32_t nodes_per_block = 64;
-    BoxNode** blocks() const { return blocks_; }
-    std::uint32_t upper_nodes() const { return upper_; }
-    std::uint32_t add_node(std::uint32_t chunk);
+    NodeLine** blocks() const { return blocks_; } ///< null: none yet
+    /// Returns its number.
+    std::uint32_t add_node(std::uint32_t chunk, bool inner);
     std::uint32_t nodes() const { return nodes_.load(std::memory_order_relaxed); }
 
     /// The place of the first triangle of a chunk, and the chunk of a triangle.
@@ -72,13 +70,19 @@ private:
     struct Chunk {
         std::atomic<bool> there = false;
         std::atomic<std::uint64_t> needed = 0;
-        std::uint32_t first, first_vertex; ///< triangle, vertex
-        Lane lane;                         ///< of the upper levels, whose box is around it
-        std::vector<std::uint32_t> blocks; ///< of its nodes
-        std::uint32_t last_room = 0;       ///< nodes left in the last
+        std::uint32_t first, first_vertex;       ///< triangle, vertex
+        Lane lane;                               ///< of the upper levels, whose box is around it
+        std::vector<std::uint32_t> blocks;       ///< of its nodes
+        std::uint32_t nodes = 0, free_lines = 0; ///< in the last block
         std::size_t held = 0;
     };
-    BoxNode& at(std::uint32_t node) { return blocks_[node / nodes_per_block][node % nodes_per_block]; }
+    static constexpr std::uint32_t upper_per_block = lines_per_block / inner_node_lines;
+    /// The number of a node of the upper levels.
+    static constexpr std::uint32_t number_of(std::uint32_t upper)
+    {
+        return upper / upper_per_block * lines_per_block + upper % upper_per_block * inner_node_lines;
+    }
+    InnerNode& upper(std::uint32_t node) { return inner_at(blocks_, number_of(node)); }
     void place_chunks();
     void add_upper_nodes();
     void check_boxes(std::uint32_t chunk, std::span<const Eigen::Vector3d> vertices);
@@ -94,7 +98,7 @@ private:
     Eigen::Vector3d* vertices_ = nullptr;
     Triangle* triangles_ = nullptr;
     std::uint32_t *order_ = nullptr, *numbers_ = nullptr;
-    BoxNode** blocks_ = nullptr;
+    NodeLine** blocks_ = nullptr;
     std::uint32_t* owner_ = nullptr; ///< of a block: its chunk + 1
     std::uint32_t upper_ = 0, next_block_ = 0;
     std::vector<Lane> above_; ///< by node of the upper levels: the box that it is the parts of

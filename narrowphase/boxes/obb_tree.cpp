@@ -1,8 +1,8 @@
 #include <oncollide/narrowphase/boxes/obb_tree.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstring>
 #include <numeric>
 
 #include <oncollide/narrowphase/boxes/box_fit.hpp>
@@ -43,11 +43,11 @@ ObbTree::ObbTree(const Mesh& mesh, BoxTotals* totals)
     : mesh_(&mesh), totals_(totals), identity_(trees_made.fetch_add(1, std::memory_order_relaxed)),
       centre_(mesh.bounds.centre()), radius_(radius_around(mesh)), large_(mesh.triangles.size() >= large_from),
       vertices_(mesh.vertices.data()), triangles_(mesh.triangles.data()),
-      own_chunks_(most_nodes(mesh.triangles.size()) / chunk + 1)
+      own_blocks_(most_lines(mesh.triangles.size()) / lines_per_block + 1)
 {
-    chunks_ = own_chunks_.data();
-    count(0, own_chunks_.capacity() * sizeof(own_chunks_[0]));
-    add_node();
+    blocks_ = own_blocks_.data();
+    count(0, own_blocks_.capacity() * sizeof(own_blocks_[0]));
+    add_node(mesh.triangles.size() > leaf_triangles);
     make_root(mesh.bounds, mesh.triangles.size());
     if (node(root).leaves) number_triangles();
 }
@@ -56,17 +56,15 @@ ObbTree::ObbTree(std::shared_ptr<const CookedMesh> mesh, ChunkBudget& budget)
     : mesh_(nullptr), totals_(nullptr), chunked_(std::make_unique<MeshChunks>(std::move(mesh), budget)),
       identity_(trees_made.fetch_add(1, std::memory_order_relaxed)), centre_(chunked_->mesh().bounds().centre()),
       radius_(chunked_->mesh().radius()), large_(false), vertices_(chunked_->vertices()),
-      triangles_(chunked_->triangles()), order_(chunked_->order()), chunks_(chunked_->blocks())
+      triangles_(chunked_->triangles()), order_(chunked_->order()), blocks_(chunked_->blocks())
 {
-    static_assert(chunk == MeshChunks::nodes_per_block);
     make_root(chunked_->mesh().bounds(), chunked_->mesh().triangles());
-    if (chunked_->upper_nodes() > 1) at(root).child[0] = 1;
 }
 
 ObbTree::~ObbTree()
 {
     if (totals_) totals_->nodes -= nodes(), totals_->bytes -= bytes();
-    for (BoxNode* nodes : own_chunks_) delete[] nodes;
+    for (NodeLine* block : own_blocks_) delete[] block;
 }
 
 double ObbTree::radius_around(const Mesh& mesh)
@@ -80,20 +78,36 @@ double ObbTree::radius_around(const Mesh& mesh)
 
 void ObbTree::make_root(const Aabb& bounds, std::size_t triangles)
 {
-    BoxNode& node = at(root);
+    BoxNode& node = node_at(blocks_, root);
     set_frame(node, Eigen::Vector3d::Zero(), 2 * radius_); // the box's corners are farther out
     const Eigen::Vector3d half = bounds.half_extent();
     set_box(node, 0, {-half, half});
-    node.lanes = 1, node.begin[0] = 0, node.count[0] = static_cast<std::uint32_t>(triangles);
-    node.leaves = node.count[0] <= leaf_triangles, node.singles = node.count[0] == 1;
+    node.lanes = 1;
+    node.leaves = triangles <= leaf_triangles, node.singles = triangles == 1;
+    if (node.inner) inner_at(blocks_, root).count[0] = static_cast<std::uint32_t>(triangles);
 }
 
 LaneMasks ObbTree::open(Node index, const BoxPlacement* placement, OpenBoxes& boxes) const
 {
+    if (of_triangles(index)) return open_triangles(index, placement, boxes);
     if (chunked_) chunked_->opened(index);
     const BoxNode& from = node(index);
     oriented_box_kernel().open(from, placement, boxes);
     return {from.leaves, from.singles};
+}
+
+/// Two boxes of 20 bytes each are not worth storing: they are made from the corners in the time in which a node of
+/// eight is opened.
+LaneMasks ObbTree::open_triangles(Node index, const BoxPlacement* placement, OpenBoxes& boxes) const
+{
+    std::array<TrianglePoints, leaf_triangles> triangles;
+    for (std::uint32_t k = 0; k < leaf_triangles; ++k) triangles[k] = corners(order_[place_of(index) + k]);
+    Eigen::Vector3d from = centre_;
+    if (placement)
+        for (int i = 0; i < 3; ++i) from[i] += placement->from[i];
+    oriented_box_kernel().open_triangles(row_of(triangles, from), placement, boxes);
+    constexpr std::uint32_t all = (1u << leaf_triangles) - 1;
+    return {all, all};
 }
 
 void ObbTree::grow_in(const Aabb& box, std::uint32_t triangles)
@@ -105,8 +119,8 @@ void ObbTree::grow_in(const Aabb& box, std::uint32_t triangles)
         waiting.pop_back();
         if (chunked_) chunked_->opened(index);
         for (unsigned k = 0; k < node(index).lanes; ++k) {
+            if (count_of(index, k) <= std::max(triangles, leaf_triangles)) continue;
             const BoxNode& from = node(index);
-            if (from.count[k] <= std::max(triangles, 1u)) continue;
             const Eigen::Vector3d centre = centre_of(from, k);
             const Eigen::Vector3d nearest = centre.cwiseMax(around.min).cwiseMin(around.max);
             if ((nearest - centre).norm() <= radius_of(from, k)) waiting.push_back(child(index, k));
@@ -122,10 +136,20 @@ void ObbTree::number_triangles()
     count(0, own_order_.capacity() * sizeof(own_order_[0]));
 }
 
+std::uint64_t ObbTree::most_nodes(std::size_t triangles)
+{
+    return 1 + (triangles > most_split ? triangles : 8 * triangles / 21);
+}
+
+std::uint64_t ObbTree::most_lines(std::size_t triangles)
+{
+    return lines_of(triangles > leaf_triangles) + most_node_lines(triangles, triangles > most_split);
+}
+
 /// No more than there can be: rays and boxes are small meshes.
 std::size_t ObbTree::room_in(std::size_t number) const
 {
-    return std::min<std::size_t>(chunk, most_nodes(mesh_->triangles.size()) - number * chunk);
+    return std::min<std::size_t>(lines_per_block, most_lines(mesh_->triangles.size()) - number * lines_per_block);
 }
 
 void ObbTree::count(std::uint64_t nodes, std::size_t bytes)
@@ -133,21 +157,24 @@ void ObbTree::count(std::uint64_t nodes, std::size_t bytes)
     if (totals_) totals_->nodes += nodes, totals_->bytes += bytes;
 }
 
-std::uint32_t ObbTree::add_node()
+ObbTree::Node ObbTree::add_node(bool inner)
 {
-    if (chunked_) return chunked_->add_node(grows_in_);
-    const std::uint32_t index = used_.fetch_add(1);
-    const bool full = !chunks_[index / chunk];
-    if (full) chunks_[index / chunk] = new BoxNode[room_in(index / chunk)];
-    count(1, full ? room_in(index / chunk) * sizeof(BoxNode) : 0);
-    std::memset(static_cast<void*>(&at(index)), 0, sizeof(BoxNode)); // not the chunk: of most trees few are needed
+    if (chunked_) return chunked_->add_node(grows_in_, inner);
+    std::uint32_t index = lines_;
+    if (index % lines_per_block + lines_of(inner) > lines_per_block) index += lines_per_block - index % lines_per_block;
+    const std::uint32_t block = index / lines_per_block;
+    const bool full = !blocks_[block];
+    if (full) blocks_[block] = new NodeLine[room_in(block)];
+    lines_ = index + lines_of(inner), ++nodes_;
+    count(1, full ? room_in(block) * sizeof(NodeLine) : 0);
+    make_node(blocks_, index, inner);
     return index;
 }
 
-std::uint32_t ObbTree::grow(std::uint32_t parent, unsigned k)
+ObbTree::Node ObbTree::grow(Node parent, unsigned k)
 {
     const std::lock_guard lock(growing_);
-    BoxNode& above = at(parent);
+    InnerNode& above = inner_at(blocks_, parent);
     if (above.child[k]) return above.child[k]; // another walk was first
     const std::uint32_t begin = above.begin[k], count = above.count[k];
     if (chunked_)
@@ -155,17 +182,21 @@ std::uint32_t ObbTree::grow(std::uint32_t parent, unsigned k)
     else if (!order_)
         number_triangles();
     if (count > most_split)
-        if (const std::uint32_t index = grow_by_grid(above, k)) return index;
+        if (const Node index = grow_by_grid(above, k)) return index;
     Growing& g = growing();
     g.parts.start({vertices_, triangles_, chunked_ ? chunked_->numbers() : nullptr}, centre_, {order_ + begin, count});
-    const std::uint32_t index = add_node();
-    BoxNode& node = at(index);
-    set_frame(node, centre_of(above, k), radius_of(above, k));
-    // A leaf keeps the order of its triangles, which others may be reading.
-    if (count > leaf_triangles) g.parts.split(std::min(most_lanes, count));
+    const unsigned parts = std::min(most_lanes, count);
+    g.parts.split(parts);
+    bool inner = false;
+    for (unsigned part = 0; part < parts; ++part)
+        inner |= g.parts.end(part) - (part ? g.parts.end(part - 1) : 0) > leaf_triangles;
+    const Node index = add_node(inner);
+    BoxNode& node = node_at(blocks_, index);
+    set_frame(node, centre_of(above.boxes, k), radius_of(above.boxes, k));
+    node.begin = begin;
     for (std::size_t from = 0; from < count; ++node.lanes) {
-        const std::size_t to = count > leaf_triangles ? g.parts.end(node.lanes) : from + 1;
-        add_lane(g, node, from, to, begin);
+        const std::size_t to = g.parts.end(node.lanes);
+        add_lane(g, index, from, to, begin);
         from = to;
     }
     if (count > most_kept) g = {}; // rarely needed again, and then less
@@ -174,42 +205,51 @@ std::uint32_t ObbTree::grow(std::uint32_t parent, unsigned k)
 }
 
 /// All levels at once down to parts of a few thousand triangles. 0: the grid cannot tell them apart.
-std::uint32_t ObbTree::grow_by_grid(BoxNode& above, unsigned k)
+ObbTree::Node ObbTree::grow_by_grid(InnerNode& above, unsigned k)
 {
-    const Eigen::Vector3d middle = centre_of(above, k), reach = Eigen::Vector3d::Constant(radius_of(above, k));
+    const Eigen::Vector3d middle = centre_of(above.boxes, k),
+                          reach = Eigen::Vector3d::Constant(radius_of(above.boxes, k));
     const Eigen::Vector3d half = mesh_->bounds.half_extent();
     const Aabb around{(middle - reach).cwiseMax(-half), (middle + reach).cwiseMin(half)};
     const std::uint32_t begin = above.begin[k];
     const GridPart all = split_by_grid(*mesh_, centre_, std::span(order_ + begin, above.count[k]), around);
     if (all.parts.empty()) return 0;
-    const std::uint32_t index = add_nodes(all, begin);
+    const Node index = add_nodes(all, begin);
     std::atomic_ref(above.child[k]).store(index, std::memory_order_release);
     return index;
 }
 
-std::uint32_t ObbTree::add_nodes(const GridPart& part, std::uint32_t begin)
+ObbTree::Node ObbTree::add_nodes(const GridPart& part, std::uint32_t begin)
 {
-    const std::uint32_t index = add_node();
-    BoxNode& node = at(index);
+    const Node index = add_node(true);
+    InnerNode& inner = inner_at(blocks_, index);
+    BoxNode& node = inner.boxes;
     set_frame(node, part.box.centre(), part.box.half_extent().norm());
     for (const GridPart& lane : part.parts) {
         const unsigned k = node.lanes++;
-        node.begin[k] = begin + lane.begin, node.count[k] = lane.count;
-        node.leaves |= unsigned(lane.count <= leaf_triangles) << k;
-        node.singles |= unsigned(lane.count == 1) << k;
+        inner.begin[k] = begin + lane.begin, inner.count[k] = lane.count;
+        node.leaves |= static_cast<std::uint8_t>((lane.count <= leaf_triangles) << k);
+        node.singles |= static_cast<std::uint8_t>((lane.count == 1) << k);
         set_box(node, k, lane.box);
-        if (!lane.parts.empty()) node.child[k] = add_nodes(lane, begin);
+        if (!lane.parts.empty()) inner.child[k] = add_nodes(lane, begin);
     }
     return index;
 }
 
-void ObbTree::add_lane(Growing& g, BoxNode& node, std::size_t from, std::size_t to, std::uint32_t begin)
+/// Of the parts in [from, to), as the next box.
+void ObbTree::add_lane(Growing& g, Node index, std::size_t from, std::size_t to, std::uint32_t begin)
 {
+    BoxNode& node = node_at(blocks_, index);
     const unsigned k = node.lanes;
     const std::size_t size = to - from;
-    node.begin[k] = begin + static_cast<std::uint32_t>(from), node.count[k] = static_cast<std::uint32_t>(size);
-    node.leaves |= unsigned(size <= leaf_triangles) << k;
-    node.singles |= unsigned(size == 1) << k;
+    if (node.inner) {
+        InnerNode& inner = inner_at(blocks_, index);
+        inner.begin[k] = begin + static_cast<std::uint32_t>(from), inner.count[k] = static_cast<std::uint32_t>(size);
+    } else {
+        node.offset[k] = static_cast<std::uint8_t>(from);
+    }
+    node.leaves |= static_cast<std::uint8_t>((size <= leaf_triangles) << k);
+    node.singles |= static_cast<std::uint8_t>((size == 1) << k);
     for (std::size_t i = from; i < to; ++i) {
         std::uint32_t& place = order_[begin + i];
         if (place != g.parts.triangle(i)) place = g.parts.triangle(i);
@@ -226,18 +266,18 @@ void ObbTree::add_lane(Growing& g, BoxNode& node, std::size_t from, std::size_t 
 
 std::size_t ObbTree::most_bytes(std::size_t triangles)
 {
-    const std::size_t chunks = most_nodes(triangles) / chunk + 1;
-    return most_nodes(triangles) * sizeof(BoxNode) + chunks * sizeof(BoxNode*) +
+    const std::size_t lines = most_lines(triangles), blocks = lines / lines_per_block + 1;
+    return lines * sizeof(NodeLine) + blocks * sizeof(NodeLine*) +
            triangles * (sizeof(std::uint32_t) + 2 * (TriangleParts::bytes_each + sizeof(TrianglePoints)));
 }
 
 std::size_t ObbTree::bytes() const
 {
     if (chunked_) return chunked_->bytes(); // it may grow beside this
-    // Chunks come one after the other.
-    const std::size_t nodes =
-        std::min<std::size_t>((used_.load() + chunk - 1) / chunk * chunk, most_nodes(mesh_->triangles.size()));
-    return nodes * sizeof(BoxNode) + own_chunks_.capacity() * sizeof(own_chunks_[0]) +
+    // Blocks come one after the other.
+    const std::size_t lines = std::min<std::size_t>((lines_ + lines_per_block - 1) / lines_per_block * lines_per_block,
+                                                    most_lines(mesh_->triangles.size()));
+    return lines * sizeof(NodeLine) + own_blocks_.capacity() * sizeof(own_blocks_[0]) +
            own_order_.capacity() * sizeof(own_order_[0]);
 }
 

@@ -54,18 +54,37 @@ public:
     LaneMasks open(Node index, const BoxPlacement* placement, OpenBoxes& boxes) const;
     std::span<const std::uint32_t> primitives(Node index, unsigned k) const
     {
-        return {order_ + node(index).begin[k], node(index).count[k]};
+        if (of_triangles(index)) return {order_ + place_of(index) + k, 1};
+        return {order_ + begin_of(index, k), std::size_t(node(index).singles >> k & 1 ? 1 : 2)};
     }
-    const BoxNode& node(std::uint32_t index) const { return chunks_[index / chunk][index % chunk]; }
-    /// The node of the parts of box k, grown when it is not there yet. The box must hold more than one triangle.
-    std::uint32_t child(std::uint32_t index, unsigned k)
+    /// Is it the node of a leaf's parts? Its boxes are around one triangle each, and made when it is opened.
+    static constexpr bool of_triangles(Node index) { return index >> 31; }
+    /// What is stored of a node; not of_triangles().
+    const BoxNode& node(Node index) const { return node_at(blocks_, index); }
+    /// The triangles of box k are [begin, begin + count) of the tree's order. Not of_triangles().
+    std::uint32_t begin_of(Node index, unsigned k) const
     {
-        const std::uint32_t child = grown(index, k);
+        const BoxNode& from = node(index);
+        return from.inner ? inner_at(blocks_, index).begin[k] : from.begin + from.offset[k];
+    }
+    std::uint32_t count_of(Node index, unsigned k) const
+    {
+        const BoxNode& from = node(index);
+        return from.leaves >> k & 1 ? (from.singles >> k & 1 ? 1 : 2) : inner_at(blocks_, index).count[k];
+    }
+    /// Is the node of its parts there, and stored?
+    bool is_grown(Node index, unsigned k) const { return !(node(index).leaves >> k & 1) && grown(index, k); }
+    /// The node of the parts of box k, grown when it is not there yet. The box must hold more than one triangle.
+    Node child(Node index, unsigned k)
+    {
+        if (node(index).leaves >> k & 1) return parts_of_leaf(begin_of(index, k));
+        const Node child = grown(index, k);
         return child ? child : grow(index, k);
     }
-    void prefetch_child(std::uint32_t index, unsigned k)
+    /// Of a box that is no leaf.
+    void prefetch_child(Node index, unsigned k)
     {
-        prefetch_all_of(node(grown(index, k))); // the root where it is not there yet
+        prefetch_node(grown(index, k)); // the root where it is not there yet
     }
     /// Grows what a walk with a body in this box of the mesh's frame would come to, down to boxes of so many triangles.
     /// Beside walks.
@@ -83,9 +102,15 @@ public:
         return *mesh_;
     }
     /// Begin to load what walks look at first: where the nodes are, and, some time later, these.
-    void prefetch_table() const { prefetch_all_of(chunks_[0]); }
-    void prefetch_root() const { prefetch(&node(root), 2 * sizeof(BoxNode)); }
-    void prefetch_node(std::uint32_t index) const { prefetch_all_of(node(index)); }
+    void prefetch_table() const { prefetch_all_of(blocks_[0]); }
+    void prefetch_root() const { prefetch(&node(root), 2 * sizeof(InnerNode)); }
+    void prefetch_node(Node index) const
+    {
+        if (of_triangles(index))
+            prefetch_all_of(order_[place_of(index)]);
+        else
+            prefetch(&node(index), sizeof(BoxNode) + sizeof(InnerNode::child)); // not all are so large
+    }
     /// Of a triangle first which corners it has, and, some time later, these.
     void prefetch_triangle(std::uint32_t triangle) const { prefetch_all_of(triangles_[triangle]); }
     void prefetch_corners(std::uint32_t triangle) const
@@ -114,34 +139,37 @@ public:
     void add_held(std::vector<Held>& to) const override;
     void drop(std::uint32_t of_chunks) override;
 
-    std::uint32_t nodes() const { return chunked_ ? chunked_->nodes() : used_.load(); }
+    std::uint32_t nodes() const { return chunked_ ? chunked_->nodes() : nodes_.load(); }
     /// Of this tree and no other: nodes of one are no nodes of another, though it may be of the same mesh.
     std::uint32_t identity() const { return identity_; }
     std::size_t bytes() const;
-    static std::uint64_t most_nodes(std::size_t triangles) { return triangles + 1; } ///< when all is grown
+    static std::uint64_t most_nodes(std::size_t triangles); ///< when all is grown
     static std::size_t most_bytes(std::size_t triangles);
     static double radius_around(const Mesh& mesh); ///< radius() of its tree
 
 private:
-    static constexpr std::uint32_t chunk = 64;
-    std::size_t room_in(std::size_t number) const; ///< nodes of a chunk
+    static std::uint64_t most_lines(std::size_t triangles);
+    std::size_t room_in(std::size_t number) const; ///< lines of a block
 
-    /// The node of the parts of box k; 0: none yet.
-    std::uint32_t grown(std::uint32_t index, unsigned k) const
+    static constexpr Node parts_of_leaf(std::uint32_t place) { return 1u << 31 | place; }
+    static constexpr std::uint32_t place_of(Node index) { return index & ~(1u << 31); }
+    LaneMasks open_triangles(Node index, const BoxPlacement* placement, OpenBoxes& boxes) const;
+
+    /// The node of the parts of box k, which is no leaf; 0: none yet.
+    Node grown(Node index, unsigned k) const
     {
-        return std::atomic_ref(const_cast<std::uint32_t&>(node(index).child[k])).load(std::memory_order_acquire);
+        return std::atomic_ref(inner_at(blocks_, index).child[k]).load(std::memory_order_acquire);
     }
-    BoxNode& at(std::uint32_t index) { return chunks_[index / chunk][index % chunk]; }
     void make_root(const Aabb& bounds, std::size_t triangles);
     void number_triangles();
-    std::uint32_t grow(std::uint32_t parent, unsigned k);
-    std::uint32_t add_node();
+    Node grow(Node parent, unsigned k);
+    Node add_node(bool inner);
     void count(std::uint64_t nodes, std::size_t bytes);
-    std::uint32_t grow_by_grid(BoxNode& above, unsigned k);
-    std::uint32_t add_nodes(const GridPart& part, std::uint32_t begin);
+    Node grow_by_grid(InnerNode& above, unsigned k);
+    Node add_nodes(const GridPart& part, std::uint32_t begin);
     struct Growing; ///< what a thread works with
     static Growing& growing();
-    void add_lane(Growing& g, BoxNode& node, std::size_t from, std::size_t to, std::uint32_t begin);
+    void add_lane(Growing& g, Node index, std::size_t from, std::size_t to, std::uint32_t begin);
 
     const Mesh* const mesh_; ///< null: a cooked one
     BoxTotals* const totals_;
@@ -153,10 +181,10 @@ private:
     const Eigen::Vector3d* vertices_;
     const Triangle* triangles_;
     std::uint32_t* order_ = nullptr;       ///< null until a box grows
-    BoxNode** chunks_;                     ///< as many as there can be; null until used
+    NodeLine** blocks_;                    ///< as many as there can be; null until used
     LargeVector<std::uint32_t> own_order_; ///< what these point to, but of a cooked mesh
-    std::vector<BoxNode*> own_chunks_;
-    std::atomic<std::uint32_t> used_ = 0;
+    std::vector<NodeLine*> own_blocks_;
+    std::atomic<std::uint32_t> lines_ = 0, nodes_ = 0; ///< in use, of these blocks
     std::mutex growing_;
     std::uint32_t grows_in_ = 0; ///< the chunk of a cooked mesh where it grows
 };

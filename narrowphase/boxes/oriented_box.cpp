@@ -64,6 +64,26 @@ bool holds(const BoxNode& node, unsigned k, const Vector3d& point)
     return (along.array() * (1 + 0x1p-21) <= half.array() + rounding).all();
 }
 
+TriangleRow row_of(std::span<const TrianglePoints> triangles, const Vector3d& from)
+{
+    // Divided by their size, squares of floats neither overflow nor vanish.
+    double size = 1e-30;
+    for (const TrianglePoints& t : triangles)
+        for (std::size_t side = 1; side < 3; ++side) size = std::max(size, (t[side] - t[0]).cwiseAbs().maxCoeff());
+    TriangleRow row{};
+    row.size = static_cast<float>(size), row.lanes = static_cast<std::uint32_t>(triangles.size());
+    const double scale = 1 / size;
+    for (std::size_t k = 0; k < triangles.size(); ++k) {
+        const TrianglePoints& t = triangles[k];
+        for (int i = 0; i < 3; ++i) {
+            row.corner[i][k] = static_cast<float>(t[0][i] - from[i]);
+            for (std::size_t side = 0; side < 2; ++side)
+                row.sides[side][i][k] = static_cast<float>((t[side + 1][i] - t[0][i]) * scale);
+        }
+    }
+    return row;
+}
+
 namespace {
 
 /// Sets the axes of box k, the nearest that it can have.

@@ -1,4 +1,6 @@
 #pragma once
+#include <span>
+
 #include <oncollide/base/aabb.hpp>
 #include <oncollide/base/cpu_features.hpp>
 #include <oncollide/narrowphase/boxes/box_fit.hpp>
@@ -21,6 +23,11 @@ Eigen::Vector3d centre_of(const BoxNode& node, unsigned k);
 double radius_of(const BoxNode& node, unsigned k);
 /// Is a point of the tree's frame in box k, as quantise() would have it?
 bool holds(const BoxNode& node, unsigned k, const Eigen::Vector3d& point);
+
+/// Eight triangles at most, for the kernel: it makes boxes of them that hold their corners, off by less than the boxes'
+/// margin.
+/// @param from  what they are to be relative to
+TriangleRow row_of(std::span<const TrianglePoints> triangles, const Eigen::Vector3d& from);
 
 /// Fits a box around the triangles and stores it as box k: its axes as fitted_axes() has them, or the frame's own where
 /// such a box has less area and is not thicker. Conservative: the box as the box test will read it holds every point of

@@ -41,12 +41,56 @@ inline Vec turned(const float (&m)[9], const Vec& v)
     return {m[0] * v.x + m[1] * v.y + m[2] * v.z, m[3] * v.x + m[4] * v.y + m[5] * v.z,
             m[6] * v.x + m[7] * v.y + m[8] * v.z};
 }
+inline Vec load(const float (&from)[3][8])
+{
+    return {load(from[0]), load(from[1]), load(from[2])};
+}
+inline F32x8 dot(const Vec& a, const Vec& b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+inline Vec scaled(const Vec& v, F32x8 by)
+{
+    return {v.x * by, v.y * by, v.z * by};
+}
+inline Vec choose(I32x8 which, const Vec& a, const Vec& b)
+{
+    return {which ? a.x : b.x, which ? a.y : b.y, which ? a.z : b.z};
+}
+inline Vec cross(const Vec& a, const Vec& b)
+{
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+/// Any direction square to u, of length 1.
+inline Vec normal_to(const Vec& u)
+{
+    const F32x8 one = splat(1), none = splat(0);
+    const I32x8 x_least = (abs(u.x) <= abs(u.y)) & (abs(u.x) <= abs(u.z)), y_less = abs(u.y) <= abs(u.z);
+    const Vec v = cross(u, choose(x_least, {one, none, none}, choose(y_less, {none, one, none}, {none, none, one})));
+    return scaled(v, 1 / sqrt(dot(v, v)));
+}
 inline void store(float (&to)[3][8], const Vec& v)
 {
     store(to[0], v.x), store(to[1], v.y), store(to[2], v.z);
 }
 
 constexpr float far_away = 1e30f;
+
+/// Moves what is relative to `from` of the placement.
+[[gnu::always_inline]] inline void put(Vec centre, Vec (&axes)[3], unsigned lanes, const BoxPlacement* placement, OpenBoxes& out)
+{
+    if (placement && placement->turned) {
+        centre = turned(placement->rotation, centre);
+        centre = {centre.x + placement->translation[0], centre.y + placement->translation[1],
+                  centre.z + placement->translation[2]};
+#pragma GCC unroll 3
+        for (Vec& axis : axes) axis = turned(placement->rotation, axis);
+    }
+    centre.x = I32x8{0, 1, 2, 3, 4, 5, 6, 7} < static_cast<int>(lanes) ? centre.x : splat(far_away);
+    store(out.c, centre);
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) store(out.axis[i], axes[i]);
+}
 
 /// As axes_of() in oriented_box.cpp, operation by operation.
 void open(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out)
@@ -65,22 +109,59 @@ void open(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out)
                 wz = w * z2;
     Vec axes[3] = {
         {1 - (yy + zz), xy + wz, xz - wy}, {xy - wz, 1 - (xx + zz), yz + wx}, {xz + wy, yz - wx, 1 - (xx + yy)}};
-    if (placement && placement->turned) {
-        centre = turned(placement->rotation, centre);
-        centre = {centre.x + placement->translation[0], centre.y + placement->translation[1],
-                  centre.z + placement->translation[2]};
-#pragma GCC unroll 3
-        for (Vec& axis : axes) axis = turned(placement->rotation, axis);
-    }
-    const int last = static_cast<int>(node.lanes);
-    centre.x = I32x8{0, 1, 2, 3, 4, 5, 6, 7} < last ? centre.x : splat(far_away);
-    store(out.c, centre);
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i) store(out.axis[i], axes[i]);
+    put(centre, axes, node.lanes, placement, out);
     const Vec half{widen(node.hx) * unit, widen(node.hy) * unit, widen(node.hz) * unit};
     store(out.h, half);
     store(out.size, half.x * half.x + half.y * half.y + half.z * half.z);
     out.margin = 2 * node.unit; // a centre and half-extents are below 77,600 units: at most 433 * 2^-24 of them
+}
+
+inline float greatest(F32x8 v)
+{
+    float lanes[8], most = 0;
+    store(lanes, v);
+    for (const float lane : lanes) most = lane > most ? lane : most;
+    return most;
+}
+
+/// The first axis along the longest side, the last along the normal.
+void open_triangles(const TriangleRow& row, const BoxPlacement* placement, OpenBoxes& out)
+{
+    const Vec s = load(row.sides[0]), t = load(row.sides[1]), r{t.x - s.x, t.y - s.y, t.z - s.z};
+    const F32x8 ss = dot(s, s), tt = dot(t, t), rr = dot(r, r);
+    const I32x8 s_longest = (ss >= tt) & (ss >= rr), t_longer = tt >= rr;
+    const F32x8 longest2 = max(ss, max(tt, rr));
+    // Sides of less than 2^-20 are none: the box is along the mesh's axes, and holds the three corners all the same.
+    const I32x8 point = longest2 < splat(0x1p-40f);
+    const Vec side = choose(s_longest, s, choose(t_longer, t, r));
+    const Vec u = choose(point, {splat(1), splat(0), splat(0)}, scaled(side, 1 / sqrt(point ? splat(1) : longest2)));
+    Vec n = cross(s, t);
+    const F32x8 area2 = dot(n, n);
+    const I32x8 thin = (area2 < 0x1p-32f * longest2 * longest2) | point;
+    n = scaled(n, 1 / sqrt(thin ? splat(1) : area2));
+    if (bits(thin)) n = choose(thin, normal_to(u), n);
+    // Of a sliver the normal is not quite square to its side: then v is a little short.
+    Vec v = cross(n, u);
+    v = scaled(v, 1.5f - 0.5f * dot(v, v));
+    Vec axes[3] = {u, v, cross(u, v)};
+    const F32x8 none = splat(0);
+    Vec centre{none, none, none};
+    F32x8 half[3], all = none;
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) {
+        const F32x8 to_s = dot(axes[i], s), to_t = dot(axes[i], t);
+        const F32x8 low = min(min(to_s, to_t), none), high = max(max(to_s, to_t), none);
+        const F32x8 middle = 0.5f * row.size * (low + high);
+        centre = {centre.x + middle * axes[i].x, centre.y + middle * axes[i].y, centre.z + middle * axes[i].z};
+        half[i] = 0.5f * row.size * (high - low) + 0x1p-20f * row.size; // more than rounding took
+        all = all + half[i];
+    }
+    centre = {load(row.corner[0]) + centre.x, load(row.corner[1]) + centre.y, load(row.corner[2]) + centre.z};
+    put(centre, axes, row.lanes, placement, out);
+    const Vec halves{half[0], half[1], half[2]};
+    store(out.h, halves);
+    store(out.size, dot(halves, halves));
+    out.margin = 2 * box_margin * greatest(all);
 }
 
 void open_octants(const OctantBoxes& row, unsigned lanes, const BoxPlacement* placement, OpenBoxes& out)
@@ -196,7 +277,7 @@ unsigned compare_far(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k,
 
 OrientedBoxKernel oriented_box_kernel()
 {
-    return {open, open_octants, compare_near, compare_far};
+    return {open, open_triangles, open_octants, compare_near, compare_far};
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

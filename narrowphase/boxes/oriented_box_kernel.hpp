@@ -16,6 +16,8 @@ struct OrientedBoxKernel {
     /// @param placement  null: the boxes stay where they are
     /// Lanes past the node's last box get centres at 1e30: far from everything.
     void (*open)(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out);
+    /// Of the triangles of a row, each a box of its own.
+    void (*open_triangles)(const TriangleRow& row, const BoxPlacement* placement, OpenBoxes& out);
     /// @param row    relative to `from` of the placement
     /// @param lanes  a bit for each box that is there; the others are as far away as those past the last of a node
     void (*open_octants)(const OctantBoxes& row, unsigned lanes, const BoxPlacement* placement, OpenBoxes& out);

@@ -6,18 +6,20 @@
 #include <limits>
 
 #include <oncollide/base/prefetch.hpp>
+#include <oncollide/narrowphase/boxes/box_fit.hpp>
 
 namespace oncollide {
 
 namespace {
 
 /// Triangles that are halved at their median: a better cut of so few costs more than it saves; those that are sorted to
-/// try every cut; of more, cuts are tried between slices.
-constexpr std::size_t most_halved = 16, most_sorted = 64, most_tried = most_sorted / 5 + 2;
+/// try every cut (most_sorted); of more, cuts are tried between slices.
+constexpr std::size_t most_halved = 16;
 
 constexpr float infinite = std::numeric_limits<float>::infinity();
 
 using F32x4 = float __attribute__((vector_size(16)));
+using I32x4 = std::int32_t __attribute__((vector_size(16)));
 using F64x4 = double __attribute__((vector_size(32)));
 
 Eigen::Array4f four(const auto& numbers)
@@ -101,22 +103,28 @@ void TriangleParts::split(std::span<Item> items, unsigned parts, std::size_t beg
     int longest = 0;
     for (int axis = 1; axis < 3; ++axis)
         if (extent[axis] > extent[longest]) longest = axis;
+    std::array<bool, 3> worth; // cuts across shorter axes are not
+    for (int axis = 0; axis < 3; ++axis) worth[std::size_t(axis)] = extent[axis] > 0.5f * extent[longest];
     Cut best{longest, half, infinite};
-    int sorted = -1; // axis along which they lie as best_of_few() left them
-    for (int axis = 0; size > most_halved && axis < 3; ++axis) {
-        if (!(extent[axis] > 0.5f * extent[longest])) continue;
-        Cut cut;
-        if (size <= most_sorted)
-            cut = best_of_few(items, least, most, sorted = axis);
-        else
-            cut = best_of_slices(items, least, most, {axis, places.low[axis], places.high[axis]});
+    if (size > most_sorted) {
+        const Cut cut = best_of_slices(items, least, most, places, worth);
         if (cut.cost < best.cost) best = cut;
+        const Slices slices{best.axis, places.low[best.axis], places.high[best.axis]};
+        if (best.slice > 0)
+            part(items, [&](const Item& item) { return slices.of(item) < best.slice; });
+        else
+            halve(items, best.at, slices);
+    } else {
+        Order order, best_order;
+        for (int axis = 0; size > most_halved && axis < 3; ++axis) {
+            if (!worth[std::size_t(axis)]) continue;
+            sort(items, axis, order);
+            const Cut cut = best_of_few(items, least, most, axis, order);
+            if (cut.cost < best.cost) best = cut, best_order = order;
+        }
+        if (best.cost == infinite) sort(items, longest, best_order);
+        arrange(items, best_order);
     }
-    const Slices slices{best.axis, places.low[best.axis], places.high[best.axis]};
-    if (best.slice > 0)
-        part(items, [&](const Item& item) { return slices.of(item) < best.slice; });
-    else if (best.axis != sorted)
-        halve(items, best.at, slices);
     split(items.first(best.at), low_parts, begin, first);
     split(items.subspan(best.at), high_parts, begin + best.at, first + low_parts);
 }
@@ -181,60 +189,110 @@ void TriangleParts::halve(std::span<Item> items, std::size_t half, const Slices&
                      [this, axis = slices.axis](const Item& x, const Item& y) { return before(x, y, axis); });
 }
 
-/// The best cut along the axis of those that leave `least` to `most` items on the first side, by trying each: sorts the
-/// items between.
-TriangleParts::Cut TriangleParts::best_of_few(std::span<Item> items, std::size_t least, std::size_t most,
-                                              int axis) const
+/// The numbers of the items in their order along the axis. Each is compared with all of them, since which of two comes
+/// first cannot be foreseen.
+void TriangleParts::sort(std::span<const Item> items, int axis, Order& order) const
 {
-    const auto first = items.begin(), from = first + std::ptrdiff_t(least), to = first + std::ptrdiff_t(most);
-    const auto in_order = [this, axis](const Item& x, const Item& y) { return before(x, y, axis); };
-    std::nth_element(first, from, items.end(), in_order);
-    if (most > least) {
-        std::nth_element(from, to, items.end(), in_order);
-        std::sort(from, to, in_order);
+    const std::size_t size = items.size();
+    alignas(32) float along[most_sorted] = {};
+    std::int32_t less[most_sorted];
+    for (std::size_t i = 0; i < size; ++i) along[i] = items[i].place[static_cast<std::size_t>(axis)];
+    for (std::size_t i = size; i % 8; ++i) along[i] = infinite;
+    box_fit_kernel().count_less(along, size, less);
+    std::array<std::uint8_t, most_sorted> alike{};
+    bool tie = false;
+    for (std::size_t i = 0; i < size; ++i) {
+        const auto place = static_cast<std::size_t>(less[i]);
+        tie |= alike[place] > 0;
+        order[place + alike[place]++] = static_cast<std::uint8_t>(i);
     }
+    for (std::size_t i = 0; tie && i < size; i += alike[i])
+        std::sort(&order[i], &order[i] + alike[i],
+                  [&](std::uint8_t x, std::uint8_t y) { return before_in_a_tie(items[x], items[y], axis); });
+}
+
+void TriangleParts::arrange(std::span<Item> items, const Order& order)
+{
+    for (std::size_t i = 0; i < items.size(); ++i) above_[i] = items[order[i]];
+    std::copy_n(above_.begin(), items.size(), items.begin());
+}
+
+/// The best cut along the axis of those that leave `least` to `most` items on the first side, by trying each.
+TriangleParts::Cut TriangleParts::best_of_few(std::span<const Item> items, std::size_t least, std::size_t most,
+                                              int axis, const Order& order) const
+{
+    const auto box = [&](std::size_t i) -> const Bounds& { return bounds_[items[order[i]].number]; };
     Growing below, above;
-    for (const Item& item : items.first(least)) below.add(bounds_[item.number]);
-    for (const Item& item : items.subspan(most)) above.add(bounds_[item.number]);
-    std::array<float, most_tried> areas_above; // of the items from `least` + i on
+    for (std::size_t i = 0; i < least; ++i) below.add(box(i));
+    for (std::size_t i = most; i < items.size(); ++i) above.add(box(i));
+    std::array<float, most_sorted / 5 + 2> areas_above; // of the items from `least` + i on
     for (std::size_t i = most - least + 1; i-- > 0;) {
         areas_above[i] = above.area();
-        if (i > 0) above.add(bounds_[items[least + i - 1].number]);
+        if (i > 0) above.add(box(least + i - 1));
     }
     Cut best{axis, least, infinite};
     for (std::size_t at = least; at <= most; ++at) {
         const float cost = float(at) * below.area() + float(items.size() - at) * areas_above[at - least];
         if (cost < best.cost) best = {axis, at, cost};
-        if (at < most) below.add(bounds_[items[at].number]);
+        if (at < most) below.add(box(at));
     }
     return best;
 }
 
-/// The same of many items, between slices.
+/// The same of many items along several axes, between slices.
 TriangleParts::Cut TriangleParts::best_of_slices(std::span<const Item> items, std::size_t least, std::size_t most,
-                                                 const Slices& slices) const
+                                                 const Growing& places, const std::array<bool, 3>& axes) const
 {
-    struct Slice {
-        Growing bounds;
-        std::size_t count = 0;
-    };
-    std::array<Slice, Slices::few> slice;
+    constexpr std::uint32_t few = Slices::few;
+    std::array<std::array<Bounds, few>, 3> bounds; // by axis and slice, as the next
+    std::array<std::array<std::uint32_t, few>, 3> counts;
+    const Growing nothing;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (axes[axis]) bounds[axis].fill({nothing.low, nothing.high}), counts[axis].fill(0);
+    Eigen::Array4f scale = float(few) / places.extent(); // as Slices::of()
+    scale[3] = 0;
     for (const Item& item : items) {
-        Slice& s = slice[slices.of(item)];
-        s.bounds.add(bounds_[item.number]), ++s.count;
+        const I32x4 place = std::bit_cast<I32x4>(item) & I32x4{-1, -1, -1, 0}; // not the number
+        const Eigen::Array4f along = ((four(place) - places.low) * scale).min(float(few - 1));
+        F32x4 steps;
+        std::memcpy(&steps, along.data(), sizeof steps);
+        const I32x4 slice = __builtin_convertvector(steps, I32x4);
+        const Bounds& added = bounds_[item.number];
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            if (!axes[axis]) continue;
+            const std::size_t k = static_cast<std::uint32_t>(slice[axis]) % few; // none of 0 / 0, below 2^-120 m
+            Bounds& all = bounds[axis][k];
+            all = {all.low.min(added.low), all.high.max(added.high)};
+            ++counts[axis][k];
+        }
     }
+    Cut best{0, 0, infinite};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (axes[axis]) try_slices(bounds[axis], counts[axis], static_cast<int>(axis), items.size(), least, most, best);
+    return best;
+}
+
+/// Takes a cut between slices of one axis that is better than the best so far.
+void TriangleParts::try_slices(std::span<const Bounds> bounds, std::span<const std::uint32_t> counts, int axis,
+                               std::size_t size, std::size_t least, std::size_t most, Cut& best)
+{
+    std::size_t first = 0, at = counts[0], number = 0; // slices below the first cut that leaves enough, and its items
+    while (at < least) at += counts[++first];
+    for (std::size_t to = at; to <= most && first + number + 1 < counts.size(); ++number)
+        to += counts[first + number + 1];
+    if (number == 0) return;
     std::array<float, Slices::few> areas_above;
     Growing above, below;
-    for (std::size_t i = Slices::few; i-- > 0;) above.add(slice[i].bounds), areas_above[i] = above.area();
-    Cut best{slices.axis, 0, infinite};
-    std::size_t at = 0;
-    for (std::uint32_t i = 0; i + 1 < Slices::few; ++i) {
-        below.add(slice[i].bounds), at += slice[i].count;
-        if (at < least || at > most) continue;
-        const float cost = float(at) * below.area() + float(items.size() - at) * areas_above[i + 1];
-        if (cost < best.cost) best = {slices.axis, at, cost, i + 1};
+    for (std::size_t i = counts.size(); i-- > first + 1;) {
+        above.add(bounds[i]);
+        if (i <= first + number) areas_above[i] = above.area();
     }
-    return best;
+    for (std::size_t i = 0; i < first; ++i) below.add(bounds[i]);
+    for (std::size_t i = first; i < first + number; at += counts[++i]) {
+        below.add(bounds[i]);
+        const float cost = float(at) * below.area() + float(size - at) * areas_above[i + 1];
+        if (cost < best.cost) best = {axis, at, cost, static_cast<std::uint32_t>(i + 1)};
+    }
 }
 
 Aabb TriangleParts::bounds(std::size_t from, std::size_t to) const

@@ -53,7 +53,7 @@ private:
     struct Cut {
         int axis;
         std::size_t at;
-        float cost; ///< the area of a box around each side times its triangles, summed
+        float cost;              ///< the area of a box around each side times its triangles, summed
         std::uint32_t slice = 0; ///< the first of the second side, where it is a cut between Slices; else 0
     };
     /// Across an axis along which places are in [low, high].
@@ -69,16 +69,25 @@ private:
             return std::min(static_cast<std::uint32_t>(along * (float(number) / (high - low))), number - 1);
         }
     };
+    static constexpr std::size_t most_sorted = 64; ///< items
+    using Order = std::array<std::uint8_t, most_sorted>;
+
     void split(std::span<Item> items, unsigned parts, std::size_t begin, unsigned first);
     bool before(const Item& x, const Item& y, int axis) const;
     bool before_in_a_tie(const Item& x, const Item& y, int axis) const;
-    Cut best_of_few(std::span<Item> items, std::size_t least, std::size_t most, int axis) const;
-    Cut best_of_slices(std::span<const Item> items, std::size_t least, std::size_t most, const Slices& slices) const;
+    void sort(std::span<const Item> items, int axis, Order& order) const;
+    Cut best_of_few(std::span<const Item> items, std::size_t least, std::size_t most, int axis,
+                    const Order& order) const;
+    Cut best_of_slices(std::span<const Item> items, std::size_t least, std::size_t most, const Growing& places,
+                       const std::array<bool, 3>& axes) const;
+    static void try_slices(std::span<const Bounds> bounds, std::span<const std::uint32_t> counts, int axis,
+                           std::size_t size, std::size_t least, std::size_t most, Cut& best);
     void part(std::span<Item> items, auto first);
+    void arrange(std::span<Item> items, const Order& order);
     void halve(std::span<Item> items, std::size_t half, const Slices& slices);
 
     std::vector<Item> items_, above_; ///< above_: scratch
-    std::vector<Bounds> bounds_; ///< by number, as the next two
+    std::vector<Bounds> bounds_;      ///< by number, as the next two
     std::vector<TrianglePoints> corners_;
     std::vector<std::uint32_t> triangles_; ///< in the mesh
     const std::uint32_t* numbers_ = nullptr;

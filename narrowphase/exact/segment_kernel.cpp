@@ -81,8 +81,9 @@ inline void store(const Vec& v, double (&to)[3][8], unsigned first)
     __builtin_memcpy(to[2] + first, &v.z, sizeof v.z);
 }
 
-inline I64 segment(Corners a, Corners b, const RigidMap& place, unsigned first_pair, SegmentsOfPairs& out)
+inline I64 segment(TwoCorners triangles, const RigidMap& place, unsigned first_pair, SegmentsOfPairs& out)
 {
+    auto& [a, b] = triangles;
     const F64 bound = error_bound(a, b);
     const Vec box = sides(a, b);
     const F64 size = max(largest_coordinate(a), largest_coordinate(b));
@@ -125,8 +126,7 @@ unsigned segments_of_all(const CornersOfPairs& corners, const RigidMap& b_to_a, 
 {
     unsigned found = 0;
     for (unsigned first = 0; first < 8; first += width)
-        found |= bits(segment(corners_a(corners, first), corners_b(corners, first, b_to_a.rotation, b_to_a.translation),
-                              place, first, out))
+        found |= bits(segment(corners_of(corners, first, b_to_a.rotation, b_to_a.translation), place, first, out))
                  << first;
     return found;
 }

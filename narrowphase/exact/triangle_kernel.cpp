@@ -93,7 +93,7 @@ PairVerdicts judge_all(const CornersOfPairs& corners, const double* rotation, co
 {
     PairVerdicts all{0, 0};
     for (unsigned first = 0; first < 8; first += width) {
-        const Corners a = corners_a(corners, first), b = corners_b(corners, first, rotation, translation);
+        const auto [a, b] = corners_of(corners, first, rotation, translation);
         const F64 bound = error_bound(a, b);
         NoGaps none;
         const Verdicts verdicts = nearest2 ? judge_with_gaps(a, b, bound, *nearest2 + first) : judge(a, b, bound, none);

@@ -226,17 +226,17 @@ inline Vec moved(const Vec& p, const double* rotation, const double* translation
     return {row(0), row(1), row(2)};
 }
 
-/// The triangles of the pairs from number `first` on, those of B moved.
-inline Corners corners_a(const CornersOfPairs& corners, unsigned first)
+struct TwoCorners {
+    Corners a, b;
+};
+/// Of the pairs from `first` on, those of B moved.
+inline TwoCorners corners_of(const CornersOfPairs& of, unsigned first, const double* rotation,
+                             const double* translation)
 {
-    return {gather(corners.a[0] + first), gather(corners.a[1] + first), gather(corners.a[2] + first)};
-}
-inline Corners corners_b(const CornersOfPairs& corners, unsigned first, const double* rotation,
-                         const double* translation)
-{
-    return {moved(gather(corners.b[0] + first), rotation, translation),
-            moved(gather(corners.b[1] + first), rotation, translation),
-            moved(gather(corners.b[2] + first), rotation, translation)};
+    return {{gather(of.a[0] + first), gather(of.a[1] + first), gather(of.a[2] + first)},
+            {moved(gather(of.b[0] + first), rotation, translation),
+             moved(gather(of.b[1] + first), rotation, translation),
+             moved(gather(of.b[2] + first), rotation, translation)}};
 }
 
 } // namespace

@@ -114,7 +114,7 @@ bool balls_meet(const PairTask& task, PairMemory& memory)
 }
 
 /// Makes hulls of models of which many pairs were walked, and balls, a few a frame, the first of the list first.
-void prepare_solids(std::span<const PairTask> tasks)
+void prepare_solids(std::span<const PairTask> tasks, PairCache& cache)
 {
     constexpr int most = 4;
     int made = 0;
@@ -122,7 +122,8 @@ void prepare_solids(std::span<const PairTask> tasks)
         if (made == most) return;
         if ((task.a->has_solids() && task.b->has_solids()) || !task.a->has_triangles() || !task.b->has_triangles())
             continue;
-        for (Model* model : {task.a, task.b}) made += model->prepare_solids();
+        const bool near = cache[task.number].near;
+        for (Model* model : {task.a, task.b}) made += model->prepare_solids(near);
     }
 }
 
@@ -311,7 +312,7 @@ RefineResult ObbRefiner::refine_there(const RefineContext& context, const PairTa
 void ObbRefiner::refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
                         std::span<RefineResult> results)
 {
-    if (cache) prepare_solids(tasks);
+    if (cache) prepare_solids(tasks, *cache);
     while (workers_.size() < static_cast<std::size_t>(std::max(context.threads, 1))) workers_.emplace_back();
     parallel_chunks(tasks.size(), pairs_per_chunk, context.threads,
                     [&](std::size_t begin, std::size_t end, int thread) {

@@ -38,6 +38,8 @@ TEST(PoseBounds, EncloseRotatedMeshesTightlyBeforeAndAfterTheirMapIsMade)
             if (i == 0) {
                 EXPECT_TRUE(bounds.box(pose).contains(exact)) << "not prepared";
             }
+            for (std::uint64_t k = 0; i == 1000 && k < 4096; ++k)
+                bounds.expect(random_pose(3, k, 10)); // completes the map
             bounds.expect(pose);
             const Aabb box = bounds.box(pose);
             ASSERT_TRUE(box.contains(exact)) << "pose " << i;
@@ -53,15 +55,18 @@ TEST(PoseBounds, DependOnThePoseAloneAndNotOnWhatWasRequestedBefore)
 {
     for (const Mesh& mesh : {make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 3000), make_box_mesh({1, 2, 3})}) {
         const GeometryData geometry = mesh;
-        PoseBounds fresh(geometry), used(geometry);
+        PoseBounds fresh(geometry), used(geometry), complete(geometry);
         for (std::uint64_t i = 0; i < 700; ++i) used.expect(random_pose(2, i, 10));
+        for (std::uint64_t i = 0; i < 4200; ++i) complete.expect(random_pose(2, i, 10));
         for (std::uint64_t i = 0; i < 200; ++i) {
             Eigen::Isometry3d pose = random_pose(1, i, 10);
             if (i < 10) pose.linear().setIdentity(); // first what floats have no part in
-            fresh.expect(pose), used.expect(pose);
-            const Aabb a = fresh.box(pose), b = used.box(pose);
-            EXPECT_EQ(a.min, b.min) << i;
-            EXPECT_EQ(a.max, b.max) << i;
+            const auto box = [&](PoseBounds& bounds) { return bounds.expect(pose), bounds.box(pose); };
+            const Aabb a = box(fresh);
+            for (const Aabb& b : {box(used), box(complete)}) {
+                EXPECT_EQ(a.min, b.min) << i;
+                EXPECT_EQ(a.max, b.max) << i;
+            }
         }
     }
 }

@@ -147,7 +147,7 @@ TEST(GridSplit, ATreeOfALargeMeshHoldsEveryTriangleInEachOfItsBoxes)
             tree.open(index, nullptr, boxes);
             const unsigned lanes = tree.node(index).lanes;
             for (unsigned k = 0; k < lanes; ++k) {
-                const std::uint32_t count = tree.node(index).count[k], begin = tree.node(index).begin[k];
+                const std::uint32_t count = tree.count_of(index, k), begin = tree.begin_of(index, k);
                 if (count > 64) // what is below is as for small meshes
                     open.push_back(tree.child(index, k));
                 else

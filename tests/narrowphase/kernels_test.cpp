@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <numeric>
 
 #include <oncollide/base/cpu_features.hpp>
 #include <oncollide/base/random.hpp>
@@ -45,6 +46,37 @@ TEST(Kernels, TestOctantsAlikeOnEveryInstructionSet)
     EXPECT_GT(grey, 1000u);
 }
 
+TEST(Kernels, KeepThePointsThatMayBeFarthestOnEveryInstructionSet)
+{
+    constexpr std::uint32_t count = 500;
+    std::vector<float> xyz[3], along(5 * 504);
+    for (std::uint64_t i = 0; i < 504; ++i)
+        for (std::uint64_t axis = 0; axis < 3; ++axis) xyz[axis].push_back(random_float(std::min(i, 499ul), axis));
+    const float corners[4][3] = {{0.9f, 0, 0.1f}, {0.9f, 0.2f, 0}, {0.8f, 0, 0.3f}, {0.8f, 0.2f, 0.2f}};
+    std::vector<std::int32_t> expected(504);
+    baseline::box_kernel().keep_farthest(xyz[0].data(), xyz[1].data(), xyz[2].data(), count, corners, 1e-6f,
+                                         along.data(), expected.data());
+    const auto kept = std::accumulate(expected.begin(), expected.begin() + count, 0);
+    EXPECT_TRUE(kept > 0 && kept < 50) << kept;
+    const auto most = [&](const float(&d)[3]) { // which of them is farthest
+        std::size_t best = 0;
+        const auto of = [&](std::size_t i) { return d[0] * xyz[0][i] + d[1] * xyz[1][i] + d[2] * xyz[2][i]; };
+        for (std::size_t i = 1; i < count; ++i)
+            if (of(i) > of(best)) best = i;
+        return best;
+    };
+    for (const auto& corner : corners) EXPECT_EQ(expected[most(corner)], 1);
+    EXPECT_EQ(expected[most({0.85f, 0.1f, 0.15f})], 1);
+    std::vector<std::int32_t> got(504);
+    for (const auto& [set, kernel] :
+         {std::pair(InstructionSet::avx2, &avx2::box_kernel), std::pair(InstructionSet::avx512, &avx512::box_kernel)}) {
+        if (instruction_set() < set) continue;
+        kernel().keep_farthest(xyz[0].data(), xyz[1].data(), xyz[2].data(), count, corners, 1e-6f, along.data(),
+                               got.data());
+        EXPECT_EQ(got, expected);
+    }
+}
+
 TEST(Kernels, BoundPointsAlikeOnEveryInstructionSet)
 {
     std::vector<float> x, y, z;
@@ -57,6 +89,13 @@ TEST(Kernels, BoundPointsAlikeOnEveryInstructionSet)
             kernel.support_box(x.data(), y.data(), z.data(), 1024, rows, out, out + 3);
             for (int axis = 0; axis < 3; ++axis)
                 EXPECT_EQ(kernel.most_along(x.data(), y.data(), z.data(), 1024, rows + 3 * axis), out[3 + axis]);
+            const PointRange all{0, 1021}, lists[] = {all, all, all, all, {8, 1013}, {0, 8}}; // padded
+            float low[3], high[3], first[3], rest[3];
+            kernel.lists_box(x.data(), y.data(), z.data(), lists, rows, low, high);
+            kernel.support_box(x.data(), y.data(), z.data(), 8, rows, first, rest);
+            EXPECT_EQ(low[2], first[2]);
+            EXPECT_EQ(std::max(high[2], rest[2]), out[5]);
+            EXPECT_TRUE(std::equal(low, low + 2, out) && std::equal(high, high + 2, out + 3));
         };
         ask(baseline::box_kernel(), expected);
         if (instruction_set() >= InstructionSet::avx2) {

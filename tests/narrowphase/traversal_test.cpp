@@ -1,6 +1,9 @@
 // Trees of oriented boxes and the questions asked of them, against brute force over all triangles.
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 #include <limits>
+#include <numeric>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -8,6 +11,7 @@
 #include <oncollide/base/cpu_features.hpp>
 #include <oncollide/base/random.hpp>
 #include <oncollide/narrowphase/boxes/traversal.hpp>
+#include <oncollide/narrowphase/boxes/triangle_parts.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
@@ -269,22 +273,35 @@ TEST(ObbTree, HoldsEveryTriangleInEachOfItsBoxes)
                 open.pop_back();
                 const BoxNode node = tree.node(index);
                 for (unsigned k = 0; k < node.lanes; ++k)
-                    if (node.count[k] > ObbTree::leaf_triangles) open.push_back(tree.child(index, k));
+                    if (tree.count_of(index, k) > ObbTree::leaf_triangles) open.push_back(tree.child(index, k));
                 for (const Kernel& kernel : kernels())
                     for (const BoxPlacement* placement : {static_cast<BoxPlacement*>(nullptr), &place}) {
                         OpenBoxes boxes;
                         kernel.kernel.open(node, placement, boxes);
                         for (unsigned k = 0; k < node.lanes; ++k)
-                            for (std::uint32_t i = 0; i < node.count[k]; ++i)
-                                for (std::uint32_t v : mesh->triangles[tree.triangle(node.begin[k] + i)]) {
+                            for (std::uint32_t i = 0; i < tree.count_of(index, k); ++i)
+                                for (std::uint32_t v : mesh->triangles[tree.triangle(tree.begin_of(index, k) + i)]) {
                                     const Vector3d p = mesh->vertices[v] - tree.centre();
                                     EXPECT_LE(beyond(boxes, k, placement ? pose * p : p), rounding)
                                         << c.name << ' ' << kernel.name;
                                 }
                     }
                 for (unsigned k = 0; k < node.lanes; ++k)
-                    for (std::uint32_t i = 0; i < node.count[k] && node.count[k] <= ObbTree::leaf_triangles; ++i)
-                        ++leaves[tree.triangle(node.begin[k] + i)];
+                    if (node.leaves >> k & 1)
+                        for (const std::uint32_t triangle : tree.primitives(index, k)) ++leaves[triangle];
+                for (unsigned k = 0; k < node.lanes; ++k) {
+                    if (!(node.leaves & ~node.singles & 1u << k)) continue;
+                    const ObbTree::Node parts = tree.child(index, k);
+                    OpenBoxes boxes;
+                    tree.open(parts, nullptr, boxes);
+                    for (unsigned i = 0; i < 2; ++i) {
+                        ASSERT_EQ(tree.primitives(parts, i).size(), 1u);
+                        const std::uint32_t triangle = tree.primitives(parts, i)[0];
+                        EXPECT_EQ(triangle, tree.primitives(index, k)[i]);
+                        for (const std::uint32_t v : mesh->triangles[triangle])
+                            EXPECT_LE(beyond(boxes, i, mesh->vertices[v] - tree.centre()), rounding);
+                    }
+                }
             }
             EXPECT_EQ(leaves, std::vector<int>(leaves.size(), 1)) << "each triangle in one leaf";
         }
@@ -390,32 +407,103 @@ TEST(OrientedBoxKernel, PartsBoxesByTheirEdges)
     }
 }
 
-/// Others may be reading it.
-TEST(ObbTree, KeepsTheOrderOfALeafThatGetsBoxesOfItsOwn)
+/// Whether they are halved, sorted or cut between slices; where many triangles lie at one place along an axis, too.
+TEST(TriangleParts, DoNotDependOnTheOrderOfTheTriangles)
 {
-    const Mesh knot = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 1000);
-    ObbTree tree(knot);
-    int grown = 0;
-    for (std::vector<std::uint32_t> open{ObbTree::root}; !open.empty();) {
-        const std::uint32_t index = open.back();
-        open.pop_back();
-        for (unsigned k = 0; k < tree.node(index).lanes; ++k) {
-            const std::uint32_t begin = tree.node(index).begin[k], count = tree.node(index).count[k];
-            if (count == 1) continue;
-            if (count > ObbTree::leaf_triangles) {
-                open.push_back(tree.child(index, k));
+    const Mesh meshes[] = {make_terrain_mesh(10, 1, 20, 3), make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 800),
+                           scaled(make_sphere_mesh(1, 500), 1e-44), flat_copies()};
+    for (const Mesh& mesh : meshes)
+        for (const std::size_t size : {9u, 16u, 17u, 40u, 64u, 65u, 129u, 400u}) {
+            if (size > mesh.triangles.size()) continue;
+            std::vector<std::uint32_t> triangles(size);
+            std::iota(triangles.begin(), triangles.end(), 0u);
+            TriangleParts parts;
+            const auto split = [&] {
+                parts.start({mesh.vertices.data(), mesh.triangles.data()}, mesh.bounds.centre(), triangles);
+                parts.split(8);
+                std::vector<std::vector<std::uint32_t>> sets;
+                for (std::size_t k = 0, i = 0; k < 8; ++k) {
+                    sets.emplace_back();
+                    for (; i < parts.end(unsigned(k)); ++i) sets.back().push_back(parts.triangle(i));
+                    std::ranges::sort(sets.back());
+                }
+                return sets;
+            };
+            const auto expected = split();
+            std::size_t all = 0;
+            for (const auto& set : expected) {
+                EXPECT_FALSE(set.empty());
+                all += set.size();
+            }
+            EXPECT_EQ(all, size);
+            for (std::uint64_t seed = 0; seed < 5; ++seed) {
+                for (std::size_t i = size; i-- > 1;)
+                    std::swap(triangles[i], triangles[std::size_t(u01(seed, i, 0) * double(i + 1))]);
+                EXPECT_EQ(split(), expected) << mesh.triangles.size() << ", " << size << " triangles";
+            }
+        }
+}
+
+/// Is every corner of the triangles in its box, and no box larger than need be?
+/// @param thickness  by the triangle's size: where slivers are wider they are as good as lines
+void expect_boxes_of(std::span<const TrianglePoints> triangles, double thickness, const std::string& name)
+{
+    const Vector3d middle(0.3, -0.2, 0.1), from = middle + Vector3d(0.0625, 0.125, -0.5);
+    const Isometry3d pose = random_pose(7, 1);
+    BoxPlacement place{{0.0625f, 0.125f, -0.5f}, true, {}, {}};
+    for (int i = 0; i < 9; ++i) place.rotation[i] = static_cast<float>(pose.linear()(i / 3, i % 3));
+    for (int i = 0; i < 3; ++i) place.translation[i] = static_cast<float>(pose.translation()[i]);
+    OpenBoxes first;
+    for (const Kernel& kernel : kernels()) {
+        SCOPED_TRACE(name + ' ' + kernel.name);
+        OpenBoxes boxes{};
+        kernel.kernel.open_triangles(row_of(triangles, from), &place, boxes);
+        if (kernel.name == "baseline") first = boxes;
+        EXPECT_EQ(std::memcmp(&first, &boxes, offsetof(OpenBoxes, margin) + sizeof boxes.margin), 0)
+            << "the same on every instruction set";
+        for (unsigned k = 0; k < 8; ++k) {
+            if (k >= triangles.size()) {
+                EXPECT_EQ(boxes.c[0][k], 1e30f);
                 continue;
             }
-            const std::uint32_t first = tree.triangle(begin), second = tree.triangle(begin + 1);
-            const BoxNode& below = tree.node(tree.child(index, k));
-            EXPECT_EQ(tree.triangle(begin), first);
-            EXPECT_EQ(tree.triangle(begin + 1), second);
-            EXPECT_EQ(below.lanes, 2u);
-            EXPECT_EQ(below.begin[1], begin + 1);
-            ++grown;
+            const TrianglePoints& t = triangles[k];
+            const double size = std::max({(t[1] - t[0]).norm(), (t[2] - t[0]).norm(), (t[2] - t[1]).norm()});
+            const double far = (t[0] - from).norm() + 1;
+            for (const Vector3d& p : t) EXPECT_LE(beyond(boxes, k, pose * (p - from)), boxes.margin + 1e-6 * far);
+            const Vector3d half(boxes.h[0][k], boxes.h[1][k], boxes.h[2][k]);
+            EXPECT_LE(half.maxCoeff(), 0.50001 * size + 1e-30);
+            EXPECT_LE(half.minCoeff(), thickness * size + 1e-30);
+            Eigen::Matrix3d axes;
+            for (int i = 0; i < 3; ++i)
+                for (int j = 0; j < 3; ++j) axes(j, i) = boxes.axis[i][j][k];
+            EXPECT_LE((axes.transpose() * axes - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff(), 2e-6);
+            EXPECT_GT(axes.determinant(), 0);
         }
     }
-    EXPECT_GT(grown, 100);
+}
+
+TEST(OrientedBoxes, OfSingleTrianglesHoldTheirCorners)
+{
+    std::uint64_t seed = 1;
+    for (int i = 0; i < 300; ++i) {
+        std::vector<TrianglePoints> triangles(1 + std::size_t(i) % 8);
+        for (TrianglePoints& t : triangles)
+            for (Vector3d& p : t) p = random_pose(++seed, 1).translation();
+        expect_boxes_of(triangles, 4e-6, "any " + std::to_string(i));
+    }
+    const Vector3d p(0.5, 0.25, -1), x(1, 2, 3), y(-2, 1, 0);
+    for (const double size : {1e-28, 1e-18, 1e-9, 1.0, 1e9, 1e17}) {
+        const auto triangles =
+            std::vector<TrianglePoints>{{p, p, p},                       // a point
+                                        {p, p + size * x, p - size * x}, // a line
+                                        {p, p, p + size * x},            // the same with two corners in one
+                                        {p, p + size * x, p - size * (x + 1e-7 * y)}, // needles
+                                        {p, p + size * x, p - size * (x + 1e-4 * y)},
+                                        {p, p + size * x, p - size * (x + 1e-2 * y)},
+                                        {p, p + size * Vector3d::UnitX(), p - size * Vector3d::UnitX()},
+                                        {p, p + size * Vector3d::UnitZ(), p - size * Vector3d(1e-12, 0, 1)}};
+        for (const TrianglePoints& t : triangles) expect_boxes_of({&t, 1}, 0x1p-16, "size " + std::to_string(size));
+    }
 }
 
 TEST(ObbTree, IsTheSameForManyThreadsAtOnce)

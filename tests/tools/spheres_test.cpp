@@ -187,6 +187,7 @@ TEST_F(Spheres, ListsCountsAndCoverageOfEveryLevel)
         const auto& level = result.at("levels").at(k);
         EXPECT_EQ(levels[k].at("kind"), level.at("kind"));
         EXPECT_EQ(std::stoul(levels[k].at("count")), level.at("count"));
+        EXPECT_GT(std::stoul(levels[k].at("tree_bytes")), 8 * std::stoul(levels[k].at("triangles")));
         EXPECT_EQ(std::stod(levels[k].at("mean_outside")), level.at("over_reach_outside").at("mean"));
     }
     expect_error(64, {"spheres", "cube.off", "--levels", "x.csv", "--csv", "x.csv"}, {"both go to 'x.csv'"});

@@ -4,21 +4,23 @@ namespace oncollide::tools {
 namespace {
 
 struct Place {
-    std::uint32_t node;
+    ObbTree::Node node;
     unsigned lane;
+    bool single;
 };
 
-void add_boxes(const ObbTree& tree, std::uint32_t index, std::vector<Place>& places,
+void add_boxes(const ObbTree& tree, ObbTree::Node index, std::vector<Place>& places,
                std::vector<CoveringVolume>& volumes)
 {
     OpenBoxes boxes;
-    tree.open(index, nullptr, boxes);
-    for (unsigned k = 0; k < tree.node(index).lanes; ++k) {
+    const LaneMasks masks = tree.open(index, nullptr, boxes);
+    for (unsigned k = 0; k < 8 && boxes.c[0][k] < 1e29f; ++k) {
         CoveringVolume& box = volumes.emplace_back();
-        places.push_back({index, k});
+        places.push_back({index, k, (masks.singles >> k & 1) != 0});
+        const double rounding = 0x1p-23 * Eigen::Vector3d(boxes.c[0][k], boxes.c[1][k], boxes.c[2][k]).norm();
         for (int i = 0; i < 3; ++i) {
             box.centre[i] = tree.centre()[i] + double(boxes.c[i][k]);
-            box.half[i] = boxes.h[i][k];
+            box.half[i] = boxes.h[i][k] + rounding;
             for (int component = 0; component < 3; ++component) box.axes(component, i) = boxes.axis[i][component][k];
         }
     }
@@ -35,8 +37,8 @@ std::vector<std::vector<CoveringVolume>> box_levels(ObbTree& tree, std::size_t m
         next.clear();
         std::vector<CoveringVolume> volumes;
         for (std::size_t i = 0; i < places.size() && volumes.size() <= most; ++i) {
-            const auto [index, lane] = places[i];
-            if (tree.node(index).count[lane] > 1)
+            const auto [index, lane, single] = places[i];
+            if (!single)
                 add_boxes(tree, tree.child(index, lane), next, volumes);
             else
                 next.push_back(places[i]), volumes.push_back(levels.back()[i]);

@@ -154,12 +154,13 @@ void write_csv(const std::string& path, const Judged& judged, BoundingVolume kin
     file.commit();
 }
 
-/// The tables, one row a level.
-void write_levels(const std::string& path, const Judged& judged, double cell)
+/// The tables, one row a level; last the bytes of the whole tree.
+void write_levels(const std::string& path, const Judged& judged, const GrownTree& tree, const ObbTree& boxes)
 {
+    const double cell = volume_of(tree.tree().root());
     OutputFile file(path);
     file.print("kind,level,count,triangles,longest_side,radius,worst,mean,certified,worst_outside,mean_outside,volume,"
-               "open_triangles,points,points_outside\n");
+               "open_triangles,points,points_outside,tree_bytes\n");
     for (const Row& row : judged.rows) {
         const LevelQuality& q = row.quality;
         file.print("{},{},{},{},{},{},{},{},{},", row.name(), row.level, row.volumes.size(),
@@ -169,7 +170,8 @@ void write_levels(const std::string& path, const Judged& judged, double cell)
             file.print("{},{}", q.worst.beyond, q.mean.beyond);
         else
             file.print(",");
-        file.print(",{},{},{},{}\n", q.volume / cell, q.open_triangles, q.points, q.outside);
+        file.print(",{},{},{},{},{}\n", q.volume / cell, q.open_triangles, q.points, q.outside,
+                   row.kind == BoundingVolume::sphere ? tree.bytes() : boxes.bytes());
     }
     file.commit();
 }
@@ -239,7 +241,7 @@ int spheres(const SpheresOptions& options)
     const bool stdout_taken = options.csv == "-" || options.json == "-" || options.levels == "-";
     if (!options.quiet) print_table(judged, tree, boxes, options, stdout_taken ? stderr : stdout);
     if (!options.csv.empty()) write_csv(options.csv, judged, kind);
-    if (!options.levels.empty()) write_levels(options.levels, judged, volume_of(tree.tree().root()));
+    if (!options.levels.empty()) write_levels(options.levels, judged, tree, boxes);
     if (!options.json.empty()) write_json(options.json, options, judged, tree.depth(), kind);
     // What the judge measures with is rounded where the mesh lies.
     const double rounding = 1e-14 * mesh.bounds.min.cwiseAbs().cwiseMax(mesh.bounds.max.cwiseAbs()).maxCoeff();

@@ -22,7 +22,7 @@ std::uint64_t all_boxes(const Mesh& mesh)
         const std::uint32_t node = open.back();
         open.pop_back();
         for (unsigned k = 0; k < tree.node(node).lanes; ++k)
-            if (tree.node(node).count[k] > 1) open.push_back(tree.child(node, k));
+            if (!(tree.node(node).leaves >> k & 1)) open.push_back(tree.child(node, k));
     }
     return tree.nodes();
 }
