@@ -68,6 +68,10 @@ public:
     }
     std::string_view name() const override { return "ocst"; }
     std::string_view unit() const override { return "pairs"; }
+    std::string_view reason_to_skip(const Bodies&, const Frame& frame) const override
+    {
+        return frame.pairs.empty() ? no_candidates : std::string_view{};
+    }
 
     void run(Bodies& bodies, Frame& frame, StageStats& stats) override
     {

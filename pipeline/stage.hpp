@@ -10,8 +10,8 @@ namespace oncollide {
 // Indices of the stages, as in PairResult::stage.
 constexpr std::uint8_t ocst_stage_index = 3, exact_stage_index = 4;
 
-/// StageStats::note of a stage that the settings leave out.
-constexpr std::string_view by_request = "by request";
+// StageStats::note of a stage that the settings leave out, and of one without anything to narrow down.
+constexpr std::string_view by_request = "by request", no_candidates = "no candidates";
 
 /// One step of a frame. It may keep what does not collide; it must never lose what does.
 /// No timing inside: the loop outside times every stage alike.

@@ -23,7 +23,7 @@ struct World::Impl {
 
     Frame frame;
     std::vector<std::unique_ptr<Stage>> stages;
-    std::vector<std::uint8_t> skipped; ///< by stage: by request
+    std::vector<std::uint8_t> skipped;            ///< by stage: by request
     std::vector<StageStats> stats, totals, blank; ///< blank: of a frame that begins
     Courses courses;
     std::vector<PairOfBodies> active, last_active, began, ended; ///< active: not separate in the last frame

@@ -124,10 +124,11 @@ void StoredFrames::count(const FrameRow& row, std::span<const StageStats> stages
         const StageRow& stored = row.stages[k];
         stage.in = stored.in, stage.out = stored.out, stage.undecided = stored.undecided, stage.cpu_ms = stored.ms;
         if (k < ocst_stage_index) continue;
-        const bool by_request = std::ranges::count(run_.settings.skip, stage.stage) > 0;
+        const bool requested = std::ranges::count(run_.settings.skip, stage.stage) > 0;
         const bool off = k == exact_stage_index && run_.settings.exact == ExactLevel::off;
-        stage.skipped = by_request || off;
-        stage.note = by_request ? "by request" : off ? "off" : "";
+        const bool idle = k == ocst_stage_index && results_.empty();
+        stage.note = requested ? by_request : off ? "off" : idle ? no_candidates : "";
+        stage.skipped = !stage.note.empty();
     }
     constexpr std::size_t broad = ocst_stage_index - 1;
     if (row.stages[broad].out != results_.size())
