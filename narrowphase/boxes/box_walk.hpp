@@ -2,10 +2,12 @@
 // boxes are made of these steps.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <oncollide/base/aabb.hpp>
@@ -119,6 +121,7 @@ private:
     };
     static constexpr std::size_t first_batch = 4, most_batch = 64; ///< pairs of primitives tested together
     static constexpr double infinity = std::numeric_limits<double>::infinity();
+    static constexpr double box_line_length = 1 - 0x1p-20;
 
     void begin(A& a, B& b, const RelativePose& b_to_a, const WalkFrame& frame, const typename B::Node& of_b = B::root)
     {
@@ -252,26 +255,46 @@ private:
     unsigned open(Entry e, float cutoff);
     template <bool far>
     unsigned compare(Entry e, bool down_a, std::uint32_t slot, float cutoff);
-    double high_a(Entry e) const
+    /// A direction in A's frame and in B's, of length 1 at most; points of B show `shift` more along it in A's frame
+    /// than in their own.
+    struct Line {
+        Eigen::Vector3d in_a, in_b;
+        double shift;
+
+        Line() : Line(Eigen::Vector3d::Zero(), {Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity()}) {}
+        Line(const Eigen::Vector3d& between, const RelativePose& b_to_a)
+        {
+            const double length = between.norm() * (1 + 0x1p-50);
+            in_a = length > 0 ? Eigen::Vector3d(between / length) : Eigen::Vector3d(Eigen::Vector3d::Zero());
+            in_b = b_to_a.rotation.transpose() * in_a, shift = in_a.dot(b_to_a.translation);
+        }
+    };
+    double high_a(const auto& of_a, const Line& line) const
     {
         double high = -infinity;
-        for (const auto a : a_.primitives(e.slot_a(), e.lane_a())) high = std::max(high, leaves_.high_a(a, line_));
+        for (const auto a : of_a) high = std::max(high, leaves_.high_a(a, line.in_a));
         return high;
     }
-    double low_b(Entry e) const
+    double low_b(const auto& of_b, const Line& line) const
     {
         double low = infinity;
-        for (const auto b : b_.primitives(e.slot_b(), e.lane_b())) low = std::min(low, leaves_.low_b(b, line_));
-        return low;
+        for (const auto b : of_b) low = std::min(low, leaves_.low_b(b, line.in_b));
+        return low + line.shift;
+    }
+    /// The line that boxes are compared along, too.
+    void take_line(const Line& line)
+    {
+        line_ = line, origin_along_line_ = line.in_a.dot(origin_);
+        for (int i = 0; i < 3; ++i) toward_b_[i] = static_cast<float>(box_line_length * line.in_a[i]);
     }
     /// The line as the parts of the one box see the other: towards them. Of a leaf its primitives count, not the box.
     void set_line(BoxLine& line, Entry e, bool down_a) const
     {
-        const Eigen::Vector3d to = down_a ? Eigen::Vector3d(-line_) : line_;
-        for (int i = 0; i < 3; ++i) line.direction[i] = static_cast<float>(to[i]);
+        for (int i = 0; i < 3; ++i) line.direction[i] = down_a ? -toward_b_[i] : toward_b_[i];
         if (down_a ? b_[e.slot_b()].leaf(e.lane_b()) : a_[e.slot_a()].leaf(e.lane_a())) {
-            const double middle = line_.dot(origin_);
-            line.other_reach = static_cast<float>(down_a ? middle - low_b(e) : high_a(e) - middle);
+            const double reach = down_a ? origin_along_line_ - low_b(b_.primitives(e.slot_b(), e.lane_b()), line_)
+                                        : high_a(a_.primitives(e.slot_a(), e.lane_a()), line_) - origin_along_line_;
+            line.other_reach = static_cast<float>(box_line_length * reach);
             return;
         }
         const OpenBoxes& boxes = down_a ? b_[e.slot_b()].boxes : a_[e.slot_a()].boxes;
@@ -317,6 +340,19 @@ private:
             return {found.distance - frame.leaf_rounding, found.distance + frame.leaf_rounding, found.b - found.a};
         }
     }
+    /// take(pair, points) for all that wait.
+    void measure_waiting(const WalkFrame& frame, auto take)
+    {
+        if constexpr (requires { leaves_.nearest(std::span<const Pair>(waiting_), take); }) {
+            leaves_.nearest(std::span<const Pair>(waiting_), [&](const Pair& pair, const NearestPoints& found) {
+                take(pair, Nearest{found.distance - frame.leaf_rounding, found.distance + frame.leaf_rounding,
+                                   found.b - found.a});
+            });
+        } else {
+            for (const Pair& pair : waiting_) take(pair, nearest(pair, frame));
+        }
+        waiting_.clear();
+    }
     double least_box_gap(const WalkFrame& frame) const
     {
         double least = infinity;
@@ -337,10 +373,13 @@ private:
     std::size_t top_ = 0;
     bool far_ = true;
     std::vector<typename A::Node> starts_;
-    std::vector<Pair> waiting_;     ///< to be tested together
-    std::vector<Entry> from_;       ///< the boxes that these are in
-    alignas(32) float nearest_[8];  ///< least gaps of boxes that were left
-    Eigen::Vector3d line_, origin_; ///< from the nearest point of A found so far to that of B, of length 1 at most
+    std::vector<Pair> waiting_;    ///< to be tested together
+    std::vector<Entry> from_;      ///< the boxes that these are in
+    alignas(32) float nearest_[8]; ///< least gaps of boxes that were left
+    Eigen::Vector3d origin_;       ///< of the boxes' coordinates
+    Line line_;                    ///< from the nearest point of A found so far to that of B
+    double origin_along_line_;
+    float toward_b_[3]; ///< along line_, as boxes see it: a little shorter, so that rounding makes it no longer than 1
     Leaves leaves_;
 };
 
@@ -561,40 +600,60 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
 {
     const WalkFrame frame(a, b, b_to_a);
     if (frame.apart > farthest) return {frame.apart, infinity, {}};
+    origin_ = frame.origin;
+    start(a, b, b_to_a, frame);
     DistanceBounds<Pair> best{infinity, infinity, {}};
+    // What meets is found soon, where boxes overlap most.
+    std::size_t batch = first_batch;
+    const auto take_meeting = [&](Pair pair) {
+        best = {0, 0, pair};
+        return false;
+    };
+    walk(frame.gap_within(0), [&](Entry e) {
+        wait(e, [](const Pair&) { return false; });
+        return test_if_enough(batch, take_meeting);
+    });
+    if (best.nearest || !test_waiting(take_meeting)) return best;
     // Along the line that joins the nearest points all that is near them shows nearly its distance; and so do the
     // neighbours of the last pair along its own.
-    const auto direction = [](const Eigen::Vector3d& between) {
-        const double length = between.norm() * (1 + 0x1p-20);
-        return length > 0 ? Eigen::Vector3d(between / length) : Eigen::Vector3d(Eigen::Vector3d::Zero());
-    };
-    origin_ = frame.origin, line_ = direction(b_to_a(b.centre()) - a.centre());
-    Eigen::Vector3d last_line = line_;
+    take_line(Line(b_to_a(b.centre()) - a.centre(), b_to_a));
+    Line last_line = line_;
     double most = farthest; // how far apart what matters still is
-    const auto take_pair = [&](Pair pair) {
-        double apart = -infinity;
-        for (const Eigen::Vector3d& line : {line_, last_line}) {
-            apart = std::max(apart, leaves_.low_b(pair.b, line) - leaves_.high_a(pair.a, line) - frame.leaf_rounding);
-            if (apart <= most) continue;
-            best.lower = std::min(best.lower, apart);
-            return true;
-        }
-        if (apart <= 0 && leaves_.meet(pair)) {
-            best = {0, 0, pair};
-            return false;
-        }
-        const Nearest points = nearest(pair, frame);
-        last_line = direction(points.between);
-        best.lower = std::min(best.lower, points.lower);
-        if (points.upper < best.upper && points.lower <= farthest)
-            best.upper = points.upper, best.nearest = pair, line_ = last_line;
+    const auto measure = [&] {
+        measure_waiting(frame, [&](const Pair& pair, const Nearest& points) {
+            last_line = Line(points.between, b_to_a);
+            best.lower = std::min(best.lower, points.lower);
+            if (points.upper >= best.upper || points.lower > farthest) return;
+            best.upper = points.upper, best.nearest = pair;
+            take_line(last_line);
+        });
+    };
+    const auto parted = [&](double apart) {
+        // Of what shares the nearest points with the nearest pair rounding alone would tell it.
+        if (apart <= most - 3 * frame.leaf_rounding) return false;
+        best.lower = std::min(best.lower, apart);
         return true;
     };
-    start(a, b, b_to_a, frame);
+    const auto take_leaves = [&](Entry e) {
+        const auto of_a = a_.primitives(e.slot_a(), e.lane_a());
+        const auto of_b = b_.primitives(e.slot_b(), e.lane_b());
+        const auto apart = [&](const auto& in_a, const auto& in_b, const Line& line) {
+            return low_b(in_b, line) - high_a(in_a, line) - frame.leaf_rounding;
+        };
+        if (parted(apart(of_a, of_b, line_)) || parted(apart(of_a, of_b, last_line))) return;
+        each_pair(e, [&](Pair pair) {
+            const std::array one_a{pair.a};
+            const std::array one_b{pair.b};
+            if (!parted(apart(one_a, one_b, line_)) && !parted(apart(one_a, one_b, last_line)))
+                waiting_.push_back(pair);
+            return true;
+        });
+        if (waiting_.size() >= (best.nearest ? 8 : 1)) measure();
+    };
     // First roughly, which finds the line soon. Depth first: a heap of all boxes would open half as many, and take
     // longer to keep than to open them.
-    for (const double share : {0.9, 1.0}) {
-        if (share == 1.0) start_again(), best.lower = infinity;
+    for (const double share : {0.5, 1.0}) {
+        start_again(), best.lower = infinity;
         while (top_) {
             const Entry e = stack_[--top_];
             most = std::min(std::min(share * best.upper, best.upper - tolerance), farthest);
@@ -603,9 +662,10 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
                 best.lower = std::min(best.lower, frame.at_least(e.gap));
             else if (!both_leaves(e))
                 sort_last(open<true>(e, cutoff));
-            else if (!each_pair(e, take_pair))
-                return best;
+            else
+                take_leaves(e);
         }
+        measure();
     }
     best.lower = std::max(std::min(best.lower, least_box_gap(frame)), 0.0);
     return best;

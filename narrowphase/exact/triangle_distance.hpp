@@ -1,4 +1,7 @@
 #pragma once
+#include <cmath>
+
+#include <oncollide/narrowphase/exact/triangle_distance_kernel.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 
 namespace oncollide {
@@ -7,6 +10,15 @@ struct NearestPoints {
     Eigen::Vector3d a, b;
     double distance;
 };
+
+/// The build of the kernel for this processor. Cost: 250 ns for eight pairs with AVX-512, and hardly less for one.
+MeasurePairs* measure_pairs();
+
+/// Those of pair `i`.
+inline NearestPoints points_of(const NearestOfPairs& of, unsigned i)
+{
+    return {{of.a[0][i], of.a[1][i], of.a[2][i]}, {of.b[0][i], of.b[1][i], of.b[2][i]}, std::sqrt(of.distance2[i])};
+}
 
 /// The nearest points of two triangles that do not meet, and their distance as triangle_distance() has it.
 NearestPoints nearest_points(const TrianglePoints& a, const TrianglePoints& b);
