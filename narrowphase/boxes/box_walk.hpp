@@ -120,6 +120,7 @@ private:
         std::uint8_t lane_b() const { return boxes >> 32 & 7; }
     };
     static constexpr std::size_t first_batch = 4, most_batch = 64; ///< pairs of primitives tested together
+    static constexpr std::size_t most_seeds = 8;
     static constexpr double infinity = std::numeric_limits<double>::infinity();
     static constexpr double box_line_length = 1 - 0x1p-20;
 
@@ -613,12 +614,18 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
         wait(e, [](const Pair&) { return false; });
         return test_if_enough(batch, take_meeting);
     });
-    if (best.nearest || !test_waiting(take_meeting)) return best;
+    if (best.nearest || !leaves_.meeting(std::span<const Pair>(waiting_), take_meeting)) return best;
     // Along the line that joins the nearest points all that is near them shows nearly its distance; and so do the
     // neighbours of the last pair along its own.
     take_line(Line(b_to_a(b.centre()) - a.centre(), b_to_a));
     Line last_line = line_;
-    double most = farthest; // how far apart what matters still is
+    double share = 1; // of the distance of the nearest pair: how far apart what is looked at may be
+    double most;      // how far apart what matters still is
+    float cutoff;
+    const auto narrow_down = [&] {
+        most = std::min(std::min(share * best.upper, best.upper - tolerance), farthest);
+        cutoff = std::min(frame.gap_within(most), 0x1p90f);
+    };
     const auto measure = [&] {
         measure_waiting(frame, [&](const Pair& pair, const Nearest& points) {
             last_line = Line(points.between, b_to_a);
@@ -627,6 +634,7 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
             best.upper = points.upper, best.nearest = pair;
             take_line(last_line);
         });
+        narrow_down();
     };
     const auto parted = [&](double apart) {
         // Of what shares the nearest points with the nearest pair rounding alone would tell it.
@@ -635,11 +643,11 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
         return true;
     };
     const auto take_leaves = [&](Entry e) {
+        const auto apart = [&](const auto& of_a, const auto& of_b, const Line& line) {
+            return low_b(of_b, line) - high_a(of_a, line) - frame.leaf_rounding;
+        };
         const auto of_a = a_.primitives(e.slot_a(), e.lane_a());
         const auto of_b = b_.primitives(e.slot_b(), e.lane_b());
-        const auto apart = [&](const auto& in_a, const auto& in_b, const Line& line) {
-            return low_b(in_b, line) - high_a(in_a, line) - frame.leaf_rounding;
-        };
         if (parted(apart(of_a, of_b, line_)) || parted(apart(of_a, of_b, last_line))) return;
         each_pair(e, [&](Pair pair) {
             const std::array one_a{pair.a};
@@ -648,16 +656,14 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
                 waiting_.push_back(pair);
             return true;
         });
-        if (waiting_.size() >= (best.nearest ? 8 : 1)) measure();
+        if (waiting_.size() >= (best.nearest ? first_batch : 1)) measure();
     };
-    // First roughly, which finds the line soon. Depth first: a heap of all boxes would open half as many, and take
-    // longer to keep than to open them.
-    for (const double share : {0.5, 1.0}) {
-        start_again(), best.lower = infinity;
+    // Depth first: a heap of all boxes would open half as many, and take longer to keep than to open them.
+    const auto look = [&](double share_of_nearest) {
+        share = share_of_nearest, best.lower = infinity;
+        start_again(), narrow_down();
         while (top_) {
             const Entry e = stack_[--top_];
-            most = std::min(std::min(share * best.upper, best.upper - tolerance), farthest);
-            const float cutoff = std::min(frame.gap_within(most), 0x1p90f);
             if (e.gap > cutoff)
                 best.lower = std::min(best.lower, frame.at_least(e.gap));
             else if (!both_leaves(e))
@@ -666,7 +672,13 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
                 take_leaves(e);
         }
         measure();
-    }
+    };
+    // What did not meet, but was in boxes that overlap, is near. Where there is nothing such, a rough look finds the
+    // line soon.
+    if (waiting_.size() > most_seeds) waiting_.resize(most_seeds);
+    measure();
+    if (!best.nearest) look(0.5);
+    if (best.nearest) look(1); // else all was farther than `farthest`
     best.lower = std::max(std::min(best.lower, least_box_gap(frame)), 0.0);
     return best;
 }
