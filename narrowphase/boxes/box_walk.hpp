@@ -605,6 +605,7 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
     start(a, b, b_to_a, frame);
     DistanceBounds<Pair> best{infinity, infinity, {}};
     // What meets is found soon, where boxes overlap most.
+    const std::uint64_t rows_before = box_rows;
     std::size_t batch = first_batch;
     const auto take_meeting = [&](Pair pair) {
         best = {0, 0, pair};
@@ -674,10 +675,10 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
         measure();
     };
     // What did not meet, but was in boxes that overlap, is near. Where there is nothing such, a rough look finds the
-    // line soon.
+    // line soon: the less roughly the farther apart they are, as then little is nearer than such a share.
     if (waiting_.size() > most_seeds) waiting_.resize(most_seeds);
     measure();
-    if (!best.nearest) look(0.5);
+    if (!best.nearest) look(box_rows - rows_before > 8 ? 0.5 : 0.85);
     if (best.nearest) look(1); // else all was farther than `farthest`
     best.lower = std::max(std::min(best.lower, least_box_gap(frame)), 0.0);
     return best;
