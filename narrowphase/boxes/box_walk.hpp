@@ -120,7 +120,12 @@ private:
         std::uint8_t lane_b() const { return boxes >> 32 & 7; }
     };
     static constexpr std::size_t first_batch = 4, most_batch = 64; ///< pairs of primitives tested together
-    static constexpr std::size_t most_seeds = 8;
+    /// Does it cost little more to measure several than one?
+    static constexpr bool measures_many = requires(Leaves & leaves, std::span<const Pair> pairs)
+    {
+        leaves.nearest(pairs, [](const Pair&, const NearestPoints&) {});
+    };
+    static constexpr std::size_t measured = measures_many ? 4 : 1, most_seeds = 2 * measured;
     static constexpr double infinity = std::numeric_limits<double>::infinity();
     static constexpr double box_line_length = 1 - 0x1p-20;
 
@@ -344,7 +349,7 @@ private:
     /// take(pair, points) for all that wait.
     void measure_waiting(const WalkFrame& frame, auto take)
     {
-        if constexpr (requires { leaves_.nearest(std::span<const Pair>(waiting_), take); }) {
+        if constexpr (measures_many) {
             leaves_.nearest(std::span<const Pair>(waiting_), [&](const Pair& pair, const NearestPoints& found) {
                 take(pair, Nearest{found.distance - frame.leaf_rounding, found.distance + frame.leaf_rounding,
                                    found.b - found.a});
@@ -657,7 +662,7 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
                 waiting_.push_back(pair);
             return true;
         });
-        if (waiting_.size() >= (best.nearest ? first_batch : 1)) measure();
+        if (waiting_.size() >= (best.nearest ? measured : 1)) measure();
     };
     // Depth first: a heap of all boxes would open half as many, and take longer to keep than to open them.
     const auto look = [&](double share_of_nearest) {

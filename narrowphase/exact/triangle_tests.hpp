@@ -149,8 +149,8 @@ void TriangleTestsOf<A, B>::nearest(std::span<const TrianglePair> all, Take take
 {
     each_eight(all, [&](std::span<const TrianglePair> pairs, const CornersOfPairs& corners) {
         NearestOfPairs points;
-        measure_pairs()(corners, b_to_a_->rotation.data(), b_to_a_->translation.data(),
-                        static_cast<unsigned>(pairs.size()), points);
+        measure_pairs(pairs.size())(corners, b_to_a_->rotation.data(), b_to_a_->translation.data(),
+                                    static_cast<unsigned>(pairs.size()), points);
         for (unsigned i = 0; i < pairs.size(); ++i) take(pairs[i], points_of(points, i));
         return true;
     });
