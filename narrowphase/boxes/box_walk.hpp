@@ -626,11 +626,13 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
     take_line(Line(b_to_a(b.centre()) - a.centre(), b_to_a));
     Line last_line = line_;
     double share = 1; // of the distance of the nearest pair: how far apart what is looked at may be
-    double most;      // how far apart what matters still is
-    float cutoff;
+    double most;      // how far apart primitives that matter still are
+    float cutoff;     // and boxes
     const auto narrow_down = [&] {
-        most = std::min(std::min(share * best.upper, best.upper - tolerance), farthest);
-        cutoff = std::min(frame.gap_within(most), 0x1p90f);
+        const double nearer = std::min(share * best.upper, best.upper - tolerance);
+        cutoff = std::min(frame.gap_within(std::min(nearer, farthest)), 0x1p90f);
+        // What shares the nearest points with the nearest pair is as near but for rounding.
+        most = std::min(nearer - 3 * frame.leaf_rounding, farthest);
     };
     const auto measure = [&] {
         measure_waiting(frame, [&](const Pair& pair, const Nearest& points) {
@@ -643,8 +645,7 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
         narrow_down();
     };
     const auto parted = [&](double apart) {
-        // Of what shares the nearest points with the nearest pair rounding alone would tell it.
-        if (apart <= most - 3 * frame.leaf_rounding) return false;
+        if (apart <= most) return false;
         best.lower = std::min(best.lower, apart);
         return true;
     };
