@@ -2,10 +2,12 @@
 // boxes are made of these steps.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <oncollide/base/aabb.hpp>
@@ -122,7 +124,14 @@ private:
         std::uint8_t lane_b() const { return boxes >> 32 & 7; }
     };
     static constexpr std::size_t first_batch = 4, most_batch = 64; ///< pairs of primitives tested together
+    /// Does it cost little more to measure several than one?
+    static constexpr bool measures_many = requires(Leaves & leaves, std::span<const Pair> pairs)
+    {
+        leaves.nearest(pairs, [](const Pair&, const NearestPoints&) {});
+    };
+    static constexpr std::size_t measured = measures_many ? 4 : 1, most_seeds = 2 * measured;
     static constexpr double infinity = std::numeric_limits<double>::infinity();
+    static constexpr double box_line_length = 1 - 0x1p-20;
 
     void begin(A& a, B& b, const RelativePose& b_to_a, const WalkFrame& frame, const typename B::Node& of_b = B::root)
     {
@@ -263,26 +272,46 @@ private:
     unsigned open(Entry e, float cutoff);
     template <bool far>
     unsigned compare(Entry e, bool down_a, std::uint32_t slot, float cutoff);
-    double high_a(Entry e) const
+    /// A direction in A's frame and in B's, of length 1 at most; points of B show `shift` more along it in A's frame
+    /// than in their own.
+    struct Line {
+        Eigen::Vector3d in_a, in_b;
+        double shift;
+
+        Line() : Line(Eigen::Vector3d::Zero(), {Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity()}) {}
+        Line(const Eigen::Vector3d& between, const RelativePose& b_to_a)
+        {
+            const double length = between.norm() * (1 + 0x1p-50);
+            in_a = length > 0 ? Eigen::Vector3d(between / length) : Eigen::Vector3d(Eigen::Vector3d::Zero());
+            in_b = b_to_a.rotation.transpose() * in_a, shift = in_a.dot(b_to_a.translation);
+        }
+    };
+    double high_a(const auto& of_a, const Line& line) const
     {
         double high = -infinity;
-        for (const auto a : a_.primitives(e.slot_a(), e.lane_a())) high = std::max(high, leaves_.high_a(a, line_));
+        for (const auto a : of_a) high = std::max(high, leaves_.high_a(a, line.in_a));
         return high;
     }
-    double low_b(Entry e) const
+    double low_b(const auto& of_b, const Line& line) const
     {
         double low = infinity;
-        for (const auto b : b_.primitives(e.slot_b(), e.lane_b())) low = std::min(low, leaves_.low_b(b, line_));
-        return low;
+        for (const auto b : of_b) low = std::min(low, leaves_.low_b(b, line.in_b));
+        return low + line.shift;
+    }
+    /// The line that boxes are compared along, too.
+    void take_line(const Line& line)
+    {
+        line_ = line, origin_along_line_ = line.in_a.dot(origin_);
+        for (int i = 0; i < 3; ++i) toward_b_[i] = static_cast<float>(box_line_length * line.in_a[i]);
     }
     /// The line as the parts of the one box see the other: towards them. Of a leaf its primitives count, not the box.
     void set_line(BoxLine& line, Entry e, bool down_a) const
     {
-        const Eigen::Vector3d to = down_a ? Eigen::Vector3d(-line_) : line_;
-        for (int i = 0; i < 3; ++i) line.direction[i] = static_cast<float>(to[i]);
+        for (int i = 0; i < 3; ++i) line.direction[i] = down_a ? -toward_b_[i] : toward_b_[i];
         if (down_a ? b_[e.slot_b()].leaf(e.lane_b()) : a_[e.slot_a()].leaf(e.lane_a())) {
-            const double middle = line_.dot(origin_);
-            line.other_reach = static_cast<float>(down_a ? middle - low_b(e) : high_a(e) - middle);
+            const double reach = down_a ? origin_along_line_ - low_b(b_.primitives(e.slot_b(), e.lane_b()), line_)
+                                        : high_a(a_.primitives(e.slot_a(), e.lane_a()), line_) - origin_along_line_;
+            line.other_reach = static_cast<float>(box_line_length * reach);
             return;
         }
         const OpenBoxes& boxes = down_a ? b_[e.slot_b()].boxes : a_[e.slot_a()].boxes;
@@ -329,6 +358,19 @@ private:
             return {found.distance - frame.leaf_rounding, found.distance + frame.leaf_rounding, found.b - found.a};
         }
     }
+    /// take(pair, points) for all that wait.
+    void measure_waiting(const WalkFrame& frame, auto take)
+    {
+        if constexpr (measures_many) {
+            leaves_.nearest(std::span<const Pair>(waiting_), [&](const Pair& pair, const NearestPoints& found) {
+                take(pair, Nearest{found.distance - frame.leaf_rounding, found.distance + frame.leaf_rounding,
+                                   found.b - found.a});
+            });
+        } else {
+            for (const Pair& pair : waiting_) take(pair, nearest(pair, frame));
+        }
+        waiting_.clear();
+    }
     double least_box_gap(const WalkFrame& frame) const
     {
         double least = infinity;
@@ -349,10 +391,13 @@ private:
     std::size_t top_ = 0;
     bool far_ = true;
     std::vector<typename A::Node> starts_;
-    std::vector<Pair> waiting_;     ///< to be tested together
-    std::vector<Entry> from_;       ///< the boxes that these are in
-    alignas(32) float nearest_[8];  ///< least gaps of boxes that were left
-    Eigen::Vector3d line_, origin_; ///< from the nearest point of A found so far to that of B, of length 1 at most
+    std::vector<Pair> waiting_;    ///< to be tested together
+    std::vector<Entry> from_;      ///< the boxes that these are in
+    alignas(32) float nearest_[8]; ///< least gaps of boxes that were left
+    Eigen::Vector3d origin_;       ///< of the boxes' coordinates
+    Line line_;                    ///< from the nearest point of A found so far to that of B
+    double origin_along_line_;
+    float toward_b_[3]; ///< along line_, as boxes see it: a little shorter, so that rounding makes it no longer than 1
     Leaves leaves_;
 };
 
@@ -571,52 +616,86 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
 {
     const WalkFrame frame(a, b, b_to_a);
     if (frame.apart > farthest) return {frame.apart, infinity, {}};
+    origin_ = frame.origin;
+    start(a, b, b_to_a, frame);
     DistanceBounds<Pair> best{infinity, infinity, {}};
+    // What meets is found soon, where boxes overlap most.
+    const std::uint64_t rows_before = box_rows;
+    std::size_t batch = first_batch;
+    const auto take_meeting = [&](Pair pair) {
+        best = {0, 0, pair};
+        return false;
+    };
+    walk(frame.gap_within(0), [&](Entry e) {
+        wait(e, [](const Pair&) { return false; });
+        return test_if_enough(batch, take_meeting);
+    });
+    if (best.nearest || !leaves_.meeting(std::span<const Pair>(waiting_), take_meeting)) return best;
     // Along the line that joins the nearest points all that is near them shows nearly its distance; and so do the
     // neighbours of the last pair along its own.
-    const auto direction = [](const Eigen::Vector3d& between) {
-        const double length = between.norm() * (1 + 0x1p-20);
-        return length > 0 ? Eigen::Vector3d(between / length) : Eigen::Vector3d(Eigen::Vector3d::Zero());
+    take_line(Line(b_to_a(b.centre()) - a.centre(), b_to_a));
+    Line last_line = line_;
+    double share = 1; // of the distance of the nearest pair: how far apart what is looked at may be
+    double most;      // how far apart primitives that matter still are
+    float cutoff;     // and boxes
+    const auto narrow_down = [&] {
+        const double nearer = std::min(share * best.upper, best.upper - tolerance);
+        cutoff = std::min(frame.gap_within(std::min(nearer, farthest)), 0x1p90f);
+        // What shares the nearest points with the nearest pair is as near but for rounding.
+        most = std::min(nearer - 3 * frame.leaf_rounding, farthest);
     };
-    origin_ = frame.origin, line_ = direction(b_to_a(b.centre()) - a.centre());
-    Eigen::Vector3d last_line = line_;
-    double most = farthest; // how far apart what matters still is
-    const auto take_pair = [&](Pair pair) {
-        double apart = -infinity;
-        for (const Eigen::Vector3d& line : {line_, last_line}) {
-            apart = std::max(apart, leaves_.low_b(pair.b, line) - leaves_.high_a(pair.a, line) - frame.leaf_rounding);
-            if (apart <= most) continue;
-            best.lower = std::min(best.lower, apart);
-            return true;
-        }
-        if (apart <= 0 && leaves_.meet(pair)) {
-            best = {0, 0, pair};
-            return false;
-        }
-        const Nearest points = nearest(pair, frame);
-        last_line = direction(points.between);
-        best.lower = std::min(best.lower, points.lower);
-        if (points.upper < best.upper && points.lower <= farthest)
-            best.upper = points.upper, best.nearest = pair, line_ = last_line;
+    const auto measure = [&] {
+        measure_waiting(frame, [&](const Pair& pair, const Nearest& points) {
+            last_line = Line(points.between, b_to_a);
+            best.lower = std::min(best.lower, points.lower);
+            if (points.upper >= best.upper || points.lower > farthest) return;
+            best.upper = points.upper, best.nearest = pair;
+            take_line(last_line);
+        });
+        narrow_down();
+    };
+    const auto parted = [&](double apart) {
+        if (apart <= most) return false;
+        best.lower = std::min(best.lower, apart);
         return true;
     };
-    start(a, b, b_to_a, frame);
-    // First roughly, which finds the line soon. Depth first: a heap of all boxes would open half as many, and take
-    // longer to keep than to open them.
-    for (const double share : {0.9, 1.0}) {
-        if (share == 1.0) start_again(), best.lower = infinity;
+    const auto take_leaves = [&](Entry e) {
+        const auto apart = [&](const auto& of_a, const auto& of_b, const Line& line) {
+            return low_b(of_b, line) - high_a(of_a, line) - frame.leaf_rounding;
+        };
+        const auto of_a = a_.primitives(e.slot_a(), e.lane_a());
+        const auto of_b = b_.primitives(e.slot_b(), e.lane_b());
+        if (parted(apart(of_a, of_b, line_)) || parted(apart(of_a, of_b, last_line))) return;
+        each_pair(e, [&](Pair pair) {
+            const std::array one_a{pair.a};
+            const std::array one_b{pair.b};
+            if (!parted(apart(one_a, one_b, line_)) && !parted(apart(one_a, one_b, last_line)))
+                waiting_.push_back(pair);
+            return true;
+        });
+        if (waiting_.size() >= (best.nearest ? measured : 1)) measure();
+    };
+    // Depth first: a heap of all boxes would open half as many, and take longer to keep than to open them.
+    const auto look = [&](double share_of_nearest) {
+        share = share_of_nearest, best.lower = infinity;
+        start_again(), narrow_down();
         while (top_) {
             const Entry e = stack_[--top_];
-            most = std::min(std::min(share * best.upper, best.upper - tolerance), farthest);
-            const float cutoff = std::min(frame.gap_within(most), 0x1p90f);
             if (e.gap > cutoff)
                 best.lower = std::min(best.lower, frame.at_least(e.gap));
             else if (!both_leaves(e))
                 sort_last(open<true>(e, cutoff));
-            else if (!each_pair(e, take_pair))
-                return best;
+            else
+                take_leaves(e);
         }
-    }
+        measure();
+    };
+    // What did not meet, but was in boxes that overlap, is near. Where there is nothing such, a rough look finds the
+    // line soon: the less roughly the farther apart they are, as then little is nearer than such a share.
+    if (waiting_.size() > most_seeds) waiting_.resize(most_seeds);
+    measure();
+    if (!best.nearest) look(box_rows - rows_before > 8 ? 0.5 : 0.85);
+    if (best.nearest) look(1); // else all was farther than `farthest`
     best.lower = std::max(std::min(best.lower, least_box_gap(frame)), 0.0);
     return best;
 }

@@ -76,7 +76,8 @@ concept BoxHierarchy = requires(H& h, const H& same, typename H::Node node, unsi
 ///   `nearest(pair)`: the nearest points, or, where rounding may put the distance farther off, `bounds(pair)` as
 ///   ConvexDistance has them.
 /// - `high_a(primitive, line)`, `low_b(primitive, line)`: the most and the least that points of theirs show along a
-///   line. Cheap: they bound distances.
+///   line, each in its own geometry's frame. Cheap: they bound distances.
+/// - optional, `nearest(pairs, take)`: take(pair, points) for each of them, for less than `nearest(pair)` takes.
 template <class L, class A, class B>
 concept LeafTests = requires(L& tests, A& a, B& b, const RelativePose& b_to_a, typename L::Pair pair,
                              std::span<const typename L::Pair> pairs, double rounding)

@@ -1,4 +1,9 @@
 #pragma once
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include <oncollide/narrowphase/exact/triangle_distance_kernel.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 
 namespace oncollide {
@@ -8,8 +13,20 @@ struct NearestPoints {
     double distance;
 };
 
+/// The build of the kernel for this processor and so many pairs. Cost: 250 ns for up to four pairs, 300 for eight with
+/// AVX-512.
+MeasurePairs* measure_pairs(std::size_t pairs);
+
+/// Those of pair `i`.
+inline NearestPoints points_of(const NearestOfPairs& of, unsigned i)
+{
+    return {{of.a[0][i], of.a[1][i], of.a[2][i]}, {of.b[0][i], of.b[1][i], of.b[2][i]}, std::sqrt(of.distance2[i])};
+}
+
 /// The nearest points of two triangles that do not meet, and their distance as triangle_distance() has it.
 NearestPoints nearest_points(const TrianglePoints& a, const TrianglePoints& b);
+/// Of the first of the triangles `a` that is as near as any. Cost: for eight hardly more than for one.
+NearestPoints nearest_points(std::span<const TrianglePoints> a, const TrianglePoints& b);
 
 /// Distance of two triangles that do not meet, metres. What it returns is the distance of two points of theirs but for
 /// rounding: it errs by at most 2^-40 times the largest difference of two coordinates. Cost: about 250 ns.

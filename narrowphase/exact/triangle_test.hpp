@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 
 #include <Eigen/Core>
@@ -8,6 +9,16 @@ namespace oncollide {
 /// The corners of a triangle, metres, finite. Corners on one line or at one point make it the segment or the point that
 /// it is.
 using TrianglePoints = std::array<Eigen::Vector3d, 3>;
+
+/// The most and the least that points of the triangle show along a line.
+inline double most_along(const Eigen::Vector3d& line, const TrianglePoints& t)
+{
+    return std::max(std::max(line.dot(t[0]), line.dot(t[1])), line.dot(t[2]));
+}
+inline double least_along(const Eigen::Vector3d& line, const TrianglePoints& t)
+{
+    return std::min(std::min(line.dot(t[0]), line.dot(t[1])), line.dot(t[2]));
+}
 
 /// How two triangles lie, exactly, both taken as closed sets.
 ///

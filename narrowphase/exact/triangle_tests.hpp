@@ -97,15 +97,16 @@ public:
     double most(TrianglePair pair) const;
     double high_a(std::uint32_t triangle, const Eigen::Vector3d& line) const
     {
-        const TrianglePoints p = points_a(triangle);
-        return std::max({line.dot(p[0]), line.dot(p[1]), line.dot(p[2])});
+        return most_along(line, a_.points(triangle));
     }
     double low_b(std::uint32_t triangle, const Eigen::Vector3d& line) const
     {
-        const TrianglePoints p = points_b(triangle);
-        return std::min({line.dot(p[0]), line.dot(p[1]), line.dot(p[2])});
+        return least_along(line, b_.points(triangle));
     }
     NearestPoints nearest(TrianglePair pair);
+    /// take(pair, points) for each of them.
+    template <class Take>
+    void nearest(std::span<const TrianglePair> pairs, Take take);
 
     TrianglePoints points_a(std::uint32_t triangle) const { return a_.points(triangle); }
     TrianglePoints points_b(std::uint32_t triangle) const
@@ -132,6 +133,8 @@ private:
         }
         return corners;
     }
+    template <class Take>
+    bool each_eight(std::span<const TrianglePair> pairs, Take take);
 
     const RelativePose* b_to_a_ = nullptr;
     TriangleCorners<A> a_;
@@ -142,17 +145,40 @@ private:
 };
 using TriangleTests = TriangleTestsOf<ObbTree, ObbTree>;
 
+/// take(first pairs, their corners) for eight pairs at a time, while it returns true. False when it did not.
 template <class A, class B>
-template <class Found>
-bool TriangleTestsOf<A, B>::meeting(std::span<const TrianglePair> pairs, Found found)
+template <class Take>
+bool TriangleTestsOf<A, B>::each_eight(std::span<const TrianglePair> pairs, Take take)
 {
     for (; !pairs.empty(); pairs = pairs.subspan(std::min<std::size_t>(8, pairs.size()))) {
         const auto count = static_cast<unsigned>(std::min<std::size_t>(8, pairs.size()));
-        const CornersOfPairs corners = corners_of(pairs.first(count));
+        counts.tested += count;
+        if (!take(pairs.first(count), corners_of(pairs.first(count)))) return false;
+    }
+    return true;
+}
+
+template <class A, class B>
+template <class Take>
+void TriangleTestsOf<A, B>::nearest(std::span<const TrianglePair> all, Take take)
+{
+    each_eight(all, [&](std::span<const TrianglePair> pairs, const CornersOfPairs& corners) {
+        NearestOfPairs points;
+        measure_pairs(pairs.size())(corners, b_to_a_->rotation.data(), b_to_a_->translation.data(),
+                                    static_cast<unsigned>(pairs.size()), points);
+        for (unsigned i = 0; i < pairs.size(); ++i) take(pairs[i], points_of(points, i));
+        return true;
+    });
+}
+
+template <class A, class B>
+template <class Found>
+bool TriangleTestsOf<A, B>::meeting(std::span<const TrianglePair> all, Found found)
+{
+    return each_eight(all, [&](std::span<const TrianglePair> pairs, const CornersOfPairs& corners) {
         const PairVerdicts verdicts =
             judge_pairs()(corners, b_to_a_->rotation.data(), b_to_a_->translation.data(), met_ ? nullptr : &nearest2_);
-        counts.tested += count;
-        for (unsigned rest = ~verdicts.separate & ((1u << count) - 1); rest; rest &= rest - 1) {
+        for (unsigned rest = ~verdicts.separate & ((1u << pairs.size()) - 1); rest; rest &= rest - 1) {
             const auto i = static_cast<unsigned>(__builtin_ctz(rest));
             if (!(verdicts.known >> i & 1)) {
                 ++counts.unsure;
@@ -164,8 +190,8 @@ bool TriangleTestsOf<A, B>::meeting(std::span<const TrianglePair> pairs, Found f
             met_ = true;
             if (!found(pairs[i])) return false;
         }
-    }
-    return true;
+        return true;
+    });
 }
 
 } // namespace oncollide

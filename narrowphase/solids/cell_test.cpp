@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/exact/flat_triangles.hpp>
@@ -135,17 +136,18 @@ NearestPoints cell_nearest(const Aabb& cell, const TrianglePoints& t)
     }
     if (t[0] == t[1] && t[0] == t[2]) return nearest;
     const CellCorners corners = corners_of(cell);
+    std::array<TrianglePoints, 12> faces;
+    std::size_t count = 0;
     for (std::size_t f = 0; f < 12; ++f) {
         // Nearest is a face that the triangle is in front of.
         const int axis = 2 - static_cast<int>(f / 4);
         const bool high = f % 4 >= 2;
         const bool in_front = std::ranges::any_of(
             t, [&](const Vector3d& p) { return high ? p[axis] > cell.max[axis] : p[axis] < cell.min[axis]; });
-        if (!in_front) continue;
-        const NearestPoints found = nearest_points(face_of(corners, f), t);
-        if (found.distance < nearest.distance) nearest = found;
+        if (in_front) faces[count++] = face_of(corners, f);
     }
-    return nearest;
+    const NearestPoints found = nearest_points(std::span(faces).first(count), t);
+    return found.distance < nearest.distance ? found : nearest;
 }
 
 double cell_distance(const Aabb& cell, const TrianglePoints& t)

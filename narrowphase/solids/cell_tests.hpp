@@ -23,6 +23,10 @@ struct PlacedTriangles {
         for (Eigen::Vector3d& p : points) p = b_to_a(p);
         return points;
     }
+    static double low(const ObbTree& b, std::uint32_t triangle, const Eigen::Vector3d& line)
+    {
+        return least_along(line, b.corners(triangle));
+    }
     static bool meet(const Aabb& cell, const Placed& b) { return cell_meets(cell, b); }
     static double distance(const Aabb& cell, const Placed& b) { return cell_distance(cell, b); }
     static NearestPoints nearest(const Aabb& cell, const Placed& b) { return cell_nearest(cell, b); }
@@ -37,6 +41,10 @@ struct PlacedTerrain : PlacedTriangles {
         for (Eigen::Vector3d& p : points) p = b_to_a(p);
         return points;
     }
+    static double low(const TerrainTree& b, std::uint32_t triangle, const Eigen::Vector3d& line)
+    {
+        return least_along(line, b.points(triangle));
+    }
 };
 struct PlacedCells {
     using Tree = MapTree;
@@ -47,6 +55,11 @@ struct PlacedCells {
         CellCorners corners;
         for (unsigned k = 0; k < 8; ++k) corners[k] = b_to_a(corner_of(box, k));
         return corners;
+    }
+    static double low(const MapTree& b, const MapCell& cell, const Eigen::Vector3d& line)
+    {
+        const Aabb box = b.map().box(cell);
+        return line.cwiseProduct(box.min).cwiseMin(line.cwiseProduct(box.max)).sum();
     }
     static bool meet(const Aabb& cell, const Placed& b) { return cells_meet(cell, b); }
     static double distance(const Aabb& cell, const Placed& b) { return cells_distance(cell, b); }
@@ -107,9 +120,7 @@ public:
     }
     double low_b(const typename B::Primitive& b, const Eigen::Vector3d& line) const
     {
-        double low = std::numeric_limits<double>::infinity();
-        for (const Eigen::Vector3d& p : Placing::place(*b_, *b_to_a_, b)) low = std::min(low, line.dot(p));
-        return low;
+        return Placing::low(*b_, b, line);
     }
     NearestPoints nearest(const Pair& pair)
     {

@@ -39,9 +39,7 @@ public:
     double high_a(std::uint32_t, const Eigen::Vector3d& line) const { return shape_->most_along(line); }
     double low_b(std::uint32_t triangle, const Eigen::Vector3d& line) const
     {
-        double low = std::numeric_limits<double>::infinity();
-        for (const Eigen::Vector3d& p : corners_.points(triangle)) low = std::min(low, line.dot((*into_)(p)));
-        return low;
+        return least_along(line, corners_.points(triangle));
     }
 
 private:
@@ -79,10 +77,7 @@ public:
         const Aabb box = map_->box(cell);
         return line.cwiseProduct(box.min).cwiseMax(line.cwiseProduct(box.max)).sum();
     }
-    double low_b(std::uint32_t, const Eigen::Vector3d& line) const
-    {
-        return line.dot(into_->translation) - shape_->most_along(-(into_->rotation.transpose() * line));
-    }
+    double low_b(std::uint32_t, const Eigen::Vector3d& line) const { return -shape_->most_along(-line); }
 
 private:
     const Convex* shape_ = nullptr;

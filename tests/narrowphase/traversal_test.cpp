@@ -187,6 +187,11 @@ TEST(Traversal, BoundsTheDistanceToTheToleranceAsked)
                 EXPECT_GT(far.lower, 0.5 * truth) << c.name;
                 EXPECT_LE(far.lower, truth) << c.name;
                 EXPECT_FALSE(far.nearest);
+                for (const double share : {1 - 1e-11, 1.0, 1 + 1e-11}) { // as far apart as asked, but for rounding
+                    const auto just = walk.distance(a, b, at(pose), tolerance, share * truth);
+                    EXPECT_TRUE(just.nearest ? just.upper >= truth : just.lower > share * truth) << c.name;
+                    EXPECT_LE(just.lower, truth) << c.name;
+                }
             }
         }
     }

@@ -20,16 +20,35 @@ struct Kernel {
     std::string name;
     JudgePairs* judge;
     CommonSegments* segments;
+    MeasurePairs* measure;
 };
 
 std::vector<Kernel> kernels()
 {
-    std::vector<Kernel> all{{"baseline", baseline::judge_pairs(), baseline::common_segments()}};
+    std::vector<Kernel> all{
+        {"baseline", baseline::judge_pairs(), baseline::common_segments(), baseline::measure_pairs()}};
     if (instruction_set() >= InstructionSet::avx2)
-        all.push_back({"avx2", avx2::judge_pairs(), avx2::common_segments()});
+        all.push_back({"avx2", avx2::judge_pairs(), avx2::common_segments(), avx2::measure_pairs()});
     if (instruction_set() >= InstructionSet::avx512)
-        all.push_back({"avx512", avx512::judge_pairs(), avx512::common_segments()});
+        all.push_back({"avx512", avx512::judge_pairs(), avx512::common_segments(), avx512::measure_pairs()});
     return all;
+}
+
+CornersOfPairs corners_of(const std::vector<TwoTriangles>& eight)
+{
+    CornersOfPairs corners;
+    for (unsigned i = 0; i < 8; ++i)
+        for (unsigned k = 0; k < 3; ++k)
+            corners.a[k][i] = eight[i].first[k].data(), corners.b[k][i] = eight[i].second[k].data();
+    return corners;
+}
+
+double extent_of(const TwoTriangles& pair)
+{
+    double extent = 0;
+    for (const Eigen::Vector3d& p : pair.first)
+        for (const Eigen::Vector3d& q : pair.second) extent = std::max(extent, (p - q).norm());
+    return extent;
 }
 
 /// Rotations, scales, and axes so different that some products of coordinates underflow or overflow and others do not.
@@ -99,10 +118,7 @@ TEST_P(EveryFamilyInEights, IsJudgedAsTheExactTestDoesOrLeftOpen)
                     EXPECT_EQ(std::isfinite(nearest2[i]), separate) << kernel.name;
                     if (separate && ordinary(map)) {
                         const auto& [p, q] = eight[i];
-                        double extent = 0;
-                        for (unsigned k = 0; k < 3; ++k)
-                            for (unsigned j = 0; j < 3; ++j) extent = std::max(extent, (p[k] - q[j]).norm());
-                        const double rounding = 0x1p-38 * extent + 0x1p-48 * p[0].norm();
+                        const double rounding = 0x1p-38 * extent_of(eight[i]) + 0x1p-48 * p[0].norm();
                         EXPECT_GT(nearest2[i], 0) << kernel.name;
                         EXPECT_LE(std::sqrt(nearest2[i]), triangle_distance(p, q) + rounding) << kernel.name;
                     }
@@ -221,6 +237,44 @@ TEST(TriangleKernel, MovesSegmentsToTheWorld)
     }
 }
 
+TEST_P(EveryFamilyInEights, HasNearestPointsThatASlabProvesAndTheSameBitsOnEveryInstructionSet)
+{
+    GridPoints random(13);
+    const RelativePose turned(Eigen::Isometry3d(random.rotation()), Eigen::Isometry3d(random.rotation()));
+    std::size_t proved = 0;
+    for (unsigned turn = 0; turn < 200; ++turn) {
+        std::vector<TwoTriangles> eight;
+        for (unsigned i = 0; i < 8; ++i) eight.push_back(GetParam().make(random));
+        const CornersOfPairs corners = corners_of(eight);
+        const unsigned count = 1 + turn % 8;
+        std::vector<NearestOfPairs> found;
+        for (const Kernel& kernel : kernels()) {
+            kernel.measure(corners, turned.rotation.data(), turned.translation.data(), count, found.emplace_back());
+            for (unsigned i = 0; i < count; ++i) {
+                const NearestPoints here = points_of(found.back(), i), first = points_of(found.front(), i);
+                EXPECT_TRUE(here.a == first.a && here.b == first.b && here.distance == first.distance) << kernel.name;
+            }
+        }
+        for (unsigned i = 0; i < count; ++i) {
+            auto& [p, q] = eight[i];
+            for (Eigen::Vector3d& corner : q) corner = turned(corner);
+            if (triangles_meet(p, q)) continue;
+            const NearestPoints points = points_of(found.front(), i);
+            const double rounding = 0x1p-40 * extent_of(eight[i]);
+            EXPECT_NEAR(points.distance, (points.b - points.a).norm(), rounding);
+            EXPECT_EQ(points.distance, triangle_distance(p, q)) << "one pair alone";
+            EXPECT_LE(points.distance, corner_distance(p, q) + rounding);
+            if (points.distance < 1e-3 * extent_of(eight[i])) continue; // the line is known too roughly
+            const Eigen::Vector3d line = (points.b - points.a) / points.distance;
+            EXPECT_GE(least_along(line, q) - most_along(line, p), points.distance - 8 * rounding);
+            EXPECT_NEAR(line.dot(points.a), most_along(line, p), 8 * rounding);
+            EXPECT_NEAR(line.dot(points.b), least_along(line, q), 8 * rounding);
+            ++proved;
+        }
+    }
+    EXPECT_GT(proved, 200u);
+}
+
 TEST(TriangleKernel, MovesPointsToTheLastBitAsTheExactTestIsTold)
 {
     // Triangles of B that end exactly on, or one step of a double above, a corner of A after the move.
@@ -231,9 +285,8 @@ TEST(TriangleKernel, MovesPointsToTheLastBitAsTheExactTestIsTold)
         TrianglePoints of_b{random.point(9), random.point(9), random.point(9)};
         TrianglePoints of_a{b_to_a(of_b[0]), b_to_a(of_b[0]), b_to_a(of_b[0])};
         of_a[1].z() += 1, of_a[2].x() += 1; // they share a corner
-        CornersOfPairs corners;
-        for (unsigned i = 0; i < 8; ++i)
-            for (unsigned k = 0; k < 3; ++k) corners.a[k][i] = of_a[k].data(), corners.b[k][i] = of_b[k].data();
+        const std::vector<TwoTriangles> eight(8, {of_a, of_b});
+        const CornersOfPairs corners = corners_of(eight);
         for (const Kernel& kernel : kernels()) {
             double nearest2[8]{};
             const PairVerdicts verdicts =

@@ -161,13 +161,7 @@ public:
     double low_b(std::uint32_t b, const Eigen::Vector3d& line) const
     {
         double low = std::numeric_limits<double>::infinity();
-        const auto look = [&](const auto& points) {
-            for (const Eigen::Vector3d& p : points) low = std::min(low, line.dot(p));
-        };
-        if constexpr (cubes_first)
-            look(triangle({0, b}));
-        else
-            for (const TrianglePoints& face : faces({0, b})) look(face);
+        for (const Eigen::Vector3d& p : b_->corners(b)) low = std::min(low, line.dot(p));
         return low;
     }
     double most(const Pair& pair) const { return corner_distance(faces(pair)[0], triangle(pair)); }
