@@ -34,15 +34,6 @@ std::vector<Kernel> kernels()
     return all;
 }
 
-CornersOfPairs corners_of(const std::vector<TwoTriangles>& eight)
-{
-    CornersOfPairs corners;
-    for (unsigned i = 0; i < 8; ++i)
-        for (unsigned k = 0; k < 3; ++k)
-            corners.a[k][i] = eight[i].first[k].data(), corners.b[k][i] = eight[i].second[k].data();
-    return corners;
-}
-
 double extent_of(const TwoTriangles& pair)
 {
     double extent = 0;
