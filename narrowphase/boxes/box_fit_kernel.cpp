@@ -1,40 +1,13 @@
 // Compiled once per instruction set; see oncollide_add_kernel.
 #include <oncollide/base/simd.hpp>
+#include <oncollide/base/simd_doubles.hpp>
 #include <oncollide/narrowphase/boxes/box_fit_kernel.hpp>
 
 namespace oncollide::ONCOLLIDE_ISA {
 namespace {
 
-using F64 = double __attribute__((vector_size(32), aligned(32)));
-using I64 = long long __attribute__((vector_size(32)));
-
-#if defined(__AVX2__)
-inline F64 min(F64 a, F64 b)
-{
-    return _mm256_min_pd(a, b);
-}
-inline F64 max(F64 a, F64 b)
-{
-    return _mm256_max_pd(a, b);
-}
-inline F64 sqrt(F64 v)
-{
-    return _mm256_sqrt_pd(v);
-}
-#else
-inline F64 min(F64 a, F64 b)
-{
-    return a < b ? a : b;
-}
-inline F64 max(F64 a, F64 b)
-{
-    return a > b ? a : b;
-}
-inline F64 sqrt(F64 v)
-{
-    return F64{__builtin_sqrt(v[0]), __builtin_sqrt(v[1]), __builtin_sqrt(v[2]), __builtin_sqrt(v[3])};
-}
-#endif
+using F64 = F64x4;
+using I64 = I64x4;
 
 struct Vec {
     F64 x, y, z;

@@ -6,95 +6,23 @@
 // exact_predicates.hpp, 8 u (1 + 8 u) P, has P <= 6 X Y Z; rounding of the sides and of their product included, 56 u X
 // Y Z bounds the error. Products of two that underflow, times the third side, err by at most 2^-1072 X, and so on: the
 // 2^-300 in the others cover that. Sides above 2^300 might overflow; there the bound is infinite.
-#if defined(__SSE2__)
-#include <immintrin.h>
-#endif
-
+#include <oncollide/base/simd_doubles.hpp>
 #include <oncollide/narrowphase/exact/triangle_kernel.hpp>
 
 namespace oncollide::ONCOLLIDE_ISA {
 namespace {
 
 #if defined(__AVX512F__)
-constexpr int width = 8;
+using F64 = F64x8;
+using I64 = I64x8;
 #elif defined(__AVX2__)
-constexpr int width = 4;
+using F64 = F64x4;
+using I64 = I64x4;
 #else
-constexpr int width = 2;
+using F64 = F64x2;
+using I64 = I64x2;
 #endif
-using F64 = double __attribute__((vector_size(8 * width)));
-using I64 = long long __attribute__((vector_size(8 * width)));
-
-#if defined(__AVX512F__)
-inline F64 min(F64 a, F64 b)
-{
-    return _mm512_maskz_min_pd(0xff, a, b);
-}
-inline F64 max(F64 a, F64 b)
-{
-    return _mm512_maskz_max_pd(0xff, a, b);
-}
-inline F64 sqrt(F64 v)
-{
-    return _mm512_maskz_sqrt_pd(0xff, v);
-}
-/// One bit a lane.
-inline unsigned bits(I64 mask)
-{
-    return _mm512_movepi64_mask(reinterpret_cast<__m512i>(mask));
-}
-#elif defined(__AVX2__)
-inline F64 min(F64 a, F64 b)
-{
-    return _mm256_min_pd(a, b);
-}
-inline F64 max(F64 a, F64 b)
-{
-    return _mm256_max_pd(a, b);
-}
-inline F64 sqrt(F64 v)
-{
-    return _mm256_sqrt_pd(v);
-}
-inline unsigned bits(I64 mask)
-{
-    return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(mask)));
-}
-#elif defined(__SSE2__)
-inline F64 min(F64 a, F64 b)
-{
-    return _mm_min_pd(a, b);
-}
-inline F64 max(F64 a, F64 b)
-{
-    return _mm_max_pd(a, b);
-}
-inline F64 sqrt(F64 v)
-{
-    return _mm_sqrt_pd(v);
-}
-inline unsigned bits(I64 mask)
-{
-    return static_cast<unsigned>(_mm_movemask_pd(reinterpret_cast<__m128d>(mask)));
-}
-#else
-inline F64 min(F64 a, F64 b)
-{
-    return a < b ? a : b;
-}
-inline F64 max(F64 a, F64 b)
-{
-    return a > b ? a : b;
-}
-inline F64 sqrt(F64 v)
-{
-    return F64{__builtin_sqrt(v[0]), __builtin_sqrt(v[1])};
-}
-inline unsigned bits(I64 mask)
-{
-    return static_cast<unsigned>((mask[0] & 1) | (mask[1] & 2));
-}
-#endif
+constexpr int width = sizeof(F64) / sizeof(double);
 
 struct Vec {
     F64 x, y, z;

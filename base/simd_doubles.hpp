@@ -1,0 +1,108 @@
+// Two, four or eight lanes of doubles, for kernel files only, as simd.hpp is: everything here is in the kernel's own
+// namespace. Eight there are with AVX-512 alone.
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
+namespace oncollide::ONCOLLIDE_ISA {
+namespace {
+
+using F64x2 = double __attribute__((vector_size(16)));
+using I64x2 = long long __attribute__((vector_size(16)));
+using F64x4 = double __attribute__((vector_size(32)));
+using I64x4 = long long __attribute__((vector_size(32)));
+
+// Of equal numbers, and where one is none, the second: as the instructions do it, so on every instruction set. bits():
+// one a lane of a comparison's result.
+#if defined(__SSE2__)
+inline F64x2 min(F64x2 a, F64x2 b)
+{
+    return _mm_min_pd(a, b);
+}
+inline F64x2 max(F64x2 a, F64x2 b)
+{
+    return _mm_max_pd(a, b);
+}
+inline F64x2 sqrt(F64x2 v)
+{
+    return _mm_sqrt_pd(v);
+}
+inline unsigned bits(I64x2 mask)
+{
+    return static_cast<unsigned>(_mm_movemask_pd(reinterpret_cast<__m128d>(mask)));
+}
+#else
+inline F64x2 min(F64x2 a, F64x2 b)
+{
+    return a < b ? a : b;
+}
+inline F64x2 max(F64x2 a, F64x2 b)
+{
+    return a > b ? a : b;
+}
+inline F64x2 sqrt(F64x2 v)
+{
+    return F64x2{__builtin_sqrt(v[0]), __builtin_sqrt(v[1])};
+}
+inline unsigned bits(I64x2 mask)
+{
+    return static_cast<unsigned>((mask[0] & 1) | (mask[1] & 2));
+}
+#endif
+
+#if defined(__AVX2__)
+inline F64x4 min(F64x4 a, F64x4 b)
+{
+    return _mm256_min_pd(a, b);
+}
+inline F64x4 max(F64x4 a, F64x4 b)
+{
+    return _mm256_max_pd(a, b);
+}
+inline F64x4 sqrt(F64x4 v)
+{
+    return _mm256_sqrt_pd(v);
+}
+inline unsigned bits(I64x4 mask)
+{
+    return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(mask)));
+}
+#else
+inline F64x4 min(F64x4 a, F64x4 b)
+{
+    return a < b ? a : b;
+}
+inline F64x4 max(F64x4 a, F64x4 b)
+{
+    return a > b ? a : b;
+}
+inline F64x4 sqrt(F64x4 v)
+{
+    return F64x4{__builtin_sqrt(v[0]), __builtin_sqrt(v[1]), __builtin_sqrt(v[2]), __builtin_sqrt(v[3])};
+}
+#endif
+
+#if defined(__AVX512F__)
+using F64x8 = double __attribute__((vector_size(64)));
+using I64x8 = long long __attribute__((vector_size(64)));
+
+inline F64x8 min(F64x8 a, F64x8 b)
+{
+    return _mm512_maskz_min_pd(0xff, a, b);
+}
+inline F64x8 max(F64x8 a, F64x8 b)
+{
+    return _mm512_maskz_max_pd(0xff, a, b);
+}
+inline F64x8 sqrt(F64x8 v)
+{
+    return _mm512_maskz_sqrt_pd(0xff, v);
+}
+inline unsigned bits(I64x8 mask)
+{
+    return _mm512_movepi64_mask(reinterpret_cast<__m512i>(mask));
+}
+#endif
+
+} // namespace
+} // namespace oncollide::ONCOLLIDE_ISA
