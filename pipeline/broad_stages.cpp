@@ -39,7 +39,6 @@ public:
 
     void run(Bodies& bodies, Frame& frame, StageStats& stats) override
     {
-        frame.whole = false;
         broad_.delimit(bodies.columns());
         frame.delimitation.assign(broad_.levels().begin(), broad_.levels().end());
         stats.in = bodies.size();
@@ -48,7 +47,6 @@ public:
 
     void skip(Bodies& bodies, Frame& frame, StageStats& stats) override
     {
-        frame.whole = stats.note == by_request; // else the broad phase finds what to search by itself
         frame.delimitation.clear();
         stats.in = stats.out = bodies.size();
     }

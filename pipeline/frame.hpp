@@ -12,7 +12,7 @@ namespace oncollide {
 
 /// What stages hand to each other: columns, kept from frame to frame so that a warm frame allocates nothing.
 /// Written by                     who reads it
-///   whole          delimitation  -> broad
+///   whole          World         -> broad
 ///   pairs          broad         -> ocst
 ///   results        ocst, exact   -> the caller
 struct Frame {

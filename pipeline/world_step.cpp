@@ -107,6 +107,7 @@ World::World(const Settings& settings, std::unique_ptr<OcclusionBackend> backend
         p.blank[i].unit = p.totals[i].unit = p.stages[i]->unit();
         p.blank[i].frames = 1, p.totals[i].skipped = true;
     }
+    p.frame.whole = !p.runs("delimitation");
 }
 
 World::World(const Settings& settings) : World(settings, nullptr) {}

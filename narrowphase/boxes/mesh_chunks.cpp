@@ -214,24 +214,21 @@ void MeshChunks::opened(std::uint32_t node)
 std::uint32_t MeshChunks::add_node(std::uint32_t chunk, bool inner)
 {
     Chunk& c = chunks_[chunk];
-    const auto room = [&] {
+    if (c.lines_end - c.next_line < lines_of(inner)) {
         const std::uint64_t most = most_node_lines(top_->chunks[chunk].triangles, false);
-        return [=](std::uint64_t before) {
-            return std::uint32_t(std::min<std::uint64_t>(lines_per_block, most - before * lines_per_block));
-        };
-    }();
-    if (c.free_lines < lines_of(inner)) {
-        const std::uint32_t lines = room(c.blocks.size());
+        const auto lines = static_cast<std::uint32_t>(
+            std::min<std::uint64_t>(lines_per_block, most - c.blocks.size() * lines_per_block));
         const std::size_t bytes = lines * sizeof(NodeLine);
         budget_.take(bytes, mesh_->name());
         if (free_blocks_.empty()) free_blocks_.push_back(next_block_++);
         const std::uint32_t block = free_blocks_.back();
         free_blocks_.pop_back();
         blocks_[block] = new NodeLine[lines], owner_[block] = chunk + 1;
-        c.blocks.push_back(block), c.free_lines = lines, c.held += bytes, held_ += bytes;
+        c.blocks.push_back(block), c.held += bytes, held_ += bytes;
+        c.next_line = block * lines_per_block, c.lines_end = c.next_line + lines;
     }
-    const std::uint32_t number = c.blocks.back() * lines_per_block + room(c.blocks.size() - 1) - c.free_lines;
-    c.free_lines -= lines_of(inner), ++c.nodes;
+    const std::uint32_t number = c.next_line;
+    c.next_line += lines_of(inner), ++c.nodes;
     nodes_.fetch_add(1, std::memory_order_relaxed);
     make_node(blocks_, number, inner);
     return number;
@@ -247,7 +244,7 @@ void MeshChunks::drop(std::uint32_t chunk)
         free_blocks_.push_back(block);
     }
     nodes_.fetch_sub(c.nodes, std::memory_order_relaxed);
-    c.blocks.clear(), c.nodes = c.free_lines = 0;
+    c.blocks.clear(), c.nodes = c.next_line = c.lines_end = 0;
     const auto give_back = [&](auto* array, std::uint32_t first, std::uint32_t count) {
         const auto begin = reinterpret_cast<std::byte*>(array + first) - memory_.data();
         memory_.give_back(std::size_t(begin), count * sizeof array[0]);

@@ -70,10 +70,11 @@ private:
     struct Chunk {
         std::atomic<bool> there = false;
         std::atomic<std::uint64_t> needed = 0;
-        std::uint32_t first, first_vertex;       ///< triangle, vertex
-        Lane lane;                               ///< of the upper levels, whose box is around it
-        std::vector<std::uint32_t> blocks;       ///< of its nodes
-        std::uint32_t nodes = 0, free_lines = 0; ///< in the last block
+        std::uint32_t first, first_vertex; ///< triangle, vertex
+        Lane lane;                         ///< of the upper levels, whose box is around it
+        std::vector<std::uint32_t> blocks; ///< of its nodes
+        std::uint32_t nodes = 0;
+        std::uint32_t next_line = 0, lines_end = 0; ///< room in the last block
         std::size_t held = 0;
     };
     static constexpr std::uint32_t upper_per_block = lines_per_block / inner_node_lines;

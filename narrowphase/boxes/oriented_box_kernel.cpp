@@ -77,7 +77,8 @@ inline void store(float (&to)[3][8], const Vec& v)
 constexpr float far_away = 1e30f;
 
 /// Moves what is relative to `from` of the placement.
-[[gnu::always_inline]] inline void put(Vec centre, Vec (&axes)[3], unsigned lanes, const BoxPlacement* placement, OpenBoxes& out)
+[[gnu::always_inline]] inline void put(Vec centre, Vec (&axes)[3], unsigned lanes, const BoxPlacement* placement,
+                                       OpenBoxes& out)
 {
     if (placement && placement->turned) {
         centre = turned(placement->rotation, centre);
