@@ -87,15 +87,15 @@ void BodyStates::mark_changed(std::span<const std::uint32_t> bodies)
     });
 }
 
-inline void BodyStates::set_awake(std::uint32_t body, bool now)
+inline void BodyStates::set_dynamic(std::uint32_t body, bool now)
 {
-    if (is(body, awake) == now) return;
-    states_[body] ^= awake;
-    now ? ++awake_count_ : --awake_count_;
-    ++awake_version_;
+    if (is(body, dynamic) == now) return;
+    states_[body] ^= dynamic;
+    now ? ++dynamic_count_ : --dynamic_count_;
+    ++dynamic_version_;
 }
 
-void BodyStates::add(std::span<const std::uint32_t> bodies, bool asleep)
+void BodyStates::add(std::span<const std::uint32_t> bodies, bool is_static)
 {
     require(bodies, false);
     if (bodies.empty()) return;
@@ -106,7 +106,7 @@ void BodyStates::add(std::span<const std::uint32_t> bodies, bool asleep)
     mark_changed(bodies);
     for (std::uint32_t body : bodies) {
         set(body, present);
-        set_awake(body, !asleep);
+        set_dynamic(body, !is_static);
     }
     size_ += bodies.size();
     came_or_went_ = true;
@@ -117,7 +117,7 @@ void BodyStates::remove(std::span<const std::uint32_t> bodies)
     require(bodies, true);
     mark_changed(bodies);
     for (std::uint32_t body : bodies) {
-        set_awake(body, false);
+        set_dynamic(body, false);
         clear(body, present);
     }
     size_ -= bodies.size();
@@ -130,11 +130,11 @@ void BodyStates::move(std::span<const std::uint32_t> bodies)
     mark_changed(bodies);
 }
 
-void BodyStates::set_awake(std::span<const std::uint32_t> bodies, bool now)
+void BodyStates::set_dynamic(std::span<const std::uint32_t> bodies, bool now)
 {
     require(bodies, true);
     mark_changed(bodies);
-    for (std::uint32_t body : bodies) set_awake(body, now);
+    for (std::uint32_t body : bodies) set_dynamic(body, now);
 }
 
 void BodyStates::check(const BodyColumns& columns) const

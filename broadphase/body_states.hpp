@@ -7,12 +7,12 @@
 
 namespace oncollide {
 
-/// Which bodies a broad phase has, which of them are awake, and which changed since their pairs were last found.
+/// Which bodies a broad phase has, which of them are dynamic, and which changed since their pairs were last found.
 class BodyStates {
 public:
     enum State : std::uint8_t {
         present = 1,
-        awake = 2,
+        dynamic = 2,
         changed = 4,
         held = 8,
         queried = 16,
@@ -20,10 +20,10 @@ public:
     }; ///< last three: the owner's
 
     // As in BroadPhase.
-    void add(std::span<const std::uint32_t> bodies, bool asleep);
+    void add(std::span<const std::uint32_t> bodies, bool is_static);
     void remove(std::span<const std::uint32_t> bodies);
     void move(std::span<const std::uint32_t> bodies);
-    void set_awake(std::span<const std::uint32_t> bodies, bool now);
+    void set_dynamic(std::span<const std::uint32_t> bodies, bool now);
     /// Throws Error{usage} for columns that do not have a row for every body.
     void check(const BodyColumns& columns) const;
 
@@ -38,8 +38,8 @@ public:
     const std::uint8_t* data() const { return states_.data(); }                       ///< bits of State by body
     std::uint32_t rows() const { return static_cast<std::uint32_t>(states_.size()); } ///< above the largest body
     std::size_t size() const { return size_; }                                        ///< bodies present
-    std::size_t awake_count() const { return awake_count_; }
-    std::uint64_t awake_version() const { return awake_version_; } ///< grows when a body falls asleep or wakes
+    std::size_t dynamic_count() const { return dynamic_count_; }
+    std::uint64_t dynamic_version() const { return dynamic_version_; } ///< grows when a body becomes static or dynamic
     /// Overwrites `bodies` with those present, ascending.
     void list(std::vector<std::uint32_t>& bodies) const;
     std::size_t bytes() const { return states_.capacity() + changes_.capacity() * sizeof(changes_[0]); }
@@ -48,22 +48,22 @@ private:
     bool all_present(std::span<const std::uint32_t> bodies) const;
     void require(std::span<const std::uint32_t> bodies, bool there) const;
     void mark_changed(std::span<const std::uint32_t> bodies);
-    void set_awake(std::uint32_t body, bool now);
+    void set_dynamic(std::uint32_t body, bool now);
 
     std::vector<std::uint8_t> states_;
     std::vector<std::uint32_t> changes_; ///< room for all and one more
     std::size_t change_count_ = 0;
-    std::size_t size_ = 0, awake_count_ = 0;
-    std::uint64_t awake_version_ = 0;
+    std::size_t size_ = 0, dynamic_count_ = 0;
+    std::uint64_t dynamic_version_ = 0;
     bool came_or_went_ = false;
 };
 
 /// The part of every broad phase that keeps track of bodies.
 class TracksBodies : public BroadPhase {
 public:
-    void add(std::span<const std::uint32_t> bodies, bool asleep) final
+    void add(std::span<const std::uint32_t> bodies, bool is_static) final
     {
-        if (!bodies.empty()) bodies_.add(bodies, asleep), taken_in_ = false;
+        if (!bodies.empty()) bodies_.add(bodies, is_static), taken_in_ = false;
     }
     void remove(std::span<const std::uint32_t> bodies) final
     {
@@ -73,8 +73,8 @@ public:
     {
         if (!bodies.empty()) bodies_.move(bodies), taken_in_ = false;
     }
-    void sleep(std::span<const std::uint32_t> bodies) final { set_awake(bodies, false); }
-    void wake(std::span<const std::uint32_t> bodies) final { set_awake(bodies, true); }
+    void make_static(std::span<const std::uint32_t> bodies) final { set_dynamic(bodies, false); }
+    void make_dynamic(std::span<const std::uint32_t> bodies) final { set_dynamic(bodies, true); }
     std::size_t size() const final { return bodies_.size(); }
     bool contains(std::uint32_t body) const final { return bodies_.is(body, BodyStates::present); }
 
@@ -89,9 +89,9 @@ protected:
     bool taken_in_ = false; ///< have all changes been taken in?
 
 private:
-    void set_awake(std::span<const std::uint32_t> bodies, bool now)
+    void set_dynamic(std::span<const std::uint32_t> bodies, bool now)
     {
-        if (!bodies.empty()) bodies_.set_awake(bodies, now), taken_in_ = false;
+        if (!bodies.empty()) bodies_.set_dynamic(bodies, now), taken_in_ = false;
     }
 };
 

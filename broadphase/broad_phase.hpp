@@ -68,9 +68,8 @@ struct DelimitedRegion {
 ///     broad->move(moved);
 ///     for (BodyPair pair : broad->find_pairs({.boxes = boxes})) ... // all pairs there are now
 ///
-/// Bodies are rows of the caller's columns. A body that is asleep forms pairs with bodies that are awake only; a static
-/// body is one that is never woken. After a change of a body's box, layers, mask or group, call move() for it; it stays
-/// asleep or awake.
+/// Bodies are rows of the caller's columns. A static body forms pairs with dynamic bodies only; a body
+/// stays static or dynamic until make_dynamic() or make_static(). After a change of its box, layers, mask or group, call move().
 class BroadPhase {
 public:
     struct Options {
@@ -83,18 +82,18 @@ public:
 
     // Each body at most once per call. All throw Error{usage} naming the body and then have changed nothing: add() if
     // the body is there already, the others if it is not.
-    virtual void add(std::span<const std::uint32_t> bodies, bool asleep = false) = 0;
+    virtual void add(std::span<const std::uint32_t> bodies, bool is_static = false) = 0;
     virtual void remove(std::span<const std::uint32_t> bodies) = 0;
     virtual void move(std::span<const std::uint32_t> bodies) = 0;
-    virtual void sleep(std::span<const std::uint32_t> bodies) = 0;
-    virtual void wake(std::span<const std::uint32_t> bodies) = 0;
+    virtual void make_static(std::span<const std::uint32_t> bodies) = 0;
+    virtual void make_dynamic(std::span<const std::uint32_t> bodies) = 0;
 
     /// Takes in the changes, so that query() is current; find_pairs() and delimit() begin with it.
     /// Throws Error{bad_data} naming a body whose box is not finite or beyond 1e30 m, Error{usage} for columns that are
     /// too short. Then no change is lost: mend the columns and call again.
     virtual void take_in(const BodyColumns& columns) = 0;
 
-    /// Pairs of bodies whose boxes overlap now, not both asleep, that the columns allow; sorted, each once. The same
+    /// Pairs of bodies whose boxes overlap now, not both static, that the columns allow; sorted, each once. The same
     /// for any number of threads. Valid until the next call that is not const. Boxes are compared in float, rounded
     /// outward, and in double where that leaves a doubt. Errors as take_in(). Allocates nothing once warm.
     /// @param whole  search among all bodies, whatever changed, instead of in the regions that the changed ones reach

@@ -42,8 +42,8 @@ public:
             const std::uint32_t hits = box_kernel().overlap_range(view, i + 1, count, box, found_.data());
             for (std::uint32_t k = 0; k < hits; ++k) {
                 const std::uint32_t a = list_[i], b = list_[found_[k]];
-                const bool awake = bodies_.is(a, BodyStates::awake) || bodies_.is(b, BodyStates::awake);
-                if (awake && columns.allows(a, b) && overlap(columns.boxes[a], columns.boxes[b], options_.margin))
+                const bool dynamic = bodies_.is(a, BodyStates::dynamic) || bodies_.is(b, BodyStates::dynamic);
+                if (dynamic && columns.allows(a, b) && overlap(columns.boxes[a], columns.boxes[b], options_.margin))
                     pairs_.push_back({a, b});
             }
         }

@@ -59,10 +59,10 @@ void CookedSupport::add_boxes(const CookedMesh::Top& top)
                            centre = Vector3f(node.origin[0], node.origin[1], node.origin[2]) +
                                     node.unit * Vector3f(node.x[k], node.y[k], node.z[k]);
             // What is turned by no rotation is checked when its chunk is read; until then it may be anywhere.
-            const bool turned = (axes.transpose() * axes - Eigen::Matrix3f::Identity()).norm() < 2e-5f;
+            const bool rotated = (axes.transpose() * axes - Eigen::Matrix3f::Identity()).norm() < 2e-5f;
             const Vector3f around =
-                turned ? Vector3f((axes.cwiseAbs() * half).array() + 1e-4f * half.norm()) : Vector3f(2 * all);
-            waiting.push_back(node.child[k]), of_waiting.push_back({turned ? centre : Vector3f::Zero(), around});
+                rotated ? Vector3f((axes.cwiseAbs() * half).array() + 1e-4f * half.norm()) : Vector3f(2 * all);
+            waiting.push_back(node.child[k]), of_waiting.push_back({rotated ? centre : Vector3f::Zero(), around});
         }
     }
 }

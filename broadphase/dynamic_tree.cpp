@@ -56,7 +56,7 @@ private:
     {
         const std::uint8_t a = bodies_.data()[pair.a], b = bodies_.data()[pair.b];
         return (a | b) & BodyStates::changed && !((a | b) & BodyStates::escaped) && a & b & BodyStates::present &&
-               (a | b) & BodyStates::awake;
+               (a | b) & BodyStates::dynamic;
     }
     int threads_for(std::size_t queries) const
     {
@@ -79,7 +79,7 @@ private:
     bool near_are_pairs_ = true;              ///< then near_ is empty
     bool delimited_ = false;                  ///< has delimit() run since the changes were taken in?
     bool whole_ = true;                       ///< is the whole tree searched, not regions of it?
-    std::uint64_t marked_version_ = unmarked; ///< of who is awake, as the tree has it
+    std::uint64_t marked_version_ = unmarked; ///< of who is dynamic, as the tree has it
     std::uint64_t filters_version_ = 0;       ///< as last taken in
 };
 
@@ -159,12 +159,12 @@ void DynamicTree::loosen(const BodyColumns& columns, std::span<const std::uint32
     for (std::size_t k = 0; k < moved.size(); ++k) {
         if (constexpr std::size_t ahead = 8; k + ahead < moved.size())
             loose_.prefetch(moved[k + ahead], columns, filters_too);
-        const bool awake = bodies_.is(moved[k], BodyStates::awake);
-        if (!loose_.hold(moved[k], columns, awake, filters_too)) left_.push_back(moved[k]);
+        const bool dynamic = bodies_.is(moved[k], BodyStates::dynamic);
+        if (!loose_.hold(moved[k], columns, dynamic, filters_too)) left_.push_back(moved[k]);
     }
     refuse_unusable(columns.boxes, left_);
     const auto renew = [&](std::uint32_t body) {
-        return loose_.renew(body, columns, bodies_.is(body, BodyStates::awake));
+        return loose_.renew(body, columns, bodies_.is(body, BodyStates::dynamic));
     };
     tree_.refit_bodies(left_, renew, options_.margin);
     note_escaped(left_);
@@ -181,26 +181,26 @@ void DynamicTree::note_escaped(std::span<const std::uint32_t> bodies)
         }
 }
 
-/// The pairs of those that escaped are to be looked for. A pair of one that is asleep with one that is awake is found
+/// The pairs of those that escaped are to be looked for. A pair of a static body with a dynamic one is found
 /// from the latter, if that escaped too.
 void DynamicTree::collect_queries()
 {
     for (std::uint32_t body : queries_) bodies_.clear(body, BodyStates::queried);
     queries_.clear();
-    std::size_t awake = 0, asleep = 0; // of those that escaped
+    std::size_t dynamic = 0, is_static = 0; // of those that escaped
     for (std::uint32_t body : escaped_) {
-        awake += bodies_.is(body, BodyStates::awake);
-        asleep += bodies_.is(body, BodyStates::present) && !bodies_.is(body, BodyStates::awake);
+        dynamic += bodies_.is(body, BodyStates::dynamic);
+        is_static += bodies_.is(body, BodyStates::present) && !bodies_.is(body, BodyStates::dynamic);
     }
-    const bool sleepers = awake < bodies_.awake_count();
-    whole_ = (awake + (sleepers ? asleep : 0)) * whole_share > size();
+    const bool statics = dynamic < bodies_.dynamic_count();
+    whole_ = (dynamic + (statics ? is_static : 0)) * whole_share > size();
     if (whole_) return;
     found_.clear();
     for (std::size_t k = 0; k < escaped_.size(); ++k) {
         constexpr std::size_t ahead = 16;
         if (k + ahead < escaped_.size()) tree_.prefetch_place_of(escaped_[k + ahead]);
         const std::uint32_t body = escaped_[k];
-        if (bodies_.is(body, BodyStates::awake) || (sleepers && contains(body))) {
+        if (bodies_.is(body, BodyStates::dynamic) || (statics && contains(body))) {
             found_.push_back({tree_.place_of(body), body});
             bodies_.set(body, BodyStates::queried);
         }
@@ -237,8 +237,8 @@ void DynamicTree::find_whole(const BodyColumns& columns)
         refit(columns);
         filter_.update(bodies_, escaped_, columns, tree_);
     }
-    if (marked_version_ != bodies_.awake_version()) tree_.set_moving(bodies_.data(), BodyStates::awake);
-    marked_version_ = bodies_.awake_version();
+    if (marked_version_ != bodies_.dynamic_version()) tree_.set_moving(bodies_.data(), BodyStates::dynamic);
+    marked_version_ = bodies_.dynamic_version();
     search_.find_pairs(tree_, columns, filter_.forbids(), options_.margin, options_.threads, pairs_);
     sort_pairs(pairs_, scratch_, bodies_.rows(), threads_for_all());
     near_.clear(), near_are_pairs_ = true;
@@ -263,7 +263,7 @@ void DynamicTree::find_near(const BodyColumns& columns)
             },
             [&](std::size_t, BodyPair& pair) {
                 const auto [body, other] = pair;
-                if (other == body || !((states[body] | states[other]) & BodyStates::awake)) return false;
+                if (other == body || !((states[body] | states[other]) & BodyStates::dynamic)) return false;
                 if (states[other] & BodyStates::queried && other < body) return false; // that one finds the pair
                 if (filtered && !columns.allows(body, other)) return false;
                 if (body > other) pair = {other, body};

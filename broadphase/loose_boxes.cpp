@@ -6,23 +6,23 @@
 
 namespace oncollide {
 
-LooseBoxes::Row LooseBoxes::row(std::uint32_t body, const BodyColumns& columns, bool awake)
+LooseBoxes::Row LooseBoxes::row(std::uint32_t body, const BodyColumns& columns, bool dynamic)
 {
     const auto of = [&](std::span<const std::uint32_t> column) { return column.empty() ? 0 : column[body]; };
-    return {columns.boxes[body], of(columns.layers), of(columns.masks), of(columns.groups), awake, 0};
+    return {columns.boxes[body], of(columns.layers), of(columns.masks), of(columns.groups), dynamic, 0};
 }
 
-bool LooseBoxes::hold(std::uint32_t body, const BodyColumns& columns, bool awake, bool filters_too) const
+bool LooseBoxes::hold(std::uint32_t body, const BodyColumns& columns, bool dynamic, bool filters_too) const
 {
     if (body >= row_of_.size() || row_of_[body] == none) return false;
     const Row& loose = rows_[row_of_[body]];
-    if (!loose.box.contains(columns.boxes[body]) || loose.awake != awake) return false;
+    if (!loose.box.contains(columns.boxes[body]) || loose.dynamic != dynamic) return false;
     if (!filters_too) return true;
-    const Row now = row(body, columns, awake);
+    const Row now = row(body, columns, dynamic);
     return loose.layers == now.layers && loose.mask == now.mask && loose.group == now.group;
 }
 
-Aabb LooseBoxes::renew(std::uint32_t body, const BodyColumns& columns, bool awake)
+Aabb LooseBoxes::renew(std::uint32_t body, const BodyColumns& columns, bool dynamic)
 {
     if (body >= row_of_.size()) row_of_.resize(columns.boxes.size(), none);
     std::uint32_t& number = row_of_[body];
@@ -38,7 +38,7 @@ Aabb LooseBoxes::renew(std::uint32_t body, const BodyColumns& columns, bool awak
     const std::uint32_t frames = 3 + (body * 2654435769u >> 30); // to stay there: 3 to 6, so that not all leave at once
     Row& loose = rows_[number];
     const Row before = loose;
-    loose = row(body, columns, awake);
+    loose = row(body, columns, dynamic);
     loose.made = frame_;
     if (!known) return loose.box;
     const std::uint32_t since = (frame_ - before.made) & 0x7fffffffu; // as wide as what is kept

@@ -26,9 +26,9 @@ public:
     }
     /// Is the body's box within its loose one, and all else as it was that decides which pairs it may form?
     /// @param filters_too  layers, mask and group may have changed
-    bool hold(std::uint32_t body, const BodyColumns& columns, bool awake, bool filters_too) const;
+    bool hold(std::uint32_t body, const BodyColumns& columns, bool dynamic, bool filters_too) const;
     /// Makes another one for it as it is now. Its box must be usable.
-    Aabb renew(std::uint32_t body, const BodyColumns& columns, bool awake);
+    Aabb renew(std::uint32_t body, const BodyColumns& columns, bool dynamic);
     void erase(std::uint32_t body);
     void clear();
     void end_frame() { ++frame_; }
@@ -39,10 +39,10 @@ private:
     struct alignas(64) Row {
         Aabb box;
         std::uint32_t layers, mask, group;
-        std::uint32_t awake : 1, made : 31; ///< in which frame
+        std::uint32_t dynamic : 1, made : 31; ///< in which frame
     };
     static constexpr std::uint32_t none = ~0u;
-    static Row row(std::uint32_t body, const BodyColumns& columns, bool awake);
+    static Row row(std::uint32_t body, const BodyColumns& columns, bool dynamic);
 
     std::vector<std::uint32_t> row_of_; ///< by body
     std::vector<Row> rows_;

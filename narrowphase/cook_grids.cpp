@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/narrowphase/boxes/terrain_tree.hpp>
+#include <oncollide/narrowphase/obb/terrain_tree.hpp>
 #include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/narrowphase/inside/parts.hpp>
 #include <oncollide/scenes/cooked/cooked_map.hpp>

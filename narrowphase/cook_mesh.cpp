@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include <oncollide/narrowphase/boxes/obb_tree.hpp>
+#include <oncollide/narrowphase/obb/obb_tree.hpp>
 #include <oncollide/narrowphase/inside/parts.hpp>
 #include <oncollide/scenes/cooked/cooked_format.hpp>
 #include <oncollide/scenes/cooked/cooked_writer.hpp>

@@ -75,7 +75,7 @@ const Mesh& Model::whole() const
     return whole_;
 }
 
-void Model::make_boxes(ChunkBudget* budget, BoxTotals& totals)
+void Model::make_obb_tree(ChunkBudget* budget, BoxTotals& totals)
 {
     const auto* cooked = std::get_if<std::shared_ptr<const CookedMesh>>(&geometry_->data);
     boxes = cooked && budget ? std::make_unique<ObbTree>(*cooked, *budget)
@@ -94,7 +94,7 @@ bool Model::prepare_solids(bool near)
         if (cooked()) whole = cooked()->whole();
         const Mesh& mesh = whole ? *whole : *surface_mesh();
         if (hull_)
-            balls_ = std::make_unique<InnerBalls>(mesh);
+            balls_ = std::make_unique<InnerSpheres>(mesh);
         else
             hull_ = std::make_unique<OuterHull>(mesh);
     } catch (const ChunkFault&) { // which the file keeps

@@ -13,16 +13,16 @@
 
 #include <oncollide/base/prefetch.hpp>
 #include <oncollide/broadphase/pose_bounds.hpp>
-#include <oncollide/narrowphase/boxes/map_tree.hpp>
-#include <oncollide/narrowphase/boxes/obb_tree.hpp>
-#include <oncollide/narrowphase/boxes/terrain_tree.hpp>
+#include <oncollide/narrowphase/obb/map_tree.hpp>
+#include <oncollide/narrowphase/obb/obb_tree.hpp>
+#include <oncollide/narrowphase/obb/terrain_tree.hpp>
 #include <oncollide/narrowphase/exact/exact_fcl.hpp>
-#include <oncollide/narrowphase/hulls/inner_balls.hpp>
+#include <oncollide/narrowphase/hulls/inner_spheres.hpp>
 #include <oncollide/narrowphase/hulls/outer_hull.hpp>
 #include <oncollide/narrowphase/inside/parts.hpp>
-#include <oncollide/narrowphase/solids/convex.hpp>
-#include <oncollide/narrowphase/solids/polytope_surface.hpp>
-#include <oncollide/narrowphase/solids/shape_tree.hpp>
+#include <oncollide/narrowphase/shapes/convex.hpp>
+#include <oncollide/narrowphase/shapes/polytope_surface.hpp>
+#include <oncollide/narrowphase/shapes/shape_tree.hpp>
 #include <oncollide/narrowphase/spheres/ocst.hpp>
 #include <oncollide/narrowphase/spheres/surface.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>
@@ -38,7 +38,7 @@ class Model {
 public:
     /// Shares the geometry. Cost: its bounds, no more.
     explicit Model(std::shared_ptr<const Geometry> geometry);
-    ~Model() { boxes.reset(); } // what they are of goes later
+    ~Model() { obb_tree.reset(); } // what they are of goes later
     Model(const Model&) = delete;
     Model& operator=(const Model&) = delete;
 
@@ -87,7 +87,7 @@ public:
     std::size_t vertices() const { return cooked() ? cooked()->vertices() : surface_mesh()->vertices.size(); }
     /// Makes its tree of oriented boxes, which counts in the totals unless it has a budget.
     /// @param budget  null: a cooked mesh is read as a whole
-    void make_boxes(ChunkBudget* budget, BoxTotals& totals);
+    void make_obb_tree(ChunkBudget* budget, BoxTotals& totals);
     /// The octree of a map. The model must be a map.
     MapTree& cells() const;
     /// The quadtree of a terrain. The model must be a terrain.
@@ -120,13 +120,13 @@ public:
     /// The convex solid around surface_mesh(); null: not there.
     const OuterHull* hull() const { return hull_.get(); }
     /// The balls within a mesh; null: not there.
-    const InnerBalls* balls() const { return balls_.get(); }
+    const InnerSpheres* balls() const { return balls_.get(); }
 
     std::uint32_t number = 0; ///< by which backends know its sphere-tree
-    /// Frame in which a pair last needed the boxes.
-    std::atomic<std::uint32_t> boxes_used = 0;
+    /// Frame in which a pair last needed the OBB tree.
+    std::atomic<std::uint32_t> obb_tree_used = 0;
     std::unique_ptr<Ocst> spheres;  ///< the sphere-tree; null until a test reaches it
-    std::unique_ptr<ObbTree> boxes; ///< the hierarchy of oriented boxes of surface_mesh(); null until a test reaches it
+    std::unique_ptr<ObbTree> obb_tree; ///< the hierarchy of oriented boxes of surface_mesh(); null until a test reaches it
     std::string unreadable;         ///< why the hierarchy of a cooked mesh cannot be had; empty: it can
 
     /// Begins to load what pairs of it look at first.
@@ -154,7 +154,7 @@ private:
     const void* data_; ///< what there is of that kind: the geometry's, or this model's own
     const CookedFile* file_;
     std::unique_ptr<OuterHull> hull_;
-    std::unique_ptr<InnerBalls> balls_;
+    std::unique_ptr<InnerSpheres> balls_;
     PoseBounds bounds_;
     std::optional<OccupancyMap> own_map_;
     std::optional<Terrain> own_terrain_;

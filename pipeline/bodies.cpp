@@ -7,7 +7,7 @@ namespace oncollide {
 
 void BodyChanges::clear()
 {
-    for (auto* list : {&removed, &added_moving, &added_fixed, &moved, &slept, &woken, &fresh}) list->clear();
+    for (auto* list : {&removed, &added_dynamic, &added_static, &moved, &made_static, &made_dynamic, &fresh}) list->clear();
 }
 
 void Bodies::mark(std::uint32_t slot, std::uint8_t how)
@@ -53,16 +53,16 @@ std::uint32_t Bodies::add(const Init& body)
     ++filters_version_;
     if (body.user || user(slot)) set_user(slot, body.user);
     any_group_ |= body.group != 0;
-    state_[slot] = static_cast<std::uint8_t>((state_[slot] & ~fixed_bit) | alive_bit | (body.fixed ? fixed_bit : 0));
-    ++size_, moving_ += !body.fixed;
+    state_[slot] = static_cast<std::uint8_t>((state_[slot] & ~static_bit) | alive_bit | (body.is_static ? static_bit : 0));
+    ++size_, dynamic_ += !body.is_static;
     mark(slot, fresh_bit);
     return slot;
 }
 
 void Bodies::remove(std::uint32_t slot)
 {
-    --size_, moving_ -= !fixed(slot);
-    state_[slot] = static_cast<std::uint8_t>(state_[slot] & ~(alive_bit | fixed_bit));
+    --size_, dynamic_ -= !is_static(slot);
+    state_[slot] = static_cast<std::uint8_t>(state_[slot] & ~(alive_bit | static_bit));
     if (generation_.size() <= slot) generation_.resize(slots());
     ++generation_[slot];
     if (const auto found = partners_.find(slot); found != partners_.end()) {
@@ -91,11 +91,11 @@ void Bodies::set_filter(std::uint32_t slot, std::uint32_t layer, std::uint32_t m
     mark(slot, moved_bit);
 }
 
-void Bodies::set_fixed(std::uint32_t slot, bool now)
+void Bodies::set_static(std::uint32_t slot, bool now)
 {
-    if (fixed(slot) == now) return;
-    state_[slot] ^= fixed_bit;
-    now ? --moving_ : ++moving_;
+    if (is_static(slot) == now) return;
+    state_[slot] ^= static_bit;
+    now ? --dynamic_ : ++dynamic_;
     mark(slot, 0);
 }
 
@@ -121,18 +121,18 @@ void Bodies::take_changes(BodyChanges& changes)
     changes.clear();
     for (std::uint32_t slot : changed_) {
         const std::uint8_t state = state_[slot];
-        const bool alive = state & alive_bit, fixed = state & fixed_bit, known = state & known_bit,
-                   fresh = state & fresh_bit, was_fixed = state & known_fixed_bit;
+        const bool alive = state & alive_bit, is_static = state & static_bit, known = state & known_bit,
+                   fresh = state & fresh_bit, was_static = state & known_static_bit;
         if (fresh) changes.fresh.push_back(slot);
         if (known && (!alive || fresh)) changes.removed.push_back(slot);
         if (alive && (!known || fresh))
-            (fixed ? changes.added_fixed : changes.added_moving).push_back(slot);
+            (is_static ? changes.added_static : changes.added_dynamic).push_back(slot);
         else if (alive) {
             if (state & moved_bit) changes.moved.push_back(slot);
-            if (fixed != was_fixed) (fixed ? changes.slept : changes.woken).push_back(slot);
+            if (is_static != was_static) (is_static ? changes.made_static : changes.made_dynamic).push_back(slot);
         }
         state_[slot] =
-            static_cast<std::uint8_t>(!alive ? 0 : alive_bit | known_bit | (fixed ? fixed_bit | known_fixed_bit : 0));
+            static_cast<std::uint8_t>(!alive ? 0 : alive_bit | known_bit | (is_static ? static_bit | known_static_bit : 0));
     }
     changed_.clear();
 }
@@ -140,7 +140,7 @@ void Bodies::take_changes(BodyChanges& changes)
 void update_boxes(Bodies& bodies, const BodyChanges& changes, bool tight, int threads)
 {
     constexpr std::size_t ahead = 8;
-    for (const auto* list : {&changes.added_fixed, &changes.added_moving, &changes.moved}) {
+    for (const auto* list : {&changes.added_static, &changes.added_dynamic, &changes.moved}) {
         const auto prefetch = [&](std::size_t i) {
             if (i + ahead < list->size()) bodies.prefetch((*list)[i + ahead]);
         };

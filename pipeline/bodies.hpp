@@ -18,7 +18,7 @@ namespace oncollide {
 
 /// What changed since the last frame, as lists of slots for the broad phase, each slot at most once in each.
 struct BodyChanges {
-    std::vector<std::uint32_t> removed, added_moving, added_fixed, moved, slept, woken;
+    std::vector<std::uint32_t> removed, added_dynamic, added_static, moved, made_static, made_dynamic;
     std::vector<std::uint32_t>
         fresh; ///< bodies that are new or have a new geometry: what is remembered of them is void
     void clear();
@@ -34,7 +34,7 @@ public:
         Eigen::Isometry3d pose;
         std::uint32_t layer, mask, group;
         std::uint64_t user;
-        bool fixed;
+        bool is_static;
     };
 
     void reserve(std::size_t slots);
@@ -42,7 +42,7 @@ public:
     void remove(std::uint32_t slot);
     void set_pose(std::uint32_t slot, const Eigen::Isometry3d& pose);
     void set_filter(std::uint32_t slot, std::uint32_t layer, std::uint32_t mask, std::uint32_t group);
-    void set_fixed(std::uint32_t slot, bool fixed);
+    void set_static(std::uint32_t slot, bool is_static);
     void set_model(std::uint32_t slot, Model* model, ModelId id);
     void set_user(std::uint32_t slot, std::uint64_t user);
 
@@ -59,8 +59,8 @@ public:
     bool alive(std::uint32_t slot) const { return slot < state_.size() && (state_[slot] & alive_bit); }
     bool valid(BodyId id) const { return alive(id.slot) && generation(id.slot) == id.generation; }
     BodyId id(std::uint32_t slot) const { return {slot, generation(slot)}; }
-    bool fixed(std::uint32_t slot) const { return state_[slot] & fixed_bit; }
-    std::uint32_t moving() const { return moving_; } ///< bodies that are not fixed
+    bool is_static(std::uint32_t slot) const { return state_[slot] & static_bit; }
+    std::uint32_t dynamic() const { return dynamic_; } ///< bodies that are not static
 
     Model& model(std::uint32_t slot) const { return *models_[model_of_[slot]].model; }
     ModelId model_id(std::uint32_t slot) const { return models_[model_of_[slot]].id; }
@@ -98,9 +98,9 @@ public:
 private:
     enum State : std::uint8_t {
         alive_bit = 1,
-        fixed_bit = 2,
+        static_bit = 2,
         known_bit = 4,       ///< in the broad phase
-        known_fixed_bit = 8, ///< and asleep there
+        known_static_bit = 8, ///< and asleep there
         fresh_bit = 16,      ///< new, or with a new geometry
         moved_bit = 32,      ///< pose or filter changed
         listed_bit = 64,     ///< among changed_
@@ -129,7 +129,7 @@ private:
     std::vector<std::uint32_t> free_, changed_;
     std::unordered_set<std::uint64_t> excluded_;
     std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> partners_; ///< by slot: all it was ever excluded from
-    std::uint32_t size_ = 0, moving_ = 0;
+    std::uint32_t size_ = 0, dynamic_ = 0;
     bool any_group_ = false;
     std::uint64_t filters_version_ = 1; ///< grows when layers, a mask or a group change
 };

@@ -83,7 +83,7 @@ public:
         for (std::size_t i = 0; i < survivors_.size(); ++i)
             for (std::size_t j = i + 1; j < survivors_.size(); ++j) {
                 const std::uint32_t a = survivors_[i], b = survivors_[j];
-                if (!(bodies.fixed(a) && bodies.fixed(b)) && columns.allows(a, b)) frame.pairs.push_back({a, b});
+                if (!(bodies.is_static(a) && bodies.is_static(b)) && columns.allows(a, b)) frame.pairs.push_back({a, b});
             }
         leave(bodies, frame);
         count(bodies, frame, survivors_.size(), stats);
@@ -97,11 +97,11 @@ private:
         if (frame.choose) frame.choose(bodies, frame.pairs);
     }
 
-    /// Pairs of so many bodies, all those that move among them, that are not both fixed.
+    /// Pairs of so many bodies, all those that move among them, that are not both static.
     static void count(const Bodies& bodies, const Frame& frame, std::uint64_t left, StageStats& stats)
     {
         const auto pairs = [](std::uint64_t n) { return n * (n - (n > 0)) / 2; };
-        stats.in = std::max<std::uint64_t>(pairs(left) - pairs(left - std::min<std::uint64_t>(bodies.moving(), left)),
+        stats.in = std::max<std::uint64_t>(pairs(left) - pairs(left - std::min<std::uint64_t>(bodies.dynamic(), left)),
                                            frame.pairs.size());
         stats.out = frame.pairs.size();
     }

@@ -150,9 +150,9 @@ struct MeshQueries::Impl {
         finders.resize(static_cast<std::size_t>(context.threads));
         in_batches(queries, distances.size(), [&](std::size_t first) {
             for (const PairTask& task : tasks)
-                for (Model* model : {task.a, task.b}) store.admit_boxes(*model, context.frame);
+                for (Model* model : {task.a, task.b}) store.admit_obb_tree(*model, context.frame);
             parallel_chunks(tasks.size(), 16, context.threads, [&](std::size_t begin, std::size_t end, int thread) {
-                const auto has_tree = [](const Model& model) { return !model.has_triangles() || model.boxes; };
+                const auto has_tree = [](const Model& model) { return !model.has_triangles() || model.obb_tree; };
                 bool stopped = false;
                 for (std::size_t i = begin; i < end; ++i) {
                     const PairTask& task = tasks[i];

@@ -39,11 +39,11 @@ ModelId ModelStore::add(std::shared_ptr<const Geometry> geometry)
 
 void ModelStore::drop(Model& model)
 {
-    const LookAhead::Pause pause(ahead_.get());
+    const Prefetcher::Pause pause(ahead_.get());
     if (ahead_) ahead_->forget(model);
     drop_prepared(&model, 0, 0);
     drop_spheres(model.number);
-    if (drop_boxes(model)) std::erase(with_boxes_, &model);
+    if (drop_obb_tree(model)) std::erase(with_obb_trees_, &model);
     std::erase(grids_, &model);
 }
 
@@ -71,14 +71,14 @@ void ModelStore::remove(ModelId id)
     --size_;
 }
 
-Model& ModelStore::add_passing(std::shared_ptr<const Geometry> geometry)
+Model& ModelStore::add_transient(std::shared_ptr<const Geometry> geometry)
 {
     const auto free = std::find(passing_.begin(), passing_.end(), nullptr);
     auto model = make_model(std::move(geometry), 2 * static_cast<std::uint32_t>(free - passing_.begin()) + 1);
     return **(free == passing_.end() ? passing_.insert(free, std::move(model)) : (*free = std::move(model), free));
 }
 
-void ModelStore::remove_passing(Model& model)
+void ModelStore::remove_transient(Model& model)
 {
     drop(model);
     passing_[model.number / 2].reset();
@@ -120,10 +120,10 @@ ModelStore::Room ModelStore::all_grown(const Model& model)
     return room;
 }
 
-bool ModelStore::admit_boxes(Model& model, std::uint32_t frame)
+bool ModelStore::admit_obb_tree(Model& model, std::uint32_t frame)
 {
-    if (model.boxes_used.load(std::memory_order_relaxed) != frame) model.boxes_used = frame;
-    if (model.boxes) return true;
+    if (model.obb_tree_used.load(std::memory_order_relaxed) != frame) model.obb_tree_used = frame;
+    if (model.obb_tree) return true;
     if (model.map()) return model.cells(), true;
     if (model.terrain()) return model.heights(), true;
     if (!model.has_triangles()) return true;
@@ -137,7 +137,7 @@ bool ModelStore::admit_boxes(Model& model, std::uint32_t frame)
         return false;
     if (!model.unreadable.empty()) return false;
     try {
-        make_boxes(model, more);
+        make_obb_tree(model, more);
     } catch (const ChunkFault& fault) {
         model.unreadable = fault.what();
         return false;
@@ -145,16 +145,16 @@ bool ModelStore::admit_boxes(Model& model, std::uint32_t frame)
     return true;
 }
 
-ObbTree& ModelStore::boxes(Model& model, std::uint32_t frame)
+ObbTree& ModelStore::obb_tree(Model& model, std::uint32_t frame)
 {
-    model.boxes_used = frame;
-    if (!model.boxes) make_boxes(model, all_grown(model));
-    return *model.boxes;
+    model.obb_tree_used = frame;
+    if (!model.obb_tree) make_obb_tree(model, all_grown(model));
+    return *model.obb_tree;
 }
 
-void ModelStore::make_boxes(Model& model, const Room& room)
+void ModelStore::make_obb_tree(Model& model, const Room& room)
 {
-    const auto make = [&] { model.make_boxes(reads_on_demand(settings_) ? &chunks_ : nullptr, boxes_); };
+    const auto make = [&] { model.make_obb_tree(reads_on_demand(settings_) ? &chunks_ : nullptr, boxes_); };
     if (!ahead_) {
         make();
     } else {
@@ -163,21 +163,21 @@ void ModelStore::make_boxes(Model& model, const Room& room)
         if (found == prepared_.end())
             make();
         else
-            model.boxes = std::move(found->boxes), prepared_.erase(found);
+            model.obb_tree = std::move(found->obb_tree), prepared_.erase(found);
     }
-    with_boxes_.push_back(&model);
-    if (model.boxes->chunked()) with_chunks_.push_back(&model);
+    with_obb_trees_.push_back(&model);
+    if (model.obb_tree->chunked()) with_chunks_.push_back(&model);
     reserved_.nodes += room.nodes, reserved_.bytes += room.bytes;
 }
 
-void ModelStore::look_ahead(std::vector<Ahead> parts)
+void ModelStore::look_ahead(std::vector<PrefetchPart> parts)
 {
-    if (!ahead_) ahead_ = std::make_unique<LookAhead>([this](const Ahead& part) { prepare(part); });
+    if (!ahead_) ahead_ = std::make_unique<Prefetcher>([this](const PrefetchPart& part) { prepare(part); });
     ahead_->set(std::move(parts));
 }
 
 /// By the thread that looks ahead. What fails here is told when a pair needs it.
-void ModelStore::prepare(const Ahead& part)
+void ModelStore::prepare(const PrefetchPart& part)
 {
     constexpr std::uint32_t fine = 64; // triangles: what is below a walk grows in no time
     try {
@@ -186,15 +186,15 @@ void ModelStore::prepare(const Ahead& part)
             const std::lock_guard lock(preparing_);
             const auto found = std::ranges::find(prepared_, part.model, &Prepared::model);
             if (found != prepared_.end())
-                tree = found->boxes.get(), found->frame = frame_;
+                tree = found->obb_tree.get(), found->frame = frame_;
             else
-                tree = part.model->boxes.get();
+                tree = part.model->obb_tree.get();
         }
         if (!tree) {
             const auto& cooked = std::get<std::shared_ptr<const CookedMesh>>(part.model->geometry().data);
             auto made = std::make_unique<ObbTree>(cooked, chunks_);
             const std::lock_guard lock(preparing_);
-            tree = part.model->boxes.get();
+            tree = part.model->obb_tree.get();
             if (!tree) tree = made.get(), prepared_.push_back({part.model, std::move(made), frame_});
         }
         tree->grow_in(part.box, fine);
@@ -223,10 +223,10 @@ void ModelStore::drop_chunks(std::size_t down_to) const
         if (of) of->add_held(held);
         for (const HeldChunks::Held& chunk : held) candidates.push_back({chunk, of});
     };
-    for (const Model* model : with_chunks_) add(model->boxes.get());
+    for (const Model* model : with_chunks_) add(model->obb_tree.get());
     for (const Model* model : grids_) add(model->held_grid());
     const std::lock_guard lock(preparing_);
-    for (const Prepared& prepared : prepared_) add(prepared.boxes.get());
+    for (const Prepared& prepared : prepared_) add(prepared.obb_tree.get());
     std::ranges::stable_sort(candidates, {}, [](const Candidate& c) { return c.needed; });
     for (const Candidate& candidate : candidates) {
         if (chunks_.held() <= down_to) return;
@@ -332,14 +332,14 @@ BatchWork ModelStore::grow(std::uint32_t frame)
 }
 
 /// Gives the room of a model's tree of boxes back. Returns how many nodes went.
-std::uint64_t ModelStore::drop_boxes(Model& model)
+std::uint64_t ModelStore::drop_obb_tree(Model& model)
 {
-    if (!model.boxes) return 0;
+    if (!model.obb_tree) return 0;
     const Room less = all_grown(model);
     reserved_.nodes -= less.nodes, reserved_.bytes -= less.bytes;
-    const std::uint64_t dropped = model.boxes->nodes();
-    if (model.boxes->chunked()) std::erase(with_chunks_, &model);
-    model.boxes.reset();
+    const std::uint64_t dropped = model.obb_tree->nodes();
+    if (model.obb_tree->chunked()) std::erase(with_chunks_, &model);
+    model.obb_tree.reset();
     return dropped;
 }
 
@@ -354,13 +354,13 @@ void ModelStore::drop_spheres(std::uint32_t slot)
 std::uint64_t ModelStore::collapse(std::uint32_t frame, std::uint32_t age)
 {
     std::uint64_t dropped = 0;
-    const LookAhead::Pause pause(ahead_.get(), false);
+    const Prefetcher::Pause pause(ahead_.get(), false);
     late_ = pause.failed();
     if (late_) return 0; // in the next frame
     drop_prepared(nullptr, frame, age);
-    std::erase_if(with_boxes_, [&](Model* model) {
-        if (frame - model->boxes_used < age) return false;
-        dropped += drop_boxes(*model);
+    std::erase_if(with_obb_trees_, [&](Model* model) {
+        if (frame - model->obb_tree_used < age) return false;
+        dropped += drop_obb_tree(*model);
         return true;
     });
     for (std::uint32_t slot : with_spheres_) {
@@ -399,7 +399,7 @@ std::uint64_t ModelStore::cells() const
 std::uint64_t ModelStore::nodes() const
 {
     std::uint64_t sum = cells() + boxes_.nodes;
-    for (const Model* model : with_chunks_) sum += model->boxes->nodes();
+    for (const Model* model : with_chunks_) sum += model->obb_tree->nodes();
     return sum;
 }
 
@@ -414,7 +414,7 @@ std::size_t ModelStore::bytes() const
 {
     std::size_t sum = sphere_bytes() + boxes_.bytes;
     for (const Model* model : grids_) sum += model->grid_bytes();
-    for (const Model* model : with_chunks_) sum += model->boxes->bytes();
+    for (const Model* model : with_chunks_) sum += model->obb_tree->bytes();
     return sum;
 }
 

@@ -11,7 +11,7 @@
 #include <oncollide/narrowphase/model.hpp>
 #include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
 #include <oncollide/narrowphase/spheres/walk.hpp>
-#include <oncollide/pipeline/look_ahead.hpp>
+#include <oncollide/pipeline/prefetcher.hpp>
 #include <oncollide/pipeline/settings.hpp>
 #include <oncollide/scenes/ids.hpp>
 
@@ -38,8 +38,8 @@ public:
     std::size_t size() const { return size_; }
 
     /// A model that lives as long as a query; not counted by size().
-    Model& add_passing(std::shared_ptr<const Geometry> geometry);
-    void remove_passing(Model& model);
+    Model& add_transient(std::shared_ptr<const Geometry> geometry);
+    void remove_transient(Model& model);
 
     /// The largest error of the verdict `within` for a pair of the two (metres): the settings', or what spheres of
     /// their depth certify, or default_error of the smaller one's diagonal.
@@ -57,9 +57,9 @@ public:
     /// Sees to it that a mesh, or the core of a shape, has its tree of oriented boxes, and a map or a terrain its own.
     /// False when a budget has no room for the tree all grown, or the file of a cooked mesh cannot be read. Not while
     /// the model's tree is being walked, unless it is there.
-    bool admit_boxes(Model& model, std::uint32_t frame);
+    bool admit_obb_tree(Model& model, std::uint32_t frame);
     /// The same, whatever the budgets say; not for a map or a terrain.
-    ObbTree& boxes(Model& model, std::uint32_t frame);
+    ObbTree& obb_tree(Model& model, std::uint32_t frame);
 
     /// work(), which walks cooked meshes. Where their budget is in the way, chunks that were not needed for longest are
     /// dropped, and it begins again, alone; it must not mind. Throws what it throws: ChunkFault where a file cannot be
@@ -67,7 +67,7 @@ public:
     template <class Work>
     auto with_room(Work work) const;
     /// Has another thread open these parts and grow their trees, in place of what it was given before.
-    void look_ahead(std::vector<Ahead> parts);
+    void look_ahead(std::vector<PrefetchPart> parts);
 
     /// A pair stays undecided for this reason.
     void note(const std::string& fault) const;
@@ -106,8 +106,8 @@ private:
     };
     static Room all_grown(const Model& model);
 
-    void make_boxes(Model& model, const Room& room);
-    void prepare(const Ahead& part);
+    void make_obb_tree(Model& model, const Room& room);
+    void prepare(const PrefetchPart& part);
     void drop_prepared(const Model* of, std::uint32_t frame, std::uint32_t age);
     void drop_chunks(std::size_t down_to) const;
     void drop(Model& model);
@@ -115,7 +115,7 @@ private:
     std::uint64_t cells() const;
     std::size_t sphere_bytes() const;
     std::uint64_t collapse(std::uint32_t frame, std::uint32_t age);
-    std::uint64_t drop_boxes(Model& model);
+    std::uint64_t drop_obb_tree(Model& model);
     void drop_spheres(std::uint32_t slot);
     void attach(std::uint32_t slot);
     void make_rows(std::span<const CellRequest> requests);
@@ -134,7 +134,7 @@ private:
     std::vector<std::unique_ptr<Model>> passing_;
     std::size_t size_ = 0;
     std::vector<std::uint32_t> with_spheres_; ///< numbers of models that have a sphere-tree
-    std::vector<Model*> with_boxes_;          ///< models that have a tree of oriented boxes
+    std::vector<Model*> with_obb_trees_;          ///< models that have a tree of oriented boxes
     std::vector<Model*> with_chunks_;         ///< of these, those that read chunks
     Room reserved_;                           ///< for these, all grown
     std::vector<const Model*> grids_;         ///< terrains, and maps in files
@@ -149,12 +149,12 @@ private:
     /// A tree that another thread made before a pair needed it.
     struct Prepared {
         Model* model;
-        std::unique_ptr<ObbTree> boxes;
+        std::unique_ptr<ObbTree> obb_tree;
         std::uint32_t frame; ///< when it was last wanted
     };
     mutable std::mutex preparing_; ///< of what follows, and of Model::boxes of cooked meshes while it is set
     std::vector<Prepared> prepared_;
-    std::unique_ptr<LookAhead> ahead_; ///< null until it is needed; ends before the rest
+    std::unique_ptr<Prefetcher> ahead_; ///< null until it is needed; ends before the rest
     std::uint32_t frame_ = 0;          ///< of the last age()
     bool late_ = false;                ///< should have dropped what is old, but the other thread was at it
 };
@@ -169,7 +169,7 @@ auto ModelStore::with_room(Work work) const
     } catch (const NoRoomForChunk&) {
     }
     const std::unique_lock lock(walking_);
-    const LookAhead::Pause pause(ahead_.get());
+    const Prefetcher::Pause pause(ahead_.get());
     try {
         drop_chunks(chunks_.limit() / 2);
         return work();

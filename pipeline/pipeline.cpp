@@ -48,7 +48,7 @@ void Pipeline::add_body(const Scene& scene, std::uint32_t body)
 {
     world_.add_body({.model = {index(scene.geometry[body])},
                      .pose = scene.poses[body],
-                     .fixed = scene.is_static[body] != 0,
+                     .is_static = scene.is_static[body] != 0,
                      .layer = scene.layers[body],
                      .mask = scene.masks[body],
                      .group = scene.groups[body]});
@@ -60,7 +60,7 @@ void Pipeline::change_body(const Scene& scene, std::uint32_t body)
     const BodyId id{body};
     world_.set_pose(id, scene.poses[body]);
     if (const ModelId model{index(scene.geometry[body])}; world_.model(id) != model) world_.set_model(id, model);
-    world_.set_fixed(id, scene.is_static[body] != 0);
+    world_.set_static(id, scene.is_static[body] != 0);
     world_.set_layers(id, scene.layers[body], scene.masks[body]);
     world_.set_group(id, scene.groups[body]);
 }

@@ -100,7 +100,7 @@ BodyId World::Impl::add_checked(const BodySpec& body)
     if (users.size() <= body.model.slot) users.resize(body.model.slot + std::size_t{1});
     ++users[body.model.slot];
     return bodies.id(
-        bodies.add({&model, body.model, body.pose, body.layer, body.mask, body.group, body.user, body.fixed}));
+        bodies.add({&model, body.model, body.pose, body.layer, body.mask, body.group, body.user, body.is_static}));
 }
 
 void World::Impl::remove_checked(std::uint32_t slot)
@@ -289,11 +289,11 @@ void World::set_poses(std::span<const BodyId> bodies, std::span<const Eigen::Iso
     p.changed();
     for (std::size_t i = 0; i < bodies.size(); ++i) p.bodies.set_pose(bodies[i].slot, poses[i]);
 }
-void World::set_fixed(BodyId body, bool fixed)
+void World::set_static(BodyId body, bool is_static)
 {
     const std::uint32_t slot = impl_->slot_of(body);
     impl_->changed();
-    impl_->bodies.set_fixed(slot, fixed);
+    impl_->bodies.set_static(slot, is_static);
 }
 void World::set_layers(BodyId body, std::uint32_t layer, std::uint32_t mask)
 {
@@ -344,9 +344,9 @@ std::uint64_t World::user(BodyId body) const
 {
     return impl_->bodies.user(impl_->slot_of(body));
 }
-bool World::fixed(BodyId body) const
+bool World::is_static(BodyId body) const
 {
-    return impl_->bodies.fixed(impl_->slot_of(body));
+    return impl_->bodies.is_static(impl_->slot_of(body));
 }
 std::optional<BodyId> World::body_at(std::uint32_t slot) const
 {

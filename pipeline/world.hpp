@@ -30,7 +30,7 @@ class OcclusionBackend;
 struct BodySpec {
     ModelId model{};
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity(); ///< rigid: body frame to world, metres
-    bool fixed = false;               ///< two fixed bodies never form a pair; a fixed body may be moved all the same
+    bool is_static = false;               ///< two static bodies never form a pair; a static body may still be moved
     std::uint32_t layer = 1;          ///< bits: the layers that the body is on
     std::uint32_t mask = 0xffffffffu; ///< bits: the layers that the body collides with
     std::uint32_t group = 0;          ///< bodies of one group other than 0 never collide: the links of one robot
@@ -72,7 +72,7 @@ struct Segment {
 ///
 ///     World world({.max_error = 0.01});
 ///     const ModelId hill = world.add(load_mesh("hill.obj")), truck = world.add(load_mesh("truck.glb"));
-///     world.add_body({.model = hill, .fixed = true});
+///     world.add_body({.model = hill, .is_static = true});
 ///     const BodyId mine = world.add_body({.model = truck, .pose = start});
 ///     while (...) {
 ///         world.set_pose(mine, next);
@@ -140,7 +140,7 @@ public:
 
     void set_pose(BodyId body, const Eigen::Isometry3d& pose);
     void set_poses(std::span<const BodyId> bodies, std::span<const Eigen::Isometry3d> poses);
-    void set_fixed(BodyId body, bool fixed);
+    void set_static(BodyId body, bool is_static);
     void set_layers(BodyId body, std::uint32_t layer, std::uint32_t mask);
     void set_group(BodyId body, std::uint32_t group);
     void set_model(BodyId body, ModelId model);
@@ -152,7 +152,7 @@ public:
     const Eigen::Isometry3d& pose(BodyId body) const; ///< valid until the next change
     ModelId model(BodyId body) const;
     std::uint64_t user(BodyId body) const;
-    bool fixed(BodyId body) const;
+    bool is_static(BodyId body) const;
     /// The body in a slot; slots are used again. Nothing if it is free.
     std::optional<BodyId> body_at(std::uint32_t slot) const;
 

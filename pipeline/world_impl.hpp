@@ -6,7 +6,7 @@
 #include <oncollide/pipeline/refine/narrowing.hpp>
 #include <oncollide/pipeline/refine/pair_distance.hpp>
 #include <oncollide/pipeline/refine/penetration_depth.hpp>
-#include <oncollide/pipeline/refine/solid_contacts.hpp>
+#include <oncollide/pipeline/refine/non_mesh_contacts.hpp>
 #include <oncollide/pipeline/stage.hpp>
 #include <oncollide/pipeline/world.hpp>
 
@@ -25,7 +25,7 @@ struct World::Impl {
     std::vector<std::unique_ptr<Stage>> stages;
     std::vector<std::uint8_t> skipped;            ///< by stage: by request
     std::vector<StageStats> stats, totals, blank; ///< blank: of a frame that begins
-    Courses courses;
+    MotionForecast courses;
     std::vector<PairOfBodies> active, last_active, began, ended; ///< active: not separate in the last frame
     std::string backend_note;
     std::uint64_t hash = 0;
@@ -36,7 +36,7 @@ struct World::Impl {
         BothLevels levels;
         RefineContext context;
         ContactFinding contacts;
-        SolidContacts solid_contacts;
+        NonMeshContacts solid_contacts;
         PairDistance distances;
         PenetrationDepth penetration;
         std::vector<Contact> meetings;
@@ -80,7 +80,7 @@ struct World::Impl {
     /// For const calls: the broad phase is current afterwards.
     void bring_up_to_date();
 
-    class Borrowed;
+    class Lease;
     template <class Found, class Item, class Work>
     void in_parts(std::span<const Item> items, std::size_t chunk, std::vector<Found>& found,
                   std::vector<std::size_t>& ends, Work work);

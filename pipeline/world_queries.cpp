@@ -50,9 +50,9 @@ World::Impl::QueryWorker::QueryWorker(Impl& impl)
 }
 
 /// A worker for the time of one call.
-class World::Impl::Borrowed {
+class World::Impl::Lease {
 public:
-    explicit Borrowed(Impl& impl) : impl_(impl)
+    explicit Lease(Impl& impl) : impl_(impl)
     {
         {
             const std::lock_guard lock(impl.idle_guard);
@@ -62,7 +62,7 @@ public:
         worker_->context.frame = impl.frame.number;
         worker_->context.trees = {}, worker_->context.rounds.clear();
     }
-    ~Borrowed()
+    ~Lease()
     {
         const std::lock_guard lock(impl_.idle_guard);
         impl_.idle_workers.push_back(std::move(worker_));
@@ -120,7 +120,7 @@ void World::Impl::in_parts(std::span<const Item> items, std::size_t chunk, std::
 {
     found.clear(), ends.clear();
     if (frame.context.threads == 1) { // without copies
-        Borrowed worker(*this);
+        Lease worker(*this);
         for (const Item& item : items) {
             work(worker, item, found);
             ends.push_back(found.size());
@@ -134,7 +134,7 @@ void World::Impl::in_parts(std::span<const Item> items, std::size_t chunk, std::
     std::vector<Part> parts((items.size() + chunk - 1) / chunk);
     const ExecutorScope scope(settings.executor);
     parallel_chunks(parts.size(), 1, frame.context.threads, [&](std::size_t begin, std::size_t end, int) {
-        Borrowed worker(*this);
+        Lease worker(*this);
         for (std::size_t i = begin; i < end; ++i)
             for (const Item& item : items.subspan(i * chunk, std::min(chunk, items.size() - i * chunk))) {
                 work(worker, item, parts[i].found);
@@ -150,21 +150,21 @@ void World::Impl::in_parts(std::span<const Item> items, std::size_t chunk, std::
 namespace {
 
 /// A model that lives as long as one query.
-class PassingModel {
+class TransientModel {
 public:
-    PassingModel(ModelStore& models, std::shared_mutex& guard, Mesh mesh) : models_(models), guard_(guard)
+    TransientModel(ModelStore& models, std::shared_mutex& guard, Mesh mesh) : models_(models), guard_(guard)
     {
         auto geometry = std::make_shared<const Geometry>(Geometry{{}, std::move(mesh), {}});
         const std::lock_guard lock(guard);
-        model_ = &models.add_passing(std::move(geometry));
+        model_ = &models.add_transient(std::move(geometry));
     }
-    ~PassingModel()
+    ~TransientModel()
     {
         const std::lock_guard lock(guard_);
-        models_.remove_passing(*model_);
+        models_.remove_transient(*model_);
     }
-    PassingModel(const PassingModel&) = delete;
-    PassingModel& operator=(const PassingModel&) = delete;
+    TransientModel(const TransientModel&) = delete;
+    TransientModel& operator=(const TransientModel&) = delete;
     Model& operator*() { return *model_; }
 
 private:
@@ -200,7 +200,7 @@ std::vector<QueryHit> World::query(ModelId model, const Eigen::Isometry3d& pose,
     impl_->check_pose(std::nullopt, pose);
     impl_->bring_up_to_date();
     std::vector<QueryHit> hits;
-    Impl::Borrowed(*impl_).run({&mine, pose, filter}, hits);
+    Impl::Lease(*impl_).run({&mine, pose, filter}, hits);
     return hits;
 }
 
@@ -218,9 +218,9 @@ std::vector<QueryHit> World::query(const Segment& segment, const QueryFilter& fi
 {
     Mesh mesh = make_mesh("segment", {segment.from, segment.to}, {{0, 1, 1}});
     impl_->bring_up_to_date();
-    PassingModel model(impl_->models, impl_->guard, std::move(mesh));
+    TransientModel model(impl_->models, impl_->guard, std::move(mesh));
     std::vector<QueryHit> hits;
-    Impl::Borrowed(*impl_).run({&*model, Eigen::Isometry3d::Identity(), filter}, hits);
+    Impl::Lease(*impl_).run({&*model, Eigen::Isometry3d::Identity(), filter}, hits);
     return hits;
 }
 
@@ -229,9 +229,9 @@ std::vector<QueryHit> World::query(const Aabb& box, const QueryFilter& filter) c
     if (box.empty()) throw Error(ErrorKind::bad_data, "query: the box is empty (min > max)");
     Mesh mesh = box_mesh(box);
     impl_->bring_up_to_date();
-    PassingModel model(impl_->models, impl_->guard, std::move(mesh));
+    TransientModel model(impl_->models, impl_->guard, std::move(mesh));
     std::vector<QueryHit> hits;
-    Impl::Borrowed(*impl_).run({&*model, Eigen::Isometry3d::Identity(), filter, &box}, hits);
+    Impl::Lease(*impl_).run({&*model, Eigen::Isometry3d::Identity(), filter, &box}, hits);
     return hits;
 }
 
@@ -240,7 +240,7 @@ void World::Impl::need_tree(Model& model)
 {
     if (!model.has_triangles()) return;
     const std::lock_guard lock(guard);
-    models.boxes(model, frame.number);
+    models.obb_tree(model, frame.number);
 }
 
 std::vector<Contact> World::contacts(BodyId a, BodyId b) const
@@ -292,11 +292,11 @@ void World::penetration(std::span<const PairOfBodies> pairs, std::span<Penetrati
         }
     const ExecutorScope scope(p.settings.executor);
     parallel_chunks(pairs.size(), 4, p.frame.context.threads, [&](std::size_t begin, std::size_t end, int) {
-        Impl::Borrowed worker(p);
+        Impl::Lease worker(p);
         for (std::size_t i = begin; i < end; ++i) {
             const PairTask task = p.task_of(pairs[i].a.slot, pairs[i].b.slot);
             worker->meetings.clear();
-            worker->contacts.find(*task.a->boxes, *task.pose_a, *task.b->boxes, *task.pose_b, worker->meetings);
+            worker->contacts.find(*task.a->obb_tree, *task.pose_a, *task.b->obb_tree, *task.pose_b, worker->meetings);
             found[i] = worker->penetration.measure(task, worker->meetings);
         }
     });
@@ -310,7 +310,7 @@ Distance World::distance(BodyId body_a, BodyId body_b, double tolerance, double 
     if (task.a->shape() && task.b->shape()) // which takes no worker and no tree
         return DirectPair(task).distance({.above = farthest, .tolerance = tolerance});
     for (Model* model : {task.a, task.b}) p.need_tree(*model);
-    Impl::Borrowed worker(p);
+    Impl::Lease worker(p);
     return p.models.with_room([&] { return worker->distances.find(task, p.settings.mode, tolerance, farthest); });
 }
 

@@ -124,11 +124,11 @@ void World::Impl::take_in_changes()
     frame.fresh.resize(bodies.slots());
     for (std::uint32_t slot : changes.fresh)
         if (!frame.fresh[slot]) frame.fresh[slot] = 1, frame.fresh_slots.push_back(slot);
-    frame.moved += changes.added_moving.size() + changes.moved.size();
+    frame.moved += changes.added_dynamic.size() + changes.moved.size();
     broad->remove(changes.removed);
-    broad->add(changes.added_moving), broad->add(changes.added_fixed, true);
+    broad->add(changes.added_dynamic), broad->add(changes.added_static, true);
     broad->move(changes.moved);
-    broad->sleep(changes.slept), broad->wake(changes.woken);
+    broad->make_static(changes.made_static), broad->make_dynamic(changes.made_dynamic);
 }
 
 FrameView World::step()
@@ -193,7 +193,7 @@ FrameView World::step()
 void World::Impl::look_ahead()
 {
     if (settings.look_ahead == 0 || !reads_on_demand(settings)) return;
-    std::vector<Ahead> parts = courses.find(bodies, frame.changes.moved, *broad, frame.number,
+    std::vector<PrefetchPart> parts = courses.find(bodies, frame.changes.moved, *broad, frame.number,
                                             static_cast<std::uint32_t>(settings.look_ahead));
     if (!parts.empty()) models.look_ahead(std::move(parts));
 }

@@ -30,14 +30,14 @@ void NameColumn::push_back(std::string_view name)
 
 void PoseColumn::reserve(std::size_t bodies)
 {
-    reserve_large(positions_, bodies), reserve_large(turned_, bodies);
+    reserve_large(positions_, bodies), reserve_large(rotated_, bodies);
     reserve_large(rotations_, bodies); // what is not used takes no memory
 }
 
 void PoseColumn::push_back(const Eigen::Isometry3d& pose)
 {
     append_large(positions_, Eigen::Vector3d(pose.translation()));
-    append_large(turned_, 0u);
+    append_large(rotated_, 0u);
     set(size() - 1, pose);
 }
 
@@ -45,12 +45,12 @@ void PoseColumn::set(std::size_t body, const Eigen::Isometry3d& pose)
 {
     positions_[body] = pose.translation();
     const Eigen::Matrix3d rotation = pose.linear();
-    std::uint32_t& turned = turned_[body];
-    if (turned) {
-        rotations_[turned - 1] = rotation;
+    std::uint32_t& rotated = rotated_[body];
+    if (rotated) {
+        rotations_[rotated - 1] = rotation;
     } else if (!is_identity(rotation)) {
         append_large(rotations_, rotation);
-        turned = static_cast<std::uint32_t>(rotations_.size());
+        rotated = static_cast<std::uint32_t>(rotations_.size());
     }
 }
 

@@ -81,7 +81,7 @@ public:
     {
         Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
         pose.translation() = positions_[body];
-        if (const std::uint32_t turned = turned_[body]) pose.linear() = rotations_[turned - 1];
+        if (const std::uint32_t rotated = rotated_[body]) pose.linear() = rotations_[rotated - 1];
         return pose;
     }
     const Eigen::Vector3d& position(std::size_t body) const { return positions_[body]; }
@@ -96,7 +96,7 @@ private:
     void set(std::size_t body, const Eigen::Isometry3d& pose);
 
     std::vector<Eigen::Vector3d> positions_;
-    std::vector<std::uint32_t> turned_; ///< 0: the identity, else one more than the place of its rotation
+    std::vector<std::uint32_t> rotated_; ///< 0: the identity, else one more than the place of its rotation
     std::vector<Eigen::Matrix3d> rotations_;
 };
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include <oncollide/base/cpu_features.hpp>
-#include <oncollide/narrowphase/boxes/obb_tree.hpp>
-#include <oncollide/narrowphase/boxes/terrain_tree.hpp>
+#include <oncollide/narrowphase/obb/obb_tree.hpp>
+#include <oncollide/narrowphase/obb/terrain_tree.hpp>
 #include <oncollide/narrowphase/exact/segment_kernel.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/exact/triangle_kernel.hpp>

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <oncollide/broadphase/box_kernel.hpp>
-#include <oncollide/narrowphase/solids/simplex.hpp>
+#include <oncollide/narrowphase/shapes/simplex.hpp>
 
 namespace oncollide {
 

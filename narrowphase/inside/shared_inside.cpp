@@ -88,7 +88,7 @@ TrianglePoints SharedInside::corners(const Side& side, std::uint32_t triangle)
 bool SharedInside::inside(const Side& side, const Vector3d& point)
 {
     ++placed_;
-    return locator_.place(point, side.tree->mesh(), side.tree, side.to_a) == PointPlace::inside;
+    return locator_.place(point, side.tree->mesh(), side.tree, side.to_a) == PointLocation::inside;
 }
 
 std::optional<Vector3d> SharedInside::beside_corners(const Side& side, const std::vector<std::uint8_t>& flags,

@@ -6,7 +6,7 @@
 #include <tuple>
 #include <vector>
 
-#include <oncollide/narrowphase/inside/point_place.hpp>
+#include <oncollide/narrowphase/inside/point_location.hpp>
 
 namespace oncollide {
 

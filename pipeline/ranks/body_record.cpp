@@ -90,7 +90,7 @@ Motion get_motion(ByteReader& reader)
 void put(Bytes& bytes, const BodyHere& b)
 {
     for (const std::uint32_t number : {b.gid, b.geometry, b.layer, b.mask, b.group}) put(bytes, number);
-    put(bytes, b.fixed), put_pose(bytes, b.pose), put_list(bytes, b.name), put_list(bytes, b.excluded);
+    put(bytes, b.is_static), put_pose(bytes, b.pose), put_list(bytes, b.name), put_list(bytes, b.excluded);
 }
 
 void put(Bytes& bytes, const BodyRecord& r)
@@ -104,7 +104,7 @@ BodyHere get_body(ByteReader& reader)
     BodyHere b{};
     for (std::uint32_t* number : {&b.gid, &b.geometry, &b.layer, &b.mask, &b.group})
         *number = reader.get<std::uint32_t>();
-    b.fixed = reader.get<bool>(), b.pose = get_pose(reader);
+    b.is_static = reader.get<bool>(), b.pose = get_pose(reader);
     b.name = reader.get_list<std::string>(), b.excluded = reader.get_list<std::vector<std::uint32_t>>();
     return b;
 }

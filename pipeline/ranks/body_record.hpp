@@ -12,7 +12,7 @@ struct BodyHere {
     std::uint32_t gid; ///< its index in the whole scene
     std::uint32_t geometry;
     std::uint32_t layer, mask, group;
-    bool fixed;
+    bool is_static;
     Eigen::Isometry3d pose;
     std::string name{};                    ///< as csv_field gives it, where rows are to be written; else empty
     std::vector<std::uint32_t> excluded{}; ///< bodies that it never collides with

@@ -98,7 +98,7 @@ FrameView RankWorld::step()
         const BodyHere& body = *come;
         const BodySpec spec{.model = model_of(body.geometry),
                             .pose = body.pose,
-                            .fixed = body.fixed,
+                            .is_static = body.is_static,
                             .layer = body.layer,
                             .mask = body.mask,
                             .group = body.group,

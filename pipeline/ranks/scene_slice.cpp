@@ -79,7 +79,7 @@ void SliceReader::take(std::uint32_t body, BodyInit init)
                        .layer = init.layer,
                        .mask = init.mask,
                        .group = init.group,
-                       .fixed = init.is_static,
+                       .is_static = init.is_static,
                        .pose = init.pose},
                       init.pose,
                       std::move(init.motion)};
@@ -120,9 +120,9 @@ void SliceReader::start_as_recorded()
         [&](std::uint32_t i, const Eigen::Isometry3d& pose) {
             mix(slice_.common, checksum_of(pose.data(), sizeof(double) * 16));
             if (at == slice_.records.end() || at->gid != recording.first + i) return;
-            if (at->fixed || !std::holds_alternative<Still>(at->motion))
+            if (at->is_static || !std::holds_alternative<Still>(at->motion))
                 throw Error(ErrorKind::bad_data, fmt::format("{}: moves body {}, which {}", recording.file, at->gid,
-                                                             at->fixed ? "is static" : "has a motion of its own"));
+                                                             at->is_static ? "is static" : "has a motion of its own"));
             at->pose = at->start = pose;
             ++at;
         },

@@ -6,7 +6,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
-#include <oncollide/narrowphase/solids/convex_distance.hpp>
+#include <oncollide/narrowphase/shapes/convex_distance.hpp>
 #include <oncollide/pipeline/refine/part_solid.hpp>
 
 namespace oncollide {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/narrowphase/boxes/box_search.hpp>
+#include <oncollide/narrowphase/obb/box_search.hpp>
 
 namespace oncollide {
 
@@ -42,12 +42,12 @@ bool may_hold(const Model& outer, const Eigen::Isometry3d& pose_outer, const Mod
 /// @param convex  is what fills the box convex? Then few triangles are in the box and not in it
 void look_in(const Aabb& box, Model& inner, const RelativePose& into_inner, bool convex, auto visit)
 {
-    if (!convex || !inner.is_mesh() || inner.triangles() < many_triangles || !inner.boxes) {
+    if (!convex || !inner.is_mesh() || inner.triangles() < many_triangles || !inner.obb_tree) {
         inner.any_part(box, into_inner, visit);
         return;
     }
-    any_triangle(*inner.boxes, box_moved(box, into_inner), [&](std::uint32_t triangle) {
-        const auto [p, q, r] = inner.boxes->corners(triangle);
+    any_triangle(*inner.obb_tree, box_moved(box, into_inner), [&](std::uint32_t triangle) {
+        const auto [p, q, r] = inner.obb_tree->corners(triangle);
         return visit(PartPoints{p, q, r, p, q, r});
     });
 }
@@ -69,7 +69,7 @@ std::optional<Eigen::Vector3d> held_point(const PairTask& task, bool outer_is_a,
     look_in(box, inner, into_inner, outer.shape() != nullptr, [&](const PartPoints& part) {
         if (!may_hold(box, part, into_outer)) return false;
         if (locator.place(outer_is_a ? b_to_a(part[0]) : part[0], mesh, tree, outer_is_a ? stay : b_to_a) ==
-            PointPlace::outside)
+            PointLocation::outside)
             return false;
         held = part[0];
         return true;
@@ -99,7 +99,7 @@ void ContainmentTest::find(const RefineContext& context, std::span<const PairTas
         const auto lock = context.changing();
         for (Query& query : queries_) {
             Model& outer = query.outer_is_a ? *tasks[query.task].a : *tasks[query.task].b;
-            query.tree = models_.admit_boxes(outer, context.frame) ? outer.boxes.get() : nullptr;
+            query.tree = models_.admit_obb_tree(outer, context.frame) ? outer.obb_tree.get() : nullptr;
         }
     }
     locators_.resize(static_cast<std::size_t>(std::max(context.threads, 1)));

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/narrowphase/inside/point_place.hpp>
+#include <oncollide/narrowphase/inside/point_location.hpp>
 #include <oncollide/pipeline/model_store.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
 

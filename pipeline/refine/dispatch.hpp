@@ -2,7 +2,7 @@
 #include <cstdint>
 
 #include <oncollide/pipeline/model_store.hpp>
-#include <oncollide/pipeline/refine/solid_pairs.hpp>
+#include <oncollide/pipeline/refine/non_mesh_pairs.hpp>
 #include <oncollide/pipeline/settings.hpp>
 
 namespace oncollide {
@@ -14,7 +14,7 @@ enum class Refiner : std::uint8_t {
     none,    ///< the level leaves the pair as it is
     no_room, ///< so too, for a budget has no room for what would decide it, or a file cannot be read
     spheres, ///< sphere-trees
-    boxes,   ///< oriented boxes, down to the error
+    obbs,    ///< OBB trees, down to the error
     exact,   ///< boxes, down to triangles, shapes and cells
     fcl,     ///< FCL, on the bodies as a whole, where the exact refiner agrees
 };
@@ -25,7 +25,7 @@ constexpr std::size_t refiner_count = 6;
 /// | level  | settings                                          | refiner |
 /// |--------|---------------------------------------------------|---------|
 /// | refine | spheres                                           | spheres |
-/// | refine | OBBs, or one body is a terrain                    | boxes   |
+/// | refine | OBBs, or one body is a terrain                    | obbs    |
 /// | refine | the same, and predicates are to decide            | none    |
 /// | exact  | predicates                                        | exact   |
 /// | exact  | fcl                                               | fcl     |
@@ -44,11 +44,11 @@ public:
     Refiner of(Level level, ModelStore& models, Model& a, Model& b, std::uint32_t frame) const
     {
         const auto room = [&] {
-            return !needs_trees(a, b, kinds_) || (models.admit_boxes(a, frame) && models.admit_boxes(b, frame));
+            return !needs_trees(a, b, kinds_) || (models.admit_obb_tree(a, frame) && models.admit_obb_tree(b, frame));
         };
         if (level == Level::refine) {
             const bool no_spheres = !has_spheres(a) || !has_spheres(b);
-            if ((obb_ || no_spheres) && room()) return left_to_exact_ ? Refiner::none : Refiner::boxes;
+            if ((obb_ || no_spheres) && room()) return left_to_exact_ ? Refiner::none : Refiner::obbs;
             if (no_spheres || !a.unreadable.empty() || !b.unreadable.empty()) return Refiner::no_room;
             const double error = models.max_error(a, b);
             models.spheres(a, error), models.spheres(b, error);
@@ -65,8 +65,8 @@ public:
             const double error = models.max_error(a, b);
             return models.has_spheres(a, error) && models.has_spheres(b, error);
         }
-        const auto has_boxes = [](const Model& model) { return model.boxes || !model.has_triangles(); };
-        return !needs_trees(a, b, kinds_) || (has_boxes(a) && has_boxes(b));
+        const auto has_obb_tree = [](const Model& model) { return model.obb_tree || !model.has_triangles(); };
+        return !needs_trees(a, b, kinds_) || (has_obb_tree(a) && has_obb_tree(b));
     }
 
 private:

@@ -60,7 +60,7 @@ void Narrowing::run(RefineContext& context, std::span<const PairTask> tasks, Pai
 {
     sort_out(context, tasks);
     refine(Refiner::spheres, spheres_, context, tasks, cache, results);
-    refine(Refiner::boxes, boxes_, context, tasks, cache, results);
+    refine(Refiner::obbs, boxes_, context, tasks, cache, results);
     refine(Refiner::exact, exact_, context, tasks, cache, results);
     refine(Refiner::fcl, fcl_, context, tasks, cache, results);
     for (std::uint32_t i : taken_[static_cast<std::size_t>(Refiner::no_room)]) {

@@ -21,28 +21,28 @@ std::optional<TrianglePair> hint_of(const PairMemory* memory)
 
 /// Where two meshes, or a mesh and a terrain, met last, for a walk to begin with and to set.
 template <class A, class B>
-class RememberedPlace {
+class RememberedHint {
 public:
-    explicit RememberedPlace(PairMemory* memory) : memory_(memory)
+    explicit RememberedHint(PairMemory* memory) : memory_(memory)
     {
-        const auto* place = memory ? std::get_if<MeetingPlace<A, B>>(&memory->place) : nullptr;
+        const auto* place = memory ? std::get_if<MeetingHint<A, B>>(&memory->place) : nullptr;
         if (place) place_ = *place;
     }
-    ~RememberedPlace()
+    ~RememberedHint()
     {
         if (memory_ && place_) memory_->place = *place_;
     }
-    std::optional<MeetingPlace<A, B>>* get() { return memory_ ? &place_ : nullptr; }
+    std::optional<MeetingHint<A, B>>* get() { return memory_ ? &place_ : nullptr; }
 
 private:
     PairMemory* memory_;
-    std::optional<MeetingPlace<A, B>> place_;
+    std::optional<MeetingHint<A, B>> place_;
 };
 template <>
-class RememberedPlace<TerrainTree, TerrainTree> { // few, and large
+class RememberedHint<TerrainTree, TerrainTree> { // few, and large
 public:
-    explicit RememberedPlace(PairMemory*) {}
-    std::optional<MeetingPlace<TerrainTree, TerrainTree>>* get() { return nullptr; }
+    explicit RememberedHint(PairMemory*) {}
+    std::optional<MeetingHint<TerrainTree, TerrainTree>>* get() { return nullptr; }
 };
 
 void remember(PairMemory* memory, const std::optional<TrianglePair>& meeting)
@@ -104,7 +104,7 @@ bool balls_meet(const PairTask& task, PairMemory& memory)
 {
     const auto holds = [&](double depth) { return depth > 0 && depth > rounding_of(task); };
     if (holds(memory.depth(task.travel))) return true;
-    const InnerBalls *const a = task.a->balls(), *const b = task.b->balls();
+    const InnerSpheres *const a = task.a->balls(), *const b = task.b->balls();
     if (!a || !b || !memory.near || task.travel == memory.walked_at || rests(memory.balls)) return false;
     const double depth = meeting_depth(*a, *b, RelativePose(*task.pose_a, *task.pose_b));
     if (!holds(depth)) return let_rest(memory.balls), false;
@@ -128,17 +128,17 @@ void prepare_solids(std::span<const PairTask> tasks, PairCache& cache)
 }
 
 /// Where two meshes met last, if both are still there.
-const MeetingPlace<ObbTree, ObbTree>* place_of(const PairTask& task, const PairMemory& memory)
+const MeetingHint<ObbTree, ObbTree>* place_of(const PairTask& task, const PairMemory& memory)
 {
-    const auto* place = std::get_if<MeetingPlace<ObbTree, ObbTree>>(&memory.place);
-    const bool stored = place && task.a->boxes && task.b->boxes && !task.a->file() && !task.b->file();
-    return stored && place->holds_in(*task.a->boxes, *task.b->boxes) ? place : nullptr;
+    const auto* place = std::get_if<MeetingHint<ObbTree, ObbTree>>(&memory.place);
+    const bool stored = place && task.a->obb_tree && task.b->obb_tree && !task.a->file() && !task.b->file();
+    return stored && place->holds_in(*task.a->obb_tree, *task.b->obb_tree) ? place : nullptr;
 }
 
 /// visit(tree, triangle) for those at which the walk of a pair that met begins.
 void each_hint(const PairTask& task, const PairMemory& memory, auto visit)
 {
-    const ObbTree *const a = task.a->boxes.get(), *const b = task.b->boxes.get();
+    const ObbTree *const a = task.a->obb_tree.get(), *const b = task.b->obb_tree.get();
     if (a && b) {
         if (place_of(task, memory)) visit(*a, memory.triangles.a), visit(*b, memory.triangles.b);
     } else if (const ObbTree* one = a ? a : b; one && one->is_large()) {
@@ -162,7 +162,7 @@ void fetch_ahead(std::span<const PairTask> tasks, PairCache* cache, std::size_t 
     };
     const auto trees = [](const PairTask& task, auto visit) {
         for (const Model* model : {task.a, task.b})
-            if (model->boxes) visit(*model->boxes);
+            if (model->obb_tree) visit(*model->obb_tree);
     };
     after(4, [](const PairTask& task, const PairMemory*) {
         task.a->prefetch(), task.b->prefetch();
@@ -180,7 +180,7 @@ void fetch_ahead(std::span<const PairTask> tasks, PairCache* cache, std::size_t 
         const bool met = memory && memory->met;
         const auto* const place = met ? place_of(task, *memory) : nullptr;
         if (place)
-            task.a->boxes->prefetch_node(place->a), task.b->boxes->prefetch_node(place->b);
+            task.a->obb_tree->prefetch_node(place->a), task.b->obb_tree->prefetch_node(place->b);
         else
             trees(task, [](const ObbTree& tree) { tree.prefetch_root(); });
         if (!met) return;
@@ -237,7 +237,7 @@ RefineResult ObbRefiner::near(const RefineContext& context, const PairTask& task
 {
     if (!is_surface(*task.a) || !is_surface(*task.b)) return worker.solids.near(context, task, memory, tolerance);
     return worker.walks.with(*task.a, *task.b, [&]<class A, class B>(auto& walk, A& a, B& b) -> RefineResult {
-        RememberedPlace<A, B> place(memory);
+        RememberedHint<A, B> place(memory);
         const auto found = walk.near(a, b, RelativePose(*task.pose_a, *task.pose_b), context.settings.clearance,
                                      tolerance, hint_of(memory), place.get());
         remember(memory, found.witness);
@@ -261,7 +261,7 @@ RefineResult ObbRefiner::exact(const RefineContext& context, const PairTask& tas
 {
     const Settings& settings = context.settings;
     const RelativePose b_to_a(*task.pose_a, *task.pose_b);
-    RememberedPlace<A, B> place(memory);
+    RememberedHint<A, B> place(memory);
     double bound = 0;
     if (!wants_kinds(settings)) {
         const auto [meeting, gap] = walk.first_meeting(a, b, b_to_a, hint_of(memory), place.get());
@@ -330,7 +330,7 @@ void ObbRefiner::refine(RefineContext& context, std::span<const PairTask> tasks,
         context.trees.node_pairs += counts.box_rows, context.trees.triangle_pairs += counts.triangles;
         context.trees.unsure_pairs += counts.unsure, context.trees.by_witness += counts.hints_held;
         worker.walks.reset_counts();
-        const SolidPairs::Counts solids = worker.solids.counts();
+        const NonMeshPairs::Counts solids = worker.solids.counts();
         context.trees.node_pairs += solids.box_rows, context.trees.triangle_pairs += solids.primitives;
         context.trees.by_witness += solids.hints_held;
         worker.solids.reset_counts();

@@ -4,7 +4,7 @@
 #include <oncollide/narrowphase/inside/shared_inside.hpp>
 #include <oncollide/pipeline/model_store.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
-#include <oncollide/pipeline/refine/solid_pairs.hpp>
+#include <oncollide/pipeline/refine/non_mesh_pairs.hpp>
 #include <oncollide/pipeline/refine/triangle_walks.hpp>
 
 namespace oncollide {
@@ -27,7 +27,7 @@ private:
     struct Worker {
         TriangleWalks walks;
         SharedInside inside;
-        SolidPairs solids;
+        NonMeshPairs solids;
         std::uint64_t by_gap = 0;   ///< pairs that their gap decided
         std::uint64_t by_hull = 0;  ///< pairs that their hulls decided
         std::uint64_t by_balls = 0; ///< pairs that balls within them decided

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <oncollide/broadphase/broad_phase.hpp>
-#include <oncollide/narrowphase/boxes/traversal.hpp>
+#include <oncollide/narrowphase/obb/traversal.hpp>
 #include <oncollide/narrowphase/spheres/walk.hpp>
 
 namespace oncollide {
@@ -30,8 +30,8 @@ struct PairMemory {
     TrianglePair triangles{}; ///< witness of contact; 0 for a shape
     LeafPair leaves{};        ///< leaves of the sphere-trees that touched
     /// Of a map the cell, in place of its triangle; else where the triangles are.
-    std::variant<std::monostate, MapCell, MeetingPlace<ObbTree, ObbTree>, MeetingPlace<TerrainTree, ObbTree>,
-                 MeetingPlace<ObbTree, TerrainTree>>
+    std::variant<std::monostate, MapCell, MeetingHint<ObbTree, ObbTree>, MeetingHint<TerrainTree, ObbTree>,
+                 MeetingHint<ObbTree, TerrainTree>>
         place = std::monostate();
 
     /// @param travel  of both, now

@@ -1,6 +1,6 @@
 #pragma once
 #include <oncollide/pipeline/refine/contact_finding.hpp>
-#include <oncollide/pipeline/refine/solid_pairs.hpp>
+#include <oncollide/pipeline/refine/non_mesh_pairs.hpp>
 
 namespace oncollide {
 
@@ -13,7 +13,7 @@ public:
 
 private:
     ContactFinding surfaces_;
-    SolidPairs solids_;
+    NonMeshPairs solids_;
     PointLocator locator_;
 };
 

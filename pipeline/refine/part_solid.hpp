@@ -1,12 +1,12 @@
 #pragma once
 #include <array>
 
-#include <oncollide/narrowphase/boxes/map_tree.hpp>
-#include <oncollide/narrowphase/boxes/obb_tree.hpp>
-#include <oncollide/narrowphase/boxes/terrain_tree.hpp>
+#include <oncollide/narrowphase/obb/map_tree.hpp>
+#include <oncollide/narrowphase/obb/obb_tree.hpp>
+#include <oncollide/narrowphase/obb/terrain_tree.hpp>
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
-#include <oncollide/narrowphase/solids/outward_normal.hpp>
-#include <oncollide/narrowphase/solids/shape_tree.hpp>
+#include <oncollide/narrowphase/shapes/outward_normal.hpp>
+#include <oncollide/narrowphase/shapes/shape_tree.hpp>
 
 namespace oncollide {
 

@@ -2,7 +2,7 @@
 #include <span>
 #include <vector>
 
-#include <oncollide/narrowphase/inside/point_place.hpp>
+#include <oncollide/narrowphase/inside/point_location.hpp>
 #include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
 

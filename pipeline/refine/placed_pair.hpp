@@ -1,5 +1,5 @@
 #pragma once
-#include <oncollide/narrowphase/solids/half_space.hpp>
+#include <oncollide/narrowphase/shapes/half_space.hpp>
 #include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
 
@@ -27,11 +27,11 @@ class DirectPair {
 public:
     explicit DirectPair(const PairTask& task);
 
-    /// As SolidPairs::exact().
+    /// As NonMeshPairs::exact().
     RefineResult exact(double clearance) const;
     /// Separate beyond the clearance, or near, where they do not meet.
     RefineResult by_distance(double clearance) const;
-    /// As SolidPairs::near().
+    /// As NonMeshPairs::near().
     RefineResult near(double clearance, double tolerance) const;
     /// As World::distance(); of shapes that are farther apart than `enough.above` the upper bound is infinite.
     Distance distance(const EnoughDistance& enough) const;

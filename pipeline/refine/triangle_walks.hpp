@@ -1,5 +1,5 @@
 #pragma once
-#include <oncollide/narrowphase/boxes/traversal.hpp>
+#include <oncollide/narrowphase/obb/traversal.hpp>
 #include <oncollide/narrowphase/model.hpp>
 
 namespace oncollide {
@@ -17,9 +17,9 @@ public:
     auto with(Model& a, Model& b, Work work)
     {
         if (a.terrain() && b.terrain()) return work(terrains_, a.heights(), b.heights());
-        if (a.terrain()) return work(terrain_first_, a.heights(), *b.boxes);
-        if (b.terrain()) return work(terrain_second_, *a.boxes, b.heights());
-        return work(meshes_, *a.boxes, *b.boxes);
+        if (a.terrain()) return work(terrain_first_, a.heights(), *b.obb_tree);
+        if (b.terrain()) return work(terrain_second_, *a.obb_tree, b.heights());
+        return work(meshes_, *a.obb_tree, *b.obb_tree);
     }
 
     Traversal::Counts counts() const

@@ -51,7 +51,7 @@ int main(int arguments, char** argument)
         places.push_back(at(100 + 3 * i)), many.push_back(world.add_body({.model = model, .pose = places.back()}));
     volatile double sink = 0;
 
-    time("World.fixed", 1, [&] { sink = sink + world.fixed(b); });
+    time("World.is_static", 1, [&] { sink = sink + world.is_static(b); });
     time("World.pose", 1, [&] { sink = sink + world.pose(b)(0, 3); });
     time("World.set_pose", 1, [&] { world.set_pose(b, pose); });
     time("World.query", 1, [&] { sink = sink + double(world.query(model, far).size()); });

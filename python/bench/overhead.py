@@ -48,7 +48,7 @@ batch_here, numbers = np.tile(here, (count, 1, 1)), np.zeros(count, np.uint32)
 
 # Name, call, how many items it is about.
 CALLS = [
-    ("World.fixed", lambda: world.fixed(b), 1),
+    ("World.is_static", lambda: world.is_static(b), 1),
     ("World.pose", lambda: world.pose(b), 1),
     ("World.set_pose", lambda: world.set_pose(b, pose), 1),
     ("World.query", lambda: world.query(model, far), 1),

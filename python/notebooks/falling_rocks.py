@@ -14,7 +14,7 @@ x, y = np.meshgrid(np.linspace(0, 20, 81), np.linspace(0, 20, 81))
 heights = 1.5 * np.sin(0.6 * x) * np.cos(0.5 * y) + 0.05 * rng.normal(size=x.shape)
 
 world = oncollide.World(max_error=0.01)  # metres
-land = world.add_body(world.add(oncollide.terrain(heights, spacing=0.25, name="hills")), fixed=True)
+land = world.add_body(world.add(oncollide.terrain(heights, spacing=0.25, name="hills")), static=True)
 
 # %% [markdown]
 # All rocks share two models, and with them their trees. `add_bodies` takes poses as (N, 4, 4), or as position and

@@ -14,13 +14,19 @@ void check_length(const Poses& poses, std::size_t count, const Place& place)
                      fmt::format("{} poses for {} bodies; must be as many, or one for all", poses.size(), count));
 }
 
-py::object add_body(HeldWorld& held, py::handle model, py::handle at, py::handle fixed, py::handle layer,
-                    py::handle mask, py::handle group, py::handle user)
+/// The keyword `static`, or its older name `fixed` where that is given.
+bool static_or_fixed(py::handle is_static, py::handle fixed, const char* call)
+{
+    return fixed.is_none() ? truth(is_static, {call, "static"}) : truth(fixed, {call, "fixed"});
+}
+
+py::object add_body(HeldWorld& held, py::handle model, py::handle at, py::handle is_static, py::handle layer,
+                    py::handle mask, py::handle group, py::handle user, py::handle fixed)
 {
     const char* const call = "World.add_body";
     const BodySpec spec{.model = model_of(held, model, {call, "model"}),
                         .pose = pose(at, {call, "pose"}),
-                        .fixed = truth(fixed, {call, "fixed"}),
+                        .is_static = static_or_fixed(is_static, fixed, call),
                         .layer = bits(layer, {call, "layer"}),
                         .mask = bits(mask, {call, "mask"}),
                         .group = bits(group, {call, "group"}),
@@ -29,12 +35,12 @@ py::object add_body(HeldWorld& held, py::handle model, py::handle at, py::handle
     return py::int_(number_of(held.world.add_body(spec)));
 }
 
-py::array add_bodies(HeldWorld& held, py::handle model, py::handle at, py::handle fixed, py::handle layer,
-                     py::handle mask, py::handle group)
+py::array add_bodies(HeldWorld& held, py::handle model, py::handle at, py::handle is_static, py::handle layer,
+                     py::handle mask, py::handle group, py::handle fixed)
 {
     const char* const call = "World.add_bodies";
     const BodySpec spec{.model = model_of(held, model, {call, "model"}),
-                        .fixed = truth(fixed, {call, "fixed"}),
+                        .is_static = static_or_fixed(is_static, fixed, call),
                         .layer = bits(layer, {call, "layer"}),
                         .mask = bits(mask, {call, "mask"}),
                         .group = bits(group, {call, "group"})};
@@ -84,18 +90,18 @@ void bind_bodies(WorldClass& world)
     using namespace py::literals;
     const auto none = py::none();
     const py::int_ all(0xffffffffu);
-    world.def("add_body", &add_body, "model"_a, "pose"_a = none, "fixed"_a = false, "layer"_a = 1, "mask"_a = all,
-              "group"_a = 0, "user"_a = 0,
-              R"(add_body(self, model, pose=None, fixed=False, layer=1, mask=4294967295, group=0, user=0)
+    world.def("add_body", &add_body, "model"_a, "pose"_a = none, "static"_a = false, "layer"_a = 1, "mask"_a = all,
+              "group"_a = 0, "user"_a = 0, "fixed"_a = none,
+              R"(add_body(self, model, pose=None, static=False, layer=1, mask=4294967295, group=0, user=0)
 --
 
 Adds a body and returns its id (int).
 
-pose: (4, 4) or (7,), metres; None: the origin. fixed: two fixed bodies never form a pair. layer, mask: bits; a pair is
+pose: (4, 4) or (7,), metres; None: the origin. static: two static bodies never form a pair. layer, mask: bits; a pair is
 tested when the layer of each has a bit in common with the mask of the other. group: bodies of one group other than 0
 never collide. user: a number of yours, up to 2^64 - 1, which World.user() returns.)");
-    world.def("add_bodies", &add_bodies, "model"_a, "poses"_a, "fixed"_a = false, "layer"_a = 1, "mask"_a = all,
-              "group"_a = 0, R"(add_bodies(self, model, poses, fixed=False, layer=1, mask=4294967295, group=0)
+    world.def("add_bodies", &add_bodies, "model"_a, "poses"_a, "static"_a = false, "layer"_a = 1, "mask"_a = all,
+              "group"_a = 0, "fixed"_a = none, R"(add_bodies(self, model, poses, static=False, layer=1, mask=4294967295, group=0)
 --
 
 Adds a body for each of the poses, (N, 4, 4) or (N, 7), and returns their ids, uint64 (N,).)");
@@ -135,15 +141,16 @@ Moves a body. pose: (4, 4) or (7,), metres; rigid to 1e-6.)");
 
 Moves many. bodies: (N,) ids. poses: (N, 4, 4) or (N, 7), metres, or one pose for all. Where one is refused, none moves.)");
     world.def(
-        "set_fixed",
-        [](HeldWorld& held, py::handle which, py::handle fixed) {
-            const bool now = truth(fixed, {"World.set_fixed", "fixed"});
-            change(held, "World.set_fixed", which, [&](BodyId id) { held.world.set_fixed(id, now); });
+        "set_static",
+        [](HeldWorld& held, py::handle which, py::handle is_static) {
+            const bool now = truth(is_static, {"World.set_static", "static"});
+            change(held, "World.set_static", which, [&](BodyId id) { held.world.set_static(id, now); });
         },
-        "body"_a, "fixed"_a, R"(set_fixed(self, body, fixed)
+        "body"_a, "static"_a, R"(set_static(self, body, static)
 --
 
-Two fixed bodies never form a pair; a fixed body may be moved all the same.)");
+Makes a body static or dynamic. Two static bodies never form a pair; a static body may still be moved.)");
+    world.attr("set_fixed") = world.attr("set_static"); // its older name
     world.def(
         "set_layers",
         [](HeldWorld& held, py::handle which, py::handle layer, py::handle mask) {
@@ -231,16 +238,17 @@ The Model of a body.)");
 
 The number of yours that the World keeps for a body (int).)");
     world.def(
-        "fixed",
+        "is_static",
         [](HeldWorld& held, py::handle which) {
-            const BodyId id = body(which, {"World.fixed", "body"});
-            const Looking looking(held, "World.fixed");
-            return held.world.fixed(id);
+            const BodyId id = body(which, {"World.is_static", "body"});
+            const Looking looking(held, "World.is_static");
+            return held.world.is_static(id);
         },
-        "body"_a, R"(fixed(self, body)
+        "body"_a, R"(is_static(self, body)
 --
 
-Is the body fixed?)");
+True if the body is static.)");
+    world.attr("fixed") = world.attr("is_static"); // its older name
     world.def(
         "__contains__",
         [](HeldWorld& held, py::handle item) {

@@ -84,10 +84,10 @@ void HardScene::coplanar_walls()
 void HardScene::same_place()
 {
     ring_ = generated("ring", {{"kind", "torus"}, {"major", 1}, {"minor", 0.25}, {"triangles", 800}});
-    const Eigen::Quaterniond turned = Dice(seed_, 0).rotation();
-    put("twin-a", ring_, {0, 0, 0}, turned);
-    put("twin-b", ring_, {0, 0, 0}, turned);
-    put("twin-c", ring_, {0x1p-40, 0, 0}, turned);
+    const Eigen::Quaterniond rotated = Dice(seed_, 0).rotation();
+    put("twin-a", ring_, {0, 0, 0}, rotated);
+    put("twin-b", ring_, {0, 0, 0}, rotated);
+    put("twin-c", ring_, {0x1p-40, 0, 0}, rotated);
     next_group();
 }
 

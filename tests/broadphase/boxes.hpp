@@ -10,16 +10,16 @@ namespace oncollide {
 /// Bodies as boxes alone.
 struct Boxes {
     std::vector<Aabb> boxes;
-    std::vector<std::uint8_t> asleep;
+    std::vector<std::uint8_t> is_static;
     std::vector<std::uint32_t> layers, masks, groups, all;
 
-    void add(const Eigen::Vector3d& min, const Eigen::Vector3d& max, bool sleeps = false, std::uint32_t layer = 1,
+    void add(const Eigen::Vector3d& min, const Eigen::Vector3d& max, bool static_body = false, std::uint32_t layer = 1,
              std::uint32_t mask = ~0u, std::uint32_t group = 0)
     {
         Aabb box;
         box.min = min, box.max = max;
         all.push_back(static_cast<std::uint32_t>(boxes.size()));
-        boxes.push_back(box), asleep.push_back(sleeps);
+        boxes.push_back(box), this->is_static.push_back(static_body);
         layers.push_back(layer), masks.push_back(mask), groups.push_back(group);
     }
     void step(std::uint32_t body, const Eigen::Vector3d& by) { boxes[body].min += by, boxes[body].max += by; }
@@ -27,7 +27,7 @@ struct Boxes {
     void add_to(BroadPhase& broad) const
     {
         std::vector<std::uint32_t> resting, moving;
-        for (std::uint32_t body : all) (asleep[body] ? resting : moving).push_back(body);
+        for (std::uint32_t body : all) (is_static[body] ? resting : moving).push_back(body);
         broad.add(resting, true), broad.add(moving);
     }
 
@@ -39,14 +39,14 @@ struct Boxes {
             for (std::uint32_t b = a + 1; b < boxes.size(); ++b) {
                 const bool apart = ((boxes[a].min - boxes[b].max).array() > margin).any() ||
                                    ((boxes[b].min - boxes[a].max).array() > margin).any();
-                if (apart || (asleep[a] && asleep[b]) || (groups[a] && groups[a] == groups[b])) continue;
+                if (apart || (is_static[a] && is_static[b]) || (groups[a] && groups[a] == groups[b])) continue;
                 if ((layers[a] & masks[b]) && (layers[b] & masks[a])) pairs.push_back({a, b});
             }
         return pairs;
     }
 };
 
-inline Boxes random_boxes(std::uint32_t count, double side, double asleep_share, std::uint64_t seed,
+inline Boxes random_boxes(std::uint32_t count, double side, double static_share, std::uint64_t seed,
                           const Eigen::Vector3d& at)
 {
     Boxes scene;
@@ -56,7 +56,7 @@ inline Boxes random_boxes(std::uint32_t count, double side, double asleep_share,
             centre[static_cast<int>(k)] = side * u01(seed, i, k),
             half[static_cast<int>(k)] = 0.25 + 0.25 * u01(seed, i, 3 + k);
         if (i % 50 == 0) half *= 8;
-        scene.add(at + centre - half, at + centre + half, u01(seed, i, 6) < asleep_share, 1u << (i % 3),
+        scene.add(at + centre - half, at + centre + half, u01(seed, i, 6) < static_share, 1u << (i % 3),
                   i % 7 == 0 ? 0b011u : ~0u, i % 5 == 0 ? i % 4 : 0);
     }
     return scene;

@@ -112,8 +112,8 @@ TEST_P(EveryBroadPhase, FindsThePairsOfBoxesOfEverySizeTogether)
 TEST_P(EveryBroadPhase, FormsNoPairsOfSleepersOrAgainstLayersMasksAndGroups)
 {
     Boxes scene;
-    const auto add = [&](bool asleep, std::uint32_t layer, std::uint32_t mask, std::uint32_t group) {
-        scene.add({0, 0, 0}, {1, 1, 1}, asleep, layer, mask, group);
+    const auto add = [&](bool is_static, std::uint32_t layer, std::uint32_t mask, std::uint32_t group) {
+        scene.add({0, 0, 0}, {1, 1, 1}, is_static, layer, mask, group);
     };
     add(true, 1, ~0u, 0), add(true, 1, ~0u, 0), add(false, 2, 1, 0), add(false, 1, 1, 0);
     EXPECT_EQ(find_in(scene), (Pairs{{0, 2}, {0, 3}, {1, 2}, {1, 3}})) << "2 and 3: 3 does not collide with layer 2";
@@ -126,7 +126,7 @@ TEST_P(EveryBroadPhase, FormsNoPairsOfSleepersOrAgainstLayersMasksAndGroups)
     broad->move(Bodies{2, 5});
     EXPECT_EQ(find(*broad, scene), (Pairs{{0, 3}, {0, 4}, {0, 5}, {1, 3}, {1, 4}, {1, 5}, {3, 4}, {3, 5}, {4, 5}}));
     const auto pairs = broad->find_pairs({.boxes = scene.boxes}, true);
-    EXPECT_EQ(pairs.size(), 14u) << "all but that of the sleepers";
+    EXPECT_EQ(pairs.size(), 14u) << "all but that of the statics";
 }
 
 TEST_P(EveryBroadPhase, FollowsWhatMovesFrameByFrame)
@@ -140,7 +140,7 @@ TEST_P(EveryBroadPhase, FollowsWhatMovesFrameByFrame)
         const double share = std::array{0.0, 0.0004, 0.05, 0.2, 0.6}[frame % 5];
         Bodies moved;
         for (std::uint32_t body : scene.all) {
-            if (scene.asleep[body] || u01(frame, body, 0) >= share) continue;
+            if (scene.is_static[body] || u01(frame, body, 0) >= share) continue;
             moved.push_back(body);
             scene.step(body, random_step(frame, body, frame % 7 == 6 ? 60 : 0.4));
         }
@@ -157,12 +157,12 @@ TEST_P(EveryBroadPhase, FollowsBodiesThatComeGoMoveSleepWakeAndChangeLayersAndGr
     const auto broad = make();
     for (std::uint64_t frame = 0; frame < 80; ++frame) {
         const double share = std::array{0.3, 0.002, 0.03, 0.9}[frame % 4];
-        Bodies come, come_asleep, gone, moved, asleep, awake;
+        Bodies come, come_static, gone, moved, is_static, dynamic;
         for (std::uint32_t body : scene.all) {
             const double dice = u01(frame + 100, body, 0) / share;
             if (dice >= 1) continue;
             if (!there[body]) {
-                (scene.asleep[body] = dice < 0.4) ? come_asleep.push_back(body) : come.push_back(body);
+                (scene.is_static[body] = dice < 0.4) ? come_static.push_back(body) : come.push_back(body);
             } else if (dice < 0.25) {
                 gone.push_back(body);
             } else if (dice < 0.6) {
@@ -170,16 +170,16 @@ TEST_P(EveryBroadPhase, FollowsBodiesThatComeGoMoveSleepWakeAndChangeLayersAndGr
                 if (dice > 0.5) scene.layers[body] = 1u << (frame % 4);
                 if (dice > 0.55) scene.groups[body] = static_cast<std::uint32_t>(frame % 3), scene.masks[body] ^= 4;
             } else {
-                (scene.asleep[body] ^= 1) ? asleep.push_back(body) : awake.push_back(body);
+                (scene.is_static[body] ^= 1) ? is_static.push_back(body) : dynamic.push_back(body);
             }
         }
-        broad->add(come), broad->add(come_asleep, true), broad->move(moved), broad->sleep(asleep), broad->wake(awake);
+        broad->add(come), broad->add(come_static, true), broad->move(moved), broad->make_static(is_static), broad->make_dynamic(dynamic);
         broad->remove(gone);
-        for (const Bodies& list : {come, come_asleep})
+        for (const Bodies& list : {come, come_static})
             for (std::uint32_t body : list) there[body] = 1;
         for (std::uint32_t body : gone) there[body] = 0;
         if (frame % 9 == 4 && !gone.empty()) { // gone and back before anybody asks
-            broad->add(std::span(gone).first(1), scene.asleep[gone[0]] != 0);
+            broad->add(std::span(gone).first(1), scene.is_static[gone[0]] != 0);
             there[gone[0]] = 1;
         }
         if (frame % 3 == 1) broad->take_in(scene.columns());
@@ -217,11 +217,11 @@ TEST_P(EveryBroadPhase, FollowsBodiesThatDriftSlowlyAmongOtherChanges)
             if (dice >= 1) continue;
             const Bodies one{body};
             if (!there[body]) {
-                broad->add(one, scene.asleep[body] != 0), there[body] = 1;
+                broad->add(one, scene.is_static[body] != 0), there[body] = 1;
             } else if (dice < 0.2) {
                 broad->remove(one), there[body] = 0;
             } else if (dice < 0.6) {
-                (scene.asleep[body] ^= 1) ? broad->sleep(one) : broad->wake(one);
+                (scene.is_static[body] ^= 1) ? broad->make_static(one) : broad->make_dynamic(one);
             } else {
                 (dice < 0.8 ? scene.layers[body] : scene.groups[body]) ^= 1, broad->move(one);
             }
@@ -251,19 +251,19 @@ TEST_P(EveryBroadPhase, FollowsBodiesThatDriftSlowlyAmongOtherChanges)
 TEST_P(EveryBroadPhase, HoldsNoForbiddenPairsOfAHeap)
 {
     constexpr std::uint32_t count = 3000;
-    Boxes by_layer, by_group, by_sleep;
+    Boxes by_layer, by_group, by_static;
     for (std::uint32_t i = 0; i < count; ++i) {
         const Eigen::Vector3d low = 0.01 * Eigen::Vector3d(u01(1, i, 0), u01(1, i, 1), u01(1, i, 2)), high(1, 1, 1);
         // Each one's layers meet the mask of the other half, whose layers do not meet its own.
         by_layer.add(low, high, false, i % 2 ? 1 : 4, i % 2 ? 2 : 1);
         by_group.add(low, high, false, 1, 1, 5);
-        by_sleep.add(low, high, i > 0);
+        by_static.add(low, high, i > 0);
     }
-    for (Boxes* scene : {&by_layer, &by_group, &by_sleep}) {
+    for (Boxes* scene : {&by_layer, &by_group, &by_static}) {
         const auto broad = make();
         scene->add_to(*broad);
         const Pairs expected = truth(*scene);
-        EXPECT_EQ(expected.size(), scene == &by_sleep ? count - 1 : 0);
+        EXPECT_EQ(expected.size(), scene == &by_static ? count - 1 : 0);
         EXPECT_EQ(find(*broad, *scene), expected);
         for (const std::uint32_t moved : {1u, 100u, count / 5, count / 2, count}) {
             broad->move(std::span(scene->all).first(moved));
@@ -365,8 +365,8 @@ TEST_P(EveryBroadPhase, RefusesWhatMakesNoSense)
     names("body 7", [&] { broad->add(Bodies{7}); });
     names("body 300", [&] { broad->move(Bodies{3, 300}); });
     names("body 4000000000", [&] { broad->remove(Bodies{4000000000u}); });
-    names("body 301", [&] { broad->sleep(Bodies{301}); });
-    names("body 302", [&] { broad->wake(Bodies{302}); });
+    names("body 301", [&] { broad->make_static(Bodies{301}); });
+    names("body 302", [&] { broad->make_dynamic(Bodies{302}); });
     names("margin", [&] { GetParam().make({.margin = -1}); });
     names("margin", [&] { GetParam().make({.margin = std::nan("")}); });
     names("threads", [&] { GetParam().make({.threads = 0}); });

@@ -119,7 +119,7 @@ TEST(Delimitation, LeavesEveryBodyOfAPair)
     scene.add_to(*tree);
     Bodies moving, left;
     for (std::uint32_t body : scene.all)
-        if (!scene.asleep[body]) moving.push_back(body);
+        if (!scene.is_static[body]) moving.push_back(body);
     tree->find_pairs(scene.columns());
     for (int frame = 0; frame < 30; ++frame) {
         tree->move(moving);
@@ -172,7 +172,7 @@ TEST(Delimitation, RejectsForbiddenLayersAndAllWhenNothingMoves)
     EXPECT_EQ(find(*tree, scene), (Pairs{{200, 600}, {500, 601}}));
     EXPECT_EQ(find(*tree, scene, true), (Pairs{{200, 600}, {500, 601}}));
     EXPECT_TRUE(tree->levels().empty()) << "all was searched";
-    tree->sleep(Bodies{600, 601});
+    tree->make_static(Bodies{600, 601});
     EXPECT_TRUE(find(*tree, scene).empty());
     tree->delimit(scene.columns());
     ASSERT_FALSE(tree->levels().empty());
@@ -212,9 +212,9 @@ TEST(Delimitation, KnowsTheLayersOfBodiesThatAreAddedLittleByLittle)
     const auto tree = make_kd_tree();
     std::uint32_t there = 0;
     const auto add_up_to = [&](std::uint32_t end) {
-        Bodies asleep, awake;
-        for (; there < end; ++there) (scene.asleep[there] ? asleep : awake).push_back(there);
-        tree->add(asleep, true), tree->add(awake);
+        Bodies is_static, dynamic;
+        for (; there < end; ++there) (scene.is_static[there] ? is_static : dynamic).push_back(there);
+        tree->add(is_static, true), tree->add(dynamic);
     };
     for (const std::uint32_t end : {200u, 240u, 250u, 258u, 300u, 360u, 4000u, 4090u, 4097u, 4200u, 5000u}) {
         add_up_to(end);

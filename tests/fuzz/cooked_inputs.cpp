@@ -201,11 +201,11 @@ public:
     explicit Queries(const std::shared_ptr<const Geometry>& mesh)
     {
         const ModelId model = world_.add(mesh);
-        Eigen::Isometry3d turned = Eigen::Isometry3d::Identity();
-        turned.linear() = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
-        turned.translation() = Eigen::Vector3d(0.3, 0.1, 4.5);
-        bodies_.push_back(world_.add_body({.model = model, .fixed = true}));
-        bodies_.push_back(world_.add_body({.model = model, .pose = turned}));
+        Eigen::Isometry3d rotated = Eigen::Isometry3d::Identity();
+        rotated.linear() = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+        rotated.translation() = Eigen::Vector3d(0.3, 0.1, 4.5);
+        bodies_.push_back(world_.add_body({.model = model, .is_static = true}));
+        bodies_.push_back(world_.add_body({.model = model, .pose = rotated}));
         static const auto crate = named(make_box_mesh({0.2, 0.3, 0.4}));
         const ModelId crates = world_.add(crate), ball = world_.add(Shape(Sphere{0.4}), "ball");
         for (const Eigen::Vector3d& at : {Eigen::Vector3d(0, 0, 0.3), {1, 0.5, 1}, {-0.8, 0.7, 4}, {0.1, 0.2, 2.2}})

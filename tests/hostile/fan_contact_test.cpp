@@ -42,7 +42,7 @@ Mesh drum(std::uint32_t n, const Drum& d, const Matrix3d& rotation = Matrix3d::I
     return make_mesh("drum", std::move(vertices), std::move(triangles));
 }
 
-const Matrix3d turned = Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+const Matrix3d rotated = Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
 
 struct Outcome {
     ContactKind kind;
@@ -93,18 +93,18 @@ TEST(FanContact, StackedCylindersTakeMilliseconds)
 TEST(FanContact, StackedCylindersAtAnyAngleDoNotTakeSeconds)
 {
     // The caps' corners are the same, but in no plane.
-    expect_quick(drum(segments, lower, turned), drum(segments, upper, turned), ContactKind::touching, 1500);
+    expect_quick(drum(segments, lower, rotated), drum(segments, upper, rotated), ContactKind::touching, 1500);
 }
 
 TEST(FanContact, ConesThatTouchInAPointDoNotTakeSeconds)
 {
     const Drum low{-1, -0.5, -1, 0}, high{0.5, 1, 0, 1};
     expect_quick(drum(segments, low), drum(segments, high), ContactKind::touching, 500);
-    expect_quick(drum(segments, low, turned), drum(segments, high, turned), ContactKind::touching, 500);
+    expect_quick(drum(segments, low, rotated), drum(segments, high, rotated), ContactKind::touching, 500);
     Drum star = low, other = high;
     star.dent = other.dent = 0.5, other.phase = 0.3;
     expect_quick(drum(segments, star), drum(segments, other), ContactKind::touching, 500);
-    expect_quick(drum(segments, star, turned), drum(segments, other, turned), ContactKind::touching, 500);
+    expect_quick(drum(segments, star, rotated), drum(segments, other, rotated), ContactKind::touching, 500);
 }
 
 TEST(FanContact, CoaxialGearsTakeMilliseconds)
@@ -123,7 +123,7 @@ TEST(FanContact, ACornerInsideACornerCrosses)
     // One cone inside another: their surfaces meet in the point alone, but they share an inside.
     const Drum narrow{0.75, 0.9, 0, 0.9, 0.25};
     expect_quick(drum(64, outer), drum(64, narrow), ContactKind::crossing, 500);
-    expect_quick(drum(64, outer, turned), drum(64, narrow, turned), ContactKind::crossing, 500);
+    expect_quick(drum(64, outer, rotated), drum(64, narrow, rotated), ContactKind::crossing, 500);
 }
 
 } // namespace

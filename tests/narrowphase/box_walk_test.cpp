@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/narrowphase/boxes/box_walk.hpp>
+#include <oncollide/narrowphase/obb/box_walk.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
 #include "random_pose.hpp"

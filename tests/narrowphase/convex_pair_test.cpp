@@ -4,7 +4,7 @@
 #include <random>
 
 #include <oncollide/narrowphase/model.hpp>
-#include <oncollide/narrowphase/solids/convex_pair.hpp>
+#include <oncollide/narrowphase/shapes/convex_pair.hpp>
 
 #include "differential/convex_truth.hpp"
 #include "random_pose.hpp"

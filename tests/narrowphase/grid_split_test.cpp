@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/narrowphase/boxes/grid_split.hpp>
-#include <oncollide/narrowphase/boxes/traversal.hpp>
+#include <oncollide/narrowphase/obb/grid_split.hpp>
+#include <oncollide/narrowphase/obb/traversal.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
 #include "random_pose.hpp"

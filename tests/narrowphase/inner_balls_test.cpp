@@ -6,10 +6,10 @@
 
 #include <oncollide/base/random.hpp>
 #include <oncollide/broadphase/pose_bounds.hpp>
-#include <oncollide/narrowphase/boxes/traversal.hpp>
+#include <oncollide/narrowphase/obb/traversal.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
-#include <oncollide/narrowphase/hulls/inner_balls.hpp>
-#include <oncollide/narrowphase/inside/point_place.hpp>
+#include <oncollide/narrowphase/hulls/inner_spheres.hpp>
+#include <oncollide/narrowphase/inside/point_location.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
 #include "random_pose.hpp"
@@ -84,12 +84,12 @@ Vector3d direction(std::uint64_t i)
     return Vector3d(u01(5, i, 0) - 0.5, u01(5, i, 1) - 0.5, u01(5, i, 2) - 0.5).normalized();
 }
 
-TEST(InnerBalls, AreEnclosed)
+TEST(InnerSpheres, AreEnclosed)
 {
     std::size_t enclosed = 0;
     PointLocator locator;
     for (const Mesh& mesh : meshes()) {
-        const InnerBalls balls(mesh);
+        const InnerSpheres balls(mesh);
         for (std::size_t i = 0; i < balls.count(); ++i) {
             const Vector3d centre = balls.centre() + balls.ball(i);
             double nearest = HUGE_VAL;
@@ -108,16 +108,16 @@ TEST(InnerBalls, AreEnclosed)
             ++enclosed;
             ASSERT_TRUE(is_closed(mesh));
             const RelativePose stay(Isometry3d::Identity(), Isometry3d::Identity());
-            EXPECT_EQ(locator.place(centre, mesh, nullptr, stay), PointPlace::inside);
+            EXPECT_EQ(locator.place(centre, mesh, nullptr, stay), PointLocation::inside);
         }
     }
     EXPECT_GT(enclosed, 60u);
 }
 
 /// Balls as large as a body allows, in all of its parts.
-TEST(InnerBalls, FillABody)
+TEST(InnerSpheres, FillABody)
 {
-    const InnerBalls ball(make_sphere_mesh(1, 2000)), rod(make_box_mesh({1, 0.3, 0.3}));
+    const InnerSpheres ball(make_sphere_mesh(1, 2000)), rod(make_box_mesh({1, 0.3, 0.3}));
     EXPECT_GT(ball.radius(0), 0.9);
     ASSERT_GT(rod.enclosed(), 4u);
     double least = 0, most = 0;
@@ -129,12 +129,12 @@ TEST(InnerBalls, FillABody)
     EXPECT_GT(most, 0.5);
 }
 
-TEST(InnerBalls, MeetOnlyWhereSurfacesDoHoweverTheBodiesMoveWithinTheDepth)
+TEST(InnerSpheres, MeetOnlyWhereSurfacesDoHoweverTheBodiesMoveWithinTheDepth)
 {
     Traversal walk;
     int met = 0, moved = 0, apart = 0;
     const std::vector<Mesh> all = meshes();
-    std::vector<InnerBalls> balls;
+    std::vector<InnerSpheres> balls;
     std::vector<GeometryData> data(all.begin(), all.end());
     for (const Mesh& mesh : all) balls.emplace_back(mesh);
     for (std::size_t i = 0; i < all.size(); ++i)

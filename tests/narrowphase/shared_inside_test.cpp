@@ -184,9 +184,9 @@ TEST(SharedInside, LooksAtNoPairsOfFansWhereAPlanePartsStackedCylinders)
 TEST(SharedInside, LooksAtNoPairsOfFansWhereAPlanePartsStackedGears)
 {
     const Mesh gear = make_gear_mesh(100, 0.9, 1, 0.5, 0.3);
-    Isometry3d turned = above(0.5);
-    turned.rotate(Eigen::AngleAxisd(0.01, Vector3d::UnitZ()));
-    const RelativePose b_to_a(Isometry3d::Identity(), turned);
+    Isometry3d rotated = above(0.5);
+    rotated.rotate(Eigen::AngleAxisd(0.01, Vector3d::UnitZ()));
+    const RelativePose b_to_a(Isometry3d::Identity(), rotated);
     ObbTree a(gear), b(gear);
     EXPECT_TRUE(Traversal().contact(a, b, b_to_a).parted);
     SharedInside inside;

@@ -10,8 +10,8 @@
 
 #include <oncollide/base/cpu_features.hpp>
 #include <oncollide/base/random.hpp>
-#include <oncollide/narrowphase/boxes/traversal.hpp>
-#include <oncollide/narrowphase/boxes/triangle_parts.hpp>
+#include <oncollide/narrowphase/obb/traversal.hpp>
+#include <oncollide/narrowphase/obb/triangle_parts.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 

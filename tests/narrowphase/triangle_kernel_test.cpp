@@ -180,9 +180,9 @@ TEST_P(EveryFamilyInEights, HasTheSegmentAndNormalsOfTheExactTestOrIsLeftOpen)
                 };
                 const double as_they_are =
                     std::max(off(first[i].ends[0], truth.ends[0]), off(first[i].ends[1], truth.ends[1]));
-                const double turned =
+                const double rotated =
                     std::max(off(first[i].ends[0], truth.ends[1]), off(first[i].ends[1], truth.ends[0]));
-                EXPECT_LE(std::min(as_they_are, turned), 0x1p-46 + 0x1p-48) << shown(eight[i]);
+                EXPECT_LE(std::min(as_they_are, rotated), 0x1p-46 + 0x1p-48) << shown(eight[i]);
                 const Eigen::Vector3d normal_a = unit_normal(a[0], a[1], a[2]),
                                       normal_b = unit_normal(b[0], b[1], b[2]);
                 EXPECT_LE((first[i].normal_a - normal_a).cwiseAbs().maxCoeff(), 0x1p-40 + 0x1p-49) << shown(eight[i]);
@@ -231,7 +231,7 @@ TEST(TriangleKernel, MovesSegmentsToTheWorld)
 TEST_P(EveryFamilyInEights, HasNearestPointsThatASlabProvesAndTheSameBitsOnEveryInstructionSet)
 {
     GridPoints random(13);
-    const RelativePose turned(Eigen::Isometry3d(random.rotation()), Eigen::Isometry3d(random.rotation()));
+    const RelativePose rotated(Eigen::Isometry3d(random.rotation()), Eigen::Isometry3d(random.rotation()));
     std::size_t proved = 0;
     for (unsigned turn = 0; turn < 200; ++turn) {
         std::vector<TwoTriangles> eight;
@@ -240,7 +240,7 @@ TEST_P(EveryFamilyInEights, HasNearestPointsThatASlabProvesAndTheSameBitsOnEvery
         const unsigned count = 1 + turn % 8;
         std::vector<NearestOfPairs> found;
         for (const Kernel& kernel : kernels()) {
-            kernel.measure(corners, turned.rotation.data(), turned.translation.data(), count, found.emplace_back());
+            kernel.measure(corners, rotated.rotation.data(), rotated.translation.data(), count, found.emplace_back());
             for (unsigned i = 0; i < count; ++i) {
                 const NearestPoints here = points_of(found.back(), i), first = points_of(found.front(), i);
                 EXPECT_TRUE(here.a == first.a && here.b == first.b && here.distance == first.distance) << kernel.name;
@@ -248,7 +248,7 @@ TEST_P(EveryFamilyInEights, HasNearestPointsThatASlabProvesAndTheSameBitsOnEvery
         }
         for (unsigned i = 0; i < count; ++i) {
             auto& [p, q] = eight[i];
-            for (Eigen::Vector3d& corner : q) corner = turned(corner);
+            for (Eigen::Vector3d& corner : q) corner = rotated(corner);
             if (triangles_meet(p, q)) continue;
             const NearestPoints points = points_of(found.front(), i);
             const double rounding = 0x1p-40 * extent_of(eight[i]);

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include <oncollide/narrowphase/boxes/hierarchy.hpp>
-#include <oncollide/narrowphase/boxes/obb_tree.hpp>
+#include <oncollide/narrowphase/obb/hierarchy.hpp>
+#include <oncollide/narrowphase/obb/obb_tree.hpp>
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/exact/triangle_gap.hpp>
@@ -36,7 +36,7 @@ public:
     {
         LaneMasks masks{0, 0};
         boxes.margin = box_margin * static_cast<float>(1.5 * cell_ * (node.size ? node.size / 2 : size_));
-        const bool turned = placement && placement->turned;
+        const bool rotated = placement && placement->rotated;
         for (unsigned k = 0; k < 8; ++k) {
             const Node part = below(node, k);
             const bool any = (node.size || k == 0) && holds(part);
@@ -45,10 +45,10 @@ public:
             Eigen::Vector3d middle = cell_ * (low.array() + 0.5 * part.size).matrix() - centre();
             if (placement) middle -= Eigen::Map<const Eigen::Vector3f>(placement->from).cast<double>();
             for (int i = 0; i < 3; ++i) {
-                float c = turned ? placement->translation[i] : static_cast<float>(middle[i]);
+                float c = rotated ? placement->translation[i] : static_cast<float>(middle[i]);
                 for (int j = 0; j < 3; ++j) {
-                    if (turned) c += placement->rotation[3 * i + j] * static_cast<float>(middle[j]);
-                    boxes.axis[j][i][k] = turned ? placement->rotation[3 * i + j] : i == j;
+                    if (rotated) c += placement->rotation[3 * i + j] * static_cast<float>(middle[j]);
+                    boxes.axis[j][i][k] = rotated ? placement->rotation[3 * i + j] : i == j;
                 }
                 boxes.c[i][k] = any ? c : 1e30f;
                 boxes.h[i][k] = half;

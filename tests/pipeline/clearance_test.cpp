@@ -33,7 +33,7 @@ TEST(Clearance, IsNotLostInWhatFilesFarAwayRound)
     const Mesh spike = mesh_of({{0, 0, 0}, {1, 0x1p-6, 0}, {1, -0x1p-6, 0x1p-6}}, {{0, 1, 2}});
     const Vector3d far(1e6, -1e6, 5e5);
     const Eigen::Matrix3d size = 1e-5 * Eigen::Matrix3d::Identity();
-    const Mesh a = turned(spike, size, far), b = turned(spike, -size, far);
+    const Mesh a = rotated(spike, size, far), b = rotated(spike, -size, far);
     int near = 0;
     for (int k = 0; k < 60; ++k) {
         const Isometry3d back =

@@ -25,7 +25,7 @@ struct Yard {
         std::mt19937 random(7);
         std::uniform_real_distribution<double> place(-90, 90), above(-0.2, 0.6);
         std::vector<BodySpec> specs[3];
-        specs[0].push_back({.model = models[0], .fixed = true});
+        specs[0].push_back({.model = models[0], .is_static = true});
         for (int i = 0; i < 60; ++i) { // every other ball is where a tower stands
             const Eigen::Vector2d far(place(random), place(random)), near(0.1 * place(random), 0.1 * place(random));
             Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();

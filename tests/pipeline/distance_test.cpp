@@ -169,14 +169,14 @@ TEST(Distance, OfSolidsInsideOneAnotherIsZeroAndHasOnePoint)
 /// Half-spaces are certain only where they look away from each other exactly.
 TEST(Distance, OfHalfSpacesIsThatOfParallelPlanes)
 {
-    Isometry3d turned = Isometry3d::Identity();
-    turned.linear().diagonal() << 1, -1, -1;
+    Isometry3d rotated = Isometry3d::Identity();
+    rotated.linear().diagonal() << 1, -1, -1;
     Seen seen;
     for (const double gap : {-3.0, -0.5, 0.0, 0x1p-40, 0.25, 1e5})
         for (const bool away : {true, false})
-            for (const Isometry3d& frame : {Isometry3d::Identity(), Isometry3d(turned)}) {
+            for (const Isometry3d& frame : {Isometry3d::Identity(), Isometry3d(rotated)}) {
                 Isometry3d up = Isometry3d(Eigen::Translation3d(1, 2, gap));
-                if (away) up = up * turned;
+                if (away) up = up * rotated;
                 const Placed a(Shape(HalfSpace{}), frame), b(Shape(HalfSpace{}), frame * up);
                 SCOPED_TRACE(fmt::format("gap {}, away {}", gap, away));
                 expect_certified(a, b, 0, 1e-12, seen), expect_certified(b, a, 0, 1e-12, seen);

@@ -74,8 +74,8 @@ TEST(HardTriangles, AreAnsweredRightWhereFclErrs)
 {
     Tally sum;
     for (const TriangleFamily& family : triangle_families())
-        for (bool turned : {false, true}) {
-            const Tally one = try_triangles(family, 600, turned, 1), two = try_triangles(family, 600, turned, 2);
+        for (bool rotated : {false, true}) {
+            const Tally one = try_triangles(family, 600, rotated, 1), two = try_triangles(family, 600, rotated, 2);
             EXPECT_EQ(one.faults(), 0u) << one.family << ": " << one.first_fault;
             EXPECT_EQ(one.fcl_missed, two.fcl_missed);
             EXPECT_EQ(one.fcl_false, two.fcl_false);

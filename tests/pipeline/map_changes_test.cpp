@@ -45,7 +45,7 @@ struct Place {
                   world.add(Shape(Capsule{0.2, 0.6})),
                   world.add(Shape(Cylinder{0.2, 0.5})),
                   world.add(make_building_map(1, 1.0, 4))};
-        bodies.push_back(world.add_body({.model = models[0], .fixed = true}));
+        bodies.push_back(world.add_body({.model = models[0], .is_static = true}));
         for (std::uint64_t i = 1; i <= 40; ++i)
             bodies.push_back(world.add_body({.model = models[1 + i % 7], .pose = random_pose(i, 2.5), .user = i}));
     }

@@ -31,14 +31,14 @@ TEST(ObbTrees, ReserveRoomUntilTheyAreDropped)
     ModelStore models(settings, make_cpu_backend());
     std::vector<Model*> balls_of;
     for (std::size_t i = 0; i < balls; ++i) balls_of.push_back(&models[models.add(scene.geometries.share(i))]);
-    EXPECT_TRUE(models.admit_boxes(*balls_of[0], 0));
-    EXPECT_TRUE(models.admit_boxes(*balls_of[1], 1));
-    EXPECT_FALSE(models.admit_boxes(*balls_of[2], 1)) << "room for two";
-    EXPECT_TRUE(models.admit_boxes(*balls_of[0], 1)) << "it is there already";
-    EXPECT_TRUE(models.admit_boxes(*balls_of[1], 3));
+    EXPECT_TRUE(models.admit_obb_tree(*balls_of[0], 0));
+    EXPECT_TRUE(models.admit_obb_tree(*balls_of[1], 1));
+    EXPECT_FALSE(models.admit_obb_tree(*balls_of[2], 1)) << "room for two";
+    EXPECT_TRUE(models.admit_obb_tree(*balls_of[0], 1)) << "it is there already";
+    EXPECT_TRUE(models.admit_obb_tree(*balls_of[1], 3));
     EXPECT_EQ(models.age(3), 1u) << "the root of one";
-    EXPECT_FALSE(balls_of[0]->boxes);
-    EXPECT_TRUE(models.admit_boxes(*balls_of[2], 3));
+    EXPECT_FALSE(balls_of[0]->obb_tree);
+    EXPECT_TRUE(models.admit_obb_tree(*balls_of[2], 3));
 }
 
 TEST(ObbTrees, OfAPairThatPartedMakeRoomForOthers)

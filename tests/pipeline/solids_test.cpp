@@ -163,11 +163,11 @@ TEST(Shapes, HoldALooseCrumbOfALargeMesh)
     for (int axis = 0; axis < 3; ++axis)
         for (const double end : {-0.3, 0.3}) octahedron.points.push_back(end * Eigen::Vector3d::Unit(axis));
     for (const Shape& shape : {Shape(Box{{0.2, 0.2, 0.2}}), Shape(octahedron), Shape(Sphere{0.3})})
-        for (const bool turned : {false, true}) {
+        for (const bool rotated : {false, true}) {
             const ModelId model = world.add(shape);
             const auto verdict = [&](const Eigen::Vector3d& off) {
                 Eigen::Isometry3d pose =
-                    turned ? Eigen::Isometry3d(Eigen::AngleAxisd(1, Eigen::Vector3d(0, 1, 1).normalized())) : turn;
+                    rotated ? Eigen::Isometry3d(Eigen::AngleAxisd(1, Eigen::Vector3d(0, 1, 1).normalized())) : turn;
                 pose.translation() = turn * Eigen::Vector3d(crumb + off);
                 const BodyId body = world.add_body({.model = model, .pose = pose});
                 Verdict found = Verdict::separate;

@@ -69,7 +69,7 @@ TEST(World, GivesAfterAnyChangesWhatAFreshOneGives)
                 Described body{{}, below(meshes.size()), {}};
                 body.spec = {.model = models[body.mesh],
                              .pose = random_pose(random() % 1000, 3.5),
-                             .fixed = below(4) == 0,
+                             .is_static = below(4) == 0,
                              .layer = below(5) ? 1u : 2u,
                              .group = std::uint32_t(below(6) ? 0 : 1 + below(2)),
                              .user = next++};
@@ -93,7 +93,7 @@ TEST(World, GivesAfterAnyChangesWhatAFreshOneGives)
                         bodies.erase(bodies.begin() + std::ptrdiff_t(k));
                         break;
                     case 2:
-                        world.set_fixed(body.id, body.spec.fixed = !body.spec.fixed);
+                        world.set_static(body.id, body.spec.is_static = !body.spec.is_static);
                         break;
                     case 3:
                         world.set_layers(body.id, body.spec.layer = 1u << below(2), body.spec.mask = 3u);

@@ -83,7 +83,7 @@ def test_a_terrain_is_the_surface_over_its_heights(dtype):
     terrain = oncollide.terrain(heights, spacing=(2.0, 3.0), origin=(10, 20, 0), name="hill")
     assert np.array_equal(terrain.bounds, [[10, 20, 0], [20, 29, 5]])
     world = oncollide.World(exact="predicates")
-    land = world.add_body(world.add(terrain), fixed=True)
+    land = world.add_body(world.add(terrain), static=True)
     peak = world.add_body(world.add(oncollide.sphere_mesh(0.1, 100)), at(16, 26, 5.2))
     assert world.distance(land, peak)["upper"] < 0.11
     assert oncollide.Verdict.COLLIDING not in world.step().pairs["verdict"]
@@ -165,7 +165,7 @@ def test_cooked_files_stay_where_they_are_and_give_the_same_results(tmp_path):
 
     def play(geometry, **settings):
         world = oncollide.World(exact="predicates", **settings)
-        world.add_body(world.add(geometry), fixed=True)
+        world.add_body(world.add(geometry), static=True)
         world.add_bodies(world.add(oncollide.torus_mesh(1.5, 0.4, 200)), np.stack([at(3 * i + 2, 2 * i + 2, 1) for i in range(6)]))
         return [sorted(p.tolist() for p in world.step().pairs), world.hash, world.file_faults]
 

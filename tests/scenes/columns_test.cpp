@@ -27,17 +27,17 @@ TEST(Columns, GiveEveryPoseBackBitForBit)
     Scene scene = balls(3);
     Isometry3d odd = Isometry3d::Identity();
     odd.linear()(0, 1) = -0.0, odd.translation() = Eigen::Vector3d(-0.0, 1e-300, 1e15);
-    Isometry3d turned = odd;
-    turned.linear() = Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
-    for (const Isometry3d& pose : {odd, turned, Isometry3d(Isometry3d::Identity()), turned, odd}) {
+    Isometry3d rotated = odd;
+    rotated.linear() = Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+    for (const Isometry3d& pose : {odd, rotated, Isometry3d(Isometry3d::Identity()), rotated, odd}) {
         scene.set_pose({1}, pose);
         EXPECT_TRUE(same_bits(scene.poses[1], pose)) << pose.matrix();
         EXPECT_TRUE(same_bits(scene.poses[0], Isometry3d::Identity()));
         EXPECT_TRUE(same_bits(scene.start_pose(1), Isometry3d::Identity())) << "the first one stays the start";
     }
-    scene.add_body({.geometry = GeometryId{0}, .pose = turned});
-    EXPECT_TRUE(same_bits(scene.poses[3], turned));
-    EXPECT_TRUE(same_bits(scene.start_pose(3), turned)) << "came after others had moved";
+    scene.add_body({.geometry = GeometryId{0}, .pose = rotated});
+    EXPECT_TRUE(same_bits(scene.poses[3], rotated));
+    EXPECT_TRUE(same_bits(scene.start_pose(3), rotated)) << "came after others had moved";
     std::size_t walked = 0;
     for (const Isometry3d& pose : scene.poses) EXPECT_TRUE(same_bits(pose, scene.poses[walked++]));
     EXPECT_EQ(walked, 4u);

@@ -174,8 +174,8 @@ TEST_F(Study, PlanesStandBesideFcl)
 TEST_F(Study, ReadsPosesAndHoldsTheirAnswersAgainstTheTruth)
 {
     write_cube("cube.off");
-    const std::string turned = "1 0 0 0 1 0 0 0 1 ";
-    folder_.write("p.txt", "0 0 " + turned + "0.75 0.1 0.2\n1 0.5 " + turned + "2 0 0\n" +
+    const std::string rotated = "1 0 0 0 1 0 0 0 1 ";
+    folder_.write("p.txt", "0 0 " + rotated + "0.75 0.1 0.2\n1 0.5 " + rotated + "2 0 0\n" +
                                // A face 0.1 m from an edge.
                                "0 0 0.70710678118654752 -0.70710678118654752 0 0.70710678118654752 0.70710678118654752 "
                                "0 0 0 1 0.92426406871192852 0.92426406871192852 0\n");

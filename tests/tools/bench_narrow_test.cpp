@@ -77,8 +77,8 @@ TEST_F(CommandLine, BenchNarrowTakesSingleTrianglesAndLeavesOutThoseWithoutArea)
 TEST_F(CommandLine, BenchNarrowReadsMeshesPosesAndTheirAnswers)
 {
     write_cube("cube.off");
-    const std::string turned = "1 0 0 0 1 0 0 0 1 ";
-    folder_.write("p.txt", "0 0 " + turned + "0.75 0.1 0.2\n1 0.5 " + turned + "2 0 0\n");
+    const std::string rotated = "1 0 0 0 1 0 0 0 1 ";
+    folder_.write("p.txt", "0 0 " + rotated + "0.75 0.1 0.2\n1 0.5 " + rotated + "2 0 0\n");
     folder_.write("p_expected.txt", "0 1 24\n1 0 0\n");
     const auto ask = [&](std::vector<std::string> more) {
         std::vector<std::string> all{"bench", "narrow",    "cube.off", "cube.off", "--poses",

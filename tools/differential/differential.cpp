@@ -177,10 +177,10 @@ std::string fault_against_others(const DrawnScene& drawn, const std::vector<Fram
     });
     if (!exact || !quarter_turns) return {};
     const auto last = static_cast<std::uint32_t>(drawn.scene.size() - 1);
-    const auto turned = results_of(reversed(drawn.scene), drawn.settings);
+    const auto reverse_order = results_of(reversed(drawn.scene), drawn.settings);
     for (const auto& [pair, r] : results[0]) {
-        const auto other = turned[0].find({last - pair.second, last - pair.first});
-        const Verdict verdict = other == turned[0].end() ? Verdict::separate : other->second.verdict;
+        const auto other = reverse_order[0].find({last - pair.second, last - pair.first});
+        const Verdict verdict = other == reverse_order[0].end() ? Verdict::separate : other->second.verdict;
         if (verdict != r.verdict)
             return fmt::format("bodies {} and {} in frame 0: {}, and {} when they come in reverse", pair.first,
                                pair.second, name_of(r.verdict), name_of(verdict));

@@ -10,7 +10,7 @@ int main()
     World world({.max_error = 0.02});
     const ModelId ring = world.add(make_torus_mesh(1.0, 0.3, 2000));
     const ModelId gear = world.add(make_gear_mesh(12, 0.5, 0.6, 0.2, 0.1));
-    world.add_body({.model = ring, .fixed = true});
+    world.add_body({.model = ring, .is_static = true});
     const BodyId moving = world.add_body({.model = gear});
 
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();

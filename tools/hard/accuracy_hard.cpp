@@ -154,8 +154,8 @@ std::vector<Tally> try_all(const HardOptions& options, const Choice& chosen, con
     };
     print_header();
     for (const TriangleFamily& family : triangle_families())
-        for (bool turned : {false, true})
-            if (chosen(family.name)) add(try_triangles(family, std::uint64_t(options.count), turned, options.threads));
+        for (bool rotated : {false, true})
+            if (chosen(family.name)) add(try_triangles(family, std::uint64_t(options.count), rotated, options.threads));
     for (const std::string& family : families_of(cases))
         if (chosen(family)) add(try_family(family, cases, options.threads));
     for (const char* family : tangent_families)

@@ -47,7 +47,7 @@ Mesh joined(const Mesh& a, const Mesh& b)
     return mesh_of(std::move(sum.vertices), std::move(sum.triangles));
 }
 
-Mesh turned(Mesh mesh, const Eigen::Matrix3d& turn, const Eigen::Vector3d& by)
+Mesh rotated(Mesh mesh, const Eigen::Matrix3d& turn, const Eigen::Vector3d& by)
 {
     for (Eigen::Vector3d& v : mesh.vertices) v = turn * v + by;
     return mesh_of(std::move(mesh.vertices), std::move(mesh.triangles));

@@ -41,7 +41,7 @@ Mesh mesh_of(std::vector<Eigen::Vector3d> vertices, std::vector<Triangle> triang
 /// Triangles between each three points.
 Mesh mesh_of(const std::vector<Eigen::Vector3d>& corners);
 Mesh joined(const Mesh& a, const Mesh& b);
-Mesh turned(Mesh mesh, const Eigen::Matrix3d& turn, const Eigen::Vector3d& by);
+Mesh rotated(Mesh mesh, const Eigen::Matrix3d& turn, const Eigen::Vector3d& by);
 Eigen::Isometry3d at(double x, double y, double z);
 Eigen::Isometry3d at(const Eigen::Vector3d& place, const Eigen::Matrix3d& turn);
 /// By an angle about an axis.

@@ -40,7 +40,7 @@ void touching_boxes(std::vector<BodyCase>& cases)
     const Mesh roof = mesh_of({{-1, 0, 0}, {1, 0, 0}, {-1, -0.5, 1}, {1, -0.5, 1}, {-1, 0.5, 1}, {1, 0.5, 1}},
                               {{0, 1, 3}, {0, 3, 2}, {0, 5, 1}, {0, 4, 5}, {2, 3, 5}, {2, 5, 4}});
     add("edge across a face", roof, at(0.125, 0.0625, 0.5), true);
-    add("edge across an edge", turned(roof, turn_by(std::atan(1.0), Vector3d::UnitY()), {0, 0, 0}), at(0.5, 0, 0.5),
+    add("edge across an edge", rotated(roof, turn_by(std::atan(1.0), Vector3d::UnitY()), {0, 0, 0}), at(0.5, 0, 0.5),
         true);
 }
 

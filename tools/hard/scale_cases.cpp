@@ -70,7 +70,7 @@ void offsets(std::vector<BodyCase>& cases)
                              Eigen::Isometry3d pose, std::optional<bool> collide) {
             cases.push_back({"offsets to 1e8", fmt::format("{}, {}", offset, name), a, b, pose_a, {pose}, collide});
         };
-        const auto moved = [&](const Mesh& mesh) { return turned(mesh, none, far); };
+        const auto moved = [&](const Mesh& mesh) { return rotated(mesh, none, far); };
         add("boxes that touch far away", cube, cube, at(far, none), at(far + Vector3d(1, 0.125, 0), none), true);
         add("boxes 2^-20 apart far away", cube, cube, at(far, none), at(far + Vector3d(1 + 0x1p-20, 0.125, 0), none),
             false);
@@ -94,7 +94,7 @@ void spikes(std::vector<BodyCase>& cases)
         for (double size : {1.0, 0x1p-10, 1e-5})
             for (int k : {1, 31, 35, 40, 43}) {
                 const Vector3d far(offset, -offset, offset / 2);
-                const Mesh a = turned(spike, size * none, far), b = turned(spike, -size * none, far);
+                const Mesh a = rotated(spike, size * none, far), b = rotated(spike, -size * none, far);
                 const Eigen::Matrix3d turn = turn_by(0.9 + 0.1 * k, {1, 2, 3.0 - k});
                 const Eigen::Isometry3d back = at(turn * -far, turn);
                 cases.push_back(

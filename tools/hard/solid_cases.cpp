@@ -26,7 +26,7 @@ Mesh cube(double half)
 
 Mesh shifted(const Mesh& mesh, const Vector3d& by)
 {
-    return turned(mesh, Eigen::Matrix3d::Identity(), by);
+    return rotated(mesh, Eigen::Matrix3d::Identity(), by);
 }
 
 /// A case of `family` with both truths known.

@@ -32,17 +32,17 @@ void try_pair(const oncollide::TwoTriangles& pair, Tally& tally)
 
 } // namespace
 
-Tally try_triangles(const TriangleFamily& family, std::uint64_t count, bool turned, int threads)
+Tally try_triangles(const TriangleFamily& family, std::uint64_t count, bool rotated, int threads)
 {
     constexpr std::uint64_t batch = 10'000, grain = 250;
-    GridPoints random(turned ? 2 : 1), turns(3);
+    GridPoints random(rotated ? 2 : 1), turns(3);
     std::vector<oncollide::TwoTriangles> pairs;
     std::vector<Tally> tallies;
-    Tally sum{.family = family.name + (turned ? ", turned" : "")};
+    Tally sum{.family = family.name + (rotated ? ", turned" : "")};
     for (std::uint64_t first = 0; first < count; first += batch) {
         pairs.clear();
         while (pairs.size() < std::min(batch, count - first)) {
-            const Eigen::Matrix3d turn = turned ? turns.rotation() : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+            const Eigen::Matrix3d turn = rotated ? turns.rotation() : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
             pairs.push_back(moved(family.make(random), 0x1p-20 * turn, Eigen::Vector3d::Zero()));
         }
         tallies.assign((pairs.size() + grain - 1) / grain, {});

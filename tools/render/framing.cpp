@@ -13,15 +13,15 @@ constexpr double border = 1.06; ///< what is shown, by how much it could be larg
 
 Framing::Framing()
 {
-    turned_.eye = {0.45, -1, 0.45}, turned_.look_at = {0, 0, 0};
-    view_ = view_of(turned_);
+    rotated_.eye = {0.45, -1, 0.45}, rotated_.look_at = {0, 0, 0};
+    view_ = view_of(rotated_);
     view_.translation().setZero();
     reach_.fill(-std::numeric_limits<double>::infinity());
 }
 
 void Framing::add(const Picture& picture)
 {
-    tangent_[1] = std::tan(0.5 * turned_.view_angle) / border;
+    tangent_[1] = std::tan(0.5 * rotated_.view_angle) / border;
     tangent_[0] = tangent_[1] * picture.width / picture.height;
     for (const Picture::Body& body : picture.bodies)
         for (const Eigen::Vector3d& vertex : body.mesh->vertices) add(body.pose * vertex, 0);
@@ -52,7 +52,7 @@ Camera Framing::camera() const
         top[Eigen::Index(axis)] = 0.5 * (right - left);
         top.z() = std::max(top.z(), 0.5 * (right + left) / tangent_[axis]);
     }
-    Camera camera = turned_;
+    Camera camera = rotated_;
     camera.eye = view_.inverse() * top;
     // Looked at is what lies straight ahead in the middle of what is shown.
     const Eigen::Vector3d back = view_.linear().row(2);

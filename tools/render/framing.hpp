@@ -20,8 +20,8 @@ public:
 private:
     void add(const Eigen::Vector3d& point, double radius);
 
-    Camera turned_;                   ///< towards where we look; its place is not found yet
-    Eigen::Isometry3d view_;          ///< of turned_
+    Camera rotated_;                   ///< towards where we look; its place is not found yet
+    Eigen::Isometry3d view_;          ///< of rotated_
     std::array<double, 2> tangent_{}; ///< of half the view angle: horizontal, vertical
     /// The farthest that anything reaches beyond a plane of the view pyramid when its top is at the origin:
     /// right, left, top, bottom.

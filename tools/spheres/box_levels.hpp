@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "peers/bounding_volume.hpp"
-#include <oncollide/narrowphase/boxes/obb_tree.hpp>
+#include <oncollide/narrowphase/obb/obb_tree.hpp>
 
 namespace oncollide::tools {
 

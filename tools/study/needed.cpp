@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/narrowphase/boxes/obb_tree.hpp>
+#include <oncollide/narrowphase/obb/obb_tree.hpp>
 
 #include "cli/progress.hpp"
 #include "spheres/grown_tree.hpp"

@@ -41,9 +41,9 @@ std::pair<std::uint32_t, Eigen::Matrix3d> PartPlacer::shared(std::uint32_t mesh,
     std::vector<std::uint32_t>& of_mesh = by_mesh_[mesh];
     constexpr std::size_t most = 64; // looked at: a file may stretch each part differently
     for (std::size_t k = 0; k < std::min(of_mesh.size(), most); ++k) {
-        const Eigen::Matrix3d turned = linear * placed_[of_mesh[k]].linear.inverse();
-        if (turned.allFinite() && is_rotation(turned))
-            return {of_mesh[k], linear == placed_[of_mesh[k]].linear ? same : turned};
+        const Eigen::Matrix3d rotated = linear * placed_[of_mesh[k]].linear.inverse();
+        if (rotated.allFinite() && is_rotation(rotated))
+            return {of_mesh[k], linear == placed_[of_mesh[k]].linear ? same : rotated};
     }
     const bool rigid = is_rotation(linear);
     of_mesh.push_back(static_cast<std::uint32_t>(placed_.size()));

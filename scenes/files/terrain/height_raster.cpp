@@ -16,10 +16,10 @@ template <class Number>
 void decode(bool big, std::string_view bytes, std::vector<double>& numbers)
 {
     for (std::size_t i = 0; i < numbers.size(); ++i) {
-        std::array<char, sizeof(Number)> turned;
-        std::memcpy(turned.data(), bytes.data() + i * sizeof(Number), sizeof(Number));
-        if (big != (std::endian::native == std::endian::big)) std::reverse(turned.begin(), turned.end());
-        numbers[i] = static_cast<double>(std::bit_cast<Number>(turned));
+        std::array<char, sizeof(Number)> swapped;
+        std::memcpy(swapped.data(), bytes.data() + i * sizeof(Number), sizeof(Number));
+        if (big != (std::endian::native == std::endian::big)) std::reverse(swapped.begin(), swapped.end());
+        numbers[i] = static_cast<double>(std::bit_cast<Number>(swapped));
     }
 }
 

@@ -19,10 +19,10 @@ HeightRaster read_npy(const std::string& name, std::string_view bytes)
     raster.heights = decoded(header.type, data);
     raster.whole = header.type.kind != 'f';
     if (header.columns_first) {
-        std::vector<double> turned(raster.heights.size());
-        for (std::size_t i = 0; i < turned.size(); ++i)
-            turned[i] = raster.heights[i % raster.columns * raster.rows + i / raster.columns];
-        raster.heights = std::move(turned);
+        std::vector<double> transposed(raster.heights.size());
+        for (std::size_t i = 0; i < transposed.size(); ++i)
+            transposed[i] = raster.heights[i % raster.columns * raster.rows + i / raster.columns];
+        raster.heights = std::move(transposed);
     }
     return raster;
 }

@@ -7,7 +7,7 @@
 
 #include <oncollide/base/random.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
-#include <oncollide/narrowphase/boxes/traversal.hpp>
+#include <oncollide/narrowphase/obb/traversal.hpp>
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
 

@@ -10,7 +10,7 @@
 
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/pipeline/refine/solid_pairs.hpp>
+#include <oncollide/pipeline/refine/non_mesh_pairs.hpp>
 
 #include "cli/outputs.hpp"
 
@@ -150,7 +150,7 @@ private:
     int threads_;
     Settings settings_;
     RefineContext context_{.settings = settings_, .trees = {}, .rounds = {}, .began = {}};
-    SolidPairs solids_;
+    NonMeshPairs solids_;
     std::vector<ClosePair> drawn_;
     std::vector<ShapeResults> results_;
     unsigned turn_ = 0;

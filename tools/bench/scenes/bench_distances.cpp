@@ -45,7 +45,7 @@ public:
             models_.push_back(world_.add(scene.geometries.share(g)));
         for (std::size_t i = 0; i < scene.size(); ++i)
             ids_.push_back(
-                world_.add_body({.model = models_[index(scene.geometry[i])], .pose = scene.poses[i], .fixed = i == 0}));
+                world_.add_body({.model = models_[index(scene.geometry[i])], .pose = scene.poses[i], .is_static = i == 0}));
         const Aabb bounds = bounds_of(scene.geometries[index(scene.geometry[0])].data);
         middle_ = bounds.centre(), diagonal_ = bounds.diagonal();
     }

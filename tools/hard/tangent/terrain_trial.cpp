@@ -268,18 +268,18 @@ private:
         const Isometry3d turn = quarter_turn(draw_.number(0, 2), draw_.one_in(2));
         // A feature of one on a feature of the other.
         Place by = shape.feature(draw_);
-        const auto turned = [&](const Place& p) {
+        const auto rotated = [&](const Place& p) {
             const Vector3d q = turn * Vector3d(double(p[0]), double(p[1]), double(p[2]));
             return Place{std::int64_t(q.x()), std::int64_t(q.y()), std::int64_t(q.z())};
         };
-        const Place from = turned(second.feature(draw_));
+        const Place from = rotated(second.feature(draw_));
         for (std::size_t i = 0; i < 3; ++i) by[i] -= from[i];
         if (draw_.one_in(2)) by[2] += TerrainShape::width * draw_.number(0, 2);
         push(by);
         std::vector<PlaceTriangle> theirs = second.triangles();
         for (PlaceTriangle& t : theirs)
             for (Place& p : t) {
-                p = turned(p);
+                p = rotated(p);
                 for (std::size_t i = 0; i < 3; ++i) p[i] += by[i];
             }
         return {placed(second, turn, by), meet(shape.triangles(), theirs)};

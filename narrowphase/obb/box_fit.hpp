@@ -1,0 +1,62 @@
+#pragma once
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include <oncollide/base/aabb.hpp>
+#include <oncollide/base/cpu_features.hpp>
+#include <oncollide/narrowphase/obb/box_fit_kernel.hpp>
+#include <oncollide/narrowphase/exact/triangle_test.hpp>
+
+namespace oncollide {
+
+/// The build of the kernel for this processor.
+inline const BoxFitKernel& box_fit_kernel()
+{
+    static const BoxFitKernel kernel = ONCOLLIDE_CHOOSE_TO_AVX2(box_fit_kernel);
+    return kernel;
+}
+
+/// Triangles that boxes are fitted around, in columns.
+class TriangleColumns {
+public:
+    TriangleColumns() = default;
+    explicit TriangleColumns(const TrianglePoints& triangle)
+    {
+        assign(1, [&](std::size_t) -> const TrianglePoints& { return triangle; });
+    }
+
+    /// Those that corners(i) says. The last one fills its four.
+    void assign(std::size_t size, auto corners)
+    {
+        size_ = size, number_ = (size + 3) / 4;
+        if (fours_.size() < number_) fours_.resize(number_);
+        for (std::size_t n = 0; n < number_; ++n) {
+            const TrianglePoints* four[4];
+            for (std::size_t lane = 0; lane < 4; ++lane) four[lane] = &corners(std::min(4 * n + lane, size - 1));
+            for (std::size_t c = 0; c < 3; ++c)
+                for (int axis = 0; axis < 3; ++axis)
+                    for (std::size_t lane = 0; lane < 4; ++lane)
+                        fours_[n].corners[c][axis][lane] = (*four[lane])[c][axis];
+        }
+    }
+    std::size_t size() const { return size_; }
+    std::span<const FourTriangles> fours() const { return std::span(fours_).first(number_); }
+    TrianglePoints first() const;
+
+private:
+    std::vector<FourTriangles> fours_; ///< the first number_ are in use
+    std::size_t size_ = 0, number_ = 0;
+};
+
+/// What the triangles take along each of the columns of `axes`.
+Aabb extent_along(const Eigen::Matrix3d& axes, const TriangleColumns& triangles);
+
+/// Axes, the columns of a rotation, along the directions in which the triangles' surface spreads most and least; for
+/// one triangle, along its normal and its longest side. Source: Gottschalk, Lin and Manocha, "OBBTree", SIGGRAPH 1996.
+/// @param triangles  2^14 at most
+/// @param bounds     a box along the axes of the frame that is nearly theirs
+Eigen::Matrix3d fitted_axes(const TriangleColumns& triangles, const Aabb& bounds);
+
+} // namespace oncollide

@@ -1,0 +1,125 @@
+#include <oncollide/narrowphase/obb/map_tree.hpp>
+
+#include <algorithm>
+
+#include <oncollide/narrowphase/obb/oriented_box.hpp>
+
+namespace oncollide {
+
+namespace {
+
+/// Those of the octants of a cube that reach into the box, or touch it. The others are `gap` cells from it, or farther.
+inline unsigned octants_at(const MapCell& cube, unsigned octants, const CellBox& box, int& gap)
+{
+    constexpr unsigned highs[3] = {0xAA, 0xCC, 0xF0};
+    const std::int32_t middle[3] = {cube.x + cube.side / 2, cube.y + cube.side / 2, cube.z + cube.side / 2};
+    for (int i = 0; i < 3; ++i) {
+        const int below = middle[i] - box.high[i], above = box.low[i] - middle[i];
+        const unsigned out = below > 0 ? octants & highs[i] : above > 0 ? octants & ~highs[i] : 0;
+        if (!out) continue;
+        octants ^= out;
+        gap = std::min(gap, std::max(below, above));
+    }
+    return octants;
+}
+
+} // namespace
+
+MapTree::MapTree(const OccupancyMap& map)
+    : map_(map), centre_(map.bounds().centre()), radius_(0.5 * map.bounds().diagonal() * (1 + 0x1p-50))
+{
+}
+
+/// Octants that hold something. Unknown ones count only within the bounds.
+unsigned MapTree::solid(const Node& node) const
+{
+    if (!map_.cells().unknown_is_solid()) return node.octants.solid;
+    const CellBox& bounds = map_.cell_bounds();
+    int any = 0;
+    return octants_at(node.cube, node.octants.solid, {bounds.low.array() + 1, bounds.high.array() - 1}, any);
+}
+
+/// An octree has long chains of only children, above all where a map lies around the origin.
+MapTree::Node MapTree::forked(Node node) const
+{
+    while (true) {
+        const unsigned there = solid(node);
+        if ((there & (there - 1)) || there == 0 || (map_.cells().whole(node.octants) & there)) return node;
+        node = below(node, static_cast<unsigned>(__builtin_ctz(there)));
+    }
+}
+
+MapTree::Node MapTree::child(const Node& node, unsigned lane) const
+{
+    if (node.cube.side == 0) return forked({map_.cells().top(), CellTree::top_cube});
+    return forked(below(node, lane));
+}
+
+double MapTree::starts(const Aabb& box, double size, std::vector<Node>& nodes) const
+{
+    const double resolution = map_.resolution();
+    const CellTree& cells = map_.cells();
+    const CellBox near = map_.cells_touching(box);
+    // A margin of half the box, so that what is left out is not merely apart.
+    const int margin = (near.high - near.low).maxCoeff() / 4 + 1;
+    const double large = size / (0.75 * resolution * resolution); // squared sides
+    int gap = margin;                                             // cells
+    nodes.clear();
+
+    // Down to the cube around the box and its margin: where their first and last cells, as keys, have equal bits.
+    const auto key = [](const Eigen::Vector3i& cell) -> Eigen::Array3i {
+        return (cell.array() - CellTree::lowest).max(0).min(CellTree::side - 1);
+    };
+    const Eigen::Array3i first = key(near.low.array() - margin - 1), last = key(near.high.array() + margin);
+    const std::int32_t parts = (first.x() ^ last.x()) | (first.y() ^ last.y()) | (first.z() ^ last.z());
+    Node node{cells.top(), CellTree::top_cube};
+    for (std::int32_t half = CellTree::side; half > parts; half /= 2) { // at first the grid as an octant
+        const unsigned k = ((first.x() & half) != 0) | ((first.y() & half) != 0) << 1 | ((first.z() & half) != 0) << 2;
+        if (!(node.octants.solid >> k & 1)) return gap * resolution * (1 - 0x1p-20);
+        if (cells.whole(node.octants) >> k & 1) break;
+        node = below(node, k);
+    }
+
+    std::array<Node, 8 * 17> waiting;
+    std::size_t count = 0;
+    waiting[count++] = node;
+    while (count) {
+        node = waiting[--count];
+        const unsigned inside = octants_at(node.cube, solid(node), near, gap);
+        if (!inside) continue;
+        const double half = node.cube.side / 2;
+        if (half * half < large || (cells.whole(node.octants) & inside))
+            nodes.push_back(node);
+        else
+            for (unsigned left = inside; left; left &= left - 1)
+                waiting[count++] = below(node, static_cast<unsigned>(__builtin_ctz(left)));
+    }
+    return gap * resolution * (1 - 0x1p-20);
+}
+
+LaneMasks MapTree::open(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const
+{
+    // Octants are combinations of two halves along each axis, or of the whole. They reach far beyond the cells, and
+    // floats so large would err by more than the walk allows for, so they are cut to the cells' bounds.
+    const Aabb& bounds = map_.bounds();
+    const bool whole = node.cube.side == 0;
+    const double resolution = map_.resolution();
+    const std::int32_t low[3] = {node.cube.x, node.cube.y, node.cube.z}, half = node.cube.side / 2;
+    OctantBoxes octants;
+    for (int i = 0; i < 3; ++i) {
+        const double from = centre_[i] + (placement ? placement->from[i] : 0);
+        const double least = whole ? bounds.min[i] : std::max(bounds.min[i], low[i] * resolution),
+                     middle = (low[i] + half) * resolution,
+                     most = whole ? bounds.max[i] : std::min(bounds.max[i], (low[i] + 2 * half) * resolution);
+        const double to = whole ? most : std::min(middle, bounds.max[i]), next = std::max(middle, bounds.min[i]);
+        octants.centre[i][0] = static_cast<float>(0.5 * (least + to) - from);
+        octants.centre[i][1] = static_cast<float>(0.5 * (next + most) - from);
+        octants.half[i][0] = static_cast<float>(0.5 * (to - least));
+        octants.half[i][1] = static_cast<float>(0.5 * (most - next));
+    }
+    const unsigned lanes = whole ? 1 : solid(node), leaves = whole ? 0 : map_.cells().whole(node.octants) & lanes;
+    oriented_box_kernel().open_octants(octants, lanes, placement, boxes);
+    return {leaves, leaves};
+}
+
+} // namespace oncollide

@@ -1,0 +1,49 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <oncollide/base/aabb.hpp>
+#include <oncollide/narrowphase/obb/hierarchy.hpp>
+#include <oncollide/scenes/model/occupancy_map.hpp>
+
+namespace oncollide {
+
+/// The octree of an occupancy map as a BoxHierarchy, read in place: boxes are computed. Reads only, so any number of
+/// walks may share it.
+class MapTree {
+public:
+    /// Keeps a reference to the map, which must not change. Cost: O(1).
+    explicit MapTree(const OccupancyMap& map);
+
+    struct Node {
+        CellTree::Node octants;
+        MapCell cube; ///< of side 0: the root
+    };
+    using Primitive = MapCell;
+    static constexpr Node root{{}, {0, 0, 0, 0}};
+    /// Nodes that together hold all cells in a box of the map's frame. Their boxes are no larger than one of that
+    /// squared radius, as far as the tree reaches. Returns how far all other cells are from the box at least, metres.
+    double starts(const Aabb& box, double size, std::vector<Node>& nodes) const;
+
+    const OccupancyMap& map() const { return map_; }
+    const Eigen::Vector3d& centre() const { return centre_; }
+    double radius() const { return radius_; }
+    LaneMasks open(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const;
+    Node child(const Node& node, unsigned lane) const;
+    std::array<MapCell, 1> primitives(const Node& node, unsigned lane) const { return {node.cube.octant(lane)}; }
+
+private:
+    unsigned solid(const Node& node) const;
+    Node below(const Node& node, unsigned octant) const
+    {
+        return {map_.cells().below(node.octants, octant), node.cube.octant(octant)};
+    }
+    Node forked(Node node) const;
+
+    const OccupancyMap& map_;
+    Eigen::Vector3d centre_;
+    double radius_;
+};
+
+} // namespace oncollide

@@ -1,0 +1,10 @@
+#include <oncollide/narrowphase/obb/map_walk.hpp>
+
+namespace oncollide {
+
+static_assert(BoxHierarchy<const MapTree> && LeafTests<CellTests<PlacedTriangles>, const MapTree, ObbTree>);
+template class BoxWalk<MapTree, ObbTree, CellTests<PlacedTriangles>>;
+template class BoxWalk<MapTree, MapTree, CellTests<PlacedCells>>;
+template class BoxWalk<MapTree, TerrainTree, CellTests<PlacedTerrain>>;
+
+} // namespace oncollide

@@ -1,0 +1,15 @@
+#pragma once
+#include <oncollide/narrowphase/obb/box_walk.hpp>
+#include <oncollide/narrowphase/shapes/cell_tests.hpp>
+
+namespace oncollide {
+
+/// Walks of a map, A, against a mesh or the core of a shape, against another map, and against a terrain.
+using MapMeshWalk = BoxWalk<MapTree, ObbTree, CellTests<PlacedTriangles>>;
+using MapMapWalk = BoxWalk<MapTree, MapTree, CellTests<PlacedCells>>;
+using MapTerrainWalk = BoxWalk<MapTree, TerrainTree, CellTests<PlacedTerrain>>;
+extern template class BoxWalk<MapTree, ObbTree, CellTests<PlacedTriangles>>;
+extern template class BoxWalk<MapTree, MapTree, CellTests<PlacedCells>>;
+extern template class BoxWalk<MapTree, TerrainTree, CellTests<PlacedTerrain>>;
+
+} // namespace oncollide

@@ -1,0 +1,295 @@
+#include <oncollide/narrowphase/obb/obb_tree.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include <oncollide/narrowphase/obb/box_fit.hpp>
+#include <oncollide/narrowphase/obb/oriented_box.hpp>
+#include <oncollide/narrowphase/obb/triangle_parts.hpp>
+
+namespace oncollide {
+
+namespace {
+
+constexpr unsigned most_lanes = 8;
+constexpr std::size_t large_from = 4096; ///< triangles: half a megabyte with their corners and boxes
+/// Triangles whose box is fitted. Boxes of more lie along the mesh's axes: fitting costs ten times what looking at
+/// bounds does, and of a mesh so large the first answer would wait for it.
+constexpr std::size_t most_fitted = 16384;
+/// Room for so many is kept from one node to the next, by each thread.
+constexpr std::size_t most_kept = 4096;
+
+/// Of more the upper levels come from a grid.
+constexpr std::size_t most_split = 131072;
+
+std::atomic<std::uint32_t> trees_made = 1;
+
+} // namespace
+
+struct ObbTree::Growing {
+    TriangleParts parts; ///< of the box that grows
+    TriangleColumns columns;
+};
+
+ObbTree::Growing& ObbTree::growing()
+{
+    static thread_local Growing of_thread;
+    return of_thread;
+}
+
+ObbTree::ObbTree(const Mesh& mesh, BoxTotals* totals)
+    : mesh_(&mesh), totals_(totals), identity_(trees_made.fetch_add(1, std::memory_order_relaxed)),
+      centre_(mesh.bounds.centre()), radius_(radius_around(mesh)), large_(mesh.triangles.size() >= large_from),
+      vertices_(mesh.vertices.data()), triangles_(mesh.triangles.data()),
+      own_blocks_(most_lines(mesh.triangles.size()) / lines_per_block + 1)
+{
+    blocks_ = own_blocks_.data();
+    count(0, own_blocks_.capacity() * sizeof(own_blocks_[0]));
+    add_node(mesh.triangles.size() > leaf_triangles);
+    make_root(mesh.bounds, mesh.triangles.size());
+    if (node(root).leaves) number_triangles();
+}
+
+ObbTree::ObbTree(std::shared_ptr<const CookedMesh> mesh, ChunkBudget& budget)
+    : mesh_(nullptr), totals_(nullptr), chunked_(std::make_unique<MeshChunks>(std::move(mesh), budget)),
+      identity_(trees_made.fetch_add(1, std::memory_order_relaxed)), centre_(chunked_->mesh().bounds().centre()),
+      radius_(chunked_->mesh().radius()), large_(false), vertices_(chunked_->vertices()),
+      triangles_(chunked_->triangles()), order_(chunked_->order()), blocks_(chunked_->blocks())
+{
+    make_root(chunked_->mesh().bounds(), chunked_->mesh().triangles());
+}
+
+ObbTree::~ObbTree()
+{
+    if (totals_) totals_->nodes -= nodes(), totals_->bytes -= bytes();
+    for (NodeLine* block : own_blocks_) delete[] block;
+}
+
+double ObbTree::radius_around(const Mesh& mesh)
+{
+    const Eigen::Vector3d centre = mesh.bounds.centre();
+    double radius = 0;
+    for (const Triangle& t : mesh.triangles)
+        for (std::uint32_t v : t) radius = std::max(radius, (mesh.vertices[v] - centre).squaredNorm());
+    return std::sqrt(radius) * (1 + 0x1p-50) + 1e-150;
+}
+
+void ObbTree::make_root(const Aabb& bounds, std::size_t triangles)
+{
+    BoxNode& node = node_at(blocks_, root);
+    set_frame(node, Eigen::Vector3d::Zero(), 2 * radius_); // the box's corners are farther out
+    const Eigen::Vector3d half = bounds.half_extent();
+    set_box(node, 0, {-half, half});
+    node.lanes = 1;
+    node.leaves = triangles <= leaf_triangles, node.singles = triangles == 1;
+    if (node.inner) inner_at(blocks_, root).count[0] = static_cast<std::uint32_t>(triangles);
+}
+
+LaneMasks ObbTree::open(Node index, const BoxPlacement* placement, OpenBoxes& boxes) const
+{
+    if (of_triangles(index)) return open_triangles(index, placement, boxes);
+    if (chunked_) chunked_->opened(index);
+    const BoxNode& from = node(index);
+    oriented_box_kernel().open(from, placement, boxes);
+    return {from.leaves, from.singles};
+}
+
+/// Two boxes of 20 bytes each are not worth storing: they are made from the corners in the time in which a node of
+/// eight is opened.
+LaneMasks ObbTree::open_triangles(Node index, const BoxPlacement* placement, OpenBoxes& boxes) const
+{
+    std::array<TrianglePoints, leaf_triangles> triangles;
+    for (std::uint32_t k = 0; k < leaf_triangles; ++k) triangles[k] = corners(order_[place_of(index) + k]);
+    Eigen::Vector3d from = centre_;
+    if (placement)
+        for (int i = 0; i < 3; ++i) from[i] += placement->from[i];
+    oriented_box_kernel().open_triangles(row_of(triangles, from), placement, boxes);
+    constexpr std::uint32_t all = (1u << leaf_triangles) - 1;
+    return {all, all};
+}
+
+void ObbTree::grow_in(const Aabb& box, std::uint32_t triangles)
+{
+    const Aabb around{box.min - centre_, box.max - centre_};
+    std::vector<std::uint32_t> waiting{root};
+    while (!waiting.empty()) {
+        const std::uint32_t index = waiting.back();
+        waiting.pop_back();
+        if (chunked_) chunked_->opened(index);
+        for (unsigned k = 0; k < node(index).lanes; ++k) {
+            if (count_of(index, k) <= std::max(triangles, leaf_triangles)) continue;
+            const BoxNode& from = node(index);
+            const Eigen::Vector3d centre = centre_of(from, k);
+            const Eigen::Vector3d nearest = centre.cwiseMax(around.min).cwiseMin(around.max);
+            if ((nearest - centre).norm() <= radius_of(from, k)) waiting.push_back(child(index, k));
+        }
+    }
+}
+
+void ObbTree::number_triangles()
+{
+    own_order_.resize(mesh_->triangles.size());
+    std::iota(own_order_.begin(), own_order_.end(), 0u);
+    order_ = own_order_.data();
+    count(0, own_order_.capacity() * sizeof(own_order_[0]));
+}
+
+std::uint64_t ObbTree::most_nodes(std::size_t triangles)
+{
+    return 1 + (triangles > most_split ? triangles : 8 * triangles / 21);
+}
+
+std::uint64_t ObbTree::most_lines(std::size_t triangles)
+{
+    return lines_of(triangles > leaf_triangles) + most_node_lines(triangles, triangles > most_split);
+}
+
+/// No more than there can be: rays and boxes are small meshes.
+std::size_t ObbTree::room_in(std::size_t number) const
+{
+    return std::min<std::size_t>(lines_per_block, most_lines(mesh_->triangles.size()) - number * lines_per_block);
+}
+
+void ObbTree::count(std::uint64_t nodes, std::size_t bytes)
+{
+    if (totals_) totals_->nodes += nodes, totals_->bytes += bytes;
+}
+
+ObbTree::Node ObbTree::add_node(bool inner)
+{
+    if (chunked_) return chunked_->add_node(grows_in_, inner);
+    std::uint32_t index = lines_;
+    if (index % lines_per_block + lines_of(inner) > lines_per_block) index += lines_per_block - index % lines_per_block;
+    const std::uint32_t block = index / lines_per_block;
+    const bool full = !blocks_[block];
+    if (full) blocks_[block] = new NodeLine[room_in(block)];
+    lines_ = index + lines_of(inner), ++nodes_;
+    count(1, full ? room_in(block) * sizeof(NodeLine) : 0);
+    make_node(blocks_, index, inner);
+    return index;
+}
+
+ObbTree::Node ObbTree::grow(Node parent, unsigned k)
+{
+    const std::lock_guard lock(growing_);
+    InnerNode& above = inner_at(blocks_, parent);
+    if (above.child[k]) return above.child[k]; // another walk was first
+    const std::uint32_t begin = above.begin[k], count = above.count[k];
+    if (chunked_)
+        chunked_->need(grows_in_ = chunked_->chunk_of(begin));
+    else if (!order_)
+        number_triangles();
+    if (count > most_split)
+        if (const Node index = grow_by_grid(above, k)) return index;
+    Growing& g = growing();
+    g.parts.start({vertices_, triangles_, chunked_ ? chunked_->numbers() : nullptr}, centre_, {order_ + begin, count});
+    const unsigned parts = std::min(most_lanes, count);
+    g.parts.split(parts);
+    bool inner = false;
+    for (unsigned part = 0; part < parts; ++part)
+        inner |= g.parts.end(part) - (part ? g.parts.end(part - 1) : 0) > leaf_triangles;
+    const Node index = add_node(inner);
+    BoxNode& node = node_at(blocks_, index);
+    set_frame(node, centre_of(above.boxes, k), radius_of(above.boxes, k));
+    node.begin = begin;
+    for (std::size_t from = 0; from < count; ++node.lanes) {
+        const std::size_t to = g.parts.end(node.lanes);
+        add_lane(g, index, from, to, begin);
+        from = to;
+    }
+    if (count > most_kept) g = {}; // rarely needed again, and then less
+    std::atomic_ref(above.child[k]).store(index, std::memory_order_release);
+    return index;
+}
+
+/// All levels at once down to parts of a few thousand triangles. 0: the grid cannot tell them apart.
+ObbTree::Node ObbTree::grow_by_grid(InnerNode& above, unsigned k)
+{
+    const Eigen::Vector3d middle = centre_of(above.boxes, k),
+                          reach = Eigen::Vector3d::Constant(radius_of(above.boxes, k));
+    const Eigen::Vector3d half = mesh_->bounds.half_extent();
+    const Aabb around{(middle - reach).cwiseMax(-half), (middle + reach).cwiseMin(half)};
+    const std::uint32_t begin = above.begin[k];
+    const GridPart all = split_by_grid(*mesh_, centre_, std::span(order_ + begin, above.count[k]), around);
+    if (all.parts.empty()) return 0;
+    const Node index = add_nodes(all, begin);
+    std::atomic_ref(above.child[k]).store(index, std::memory_order_release);
+    return index;
+}
+
+ObbTree::Node ObbTree::add_nodes(const GridPart& part, std::uint32_t begin)
+{
+    const Node index = add_node(true);
+    InnerNode& inner = inner_at(blocks_, index);
+    BoxNode& node = inner.boxes;
+    set_frame(node, part.box.centre(), part.box.half_extent().norm());
+    for (const GridPart& lane : part.parts) {
+        const unsigned k = node.lanes++;
+        inner.begin[k] = begin + lane.begin, inner.count[k] = lane.count;
+        node.leaves |= static_cast<std::uint8_t>((lane.count <= leaf_triangles) << k);
+        node.singles |= static_cast<std::uint8_t>((lane.count == 1) << k);
+        set_box(node, k, lane.box);
+        if (!lane.parts.empty()) inner.child[k] = add_nodes(lane, begin);
+    }
+    return index;
+}
+
+/// Of the parts in [from, to), as the next box.
+void ObbTree::add_lane(Growing& g, Node index, std::size_t from, std::size_t to, std::uint32_t begin)
+{
+    BoxNode& node = node_at(blocks_, index);
+    const unsigned k = node.lanes;
+    const std::size_t size = to - from;
+    if (node.inner) {
+        InnerNode& inner = inner_at(blocks_, index);
+        inner.begin[k] = begin + static_cast<std::uint32_t>(from), inner.count[k] = static_cast<std::uint32_t>(size);
+    } else {
+        node.offset[k] = static_cast<std::uint8_t>(from);
+    }
+    node.leaves |= static_cast<std::uint8_t>((size <= leaf_triangles) << k);
+    node.singles |= static_cast<std::uint8_t>((size == 1) << k);
+    for (std::size_t i = from; i < to; ++i) {
+        std::uint32_t& place = order_[begin + i];
+        if (place != g.parts.triangle(i)) place = g.parts.triangle(i);
+    }
+    if (size > most_fitted) {
+        Aabb box;
+        for (std::size_t i = from; i < to; ++i)
+            for (const Eigen::Vector3d& p : g.parts.corners(i)) box.add(p);
+        return set_box(node, k, box);
+    }
+    g.columns.assign(size, [&](std::size_t i) -> const TrianglePoints& { return g.parts.corners(from + i); });
+    fit_box(node, k, g.columns, g.parts.bounds(from, to));
+}
+
+std::size_t ObbTree::most_bytes(std::size_t triangles)
+{
+    const std::size_t lines = most_lines(triangles), blocks = lines / lines_per_block + 1;
+    return lines * sizeof(NodeLine) + blocks * sizeof(NodeLine*) +
+           triangles * (sizeof(std::uint32_t) + 2 * (TriangleParts::bytes_each + sizeof(TrianglePoints)));
+}
+
+std::size_t ObbTree::bytes() const
+{
+    if (chunked_) return chunked_->bytes(); // it may grow beside this
+    // Blocks come one after the other.
+    const std::size_t lines = std::min<std::size_t>((lines_ + lines_per_block - 1) / lines_per_block * lines_per_block,
+                                                    most_lines(mesh_->triangles.size()));
+    return lines * sizeof(NodeLine) + own_blocks_.capacity() * sizeof(own_blocks_[0]) +
+           own_order_.capacity() * sizeof(own_order_[0]);
+}
+
+void ObbTree::add_held(std::vector<Held>& to) const
+{
+    if (chunked_) chunked_->add_held(to);
+}
+
+void ObbTree::drop(std::uint32_t of_chunks)
+{
+    chunked_->drop(of_chunks);
+    identity_ = trees_made.fetch_add(1, std::memory_order_relaxed); // places in it are none any more
+}
+
+} // namespace oncollide

@@ -1,0 +1,137 @@
+#include <oncollide/narrowphase/obb/oriented_box.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+namespace oncollide {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double quaternion_steps = 32767;
+constexpr double most_centre = 32767, most_half = 65535;
+
+/// The axes of box k as the box test reads them: the same operations in the same order.
+Matrix3d axes_of(const BoxNode& node, unsigned k)
+{
+    float w = float(node.qw[k]) * (1.0f / 32767), x = float(node.qx[k]) * (1.0f / 32767),
+          y = float(node.qy[k]) * (1.0f / 32767), z = float(node.qz[k]) * (1.0f / 32767);
+    const float stretch = 1.5f - 0.5f * (w * w + x * x + y * y + z * z);
+    w = w * stretch, x = x * stretch, y = y * stretch, z = z * stretch;
+    const float x2 = x + x, y2 = y + y, z2 = z + z;
+    const float xx = x * x2, yy = y * y2, zz = z * z2, xy = x * y2, xz = x * z2, yz = y * z2, wx = w * x2, wy = w * y2,
+                wz = w * z2;
+    Matrix3d axes;
+    axes.col(0) = Eigen::Vector3f(1 - (yy + zz), xy + wz, xz - wy).cast<double>();
+    axes.col(1) = Eigen::Vector3f(xy - wz, 1 - (xx + zz), yz + wx).cast<double>();
+    axes.col(2) = Eigen::Vector3f(xz + wy, yz - wx, 1 - (xx + yy)).cast<double>();
+    return axes;
+}
+
+} // namespace
+
+void set_frame(BoxNode& node, const Vector3d& centre, double radius)
+{
+    for (int axis = 0; axis < 3; ++axis) node.origin[axis] = static_cast<float>(centre[axis]);
+    // Centres lie in the ball, half-extents are below its radius; twice that leaves room for quantised axes. The origin
+    // as a float may be off by 2^-24 of its size.
+    const double most = 2 * (radius + 0x1p-23 * centre.norm());
+    node.unit = std::max(static_cast<float>(most / most_centre), 1e-30f);
+}
+
+Vector3d centre_of(const BoxNode& node, unsigned k)
+{
+    const std::int16_t places[3] = {node.x[k], node.y[k], node.z[k]};
+    Vector3d centre;
+    for (int axis = 0; axis < 3; ++axis) centre[axis] = node.origin[axis] + double(places[axis]) * node.unit;
+    return centre;
+}
+
+double radius_of(const BoxNode& node, unsigned k)
+{
+    return Vector3d(node.hx[k], node.hy[k], node.hz[k]).norm() * double(node.unit) * (1 + 0x1p-20);
+}
+
+bool holds(const BoxNode& node, unsigned k, const Vector3d& point)
+{
+    const Vector3d centre = centre_of(node, k), half = Vector3d(node.hx[k], node.hy[k], node.hz[k]) * double(node.unit);
+    const Vector3d along = (axes_of(node, k).transpose() * (point - centre)).cwiseAbs();
+    const double rounding = 0x1p-48 * (point.norm() + centre.norm());
+    return (along.array() * (1 + 0x1p-21) <= half.array() + rounding).all();
+}
+
+TriangleRow row_of(std::span<const TrianglePoints> triangles, const Vector3d& from)
+{
+    // Divided by their size, squares of floats neither overflow nor vanish.
+    double size = 1e-30;
+    for (const TrianglePoints& t : triangles)
+        for (std::size_t side = 1; side < 3; ++side) size = std::max(size, (t[side] - t[0]).cwiseAbs().maxCoeff());
+    TriangleRow row{};
+    row.size = static_cast<float>(size), row.lanes = static_cast<std::uint32_t>(triangles.size());
+    const double scale = 1 / size;
+    for (std::size_t k = 0; k < triangles.size(); ++k) {
+        const TrianglePoints& t = triangles[k];
+        for (int i = 0; i < 3; ++i) {
+            row.corner[i][k] = static_cast<float>(t[0][i] - from[i]);
+            for (std::size_t side = 0; side < 2; ++side)
+                row.sides[side][i][k] = static_cast<float>((t[side + 1][i] - t[0][i]) * scale);
+        }
+    }
+    return row;
+}
+
+namespace {
+
+/// Sets the axes of box k, the nearest that it can have.
+void set_axes(BoxNode& node, unsigned k, const Matrix3d& axes)
+{
+    const Eigen::Quaterniond q(axes);
+    const auto part = [](double x) { return static_cast<std::int16_t>(std::round(quaternion_steps * x)); };
+    node.qw[k] = part(q.w()), node.qx[k] = part(q.x()), node.qy[k] = part(q.y()), node.qz[k] = part(q.z());
+}
+
+/// Sets the centre of box k, the nearest that it can have, and half-extents that reach what is taken along its axes.
+void set_extent(BoxNode& node, unsigned k, const Vector3d& centre, const Matrix3d& axes, const Aabb& along)
+{
+    const double unit = node.unit;
+    std::int16_t* const places[3] = {&node.x[k], &node.y[k], &node.z[k]};
+    for (int axis = 0; axis < 3; ++axis) {
+        const double steps = (centre[axis] - double(node.origin[axis])) / unit;
+        *places[axis] = static_cast<std::int16_t>(std::clamp(std::round(steps), -most_centre, most_centre));
+    }
+    const Vector3d place = axes.transpose() * centre_of(node, k);
+    const Vector3d rounding = 0x1p-50 * along.max.cwiseAbs().cwiseMax(along.min.cwiseAbs());
+    const Vector3d half = (along.max - place).cwiseMax(place - along.min) + rounding;
+    std::uint16_t* const halves[3] = {&node.hx[k], &node.hy[k], &node.hz[k]};
+    for (int axis = 0; axis < 3; ++axis)
+        *halves[axis] =
+            static_cast<std::uint16_t>(std::clamp(std::ceil(half[axis] / unit * (1 + 0x1p-20)), 0.0, most_half));
+}
+
+} // namespace
+
+void fit_box(BoxNode& node, unsigned k, const TriangleColumns& triangles, const Aabb& bounds)
+{
+    set_axes(node, k, fitted_axes(triangles, bounds));
+    const Matrix3d axes = axes_of(node, k);
+    const Aabb along = extent_along(axes, triangles);
+    const auto area = [](const Vector3d& h) { return h.x() * h.y() + h.y() * h.z() + h.z() * h.x(); };
+    // Where things are built along the axes these fit better; but a thicker box bounds a curved surface worse.
+    const Vector3d straight = bounds.half_extent(), fitted = along.half_extent();
+    if (area(straight) < 0.95 * area(fitted) && straight.minCoeff() <= 1.25 * fitted.minCoeff())
+        set_box(node, k, extent_along(Matrix3d::Identity(), triangles));
+    else
+        set_extent(node, k, axes * along.centre(), axes, along);
+}
+
+void set_box(BoxNode& node, unsigned k, const Aabb& box)
+{
+    set_axes(node, k, Matrix3d::Identity());
+    set_extent(node, k, box.centre(), Matrix3d::Identity(), box);
+}
+
+} // namespace oncollide

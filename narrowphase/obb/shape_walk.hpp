@@ -1,0 +1,15 @@
+#pragma once
+#include <oncollide/narrowphase/obb/box_walk.hpp>
+#include <oncollide/narrowphase/shapes/shape_tests.hpp>
+
+namespace oncollide {
+
+/// Walks of a shape as one solid, A, against a mesh, a box or a hull, and a terrain, and of a map, A, against a shape.
+using ShapeMeshWalk = BoxWalk<const ShapeTree, ObbTree, RoundTests<ShapeTriangleTests<ObbTree>>>;
+using ShapeTerrainWalk = BoxWalk<const ShapeTree, TerrainTree, RoundTests<ShapeTriangleTests<TerrainTree>>>;
+using MapShapeWalk = BoxWalk<MapTree, const ShapeTree, RoundTests<MapShapeTests>>;
+extern template class BoxWalk<const ShapeTree, ObbTree, RoundTests<ShapeTriangleTests<ObbTree>>>;
+extern template class BoxWalk<const ShapeTree, TerrainTree, RoundTests<ShapeTriangleTests<TerrainTree>>>;
+extern template class BoxWalk<MapTree, const ShapeTree, RoundTests<MapShapeTests>>;
+
+} // namespace oncollide

@@ -1,0 +1,592 @@
+#include <oncollide/narrowphase/obb/terrain_tree.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include <oncollide/narrowphase/obb/oriented_box.hpp>
+#include <oncollide/narrowphase/obb/solid_gap_kernel.hpp>
+
+namespace oncollide {
+
+namespace {
+
+constexpr std::uint32_t square_side = 8; ///< of a block of level 2, cells
+constexpr float nothing = std::numeric_limits<float>::infinity();
+constexpr float range_rounding = 0x1p-20f; ///< of stored heights, of half the terrain's own
+
+} // namespace
+
+TerrainTree::TerrainTree(const Terrain& terrain)
+    : terrain_(terrain), centre_(terrain.bounds().centre()),
+      radius_(0.5 * terrain.bounds().diagonal() * (1 + 0x1p-50) + 1e-150)
+{
+    const Eigen::Vector3d half = terrain.bounds().half_extent();
+    all_ = {static_cast<float>(-half.z()), static_cast<float>(half.z())};
+    std::uint32_t level = 0;
+    for (Block all = blocks(0); all.x > wide(level) || all.y > high(level); all = blocks(level)) ++level;
+    top_ = {0, 0, level, false};
+    if (!terrain.chunks()) {
+        make_squares();
+        for (std::uint32_t l = 3; l <= level; ++l) make_level(l);
+        return;
+    }
+    const CookedTerrain& cooked = *terrain.chunks()->cooked();
+    parts_across_ = cooked.blocks_across();
+    parts_ = std::vector<std::atomic<Part*>>(cooked.ranges().size());
+    bounds_.resize(2); // of level 3 none
+    for (const CookedRange& r : cooked.ranges())
+        bounds_[1].push_back({{r.low, r.high}, {{r.slab_low, r.slab_high}, r.slope_x, r.slope_y}});
+    for (std::uint32_t l = part_level + 1; l <= level; ++l) make_level(l);
+}
+
+TerrainTree::~TerrainTree()
+{
+    for (std::atomic<Part*>& part : parts_) delete part.load();
+    if (terrain_.chunks()) terrain_.chunks()->budget().give(held_);
+}
+
+/// The squares of a block and the level above them, from its heights. Those of other blocks begin where it ends.
+void TerrainTree::fill(Part& part, std::uint32_t x, std::uint32_t y) const
+{
+    constexpr std::uint32_t cells = CookedTerrain::side, width = cells + 1;
+    const double zero = centre_.z() - terrain_.origin().z();
+    std::vector<float> z(std::size_t(width) * width);
+    const std::uint32_t begin = x * cells, end = std::min(begin + width, terrain_.columns());
+    double heights[width];
+    for (std::uint32_t j = 0; j < width; ++j) {
+        terrain_.chunks()->read_row(std::min(y * cells + j, terrain_.cells_y()), begin, end, heights);
+        std::fill(heights + (end - begin), heights + width, heights[end - begin - 1]); // beyond the last column
+        for (std::uint32_t i = 0; i < width; ++i) z[j * width + i] = static_cast<float>(heights[i] - zero);
+    }
+    const auto each = [&](std::uint32_t level, std::uint32_t across, std::uint32_t down, auto visit) {
+        const Block all = blocks(level);
+        for (std::uint32_t j = 0; j < std::min(down, all.y - y * down); ++j)
+            for (std::uint32_t i = 0; i < std::min(across, all.x - x * across); ++i) visit(j * across + i, i, j);
+    };
+    each(2, 8, 8, [&](std::uint32_t k, std::uint32_t i, std::uint32_t j) {
+        part.squares[k] = square_of(&z[std::size_t(j * square_side) * width + i * square_side], width);
+    });
+    each(3, 2, 4, [&](std::uint32_t k, std::uint32_t i, std::uint32_t j) {
+        part.bounds[k] = bounds_around(3, 2 * x + i, 4 * y + j, [&](std::uint32_t of_x, std::uint32_t of_y) {
+            const Square& square = part.squares[of_y % 8 * 8 + of_x % 8];
+            return Bounds{range_of(square), slab_of(square)};
+        });
+    });
+}
+
+const TerrainTree::Part& TerrainTree::make_part(std::uint32_t x, std::uint32_t y) const
+{
+    const std::lock_guard lock(making_);
+    const std::size_t number = std::size_t(y) * parts_across_ + x;
+    if (const Part* const there = parts_[number].load(std::memory_order_acquire)) return *there;
+    TerrainChunks& chunks = *terrain_.chunks();
+    chunks.budget().take(sizeof(Part), chunks.cooked()->file().name());
+    try {
+        auto made = std::make_unique<Part>();
+        fill(*made, x, y);
+        const Bounds of = bounds_around(part_level, x, y, [&](std::uint32_t of_x, std::uint32_t of_y) {
+            return made->bounds[of_y % 4 * 2 + of_x % 2];
+        });
+        if (std::memcmp(&of, &bounds_[1][number], sizeof of) != 0)
+            chunks.cooked()->refuse_chunk(std::size_t(y) * chunks.cooked()->across() + x,
+                                          "its heights are not within the bounds that the top says");
+        parts_[number].store(made.release(), std::memory_order_release);
+    } catch (...) {
+        chunks.budget().give(sizeof(Part));
+        throw;
+    }
+    held_ += sizeof(Part);
+    return *parts_[number].load(std::memory_order_relaxed);
+}
+
+CookedRange TerrainTree::range_of_chunk(std::uint32_t x, std::uint32_t y) const
+{
+    const Bounds of = bounds_around(part_level, x, y, [&](std::uint32_t of_x, std::uint32_t of_y) {
+        const auto square_bounds = [&](std::uint32_t sx, std::uint32_t sy) { return bounds_below(2, sx, sy); };
+        return bounds_around(3, of_x, of_y, square_bounds);
+    });
+    return {of.range.low, of.range.high, of.slab.low, of.slab.high, of.slab.slope_x, of.slab.slope_y};
+}
+
+void TerrainTree::add_held(std::vector<Held>& to) const
+{
+    const TerrainChunks& chunks = *terrain_.chunks();
+    for (std::uint32_t chunk = 0; chunk < chunks.cooked()->chunks(); ++chunk)
+        if (chunks.there(chunk)) to.push_back({chunks.needed(chunk), chunk});
+}
+
+/// The heights, and what was made of them and those beside them.
+void TerrainTree::drop(std::uint32_t chunk)
+{
+    TerrainChunks& chunks = *terrain_.chunks();
+    const std::uint32_t x = chunk % chunks.cooked()->across(), y = chunk / chunks.cooked()->across();
+    const std::size_t number = std::size_t(y) * parts_across_ + x;
+    if (x < parts_across_ && number < parts_.size())
+        if (const std::unique_ptr<Part> gone(parts_[number].exchange(nullptr)); gone)
+            chunks.budget().give(sizeof(Part)), held_ -= sizeof(Part);
+    chunks.drop(chunk);
+}
+
+void TerrainTree::make_squares()
+{
+    const Block all = blocks(2);
+    squares_.resize(std::size_t(all.x) * all.y);
+    const double zero = centre_.z() - terrain_.origin().z();
+    // The rows of heights around a row of squares; beyond the last ones these are given again.
+    const std::size_t width = std::size_t(all.x) * square_side + 1;
+    std::vector<float> z(width * (square_side + 1));
+    const auto read = [&](std::uint32_t row, float* out) {
+        terrain_.read_row(std::min(row, terrain_.cells_y()), zero, out);
+        std::fill(out + terrain_.columns(), out + width, out[terrain_.cells_x()]);
+    };
+    read(0, &z[square_side * width]);
+    for (std::uint32_t y = 0; y < all.y; ++y) {
+        std::copy_n(&z[square_side * width], width, z.data());
+        for (std::uint32_t j = 1; j <= square_side; ++j) read(y * square_side + j, &z[j * width]);
+        for (std::uint32_t x = 0; x < all.x; ++x)
+            squares_[std::size_t(y) * all.x + x] = square_of(&z[std::size_t(x) * square_side], width);
+    }
+}
+
+/// Of the eight blocks of a square, as square_of() has it.
+void TerrainTree::ranges_of_blocks(const float* z, std::size_t width, bool holes, Range (&of)[8])
+{
+    for (std::uint32_t k = 0; k < 8; ++k) {
+        const std::uint32_t x = k % 2 * 4, y = k / 2 * 2;
+        Range& range = of[k] = {nothing, -nothing};
+        const float *a = z + y * width + x, *b = a + width, *c = b + width;
+        if (holes) {
+            for (const float* low : {a, a + 1, a + 2, a + 3, b, b + 1, b + 2, b + 3}) {
+                const float* const high = low + width;
+                if (std::isnan(low[0] + low[1] + high[0] + high[1])) continue;
+                range.low = std::min({range.low, low[0], low[1], high[0], high[1]});
+                range.high = std::max({range.high, low[0], low[1], high[0], high[1]});
+            }
+            continue;
+        }
+        const auto less = [](float p, float q) { return p < q ? p : q; };
+        const auto more = [](float p, float q) { return p < q ? q : p; };
+        float low[4], high[4]; // of four columns, for the compiler to take together
+        for (std::uint32_t i = 0; i < 4; ++i) {
+            low[i] = less(less(a[i], b[i]), c[i]), high[i] = more(more(a[i], b[i]), c[i]);
+            low[i] = less(low[i], less(less(a[i + 1], b[i + 1]), c[i + 1]));
+            high[i] = more(high[i], more(more(a[i + 1], b[i + 1]), c[i + 1]));
+        }
+        range.low = less(less(low[0], low[1]), less(low[2], low[3]));
+        range.high = more(more(high[0], high[1]), more(high[2], high[3]));
+    }
+}
+
+/// @param z  the heights at its corners: nine rows of nine, `width` apart
+TerrainTree::Square TerrainTree::square_of(const float* z, std::size_t width) const
+{
+    Range of[8];
+    bool holes = false;
+    if (terrain_.holes())
+        for (std::uint32_t j = 0; j <= square_side; ++j)
+            for (std::uint32_t i = 0; i <= square_side; ++i) holes |= std::isnan(z[j * width + i]);
+    ranges_of_blocks(z, width, holes, of);
+    Range whole{nothing, -nothing};
+    for (const Range& r : of) whole.low = std::min(whole.low, r.low), whole.high = std::max(whole.high, r.high);
+    Square square{};
+    square.low = whole.low, square.step = whole.low <= whole.high ? (whole.high - whole.low) / 255 : 0;
+    const float per_step = square.step > 0 ? 1 / square.step : 0;
+    for (std::uint32_t k = 0; k < 8; ++k) {
+        square.lows[k] = 255, square.highs[k] = 0;
+        if (of[k].low > of[k].high) continue;
+        // These steps round by less than range_rounding, and open() allows for that.
+        square.lows[k] = static_cast<std::uint8_t>(std::max(0.0f, (of[k].low - square.low) * per_step));
+        square.highs[k] = static_cast<std::uint8_t>(std::min(255.0f, (of[k].high - square.low) * per_step + 1));
+    }
+    add_slabs(square, z, width, holes);
+    return square;
+}
+
+/// About the plane that fits the heights best; with holes, a level one.
+void TerrainTree::add_slabs(Square& square, const float* z, std::size_t width, bool holes) const
+{
+    constexpr std::uint32_t line = square_side + 1, middle = square_side / 2;
+    float a = 0, b = 0; // slopes, heights per cell
+    if (!holes) {
+        float columns[line] = {}, rows[line] = {};
+        for (std::uint32_t j = 0; j < line; ++j)
+            for (std::uint32_t i = 0; i < line; ++i) columns[i] += z[j * width + i], rows[j] += z[j * width + i];
+        constexpr float squares = line * 60; // of the distances of 81 places from the middle's column
+        for (std::uint32_t i = 0; i < line; ++i) {
+            a += (float(i) - middle) * columns[i] / squares;
+            b += (float(i) - middle) * rows[i] / squares;
+        }
+    }
+    float above[line * line];
+    for (std::uint32_t j = 0; j < line; ++j)
+        for (std::uint32_t i = 0; i < line; ++i)
+            above[j * line + i] = z[j * width + i] - (a * (float(i) - middle) + b * (float(j) - middle));
+    Range of[8], whole{nothing, -nothing};
+    ranges_of_blocks(above, line, holes, of);
+    for (const Range& r : of) whole.low = std::min(whole.low, r.low), whole.high = std::max(whole.high, r.high);
+    square.slope_x = a / static_cast<float>(terrain_.spacing().x());
+    square.slope_y = b / static_cast<float>(terrain_.spacing().y());
+    square.slab_low = whole.low, square.slab_step = whole.low <= whole.high ? (whole.high - whole.low) / 255 : 0;
+    const float per_step = square.slab_step > 0 ? 1 / square.slab_step : 0;
+    for (std::uint32_t k = 0; k < 8; ++k) {
+        if (of[k].low > of[k].high) continue;
+        square.slab_lows[k] = static_cast<std::uint8_t>(std::max(0.0f, (of[k].low - whole.low) * per_step));
+        square.slab_highs[k] = static_cast<std::uint8_t>(std::min(255.0f, (of[k].high - whole.low) * per_step + 1));
+    }
+}
+
+void TerrainTree::make_level(std::uint32_t level)
+{
+    const Block all = blocks(level);
+    std::vector<Bounds> bounds(std::size_t(all.x) * all.y);
+    for (std::uint32_t y = 0; y < all.y; ++y)
+        for (std::uint32_t x = 0; x < all.x; ++x)
+            bounds[std::size_t(y) * all.x + x] =
+                bounds_around(level, x, y, [&](std::uint32_t of_x, std::uint32_t of_y) {
+                    return bounds_below(level - 1, of_x, of_y);
+                });
+    bounds_.push_back(std::move(bounds));
+}
+
+/// Of level 2 or above.
+TerrainTree::Bounds TerrainTree::bounds_below(std::uint32_t level, std::uint32_t x, std::uint32_t y) const
+{
+    if (level > 2) return bounds(level, x, y);
+    const Square& of = square(x, y);
+    return {range_of(of), slab_of(of)};
+}
+
+template <class Below>
+TerrainTree::Bounds TerrainTree::bounds_around(std::uint32_t level, std::uint32_t x, std::uint32_t y,
+                                               Below bounds_of) const
+{
+    const std::uint32_t w = wide(level - 1), h = high(level - 1);
+    const Block below = blocks(level - 1);
+    Bounds sum;
+    sum.range = {nothing, -nothing};
+    for (std::uint32_t j = y * h; j < std::min((y + 1) * h, below.y); ++j)
+        for (std::uint32_t i = x * w; i < std::min((x + 1) * w, below.x); ++i) {
+            const Range part = bounds_of(i, j).range;
+            sum.range.low = std::min(sum.range.low, part.low);
+            sum.range.high = std::max(sum.range.high, part.high);
+        }
+    sum.slab = slab_around(level, x, y, bounds_of);
+    return sum;
+}
+
+/// About the plane that fits the middles of the blocks below.
+template <class Below>
+TerrainTree::Slab TerrainTree::slab_around(std::uint32_t level, std::uint32_t x, std::uint32_t y, Below bounds_of) const
+{
+    const Eigen::Vector2f half = half_of_block(level - 1);
+    const std::uint32_t w = wide(level - 1), h = high(level - 1);
+    const Block below = blocks(level - 1);
+    const auto each = [&](auto visit) {
+        for (std::uint32_t j = 0; j < std::min(h, below.y - y * h); ++j)
+            for (std::uint32_t i = 0; i < std::min(w, below.x - x * w); ++i)
+                if (const Slab part = bounds_of(x * w + i, y * h + j).slab; part.low <= part.high)
+                    visit(part, half.x() * (2 * float(i) + 1 - float(w)), half.y() * (2 * float(j) + 1 - float(h)));
+    };
+    Eigen::Vector3f sums = Eigen::Vector3f::Zero();
+    float parts = 0;
+    each([&](const Slab& part, float dx, float dy) {
+        sums += Eigen::Vector3f(dx, dy, 0.5f * part.low + 0.5f * part.high), ++parts;
+    });
+    Slab slab{{nothing, -nothing}, 0, 0};
+    if (parts == 0) return slab;
+    const Eigen::Vector3f mean = sums / parts;
+    Eigen::Matrix2f squares = Eigen::Matrix2f::Zero();
+    Eigen::Vector2f rises = Eigen::Vector2f::Zero();
+    each([&](const Slab& part, float dx, float dy) {
+        const Eigen::Vector2f d(dx - mean.x(), dy - mean.y());
+        squares += d * d.transpose(), rises += (0.5f * part.low + 0.5f * part.high - mean.z()) * d;
+    });
+    // Of blocks in one row or column there is no telling across it.
+    const Eigen::Vector2f slope = squares.determinant() > 0.01f * squares.diagonal().prod()
+                                      ? Eigen::Vector2f(squares.inverse() * rises)
+                                      : Eigen::Vector2f(0, 0);
+    if (slope.allFinite()) slab.slope_x = slope.x(), slab.slope_y = slope.y();
+    each([&](const Slab& part, float dx, float dy) {
+        const float across = half.x() * std::abs(part.slope_x - slab.slope_x) +
+                             half.y() * std::abs(part.slope_y - slab.slope_y),
+                    up = slab.slope_x * dx + slab.slope_y * dy;
+        const float rounding = range_rounding * (across + std::abs(up) + std::abs(part.low) + std::abs(part.high));
+        slab.low = std::min(slab.low, part.low - across - up - rounding);
+        slab.high = std::max(slab.high, part.high + across - up + rounding);
+    });
+    return slab;
+}
+
+TerrainTree::Range TerrainTree::range_of(const Square& square)
+{
+    return {square.low, square.low < nothing ? square.low + 255 * square.step : -nothing};
+}
+
+TerrainTree::Slab TerrainTree::slab_of(const Square& s)
+{
+    return {{s.slab_low, s.slab_low < nothing ? s.slab_low + 255 * s.slab_step : -nothing}, s.slope_x, s.slope_y};
+}
+
+TerrainTree::Range TerrainTree::range(std::uint32_t level, std::uint32_t x, std::uint32_t y) const
+{
+    if (level > 2) return bounds(level, x, y).range;
+    if (level == 2) return range_of(square(x, y));
+    const Square& s = square(x / 2, y / 4);
+    const std::uint32_t k = y % 4 * 2 + x % 2;
+    if (s.lows[k] > s.highs[k]) return {nothing, -nothing};
+    return {s.low + s.lows[k] * s.step, s.low + s.highs[k] * s.step};
+}
+
+void TerrainTree::cell_ranges(const Node& node, Range (&ranges)[8]) const
+{
+    const double zero = centre_.z() - terrain_.origin().z();
+    terrain_.with_heights([&](auto height) {
+        float z[3][5];
+        for (std::uint32_t j = 0; j < 3; ++j)
+            for (std::uint32_t i = 0; i < 5; ++i) {
+                const bool beyond = node.x + i > terrain_.cells_x() || node.y + j > terrain_.cells_y();
+                z[j][i] = beyond ? std::numeric_limits<float>::quiet_NaN()
+                                 : static_cast<float>(height(node.x + i, node.y + j) - zero);
+            }
+        for (std::uint32_t k = 0; k < 8; ++k) {
+            const std::uint32_t i = k % 4, j = k / 4;
+            const float a = z[j][i], b = z[j][i + 1], c = z[j + 1][i], d = z[j + 1][i + 1];
+            const float sum = a + b + c + d;
+            ranges[k] = sum == sum ? Range{std::min({a, b, c, d}), std::max({a, b, c, d})} : Range{nothing, -nothing};
+        }
+    });
+}
+
+TerrainTree::Entry TerrainTree::entry(const Aabb& box) const
+{
+    // A margin of half the box, so that what is left out is not merely apart.
+    const double spacing = terrain_.spacing().maxCoeff();
+    const double margin = 0.25 * (box.max - box.min).maxCoeff() + spacing, gap = margin - 0x1p-18 * spacing;
+    std::uint32_t from[2], to[2]; // cells, both included
+    for (int i = 0; i < 2; ++i) {
+        const double last = (i ? terrain_.cells_y() : terrain_.cells_x()) - 1;
+        const double low = std::floor((box.min[i] - margin - terrain_.origin()[i]) / terrain_.spacing()[i]);
+        const double high = std::floor((box.max[i] + margin - terrain_.origin()[i]) / terrain_.spacing()[i]);
+        if (!(low <= last && high >= 0)) return {std::nullopt, gap};
+        from[i] = static_cast<std::uint32_t>(std::max(low, 0.0));
+        to[i] = static_cast<std::uint32_t>(std::min(high, last));
+    }
+    if (box.min.z() - margin > terrain_.bounds().max.z() || box.max.z() + margin < terrain_.bounds().min.z())
+        return {std::nullopt, gap};
+    for (std::uint32_t level = 0; level < top_.level; ++level) {
+        const std::uint32_t x = from[0] >> log_width(level), y = from[1] >> log_height(level);
+        if ((to[0] >> log_width(level)) - x < wide(level) && (to[1] >> log_height(level)) - y < high(level))
+            return {Node{x, y, level, true}, gap};
+    }
+    return {Node{0, 0, top_.level, true}, gap};
+}
+
+namespace {
+
+/// @param centre, axes  the centre relative to `from` of the placement; the axes are columns
+void put(OpenBoxes& boxes, unsigned k, const Eigen::Vector3f& centre, const Eigen::Matrix3f& axes,
+         const Eigen::Vector3f& half, const BoxPlacement* placement)
+{
+    for (int i = 0; i < 3; ++i) {
+        const float* r = placement && placement->rotated ? placement->rotation + 3 * i : nullptr;
+        boxes.c[i][k] =
+            r ? r[0] * centre[0] + r[1] * centre[1] + r[2] * centre[2] + placement->translation[i] : centre[i];
+        for (int axis = 0; axis < 3; ++axis)
+            boxes.axis[axis][i][k] =
+                r ? r[0] * axes(0, axis) + r[1] * axes(1, axis) + r[2] * axes(2, axis) : axes(i, axis);
+        boxes.h[i][k] = half[i];
+    }
+    boxes.size[k] = half.squaredNorm();
+    boxes.margin = std::max(boxes.margin, box_margin * half.sum());
+}
+
+void put_nothing(OpenBoxes& boxes, unsigned k)
+{
+    for (int i = 0; i < 3; ++i) boxes.c[i][k] = 1e30f, boxes.h[i][k] = 0;
+    boxes.size[k] = 0;
+}
+
+} // namespace
+
+Eigen::Vector3d TerrainTree::origin(const BoxPlacement* placement) const
+{
+    return placement ? centre_ + Eigen::Map<const Eigen::Vector3f>(placement->from).cast<double>() : centre_;
+}
+
+LaneMasks TerrainTree::open_cell(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const
+{
+    boxes.margin = 0;
+    const Eigen::Vector3d origin = this->origin(placement);
+    for (unsigned k = 0; k < 8; ++k) put_nothing(boxes, k);
+    for (auto& axis : boxes.axis)
+        for (auto& component : axis) std::fill_n(component, 8, 0.0f);
+    for (unsigned k = 0; k < 2; ++k) {
+        TrianglePoints t = points(primitives(node, k).numbers[0]);
+        for (Eigen::Vector3d& p : t) p -= origin;
+        const TriangleColumns triangle(t);
+        const Eigen::Matrix3d axes = fitted_axes(triangle, {});
+        const Aabb along = extent_along(axes, triangle);
+        const Eigen::Vector3d centre = axes * along.centre();
+        put(boxes, k, centre.cast<float>(), axes.cast<float>(), along.half_extent().cast<float>(), placement);
+    }
+    return {3, 3};
+}
+
+LaneMasks TerrainTree::open(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const
+{
+    if (node.level == triangles) return open_cell(node, placement, boxes);
+    const Eigen::Vector3d origin = this->origin(placement);
+    const double zero = centre_.z() - origin.z(); // of ranges
+    Range ranges[8];
+    float centre[2][4], half[2][4]; // of the blocks' columns and rows
+    unsigned lanes = 0;             // a bit for each block that is there
+    const auto extent = [&](int axis, unsigned place, std::uint64_t from, std::uint64_t to) {
+        const std::uint32_t last = axis ? terrain_.cells_y() : terrain_.cells_x();
+        if (from >= last) return false;
+        const auto at = [&](std::uint64_t line) {
+            const auto l = static_cast<std::uint32_t>(std::min<std::uint64_t>(line, last));
+            return (axis ? terrain_.y(l) : terrain_.x(l)) - origin[axis];
+        };
+        centre[axis][place] = static_cast<float>(0.5 * (at(from) + at(to)));
+        half[axis][place] = static_cast<float>(0.5 * (at(to) - at(from)));
+        return true;
+    };
+    const std::uint32_t level = node.level, w = node.whole ? 1 : wide(level);
+    if (node.whole) {
+        const bool all = level == root.level;
+        const std::uint64_t x = all ? 0 : std::uint64_t(node.x) << log_width(level),
+                            y = all ? 0 : std::uint64_t(node.y) << log_height(level);
+        extent(0, 0, x, all ? ~0u : x + (std::uint64_t(wide(level)) << log_width(level)));
+        extent(1, 0, y, all ? ~0u : y + (std::uint64_t(high(level)) << log_height(level)));
+        ranges[0] = all_, lanes = 1;
+    } else {
+        const std::uint32_t h = high(level);
+        unsigned columns = 0, rows = 0; // that are there
+        for (unsigned i = 0; i < w; ++i)
+            columns += extent(0, i, std::uint64_t(node.x + i) << log_width(level),
+                              std::uint64_t(node.x + i + 1) << log_width(level));
+        for (unsigned j = 0; j < h; ++j)
+            rows += extent(1, j, std::uint64_t(node.y + j) << log_height(level),
+                           std::uint64_t(node.y + j + 1) << log_height(level));
+        if (level == 0) cell_ranges(node, ranges);
+        for (unsigned j = 0; j < rows; ++j)
+            for (unsigned i = 0; i < columns; ++i) {
+                const unsigned k = j * w + i;
+                if (level > 0) ranges[k] = range(level, node.x + i, node.y + j);
+                lanes |= unsigned(ranges[k].low <= ranges[k].high) << k;
+            }
+    }
+
+    const float* const r = placement && placement->rotated ? placement->rotation : nullptr;
+    float largest = 0;
+    for (unsigned k = 0; k < 8; ++k) {
+        if (!(lanes >> k & 1)) {
+            put_nothing(boxes, k);
+            continue;
+        }
+        const unsigned i = k % w, j = k / w;
+        const float x = centre[0][i], y = centre[1][j];
+        const auto z = static_cast<float>(zero + 0.5 * (double(ranges[k].low) + ranges[k].high));
+        const float hx = half[0][i], hy = half[1][j], hz = 0.5f * (ranges[k].high - ranges[k].low);
+        boxes.h[0][k] = hx, boxes.h[1][k] = hy, boxes.h[2][k] = hz;
+        boxes.size[k] = hx * hx + hy * hy + hz * hz;
+        largest = std::max(largest, hx + hy + hz);
+        if (!r) {
+            boxes.c[0][k] = x, boxes.c[1][k] = y, boxes.c[2][k] = z;
+            continue;
+        }
+        for (int row = 0; row < 3; ++row)
+            boxes.c[row][k] = r[3 * row] * x + r[3 * row + 1] * y + r[3 * row + 2] * z + placement->translation[row];
+    }
+    for (int axis = 0; axis < 3; ++axis)
+        for (int i = 0; i < 3; ++i) std::fill_n(boxes.axis[axis][i], 8, r ? r[3 * i + axis] : float(axis == i));
+    boxes.margin = box_margin * largest + range_rounding * all_.high;
+    return {level == 0 && !node.whole ? lanes : 0, 0};
+}
+
+void TerrainTree::open_cells(const Node& node, const Eigen::Vector3d& from, TerrainCells& cells) const
+{
+    const double zero = from.z() - terrain_.origin().z();
+    std::uint32_t columns[5], rows[3];
+    for (std::uint32_t i = 0; i < 5; ++i) {
+        columns[i] = std::min(node.x + i, terrain_.cells_x());
+        cells.x[i] = static_cast<float>(terrain_.x(columns[i]) - from.x());
+    }
+    for (std::uint32_t j = 0; j < 3; ++j) {
+        rows[j] = std::min(node.y + j, terrain_.cells_y());
+        cells.y[j] = static_cast<float>(terrain_.y(rows[j]) - from.y());
+    }
+    terrain_.with_heights([&](auto height) {
+        for (std::uint32_t j = 0; j < 3; ++j)
+            for (std::uint32_t i = 0; i < 5; ++i)
+                cells.z[j][i] = static_cast<float>(height(columns[i], rows[j]) - zero);
+    });
+    cells.falling = terrain_.diagonal(0, 0) == CellDiagonal::falling ? 0xff : 0;
+    if (terrain_.mixed_diagonals()) {
+        cells.falling = 0;
+        for (std::uint32_t k = 0; k < 8; ++k)
+            if (columns[k % 4] < terrain_.cells_x() && rows[k / 4] < terrain_.cells_y())
+                cells.falling |= unsigned(terrain_.diagonal(columns[k % 4], rows[k / 4]) == CellDiagonal::falling) << k;
+    }
+    cells.margin = box_margin * static_cast<float>(terrain_.spacing().sum());
+}
+
+void TerrainTree::open_blocks(const Node& node, const Eigen::Vector3d& from, TerrainBlocks& blocks) const
+{
+    const std::uint32_t level = node.level, w = wide(level), h = high(level);
+    const Block all = this->blocks(level);
+    const auto lines = [](float* out, std::uint32_t count, double first, double step, double last) {
+        for (std::uint32_t i = 0; i <= count; ++i) out[i] = static_cast<float>(std::min(first + i * step, last));
+    };
+    const double across = terrain_.spacing().x() * cells_wide(level),
+                 along = terrain_.spacing().y() * cells_high(level);
+    const Eigen::Vector3d& origin = terrain_.origin();
+    lines(blocks.x, w, origin.x() + node.x * across - from.x(), across, terrain_.x(terrain_.cells_x()) - from.x());
+    lines(blocks.y, h, origin.y() + node.y * along - from.y(), along, terrain_.y(terrain_.cells_y()) - from.y());
+    const Eigen::Vector2f half = half_of_block(level);
+    blocks.half_x = half.x(), blocks.half_y = half.y();
+    blocks.wide = w == 4, blocks.one_slope = level == 1;
+    blocks.zero = static_cast<float>(centre_.z() - from.z());
+    blocks.margin = box_margin * 2 * (half.x() + half.y()) + range_rounding * all_.high;
+    const auto put = [&](unsigned k, const Range& range, const Slab& slab) {
+        blocks.low[k] = range.low, blocks.high[k] = range.high;
+        blocks.slab_low[k] = slab.low, blocks.slab_high[k] = slab.high;
+        blocks.slope_x[k] = slab.slope_x, blocks.slope_y[k] = slab.slope_y;
+    };
+    if (level == 1) { // the eight blocks of one square
+        const Square& s = square(node.x / 2, node.y / 4);
+        const auto put_all = [](float* out, float low, float step, const std::uint8_t* steps) {
+            for (unsigned k = 0; k < 8; ++k) out[k] = low + float(steps[k]) * step;
+        };
+        put_all(blocks.low, s.low, s.step, s.lows), put_all(blocks.high, s.low, s.step, s.highs);
+        put_all(blocks.slab_low, s.slab_low, s.slab_step, s.slab_lows);
+        put_all(blocks.slab_high, s.slab_low, s.slab_step, s.slab_highs);
+        for (unsigned k = 0; k < 8; ++k) blocks.high[k] = s.lows[k] > s.highs[k] ? -nothing : blocks.high[k];
+        std::fill_n(blocks.slope_x, 8, s.slope_x), std::fill_n(blocks.slope_y, 8, s.slope_y);
+        return;
+    }
+    for (unsigned k = 0; k < 8; ++k) {
+        const std::uint32_t x = node.x + k % w, y = node.y + k / w;
+        if (x >= all.x || y >= all.y) {
+            put(k, {nothing, -nothing}, {});
+        } else if (level == 2) {
+            const Square& s = square(x, y);
+            put(k, range_of(s), {{s.slab_low, s.slab_low + 255 * s.slab_step}, s.slope_x, s.slope_y});
+        } else {
+            const Bounds& of = bounds(level, x, y);
+            put(k, of.range, of.slab);
+        }
+    }
+}
+
+std::size_t TerrainTree::bytes() const
+{
+    std::size_t sum = squares_.capacity() * sizeof(Square);
+    for (const auto& level : bounds_) sum += level.capacity() * sizeof(Bounds);
+    if (terrain_.chunks()) sum += parts_.size() * sizeof(parts_[0]) + held_ + terrain_.chunks()->bytes();
+    return sum;
+}
+
+} // namespace oncollide

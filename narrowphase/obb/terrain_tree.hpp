@@ -1,0 +1,212 @@
+#pragma once
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include <oncollide/narrowphase/obb/hierarchy.hpp>
+#include <oncollide/narrowphase/exact/triangle_test.hpp>
+#include <oncollide/scenes/cooked/cooked_terrain.hpp>
+#include <oncollide/scenes/model/terrain.hpp>
+
+namespace oncollide {
+
+struct TerrainBlocks;
+struct TerrainCells;
+
+/// A terrain as a BoxHierarchy: an implicit quadtree, of which the least and the greatest heights are stored for every
+/// four by two cells and above; boxes are computed. Reads only, so any number of walks may share it.
+///
+/// Level 0 are the cells, level 1 blocks of four by two of them, level 2 blocks of two by four of these, so eight by
+/// eight cells, and so on in turns. A node is the eight blocks, wherever they begin, that one of the next level is made
+/// of; so any place has a node that fits it. Below a cell are its two triangles, each in a flat box.
+///
+/// Of a terrain in a cooked file it has the same boxes. Blocks of 64 by 64 cells and above come from the file's top;
+/// what is below is made when a walk first comes to it, from the chunks of heights, which must be as the top says:
+/// all that follows then may throw ChunkFault.
+class TerrainTree final : public HeldChunks {
+public:
+    /// Keeps a reference to the terrain. Cost: 6 ns a cell; of a cooked one, of each block of 64 by 64.
+    explicit TerrainTree(const Terrain& terrain);
+    ~TerrainTree() override;
+    TerrainTree(const TerrainTree&) = delete;
+    TerrainTree& operator=(const TerrainTree&) = delete;
+
+    struct Node {
+        std::uint32_t x, y;  ///< the first block, counted in blocks of its level
+        std::uint32_t level; ///< of the blocks
+        bool whole;          ///< one box around all
+    };
+    using Primitive = std::uint32_t; ///< a triangle, by its number in the terrain
+    static constexpr Node root{0, 0, ~0u, true};
+    static constexpr std::uint32_t triangles = ~0u - 1; ///< a level: a node of the two triangles of a cell
+    /// As MapTree::Entry.
+    struct Entry {
+        std::optional<Node> node;
+        double gap;
+    };
+    Entry entry(const Aabb& box) const;
+
+    const Eigen::Vector3d& centre() const { return centre_; }
+    double radius() const { return radius_; }
+    LaneMasks open(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const;
+    /// The corners of a node of cells, relative to a point.
+    void open_cells(const Node& node, const Eigen::Vector3d& from, TerrainCells& cells) const;
+    /// The blocks of any other node below the root, relative to a point. It must begin where a block of the next level
+    /// does.
+    void open_blocks(const Node& node, const Eigen::Vector3d& from, TerrainBlocks& blocks) const;
+    Node child(const Node& node, unsigned lane) const
+    {
+        if (node.level == root.level) return top_;
+        if (node.whole) return {node.x, node.y, node.level, false};
+        const Block block = block_of(node, lane);
+        if (node.level == 0) return {block.x, block.y, triangles, false};
+        const std::uint32_t below = node.level - 1;
+        return {block.x * wide(below), block.y * high(below), below, false};
+    }
+    /// One or two triangles, by number.
+    struct Primitives {
+        std::array<std::uint32_t, 2> numbers;
+        std::uint32_t count;
+
+        std::uint32_t operator[](std::size_t k) const { return numbers[k]; }
+        const std::uint32_t* begin() const { return numbers.data(); }
+        const std::uint32_t* end() const { return numbers.data() + count; }
+    };
+    /// Of a cell, or of one of its triangles.
+    Primitives primitives(const Node& node, unsigned lane) const
+    {
+        const bool one = node.level == triangles;
+        const Block cell = one ? Block{node.x, node.y} : block_of(node, lane);
+        const std::uint32_t first = 2 * (cell.y * terrain_.cells_x() + cell.x) + (one ? lane : 0);
+        return {{first, first + 1}, one ? 1u : 2u};
+    }
+    TrianglePoints points(std::uint32_t triangle) const
+    {
+        TrianglePoints points;
+        const auto corners = terrain_.corners(triangle);
+        for (std::size_t k = 0; k < 3; ++k) points[k] = terrain_.point(corners[k].column, corners[k].row);
+        return points;
+    }
+    const Terrain& terrain() const { return terrain_; }
+
+    std::size_t bytes() const;
+    CookedRange range_of_chunk(std::uint32_t x, std::uint32_t y) const; ///< of a block of 64 by 64 cells
+
+    void add_held(std::vector<Held>& to) const override;
+    void drop(std::uint32_t chunk) override;
+
+private:
+    /// Heights from the centre's, metres, of what is there; nothing is: low > high.
+    struct Range {
+        float low, high;
+    };
+    /// All of a block is between two planes, `low` and `high` over the middle of a whole block.
+    struct Slab : Range {
+        float slope_x, slope_y;
+    };
+    /// Of a block of level 3 or above.
+    struct Bounds {
+        Range range;
+        Slab slab;
+    };
+    /// Of eight by eight cells: those of its eight blocks of level 1 are low + step [lows[k], highs[k]].
+    struct Square {
+        float low, step;
+        std::uint8_t lows[8], highs[8];
+        /// The same from planes with these slopes, over the middle of a whole square.
+        float slab_low, slab_step, slope_x, slope_y;
+        std::uint8_t slab_lows[8], slab_highs[8];
+    };
+    struct Block {
+        std::uint32_t x, y;
+    };
+    /// Of eight squares by eight: a block of level 4.
+    static constexpr std::uint32_t part_level = 4;
+    struct Part {
+        Square squares[64];
+        Bounds bounds[8]; ///< of level 3
+    };
+
+    // A block of the level above is so many blocks of this one wide and high.
+    static std::uint32_t wide(std::uint32_t level) { return level % 2 ? 2 : 4; }
+    static std::uint32_t high(std::uint32_t level) { return level % 2 ? 4 : 2; }
+    /// Sides of a block in cells, as powers of two.
+    static std::uint32_t log_width(std::uint32_t level) { return level / 2 * 3 + level % 2 * 2; }
+    static std::uint32_t log_height(std::uint32_t level) { return level / 2 * 3 + level % 2; }
+    static float cells_wide(std::uint32_t level) { return static_cast<float>(std::uint64_t{1} << log_width(level)); }
+    static float cells_high(std::uint32_t level) { return static_cast<float>(std::uint64_t{1} << log_height(level)); }
+    /// Half of a whole block, metres.
+    Eigen::Vector2f half_of_block(std::uint32_t level) const
+    {
+        return 0.5f *
+               terrain_.spacing().cast<float>().cwiseProduct(Eigen::Vector2f(cells_wide(level), cells_high(level)));
+    }
+    static Block block_of(const Node& node, unsigned lane)
+    {
+        const std::uint32_t w = wide(node.level);
+        return {node.x + lane % w, node.y + lane / w};
+    }
+    /// How many blocks of a level there are, at least in part, along x and y.
+    Block blocks(std::uint32_t level) const
+    {
+        return {((terrain_.cells_x() - 1) >> log_width(level)) + 1,
+                ((terrain_.cells_y() - 1) >> log_height(level)) + 1};
+    }
+    const Square& square(std::uint32_t x, std::uint32_t y) const
+    {
+        if (terrain_.chunks()) return part(x / 8, y / 8).squares[y % 8 * 8 + x % 8];
+        return squares_[std::size_t(y) * blocks(2).x + x];
+    }
+    /// Of level 3 or above.
+    const Bounds& bounds(std::uint32_t level, std::uint32_t x, std::uint32_t y) const
+    {
+        if (level < part_level && terrain_.chunks()) return part(x / 2, y / 4).bounds[y % 4 * 2 + x % 2];
+        return bounds_[level - 3][std::size_t(y) * blocks(level).x + x];
+    }
+    Range range(std::uint32_t level, std::uint32_t x, std::uint32_t y) const;
+    static Range range_of(const Square& square);
+    static Slab slab_of(const Square& square);
+    const Part& part(std::uint32_t x, std::uint32_t y) const
+    {
+        const std::size_t number = std::size_t(y) * parts_across_ + x;
+        const Part* const there = parts_[number].load(std::memory_order_acquire);
+        terrain_.chunks()->mark(x, y);
+        return there ? *there : make_part(x, y);
+    }
+    const Part& make_part(std::uint32_t x, std::uint32_t y) const;
+    void fill(Part& part, std::uint32_t x, std::uint32_t y) const;
+    /// What boxes are relative to, in the terrain's frame.
+    Eigen::Vector3d origin(const BoxPlacement* placement) const;
+    LaneMasks open_cell(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const;
+    void cell_ranges(const Node& node, Range (&ranges)[8]) const;
+    void make_squares();
+    Square square_of(const float* z, std::size_t width) const;
+    static void ranges_of_blocks(const float* z, std::size_t width, bool holes, Range (&of)[8]);
+    void add_slabs(Square& square, const float* z, std::size_t width, bool holes) const;
+    /// Around the blocks of the level below: visit(below, x, y) has their bounds.
+    template <class Below>
+    Bounds bounds_around(std::uint32_t level, std::uint32_t x, std::uint32_t y, Below below) const;
+    template <class Below>
+    Slab slab_around(std::uint32_t level, std::uint32_t x, std::uint32_t y, Below below) const;
+    void make_level(std::uint32_t level);
+    Bounds bounds_below(std::uint32_t level, std::uint32_t x, std::uint32_t y) const;
+
+    const Terrain& terrain_;
+    Eigen::Vector3d centre_;
+    double radius_;
+    Range all_;
+    Node top_;                                ///< holds all cells
+    std::vector<Square> squares_;             ///< of level 2, row by row
+    std::vector<std::vector<Bounds>> bounds_; ///< of level 3 and above, row by row
+    std::uint32_t parts_across_ = 0;
+    mutable std::vector<std::atomic<Part*>> parts_; ///< of a cooked terrain, in place of the squares and level 3
+    mutable std::atomic<std::size_t> held_ = 0;     ///< by these
+    mutable std::mutex making_;
+};
+
+} // namespace oncollide

@@ -1,0 +1,147 @@
+#include <oncollide/narrowphase/obb/traversal.hpp>
+
+#include <algorithm>
+#include <span>
+
+#include <oncollide/narrowphase/obb/box_walk_all.hpp>
+#include <oncollide/narrowphase/exact/common_corner.hpp>
+#include <oncollide/narrowphase/exact/exact_predicates.hpp>
+
+namespace oncollide {
+
+static_assert(BoxHierarchy<ObbTree> && LeafTests<TriangleTests, ObbTree, ObbTree>);
+static_assert(BoxHierarchy<TerrainTree> && LeafTests<TriangleTestsOf<TerrainTree, ObbTree>, TerrainTree, ObbTree>);
+template class BoxWalk<ObbTree, ObbTree, TriangleTests>;
+template class BoxWalk<TerrainTree, ObbTree, TriangleTestsOf<TerrainTree, ObbTree>>;
+template class BoxWalk<ObbTree, TerrainTree, TriangleTestsOf<ObbTree, TerrainTree>>;
+template class BoxWalk<TerrainTree, TerrainTree, TriangleTestsOf<TerrainTree, TerrainTree>>;
+
+namespace {
+
+constexpr auto leave_none = [](TrianglePair) { return false; };
+
+} // namespace
+
+template <class A, class B>
+typename TraversalOf<A, B>::Meeting TraversalOf<A, B>::first_meeting(A& a, B& b, const RelativePose& b_to_a,
+                                                                     std::optional<TrianglePair> hint,
+                                                                     std::optional<Place>* place)
+{
+    Meeting meeting;
+    const auto found = [&](TrianglePair pair) {
+        meeting.pair = pair;
+        return false;
+    };
+    meeting.bound = walk_.meetings(a, b, b_to_a, hint, found, leave_none, place);
+    return meeting;
+}
+
+template <class A, class B>
+typename TraversalOf<A, B>::Contact TraversalOf<A, B>::contact(A& a, B& b, const RelativePose& b_to_a,
+                                                               std::optional<TrianglePair> hint,
+                                                               std::optional<Place>* place)
+{
+    const Tests& triangles = walk_.leaves();
+    Contact contact;
+    const auto take = [&](TrianglePair pair) {
+        const TriangleContact how = triangle_contact(triangles.points_a(pair.a), triangles.points_b(pair.b));
+        if (how > contact.kind) contact.pair = pair, contact.kind = how;
+        return how;
+    };
+    const auto only_corner = [&](TrianglePair pair) {
+        return contact.kind == TriangleContact::touching &&
+               only_common_corner(triangles.points_a(pair.a), triangles.points_b(pair.b));
+    };
+    if constexpr (!two_meshes<A, B>) { // few of a terrain's triangles meet in a point, and they have no inside to share
+        contact.bound = walk_.meetings(
+            a, b, b_to_a, hint, [&](TrianglePair pair) { return take(pair) != TriangleContact::crossing; }, only_corner,
+            place);
+        return contact;
+    } else {
+        // Where two fans of n triangles touch n^2 pairs do, in one plane or in a point: one plane tells of all of them.
+        std::size_t planes = 0;
+        std::uint64_t looked = 0;
+        const std::uint64_t most_looks = 8 * (a.mesh().vertices.size() + b.mesh().vertices.size());
+        const auto parted = [&](TrianglePair pair) {
+            return std::ranges::any_of(
+                std::span(planes_).first(std::min(planes, planes_.size())),
+                [&](PlaneSides& plane) { return plane.part(a.mesh().triangles[pair.a], b.mesh().triangles[pair.b]); });
+        };
+        const auto add_plane = [&](TrianglePair pair) {
+            for (const TrianglePoints& face : {triangles.points_a(pair.a), triangles.points_b(pair.b)}) {
+                if (collinear(face[0], face[1], face[2])) continue;
+                PlaneSides& plane = planes_[planes % planes_.size()];
+                plane.start(face, a.mesh(), b.mesh(), b_to_a);
+                if (!plane.part(a.mesh().triangles[pair.a], b.mesh().triangles[pair.b])) continue;
+                ++planes;
+                contact.parted = looked < most_looks && plane.part_all(looked);
+                return;
+            }
+        };
+        const auto found = [&](TrianglePair pair) {
+            if (take(pair) == TriangleContact::touching && !parted(pair)) add_plane(pair);
+            return contact.kind != TriangleContact::crossing && !contact.parted;
+        };
+        const auto touch_at_most = [&](TrianglePair pair) { return parted(pair) || only_corner(pair); };
+        contact.bound = walk_.meetings(a, b, b_to_a, hint, found, touch_at_most, place);
+        return contact;
+    }
+}
+
+/// All that meet but those for which leave(pair).
+template <class A, class B>
+template <class Leave>
+void TraversalOf<A, B>::collect(A& a, B& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out, Leave leave)
+{
+    out.clear();
+    walk_.all_meetings(
+        a, b, b_to_a, [&](TrianglePair pair) { out.push_back(pair); }, leave);
+    std::sort(out.begin(), out.end(), [](const TrianglePair& x, const TrianglePair& y) {
+        const auto key = [](const TrianglePair& pair) { return std::uint64_t{pair.a} << 32 | pair.b; };
+        return key(x) < key(y);
+    });
+}
+
+template <class A, class B>
+void TraversalOf<A, B>::all_meeting(A& a, B& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out)
+{
+    collect(a, b, b_to_a, out, leave_none);
+}
+
+template <class A, class B>
+void TraversalOf<A, B>::all_meeting(A& a, B& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out,
+                                    CommonCorners& corners) requires two_meshes<A, B>
+{
+    if constexpr (two_meshes<A, B>) { // Clang 14 instantiates it all the same
+        corners.of_a.assign(a.mesh().triangles.size(), 0), corners.of_b.assign(b.mesh().triangles.size(), 0);
+        const Tests& triangles = walk_.leaves();
+        collect(a, b, b_to_a, out, [&](TrianglePair pair) {
+            const auto corner = only_common_corner(triangles.points_a(pair.a), triangles.points_b(pair.b));
+            if (!corner) return false;
+            corners.of_a[pair.a] |= 1u << corner->a, corners.of_b[pair.b] |= 1u << corner->b;
+            return true;
+        });
+    }
+}
+
+template <class A, class B>
+typename TraversalOf<A, B>::Nearness TraversalOf<A, B>::near(A& a, B& b, const RelativePose& b_to_a, double clearance,
+                                                             double tolerance, std::optional<TrianglePair> hint,
+                                                             std::optional<Place>* place)
+{
+    return walk_.near(a, b, b_to_a, clearance, tolerance, hint, place);
+}
+
+template <class A, class B>
+typename TraversalOf<A, B>::Distance TraversalOf<A, B>::distance(A& a, B& b, const RelativePose& b_to_a,
+                                                                 double tolerance, double farthest)
+{
+    return walk_.distance(a, b, b_to_a, tolerance, farthest);
+}
+
+template class TraversalOf<ObbTree, ObbTree>;
+template class TraversalOf<TerrainTree, ObbTree>;
+template class TraversalOf<ObbTree, TerrainTree>;
+template class TraversalOf<TerrainTree, TerrainTree>;
+
+} // namespace oncollide

@@ -1,0 +1,84 @@
+#include <oncollide/narrowphase/shapes/convex_distance.hpp>
+
+#include <algorithm>
+
+#include <oncollide/narrowphase/shapes/newton_meeting.hpp>
+#include <oncollide/narrowphase/shapes/simplex.hpp>
+
+namespace oncollide {
+
+namespace {
+
+constexpr int most_newton_steps = 8; ///< by Newton's method, which takes four to six
+
+bool is_enough(const ConvexDistance& d, const EnoughDistance& enough, double rounding)
+{
+    return d.lower > enough.above || d.upper <= enough.below || d.upper - d.lower <= enough.tolerance + 4 * rounding;
+}
+
+/// Is one of them an ellipsoid or a point? Where both have edges or rims, Newton's method soon gets stuck, and its
+/// looks are lost.
+bool one_is_smooth(const ConvexDifference& cores)
+{
+    const auto smooth = [](const Convex& c) { return c.core == Convex::Core::ellipsoid || !(c.extent > 0); };
+    return smooth(cores.a()) || smooth(cores.b());
+}
+
+/// Of curved cores: Newton's method comes to the direction of smooth ones in a few looks. Returns whether that was
+/// enough; `v` is then or else the best direction.
+bool look_along_normals(const ConvexDifference& cores, const EnoughDistance& enough, Eigen::Vector3d& v,
+                        ConvexDistance& found)
+{
+    const double rounding = cores.rounding();
+    Eigen::Vector3d n = v.normalized();
+    double last = -std::numeric_limits<double>::infinity();
+    for (int look = 0; look < most_newton_steps; ++look) {
+        const ConvexDifference::Point p = cores.support(-n);
+        const double apart = n.dot(p.w), upper = p.w.norm() + rounding;
+        if (!(apart > last)) break; // faces, edges, or as near as doubles come
+        last = apart, v = n;
+        found.lower = std::max(found.lower, apart - rounding);
+        if (upper < found.upper) found.upper = upper, found.on_a = p.a, found.on_b = p.a + p.w;
+        if (is_enough(found, enough, rounding)) return true;
+        n = (n + newton_step(cores, n, p.w)).normalized();
+    }
+    return false;
+}
+
+} // namespace
+
+ConvexDistance convex_distance(const ConvexDifference& cores, const EnoughDistance& enough,
+                               const Eigen::Vector3d* first)
+{
+    constexpr int most_steps = 256; // smooth cores take 10 to 40
+    const double rounding = cores.rounding();
+    ConvexDistance found{std::max(cores.least(), 0.0), std::numeric_limits<double>::infinity(), {}, {}};
+    double nearest = std::numeric_limits<double>::infinity(); ///< of the simplex
+    Simplex4 simplex;
+    Eigen::Vector3d v = first ? *first : cores.middle();
+    if (v.isZero(0)) v = Eigen::Vector3d::UnitX();
+    if (!first && !cores.flat_sided() && one_is_smooth(cores) && look_along_normals(cores, enough, v, found)) {
+        found.lower = std::min(found.lower, found.upper);
+        return found;
+    }
+    double length = v.norm();
+    for (int step = 0; step < most_steps && length > 0; ++step) {
+        const ConvexDifference::Point p = cores.support(-v);
+        found.lower = std::max(found.lower, v.dot(p.w) / length - rounding);
+        if (found.lower > enough.above || found.upper - found.lower <= enough.tolerance + 4 * rounding) break;
+        if (simplex.holds(p.w)) break;
+        simplex.corner[simplex.count++] = p;
+        simplex.reduce();
+        v = simplex.nearest();
+        length = v.norm();
+        const double upper = length + rounding;
+        if (!(upper < nearest)) break;
+        nearest = upper;
+        if (upper < found.upper) found.upper = upper, found.on_a = simplex.on_a(), found.on_b = found.on_a + v;
+        if (upper <= enough.below || simplex.count == 4) break;
+    }
+    found.lower = std::min(found.lower, found.upper);
+    return found;
+}
+
+} // namespace oncollide

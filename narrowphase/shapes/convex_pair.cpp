@@ -1,0 +1,70 @@
+#include <oncollide/narrowphase/shapes/convex_pair.hpp>
+
+#include <algorithm>
+
+#include <oncollide/narrowphase/shapes/exact_cores.hpp>
+#include <oncollide/narrowphase/shapes/newton_meeting.hpp>
+
+namespace oncollide {
+
+ConvexPair::ConvexPair(const Convex& a, const Convex& b, const RelativePose& b_to_a, double slack)
+    : a_(a), b_(b), b_to_a_(b_to_a), radius_(a.radius + b.radius),
+      exact_(a.flat_sided && b.flat_sided && (radius_ == 0 || slack == 0)), cores_(a, b, b_to_a, slack)
+{
+}
+
+ConvexMeeting ConvexPair::meeting() const
+{
+    const ConvexMeeting found = radius_ > 0 ? meeting_of_balls() : meeting_of_cores();
+    if (found.sign != 0 || !exact_) return found;
+    const double gap = exact_gap(a_, b_, b_to_a_);
+    return gap > 0 ? ConvexMeeting{1, gap} : ConvexMeeting{-1, 0};
+}
+
+ConvexMeeting ConvexPair::meeting_of_balls() const
+{
+    const EnoughDistance enough{.above = radius_, .below = radius_};
+    ConvexDistance d;
+    if (a_.core == Convex::Core::ellipsoid || b_.core == Convex::Core::ellipsoid) {
+        const NewtonMeeting looks = newton_meeting(cores_);
+        if (looks.meeting.sign != 0) return looks.meeting;
+        d = convex_distance(cores_, enough, &looks.direction);
+    } else {
+        d = convex_distance(cores_, enough);
+    }
+    if (d.lower > radius_) return {1, d.lower - radius_};
+    if (d.upper <= radius_) return {-1, 0};
+    return {0, d.upper - radius_};
+}
+
+ConvexMeeting ConvexPair::meeting_of_cores() const
+{
+    const ConvexMeeting found = convex_meeting(cores_);
+    if (found.sign != 0) return found;
+    const ConvexDistance d = convex_distance(cores_, {.above = 0});
+    if (d.lower > 0) return {1, d.lower};
+    return {0, std::min(found.bound, d.upper)};
+}
+
+ConvexDistance ConvexPair::distance(EnoughDistance enough) const
+{
+    enough.above += radius_, enough.below += radius_;
+    ConvexDistance d = convex_distance(cores_, enough);
+    // The direction of bodies that all but touch is lost in rounding, a portal's is not.
+    if (radius_ == 0 && d.lower < 0x1p-20 * d.upper) {
+        const ConvexMeeting m = convex_meeting(cores_);
+        if (m.sign > 0) d.lower = std::min(std::max(d.lower, m.bound), d.upper);
+        if (m.sign < 0) d.lower = d.upper = 0;
+    }
+    // From the cores to the surfaces of the balls around them, or to the middle of what both balls share.
+    const Eigen::Vector3d v = d.on_b - d.on_a;
+    const double length = v.norm();
+    if (length > radius_)
+        d.on_a += a_.radius / length * v, d.on_b -= b_.radius / length * v;
+    else if (radius_ > 0 && length > 0)
+        d.on_a += (std::max(length - b_.radius, 0.0) + std::min(a_.radius, length)) / (2 * length) * v, d.on_b = d.on_a;
+    d.lower = std::max(d.lower - radius_, 0.0), d.upper = std::max(d.upper - radius_, 0.0);
+    return d;
+}
+
+} // namespace oncollide

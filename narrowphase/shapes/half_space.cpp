@@ -1,0 +1,221 @@
+#include <oncollide/narrowphase/shapes/half_space.hpp>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <span>
+
+#include <oncollide/scenes/model/box_corners.hpp>
+
+namespace oncollide {
+
+namespace {
+
+using Eigen::Vector3d;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Hands visit(primitive) those of a hierarchy that may come below cut(), those in lower boxes first.
+template <BoxHierarchy Hierarchy, class Cut, class Visit>
+class Descent {
+public:
+    Descent(Hierarchy& tree, const RelativePose& to_plane, Cut cut, Visit visit)
+        : tree_(tree), to_plane_(to_plane), cut_(cut), visit_(visit), base_(to_plane(tree.centre()).z()),
+          rounding_(0x1p-17 * tree.radius() + 0x1p-48 * (tree.centre().norm() + to_plane.translation.norm()))
+    {
+        descend(Hierarchy::root);
+    }
+
+private:
+    void descend(const typename Hierarchy::Node& node)
+    {
+        OpenBoxes boxes;
+        const LaneMasks masks = tree_.open(node, nullptr, boxes);
+        std::array<std::pair<double, unsigned>, 8> lanes; // the lowest first
+        unsigned count = 0;
+        for (unsigned k = 0; k < 8; ++k) {
+            if (!(boxes.c[0][k] < 1e29f)) continue; // no box
+            const std::pair lane(low(boxes, k), k);
+            unsigned at = count++;
+            for (; at > 0 && lane < lanes[at - 1]; --at) lanes[at] = lanes[at - 1];
+            lanes[at] = lane;
+        }
+        for (unsigned i = 0; i < count; ++i) {
+            const auto [low, k] = lanes[i];
+            if (low > cut_()) return;
+            if (!(masks.leaves >> k & 1))
+                descend(tree_.child(node, k));
+            else
+                for (const auto primitive : tree_.primitives(node, k)) visit_(primitive);
+        }
+    }
+    double low(const OpenBoxes& boxes, unsigned k) const
+    {
+        double height = base_ - rounding_;
+        for (int i = 0; i < 3; ++i) height += to_plane_.rotation(2, i) * double(boxes.c[i][k]);
+        for (int axis = 0; axis < 3; ++axis) {
+            double along = 0;
+            for (int i = 0; i < 3; ++i) along += to_plane_.rotation(2, i) * double(boxes.axis[axis][i][k]);
+            height -= std::abs(along) * double(boxes.h[axis][k]);
+        }
+        return height;
+    }
+
+    Hierarchy& tree_;
+    const RelativePose& to_plane_;
+    Cut cut_;
+    Visit visit_;
+    const double base_, rounding_;
+};
+
+/// Of corners, as placed.
+class Lowest {
+public:
+    explicit Lowest(const RelativePose& to_plane) : to_plane_(to_plane) {}
+    void take(const Vector3d& corner)
+    {
+        const Vector3d p = to_plane_(corner);
+        if (p.z() < point_.z()) point_ = p;
+    }
+    const Vector3d& point() const { return point_; }
+
+private:
+    const RelativePose& to_plane_;
+    Vector3d point_ = Vector3d::Constant(infinity);
+};
+
+/// A body that is no shape, as a hierarchy whose primitives have corners: work(tree, each_corner), where
+/// each_corner(primitive, take) hands over those of one.
+void with_corners(Model& body, auto work)
+{
+    if (body.map()) {
+        MapTree& cells = body.cells();
+        return work(cells, [&](const MapCell& cell, auto take) {
+            for (unsigned k = 0; k < 8; ++k) take(corner_of(cells.map().box(cell), k));
+        });
+    }
+    if (body.terrain()) {
+        TerrainTree& heights = body.heights();
+        return work(heights, [&](std::uint32_t triangle, auto take) {
+            for (const Vector3d& p : heights.points(triangle)) take(p);
+        });
+    }
+    ObbTree& tree = *body.obb_tree;
+    work(tree, [&](std::uint32_t triangle, auto take) {
+        for (const Vector3d& p : tree.corners(triangle)) take(p);
+    });
+}
+
+Vector3d lowest_of_shape(const Convex& c, const RelativePose& to_plane)
+{
+    const Vector3d up = to_plane.rotation.row(2);
+    // Of a box it is that of the least products, rounding included: sums of larger ones are not less.
+    if (c.core != Convex::Core::points) return to_plane(c.support(-up));
+    const Vector3d* lowest = c.points;
+    double least = std::numeric_limits<double>::infinity();
+    for (const Vector3d& p : std::span(c.points, c.count)) {
+        const double height =
+            up.x() * p.x() + (up.y() * p.y() + up.z() * p.z()) + to_plane.translation.z(); // as placed
+        if (height < least) least = height, lowest = &p;
+    }
+    return to_plane(*lowest);
+}
+
+/// A point of two half-spaces that overlap, where doubles reach one: down between their normals.
+Vector3d shared_point(const RelativePose& to_plane)
+{
+    const Vector3d normal = to_plane.rotation.col(2), into = -(Vector3d::UnitZ() + normal).normalized();
+    const double depth = normal.dot(to_plane.translation);
+    const Vector3d point = depth >= 0 ? Vector3d(0, 0, 0) : Vector3d(depth / normal.dot(into) * into);
+    return point.allFinite() ? point : Vector3d(0, 0, 0);
+}
+
+double radius_of(const Model& body)
+{
+    return body.shape() ? body.convex().radius : 0;
+}
+
+} // namespace
+
+HalfSpacePair::HalfSpacePair(Model& body, const RelativePose& body_to_plane, double slack)
+    : body_(body), to_plane_(body_to_plane), slack_(slack)
+{
+}
+
+Vector3d HalfSpacePair::lowest(double enough) const
+{
+    if (body_.is_half_space()) {
+        // Unless their planes are parallel and they look away from each other, they meet somewhere.
+        const Vector3d normal = to_plane_.rotation.col(2), along(normal.x(), normal.y(), 0);
+        const double across = along.norm(), height = normal.dot(to_plane_.translation);
+        if (across == 0 && normal.z() < 0) return to_plane_.translation;
+        if (height >= 0) return Vector3d::Zero();
+        return normal.z() > across ? Vector3d(0, 0, height / normal.z()) : Vector3d(height / across / across * along);
+    }
+    if (body_.shape()) return lowest_of_shape(body_.convex(), to_plane_);
+    Lowest lowest(to_plane_);
+    with_corners(body_, [&](auto& tree, auto each_corner) {
+        Descent(
+            tree, to_plane_, [&] { return lowest.point().z() <= enough ? -infinity : lowest.point().z(); },
+            [&](const auto& primitive) { each_corner(primitive, [&](const Vector3d& p) { lowest.take(p); }); });
+    });
+    return lowest.point();
+}
+
+void HalfSpacePair::each_meeting(FunctionRef<void(const BodyPart&, const Vector3d&)> found) const
+{
+    with_corners(body_, [&](auto& tree, auto each_corner) {
+        Descent(
+            tree, to_plane_, [] { return 0.0; },
+            [&](const auto& primitive) {
+                Lowest lowest(to_plane_);
+                each_corner(primitive, [&](const Vector3d& p) { lowest.take(p); });
+                if (lowest.point().z() <= 0) found(BodyPart(primitive), lowest.point());
+            });
+    });
+}
+
+double HalfSpacePair::rounding() const
+{
+    if (body_.terrain()) return body_.terrain()->error();
+    if (!body_.shape() || body_.is_half_space()) return 0;
+    const Convex& c = body_.convex();
+    if (c.flat_sided) return slack_ * c.radius;
+    return (slack_ + 0x1p-47) * c.extent + 0x1p-47 * to_plane_.translation.norm();
+}
+
+double HalfSpacePair::low() const
+{
+    if (body_.shape()) return -std::numeric_limits<double>::infinity();
+    const Aabb box = bounds_of(body_.geometry());
+    const Vector3d centre = box.centre(), half = box.half_extent();
+    const double rounding = 0x1p-48 * (centre.norm() + half.norm() + to_plane_.translation.norm());
+    return to_plane_(centre).z() - to_plane_.rotation.row(2).cwiseAbs().dot(half) - rounding;
+}
+
+ConvexMeeting HalfSpacePair::meeting() const
+{
+    if (const double sure = low() - rounding(); sure > 0) return {1, sure};
+    const double radius = radius_of(body_), doubt = rounding(), height = lowest(radius - doubt).z();
+    if (height <= radius - doubt) return {-1, 0};
+    if (height > radius + doubt) return {1, (height - radius - doubt) * (1 - 0x1p-50)};
+    return {0, std::max(height - radius, 0.0) + doubt};
+}
+
+ConvexDistance HalfSpacePair::distance(double above) const
+{
+    if (const double sure = low() - rounding(); sure > above)
+        return {sure, std::numeric_limits<double>::infinity(), {}, {}};
+    const double radius = radius_of(body_), doubt = rounding() + 0x1p-50 * radius;
+    const Vector3d p = lowest(radius - doubt);
+    ConvexDistance d{0, 0, {p.x(), p.y(), 0}, {p.x(), p.y(), p.z() - radius}};
+    if (p.z() <= radius - doubt) {
+        d.on_b = d.on_a = {p.x(), p.y(), std::min(d.on_b.z(), 0.0)};
+        if (body_.is_half_space() && p.isZero(0)) d.on_b = d.on_a = shared_point(to_plane_);
+        return d;
+    }
+    d.lower = std::max(p.z() - radius - doubt, 0.0) * (1 - 0x1p-50);
+    d.upper = (std::max(p.z() - radius, 0.0) + doubt) * (1 + 0x1p-50);
+    return d;
+}
+
+} // namespace oncollide
