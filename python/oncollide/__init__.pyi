@@ -96,6 +96,7 @@ class World:
         mask: int = 4294967295,
         group: int = 0,
         user: int = 0,
+        fixed: bool | None = None,
     ) -> int: ...
     def add_bodies(
         self,
@@ -105,6 +106,7 @@ class World:
         layer: int = 1,
         mask: int = 4294967295,
         group: int = 0,
+        fixed: bool | None = None,
     ) -> NDArray[np.uint64]: ...
     def remove_body(self, body: int) -> None: ...
     def remove_bodies(self, bodies: ArrayLike) -> None: ...
