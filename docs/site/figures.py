@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Tables and plots of the pages, from docs/data/*.csv, which the benchmarks wrote.
+"""Tables, headline figures and plots of the pages and README.md, from docs/data/*.csv, which the benchmarks wrote.
 
-    figures.py --write          puts the tables into the pages, between <!-- figures: NAME --> and <!-- end -->
-    figures.py --check          fails where a page shows another table than its data gives
+    figures.py --write          writes tables between <!-- figures: NAME --> and <!-- end -->, and figures within a
+                                sentence between <!-- figure: NAME --> and <!-- end -->
+    figures.py --check          fails if a page differs from its data
     figures.py --plots FOLDER   draws the plots of the site (needs matplotlib)
 """
 import argparse
@@ -142,6 +143,19 @@ def many():
                     number(last["candidates"]), number(last["left_over"]), number(last["false_positives"])])
     return table(["`bench many`", "FCL, ms", "oncollide, ms", "ratio, median", "of the totals",
                   "candidates of the last frame", "left over", "of these apart"], out)
+
+
+def span(ratios):
+    """The range of ratios in a sentence: 8.7 to 10.5."""
+    return f"{min(ratios):.1f} to {max(ratios):.1f}"
+
+
+def many_totals(*names):
+    return span([sum(f[0] for f in many_frames(name)) / sum(f[1] for f in many_frames(name)) for name in names])
+
+
+def environment_ratios():
+    return span([float(r["ratio"]) for r in rows_of("environments")])
 
 
 def many_pairs():
@@ -414,12 +428,19 @@ TABLES = {f.__name__: f for f in (many, many_pairs, narrow, narrow_large, study,
                                   world, broad, hard, spheres, sphere_levels, occlusion_losses, delimitation,
                                   environments, worlds, distances, shape_distances, shapes, reading, clash,
                                   python, view)}
+# How many times as fast as FCL in Release, as ranges: tumbling meshes (1,000 and 10,000), and large environments.
+PHRASES = {
+    "many_exact": lambda: many_totals("1k-exact", "10k-exact"),
+    "many_bound": lambda: many_totals("1k", "10k"),
+    "environments": environment_ratios,
+}
+PHRASE = re.compile(r"(<!-- figure: (\w+) -->)(.*?)(<!-- end -->)")
 BLOCK = re.compile(r"(<!-- figures: (\w+) -->\n)(.*?)(<!-- end -->)", re.S)
 
 
 def update(write):
     wrong, seen = [], set()
-    for page in sorted(DOCS.glob("*.md")):
+    for page in [DOCS.parent / "README.md", *sorted(DOCS.glob("*.md"))]:
         text = page.read_text(encoding="utf-8")
 
         def block(match):
@@ -432,7 +453,16 @@ def update(write):
                 wrong.append(f"{page.name}: {name}")
             return match[1] + made + match[4]
 
-        new = BLOCK.sub(block, text)
+        def phrase(match):
+            name = match[2]
+            if name not in PHRASES:
+                sys.exit(f"{page.name}: no figure '{name}'; there are: {', '.join(PHRASES)}")
+            made = PHRASES[name]()
+            if match[3] != made:
+                wrong.append(f"{page.name}: {name}")
+            return match[1] + made + match[4]
+
+        new = PHRASE.sub(phrase, BLOCK.sub(block, text))
         if write and new != text:
             page.write_text(new, encoding="utf-8")
     for name in TABLES.keys() - seen:
