@@ -50,13 +50,15 @@ def gather(pages):
     """The pages, with links to what is no page made plain: sources and the README are not on the site."""
     for folder in ("data", "pictures"):
         shutil.copytree(DOCS / folder, pages / folder)
-    for page in DOCS.glob("*.md"):
+    (pages / "notes").mkdir()
+    for page in [*DOCS.glob("*.md"), *DOCS.glob("notes/*.md")]:
         text = page.read_text(encoding="utf-8")
-        text = re.sub(r"\[([^\]]*)\]\(\.\./([^)]*)\)", r"\1 (`\2`)", text)
+        outside = r"\.\./" if page.parent == DOCS else r"\.\./\.\./"
+        text = re.sub(rf"\[([^\]]*)\]\({outside}([^)]*)\)", r"\1 (`\2`)", text)
         text = text.replace("```cpp fcl\n", "```cpp\n")  # tests tell these blocks apart
         # Cells of HTML tables hold Markdown.
         text = text.replace("<td>\n", '<td markdown="block">\n').replace("<table>", '<table markdown="block">')
-        (pages / page.name).write_text(for_mkdocs(text), encoding="utf-8")
+        (pages / page.relative_to(DOCS)).write_text(for_mkdocs(text), encoding="utf-8")
 
 
 def write_reference(pages, command):
@@ -103,7 +105,7 @@ def write_api(pages, out, complete):
 
 def check_links(site):
     """Every link and picture inside the site must lead somewhere, to its place in the page too, which MkDocs does not check."""
-    pages = {page: page.read_text(encoding="utf-8") for page in site.glob("*.html")}
+    pages = {page: page.read_text(encoding="utf-8") for page in [*site.glob("*.html"), *site.glob("notes/*.html")]}
     names = {page: set(re.findall(r'\bid="([^"]+)"', text)) for page, text in pages.items()}
     wrong = []
     for page, text in pages.items():
@@ -114,7 +116,7 @@ def check_links(site):
             target = (page.parent / path).resolve() if path else page
             target = target / "index.html" if target.is_dir() else target
             if not target.exists() or (place and target in names and place not in names[target]):
-                wrong.append(f"{page.name}: {link}")
+                wrong.append(f"{page.relative_to(site)}: {link}")
     if wrong:
         sys.exit("build.py: links that lead nowhere:\n  " + "\n  ".join(sorted(set(wrong))))
 
