@@ -2,7 +2,7 @@
 #include <Eigen/Core>
 #include <limits>
 
-// What the library was compiled with; without it, vectors and poses would have another layout under -mavx.
+// The library's own setting. Without it, -mavx would change the alignment of vectors and poses.
 static_assert(alignof(Eigen::Matrix4d) == 16,
               "compile with -DEIGEN_MAX_STATIC_ALIGN_BYTES=16, as the CMake target oncollide::oncollide says");
 
@@ -30,7 +30,7 @@ struct Aabb {
     double volume() const { return empty() ? 0.0 : (max - min).prod(); }
 };
 
-/// Two points, one in each box, are at most this far apart.
+/// Upper bound on the distance between any point of `a` and any point of `b`.
 inline double farthest_apart(Aabb a, const Aabb& b)
 {
     a.add(b);

@@ -6,7 +6,7 @@
 
 namespace oncollide {
 
-/// What went wrong, as the process exit code that the command line gives for it (numbers after BSD sysexits).
+/// The kind of an error. The values are the exit codes of the command line (after BSD sysexits).
 enum class ErrorKind : int {
     usage = 64,        ///< the caller requested something that does not exist or makes no sense
     bad_data = 65,     ///< a file or an array was read and its content is invalid
@@ -16,8 +16,8 @@ enum class ErrorKind : int {
     cannot_write = 73, ///< an output file cannot be created or written
 };
 
-/// The one exception of the library. The message says where, what, and what would be valid; it stands alone on a line
-/// and is safe to print: what names in a file may hold is escaped (printable).
+/// The only exception type of the library. The message names the location, the problem and the valid values. It fits on
+/// one line and is safe to print: characters from names in files are escaped (printable()).
 /// Thrown at load or creation only, never half-way through a frame.
 class Error : public std::runtime_error {
 public:
@@ -28,7 +28,7 @@ private:
     ErrorKind kind_;
 };
 
-/// Throws Error{bad_data}: "NAME: WHAT".
+/// Throws Error{bad_data} with the message "`name`: `what`".
 [[noreturn]] inline void refuse(const std::string& name, const std::string& what)
 {
     throw Error(ErrorKind::bad_data, name + ": " + what);
@@ -36,7 +36,7 @@ private:
 
 } // namespace oncollide
 
-/// A contract of the caller; checked in debug and sanitizer builds only.
+/// Asserts a precondition on the caller; checked in debug and sanitizer builds only.
 #ifdef ONCOLLIDE_ASSERTIONS
 #include <cstdio>
 #include <cstdlib>

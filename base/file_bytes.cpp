@@ -61,7 +61,7 @@ std::string read_standard_input(std::uintmax_t most)
     return bytes;
 }
 
-/// Opens a file to read it whole, and says how large it is.
+/// Opens a file for reading as a whole, and returns its size in `size`.
 std::ifstream open_file(const fs::path& path, std::uintmax_t most, std::uintmax_t& size)
 {
     check_readable(path);

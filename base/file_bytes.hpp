@@ -11,12 +11,12 @@
 
 namespace oncollide {
 
-/// A whole file; "-" is all of standard input. Throws Error{no_input} when it is missing, unreadable or no file (a
-/// folder, pipe, socket or device: nothing is opened that could block), Error{bad_data} when it is empty or larger than
-/// `most` bytes.
+/// Reads a whole file; "-" is standard input. Throws Error{no_input} if the path is missing, unreadable or not a
+/// regular file (folders, pipes, sockets and devices are never opened, as that could block), Error{bad_data} if the
+/// file is empty or larger than `most` bytes.
 std::string read_file(const std::filesystem::path& path, std::uintmax_t most);
 
-/// The same for files that may be large: memory that nothing fills before the file does.
+/// The content of a file that may be large, in memory that is not initialised before the file is read into it.
 class FileBytes {
 public:
     explicit FileBytes(std::size_t size) : bytes_(LargeAllocator<char>().allocate(size)), size_(size) {}
@@ -36,12 +36,12 @@ private:
 };
 FileBytes read_large_file(const std::filesystem::path& path, std::uintmax_t most);
 
-/// The same piece by piece, for what need not be in memory as a whole. Never standard input.
+/// Reads a file piece by piece. Never standard input. Throws like read_file().
 class FileReader {
 public:
     FileReader(const std::filesystem::path& path, std::uintmax_t most);
     std::uintmax_t size() const { return size_; }
-    /// The next `size` bytes. Throws Error{no_input} where the file has fewer.
+    /// Reads the next `size` bytes. Throws Error{no_input} if fewer are left.
     void read(char* bytes, std::size_t size);
 
 private:
@@ -51,20 +51,20 @@ private:
     ReadingProgress progress_;
 };
 
-/// Throws the Error{no_input} of read_file, for files that are read piece by piece.
+/// Throws read_file()'s Error{no_input} without reading the file.
 void check_readable(const std::filesystem::path& path);
 
-/// Calls `visit` with each file that is about to be read from now on, null: nobody. For a program that must not
-/// overwrite what it reads; set while nothing is read. What `visit` throws, if it is no Error, ends the reading.
+/// Calls `visit` with the path of each file before it is read; null: no call. Lets a program avoid overwriting its own
+/// input. Call only while no file is being read. An exception from `visit` aborts the reading.
 void on_file_read(void (*visit)(const std::filesystem::path&));
 
-/// The file that another file, in `folder`, calls `name`; never standard input.
+/// The path of the file `name`, as referenced by another file in `folder`; never standard input.
 std::filesystem::path file_in(const std::filesystem::path& folder, std::string_view name);
 
-/// What the name ends with, by which kinds of files are known, in small letters: ".obj"; empty where it has none.
+/// The file name's extension in lower case, such as ".obj"; empty if there is none.
 std::string lower_extension(const std::filesystem::path& path);
 
-/// `text` without the byte-order mark that some editors put before UTF-8.
+/// `text` without a leading UTF-8 byte-order mark.
 std::string_view without_byte_order_mark(std::string_view text);
 
 } // namespace oncollide

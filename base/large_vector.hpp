@@ -12,8 +12,8 @@
 
 namespace oncollide {
 
-/// Memory that is walked at random: where it is large, on huge pages if the system grants them, so that fewer
-/// addresses need translation.
+/// Allocator for memory with random access: large blocks use huge pages if the system grants them, which reduces TLB
+/// misses.
 template <class T>
 struct LargeAllocator {
     using value_type = T;
@@ -30,7 +30,7 @@ struct LargeAllocator {
         if (!large(count)) return static_cast<T*>(::operator new(bytes));
         void* memory = ::operator new (bytes, std::align_val_t{huge_page});
 #if defined(__linux__)
-        madvise(memory, bytes, MADV_HUGEPAGE); // a wish: it may be refused
+        madvise(memory, bytes, MADV_HUGEPAGE); // a hint: may be refused
 #endif
         return static_cast<T*>(memory);
     }
@@ -53,7 +53,8 @@ private:
     }
 };
 
-/// Makes room for `count` in a vector of another allocator, on huge pages where it is large: fewer pages to be filled.
+/// Reserves room for `count` elements in a vector with another allocator; large blocks use huge pages, which reduces
+/// page faults.
 template <class T>
 void reserve_large(std::vector<T>& vector, std::size_t count)
 {
@@ -63,11 +64,11 @@ void reserve_large(std::vector<T>& vector, std::size_t count)
     const std::size_t begin = reinterpret_cast<std::uintptr_t>(vector.data());
     const std::size_t first = (begin + huge_page - 1) / huge_page * huge_page,
                       last = (begin + count * sizeof(T)) / huge_page * huge_page;
-    if (first < last) madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE); // a wish
+    if (first < last) madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE); // a hint
 #endif
 }
 
-/// The same for a vector that grows, nobody knows how far.
+/// push_back() that grows with reserve_large(), for vectors of unknown final size.
 template <class T>
 void append_large(std::vector<T>& vector, std::type_identity_t<T> value)
 {

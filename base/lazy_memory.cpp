@@ -18,7 +18,7 @@ LazyMemory::LazyMemory(std::size_t bytes) : size_(std::max<std::size_t>((bytes +
     if (memory == MAP_FAILED) throw std::bad_alloc();
     bytes_ = static_cast<std::byte*>(memory);
 #if defined(__linux__)
-    madvise(memory, size_, MADV_NOHUGEPAGE); // a huge page would be taken as a whole
+    madvise(memory, size_, MADV_NOHUGEPAGE); // the first write would allocate a whole huge page
 #endif
 }
 
@@ -31,7 +31,7 @@ void LazyMemory::give_back(std::size_t begin, std::size_t size)
 {
     size = std::min((size + page - 1) / page * page, size_ - begin);
 #if defined(__linux__)
-    if (madvise(bytes_ + begin, size, MADV_DONTNEED) == 0) return; // elsewhere its bytes may stay as they were
+    if (madvise(bytes_ + begin, size, MADV_DONTNEED) == 0) return; // other systems may keep the bytes
 #endif
     std::memset(bytes_ + begin, 0, size);
 }

@@ -4,10 +4,10 @@
 
 namespace oncollide {
 
-/// Addresses for so many bytes, all zero. Memory is taken page by page when it is first written, and can be given back.
+/// Zeroed address space. A page uses memory from the first write until it is given back.
 class LazyMemory {
 public:
-    static constexpr std::size_t page = 4096; ///< what is given back together, at least
+    static constexpr std::size_t page = 4096; ///< granularity of give_back(), bytes
 
     LazyMemory() = default;
     /// Throws std::bad_alloc.
@@ -24,8 +24,8 @@ public:
     }
 
     std::byte* data() const { return bytes_; }
-    /// Zeros a range again, whose pages no longer count. It begins at a multiple of `page`, and ends at one or at the
-    /// end of what is used there.
+    /// Zeros a range and returns its pages to the system. `begin` must be a multiple of `page`; the end must be one
+    /// too, or the end of the used part.
     void give_back(std::size_t begin, std::size_t size);
 
 private:

@@ -9,9 +9,9 @@
 namespace oncollide {
 namespace {
 
-constexpr std::size_t longest_word = 100; ///< no name is as long; more would only cost time
+constexpr std::size_t longest_word = 100; ///< longer than any valid name; limits the cost
 
-/// Steps from one word to the other by adding, dropping or changing a letter.
+/// Levenshtein distance.
 std::size_t edit_distance(std::string_view a, std::string_view b)
 {
     std::vector<std::size_t> row(b.size() + 1);
@@ -27,16 +27,16 @@ std::size_t edit_distance(std::string_view a, std::string_view b)
     return row.back();
 }
 
-/// Empty where none is near.
+/// Empty if no name is similar.
 std::string_view nearest(std::string_view word, const std::vector<std::string_view>& names)
 {
     if (word.empty() || word.size() > longest_word) return {};
     std::string_view best;
     std::size_t least = word.size() < 3   ? 2
                         : word.size() < 6 ? 3
-                                          : 4; // no more letters may be wrong than this, less one
+                                          : 4; // accept only fewer edits than this
     for (const std::string_view name : names) {
-        // Names of files and bodies may be of any length: those that differ by too many letters are not looked at.
+        // Names of files and bodies may be of any length: if the lengths alone differ too much, skip the name.
         const std::size_t longer = std::max(name.size(), word.size()) - std::min(name.size(), word.size());
         if (longer >= least) continue;
         if (const std::size_t distance = edit_distance(word, name); distance < least && distance < name.size())

@@ -1,4 +1,4 @@
-// The only OpenMP construct of the program.
+// The only file that uses OpenMP.
 #include <algorithm>
 
 #include <omp.h>

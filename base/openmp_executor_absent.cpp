@@ -1,4 +1,4 @@
-// Stands for openmp_executor.cpp in builds without OpenMP.
+// Replaces openmp_executor.cpp in builds without OpenMP.
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/executor.hpp>
 

@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 #if defined(__GLIBC__)
-constexpr const char *write_only = "wbe", *create = "wbxe"; // "e": programs that we start do not inherit it
+constexpr const char *write_only = "wbe", *create = "wbxe"; // "e": child processes do not inherit the file
 #else
 constexpr const char *write_only = "wb", *create = "wbx";
 #endif
@@ -29,7 +29,8 @@ constexpr const char *write_only = "wb", *create = "wbx";
     throw Error(ErrorKind::cannot_write, fmt::format("{}: cannot write: {}", path.string(), why));
 }
 
-/// Whether what exists there may be written, without opening it. Where the system cannot say, opening it will.
+/// Checks write permission of an existing file without opening it. True on systems without access(): there, opening
+/// the file reports the error.
 bool may_write([[maybe_unused]] const fs::path& path)
 {
 #if __has_include(<unistd.h>)
@@ -39,8 +40,8 @@ bool may_write([[maybe_unused]] const fs::path& path)
 #endif
 }
 
-/// Names of temporary files, for a handler of signals, which can use little else. Files beyond these are not removed by
-/// it.
+/// Names of temporary files, readable by a signal handler, which cannot lock or allocate. Once all slots are used,
+/// further files are not listed, and the handler leaves them behind.
 std::array<std::atomic<const char*>, 64> unfinished{};
 
 int enlist(const char* name)
@@ -61,10 +62,10 @@ std::FILE* open(const fs::path& path, const char* how)
     return std::fopen(path.string().c_str(), how);
 }
 
-/// What `path` stands for: links followed, checked as far as that can be done without opening anything.
+/// `path` with links followed, checked as far as is possible without opening it.
 struct Target {
     fs::path path;
-    bool in_place; ///< a device or a pipe, which a rename would replace by a plain file
+    bool in_place; ///< a device or a pipe: a rename would replace it by a regular file
 };
 
 Target resolve(const fs::path& path)
@@ -81,7 +82,7 @@ Target resolve(const fs::path& path)
         target = fs::canonical(path, error);
         if (error) refuse(path, error.message());
     }
-    while (fs::is_symlink(target, error)) // to what is not there yet; loops have been refused
+    while (fs::is_symlink(target, error)) // dangling links; loops were rejected above
         target = target.parent_path() / fs::read_symlink(target, error);
     const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
     if (!fs::is_directory(folder, error)) refuse(path, fmt::format("there is no folder '{}'", folder.string()));
@@ -107,7 +108,8 @@ OutputFile::OutputFile(const fs::path& path) : path_(path)
     take_over(target);
 }
 
-/// A random number keeps it apart from those of other runs, killed ones too; "x" never follows a link that waits there.
+/// The random number avoids the names of other runs, including killed ones. Mode "x" never follows a link planted
+/// there.
 void OutputFile::create_temporary()
 {
     const std::string name = target_.filename().string().substr(0, 200); // file systems allow 255 bytes
@@ -125,7 +127,7 @@ void OutputFile::create_temporary()
     fail(EEXIST);
 }
 
-/// Owner first: changing it takes the bits that give the file's rights to those who run it.
+/// Change the owner first: chown clears the set-user-ID and set-group-ID bits.
 void OutputFile::take_over([[maybe_unused]] const fs::path& replaced)
 {
 #if __has_include(<unistd.h>)
@@ -168,7 +170,7 @@ void OutputFile::commit()
     flush();
     if (std::fflush(file_) != 0) fail(errno);
     if (file_ == stdout) return;
-    // Some file systems report a full disk or quota only here.
+    // Some file systems report a full disk or an exceeded quota only here.
     if (std::fclose(std::exchange(file_, nullptr)) != 0) fail(errno);
     if (temporary_.empty()) return;
     if (std::rename(temporary_.string().c_str(), target_.string().c_str()) != 0) fail(errno);
@@ -183,7 +185,7 @@ void OutputFile::fail(int error) const
 
 void check_writable(const fs::path& path)
 {
-    // Pipes must not be opened to try: their reader would see an end of file.
+    // Do not open pipes as a test: their reader would see an end of file.
     if (path == "-" || resolve(path).in_place) return;
     OutputFile try_it(path);
 }

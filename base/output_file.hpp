@@ -10,9 +10,9 @@
 
 namespace oncollide {
 
-/// A file that appears whole or not at all: written under a temporary name beside `path`, renamed by commit().
-/// "-" is standard output. Devices and pipes are written in place, and a symbolic link's target is what gets replaced.
-/// A file that is replaced keeps its permissions and, where the system allows it, its owner.
+/// A file that appears complete or not at all: it is written under a temporary name in the folder of `path`, and
+/// commit() renames it. "-" is standard output. Devices and pipes are written in place; of a symbolic link, the target
+/// is replaced. A replaced file keeps its permissions and, if the system allows it, its owner.
 class OutputFile {
 public:
     /// Throws Error{cannot_write}.
@@ -34,7 +34,7 @@ public:
         buffer_.append(bytes.data(), bytes.data() + bytes.size());
         if (buffer_.size() > 60'000) flush();
     }
-    /// Writes what is left, closes and renames. Throws Error{cannot_write}, for instance when the disk is full.
+    /// Flushes, closes and renames. Throws Error{cannot_write}, for instance if the disk is full.
     void commit();
 
 private:
@@ -43,19 +43,19 @@ private:
     void flush();
     [[noreturn]] void fail(int error) const;
 
-    std::filesystem::path path_;      ///< as the user named it, for errors
+    std::filesystem::path path_;      ///< as the caller named it, for errors
     std::filesystem::path target_;    ///< links resolved
-    std::filesystem::path temporary_; ///< empty when written in place
-    int slot_ = -1;                   ///< among the unfinished files
+    std::filesystem::path temporary_; ///< empty if written in place
+    int slot_ = -1;                   ///< in the list of unfinished files
     std::FILE* file_ = nullptr;
     fmt::memory_buffer buffer_;
 };
 
-/// Removes the temporary files of all OutputFiles. Only for handlers of signals that end the program: it may be called
-/// in these, and what is written afterwards is lost.
+/// Removes the temporary files of all OutputFiles. Safe in signal handlers, and meant only for signals that end the
+/// program: any later output is lost.
 void remove_unfinished_files() noexcept;
 
-/// Throws Error{cannot_write} with the reason if `path` could not be written now; leaves nothing behind. Call before
+/// Throws Error{cannot_write} with the reason if `path` cannot be written now; leaves no file behind. Call it before
 /// long work. "-" is standard output.
 void check_writable(const std::filesystem::path& path);
 

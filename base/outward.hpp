@@ -5,7 +5,7 @@
 
 namespace oncollide {
 
-// One float step outward is at most 2^-23 of the magnitude, and a double rounds to float within half of that.
+// Conversion to float rounds by at most half a step; the step outward, at most 2^-23 of the magnitude, exceeds that.
 inline float below(double x)
 {
     const float f = static_cast<float>(x);

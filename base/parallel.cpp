@@ -39,11 +39,10 @@ void parallel_chunks(std::size_t count, std::size_t grain, int threads,
         work(0, count, 0);
         return;
     }
-    // Each task takes chunks until none is left, so a task that starts late, or never beside the others, delays
-    // nothing.
+    // Each task takes chunks until none is left, so a task that starts late or only after the others delays nothing.
     std::atomic<std::size_t> next{0};
     std::atomic<bool> failed{false};
-    std::exception_ptr fault; // of the first that failed
+    std::exception_ptr fault; // the first exception
     const auto take_chunks = [&](int task) noexcept {
         inside_a_loop = true;
         try {
@@ -57,7 +56,7 @@ void parallel_chunks(std::size_t count, std::size_t grain, int threads,
         }
         inside_a_loop = false;
     };
-    current_executor().run(threads, std::ref(take_chunks)); // a reference, which needs no allocation
+    current_executor().run(threads, std::ref(take_chunks)); // a reference needs no allocation
     if (fault) std::rethrow_exception(fault);
 }
 

@@ -6,15 +6,14 @@
 
 namespace oncollide {
 
-/// Calls work(begin, end, thread) for chunks of at most `grain` items that cover [0, count) once, as up to `threads`
-/// tasks of current_executor(); `thread`, in [0, threads), is that of one call at a time. Which thread gets which chunk
-/// is not fixed: results must be joined by item. With one thread or one chunk, and inside another such loop, it is a
-/// plain call. What `work` throws, for want of memory, ends the loop, which throws it on.
+/// Calls work(begin, end, thread) for chunks of at most `grain` items that cover [0, count) once, in up to `threads`
+/// tasks of current_executor(). No two concurrent calls have the same `thread`, which is in [0, threads). Chunks go to
+/// threads in no fixed order, so results must be joined by item. With one thread or one chunk, and inside another
+/// parallel loop, `work` is called once for all items. An exception from `work` ends the loop and is rethrown.
 void parallel_chunks(std::size_t count, std::size_t grain, int threads,
                      FunctionRef<void(std::size_t begin, std::size_t end, int thread)> work);
 
-/// Within its life, the parallel loops that this thread starts run on `executor`; with null nothing changes. Scopes
-/// nest.
+/// While it lives, parallel loops started by this thread run on `executor`; null changes nothing. Scopes nest.
 class ExecutorScope {
 public:
     explicit ExecutorScope(Executor* executor);

@@ -3,14 +3,14 @@
 
 namespace oncollide {
 
-/// Begins to load what is at an address, for a look at it later; it need not be there. The empty statement stays: GCC
-/// takes a function that does nothing but prefetch for one that does nothing, and leaves out calls of it.
+/// Prefetches the cache line at an address, which need not be valid. The empty asm statement is needed: otherwise GCC
+/// considers the function free of effects and removes calls of it.
 inline void prefetch(const void* at)
 {
     __builtin_prefetch(at);
     asm volatile("");
 }
-/// So many bytes, be they aligned or not.
+/// Prefetches a range of bytes at any alignment.
 inline void prefetch(const void* from, std::size_t bytes)
 {
     constexpr std::size_t line = 64;

@@ -8,7 +8,7 @@ namespace oncollide {
 
 namespace {
 
-/// A character of UTF-8 and its number of bytes; none, of one byte, for what is no UTF-8.
+/// A UTF-8 character and its number of bytes. `none`, with 1 byte, stands for an invalid byte.
 struct Character {
     static constexpr std::uint32_t none = 0xffffffffu;
     std::uint32_t code;

@@ -4,12 +4,12 @@
 
 namespace oncollide {
 
-/// `text` as it may go to a terminal: control characters (escape sequences, line ends, those of Unicode's C1), marks
-/// that turn the direction of writing, and line and paragraph separators become \x1b or \u202e; bytes that are not
-/// UTF-8 become \xff. All else stays, backslashes too.
+/// `text` made safe for a terminal. Control characters (escape sequences, line ends, C1 controls), marks that change
+/// the writing direction, and line and paragraph separators become escapes such as \x1b or \u202e; bytes that are not
+/// UTF-8 become \xff and the like. All other characters stay, including backslashes.
 std::string printable(std::string_view text);
 
-/// The same for a text of several lines, which stay.
+/// The same, but line ends stay.
 std::string printable_lines(std::string_view text);
 
 } // namespace oncollide

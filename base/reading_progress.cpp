@@ -5,7 +5,7 @@ namespace oncollide {
 namespace {
 
 ReadingWatcher watcher = nullptr;
-constexpr std::uint64_t least = 1 << 20, step = 1 << 20; // bytes: of files that are told of, and between two calls
+constexpr std::uint64_t least = 1 << 20, step = 1 << 20; // bytes: smallest file reported; interval of reports
 
 } // namespace
 

@@ -6,12 +6,12 @@
 
 namespace oncollide {
 
-/// Calls `watch` now and then with how much of a long file is read, by the thread that reads, and at the end with all
-/// of it; null: nobody. For a program that shows it; set while nothing is read.
+/// Calls `watch` at intervals with the bytes of a large file read so far, on the reading thread, and once at the end
+/// with all of them; null: no calls. Intended for progress displays. Call only while no file is being read.
 using ReadingWatcher = void (*)(const std::string& file, std::uint64_t bytes, std::uint64_t total);
 void on_reading(ReadingWatcher watch);
 
-/// How far one reading of a file has come. Costs a comparison each time.
+/// Progress of one reading of a file. Each update costs one comparison.
 class ReadingProgress {
 public:
     ReadingProgress(std::string_view file, std::uint64_t total);

@@ -11,7 +11,7 @@ namespace {
 using F32x8 = float __attribute__((vector_size(32), aligned(32)));
 using I32x8 = std::int32_t __attribute__((vector_size(32)));
 
-/// At any address: Clang takes a vector's own type for aligned, whatever a typedef says.
+/// For loads and stores at any address: Clang ignores a typedef's lower alignment and assumes the vector type's own.
 struct __attribute__((packed, may_alias)) Unaligned {
     float v __attribute__((vector_size(32)));
 };
@@ -27,7 +27,8 @@ inline F32x8 splat(float x)
 {
     return F32x8{x, x, x, x, x, x, x, x};
 }
-// Of equal numbers, and where one is none, the second: as the instructions do it, so on every instruction set.
+// Returns b if the operands are equal or one is NaN, as the x86 instructions do, so results match on all instruction
+// sets.
 #if defined(__AVX2__)
 inline F32x8 min(F32x8 a, F32x8 b)
 {
@@ -65,14 +66,14 @@ inline F32x8 sqrt(F32x8 v)
 #endif
 }
 
-/// The lanes of v in the order given.
+/// The lanes of v in the given order.
 #if defined(__has_builtin) && __has_builtin(__builtin_shufflevector)
 #define ONCOLLIDE_SHUFFLE(v, ...) __builtin_shufflevector(v, v, __VA_ARGS__)
 #else // GCC before 12
 #define ONCOLLIDE_SHUFFLE(v, ...) __builtin_shuffle(v, I32x8{__VA_ARGS__})
 #endif
 
-/// One bit a lane of a comparison's result.
+/// One bit per lane of a comparison's result.
 inline unsigned bits(I32x8 mask)
 {
 #if defined(__AVX2__)

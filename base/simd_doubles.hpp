@@ -1,5 +1,6 @@
-// Two, four or eight lanes of doubles, for kernel files only, as simd.hpp is: everything here is in the kernel's own
-// namespace. Eight there are with AVX-512 alone.
+// Two, four or eight lanes of doubles, for kernel files only; like simd.hpp, all code here is in the kernel's own
+// namespace.
+// Eight lanes exist with AVX-512 only.
 #if defined(__SSE2__)
 #include <immintrin.h>
 #endif
@@ -12,8 +13,8 @@ using I64x2 = long long __attribute__((vector_size(16)));
 using F64x4 = double __attribute__((vector_size(32)));
 using I64x4 = long long __attribute__((vector_size(32)));
 
-// Of equal numbers, and where one is none, the second: as the instructions do it, so on every instruction set. bits():
-// one a lane of a comparison's result.
+// min, max: return b if the operands are equal or one is NaN, as the x86 instructions do, so results match on all
+// instruction sets. bits(): one bit per lane of a comparison's result.
 #if defined(__SSE2__)
 inline F64x2 min(F64x2 a, F64x2 b)
 {

@@ -16,10 +16,10 @@ namespace {
 
 [[noreturn]] void fail()
 {
-    throw Error(ErrorKind::cannot_write, fmt::format("results kept aside: cannot write: {}", std::strerror(errno)));
+    throw Error(ErrorKind::cannot_write, fmt::format("temporary file for results: cannot write: {}", std::strerror(errno)));
 }
 
-/// In the folder of the results there is room for them; not every file system can do it.
+/// The folder of the results has room for them, but not every file system supports O_TMPFILE.
 std::FILE* open_nameless([[maybe_unused]] const std::filesystem::path& folder)
 {
 #ifdef O_TMPFILE

@@ -11,11 +11,11 @@
 
 namespace oncollide {
 
-/// Text that is kept until it is known what stands before it: a megabyte in memory, the rest in a file without a name,
-/// which no end of the program leaves behind.
+/// Buffers text whose heading is known only later: a megabyte in memory, the rest in an unnamed file, which disappears
+/// however the program ends.
 class Spool {
 public:
-    /// @param folder  for the file; empty, or without room for such a file: the system's folder for temporary files
+    /// @param folder  for the file; if empty or unsuitable, the system's folder for temporary files
     explicit Spool(std::filesystem::path folder = {}) : folder_(std::move(folder)) {}
     Spool(Spool&&) = default;
 
@@ -26,7 +26,7 @@ public:
         fmt::format_to(std::back_inserter(buffer_), format, std::forward<Args>(args)...);
         if (buffer_.size() > most_in_memory) flush();
     }
-    /// All of it, in pieces.
+    /// Passes all text to `take`, in pieces.
     void read(const std::function<void(std::string_view)>& take) const;
 
 private:
@@ -37,7 +37,7 @@ private:
     void flush();
 
     std::filesystem::path folder_;
-    std::unique_ptr<std::FILE, Close> file_; ///< what came before the buffer, if that is anything
+    std::unique_ptr<std::FILE, Close> file_; ///< text before the buffer; null if all text is in the buffer
     fmt::memory_buffer buffer_;
 };
 

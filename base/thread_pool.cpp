@@ -40,8 +40,7 @@ inline void pause()
 
 constexpr auto spin_time = std::chrono::microseconds(30);
 
-/// Looks for `ready` for as long as it takes to wake a sleeping thread, and no longer: whoever shares the processor
-/// with us may want the core.
+/// Spins about as long as waking a sleeping thread takes, and no longer, because other processes may need the core.
 template <class Ready>
 bool spin_until(const Ready& ready)
 {
@@ -55,8 +54,8 @@ bool spin_until(const Ready& ready)
     return false;
 }
 
-/// Tasks are taken under one lock, there being no more of them than threads. The caller takes tasks as the workers do,
-/// and waits only for those that a worker has begun: on a busy machine it never waits for a thread to be scheduled.
+/// One lock guards all tasks: there are no more tasks than threads. The caller also takes tasks, and waits only for
+/// tasks that a worker has started; on a busy machine it never waits for a thread to be scheduled.
 class ThreadPool final : public Executor {
 public:
     int threads() const override { return spin_limit_; }
@@ -86,7 +85,7 @@ private:
     struct Job {
         const std::function<void(int)>& work;
         const int tasks;
-        int next = 0; ///< task that nobody has taken
+        int next = 0; ///< first task not taken
         Job* later = nullptr;
         std::atomic<int> unfinished;
     };
@@ -102,7 +101,7 @@ private:
     int take_locked(Job& job)
     {
         const int task = job.next++;
-        if (job.next == job.tasks) { // the last one: nobody shall find the job any more
+        if (job.next == job.tasks) { // the last task: remove the job from the list
             Job** at = &first_;
             while (*at != &job) at = &(*at)->later;
             *at = job.later;
@@ -121,7 +120,7 @@ private:
     {
         job.work(task);
         if (job.unfinished.fetch_sub(1, std::memory_order_acq_rel) > 1) return;
-        { // after this the caller either sees that all is done, or waits already
+        { // after this the caller either sees that all tasks are done, or is waiting already
             std::lock_guard lock(mutex_);
         }
         finished_.notify_all();
@@ -132,7 +131,7 @@ private:
         try {
             for (; workers_ < std::min(wanted, most_workers); ++workers_) std::thread([this] { serve(); }).detach();
         } catch (const std::system_error&) {
-            // The system grants no more threads: the tasks are done by those that there are.
+            // The system grants no more threads: the existing ones do all tasks.
         }
         spinning_pays_.store(workers_ < spin_limit_, std::memory_order_relaxed);
     }
@@ -162,15 +161,15 @@ private:
 
     std::mutex mutex_;
     std::condition_variable opened_, finished_;
-    Job* first_ = nullptr; ///< jobs with tasks to take, oldest first
+    Job* first_ = nullptr; ///< jobs with tasks left, oldest first
     int workers_ = 0, sleeping_ = 0;
-    std::atomic<bool> any_open_{false};      ///< whether there is a first job, to look at without the lock
-    std::atomic<bool> spinning_pays_{false}; ///< not with more threads than processors
+    std::atomic<bool> any_open_{false};      ///< whether first_ is set, readable without the lock
+    std::atomic<bool> spinning_pays_{false}; ///< false if there are more threads than processors
 };
 
 std::atomic<ThreadPool*> pool{nullptr};
 
-/// Never destroyed: its threads outlast static objects.
+/// Never destroyed, because its threads outlive static objects.
 ThreadPool& make_pool()
 {
     static std::mutex making;

@@ -12,7 +12,7 @@ namespace oncollide {
 
 __extension__ typedef unsigned __int128 Uint128;
 
-/// Two's complement, 64 N bits, the least limb first. Nothing checks for overflow: the caller chooses N.
+/// Two's complement, 64 N bits, least significant limb first. Overflow is not checked: the caller chooses N.
 template <int N>
 struct WideInteger {
     std::array<std::uint64_t, N> limb{};
@@ -88,7 +88,7 @@ double scaled_down(const WideInteger<N>& a, int bits)
     return a.negative() ? -value : value;
 }
 
-/// Every number that it was made from is an integer times 2^exponent, below 2^(exponent + bits) in magnitude.
+/// Numbers on this grid are integers times 2^exponent, below 2^(exponent + bits) in magnitude.
 struct BinaryGrid {
     int exponent = 0, bits = 0;
 };
@@ -112,7 +112,7 @@ struct Decoded {
     }
 };
 
-/// The coarsest such grid.
+/// The coarsest grid that holds all `numbers`.
 inline BinaryGrid grid_of(std::span<const double> numbers)
 {
     int low = 2000, high = -2000;
@@ -126,7 +126,7 @@ inline BinaryGrid grid_of(std::span<const double> numbers)
     return low > high ? BinaryGrid{} : BinaryGrid{low, high - low};
 }
 
-/// x / 2^grid.exponent.
+/// x / 2^grid.exponent as an integer.
 template <int N>
 WideInteger<N> on_grid(double x, const BinaryGrid& grid)
 {
@@ -139,9 +139,9 @@ WideInteger<N> on_grid(double x, const BinaryGrid& grid)
     return d.negative ? -value : value;
 }
 
-/// f(std::integral_constant<int, N>) with N such that differences of numbers of the grid fit in N limbs, sums of two
-/// products of differences in 2 N, and sums of six products of three differences in 3 N: a difference is below
-/// 2^(bits + 1), those six products below 2^(3 bits + 6).
+/// Calls f(std::integral_constant<int, N>) with N large enough that differences of numbers on the grid fit in N limbs,
+/// sums of two products of two differences in 2 N, and sums of six products of three differences in 3 N: a difference
+/// is below 2^(bits + 1), a sum of six such products below 2^(3 bits + 6).
 template <class F>
 auto with_limbs(const BinaryGrid& grid, F f)
 {
