@@ -16,7 +16,8 @@ namespace {
 
 [[noreturn]] void fail()
 {
-    throw Error(ErrorKind::cannot_write, fmt::format("temporary file for results: cannot write: {}", std::strerror(errno)));
+    throw Error(ErrorKind::cannot_write,
+                fmt::format("temporary file for results: cannot write: {}", std::strerror(errno)));
 }
 
 /// The folder of the results has room for them, but not every file system supports O_TMPFILE.

@@ -16,9 +16,8 @@ std::string the_body(std::size_t body)
     return text += std::to_string(body);
 }
 
-/// work(chunk) of a list, one chunk after the other, until it returns false. Returns what the last one did. A chunk
-/// stays in the cache while several loops go over it, which are free of branches or vectorised: everything may move
-/// every frame.
+/// Calls work(chunk) for consecutive chunks of a list until it returns false. Returns the last call's result. A chunk
+/// stays in the cache while several branch-free or vectorised loops process it: all bodies may move in every frame.
 template <class Work>
 bool in_chunks(std::span<const std::uint32_t> list, Work work)
 {
@@ -29,7 +28,7 @@ bool in_chunks(std::span<const std::uint32_t> list, Work work)
     return go_on;
 }
 
-/// Is every number one more than that before?
+/// True if each number is the previous one plus 1.
 bool is_run(std::span<const std::uint32_t> list)
 {
     std::uint32_t wrong = 0;
@@ -67,7 +66,7 @@ void BodyStates::mark_changed(std::span<const std::uint32_t> bodies)
 {
     in_chunks(bodies, [&](std::span<const std::uint32_t> some) {
         std::uint32_t* out = changes_.data() + change_count_;
-        std::uint8_t* states = states_.data(); // bytes may alias everything
+        std::uint8_t* states = states_.data(); // local copy: bytes may alias everything
         std::uint8_t any = 0;
         const bool run = is_run(some);
         for (std::size_t k = 0; run && k < some.size(); ++k) any |= states[some[0] + k];

@@ -7,7 +7,7 @@
 
 namespace oncollide {
 
-/// Which bodies a broad phase has, which of them are dynamic, and which changed since their pairs were last found.
+/// The bodies of a broad phase: which are present, which are dynamic, and which changed since pairs were last found.
 class BodyStates {
 public:
     enum State : std::uint8_t {
@@ -17,30 +17,30 @@ public:
         held = 8,
         queried = 16,
         escaped = 32
-    }; ///< last three: the owner's
+    }; ///< the last three are for the owner's use
 
-    // As in BroadPhase.
+    // The changes have the same contracts as in BroadPhase.
     void add(std::span<const std::uint32_t> bodies, bool is_static);
     void remove(std::span<const std::uint32_t> bodies);
     void move(std::span<const std::uint32_t> bodies);
     void set_dynamic(std::span<const std::uint32_t> bodies, bool now);
-    /// Throws Error{usage} for columns that do not have a row for every body.
+    /// Throws Error{usage} if a column has fewer rows than there are bodies.
     void check(const BodyColumns& columns) const;
 
-    /// Bodies that changed, each once, those removed too.
+    /// Bodies that changed, including removed ones, each once.
     std::span<const std::uint32_t> changes() const { return std::span(changes_).first(change_count_); }
-    bool some_came_or_went() const { return came_or_went_; } ///< among them
+    bool some_came_or_went() const { return came_or_went_; } ///< true if changes() includes additions or removals
     void forget_changes();
 
     bool is(std::uint32_t body, State state) const { return body < states_.size() && (states_[body] & state); }
     void set(std::uint32_t body, State state) { states_[body] |= state; }
     void clear(std::uint32_t body, State state) { states_[body] &= static_cast<std::uint8_t>(~state); }
     const std::uint8_t* data() const { return states_.data(); }                       ///< bits of State by body
-    std::uint32_t rows() const { return static_cast<std::uint32_t>(states_.size()); } ///< above the largest body
+    std::uint32_t rows() const { return static_cast<std::uint32_t>(states_.size()); } ///< largest body + 1
     std::size_t size() const { return size_; }                                        ///< bodies present
     std::size_t dynamic_count() const { return dynamic_count_; }
     std::uint64_t dynamic_version() const { return dynamic_version_; } ///< grows when a body becomes static or dynamic
-    /// Overwrites `bodies` with those present, ascending.
+    /// Overwrites `bodies` with the bodies present, ascending.
     void list(std::vector<std::uint32_t>& bodies) const;
     std::size_t bytes() const { return states_.capacity() + changes_.capacity() * sizeof(changes_[0]); }
 
@@ -51,14 +51,14 @@ private:
     void set_dynamic(std::uint32_t body, bool now);
 
     std::vector<std::uint8_t> states_;
-    std::vector<std::uint32_t> changes_; ///< room for all and one more
+    std::vector<std::uint32_t> changes_; ///< room for all bodies and one more
     std::size_t change_count_ = 0;
     std::size_t size_ = 0, dynamic_count_ = 0;
     std::uint64_t dynamic_version_ = 0;
     bool came_or_went_ = false;
 };
 
-/// The part of every broad phase that keeps track of bodies.
+/// The bookkeeping of bodies that all broad phases share.
 class TracksBodies : public BroadPhase {
 public:
     void add(std::span<const std::uint32_t> bodies, bool is_static) final
@@ -81,12 +81,12 @@ public:
 protected:
     /// Throws Error{usage} for options out of range.
     explicit TracksBodies(const Options& options);
-    /// Throws what query() throws.
+    /// Throws the errors of query().
     void check_query(const BodyColumns& columns, std::span<const Aabb> boxes) const;
 
     Options options_;
     BodyStates bodies_;
-    bool taken_in_ = false; ///< have all changes been taken in?
+    bool taken_in_ = false; ///< true if no change is pending
 
 private:
     void set_dynamic(std::span<const std::uint32_t> bodies, bool now)

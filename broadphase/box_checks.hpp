@@ -6,19 +6,19 @@
 
 namespace oncollide {
 
-constexpr double farthest_coordinate = 1e30; ///< metres; its square is a finite float
+constexpr double farthest_coordinate = 1e30; ///< metres; its square fits in a float
 
-/// Is the box finite and not too far away?
+/// True if the box is finite and within farthest_coordinate.
 inline bool usable(const Aabb& box)
 {
-    return box.min.cwiseAbs().sum() + box.max.cwiseAbs().sum() < farthest_coordinate; // not so for NaN
+    return box.min.cwiseAbs().sum() + box.max.cwiseAbs().sum() < farthest_coordinate; // false for NaN
 }
-/// Throws Error{bad_data} naming the first of the bodies whose box is not usable.
+/// Throws Error{bad_data} naming the first body whose box is not usable.
 void refuse_unusable(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies);
-/// Throws Error{bad_data} naming the first of these boxes of a query that is not usable.
+/// Throws Error{bad_data} naming the first box of a query that is not usable.
 void refuse_unusable_queries(std::span<const Aabb> boxes);
 
-/// Do two boxes, each grown by margin / 2, overlap?
+/// True if the boxes overlap, each grown by margin / 2.
 inline bool overlap(const Aabb& a, const Aabb& b, double margin)
 {
     return !(((a.min - b.max).array() > margin).any() || ((b.min - a.max).array() > margin).any());

@@ -5,7 +5,7 @@
 namespace oncollide::ONCOLLIDE_ISA {
 namespace {
 
-/// The greatest lane, in every lane.
+/// The largest lane, in every lane.
 inline F32x8 greatest(F32x8 v)
 {
     v = max(v, ONCOLLIDE_SHUFFLE(v, 4, 5, 6, 7, 0, 1, 2, 3));
@@ -68,7 +68,7 @@ float most_along(const float* x, const float* y, const float* z, std::uint32_t c
     return greatest(high)[0];
 }
 
-/// Of points that show the same, the first of the first lane.
+/// Among points with equal projections, returns the first of the first lane.
 std::uint32_t farthest(const float* x, const float* y, const float* z, std::uint32_t count, const float d[3])
 {
     F32x8 high = splat(-__builtin_inff());
@@ -106,7 +106,7 @@ void keep_farthest(const float* x, const float* y, const float* z, std::uint32_t
             most[k] = max(v, most[k]);
         }
     }
-    float bar[5][4]; // what one of the others has along each direction, less rounding
+    float bar[5][4]; // the other points' projections onto each direction, less rounding
     for (std::uint32_t k = 0; k < 5; ++k) {
         const int lane = __builtin_ctz(bits(most[k] == greatest(most[k])));
         const std::uint32_t other = static_cast<std::uint32_t>(at[k][lane] + lane);

@@ -17,8 +17,8 @@ struct Item {
     std::uint32_t body;
 };
 
-/// Boxes more than 4 times as large as the median have a run of places of their own, those 16 times as large another,
-/// and so on.
+/// Class 0 holds boxes up to 4 times the median size; class 1 up to 16 times, and so on by factors of 4. Each class
+/// gets its own run of slots.
 constexpr std::size_t size_classes = 8;
 std::size_t size_class(const Aabb& box, double median)
 {
@@ -60,7 +60,7 @@ struct Extent {
     }
 };
 
-/// Puts the lower half of the run along its longest axis first. Halves are whole nodes of the largest level that fits.
+/// Moves the lower half along the longest axis to the front. Halves are whole nodes of the largest level that fits.
 std::size_t split_once(std::span<Item> items)
 {
     const int axis = Extent(items).longest_axis();
@@ -88,7 +88,7 @@ void order_kd(std::vector<std::span<Item>> runs, int threads)
 {
     std::size_t count = 0;
     for (std::span<Item> run : runs) count += run.size();
-    // Halves are split off until there are enough runs to share among the threads.
+    // Split until there are enough runs to share among the threads.
     const std::size_t least = count / static_cast<std::size_t>(8 * std::max(threads, 1)) + node_width * node_width;
     for (std::size_t i = 0; threads > 1 && i < runs.size(); ++i)
         while (runs[i].size() > least) {
@@ -101,7 +101,7 @@ void order_kd(std::vector<std::span<Item>> runs, int threads)
     });
 }
 
-/// Every third bit, from 16.
+/// Spreads the low 16 bits to every third bit.
 std::uint64_t spread(std::uint64_t x)
 {
     x = (x | x << 32) & 0x001f00000000ffff;
@@ -116,7 +116,7 @@ struct Keyed {
     Item item;
 };
 
-/// Stable, by 12 bits of the key at a time, 48 in all.
+/// Stable sort by 48 bits of the key, 12 bits at a time.
 void radix_sort(std::vector<Keyed>& items, std::vector<Keyed>& scratch, int threads)
 {
     constexpr std::size_t digits = 4096, most_shares = 16;
@@ -180,11 +180,11 @@ void append_in_order(BoxOrder kind, std::span<const Aabb> boxes, std::span<const
     std::array<std::size_t, size_classes> counts{}, next{}; // by class
     for (std::uint32_t body : bodies) ++counts[size_class(boxes[body], median)];
     std::size_t places = 0;
-    std::vector<std::pair<std::size_t, std::size_t>> begins; // place and length of each run
+    std::vector<std::pair<std::size_t, std::size_t>> begins; // first slot and length of each run
     for (std::size_t c = size_classes; c-- > 0;) {
         next[c] = places;
         if (counts[c]) begins.push_back({places, counts[c]});
-        // Whole nodes two levels up where that costs little, so that the next run's nodes are its own.
+        // Pad to whole nodes two levels up if that costs little, so that no node holds boxes of two runs.
         const std::size_t unit = counts[c] >= 8 * node_width * node_width ? node_width * node_width : node_width;
         places += c > 0 ? (counts[c] + unit - 1) / unit * unit : counts[c];
     }

@@ -29,7 +29,7 @@ const BoxTreeKernel& box_tree_kernel()
     return kernel;
 }
 
-/// Rounds boxes outward into level 0.
+/// Writes boxes to level 0, rounded outward.
 class BoxTree::Taker {
 public:
     Taker(BoxTree& tree, double margin)
@@ -37,7 +37,7 @@ public:
           blocks_(tree.levels_[0].blocks.data())
     {
     }
-    /// False for a box that no tree can hold.
+    /// Returns false for a box that is not usable.
     bool operator()(std::uint32_t place, const Aabb& box) const
     {
         if (!usable(box)) return false;
@@ -82,7 +82,7 @@ bool BoxTree::append(std::span<const Aabb> boxes, std::span<const std::uint32_t>
     std::uint32_t nodes = size();
     int levels = 1;
     for (; nodes > node_width; ++levels) nodes = nodes_over(nodes);
-    if (levels > view_.levels) { // nobody knows bounds and layers of what lies below the new level
+    if (levels > view_.levels) { // bounds and layers of the nodes on the new level are not known
         std::vector<std::uint32_t> all(order_.begin(), order_.end());
         std::erase(all, no_body);
         return build(boxes, all, margin, threads), true;
@@ -110,7 +110,7 @@ void BoxTree::erase(std::span<const std::uint32_t> bodies)
     }
 }
 
-/// Makes the levels as long as `order_` needs; what is new is empty, and said to move.
+/// Extends the levels to the size of `order_`; new nodes are empty and marked as moving.
 void BoxTree::extend_levels()
 {
     const std::uint32_t old = levels_.empty() ? 0 : levels_[0].count;
@@ -157,7 +157,7 @@ inline float& BoxTree::coordinate(Level& level, std::uint32_t place, std::size_t
     return level.blocks[std::size_t{place / node_width} * box_block + c * node_width + place % node_width];
 }
 
-/// The bounds of a node, from the level below it.
+/// Recomputes the bounds of a node from the level below it.
 void BoxTree::bound(int level, std::uint32_t node)
 {
     float box[6];
@@ -167,14 +167,14 @@ void BoxTree::bound(int level, std::uint32_t node)
 
 void BoxTree::refit(std::span<const Aabb> boxes, double margin, int threads)
 {
-    constexpr std::size_t grain = 1024; // nodes a chunk
+    constexpr std::size_t grain = 1024; // nodes per chunk
     if (levels_.empty()) return;
     const Taker take(*this, margin);
     std::atomic<bool> refused = false;
     parallel_chunks(nodes_over(size()), grain, threads, [&](std::size_t first, std::size_t last, int) {
         const auto end = std::min(static_cast<std::uint32_t>(last * node_width), size());
         for (auto place = static_cast<std::uint32_t>(first * node_width); place < end; ++place) {
-            constexpr std::uint32_t ahead = 16; // bodies lie in memory in another order
+            constexpr std::uint32_t ahead = 16; // bodies have another order in memory
             if (place + ahead < end && order_[place + ahead] != no_body) {
                 const auto* next = reinterpret_cast<const char*>(&boxes[order_[place + ahead]]);
                 __builtin_prefetch(next), __builtin_prefetch(next + sizeof(Aabb) - 1);
@@ -195,7 +195,7 @@ void BoxTree::refit(std::span<const Aabb> boxes, double margin, int threads)
     measure();
 }
 
-/// Bounds of the nodes over places from `place` on.
+/// Recomputes the bounds of all nodes above slots >= `place`.
 void BoxTree::bound_from(std::uint32_t place)
 {
     for (int level = 1; level < view_.levels; ++level) {
@@ -204,7 +204,7 @@ void BoxTree::bound_from(std::uint32_t place)
     }
 }
 
-/// What is known of all nodes together.
+/// Recomputes the extent of the leaves, the largest coordinate and the volumes.
 void BoxTree::measure()
 {
     leaf_extent_ = extent_of_leaves();
@@ -247,7 +247,7 @@ void BoxTree::refit_bodies(std::span<const std::uint32_t> bodies, FunctionRef<Aa
                            double margin)
 {
     const Taker take(*this, margin);
-    constexpr std::size_t ahead = 4; // bodies lie scattered in memory
+    constexpr std::size_t ahead = 4; // bodies are scattered in memory
     for (std::size_t k = 0; k < bodies.size(); ++k) {
         if (k + 4 * ahead < bodies.size()) prefetch_place_of(bodies[k + 4 * ahead]);
         if (k + ahead < bodies.size()) {
@@ -285,7 +285,7 @@ double BoxTree::extent_of_leaves() const
     for (std::size_t i = 0; i < leaves.blocks.size(); i += box_block)
         for (std::size_t k = i; k < i + box_block / 2; ++k) {
             const float extent = leaves.blocks[k + box_block / 2] - leaves.blocks[k];
-            if (extent > 0) sum += extent; // not of padding
+            if (extent > 0) sum += extent; // skip padding
         }
     return sum;
 }
@@ -322,12 +322,13 @@ void BoxTree::add_layers(std::uint32_t body, const BodyColumns& columns)
     for (std::size_t level = 1; level < levels_.size(); ++level) {
         Level& l = levels_[level];
         node /= node_width;
-        if ((l.layers[node] & layers) == layers && (l.masks[node] & masks) == masks) return; // so has all above
+        if ((l.layers[node] & layers) == layers && (l.masks[node] & masks) == masks) return; // then all ancestors
+                                                                                             // include them too
         l.layers[node] |= layers, l.masks[node] |= masks;
     }
 }
 
-/// Nodes that are new hold what is known of those below them.
+/// New nodes get the union of the layers and masks below them.
 void BoxTree::extend_layers()
 {
     for (std::size_t level = 1; level < levels_.size(); ++level) {

@@ -12,42 +12,43 @@
 
 namespace oncollide {
 
-/// Boxes in an order that keeps neighbours together, 16 per leaf, and over them an implicit tree of bounds, 16 children
-/// per node: no pointers, every node a row of columns that one or two vector comparisons test.
+/// AABBs in an order that keeps neighbours together, 16 per leaf, under an implicit 16-ary tree of bounds: no pointers,
+/// and one or two vector comparisons test a node, stored as columns.
 ///
-/// The order stays while boxes move a little: refit() takes in new boxes and widens the bounds, and degraded() says
-/// when these have become so wide that building again pays. Boxes are floats relative to the middle of all, rounded
-/// outward. 34 bytes per box.
+/// The order stays while boxes move a little: refit() updates boxes and widens bounds, and degraded() reports when
+/// the bounds have become so wide that rebuilding pays off. Boxes are floats relative to the centre of all boxes,
+/// rounded outward. 34 bytes per box.
 class BoxTree {
 public:
     explicit BoxTree(BoxOrder kind) : kind_(kind) {}
 
     /// Cost: see BoxOrder.
     void build(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, double margin, int threads);
-    /// Takes in the boxes of all bodies. Cost: O(n).
+    /// Updates the boxes of all bodies. Cost: O(n).
     void refit(std::span<const Aabb> boxes, double margin, int threads);
-    /// Takes in box_of(body) for these bodies only, which must be usable. The bounds above them are widened, not
-    /// tightened: that waits for refit(). Cost: O(bodies).
+    /// Updates these bodies to box_of(body), which must be usable. The bounds above them only widen; refit() tightens
+    /// them. Cost: O(bodies).
     void refit_bodies(std::span<const std::uint32_t> bodies, FunctionRef<Aabb(std::uint32_t body)> box_of,
                       double margin);
-    /// Adds bodies in leaves of their own at the end. Cost: O(bodies log bodies). Where the tree gets a level more by
-    /// it, it is built anew: then returns true.
+    /// Adds bodies in new leaves at the end. If this needs another level, rebuilds the tree and returns true. Cost
+    /// without a rebuild: O(bodies log bodies).
     bool append(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, double margin, int threads);
-    /// Takes bodies out; their places stay empty until the next build(). Cost: O(bodies).
+    /// Removes bodies; their slots stay empty until the next build(). Cost: O(bodies).
     void erase(std::span<const std::uint32_t> bodies);
-    /// Marks which bodies move, those whose state has one of `bits`; pairs of two that do not are never found. Needed
+    /// Marks as moving the bodies whose state has one of `bits`; pairs of two other bodies are never found. Required
     /// before a search of the whole tree, after build() and append().
     void set_moving(const std::uint8_t* states, std::uint8_t bits);
-    /// Lets a search leave out pairs of nodes whose layers do not meet. Forgotten by build().
+    /// Lets searches skip pairs of nodes whose layers forbid every pair. Forgotten by build().
     void set_layers(const BodyColumns& columns);
-    /// Takes in the layers of a body that is new or has other ones. Only after set_layers().
+    /// Adds the layers of a body that is new or whose layers changed. Only after set_layers().
     void add_layers(std::uint32_t body, const BodyColumns& columns);
     void forget_layers();
 
-    /// Have the leaves grown by so much, since they were built, that a search costs markedly more?
+    /// True if the edges of the leaves have grown by the factor `to` since they were built, so that searches cost
+    /// markedly more.
     bool degraded(double to = 1.2) const { return leaf_extent_ > to * built_extent_; }
     bool empty() const { return order_.empty(); }
-    std::uint32_t size() const { return static_cast<std::uint32_t>(order_.size()); } ///< places, padding included
+    std::uint32_t size() const { return static_cast<std::uint32_t>(order_.size()); } ///< slots, padding included
     std::uint32_t bodies() const { return bodies_; }
     std::uint32_t body_at(std::uint32_t place) const { return order_[place]; }
     void prefetch_body_at(std::uint32_t place) const { prefetch(&order_[place]); }
@@ -56,15 +57,16 @@ public:
     const BoxTreeView& view() const { return view_; }
     /// Bodies below node `node` of level `level` >= 1.
     std::uint32_t bodies_below(int level, std::uint32_t node) const { return at(level).nodes[node].bodies; }
-    /// Volume of a node's bounds, and of all nodes of a level, when they were last refitted as a whole.
+    /// Volume of one node's bounds, or of all nodes of a level, as of the last complete refit.
     double volume(int level, std::uint32_t node) const { return at(level).nodes[node].volume; }
     double volume(int level) const { return at(level).volume; }
-    /// What bounds the bodies below a node of a level above the boxes themselves.
+    /// Bounds of the bodies below a node of level `level` >= 1.
     Aabb bounds(int level, std::uint32_t node) const;
-    /// A box as the search would see it: lo x y z, hi x y z, grown by margin / 2.
+    /// The box as the search sees it: lo x y z, hi x y z, grown by margin / 2.
     void round(const Aabb& box, double margin, float out[6]) const;
-    /// Does the box at place `i` overlap `b` by more than rounding could account for? A coordinate is rounded by at
-    /// most 2^-22 of the largest; two of them, and their comparison, by less than 2^-20.
+    /// True if the box in slot `i` and `b` overlap by more than the rounding, so the exact boxes overlap too. Rounding
+    /// moves a coordinate by at most 2^-22 of the largest coordinate; two coordinates and their comparison err by less
+    /// than 2^-20.
     bool surely_overlap(std::uint32_t i, const float* b, std::size_t stride = 1) const
     {
         const float slack = farthest_ * 0x1p-20f, *a = corner(i);
@@ -72,7 +74,7 @@ public:
                (b[stride] + slack <= a[64]) & (a[32] + slack <= b[5 * stride]) & (b[2 * stride] + slack <= a[80]);
     }
     bool surely_overlap(std::uint32_t i, std::uint32_t j) const { return surely_overlap(i, corner(j), 16); }
-    /// The box at a place, as the search sees it: lo x y z, hi x y z.
+    /// The box in a slot, as the search sees it: lo x y z, hi x y z.
     void box_at(std::uint32_t place, float box[6]) const
     {
         for (std::size_t c = 0; c < 6; ++c) box[c] = corner(place)[16 * c];
@@ -85,17 +87,17 @@ public:
 
 private:
     struct Node {
-        std::uint32_t bodies = 0; ///< below it
+        std::uint32_t bodies = 0; ///< number of bodies below
         float volume = 0;
     };
     struct Level {
         LargeVector<float> blocks;         ///< see BoxLevelView
-        std::vector<std::uint16_t> moving; ///< by node of the level above
+        std::vector<std::uint16_t> moving; ///< by node of the level above: bit k: child k is or holds a moving body
         std::uint32_t count = 0;
-        // Of levels above the boxes themselves, by node:
+        // By node, for levels above 0:
         std::vector<Node> nodes;
-        std::vector<std::uint32_t> layers, masks; ///< of the bodies below, or-ed; empty when unknown
-        double volume = 0;                        ///< of all
+        std::vector<std::uint32_t> layers, masks; ///< bitwise or over the bodies below; empty if unknown
+        double volume = 0;                        ///< of all nodes
     };
 
     const Level& at(int level) const { return levels_[static_cast<std::size_t>(level)]; }
@@ -104,7 +106,7 @@ private:
     void bound_from(std::uint32_t place);
     void measure();
     class Taker;
-    /// The first coordinate of the box at a place; the other five follow 16 apart.
+    /// The first coordinate of the box in a slot; the other five follow at distances of 16.
     const float* corner(std::uint32_t place) const
     {
         return view_.level[0].blocks + std::size_t{place / 16} * box_block + place % 16;
@@ -116,17 +118,17 @@ private:
 
     BoxOrder kind_;
     std::uint32_t bodies_ = 0;
-    LargeVector<std::uint32_t> order_;  ///< body by place
-    LargeVector<std::uint32_t> places_; ///< place by body
+    LargeVector<std::uint32_t> order_;  ///< body by slot
+    LargeVector<std::uint32_t> places_; ///< slot by body
     Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
     std::vector<Level> levels_;
     BoxTreeView view_{};
     bool layers_known_ = false;
-    double leaf_extent_ = 0, built_extent_ = 0; ///< sum of the leaves' edges
-    float farthest_ = 0;                        ///< largest coordinate, at least
+    double leaf_extent_ = 0, built_extent_ = 0; ///< sum of the leaves' edges, now and when built
+    float farthest_ = 0;                        ///< upper bound on the magnitude of coordinates
 };
 
-/// The kernel of instruction_set().
+/// The implementation for instruction_set().
 const BoxTreeKernel& box_tree_kernel();
 
 } // namespace oncollide

@@ -19,7 +19,7 @@ inline Query query_of(const BoxLevelView& level, std::uint32_t i)
     return {{p[0], p[16], p[32]}, {p[48], p[64], p[80]}};
 }
 
-/// Which of the 16 boxes of a block overlap the query.
+/// Bit k is set if box k of the block overlaps the query.
 inline unsigned hits(const BoxLevelView& level, std::uint32_t block, const Query& q)
 {
     const float* p = level.blocks + std::size_t{block} * box_block;
@@ -30,7 +30,7 @@ inline unsigned hits(const BoxLevelView& level, std::uint32_t block, const Query
     const auto high = [&](int axis, __mmask16 m) {
         return _mm512_mask_cmp_ps_mask(m, _mm512_loadu_ps(p + 48 + 16 * axis), _mm512_set1_ps(q.lo[axis]), _CMP_GE_OQ);
     };
-    // Two chains, so that one comparison need not wait for all before it.
+    // Two dependency chains, so that a comparison does not wait for all previous ones.
     return static_cast<__mmask16>(low(0, low(1, low(2, 0xffff))) & high(0, high(1, high(2, 0xffff))));
 #elif defined(__AVX2__) || !defined(__SSE2__)
     const auto half = [&](const float* v) {
@@ -52,17 +52,17 @@ inline unsigned hits(const BoxLevelView& level, std::uint32_t block, const Query
 #endif
 }
 
-/// Pairs on the way down, of two nodes at most.
+/// Pairs found while descending, from at most two nodes.
 struct Found {
     std::uint32_t i[width * width + width], j[width * width + width], count = 0;
 };
 
-/// Appends (i, first + k) for each bit k. Room for 16 is needed, whatever the bits.
+/// Appends (i, first + k) for each set bit k. Needs room for 16 pairs, even if fewer bits are set.
 template <class List>
 inline void append(List& list, std::uint32_t i, std::uint32_t first, unsigned bits)
 {
 #if defined(__AVX512F__)
-    // No branch on how many: that is what a search of boxes cannot foretell.
+    // No branch on the number of bits, which is unpredictable.
     const __m512i places = _mm512_add_epi32(_mm512_set1_epi32(static_cast<int>(first)),
                                             _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
     _mm512_storeu_si512(list.i + list.count, _mm512_set1_epi32(static_cast<int>(i)));
@@ -80,7 +80,7 @@ inline void make_room(PairSink& sink)
 {
     if (sink.count + 2 * width > sink.room) sink.more(sink);
 }
-inline void make_room(Found&) {} // has it
+inline void make_room(Found&) {} // always has room
 
 /// Pairs of children, one of node a and one of node b of level `level`.
 template <class List>
@@ -100,7 +100,7 @@ inline void expand(const BoxTreeView& tree, int level, std::uint32_t a, std::uin
     }
 }
 
-/// May some body below node a of a level collide with one below node b?
+/// False if the layers forbid every pair of a body below node a and one below node b.
 inline bool layers_meet(const BoxLevelView& level, std::uint32_t a, std::uint32_t b)
 {
     return !level.layers || ((level.layers[a] & level.masks[b]) && (level.layers[b] & level.masks[a]));
@@ -157,7 +157,7 @@ inline void fetch(const BoxLevelView& level, std::uint32_t block)
 void in_blocks(const BoxLevelView& level, const std::uint32_t* queries, const std::uint32_t* blocks,
                std::uint64_t count, const float* boxes, PairSink& sink)
 {
-    constexpr std::uint64_t ahead = 3; // blocks on their way from memory while one is compared
+    constexpr std::uint64_t ahead = 3; // blocks prefetched while one is compared
     for (std::uint64_t k = 0; k < count; ++k) {
         if (k + ahead < count) fetch(level, blocks[k + ahead]);
         make_room(sink);
@@ -202,7 +202,7 @@ void bound(const BoxLevelView& below, std::uint32_t node, float box[6])
     }
 }
 
-// The top level is the children of a root of its own, node 0 of level `levels`.
+// The nodes of the top level are the children of a virtual root, node 0 of level `levels`.
 
 void all(const BoxTreeView& tree, int stop, PairSink& sink)
 {

@@ -11,7 +11,7 @@ namespace oncollide {
 
 namespace {
 
-/// Eight boxes at a time in float, rounded outward; the boxes themselves decide.
+/// Compares eight boxes at a time in float, rounded outward, and the hits again in double.
 class BruteForce final : public TracksBodies {
 public:
     explicit BruteForce(const Options& options) : TracksBodies(options) {}
@@ -70,7 +70,7 @@ public:
     }
 
 private:
-    /// Relative to the middle of all; padded so that the kernel may read past the end.
+    /// Converts to float relative to the centre of all boxes; padded so that the kernel may read past the end.
     void round_outward(std::span<const Aabb> boxes)
     {
         Aabb all;

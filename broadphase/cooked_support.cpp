@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-/// The axes of box k, as walks take them.
+/// The axes of box k, as the traversal of cooked meshes decodes them.
 Eigen::Matrix3f axes_of(const CookedNode& node, unsigned k)
 {
     Eigen::Quaternionf q(node.qw[k], node.qx[k], node.qy[k], node.qz[k]);
@@ -33,13 +33,13 @@ CookedSupport::CookedSupport(std::shared_ptr<const CookedMesh> mesh, const Eigen
     points_.resize(boxes_.size());
 }
 
-/// Depth first, the boxes without a node of parts are those around the chunks, in their order.
+/// In depth-first order, the boxes without a child node enclose the chunks, in chunk order.
 void CookedSupport::add_boxes(const CookedMesh::Top& top)
 {
     const std::size_t nodes = top.nodes.size() / sizeof(CookedNode);
     const Vector3f all = mesh_->bounds().half_extent().cast<float>();
     if (nodes == 0) return boxes_.push_back({Vector3f::Zero(), all});
-    std::vector<std::uint32_t> waiting{1}; // of a node its number, of a chunk 0 after its box
+    std::vector<std::uint32_t> waiting{1}; // a node's number; for a chunk 0, beside its box
     std::vector<Box> of_waiting{{}};
     std::size_t seen = 0;
     while (!waiting.empty() && boxes_.size() <= top.tree_chunks) {
@@ -50,7 +50,7 @@ void CookedSupport::add_boxes(const CookedMesh::Top& top)
             boxes_.push_back(box);
             continue;
         }
-        if (number > nodes || ++seen > nodes) return; // no tree
+        if (number > nodes || ++seen > nodes) return; // not a tree
         CookedNode node;
         std::memcpy(&node, &top.nodes[(number - 1) * sizeof node], sizeof node);
         for (unsigned k = std::min(node.lanes, 8u); k-- > 0;) {
@@ -58,7 +58,8 @@ void CookedSupport::add_boxes(const CookedMesh::Top& top)
             const Vector3f half = node.unit * Vector3f(node.hx[k], node.hy[k], node.hz[k]),
                            centre = Vector3f(node.origin[0], node.origin[1], node.origin[2]) +
                                     node.unit * Vector3f(node.x[k], node.y[k], node.z[k]);
-            // What is turned by no rotation is checked when its chunk is read; until then it may be anywhere.
+            // Axes that are not a rotation are rejected only when the chunk is read; until then, the chunk may be
+            // anywhere.
             const bool rotated = (axes.transpose() * axes - Eigen::Matrix3f::Identity()).norm() < 2e-5f;
             const Vector3f around =
                 rotated ? Vector3f((axes.cwiseAbs() * half).array() + 1e-4f * half.norm()) : Vector3f(2 * all);
@@ -71,7 +72,7 @@ float CookedSupport::bound(std::size_t chunk, const Vector3f& d) const
 {
     const Box& box = boxes_[chunk];
     const float most = d.dot(box.centre) + d.cwiseAbs().dot(box.half);
-    // A box of the file may be anything until its chunk is read, but nothing reaches beyond the bounds.
+    // A box of the file may be wrong until its chunk is read, but the mesh's bounds hold for every chunk.
     const float all = d.cwiseAbs().dot(mesh_->bounds().half_extent().cast<float>());
     return (most < all ? most : all) + rounding_;
 }
@@ -82,7 +83,7 @@ float CookedSupport::most_of(std::size_t chunk, const Vector3f& d) const
     return box_kernel().most_along(x.data(), y.data(), z.data(), static_cast<std::uint32_t>(x.size()), d.data());
 }
 
-/// Not one that cannot be read, which the file keeps: its box goes on standing for it.
+/// False if the chunk cannot be read: CookedMesh records the fault, and the box stays in use as an upper bound.
 bool CookedSupport::read(std::size_t chunk)
 {
     try {
@@ -112,7 +113,7 @@ void CookedSupport::prepare(const Vector3f& d)
 float CookedSupport::most(const Vector3f& d) const
 {
     float best = -std::numeric_limits<float>::infinity();
-    // Those that were read first: they were for directions like this one.
+    // First the chunks already read: they were read for similar directions.
     for (std::size_t c = 0; c < boxes_.size(); ++c)
         if (points_[c].size() > 0 && bound(c, d) > best) best = std::max(best, most_of(c, d));
     for (std::size_t c = 0; c < boxes_.size(); ++c)

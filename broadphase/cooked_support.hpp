@@ -7,22 +7,23 @@
 
 namespace oncollide {
 
-/// How far a cooked mesh reaches along directions: of its chunks only those are read that may hold the farthest point,
-/// by the boxes around them in the top of the file.
+/// Support queries on a cooked mesh: reads only the chunks that may hold a support point, selected by the chunks' OBBs
+/// in the top of the file.
 class CookedSupport {
 public:
-    /// Throws ChunkFault where the file cannot be opened, or its top is no tree.
+    /// Throws ChunkFault if the file cannot be opened or its top is not a tree.
     CookedSupport(std::shared_ptr<const CookedMesh> mesh, const Eigen::Vector3d& centre);
 
-    /// Reads what most() needs to be exact along a direction, of a length of about 1. Not beside
-    /// other calls.
+    /// Reads the chunks that most() needs to be exact along `direction`, of length about 1. Not concurrently with any
+    /// other call.
     void prepare(const Eigen::Vector3f& direction);
-    /// What SupportMap::most() gives of all points, if it was prepared for and could be read; else that or more.
+    /// The same as SupportMap::most() over all points, if the direction was prepared and its chunks could be read;
+    /// otherwise an upper bound.
     float most(const Eigen::Vector3f& direction) const;
     std::size_t bytes() const;
 
 private:
-    /// Of a box along the axes around a chunk, relative to the centre.
+    /// AABB of a chunk, relative to the centre.
     struct Box {
         Eigen::Vector3f centre = Eigen::Vector3f::Zero(), half = Eigen::Vector3f::Zero();
     };
@@ -33,7 +34,7 @@ private:
 
     std::shared_ptr<const CookedMesh> mesh_;
     Eigen::Vector3d centre_;
-    float rounding_; ///< of what is computed in float
+    float rounding_; ///< error bound of computations in float
     std::vector<Box> boxes_;
     std::vector<PointColumns> points_; ///< by chunk; empty: not read
     CookedMesh::Chunk read_;

@@ -43,12 +43,12 @@ void Delimitation::each_worker(int threads, Work work) const
     });
 }
 
-/// From nodes of the level above, as blocks, to those of `level` that the queries reach. `room` is for how many more
-/// all workers together may find; they stop once it is below 0.
+/// Expands the nodes of `from`, on the level above, to the nodes of `level` that the queries overlap. `room` is the
+/// number of pairs that all workers together may still find; they stop once it is negative.
 void Delimitation::descend(const BoxLevelView& level, bool layers, const NodePairs& from, NodePairs& to,
                            std::atomic<std::int64_t>& room) const
 {
-    constexpr std::size_t slice = 4096; // at most 16 times as many are found before they are counted
+    constexpr std::size_t slice = 4096; // finds at most 16 times as many pairs before they are counted
     to.clear();
     for (std::size_t k = 0; k < from.size() && room >= 0; k += slice) {
         const std::size_t before = to.size();
@@ -89,7 +89,7 @@ void Delimitation::run(const BoxTree& tree, bool layers, int threads)
         each_worker(threads,
                     [&](std::size_t w) { descend(tree.view().level[level], layers, *reached_[w], *next_[w], room); });
         reached_.swap(next_);
-        in_a_heap_ = room < 0; // the same whatever the number of workers
+        in_a_heap_ = room < 0; // independent of the number of workers
         levels_[static_cast<std::size_t>(top - level) + 1].ms = ms_since(from);
     }
     counted_ = in_a_heap_;
@@ -158,7 +158,7 @@ std::uint64_t Delimitation::bodies_left(const BoxTree& tree)
     return bodies_left_;
 }
 
-/// A node is left if a leaf region below it is reached.
+/// A node is left if a query overlaps a leaf region below it.
 void Delimitation::mark(const BoxTree& tree)
 {
     const auto levels = static_cast<std::size_t>(tree.view().levels);
@@ -181,7 +181,7 @@ void Delimitation::mark(const BoxTree& tree)
 
 void Delimitation::count_rejected(const BoxTree& tree)
 {
-    const int top = tree.view().levels; // the whole scene is its only node
+    const int top = tree.view().levels; // the only node of this level is the whole scene
     const auto at = [](int level) { return static_cast<std::size_t>(level); };
     const auto level_of = [&](int level) -> DelimitationLevel& { return levels_[at(top - level)]; };
     level_of(top).regions = 1;
@@ -190,7 +190,7 @@ void Delimitation::count_rejected(const BoxTree& tree)
         level_of(top).bodies_rejected = tree.bodies();
         return;
     }
-    std::uint64_t bodies = tree.bodies(); // in the regions that are left one level up
+    std::uint64_t bodies = tree.bodies(); // in the regions left one level up
     for (int level = top - 1; level > 0; --level) {
         DelimitationLevel& counts = level_of(level);
         const std::uint32_t nodes = tree.view().level[level].count;

@@ -12,42 +12,42 @@
 
 namespace oncollide {
 
-/// Progressive delimitation: from the whole scene down a hierarchy of regions, each split where neighbours overlap
-/// least, only those are looked at that one of some boxes (the queries) reaches; a region that none reaches, or in
-/// which the layers forbid every pair, is rejected whole at the highest level where that shows. The regions are the
-/// upper levels of the tree that the accurate level goes on with: what survives is kept as pairs (query, leaf region).
+/// Progressive delimitation: descends a hierarchy of regions from the whole scene and examines only the regions that
+/// overlap one of a set of boxes (the queries). A region that no query overlaps, or in which the layers forbid every
+/// pair, is rejected whole, at the highest possible level. The regions are the upper levels of the tree that the broad
+/// phase searches next; the survivors are stored as pairs (query, leaf region).
 ///
-/// Where boxes lie in one heap, most queries reach most regions. Then no pairs are kept, nothing counts as rejected,
-/// and the accurate level descends query by query: memory stays O(n + queries).
+/// If boxes lie in one heap, most queries overlap most regions. Then no pairs are stored, no region counts as
+/// rejected, and the broad phase descends the tree once per query: memory stays O(n + queries).
 ///
-/// Cost: O(queries * levels), whatever the number of bodies, unless they lie in a heap.
+/// Cost: O(queries * levels), independent of the number of bodies, except in a heap.
 /// Source: Franquesa-Niubó and Brunet, "Collision prediction using MKtrees", CEIG 2004, for the idea.
 class Delimitation {
 public:
     void clear();
-    /// Adds a query: lo x y z, hi x y z, as BoxTree::box_at() gives it.
+    /// Adds a query box: lo x y z, hi x y z, as from BoxTree::box_at().
     void add(const float box[6], std::uint32_t layers, std::uint32_t mask);
-    /// Delimits.
-    /// @param layers  reject regions whose layers forbid every pair, too: the tree knows them
+    /// Runs the delimitation.
+    /// @param layers  also reject regions whose layers forbid every pair: the tree has layers
     void run(const BoxTree& tree, bool layers, int threads);
-    /// Did run() find so little to reject that nothing is known of regions?
+    /// True if run() gave up because too little was rejected, so there is no data on regions.
     bool in_a_heap() const { return in_a_heap_; }
 
-    /// Threads that compare() makes use of, of as many as run() was given.
+    /// The number of workers that compare() uses, at most run()'s `threads`.
     std::size_t workers() const { return workers_; }
-    /// The accurate level, after run(): the places whose boxes overlap queries' as found(worker, queries, places,
-    /// count), worker < workers(), in chunks.
+    /// The broad phase after run(): passes the slots whose boxes overlap queries' boxes in chunks to found(worker,
+    /// queries, places, count), worker < workers().
     using Found = FunctionRef<void(std::size_t worker, const std::uint32_t* queries, const std::uint32_t* places,
                                    std::size_t count)>;
     void compare(const BoxTree& tree, int threads, Found found) const;
 
     const float* box(std::size_t k) const { return &boxes_[6 * k]; }
-    // What was rejected, counted on request after run(), on the same tree.
+    // Statistics, counted on request after run(), on the same tree.
     std::span<const DelimitationLevel> levels(const BoxTree& tree);
     std::vector<DelimitedRegion> regions(const BoxTree& tree);
-    /// Bodies in the leaf regions that are left.
+    /// The number of bodies in the leaf regions that are left.
     std::uint64_t bodies_left(const BoxTree& tree);
-    /// Overwrites `bodies` with them, ascending.
+    /// Overwrites `bodies` with these bodies, ascending.
     void survivors(const BoxTree& tree, std::vector<std::uint32_t>& bodies);
     std::size_t bytes() const;
 
@@ -64,7 +64,7 @@ private:
     std::size_t queries() const { return layers_.size(); }
     std::size_t first_query(std::size_t worker) const { return queries() * worker / workers_; }
 
-    std::vector<float> boxes_; ///< 6 each
+    std::vector<float> boxes_; ///< 6 floats per query
     std::vector<std::uint32_t> layers_, masks_;
     std::size_t workers_ = 1;
     bool in_a_heap_ = false;

@@ -1,4 +1,4 @@
-// The kd-tree and the octree as broad phases.
+// The kd-tree and the octree broad phases.
 #include <algorithm>
 
 #include <oncollide/broadphase/body_states.hpp>
@@ -14,15 +14,17 @@ namespace oncollide {
 
 namespace {
 
-constexpr std::size_t whole_share = 4;           // where more than one body in so many changed, all is searched
-constexpr std::uint32_t worth_compacting = 1024; // places
+constexpr std::size_t whole_share = 4;           // search everything if more than one body in this many changed
+constexpr std::uint32_t worth_compacting = 1024; // slots
 constexpr std::uint64_t unmarked = ~std::uint64_t{0};
 
-/// A tree that stays from frame to frame, and the pairs found in it.
+/// A tree that is kept between frames, with the pairs found in it.
 ///
-///     changes -> take_in: loose boxes and tree up to date -> delimit: regions that bodies reach that left their loose
-///     boxes -> what is near them -> boxes compared where a body changed -> pairs
-///                                                         \-> much changed: the whole tree against itself -> all pairs
+///     changes -> take_in: update loose boxes and tree
+///             -> few changes:  delimit: find regions near bodies that left their loose boxes
+///                           -> find_near: find pairs of loose boxes in these regions
+///                           -> compare_near: compare the boxes of changed bodies -> pairs
+///             -> many changes: find_whole: search the whole tree -> pairs
 class DynamicTree final : public TracksBodies {
 public:
     DynamicTree(std::string_view name, BoxOrder order, const Options& options)
@@ -51,7 +53,7 @@ private:
     void find_whole(const BodyColumns& columns);
     void find_near(const BodyColumns& columns);
     void compare_near(const BodyColumns& columns);
-    /// Of a pair that was near: has a body of it changed, within loose boxes of both?
+    /// For a pair in near_: true if one of its bodies changed, but both stayed within their loose boxes.
     bool to_compare(BodyPair pair) const
     {
         const std::uint8_t a = bodies_.data()[pair.a], b = bodies_.data()[pair.b];
@@ -71,16 +73,17 @@ private:
     Delimitation delimitation_;
     std::vector<std::uint32_t> gone_, come_, moved_, left_; ///< scratch: bodies for the tree to change
     LooseBoxes loose_;
-    std::vector<std::uint32_t> escaped_; ///< bodies that came, or left their loose boxes, since pairs were last found
-    std::vector<std::uint32_t> queries_; ///< of these, those whose pairs are looked for
-    std::vector<BodyPair> near_;         ///< that pairs_ are among, and all that bodies can form in their loose boxes
+    std::vector<std::uint32_t> escaped_; ///< bodies added, or outside their loose boxes, since pairs were last found
+    std::vector<std::uint32_t> queries_; ///< the subset whose pairs are searched for
+    std::vector<BodyPair> near_;         ///< superset of pairs_: all pairs that bodies can form within their loose
+                                         ///< boxes
     std::vector<BodyPair> pairs_, found_, scratch_, before_;
     PairLists lists_;
-    bool near_are_pairs_ = true;              ///< then near_ is empty
-    bool delimited_ = false;                  ///< has delimit() run since the changes were taken in?
-    bool whole_ = true;                       ///< is the whole tree searched, not regions of it?
-    std::uint64_t marked_version_ = unmarked; ///< of who is dynamic, as the tree has it
-    std::uint64_t filters_version_ = 0;       ///< as last taken in
+    bool near_are_pairs_ = true;              ///< true if near_ equals pairs_; it is then empty
+    bool delimited_ = false;                  ///< true if delimit() has run since the changes were applied
+    bool whole_ = true;                       ///< true if the whole tree is searched, not regions of it
+    std::uint64_t marked_version_ = unmarked; ///< dynamic_version() of the marks in the tree
+    std::uint64_t filters_version_ = 0;       ///< as of the last take_in()
 };
 
 void DynamicTree::rebuild(const BodyColumns& columns)
@@ -95,7 +98,7 @@ void DynamicTree::rebuild(const BodyColumns& columns)
     loose_.clear();
 }
 
-/// Every box of the tree is its body's again.
+/// Replaces loose boxes in the tree by the bodies' own boxes.
 void DynamicTree::refit(const BodyColumns& columns)
 {
     tree_.refit(columns.boxes, options_.margin, threads_for_all());
@@ -124,7 +127,7 @@ void DynamicTree::take_in(const BodyColumns& columns)
     refuse_unusable(columns.boxes, come_);
 
     const std::size_t places = tree_.size() + come_.size() + 16;
-    const bool fresh = come_.size() * 4 > size(); // what is appended lies apart from its neighbours
+    const bool fresh = come_.size() * 4 > size(); // appended leaves are not near their neighbours
     const bool sparse = places > worth_compacting && places > 2 * size();
     if (fresh || sparse || tree_.empty()) {
         rebuild(columns);
@@ -151,7 +154,7 @@ void DynamicTree::take_in(const BodyColumns& columns)
     taken_in_ = true;
 }
 
-/// Those of the bodies that moved out of their loose boxes get others, in the tree too.
+/// Replaces the loose boxes that `moved` bodies have left, also in the tree.
 void DynamicTree::loosen(const BodyColumns& columns, std::span<const std::uint32_t> moved)
 {
     const bool filters_too = columns.filters_version == 0 || columns.filters_version != filters_version_;
@@ -168,7 +171,7 @@ void DynamicTree::loosen(const BodyColumns& columns, std::span<const std::uint32
     };
     tree_.refit_bodies(left_, renew, options_.margin);
     note_escaped(left_);
-    constexpr double too_loose = 1.5; // few look at it
+    constexpr double too_loose = 1.5; // higher than the default, because few queries search this tree
     if (tree_.degraded(too_loose)) refit(columns);
 }
 
@@ -181,13 +184,13 @@ void DynamicTree::note_escaped(std::span<const std::uint32_t> bodies)
         }
 }
 
-/// The pairs of those that escaped are to be looked for. A pair of a static body with a dynamic one is found
-/// from the latter, if that escaped too.
+/// Selects the escaped bodies whose pairs must be searched for. A static body needs no query if every dynamic body is
+/// queried.
 void DynamicTree::collect_queries()
 {
     for (std::uint32_t body : queries_) bodies_.clear(body, BodyStates::queried);
     queries_.clear();
-    std::size_t dynamic = 0, is_static = 0; // of those that escaped
+    std::size_t dynamic = 0, is_static = 0; // numbers of escaped bodies
     for (std::uint32_t body : escaped_) {
         dynamic += bodies_.is(body, BodyStates::dynamic);
         is_static += bodies_.is(body, BodyStates::present) && !bodies_.is(body, BodyStates::dynamic);
@@ -205,7 +208,7 @@ void DynamicTree::collect_queries()
             bodies_.set(body, BodyStates::queried);
         }
     }
-    // Neighbours look at the same nodes: many queries are made in the order of the tree.
+    // Neighbours visit the same nodes: sort many queries in tree order.
     constexpr std::size_t worth_sorting = 4096;
     if (found_.size() >= worth_sorting) sort_pairs(found_, scratch_, tree_.size(), threads_for(found_.size()));
     for (const BodyPair& query : found_) queries_.push_back(query.b);
@@ -218,12 +221,12 @@ void DynamicTree::delimit(const BodyColumns& columns)
     collect_queries();
     if (!whole_) {
         const bool layers = filter_.layers_forbid();
-        constexpr std::size_t ahead = 8; // places lie apart in memory, and so does what is known of bodies
+        constexpr std::size_t ahead = 8; // slots and bodies' data are scattered in memory
         for (std::size_t k = 0; k < queries_.size(); ++k) {
             if (k + ahead < queries_.size()) tree_.prefetch_box_at(found_[k + ahead].a);
             const std::uint32_t body = queries_[k];
             float box[6];
-            tree_.box_at(found_[k].a, box); // as collect_queries() put it
+            tree_.box_at(found_[k].a, box); // see collect_queries()
             delimitation_.add(box, layers ? columns.layers[body] : ~0u, layers ? columns.masks[body] : ~0u);
         }
         delimitation_.run(tree_, filter_.layers_forbid(), threads_for(queries_.size()));
@@ -244,7 +247,7 @@ void DynamicTree::find_whole(const BodyColumns& columns)
     near_.clear(), near_are_pairs_ = true;
 }
 
-/// The pairs that the queries can form, boxes in the tree being what they are.
+/// Finds all pairs that the queried bodies can form, given the boxes in the tree.
 void DynamicTree::find_near(const BodyColumns& columns)
 {
     const int threads = threads_for(queries_.size());
@@ -256,7 +259,7 @@ void DynamicTree::find_near(const BodyColumns& columns)
         append_kept(
             lists_.of(worker), count,
             [&](std::size_t k) {
-                constexpr std::size_t ahead = 8; // what the places found point to lies scattered in memory
+                constexpr std::size_t ahead = 8; // the bodies in these slots are scattered in memory
                 if (k + 2 * ahead < count) tree_.prefetch_body_at(place[k + 2 * ahead]);
                 if (k + ahead < count) prefetch(&states[tree_.body_at(place[k + ahead])]);
                 return BodyPair{queries_[query[k]], tree_.body_at(place[k])};
@@ -264,7 +267,8 @@ void DynamicTree::find_near(const BodyColumns& columns)
             [&](std::size_t, BodyPair& pair) {
                 const auto [body, other] = pair;
                 if (other == body || !((states[body] | states[other]) & BodyStates::dynamic)) return false;
-                if (states[other] & BodyStates::queried && other < body) return false; // that one finds the pair
+                if (states[other] & BodyStates::queried && other < body) return false; // the other body's query finds
+                                                                                       // the pair
                 if (filtered && !columns.allows(body, other)) return false;
                 if (body > other) pair = {other, body};
                 return true;
@@ -275,8 +279,8 @@ void DynamicTree::find_near(const BodyColumns& columns)
     sort_pairs(found_, scratch_, bodies_.rows(), options_.threads);
 }
 
-/// What was found replaces what was near the bodies that escaped; of all that is near, boxes are compared where a body
-/// changed.
+/// Replaces the pairs of escaped bodies in near_ by the pairs found; compares the boxes of all pairs in near_ with a
+/// changed body.
 void DynamicTree::compare_near(const BodyColumns& columns)
 {
     const std::uint8_t* const states = bodies_.data();
@@ -291,7 +295,7 @@ void DynamicTree::compare_near(const BodyColumns& columns)
     const auto overlapping = [&](BodyPair p) {
         return overlap(columns.boxes[p.a], columns.boxes[p.b], options_.margin);
     };
-    const auto look_ahead = [&](const std::vector<BodyPair>& list, std::size_t k) { // bodies lie scattered in memory
+    const auto look_ahead = [&](const std::vector<BodyPair>& list, std::size_t k) { // bodies are scattered in memory
         constexpr std::size_t ahead = 8;
         if (k + 2 * ahead < list.size())
             prefetch(&states[list[k + 2 * ahead].a]), prefetch(&states[list[k + 2 * ahead].b]);

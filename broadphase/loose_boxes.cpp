@@ -35,13 +35,14 @@ Aabb LooseBoxes::renew(std::uint32_t body, const BodyColumns& columns, bool dyna
         free_.pop_back();
         owners_[number] = body;
     }
-    const std::uint32_t frames = 3 + (body * 2654435769u >> 30); // to stay there: 3 to 6, so that not all leave at once
+    const std::uint32_t frames = 3 + (body * 2654435769u >> 30); // 3 to 6, so that not all bodies escape in the same
+                                                                 // frame
     Row& loose = rows_[number];
     const Row before = loose;
     loose = row(body, columns, dynamic);
     loose.made = frame_;
     if (!known) return loose.box;
-    const std::uint32_t since = (frame_ - before.made) & 0x7fffffffu; // as wide as what is kept
+    const std::uint32_t since = (frame_ - before.made) & 0x7fffffffu; // modulo the width of `made`
     const double moved = (loose.box.centre() - before.box.centre()).cwiseAbs().maxCoeff();
     const double step = moved / std::max(1u, since), half = (loose.box.max - loose.box.min).sum() / 6;
     const Eigen::Vector3d room = Eigen::Vector3d::Constant(std::min(frames * step, half));

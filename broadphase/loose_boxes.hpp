@@ -7,15 +7,15 @@
 
 namespace oncollide {
 
-/// Boxes somewhat larger than those of bodies that move. A tree that holds them need not change, nor be searched, while
-/// each body's box stays within its own: what was found with them holds all pairs that there can be.
+/// Enlarged boxes of bodies that move. A tree of them needs neither updates nor searches while each body's box stays
+/// within its enlarged box: the pairs found with them include all pairs that can overlap.
 ///
-/// They leave room for three to six frames of what the body moved in the last ones; those of fast bodies, and the first
-/// ones, leave none. 64 bytes per body that has moved, and 4 per body.
+/// The enlargement covers three to six frames of the body's recent motion; it is zero for fast bodies and for a
+/// body's first box. 64 bytes per body that has moved, and 4 per body.
 class LooseBoxes {
 public:
     bool empty() const { return rows_.size() == free_.size(); }
-    /// Begins to load what hold() looks at: bodies lie scattered in memory.
+    /// Prefetches the data that hold() reads, because bodies are scattered in memory.
     void prefetch(std::uint32_t body, const BodyColumns& columns, bool filters_too) const
     {
         if (body < row_of_.size()) oncollide::prefetch(&row_of_[body]);
@@ -24,10 +24,10 @@ public:
         for (const auto& column : {columns.layers, columns.masks, columns.groups})
             if (!column.empty()) oncollide::prefetch(&column[body]);
     }
-    /// Is the body's box within its loose one, and all else as it was that decides which pairs it may form?
+    /// True if the body's box is within its enlarged box and no other property that decides its pairs has changed.
     /// @param filters_too  layers, mask and group may have changed
     bool hold(std::uint32_t body, const BodyColumns& columns, bool dynamic, bool filters_too) const;
-    /// Makes another one for it as it is now. Its box must be usable.
+    /// Replaces the body's enlarged box. Its box must be usable.
     Aabb renew(std::uint32_t body, const BodyColumns& columns, bool dynamic);
     void erase(std::uint32_t body);
     void clear();
@@ -35,11 +35,11 @@ public:
     std::size_t bytes() const;
 
 private:
-    /// One line of the cache.
+    /// One cache line.
     struct alignas(64) Row {
         Aabb box;
         std::uint32_t layers, mask, group;
-        std::uint32_t dynamic : 1, made : 31; ///< in which frame
+        std::uint32_t dynamic : 1, made : 31; ///< frame in which it was made
     };
     static constexpr std::uint32_t none = ~0u;
     static Row row(std::uint32_t body, const BodyColumns& columns, bool dynamic);

@@ -8,8 +8,8 @@
 
 namespace oncollide {
 
-/// find(sink) with a sink whose pairs go on to take(i, j, count) in chunks that stay in the cache: found pairs that are
-/// then filtered out never pile up. What take() throws comes out of here.
+/// Calls find(sink) and passes the pairs to take(i, j, count) in chunks that fit in the cache, so pairs that `take`
+/// filters out never accumulate. Exceptions of `take` propagate.
 template <class Take, class Find>
 void find_in_chunks(Take take, Find find)
 {
@@ -24,12 +24,12 @@ void find_in_chunks(Take take, Find find)
     hand_on(sink);
 }
 
-/// Pairs of nodes, kept as columns.
+/// Pairs of nodes, as columns.
 class NodePairs {
 public:
     PairSink& sink() { return sink_; }
     void clear() { sink_.count = 0; }
-    /// Overwrites all with (k, 0) for k in [first, last).
+    /// Overwrites the list with (k, 0) for k in [first, last).
     void assign_root(std::size_t first, std::size_t last)
     {
         clear();
@@ -55,10 +55,10 @@ private:
     PairSink sink_{nullptr, nullptr, 0, 0, grow, this};
 };
 
-/// Pairs of bodies that several threads find, each in a list of its own.
+/// Pairs of bodies found by several threads, one list per thread.
 class PairLists {
 public:
-    /// Empties `pairs`, which becomes the first thread's list until join().
+    /// Clears `pairs`, which becomes the first thread's list until join().
     void begin(std::vector<BodyPair>& pairs, int threads)
     {
         if (by_thread_.size() < static_cast<std::size_t>(threads)) by_thread_.resize(static_cast<std::size_t>(threads));
@@ -67,7 +67,7 @@ public:
         by_thread_[0].swap(pairs);
     }
     std::vector<BodyPair>& of(std::size_t thread) { return by_thread_[thread]; }
-    /// All of them, one thread's after the other.
+    /// Concatenates all lists, in the order of threads.
     void join(std::vector<BodyPair>& pairs)
     {
         pairs.swap(by_thread_[0]);
@@ -84,7 +84,7 @@ private:
     std::vector<std::vector<BodyPair>> by_thread_;
 };
 
-/// Appends make(k), k in [0, count), to `list` where keep(k, pair), which may change the pair, says so.
+/// Appends the pairs make(k), k in [0, count), for which keep(k, pair) returns true; `keep` may change the pair.
 template <class Make, class Keep>
 void append_kept(std::vector<BodyPair>& list, std::size_t count, Make make, Keep keep)
 {

@@ -10,10 +10,10 @@ namespace oncollide {
 
 namespace {
 
-/// Few enough that each has its own place in the caches while pairs are dealt out.
+/// Few enough that each bucket's write position stays in the cache.
 constexpr std::size_t most_buckets = 512;
 
-/// Sorts [first, last) by b; all have one a.
+/// Sorts [first, last) by b; all pairs have the same a.
 void sort_by_b(BodyPair* first, BodyPair* last)
 {
     if (last - first > 32) return std::sort(first, last);
@@ -25,7 +25,7 @@ void sort_by_b(BodyPair* first, BodyPair* last)
     }
 }
 
-/// Moves a bucket, whose a are in [low, low + range), sorted from `from` to `to`.
+/// Sorts a bucket, whose `a` are in [low, low + range), from `from` to `to`.
 void sort_bucket(std::span<const BodyPair> from, BodyPair* to, std::size_t low, std::size_t range,
                  std::vector<std::uint32_t>& ends)
 {
@@ -37,7 +37,7 @@ void sort_bucket(std::span<const BodyPair> from, BodyPair* to, std::size_t low, 
     for (BodyPair p : from) ++ends[p.a - low];
     std::uint32_t sum = 0;
     for (std::uint32_t& end : ends) sum += std::exchange(end, sum);
-    for (BodyPair p : from) to[ends[p.a - low]++] = p; // from here on an end
+    for (BodyPair p : from) to[ends[p.a - low]++] = p; // after this loop, ends[] holds ends
     std::uint32_t begin = 0;
     for (std::uint32_t end : ends) {
         if (end - begin > 1) sort_by_b(to + begin, to + end);
@@ -55,7 +55,7 @@ void sort_pairs(std::vector<BodyPair>& pairs, std::vector<BodyPair>& scratch, st
     }
     int shift = 0;
     while ((bodies >> shift) >= most_buckets) ++shift;
-    // Each thread deals out a share of the pairs: of each bucket, the first share's come first.
+    // Each thread distributes a share of the pairs; in a bucket, pairs follow in the order of shares.
     constexpr std::size_t most_shares = 16;
     const std::size_t shares = std::clamp<std::size_t>(static_cast<std::size_t>(threads), 1, most_shares);
     std::array<std::array<std::uint32_t, most_buckets>, most_shares> next;

@@ -17,22 +17,23 @@ const BoxKernel& box_kernel()
 
 namespace {
 
-// Sorting out what is left of a map costs little more than looking through it for so many boxes once more.
+// Refining the rest of a map costs about as much as using the unrefined map for this many more boxes.
 constexpr std::uint64_t boxes_that_complete_a_map = 4096;
 constexpr std::size_t fewest_points_of_a_map = 256;
-constexpr std::size_t most_read_at_once = 8; ///< chunks of a cooked mesh; of more only those at its ends are read
+constexpr std::size_t most_read_at_once = 8; ///< chunks of a cooked mesh; of a larger mesh, read only the chunks at its
+                                             ///< ends
 
 Aabb around(const Eigen::Vector3d& centre, const Eigen::Vector3d& half)
 {
-    // Doubles far from the origin: the sums below round by at most this much.
+    // Far from the origin, the sums below round by at most this much.
     const Eigen::Vector3d h = half + Eigen::Vector3d::Constant(1e-15 * (centre.lpNorm<Eigen::Infinity>() + half.sum()));
     Aabb box;
     box.min = centre - h, box.max = centre + h;
     return box;
 }
 
-/// By how much a centre in the world and the frames of other bodies may be off: a rotation and a translation of large
-/// numbers may leave a small one, and matrices in double are 2^-52 from rotations.
+/// Error bound for a transformed centre and for poses relative to other bodies: a rotated centre and a translation may
+/// cancel, and matrices in double are within 2^-52 of rotations.
 double rounding_of(const Eigen::Isometry3d& pose, const Eigen::Vector3d& centre)
 {
     return 0x1p-49 * (centre.lpNorm<1>() + pose.translation().lpNorm<Eigen::Infinity>());
@@ -57,18 +58,18 @@ struct RotatedHalf {
     {
         return (r.array().square().matrix() * e.semi_axes.array().square().matrix()).cwiseSqrt() * (1 + 1e-15);
     }
-    Eigen::Vector3d operator()(const Cone&) const { return {}; }      // not called: its box is not about its centre
-    Eigen::Vector3d operator()(const HalfSpace&) const { return {}; } // not called: has no end
+    Eigen::Vector3d operator()(const Cone&) const { return {}; }      // not called: its box is not centred
+    Eigen::Vector3d operator()(const HalfSpace&) const { return {}; } // not called: is unbounded
 };
 
-/// About a cone's centre: of its apex and its base.
+/// The box of a cone's apex and base, relative to its centre.
 Aabb cone_box(const Cone& cone, const Eigen::Matrix3d& r)
 {
     const Eigen::Vector3d apex = 0.5 * cone.length * r.col(2), disc = RotatedHalf{r}(Cylinder{cone.radius, 0});
     return {apex.cwiseMin(-apex - disc), apex.cwiseMax(-apex + disc)};
 }
 
-/// Of a half-space: all space, but for what is certainly outside of one that a quarter turn moved.
+/// The box of a half-space: all of space, except the outside of one whose normal is along an axis.
 Aabb half_space_box(const Eigen::Isometry3d& pose)
 {
     constexpr double end = half_space_end;
@@ -81,7 +82,7 @@ Aabb half_space_box(const Eigen::Isometry3d& pose)
     return box;
 }
 
-/// The vertices that support a geometry's box, if it has any; null: it has a closed form.
+/// The vertices that determine a geometry's box; null if it has a closed form or no vertices in memory.
 const std::vector<Eigen::Vector3d>* points_of(const GeometryData& geometry)
 {
     if (const auto* mesh = std::get_if<Mesh>(&geometry)) return &mesh->vertices;
@@ -90,7 +91,7 @@ const std::vector<Eigen::Vector3d>* points_of(const GeometryData& geometry)
     return nullptr;
 }
 
-/// Does the box of the rotated bounds fit as tightly as can be?
+/// True if the rotation maps axes to axes, so the box of the rotated bounds is tight.
 bool turns_by_quarters(const Eigen::Matrix3d& r)
 {
     return (r.array() == 0 || r.array().abs() == 1).all();
@@ -119,7 +120,7 @@ void PoseBounds::expect(const Eigen::Isometry3d& pose)
             points_ = mesh     ? used_points(*mesh, centre_)
                       : cooked ? used_points((*cooked)->whole(), centre_)
                                : point_columns(*points, centre_);
-        } catch (const ChunkFault&) { // which the file keeps: the box stays that of the rotated bounds
+        } catch (const ChunkFault&) { // recorded by CookedMesh; the box of the rotated bounds stays in use
             final_ = true, requested_ = 0;
             return;
         }
@@ -132,7 +133,7 @@ void PoseBounds::expect(const Eigen::Isometry3d& pose)
     if (final_) support_.complete();
 }
 
-/// False: it is to be read as a whole.
+/// Returns false if the mesh should be read as a whole.
 bool PoseBounds::expect(const std::shared_ptr<const CookedMesh>& mesh, const Eigen::Isometry3d& pose)
 {
     try {
@@ -146,7 +147,7 @@ bool PoseBounds::expect(const std::shared_ptr<const CookedMesh>& mesh, const Eig
             cooked_->prepare(row), cooked_->prepare(-row);
         }
         requested_ = 1;
-    } catch (const ChunkFault&) { // which the file keeps: the box stays that of the rotated bounds
+    } catch (const ChunkFault&) { // recorded by CookedMesh; the box of the rotated bounds stays in use
         final_ = true;
     }
     return true;
@@ -157,8 +158,8 @@ double PoseBounds::motion(const Eigen::Isometry3d& from, const Eigen::Isometry3d
     const Eigen::Matrix3d turn = to.linear() - from.linear();
     const double shift = (to.translation() - from.translation() + turn * centre_).norm(), norm = turn.norm();
     if (norm == 0) return shift * (1 + 0x1p-18);
-    // Of the difference of two rotations the norm is sqrt 2 times what it moves a point by that is 1 m away: 2
-    // sin(angle / 2). Poses are up to 2^-20 from rotations.
+    // For a difference of two rotations, the norm is sqrt 2 times the displacement 2 sin(angle / 2) of a point 1 m from
+    // the axis. Poses are within 2^-20 of rotations.
     const double around = radius_ * std::min(norm, 0.70710678118654757 * norm + 0x1p-18);
     const auto off = [](const Eigen::Matrix3d& r) { return (r.transpose() * r - Eigen::Matrix3d::Identity()).norm(); };
     return (shift + around + (off(from.linear()) + off(to.linear())) * reach()) * (1 + 0x1p-18);

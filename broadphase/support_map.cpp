@@ -9,9 +9,9 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr std::uint32_t few = 16;       // points: looking at fewer is no faster
+constexpr std::uint32_t few = 16;       // points: scanning fewer is no faster
 constexpr std::uint32_t most_side = 64; // cells
-/// Sorting those of a part out of a list costs about as much as looking at the list so often.
+/// Dividing a list costs about as much as scanning it this many times.
 constexpr std::uint32_t looks_that_pay = 16;
 
 Vector3f direction(std::uint32_t face, float u, float v)
@@ -22,7 +22,7 @@ Vector3f direction(std::uint32_t face, float u, float v)
     return d.normalized();
 }
 
-/// Rounds the number of points up to a multiple of 8, with copies of the one at `first`.
+/// Pads to a multiple of 8 with copies of the point at `first`.
 void pad(PointColumns& points, std::size_t first)
 {
     while (points.size() % 8) points.add(points, first);
@@ -57,7 +57,7 @@ SupportMap::SupportMap(PointColumns points) : side_(2), points_(std::move(points
     const auto& [x, y, z] = points_.xyz;
     float reach2 = 0;
     for (std::size_t i = 0; i < x.size(); ++i) reach2 = std::max(reach2, x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
-    // Products and sums err by a quarter of that, and a direction on an edge may be taken for a neighbour's.
+    // Products and sums err by a quarter of this; also, a direction on a cell's edge may be assigned to the neighbour.
     rounding_ = 0x1p-19f * std::sqrt(reach2);
     while (side_ < most_side && 64 * std::size_t(side_) * side_ < points_.size()) side_ *= 2;
     const PointRange all{0, static_cast<std::uint32_t>(points_.size())};
@@ -74,7 +74,7 @@ inline std::uint32_t SupportMap::cell(std::uint32_t face, float u, float v) cons
     return (face * side_ + along(v)) * side_ + along(u);
 }
 
-/// Those that the rows go through, and that their opposites do.
+/// The cells of the rows and of their opposites.
 inline std::array<std::uint32_t, 6> SupportMap::cells_along(const Eigen::Matrix3f& rows) const
 {
     std::array<std::uint32_t, 6> cells;
@@ -94,7 +94,7 @@ inline bool SupportMap::divisible(const Square& square)
     return square.points.count > few && square.side > 1;
 }
 
-/// Gives the quarter of its square that a cell is in a list of its own; of the whole cube the face.
+/// Gives the quarter of the square around `cell` its own list; if the square is the whole cube, the face.
 void SupportMap::divide(std::uint32_t cell)
 {
     const Square& whole = squares_[square_of_[cell]];
@@ -109,10 +109,11 @@ void SupportMap::divide(std::uint32_t cell)
     squares_.push_back({points, side, 0});
 }
 
-/// Appends those of a list that may be farthest along a direction of a square.
+/// Appends the points of a list that can be support points along a direction of a square.
 ///
-/// Its directions are sums of those at its corners, with weights that are not negative: what another point exceeds
-/// along all four is exceeded along every one. The others tried are those farthest along the four and along their sum.
+/// Its directions are combinations of the four corner directions with non-negative weights, so a point that another
+/// exceeds along all four is never a support point. Only five other points are tried: the support points along the four
+/// directions and along their sum.
 PointRange SupportMap::farthest(std::uint32_t face, std::uint32_t x, std::uint32_t y, std::uint32_t side,
                                 PointRange among)
 {
@@ -155,7 +156,7 @@ void SupportMap::complete()
 {
     for (std::uint32_t cell = 0; cell < cells_.size(); ++cell)
         while (divisible(squares_[square_of_[cell]])) divide(cell);
-    PointColumns packed; // without the lists that no cell has any more
+    PointColumns packed; // drops lists that no cell uses any more
     for (Square& square : squares_) square.side = 0;
     for (std::uint32_t cell = 0; cell < cells_.size(); ++cell) {
         Square& square = squares_[square_of_[cell]];

@@ -33,7 +33,7 @@ void TreeSearch::find_pairs(const BoxTree& tree, const BodyColumns& columns, boo
             if (view.levels > 0) kernel.all(view, 0, sink);
         });
     } else {
-        // Nodes two levels up, and the pairs of them that overlap, are the threads' tasks.
+        // The tasks are the nodes two levels up and the overlapping pairs of these nodes.
         constexpr int level = 2;
         tasks_.clear();
         kernel.all(view, level, tasks_.sink());

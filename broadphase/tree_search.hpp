@@ -7,13 +7,14 @@
 
 namespace oncollide {
 
-/// Searches a whole tree against itself on several threads.
+/// Searches a whole tree for overlapping pairs, on several threads.
 class TreeSearch {
 public:
-    static constexpr std::size_t worth_threads = 32768; ///< bodies: fewer are done before threads have woken
+    static constexpr std::size_t worth_threads = 32768; ///< bodies: fewer take less time than waking threads
 
-    /// Overwrites `pairs` with those whose boxes overlap, of which one moves and that `columns` allow; unsorted.
-    /// @param filtered  do the columns forbid any pair?
+    /// Overwrites `pairs` with the pairs whose boxes overlap, with at least one moving body, that `columns` allow;
+    /// unsorted.
+    /// @param filtered  true if the columns may forbid a pair
     void find_pairs(const BoxTree& tree, const BodyColumns& columns, bool filtered, double margin, int threads,
                     std::vector<BodyPair>& pairs);
     std::size_t bytes() const { return tasks_.bytes() + lists_.bytes(); }
