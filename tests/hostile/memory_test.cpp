@@ -87,7 +87,7 @@ TEST_F(HostileMemory, CtrlCEndsAFrameOfManySecondsWithinOne)
     const Outcome outcome = run({"run", scene, "--depth", "6", "--quiet", "--json", "r.json"}, around);
     EXPECT_LT(Clock::now() - sent, std::chrono::seconds(5)) << "half a second, and a busy machine";
     EXPECT_EQ(outcome.code, 130) << outcome.err;
-    EXPECT_NE(outcome.err.find("interrupted after 0 of 1 frames; results up to there are in r.json"), std::string::npos)
+    EXPECT_NE(outcome.err.find("interrupted after 0 of 1 frames; their results are in r.json"), std::string::npos)
         << outcome.err;
     EXPECT_EQ(read_json("r.json").at("header").at("interrupted"), true);
     EXPECT_EQ(folder_.list(), (std::vector<std::string>{"heap.json", "r.json"}));
@@ -100,7 +100,7 @@ TEST_F(HostileMemory, ABodyThatLeavesTheWorldEndsTheRunWithTheFramesBeforeIt)
     const Outcome outcome = run({"run", scene, "--quiet", "--json", "r.json", "--csv", "r.csv"});
     EXPECT_EQ(outcome.code, 65) << outcome.err;
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-    EXPECT_NE(outcome.err.find("results up to there are in r.json, r.csv"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("their results are in r.json, r.csv"), std::string::npos) << outcome.err;
     const nlohmann::json results = read_json("r.json");
     EXPECT_EQ(results.at("header").at("interrupted"), true);
     EXPECT_GT(results.at("frames").size(), 10u);

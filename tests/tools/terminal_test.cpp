@@ -90,7 +90,7 @@ TEST_F(Terminal, TheLogSaysAsMuchAsItsVariable)
     EXPECT_NE(said("error", "nowhere").err.find("no scene named"), std::string::npos) << "errors are always said";
     const Outcome wrong = said("inof");
     EXPECT_EQ(wrong.code, 64);
-    EXPECT_NE(wrong.err.find("ONCOLLIDE_LOG: no level 'inof'; did you mean 'info'?"), std::string::npos) << wrong.err;
+    EXPECT_NE(wrong.err.find("ONCOLLIDE_LOG: unknown level 'inof'; did you mean 'info'?"), std::string::npos) << wrong.err;
 }
 
 TEST_F(Terminal, TheReferencesHaveEveryCommandAndOption)

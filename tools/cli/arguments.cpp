@@ -76,7 +76,7 @@ CommandText describe(const CLI::App& app, const std::string& above)
     return text;
 }
 
-/// The command that the words on the command line lead to.
+/// The innermost command that the command line names.
 const CLI::App& chosen_in(const CLI::App& app)
 {
     const CLI::App* chosen = &app;
@@ -84,7 +84,7 @@ const CLI::App& chosen_in(const CLI::App& app)
     return *chosen;
 }
 
-/// One line that says what is wrong with the command line.
+/// One line that says why the command line was refused.
 std::string explain(const CLI::App& app, const CLI::ParseError& error)
 {
     const CLI::App* chosen = &app;
@@ -117,13 +117,13 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error)
     return fmt::format("{}{} {}", place, text, help);
 }
 
-/// CLI11 takes -1 for 2^64 - 1, and what is too large for the largest number.
+/// CLI11 reads -1 as 2^64 - 1, and clamps numbers that are too large.
 std::string not_natural(const std::string& text)
 {
     std::uint64_t value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error == std::errc{} && end == text.data() + text.size()) return {};
-    return fmt::format("{} is no whole number from 0 to 2^64 - 1", text);
+    return fmt::format("{} is not a whole number from 0 to 2^64 - 1", text);
 }
 
 } // namespace

@@ -10,38 +10,38 @@ class App;
 class Option;
 } // namespace CLI
 
-// The command line, as the subcommands see it. The library behind it is a header that takes ten seconds to compile:
-// arguments.cpp alone includes it.
+// The command line, as the subcommands see it. Only arguments.cpp includes the library behind it, whose header takes
+// ten seconds to compile.
 namespace oncollide::tools {
 
-/// An option of a command. Copies stand for the same option.
+/// An option of a command. Copies refer to the same option.
 class Option {
 public:
     explicit Option(CLI::Option* option) : option_(option) {}
-    Option type_name(const std::string& name); ///< what help calls its value
+    Option type_name(const std::string& name); ///< the word for its value in --help
     Option required();
     Option expected(int count);
     Option expected(int least, int most);
     Option repeatable();             ///< each use adds one value
     Option separated_by(char comma); ///< one argument holds all values
     Option needs(Option other);
-    /// @param fault  says what is wrong with a value; empty: nothing
+    /// @param fault  returns the fault of a value; "" if it is valid
     Option check(std::function<std::string(const std::string&)> fault);
-    bool given() const; ///< once the command line is parsed
+    bool given() const; ///< valid after the command line was parsed
 
 private:
     CLI::Option* option_;
 };
 
-/// An option of a command, or a word for a position, as help and references tell of it.
+/// Help and reference text of an option or of a positional argument.
 struct OptionText {
-    std::vector<std::string> names; ///< "-o", "--out"; of a position: its name, without dashes
-    std::string value;              ///< what it takes: "FILE", "off|on|fcl"; empty: nothing
+    std::vector<std::string> names; ///< "-o", "--out"; positional argument: its name, without dashes
+    std::string value;              ///< "FILE", "off|on|fcl"; empty: takes no value
     std::string help, group;
     bool required, repeatable;
 };
 
-/// A command as help and references tell of it.
+/// Help and reference text of a command.
 struct CommandText {
     std::string name, path; ///< "many" and "oncollide bench many"
     std::string summary, footer;
@@ -51,32 +51,33 @@ struct CommandText {
 
 /// "oncollide run [OPTIONS] scene"
 std::string usage_of(const CommandText& command);
-/// What --help prints: lines of at most `width` columns, but for what is wider than that without a space.
+/// The text of --help, wrapped to `width` columns; only words without a space in them may be longer.
 std::string help_text(const CommandText& command, std::size_t width);
 
-/// What the chosen command does; returns the exit code. Parsing only chooses it, so that a bad command line is told
-/// from work that fails.
+/// Runs the chosen command and returns the exit code. Parsing only chooses the command, so that usage errors differ
+/// from failures of its work.
 using Command = std::function<int()>;
 
-/// A command and its options. Copies stand for the same command.
+/// A command and its options. Copies refer to the same command.
 class Arguments {
 public:
     Arguments(CLI::App* app, Command* chosen) : app_(app), chosen_(chosen) {}
 
     Arguments add_command(const std::string& name, const std::string& summary);
-    /// @param names  "--long" or "--long,--alias", or a word for a position. `value` must live until the command ran.
+    /// @param names  "--long" or "--long,--alias", or the name of a positional argument. `value` must outlive the
+    ///               command.
     /// For int, long, double, std::uint64_t, std::string, optionals of these, vectors of int and of std::string.
     template <class Value>
     Option add_option(const std::string& names, Value& value, const std::string& help);
     Option add_flag(const std::string& name, bool& value, const std::string& help);
     void remove_option(const std::string& name);
     void footer(const std::string& text);
-    void group(const std::string& name); ///< the heading in help of the options that are added from now on
-    void hide();                         ///< from help: for programs, not for people
+    void group(const std::string& name); ///< heading in --help of options added after this call
+    void hide();                         ///< from --help: for scripts, not for people
     void at_most_one_command();          ///< words after it belong to it
-    /// What to do when this command is chosen, and none of its own commands.
+    /// Sets the function that runs when this command, and none of its subcommands, is chosen.
     void action(Command command);
-    /// All commands of the program, whichever this one is.
+    /// All commands of the program, not only this one.
     CommandText describe_program() const;
 
 private:
@@ -91,7 +92,7 @@ public:
     ~CommandLine();
 
     Arguments arguments();
-    /// What was chosen; once help or version were printed, something that does nothing.
+    /// The chosen command; after printing help or the version, a command that does nothing.
     /// Throws Error{usage} with one line that says what is wrong.
     Command parse(int argc, char** argv);
 
@@ -102,7 +103,7 @@ private:
 
 /// Throws Error{usage}.
 [[noreturn]] void usage(const std::string& message);
-/// The same for a value that is out of range.
+/// Throws Error{usage} if the value is out of range.
 void check_range(const char* option, std::int64_t value, std::int64_t least,
                  std::int64_t most = std::numeric_limits<std::int64_t>::max());
 

@@ -3,17 +3,18 @@
 
 namespace oncollide::tools {
 
-/// How this program was compiled: "Release, GNU 12.2.0".
+/// Build type and compiler: "Release, GNU 12.2.0".
 std::string build_text();
 /// The compiler's flags.
 std::string build_flags();
-/// The parts of the library that this build has: "GL, FCL, OctoMap, ..."; and those that it lacks, "" for none.
+/// The optional parts of the library that this build has: "GL, FCL, OctoMap, ..."; "" for none.
 std::string parts_built();
+/// The optional parts that this build lacks; "" for none.
 std::string parts_left_out();
-/// The instruction sets of this processor that hot code is compiled for, and which is in use:
+/// The instruction sets of this processor for which hot code is compiled, and the one in use:
 /// "baseline, avx2, avx512 (in use: avx512)".
 std::string instruction_sets_text();
-/// What --version prints, without a line end: the first line is "oncollide 0.1.0".
+/// The text of --version, without a final line end. The first line is "oncollide 0.1.0".
 std::string version_text();
 
 } // namespace oncollide::tools

@@ -37,7 +37,7 @@ struct CheckOptions {
     bool quiet = false;
 };
 
-/// Reads "x y z qx qy qz qw" (commas may stand for spaces). Empty text is the identity.
+/// Reads "x y z qx qy qz qw" (or with commas). Empty text is the identity.
 Eigen::Isometry3d parse_pose(const std::string& option, const std::string& text, std::vector<std::string>& warnings)
 {
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
@@ -102,7 +102,7 @@ std::string describe(const Scene& scene, const Settings& settings, const PairRes
     switch (pair.verdict) {
     case Verdict::separate:
         if (pair.kind == ContactKind::touching)
-            return fmt::format("separate: {} touch without crossing, which is ignored by request.", both);
+            return fmt::format("separate: {} touch without crossing, and touching pairs are ignored (--ignore-touching).", both);
         if (const double gap = std::max(pair.bound, settings.clearance); gap > 0)
             return fmt::format("separate: {} are at least {:.6g} m apart (certified).", both, gap);
         return fmt::format("separate: {} do not meet (tested triangle by triangle).", both);
@@ -113,7 +113,7 @@ std::string describe(const Scene& scene, const Settings& settings, const PairRes
         case ContactKind::crossing:
             return fmt::format("colliding (crossing): {} pass through each other.", both);
         case ContactKind::enclosed:
-            return fmt::format("colliding (enclosed): of {} one lies inside the other, their surfaces do not meet.",
+            return fmt::format("colliding (enclosed): {}: one lies inside the other and their surfaces do not meet.",
                                both);
         default:
             return fmt::format("colliding: {} intersect (tested triangle by triangle).", both);
@@ -128,13 +128,14 @@ std::string describe(const Scene& scene, const Settings& settings, const PairRes
                            pair.bound, both, settings.exact == ExactLevel::off ? "; --exact on decides" : "");
     case Verdict::undecided:
         return fmt::format(
-            "undecided: {} are at most {:.6g} m apart (certified); a budget stopped the refinement there.", both,
+            "undecided: {} are at most {:.6g} m apart (certified); a budget was used up before the pair was decided.",
+            both,
             pair.bound);
     }
     return {};
 }
 
-/// The first word is the verdict.
+/// Colours the first word, the verdict.
 std::string tinted_verdict(const std::string& text, Verdict verdict, bool on_stderr)
 {
     const Tint tint = verdict == Verdict::colliding  ? Tint::red
@@ -145,7 +146,7 @@ std::string tinted_verdict(const std::string& text, Verdict verdict, bool on_std
            text.substr(end);
 }
 
-/// A triangle's number, or a cell by its least corner and its side, in the map's smallest cells.
+/// A triangle's number, or a cell as its lowest corner and its side, in units of the map's smallest cells.
 std::string part_text(const BodyPart& part)
 {
     const MapCell& c = part.cell;
@@ -157,7 +158,7 @@ std::string describe(const BodyPart& part, const std::string& name)
     return fmt::format("{} {} of '{}'", part.cell.side > 0 ? "cell" : "triangle", part_text(part), name);
 }
 
-/// One row for each two parts that meet.
+/// One row per pair of parts that meet.
 void write_contacts(const World& world, OutputFile& file)
 {
     file.print("part_a,part_b,kind,x0,y0,z0,x1,y1,z1,normal_a_x,normal_a_y,normal_a_z,normal_b_x,normal_b_y,"
@@ -183,7 +184,7 @@ std::string describe_distance(const Scene& scene, const World& world, double tol
 int check_pair(const CheckOptions& options)
 {
     SettingsOptions chosen = options.settings;
-    // An error or a depth that is given asks for a bound; all else for a decision.
+    // --max-error or --depth requests a bound; without them the pair is decided.
     if (chosen.exact.empty()) chosen.exact = chosen.depth || chosen.max_error ? "off" : "predicates";
     Settings settings = settings_from(chosen);
     if (options.distance && !(*options.distance >= 0))
@@ -191,9 +192,9 @@ int check_pair(const CheckOptions& options)
                     fmt::format("--distance: a tolerance of {}; must be 0 or more", *options.distance));
     if (!options.contacts.empty() && settings.exact != ExactLevel::predicates)
         throw Error(ErrorKind::usage,
-                    "--contacts: needs the exact level: leave out --max-error and --depth, or say --exact on");
+                    "--contacts: needs the exact level: leave out --max-error and --depth, or give --exact on");
     settings.contact_kinds = settings.exact == ExactLevel::predicates;
-    // Both cull without a bound on the distance, and one pair needs neither.
+    // Both stages cull without a bound on the distance, and a single pair needs neither.
     for (const char* stage : {"delimitation", "broad"}) settings.skip.push_back(stage);
     check_files({{"--json", options.json}, {"--contacts", options.contacts}}, {options.a, options.b});
 
@@ -225,7 +226,7 @@ int check_pair(const CheckOptions& options)
 
 void add_check(Arguments app)
 {
-    Arguments sub = app.add_command("check", "Check two files against each other, once");
+    Arguments sub = app.add_command("check", "Check whether two files collide");
     auto options = std::make_shared<CheckOptions>();
     sub.add_option(
            "A", options->a,
@@ -233,7 +234,7 @@ void add_check(Arguments app)
            "NumPy, GDAL's)")
         .required()
         .type_name("FILE");
-    sub.add_option("B", options->b, "the other one; may be the same file").required().type_name("FILE");
+    sub.add_option("B", options->b, "the second body, in the same formats; may be the same file").required().type_name("FILE");
     sub.add_option("--pose-a", options->pose_a, "pose of A, metres and unit quaternion (default: identity)")
         .type_name("\"x y z qx qy qz qw\"");
     sub.add_option("--pose-b", options->pose_b, "pose of B").type_name("\"x y z qx qy qz qw\"");
@@ -243,16 +244,17 @@ void add_check(Arguments app)
     sub.add_option("--json", options->json, "write the result as JSON; '-' is standard output").type_name("FILE");
     sub.add_option(
            "--contacts", options->contacts,
-           "write all pairs of triangles or cells that meet, where, and their normals as CSV; not with --exact off")
+           "write each pair of triangles or cells that meet, with its position and normals, as CSV; not with --exact "
+           "off")
         .type_name("FILE.csv");
     sub.add_option("--distance", options->distance,
-                   "also bound the distance of two meshes or terrains, to this tolerance in metres; 0: as exact as "
-                   "doubles allow")
+                   "also print lower and upper bounds of the distance of two meshes or terrains, at most this far "
+                   "apart, in metres; 0: as close as double precision allows")
         .type_name("M");
-    sub.add_flag("--quiet", options->quiet, "print nothing but errors; the exit code is the result");
+    sub.add_flag("--quiet", options->quiet, "print only errors; the exit code is the result");
     sub.footer("Exit codes: 0 separate, 1 colliding, 2 within or undecided, 64 and above: error.\n"
-               "The pair is decided exactly, triangle by triangle. --max-error M, --depth D or --exact off asks for a\n"
-               "certified bound instead: bodies that may touch are then 'within' it, and none is called colliding.\n"
+               "The pair is decided exactly, triangle by triangle. --max-error M, --depth D or --exact off requests a\n"
+               "certified bound instead: a pair that may touch is then 'within' that bound, and never 'colliding'.\n"
                "Examples:\n"
                "  oncollide check bunny.obj cow.obj --pose-b \"0.4 0 0 0 0 0 1\"\n"
                "  oncollide check part.stl fixture.stl --clearance 0.002 --json -\n"

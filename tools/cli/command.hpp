@@ -3,10 +3,10 @@
 
 namespace oncollide::tools {
 
-/// Adds the commands of this program; each executable has its own list.
+/// Adds the commands of this program. Each executable defines its own list.
 void add_commands(Arguments app);
 
-// Each adds one command.
+// Each function adds one command.
 void add_demo(Arguments app);
 void add_run(Arguments app);
 void add_view(Arguments app);
@@ -20,7 +20,7 @@ void add_spheres(Arguments app);
 void add_bench(Arguments app);
 void add_accuracy(Arguments app);
 void add_doctor(Arguments app);
-void add_reference(Arguments app); ///< hidden: for builds, not for people
+void add_reference(Arguments app); ///< hidden: for build scripts
 
 // Commands of `oncollide accuracy`.
 void add_accuracy_fuzz(Arguments accuracy);

@@ -1,4 +1,4 @@
-// All commands, for the program that is installed.
+// The commands of the installed program.
 #include "cli/command.hpp"
 
 namespace oncollide::tools {

@@ -1,4 +1,4 @@
-// Completion for shells: which command the words before lead to, and what may follow there.
+// Shell completion: which command the preceding words name, and which words may follow.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -9,13 +9,14 @@
 namespace oncollide::tools {
 namespace {
 
-/// What may stand for the value of an option, or at a position.
+/// The completions of an option's value or of a positional argument.
 struct Values {
     std::vector<std::string> words;
     bool files = false, folders = false;
 };
 
-/// By what help calls the value: words in small letters with bars between them are meant as they stand; FILE, DIR.
+/// Derived from the value's name in --help: lower-case words between bars are the values themselves; FILE and DIR are
+/// paths.
 Values values_of(const OptionText& option, const std::vector<std::string>& scenes)
 {
     Values values;
@@ -49,7 +50,7 @@ std::vector<const CommandText*> all_of(const CommandText& command)
     return all;
 }
 
-/// The paths of all commands below the program, quoted, with `between` between them.
+/// The paths of all commands below the program, quoted and joined by `between`.
 std::string paths_of(const CommandText& program, std::string_view between)
 {
     std::string paths;
@@ -58,7 +59,7 @@ std::string paths_of(const CommandText& program, std::string_view between)
     return paths;
 }
 
-/// For single quotes of zsh, in a specification of _arguments.
+/// Escapes text for single quotes of zsh, in a specification of _arguments.
 std::string zsh_text(std::string_view text)
 {
     std::string result;
@@ -73,7 +74,7 @@ std::string zsh_text(std::string_view text)
     return result;
 }
 
-/// For single quotes of fish.
+/// Escapes text for single quotes of fish.
 std::string fish_text(std::string_view text)
 {
     std::string result;

@@ -49,14 +49,14 @@ CookedKind kind_of(const CookOptions& options)
 void check_options(const CookOptions& options, CookedKind kind)
 {
     if (kind != CookedKind::terrain && (options.spacing != 0 || options.vertical_scale != 1 || options.no_data))
-        usage("cook: --spacing, --vertical-scale and --no-data are for files of heights");
+        usage("cook: --spacing, --vertical-scale and --no-data apply only to files of heights");
     if (options.unknown != "free" && options.unknown != "occupied")
         usage(fmt::format("cook: --unknown {}: expected free or occupied", options.unknown));
     if (kind != CookedKind::map && (options.unknown != "free" || options.occupancy_threshold))
-        usage("cook: --unknown and --occupancy-threshold are for maps");
+        usage("cook: --unknown and --occupancy-threshold apply only to maps");
     if (kind != CookedKind::mesh && options.options.scale != 1)
-        usage("cook: --scale is for meshes; of heights --spacing and --vertical-scale tell");
-    if (kind == CookedKind::map && options.options.centre) usage("cook: --centre is not for maps");
+        usage("cook: --scale applies only to meshes; for heights use --spacing and --vertical-scale");
+    if (kind == CookedKind::map && options.options.centre) usage("cook: --centre does not apply to maps");
 }
 
 Terrain read_heights(const CookOptions& options)
@@ -73,14 +73,16 @@ Mesh read_mesh(const CookOptions& options)
 {
     const CookedKind kind = kind_of(options);
     check_options(options, kind);
-    if (kind == CookedKind::map) usage("cook: --tiles is for meshes and heights; a map is opened where bodies are");
+    if (kind == CookedKind::map)
+        usage("cook: --tiles applies only to meshes and heights; maps are read cell by cell "
+              "as needed");
     return kind == CookedKind::terrain ? mesh_of(read_heights(options)) : load_mesh(options.mesh, options.options);
 }
 
 int check_file(const CookOptions& options)
 {
     if (!options.out.empty() || !options.tiles.empty() || !(options.options == MeshOptions{}))
-        usage("cook: --check looks at a cooked file and writes none");
+        usage("cook: --check only reads a cooked file; it takes no --out, --tiles, --scale or --centre");
     if (options.mesh.ends_with(".json")) {
         const TilesSize size = check_tiles(options.mesh);
         if (!options.quiet)
@@ -95,7 +97,7 @@ int check_file(const CookOptions& options)
     return 0;
 }
 
-/// "100x80", or "100" for as many along y.
+/// "100x80", or "100" for 100x100.
 std::array<int, 2> tile_counts(const std::string& text)
 {
     std::array<int, 2> counts{};
@@ -116,7 +118,7 @@ std::array<int, 2> tile_counts(const std::string& text)
 
 int cook_into_tiles(const CookOptions& options)
 {
-    if (options.out.empty()) usage("cook: --out FOLDER is needed");
+    if (options.out.empty()) usage("cook: --out FOLDER is required");
     const auto [columns, rows] = tile_counts(options.tiles);
     const fs::path index = fs::path(options.out) / tile_index_name;
     const Mesh mesh = read_mesh(options);
@@ -135,9 +137,8 @@ int cook(const CookOptions& options)
     show_reading(options.quiet);
     if (options.check) return check_file(options);
     if (!options.tiles.empty()) return cook_into_tiles(options);
-    if (options.out.empty()) usage("cook: --out FILE.cooked is needed");
-    if (!is_cooked(options.out))
-        usage(fmt::format("cook: --out {}: the name must end in .cooked, by which such files are known", options.out));
+    if (options.out.empty()) usage("cook: --out FILE.cooked is required");
+    if (!is_cooked(options.out)) usage(fmt::format("cook: --out {}: the name must end in .cooked", options.out));
     check_files({{"--out", options.out}}, {options.mesh});
     using Clock = std::chrono::steady_clock;
     const CookedKind kind = kind_of(options);
@@ -145,7 +146,7 @@ int cook(const CookOptions& options)
     const auto begin = Clock::now();
     auto read = begin;
     CookedSize size;
-    std::uint64_t parts = 0; // what there is of it
+    std::uint64_t parts = 0; // triangles or nodes
     const auto cooked = [&](const auto& source, auto cook_it, std::uint64_t count) {
         read = Clock::now(), parts = count;
         size = cook_it(source, options.out);
@@ -179,7 +180,8 @@ int cook(const CookOptions& options)
 void add_cook(Arguments app)
 {
     Arguments sub = app.add_command(
-        "cook", "Write a mesh, a map or a terrain as a cooked file, which is read where pairs come near it");
+        "cook", "Write a mesh, a map or a terrain as a cooked file, of which only the parts near other bodies are "
+                "read");
     auto options = std::make_shared<CookOptions>();
     sub.add_option("mesh", options->mesh,
                    "mesh file (OBJ, STL, PLY, OFF, glTF, COLLADA, 3MF; '-': standard input), or file of heights "
@@ -188,24 +190,24 @@ void add_cook(Arguments app)
         .type_name("FILE");
     sub.add_option("-o,--out", options->out, "cooked file to write; with --tiles a folder").type_name("FILE.cooked");
     sub.add_option("--tiles", options->tiles,
-                   "cut the mesh along x and y into so many tiles, each a cooked file, with an index of them all")
+                   "cut the mesh along x and y into this many tiles, each a cooked file, and write an index of them")
         .type_name("COLUMNSxROWS");
     sub.add_option("--scale", options->options.scale, "metres per unit of the file (default 1)").type_name("S");
-    sub.add_option("--spacing", options->spacing, "heights: metres between neighbours (default: what the file says)")
+    sub.add_option("--spacing", options->spacing, "heights: metres between neighbours (default: from the file)")
         .type_name("M");
     sub.add_option("--vertical-scale", options->vertical_scale, "heights: metres per unit of the file (default 1)")
         .type_name("S");
-    sub.add_option("--no-data", options->no_data, "heights: such ones are holes (default: what the file says)")
+    sub.add_option("--no-data", options->no_data, "heights: this value marks a hole (default: from the file)")
         .type_name("H");
-    sub.add_option("--unknown", options->unknown, "maps: what cells are that nothing is known of (default free)")
+    sub.add_option("--unknown", options->unknown, "maps: how to treat unknown cells (default free)")
         .type_name("free|occupied");
     sub.add_option("--occupancy-threshold", options->occupancy_threshold,
-                   "maps in .ot files: from which probability on a cell is occupied (default 0.5)")
+                   "maps in .ot files: least probability of an occupied cell (default 0.5)")
         .type_name("P");
-    sub.add_flag("--centre", options->options.centre, "move the middle of its box to the origin");
+    sub.add_flag("--centre", options->options.centre, "move the centre of the AABB to the origin");
     sub.add_flag("--check", options->check,
-                 "read all of a cooked file instead, or of all tiles of an index, and check every box");
-    sub.add_flag("--quiet", options->quiet, "print nothing but errors");
+                 "instead of cooking, read a whole cooked file, or all tiles of an index, and check every box");
+    sub.add_flag("--quiet", options->quiet, "print only errors");
     sub.footer("Examples:\n"
                "  oncollide cook terrain.ply -o terrain.cooked\n"
                "  oncollide check terrain.cooked car.obj --max-error 0.01\n"
@@ -214,7 +216,7 @@ void add_cook(Arguments app)
                "  oncollide cook building.bt -o building.cooked\n"
                "  oncollide cook terrain.ply --tiles 100x100 -o land  # land/tiles.json\n"
                "  oncollide cook heights.png --spacing 10 --vertical-scale 0.1 --tiles 20x20 -o land\n"
-               "Scene files name a cooked file as they name its source. Results are those of the source. See "
+               "A scene file can name a cooked file in place of its source, with the same results. See "
                "docs/cooked.md.");
     sub.action([options] { return cook(*options); });
 }

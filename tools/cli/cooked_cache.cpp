@@ -44,7 +44,7 @@ CookedCache::CookedCache(fs::path folder, std::uintmax_t most) : folder_(std::mo
     fs::create_directories(folder_, error);
     if (!fs::is_directory(folder_, error))
         throw Error(ErrorKind::cannot_write,
-                    fmt::format("--cache: '{}' is no folder and cannot be made one", folder_.string()));
+                    fmt::format("--cache: '{}' is not a folder and cannot be created", folder_.string()));
 }
 
 std::optional<fs::path> CookedCache::cooked(const fs::path& mesh, const MeshOptions& options) const
@@ -66,9 +66,9 @@ std::optional<fs::path> CookedCache::cooked(const fs::path& mesh, const MeshOpti
     if (fs::is_regular_file(file, ignored)) {
         try {
             CookedMesh{file};
-            fs::last_write_time(file, fs::file_time_type::clock::now(), ignored); // it was used
+            fs::last_write_time(file, fs::file_time_type::clock::now(), ignored); // for make_room()
             return file;
-        } catch (const Error&) { // damaged, or gone meanwhile: anew
+        } catch (const Error&) { // damaged or just removed: cook it again
         }
     }
     cook_mesh(load_mesh(mesh, options), file);
@@ -91,14 +91,14 @@ fs::path CookedCache::tiles(const std::string& name, std::size_t count,
             throw;
         }
         fs::rename(made, folder, ignored);
-        if (ignored) fs::remove_all(made, ignored); // another process was first
+        if (ignored) fs::remove_all(made, ignored); // another process made it first
         make_room(folder);
     }
-    fs::last_write_time(folder, fs::file_time_type::clock::now(), ignored); // it was used
+    fs::last_write_time(folder, fs::file_time_type::clock::now(), ignored); // for make_room()
     return index;
 }
 
-/// Other processes may remove the same files meanwhile; those that read them keep them open.
+/// Other processes may remove the same files meanwhile. Processes that read removed files keep them open.
 void CookedCache::make_room(const fs::path& keep) const
 {
     struct Entry {

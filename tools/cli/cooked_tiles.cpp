@@ -23,11 +23,12 @@ TilesSize cook_tiles(const fs::path& folder, std::size_t count,
     std::error_code error;
     fs::create_directories(folder, error);
     if (!fs::is_directory(folder, error))
-        throw Error(ErrorKind::cannot_write, fmt::format("'{}' is no folder and cannot be made one", folder.string()));
-    fs::remove(folder / tile_index_name, error); // of tiles that are about to change
+        throw Error(ErrorKind::cannot_write,
+                    fmt::format("'{}' is not a folder and cannot be created", folder.string()));
+    fs::remove(folder / tile_index_name, error); // out of date from here on
     std::vector<IndexedTile> tiles(count);
     std::atomic<std::uint64_t> bytes = 0, triangles = 0;
-    std::mutex mutex; // of the progress
+    std::mutex mutex; // guards `progress`
     Progress progress("tile", count, quiet);
     parallel_chunks(count, 1, hardware_threads(), [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -80,7 +81,7 @@ std::string MeshTiles::name(std::size_t i) const
     return fmt::format("{}-{}", tiles_[i].column, tiles_[i].row);
 }
 
-/// Vertices in the order of the mesh.
+/// Keeps the mesh's order of vertices.
 Mesh MeshTiles::mesh(std::size_t i) const
 {
     std::vector<std::uint32_t> used;

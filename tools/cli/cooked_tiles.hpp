@@ -10,27 +10,27 @@
 
 namespace oncollide::tools {
 
-constexpr const char* tile_index_name = "tiles.json"; ///< of the index in a folder of tiles
+constexpr const char* tile_index_name = "tiles.json"; ///< name of the index file in a folder of tiles
 
 struct TilesSize {
     std::uint64_t tiles = 0, triangles = 0, bytes = 0;
 };
 
-/// Writes `count` meshes as cooked files into a folder, on all processors, and then the index. make(i) gives the name
-/// of the file, without its ending, and the mesh. Throws Error{cannot_write}.
+/// Writes `count` meshes as cooked files into a folder, on all processors, and then the index. make(i) returns the
+/// file's name without extension, and the mesh. Throws Error{cannot_write}.
 TilesSize cook_tiles(const std::filesystem::path& folder, std::size_t count,
                      const std::function<std::pair<std::string, Mesh>(std::size_t)>& make, bool quiet);
 
-/// Reads all tiles of an index, and checks each against it. Throws Error{no_input} or Error{bad_data}.
+/// Reads all tiles of an index and checks each against its entry. Throws Error{no_input} or Error{bad_data}.
 TilesSize check_tiles(const std::filesystem::path& index);
 
-/// A mesh cut along x and y into columns x rows: a triangle belongs to the tile in which the middle of its box is.
+/// A mesh cut along x and y into columns x rows. A triangle belongs to the tile that holds the centre of its AABB.
 class MeshTiles {
 public:
-    /// Keeps a reference.
+    /// Keeps a reference to `mesh`.
     MeshTiles(const Mesh& mesh, int columns, int rows);
 
-    std::size_t size() const { return tiles_.size(); } ///< those that have triangles
+    std::size_t size() const { return tiles_.size(); } ///< number of tiles that have triangles
     std::string name(std::size_t i) const;             ///< "COLUMN-ROW"
     Mesh mesh(std::size_t i) const;
 

@@ -22,7 +22,7 @@ constexpr std::uint64_t seed = 2006;
 constexpr int frames = 60;
 constexpr double hall = 3.5, half_plain = 150; // half-extents, metres
 
-/// A vector of uniform numbers in [-1, 1), the k-th of body `index`.
+/// The k-th vector of body `index`; coordinates are uniform in [-1, 1).
 Eigen::Vector3d random_vector(std::uint64_t index, std::uint64_t k)
 {
     Eigen::Vector3d v;
@@ -61,8 +61,8 @@ void add_hall(Scene& scene, int number, const Eigen::Vector3d& centre, GeometryI
     }
 }
 
-/// Halls with tumbling machine parts on a wide plain of masts, between which drones fly. Every level has work: regions
-/// of nothing but masts to reject, boxes to tell apart, sphere-trees to grow, triangles to test.
+/// Halls with tumbling machine parts on a wide plain of masts, with drones flying between them. Gives every level work:
+/// regions that hold only static masts, overlapping AABBs, sphere-trees to grow, triangles to test.
 Scene make_demo_scene()
 {
     constexpr int halls = 16, masts = 1500, drones = 40;
@@ -132,9 +132,9 @@ int demo(const DemoOptions& options)
     settings.exact = ExactLevel::fcl;
     settings.threads = 0;
     std::cout << fmt::format(
-        "Halls of tumbling machine parts on a plain of masts, drones between them: {} bodies, {} geometries, {} "
-        "frames.\n"
-        "Four levels tell which of them collide, each working on what the one before could not rule out.\n\n",
+        "Machine parts tumble in halls on a plain of masts, and drones fly between the masts: {} bodies, {} "
+        "geometries, {} frames.\n"
+        "Four levels find the pairs that collide. Each level works on the pairs that the level before left over.\n\n",
         scene.size(), scene.geometries.size(), frames);
     std::cout.flush();
     Pipeline pipeline(scene, settings);

@@ -22,7 +22,7 @@
 namespace oncollide::tools {
 namespace {
 
-/// What was found, line by line: for the terminal, and for a report.
+/// The findings, one line per topic, for the terminal and for a report.
 class Findings {
 public:
     void say(std::string_view topic, const std::string& what)
@@ -49,7 +49,7 @@ std::string data(const std::string& option)
     }
 }
 
-/// Two boxes that overlap and two that do not, through the whole pipeline: "" when the answers are right.
+/// Runs one pair of boxes that overlap and two that do not through the whole pipeline. "" if the results are right.
 std::string self_test(std::string& backend)
 {
     try {
@@ -66,22 +66,22 @@ std::string self_test(std::string& backend)
         backend = pipeline.backend();
         int colliding = 0;
         for (const PairResult& pair : pipeline.step(scene).pairs) colliding += pair.verdict == Verdict::colliding;
-        return colliding == 1 ? "" : fmt::format("found {} colliding pairs where there is 1", colliding);
+        return colliding == 1 ? "" : fmt::format("found {} colliding pairs; expected 1", colliding);
     } catch (const Error& error) {
         return error.what();
     }
 }
 
-/// What `version` says of a library that is loaded when a file first needs it.
+/// The version of a library that is loaded when a file first needs it.
 template <class Version>
 std::string loaded_library(const char* what, const char* file, Version version)
 {
     void* const library = ::dlopen(file, RTLD_NOW | RTLD_LOCAL);
     return library ? fmt::format("{} {}", what, version(library))
-                   : fmt::format("{}: this build can use {}, which is not here", what, file);
+                   : fmt::format("{}: this build can use {}, which is not installed", what, file);
 }
 
-/// Libraries that a build may do without, and that are there or not when it runs.
+/// Libraries that are optional at build time and at run time.
 void say_loaded_libraries([[maybe_unused]] Findings& found)
 {
 #ifdef ONCOLLIDE_HDF5_LIBRARY
@@ -119,7 +119,7 @@ void say_loaded_libraries([[maybe_unused]] Findings& found)
 #endif
 }
 
-/// Every device is opened: which renderer answers shows only then.
+/// Opens every device: only an open device reports its renderer.
 void say_gpus(Findings& found)
 {
     try {
@@ -141,8 +141,7 @@ void say_gpus(Findings& found)
     }
 }
 
-/// What a bug report needs beside what a user wants to know. Of the environment only variables that change what the
-/// program does.
+/// Further lines for a bug report. They list only those variables of the environment that affect the program.
 void say_surroundings(Findings& found)
 {
     found.say("flags", build_flags());
@@ -189,8 +188,8 @@ int doctor(const DoctorOptions& options)
         file.commit();
         if (options.report != "-")
             std::cout << fmt::format(
-                "\nWritten to {}: look through it, then add it to your bug report, with the command "
-                "and what it printed.\n",
+                "\nWritten to {}. Check its contents, then attach it to your bug report together with the command "
+                "and its output.\n",
                 printable(options.report));
     }
     return fault.empty() ? 0 : int(ErrorKind::internal);
@@ -200,11 +199,12 @@ int doctor(const DoctorOptions& options)
 
 void add_doctor(Arguments app)
 {
-    Arguments sub = app.add_command("doctor", "Say what this machine and this build offer");
+    Arguments sub = app.add_command("doctor", "List the capabilities of this machine and this build");
     auto options = std::make_shared<DoctorOptions>();
-    sub.add_option("--data", options->data, "folder to look for data in").type_name("DIR");
+    sub.add_option("--data", options->data, "data folder to check").type_name("DIR");
     sub.add_option("--report", options->report,
-                   "write that, the system and the settings of the environment that matter to a file, for a bug report")
+                   "also write the findings, the system and the relevant environment variables to a file, for a bug "
+                   "report")
         .type_name("FILE");
     sub.action([options] { return doctor(*options); });
 }

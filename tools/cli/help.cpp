@@ -1,4 +1,4 @@
-// What --help prints: made for a terminal, from the same texts as the references (reference.cpp).
+// The text of --help for a terminal, from the same descriptions as the reference pages (reference.cpp).
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -8,12 +8,12 @@
 namespace oncollide::tools {
 namespace {
 
-constexpr std::size_t indent = 26; ///< of what options mean
+constexpr std::size_t indent = 26; ///< column of the options' descriptions
 
-/// Appends `text` from column `column` on, and goes on at column `left` of the next lines. Ends the last line.
+/// Appends `text` from column `column`; following lines begin at column `left`. Ends the last line.
 void wrap(std::string& out, std::string_view text, std::size_t column, std::size_t left, std::size_t width)
 {
-    bool first = true; // of its line
+    bool first = true; // first word of its line
     for (std::size_t at = 0; at < text.size();) {
         const std::size_t end = std::min(text.find(' ', at), text.size());
         const std::string_view word = text.substr(at, end - at);
@@ -49,8 +49,8 @@ std::string row_text(const OptionText& option)
     return option.help + (option.required && option.names.front().starts_with("-") ? " (required)" : "");
 }
 
-/// Lines up to one that ends a sentence are one paragraph; those that begin with spaces (examples, tables) stay as they
-/// are.
+/// Lines up to a line that ends a sentence form one paragraph. Lines that begin with spaces (examples, tables) are kept
+/// as they are.
 void add_footer(std::string& out, std::string_view text, std::size_t width)
 {
     std::string paragraph;

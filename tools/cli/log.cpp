@@ -39,7 +39,7 @@ void set_log_level()
             level_said = LogLevel(k);
             return;
         }
-    throw Error(ErrorKind::usage, fmt::format("ONCOLLIDE_LOG: no level '{}'{}", variable,
+    throw Error(ErrorKind::usage, fmt::format("ONCOLLIDE_LOG: unknown level '{}'{}", variable,
                                               valid_names(variable, {level_names.begin(), level_names.end()})));
 }
 
@@ -59,7 +59,7 @@ void log(LogLevel level, std::string_view text)
     if (level > LogLevel::note)
         label += fmt::format(" {}: {:.3f} s:", level_names[std::size_t(level)],
                              std::chrono::duration<double>(std::chrono::steady_clock::now() - program_begin).count());
-    // One call, so that lines of several threads stay whole; a line of progress gives way to it.
+    // A single call, so that lines of several threads do not mix. Overwrites a progress line.
     fmt::print(stderr, "{}{} {}\n", terminal ? "\r\033[K" : "", label, printable(text));
 }
 
@@ -67,7 +67,7 @@ void log_warnings(const std::vector<std::string>& warnings)
 {
     constexpr std::size_t most = 10;
     for (std::size_t k = 0; k < std::min(warnings.size(), most); ++k) log(LogLevel::warning, warnings[k]);
-    if (warnings.size() > most) log(LogLevel::warning, fmt::format("and {} more of these", warnings.size() - most));
+    if (warnings.size() > most) log(LogLevel::warning, fmt::format("and {} more warnings", warnings.size() - most));
 }
 
 std::string tinted(Tint tint, std::string_view text, bool on_terminal)

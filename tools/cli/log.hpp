@@ -3,25 +3,25 @@
 #include <string_view>
 #include <vector>
 
-// What the program says on standard error beside its results, line by line: "oncollide: warning: ...".
+// Messages on standard error: "oncollide: warning: ...".
 namespace oncollide::tools {
 
 enum class LogLevel { error, warning, note, info, debug };
 
-/// How much is said, from the environment variable ONCOLLIDE_LOG: error, warning, note (the default), info or debug.
+/// Sets the log level from the environment variable ONCOLLIDE_LOG: error, warning, note (the default), info or debug.
 /// Throws Error{usage} for another value.
 void set_log_level();
 
-/// Whether what has this level is said: to be asked first where a text is expensive.
+/// True if messages of this level are printed. Check it first where building a text is expensive.
 bool logged(LogLevel level);
-/// Says `text`, in one line, whatever is in it; errors always. Info and debug come with the time since the program
-/// began. From any thread.
+/// Prints `text` on one line, with control characters escaped; errors always. Info and debug lines begin with the time
+/// since the program started. Callable from any thread.
 void log(LogLevel level, std::string_view text);
-/// What reading put right: the first ten, and how many more there are.
+/// Prints the first ten warnings of reading a file, and the number of further ones.
 void log_warnings(const std::vector<std::string>& warnings);
 
-/// For texts on a terminal that shows colours (NO_COLOR is not set, TERM is not "dumb"): `text` in red, yellow or
-/// green. Unchanged otherwise.
+/// `text` in red, yellow or green if it goes to a terminal that shows colours (NO_COLOR is not set, TERM is not
+/// "dumb"); unchanged otherwise.
 enum class Tint { red, yellow, green };
 std::string tinted(Tint tint, std::string_view text, bool on_terminal);
 

@@ -1,4 +1,4 @@
-// The oncollide command: subcommands are added here, each lives in a file of its own.
+// The oncollide command. Each subcommand has its own file.
 #include "cli/build_info.hpp"
 #include "cli/command.hpp"
 #include "cli/log.hpp"
@@ -20,7 +20,7 @@ int parse_and_run(int argc, char** argv)
     line.arguments().footer(
         "Exit codes: 0 success, 64 usage, 65 bad data, 66 no input, 70 internal fault, 71 no GPU, 73 cannot write,\n"
         "130 interrupted. 'check' returns 0 separate, 1 colliding, 2 within or undecided; so does 'run --exit-code'.\n"
-        "Environment: ONCOLLIDE_LOG=info or debug tells more on standard error, NO_COLOR=1 leaves out colours.\n"
+        "Environment: ONCOLLIDE_LOG=info or debug prints more to standard error, NO_COLOR=1 turns off colours.\n"
         "Start with 'oncollide demo', then 'oncollide COMMAND --help'.");
     add_commands(line.arguments());
     return line.parse(argc, argv)();
@@ -48,7 +48,7 @@ int main(int argc, char** argv)
         return int(ErrorKind::usage);
     } catch (const std::bad_alloc&) {
         std::cerr << "oncollide: out of memory\n";
-    } catch (const std::length_error&) { // a vector of more than the address space
+    } catch (const std::length_error&) { // a vector larger than the address space
         std::cerr << "oncollide: out of memory\n";
     } catch (const std::exception& error) {
         log(LogLevel::error, std::string("internal fault: ") + error.what());

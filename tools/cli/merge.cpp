@@ -1,4 +1,4 @@
-// oncollide merge: the files of all parts of a sweep become the file that one process would have written.
+// oncollide merge: joins the files of all parts of a sweep into the file that a single process would have written.
 #include "cli/command.hpp"
 #include "cli/outputs.hpp"
 #include "cli/shard.hpp"
@@ -35,7 +35,7 @@ std::optional<Shard> parse(std::string_view text)
     return shard;
 }
 
-/// A part, read up to its rows.
+/// The file of a part, read up to its first row.
 struct Part {
     std::string path, work, header;
     Shard shard;
@@ -52,7 +52,9 @@ Part open_part(const std::string& path)
     std::optional<Shard> shard;
     if (line.starts_with(mark) && colon != std::string::npos)
         shard = parse(std::string_view(line).substr(mark.size(), colon - mark.size()));
-    if (!shard) refuse(path, "is no part of a sweep: its first line says of none (written with --shard?)");
+    if (!shard)
+        refuse(path, "is not a part of a sweep: its first line does not name one (was it written with "
+                     "--shard?)");
     part.shard = *shard, part.work = line.substr(colon + 2);
     if (!std::getline(part.file, part.header)) refuse(path, "ends before its header");
     return part;
@@ -78,8 +80,9 @@ int merge(const std::string& out, const std::vector<std::string>& paths)
             if (known) other = &known;
         if (other && ((*other)->work != part.work || (*other)->header != part.header ||
                       (*other)->shard.parts != part.shard.parts))
-            refuse(path, fmt::format("is of other work than {}: '{}', {} parts; there '{}', {} parts", (*other)->path,
-                                     part.work, part.shard.parts, (*other)->work, (*other)->shard.parts));
+            refuse(path,
+                   fmt::format("belongs to a different run than {}: '{}', {} parts; there '{}', {} parts",
+                               (*other)->path, part.work, part.shard.parts, (*other)->work, (*other)->shard.parts));
         std::optional<Part>& place = parts[std::size_t(part.shard.part - 1)];
         if (place) refuse(path, fmt::format("is part {}, and so is {}", part.shard.part, place->path));
         place = std::move(part);
@@ -112,7 +115,7 @@ Shard shard_from(const std::string& text)
 {
     if (text.empty()) return {};
     if (const std::optional<Shard> shard = parse(text)) return *shard;
-    usage(fmt::format("--shard {}: expected I/N, part I of N, with I from 1 to N", text));
+    usage(fmt::format("--shard {}: expected I/N: part I of N, with I from 1 to N", text));
 }
 
 void add_merge(Arguments app)
@@ -121,14 +124,14 @@ void add_merge(Arguments app)
         std::string out;
         std::vector<std::string> parts;
     };
-    Arguments sub = app.add_command("merge", "Make one CSV file of those that the parts of a sweep (--shard) wrote");
+    Arguments sub = app.add_command("merge", "Join the CSV files of all parts of a sweep (--shard) into one");
     auto options = std::make_shared<MergeOptions>();
     sub.add_option("parts", options->parts, "the files of all parts, in any order").required().type_name("PART.csv");
-    sub.add_option("--out", options->out, "where the whole goes; '-' is standard output").required().type_name("FILE");
+    sub.add_option("--out", options->out, "joined file; '-' is standard output").required().type_name("FILE");
     sub.footer("Example:\n"
                "  for i in 1 2 3 4; do oncollide run city --shard $i/4 --csv part$i.csv & done; wait\n"
                "  oncollide merge part*.csv --out city.csv\n"
-               "The result is byte for byte what 'oncollide run city --csv city.csv' writes. More of this, with GNU\n"
+               "The result is byte for byte the file that 'oncollide run city --csv city.csv' writes. With GNU\n"
                "parallel and Slurm: docs/many-processes.md.");
     sub.action([options] { return merge(options->out, options->parts); });
 }

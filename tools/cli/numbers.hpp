@@ -4,11 +4,11 @@
 
 namespace oncollide::tools {
 
-/// The numbers of an option's text, with spaces or commas between them. Throws Error{usage} unless there are `count`,
+/// The numbers in an option's text, separated by spaces or commas. Throws Error{usage} unless there are `count`,
 /// all finite; the message shows `form`, e.g. "x y z".
 std::vector<double> parse_numbers(const std::string& option, const std::string& text, std::size_t count,
                                   const char* form);
-/// The error that parse_numbers throws, for what a caller finds wrong with the numbers.
+/// Throws the error of parse_numbers, for numbers that the caller finds invalid.
 [[noreturn]] void refuse_numbers(const std::string& option, const std::string& text, const std::string& why,
                                  const char* form);
 

@@ -30,7 +30,8 @@ fs::path must_be_folder(const fs::path& path, std::string_view who)
     return path;
 }
 
-/// A count with an optional K, M or G (thousands, millions, ...). CLI11 would take -1 for a very large number.
+/// A count with an optional suffix K, M or G (thousands, millions, billions). CLI11 would read -1 as a very large
+/// number.
 std::size_t parse_amount(const char* option, const std::string& text)
 {
     std::uint64_t value = 0, factor = 1;
@@ -45,7 +46,7 @@ std::size_t parse_amount(const char* option, const std::string& text)
     else if (!suffix.empty())
         factor = 0;
     if (error != std::errc{} || factor == 0 || value > std::numeric_limits<std::size_t>::max() / factor)
-        usage(fmt::format("{} {}: expected a whole number, 0 or more, with K, M or G behind it if you like", option,
+        usage(fmt::format("{} {}: expected a whole number, 0 or more, optionally followed by K, M or G", option,
                           text));
     return value * factor;
 }
@@ -58,14 +59,14 @@ void add_accuracy_options(Arguments command, SettingsOptions& o)
     command
         .add_option(
             "--max-error", o.max_error,
-            fmt::format("accuracy in metres: bodies that are 'within' a bound are at most this far apart (default: of "
-                        "each pair {} % of the diagonal of the smaller body's box)",
+            fmt::format("accuracy in metres: bodies that are 'within' a bound are at most this far apart (default: "
+                        "{} % of the diagonal of the AABB of the smaller body of each pair)",
                         100 * default_error))
         .type_name("M");
     command
         .add_option("--depth", o.depth,
-                    "instead of --max-error, the paper's accuracy: levels of spheres around parts of a mesh (depth of "
-                    "the sphere-trees), 1 to 16")
+                    "instead of --max-error, the paper's measure of accuracy: depth of the sphere-trees, 1 to 16 "
+                    "levels")
         .type_name("D");
     command.add_option("--clearance", o.clearance, "metres: bodies this close count as touching (default 0)")
         .type_name("M");
@@ -73,80 +74,81 @@ void add_accuracy_options(Arguments command, SettingsOptions& o)
         .add_option(
             "--exact", o.exact,
             fmt::format("decide exactly whether bodies collide, triangle by triangle: on (exact arithmetic; also "
-                        "called predicates), off, or fcl (only where FCL says the same) (default {})",
+                        "called predicates), off, or fcl (a cross-check: only where FCL agrees) (default {})",
                         o.exact.empty() ? "on, and off with --max-error or --depth" : o.exact))
         .type_name("on|off|predicates|fcl");
     command.add_flag("--contact-kinds,--kinds", o.kinds,
-                     "say of meshes that collide whether they only touch or cross; needs --exact on");
+                     "report whether colliding meshes only touch or cross; needs --exact on");
     command.add_flag("--ignore-touching", o.ignore_touching,
-                     "meshes that touch and do not cross are separate; needs --exact on");
+                     "report meshes that touch without crossing as separate; needs --exact on");
     command
         .add_option("--mode", o.mode,
-                    "surface, or solid: a mesh's inside belongs to it, so it must be closed (default surface)")
+                    "surface, or solid: meshes must be closed and include their inside (default surface)")
         .type_name("surface|solid");
     command.add_flag("--open-as-surface", o.open_as_surface,
-                     "with --mode solid: take a mesh that is not closed as a surface");
+                     "with --mode solid: treat meshes that are not closed as surfaces");
     command.group("Options");
 }
 
 void add_pipeline_options(Arguments command, SettingsOptions& o)
 {
-    command.group("How it is computed");
-    command.add_option("--threads", o.threads, "threads; 0: all. Never changes the result (default 1)").type_name("N");
+    command.group("Computation");
+    command.add_option("--threads", o.threads, "number of threads; 0: all. Does not change the result (default "
+                                               "1)").type_name("N");
     command
         .add_option(
             "--backend", o.backend,
-            "what builds the spheres around meshes (finds grey cells): cpu (default), gl-compute (a GPU, the same "
-            "results), gl-query (the paper's occlusion queries, which lose collisions), or auto: gl-compute on a "
+            "builds the sphere-trees of meshes (finds grey cells): cpu (default), gl-compute (a GPU, the same "
+            "results), gl-query (the paper's occlusion queries, which miss collisions), or auto: gl-compute on a "
             "real GPU, else cpu")
         .type_name("cpu|gl-compute|gl-query|auto");
-    command.add_option("--gpu", o.gpu, "number of the GPU, as 'oncollide doctor' lists them (default: the first)")
+    command.add_option("--gpu", o.gpu, "number of the GPU in the list of 'oncollide doctor' (default: the first)")
         .type_name("N");
-    command.add_option("--viewport", o.viewport, "gl-query: pixels a side of a cell, 1 to 1024 (default 16)")
+    command.add_option("--viewport", o.viewport, "gl-query: pixels per side of a cell, 1 to 1024 (default 16)")
         .type_name("PX");
     command
         .add_option(
             "--bounding-volume,--spheres", o.bounding_volume,
-            "what encloses the parts of a mesh: obb, oriented boxes, or sphere, as in the paper, slower at equal error "
-            "(default auto: obb with --exact on, and for an error in metres on the cpu; else sphere)")
+            "bounding volumes of a mesh's parts: obb (oriented boxes), or sphere, as in the paper, slower at equal "
+            "error (default auto: obb with --exact on, and on the cpu if the error is in metres; else sphere)")
         .type_name("auto|sphere|obb");
     command
         .add_option("--broad", o.broad,
-                    "what finds the pairs of boxes that overlap (broad phase): a kd tree, an octree, or brute force "
+                    "broad phase, which finds pairs of overlapping AABBs: a kd-tree, an octree, or brute force "
                     "(default kd)")
         .type_name("kd|octree|brute");
     command
         .add_option("--skip", o.skip,
-                    "leave out a stage: bounds, regions (delimitation), broad, refinement (ocst) or exact "
+                    "skip a stage: bounds, regions (delimitation), broad, refinement (ocst) or exact "
                     "(repeatable); results get wider, never wrong")
         .type_name("bounds|regions|broad|refinement|exact")
         .repeatable();
     command
         .add_option("--age", o.age,
-                    fmt::format("frames after which parts of trees that nothing used are dropped (default {})", o.age))
+                    fmt::format("drop parts of trees that no test used for this many frames (default {})", o.age))
         .type_name("N");
     command
         .add_option("--node-budget", o.node_budget,
-                    "nodes (cells) that all trees may hold, e.g. 2M; 0: no limit (default)")
+                    "most nodes (cells) in all trees together, e.g. 2M; 0: no limit (default)")
         .type_name("N");
     command
         .add_option(
             "--memory-budget", o.memory_budget,
-            "bytes that all trees may hold, e.g. 64M; 0: no limit (default). A quarter of it, 1 to 16 MiB, is for "
-            "work in hand")
+            "most bytes in all trees together, e.g. 64M; 0: no limit (default). A quarter of it, 1 to 16 MiB, is for "
+            "temporary buffers")
         .type_name("BYTES");
     command
         .add_option("--resident", o.resident,
-                    "bytes that cooked meshes may hold, e.g. 64M; 0: no limit (default). Never changes the result, but "
-                    "where one pair alone needs more")
+                    "most bytes of cooked meshes in memory, e.g. 64M; 0: no limit (default). Changes a result only if "
+                    "a single pair needs more")
         .type_name("BYTES");
     command
         .add_option("--look-ahead", o.look_ahead,
-                    "frames for which another thread prepares the cooked meshes and tiles that bodies come near, as far "
-                    "as their motion tells; 0: none (default). Never changes the result")
+                    "frames for which a prefetch thread prepares the cooked meshes and tiles that bodies will come "
+                    "near, as predicted from their motion; 0: off (default). Does not change the result")
         .type_name("FRAMES");
     command.add_flag("--no-coherence", o.no_coherence,
-                     "look at every pair anew, whatever earlier frames told of it; same result");
+                     "test every pair from scratch, without using results of earlier frames; same result");
     command.group("Options");
 }
 
@@ -184,12 +186,13 @@ void add_cache_options(Arguments command, CacheOptions& o)
 {
     command
         .add_option("--cache", o.folder,
-                    "folder of cooked meshes: mesh files are cooked there when they are first used, and found by their "
-                    "content from then on")
+                    "folder of cooked meshes: mesh files are cooked into it at first use, and found by their content "
+                    "afterwards")
         .type_name("DIR");
     command
         .add_option("--cache-size", o.bytes,
-                    "bytes that the folder may hold; the oldest go first, never the newest (default 4G)")
+                    "most bytes in the folder; the least recently used files are removed, never the newest (default "
+                    "4G)")
         .type_name("BYTES");
 }
 
@@ -206,9 +209,9 @@ MeshReading reading_with(const CacheOptions& o)
 void add_catalogue_options(Arguments command, SceneOptions& o)
 {
     command.group("Scene");
-    command.add_option("--bodies", o.bodies, "catalogue: how many bodies").type_name("N");
-    command.add_option("--frames", o.frames, "how many frames (default: the scene's own)").type_name("N");
-    command.add_option("--seed", o.seed, "catalogue: seed of its random numbers").type_name("S");
+    command.add_option("--bodies", o.bodies, "catalogue: number of bodies").type_name("N");
+    command.add_option("--frames", o.frames, "number of frames (default: from the scene)").type_name("N");
+    command.add_option("--seed", o.seed, "catalogue: seed of the random numbers").type_name("S");
     command
         .add_option("--data", o.data,
                     "folder with meshes/ and octomap/ "
@@ -221,14 +224,14 @@ void add_pace_option(Arguments command, SceneOptions& o)
 {
     command.group("Scene");
     command
-        .add_option("--pace", o.pace, "how much of a frame's motion each frame plays: 0.1 is slow motion (default 1)")
+        .add_option("--pace", o.pace, "fraction of a frame's motion per frame played: 0.1 is slow motion (default 1)")
         .type_name("FACTOR");
     command.group("Options");
 }
 
 namespace {
 
-/// `scene`, once the log tells what it holds.
+/// Returns `scene` after logging its size.
 Scene said(Scene scene)
 {
     if (logged(LogLevel::info))
@@ -247,7 +250,7 @@ bool is_scene_file(const std::string& text)
     for (const CatalogueEntry& entry : catalogue())
         if (entry.name == text) {
             if (exists)
-                usage(fmt::format("'{0}' is a scene of the catalogue and also a file here; write ./{0} for the file",
+                usage(fmt::format("'{0}' is a scene of the catalogue and also a file here; use ./{0} for the file",
                                   text));
             return false;
         }
@@ -281,7 +284,7 @@ Scene open_scene(const SceneOptions& o, BodySink* sink)
     if (!is_scene_file(o.scene)) return said(make_catalogue_scene(o, sink));
     if (o.bodies || o.seed)
         usage(
-            fmt::format("--{} is for scenes of the catalogue; '{}' is a file", o.bodies ? "bodies" : "seed", o.scene));
+            fmt::format("--{} applies only to scenes of the catalogue; '{}' is a file", o.bodies ? "bodies" : "seed", o.scene));
     const bool assembly = is_assembly_file(o.scene);
     Scene scene = assembly ? load_assembly_scene(o.scene)
                            : load_scene(o.scene, o.on_demand ? reading_with(o.cache) : MeshReading{}, sink);

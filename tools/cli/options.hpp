@@ -12,11 +12,11 @@
 #include <oncollide/scenes/files/scene_file.hpp>
 #include <oncollide/scenes/scene.hpp>
 
-// Options that several subcommands share. Each struct has one function that adds its options to a subcommand; the
-// struct must live until the command has run.
+// Options that several subcommands share. One function per struct adds its options to a subcommand; the struct must
+// live until the command has run.
 namespace oncollide::tools {
 
-/// How to answer; becomes Settings.
+/// Options that become Settings.
 struct SettingsOptions {
     std::optional<int> depth;
     std::optional<double> max_error;
@@ -37,15 +37,15 @@ void add_pipeline_options(Arguments command, SettingsOptions& options); ///< the
 /// Throws Error{usage} for a name or number out of range.
 Settings settings_from(const SettingsOptions& options);
 
-/// Of cooked meshes.
+/// Options of the cache of cooked meshes.
 struct CacheOptions {
     std::string folder, bytes = "4G";
 };
 void add_cache_options(Arguments command, CacheOptions& options);
-/// How a scene's meshes are read with that cache, or without one.
+/// How to read a scene's meshes, with the cache if it names one.
 MeshReading reading_with(const CacheOptions& options);
 
-/// A scene file, an assembly, or a scene of the catalogue by name.
+/// A scene file, an assembly, or the name of a scene of the catalogue.
 struct SceneOptions {
     std::string scene;
     std::optional<int> bodies, frames;
@@ -53,24 +53,24 @@ struct SceneOptions {
     std::string data;
     double pace = 1;
     CacheOptions cache = {};
-    bool on_demand = false; ///< meshes in cooked files stay there; for those who ask nothing of a scene but results
+    bool on_demand = false; ///< leave meshes in cooked files on disk; for commands that need only results
 };
 
 void add_catalogue_options(Arguments command, SceneOptions& options); ///< bodies, frames, seed, data
-void add_pace_option(Arguments command, SceneOptions& options);       ///< of the commands that play it
+void add_pace_option(Arguments command, SceneOptions& options);       ///< for commands that play the scene
 /// Reads or makes the scene. Throws Error{no_input} for a missing file or data folder, Error{usage} for an unknown name
-/// or an option that has no meaning for a file.
-/// @param sink  takes the bodies, as they are read or made; null: the scene holds them
+/// or an option that does not apply to a file.
+/// @param sink  receives the bodies as they are read or made; null: the scene holds them
 Scene open_scene(const SceneOptions& options, BodySink* sink = nullptr);
-/// True when `text` names a file rather than a scene of the catalogue: it is "-" (standard input), holds a '/' or ends
-/// in .json, or is no known name but a file that exists. Throws Error{usage} when it could be both.
+/// True if `text` names a file rather than a scene of the catalogue: it is "-" (standard input), contains a '/' or ends
+/// in .json, or is an existing file and not a known name. Throws Error{usage} if it could be both.
 bool is_scene_file(const std::string& text);
 
-/// The data folder: `option` if given, else $ONCOLLIDE_DATA, else ../shared/data if it is there, else empty.
-/// Throws Error{no_input} when the first two name something that is not a folder.
+/// The data folder: `option` if given, else $ONCOLLIDE_DATA, else ../shared/data if it exists, else empty.
+/// Throws Error{no_input} if `option` or $ONCOLLIDE_DATA is not a folder.
 std::filesystem::path data_folder(const std::string& option);
 
-/// What loading put right, one line each on standard error; the first ten.
+/// Prints the first ten warnings of loading to standard error, one per line.
 void print_warnings(const Scene& scene);
 
 } // namespace oncollide::tools

@@ -28,9 +28,9 @@ bool same_place(const std::string& a, const std::string& b)
     return fs::weakly_canonical(fs::absolute(a), error) == fs::weakly_canonical(fs::absolute(b), error);
 }
 
-/// Of the whole program, which runs one command: what it has read, and what it will write, by identity.
+/// Files that the program has read and will write, by identity. The program runs one command.
 std::set<std::string> files_read;
-std::map<std::string, std::string> files_to_write; ///< with the option that names each
+std::map<std::string, std::string> files_to_write; ///< value: the option and the file's name
 
 void note_read(const fs::path& path)
 {
@@ -60,7 +60,7 @@ void watch_files()
 
 void add_output_options(Arguments command, OutputOptions& o)
 {
-    // An empty text means "not given" here, and would come from an unset variable of a script.
+    // An empty name means "not given" in OutputOptions; on the command line it would come from an unset shell variable.
     const auto named = [](const std::string& file) {
         return std::string(file.empty() ? "the file name is empty" : "");
     };
@@ -69,11 +69,11 @@ void add_output_options(Arguments command, OutputOptions& o)
         command.add_option(option, file, what).type_name("FILE").check(named);
     };
     add("--json", o.json, "write results as JSON; '-' is standard output");
-    add("--csv", o.csv, "write one row per frame and pair");
+    add("--csv", o.csv, "write one CSV row per frame and pair");
     add("--trace", o.trace, "write a trace for Perfetto or chrome://tracing");
     add("--picture", o.picture, "write a picture of stages and times (SVG)");
-    command.add_flag("--separate", o.separate, "also keep the pairs that were found separate");
-    command.add_flag("--quiet", o.quiet, "print nothing but errors");
+    command.add_flag("--separate", o.separate, "also record separate pairs");
+    command.add_flag("--quiet", o.quiet, "print only errors");
     command.group("Options");
 }
 
@@ -120,7 +120,7 @@ std::string names_of(const OutputOptions& o)
 void write_outputs(const Report& report, const OutputOptions& o, const std::string& csv_line)
 {
     const bool stdout_taken = o.json == "-" || o.csv == "-" || o.trace == "-" || o.picture == "-";
-    // The table first: if a disk is full after a long run, the numbers are at least on the screen.
+    // The table first: if the disk is full after a long run, the numbers are at least on the screen.
     if (!o.quiet) report.print_table(stdout_taken ? std::cerr : std::cout);
     std::cout.flush();
     if (!o.json.empty()) report.write_json(o.json);

@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-/// What the numbers of a row mean.
+/// The names of the values in a row.
 ResultsHeader words(std::span<const std::string_view> stages)
 {
     ResultsHeader header;
@@ -33,7 +33,7 @@ std::optional<Value> optional_from(const json& value)
     return value.is_null() ? std::nullopt : std::optional(value.get<Value>());
 }
 
-/// Files with their folders: the results may be read from another one.
+/// With absolute paths: the results may be read from another folder.
 std::string source_json(const SceneOptions& o)
 {
     const auto placed = [](const std::string& path) {
@@ -53,7 +53,7 @@ ResultsHeader header_of(const SceneOptions& source, const Scene& scene, const Pi
 {
     ResultsHeader header = words(pipeline.stages());
     header.version = std::string(version), header.scene = scene.name, header.bodies = scene.size();
-    Settings settings = pipeline.settings(); // but for what never changes a result
+    Settings settings = pipeline.settings(); // without settings that never change a result
     settings.threads = 1, settings.backend = BackendKind::cpu, settings.gpu = Settings{}.gpu;
     header.settings = fmt::format("{{\"bodies\": {}, \"pace\": {}, \"separate\": {}, \"run\": {}}}", scene.size(),
                                   scene.pace, separate, settings_json(settings));
@@ -124,7 +124,7 @@ StoredRun stored_run(const std::string& name, const ResultsHeader& header)
         scene.data = source.at("data"), scene.pace = source.at("pace"), scene.on_demand = true;
         return stored;
     } catch (const json::exception& error) {
-        refuse(name, fmt::format("its attributes 'settings' and 'source' cannot be read: {}", error.what()));
+        refuse(name, fmt::format("cannot read its attributes 'settings' and 'source': {}", error.what()));
     }
 }
 

@@ -10,13 +10,13 @@
 
 namespace oncollide::tools {
 
-/// The pairs of every frame, in HDF5 as the frames come (--pairs).
+/// Writes the pairs of every frame to HDF5 as each frame is done (--pairs).
 class PairsFile final : public FrameSink {
 public:
-    /// Where `frame` is not 0 and the file is there, it goes on with its frames before that one, and so does the
-    /// pipeline's hash. Throws what ResultsFile does.
-    /// @param source    what `scene` was opened with: the file tells of it
-    /// @param separate  keep the pairs that were found separate, too
+    /// If `frame` is not 0 and the file exists, keeps its frames before `frame` and appends; the pipeline's hash is
+    /// restored accordingly. Throws the errors of ResultsFile.
+    /// @param source    the options that opened `scene`; stored in the file
+    /// @param separate  also keep separate pairs
     PairsFile(const std::filesystem::path& path, const SceneOptions& source, const Scene& scene, Pipeline& pipeline,
               int frame, bool separate);
 
@@ -30,13 +30,13 @@ private:
     std::vector<PairRow> rows_;
 };
 
-/// The run that such a file is of.
+/// The run that a results file describes.
 struct StoredRun {
-    SceneOptions scene; ///< no name: it was read from standard input
-    Settings settings;  ///< but for what never changes a result
-    bool separate;      ///< pairs that were found separate are there, too
+    SceneOptions scene; ///< without a name if it was read from standard input
+    Settings settings;  ///< without settings that never change a result
+    bool separate;      ///< the file also has separate pairs
 };
-/// Throws Error{no_input} for a missing file, and what StoredResults does.
+/// Throws Error{no_input} for a missing file, and the errors of StoredResults.
 StoredResults open_pairs(const std::filesystem::path& path);
 /// Throws Error{usage} for a file of another version.
 StoredRun stored_run(const std::string& name, const ResultsHeader& header);

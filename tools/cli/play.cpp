@@ -21,17 +21,17 @@
 namespace oncollide::tools {
 namespace {
 
-constexpr int interrupted_code = 130; // as shells have it for Ctrl-C
+constexpr int interrupted_code = 130; // the shells' code for Ctrl-C
 
-/// Ends the program when somebody interrupts it and the frame in hand does not end: a thread that looks every 50 ms,
-/// and writes what the frames before have given. Where no thread is to be had a frame is waited for.
+/// Ends the program if it is interrupted and the current frame does not end in time. A thread checks every 50 ms, and
+/// writes the results of the completed frames. Without a thread, the program waits for the frame.
 class Watchdog {
 public:
     explicit Watchdog(std::function<void()> end) : end_(std::move(end))
     {
         try {
             thread_ = std::thread([this] { watch(); });
-        } catch (const std::system_error&) { // short of memory, mostly
+        } catch (const std::system_error&) { // usually out of memory
         }
     }
     ~Watchdog()
@@ -43,7 +43,7 @@ public:
         wake_.notify_all();
         if (thread_.joinable()) thread_.join();
     }
-    /// Held while the report changes. Once the watchdog has it, it stays there.
+    /// Locked while the report changes. The watchdog locks it for good.
     std::mutex& mutex() { return mutex_; }
 
 private:
@@ -64,11 +64,11 @@ private:
     std::thread thread_;
 };
 
-/// Where the frames that were done are to be found.
+/// How many frames were done, and where their results are.
 std::string told(const OutputOptions& outputs, int done, int all)
 {
     const std::string names = names_of(outputs);
-    return fmt::format("after {} of {} frames; results up to there {}", done, all,
+    return fmt::format("after {} of {} frames; their results {}", done, all,
                        names.empty() ? "follow" : "are in " + names);
 }
 
@@ -95,7 +95,7 @@ std::string describe(const FrameView& frame)
         log(LogLevel::error, error.what());
         code = int(error.kind());
     }
-    std::_Exit(code); // the frame is still under way
+    std::_Exit(code); // no clean-up: the frame is still being computed
 }
 
 } // namespace

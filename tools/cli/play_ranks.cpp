@@ -23,8 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Ends this process, and with it the job, when nothing happens for so many seconds: another process hangs. Process 0
-/// is the first to lose patience.
+/// Ends this process, and with it the job, if alive() is not called for `seconds`: another process hangs. Process 0
+/// ends first, the others 5 s later.
 class Watchdog {
 public:
     Watchdog(int seconds, int rank) : limit_(seconds + (rank ? 5 : 0)), rank_(rank)
@@ -57,7 +57,7 @@ private:
                                      "--patience is too short\n",
                                      rank_, phase_, limit_.count())
                       << std::flush;
-            std::_Exit(int(ErrorKind::internal)); // mpirun ends the others
+            std::_Exit(int(ErrorKind::internal)); // mpirun then ends the other processes
         }
     }
 
@@ -74,7 +74,7 @@ private:
 void check_rank_outputs(const OutputOptions& outputs)
 {
     if (!outputs.json.empty() || !outputs.picture.empty())
-        usage("--json and --picture are written by runs of one process without checkpoints; several write --csv");
+        usage("--json and --picture need a single process without checkpoints; with several processes use --csv");
     std::error_code error;
     if (outputs.csv == "-" || (fs::exists(outputs.csv, error) && !fs::is_regular_file(outputs.csv, error)))
         usage(fmt::format("--csv {}: several processes write it at once; name a regular file", outputs.csv));
@@ -112,7 +112,7 @@ public:
             ranked.rebalance = rebalance_from_name(options_.rebalance);
             check_range("--checkpoint-every", options_.checkpoint_every, 1);
             check_range("--patience", options_.patience, 1);
-            if (options_.resume && options_.checkpoint.empty()) usage("--resume goes on from --checkpoint FILE");
+            if (options_.resume && options_.checkpoint.empty()) usage("--resume needs --checkpoint FILE");
             check_rank_outputs(outputs_);
             if (ranks_.rank() == 0) check_files({{"--process-csv", options_.csv}});
             if (ranks_.rank() == 0) check_outputs(outputs_, is_scene_file(scene_.scene) ? scene_.scene : "");
@@ -125,8 +125,8 @@ public:
         print_warnings_of_all(slice.warnings);
         together(ranks_, [&] { partition = make_partitioner(); });
         if (speaks_ && slice.bodies < std::uint32_t(ranks_.size()))
-            std::cerr << fmt::format("oncollide: note: {} processes for {} bodies: some have none\n", ranks_.size(),
-                                     slice.bodies);
+            std::cerr << fmt::format("oncollide: note: {} processes for {} bodies: some processes have no body\n",
+                                     ranks_.size(), slice.bodies);
         title_ = slice.name.empty() ? "scene" : slice.name;
         const int frames = slice.frames;
         RankedRun run(ranks_, std::move(partition), std::move(slice), settings, ranked);
@@ -139,7 +139,7 @@ private:
         SliceReader reader(ranks_.rank(), ranks_.size(), !outputs_.csv.empty());
         return reader.finish(open_scene(scene_, &reader));
     }
-    /// What reading put right; what all say, once.
+    /// Warnings of reading, without duplicates: each is printed once even if all processes report it.
     void print_warnings_of_all(const std::vector<std::string>& mine)
     {
         constexpr std::size_t enough = 100;
@@ -158,7 +158,7 @@ private:
     {
         if (ranks_.size() == 1 || options_.partitioner == "morton") return make_morton_partitioner();
         if (options_.partitioner == "zoltan") return make_zoltan_partitioner(ranks_);
-        usage(fmt::format("--partitioner: nothing named '{}'; valid: zoltan, morton", options_.partitioner));
+        usage(fmt::format("--partitioner: unknown name '{}'; valid: zoltan, morton", options_.partitioner));
     }
 
     int play(RankedRun& run, int frames)
@@ -198,7 +198,9 @@ private:
             if (ranks_.rank() != 0) return;
             if (speaks_)
                 std::cout << printable(title) << "\n\n"
-                          << stage_table(stages) << "of all processes, ghosts included; ms: the longest of any\n\n"
+                          << stage_table(stages)
+                          << "sums of all processes, with ghosts; ms: the maximum of all "
+                             "processes\n\n"
                           << rank_table(ranks)
                           << fmt::format("regions    cut {} time{}\n", run.rebuilds(), run.rebuilds() == 1 ? "" : "s")
                           << verdict_line(verdicts) << fmt::format("hash       {:016x}\n", hash) << std::flush;
@@ -216,13 +218,13 @@ private:
     std::string title_;
 };
 
-/// In one piece: mpirun mixes what several processes write.
+/// In a single write: mpirun mixes the output of several processes.
 void say_error(const std::string& what)
 {
     std::cerr << "oncollide: " + what + "\n" << std::flush;
 }
 
-/// Process 0 says why; the others wait, for mpirun ends all when one of them ends.
+/// Process 0 prints the error; the others wait, because mpirun ends all processes when one ends.
 [[noreturn]] void refuse_without_mpi()
 {
     if (mpi_rank_of_environment() == 0) make_mpi_ranks();
@@ -234,22 +236,25 @@ void say_error(const std::string& what)
 
 void add_rank_options(Arguments command, RankOptions& o)
 {
-    command.add_option("--checkpoint", o.checkpoint, "keep FILE.0 and FILE.1, from which --resume goes on")
+    command.add_option("--checkpoint", o.checkpoint, "write checkpoints to FILE.0 and FILE.1 in turn, for --resume")
         .type_name("FILE");
     command.add_option("--checkpoint-every", o.checkpoint_every, "frames between checkpoints (default 100)")
         .type_name("K");
-    command.add_flag("--resume", o.resume, "go on from the last checkpoint, on any number of processes");
+    command.add_flag("--resume", o.resume, "continue from the last checkpoint, on any number of processes");
     command
         .add_option("--rebalance", o.rebalance,
-                    "under mpirun, when the regions of the processes are cut anew: auto (default), always or never")
+                    "under mpirun, when to divide space among the processes again: auto (default), always or never")
         .type_name("WHEN");
-    command.add_option("--partitioner", o.partitioner, "under mpirun, what cuts regions: zoltan (default) or morton")
+    command.add_option("--partitioner", o.partitioner, "under mpirun, partitioner: zoltan (default) or morton")
         .type_name("NAME");
-    command.add_option("--process-csv", o.csv, "under mpirun, write one row per process: what it had, did and sent")
+    command
+        .add_option("--process-csv", o.csv,
+                    "under mpirun, write one row per process: its bodies, its work and the "
+                    "data it sent")
         .type_name("FILE");
     command
         .add_option("--patience", o.patience,
-                    "under mpirun, seconds after which a frame that does not end is an error (default 600)")
+                    "under mpirun, most seconds per frame before the run ends with an error (default 600)")
         .type_name("S");
 }
 
@@ -273,12 +278,12 @@ int play_on_ranks(const SceneOptions& scene, const SettingsOptions& settings, co
     try {
         play(*ranks);
     } catch (const ErrorOfAll& error) {
-        // mpirun ends all processes when the first of them ends with a code, so nobody does before this is said.
+        // mpirun ends all processes when the first one ends with a code, so no process ends before this is printed.
         code = int(error.kind());
         if (ranks->rank() == 0) say_error(error.what());
         std::uint64_t said = 1;
         ranks->sum({&said, 1});
-    } catch (const std::exception& error) { // of this process alone: the others wait for it
+    } catch (const std::exception& error) { // only this process failed: the others wait for it
         const Error* known = dynamic_cast<const Error*>(&error);
         code = int(known ? known->kind() : ErrorKind::internal);
         say_error(fmt::format("process {}: {}", ranks->rank(), printable(error.what())));

@@ -29,7 +29,7 @@ std::string duration_text(double seconds)
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds between_lines{100};
 
-/// What is being read: of several files at once the one that began first.
+/// The file being read; if several are read at once, the one that began first.
 class Reading {
 public:
     void tell(const std::string& file, std::uint64_t bytes, std::uint64_t total)
@@ -53,7 +53,7 @@ public:
 
 private:
     std::mutex mutex_;
-    std::string file_; ///< empty: nothing
+    std::string file_; ///< empty: none
     Clock::time_point start_, shown_;
 };
 

@@ -5,8 +5,8 @@
 
 namespace oncollide::tools {
 
-/// A line on standard error that says how far long work has come and how long the rest will take, drawn over itself ten
-/// times a second at most. Only on a terminal; gone when the work is done.
+/// A line on standard error with the progress of long work and the time left, redrawn at most ten times per second.
+/// Shown only on a terminal, and erased when the work is done.
 class Progress {
 public:
     Progress(std::string what, std::size_t total, bool quiet = false);
@@ -14,7 +14,7 @@ public:
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
-    /// One more of the total is done.
+    /// Counts one more item as done.
     void step();
 
 private:
@@ -25,7 +25,7 @@ private:
     Clock::time_point start_ = Clock::now(), shown_ = start_;
 };
 
-/// From now on the same is shown of long files as they are read. Nothing where `quiet`.
+/// From now on, shows progress while long files are read, unless `quiet`.
 void show_reading(bool quiet);
 
 } // namespace oncollide::tools

@@ -1,4 +1,4 @@
-// oncollide reference: what the build makes pages, man pages and completions of. Not in help: nobody else needs it.
+// oncollide reference: the source of pages, man pages and completions. Hidden from --help: only the build needs it.
 #include "cli/reference.hpp"
 
 #include <filesystem>
@@ -26,7 +26,7 @@ std::string joined_names(const OptionText& option)
     return option.value.empty() ? names : names + " " + option.value;
 }
 
-/// Markdown takes these for its own.
+/// Escapes characters that Markdown interprets.
 std::string escaped_markdown(std::string_view text)
 {
     std::string result;
@@ -70,7 +70,7 @@ void add_section(std::string& out, const CommandText& command)
     for (const CommandText& below : command.commands) add_section(out, below);
 }
 
-/// What roff takes for its own: dashes that are no hyphens, backslashes, and a dot or an apostrophe that begins a line.
+/// Escapes for roff: dashes that are not hyphens, backslashes, and a dot or an apostrophe at the start of a line.
 std::string escaped_roff(std::string_view text)
 {
     std::string result;
@@ -114,7 +114,7 @@ int reference(const ReferenceOptions& options, const CommandText& program)
     for (const CatalogueEntry& entry : catalogue()) scenes.push_back(entry.name);
     std::string text;
     if (options.what == "man") {
-        if (options.out == "-") usage("reference man: needs --out, a folder");
+        if (options.out == "-") usage("reference man: needs --out FOLDER");
         write_man_pages(program, program, options.out);
         return 0;
     }
@@ -139,8 +139,8 @@ int reference(const ReferenceOptions& options, const CommandText& program)
 
 std::string markdown_of(const CommandText& program)
 {
-    std::string out = fmt::format("# Reference of the command line\n\nMade from the options of oncollide {}; every "
-                                  "command prints its part with `--help`. What all commands share: "
+    std::string out = fmt::format("# Reference of the command line\n\nGenerated from the options of oncollide {}; "
+                                  "every command prints its part with `--help`. For what all commands share see "
                                   "[command-line.md](command-line.md).\n",
                                   version);
     add_section(out, program);
@@ -174,13 +174,13 @@ std::string man_page_of(const CommandText& command, const CommandText& program)
 
 void add_reference(Arguments app)
 {
-    Arguments sub = app.add_command("reference", "The reference of all commands, from their options");
+    Arguments sub = app.add_command("reference", "Write the reference of all commands, generated from their options");
     sub.hide();
     auto options = std::make_shared<ReferenceOptions>();
-    sub.add_option("what", options->what, "a page, man pages, or completion for a shell")
+    sub.add_option("what", options->what, "a page, man pages, or completions for a shell")
         .required()
         .type_name("markdown|man|bash|zsh|fish");
-    sub.add_option("--out", options->out, "file (of man pages: folder) to write (default: standard output)")
+    sub.add_option("--out", options->out, "file (for man pages: folder) to write (default: standard output)")
         .type_name("FILE");
     sub.action([options, sub] { return reference(*options, sub.describe_program()); });
 }

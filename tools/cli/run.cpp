@@ -34,7 +34,7 @@ struct RunOptions {
     bool exit_code = false;
 };
 
-/// The page of --view; null: none was requested.
+/// The page of --view; null: not requested.
 std::unique_ptr<ViewPage> view_page(const RunOptions& options, const Scene& scene, const Pipeline& pipeline)
 {
     if (options.view.empty()) return nullptr;
@@ -45,7 +45,7 @@ std::unique_ptr<ViewPage> view_page(const RunOptions& options, const Scene& scen
                                                         .threads = thread_count(pipeline.settings())});
 }
 
-/// What --exit-code makes of the pairs of all frames; as of `check`.
+/// The exit code of --exit-code for the pairs of all frames; the same codes as of `check`.
 int code_of(const Report& report)
 {
     const std::array<std::uint64_t, 4> counts = report.verdicts();
@@ -57,15 +57,15 @@ int run(const RunOptions& options)
 {
     const Shard shard = shard_from(options.shard);
     if (!shard.whole() && wants_ranks(options.ranks))
-        usage("--shard is for processes that know nothing of each other: not under mpirun, without checkpoints");
+        usage("--shard is for independent processes: not under mpirun, and without checkpoints");
     if (wants_ranks(options.ranks))
         return play_on_ranks(options.scene, options.settings, options.outputs, options.ranks);
     if (!shard.whole() && options.from_frame)
-        usage("--shard and --from-frame: each says which frames are run; give one");
+        usage("--shard and --from-frame: each selects the frames to run; give only one of them");
     const Settings settings = settings_from(options.settings);
     check_range("--from-frame", options.from_frame, 0);
     const bool from_file = is_scene_file(options.scene.scene);
-    if (options.outputs.pairs == "-") usage("--pairs -: is written in place, so it must be a file");
+    if (options.outputs.pairs == "-") usage("--pairs -: needs a file, because it is written in place");
     check_outputs(options.outputs, from_file ? options.scene.scene : "");
     check_view("--view", options.view, options.view_limit, options.outputs, {from_file ? options.scene.scene : ""});
     show_reading(options.outputs.quiet);
@@ -87,7 +87,7 @@ int run(const RunOptions& options)
     if (pairs) sinks.push_back(&*pairs);
     if (page) sinks.push_back(page.get());
     const int code = play(scene, pipeline, report, int(end), options.outputs, first, sinks);
-    // Without the mark of a part where frames are missing: it must not be merged.
+    // Without the line that marks a part if frames are missing: such a file must not be merged.
     write_outputs(report, options.outputs,
                   code ? ""
                        : shard.line(fmt::format("run {}, {} bodies, {} frames, pace {}, settings {:016x}{}",
@@ -102,7 +102,7 @@ int run(const RunOptions& options)
 
 void add_run(Arguments app)
 {
-    Arguments sub = app.add_command("run", "Run a scene frame by frame: a scene file, or a scene of the catalogue");
+    Arguments sub = app.add_command("run", "Run a scene file, or a scene of the catalogue, frame by frame");
     auto options = std::make_shared<RunOptions>();
     options->scene.on_demand = true;
     sub.add_option("scene", options->scene.scene,
@@ -118,8 +118,8 @@ void add_run(Arguments app)
     sub.group("Results");
     sub.add_flag(
         "--exit-code", options->exit_code,
-        "exit with 1 if any pair collides in any frame, with 2 if none does but one may (default: 0 whenever the "
-        "run succeeds)");
+        "exit with 1 if a pair collides in any frame, else with 2 if a pair is within or undecided (default: 0 for "
+        "every run that succeeds)");
     const Option view =
         sub.add_option("--view", options->view,
                        "write one HTML page that shows the run in 3D, frame by frame; needs Debian's libjs-three")
@@ -127,14 +127,15 @@ void add_run(Arguments app)
             .check([](const std::string& file) { return std::string(file.empty() ? "the file name is empty" : ""); });
     add_view_limit(sub, options->view_limit).needs(view);
     sub.add_option("--pairs", options->outputs.pairs,
-                   "write the pairs of each frame as it is done (HDF5); readable up to the last whole frame, whatever "
-                   "ends the run")
+                   "write the pairs of each frame as it is done (HDF5); if the run is cut off, the complete frames "
+                   "stay readable")
         .type_name("FILE.h5");
     sub.add_option("--from-frame", options->from_frame,
-                   "begin with this frame; where --pairs names a file of the same run, go on with that (default 0)")
+                   "start at this frame; if --pairs names a file of the same run, append to it (default 0)")
         .type_name("N");
     add_rank_options(sub, options->ranks);
-    sub.add_option("--shard", options->shard, std::string("of the frames, ") + shard_help).type_name("I/N");
+    sub.add_option("--shard", options->shard, std::string("divide the frames among N processes: ") + shard_help)
+        .type_name("I/N");
     sub.footer("Examples:\n"
                "  oncollide run factory.glb --exact on --exit-code\n"
                "  oncollide run city --frames 100\n"
@@ -142,11 +143,11 @@ void add_run(Arguments app)
                "  oncollide run city --exact on --view city.html\n"
                "  oncollide run city --bodies 500 --skip exact --threads 0 --csv pairs.csv --trace trace.json\n"
                "  mpirun -n 8 oncollide run city --bodies 100000 --csv pairs.csv\n"
-               "At the end the first pairs that collide are named; --csv FILE or --json FILE has all of them.\n"
+               "At the end the first colliding pairs are listed; --csv FILE or --json FILE write all of them.\n"
                "Formats of the results: docs/results.md, docs/view.md. mpirun needs a build with\n"
                "ONCOLLIDE_MPI: docs/many-processes.md.\n"
-               "Ctrl-C stops after the frame in hand, or in it if that takes over half a second; what was computed is "
-               "written, and the exit code is 130.");
+               "Ctrl-C stops after the current frame, or during it if that takes over half a second; the results so "
+               "far are written, and the exit code is 130.");
     sub.action([options] { return run(*options); });
 }
 

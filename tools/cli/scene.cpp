@@ -33,9 +33,9 @@ int list_scenes()
 int write_scene(const WriteOptions& options)
 {
     if (options.list) return list_scenes();
-    if (options.scene.scene.empty()) usage("scene: give a NAME or a FILE, or --list to see the names");
+    if (options.scene.scene.empty()) usage("scene: give a NAME, a FILE, or --list to list the names");
     if (options.out.empty() || options.out == "-")
-        usage("scene: --out FILE.json is needed; a scene may bring mesh files that stand beside it");
+        usage("scene: --out FILE.json is required; mesh files may be written into the same folder");
     check_files({{"--out", options.out}}, {is_scene_file(options.scene.scene) ? options.scene.scene : ""});
     const Scene scene = open_scene(options.scene);
     print_warnings(scene);

@@ -6,23 +6,24 @@
 
 namespace oncollide::tools {
 
-/// A part of work that is divided among independent processes: part `part` of `parts`, from 1. All of it: 1 of 1.
+/// A part of work that is divided among independent processes: part `part` of `parts`, from 1. The whole: 1 of 1.
 struct Shard {
     int part = 1, parts = 1;
 
     bool whole() const { return parts == 1; }
-    /// Which of `count` items are its: first and end. The parts cover all, in order.
+    /// The range [first, end) of its items, out of `count`. The parts cover all items, in order.
     std::pair<std::size_t, std::size_t> range(std::size_t count) const
     {
         const auto end = [&](int k) { return count * std::size_t(k) / std::size_t(parts); };
         return {end(part - 1), end(part)};
     }
-    /// The first line of its file, by which `oncollide merge` knows it; empty for all of the work.
-    /// @param work  what is divided, the same in all parts: text without line breaks
+    /// The first line of its file, which `oncollide merge` reads; empty for the whole.
+    /// @param work  describes the divided work, equal in all parts: text without line breaks
     std::string line(const std::string& work) const;
 };
 
-/// Keeps the shard's part of `items`, called `what`. Throws Error{usage} where there are fewer of them than parts.
+/// Keeps the shard's part of `items`, called `what` in messages. Throws Error{usage} if there are fewer items than
+/// parts.
 void check_parts(const Shard& shard, std::size_t items, const char* what);
 template <class Item>
 void keep_part(const Shard& shard, std::vector<Item>& items, const char* what)
@@ -33,11 +34,11 @@ void keep_part(const Shard& shard, std::vector<Item>& items, const char* what)
     items.erase(items.begin(), items.begin() + std::ptrdiff_t(first));
 }
 
-/// From "3/8"; empty: all of the work. Throws Error{usage}.
+/// Parses "3/8"; empty: the whole. Throws Error{usage}.
 Shard shard_from(const std::string& text);
 
-/// What is said of every --shard.
+/// Help text of every --shard.
 inline constexpr const char* shard_help =
-    "do part I of N alone; 'oncollide merge' makes of the N files what one process would have written";
+    "compute only part I of N; 'oncollide merge' joins the N files into the file of a single process";
 
 } // namespace oncollide::tools

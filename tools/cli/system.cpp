@@ -69,7 +69,7 @@ std::size_t terminal_width()
 
 void prepare_process()
 {
-    // The lowest number that is free is taken first.
+    // open() returns the lowest free number.
     for (int file = ::open("/dev/null", O_RDWR); file >= 0; file = ::open("/dev/null", O_RDWR))
         if (file > STDERR_FILENO) {
             ::close(file);
@@ -88,7 +88,7 @@ void prepare_process()
             }
             remove_unfinished_files();
             std::signal(number, SIG_DFL);
-            std::raise(number); // when this returns
+            std::raise(number); // takes effect when this handler returns
         };
         action.sa_flags = SA_RESTART;
         sigaction(signal, &action, nullptr);
@@ -171,7 +171,7 @@ std::size_t terminal_width()
 
 void prepare_process()
 {
-    // The default action comes back by itself when the handler is called.
+    // Calling the handler restores the default action.
     for (int signal : {SIGINT, SIGTERM})
         std::signal(signal, [](int number) {
             if (catching) {

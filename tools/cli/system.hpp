@@ -2,39 +2,39 @@
 #include <cstddef>
 #include <string>
 
-// What only the operating system can say or do. Systems other than Linux have less of it; nothing depends on it.
+// Access to the operating system. Systems other than Linux support less of it; nothing depends on it.
 namespace oncollide::tools {
 
-/// Says which file that is, whatever name or link leads to it; empty: there is none.
+/// Identifies a file independent of the name or link that leads to it; empty: the file does not exist.
 std::string file_identity(const std::string& path);
 
-/// Does somebody see what goes to standard output, to standard error?
+/// True if standard output, or standard error, is a terminal.
 bool stdout_is_terminal();
 bool stderr_is_terminal();
-/// Of the terminal that standard output is; otherwise, and of very wide ones, 100. At least 40.
+/// Columns of the terminal on standard output, from 40 to 100; 100 if it is not a terminal.
 std::size_t terminal_width();
-/// To be called first. Standard input, output and error are open afterwards, on /dev/null where they were closed: else
-/// the next file opened would be one of them. Signals that end the program remove unfinished files before. A file that
-/// outgrows its limit (ulimit -f) is an error of writing, no signal. What the parent wants to be ignored (nohup,
-/// background jobs) stays so.
+/// Must be called first. Opens standard input, output and error on /dev/null if they are closed; otherwise the next
+/// file opened would take their place. Signals that end the program first remove unfinished files. A file that outgrows
+/// its limit (ulimit -f) is a write error, not a signal. Signals that the parent ignores (nohup, background jobs) stay
+/// ignored.
 void prepare_process();
-/// From now on the first Ctrl-C or SIGTERM only sets interrupted(); a second one ends the program.
+/// After this call the first Ctrl-C or SIGTERM only sets interrupted(); a second one ends the program.
 void catch_interrupts();
 bool interrupted();
-/// They end the program at once again: nothing waits for interrupted() any more.
+/// From now on these signals end the program at once again: nothing polls interrupted() any more.
 void release_interrupts();
 
 /// The processor's name, or "unknown".
 std::string processor_name();
-/// The operating system and its version, and the machine's memory in bytes; "unknown" and 0 where nothing says.
+/// The operating system and its version, and the machine's memory in bytes; "unknown" and 0 if not available.
 std::string system_name();
 std::size_t system_memory();
-/// The most memory that this process has held, and what it holds now, bytes; 0: unknown.
+/// The most memory that this process has held, and the memory it holds now, in bytes; 0: unknown.
 std::size_t peak_memory();
-/// From now on peak_memory() is the most since now. Where the system cannot do that, nothing happens.
+/// Restarts the maximum of peak_memory(). Does nothing if the system does not support it.
 void forget_peak_memory();
 std::size_t resident_memory();
-/// Gives freed memory back, so that resident_memory() tells what is in use.
+/// Returns freed memory to the system, so that resident_memory() reports the memory in use.
 void trim_memory();
 
 } // namespace oncollide::tools
