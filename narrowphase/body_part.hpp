@@ -6,11 +6,11 @@
 
 namespace oncollide {
 
-/// One of the parts that a body is made of: of a mesh or a terrain a triangle, of a map a cube of occupied cells, as
-/// large as the octree has it. A shape is one part.
+/// A part of a body: a triangle of a mesh or terrain, or an occupied cube of a map, as large as the octree stores it. A
+/// shape is one part.
 struct BodyPart {
-    std::uint32_t triangle = 0; ///< its number; 0 of others
-    MapCell cell{0, 0, 0, 0};   ///< side 0 of others
+    std::uint32_t triangle = 0; ///< number of the triangle; 0 if the part is none
+    MapCell cell{0, 0, 0, 0};   ///< side 0 if the part is no cell
 
     BodyPart() = default;
     BodyPart(std::uint32_t number) : triangle(number) {}

@@ -17,9 +17,9 @@ namespace oncollide {
 namespace {
 
 constexpr std::uint32_t block_side = CookedTerrain::side;
-constexpr std::size_t most_parts = 1 << 16; ///< of a terrain with holes; of more it is to be asked as a whole
+constexpr std::size_t most_parts = 1 << 16; ///< connected parts that a terrain's file stores; with more, it stores none
 
-/// visit(x, y) for the blocks of so many cells a side.
+/// Calls visit(x, y) for all blocks of block_side by block_side cells.
 template <class Visit>
 void each_block(const Terrain& terrain, Visit visit)
 {

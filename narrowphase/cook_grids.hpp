@@ -1,4 +1,4 @@
-// Checks of cooked terrains and maps against all that they hold: part of check_cooked().
+// Checks of cooked terrains and maps against their contents: part of check_cooked().
 #pragma once
 #include <cstddef>
 #include <filesystem>

@@ -15,7 +15,7 @@ namespace oncollide {
 
 namespace {
 
-/// Of fewer all parts are found; of more only those of a closed mesh, which is asked for them.
+/// A closed mesh always stores its connected parts, which queries need; an open mesh only below this many triangles.
 constexpr std::size_t always_parted = 1 << 17;
 
 bool all_floats(const Mesh& mesh)
@@ -56,7 +56,8 @@ private:
     static constexpr std::uint16_t none = 0xffff;
     static_assert(most_chunk_vertices < none);
 
-    /// The node of the parts of box k, and all below it that have more triangles than a chunk. Returns its number.
+    /// Adds the node below box k, and all nodes below it that have more triangles than a chunk. Returns its number plus
+    /// 1.
     std::uint32_t add_below(ObbTree::Node index, unsigned k)
     {
         const ObbTree::Node from = tree_.child(index, k);
@@ -141,12 +142,12 @@ private:
 
     const Mesh& mesh_;
     ObbTree tree_;
-    const std::uint32_t chunk_; ///< triangles, at most
+    const std::uint32_t chunk_; ///< maximum triangles per chunk
     CookedWriter file_;
     std::vector<CookedNode> nodes_;
-    std::vector<std::uint16_t> local_; ///< by vertex: its number in the chunk at hand
+    std::vector<std::uint16_t> local_; ///< by vertex: its number in the current chunk
     std::vector<bool> used_;
-    std::vector<std::uint32_t> numbers_; ///< of the chunk's vertices
+    std::vector<std::uint32_t> numbers_; ///< vertices of the chunk
     std::vector<std::uint16_t> corners_;
 };
 

@@ -82,10 +82,11 @@ void Model::make_obb_tree(ChunkBudget* budget, BoxTotals& totals)
                              : std::make_unique<ObbTree>(*surface_mesh(), &totals);
 }
 
-/// Of a cooked mesh all is read for it, and none of it kept.
+/// Reads all of a cooked mesh, and keeps none of it.
 bool Model::prepare_solids(bool near)
 {
-    // As long as so many walks for each four vertices take: the balls save less, and are not to delay first results.
+    // Building takes as long as this many traversals per four vertices. The inner spheres save less, and must not delay
+    // the first results.
     constexpr std::uint64_t walks_for_hull = 3, walks_for_balls = 32;
     if (has_solids() || (near && !hull_)) return false;
     if (4 * ++walks_ <= (hull_ ? walks_for_balls : walks_for_hull) * vertices()) return false;
@@ -97,7 +98,7 @@ bool Model::prepare_solids(bool near)
             balls_ = std::make_unique<InnerSpheres>(mesh);
         else
             hull_ = std::make_unique<OuterHull>(mesh);
-    } catch (const ChunkFault&) { // which the file keeps
+    } catch (const ChunkFault&) { // the file keeps the fault
         no_solids_ = true;
     }
     return true;

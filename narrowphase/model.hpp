@@ -29,111 +29,112 @@
 
 namespace oncollide {
 
-/// The one owner of everything that is derived from a geometry: each thing is worked out once, when it is first needed,
-/// and stays at its address, shared by all bodies, queries and threads.
+/// Owns all data derived from a geometry. Each item is computed once, when it is first needed, and stays at its
+/// address, shared by all bodies, queries and threads.
 ///
-/// What is const here is safe to call from many threads at once. The trees are grown by walks, and made and dropped by
-/// whoever holds the budgets (ModelStore), never while walks are under way.
+/// Const members may be called from many threads at once. Traversals grow the trees; the owner of the budgets
+/// (ModelStore) makes and drops them, never while a traversal runs.
 class Model {
 public:
-    /// Shares the geometry. Cost: its bounds, no more.
+    /// Shares the geometry. Cost: computing its bounds only.
     explicit Model(std::shared_ptr<const Geometry> geometry);
-    ~Model() { obb_tree.reset(); } // what they are of goes later
+    ~Model() { obb_tree.reset(); } // it refers to members that are destroyed before it
     Model(const Model&) = delete;
     Model& operator=(const Model&) = delete;
 
     const Geometry& geometry() const { return *geometry_; }
-    /// Null: it is no mesh. Of a cooked one all of its file is read and kept, unless cooked() serves as well; then it
-    /// throws ChunkFault.
+    /// Null if the geometry is no mesh. For a cooked mesh this reads and keeps the whole file and throws ChunkFault, so
+    /// use cooked() where it suffices.
     const Mesh* mesh() const { return cooked() ? &whole() : as<Mesh>(); }
-    /// Of a mesh in a cooked file; else null.
+    /// The mesh in a cooked file; null for other geometries.
     const CookedMesh* cooked() const
     {
         const auto* mesh = as<std::shared_ptr<const CookedMesh>>();
         return mesh ? mesh->get() : nullptr;
     }
-    /// The file that parts of it are read from where tests need them; null: none.
+    /// The file from which tests read parts of the geometry on demand; null: none.
     const CookedFile* file() const { return file_; }
-    /// Of a map or a terrain in a file: what is read of it is this model's own from now on, and counts here. Before
-    /// anything else is asked of it.
+    /// For a map or a terrain in a file: from now on this model holds its own chunks, which count in `budget`. Call it
+    /// before any other member.
     void read_on_demand(ChunkBudget& budget);
-    /// Reads all of the file, for what needs all of it. Throws ChunkFault.
+    /// Reads the whole file. Throws ChunkFault.
     void read_all() const;
-    /// What it holds of a map's or a terrain's file; null: nothing.
+    /// The chunks that this model holds of a map's or a terrain's file; null: none.
     HeldChunks* held_grid() const;
     bool is_mesh() const { return as<Mesh>() || cooked(); }
     const Shape* shape() const { return as<Shape>(); }
     const OccupancyMap* map() const { return as<OccupancyMap>(); }
     const Terrain* terrain() const { return as<Terrain>(); }
 
-    /// World boxes at any pose.
+    /// World AABBs at any pose.
     PoseBounds& bounds() { return bounds_; }
     const PoseBounds& bounds() const { return bounds_; }
 
     /// The convex mesh around a shape. The model must be a shape.
     const BoundingMesh& bounding_mesh() const;
-    /// How far the surface that trees are built over may lie outside the geometry (m): 0 but for shapes.
+    /// How far the surface that trees are built over may lie outside the geometry (m); 0 unless it is a shape.
     double covering_error() const { return shape() ? bounding_mesh().covering_error : 0.0; }
     bool is_half_space() const { return shape() && std::holds_alternative<HalfSpace>(*shape()); }
-    /// Is it a mesh, a box or a hull, whose triangles tell exactly?
+    /// True for a mesh, a box or a hull: exact triangle tests decide it.
     bool has_triangles() const { return is_mesh() || (shape() && is_polytope(*shape())); }
-    /// The shape as tests without trees take it. The model must be a shape, and no half-space.
+    /// The shape for tests without trees. The model must be a shape other than a half-space.
     const Convex& convex() const;
-    /// The shape as one primitive for walks. The model must be a shape, and no half-space.
+    /// The shape as one primitive for traversals. The model must be a shape other than a half-space.
     const ShapeTree& shape_tree() const;
-    /// What trees of oriented boxes are built over: the mesh, or the surface of a box or a hull; null: there is none.
+    /// The triangles that OBB trees are built over: the mesh, or the surface of a box or a hull; null: there are none.
     const Mesh* surface_mesh() const { return !has_triangles() ? nullptr : shape() ? &polytope() : mesh(); }
     std::size_t triangles() const { return cooked() ? cooked()->triangles() : surface_mesh()->triangles.size(); }
     std::size_t vertices() const { return cooked() ? cooked()->vertices() : surface_mesh()->vertices.size(); }
-    /// Makes its tree of oriented boxes, which counts in the totals unless it has a budget.
+    /// Makes the OBB tree. It counts in the totals unless it has a budget.
     /// @param budget  null: a cooked mesh is read as a whole
     void make_obb_tree(ChunkBudget* budget, BoxTotals& totals);
     /// The octree of a map. The model must be a map.
     MapTree& cells() const;
     /// The quadtree of a terrain. The model must be a terrain.
     TerrainTree& heights() const;
-    std::size_t grid_bytes() const; ///< of the quadtree, and of what is held of a map's file
-    /// Around the geometry, or around the bounding mesh of a shape.
+    std::size_t grid_bytes() const; ///< of the quadtree, and of the chunks held of a map's file
+    /// The cell around the geometry, or around the bounding mesh of a shape.
     RootCell root_cell() const;
-    /// What occlusion backends see, but not of a terrain. Not kept: backends own it. Cost: 10 ns a primitive.
+    /// The surface for occlusion backends, which own it. Not for terrains. Cost: 10 ns per primitive.
     Surface surface(const RootCell& root) const;
 
-    /// Is it a mesh in which every edge is shared by two triangles that run along it in opposite directions?
+    /// True for a mesh in which every edge is shared by two triangles that traverse it in opposite directions.
     bool closed() const;
-    /// Has surface_mesh() an inside? That of a closed mesh, of a box or a hull.
+    /// True if surface_mesh() has an inside: a closed mesh, a box or a hull.
     bool has_inside() const { return shape() ? is_polytope(*shape()) : closed(); }
-    /// Connected parts, each by points of it; none of a map.
+    /// Points of each connected part; empty for a map.
     std::span<const PartPoints> parts() const;
-    /// visit(part) until it returns true, for all parts that may be in a box, at least. Returns whether it did.
+    /// Calls visit(part) for every part that may be in a box, possibly for others too, until it returns true. Returns
+    /// whether it did.
     /// @param into  moves the box into the geometry's frame
     template <class Visit>
     bool any_part(const Aabb& box, const RelativePose& into, Visit visit) const;
-    /// FCL's model, for exact = fcl.
+    /// The model for FCL, used with exact = fcl.
     const FclModel& fcl() const;
 
-    /// A walk of it against another mesh is about to begin: makes the hull, and later the balls, where so many have
-    /// been that it pays. Returns whether it made something. Not beside other calls.
-    /// @param near  the last walk of the two did not part them, and so would not have their hulls
+    /// Call before each traversal against another mesh. Builds the outer hull, and later the inner spheres, once there
+    /// were enough traversals to repay the cost. Returns true if it built something. Not thread-safe.
+    /// @param near  the last traversal did not separate the two meshes, so their hulls would not have either
     bool prepare_solids(bool near);
-    /// Is there nothing more to prepare?
+    /// True if nothing is left to prepare.
     bool has_solids() const { return (hull_ && (balls_ || !is_mesh())) || no_solids_ || !has_triangles(); }
-    /// The convex solid around surface_mesh(); null: not there.
+    /// The convex solid around surface_mesh(); null: not built.
     const OuterHull* hull() const { return hull_.get(); }
-    /// The balls within a mesh; null: not there.
+    /// The spheres inside a mesh; null: not built.
     const InnerSpheres* balls() const { return balls_.get(); }
 
-    std::uint32_t number = 0; ///< by which backends know its sphere-tree
-    /// Frame in which a pair last needed the OBB tree.
+    std::uint32_t number = 0; ///< identifies the sphere-tree to backends
+    /// The last frame in which a pair needed the OBB tree.
     std::atomic<std::uint32_t> obb_tree_used = 0;
     std::unique_ptr<Ocst> spheres;  ///< the sphere-tree; null until a test reaches it
-    std::unique_ptr<ObbTree> obb_tree; ///< the hierarchy of oriented boxes of surface_mesh(); null until a test reaches it
-    std::string unreadable;         ///< why the hierarchy of a cooked mesh cannot be had; empty: it can
+    std::unique_ptr<ObbTree> obb_tree; ///< the OBB tree of surface_mesh(); null until a test reaches it
+    std::string unreadable; ///< why a cooked mesh can have no OBB tree; empty: it can
 
-    /// Begins to load what pairs of it look at first.
+    /// Prefetches the members that a pair reads first.
     void prefetch() const { oncollide::prefetch(this, 192); }
 
 private:
-    /// Without a look at the geometry itself: of a large world it lies scattered in memory.
+    /// Does not read the geometry itself: in a large world the geometries lie scattered in memory.
     template <class Kind>
     const Kind* as() const
     {
@@ -151,7 +152,7 @@ private:
 
     std::shared_ptr<const Geometry> geometry_;
     const std::size_t kind_ = geometry_->data.index();
-    const void* data_; ///< what there is of that kind: the geometry's, or this model's own
+    const void* data_; ///< the data of that kind: the geometry's, or this model's own
     const CookedFile* file_;
     std::unique_ptr<OuterHull> hull_;
     std::unique_ptr<InnerSpheres> balls_;
@@ -169,11 +170,11 @@ private:
     mutable bool closed_ = false;
     mutable std::vector<PartPoints> parts_;
     mutable std::shared_ptr<const FclModel> fcl_;
-    std::uint64_t walks_ = 0; ///< that what there is to prepare might have saved
+    std::uint64_t walks_ = 0; ///< traversals that the hull or the inner spheres might have saved
     bool no_solids_ = false;  ///< the file cannot be read
 };
 
-/// Around a box that is moved, rounded outward.
+/// The AABB of a moved box, rounded outward.
 inline Aabb box_moved(const Aabb& box, const RelativePose& into)
 {
     Aabb around;

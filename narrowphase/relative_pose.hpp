@@ -3,8 +3,8 @@
 
 namespace oncollide {
 
-/// Moves points of B into A's frame, in double: what the exact level calls their coordinates. All callers must get the
-/// same bits, so the operations and their order are fixed; the triangle kernel does the same.
+/// Moves points of B into A's frame, in double; the exact level is exact for the coordinates so rounded. All callers
+/// must get the same bits, so the operations and their order are fixed; the triangle kernel repeats them.
 struct RelativePose {
     Eigen::Matrix3d rotation;
     Eigen::Vector3d translation;
@@ -13,7 +13,7 @@ struct RelativePose {
         : rotation(a.linear().transpose() * b.linear()),
           translation(a.linear().transpose() * (b.translation() - a.translation()))
     {
-        // Rounding must not turn one body against the other: two copies of a mesh in one place lie on each other.
+        // Rounding must not rotate one body against the other: two copies of a mesh at the same pose must coincide.
         if (a.linear() == b.linear()) rotation.setIdentity();
     }
     Eigen::Vector3d operator()(const Eigen::Vector3d& p) const

@@ -4,10 +4,10 @@
 
 namespace oncollide {
 
-/// What is certain about a pair of bodies at the end of a frame.
+/// The certain result of a pair of bodies at the end of a frame.
 enum class Verdict : std::uint8_t {
     separate,  ///< distance > clearance, and at least the bound
-    within,    ///< distance <= the bound; may or may not collide
+    within,    ///< distance <= the bound; the bodies may or may not collide
     colliding, ///< the exact level found intersecting triangles, or one solid body encloses the other
     undecided, ///< a budget or a skipped stage stopped refinement; distance <= the bound reached so far
 };
@@ -18,14 +18,14 @@ constexpr std::string_view name_of(Verdict verdict)
     return names[static_cast<int>(verdict)];
 }
 
-/// How a pair collides or is near, where an exact level found out. It speaks of surfaces by their pairs of triangles,
-/// as TriangleContact does.
+/// How a pair collides or is near, if an exact level decided it. Surfaces are compared by pairs of triangles, as in
+/// TriangleContact.
 enum class ContactKind : std::uint8_t {
     unknown,  ///< not determined, or there is no contact
     near,     ///< no contact; the distance is at most the clearance
     touching, ///< triangles meet, no two of them cross, and no point was found inside both
     crossing, ///< at least two triangles cross, or the insides of closed meshes overlap
-    enclosed, ///< surfaces do not meet; a part of one body is inside the other (solid mode)
+    enclosed, ///< surfaces do not meet, and a part of one body is inside the other (solid mode)
 };
 
 constexpr std::string_view name_of(ContactKind kind)

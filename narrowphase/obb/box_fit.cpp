@@ -13,7 +13,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Second moments of the surface; of the corners when it has no area.
+/// Second moments of the surface, or of the corners if the area is 0.
 Matrix3d spread_of(const TriangleColumns& triangles, const Aabb& extent)
 {
     const double scale = 0x1p13 / extent.half_extent().maxCoeff();
@@ -29,7 +29,7 @@ Matrix3d spread_of(const TriangleColumns& triangles, const Aabb& extent)
     return squares / (12 * sums.weight) - mean * mean.transpose();
 }
 
-/// Right-handed, the first axis along u, the last along n as far as that is square to u.
+/// Right-handed axes: the first along u, the last along the part of n that is orthogonal to u.
 Matrix3d frame_of(const Vector3d& u, const Vector3d& n)
 {
     Matrix3d axes;

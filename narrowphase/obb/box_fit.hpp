@@ -18,7 +18,7 @@ inline const BoxFitKernel& box_fit_kernel()
     return kernel;
 }
 
-/// Triangles that boxes are fitted around, in columns.
+/// The input of box fitting: triangles in columns.
 class TriangleColumns {
 public:
     TriangleColumns() = default;
@@ -27,7 +27,7 @@ public:
         assign(1, [&](std::size_t) -> const TrianglePoints& { return triangle; });
     }
 
-    /// Those that corners(i) says. The last one fills its four.
+    /// Takes the triangles corners(0) to corners(size - 1). The last triangle fills the last group of four.
     void assign(std::size_t size, auto corners)
     {
         size_ = size, number_ = (size + 3) / 4;
@@ -50,13 +50,13 @@ private:
     std::size_t size_ = 0, number_ = 0;
 };
 
-/// What the triangles take along each of the columns of `axes`.
+/// The extent of the triangles along each column of `axes`.
 Aabb extent_along(const Eigen::Matrix3d& axes, const TriangleColumns& triangles);
 
-/// Axes, the columns of a rotation, along the directions in which the triangles' surface spreads most and least; for
+/// Axes, the columns of a rotation, along the directions of largest and smallest spread of the triangles' surface; for
 /// one triangle, along its normal and its longest side. Source: Gottschalk, Lin and Manocha, "OBBTree", SIGGRAPH 1996.
-/// @param triangles  2^14 at most
-/// @param bounds     a box along the axes of the frame that is nearly theirs
+/// @param triangles  at most 2^14
+/// @param bounds     a box along the axes of the frame, nearly the bounds of the triangles
 Eigen::Matrix3d fitted_axes(const TriangleColumns& triangles, const Aabb& bounds);
 
 } // namespace oncollide

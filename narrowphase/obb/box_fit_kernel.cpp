@@ -26,7 +26,7 @@ inline Vec corner(const FourTriangles& four, int c)
     return {lanes(0), lanes(1), lanes(2)};
 }
 
-/// To the nearest integer, of at most 2^51.
+/// Rounds to the nearest integer; |v| is at most 2^51.
 inline F64 whole(F64 v)
 {
     constexpr double shift = 0x1.8p52;
@@ -56,10 +56,10 @@ void extent(const FourTriangles* fours, std::size_t number, const double (&direc
     }
 }
 
-/// Triangles on the grid, and their areas.
+/// Triangles on the grid, with their areas.
 struct OnGrid {
     Vec p, q, r;
-    F64 area; ///< twice
+    F64 area; ///< twice the area
 
     OnGrid(const FourTriangles& four, const double (&middle)[3], double scale)
     {
@@ -96,7 +96,7 @@ void sums(const FourTriangles* fours, std::size_t triangles, const double (&midd
         F64 weight = F64{} + 1;
         if (most > 0) {
             const F64 share = min(t.area * share_of_area, F64{} + heaviest), nearest = whole(share);
-            weight = nearest < share ? nearest + 1 : nearest; // 0 of those without area alone
+            weight = nearest < share ? nearest + 1 : nearest; // 0 only for triangles without area
         }
         weight = there(n) ? weight : F64{};
         const Vec s = t.p + t.q + t.r;

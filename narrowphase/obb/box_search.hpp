@@ -7,15 +7,15 @@
 
 namespace oncollide {
 
-/// visit(triangle) for all that may be in a box of the mesh's frame, or touch it, until it returns true. Returns
-/// whether it did. Grows the tree there.
+/// Calls visit(triangle) for all triangles that may intersect or touch a box of the mesh's frame, until it returns
+/// true. Returns whether it did. Grows the tree there.
 bool any_triangle(ObbTree& tree, const Aabb& box, auto visit, ObbTree::Node from = ObbTree::root)
 {
     OpenBoxes boxes;
     const LaneMasks masks = tree.open(from, nullptr, boxes);
     const double rounding = 0x1p-17 * tree.radius() + 0x1p-48 * tree.centre().norm();
     for (unsigned k = 0; k < 8; ++k) {
-        if (boxes.c[0][k] > 1e29f) continue; // no box
+        if (boxes.c[0][k] > 1e29f) continue; // an unused lane
         bool apart = false;
         for (int i = 0; i < 3; ++i) {
             double reach = rounding;

@@ -1,5 +1,5 @@
-// Two hierarchies of oriented boxes walked at once: the larger box first, the deepest overlap first. All queries of
-// boxes are made of these steps.
+// Traversal of two hierarchies of oriented boxes: the larger box first, the deepest overlap first. All queries on boxes
+// are built from these steps.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -20,33 +20,35 @@ namespace oncollide {
 /// Bounds on a distance.
 template <class Pair>
 struct DistanceBounds {
-    double lower, upper;         ///< both 0 where the geometries were seen to meet
-    std::optional<Pair> nearest; ///< two primitives that are `upper` apart, or that meet
+    double lower, upper; ///< both 0 if the geometries were found to meet
+    std::optional<Pair> nearest; ///< two primitives at the distance `upper`, or that meet
 };
 
 /// How a distance compares with a cutoff.
 template <class Pair>
 struct Comparison {
-    int sign;     ///< -1: it is at most the cutoff; 1: it is more; 0: it differs by no more than rounding
-    double bound; ///< 1: a lower bound on it, above the cutoff; else an upper bound, that of 0 at least the cutoff
-    std::optional<Pair> witness; ///< two primitives that are so near; where it is -1
+    int sign; ///< -1: the distance is at most the cutoff; 1: it is more; 0: it differs from the cutoff by no more than
+              ///< rounding
+    double bound; ///< sign 1: a lower bound of the distance, above the cutoff; else an upper bound, for sign 0 at least
+                  ///< the cutoff
+    std::optional<Pair> witness; ///< sign -1: two primitives at most the cutoff apart
 };
 
 template <class Pair>
 struct NearBounds {
     bool near;
-    double bound; ///< near: the distance is at most this, clearance + tolerance (or, if that is less, + rounding);
-                  ///< else at least this, and no less than the clearance; > 0 unless doubles cannot express it
-    std::optional<Pair> witness; ///< two primitives that are so near
+    double bound; ///< near: upper bound of the distance, clearance + tolerance (or + rounding, if that is more); else
+                  ///< lower bound, at least the clearance; > 0 unless doubles cannot express it
+    std::optional<Pair> witness; ///< near: two primitives within `bound`
 };
 
-/// Two boxes that hold the primitives which met last, some levels up: box `lane` of a node on each side.
+/// Two boxes around the primitives that met last, some levels above them: box `lane` of a node on each side.
 template <BoxHierarchy A, BoxHierarchy B>
 struct MeetingHint {
     typename A::Node a;
     typename B::Node b;
     std::uint8_t lane_a, lane_b;
-    std::uint32_t of_a, of_b; ///< their hierarchies' identity(), where nodes are stored
+    std::uint32_t of_a, of_b; ///< identity() of the hierarchies, if they store nodes
 
     MeetingHint(const A& in_a, const typename A::Node& at_a, std::uint8_t k_a, const B& in_b,
                  const typename B::Node& at_b, std::uint8_t k_b)
@@ -65,52 +67,51 @@ private:
     }
 };
 
-/// The queries about two hierarchies. One thread's working memory; others may walk the same hierarchies meanwhile.
-/// Distances are metres. A hint is two primitives that met last: they are tested first.
+/// The queries about two hierarchies. One thread's working memory; other threads may traverse the same hierarchies
+/// meanwhile. Distances are metres. A hint is two primitives that met last: they are tested first.
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 class BoxWalk {
 public:
     using Pair = typename Leaves::Pair;
     using Place = MeetingHint<A, B>;
 
-    /// found(pair) for primitives that meet, the hint's first, while it returns true. The hint may come twice. Returns
-    /// how far apart the geometries are at least, if none meet; else 0.
-    /// @param leave  leave(pair): need the pair not be tested?
-    /// @param place  where they met last; looked at before all else. Set to where they meet
+    /// Calls found(pair) for primitives that meet, the hint's first, while it returns true. The hint may come twice.
+    /// Returns a lower bound of the distance if none meet; else 0.
+    /// @param leave  leave(pair) is true for pairs that need not be tested
+    /// @param place  where primitives met last; tested before the rest. Set to where they meet
     double meetings(A& a, B& b, const RelativePose& b_to_a, std::optional<Pair> hint, auto found, auto leave,
                     std::optional<Place>* place = nullptr);
 
-    /// found(pair) for all primitives that meet, in any order, each once, but those for which leave(pair). Defined in
-    /// box_walk_all.hpp.
+    /// Calls found(pair) once for each pair of primitives that meet, in any order, except pairs for which leave(pair)
+    /// is true. Defined in box_walk_all.hpp.
     void all_meetings(A& a, B& b, const RelativePose& b_to_a, auto found, auto leave);
 
-    /// Are they within `clearance`? Geometries farther apart than that, but not than clearance + tolerance, may be
-    /// called near. The result does not depend on `hint`.
+    /// Decides whether the distance is at most `clearance`. Geometries farther apart than the clearance, but at most
+    /// clearance + tolerance apart, may be reported as near. The result does not depend on `hint`.
     NearBounds<Pair> near(A& a, B& b, const RelativePose& b_to_a, double clearance, double tolerance,
                           std::optional<Pair> hint, std::optional<Place>* place = nullptr);
 
-    /// Is the distance, in A's frame, at most `cutoff`? A hint is two primitives that were that near.
-    /// @param slack  besides rounding: what the caller's cutoff may be off by
+    /// Decides whether the distance, in A's frame, is at most `cutoff`. A hint is two primitives that were that near.
+    /// @param slack  error bound of the caller's cutoff, besides rounding
     Comparison<Pair> compare(A& a, B& b, const RelativePose& b_to_a, double cutoff, double slack,
                              std::optional<Pair> hint);
 
-    /// Bounds on the distance, at most `tolerance` and rounding apart; depth first, the nearest boxes first. Of
-    /// geometries that are farther apart than `farthest` only a lower bound above that is found; the upper one is then
-    /// infinite, else never.
+    /// Bounds of the distance, at most `tolerance` plus rounding apart. Depth first, the nearest boxes first. Beyond
+    /// the cutoff `farthest`: lower > cutoff, upper = inf. Otherwise both are finite.
     DistanceBounds<Pair> distance(A& a, B& b, const RelativePose& b_to_a, double tolerance, double farthest);
 
     Leaves& leaves() { return leaves_; }
     const Leaves& leaves() const { return leaves_; }
-    /// Did the last query, but distance(), see no box of A come as near as was asked to the box around all of B?
+    /// True if, in the last query other than distance(), no box of A came within the cutoff of B's root box.
     bool far_from_all() const { return far_; }
-    std::uint64_t box_rows = 0;   ///< tests of one box against those of a node
+    std::uint64_t box_rows = 0; ///< tests of one box against all boxes of a node
     std::uint64_t hints_held = 0; ///< queries that their hint or place decided
 
 private:
-    /// Where a walk stands: a box of an open node on both sides. In one word, since a walk goes on with what it has
-    /// just written: a processor waits for several stores that one load reads.
+    /// A pair of boxes, one of an open node on each side. Packed in one word because the traversal soon reads it back:
+    /// a load that spans several recent stores stalls the processor.
     struct Entry {
-        std::uint64_t boxes = 0; ///< 8 * slot + lane, of B in the upper half
+        std::uint64_t boxes = 0; ///< 8 * slot + lane; B's in the upper half
         float gap = 0;
 
         Entry() = default;
@@ -124,7 +125,7 @@ private:
         std::uint8_t lane_b() const { return boxes >> 32 & 7; }
     };
     static constexpr std::size_t first_batch = 4, most_batch = 64; ///< pairs of primitives tested together
-    /// Does it cost little more to measure several than one?
+    /// True if measuring several pairs costs little more than measuring one.
     static constexpr bool measures_many = requires(Leaves & leaves, std::span<const Pair> pairs)
     {
         leaves.nearest(pairs, [](const Pair&, const NearestPoints&) {});
@@ -153,13 +154,13 @@ private:
         a_.open(A::root);
         start_again();
     }
-    /// From the roots, with what is open.
+    /// Starts again from the roots; open nodes stay open.
     void start_again()
     {
         reset();
         stack_[top_++] = {};
     }
-    /// The same for what is within `cutoff`: of a large geometry only the surroundings of the other one.
+    /// As start(), for primitives within `cutoff`: of a large geometry only the surroundings of the other one.
     void start_near(A& a, B& b, const RelativePose& b_to_a, const WalkFrame& frame, double cutoff)
     {
         const auto around = [&](const Eigen::Vector3d& centre, double radius) {
@@ -194,7 +195,7 @@ private:
         if (!of_b.node) top_ = 0;
         far_ = top_ == 0;
     }
-    /// Where to start in a hierarchy for what is in box(): at its root unless it can tell.
+    /// The node from which to search for the contents of box(): the root unless the hierarchy has entry().
     template <class Hierarchy>
     static auto entry(const Hierarchy& hierarchy, auto box)
     {
@@ -208,7 +209,7 @@ private:
             return Entry{Hierarchy::root, infinity};
         }
     }
-    /// Is a primitive of a hint there? A geometry that is read on demand may have lost it since.
+    /// True if the primitive of a hint is loaded; a geometry that is read on demand may have dropped it.
     static bool holds(const auto& hierarchy, const auto& primitive)
     {
         if constexpr (requires { hierarchy.holds(primitive); })
@@ -216,7 +217,7 @@ private:
         else
             return true;
     }
-    /// Before start(), so that a hint that does not meet leaves nothing behind.
+    /// Tests the hint; called before start(), so that a hint that does not meet leaves no state. False: the query ends.
     bool go_on_after_hint(A& a, B& b, const RelativePose& b_to_a, const std::optional<Pair>& hint, auto found)
     {
         waiting_.clear(), from_.clear();
@@ -224,7 +225,7 @@ private:
         leaves_.start(a, b, b_to_a);
         return leaves_.meeting(std::span<const Pair>(&*hint, 1), found);
     }
-    /// Before start(), as go_on_after_hint(): do primitives around that place meet?
+    /// As go_on_after_hint(), for the primitives around the last place.
     bool go_on_after_place(A& a, B& b, const RelativePose& b_to_a, const WalkFrame& frame, std::optional<Place>* place,
                            auto found, auto leave)
     {
@@ -247,20 +248,21 @@ private:
             return true;
         });
     }
-    /// Around the pair, which waited or is in the boxes of an entry.
+    /// Sets the place around the pair, which waited or is in the boxes of an entry.
     void set_place(const A& a, const B& b, std::optional<Place>* place, const Pair& pair, const Entry* from = nullptr)
     {
-        constexpr int levels = 2; // up to a hundred triangles: mostly they meet there again, for a quarter of a walk
+        constexpr int levels = 2; // up to a hundred triangles: mostly they meet there again, for a quarter of the cost
+                                  // of a traversal
         if (!place) return;
         for (std::size_t i = 0; i < from_.size(); ++i)
             if (waiting_[i].a == pair.a && waiting_[i].b == pair.b) from = &from_[i];
-        if (!from) return; // the hint
+        if (!from) return; // the pair is the hint
         const auto [slot_a, lane_a] = a_.up(from->slot_a(), from->lane_a(), levels);
         const auto [slot_b, lane_b] = b_.up(from->slot_b(), from->lane_b(), levels);
         place->emplace(a, a_[slot_a].node, lane_a, b, b_[slot_b].node, lane_b);
     }
     bool both_leaves(Entry e) const { return a_[e.slot_a()].leaf(e.lane_a()) && b_[e.slot_b()].leaf(e.lane_b()); }
-    /// Is the box of A to be opened? The larger one is.
+    /// True if the box of A is to be opened: the larger box is, unless it is single.
     bool opens_a(Entry e) const
     {
         return b_[e.slot_b()].single(e.lane_b()) ||
@@ -272,8 +274,8 @@ private:
     unsigned open(Entry e, float cutoff);
     template <bool far>
     unsigned compare(Entry e, bool down_a, std::uint32_t slot, float cutoff);
-    /// A direction in A's frame and in B's, of length 1 at most; points of B show `shift` more along it in A's frame
-    /// than in their own.
+    /// A direction in A's frame and in B's, of length 1 at most. The projection of a point of B in A's frame is its
+    /// projection in B's frame plus `shift`.
     struct Line {
         Eigen::Vector3d in_a, in_b;
         double shift;
@@ -298,13 +300,14 @@ private:
         for (const auto b : of_b) low = std::min(low, leaves_.low_b(b, line.in_b));
         return low + line.shift;
     }
-    /// The line that boxes are compared along, too.
+    /// Sets the direction onto which boxes are also projected.
     void take_line(const Line& line)
     {
         line_ = line, origin_along_line_ = line.in_a.dot(origin_);
         for (int i = 0; i < 3; ++i) toward_b_[i] = static_cast<float>(box_line_length * line.in_a[i]);
     }
-    /// The line as the parts of the one box see the other: towards them. Of a leaf its primitives count, not the box.
+    /// Sets the direction from the other box towards the parts of this one, and the other box's largest projection onto
+    /// it. If the other box is a leaf, its primitives are projected instead.
     void set_line(BoxLine& line, Entry e, bool down_a) const
     {
         for (int i = 0; i < 3; ++i) line.direction[i] = down_a ? -toward_b_[i] : toward_b_[i];
@@ -323,7 +326,7 @@ private:
         for (int i = 0; i < 3; ++i) reach += boxes.h[i][k] * std::abs(along(boxes.axis[i]));
         line.other_reach = reach;
     }
-    /// The nearest of the last `count` entries last. There are eight at most.
+    /// Sorts the last `count` entries, at most eight, so that the nearest is last.
     void sort_last(unsigned count)
     {
         Entry* const first = &stack_[top_ - count];
@@ -343,7 +346,7 @@ private:
         return go_on;
     }
     bool test_if_enough(std::size_t& batch, auto found);
-    /// Bounds on the distance of primitives that do not meet, and from the nearest point of A's to that of B's.
+    /// Bounds of the distance of primitives that do not meet, and the vector from A's nearest point to B's.
     struct Nearest {
         double lower, upper;
         Eigen::Vector3d between;
@@ -358,7 +361,7 @@ private:
             return {found.distance - frame.leaf_rounding, found.distance + frame.leaf_rounding, found.b - found.a};
         }
     }
-    /// take(pair, points) for all that wait.
+    /// Calls take(pair, points) for all waiting pairs.
     void measure_waiting(const WalkFrame& frame, auto take)
     {
         if constexpr (measures_many) {
@@ -377,7 +380,7 @@ private:
         for (const float gap : nearest_) least = std::min(least, frame.at_least(gap));
         return least;
     }
-    /// Of geometries of which no two primitives met: by the boxes that were left, and the primitives that were tested.
+    /// Lower bound of the distance if no two primitives met, from the rejected boxes and the tested primitives.
     double least_gap(const WalkFrame& frame)
     {
         const double least = std::min(least_box_gap(frame), leaves_.least_gap(frame.leaf_rounding));
@@ -387,21 +390,21 @@ private:
     const OrientedBoxKernel kernel_ = oriented_box_kernel();
     OpenNodes<A> a_;
     OpenNodes<B> b_;
-    std::vector<Entry> stack_; ///< its first top_ are in use
+    std::vector<Entry> stack_; ///< the first top_ entries are in use
     std::size_t top_ = 0;
     bool far_ = true;
     std::vector<typename A::Node> starts_;
-    std::vector<Pair> waiting_;    ///< to be tested together
-    std::vector<Entry> from_;      ///< the boxes that these are in
-    alignas(32) float nearest_[8]; ///< least gaps of boxes that were left
-    Eigen::Vector3d origin_;       ///< of the boxes' coordinates
-    Line line_;                    ///< from the nearest point of A found so far to that of B
+    std::vector<Pair> waiting_; ///< pairs to be tested together
+    std::vector<Entry> from_; ///< the boxes that contain them
+    alignas(32) float nearest_[8]; ///< least gaps of the rejected boxes
+    Eigen::Vector3d origin_; ///< of the boxes' coordinates, in A's frame
+    Line line_; ///< from A's nearest point found so far to B's
     double origin_along_line_;
-    float toward_b_[3]; ///< along line_, as boxes see it: a little shorter, so that rounding makes it no longer than 1
+    float toward_b_[3]; ///< line_ for boxes: a little shorter, so that rounding makes it no longer than 1
     Leaves leaves_;
 };
 
-/// Of the primitives in two leaves, while visit(pair) returns true. False when it did not.
+/// Calls visit(pair) for the primitives in two leaves while it returns true. Returns whether it always did.
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 bool BoxWalk<A, B, Leaves>::each_pair(Entry e, auto visit) const
 {
@@ -412,7 +415,7 @@ bool BoxWalk<A, B, Leaves>::each_pair(Entry e, auto visit) const
     return true;
 }
 
-/// Opens the larger box, and compares its parts with the other.
+/// Opens the larger box, and compares its parts with the other box.
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 template <bool far>
 unsigned BoxWalk<A, B, Leaves>::open(Entry e, float cutoff)
@@ -422,7 +425,7 @@ unsigned BoxWalk<A, B, Leaves>::open(Entry e, float cutoff)
                         cutoff);
 }
 
-/// Pushes the boxes of the node in the slot, of A or of B, that are within `cutoff` of the other's, the nearest last.
+/// Pushes the boxes of the node in the slot, of A or of B, that are within `cutoff` of the other box, the nearest last.
 /// Returns how many.
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 template <bool far>
@@ -433,7 +436,7 @@ unsigned BoxWalk<A, B, Leaves>::compare(Entry e, bool down_a, std::uint32_t slot
     ++box_rows;
     float gaps[8];
     const unsigned k = down_a ? e.lane_b() : e.lane_a();
-    if (down_a) // the larger one soon, as a rule
+    if (down_a) // this other box, the larger one, is usually opened soon
         b_.prefetch(e.slot_b(), k);
     else
         a_.prefetch(e.slot_a(), k);
@@ -471,7 +474,7 @@ unsigned BoxWalk<A, B, Leaves>::compare(Entry e, bool down_a, std::uint32_t slot
     return count;
 }
 
-/// Depth first; take_leaves(entry) for leaves within `cutoff`, while it returns true.
+/// Depth first: calls take_leaves(entry) for pairs of leaves within `cutoff`, while it returns true.
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 void BoxWalk<A, B, Leaves>::walk(float cutoff, auto take_leaves)
 {
@@ -484,7 +487,8 @@ void BoxWalk<A, B, Leaves>::walk(float cutoff, auto take_leaves)
     }
 }
 
-/// test_waiting() once `batch` pairs wait, twice as many the next time: a first meeting is likely among the first.
+/// Calls test_waiting() once `batch` pairs wait, and doubles the batch: a first meeting is likely among the first
+/// pairs.
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 bool BoxWalk<A, B, Leaves>::test_if_enough(std::size_t& batch, auto found)
 {
@@ -524,13 +528,13 @@ NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const 
                                                               std::optional<Place>* place)
 {
     const WalkFrame frame(a, b, b_to_a);
-    // Poses may be 2^-20 from rigid: so far may a distance in A's frame be from that in the world.
+    // Poses may be 2^-20 from rigid, so a distance in A's frame may differ from the distance in the world frame.
     const double rounding = frame.leaf_rounding + 0x1p-18 * clearance;
     NearBounds<Pair> result{false, clearance + std::max(tolerance, 2 * rounding), {}};
     const double enough = result.bound - rounding;
     far_ = true;
     if (frame.apart > clearance) return {false, frame.apart, {}};
-    const Entry* from = nullptr; // what pairs that do not wait come from
+    const Entry* from = nullptr; // the entry of pairs that do not wait
     const auto take = [&](Pair pair) {
         result.near = true, result.witness = pair;
         set_place(a, b, place, pair, from);
@@ -539,7 +543,7 @@ NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const 
     if (!go_on_after_hint(a, b, b_to_a, hint, take)) return ++hints_held, result;
     if (!go_on_after_place(a, b, b_to_a, frame, place, take, [](const Pair&) { return false; }))
         return ++hints_held, result;
-    double lower = infinity; // of primitives that do not wait
+    double lower = infinity; // lower bound over primitives that do not wait
     const auto take_pair = [&](Pair pair, bool small) {
         if (small || clearance > 0) {
             if (leaves_.most(pair) <= enough) return take(pair);
@@ -547,7 +551,7 @@ NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const 
                 const Nearest found = nearest(pair, frame);
                 const double least = found.lower - 0x1p-18 * clearance;
                 if (least <= clearance) {
-                    // Of primitives that bounds are known of alone the distance may be above what rounding explains.
+                    // If only bounds of a pair are known, its distance may be larger than rounding explains.
                     if constexpr (requires { leaves_.bounds(pair); })
                         result.bound = std::max(result.bound, found.upper);
                     return take(pair);
@@ -564,7 +568,7 @@ NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const 
     start_near(a, b, b_to_a, frame, clearance);
     walk(frame.gap_within(clearance), [&](Entry e) {
         const float size2 = a_[e.slot_a()].size(e.lane_a()) + b_[e.slot_b()].size(e.lane_b());
-        const bool small = double(size2) <= 16 * enough * enough; // else their corners are hardly so near
+        const bool small = double(size2) <= 16 * enough * enough; // otherwise their corners are rarely that near
         from = &e;
         return each_pair(e, [&](Pair pair) { return take_pair(pair, small); }) && test_if_enough(batch, take);
     });
@@ -599,7 +603,7 @@ Comparison<typename Leaves::Pair> BoxWalk<A, B, Leaves>::compare(A& a, B& b, con
     if (hint && holds(a, hint->a) && holds(b, hint->b)) {
         leaves_.start(a, b, b_to_a);
         if (!take_pair(*hint)) return ++hints_held, Comparison<Pair>{-1, upper, witness};
-        lower = upper = infinity; // the walk alone decides
+        lower = upper = infinity; // the result depends on the traversal alone
     }
     start_near(a, b, b_to_a, frame, most);
     bool go_on = true;
@@ -619,7 +623,7 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
     origin_ = frame.origin;
     start(a, b, b_to_a, frame);
     DistanceBounds<Pair> best{infinity, infinity, {}};
-    // What meets is found soon, where boxes overlap most.
+    // A meeting is found early, where boxes overlap most.
     const std::uint64_t rows_before = box_rows;
     std::size_t batch = first_batch;
     const auto take_meeting = [&](Pair pair) {
@@ -631,17 +635,17 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
         return test_if_enough(batch, take_meeting);
     });
     if (best.nearest || !leaves_.meeting(std::span<const Pair>(waiting_), take_meeting)) return best;
-    // Along the line that joins the nearest points all that is near them shows nearly its distance; and so do the
-    // neighbours of the last pair along its own.
+    // Projections onto the line through the nearest points show nearly the distance of all primitives near them. The
+    // neighbours of the last pair show it on the line of that pair.
     take_line(Line(b_to_a(b.centre()) - a.centre(), b_to_a));
     Line last_line = line_;
-    double share = 1; // of the distance of the nearest pair: how far apart what is looked at may be
-    double most;      // how far apart primitives that matter still are
-    float cutoff;     // and boxes
+    double share = 1; // search for pairs nearer than this share of the distance of the nearest pair
+    double most; // primitives farther apart do not matter
+    float cutoff; // boxes with a larger gap do not matter
     const auto narrow_down = [&] {
         const double nearer = std::min(share * best.upper, best.upper - tolerance);
         cutoff = std::min(frame.gap_within(std::min(nearer, farthest)), 0x1p90f);
-        // What shares the nearest points with the nearest pair is as near but for rounding.
+        // Pairs that share the nearest points with the nearest pair are equally near except for rounding.
         most = std::min(nearer - 3 * frame.leaf_rounding, farthest);
     };
     const auto measure = [&] {
@@ -675,7 +679,7 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
         });
         if (waiting_.size() >= (best.nearest ? measured : 1)) measure();
     };
-    // Depth first: a heap of all boxes would open half as many, and take longer to keep than to open them.
+    // Depth first: a heap of all boxes would open half as many, but maintaining it costs more than opening them.
     const auto look = [&](double share_of_nearest) {
         share = share_of_nearest, best.lower = infinity;
         start_again(), narrow_down();
@@ -690,12 +694,12 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
         }
         measure();
     };
-    // What did not meet, but was in boxes that overlap, is near. Where there is nothing such, a rough look finds the
-    // line soon: the less roughly the farther apart they are, as then little is nearer than such a share.
+    // Pairs in overlapping boxes that did not meet are near. If there are none, a coarse search finds the line early.
+    // Geometries that are far apart need a larger share, as few of their pairs are nearer than the share.
     if (waiting_.size() > most_seeds) waiting_.resize(most_seeds);
     measure();
     if (!best.nearest) look(box_rows - rows_before > 8 ? 0.5 : 0.85);
-    if (best.nearest) look(1); // else all was farther than `farthest`
+    if (best.nearest) look(1); // otherwise the distance is above the cutoff `farthest`
     best.lower = std::max(std::min(best.lower, least_box_gap(frame)), 0.0);
     return best;
 }

@@ -1,4 +1,4 @@
-// The walk that finds all primitives that meet. Nothing ends it before its time, so their order does not matter.
+// The traversal that finds all primitives that meet. It never ends early, so their order does not matter.
 #pragma once
 #include <algorithm>
 #include <span>
@@ -8,16 +8,17 @@
 
 namespace oncollide {
 
-/// take_leaves(entry) for all leaves within `cutoff`. A few boxes are opened together, so that a processor begins with
-/// one while it does not know yet what is near another; and with few branches, which it cannot foresee.
+/// Calls take_leaves(entry) for all pairs of leaves within `cutoff`. Several boxes are opened together, so that the
+/// processor can begin with one before it knows the result of another; there are few branches, as they cannot be
+/// predicted.
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 void BoxWalk<A, B, Leaves>::walk_all(float cutoff, auto take_leaves)
 {
     constexpr std::size_t at_once = 8;
     struct Row {
-        std::uint64_t part;    ///< box 0 of the node that was opened, and the box that it was compared with
-        unsigned shift;        ///< of the opened side in an entry
-        unsigned near, leaves; ///< a bit for each of the node's boxes
+        std::uint64_t part;    ///< box 0 of the opened node, and the box that it was compared with
+        unsigned shift;        ///< position of the opened side in an entry
+        unsigned near, leaves; ///< one bit for each of the node's boxes
     } rows[at_once];
     const auto compare = [&](Row& row, auto& opened, const auto& other, std::uint32_t box, std::uint32_t other_box) {
         const std::uint32_t slot = opened.descend(box / 8, box % 8);
@@ -28,7 +29,7 @@ void BoxWalk<A, B, Leaves>::walk_all(float cutoff, auto take_leaves)
         row.leaves = other_node.leaf(other_box % 8) ? node.masks.leaves : 0;
         row.near = kernel_.compare(node.boxes, other_node.boxes, other_box % 8, cutoff, gaps, nearest_);
     };
-    std::size_t to_open = 0; // of those that the walk starts with; later the stack holds none but these
+    std::size_t to_open = 0; // among the initial entries; later the stack holds only such entries
     for (std::size_t i = 0; i < top_; ++i) {
         const Entry e = stack_[i];
         if (both_leaves(e))
@@ -90,7 +91,7 @@ void BoxWalk<A, B, Leaves>::all_meetings(A& a, B& b, const RelativePose& b_to_a,
             return &waiting_[count];
         };
         if constexpr (requires { of_a.back(), of_b.back(); })
-            if (of_a.size() <= 2 && of_b.size() <= 2) { // without loops, whose ends no processor foresees
+            if (of_a.size() <= 2 && of_b.size() <= 2) { // without loops, whose ends cannot be predicted
                 Pair *const to = room(4), *const then = to + of_b.size();
                 to[0] = {of_a.front(), of_b.front()}, to[1] = {of_a.front(), of_b.back()};
                 then[0] = {of_a.back(), of_b.front()}, then[1] = {of_a.back(), of_b.back()};

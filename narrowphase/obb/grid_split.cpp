@@ -12,10 +12,10 @@ namespace {
 using Eigen::Array3d;
 using Eigen::Vector3d;
 
-constexpr std::uint32_t few = 4096; ///< triangles that are told apart no further
+constexpr std::uint32_t few = 4096; ///< parts of at most this many triangles are not divided
 constexpr std::uint32_t most_cells = 1u << 16;
 
-/// A box of cells, or all of them: [low, high) along each axis.
+/// A box of cells: [low, high) along each axis.
 struct CellRange {
     std::array<int, 3> low, high;
     bool one() const { return high[0] - low[0] == 1 && high[1] - low[1] == 1 && high[2] - low[2] == 1; }
@@ -45,7 +45,7 @@ public:
         each(range, [&](std::size_t cell) { sum += counts_[cell]; });
         return sum;
     }
-    /// Counts a triangle in the cell of its centre. Returns the cell.
+    /// Counts a triangle in the cell that contains its centre. Returns the cell.
     std::uint16_t add(const std::array<Vector3d, 3>& corners)
     {
         const Vector3d middle = (corners[0] + corners[1] + corners[2]) / 3;
@@ -59,7 +59,8 @@ public:
         for (const Vector3d& p : corners) boxes_[cell].add(p);
         return static_cast<std::uint16_t>(cell);
     }
-    /// Halves the range near the median of its triangles, along its longest side that has one. Nothing: there is none.
+    /// Halves the range near the median of its triangles, along the longest side that can be cut. Returns false if none
+    /// can.
     bool halve(const CellRange& range, CellRange& first, CellRange& second) const
     {
         std::array<std::size_t, 3> axes{0, 1, 2};
@@ -117,11 +118,11 @@ private:
     double side_;
     std::array<int, 3> dims_;
     std::vector<std::uint32_t> counts_; ///< by cell
-    std::vector<Aabb> boxes_;           ///< around the triangles of a cell
+    std::vector<Aabb> boxes_;           ///< bounds of the triangles in a cell
     std::vector<std::uint32_t> part_of_;
 };
 
-/// Divides ranges, and numbers those that are divided no further.
+/// Divides ranges, and numbers the ranges that are not divided further.
 class Divider {
 public:
     Divider(Grid& grid, std::uint32_t begin) : grid_(grid), next_(begin) {}
@@ -144,7 +145,7 @@ public:
         return part;
     }
 
-    std::vector<std::uint32_t> begins; ///< of those divided no further
+    std::vector<std::uint32_t> begins; ///< first positions of the undivided ranges
 
 private:
     void divide(const CellRange& range, int lanes, std::vector<CellRange>& out) const

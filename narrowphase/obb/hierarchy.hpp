@@ -1,6 +1,6 @@
-// What a geometry gives to take part in the walk over boxes (box_walk.hpp). A new kind of geometry is a node opener, a
-// class that is a BoxHierarchy, and tests of its primitives against those of others, classes that are LeafTests;
-// nothing else. Both are template parameters of the walk: no call through a pointer for each node.
+// The interface of a geometry to the traversal of boxes (box_walk.hpp). A new kind of geometry needs a class that opens
+// nodes (BoxHierarchy), and classes that test its primitives against other primitives (LeafTests); nothing else. Both
+// are template parameters of the traversal, which avoids an indirect call per node.
 #pragma once
 #include <concepts>
 #include <cstdint>
@@ -15,27 +15,28 @@
 
 namespace oncollide {
 
-/// Of the boxes of an open node, a bit each.
+/// One bit for each box of an open node.
 struct LaneMasks {
-    std::uint32_t leaves;  ///< of few primitives, which are tested once the other side has come to a leaf too
-    std::uint32_t singles; ///< of one primitive, without parts. Other leaves have parts: they are opened where what
-                           ///< they are compared with is smaller
+    std::uint32_t leaves; ///< boxes of few primitives, which are tested once the other side is at a leaf too
+    std::uint32_t singles; ///< boxes of one primitive, without a child node. Other leaves have one: they are opened if
+                           ///< the box that they are compared with is smaller
 };
 
-/// A geometry as nodes of up to eight oriented boxes, in its own frame relative to centre(), and primitives in them:
-/// triangles, cells, shapes. The nodes form a tree, that may be stored, grown while it is read, or computed.
+/// A geometry as nodes of up to eight oriented boxes, in its own frame relative to centre(), with primitives in them:
+/// triangles, cells, shapes. The nodes form a tree, which may be stored, grown during traversals, or computed.
 ///
 /// - `Node` names a node, `Primitive` a primitive; both are small values. `root` is a node that holds one box around
-/// all.
-/// - `centre()` and `radius()`: a ball around the primitives, in the geometry's frame, metres. What the walk allows for
-///   rounding comes from it.
-/// - `open(node, placement, boxes)` gives the node's boxes relative to the centre, moved by the placement unless that
-///   is null, and their margin. Each holds all of its primitives, off by no more than WalkFrame counts: what is far
-///   from `from` of the placement may be off by more. Lanes past the last box have centres at 1e30.
-/// - `child(node, k)` names the node of the parts of box k, which is no single.
+///   all primitives.
+/// - `centre()` and `radius()`: a sphere around the primitives, in the geometry's frame, metres. The traversal derives
+///   its rounding allowance from it.
+/// - `open(node, placement, boxes)` writes the node's boxes, relative to the centre and moved by the placement unless
+///   it is null, and their margin. Each box encloses all of its primitives, with an error that WalkFrame allows for;
+///   far from the placement's `from` the error may be larger. Lanes past the last box have centres at 1e30.
+/// - `child(node, k)` names the child node of box k, which must be no single.
 /// - `primitives(node, k)` is a range of the primitives in box k, which must be a leaf.
-/// - optional, `starts(box, size, nodes)` of a large geometry: where to start for what is in a box (MapTree::starts).
-/// Many walks read a hierarchy side by side.
+/// - optional, `starts(box, size, nodes)` of a large geometry: where to start for the primitives in a box
+///   (MapTree::starts).
+/// Many traversals may read a hierarchy concurrently.
 template <class H>
 concept BoxHierarchy = requires(H& h, const H& same, typename H::Node node, unsigned k, const BoxPlacement* placement,
                                 OpenBoxes& boxes)
@@ -63,21 +64,22 @@ concept BoxHierarchy = requires(H& h, const H& same, typename H::Node node, unsi
     typename H::Primitive > ;
 };
 
-/// Tests of primitives of A against primitives of B, exact for their coordinates as B's are placed by the relative
-/// pose. One thread's working memory, started for each query.
+/// Tests of primitives of A against primitives of B, exact for B's coordinates as moved by the relative pose. One
+/// thread's working memory, started for each query.
 ///
 /// - `Pair` is an aggregate {a, b} of two primitives.
 /// - `start(a, b, b_to_a)` begins a query; it may keep references to all three.
-/// - `meeting(pairs, found)` calls found(pair) for those that meet, touching included, while it returns true, and
-///   returns whether it always did. Given many pairs at a time; eight fit the kernels.
-/// - `least_gap(rounding)`: at least so far apart are the pairs that meeting() saw and did not find, since start(); > 0
-///   where doubles can express it. Distances by `distance` err by at most `rounding`.
-/// - `meet(pair)`, exactly; `distance(pair)` of a pair that does not meet; `most(pair)`, a cheap upper bound on it;
-///   `nearest(pair)`: the nearest points, or, where rounding may put the distance farther off, `bounds(pair)` as
-///   ConvexDistance has them.
-/// - `high_a(primitive, line)`, `low_b(primitive, line)`: the most and the least that points of theirs show along a
-///   line, each in its own geometry's frame. Cheap: they bound distances.
-/// - optional, `nearest(pairs, take)`: take(pair, points) for each of them, for less than `nearest(pair)` takes.
+/// - `meeting(pairs, found)` calls found(pair) for pairs that meet, touching included, while it returns true, and
+///   returns whether it always did. Callers pass many pairs at a time; eight fit the kernels.
+/// - `least_gap(rounding)`: a lower bound of the distance of the pairs that meeting() has tested since start() and that
+///   do not meet; > 0 where doubles can express it. Distances by `distance` err by at most `rounding`.
+/// - `meet(pair)` decides exactly. `distance(pair)` is the distance of a pair that does not meet; `most(pair)` is a
+///   cheap upper bound of it. `nearest(pair)` returns the nearest points; tests whose distances may err by more have
+///   `bounds(pair)` instead, as ConvexDistance returns them.
+/// - `high_a(primitive, line)`, `low_b(primitive, line)`: the largest and the smallest projection of the primitive onto
+///   a direction in its own geometry's frame. Cheap: they bound distances.
+/// - optional, `nearest(pairs, take)`: calls take(pair, points) for each pair, and costs less than one `nearest(pair)`
+///   each.
 template <class L, class A, class B>
 concept LeafTests = requires(L& tests, A& a, B& b, const RelativePose& b_to_a, typename L::Pair pair,
                              std::span<const typename L::Pair> pairs, double rounding)

@@ -8,7 +8,7 @@ namespace oncollide {
 
 namespace {
 
-/// Those of the octants of a cube that reach into the box, or touch it. The others are `gap` cells from it, or farther.
+/// The octants of a cube that intersect or touch the box. Lowers `gap` to the distance of the others, in cells.
 inline unsigned octants_at(const MapCell& cube, unsigned octants, const CellBox& box, int& gap)
 {
     constexpr unsigned highs[3] = {0xAA, 0xCC, 0xF0};
@@ -30,7 +30,7 @@ MapTree::MapTree(const OccupancyMap& map)
 {
 }
 
-/// Octants that hold something. Unknown ones count only within the bounds.
+/// Octants that are not empty. Unknown octants count only within the bounds.
 unsigned MapTree::solid(const Node& node) const
 {
     if (!map_.cells().unknown_is_solid()) return node.octants.solid;
@@ -39,7 +39,7 @@ unsigned MapTree::solid(const Node& node) const
     return octants_at(node.cube, node.octants.solid, {bounds.low.array() + 1, bounds.high.array() - 1}, any);
 }
 
-/// An octree has long chains of only children, above all where a map lies around the origin.
+/// Skips chains of single children, which an octree has above all where a map lies around the origin.
 MapTree::Node MapTree::forked(Node node) const
 {
     while (true) {
@@ -60,20 +60,22 @@ double MapTree::starts(const Aabb& box, double size, std::vector<Node>& nodes) c
     const double resolution = map_.resolution();
     const CellTree& cells = map_.cells();
     const CellBox near = map_.cells_touching(box);
-    // A margin of half the box, so that what is left out is not merely apart.
+    // A margin of half the box, so that omitted cells have a useful distance.
     const int margin = (near.high - near.low).maxCoeff() / 4 + 1;
     const double large = size / (0.75 * resolution * resolution); // squared sides
     int gap = margin;                                             // cells
     nodes.clear();
 
-    // Down to the cube around the box and its margin: where their first and last cells, as keys, have equal bits.
+    // Descend to the cube around the box and its margin: the keys of their first and last cells share the bits above
+    // it.
     const auto key = [](const Eigen::Vector3i& cell) -> Eigen::Array3i {
         return (cell.array() - CellTree::lowest).max(0).min(CellTree::side - 1);
     };
     const Eigen::Array3i first = key(near.low.array() - margin - 1), last = key(near.high.array() + margin);
     const std::int32_t parts = (first.x() ^ last.x()) | (first.y() ^ last.y()) | (first.z() ^ last.z());
     Node node{cells.top(), CellTree::top_cube};
-    for (std::int32_t half = CellTree::side; half > parts; half /= 2) { // at first the grid as an octant
+    for (std::int32_t half = CellTree::side; half > parts; half /= 2) { // the first step takes the whole grid as an
+                                                                        // octant
         const unsigned k = ((first.x() & half) != 0) | ((first.y() & half) != 0) << 1 | ((first.z() & half) != 0) << 2;
         if (!(node.octants.solid >> k & 1)) return gap * resolution * (1 - 0x1p-20);
         if (cells.whole(node.octants) >> k & 1) break;
@@ -99,8 +101,8 @@ double MapTree::starts(const Aabb& box, double size, std::vector<Node>& nodes) c
 
 LaneMasks MapTree::open(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const
 {
-    // Octants are combinations of two halves along each axis, or of the whole. They reach far beyond the cells, and
-    // floats so large would err by more than the walk allows for, so they are cut to the cells' bounds.
+    // Octants are combinations of two halves along each axis, or of the whole. They extend far beyond the cells, where
+    // floats would err by more than the traversal allows for, so they are clipped to the cells' bounds.
     const Aabb& bounds = map_.bounds();
     const bool whole = node.cube.side == 0;
     const double resolution = map_.resolution();

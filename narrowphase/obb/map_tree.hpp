@@ -9,8 +9,8 @@
 
 namespace oncollide {
 
-/// The octree of an occupancy map as a BoxHierarchy, read in place: boxes are computed. Reads only, so any number of
-/// walks may share it.
+/// The octree of an occupancy map as a BoxHierarchy, read in place: boxes are computed. Read-only, so any number of
+/// traversals may share it.
 class MapTree {
 public:
     /// Keeps a reference to the map, which must not change. Cost: O(1).
@@ -18,12 +18,13 @@ public:
 
     struct Node {
         CellTree::Node octants;
-        MapCell cube; ///< of side 0: the root
+        MapCell cube; ///< side 0: the root
     };
     using Primitive = MapCell;
     static constexpr Node root{{}, {0, 0, 0, 0}};
-    /// Nodes that together hold all cells in a box of the map's frame. Their boxes are no larger than one of that
-    /// squared radius, as far as the tree reaches. Returns how far all other cells are from the box at least, metres.
+    /// Writes nodes that together hold all cells in a box of the map's frame. Their boxes are no larger than a box of
+    /// the squared radius `size`, as far down as the tree extends. Returns a lower bound of the distance from the box
+    /// to all other cells, metres.
     double starts(const Aabb& box, double size, std::vector<Node>& nodes) const;
 
     const OccupancyMap& map() const { return map_; }

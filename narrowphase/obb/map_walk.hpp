@@ -4,7 +4,7 @@
 
 namespace oncollide {
 
-/// Walks of a map, A, against a mesh or the core of a shape, against another map, and against a terrain.
+/// Traversals of a map, A, against a mesh or the core of a shape, against another map, and against a terrain.
 using MapMeshWalk = BoxWalk<MapTree, ObbTree, CellTests<PlacedTriangles>>;
 using MapMapWalk = BoxWalk<MapTree, MapTree, CellTests<PlacedCells>>;
 using MapTerrainWalk = BoxWalk<MapTree, TerrainTree, CellTests<PlacedTerrain>>;

@@ -15,7 +15,7 @@ static_assert(offsetof(BoxNode, begin) == offsetof(CookedNode, begin));
 
 namespace {
 
-// Chunks begin at such multiples, so that their arrays begin on pages of their own.
+// Chunks begin at multiples of these, so that their arrays begin on pages of their own.
 constexpr std::uint64_t triangle_step = 1024, vertex_step = 512;
 static_assert(triangle_step * sizeof(Triangle) % LazyMemory::page == 0 && triangle_step * 4 % LazyMemory::page == 0 &&
               vertex_step * sizeof(Eigen::Vector3d) % LazyMemory::page == 0);
@@ -32,7 +32,7 @@ MeshChunks::MeshChunks(Empty, std::shared_ptr<const CookedMesh> mesh, ChunkBudge
 {
 }
 
-// What an empty one then gets, the destructor frees, where the file turns out to be no good, too.
+// Delegates to a constructor, so that the destructor frees all memory even if the file turns out to be invalid.
 MeshChunks::MeshChunks(std::shared_ptr<const CookedMesh> mesh, ChunkBudget& budget)
     : MeshChunks(Empty{}, std::move(mesh), budget)
 {
@@ -74,7 +74,7 @@ void MeshChunks::place_chunks()
     owner_ = reinterpret_cast<std::uint32_t*>(memory_.data() + at[5]);
 }
 
-/// Checks that they are a tree, each of whose leaves is the next chunk, and that its numbers are such as trees have.
+/// Checks that the nodes are a tree whose leaves are the chunks in order, and that their counts are valid.
 void MeshChunks::add_upper_nodes()
 {
     const std::span from(top_->nodes);
@@ -99,9 +99,9 @@ void MeshChunks::add_upper_nodes()
     above_.resize(upper_);
     if (upper_ == 1) {
         if (chunks_.size() != 1) fail(0, "are missing");
-        return; // the root's box is around the chunk
+        return; // the root's box contains the chunk
     }
-    std::vector<Lane> waiting{{0, 0}}; // whose node below, or whose chunk, comes next; the last first
+    std::vector<Lane> waiting{{0, 0}}; // boxes whose child node or chunk comes next, in reverse order
     std::vector<bool> seen(upper_);
     std::uint32_t chunk = 0, found = 0;
     while (!waiting.empty()) {
@@ -128,7 +128,7 @@ void MeshChunks::add_upper_nodes()
             if (k >= boxes.lanes ? node.count[k] || node.child[k] || node.begin[k] : node.count[k] == 0)
                 fail(index, "has an empty box, or more than it says");
             if (node.child[k] && node.count[k] <= leaf_triangles) fail(index, "has a box that has no parts");
-            if (node.child[k]) node.begin[k] = 0; // says nothing
+            if (node.child[k]) node.begin[k] = 0; // not used
             count += node.count[k];
             boxes.leaves |= static_cast<std::uint8_t>((k < boxes.lanes && node.count[k] <= leaf_triangles) << k);
             boxes.singles |= static_cast<std::uint8_t>((node.count[k] == 1) << k);
@@ -163,7 +163,7 @@ void MeshChunks::need(std::uint32_t chunk)
     if (there(chunk)) return;
     const std::lock_guard lock(reading_);
     Chunk& c = chunks_[chunk];
-    if (there(chunk)) return; // another walk was first
+    if (there(chunk)) return; // another traversal read it first
     const std::size_t bytes = data_bytes(chunk);
     budget_.take(bytes, mesh_->name());
     try {
@@ -184,7 +184,7 @@ void MeshChunks::need(std::uint32_t chunk)
     c.there.store(true, std::memory_order_release);
 }
 
-/// Walks have gone by the boxes above the chunk; its triangles must be in them.
+/// Traversals have relied on the boxes above the chunk; its triangles must be in them.
 void MeshChunks::check_boxes(std::uint32_t chunk, std::span<const Eigen::Vector3d> vertices)
 {
     const Eigen::Vector3d centre = mesh_->bounds().centre();
@@ -210,7 +210,7 @@ void MeshChunks::opened(std::uint32_t node)
         need(chunk_of(from.begin[__builtin_ctz(left)]));
 }
 
-/// Of the tree of a chunk that is there. One thread at a time.
+/// Adds a node to the tree of a loaded chunk. One thread at a time.
 std::uint32_t MeshChunks::add_node(std::uint32_t chunk, bool inner)
 {
     Chunk& c = chunks_[chunk];

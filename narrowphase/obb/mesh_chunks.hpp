@@ -13,21 +13,21 @@
 
 namespace oncollide {
 
-/// The triangles of a cooked mesh as its tree sees them: numbered in the order of the tree, each chunk on pages of its
-/// own, read when it is needed. Also the nodes, which go with their chunk.
+/// The triangles of a cooked mesh, numbered in the order of its tree; each chunk has its own pages, and is read when it
+/// is needed. Also holds the nodes, which are dropped with their chunk.
 ///
-/// Chunks may be read by many threads at once; they are dropped while nobody walks.
+/// Many threads may read chunks concurrently; chunks are dropped only while no traversal runs.
 class MeshChunks {
 public:
-    static constexpr std::uint32_t leaf_triangles = 2; ///< a box of so many or fewer is a leaf
+    static constexpr std::uint32_t leaf_triangles = 2; ///< a box of at most this many triangles is a leaf
 
-    /// A box of a node of the upper levels, by its place in the file; the root is 0.
+    /// A box of a node of the upper levels, by the node's number in the file; the root is 0.
     struct Lane {
         std::uint32_t node = 0, k = 0;
     };
 
-    /// The upper levels are the root, node 0, which the caller makes, and the file's nodes. The budget must outlive it.
-    /// Throws ChunkFault where these are no tree over the chunks.
+    /// The upper levels are the root, node 0, which the caller makes, and the file's nodes. The budget must outlive
+    /// this object. Throws ChunkFault if the nodes are no tree over the chunks.
     MeshChunks(std::shared_ptr<const CookedMesh> mesh, ChunkBudget& budget);
     ~MeshChunks();
     MeshChunks(const MeshChunks&) = delete;
@@ -38,22 +38,23 @@ public:
     const Eigen::Vector3d* vertices() const { return vertices_; }
     const Triangle* triangles() const { return triangles_; }
     std::uint32_t* order() const { return order_; }
-    /// The number of a triangle in the source. Its chunk must be there.
+    /// The number of a triangle in the source. Its chunk must be loaded.
     std::uint32_t number(std::uint32_t triangle) const { return numbers_[triangle]; }
     const std::uint32_t* numbers() const { return numbers_; }
 
-    NodeLine** blocks() const { return blocks_; } ///< null: none yet
-    /// Returns its number.
+    NodeLine** blocks() const { return blocks_; } ///< an entry is null until its block is used
+    /// Returns the number of the new node.
     std::uint32_t add_node(std::uint32_t chunk, bool inner);
     std::uint32_t nodes() const { return nodes_.load(std::memory_order_relaxed); }
 
-    /// The place of the first triangle of a chunk, and the chunk of a triangle.
+    /// The position of the first triangle of a chunk, and the chunk of a triangle.
     std::uint32_t first(std::size_t chunk) const { return chunks_[chunk].first; }
     std::uint32_t chunk_of(std::uint32_t triangle) const;
     bool there(std::uint32_t chunk) const { return chunks_[chunk].there.load(std::memory_order_acquire); }
-    /// Reads it unless it is there, and checks the boxes above it. Throws ChunkFault.
+    /// Reads the chunk unless it is loaded, and checks the boxes above it. Throws ChunkFault.
     void need(std::uint32_t chunk);
-    /// A walk opens the node: the chunks of its leaves are read; that of a node below is marked as needed now.
+    /// A traversal opens the node: reads the chunks of its leaves; the chunk of a node below the upper levels is marked
+    /// as needed now.
     void opened(std::uint32_t node);
 
     void add_held(std::vector<HeldChunks::Held>& to) const
@@ -61,7 +62,7 @@ public:
         for (std::uint32_t c = 0; c < chunks_.size(); ++c)
             if (there(c)) to.push_back({chunks_[c].needed.load(std::memory_order_relaxed), c});
     }
-    /// Not while anybody walks.
+    /// Not while a traversal runs.
     void drop(std::uint32_t chunk);
 
     std::size_t bytes() const { return held_.load(std::memory_order_relaxed); }
@@ -71,14 +72,14 @@ private:
         std::atomic<bool> there = false;
         std::atomic<std::uint64_t> needed = 0;
         std::uint32_t first, first_vertex; ///< triangle, vertex
-        Lane lane;                         ///< of the upper levels, whose box is around it
-        std::vector<std::uint32_t> blocks; ///< of its nodes
+        Lane lane;                         ///< the box of the upper levels around the chunk
+        std::vector<std::uint32_t> blocks; ///< blocks of the chunk's nodes
         std::uint32_t nodes = 0;
-        std::uint32_t next_line = 0, lines_end = 0; ///< room in the last block
+        std::uint32_t next_line = 0, lines_end = 0; ///< free lines in the last block
         std::size_t held = 0;
     };
     static constexpr std::uint32_t upper_per_block = lines_per_block / inner_node_lines;
-    /// The number of a node of the upper levels.
+    /// The number in the tree of a node of the upper levels.
     static constexpr std::uint32_t number_of(std::uint32_t upper)
     {
         return upper / upper_per_block * lines_per_block + upper % upper_per_block * inner_node_lines;
@@ -100,9 +101,9 @@ private:
     Triangle* triangles_ = nullptr;
     std::uint32_t *order_ = nullptr, *numbers_ = nullptr;
     NodeLine** blocks_ = nullptr;
-    std::uint32_t* owner_ = nullptr; ///< of a block: its chunk + 1
+    std::uint32_t* owner_ = nullptr; ///< by block: its chunk + 1
     std::uint32_t upper_ = 0, next_block_ = 0;
-    std::vector<Lane> above_; ///< by node of the upper levels: the box that it is the parts of
+    std::vector<Lane> above_; ///< by node of the upper levels: the box that it divides
     std::vector<Chunk> chunks_;
     std::vector<std::uint32_t> free_blocks_;
     std::atomic<std::uint32_t> nodes_ = 0;

@@ -7,8 +7,8 @@
 
 namespace oncollide {
 
-/// Nodes of a tree stand one after the other in blocks of cache lines; a node's number is that of its first line. None
-/// goes from one block into the next.
+/// The nodes of a tree are stored consecutively in blocks of cache lines; a node's number is the number of its first
+/// line. No node extends from one block into the next.
 struct alignas(64) NodeLine {
     std::byte bytes[64];
 };
@@ -21,10 +21,11 @@ constexpr std::uint32_t lines_of(bool inner)
     return inner ? inner_node_lines : box_node_lines;
 }
 
-/// Lines of the nodes below a box of so many triangles, at most, when all is grown, with what is left at the ends of
-/// blocks. Each box of three or more has eight parts, or one for each of its triangles; a node of these takes three
-/// lines for three triangles at least, and one above eight of them five more: 29 lines for 24 triangles, and so on.
-/// @param any  parts may be any, two or more
+/// Upper bound of the lines of all nodes below a box of `triangles` triangles in a fully grown tree, with the unused
+/// ends of blocks. A box of three or more triangles has eight children, or one for each of its triangles. A node of
+/// such children takes three lines for at least three triangles, and a node above eight of these five more: 29 lines
+/// for 24 triangles, and so on.
+/// @param any  a box may have any number of children from two
 constexpr std::uint64_t most_node_lines(std::uint64_t triangles, bool any)
 {
     const std::uint64_t lines = any ? inner_node_lines * triangles : 26 * triangles / 21;
@@ -35,12 +36,12 @@ inline BoxNode& node_at(NodeLine* const* blocks, std::uint32_t number)
 {
     return reinterpret_cast<BoxNode&>(blocks[number / lines_per_block][number % lines_per_block]);
 }
-/// Of a BoxNode that is `inner`.
+/// The node must be `inner`.
 inline InnerNode& inner_at(NodeLine* const* blocks, std::uint32_t number)
 {
     return reinterpret_cast<InnerNode&>(node_at(blocks, number));
 }
-/// Makes an empty one there, of the size asked for.
+/// Makes an empty node there, of the requested size.
 inline BoxNode& make_node(NodeLine* const* blocks, std::uint32_t number, bool inner)
 {
     NodeLine* const line = &blocks[number / lines_per_block][number % lines_per_block];

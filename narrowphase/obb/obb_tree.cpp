@@ -14,14 +14,14 @@ namespace oncollide {
 namespace {
 
 constexpr unsigned most_lanes = 8;
-constexpr std::size_t large_from = 4096; ///< triangles: half a megabyte with their corners and boxes
-/// Triangles whose box is fitted. Boxes of more lie along the mesh's axes: fitting costs ten times what looking at
-/// bounds does, and of a mesh so large the first answer would wait for it.
+constexpr std::size_t large_from = 4096; ///< triangles; half a megabyte with their corners and boxes
+/// Boxes of at most this many triangles are fitted. Boxes of more triangles use the mesh's axes: fitting costs ten
+/// times as much as computing bounds, and would delay the first result of a large mesh.
 constexpr std::size_t most_fitted = 16384;
-/// Room for so many is kept from one node to the next, by each thread.
+/// Each thread keeps working memory for at most this many triangles between nodes.
 constexpr std::size_t most_kept = 4096;
 
-/// Of more the upper levels come from a grid.
+/// Above this many triangles a grid makes the upper levels.
 constexpr std::size_t most_split = 131072;
 
 std::atomic<std::uint32_t> trees_made = 1;
@@ -29,7 +29,7 @@ std::atomic<std::uint32_t> trees_made = 1;
 } // namespace
 
 struct ObbTree::Growing {
-    TriangleParts parts; ///< of the box that grows
+    TriangleParts parts; ///< triangles of the box that is split
     TriangleColumns columns;
 };
 
@@ -79,7 +79,7 @@ double ObbTree::radius_around(const Mesh& mesh)
 void ObbTree::make_root(const Aabb& bounds, std::size_t triangles)
 {
     BoxNode& node = node_at(blocks_, root);
-    set_frame(node, Eigen::Vector3d::Zero(), 2 * radius_); // the box's corners are farther out
+    set_frame(node, Eigen::Vector3d::Zero(), 2 * radius_); // the corners of the box are farther out than radius_
     const Eigen::Vector3d half = bounds.half_extent();
     set_box(node, 0, {-half, half});
     node.lanes = 1;
@@ -96,8 +96,8 @@ LaneMasks ObbTree::open(Node index, const BoxPlacement* placement, OpenBoxes& bo
     return {from.leaves, from.singles};
 }
 
-/// Two boxes of 20 bytes each are not worth storing: they are made from the corners in the time in which a node of
-/// eight is opened.
+/// The two boxes of 20 bytes are not stored: computing them from the corners takes as long as opening a node of eight
+/// boxes.
 LaneMasks ObbTree::open_triangles(Node index, const BoxPlacement* placement, OpenBoxes& boxes) const
 {
     std::array<TrianglePoints, leaf_triangles> triangles;
@@ -146,7 +146,7 @@ std::uint64_t ObbTree::most_lines(std::size_t triangles)
     return lines_of(triangles > leaf_triangles) + most_node_lines(triangles, triangles > most_split);
 }
 
-/// No more than there can be: rays and boxes are small meshes.
+/// At most the lines that the tree can use: rays and boxes are small meshes.
 std::size_t ObbTree::room_in(std::size_t number) const
 {
     return std::min<std::size_t>(lines_per_block, most_lines(mesh_->triangles.size()) - number * lines_per_block);
@@ -175,7 +175,7 @@ ObbTree::Node ObbTree::grow(Node parent, unsigned k)
 {
     const std::lock_guard lock(growing_);
     InnerNode& above = inner_at(blocks_, parent);
-    if (above.child[k]) return above.child[k]; // another walk was first
+    if (above.child[k]) return above.child[k]; // another traversal grew it first
     const std::uint32_t begin = above.begin[k], count = above.count[k];
     if (chunked_)
         chunked_->need(grows_in_ = chunked_->chunk_of(begin));
@@ -199,12 +199,12 @@ ObbTree::Node ObbTree::grow(Node parent, unsigned k)
         add_lane(g, index, from, to, begin);
         from = to;
     }
-    if (count > most_kept) g = {}; // rarely needed again, and then less
+    if (count > most_kept) g = {}; // such large nodes are rare, and later ones smaller
     std::atomic_ref(above.child[k]).store(index, std::memory_order_release);
     return index;
 }
 
-/// All levels at once down to parts of a few thousand triangles. 0: the grid cannot tell them apart.
+/// Grows all levels down to parts of a few thousand triangles. Returns 0 if the grid cannot separate the triangles.
 ObbTree::Node ObbTree::grow_by_grid(InnerNode& above, unsigned k)
 {
     const Eigen::Vector3d middle = centre_of(above.boxes, k),
@@ -236,7 +236,7 @@ ObbTree::Node ObbTree::add_nodes(const GridPart& part, std::uint32_t begin)
     return index;
 }
 
-/// Of the parts in [from, to), as the next box.
+/// Adds the triangles in [from, to) as the next box.
 void ObbTree::add_lane(Growing& g, Node index, std::size_t from, std::size_t to, std::uint32_t begin)
 {
     BoxNode& node = node_at(blocks_, index);
@@ -273,8 +273,8 @@ std::size_t ObbTree::most_bytes(std::size_t triangles)
 
 std::size_t ObbTree::bytes() const
 {
-    if (chunked_) return chunked_->bytes(); // it may grow beside this
-    // Blocks come one after the other.
+    if (chunked_) return chunked_->bytes(); // the tree may grow during this call
+    // Blocks are used in order.
     const std::size_t lines = std::min<std::size_t>((lines_ + lines_per_block - 1) / lines_per_block * lines_per_block,
                                                     most_lines(mesh_->triangles.size()));
     return lines * sizeof(NodeLine) + own_blocks_.capacity() * sizeof(own_blocks_[0]) +
@@ -289,7 +289,7 @@ void ObbTree::add_held(std::vector<Held>& to) const
 void ObbTree::drop(std::uint32_t of_chunks)
 {
     chunked_->drop(of_chunks);
-    identity_ = trees_made.fetch_add(1, std::memory_order_relaxed); // places in it are none any more
+    identity_ = trees_made.fetch_add(1, std::memory_order_relaxed); // invalidates node numbers that callers have kept
 }
 
 } // namespace oncollide

@@ -15,28 +15,25 @@
 
 namespace oncollide {
 
-/// What trees of oriented boxes hold, all together. The trees keep it up to date.
+/// Nodes and bytes of all OBB trees together. The trees keep it up to date.
 struct BoxTotals {
     std::atomic<std::uint64_t> nodes = 0;
     std::atomic<std::size_t> bytes = 0;
 };
 
-/// Oriented boxes around the triangles of one mesh, eight below each, a BoxHierarchy that grows while it is walked: a
-/// box gets its parts when a walk first opens it, so that a scene pays for the parts of its meshes that come close to
-/// others.
+/// The OBB tree of one mesh: a BoxHierarchy with up to eight boxes per node, grown on demand. A box gets its child node
+/// when a traversal first opens it, so a scene pays only for the parts of its meshes that come close to others.
 ///
-/// The triangles of a box are parted three times, each time where boxes around the parts have the least area for their
-/// triangles, but into parts of two fifths at least, so the tree is at most 0.46 log2(n) + 2 nodes deep whatever the
-/// triangles. What a node holds depends on the mesh alone, not on who walked first.
-/// Walks may grow the tree side by side.
+/// The triangles of a box are split three times. Each split minimises the sum over both sides of box area times number
+/// of triangles, with at least two fifths of the triangles on each side, so the tree is at most 0.46 log2(n) + 2 nodes
+/// deep. A node depends on the mesh alone, not on the order of traversals. Traversals may grow the tree concurrently.
 class ObbTree final : public HeldChunks {
 public:
-    /// Keeps references to the mesh and to the totals that it counts in. Cost: 5 ns a triangle; the first walk costs
-    /// some 50.
+    /// Keeps references to the mesh and to the totals. Cost: 5 ns per triangle; the first traversal costs about 50.
     explicit ObbTree(const Mesh& mesh, BoxTotals* totals = nullptr);
-    /// Of a cooked mesh: the same tree, but that triangles have other numbers (source()). Its upper levels are those of
-    /// the file, and chunks of triangles are read when a walk first comes to them: open() and child() throw ChunkFault,
-    /// and the walk ends. Cost: that of the upper levels.
+    /// The same tree for a cooked mesh, except that triangles have other numbers (see source()). The file stores its
+    /// upper levels. Chunks of triangles are read when a traversal first reaches them: open() and child() then throw
+    /// ChunkFault if that fails, which ends the traversal. Cost: reading the upper levels.
     ObbTree(std::shared_ptr<const CookedMesh> mesh, ChunkBudget& budget);
     ~ObbTree() override;
     ObbTree(const ObbTree&) = delete;
@@ -47,9 +44,9 @@ public:
 
     /// Boxes and nodes are relative to this point of the mesh's frame.
     const Eigen::Vector3d& centre() const { return centre_; }
-    double radius() const { return radius_; } ///< of the triangles' corners, from the centre, at most
+    double radius() const { return radius_; } ///< upper bound of the distance of the triangles' corners from the centre
 
-    /// A node that holds the box of the whole mesh alone.
+    /// A node whose only box is the box of the whole mesh.
     static constexpr Node root = 0;
     LaneMasks open(Node index, const BoxPlacement* placement, OpenBoxes& boxes) const;
     std::span<const std::uint32_t> primitives(Node index, unsigned k) const
@@ -57,11 +54,11 @@ public:
         if (of_triangles(index)) return {order_ + place_of(index) + k, 1};
         return {order_ + begin_of(index, k), std::size_t(node(index).singles >> k & 1 ? 1 : 2)};
     }
-    /// Is it the node of a leaf's parts? Its boxes are around one triangle each, and made when it is opened.
+    /// True for the node below a leaf: its boxes hold one triangle each, and are made when it is opened.
     static constexpr bool of_triangles(Node index) { return index >> 31; }
-    /// What is stored of a node; not of_triangles().
+    /// The stored data of a node for which of_triangles() is false.
     const BoxNode& node(Node index) const { return node_at(blocks_, index); }
-    /// The triangles of box k are [begin, begin + count) of the tree's order. Not of_triangles().
+    /// The triangles of box k are [begin, begin + count) of the tree's order. Requires !of_triangles(index).
     std::uint32_t begin_of(Node index, unsigned k) const
     {
         const BoxNode& from = node(index);
@@ -72,36 +69,36 @@ public:
         const BoxNode& from = node(index);
         return from.leaves >> k & 1 ? (from.singles >> k & 1 ? 1 : 2) : inner_at(blocks_, index).count[k];
     }
-    /// Is the node of its parts there, and stored?
+    /// True if the child node of box k is stored.
     bool is_grown(Node index, unsigned k) const { return !(node(index).leaves >> k & 1) && grown(index, k); }
-    /// The node of the parts of box k, grown when it is not there yet. The box must hold more than one triangle.
+    /// The child node of box k, grown if it does not exist yet. The box must hold more than one triangle.
     Node child(Node index, unsigned k)
     {
         if (node(index).leaves >> k & 1) return parts_of_leaf(begin_of(index, k));
         const Node child = grown(index, k);
         return child ? child : grow(index, k);
     }
-    /// Of a box that is no leaf.
+    /// The box must be no leaf.
     void prefetch_child(Node index, unsigned k)
     {
-        prefetch_node(grown(index, k)); // the root where it is not there yet
+        prefetch_node(grown(index, k)); // node 0, the root, if the child is not grown yet
     }
-    /// Grows what a walk with a body in this box of the mesh's frame would come to, down to boxes of so many triangles.
-    /// Beside walks.
+    /// Grows the nodes that a traversal with a body in this box of the mesh's frame would reach, down to boxes of
+    /// `triangles` triangles. May run concurrently with traversals.
     void grow_in(const Aabb& box, std::uint32_t triangles);
-    /// A box of so many triangles or fewer counts as a leaf. Where it is much larger than what it is compared with, its
-    /// triangles can still get boxes of their own.
+    /// A box of at most this many triangles counts as a leaf. If it is larger than the box that it is compared with,
+    /// its triangles can still get boxes of their own.
     static constexpr std::uint32_t leaf_triangles = MeshChunks::leaf_triangles;
 
-    /// The triangle at a place of the tree's order, by number in the mesh.
+    /// The triangle at a position of the tree's order, by number in the mesh.
     std::uint32_t triangle(std::uint32_t place) const { return order_[place]; }
-    /// Not of a cooked mesh.
+    /// Not for a cooked mesh.
     const Mesh& mesh() const
     {
         ONCOLLIDE_ASSERT(mesh_);
         return *mesh_;
     }
-    /// Begin to load what walks look at first: where the nodes are, and, some time later, these.
+    /// Prefetch the data that traversals read first: the node table and, some time later, the root.
     void prefetch_table() const { prefetch_all_of(blocks_[0]); }
     void prefetch_root() const { prefetch(&node(root), 2 * sizeof(InnerNode)); }
     void prefetch_node(Node index) const
@@ -109,19 +106,20 @@ public:
         if (of_triangles(index))
             prefetch_all_of(order_[place_of(index)]);
         else
-            prefetch(&node(index), sizeof(BoxNode) + sizeof(InnerNode::child)); // not all are so large
+            prefetch(&node(index), sizeof(BoxNode) + sizeof(InnerNode::child)); // a BoxNode alone is smaller
     }
-    /// Of a triangle first which corners it has, and, some time later, these.
+    /// Prefetch the corner indices of a triangle and, some time later, the corners.
     void prefetch_triangle(std::uint32_t triangle) const { prefetch_all_of(triangles_[triangle]); }
     void prefetch_corners(std::uint32_t triangle) const
     {
         for (const std::uint32_t corner : triangles_[triangle]) prefetch_all_of(vertices_[corner]);
     }
-    /// Is it so large that nodes and triangles are mostly not in the nearest caches when a walk comes to them? Then it
-    /// pays to fetch all children early. Cooked meshes do not count: what is below a box may not be there.
+    /// True if the tree is so large that its nodes and triangles are mostly not in the nearest caches when a traversal
+    /// reaches them, and prefetching all children pays. False for cooked meshes, whose data below a box may not be
+    /// loaded.
     bool is_large() const { return large_; }
 
-    /// By number in the tree. Of a cooked mesh only what walks have come to.
+    /// Indexed by number in the tree. In a cooked mesh only entries that traversals have reached are valid.
     const Eigen::Vector3d* vertices() const { return vertices_; }
     const Triangle* triangles() const { return triangles_; }
     TrianglePoints corners(std::uint32_t triangle) const
@@ -129,33 +127,34 @@ public:
         const Triangle& t = triangles_[triangle];
         return {vertices_[t[0]], vertices_[t[1]], vertices_[t[2]]};
     }
-    /// The number in the source of a triangle that a walk has come to.
+    /// The number in the source of a triangle that a traversal has reached.
     std::uint32_t source(std::uint32_t triangle) const { return chunked_ ? chunked_->number(triangle) : triangle; }
-    /// Is it one that a walk has come to, and that was not dropped since? Else it is no hint.
+    /// True if a traversal has reached the triangle and it was not dropped since; otherwise it is no valid hint.
     bool holds(std::uint32_t triangle) const { return !chunked_ || chunked_->there(chunked_->chunk_of(triangle)); }
 
-    /// Of a cooked mesh; else null.
+    /// Null unless the mesh is cooked.
     MeshChunks* chunked() const { return chunked_.get(); }
     void add_held(std::vector<Held>& to) const override;
     void drop(std::uint32_t of_chunks) override;
 
     std::uint32_t nodes() const { return chunked_ ? chunked_->nodes() : nodes_.load(); }
-    /// Of this tree and no other: nodes of one are no nodes of another, though it may be of the same mesh.
+    /// Unique to this tree, and renewed when it drops a chunk: nodes of another tree, even of the same mesh, are not
+    /// its nodes.
     std::uint32_t identity() const { return identity_; }
     std::size_t bytes() const;
-    static std::uint64_t most_nodes(std::size_t triangles); ///< when all is grown
+    static std::uint64_t most_nodes(std::size_t triangles); ///< when fully grown
     static std::size_t most_bytes(std::size_t triangles);
     static double radius_around(const Mesh& mesh); ///< radius() of its tree
 
 private:
     static std::uint64_t most_lines(std::size_t triangles);
-    std::size_t room_in(std::size_t number) const; ///< lines of a block
+    std::size_t room_in(std::size_t number) const; ///< lines of block `number`
 
     static constexpr Node parts_of_leaf(std::uint32_t place) { return 1u << 31 | place; }
     static constexpr std::uint32_t place_of(Node index) { return index & ~(1u << 31); }
     LaneMasks open_triangles(Node index, const BoxPlacement* placement, OpenBoxes& boxes) const;
 
-    /// The node of the parts of box k, which is no leaf; 0: none yet.
+    /// The child node of box k, which must be no leaf; 0: not grown yet.
     Node grown(Node index, unsigned k) const
     {
         return std::atomic_ref(inner_at(blocks_, index).child[k]).load(std::memory_order_acquire);
@@ -167,11 +166,11 @@ private:
     void count(std::uint64_t nodes, std::size_t bytes);
     Node grow_by_grid(InnerNode& above, unsigned k);
     Node add_nodes(const GridPart& part, std::uint32_t begin);
-    struct Growing; ///< what a thread works with
+    struct Growing; ///< working memory of a thread
     static Growing& growing();
     void add_lane(Growing& g, Node index, std::size_t from, std::size_t to, std::uint32_t begin);
 
-    const Mesh* const mesh_; ///< null: a cooked one
+    const Mesh* const mesh_; ///< null for a cooked mesh
     BoxTotals* const totals_;
     const std::unique_ptr<MeshChunks> chunked_;
     std::uint32_t identity_;
@@ -181,12 +180,12 @@ private:
     const Eigen::Vector3d* vertices_;
     const Triangle* triangles_;
     std::uint32_t* order_ = nullptr;       ///< null until a box grows
-    NodeLine** blocks_;                    ///< as many as there can be; null until used
-    LargeVector<std::uint32_t> own_order_; ///< what these point to, but of a cooked mesh
+    NodeLine** blocks_;                    ///< table for all possible blocks; a block is null until used
+    LargeVector<std::uint32_t> own_order_; ///< storage of order_ and blocks_, unless the mesh is cooked
     std::vector<NodeLine*> own_blocks_;
-    std::atomic<std::uint32_t> lines_ = 0, nodes_ = 0; ///< in use, of these blocks
+    std::atomic<std::uint32_t> lines_ = 0, nodes_ = 0; ///< in use, in these blocks
     std::mutex growing_;
-    std::uint32_t grows_in_ = 0; ///< the chunk of a cooked mesh where it grows
+    std::uint32_t grows_in_ = 0; ///< the chunk of a cooked mesh that is growing
 };
 
 } // namespace oncollide

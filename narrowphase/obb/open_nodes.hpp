@@ -8,7 +8,7 @@
 
 namespace oncollide {
 
-/// The nodes of one hierarchy that a query has opened, in A's frame, each once. One thread's working memory.
+/// The nodes of one hierarchy that a query has opened, each once, in A's frame. One thread's working memory.
 template <BoxHierarchy Hierarchy>
 class OpenNodes {
 public:
@@ -16,22 +16,22 @@ public:
         OpenBoxes boxes;
         typename Hierarchy::Node node;
         LaneMasks masks;
-        std::array<std::uint32_t, 8> below; ///< slot of the node below box k; 0: not open
-        std::uint32_t above;                ///< slot of the node that it was reached from; its own: none
-        std::uint8_t lane;                  ///< box of that node that it is below
+        std::array<std::uint32_t, 8> below; ///< slot of the child node of box k; 0: not open
+        std::uint32_t above;                ///< slot of the parent node; its own slot: it has none
+        std::uint8_t lane;                  ///< box of the parent node that contains this node
 
         bool leaf(unsigned k) const { return masks.leaves >> k & 1; }
         bool single(unsigned k) const { return masks.singles >> k & 1; }
         float size(unsigned k) const { return boxes.size[k]; }
     };
 
-    /// Starts a query of which nothing is open. Keeps both.
+    /// Starts a query with no open nodes. Keeps references to both.
     void start(Hierarchy& hierarchy, const BoxPlacement* placement)
     {
         hierarchy_ = &hierarchy, placement_ = placement;
         used_ = 0;
     }
-    /// Opens a node that is not below another open one; the first, in slot 0, is never below one. Returns its slot.
+    /// Opens a node that is not the child of an open node; slot 0, the first, never is. Returns its slot.
     std::uint32_t open(const typename Hierarchy::Node& node)
     {
         if (used_ == nodes_.size()) nodes_.resize(2 * std::size_t(used_) + 16);
@@ -42,7 +42,7 @@ public:
     }
     const Node& operator[](std::uint32_t slot) const { return nodes_[slot]; }
 
-    /// The slot of the node below box `k`. References to nodes end here.
+    /// The slot of the child node of box `k`, opened if needed. Invalidates references to nodes.
     std::uint32_t descend(std::uint32_t slot, unsigned k)
     {
         if (const std::uint32_t below = nodes_[slot].below[k]) return below;
@@ -50,14 +50,14 @@ public:
         nodes_[below].above = slot, nodes_[below].lane = static_cast<std::uint8_t>(k);
         return nodes_[slot].below[k] = below;
     }
-    /// Begins to load the node below box `k`, where it is stored and not open.
+    /// Prefetches the child node of box `k`, if it is stored and not open.
     void prefetch(std::uint32_t slot, unsigned k) const
     {
         if constexpr (requires(Hierarchy & h, typename Hierarchy::Node n) { h.prefetch_child(n, k); })
             if (const Node& above = nodes_[slot]; !above.below[k] && !above.leaf(k))
                 hierarchy_->prefetch_child(above.node, k);
     }
-    /// The same of these boxes, a bit each, in a hierarchy that is mostly in no cache.
+    /// Prefetches the child nodes of several boxes, one bit each, if the hierarchy is too large for the caches.
     void prefetch_below(std::uint32_t slot, unsigned boxes) const
     {
         if constexpr (requires { hierarchy_->is_large(); })
@@ -65,7 +65,7 @@ public:
                 for (boxes &= ~nodes_[slot].masks.leaves; boxes; boxes &= boxes - 1)
                     hierarchy_->prefetch_child(nodes_[slot].node, static_cast<unsigned>(__builtin_ctz(boxes)));
     }
-    /// The box `levels` up from box `k`, or as far up as nodes are open.
+    /// The box `levels` above box `k`, or as far up as nodes are open.
     std::pair<std::uint32_t, std::uint8_t> up(std::uint32_t slot, std::uint8_t k, int levels) const
     {
         for (; levels > 0 && nodes_[slot].above != slot; --levels) k = nodes_[slot].lane, slot = nodes_[slot].above;

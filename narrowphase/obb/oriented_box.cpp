@@ -37,8 +37,8 @@ Matrix3d axes_of(const BoxNode& node, unsigned k)
 void set_frame(BoxNode& node, const Vector3d& centre, double radius)
 {
     for (int axis = 0; axis < 3; ++axis) node.origin[axis] = static_cast<float>(centre[axis]);
-    // Centres lie in the ball, half-extents are below its radius; twice that leaves room for quantised axes. The origin
-    // as a float may be off by 2^-24 of its size.
+    // Centres lie in the sphere, and half-extents are below its radius; twice the radius leaves room for quantised
+    // axes. The origin as a float may be off by 2^-24 of its size.
     const double most = 2 * (radius + 0x1p-23 * centre.norm());
     node.unit = std::max(static_cast<float>(most / most_centre), 1e-30f);
 }
@@ -66,7 +66,7 @@ bool holds(const BoxNode& node, unsigned k, const Vector3d& point)
 
 TriangleRow row_of(std::span<const TrianglePoints> triangles, const Vector3d& from)
 {
-    // Divided by their size, squares of floats neither overflow nor vanish.
+    // Divided by the size, so that squares of floats neither overflow nor underflow.
     double size = 1e-30;
     for (const TrianglePoints& t : triangles)
         for (std::size_t side = 1; side < 3; ++side) size = std::max(size, (t[side] - t[0]).cwiseAbs().maxCoeff());
@@ -86,7 +86,7 @@ TriangleRow row_of(std::span<const TrianglePoints> triangles, const Vector3d& fr
 
 namespace {
 
-/// Sets the axes of box k, the nearest that it can have.
+/// Sets the axes of box k to the nearest that it can store.
 void set_axes(BoxNode& node, unsigned k, const Matrix3d& axes)
 {
     const Eigen::Quaterniond q(axes);
@@ -94,7 +94,7 @@ void set_axes(BoxNode& node, unsigned k, const Matrix3d& axes)
     node.qw[k] = part(q.w()), node.qx[k] = part(q.x()), node.qy[k] = part(q.y()), node.qz[k] = part(q.z());
 }
 
-/// Sets the centre of box k, the nearest that it can have, and half-extents that reach what is taken along its axes.
+/// Sets the centre of box k to the nearest that it can store, and half-extents that cover the extent `along` its axes.
 void set_extent(BoxNode& node, unsigned k, const Vector3d& centre, const Matrix3d& axes, const Aabb& along)
 {
     const double unit = node.unit;
@@ -120,7 +120,7 @@ void fit_box(BoxNode& node, unsigned k, const TriangleColumns& triangles, const 
     const Matrix3d axes = axes_of(node, k);
     const Aabb along = extent_along(axes, triangles);
     const auto area = [](const Vector3d& h) { return h.x() * h.y() + h.y() * h.z() + h.z() * h.x(); };
-    // Where things are built along the axes these fit better; but a thicker box bounds a curved surface worse.
+    // These fit better where geometry is built along the axes; but a thicker box bounds a curved surface worse.
     const Vector3d straight = bounds.half_extent(), fitted = along.half_extent();
     if (area(straight) < 0.95 * area(fitted) && straight.minCoeff() <= 1.25 * fitted.minCoeff())
         set_box(node, k, extent_along(Matrix3d::Identity(), triangles));

@@ -15,24 +15,24 @@ inline const OrientedBoxKernel& oriented_box_kernel()
     return kernel;
 }
 
-/// Sets the node's frame, so that the numbers of boxes around parts of the ball fit.
+/// Sets the node's frame so that the coordinates of boxes around parts of the sphere fit.
 void set_frame(BoxNode& node, const Eigen::Vector3d& centre, double radius);
 
-/// The centre of box k, and how far its points are from there at most.
+/// The centre of box k, and an upper bound of the distance of its points from it.
 Eigen::Vector3d centre_of(const BoxNode& node, unsigned k);
 double radius_of(const BoxNode& node, unsigned k);
-/// Is a point of the tree's frame in box k, as quantise() would have it?
+/// True if a point of the tree's frame is in box k, as quantise() stores it.
 bool holds(const BoxNode& node, unsigned k, const Eigen::Vector3d& point);
 
-/// Eight triangles at most, for the kernel: it makes boxes of them that hold their corners, off by less than the boxes'
-/// margin.
-/// @param from  what they are to be relative to
+/// Packs at most eight triangles for the kernel. The boxes that the kernel makes of them hold their corners, with an
+/// error below the boxes' margin.
+/// @param from  origin of the packed coordinates
 TriangleRow row_of(std::span<const TrianglePoints> triangles, const Eigen::Vector3d& from);
 
-/// Fits a box around the triangles and stores it as box k: its axes as fitted_axes() has them, or the frame's own where
-/// such a box has less area and is not thicker. Conservative: the box as the box test will read it holds every point of
-/// the triangles.
-/// @param bounds  a box along the frame's axes that is nearly the triangles'
+/// Fits a box around the triangles and stores it as box k: with the axes of fitted_axes(), or with the frame's axes if
+/// that box has less area and is not thicker. Conservative: the box as read by the box test holds every point of the
+/// triangles.
+/// @param bounds  a box along the frame's axes, nearly the bounds of the triangles
 void fit_box(BoxNode& node, unsigned k, const TriangleColumns& triangles, const Aabb& bounds);
 /// Stores a box along the frame's axes as box k.
 void set_box(BoxNode& node, unsigned k, const Aabb& box);

@@ -7,7 +7,7 @@ namespace {
 
 inline F32x8 widen(const std::int16_t (&from)[8])
 {
-#if defined(__AVX2__) // else GCC widens halves and joins them
+#if defined(__AVX2__) // GCC would otherwise widen halves and join them
     const __m128i v = _mm_loadu_si128(reinterpret_cast<const __m128i*>(from));
     return reinterpret_cast<F32x8>(_mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(v)));
 #else
@@ -61,7 +61,7 @@ inline Vec cross(const Vec& a, const Vec& b)
 {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-/// Any direction square to u, of length 1.
+/// Any direction of length 1 orthogonal to u.
 inline Vec normal_to(const Vec& u)
 {
     const F32x8 one = splat(1), none = splat(0);
@@ -76,7 +76,7 @@ inline void store(float (&to)[3][8], const Vec& v)
 
 constexpr float far_away = 1e30f;
 
-/// Moves what is relative to `from` of the placement.
+/// Stores boxes whose centres are relative to the placement's `from`, after moving them.
 [[gnu::always_inline]] inline void put(Vec centre, Vec (&axes)[3], unsigned lanes, const BoxPlacement* placement,
                                        OpenBoxes& out)
 {
@@ -114,7 +114,8 @@ void open(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out)
     const Vec half{widen(node.hx) * unit, widen(node.hy) * unit, widen(node.hz) * unit};
     store(out.h, half);
     store(out.size, half.x * half.x + half.y * half.y + half.z * half.z);
-    out.margin = 2 * node.unit; // a centre and half-extents are below 77,600 units: at most 433 * 2^-24 of them
+    out.margin = 2 * node.unit; // a centre and half-extents are below 77,600 units, so this is at least 432 * 2^-24 of
+                                // their sum
 }
 
 inline float greatest(F32x8 v)
@@ -125,14 +126,15 @@ inline float greatest(F32x8 v)
     return most;
 }
 
-/// The first axis along the longest side, the last along the normal.
+/// The first axis is along the longest side, the last along the normal.
 void open_triangles(const TriangleRow& row, const BoxPlacement* placement, OpenBoxes& out)
 {
     const Vec s = load(row.sides[0]), t = load(row.sides[1]), r{t.x - s.x, t.y - s.y, t.z - s.z};
     const F32x8 ss = dot(s, s), tt = dot(t, t), rr = dot(r, r);
     const I32x8 s_longest = (ss >= tt) & (ss >= rr), t_longer = tt >= rr;
     const F32x8 longest2 = max(ss, max(tt, rr));
-    // Sides of less than 2^-20 are none: the box is along the mesh's axes, and holds the three corners all the same.
+    // A triangle with sides below 2^-20 is a point: the box is along the mesh's axes, and still holds the three
+    // corners.
     const I32x8 point = longest2 < splat(0x1p-40f);
     const Vec side = choose(s_longest, s, choose(t_longer, t, r));
     const Vec u = choose(point, {splat(1), splat(0), splat(0)}, scaled(side, 1 / sqrt(point ? splat(1) : longest2)));
@@ -141,7 +143,7 @@ void open_triangles(const TriangleRow& row, const BoxPlacement* placement, OpenB
     const I32x8 thin = (area2 < 0x1p-32f * longest2 * longest2) | point;
     n = scaled(n, 1 / sqrt(thin ? splat(1) : area2));
     if (bits(thin)) n = choose(thin, normal_to(u), n);
-    // Of a sliver the normal is not quite square to its side: then v is a little short.
+    // The normal of a sliver is not quite orthogonal to its side, so v is a little short.
     Vec v = cross(n, u);
     v = scaled(v, 1.5f - 0.5f * dot(v, v));
     Vec axes[3] = {u, v, cross(u, v)};
@@ -154,7 +156,8 @@ void open_triangles(const TriangleRow& row, const BoxPlacement* placement, OpenB
         const F32x8 low = min(min(to_s, to_t), none), high = max(max(to_s, to_t), none);
         const F32x8 middle = 0.5f * row.size * (low + high);
         centre = {centre.x + middle * axes[i].x, centre.y + middle * axes[i].y, centre.z + middle * axes[i].z};
-        half[i] = 0.5f * row.size * (high - low) + 0x1p-20f * row.size; // more than rounding took
+        half[i] = 0.5f * row.size * (high - low) + 0x1p-20f * row.size; // 0x1p-20 of the size exceeds the rounding
+                                                                        // error
         all = all + half[i];
     }
     centre = {load(row.corner[0]) + centre.x, load(row.corner[1]) + centre.y, load(row.corner[2]) + centre.z};
@@ -195,7 +198,7 @@ void open_octants(const OctantBoxes& row, unsigned lanes, const BoxPlacement* pl
         out.margin += box_margin * (row.half[i][0] > row.half[i][1] ? row.half[i][0] : row.half[i][1]);
 }
 
-/// @param line  null where not `far`
+/// @param line  null unless `far`
 template <bool far>
 inline unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, const BoxLine* line, float cutoff,
                         float (&gaps)[8], float (&nearest)[8])
@@ -204,7 +207,8 @@ inline unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned
                 dz = load(boxes.c[2]) - other.c[2][k];
     const F32x8 h[3] = {load(boxes.h[0]), load(boxes.h[1]), load(boxes.h[2])};
     const float oh[3] = {other.h[0][k], other.h[1][k], other.h[2][k]};
-    F32x8 axis[3][3], c[3][3], a[3][3], t[3]; // c: cosines [of the other's axis][of the lane's axis]; a: without sign
+    F32x8 axis[3][3], c[3][3], a[3][3], t[3]; // c: cosines [of the other's axis][of the lane's axis]; a: their absolute
+                                              // values
     F32x8 gap = splat(-__builtin_inff());
     F32x8 radii_by_length = splat(0); // along the line of centres
 #pragma GCC unroll 3
@@ -241,7 +245,7 @@ inline unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned
     }
     const float margin = boxes.margin + other.margin;
     if (bits(gap <= splat(cutoff + margin))) {
-        // Cross products are at most of length 1: what they show, the distance is at least.
+        // Cross products have length at most 1, so projections onto them are lower bounds of the distance.
 #pragma GCC unroll 3
         for (int i = 0; i < 3; ++i) {
             const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;

@@ -1,4 +1,5 @@
-// Oriented boxes against oriented boxes, one implementation an instruction set. Plain data in, plain data out.
+// Tests of oriented boxes against oriented boxes, one implementation per instruction set. Plain data in, plain data
+// out.
 #pragma once
 #include <cstdint>
 
@@ -6,33 +7,35 @@
 
 namespace oncollide {
 
-/// A direction of length 1 at most, in A's frame, and how far in it the other box, or what is in it, reaches.
+/// A direction in A's frame, of length 1 at most, and the largest projection onto it of the other box, or of its
+/// contents.
 struct BoxLine {
     float direction[3];
     float other_reach;
 };
 
 struct OrientedBoxKernel {
-    /// @param placement  null: the boxes stay where they are
+    /// @param placement  null: the boxes are not moved
     /// Lanes past the node's last box get centres at 1e30: far from everything.
     void (*open)(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out);
-    /// Of the triangles of a row, each a box of its own.
+    /// One box for each triangle of a row.
     void (*open_triangles)(const TriangleRow& row, const BoxPlacement* placement, OpenBoxes& out);
     /// @param row    relative to `from` of the placement
-    /// @param lanes  a bit for each box that is there; the others are as far away as those past the last of a node
+    /// @param lanes  one bit for each box that exists; the others get centres at 1e30, as lanes past a node's last box
+    /// do
     void (*open_octants)(const OctantBoxes& row, unsigned lanes, const BoxPlacement* placement, OpenBoxes& out);
-    /// One bit for each box that box `k` of `other` may touch: whose gap is at most `cutoff`.
-    /// @param gaps     out: lower bounds on the distances, the margins taken off, other rounding aside: the most that a
-    /// separating axis shows, be it
-    ///                 one of the six face normals or of the nine cross products of edges. Negative: overlap
+    /// Returns one bit for each box that box `k` of `other` may touch: its gap is at most `cutoff`.
+    /// @param gaps     out: lower bounds of the distances after subtracting the margins; they ignore other rounding. A
+    /// gap is the largest separation along an axis: one of the six face normals or the nine cross products of edges.
+    /// Negative: overlap
     /// @param nearest  in and out, by lane: the smallest gap above `cutoff`
     /// Source: Gottschalk, Lin and Manocha, "OBBTree: a hierarchical structure for rapid interference detection",
     /// SIGGRAPH 1996.
     using Compare = unsigned(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, float cutoff, float (&gaps)[8],
                              float (&nearest)[8]);
     Compare* compare;
-    /// The same, with the line of centres for one axis more, and the line for another: for boxes far apart the gaps
-    /// come much nearer to the distances, above all along the line that joins the nearest points.
+    /// The same with two more axes, the line of centres and `line`: for boxes far apart the gaps are then much closer
+    /// to the distances, above all along the line that joins the nearest points.
     using CompareFar = unsigned(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, const BoxLine& line,
                                 float cutoff, float (&gaps)[8], float (&nearest)[8]);
     CompareFar* compare_far;

@@ -4,7 +4,8 @@
 
 namespace oncollide {
 
-/// Walks of a shape as one solid, A, against a mesh, a box or a hull, and a terrain, and of a map, A, against a shape.
+/// Traversals of a shape as one solid, A, against a mesh, box or hull, and against a terrain; and of a map, A, against
+/// a shape.
 using ShapeMeshWalk = BoxWalk<const ShapeTree, ObbTree, RoundTests<ShapeTriangleTests<ObbTree>>>;
 using ShapeTerrainWalk = BoxWalk<const ShapeTree, TerrainTree, RoundTests<ShapeTriangleTests<TerrainTree>>>;
 using MapShapeWalk = BoxWalk<MapTree, const ShapeTree, RoundTests<MapShapeTests>>;

@@ -39,7 +39,7 @@ SolidReach reach_of(const ShapeTree& shape, const Vector3d& centre, const Eigen:
         set(reach.disc, solid.high);
         break;
     case Convex::Core::cylinder:
-    case Convex::Core::cone: // of the cylinder around it
+    case Convex::Core::cone: // the cylinder around the cone
         set(reach.disc, {solid.high.x(), solid.high.x(), 0});
         set(reach.half, {0, 0, solid.high.z()});
         break;
@@ -86,7 +86,7 @@ public:
             most_ = std::min({most_, best_.upper - tolerance, farthest});
             if (at_least(e.gap) > most_) {
                 best_.lower = std::min(best_.lower, at_least(e.gap));
-                break; // no other is nearer
+                break; // no other entry is nearer
             }
             down(e, farthest);
         }
@@ -105,7 +105,7 @@ private:
     }
     std::vector<Entry>& heap() { return memory_.heap_; }
 
-    /// Straight down to something near: what is farther need not be kept then.
+    /// Descends greedily to a near triangle, so that farther boxes need not be kept.
     void dive(double farthest)
     {
         open(Tree::root, gap_within(farthest));
@@ -215,7 +215,7 @@ private:
         most_ = std::min(most_, best_.upper);
         return best_.upper > 0;
     }
-    /// Looks along a direction of the shape's frame, too.
+    /// Also bounds gaps along a direction of the shape's frame.
     void set_line(const Vector3d& direction)
     {
         direction_ = direction;
@@ -225,17 +225,18 @@ private:
         line_.other_reach = static_cast<float>(most_along_ - direction.dot(shape_.centre()) + here.dot(rest_));
     }
 
-    static constexpr std::uint32_t leaf_lane = 8; ///< a bit of Entry::lane
+    static constexpr std::uint32_t leaf_lane = 8; ///< a flag in Entry::lane
     SolidDistance& memory_;
     const ShapeTree& shape_;
     Tree& tree_;
     const RelativePose& into_;
     const double slack_;
     const WalkFrame frame_;
-    const double rounding_;     ///< of gaps
-    const double above_centre_; ///< so much farther than its box's centre the solid is at most
+    const double rounding_;     ///< error bound of gaps
+    const double above_centre_; ///< the solid's distance is at most this much more than the distance of its box's
+                                ///< centre
     BoxPlacement place_;
-    Vector3d from_; ///< in the tree's frame: the origin of the boxes' coordinates
+    Vector3d from_; ///< origin of the boxes' coordinates, in the tree's frame
     Vector3d rest_; ///< the solid's centre in the boxes' coordinates
     SolidReach reach_;
     BoxLine line_;
@@ -243,8 +244,8 @@ private:
     double most_along_;
     TriangleCorners<Tree> corners_;
     DistanceBounds<Pair> best_{infinity, infinity, {}};
-    double most_ = infinity; ///< no more than this is the distance, or what matters of it
-    bool in_order_ = false;  ///< is the heap one?
+    double most_ = infinity; ///< upper bound of the distance, or the cutoff
+    bool in_order_ = false;  ///< true once the entries form a heap
     alignas(32) float nearest_[8];
 };
 

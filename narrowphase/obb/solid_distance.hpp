@@ -9,18 +9,19 @@
 
 namespace oncollide {
 
-/// How far a convex solid is from the triangles of a mesh or a terrain, the nearest boxes first. One thread's working
-/// memory; others may walk the same trees meanwhile.
+/// The distance of a convex solid from the triangles of a mesh or a terrain, nearest boxes first. One thread's working
+/// memory; other threads may traverse the same trees meanwhile.
 ///
-/// BoxWalk has the solid's box against every box. Here a box is bounded along the direction in which the solid's centre
-/// sees it nearest, which of a body far away or over flat ground is nearly the distance; and eight cells of a terrain,
-/// sixteen triangles, at once by themselves, without boxes. With bounds so close few nodes are opened, so a heap pays.
+/// BoxWalk tests the solid's box against every box. This class bounds the distance of a box along the direction to its
+/// point nearest to the solid's centre; for a distant body, or over flat ground, the bound is nearly the distance.
+/// Eight cells of a terrain, sixteen triangles, are tested at once without boxes. With bounds so close few nodes are
+/// opened, so a heap pays.
 template <class Tree>
 class SolidDistance {
 public:
     using Pair = typename ShapeTriangleTests<Tree>::Pair;
 
-    /// As BoxWalk::distance(): what matters still is found, the first of equals.
+    /// As BoxWalk::distance(); of equally near pairs it returns the first.
     /// @param slack  see ConvexPair
     DistanceBounds<Pair> distance(const ShapeTree& shape, Tree& tree, const RelativePose& tree_to_shape, double slack,
                                   double tolerance, double farthest);
@@ -28,7 +29,7 @@ public:
     std::uint64_t nodes = 0, triangles = 0; ///< opened; measured
 
 private:
-    /// Box `lane` of a node, or what is below it.
+    /// Box `lane` of a node, or the contents of that box.
     struct Entry {
         float gap;
         std::uint32_t lane;

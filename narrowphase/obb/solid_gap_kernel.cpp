@@ -45,7 +45,7 @@ inline F32x8 per(F32x8 length)
     return 1 / (length > splat(0) ? length : splat(1));
 }
 
-/// How far the solid reaches along u, of length 1.
+/// The solid's extent along u, of length 1.
 inline F32x8 reach(const SolidReach& solid, const Vec& u)
 {
     F32x8 sum = splat(solid.radius), squares = splat(0);
@@ -59,7 +59,7 @@ inline F32x8 reach(const SolidReach& solid, const Vec& u)
 
 inline unsigned cut(F32x8 gap, float cutoff, float (&gaps)[8], float (&nearest)[8])
 {
-    gap = max(gap, splat(-1e30f)); // what is no number tells nothing
+    gap = max(gap, splat(-1e30f)); // NaN proves nothing
     const I32x8 near = gap <= splat(cutoff);
     const F32x8 before = load(nearest);
     store(gaps, gap);
@@ -93,14 +93,14 @@ inline F32x8 between(F32x8 low, F32x8 v, F32x8 high)
     return min(max(v, low), high);
 }
 
-/// Looks along the direction of that point half-way between the planes which is nearest to the solid's centre.
+/// The gap along the direction of the point half-way between the planes that is nearest to the solid's centre.
 inline F32x8 slab_gap(const TerrainBlocks& blocks, const F32x8 (&from)[3], const F32x8 (&to)[3],
                       const SolidReach& solid)
 {
     const F32x8 sx = load(blocks.slope_x), sy = load(blocks.slope_y), low = load(blocks.slab_low),
                 high = load(blocks.slab_high);
     const F32x8 hx = 0.5f * (to[0] - from[0]), hy = 0.5f * (to[1] - from[1]), thick = 0.5f * (high - low);
-    F32x8 dx = hx - blocks.half_x, dy = hy - blocks.half_y; // from where the planes are known
+    F32x8 dx = hx - blocks.half_x, dy = hy - blocks.half_y; // from the point where the heights of the planes are given
     if (blocks.one_slope) {
         dx = dx + blocks.half_x * F32x8{-1, 1, -1, 1, -1, 1, -1, 1};
         dy = dy + blocks.half_y * F32x8{-3, -3, -1, -1, 1, 1, 3, 3};
@@ -148,8 +148,9 @@ unsigned of_blocks(const TerrainBlocks& blocks, const SolidReach& solid, const B
     return cut(max(slab_gap(blocks, from, to, solid), near), cutoff, gaps, nearest);
 }
 
-/// Looks at the triangle p, p + u, p + v from the origin, which is the solid's centre: along the direction of its
-/// nearest point, whatever rounding makes of that, and along the line. The corners tell what is certain.
+/// The gap of the triangle p, p + u, p + v from the solid, whose centre is the origin: along the direction of the
+/// triangle's nearest point and along the line. Rounding may change that direction, but the corners' projections onto
+/// it always give a lower bound.
 /// @param edges2  out: the squared distance of an edge
 inline F32x8 triangle_gap(const Vec& p, const Vec& u, const Vec& v, const SolidReach& solid, const BoxLine& line,
                           F32x8& edges2)
@@ -201,7 +202,7 @@ unsigned of_cells(const TerrainCells& cells, const SolidReach& solid, const BoxL
     constexpr I32x8 bit{1, 2, 4, 8, 16, 32, 64, 128};
     const I32x8 falling = (bit & static_cast<std::int32_t>(cells.falling)) != 0,
                 there = (sum == sum) & (west < east) & (south < north);
-    const Vec corner = choose(falling, p10, p00), across = choose(falling, p01, p11); // of the diagonal
+    const Vec corner = choose(falling, p10, p00), across = choose(falling, p01, p11); // ends of the diagonal
     const Vec diagonal = across - corner;
     F32x8 of_even, of_odd;
     const F32x8 even = triangle_gap(corner, diagonal, choose(falling, p00, p10) - corner, solid, line, of_even),

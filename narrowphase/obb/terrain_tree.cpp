@@ -12,9 +12,9 @@ namespace oncollide {
 
 namespace {
 
-constexpr std::uint32_t square_side = 8; ///< of a block of level 2, cells
+constexpr std::uint32_t square_side = 8; ///< side of a block of level 2, in cells
 constexpr float nothing = std::numeric_limits<float>::infinity();
-constexpr float range_rounding = 0x1p-20f; ///< of stored heights, of half the terrain's own
+constexpr float range_rounding = 0x1p-20f; ///< relative error bound of stored heights, in half the terrain's own height
 
 } // namespace
 
@@ -35,7 +35,7 @@ TerrainTree::TerrainTree(const Terrain& terrain)
     const CookedTerrain& cooked = *terrain.chunks()->cooked();
     parts_across_ = cooked.blocks_across();
     parts_ = std::vector<std::atomic<Part*>>(cooked.ranges().size());
-    bounds_.resize(2); // of level 3 none
+    bounds_.resize(2); // level 3 is not stored
     for (const CookedRange& r : cooked.ranges())
         bounds_[1].push_back({{r.low, r.high}, {{r.slab_low, r.slab_high}, r.slope_x, r.slope_y}});
     for (std::uint32_t l = part_level + 1; l <= level; ++l) make_level(l);
@@ -47,7 +47,8 @@ TerrainTree::~TerrainTree()
     if (terrain_.chunks()) terrain_.chunks()->budget().give(held_);
 }
 
-/// The squares of a block and the level above them, from its heights. Those of other blocks begin where it ends.
+/// Makes the squares of a block and the level above them, from its heights. Squares of other blocks begin where it
+/// ends.
 void TerrainTree::fill(Part& part, std::uint32_t x, std::uint32_t y) const
 {
     constexpr std::uint32_t cells = CookedTerrain::side, width = cells + 1;
@@ -117,7 +118,7 @@ void TerrainTree::add_held(std::vector<Held>& to) const
         if (chunks.there(chunk)) to.push_back({chunks.needed(chunk), chunk});
 }
 
-/// The heights, and what was made of them and those beside them.
+/// Drops the heights of a chunk, and the parts made of them and of neighbouring heights.
 void TerrainTree::drop(std::uint32_t chunk)
 {
     TerrainChunks& chunks = *terrain_.chunks();
@@ -134,7 +135,7 @@ void TerrainTree::make_squares()
     const Block all = blocks(2);
     squares_.resize(std::size_t(all.x) * all.y);
     const double zero = centre_.z() - terrain_.origin().z();
-    // The rows of heights around a row of squares; beyond the last ones these are given again.
+    // The rows of heights around a row of squares; the last row and column are repeated beyond the end.
     const std::size_t width = std::size_t(all.x) * square_side + 1;
     std::vector<float> z(width * (square_side + 1));
     const auto read = [&](std::uint32_t row, float* out) {
@@ -150,7 +151,7 @@ void TerrainTree::make_squares()
     }
 }
 
-/// Of the eight blocks of a square, as square_of() has it.
+/// The height ranges of the eight blocks of a square.
 void TerrainTree::ranges_of_blocks(const float* z, std::size_t width, bool holes, Range (&of)[8])
 {
     for (std::uint32_t k = 0; k < 8; ++k) {
@@ -168,7 +169,7 @@ void TerrainTree::ranges_of_blocks(const float* z, std::size_t width, bool holes
         }
         const auto less = [](float p, float q) { return p < q ? p : q; };
         const auto more = [](float p, float q) { return p < q ? q : p; };
-        float low[4], high[4]; // of four columns, for the compiler to take together
+        float low[4], high[4]; // per column, so that the compiler can vectorise
         for (std::uint32_t i = 0; i < 4; ++i) {
             low[i] = less(less(a[i], b[i]), c[i]), high[i] = more(more(a[i], b[i]), c[i]);
             low[i] = less(low[i], less(less(a[i + 1], b[i + 1]), c[i + 1]));
@@ -179,7 +180,7 @@ void TerrainTree::ranges_of_blocks(const float* z, std::size_t width, bool holes
     }
 }
 
-/// @param z  the heights at its corners: nine rows of nine, `width` apart
+/// @param z  the heights at the square's corners: nine rows of nine, `width` apart
 TerrainTree::Square TerrainTree::square_of(const float* z, std::size_t width) const
 {
     Range of[8];
@@ -196,7 +197,7 @@ TerrainTree::Square TerrainTree::square_of(const float* z, std::size_t width) co
     for (std::uint32_t k = 0; k < 8; ++k) {
         square.lows[k] = 255, square.highs[k] = 0;
         if (of[k].low > of[k].high) continue;
-        // These steps round by less than range_rounding, and open() allows for that.
+        // These steps round by less than range_rounding, which open() allows for.
         square.lows[k] = static_cast<std::uint8_t>(std::max(0.0f, (of[k].low - square.low) * per_step));
         square.highs[k] = static_cast<std::uint8_t>(std::min(255.0f, (of[k].high - square.low) * per_step + 1));
     }
@@ -204,7 +205,7 @@ TerrainTree::Square TerrainTree::square_of(const float* z, std::size_t width) co
     return square;
 }
 
-/// About the plane that fits the heights best; with holes, a level one.
+/// Slabs around the plane that fits the heights best; a horizontal plane if there are holes.
 void TerrainTree::add_slabs(Square& square, const float* z, std::size_t width, bool holes) const
 {
     constexpr std::uint32_t line = square_side + 1, middle = square_side / 2;
@@ -213,7 +214,7 @@ void TerrainTree::add_slabs(Square& square, const float* z, std::size_t width, b
         float columns[line] = {}, rows[line] = {};
         for (std::uint32_t j = 0; j < line; ++j)
             for (std::uint32_t i = 0; i < line; ++i) columns[i] += z[j * width + i], rows[j] += z[j * width + i];
-        constexpr float squares = line * 60; // of the distances of 81 places from the middle's column
+        constexpr float squares = line * 60; // sum of the squared distances of the 81 points from the middle column
         for (std::uint32_t i = 0; i < line; ++i) {
             a += (float(i) - middle) * columns[i] / squares;
             b += (float(i) - middle) * rows[i] / squares;
@@ -250,7 +251,7 @@ void TerrainTree::make_level(std::uint32_t level)
     bounds_.push_back(std::move(bounds));
 }
 
-/// Of level 2 or above.
+/// The level is 2 or above.
 TerrainTree::Bounds TerrainTree::bounds_below(std::uint32_t level, std::uint32_t x, std::uint32_t y) const
 {
     if (level > 2) return bounds(level, x, y);
@@ -276,7 +277,7 @@ TerrainTree::Bounds TerrainTree::bounds_around(std::uint32_t level, std::uint32_
     return sum;
 }
 
-/// About the plane that fits the middles of the blocks below.
+/// The slab around the plane that fits the middles of the blocks below.
 template <class Below>
 TerrainTree::Slab TerrainTree::slab_around(std::uint32_t level, std::uint32_t x, std::uint32_t y, Below bounds_of) const
 {
@@ -303,7 +304,7 @@ TerrainTree::Slab TerrainTree::slab_around(std::uint32_t level, std::uint32_t x,
         const Eigen::Vector2f d(dx - mean.x(), dy - mean.y());
         squares += d * d.transpose(), rises += (0.5f * part.low + 0.5f * part.high - mean.z()) * d;
     });
-    // Of blocks in one row or column there is no telling across it.
+    // Blocks in one row or column leave the slope across it undetermined.
     const Eigen::Vector2f slope = squares.determinant() > 0.01f * squares.diagonal().prod()
                                       ? Eigen::Vector2f(squares.inverse() * rises)
                                       : Eigen::Vector2f(0, 0);
@@ -361,10 +362,10 @@ void TerrainTree::cell_ranges(const Node& node, Range (&ranges)[8]) const
 
 TerrainTree::Entry TerrainTree::entry(const Aabb& box) const
 {
-    // A margin of half the box, so that what is left out is not merely apart.
+    // A margin of half the box, so that omitted cells have a useful distance.
     const double spacing = terrain_.spacing().maxCoeff();
     const double margin = 0.25 * (box.max - box.min).maxCoeff() + spacing, gap = margin - 0x1p-18 * spacing;
-    std::uint32_t from[2], to[2]; // cells, both included
+    std::uint32_t from[2], to[2]; // first and last cells, both included
     for (int i = 0; i < 2; ++i) {
         const double last = (i ? terrain_.cells_y() : terrain_.cells_x()) - 1;
         const double low = std::floor((box.min[i] - margin - terrain_.origin()[i]) / terrain_.spacing()[i]);
@@ -385,7 +386,7 @@ TerrainTree::Entry TerrainTree::entry(const Aabb& box) const
 
 namespace {
 
-/// @param centre, axes  the centre relative to `from` of the placement; the axes are columns
+/// @param centre, axes  the centre relative to the placement's `from`; the axes are columns
 void put(OpenBoxes& boxes, unsigned k, const Eigen::Vector3f& centre, const Eigen::Matrix3f& axes,
          const Eigen::Vector3f& half, const BoxPlacement* placement)
 {
@@ -438,10 +439,10 @@ LaneMasks TerrainTree::open(const Node& node, const BoxPlacement* placement, Ope
 {
     if (node.level == triangles) return open_cell(node, placement, boxes);
     const Eigen::Vector3d origin = this->origin(placement);
-    const double zero = centre_.z() - origin.z(); // of ranges
+    const double zero = centre_.z() - origin.z(); // zero level of the ranges
     Range ranges[8];
-    float centre[2][4], half[2][4]; // of the blocks' columns and rows
-    unsigned lanes = 0;             // a bit for each block that is there
+    float centre[2][4], half[2][4]; // by column and by row of the blocks
+    unsigned lanes = 0;             // one bit for each block that exists
     const auto extent = [&](int axis, unsigned place, std::uint64_t from, std::uint64_t to) {
         const std::uint32_t last = axis ? terrain_.cells_y() : terrain_.cells_x();
         if (from >= last) return false;
@@ -463,7 +464,7 @@ LaneMasks TerrainTree::open(const Node& node, const BoxPlacement* placement, Ope
         ranges[0] = all_, lanes = 1;
     } else {
         const std::uint32_t h = high(level);
-        unsigned columns = 0, rows = 0; // that are there
+        unsigned columns = 0, rows = 0; // existing columns and rows
         for (unsigned i = 0; i < w; ++i)
             columns += extent(0, i, std::uint64_t(node.x + i) << log_width(level),
                               std::uint64_t(node.x + i + 1) << log_width(level));

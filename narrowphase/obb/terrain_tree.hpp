@@ -18,33 +18,35 @@ namespace oncollide {
 struct TerrainBlocks;
 struct TerrainCells;
 
-/// A terrain as a BoxHierarchy: an implicit quadtree, of which the least and the greatest heights are stored for every
-/// four by two cells and above; boxes are computed. Reads only, so any number of walks may share it.
+/// A terrain as a BoxHierarchy: an implicit quadtree that stores the least and the greatest heights of blocks of four
+/// by two cells and above; boxes are computed. Read-only, so any number of traversals may share it.
 ///
-/// Level 0 are the cells, level 1 blocks of four by two of them, level 2 blocks of two by four of these, so eight by
-/// eight cells, and so on in turns. A node is the eight blocks, wherever they begin, that one of the next level is made
-/// of; so any place has a node that fits it. Below a cell are its two triangles, each in a flat box.
+/// Level 0 is the cells. A block of level 1 is four by two cells, a block of level 2 two by four blocks of level 1
+/// (eight by eight cells), and so on alternately. A node is the eight blocks that would form a block of the next level,
+/// but it may begin at any block, so a node fits every position. Below a cell are its two triangles, each in a flat
+/// box.
 ///
-/// Of a terrain in a cooked file it has the same boxes. Blocks of 64 by 64 cells and above come from the file's top;
-/// what is below is made when a walk first comes to it, from the chunks of heights, which must be as the top says:
-/// all that follows then may throw ChunkFault.
+/// A terrain in a cooked file has the same boxes. The file's top stores blocks of 64 by 64 cells and above. Smaller
+/// blocks are made when a traversal first reaches them, from the chunks of heights, which must agree with the top: all
+/// functions that reach them may throw ChunkFault.
 class TerrainTree final : public HeldChunks {
 public:
-    /// Keeps a reference to the terrain. Cost: 6 ns a cell; of a cooked one, of each block of 64 by 64.
+    /// Keeps a reference to the terrain. Cost: 6 ns per cell; for a cooked terrain, per block of 64 by 64 cells.
     explicit TerrainTree(const Terrain& terrain);
     ~TerrainTree() override;
     TerrainTree(const TerrainTree&) = delete;
     TerrainTree& operator=(const TerrainTree&) = delete;
 
     struct Node {
-        std::uint32_t x, y;  ///< the first block, counted in blocks of its level
-        std::uint32_t level; ///< of the blocks
-        bool whole;          ///< one box around all
+        std::uint32_t x, y; ///< position of the first block, counted in blocks of its level
+        std::uint32_t level; ///< level of the blocks
+        bool whole; ///< true: one box around all eight
     };
     using Primitive = std::uint32_t; ///< a triangle, by its number in the terrain
     static constexpr Node root{0, 0, ~0u, true};
-    static constexpr std::uint32_t triangles = ~0u - 1; ///< a level: a node of the two triangles of a cell
-    /// As MapTree::Entry.
+    static constexpr std::uint32_t triangles = ~0u - 1; ///< the level of a node that holds the two triangles of a cell
+    /// The node from which to search, if any, and a lower bound of the distance to everything outside it (as the result
+    /// of MapTree::starts).
     struct Entry {
         std::optional<Node> node;
         double gap;
@@ -54,10 +56,10 @@ public:
     const Eigen::Vector3d& centre() const { return centre_; }
     double radius() const { return radius_; }
     LaneMasks open(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const;
-    /// The corners of a node of cells, relative to a point.
+    /// The corners of a node of cells, relative to `from`.
     void open_cells(const Node& node, const Eigen::Vector3d& from, TerrainCells& cells) const;
-    /// The blocks of any other node below the root, relative to a point. It must begin where a block of the next level
-    /// does.
+    /// The blocks of any other node below the root, relative to `from`. The node must begin where a block of the next
+    /// level does.
     void open_blocks(const Node& node, const Eigen::Vector3d& from, TerrainBlocks& blocks) const;
     Node child(const Node& node, unsigned lane) const
     {
@@ -68,7 +70,7 @@ public:
         const std::uint32_t below = node.level - 1;
         return {block.x * wide(below), block.y * high(below), below, false};
     }
-    /// One or two triangles, by number.
+    /// Up to two triangles, by number.
     struct Primitives {
         std::array<std::uint32_t, 2> numbers;
         std::uint32_t count;
@@ -77,7 +79,7 @@ public:
         const std::uint32_t* begin() const { return numbers.data(); }
         const std::uint32_t* end() const { return numbers.data() + count; }
     };
-    /// Of a cell, or of one of its triangles.
+    /// The triangles of a cell, or one of them.
     Primitives primitives(const Node& node, unsigned lane) const
     {
         const bool one = node.level == triangles;
@@ -95,52 +97,52 @@ public:
     const Terrain& terrain() const { return terrain_; }
 
     std::size_t bytes() const;
-    CookedRange range_of_chunk(std::uint32_t x, std::uint32_t y) const; ///< of a block of 64 by 64 cells
+    CookedRange range_of_chunk(std::uint32_t x, std::uint32_t y) const; ///< the range of a block of 64 by 64 cells
 
     void add_held(std::vector<Held>& to) const override;
     void drop(std::uint32_t chunk) override;
 
 private:
-    /// Heights from the centre's, metres, of what is there; nothing is: low > high.
+    /// Heights relative to the centre's, metres, of existing cells; if none exists, low > high.
     struct Range {
         float low, high;
     };
-    /// All of a block is between two planes, `low` and `high` over the middle of a whole block.
+    /// A block lies between two planes, at the heights `low` and `high` over the middle of a whole block.
     struct Slab : Range {
         float slope_x, slope_y;
     };
-    /// Of a block of level 3 or above.
+    /// The bounds of a block of level 3 or above.
     struct Bounds {
         Range range;
         Slab slab;
     };
-    /// Of eight by eight cells: those of its eight blocks of level 1 are low + step [lows[k], highs[k]].
+    /// A block of eight by eight cells: the heights of its eight blocks of level 1 are low + step [lows[k], highs[k]].
     struct Square {
         float low, step;
         std::uint8_t lows[8], highs[8];
-        /// The same from planes with these slopes, over the middle of a whole square.
+        /// The same for planes with these slopes, over the middle of a whole square.
         float slab_low, slab_step, slope_x, slope_y;
         std::uint8_t slab_lows[8], slab_highs[8];
     };
     struct Block {
         std::uint32_t x, y;
     };
-    /// Of eight squares by eight: a block of level 4.
+    /// Eight by eight squares: a block of level 4.
     static constexpr std::uint32_t part_level = 4;
     struct Part {
         Square squares[64];
-        Bounds bounds[8]; ///< of level 3
+        Bounds bounds[8]; ///< of the blocks of level 3
     };
 
-    // A block of the level above is so many blocks of this one wide and high.
+    // A block of the next level is this many blocks wide and high.
     static std::uint32_t wide(std::uint32_t level) { return level % 2 ? 2 : 4; }
     static std::uint32_t high(std::uint32_t level) { return level % 2 ? 4 : 2; }
-    /// Sides of a block in cells, as powers of two.
+    /// Sides of a block in cells, as binary logarithms.
     static std::uint32_t log_width(std::uint32_t level) { return level / 2 * 3 + level % 2 * 2; }
     static std::uint32_t log_height(std::uint32_t level) { return level / 2 * 3 + level % 2; }
     static float cells_wide(std::uint32_t level) { return static_cast<float>(std::uint64_t{1} << log_width(level)); }
     static float cells_high(std::uint32_t level) { return static_cast<float>(std::uint64_t{1} << log_height(level)); }
-    /// Half of a whole block, metres.
+    /// Half of the size of a whole block, metres.
     Eigen::Vector2f half_of_block(std::uint32_t level) const
     {
         return 0.5f *
@@ -151,7 +153,7 @@ private:
         const std::uint32_t w = wide(node.level);
         return {node.x + lane % w, node.y + lane / w};
     }
-    /// How many blocks of a level there are, at least in part, along x and y.
+    /// The number of blocks of a level along x and y, including partial ones.
     Block blocks(std::uint32_t level) const
     {
         return {((terrain_.cells_x() - 1) >> log_width(level)) + 1,
@@ -162,7 +164,7 @@ private:
         if (terrain_.chunks()) return part(x / 8, y / 8).squares[y % 8 * 8 + x % 8];
         return squares_[std::size_t(y) * blocks(2).x + x];
     }
-    /// Of level 3 or above.
+    /// The level is 3 or above.
     const Bounds& bounds(std::uint32_t level, std::uint32_t x, std::uint32_t y) const
     {
         if (level < part_level && terrain_.chunks()) return part(x / 2, y / 4).bounds[y % 4 * 2 + x % 2];
@@ -180,7 +182,7 @@ private:
     }
     const Part& make_part(std::uint32_t x, std::uint32_t y) const;
     void fill(Part& part, std::uint32_t x, std::uint32_t y) const;
-    /// What boxes are relative to, in the terrain's frame.
+    /// The origin of the boxes' coordinates, in the terrain's frame.
     Eigen::Vector3d origin(const BoxPlacement* placement) const;
     LaneMasks open_cell(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const;
     void cell_ranges(const Node& node, Range (&ranges)[8]) const;
@@ -188,7 +190,7 @@ private:
     Square square_of(const float* z, std::size_t width) const;
     static void ranges_of_blocks(const float* z, std::size_t width, bool holes, Range (&of)[8]);
     void add_slabs(Square& square, const float* z, std::size_t width, bool holes) const;
-    /// Around the blocks of the level below: visit(below, x, y) has their bounds.
+    /// Bounds around the blocks of the level below, given by visit(below, x, y).
     template <class Below>
     Bounds bounds_around(std::uint32_t level, std::uint32_t x, std::uint32_t y, Below below) const;
     template <class Below>
@@ -200,12 +202,12 @@ private:
     Eigen::Vector3d centre_;
     double radius_;
     Range all_;
-    Node top_;                                ///< holds all cells
-    std::vector<Square> squares_;             ///< of level 2, row by row
-    std::vector<std::vector<Bounds>> bounds_; ///< of level 3 and above, row by row
+    Node top_; ///< the node that holds all cells
+    std::vector<Square> squares_; ///< blocks of level 2, row by row
+    std::vector<std::vector<Bounds>> bounds_; ///< by level from 3, row by row
     std::uint32_t parts_across_ = 0;
-    mutable std::vector<std::atomic<Part*>> parts_; ///< of a cooked terrain, in place of the squares and level 3
-    mutable std::atomic<std::size_t> held_ = 0;     ///< by these
+    mutable std::vector<std::atomic<Part*>> parts_; ///< of a cooked terrain, instead of squares_ and level 3
+    mutable std::atomic<std::size_t> held_ = 0; ///< bytes held by parts_
     mutable std::mutex making_;
 };
 

@@ -52,13 +52,13 @@ typename TraversalOf<A, B>::Contact TraversalOf<A, B>::contact(A& a, B& b, const
         return contact.kind == TriangleContact::touching &&
                only_common_corner(triangles.points_a(pair.a), triangles.points_b(pair.b));
     };
-    if constexpr (!two_meshes<A, B>) { // few of a terrain's triangles meet in a point, and they have no inside to share
+    if constexpr (!two_meshes<A, B>) { // few triangles of a terrain meet in a point, and a terrain has no inside
         contact.bound = walk_.meetings(
             a, b, b_to_a, hint, [&](TrianglePair pair) { return take(pair) != TriangleContact::crossing; }, only_corner,
             place);
         return contact;
     } else {
-        // Where two fans of n triangles touch n^2 pairs do, in one plane or in a point: one plane tells of all of them.
+        // Two fans of n triangles that touch in one plane or in a point give n^2 pairs: one plane decides all of them.
         std::size_t planes = 0;
         std::uint64_t looked = 0;
         const std::uint64_t most_looks = 8 * (a.mesh().vertices.size() + b.mesh().vertices.size());
@@ -88,7 +88,7 @@ typename TraversalOf<A, B>::Contact TraversalOf<A, B>::contact(A& a, B& b, const
     }
 }
 
-/// All that meet but those for which leave(pair).
+/// Collects all pairs that meet, except pairs for which leave(pair) is true.
 template <class A, class B>
 template <class Leave>
 void TraversalOf<A, B>::collect(A& a, B& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out, Leave leave)
@@ -112,7 +112,7 @@ template <class A, class B>
 void TraversalOf<A, B>::all_meeting(A& a, B& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out,
                                     CommonCorners& corners) requires two_meshes<A, B>
 {
-    if constexpr (two_meshes<A, B>) { // Clang 14 instantiates it all the same
+    if constexpr (two_meshes<A, B>) { // Clang 14 instantiates it regardless of the constraint
         corners.of_a.assign(a.mesh().triangles.size(), 0), corners.of_b.assign(b.mesh().triangles.size(), 0);
         const Tests& triangles = walk_.leaves();
         collect(a, b, b_to_a, out, [&](TrianglePair pair) {

@@ -21,46 +21,46 @@ extern template class BoxWalk<TerrainTree, ObbTree, TriangleTestsOf<TerrainTree,
 extern template class BoxWalk<ObbTree, TerrainTree, TriangleTestsOf<ObbTree, TerrainTree>>;
 extern template class BoxWalk<TerrainTree, TerrainTree, TriangleTestsOf<TerrainTree, TerrainTree>>;
 
-/// Queries of two meshes or terrains, by walking their hierarchies: the larger box first, the deepest overlap first.
-/// Triangles are decided by exact predicates on the file's own coordinates: those of B are moved into A's frame in
-/// double, and for the coordinates so rounded "meet" is exact. Touching counts.
+/// Queries of two meshes or terrains, by traversing their hierarchies: the larger box first, the deepest overlap first.
+/// Exact predicates decide triangles on the file's own coordinates: B's are moved into A's frame in double, and for the
+/// coordinates so rounded "meet" is exact. Touching counts.
 ///
-/// One thread's working memory; others may walk the same trees meanwhile. Distances are metres.
+/// One thread's working memory; other threads may traverse the same trees meanwhile. Distances are metres.
 template <class A, class B>
-class alignas(128) TraversalOf { // lines of its own: one a thread
+class alignas(128) TraversalOf { // own cache lines: one object per thread
 public:
     using Place = typename TriangleWalk<A, B>::Place;
     struct Meeting {
         std::optional<TrianglePair> pair; ///< two triangles that meet
-        double bound; ///< else at least so far are the meshes apart, as placed: > 0 unless doubles cannot express it
+        double bound; ///< if none meet, a lower bound of the distance: > 0 unless doubles cannot express it
     };
-    /// Some two triangles that meet; those of `hint` if they do. Which ones depends on the meshes and poses alone.
-    /// Cost: for meshes of 5,000 triangles some 3 microseconds; what the trees grow besides.
-    /// @param place  as BoxWalk::meetings()
+    /// Finds two triangles that meet; the pair of `hint` if it meets. The result depends on the meshes, the poses and
+    /// the hint alone. Cost: about 3 microseconds for meshes of 5,000 triangles, and the growth of the trees.
+    /// @param place  as in BoxWalk::meetings()
     Meeting first_meeting(A& a, B& b, const RelativePose& b_to_a, std::optional<TrianglePair> hint = {},
                           std::optional<Place>* place = nullptr);
 
     struct Contact {
-        std::optional<TrianglePair> pair; ///< two triangles that cross, or where none do, two that touch
-        double bound;                     ///< as of Meeting
+        std::optional<TrianglePair> pair; ///< two triangles that cross, or if none cross, two that touch
+        double bound; ///< as in Meeting
         TriangleContact kind = TriangleContact::separate;
         bool parted = false; ///< touching: a plane was found that has all of A on one closed side and all of B on the
-                             ///< other, so they share no inside
+                             ///< other, so their insides do not overlap
     };
-    /// Costs more than first_meeting() where they touch: then all triangles that meet are looked at, unless a plane is
-    /// seen to part the meshes.
+    /// Costs more than first_meeting() for meshes that touch: it then tests all triangles that meet, unless it finds a
+    /// plane that separates the meshes.
     Contact contact(A& a, B& b, const RelativePose& b_to_a, std::optional<TrianglePair> hint = {},
                     std::optional<Place>* place = nullptr);
 
-    /// All, each once, sorted, to `out`, overwritten.
+    /// Writes all pairs that meet to `out`, each once, sorted; overwrites `out`.
     void all_meeting(A& a, B& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out);
 
-    /// Of each triangle: bit i for a corner i that is all that it and some triangle of the other mesh have in common.
+    /// For each triangle, bit i is set if it and some triangle of the other mesh have only its corner i in common.
     struct CommonCorners {
         std::vector<std::uint8_t> of_a, of_b;
     };
-    /// As above, but without pairs that were seen to have a corner in common and nothing else: of these only the
-    /// corners, as fans of n triangles that touch in a point are n^2 pairs. `corners` is overwritten, too. Of meshes.
+    /// As above, without pairs that were found to have only a corner in common: only their corners are stored, as two
+    /// fans of n triangles that touch in a point give n^2 pairs. Overwrites `corners`, too. Meshes only.
     void all_meeting(A& a, B& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out,
                      CommonCorners& corners) requires two_meshes<A, B>;
 
@@ -73,9 +73,9 @@ public:
                       double farthest = std::numeric_limits<double>::infinity());
 
     struct Counts {
-        std::uint64_t box_rows = 0;   ///< tests of one box against those of a node
+        std::uint64_t box_rows = 0; ///< tests of one box against all boxes of a node
         std::uint64_t triangles = 0;  ///< pairs of triangles tested
-        std::uint64_t unsure = 0;     ///< of these, left by the filter to exact arithmetic
+        std::uint64_t unsure = 0; ///< of these, pairs that the filter left to exact arithmetic
         std::uint64_t hints_held = 0; ///< queries that their hint or place decided
     };
     Counts counts() const
@@ -91,7 +91,7 @@ private:
 
     using Tests = TriangleTestsOf<A, B>;
     TriangleWalk<A, B> walk_;
-    std::array<PlaneSides, 4> planes_; ///< that have triangles which touch on their two sides
+    std::array<PlaneSides, 4> planes_; ///< planes of triangles that touch, with the meshes on their two sides
 };
 using Traversal = TraversalOf<ObbTree, ObbTree>;
 

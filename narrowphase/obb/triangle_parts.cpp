@@ -12,8 +12,8 @@ namespace oncollide {
 
 namespace {
 
-/// Triangles that are halved at their median: a better cut of so few costs more than it saves; those that are sorted to
-/// try every cut (most_sorted); of more, cuts are tried between slices.
+/// Up to this many triangles are halved at their median, as a better cut costs more than it saves. Up to most_sorted
+/// are sorted to try every cut. Above that, cuts between slices are tried.
 constexpr std::size_t most_halved = 16;
 
 constexpr float infinite = std::numeric_limits<float>::infinity();
@@ -35,13 +35,13 @@ Eigen::Array4f four(const auto& numbers)
 const std::size_t TriangleParts::bytes_each =
     2 * sizeof(Item) + sizeof(Bounds) + sizeof(TrianglePoints) + sizeof(std::uint32_t);
 
-/// Bounds of what was added so far.
+/// Bounds of the items added so far.
 struct TriangleParts::Growing {
     Eigen::Array4f low{infinite, infinite, infinite, 0}, high{-infinite, -infinite, -infinite, 0};
 
     void add(const auto& other) { low = low.min(other.low), high = high.max(other.high); }
     void add_point(const Eigen::Array4f& p) { low = low.min(p), high = high.max(p); }
-    /// The fourth lane says nothing then.
+    /// The fourth lane is then meaningless.
     void add_place(const Item& item) { add_point(four(item)); }
     Eigen::Array4f extent() const { return high - low; }
     float area() const
@@ -57,15 +57,15 @@ void TriangleParts::start(const Source& mesh, const Eigen::Vector3d& centre, std
     numbers_ = mesh.numbers;
     triangles_.assign(triangles.begin(), triangles.end());
     items_.resize(size);
-    if (bounds_.size() < size) bounds_.resize(size), corners_.resize(size), above_.resize(size); // else there is room
+    if (bounds_.size() < size) bounds_.resize(size), corners_.resize(size), above_.resize(size);
     const F64x4 middle{centre.x(), centre.y(), centre.z(), 0};
-    constexpr std::size_t ahead = 8; // triangles; of a large mesh they are in no cache
+    constexpr std::size_t ahead = 8; // triangles; a large mesh is in no cache
     for (std::size_t i = 0; i < size; ++i) {
         if (i + 2 * ahead < size) prefetch(&mesh.triangles[triangles[i + 2 * ahead]]);
         if (i + ahead < size)
             for (const std::uint32_t v : mesh.triangles[triangles[i + ahead]]) prefetch(&mesh.vertices[v]);
         Growing bounds;
-        F64x4 sum{}; // of floats: exact, whatever the order of the corners
+        F64x4 sum{}; // a sum of floats in double: exact in any order of the corners
         for (std::size_t c = 0; c < 3; ++c) {
             const Eigen::Vector3d& v = mesh.vertices[mesh.triangles[triangles[i]][c]];
             const F64x4 p = F64x4{v.x(), v.y(), v.z(), 0} - middle;
@@ -85,7 +85,7 @@ void TriangleParts::split(unsigned parts)
     split(items_, parts, 0, 0);
 }
 
-/// Of items that begin there the parts from `first` on.
+/// Splits items that begin at position `begin` into parts; the first of these is part `first`.
 void TriangleParts::split(std::span<Item> items, unsigned parts, std::size_t begin, unsigned first)
 {
     if (parts == 1) {
@@ -103,7 +103,7 @@ void TriangleParts::split(std::span<Item> items, unsigned parts, std::size_t beg
     int longest = 0;
     for (int axis = 1; axis < 3; ++axis)
         if (extent[axis] > extent[longest]) longest = axis;
-    std::array<bool, 3> worth; // cuts across shorter axes are not
+    std::array<bool, 3> worth; // cuts across shorter axes are not tried
     for (int axis = 0; axis < 3; ++axis) worth[std::size_t(axis)] = extent[axis] > 0.5f * extent[longest];
     Cut best{longest, half, infinite};
     if (size > most_sorted) {
@@ -129,14 +129,14 @@ void TriangleParts::split(std::span<Item> items, unsigned parts, std::size_t beg
     split(items.subspan(best.at), high_parts, begin + best.at, first + low_parts);
 }
 
-/// Along the axis.
+/// Order along the axis.
 inline bool TriangleParts::before(const Item& x, const Item& y, int axis) const
 {
     const auto a = static_cast<std::size_t>(axis);
     return x.place[a] != y.place[a] ? x.place[a] < y.place[a] : before_in_a_tie(x, y, axis);
 }
 
-/// Of triangles with one centre, by their corners: so the parts do not depend on the order in the file.
+/// Orders triangles with the same centre by their corners, so that the parts do not depend on the order in the file.
 bool TriangleParts::before_in_a_tie(const Item& x, const Item& y, int axis) const
 {
     for (int k = 0; k < 2; ++k) {
@@ -156,7 +156,7 @@ bool TriangleParts::before_in_a_tie(const Item& x, const Item& y, int axis) cons
     return numbers_ ? numbers_[a] < numbers_[b] : a < b;
 }
 
-/// Those of which `first` is true before the others. Without branches: which way one goes cannot be foreseen.
+/// Moves items for which `first` is true before the others, without unpredictable branches.
 void TriangleParts::part(std::span<Item> items, auto first)
 {
     std::size_t below = 0, above = 0;
@@ -168,8 +168,8 @@ void TriangleParts::part(std::span<Item> items, auto first)
     std::copy_n(above_.begin(), above, items.begin() + static_cast<std::ptrdiff_t>(below));
 }
 
-/// So that the first `half` items come before() the others. Of many items most are told apart by counting those in
-/// each slice.
+/// Partially sorts, so that the first `half` items come before() the others. Most of many items are separated by
+/// counting the items in each slice.
 void TriangleParts::halve(std::span<Item> items, std::size_t half, const Slices& slices)
 {
     constexpr std::size_t many = 8192;
@@ -189,8 +189,8 @@ void TriangleParts::halve(std::span<Item> items, std::size_t half, const Slices&
                      [this, axis = slices.axis](const Item& x, const Item& y) { return before(x, y, axis); });
 }
 
-/// The numbers of the items in their order along the axis. Each is compared with all of them, since which of two comes
-/// first cannot be foreseen.
+/// Writes the order of the items along the axis. Each item is compared with all of them, as a sort would mispredict its
+/// branches.
 void TriangleParts::sort(std::span<const Item> items, int axis, Order& order) const
 {
     const std::size_t size = items.size();
@@ -217,7 +217,7 @@ void TriangleParts::arrange(std::span<Item> items, const Order& order)
     std::copy_n(above_.begin(), items.size(), items.begin());
 }
 
-/// The best cut along the axis of those that leave `least` to `most` items on the first side, by trying each.
+/// The best cut along the axis, by trying each cut that leaves `least` to `most` items on the first side.
 TriangleParts::Cut TriangleParts::best_of_few(std::span<const Item> items, std::size_t least, std::size_t most,
                                               int axis, const Order& order) const
 {
@@ -225,7 +225,7 @@ TriangleParts::Cut TriangleParts::best_of_few(std::span<const Item> items, std::
     Growing below, above;
     for (std::size_t i = 0; i < least; ++i) below.add(box(i));
     for (std::size_t i = most; i < items.size(); ++i) above.add(box(i));
-    std::array<float, most_sorted / 5 + 2> areas_above; // of the items from `least` + i on
+    std::array<float, most_sorted / 5 + 2> areas_above; // areas around the items from `least` + i on
     for (std::size_t i = most - least + 1; i-- > 0;) {
         areas_above[i] = above.area();
         if (i > 0) above.add(box(least + i - 1));
@@ -239,20 +239,20 @@ TriangleParts::Cut TriangleParts::best_of_few(std::span<const Item> items, std::
     return best;
 }
 
-/// The same of many items along several axes, between slices.
+/// The best cut of many items along several axes, between slices.
 TriangleParts::Cut TriangleParts::best_of_slices(std::span<const Item> items, std::size_t least, std::size_t most,
                                                  const Growing& places, const std::array<bool, 3>& axes) const
 {
     constexpr std::uint32_t few = Slices::few;
-    std::array<std::array<Bounds, few>, 3> bounds; // by axis and slice, as the next
+    std::array<std::array<Bounds, few>, 3> bounds; // by axis and slice, as is the next array
     std::array<std::array<std::uint32_t, few>, 3> counts;
     const Growing nothing;
     for (std::size_t axis = 0; axis < 3; ++axis)
         if (axes[axis]) bounds[axis].fill({nothing.low, nothing.high}), counts[axis].fill(0);
-    Eigen::Array4f scale = float(few) / places.extent(); // as Slices::of()
+    Eigen::Array4f scale = float(few) / places.extent(); // as in Slices::of()
     scale[3] = 0;
     for (const Item& item : items) {
-        const I32x4 place = std::bit_cast<I32x4>(item) & I32x4{-1, -1, -1, 0}; // not the number
+        const I32x4 place = std::bit_cast<I32x4>(item) & I32x4{-1, -1, -1, 0}; // without the number
         const Eigen::Array4f along = ((four(place) - places.low) * scale).min(float(few - 1));
         F32x4 steps;
         std::memcpy(&steps, along.data(), sizeof steps);
@@ -260,7 +260,8 @@ TriangleParts::Cut TriangleParts::best_of_slices(std::span<const Item> items, st
         const Bounds& added = bounds_[item.number];
         for (std::size_t axis = 0; axis < 3; ++axis) {
             if (!axes[axis]) continue;
-            const std::size_t k = static_cast<std::uint32_t>(slice[axis]) % few; // none of 0 / 0, below 2^-120 m
+            const std::size_t k = static_cast<std::uint32_t>(slice[axis]) % few; // 0 / 0 (extent below 2^-120 m) is no
+                                                                                 // slice
             Bounds& all = bounds[axis][k];
             all = {all.low.min(added.low), all.high.max(added.high)};
             ++counts[axis][k];
@@ -272,11 +273,12 @@ TriangleParts::Cut TriangleParts::best_of_slices(std::span<const Item> items, st
     return best;
 }
 
-/// Takes a cut between slices of one axis that is better than the best so far.
+/// Replaces the best cut so far by a cut between slices of one axis that is better.
 void TriangleParts::try_slices(std::span<const Bounds> bounds, std::span<const std::uint32_t> counts, int axis,
                                std::size_t size, std::size_t least, std::size_t most, Cut& best)
 {
-    std::size_t first = 0, at = counts[0], number = 0; // slices below the first cut that leaves enough, and its items
+    std::size_t first = 0, at = counts[0], number = 0; // slices below the first cut that leaves `least` items, and
+                                                       // their items
     while (at < least) at += counts[++first];
     for (std::size_t to = at; to <= most && first + number + 1 < counts.size(); ++number)
         to += counts[first + number + 1];

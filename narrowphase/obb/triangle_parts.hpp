@@ -13,50 +13,50 @@
 
 namespace oncollide {
 
-/// The triangles of one box of an ObbTree, cut into the parts that get boxes of their own: each time where boxes around
-/// both sides have the least area for their triangles, with two fifths of them at least on either side. The parts do
-/// not depend on the order in which the triangles come. Working memory.
+/// Divides the triangles of one box of an ObbTree into the parts that get boxes of their own. Each cut minimises the
+/// sum over both sides of box area times number of triangles, with at least two fifths of the triangles on either side.
+/// The parts do not depend on the input order of the triangles. Working memory.
 class TriangleParts {
 public:
-    /// The triangles of a mesh, and, where they go by other numbers than in its file, these.
+    /// The triangles of a mesh, and their numbers in its file if they are numbered differently here.
     struct Source {
         const Eigen::Vector3d* vertices;
         const Triangle* triangles;
         const std::uint32_t* numbers = nullptr;
     };
-    /// With these of them. All places are relative to the centre.
+    /// Starts with these triangles. Coordinates are relative to the centre.
     void start(const Source& mesh, const Eigen::Vector3d& centre, std::span<const std::uint32_t> triangles);
-    /// Sorts them into so many parts, eight at most, none of them empty.
+    /// Sorts them into at most eight parts, none of them empty.
     void split(unsigned parts);
-    /// Part k is [end(k - 1), end(k)) of the order so made.
+    /// Part k is [end(k - 1), end(k)) of the resulting order.
     std::size_t end(unsigned k) const { return ends_[k]; }
 
-    /// By the order as it is now.
+    /// Indexed by the current order.
     std::uint32_t triangle(std::size_t i) const { return triangles_[items_[i].number]; }
     const TrianglePoints& corners(std::size_t i) const { return corners_[items_[i].number]; }
-    /// Of those in [from, to), as floats.
+    /// Bounds of the triangles in [from, to), as floats.
     Aabb bounds(std::size_t from, std::size_t to) const;
 
-    static const std::size_t bytes_each; ///< of a triangle
+    static const std::size_t bytes_each; ///< per triangle
 
 private:
     struct Item {
-        std::array<float, 3> place; ///< thrice the triangle's centre
-        std::uint32_t number;       ///< when they came
+        std::array<float, 3> place; ///< three times the triangle's centre
+        std::uint32_t number;       ///< position in the input
     };
-    /// A box along the mesh's axes. The fourth lanes are 0.
+    /// An axis-aligned box in the mesh's frame. The fourth lanes are 0.
     struct Bounds {
         Eigen::Array4f low, high;
     };
     struct Growing;
-    /// Two sides of the items: the first `at` of them along the axis, and the others.
+    /// A division of the items: the first `at` of them along the axis, and the others.
     struct Cut {
         int axis;
         std::size_t at;
-        float cost;              ///< the area of a box around each side times its triangles, summed
-        std::uint32_t slice = 0; ///< the first of the second side, where it is a cut between Slices; else 0
+        float cost;              ///< sum over both sides of box area times number of triangles
+        std::uint32_t slice = 0; ///< first slice of the second side, if it is a cut between Slices; else 0
     };
-    /// Across an axis along which places are in [low, high].
+    /// Slices across an axis along which coordinates are in [low, high].
     struct Slices {
         int axis;
         float low, high;
@@ -87,9 +87,9 @@ private:
     void halve(std::span<Item> items, std::size_t half, const Slices& slices);
 
     std::vector<Item> items_, above_; ///< above_: scratch
-    std::vector<Bounds> bounds_;      ///< by number, as the next two
+    std::vector<Bounds> bounds_;      ///< by Item::number, as the next two
     std::vector<TrianglePoints> corners_;
-    std::vector<std::uint32_t> triangles_; ///< in the mesh
+    std::vector<std::uint32_t> triangles_; ///< numbers in the mesh
     const std::uint32_t* numbers_ = nullptr;
     std::array<std::size_t, 8> ends_;
 };

@@ -9,28 +9,29 @@
 
 namespace oncollide {
 
-/// Where the boxes of two hierarchies are compared, and what rounding does to the distances found there.
+/// The frame in which the boxes of two hierarchies are compared, and the rounding errors of the distances found there.
 ///
-/// Coordinates are A's, from the centre of the smaller geometry: what is near a small body is then seen to fractions of
-/// the body, however large the terrain is that it stands on.
+/// Coordinates are A's, from the centre of the smaller geometry: points near a small body are then resolved to
+/// fractions of the body, however large the terrain below it is.
 ///
-/// What floats do, with u = 2^-24. dx joins the centres of two boxes; s is the sum of their half-extents and of their
-/// centres' distances from the origins of their nodes. Centres and axes as moved, and the products of the fifteen axes,
-/// err by at most 80 u |dx|, 80 u s, and 40 u times the smaller radius. The relative pose may be 2^-19 = 32 u from a
-/// rotation (two poses, each 2^-20), by which a box's own axes are not square: 256 u s. The boxes are at least |dx| - s
-/// apart. Together, a gap is at most the distance times 1 + 2^-17, plus 420 u s, which the nodes' margins are at least,
-/// plus box_rounding. RelativePose rounds in double, relative to the files' origins and to the bodies' distance.
+/// Errors of floats, with u = 2^-24: dx joins the centres of two boxes; s is the sum of their half-extents and of their
+/// centres' distances from the origins of their nodes. Moved centres and axes, and the projections onto the fifteen
+/// axes, err by at most 80 u |dx|, 80 u s, and 40 u times the smaller radius. The relative pose may be 2^-19 = 32 u
+/// from a rotation (two poses, each 2^-20), so a box's own axes may not be orthogonal: 256 u s. The boxes are at least
+/// |dx| - s apart. Together, a gap is at most the distance times 1 + 2^-17, plus 420 u s, plus box_rounding; the nodes'
+/// margins are at least 420 u s. RelativePose rounds in double, relative to the files' origins and to the bodies'
+/// distance.
 struct WalkFrame {
     BoxPlacement place_a, place_b;
-    Eigen::Vector3d origin; ///< of the coordinates, in A's frame
-    double box_rounding;    ///< of gaps between boxes
-    double leaf_rounding;   ///< of distances between primitives
-    double apart;           ///< of the balls around the geometries, at least
+    Eigen::Vector3d origin; ///< origin of the coordinates, in A's frame
+    double box_rounding;    ///< error bound of gaps between boxes
+    double leaf_rounding;   ///< error bound of distances between primitives
+    double apart;           ///< lower bound of the distance of the spheres around the geometries
 
     WalkFrame(const auto& a, const auto& b, const RelativePose& b_to_a)
     {
         const Eigen::Vector3d d = b_to_a(b.centre()) - a.centre();
-        Eigen::Vector3f of_a = Eigen::Vector3f::Zero(), of_b = of_a; // the points that come to the origin
+        Eigen::Vector3f of_a = Eigen::Vector3f::Zero(), of_b = of_a; // the points that become the origin
         if (a.radius() < b.radius())
             of_b = (b_to_a.rotation.transpose() * -d).template cast<float>();
         else
@@ -46,12 +47,12 @@ struct WalkFrame {
         const double both = a.radius() + b.radius(), m = d.norm() + both;
         const double far = a.centre().norm() + b.centre().norm() + b_to_a.translation.norm();
         box_rounding = 0x1p-18 * std::min(a.radius(), b.radius()) + 0x1p-20 * rest.norm() + 0x1p-48 * (m + far) + 1e-30;
-        leaf_rounding = std::max(0x1p-38 * m, 0x1p-48 * far) + 1e-150; // squares of less underflow
+        leaf_rounding = std::max(0x1p-38 * m, 0x1p-48 * far) + 1e-150; // squares of smaller distances underflow
         apart = (d.norm() - (1 + 0x1p-18) * both) * (1 - 0x1p-18) - box_rounding;
     }
-    /// What a gap shows at least.
+    /// The lower bound of the distance that a gap proves.
     double at_least(double gap) const { return (gap - box_rounding) * (1 - 0x1p-17); }
-    /// Boxes with larger gaps hold nothing within `distance`.
+    /// Boxes with a larger gap hold no primitives within `distance`.
     float gap_within(double distance) const { return static_cast<float>((distance + box_rounding) * (1 + 0x1p-16)); }
 };
 
