@@ -15,7 +15,7 @@ import sys
 SITE = pathlib.Path(__file__).resolve().parent
 DOCS, SOURCE = SITE.parent, SITE.parent.parent
 PLOTS = {
-    "study": ("Speed against error", "speed-against-error-the-curves"),
+    "study": ("Speed against error", "speed-against-error"),
     "broad": ("Broad phase", "broad-phase"),
     "environments": ("Large environments", "large-environments"),
     "distances": ("Distances to large environments", "distances-to-large-environments"),

@@ -66,7 +66,7 @@ def environments():
                         f"{float(exact['first_ms']):.1f}, {float(exact['fcl_first_ms']):,.0f}",
                         f"{float(exact['trees_mb']):.1f}, {float(exact['fcl_mb']):.1f}"])
     return table(["environment", "bodies", "1 m", "0.1 m", "0.01 m", "exact", "FCL, exact, ms per frame",
-                  "first answer, ms: oncollide, FCL", "trees, MB: oncollide, FCL"], out)
+                  "first result, ms: oncollide, FCL", "trees, MB: oncollide, FCL"], out)
 
 
 def ratios_by_distance(rows):
@@ -112,7 +112,7 @@ STYLES = {
 
 
 def reading():
-    return table(["", "MB", "triangles a second", "peak MB"],
+    return table(["", "MB", "triangles per second", "peak MB"],
                  [[STYLES[r["style"]], f"{float(r['bytes']) / 1e6:,.0f}",
                    f"{float(r['triangles_per_s']) / 1e6:.1f} million", f"{float(r['peak_bytes']) / 1e6:,.0f}"]
                   for r in rows_of("reading")])
@@ -141,8 +141,8 @@ def many():
         out.append([title, f"{fcl / len(frames):.1f}", f"{ours / len(frames):.2f}",
                     f"{statistics.median(a / b for a, b in frames):.1f}", f"{fcl / ours:.1f}",
                     number(last["candidates"]), number(last["left_over"]), number(last["false_positives"])])
-    return table(["`bench many`", "FCL, ms", "oncollide, ms", "ratio, median", "of the totals",
-                  "candidates of the last frame", "left over", "of these apart"], out)
+    return table(["`bench many`", "FCL, ms", "oncollide, ms", "median of the ratios", "ratio of the totals",
+                  "candidates of the last frame", "left over", "false positives"], out)
 
 
 def span(ratios):
@@ -158,6 +158,41 @@ def environment_ratios():
     return span([float(r["ratio"]) for r in rows_of("environments")])
 
 
+def narrow_ratios(query, contender):
+    """A contender's median over oncollide's exact one, at each distance of `bench narrow`."""
+    median = {(r["contender"], r["distance"]): float(r["median_us"]) for r in rows_of("narrow") if r["ask"] == query}
+    return span([us / median["exact", place] for (who, place), us in median.items() if who == contender])
+
+
+def headline():
+    """The main ratios: the time of another library over the time of oncollide."""
+    environments = [float(r["ratio"]) for r in rows_of("environments") if r["error"] == "exact"]
+    worlds = [float(r["fcl_ms"]) / float(r["ms"]) for name in WORLDS for r in rows_of(f"worlds/{name}") if r["fcl_ms"]]
+    to_environments = [float(r["ratio"]) for r in rows_of("distances", "map_distances")]
+    of_shapes = [float(r["ratio"]) for r in rows_of("shape_distances")]
+    close = [float(r["fcl_ns"]) / float(r["oncollide_ns"]) for r in rows_of("shapes")]
+    boxes = [r for r in rows_of("broad") if r["boxes"] == "100000"]
+    fastest = [max(float(r["ratio"]) for r in boxes if (r["scene"], r["contender"]) in
+                   [(scene, c) for c in ("kd", "octree", "dynamic")]) for scene in dict.fromkeys(r["scene"] for r in boxes)]
+    rows = [["1,000 and 10,000 moving meshes, exact", "FCL", many_totals("1k-exact", "10k-exact"), "many-moving-bodies"],
+            ["the same, error 1 % of the smaller body", "FCL", many_totals("1k", "10k"), "many-moving-bodies"],
+            ["500 bodies in large environments, exact", "FCL", span(environments), "large-environments"],
+            ["worlds from files, exact", "FCL", span(worlds), "worlds-from-files"]]
+    for library, contender in (("FCL", "fcl-obbrss"), ("ODE", "ode"), ("Bullet GImpact", "bullet-gimpact"), ("CGAL", "cgal"),
+                               ("Embree, refitted", "embree-refit")):
+        rows.append(["two meshes of 5,100 triangles: whether they meet, exact" if library == "FCL" else "the same", library,
+                     narrow_ratios("boolean", contender), "narrow-phase"])
+    rows += [["two meshes: all pairs of triangles that meet", "FCL", narrow_ratios("all", "fcl-obbrss"), "narrow-phase"],
+             ["two meshes: distance", "FCL", narrow_ratios("distance", "fcl-obbrss"), "narrow-phase"],
+             ["distance of a body to a large environment", "FCL", f"{min(to_environments):.1f} to {three(max(to_environments))}",
+              "distances-to-large-environments"],
+             ["distance of two shapes", "FCL", span(of_shapes), "distances-to-large-environments"],
+             ["close pairs of shapes: whether they meet", "FCL", span(close), "close-pairs-of-shapes"],
+             ["all pairs of 100,000 boxes", "the fastest of FCL, Embree, CGAL and Bullet", span(fastest), "broad-phase"]]
+    return table(["task, one thread", "other library", "its time / oncollide's time"],
+                 [[f"[{task}](#{place})", library, ratio] for task, library, ratio, place in rows])
+
+
 def many_pairs():
     """What decides a pair of `many`, and where a frame's time goes, in the mean of the frames that count."""
     out = []
@@ -170,8 +205,8 @@ def many_pairs():
         out.append([title, *shares, f"{mean('cell_pairs') / pairs:.1f}", f"{mean('bounds_ms'):.2f}", f"{mean('broad_ms'):.2f}",
                     f"{mean('ocst_ms', 'exact_ms'):.2f}", f"{1e6 * mean('ocst_ms', 'exact_ms') / pairs:,.0f}",
                     f"{1e6 * mean('fcl_narrow_ms') / pairs:,.0f}"])
-    return table(["`bench many`", "by the gap", "hulls", "balls", "what met last", "walked", "rows of boxes a pair", "bounds, ms", "broad, ms",
-                  "narrow, ms", "ns a pair", "FCL, ns a pair"], out)
+    return table(["`bench many`", "gap", "outer hulls", "inner spheres", "hint", "traversal", "rows of boxes per pair", "bounds, ms", "broad, ms",
+                  "narrow, ms", "ns per pair", "FCL, ns per pair"], out)
 
 
 WORLDS = {
@@ -200,7 +235,7 @@ def worlds():
         count = f"{three(triangles / 1e6)} million" if triangles >= 1e6 else f"{triangles:,.0f}"
         out.append([title.format(triangles=f"{count} triangles"),
                     f"{fcl[0]}, {ours[0]}", f"{fcl[1]}, {ours[1]}", fcl[2], ours[2], f"{memory[0]}, {memory[1]}"])
-    return table(["world", "first result, ms: FCL, oncollide", "a frame, ms: FCL, oncollide", "ratio",
+    return table(["world", "first result, ms: FCL, oncollide", "frame, ms: FCL, oncollide", "ratio",
                   "slowest frame, ms: oncollide", "process, MB: FCL, oncollide"], out)
 
 
@@ -263,7 +298,7 @@ def broad():
         lines = [[f"`{c}`"] + [three(of[c, s]["ms"]) if (c, s) in of else "-" for s in scenes] for c in contenders]
         ratios = [max((float(of[c, s]["ratio"]) for c in ("kd", "octree", "dynamic") if (c, s) in of), default=0) for s in scenes]
         out.append(table([f"{number(boxes)} boxes, ms"] + scenes,
-                         lines + [["*fastest other / fastest of ours*"] + [f"{r:.1f}" if r else "-" for r in ratios]]))
+                         lines + [["*fastest other / fastest oncollide*"] + [f"{r:.1f}" if r else "-" for r in ratios]]))
     return "\n".join(out)
 
 
@@ -285,7 +320,7 @@ def spheres():
     out.append(["published: octree, depth 5", "", "about 4,100", "mean 19 to 26", "", "", "", "", ""])
     out.append(["published: adaptive medial axis", "", "484", "mean 5 to 7, with 2.0 to 2.6 % of the surface uncovered"] + 5 * [""])
     return table(["mesh", "triangles", "spheres of level 5", "worst, mean", "volume", "512 boxes: worst, mean",
-                  "boxes of level 4: number, worst, mean", "volume", "bytes a triangle of all boxes"], out)
+                  "boxes of level 4: number, worst, mean", "volume", "bytes per triangle, all boxes"], out)
 
 
 def sphere_levels():
@@ -299,7 +334,7 @@ def sphere_levels():
 
 def occlusion_losses():
     titles = {"paper": "`paper --every 4`", "poses": "`--poses --every 4`, bunny and cow", "hard": "`hard --frames 3`",
-              "needles": "[`needles.json`](data/gl_query/needles.json): needles of 1 : 100,000, tiny triangles and a knot in passing"}
+              "needles": "[`needles.json`](data/gl_query/needles.json): a knot that passes needles of 1 : 100,000 and tiny triangles"}
     out = []
     for name, title in titles.items():
         rows = {r["variant"].removesuffix(", spheres, depth 6"): r for r in rows_of(f"gl_query/{name}")}
@@ -322,7 +357,7 @@ def delimitation():
             out.append([f"`{scene}`, {number(boxes)} boxes", ruled_out(r), f"{100 * int(r['left']) / int(boxes):.2g} %",
                         f"{float(r['delimitation_ms']):.2g} ms", f"{float(r['ms']):.2g} ms",
                         f"{float(rows[scene, boxes, 'kd']['ms']):.2g} ms"])
-    return table(["scene", "regions ruled out, level by level", "bodies left", "its time", "boxes and all pairs", "without it"], out)
+    return table(["scene", "regions ruled out, level by level", "bodies left", "delimitation", "whole broad phase", "without delimitation"], out)
 
 
 def hard():
@@ -333,7 +368,7 @@ def hard():
         counts = [r[k] for r in (row, turned or row) for k in ("fcl_missed", "fcl_false")]
         if turned and any(map(int, counts)):
             out.append([family] + [number(c) for c in counts])
-    return table(["family", "missed", "invented", "turned: missed", "invented"], out)
+    return table(["family", "missed", "invented", "rotated: missed", "invented"], out)
 
 
 def octants():
@@ -343,7 +378,7 @@ def octants():
     batches = ["24", "240", "2400", "24000"]
     backends = ["cpu", "gl-compute"] + [f"gl-query 16 px, {way}" for way in ("soup", "indexed", "strips", "inherited")]
     cell = lambda value: "-" if value is None else f"{value:.2g}" if value < 10 else f"{value:.0f}"
-    return table(["million octants a second, by octants in a batch: 24 / 240 / 2,400 / 24,000"] +
+    return table(["million octants per second, by octants in a batch: 24 / 240 / 2,400 / 24,000"] +
                  [f"{mesh}, {number(n)}" for mesh, n in meshes],
                  [[f"`{b}`"] + [" / ".join(cell(of.get((b, mesh, n))) for n in batches) for mesh, _ in meshes] for b in backends])
 
@@ -367,7 +402,7 @@ def paper():
         rates = [1000 * int(r["frames"]) / float(r["ms"]) for r in of]
         out.append([f"`{backend}`", three(sum(float(r["ms"]) for r in of) / 1000), f"{min(rates):,.0f} to {max(rates):,.0f}",
                     number(sum(int(r["queries"]) for r in of))])
-    return table(["", "seconds", "frames a second, in twelfths of the animation", "queries"], out)
+    return table(["", "seconds", "frames per second, in twelfths of the animation", "queries"], out)
 
 
 def planner():
@@ -378,7 +413,7 @@ def planner():
         out.append([f"{r['fixed']} of {number(r['fixed_triangles'])}, {r['moving']} of {number(r['moving_triangles'])} triangles",
                     f"{share:.0f} %", titles[r["who"]], r["threads"], f"{float(r['first_s']):.2f}",
                     number(int(float(r["poses"]) / float(r["second_s"]) / 1000) * 1000), f"{float(r['ratio']):.1f}"])
-    return table(["meshes", "poses that collide", "query", "threads", "first call, s", "queries a second", "ratio"], out)
+    return table(["meshes", "poses that collide", "query", "threads", "first call, s", "queries per second", "ratio"], out)
 
 
 def world():
@@ -424,7 +459,7 @@ def python():
                   for r in rows_of("python")])
 
 
-TABLES = {f.__name__: f for f in (many, many_pairs, narrow, narrow_large, study, study_peers, octants, octants_missed, paper, planner,
+TABLES = {f.__name__: f for f in (headline, many, many_pairs, narrow, narrow_large, study, study_peers, octants, octants_missed, paper, planner,
                                   world, broad, hard, spheres, sphere_levels, occlusion_losses, delimitation,
                                   environments, worlds, distances, shape_distances, shapes, reading, clash,
                                   python, view)}
