@@ -75,8 +75,8 @@ void Bodies::remove(std::uint32_t slot)
 
 void Bodies::set_pose(std::uint32_t slot, const Eigen::Isometry3d& pose)
 {
-    if (poses_[slot].matrix() == pose.matrix()) return; // a body that rests costs nothing
-    // Rounded outward, so that differences of sums are no less than sums.
+    if (poses_[slot].matrix() == pose.matrix()) return; // so resting bodies cost no work later
+    // Rounded up, so that a difference of two travels is never less than the motion between them.
     travel_[slot] = (travel_[slot] + model(slot).bounds().motion(poses_[slot], pose)) * (1 + 0x1p-52);
     poses_[slot] = pose;
     mark(slot, moved_bit);

@@ -16,16 +16,16 @@
 
 namespace oncollide {
 
-/// What changed since the last frame, as lists of slots for the broad phase, each slot at most once in each.
+/// Changes since the last frame, as lists of slots for the broad phase; each slot is at most once in each list.
 struct BodyChanges {
     std::vector<std::uint32_t> removed, added_dynamic, added_static, moved, made_static, made_dynamic;
     std::vector<std::uint32_t>
-        fresh; ///< bodies that are new or have a new geometry: what is remembered of them is void
+        fresh; ///< bodies that are new or have a new geometry: cached data of them is void
     void clear();
 };
 
-/// The bodies of a World: columns by slot, and what changed in them. The slot that was freed last is used again first,
-/// under a new generation.
+/// The bodies of a World, as columns by slot, and their changes. The slot freed last is reused first, under a new
+/// generation.
 class Bodies {
 public:
     struct Init {
@@ -69,10 +69,11 @@ public:
     std::uint32_t mask(std::uint32_t slot) const { return masks_[slot]; }
     std::uint32_t group(std::uint32_t slot) const { return groups_[slot]; }
     std::uint64_t user(std::uint32_t slot) const { return slot < user_.size() ? user_[slot] : 0; }
-    /// How far any point of the body can have moved in all, metres: only how much it grows means something.
+    /// Upper bound on the distance that any point of the body has moved in total, metres; only differences are
+    /// meaningful.
     double travel(std::uint32_t slot) const { return travel_[slot]; }
 
-    /// What is read of a body whose turn will come soon: bodies lie scattered in memory.
+    /// Prefetches the body's data: bodies are scattered in memory.
     void prefetch(std::uint32_t slot) const
     {
         prefetch_all_of(boxes_[slot]), prefetch_all_of(poses_[slot]);
@@ -83,7 +84,7 @@ public:
 
     std::vector<Aabb>& boxes() { return boxes_; } ///< by slot; world, metres
     const std::vector<Aabb>& boxes() const { return boxes_; }
-    /// What the broad phase reads.
+    /// The columns that the broad phase reads.
     BodyColumns columns() const
     {
         return {boxes_, layers_, masks_,
@@ -91,7 +92,7 @@ public:
                 filters_version_};
     }
 
-    /// Overwrites `changes` with what changed since the last call, and forgets it.
+    /// Overwrites `changes` with the changes since the last call.
     void take_changes(BodyChanges& changes);
     std::size_t bytes() const;
 
@@ -100,10 +101,10 @@ private:
         alive_bit = 1,
         static_bit = 2,
         known_bit = 4,       ///< in the broad phase
-        known_static_bit = 8, ///< and asleep there
+        known_static_bit = 8, ///< and static there
         fresh_bit = 16,      ///< new, or with a new geometry
         moved_bit = 32,      ///< pose or filter changed
-        listed_bit = 64,     ///< among changed_
+        listed_bit = 64,     ///< in changed_
     };
     static std::uint64_t key(std::uint32_t a, std::uint32_t b)
     {
@@ -119,7 +120,7 @@ private:
 
     std::vector<std::uint8_t> state_;
     std::vector<std::uint32_t> generation_; ///< 0 beyond its end
-    std::vector<UsedModel> models_;         ///< by their slots
+    std::vector<UsedModel> models_;         ///< by model slot
     std::vector<std::uint32_t> model_of_;   ///< slot in models_
     std::vector<Eigen::Isometry3d> poses_;
     std::vector<std::uint32_t> layers_, masks_, groups_;
@@ -128,13 +129,14 @@ private:
     std::vector<Aabb> boxes_;
     std::vector<std::uint32_t> free_, changed_;
     std::unordered_set<std::uint64_t> excluded_;
-    std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> partners_; ///< by slot: all it was ever excluded from
+    std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> partners_; ///< by slot: all bodies it was ever
+                                                                             ///< excluded from
     std::uint32_t size_ = 0, dynamic_ = 0;
     bool any_group_ = false;
-    std::uint64_t filters_version_ = 1; ///< grows when layers, a mask or a group change
+    std::uint64_t filters_version_ = 1; ///< grows when a layer, a mask or a group changes
 };
 
-/// Makes the world boxes of the bodies that came or moved: tight, or of spheres.
+/// Updates the world AABBs of new and moved bodies: tight, or around bounding spheres.
 void update_boxes(Bodies& bodies, const BodyChanges& changes, bool tight, int threads);
 
 } // namespace oncollide

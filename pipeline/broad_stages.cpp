@@ -8,7 +8,7 @@ namespace oncollide {
 
 namespace {
 
-/// The world boxes of the bodies that changed: tight, or, skipped, those of spheres.
+/// Updates the world AABBs of changed bodies: tight, or if skipped around bounding spheres.
 class BoundsStage final : public Stage {
 public:
     std::string_view name() const override { return "bounds"; }
@@ -24,7 +24,7 @@ private:
     }
 };
 
-/// Takes what changed into the broad phase and finds the regions that it reaches.
+/// Applies the changes to the broad phase and finds the regions near them.
 class DelimitationStage final : public Stage {
 public:
     explicit DelimitationStage(BroadPhase& broad) : broad_(broad) {}
@@ -97,7 +97,7 @@ private:
         if (frame.choose) frame.choose(bodies, frame.pairs);
     }
 
-    /// Pairs of so many bodies, all those that move among them, that are not both static.
+    /// stats.in is the number of pairs of `left` bodies that are not both static, if they include all dynamic bodies.
     static void count(const Bodies& bodies, const Frame& frame, std::uint64_t left, StageStats& stats)
     {
         const auto pairs = [](std::uint64_t n) { return n * (n - (n > 0)) / 2; };

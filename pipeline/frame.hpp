@@ -10,27 +10,29 @@
 
 namespace oncollide {
 
-/// What stages hand to each other: columns, kept from frame to frame so that a warm frame allocates nothing.
-/// Written by                     who reads it
-///   whole          World         -> broad
-///   pairs          broad         -> ocst
-///   results        ocst, exact   -> the caller
+/// Data that stages pass on: columns, kept between frames so that a warm frame allocates no memory.
+/// Column: written by -> read by
+///   whole: World -> broad
+///   pairs: broad -> ocst
+///   results: ocst, exact -> the caller
 struct Frame {
     explicit Frame(const Settings& s) : settings(s), context{.settings = s, .trees = {}, .rounds = {}, .began = {}} {}
 
     const Settings& settings;
     std::uint32_t number = 0; ///< frames since the World was made
 
-    BodyChanges changes;                         ///< as they were last taken in
-    std::vector<std::uint8_t> fresh;             ///< by slot: since the last frame the body is new, or its geometry is
-    std::vector<std::uint32_t> fresh_slots;      ///< the slots that are
+    BodyChanges changes;                         ///< as of this frame
+    std::vector<std::uint8_t> fresh;             ///< by slot: true if since the last frame the body is new or its
+                                                 ///< geometry changed
+    std::vector<std::uint32_t> fresh_slots;      ///< the slots with fresh[slot] set
     std::size_t moved = 0;                       ///< bodies that moved since the last frame
-    bool whole = false;                          ///< delimitation is left out by request: all bodies are to be searched
+    bool whole = false;                          ///< delimitation is skipped by request: search all bodies
     std::vector<DelimitationLevel> delimitation; ///< by level; empty when skipped
     std::vector<BodyPair> pairs;                 ///< candidates, sorted
-    /// Leaves of the candidates those that this World is to decide, and may turn them round; null: all (RankWorld).
+    /// Reduces the candidates to the pairs that this World decides, and may swap their bodies; null: keep all. Set by
+    /// RankWorld.
     std::function<void(const Bodies&, std::vector<BodyPair>&)> choose;
-    PairCache cache;                             ///< of these
+    PairCache cache;                             ///< of the candidates
     std::vector<PairResult> results;             ///< one per pair, in the same order
     RefineContext context;
 };

@@ -95,7 +95,7 @@ int ModelStore::depth(const Model& model, double max_error) const
 {
     if (settings_.depth) return *settings_.depth;
     const Ocst& tree = *model.spheres;
-    // Rounding of the walk (see make_plan) is below 2^-15 of the two root radii for bodies that touch.
+    // Rounding in the traversal (see make_plan) is below 2^-15 of the two root radii for bodies that touch.
     const double rounding = 4 * tree.radius(0) * 0x1p-15;
     int depth = 1;
     while (depth < deepest_level && 4 * tree.radius(depth) + 2 * tree.error(depth) + rounding > max_error) ++depth;
@@ -176,10 +176,10 @@ void ModelStore::look_ahead(std::vector<PrefetchPart> parts)
     ahead_->set(std::move(parts));
 }
 
-/// By the thread that looks ahead. What fails here is told when a pair needs it.
+/// Runs in the prefetcher's thread. Ignores faults: they are reported when a pair needs the chunk.
 void ModelStore::prepare(const PrefetchPart& part)
 {
-    constexpr std::uint32_t fine = 64; // triangles: what is below a walk grows in no time
+    constexpr std::uint32_t fine = 64; // triangles: smaller nodes grow fast enough during a traversal
     try {
         ObbTree* tree = nullptr;
         {
@@ -203,14 +203,14 @@ void ModelStore::prepare(const PrefetchPart& part)
     }
 }
 
-/// Of a model, or those that were not wanted for so long; the thread is at rest.
+/// Drops the prepared trees of one model, or all not requested for `age` frames. The prefetcher must be paused.
 void ModelStore::drop_prepared(const Model* of, std::uint32_t frame, std::uint32_t age)
 {
     const std::lock_guard lock(preparing_);
     std::erase_if(prepared_, [&](const Prepared& p) { return of ? p.model == of : frame - p.frame >= age; });
 }
 
-/// The chunks that were not needed for longest, until so much is held, or all.
+/// Drops the least recently needed chunks until at most `down_to` bytes are held.
 void ModelStore::drop_chunks(std::size_t down_to) const
 {
     struct Candidate : HeldChunks::Held {
@@ -259,9 +259,9 @@ void ModelStore::attach(std::uint32_t slot)
     if (!backend_->attached(slot)) backend_->attach(slot, model.surface(model.spheres->root()));
 }
 
-/// The CPU goes on where the GPU stopped. The trees keep their cells, and with them the errors of the backend that
-/// found them, so the results stay the same; only the triangle lists, which the GPU held, are requested again, level by
-/// level.
+/// Continues on the CPU after the GPU was lost. The trees keep their cells, and with them the error bounds of the
+/// backend that found the cells, so results stay the same; only the triangle lists, which the GPU held, are rebuilt
+/// level by level.
 void ModelStore::take_over(const GpuLost& why)
 {
     lost_ = why.what();
@@ -275,7 +275,7 @@ void ModelStore::take_over(const GpuLost& why)
     }
 }
 
-/// Does `work`, which uses the backend; once more if the GPU is lost over it.
+/// Calls `work`, which uses the backend; calls it again if the GPU is lost meanwhile.
 template <class Work>
 void ModelStore::survive(Work work)
 {
@@ -301,7 +301,7 @@ std::uint64_t ModelStore::submit(std::span<const CellRequest> requests, int thre
     std::uint64_t allowed = requests.size();
     if (settings_.node_budget) {
         const std::uint64_t held = cells() + reserved_.nodes;
-        // An expansion stores up to eight cells.
+        // An expansion stores at most eight cells.
         allowed =
             settings_.node_budget > held ? std::min<std::uint64_t>(allowed, (settings_.node_budget - held) / 8) : 0;
     }
@@ -331,7 +331,7 @@ BatchWork ModelStore::grow(std::uint32_t frame)
     return work;
 }
 
-/// Gives the room of a model's tree of boxes back. Returns how many nodes went.
+/// Drops a model's OBB tree and releases its reserved room. Returns the number of nodes dropped.
 std::uint64_t ModelStore::drop_obb_tree(Model& model)
 {
     if (!model.obb_tree) return 0;
@@ -356,7 +356,7 @@ std::uint64_t ModelStore::collapse(std::uint32_t frame, std::uint32_t age)
     std::uint64_t dropped = 0;
     const Prefetcher::Pause pause(ahead_.get(), false);
     late_ = pause.failed();
-    if (late_) return 0; // in the next frame
+    if (late_) return 0; // retried in the next frame
     drop_prepared(nullptr, frame, age);
     std::erase_if(with_obb_trees_, [&](Model* model) {
         if (frame - model->obb_tree_used < age) return false;
@@ -380,7 +380,7 @@ std::uint64_t ModelStore::age(std::uint32_t frame)
         frame_ = frame;
     }
     std::uint64_t dropped = 0;
-    // Looking at every cell costs; a few looks per age are enough.
+    // Checking every cell is expensive; a few checks per age limit are enough.
     if (late_ || frame % std::max(1u, limit / 8) == 0) dropped = collapse(frame, limit);
     while (settings_.memory_budget && limit > 0 && bytes() > settings_.memory_budget) {
         limit /= 2;

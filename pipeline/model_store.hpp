@@ -17,16 +17,16 @@
 
 namespace oncollide {
 
-/// The models of a World, and the budgets and the ageing that their trees share.
+/// The models of a World, and the budgets and ageing that their trees share.
 class ModelStore {
 public:
     /// Keeps a reference to the settings.
     ModelStore(const Settings& settings, std::unique_ptr<OcclusionBackend> backend);
 
     ModelId add(std::shared_ptr<const Geometry> geometry);
-    /// The model gets another geometry; all that was derived from the old one goes.
+    /// Gives the model another geometry; drops all data derived from the old one.
     void replace(ModelId id, std::shared_ptr<const Geometry> geometry);
-    /// The model's geometry, to be changed and given to replace(): a copy, unless nobody else has it any more.
+    /// The model's geometry, to be changed and passed to replace(): a copy, unless the store already owns one.
     std::shared_ptr<Geometry> own(ModelId id);
     void remove(ModelId id);
     bool valid(ModelId id) const
@@ -37,69 +37,72 @@ public:
     const Model& operator[](ModelId id) const { return *slots_[id.slot].model; }
     std::size_t size() const { return size_; }
 
-    /// A model that lives as long as a query; not counted by size().
+    /// Adds a model that lives as long as a query; not counted by size().
     Model& add_transient(std::shared_ptr<const Geometry> geometry);
     void remove_transient(Model& model);
 
-    /// The largest error of the verdict `within` for a pair of the two (metres): the settings', or what spheres of
-    /// their depth certify, or default_error of the smaller one's diagonal.
+    /// Error bound (metres) of the verdict `within` for this pair: Settings::max_error if set; else the bound that
+    /// spheres at Settings::depth certify; else default_error times the smaller diagonal.
     double max_error(const Model& a, const Model& b) const;
-    /// The sphere-tree of a model, made of its root alone when it is first needed, for pairs with that error. Not while
-    /// cells are being expanded.
+    /// The sphere-tree of a model, deep enough for pairs with that error; created with only its root at first use. Not
+    /// while cells are being expanded.
     Ocst& spheres(Model& model, double max_error);
-    /// Is its sphere-tree there, and deep enough?
+    /// True if the sphere-tree exists and is deep enough.
     bool has_spheres(const Model& model, double max_error) const
     {
         return model.spheres && model.spheres->depth() >= depth(model, max_error);
     }
-    /// The level at which walks of pairs with that error end: two such trees certify it. The tree must be there.
+    /// The level at which the traversals of pairs with that error end: two trees of this depth certify it. The tree
+    /// must exist.
     int depth(const Model& model, double max_error) const;
-    /// Sees to it that a mesh, or the core of a shape, has its tree of oriented boxes, and a map or a terrain its own.
-    /// False when a budget has no room for the tree all grown, or the file of a cooked mesh cannot be read. Not while
-    /// the model's tree is being walked, unless it is there.
+    /// Ensures that a mesh or the core of a shape has its OBB tree, and a map or a terrain its own tree. False if a
+    /// budget has no room for the fully grown tree, or the file of a cooked mesh cannot be read. Not during a traversal
+    /// of the model's tree, unless the tree exists already.
     bool admit_obb_tree(Model& model, std::uint32_t frame);
-    /// The same, whatever the budgets say; not for a map or a terrain.
+    /// The same regardless of budgets; not for a map or a terrain.
     ObbTree& obb_tree(Model& model, std::uint32_t frame);
 
-    /// work(), which walks cooked meshes. Where their budget is in the way, chunks that were not needed for longest are
-    /// dropped, and it begins again, alone; it must not mind. Throws what it throws: ChunkFault where a file cannot be
-    /// read, or the budget is too small for it.
+    /// Calls work(), which traverses cooked meshes. If their budget is exhausted, drops the least recently needed
+    /// chunks and calls work() again while no other traversal runs; so `work` must be repeatable. Throws the exceptions
+    /// of `work`: ChunkFault if a file cannot be read or the budget is too small for it.
     template <class Work>
     auto with_room(Work work) const;
-    /// Has another thread open these parts and grow their trees, in place of what it was given before.
+    /// Makes another thread open these parts and grow their trees; replaces parts that still wait.
     void look_ahead(std::vector<PrefetchPart> parts);
 
-    /// A pair stays undecided for this reason.
+    /// Records the reason why a pair stays undecided.
     void note(const std::string& fault) const;
-    /// What went wrong with cooked meshes, a line for each chunk or budget, and how many pairs and frames it touched.
+    /// Faults of cooked meshes, one line per chunk or budget, with the number of undecided results.
     std::vector<std::string> faults() const;
 
     OcclusionBackend& backend() { return *backend_; }
     const OcclusionBackend& backend() const { return *backend_; }
 
-    /// Starts to expand the requested cells (sorted, each once) in one batch. Those over a budget are left; returns how
-    /// many. Surfaces are handed to the backend when their tree first grows. Trees do not change until grow().
+    /// Starts to expand the requested cells (sorted, each once) in one batch. Returns the number of cells that are left
+    /// out because a budget is exceeded. A surface is attached to the backend when its tree first grows. Trees do not
+    /// change until grow().
     std::uint64_t submit(std::span<const CellRequest> requests, int threads);
-    /// Waits for the batch and lets the trees grow.
+    /// Waits for the batch and adds its cells to the trees.
     BatchWork grow(std::uint32_t frame);
 
-    /// Drops what no test has reached for the age limit, the oldest sooner while memory is over its budget. A tree that
-    /// is back to its root gives its surface up too. Returns how many stored cells and nodes went.
+    /// Drops cells and nodes that no test has reached for the age limit; sooner, oldest first, while memory exceeds its
+    /// budget. Detaches the surface of a tree that is back to its root. Returns the number of stored cells and nodes
+    /// dropped.
     std::uint64_t age(std::uint32_t frame);
 
-    /// Why the GPU is no longer used; empty while it is, or if it never was.
+    /// Why the GPU is no longer used; empty if it is still in use or never was.
     const std::string& lost() const { return lost_; }
 
-    std::uint64_t nodes() const; ///< stored cells of all sphere-trees, and nodes of oriented boxes
+    std::uint64_t nodes() const; ///< stored cells of all sphere-trees, and nodes of OBB trees
     std::size_t bytes() const;   ///< trees, surfaces and lists
 
 private:
     struct Slot {
         std::unique_ptr<Model> model;  ///< null: free
-        std::shared_ptr<Geometry> own; ///< the model's geometry, if it is a copy of the store's
+        std::shared_ptr<Geometry> own; ///< the model's geometry, if it is the store's own copy
         std::uint32_t generation = 0;
     };
-    /// What trees may come to hold.
+    /// Upper bounds on the size of trees.
     struct Room {
         std::uint64_t nodes = 0;
         std::size_t bytes = 0;
@@ -126,37 +129,38 @@ private:
 
     const Settings& settings_;
     std::unique_ptr<OcclusionBackend> backend_;
-    BoxTotals boxes_; ///< of the models' trees that read no chunks
-    // Model::number is 2 * slot for a model of a slot, odd for one that passes: backends keep arrays by number.
-    mutable ChunkBudget chunks_; ///< before the models, which give back what they took
+    BoxTotals boxes_; ///< of the OBB trees that read no chunks
+    // Model::number is 2 * slot for a model with a slot and odd for a transient model: backends index arrays by number.
+    mutable ChunkBudget chunks_; ///< declared before the models, whose destructors release chunks
     std::vector<Slot> slots_;
     std::vector<std::uint32_t> free_;
     std::vector<std::unique_ptr<Model>> passing_;
     std::size_t size_ = 0;
-    std::vector<std::uint32_t> with_spheres_; ///< numbers of models that have a sphere-tree
-    std::vector<Model*> with_obb_trees_;          ///< models that have a tree of oriented boxes
-    std::vector<Model*> with_chunks_;         ///< of these, those that read chunks
-    Room reserved_;                           ///< for these, all grown
+    std::vector<std::uint32_t> with_spheres_; ///< numbers of models with a sphere-tree
+    std::vector<Model*> with_obb_trees_;          ///< models with an OBB tree
+    std::vector<Model*> with_chunks_;         ///< the subset whose trees read chunks
+    Room reserved_;                           ///< for with_obb_trees_, fully grown
     std::vector<const Model*> grids_;         ///< terrains, and maps in files
-    std::vector<OctantRow> rows_;             ///< of the batch under way
+    std::vector<OctantRow> rows_;             ///< of the current batch
     std::vector<OctantResult> results_;
     int threads_ = 1;
     std::string lost_;
-    mutable std::shared_mutex walking_; ///< shared by those who walk where chunks may be dropped
+    mutable std::shared_mutex walking_; ///< locked shared by traversals whose chunks may be dropped
     mutable std::mutex noting_;
     mutable std::map<std::string, std::uint64_t> noted_; ///< pairs by reason
 
-    /// A tree that another thread made before a pair needed it.
+    /// An OBB tree made by the prefetcher before a pair needed it.
     struct Prepared {
         Model* model;
         std::unique_ptr<ObbTree> obb_tree;
-        std::uint32_t frame; ///< when it was last wanted
+        std::uint32_t frame; ///< when it was last requested
     };
-    mutable std::mutex preparing_; ///< of what follows, and of Model::boxes of cooked meshes while it is set
+    mutable std::mutex preparing_; ///< guards prepared_ and frame_, and the OBB trees of cooked meshes while a
+                                   ///< prefetcher exists
     std::vector<Prepared> prepared_;
-    std::unique_ptr<Prefetcher> ahead_; ///< null until it is needed; ends before the rest
+    std::unique_ptr<Prefetcher> ahead_; ///< null until needed; destroyed before the other members
     std::uint32_t frame_ = 0;          ///< of the last age()
-    bool late_ = false;                ///< should have dropped what is old, but the other thread was at it
+    bool late_ = false;                ///< true if the last collapse() was postponed because the prefetcher was busy
 };
 
 template <class Work>

@@ -1,4 +1,4 @@
-// The stages that narrow pairs down: ocst, exact.
+// The stages that decide pairs: ocst, exact.
 #include <algorithm>
 
 #include <oncollide/pipeline/refine/narrowing.hpp>
@@ -8,14 +8,14 @@ namespace oncollide {
 
 namespace {
 
-/// What is known of a pair by its boxes alone.
+/// The result of a pair of which only the boxes are known.
 PairResult undecided(const Bodies& bodies, BodyPair pair)
 {
     return {bodies.id(pair.a), bodies.id(pair.b),    Verdict::undecided,
             ocst_stage_index,  ContactKind::unknown, farthest_apart(bodies.boxes()[pair.a], bodies.boxes()[pair.b])};
 }
 
-/// Runs one level on some of the frame's results, and takes over what it found.
+/// Runs one level on some of the frame's results and updates them.
 class LevelRun {
 public:
     LevelRun(const Settings& settings, ModelStore& models, Level level, std::uint8_t stage)
@@ -23,7 +23,7 @@ public:
     {
     }
 
-    /// Forgets what was added, and makes room for so many.
+    /// Removes all tasks and reserves room for `room`.
     void clear(std::size_t room)
     {
         tasks_.clear(), refined_.clear();
@@ -59,8 +59,8 @@ private:
     std::vector<RefineResult> refined_;
 };
 
-/// Down to the error: sphere-trees, or the oriented boxes of meshes. These lead on to the triangles, so where
-/// predicates decide, pairs are left to the exact level from the start.
+/// Refines down to the requested error, with sphere-trees or the OBB trees of meshes. OBB trees lead on to triangles,
+/// so if predicates decide, this stage passes such pairs on to the exact level.
 class OcstStage final : public Stage {
 public:
     OcstStage(const Settings& settings, ModelStore& models) : level_(settings, models, Level::refine, ocst_stage_index)
@@ -108,7 +108,7 @@ private:
     LevelRun level_;
 };
 
-/// Decides the pairs that are left: by exact tests, or by FCL where these agree.
+/// Decides the remaining pairs: by predicates, or by FCL where FCL confirms the result.
 class ExactStage final : public Stage {
 public:
     ExactStage(const Settings& settings, ModelStore& models) : level_(settings, models, Level::exact, exact_stage_index)

@@ -10,8 +10,8 @@ namespace oncollide {
 struct Pipeline::Played {
     std::vector<std::shared_ptr<const Geometry>> geometries;
     std::uint32_t bodies = 0;
-    ChangeLog::Mark changes;  ///< of the scene, made in the World
-    std::size_t excluded = 0; ///< pairs
+    ChangeLog::Mark changes;  ///< of the scene, already applied to the World
+    std::size_t excluded = 0; ///< number of pairs applied
 };
 
 Pipeline::Pipeline(const Scene& scene, const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
@@ -54,7 +54,7 @@ void Pipeline::add_body(const Scene& scene, std::uint32_t body)
                      .group = scene.groups[body]});
 }
 
-/// The World leaves alone what it has already.
+/// The World ignores values that have not changed.
 void Pipeline::change_body(const Scene& scene, std::uint32_t body)
 {
     const BodyId id{body};
@@ -84,7 +84,7 @@ void Pipeline::play(const Scene& scene)
         }
         if (p.bodies == 0) world_.reserve_bodies(scene.size());
         for (body = p.bodies; body < scene.size(); ++body, ++p.bodies) add_body(scene, body);
-    } catch (const Error& error) { // the World knows no names
+    } catch (const Error& error) { // the World does not know the bodies' names
         const std::string_view what = error.what();
         const std::size_t colon = what.find(": ");
         const bool of_body = what.starts_with("body ") || what.starts_with("new body");

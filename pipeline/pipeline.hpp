@@ -7,7 +7,7 @@
 
 namespace oncollide {
 
-/// Plays a Scene, which describes, onto a World, which runs.
+/// Plays a Scene (a description) in a World (the simulation state).
 ///
 ///     Pipeline pipeline(scene, {.depth = 6});
 ///     for (...) { mover.move(scene, frame); for (const PairResult& pair : pipeline.step(scene).pairs) ... }
@@ -15,15 +15,15 @@ namespace oncollide {
 /// Body i of the scene is BodyId{i} of the World, geometry i its ModelId{i}; geometries are shared, not copied.
 class Pipeline {
 public:
-    /// Errors as World's, and those of bodies name the scene's. Nothing of `scene` but its geometries is kept.
+    /// Errors as World's, but bodies have their scene names. Keeps only the geometries of `scene`.
     explicit Pipeline(const Scene& scene, const Settings& settings = {});
     Pipeline(const Scene& scene, const Settings& settings, std::unique_ptr<OcclusionBackend> backend);
     ~Pipeline();
     Pipeline(Pipeline&&) noexcept;
 
-    /// Changes in the World what was changed in `scene` since the last call (poses, layers, groups, geometries, bodies
-    /// that came), and runs a frame. Cost: that of the changes; for another scene than in the last call, be it a copy,
-    /// a comparison per body.
+    /// Applies the changes of `scene` since the last call (poses, layers, groups, geometries, new bodies) to the World
+    /// and runs a frame. Cost: proportional to the changes; if `scene` is another object than in the last call, even a
+    /// copy, one comparison per body.
     FrameView step(const Scene& scene);
 
     World& world() { return world_; }
@@ -39,7 +39,7 @@ public:
     const Ocst* tree(GeometryId geometry) const { return world_.tree({index(geometry)}); }
 
 private:
-    struct Played; ///< how much of the scene the World has
+    struct Played; ///< the parts of the scene that the World already has
     void play(const Scene& scene);
     void play_geometries(const Scene& scene);
     void add_body(const Scene& scene, std::uint32_t body);

@@ -28,7 +28,7 @@ void Prefetcher::set(std::vector<PrefetchPart> parts)
     {
         const std::lock_guard lock(mutex_);
         parts_ = std::move(parts);
-        std::ranges::reverse(parts_); // taken from the end
+        std::ranges::reverse(parts_); // run() takes parts from the end
     }
     changed_.notify_all();
 }
@@ -112,9 +112,9 @@ std::vector<PrefetchPart> MotionForecast::find(const Bodies& bodies, std::span<c
         if (!model.cooked() || !bodies.columns().allows(slots_[hit.query], hit.body)) continue;
         parts.push_back({&model, box_moved(boxes_[hit.query], RelativePose(bodies.pose(hit.body), world))});
     }
-    if (frame - found_since_ > frames) found_.clear(), found_since_ = frame; // it may have been dropped since
+    if (frame - found_since_ > frames) found_.clear(), found_since_ = frame; // parts found before may have been dropped
     std::erase_if(parts, [&](const PrefetchPart& part) { return found_lately(part); });
-    // One part of each model, around all, and more: bodies go on.
+    // One part per model: the bounding box of all its parts, enlarged because bodies move on.
     std::ranges::stable_sort(parts, {}, [](const PrefetchPart& part) { return part.model->number; });
     std::size_t kept = 0;
     for (const PrefetchPart& part : parts) {

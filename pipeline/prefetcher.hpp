@@ -14,13 +14,13 @@
 
 namespace oncollide {
 
-/// A part of a cooked mesh that bodies are about to come to.
+/// A part of a cooked mesh that bodies are expected to reach soon.
 struct PrefetchPart {
     Model* model;
     Aabb box; ///< in the model's frame
 };
 
-/// A thread that prepares parts of cooked meshes while frames are computed. It works on what was asked of it last.
+/// A thread that prepares parts of cooked meshes while frames are computed. New requests replace waiting ones.
 class Prefetcher {
 public:
     /// @param prepare  called by the thread, one part at a time
@@ -29,14 +29,14 @@ public:
     Prefetcher(const Prefetcher&) = delete;
     Prefetcher& operator=(const Prefetcher&) = delete;
 
-    /// In place of those that still wait. They go when their model does: Pause, and forget().
+    /// Replaces the waiting parts. Before a model is destroyed, call forget() during a Pause.
     void set(std::vector<PrefetchPart> parts);
     void forget(const Model& model);
 
-    /// While it lives the thread is at rest. Null: there is none.
+    /// The thread is idle while this object lives. Null: no effect.
     class Pause {
     public:
-        /// @param wait  for what the thread is at; else there may be no pause
+        /// @param wait  wait until the thread is idle; otherwise the pause fails if the thread is busy
         explicit Pause(Prefetcher* of, bool wait = true);
         ~Pause();
         bool failed() const { return failed_; }
@@ -57,14 +57,14 @@ private:
     std::vector<PrefetchPart> parts_;
     bool busy_ = false, over_ = false;
     int paused_ = 0;
-    std::thread thread_; ///< none where there is none to be had: then nothing is prepared
+    std::thread thread_; ///< not joinable if the system grants no thread; then no part is prepared
 };
 
-/// Where the bodies of a World go, as far as their last motion tells.
+/// Predicts the motion of bodies by linear extrapolation.
 class MotionForecast {
 public:
-    /// Of some of the bodies that moved, so that all get their turn within half of `frames`: the parts of cooked meshes
-    /// that they meet within that time, but what was found lately. Looked up in the broad phase, which must be current.
+    /// Parts of cooked meshes that moving bodies reach within `frames` frames, except parts found recently. Each call
+    /// examines a share of the bodies; all are examined within `frames` / 2 calls. The broad phase must be up to date.
     std::vector<PrefetchPart> find(const Bodies& bodies, std::span<const std::uint32_t> moved, const BroadPhase& broad,
                             std::uint32_t frame, std::uint32_t frames);
 

@@ -10,27 +10,27 @@ namespace oncollide {
 // Indices of the stages, as in PairResult::stage.
 constexpr std::uint8_t ocst_stage_index = 3, exact_stage_index = 4;
 
-// StageStats::note of a stage that the settings leave out, and of one without anything to narrow down.
+// StageStats::note of a stage that the settings skip, and of a stage without input.
 constexpr std::string_view by_request = "by request", no_candidates = "no candidates";
 
-/// One step of a frame. It may keep what does not collide; it must never lose what does.
-/// No timing inside: the loop outside times every stage alike.
+/// One step of a frame. It may keep bodies and pairs that do not collide; it must never drop any that collide.
+/// Stages do not measure time: the loop that calls them does.
 class Stage {
 public:
     virtual ~Stage() = default;
     virtual std::string_view name() const = 0;
-    /// What its counts count: "bodies" or "pairs".
+    /// The unit of its counts: "bodies" or "pairs".
     virtual std::string_view unit() const = 0;
-    /// Why it had better be skipped in this frame; empty: it should run.
+    /// The reason to skip the stage in this frame; empty: run it.
     virtual std::string_view reason_to_skip(const Bodies&, const Frame&) const { return {}; }
 
-    /// Fills its columns of `frame` and the counts of `stats`.
+    /// Fills the stage's columns of `frame` and the counts of `stats`.
     virtual void run(Bodies& bodies, Frame& frame, StageStats& stats) = 0;
-    /// The safe stand-in for run(): keeps everything.
+    /// The safe substitute for run(): keeps everything.
     virtual void skip(Bodies& bodies, Frame& frame, StageStats& stats) = 0;
 };
 
-// All keep references to what they are given.
+// The stages keep references to their arguments.
 std::unique_ptr<Stage> make_bounds_stage();
 std::unique_ptr<Stage> make_delimitation_stage(BroadPhase& broad);
 std::unique_ptr<Stage> make_broad_stage(BroadPhase& broad);
