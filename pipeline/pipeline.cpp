@@ -33,8 +33,9 @@ void Pipeline::play_geometries(const Scene& scene)
 {
     auto& known = played_->geometries;
     if (scene.geometries.size() < known.size())
-        throw Error(ErrorKind::usage, fmt::format("the scene has {} geometries, {} before: it is another one",
-                                                  scene.geometries.size(), known.size()));
+        throw Error(ErrorKind::usage,
+                    fmt::format("the scene has {} geometries, {} in the last call; pass the same scene",
+                                scene.geometries.size(), known.size()));
     for (std::uint32_t g = 0; g < scene.geometries.size(); ++g) {
         const std::shared_ptr<const Geometry>& geometry = scene.geometries.share(g);
         if (g == known.size())
@@ -70,7 +71,8 @@ void Pipeline::play(const Scene& scene)
     Played& p = *played_;
     if (scene.size() < p.bodies)
         throw Error(ErrorKind::usage,
-                    fmt::format("the scene has {} bodies, {} before: it is another one", scene.size(), p.bodies));
+                    fmt::format("the scene has {} bodies, {} in the last call; pass the same scene", scene.size(),
+                                p.bodies));
     play_geometries(scene);
     std::uint32_t body = 0;
     try {

@@ -16,13 +16,13 @@ constexpr Verdict verdict_order[] = {Verdict::separate, Verdict::within, Verdict
 constexpr ContactKind kind_order[] = {ContactKind::near, ContactKind::touching, ContactKind::crossing,
                                       ContactKind::enclosed};
 
-/// `text` as a JSON string with its quotes. Bytes that are not UTF-8 (a file name may hold any) become U+FFFD.
+/// `text` as a quoted JSON string. Bytes that are not UTF-8 (possible in file names) become U+FFFD.
 std::string json_string(std::string_view text)
 {
     return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-/// Shortest text that reads back as the same double; JSON has no infinity.
+/// Shortest text that parses to the same double; null for infinity, which JSON lacks.
 std::string number(double value)
 {
     return std::isfinite(value) ? fmt::format("{}", value) : "null";
@@ -37,7 +37,7 @@ std::string counts_json(const Name (&names)[shown], const std::array<std::uint64
     return text + "}";
 }
 
-/// What bodies are called, quoted once, not once per row.
+/// The bodies' names, quoted once instead of once per row.
 template <class Quote>
 std::vector<std::string> quote_all(const Scene& scene, Quote quote)
 {
@@ -48,7 +48,7 @@ std::vector<std::string> quote_all(const Scene& scene, Quote quote)
 
 void refuse_unless(bool kept, std::string_view what)
 {
-    if (!kept) throw Error(ErrorKind::usage, fmt::format("report: {} was not among the parts to keep", what));
+    if (!kept) throw Error(ErrorKind::usage, fmt::format("report: {} was not requested in ReportParts", what));
 }
 
 void copy(const Spool& from, OutputFile& to)
@@ -254,7 +254,7 @@ void Report::write_csv(const std::filesystem::path& path, std::string_view first
     file.commit();
 }
 
-/// Frames stand end to end, and so do the stages in a frame. Times are microseconds.
+/// Frames follow each other without gaps, as do stages within a frame. Times are microseconds.
 void Report::add_trace(const FrameView& f, const Verdicts& verdicts)
 {
     const std::span<const std::string_view> stages = pipeline_.stages();
@@ -280,7 +280,7 @@ void Report::add_trace(const FrameView& f, const Verdicts& verdicts)
                                  "\"dur\": {:.3f}}}",
                                  begin + 1000 * r.waited_ms, 1000 * r.wait_ms);
     }
-    // Viewers nest by time, so a frame must reach to the end of its last stage.
+    // Viewers nest by time, so a frame must extend to the end of its last stage.
     const double end = kept_->trace_us = std::max(begin + 1000 * f.ms, stage_begin);
     file.print(",\n{{\"ph\": \"X\", \"pid\": 1, \"tid\": 1, \"name\": \"frame {}\", \"ts\": {:.3f}, \"dur\": {:.3f}, "
                "\"args\": {{\"rounds\": {}, \"rows\": {}, \"node pairs\": {}}}}}{}",

@@ -11,9 +11,9 @@
 namespace oncollide {
 
 inline constexpr std::string_view csv_header = "frame,a,b,verdict,gap_bound,stage,kind,max_error\n";
-/// RFC 4180: quotes only where a reader needs them.
+/// RFC 4180: adds quotes only if the field needs them.
 std::string csv_field(const std::string& text);
-/// @param a, b  names, as csv_field gives them
+/// @param a, b  names as returned by csv_field
 std::string csv_row(std::uint64_t frame, const std::string& a, const std::string& b, const PairResult& pair,
                     std::string_view stage, double max_error);
 /// Lines of the stage table.
@@ -24,14 +24,14 @@ std::string grouped(std::uint64_t value);
 std::string bytes_text(std::size_t bytes);
 
 struct Report::Kept {
-    /// Frames as text, and what bodies are called there: quoted once, not once per row.
+    /// Frames as text, and the bodies' names, quoted once instead of once per row.
     struct Part {
         Spool text;
         std::vector<std::string> names;
     };
     std::optional<Part> json, csv;
     std::optional<Spool> trace;
-    double trace_us = 0; ///< where the next frame begins in the trace
+    double trace_us = 0; ///< start of the next frame in the trace
     StageTimes stage_times;
     PairList colliding, unsure; ///< unsure: within or undecided
 };

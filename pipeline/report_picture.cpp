@@ -1,5 +1,5 @@
-// The picture of a run: left to right how many bodies and pairs each stage takes in and passes on, below it where the
-// time of every frame went. Plain SVG, readable on a light page and in print.
+// The picture of a run: on top, the number of bodies and pairs that each stage receives and passes on; below, the time
+// of every frame by stage. Plain SVG, readable on a light page and in print.
 #include <oncollide/pipeline/report_kept.hpp>
 
 #include <oncollide/base/output_file.hpp>
@@ -14,7 +14,7 @@ namespace {
 constexpr double width = 960, left = 130, right = 930;
 constexpr double funnel_top = 92, row_height = 40;
 constexpr double chart_height = 230;
-// Okabe and Ito's palette: told apart with any colour vision.
+// Okabe and Ito's palette, distinguishable with any colour vision.
 constexpr std::string_view colours[] = {"#0072b2", "#56b4e9", "#009e73", "#e69f00", "#cc79a7", "#d55e00"};
 
 std::string_view colour(std::size_t stage)
@@ -64,7 +64,7 @@ std::string count_text(double value)
     return value == std::floor(value) || value >= 1000 ? fmt::format("{:.0f}", value) : fmt::format("{:.1f}", value);
 }
 
-/// The step of an axis of about `ticks` ticks up to `top`: 1, 2 or 5 times a power of ten.
+/// The tick distance of an axis with about `ticks` ticks up to `top`: 1, 2 or 5 times a power of ten.
 double nice_step(double top, int ticks)
 {
     const double power = std::pow(10, std::floor(std::log10(top / ticks)));
@@ -75,12 +75,12 @@ double nice_step(double top, int ticks)
 
 void draw_funnel(OutputFile& file, std::span<const StageStats> stages, double bottom)
 {
-    text(file, 20, funnel_top - 24, Anchor::start, "heading", "What each stage takes in (pale) and passes on (full)");
+    text(file, 20, funnel_top - 24, Anchor::start, "heading", "Input (pale) and output (full) of each stage");
     double most = 10;
     for (const StageStats& s : stages)
         if (s.frames) most = std::max({most, double(s.in) / double(s.frames), double(s.out) / double(s.frames)});
     const double decades = std::ceil(std::log10(most));
-    // A count of one must still show: the axis is log10(1 + count).
+    // The axis is log10(1 + count), so that a count of one is visible.
     const double bar_right = right - 190;
     const auto x_of = [&](double n) {
         return left + (bar_right - left) * std::log10(1 + n) / std::log10(1 + std::pow(10, decades));
@@ -117,7 +117,7 @@ void draw_funnel(OutputFile& file, std::span<const StageStats> stages, double bo
 
 using Column = StageTimes::Column;
 
-/// The height of the axis: all columns, unless a few (cold frames) would flatten the rest.
+/// The top of the axis: the highest column, unless a few (cold frames) would flatten all others.
 double axis_top(const std::vector<Column>& columns)
 {
     std::vector<double> sums;
@@ -153,7 +153,7 @@ void draw_times(OutputFile& file, std::span<const StageStats> stages, const Stag
                (chart_top + bottom) / 2);
     const double x0 = left - 60, pitch = (right - x0) / double(std::max<std::size_t>(1, columns.size()));
     const double bar = std::min(pitch * (pitch > 6 ? 0.85 : 1.0), 60.0);
-    double last_note = -1e9; // x of the last note, which is about 60 wide
+    double last_note = -1e9; // x of the last note; a note is about 60 wide
     for (std::size_t c = 0; c < columns.size(); ++c) {
         double below = 0;
         const double at = x0 + pitch * (double(c) + 0.5);

@@ -11,7 +11,7 @@
 namespace oncollide {
 namespace {
 
-/// What the stage looks at; its own name, which --skip and the results have, in brackets.
+/// The input of a stage in plain words, with the name used by --skip and results in brackets.
 std::string plain_words(std::string_view stage)
 {
     std::string_view words = stage;
@@ -23,13 +23,13 @@ std::string plain_words(std::string_view stage)
     return fmt::format("{} ({})", words, stage);
 }
 
-/// `text`, right-aligned in a column, with a space before it even where it is too long for one.
+/// `text` right-aligned in a column, with a leading space even if it is too wide.
 std::string cell(const std::string& text)
 {
     return fmt::format(" {:>10}", text);
 }
 
-/// A mean that stays readable: whole when it is whole or large, else one decimal.
+/// A mean in readable form: an integer if it is integral or large, else with one decimal.
 std::string mean(std::uint64_t sum, std::uint64_t frames)
 {
     if (frames == 0) return "-";
@@ -106,19 +106,19 @@ void Report::print_table(std::ostream& out) const
 {
     std::string text = printable(title()) + "\n\n";
     text += stage_table(totals_);
-    text += fmt::format("\nframe      {:.3f} ms in the mean, {:.3f} ms the slowest\n",
+    text += fmt::format("\nframe      {:.3f} ms on average, {:.3f} ms the slowest\n",
                         frames_ == 0 ? 0.0 : ms_ / double(frames_), slowest_ms_);
     text += verdict_line(verdicts());
     if (kinds_[int(ContactKind::unknown)] < pairs_ || wants_kinds(pipeline_.settings()))
-        text += fmt::format("contacts   {} touching{}, {} crossing, {} enclosed, {} near; the others not classified\n",
+        text += fmt::format("contacts   {} touching{}, {} crossing, {} enclosed, {} near; others not classified\n",
                             grouped(kinds_[int(ContactKind::touching)]),
                             pipeline_.settings().ignore_touching ? " (ignored)" : "",
                             grouped(kinds_[int(ContactKind::crossing)]), grouped(kinds_[int(ContactKind::enclosed)]),
                             grouped(kinds_[int(ContactKind::near)]));
     if (trees_.narrowed)
         text += fmt::format(
-            "walks      {} pairs by boxes or exactly: {} by the gap of an earlier frame, {} by hulls, "
-            "{} by balls within them, {} by what met last, {} walked\n",
+            "pairs      {} in OBB trees or exact tests; decided by: gap of an earlier frame {}, outer hulls {}, "
+            "inner spheres {}, last witness {}, traversal {}\n",
             grouped(trees_.narrowed), grouped(trees_.by_gap), grouped(trees_.by_hull), grouped(trees_.by_balls),
             grouped(trees_.by_witness),
             grouped(trees_.narrowed - trees_.by_gap - trees_.by_hull - trees_.by_balls - trees_.by_witness));
@@ -130,10 +130,10 @@ void Report::print_table(std::ostream& out) const
     if (trees_.gpu_bytes) {
         const double n = double(frames_);
         text += fmt::format(
-            "gpu        {:.3f} ms of its time per frame, {:.3f} ms of the frame waiting for it; {} moved in all",
+            "gpu        {:.3f} ms busy per frame, {:.3f} ms per frame waiting for it; {} transferred in total",
             gpu_ms / n, wait_ms / n, bytes_text(trees_.gpu_bytes));
         if (trees_.queries) text += fmt::format("; {} occlusion queries", grouped(trees_.queries));
-        text += trees_.repeats ? fmt::format("; {} batches done again with larger buffers\n", grouped(trees_.repeats))
+        text += trees_.repeats ? fmt::format("; {} batches repeated with larger buffers\n", grouped(trees_.repeats))
                                : "\n";
     }
     if (!backend_note_.empty()) text += "note       " + backend_note_ + "\n";

@@ -13,7 +13,7 @@ inline void mix(std::uint64_t& hash, std::uint64_t value)
     hash = splitmix(hash ^ value);
 }
 
-/// Takes a pair into a frame's hash, which begins with 0 and takes them in order. Separate pairs change nothing.
+/// Adds a pair to a frame's hash, which starts at 0 and depends on the order of pairs. Separate pairs are ignored.
 inline void mix(std::uint64_t& hash, const PairResult& pair, bool with_kinds)
 {
     if (pair.verdict == Verdict::separate) return;
@@ -23,7 +23,7 @@ inline void mix(std::uint64_t& hash, const PairResult& pair, bool with_kinds)
     mix(hash, std::bit_cast<std::uint64_t>(pair.bound));
 }
 
-/// Of the settings that results depend on.
+/// Hash of the settings that affect results.
 std::uint64_t hash_of(const Settings& settings);
 
 } // namespace oncollide

@@ -109,14 +109,14 @@ void check(const Settings& s)
         throw Error(ErrorKind::usage, "exact = fcl: this is a build without FCL (ONCOLLIDE_FCL=OFF); use predicates");
     if (wants_kinds(s) && s.exact != ExactLevel::predicates)
         throw Error(ErrorKind::usage,
-                    fmt::format("{} needs exact = predicates, which tell touching from crossing; exact is {}",
+                    fmt::format("{} needs exact = predicates, which distinguish touching from crossing; exact is {}",
                                 s.ignore_touching ? "ignore-touching" : "kinds", name_of(s.exact)));
     if (s.open_as_surface && s.mode != Mode::solid)
         throw Error(ErrorKind::usage, "open-as-surface needs mode = solid: in surface mode all meshes are surfaces");
     if (s.ignore_touching && s.mode == Mode::solid)
         throw Error(ErrorKind::usage,
                     "ignore-touching needs mode = surface: solid bodies whose surfaces only touch may "
-                    "overlap all the same");
+                    "still overlap");
     if (s.ignore_touching && s.clearance > 0)
         throw Error(ErrorKind::usage,
                     "ignore-touching needs clearance = 0: bodies that touch are inside any clearance");
@@ -124,12 +124,12 @@ void check(const Settings& s)
     require(s.age_limit >= 1 && s.age_limit <= 1'000'000, "age", s.age_limit, "1 to 1000000 frames");
     require(s.look_ahead >= 0 && s.look_ahead <= 10'000, "look-ahead", s.look_ahead, "0 (off) to 10000 frames");
     if (s.look_ahead > 0 && s.memory_budget > 0)
-        throw Error(ErrorKind::usage, "look-ahead: not with memory-budget, as results would depend on how far another "
-                                      "thread came; bound cooked meshes by resident instead");
+        throw Error(ErrorKind::usage, "look-ahead excludes memory-budget, because results would depend on the "
+                                      "progress of a thread; limit cooked meshes with resident instead");
     if (s.backend == BackendKind::gl_raster)
         throw Error(ErrorKind::usage,
-                    "backend = gl-raster: left out, gl-compute was faster wherever both ran; use gl-compute");
-    require(s.gpu >= -1 && s.gpu < 64, "gpu", s.gpu, "0 to 63, or -1 for the first that is one");
+                    "backend = gl-raster: not available, gl-compute was faster wherever both ran; use gl-compute");
+    require(s.gpu >= -1 && s.gpu < 64, "gpu", s.gpu, "0 to 63, or -1 for the first hardware GPU");
     require(s.viewport >= 1 && s.viewport <= 1024, "viewport", s.viewport, "1 to 1024 pixels");
 }
 

@@ -7,27 +7,27 @@
 
 namespace oncollide {
 
-/// The time of every frame by stage, for a picture: frame by frame up to 4,096 of them, then the sums of 2, 4, 8 ...
-/// frames in a row.
+/// The time of every frame by stage, for a chart: single frames up to 4,096, then sums of 2, 4, 8 ... consecutive
+/// frames.
 class StageTimes {
 public:
-    /// @param stages  as many in every call; a frame that has fewer spent no time in the others
+    /// @param stages  the same in every call; missing stages of a frame count as 0 ms
     void add(std::span<const StageStats> frame, std::size_t stages);
 
     std::size_t frames() const { return frames_; }
-    /// Time by stage in one column of a chart, ms: the mean of the frames that fall in it.
+    /// One column of a chart: mean time by stage of its frames, ms.
     struct Column {
         std::vector<double> ms;
         double sum;
     };
-    /// At most so many.
+    /// Returns at most `most` columns.
     std::vector<Column> columns(std::size_t most) const;
 
 private:
     static constexpr std::size_t most_bins = 4096;
     void halve();
 
-    std::size_t stages_ = 0, frames_ = 0, width_ = 1; ///< of a bin, in frames; the last may have fewer
+    std::size_t stages_ = 0, frames_ = 0, width_ = 1; ///< width_: frames per bin; the last bin may have fewer
     std::vector<double> ms_;                          ///< bins x stages, sums
 };
 

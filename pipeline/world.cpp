@@ -1,4 +1,4 @@
-// World: its models and bodies.
+// World: models and bodies.
 #include <oncollide/pipeline/world_impl.hpp>
 
 #include <algorithm>
@@ -53,7 +53,9 @@ std::string text_of(const char* what, std::uint32_t slot, std::uint32_t generati
 
 void same_length(const char* what, std::size_t a, std::size_t b)
 {
-    if (a != b) throw Error(ErrorKind::usage, fmt::format("{}: spans of {} and {}; must be of one length", what, a, b));
+    if (a != b)
+        throw Error(ErrorKind::usage,
+                    fmt::format("{}: spans of {} and {} elements; must have the same length", what, a, b));
 }
 
 } // namespace
@@ -69,13 +71,13 @@ std::uint32_t World::Impl::slot_of(BodyId id) const
     if (bodies.valid(id)) return id.slot;
     throw Error(ErrorKind::usage,
                 text_of("body", id.slot, id.generation) +
-                    (id.slot < bodies.slots() ? ": was removed; its id is stale" : ": there is none"));
+                    (id.slot < bodies.slots() ? ": was removed; its id is stale" : ": does not exist"));
 }
 
 Model& World::Impl::model_of(ModelId id)
 {
     if (models.valid(id)) return models[id];
-    throw Error(ErrorKind::usage, text_of("model", id.slot, id.generation) + ": there is none, or it was removed");
+    throw Error(ErrorKind::usage, text_of("model", id.slot, id.generation) + ": does not exist or was removed");
 }
 
 void World::Impl::check_pose(std::optional<std::uint32_t> slot, const Eigen::Isometry3d& pose) const
@@ -89,7 +91,7 @@ void World::Impl::check_body(const BodySpec& body)
 {
     const Model& model = model_of(body.model);
     check_pose(std::nullopt, body.pose);
-    if (!reads_on_demand(settings)) model.read_all(); // now, not in the middle of a frame
+    if (!reads_on_demand(settings)) model.read_all(); // now rather than in the middle of a frame
     if (settings.mode == Mode::solid && !settings.open_as_surface && model.is_mesh() && !model.closed())
         refuse_open_mesh(name_or(model.geometry().name, "mesh"), *model.mesh());
 }
@@ -125,7 +127,8 @@ void World::Impl::replace(ModelId id, std::shared_ptr<const Geometry> geometry)
 const OccupancyMap& World::Impl::map_of(ModelId id)
 {
     const Model& model = model_of(id);
-    if (!model.map()) throw Error(ErrorKind::usage, text_of("model", id.slot, id.generation) + ": is no map");
+    if (!model.map())
+        throw Error(ErrorKind::usage, text_of("model", id.slot, id.generation) + ": is not an occupancy map");
     return *model.map();
 }
 
@@ -260,7 +263,7 @@ void World::remove_bodies(std::span<const BodyId> bodies)
         std::vector<std::uint32_t> sorted = slots;
         std::sort(sorted.begin(), sorted.end());
         if (const auto twice = std::adjacent_find(sorted.begin(), sorted.end()); twice != sorted.end())
-            throw Error(ErrorKind::usage, fmt::format("remove_bodies: body {} is there twice", *twice));
+            throw Error(ErrorKind::usage, fmt::format("remove_bodies: body {} is listed twice", *twice));
     }
     impl_->changed();
     for (std::uint32_t slot : slots) impl_->remove_checked(slot);
@@ -376,8 +379,8 @@ std::string World::backend_note() const
     if (!lost.empty()) return "the CPU took over when the GPU was lost: " + lost;
     if (impl_->backend_note.empty() && wants_obbs(impl_->settings) && backend().starts_with("gl"))
         return impl_->settings.exact == ExactLevel::predicates && exact_runs(impl_->settings)
-                   ? "the GPU takes no part: exact tests decide, on the CPU"
-                   : "the GPU takes no part in pairs of meshes: oriented boxes separate them, on the CPU";
+                   ? "the GPU is not used: exact tests on the CPU decide"
+                   : "the GPU is not used for pairs of meshes: OBB trees on the CPU separate them";
     return impl_->backend_note;
 }
 std::vector<std::string> World::file_faults() const

@@ -12,25 +12,25 @@
 
 namespace oncollide {
 
-/// What a World holds. Split by what it is for: world.cpp (models and bodies), world_step.cpp (frames),
-/// world_queries.cpp (const queries).
+/// The data of a World. Implemented in world.cpp (models and bodies), world_step.cpp (frames) and world_queries.cpp
+/// (const queries).
 struct World::Impl {
     Settings settings;
     ModelStore models;
     Bodies bodies;
-    std::vector<std::uint32_t> users; ///< by model's slot: bodies that use it
+    std::vector<std::uint32_t> users; ///< by model slot: number of bodies that use it
     std::unique_ptr<BroadPhase> broad;
 
     Frame frame;
     std::vector<std::unique_ptr<Stage>> stages;
-    std::vector<std::uint8_t> skipped;            ///< by stage: by request
-    std::vector<StageStats> stats, totals, blank; ///< blank: of a frame that begins
+    std::vector<std::uint8_t> skipped;            ///< by stage: skipped by request
+    std::vector<StageStats> stats, totals, blank; ///< blank: initial values of a frame
     MotionForecast courses;
     std::vector<PairOfBodies> active, last_active, began, ended; ///< active: not separate in the last frame
     std::string backend_note;
     std::uint64_t hash = 0;
 
-    /// One query thread's working memory.
+    /// Working memory of one query thread.
     struct QueryWorker {
         explicit QueryWorker(Impl& impl);
         BothLevels levels;
@@ -45,14 +45,14 @@ struct World::Impl {
         std::vector<PairTask> tasks;
         std::vector<RefineResult> refined;
     };
-    std::shared_mutex guard;           ///< for const calls: of the models' trees
-    std::mutex idle_guard;             ///< of idle_workers
-    std::atomic<bool> taken_in{false}; ///< are all changes in the boxes and the broad phase?
+    std::shared_mutex guard;           ///< for const calls: guards the models' trees
+    std::mutex idle_guard;             ///< guards idle_workers
+    std::atomic<bool> taken_in{false}; ///< true if boxes and broad phase include all changes
     std::vector<std::unique_ptr<QueryWorker>> idle_workers;
 
     Impl(const Settings& settings, std::unique_ptr<OcclusionBackend> backend, std::string note);
 
-    // Checks of arguments. Each throws and has changed nothing.
+    // Checks of arguments. Each throws before anything changes.
     std::uint32_t slot_of(BodyId id) const;
     Model& model_of(ModelId id);
     void check_pose(std::optional<std::uint32_t> slot, const Eigen::Isometry3d& pose) const; ///< no slot: a new body
@@ -73,11 +73,11 @@ struct World::Impl {
     {
         return {0, &bodies.model(a), &bodies.model(b), &bodies.pose(a), &bodies.pose(b)};
     }
-    /// Hands what changed to the broad phase and makes the boxes that are out of date.
+    /// Passes the changes to the broad phase and lists the AABBs to update.
     void take_in_changes();
     void find_events();
     void look_ahead();
-    /// For const calls: the broad phase is current afterwards.
+    /// For const calls: updates AABBs and broad phase if there are changes.
     void bring_up_to_date();
 
     class Lease;

@@ -1,4 +1,4 @@
-// World: const queries, safe from many threads at once.
+// World: const queries, safe from many threads.
 #include <oncollide/pipeline/world_impl.hpp>
 
 #include <algorithm>
@@ -14,12 +14,12 @@ namespace oncollide {
 
 namespace {
 
-/// A model at a pose, as the queries below share it.
+/// A query for bodies that meet a model at a pose.
 struct Probe {
     Model* model;
     Eigen::Isometry3d pose;
     QueryFilter filter;
-    const Aabb* solid_box = nullptr; ///< what lies wholly inside is a hit, too
+    const Aabb* solid_box = nullptr; ///< bodies wholly inside this box are hits, too
 };
 
 bool allows(const QueryFilter& q, const Bodies& bodies, std::uint32_t slot)
@@ -28,7 +28,7 @@ bool allows(const QueryFilter& q, const Bodies& bodies, std::uint32_t slot)
            (q.group == 0 || q.group != bodies.group(slot));
 }
 
-/// Does some point of the body lie in the box?
+/// True if some part of the body has a point in the box.
 bool has_point_in(const Bodies& bodies, std::uint32_t slot, const Aabb& box)
 {
     const RelativePose into(bodies.pose(slot), Eigen::Isometry3d::Identity());
@@ -49,7 +49,7 @@ World::Impl::QueryWorker::QueryWorker(Impl& impl)
 {
 }
 
-/// A worker for the time of one call.
+/// Lends a worker to one call.
 class World::Impl::Lease {
 public:
     explicit Lease(Impl& impl) : impl_(impl)
@@ -70,7 +70,7 @@ public:
     QueryWorker* operator->() { return worker_.get(); }
     QueryWorker& operator*() { return *worker_; }
 
-    /// Appends what `probe` hits.
+    /// Appends the hits of `probe`.
     void run(const Probe& probe, std::vector<QueryHit>& hits)
     {
         QueryWorker& w = *worker_;
@@ -95,7 +95,7 @@ public:
     }
 
 private:
-    /// Parts of the body that are in the box whose surface meets none.
+    /// Detects parts of the body inside the box, where surfaces do not meet.
     void look_inside(const Probe& probe, std::uint32_t slot, RefineResult& result)
     {
         try {
@@ -112,14 +112,14 @@ private:
     std::unique_ptr<QueryWorker> worker_;
 };
 
-/// Appends what work(worker, item, found) finds for each item, on the World's threads; `ends` says where each item's
-/// end. Overwrites both.
+/// Calls work(worker, item, found) for each item on the World's threads, where `work` appends to `found`; ends[i] is
+/// the end of item i's results in `found`. Overwrites both.
 template <class Found, class Item, class Work>
 void World::Impl::in_parts(std::span<const Item> items, std::size_t chunk, std::vector<Found>& found,
                            std::vector<std::size_t>& ends, Work work)
 {
     found.clear(), ends.clear();
-    if (frame.context.threads == 1) { // without copies
+    if (frame.context.threads == 1) { // avoids copies
         Lease worker(*this);
         for (const Item& item : items) {
             work(worker, item, found);
@@ -149,7 +149,7 @@ void World::Impl::in_parts(std::span<const Item> items, std::size_t chunk, std::
 
 namespace {
 
-/// A model that lives as long as one query.
+/// A transient model, for one query.
 class TransientModel {
 public:
     TransientModel(ModelStore& models, std::shared_mutex& guard, Mesh mesh) : models_(models), guard_(guard)
@@ -235,7 +235,7 @@ std::vector<QueryHit> World::query(const Aabb& box, const QueryFilter& filter) c
     return hits;
 }
 
-/// Makes the tree that contacts are found with, where it is not made when it is first asked for.
+/// Makes the OBB tree for finding contacts, unless the model has no triangles and makes its own data on demand.
 void World::Impl::need_tree(Model& model)
 {
     if (!model.has_triangles()) return;
@@ -275,18 +275,19 @@ void World::penetration(std::span<const PairOfBodies> pairs, std::span<Penetrati
     Impl& p = *impl_;
     if (pairs.size() != found.size())
         throw Error(ErrorKind::usage,
-                    fmt::format("penetration: spans of {} and {}; must be of one length", pairs.size(), found.size()));
+                    fmt::format("penetration: spans of {} and {} elements; must have the same length", pairs.size(),
+                                found.size()));
     for (const PairOfBodies& pair : pairs)
         for (const BodyId body : {pair.a, pair.b}) {
             Model& model = p.bodies.model(p.slot_of(body));
             if (!model.has_triangles())
                 throw Error(ErrorKind::usage,
-                            fmt::format("penetration: {} is no mesh, box or hull", p.label(body.slot)));
+                            fmt::format("penetration: {} is not a mesh, box or hull", p.label(body.slot)));
             if (model.cooked() && reads_on_demand(p.settings))
                 throw Error(
                     ErrorKind::usage,
-                    fmt::format("penetration: {} is a cooked mesh that is read on demand, but this needs all of "
-                                "it; add what load_mesh() reads from the file",
+                    fmt::format("penetration: {} is a cooked mesh that is read on demand; penetration needs "
+                                "the whole mesh, as returned by load_mesh()",
                                 p.label(body.slot)));
             p.need_tree(model);
         }
@@ -307,7 +308,7 @@ Distance World::distance(BodyId body_a, BodyId body_b, double tolerance, double 
     Impl& p = *impl_;
     check_distance(tolerance, farthest);
     const PairTask task = p.task_of(p.slot_of(body_a), p.slot_of(body_b));
-    if (task.a->shape() && task.b->shape()) // which takes no worker and no tree
+    if (task.a->shape() && task.b->shape()) // needs no worker and no tree
         return DirectPair(task).distance({.above = farthest, .tolerance = tolerance});
     for (Model* model : {task.a, task.b}) p.need_tree(*model);
     Impl::Lease worker(p);

@@ -1,4 +1,4 @@
-// World: how it is made, and its frames.
+// World: construction and frames.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -32,14 +32,14 @@ std::uint64_t hash_of(std::span<const PairResult> results, bool with_kinds)
     return hash;
 }
 
-/// `auto` takes a GPU only if it is one: software renderers are slower than the cpu backend.
+/// `auto` uses only hardware GPUs: software renderers are slower than the cpu backend.
 std::unique_ptr<OcclusionBackend> make_automatic_backend(int gpu, std::string& note)
 {
     try {
         const std::vector<GpuDevice> devices = gpu_devices();
         const auto hardware = [](const GpuDevice& d) { return !d.software; };
         if (gpu < 0 && std::none_of(devices.begin(), devices.end(), hardware)) {
-            note = "auto: the CPU was chosen, because only software renderers are here";
+            note = "auto: the CPU was chosen, because there are only software renderers";
             return make_cpu_backend();
         }
         const GpuInfo info = describe_gpu(gpu);
@@ -51,7 +51,7 @@ std::unique_ptr<OcclusionBackend> make_automatic_backend(int gpu, std::string& n
     return make_cpu_backend();
 }
 
-/// @param note  why it is not a GPU, when that was left to us
+/// @param note  why `auto` did not choose a GPU
 std::unique_ptr<OcclusionBackend> make_backend(const Settings& settings, std::string& note)
 {
     switch (settings.backend) {
@@ -139,7 +139,7 @@ FrameView World::step()
     const auto begin = frame.context.began = Clock::now();
     if (!p.models.lost().empty() && p.settings.backend != BackendKind::automatic)
         throw Error(ErrorKind::no_gpu, fmt::format("frame {}: the GPU was lost in an earlier frame, which the CPU "
-                                                   "finished: {}; to go on without it use --backend auto or cpu",
+                                                   "completed: {}; to continue without it, use --backend auto or cpu",
                                                    frame.number, p.models.lost()));
     frame.context.trees = {}, frame.context.rounds.clear(), frame.context.frame = frame.number;
     p.take_in_changes();
@@ -155,7 +155,7 @@ FrameView World::step()
         else
             stage.run(p.bodies, frame, stats);
         stats.culled = stats.in - stats.out;
-        // What a stage takes to leave itself out is less than a look at the clock.
+        // A stage that skips itself costs less than reading the clock, so it is not timed.
         const auto to = stats.skipped && !p.skipped[i] ? from : Clock::now();
         stats.cpu_ms = milliseconds(to - from);
         from = to;
@@ -189,7 +189,7 @@ FrameView World::step()
             hash};
 }
 
-/// Has what moving bodies come to next prepared.
+/// Lets the prefetcher prepare the parts of cooked meshes that moving bodies will reach next.
 void World::Impl::look_ahead()
 {
     if (settings.look_ahead == 0 || !reads_on_demand(settings)) return;
@@ -198,7 +198,7 @@ void World::Impl::look_ahead()
     if (!parts.empty()) models.look_ahead(std::move(parts));
 }
 
-/// Both lists are sorted by the slots; a pair of slots that other bodies have by now is another pair.
+/// Merges the two lists, which are sorted by slots. A reused slot has another generation, so its pairs are new pairs.
 void World::Impl::find_events()
 {
     active.swap(last_active);

@@ -193,7 +193,7 @@ TEST(MapChanges, ThatMakeNoSenseChangeNothing)
     };
     const Aabb everything{Vector3d::Constant(-1e9), Vector3d::Constant(1e9)};
     const std::vector<Vector3d> near{{0, 0, 0}}, beyond{{0, 0, 0}, {1e6, 0, 0}}, nowhere{{std::nan(""), 0, 0}};
-    refuses([&] { world.set_cells(ball, near, CellState::free); }, "is no map");
+    refuses([&] { world.set_cells(ball, near, CellState::free); }, "is not an occupancy map");
     refuses([&] { world.set_cells(map, beyond, CellState::occupied); }, "beyond the map's grid");
     refuses([&] { world.set_cells(map, nowhere, CellState::occupied); }, "beyond the map's grid");
     refuses([&] { world.set_cells(map, everything, CellState::free); }, "no cell would be left occupied");

@@ -143,7 +143,7 @@ TEST(Penetration, RefusesWhatHasNoTriangles)
         FAIL();
     } catch (const Error& error) {
         EXPECT_EQ(error.kind(), ErrorKind::usage);
-        EXPECT_NE(std::string(error.what()).find("no mesh, box or hull"), std::string::npos) << error.what();
+        EXPECT_NE(std::string(error.what()).find("not a mesh, box or hull"), std::string::npos) << error.what();
     }
 }
 

@@ -94,7 +94,7 @@ def test_ids_of_what_was_removed_are_stale(cubes):
     world.remove_bodies([0, 2, again])
     world.remove(model)
     assert len(world) == 0 and model not in world
-    with pytest.raises(oncollide.Error, match="there is none, or it was removed"):
+    with pytest.raises(oncollide.Error, match="does not exist or was removed"):
         world.add_body(model)
 
 
