@@ -13,10 +13,10 @@
 
 namespace oncollide {
 
-// The columns of a Scene, rows by body. They are read as arrays are and changed by the scene alone, and hold what ten
-// million bodies have in common once or not at all.
+// The columns of a Scene, one row per body. Readers use them like arrays; only the scene changes them. Values that
+// bodies have in common are stored once or not at all, to save memory in scenes of ten million bodies.
 
-/// A value for each body.
+/// One value per body.
 template <class T>
 class BodyColumn {
 public:
@@ -32,11 +32,11 @@ private:
     std::vector<T> values_;
 };
 
-/// Names: their letters, and 8 bytes for each body up to the last one that has a name.
+/// Names: their letters, and 8 bytes for each body up to the last named body.
 class NameColumn {
 public:
     std::size_t size() const { return size_; }
-    /// Empty: a body without a name. Valid until a body is added.
+    /// Empty for a body without a name. Valid until a body is added.
     std::string_view operator[](std::size_t body) const
     {
         if (body >= ends_.size()) return {};
@@ -50,14 +50,14 @@ private:
     void push_back(std::string_view name);
 
     std::string letters_;
-    std::vector<std::size_t> ends_; ///< of each body's name in letters_; none after the last name
+    std::vector<std::size_t> ends_; ///< end of each body's name in letters_; no entries after the last named body
     std::size_t size_ = 0;
 };
 
-/// Poses, exactly as they were given: 28 bytes each, 72 more for one that has ever been turned.
+/// Poses, exactly as given: 28 bytes each, and 72 more for a body that ever had a rotation.
 class PoseColumn {
 public:
-    /// Walks over poses by value.
+    /// Iterates over poses by value.
     class Iterator {
     public:
         using iterator_category = std::input_iterator_tag;
@@ -76,7 +76,7 @@ public:
     };
 
     std::size_t size() const { return positions_.size(); }
-    /// A copy; const, so that nobody writes to it in the belief that the body moves.
+    /// Returns a copy; const, so that code that writes to the copy, to move the body, does not compile.
     const Eigen::Isometry3d operator[](std::size_t body) const // NOLINT: const as said
     {
         Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
@@ -96,15 +96,15 @@ private:
     void set(std::size_t body, const Eigen::Isometry3d& pose);
 
     std::vector<Eigen::Vector3d> positions_;
-    std::vector<std::uint32_t> rotated_; ///< 0: the identity, else one more than the place of its rotation
+    std::vector<std::uint32_t> rotated_; ///< 0: the identity, else one more than the index of its rotation
     std::vector<Eigen::Matrix3d> rotations_;
 };
 
-/// Motions: nothing for bodies that stay.
+/// Motions; bodies without a motion take no memory.
 class MotionColumn {
 public:
     const Motion& operator[](std::size_t body) const;
-    /// The bodies that have one, ascending, and their motions.
+    /// The bodies that have a motion, ascending, and their motions.
     std::span<const std::uint32_t> bodies() const { return bodies_; }
     std::span<const Motion> of_bodies() const { return motions_; }
 
@@ -114,26 +114,26 @@ private:
     std::vector<Motion> motions_;
 };
 
-/// Which bodies were changed, so that who follows a scene need not compare them all.
+/// The bodies that were changed, so that a reader can follow a scene without comparing all bodies.
 class ChangeLog {
 public:
     struct Change {
-        std::uint32_t body : 31, only_pose : 1; ///< only_pose: no other column
+        std::uint32_t body : 31, only_pose : 1; ///< only_pose: no other column changed
     };
-    /// How far someone has followed a log.
+    /// A reader's position in a log.
     struct Mark {
         std::uint64_t log = 0, changes = 0;
     };
 
     ChangeLog() : log_(new_number()) {}
-    ChangeLog(const ChangeLog&) : ChangeLog() {} // who followed the one has not seen what changes in the other
+    ChangeLog(const ChangeLog&) : ChangeLog() {} // a reader of one copy has not seen the changes of the other
     ChangeLog(ChangeLog&& other) noexcept;
     ChangeLog& operator=(ChangeLog other) noexcept;
 
     Mark now() const { return {log_, forgotten_ + changes_.size()}; }
-    /// Does the log still hold, and know of, all that happened since then?
+    /// True if the log is the same and still holds all changes since the mark.
     bool reaches(Mark mark) const { return mark.log == log_ && mark.changes >= forgotten_; }
-    /// Bodies changed since, one perhaps several times. Only where it reaches.
+    /// Bodies changed since the mark; a body may appear several times. Requires reaches(mark).
     std::span<const Change> since(Mark mark) const
     {
         return std::span(changes_).subspan(static_cast<std::size_t>(mark.changes - forgotten_));

@@ -16,24 +16,26 @@ namespace oncollide {
 
 class CookedMesh;
 
-/// The last one is a mesh in a cooked file, of which is read what a test needs (scenes/cooked/cooked_mesh.hpp).
+/// The last alternative is a mesh in a cooked file, which is read in parts as tests need them
+/// (scenes/cooked/cooked_mesh.hpp).
 using GeometryData = std::variant<Mesh, Shape, OccupancyMap, Terrain, std::shared_ptr<const CookedMesh>>;
 
-/// What a body is made of, in its own frame. Shared by its instances.
+/// A geometry in its own frame. Several bodies may share it.
 struct Geometry {
     std::string name;
     GeometryData data;
     /// The entry of a scene file that makes this geometry again (JSON text: file or generator; paths absolute or
-    /// relative to the current folder). Empty when made in code, and for shapes: their data says it all.
+    /// relative to the current folder). Empty for geometries made in code, and for shapes, whose data is a complete
+    /// description.
     std::string recipe;
 };
 
-/// The exact box of a geometry in its own frame.
+/// The exact AABB of a geometry in its own frame.
 Aabb bounds_of(const GeometryData& geometry);
 Aabb bounds_of(const Geometry& geometry);
 
-/// The geometries of a scene. None changes once it is there, and none moves: a reference stays good while the list or
-/// anyone whom it was shared with lives. Copies of the list share the geometries.
+/// The geometries of a scene. A geometry never changes or moves in memory: a reference stays valid while the list or
+/// any holder of share() lives. Copies of the list share the geometries.
 class GeometryList {
 public:
     class Iterator {
@@ -62,11 +64,11 @@ public:
     const Geometry& back() const { return *items_.back(); }
     Iterator begin() const { return Iterator(items_.data()); }
     Iterator end() const { return Iterator(items_.data() + items_.size()); }
-    /// The geometry, for one who may outlive the scene. Copies nothing.
+    /// The geometry, for holders that may outlive the scene. Copies no data.
     const std::shared_ptr<const Geometry>& share(std::size_t i) const { return items_[i]; }
 
 private:
-    friend struct Scene; // the only one who adds: it checks names and shapes
+    friend struct Scene; // only Scene adds geometries: it checks names and shapes
     std::vector<std::shared_ptr<const Geometry>> items_;
 };
 

@@ -7,7 +7,7 @@
 
 namespace oncollide {
 
-/// What chunks of cooked files may hold of the memory, all together, and when they were needed.
+/// The memory that chunks of all cooked files together may use, and the clock of their last use.
 class ChunkBudget {
 public:
     /// @param limit  bytes; 0: no limit
@@ -16,13 +16,13 @@ public:
     bool limited() const { return limit_ > 0; }
     std::size_t limit() const { return limit_; }
     std::size_t held() const { return held_.load(std::memory_order_relaxed); }
-    /// Throws NoRoomForChunk, in the name of `who`, where that is more than there may be.
+    /// Throws NoRoomForChunk, naming `who`, if the limit would be exceeded.
     void take(std::size_t bytes, const std::string& who);
     void give(std::size_t bytes) { held_.fetch_sub(bytes, std::memory_order_relaxed); }
 
-    /// Goes up with each chunk that is read.
+    /// Increases with each chunk that is read.
     std::uint64_t now() const { return now_.load(std::memory_order_relaxed); }
-    /// Marks what is needed now.
+    /// Records the present time as the last use.
     void mark(std::atomic<std::uint64_t>& needed) const
     {
         if (const std::uint64_t at = now(); needed.load(std::memory_order_relaxed) != at)
@@ -35,16 +35,16 @@ private:
     std::atomic<std::uint64_t> now_ = 1;
 };
 
-/// The chunks of one cooked file that are in memory, as whoever holds the budget sees them.
+/// The chunks of one cooked file that are in memory, as seen by the owner of the budget.
 class HeldChunks {
 public:
     virtual ~HeldChunks() = default;
     struct Held {
-        std::uint64_t needed; ///< when, last
+        std::uint64_t needed; ///< time of the last use
         std::uint32_t chunk;
     };
     virtual void add_held(std::vector<Held>& to) const = 0;
-    /// Not while anybody walks.
+    /// No traversal may run meanwhile.
     virtual void drop(std::uint32_t chunk) = 0;
 };
 

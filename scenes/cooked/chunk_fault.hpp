@@ -3,8 +3,8 @@
 
 namespace oncollide {
 
-/// A part of a cooked file cannot be had: it is damaged, cut off, changed since it was opened, or not to be read. Of
-/// `NoRoomForChunk` that only the budget is in the way.
+/// A part of a cooked file is unavailable: it is damaged, cut off, changed since it was opened, or unreadable.
+/// `NoRoomForChunk`: only the memory budget prevents reading it.
 class ChunkFault : public Error {
 public:
     using Error::Error;

@@ -20,15 +20,15 @@
 
 namespace oncollide {
 
-/// Points of a connected part: its least and most along x, y and z.
+/// The six points of a connected part with the least and greatest x, y and z.
 using CookedPart = std::array<Eigen::Vector3d, 6>;
 static_assert(sizeof(CookedPart) == cooked_part_bytes);
 
-/// A cooked file (docs/cooked.md), whatever is in it: its header, its top and its chunks, each checked against its
-/// checksum when it is read, and what went wrong since. Const calls are safe from many threads at once.
+/// A cooked file of any kind (docs/cooked.md): its header, its top, its chunks, and the faults found so far. Each part
+/// is checked against its checksum when it is read. Const calls are safe from many threads at once.
 class CookedFile {
 public:
-    /// The file is not touched.
+    /// Does not access the file.
     explicit CookedFile(const std::filesystem::path& path);
     ~CookedFile();
     CookedFile(const CookedFile&) = delete;
@@ -36,7 +36,7 @@ public:
 
     const std::string& name() const { return name_; } ///< the path, for errors
 
-    class Handle; ///< of the open file
+    class Handle; ///< the open file
     struct Opened {
         std::shared_ptr<const Handle> handle;
         CookedHeader header;
@@ -44,13 +44,13 @@ public:
 
         std::span<const std::byte> nodes() const;
         std::vector<CookedChunkEntry> table() const;
-        std::optional<std::vector<CookedPart>> parts() const; ///< nothing: the file does not say
+        std::optional<std::vector<CookedPart>> parts() const; ///< empty: the file does not say
         std::span<const std::byte> record() const;
     };
-    /// Reads all but the chunks. What is checked: that it is a cooked file of this version and kind, as long as it
-    /// should be, with checksums that fit. Throws Error{no_input} or Error{bad_data}.
+    /// Reads everything except the chunks. Checks that the file is a cooked file of this version and kind, that its
+    /// length is right, and that the checksums match. Throws Error{no_input} or Error{bad_data}.
     Opened open(CookedKind kind) const;
-    /// Checks that chunks lie one after the other behind the top, each as long as `bytes_of(entry, its number)` says.
+    /// Checks that the chunks follow the top without gaps, each with the length `bytes_of(entry, its number)`.
     template <class BytesOf>
     void check_table(const Opened& opened, std::span<const CookedChunkEntry> table, BytesOf bytes_of) const
     {
@@ -62,21 +62,22 @@ public:
         if (next != opened.header.file_bytes) refuse("has chunks that do not fill it");
     }
 
-    /// A chunk's bytes, `count` of all in number. Throws ChunkFault, from then on for this chunk always the same.
+    /// The bytes of chunk `chunk` of `count`. Throws ChunkFault; later calls for this chunk throw the same error.
     std::vector<std::byte> read(const Handle& handle, const CookedChunkEntry& entry, std::size_t chunk,
                                 std::size_t count) const;
-    /// Throws where a part is not within the bounds.
+    /// Throws if a part is not within the bounds.
     void check_parts(std::span<const CookedPart> parts, const Aabb& bounds) const;
     [[noreturn]] void refuse(const std::string& why) const;
     [[noreturn]] void refuse_entry(std::size_t chunk) const;
-    /// Records what is wrong with a chunk. Throws the ChunkFault.
+    /// Records a chunk's fault. Throws it as ChunkFault.
     [[noreturn]] void refuse_chunk(std::size_t chunk, std::size_t count, const std::string& why) const;
 
-    static constexpr std::size_t whole = ~std::size_t{0}; ///< stands for the file among chunks
+    static constexpr std::size_t whole = ~std::size_t{0}; ///< the index under which faults of the file itself are
+                                                          ///< recorded
     void note(std::size_t chunk, const std::string& what) const;
-    /// Throws what was noted before.
+    /// Throws the fault that was recorded before, if any.
     void check_known(std::size_t chunk) const;
-    /// What went wrong since the file was opened, a line for each chunk.
+    /// The faults since the file was opened, one line per chunk.
     std::vector<std::string> faults() const;
 
 private:
@@ -86,10 +87,10 @@ private:
     mutable std::map<std::size_t, std::string> faults_; ///< by chunk
 };
 
-/// What kind of cooked file it is, by its header. Throws as CookedFile::open() does.
+/// The kind of a cooked file, from its header. Throws as CookedFile::open() does.
 CookedKind cooked_kind(const std::filesystem::path& path);
 
-/// Takes values off the front of bytes that are known to suffice.
+/// Removes a value from the front of bytes. The caller knows that the bytes suffice.
 template <class Value>
 Value take(std::span<const std::byte>& bytes)
 {

@@ -17,23 +17,23 @@ namespace oncollide {
 class CookedWriter;
 
 /// An occupancy map in a cooked file (docs/cooked.md), of which only the top is read: the nodes of the octree's upper
-/// levels. All that is below one of these lies in one chunk, of up to 4096 nodes. Const calls are safe from many
-/// threads at once.
+/// levels. Each subtree below the top is in one chunk, of up to 4096 nodes. Const calls are safe from many threads at
+/// once.
 ///
-/// Nodes are numbered by where they are in memory: those of the top from 0, each chunk from a multiple of 512. Those
-/// below a node follow in the order of the nodes above, so each node has one place where its octants can be.
+/// Nodes are numbered by their position in memory: the top's nodes from 0, each chunk's from a multiple of 512.
+/// Children follow in the order of their parents, so each node has only one possible position for its octants.
 class CookedMap {
 public:
     using Node = CellTree::Node;
-    static constexpr std::uint32_t step = 512; ///< nodes, a page
+    static constexpr std::uint32_t step = 512; ///< nodes per page
 
     /// Throws as CookedMesh does.
     explicit CookedMap(const std::filesystem::path& path);
 
     const CookedFile& file() const { return file_; }
-    std::uint64_t checksum() const { return checksum_; } ///< the header's, which covers those of all else
+    std::uint64_t checksum() const { return checksum_; } ///< from the header; covers the checksums of all other data
     const CookedMapRecord& record() const { return record_; }
-    const Node& grid() const { return grid_; } ///< whose octant 0 is the grid: CellTree::top()
+    const Node& grid() const { return grid_; } ///< its octant 0 is the grid: CellTree::top()
     const std::vector<Node>& top() const { return top_; }
     std::size_t chunks() const { return table_.size(); }
     std::uint32_t first(std::size_t chunk) const { return chunks_[chunk].first; }
@@ -41,24 +41,24 @@ public:
     {
         return static_cast<std::uint32_t>(table_[chunk].bytes / sizeof(Node));
     }
-    std::uint32_t end() const { return end_; } ///< of all numbers
+    std::uint32_t end() const { return end_; } ///< one more than the largest number
     std::size_t bytes() const
     {
         return table_.size() * (sizeof(table_[0]) + sizeof(Chunk)) + top_.size() * sizeof(Node) +
                entries_.size() * sizeof(Entry);
     }
-    /// Throws ChunkFault, from then on for this chunk always the same.
+    /// Throws ChunkFault; later calls for this chunk throw the same error.
     std::vector<Node> read(std::size_t chunk) const;
 
 private:
-    /// An octant of a node of the top that begins in a chunk.
+    /// An octant of a node of the top whose subtree begins in a chunk.
     struct Entry {
         MapCell cube;
-        bool solid; ///< as the node above has it
+        bool solid; ///< as recorded in the parent node
     };
     struct Chunk {
         std::uint32_t first = 0;
-        std::size_t entry = 0, entries = 0; ///< the first nodes
+        std::size_t entry = 0, entries = 0; ///< the chunk's first nodes, as a range of entries
     };
     void place_chunks(const CookedFile::Opened& opened);
     void check_top();
@@ -76,14 +76,14 @@ private:
     std::uint32_t end_ = 0;
 };
 
-/// The nodes of a cooked map that are in memory: each chunk is read when one of its nodes is first looked at, by any
-/// number of threads at once.
+/// The nodes of a cooked map that are in memory: each chunk is read when one of its nodes is first used. Many threads
+/// may do so at once.
 class MapChunks final : public HeldChunks {
 public:
-    /// Without a budget all that is read stays.
+    /// Without a budget, chunks that were read stay in memory.
     explicit MapChunks(std::shared_ptr<const CookedMap> cooked, ChunkBudget* budget = nullptr);
     ~MapChunks() override;
-    /// The map over such chunks.
+    /// An OccupancyMap that reads such chunks.
     static OccupancyMap map(std::shared_ptr<const CookedMap> cooked, ChunkBudget* budget = nullptr);
 
     const std::shared_ptr<const CookedMap>& cooked() const { return cooked_; }
@@ -116,13 +116,13 @@ private:
     ChunkBudget* budget_;
     mutable LazyMemory memory_;
     CellTree::Node* nodes_;
-    std::vector<std::uint32_t> chunk_of_; ///< by page: a chunk's number + 1; 0: the top
+    std::vector<std::uint32_t> chunk_of_; ///< by page: the chunk's number + 1; 0: the top
     mutable std::vector<Chunk> chunks_;
     mutable std::atomic<std::size_t> held_ = 0;
     mutable std::mutex reading_;
 };
 
-/// Puts a map into a file, all but its probabilities.
+/// Writes a map, except its probabilities, to a file.
 void add_map(const OccupancyMap& map, std::uint32_t most_in_chunk, CookedWriter& file);
 
 } // namespace oncollide

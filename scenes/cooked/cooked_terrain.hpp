@@ -21,14 +21,14 @@ class CookedBytes;
 /// by 64. Const calls are safe from many threads at once.
 class CookedTerrain {
 public:
-    static constexpr std::uint32_t side = 64; ///< of a chunk: heights, and cells
+    static constexpr std::uint32_t side = 64; ///< heights, or cells, per side of a chunk
 
     /// Throws as CookedMesh does.
     explicit CookedTerrain(const std::filesystem::path& path);
 
     const CookedFile& file() const { return file_; }
-    std::uint64_t checksum() const { return checksum_; } ///< the header's, which covers those of all else
-    /// All of the terrain but its heights and diagonals.
+    std::uint64_t checksum() const { return checksum_; } ///< from the header; covers the checksums of all other data
+    /// The terrain without its heights and diagonals.
     const Terrain& outline() const { return *outline_; }
     std::uint32_t across() const { return across_; } ///< chunks in a row
     std::size_t chunks() const { return table_.size(); }
@@ -36,22 +36,22 @@ public:
     const std::vector<CookedRange>& ranges() const { return ranges_; } ///< of these blocks, row by row
     std::size_t bytes() const { return table_.size() * sizeof(table_[0]) + ranges_.size() * sizeof(ranges_[0]); }
 
-    const std::optional<std::vector<CookedPart>>& parts() const { return parts_; } ///< nothing: not known
+    const std::optional<std::vector<CookedPart>>& parts() const { return parts_; } ///< empty: not known
 
     /// A chunk's heights, in tiles as a terrain has them.
     struct Chunk {
-        std::uint32_t tiles_x = 0;          ///< tiles in a row
+        std::uint32_t tiles_x = 0;          ///< tiles per row
         std::vector<Terrain::Tile> tiles;   ///< at 1 and 2 bytes
         std::vector<std::byte> samples;     ///< tile by tile
-        std::vector<std::uint64_t> falling; ///< a bit for each cell, 64 a row; empty: all are cut alike
+        std::vector<std::uint64_t> falling; ///< a bit per cell, 64 per row; empty: all cells have the same diagonal
     };
-    /// Throws ChunkFault, from then on for this chunk always the same.
+    /// Throws ChunkFault; later calls for this chunk throw the same error.
     std::unique_ptr<Chunk> read(std::size_t chunk) const;
-    std::size_t chunk_bytes(std::size_t chunk) const; ///< of the file
+    std::size_t chunk_bytes(std::size_t chunk) const; ///< in the file
     [[noreturn]] void refuse_chunk(std::size_t chunk, const std::string& why) const;
 
     static CookedTerrainRecord record_of(const Terrain& terrain);
-    /// The bytes of a chunk, appended.
+    /// Appends the bytes of a chunk.
     static void add_chunk(const Terrain& terrain, std::size_t chunk, CookedBytes& to);
 
 private:
@@ -72,14 +72,14 @@ private:
     std::optional<std::vector<CookedPart>> parts_;
 };
 
-/// The heights of a cooked terrain that are in memory: each chunk is read when it is first looked at, by any number of
-/// threads at once.
+/// The heights of a cooked terrain that are in memory: each chunk is read when one of its heights is first used. Many
+/// threads may do so at once.
 class TerrainChunks {
 public:
-    /// Without a budget all that is read stays.
+    /// Without a budget, chunks that were read stay in memory.
     explicit TerrainChunks(std::shared_ptr<const CookedTerrain> cooked, ChunkBudget* budget = nullptr);
     ~TerrainChunks();
-    /// The terrain over such chunks.
+    /// A Terrain that reads such chunks.
     static Terrain terrain(std::shared_ptr<const CookedTerrain> cooked, ChunkBudget* budget = nullptr);
 
     const std::shared_ptr<const CookedTerrain>& cooked() const { return cooked_; }
@@ -94,7 +94,7 @@ public:
         decode(cooked_->outline(), chunk, number, row % tile * tile + column % tile, 1, &height);
         return height;
     }
-    /// Those of columns [from, to) in a row.
+    /// The heights of columns [from, to) in a row.
     void read_row(std::uint32_t row, std::uint32_t from, std::uint32_t to, double* out) const;
     CellDiagonal diagonal(std::uint32_t x, std::uint32_t y) const
     {
@@ -105,13 +105,13 @@ public:
 
     bool there(std::size_t chunk) const { return chunks_[chunk].load(std::memory_order_acquire); }
     std::uint64_t needed(std::size_t chunk) const { return needed_[chunk].load(std::memory_order_relaxed); }
-    /// The chunk that begins where a block of cells does is needed.
+    /// Marks the chunk that begins at the corner of a block of cells as used.
     void mark(std::uint32_t x, std::uint32_t y) const
     {
         budget().mark(needed_[std::size_t(y) * cooked_->across() + x]);
     }
     void need_all() const;        ///< Throws ChunkFault
-    void drop(std::size_t chunk); ///< Not while anybody looks
+    void drop(std::size_t chunk); ///< No other thread may read heights meanwhile
     std::size_t bytes() const { return held_.load(std::memory_order_relaxed) + cooked_->bytes(); }
 
 private:
@@ -123,7 +123,7 @@ private:
     }
     const CookedTerrain::Chunk& need(std::size_t chunk) const;
     friend class CookedTerrain;
-    /// Heights k to k + count of a tile.
+    /// Heights k to k + count - 1 of a tile.
     static void decode(const Terrain& terrain, const CookedTerrain::Chunk& chunk, std::uint32_t tile, std::uint32_t k,
                        std::uint32_t count, double* out);
     template <class Sample>

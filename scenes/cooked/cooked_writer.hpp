@@ -11,7 +11,7 @@
 
 namespace oncollide {
 
-/// Bytes that are appended to.
+/// A growing buffer of bytes.
 class CookedBytes {
 public:
     template <class Value>
@@ -25,7 +25,7 @@ public:
         const char* const from = reinterpret_cast<const char*>(values.data());
         bytes_.insert(bytes_.end(), from, from + values.size_bytes());
     }
-    void fill_up() { bytes_.resize((bytes_.size() + 7) / 8 * 8); } ///< to a multiple of eight bytes
+    void fill_up() { bytes_.resize((bytes_.size() + 7) / 8 * 8); } ///< pads to a multiple of eight bytes
     std::string_view from(std::size_t begin) const { return {bytes_.data() + begin, bytes_.size() - begin}; }
     std::size_t size() const { return bytes_.size(); }
     void reserve(std::size_t size) { bytes_.reserve(size); }
@@ -34,17 +34,17 @@ private:
     LargeVector<char> bytes_;
 };
 
-/// Puts a cooked file together.
+/// Builds a cooked file and writes it.
 class CookedWriter {
 public:
-    CookedHeader header{}; ///< what is of its kind; the rest is filled in
+    CookedHeader header{}; ///< the caller fills in the members of its kind; write() fills in the rest
     CookedBytes nodes, parts, record, data;
 
     void set_bounds(const Aabb& bounds);
     void set_parts(std::span<const CookedPart> of);
-    /// What was added to `data` since the last one is a chunk.
+    /// Makes a chunk of the data added to `data` since the last chunk.
     void end_chunk(std::uint32_t triangles = 0, std::uint32_t vertices = 0);
-    /// Under a temporary name, then renamed. Throws Error{cannot_write}.
+    /// Writes to a temporary name, then renames. Throws Error{cannot_write}.
     CookedSize write(const std::filesystem::path& path, CookedKind kind);
 
 private:
