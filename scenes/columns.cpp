@@ -13,7 +13,7 @@ namespace {
 bool is_identity(const Eigen::Matrix3d& rotation)
 {
     static const Eigen::Matrix3d identity = Eigen::Matrix3d::Identity();
-    return std::memcmp(rotation.data(), identity.data(), sizeof(double) * 9) == 0; // -0 is another matrix
+    return std::memcmp(rotation.data(), identity.data(), sizeof(double) * 9) == 0; // -0 is a different matrix
 }
 
 } // namespace
@@ -31,7 +31,7 @@ void NameColumn::push_back(std::string_view name)
 void PoseColumn::reserve(std::size_t bodies)
 {
     reserve_large(positions_, bodies), reserve_large(rotated_, bodies);
-    reserve_large(rotations_, bodies); // what is not used takes no memory
+    reserve_large(rotations_, bodies); // untouched pages take no memory
 }
 
 void PoseColumn::push_back(const Eigen::Isometry3d& pose)
@@ -80,7 +80,7 @@ ChangeLog& ChangeLog::operator=(ChangeLog other) noexcept
 
 void ChangeLog::note(Change change, std::size_t most)
 {
-    if (changes_.size() >= most) { // half stays, so that whoever follows step by step never falls behind
+    if (changes_.size() >= most) { // keeps half, so that a reader that follows every step never falls behind
         const std::size_t half = changes_.size() / 2 + 1;
         changes_.erase(changes_.begin(), changes_.begin() + static_cast<std::ptrdiff_t>(half));
         forgotten_ += half;

@@ -22,8 +22,7 @@ Isometry3d rigid(const Eigen::Vector3d& position, const Eigen::Matrix3d& rotatio
     return pose;
 }
 
-/// Where x is after bouncing between the walls lo and hi: a triangle wave of period 2 (hi - lo). Exactly x between
-/// them.
+/// x after reflections between the walls lo and hi: a triangle wave of period 2 (hi - lo). Exactly x between them.
 double reflected(double x, double lo, double hi)
 {
     if (x >= lo && x <= hi) return x;
@@ -104,7 +103,7 @@ Isometry3d pose_at(const Keyed& motion, const Isometry3d& start, double time)
     const Keyed::Key& from = *std::prev(next);
     if (next == motion.keys.end() || time == from.time) return pose_of(from);
     const double share = (time - from.time) / (next->time - from.time);
-    // Eigen's slerp takes the shorter arc; the product with 1/|q| keeps the matrix rigid to the last bits.
+    // Eigen's slerp takes the shorter arc; normalised() keeps the matrix rigid to the last bits.
     return rigid(from.position + share * (next->position - from.position),
                  from.rotation.slerp(share, next->rotation).normalized().toRotationMatrix());
 }
@@ -136,7 +135,7 @@ void jitter_step(const Jitter& motion, std::uint64_t frame, Eigen::Vector3d& pos
         const double lo = motion.walls.min[axis], hi = motion.walls.max[axis];
         if (p < lo) p = 2 * lo - p;
         if (p > hi) p = 2 * hi - p;
-        p = std::clamp(p, lo, hi); // a step longer than the room could end behind the wall opposite
+        p = std::clamp(p, lo, hi); // a step longer than the room could end behind the opposite wall
     }
 }
 

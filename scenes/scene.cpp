@@ -14,7 +14,7 @@ namespace oncollide {
 
 namespace {
 
-/// "body 'crane'", or "body 17" for one without a name.
+/// "body 'crane'", or "body 17" if it has no name.
 std::string who_is(std::string_view name, std::size_t body)
 {
     return name.empty() ? fmt::format("body {}", body) : fmt::format("body '{}'", name);
@@ -27,7 +27,7 @@ std::uint32_t hash_of(std::string_view name)
     return static_cast<std::uint32_t>(std::hash<std::string_view>()(name));
 }
 
-/// Puts `slot` into the first free one from where its hash says.
+/// Puts `slot` into the first free slot, starting at the position given by its hash.
 template <class Slot>
 void place(std::vector<Slot>& slots, const Slot& slot)
 {
@@ -47,7 +47,7 @@ auto geometry_names(const Scene& scene)
     return [&](std::uint32_t i) -> std::string_view { return scene.geometries[i].name; };
 }
 
-/// The same, to the last bit.
+/// True if all bits are equal.
 bool same_bits(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b)
 {
     return std::memcmp(a.data(), b.data(), sizeof(double) * 16) == 0;
@@ -91,11 +91,11 @@ std::string why_not_rigid(const Eigen::Isometry3d& pose)
     if (!pose.matrix().allFinite()) return "the pose is not finite";
     if (pose.matrix().row(3) != Eigen::RowVector4d(0, 0, 0, 1)) return "the pose's last row is not (0, 0, 0, 1)";
     const Eigen::Matrix3d r = pose.linear();
-    const Eigen::Vector3d x = r.col(0), y = r.col(1), z = r.col(2); // by hand: every pose of every frame comes here
+    const Eigen::Vector3d x = r.col(0), y = r.col(1), z = r.col(2); // unrolled: called for every pose of every frame
     const auto is = [](double dot, double wanted) { return std::abs(dot - wanted) <= tolerance; };
     if (!is(x.dot(x), 1) || !is(y.dot(y), 1) || !is(z.dot(z), 1) || !is(x.dot(y), 0) || !is(y.dot(z), 0) ||
         !is(z.dot(x), 0))
-        return fmt::format("the pose is not rigid: R^T R is off the identity by {:.3g}, at most {} is allowed",
+        return fmt::format("the pose is not rigid: R^T R differs from the identity by {:.3g}, at most {} is allowed",
                            (r.transpose() * r - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff(), tolerance);
     if (r.determinant() < 0) return "the pose is not rigid: it mirrors (the determinant of R is negative)";
     return {};
@@ -135,7 +135,7 @@ GeometryId Scene::add(std::string geometry_name, GeometryData data, std::string 
     if (const Shape* shape = std::get_if<Shape>(&data)) check_shape(geometry_name, *shape);
     const auto number = static_cast<std::uint32_t>(geometries.size());
     if (!geometry_index_.add(geometry_name, number, geometry_names(*this)))
-        refuse(fmt::format("geometry '{}'", geometry_name), "the scene has another one of this name");
+        refuse(fmt::format("geometry '{}'", geometry_name), "the scene has another geometry of this name");
     geometries.items_.push_back(
         std::make_shared<const Geometry>(Geometry{std::move(geometry_name), std::move(data), std::move(recipe)}));
     return GeometryId{number};
@@ -158,7 +158,7 @@ BodyId Scene::add_body(BodyInit body)
         return BodyId{number};
     }
     if (!body.name.empty() && !body_index_.add(body.name, number, body_names(*this)))
-        fail("the scene has another one of this name");
+        fail("the scene has another body of this name");
 
     names.push_back(body.name);
     geometry.values_.push_back(body.geometry);
@@ -289,7 +289,7 @@ std::string Scene::label(BodyId body) const
 void Scene::record(std::shared_ptr<Recording> source)
 {
     if (source->first > size() || source->bodies > size() - source->first)
-        refuse(source->file, fmt::format("holds {} bodies, for those from number {} on; the scene has {} bodies",
+        refuse(source->file, fmt::format("holds poses of {} bodies, from body {} on; the scene has {} bodies",
                                          source->bodies, source->first, size()));
     for (std::uint32_t i = source->first; holds_bodies() && i < source->first + source->bodies; ++i)
         if (is_static[i] || !std::holds_alternative<Still>(motions[i]))

@@ -9,14 +9,14 @@ namespace oncollide {
 
 // Small bodies in a large environment, for the catalogue and the benchmarks of environments. Private to the project.
 
-/// Some points of a geometry's surface, spread over all of it, fewer than 40,000 where it is a map or a terrain.
+/// Points of a geometry's surface, spread over all of it; fewer than 40,000 for a map or a terrain.
 std::vector<Eigen::Vector3d> surface_points(const GeometryData& geometry);
 
-/// A knot, a ring and a ball: meshes of about a metre, of 6,000 to 13,000 triangles.
+/// A knot, a ring and a sphere: meshes of about a metre, of 6,000 to 13,000 triangles.
 std::vector<GeometryId> add_meshes_of_a_metre(Scene& scene);
 
-/// Adds `count` bodies of these geometries in turn, on and just above some of the points, which drift and turn slowly
-/// and stay within 2 m of `bounds`.
+/// Adds `count` bodies that cycle through these geometries, at some of the points and slightly above them. They drift
+/// and rotate slowly and stay within 2 m of `bounds`.
 void add_bodies_above(Scene& scene, const std::vector<Eigen::Vector3d>& points, const Aabb& bounds,
                       const std::vector<GeometryId>& of, int count, std::uint64_t seed);
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double room_side = 4, room_height = 2.75; // metres
 
-/// Fills boxes of cells. Coordinates count cells; the building's floor is centred on the origin, at z = 0.
+/// Fills boxes of cells. Coordinates are in cells; the building's floor is centred on the origin, at z = 0.
 class Builder {
 public:
     explicit Builder(int offset) : offset_(offset, offset, 0) {}
@@ -32,7 +32,7 @@ private:
     Eigen::Vector3i offset_;
 };
 
-/// A piece of furniture: a box on the floor, in the room whose first cell is (x, y).
+/// Adds a piece of furniture: a box on the floor, in the room whose first cell is (x, y).
 void furnish(Builder& builder, int x, int y, int room, int height, std::uint64_t seed, std::uint64_t index)
 {
     const int free = room - 2;
@@ -50,10 +50,10 @@ void furnish(Builder& builder, int x, int y, int room, int height, std::uint64_t
 OccupancyMap make_building_map(int rooms, double resolution, std::uint64_t seed)
 {
     if (rooms < 1 || rooms > 100)
-        throw Error(ErrorKind::usage, fmt::format("building: {} rooms a side; it must be from 1 to 100", rooms));
+        throw Error(ErrorKind::usage, fmt::format("building: {} rooms per side; it must be from 1 to 100", rooms));
     if (!(resolution > 0) || !std::isfinite(resolution) || resolution > 1 || rooms * room_side / resolution > 2000)
         throw Error(ErrorKind::usage,
-                    fmt::format("building: the resolution is {} m; with {} rooms a side it must be from {} to 1",
+                    fmt::format("building: the resolution is {} m; with {} rooms per side it must be from {} to 1",
                                 resolution, rooms, rooms * room_side / 2000));
     const int room = static_cast<int>(std::lround(room_side / resolution));
     const int height = std::max(2, static_cast<int>(std::lround(room_height / resolution)));

@@ -16,12 +16,12 @@ namespace {
 struct Maker {
     const char* name;
     const char* summary;
-    int default_bodies; ///< 0: fixed by the scene
+    int default_bodies; ///< 0: constant for the scene
     int most_bodies;
     int frames;
     Scene (*make)(const CatalogueOptions&);
-    /// Each body follows from its index, and their geometries are few: as many as there are numbers for, where a sink
-    /// takes them.
+    /// The number of bodies is limited only by the range of body numbers if a sink takes the bodies: each body follows
+    /// from its index, and their geometries are few.
     bool endless = false;
 };
 
@@ -45,7 +45,7 @@ constexpr Maker makers[] = {
      "convoys of 2,000 vehicles over 10,000 tiles of ground, 101 million triangles; with --cache read from disk",
      12'000, 100'000, 300, make_tiles_scene},
     {"swarm", "ten million balls, of which one in a hundred moves", 10'000'000, 10'000'000, 20, make_swarm_scene, true},
-    {"hard", "touching, coplanar, nested, tiny, huge and far: what collision detection gets wrong", 0, 0, 60,
+    {"hard", "touching, coplanar, nested, tiny, huge and far: cases that collision detection gets wrong", 0, 0, 60,
      make_hard_scene},
     {"random", "every kind of geometry, drawn by lot: another seed is another scene", 20, 100'000, 20,
      make_random_scene},
@@ -162,7 +162,7 @@ GeometryId add_model(Scene& scene, const CatalogueOptions& options, const std::s
     } else {
         mesh["generate"] = generator;
         scene.warnings.push_back(
-            fmt::format("{}: no data folder with meshes/paper/{}; a generated mesh stands in", name, file));
+            fmt::format("{}: no data folder with meshes/paper/{}; uses a generated mesh instead", name, file));
     }
     return add_geometry(scene, name, {{"mesh", std::move(mesh)}});
 }

@@ -1,5 +1,5 @@
-// Arrangements in which something is exactly zero, nearly zero, or of a very different size. Groups of bodies stand 20
-// m apart along x, each a case of its own.
+// Arrangements in which some quantity is exactly zero, nearly zero, or of a very different size. Each group of bodies
+// is a separate case, 20 m along x from the next.
 #include <fmt/format.h>
 
 #include <oncollide/scenes/catalogue/catalogue_scenes.hpp>
@@ -14,7 +14,7 @@ class HardScene {
 public:
     explicit HardScene(std::uint64_t seed) : seed_(seed) {}
 
-    /// The groups to come stand here.
+    /// Moves the origin of the next groups.
     void next_group() { origin_.x() += 20; }
     void go_to(const Vector3d& origin) { origin_ = origin; }
 
@@ -55,7 +55,7 @@ private:
     GeometryId cube_{}, ring_{};
 };
 
-/// Unit cubes that share a face, an edge or a corner, and one a last bit away; as meshes and as shapes.
+/// Unit cubes that share a face, an edge or a corner, and a pair one ulp apart; as meshes and as shapes.
 void HardScene::touching_boxes()
 {
     cube_ = generated("cube", {{"kind", "box"}, {"half", {0.5, 0.5, 0.5}}});
@@ -70,7 +70,7 @@ void HardScene::touching_boxes()
     }
 }
 
-/// Two walls whose faces lie in the same planes and overlap there, and a third at a quarter turn.
+/// Two walls whose faces are coplanar and overlap, and a third, rotated by 90 degrees.
 void HardScene::coplanar_walls()
 {
     const GeometryId wall = generated("wall", {{"kind", "box"}, {"half", {2, 0.125, 1}}});
@@ -80,7 +80,7 @@ void HardScene::coplanar_walls()
     next_group();
 }
 
-/// The same mesh twice at the same pose, and once more a last bit away.
+/// The same mesh twice at the same pose, and a third one ulp away.
 void HardScene::same_place()
 {
     ring_ = generated("ring", {{"kind", "torus"}, {"major", 1}, {"minor", 0.25}, {"triangles", 800}});
@@ -91,7 +91,7 @@ void HardScene::same_place()
     next_group();
 }
 
-/// Slivers, triangles without area, and needles that slip between samples.
+/// Slivers, triangles without area, and needles that pass between samples.
 void HardScene::thin_triangles()
 {
     const GeometryId slivers =
@@ -106,7 +106,7 @@ void HardScene::thin_triangles()
     next_group();
 }
 
-/// Meshes of one triangle: crossing, sharing a corner, in one plane, and in parallel planes.
+/// Meshes of one triangle: crossing, sharing a corner, coplanar, and in parallel planes.
 void HardScene::lone_triangles()
 {
     const GeometryId one = listed("triangle", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
@@ -140,7 +140,7 @@ void HardScene::nested_spheres()
     next_group();
 }
 
-/// A micrometre and a thousand kilometres in one scene.
+/// Sizes of a micrometre and of a thousand kilometres in one scene.
 void HardScene::tiny_and_huge()
 {
     const GeometryId mite = generated("mite", {{"kind", "sphere"}, {"radius", 1e-6}, {"triangles", 512}});
@@ -173,7 +173,7 @@ void HardScene::terrain_and_soup()
     next_group();
 }
 
-/// Two touching cubes and two linked rings a thousand kilometres out: the result must be that at the origin.
+/// Two touching cubes and two linked rings a thousand kilometres out: the results must be the same as at the origin.
 void HardScene::far_away()
 {
     const Eigen::Quaterniond upright(Eigen::AngleAxisd(2 * std::atan(1.0), Vector3d::UnitX()));

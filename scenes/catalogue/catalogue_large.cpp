@@ -1,4 +1,4 @@
-// Worlds as they are met in practice: a scanned campus, a mountain, a game's ground in pieces, and very many bodies.
+// Worlds as found in practice: a scanned campus, a mountain, a game's ground in pieces, and very many bodies.
 #include <cmath>
 #include <numbers>
 
@@ -11,7 +11,7 @@ namespace oncollide {
 
 namespace {
 
-/// The file of the data folder, or else the generated stand-in of the same size, with a warning.
+/// The file of the data folder or, if it is missing, a generated environment of the same size, with a warning.
 GeometryId add_environment(Scene& scene, const CatalogueOptions& options, const std::string& name, const char* kind,
                            const std::string& file, Json stand_in)
 {
@@ -20,14 +20,14 @@ GeometryId add_environment(Scene& scene, const CatalogueOptions& options, const 
     if (!options.data.empty() && std::filesystem::is_regular_file(path, ignored))
         stand_in = {{"file", path.string()}};
     else
-        scene.warnings.push_back(fmt::format("{}: no data folder with {}; a generated one stands in", name, file));
+        scene.warnings.push_back(fmt::format("{}: no data folder with {}; uses a generated one instead", name, file));
     return add_geometry(scene, name, {{kind, std::move(stand_in)}});
 }
 
-/// Along the edges of a terrain's cells, a little above the ground; turns where there is no more ground.
+/// Follows the edges of a terrain's cells, a little above the ground; turns at the end of the ground.
 Keyed route(const Terrain& ground, double height, int frames, Dice& dice)
 {
-    constexpr double speed = 0.5; // metres a frame
+    constexpr double speed = 0.5; // metres per frame
     constexpr int tries = 100;
     constexpr std::array<std::array<int, 2>, 4> steps{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
     const auto columns = static_cast<int>(ground.columns()), rows = static_cast<int>(ground.rows());
@@ -119,7 +119,7 @@ Scene make_st_helens_scene(const CatalogueOptions& options)
 
 Scene make_chunks_scene(const CatalogueOptions& options)
 {
-    constexpr int whole = 128 * 128 + 2000; // bodies of the world that this is like
+    constexpr int whole = 128 * 128 + 2000; // bodies of the world that the scene imitates
     constexpr double side = 16;             // of a chunk, metres
     const int bodies = *options.bodies, least_balls = static_cast<int>(bodies * std::int64_t{2000} / whole);
     const auto across = static_cast<int>(std::sqrt(double(bodies - least_balls)));
@@ -154,7 +154,7 @@ Scene make_chunks_scene(const CatalogueOptions& options)
 
 Scene make_swarm_scene(const CatalogueOptions& options)
 {
-    const int bodies = *options.bodies, every = 100; // of so many one moves
+    const int bodies = *options.bodies, every = 100; // one in `every` bodies moves
     const double side = 2.5 * std::cbrt(double(bodies));
     Scene scene(options.sink);
     scene.reserve(static_cast<std::size_t>(bodies));

@@ -1,5 +1,5 @@
-// The scenes of BENCHMARKS: the paper's own animation, many meshes, many boxes. Their numbers are fixed: results are
-// compared with those of other programs on the same scenes.
+// The scenes of BENCHMARKS: the paper's own animation, many meshes, many boxes. Their numbers must not change: results
+// are compared with other programs' results on the same scenes.
 #include <cmath>
 #include <numbers>
 
@@ -12,7 +12,7 @@ namespace oncollide {
 
 namespace {
 
-/// Stand-ins with as many triangles as the models.
+/// Replacements with as many triangles as the models.
 Json bunny_like(int triangles)
 {
     return {{"kind", "sphere"}, {"radius", 1}, {"triangles", triangles}};
@@ -27,7 +27,7 @@ Json ring_like(int triangles)
     return {{"kind", "torus"}, {"major", 1}, {"minor", 0.25}, {"triangles", triangles}};
 }
 
-/// One key a frame, so that every frame has the pose of the formula.
+/// One key per frame, so that every frame has the pose of the formula.
 Keyed bunny_path()
 {
     constexpr int frames = 2400;

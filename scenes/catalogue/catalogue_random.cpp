@@ -1,5 +1,5 @@
-// Scenes drawn by lot, to find what no one thought of: every kind of geometry, sizes over orders of magnitude, near
-// and far from the origin, static and moving, on layers.
+// Random scenes, to find unexpected cases: every kind of geometry, sizes over orders of magnitude, near and far from
+// the origin, static and moving, on layers.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Low * (high / low)^u: no size is special.
+/// Low * (high / low)^u: a log-uniform distribution.
 double spread(Dice& dice, double low, double high)
 {
     return low * std::pow(high / low, dice.next());
@@ -97,7 +97,7 @@ GeometryId random_geometry(Scene& scene, Dice& dice, double size, std::uint64_t 
 {
     const std::string name = fmt::format("geometry-{}", scene.geometries.size());
     const double lot = dice.next();
-    if (lot < 0.08 && size > 0.2 && size < 20) // a room is 4 m wide, whatever the scene
+    if (lot < 0.08 && size > 0.2 && size < 20) // a room is 4 m wide, independent of the scene's size
         return add_geometry(
             scene, name,
             {{"octomap", {{"building", {{"rooms", 1}, {"resolution", dice.between(0.1, 0.5)}, {"seed", seed}}}}}});
@@ -123,7 +123,7 @@ Scene make_random_scene(const CatalogueOptions& options)
         geometries.push_back(random_geometry(scene, own, scale * spread(own, 0.2, 4), options.seed + std::uint64_t(k)));
         volume += bounds_of(scene.geometries.back()).volume() * *options.bodies / kinds;
     }
-    // Boxes fill the cube about once: most bodies have a neighbour, few have all.
+    // Boxes fill the cube about once: most bodies overlap a few others, few overlap many.
     const double side = std::cbrt(volume * spread(dice, 0.5, 4)) + scale;
     const Aabb walls{origin - Vector3d::Constant(0.5 * side), origin + Vector3d::Constant(0.5 * side)};
     for (int i = 0; i < *options.bodies; ++i) {

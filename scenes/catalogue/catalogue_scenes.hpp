@@ -6,7 +6,7 @@
 
 namespace oncollide {
 
-// The makers behind catalogue.cpp. Options are checked before they are called. Private to scenes.
+// The functions that make the scenes of catalogue.cpp, which checks their options. Private to scenes.
 
 Scene make_paper_scene(const CatalogueOptions& options);
 Scene make_paper_5k_scene(const CatalogueOptions& options);
@@ -23,7 +23,7 @@ Scene make_swarm_scene(const CatalogueOptions& options);
 Scene make_hard_scene(const CatalogueOptions& options);
 Scene make_random_scene(const CatalogueOptions& options);
 
-/// Uniformly random numbers of one body: next() walks through k = 0, 1, ...
+/// Uniformly random numbers of one body: next() uses k = 0, 1, ...
 class Dice {
 public:
     Dice(std::uint64_t seed, std::uint64_t index) : seed_(seed), index_(index) {}
@@ -42,12 +42,12 @@ private:
 Eigen::Isometry3d placed(const Eigen::Vector3d& position,
                          const Eigen::Quaterniond& rotation = Eigen::Quaterniond::Identity());
 
-/// Adds a trefoil knot of a tube, around the origin.
+/// Adds a tube along a trefoil knot, centred at the origin.
 GeometryId add_knot(Scene& scene, const std::string& name, double diagonal, int triangles);
-/// Adds "drone": such a knot of 1,200 triangles and 3 m.
+/// Adds "drone": add_knot() with 1,200 triangles and 3 m.
 GeometryId add_drone(Scene& scene);
 
-/// Adds a mesh of the data folder, or the generator's mesh with a warning when it is not there; either is scaled to a
+/// Adds a mesh of the data folder or, if it is missing, the generator's mesh with a warning; either is scaled to a
 /// bounding-box diagonal of 2 m and centred.
 GeometryId add_model(Scene& scene, const CatalogueOptions& options, const std::string& name, const std::string& file,
                      const Json& generator);

@@ -14,7 +14,7 @@ namespace oncollide {
 
 namespace {
 
-constexpr std::uint32_t tile_cells = 71; ///< a side, of a metre each: 10,082 triangles
+constexpr std::uint32_t tile_cells = 71; ///< per side, of a metre each: 10,082 triangles
 constexpr int convoy_width = 10, convoy_bodies = convoy_width * convoy_width;
 
 template <class Value>
@@ -23,7 +23,7 @@ std::string_view bytes_of(const std::vector<Value>& values)
     return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value)};
 }
 
-/// What the ground is: `across` x `across` tiles of one range of hills.
+/// The ground: `across` x `across` tiles of one range of hills.
 struct Ground {
     std::uint32_t across;
     std::uint64_t seed;
@@ -45,7 +45,7 @@ struct Ground {
         return make_hills_mesh(cells(), 1, height(), seed, std::uint32_t(tile % across) * tile_cells,
                                std::uint32_t(tile / across) * tile_cells, tile_cells);
     }
-    /// Of what the generator makes of some tiles, so that those that another one made go by another name.
+    /// Hash of some generated tiles, so that tiles of another version of the generator have another name.
     std::uint64_t content() const
     {
         std::uint64_t sum = splitmix(tile_cells);
@@ -56,7 +56,7 @@ struct Ground {
         }
         return sum;
     }
-    /// About as high as the surface is there.
+    /// Approximate height of the surface there.
     double height(double x, double y) const { return height() * fractal_noise(x / cells(), y / cells(), seed); }
     double height() const { return 0.03 * cells(); }
 };
@@ -76,7 +76,7 @@ void add_ground(Scene& scene, const Ground& ground, const CatalogueOptions& opti
     }
 }
 
-/// Straight on, as far as there is ground, and back.
+/// A path to the end of the ground and back.
 double folded(double at, double length)
 {
     const double phase = std::fmod(std::abs(at), 2 * length);
@@ -107,7 +107,7 @@ Scene make_tiles_scene(const CatalogueOptions& options)
                         {"thickness", 1.2},
                         {"bore_radius", 0.3}}),
     };
-    constexpr double gap = 6, key_step = 4, speed = 1; // metres, frames, metres a frame
+    constexpr double gap = 6, key_step = 4, speed = 1; // metres, frames, metres per frame
     const double margin = 5, length = ground.cells() - 2 * margin;
     const int frames = std::clamp(*options.frames, 300, 100'000);
     const int vehicles = std::max(0, bodies - static_cast<int>(ground.across * ground.across));
@@ -117,7 +117,7 @@ Scene make_tiles_scene(const CatalogueOptions& options)
         const double turn = dice.between(0, 2 * M_PI), start_x = dice.between(0, length),
                      start_y = dice.between(0, length);
         const Eigen::Vector2d ahead(std::cos(turn), std::sin(turn)), aside(-ahead.y(), ahead.x());
-        // Every other one drives in the ground, as wheels do, and the rest hover over it.
+        // Every second vehicle touches the ground, as wheels do, and the others hover above it.
         const double above = place % 2 ? 0.5 : 1.6;
         const auto at = [&](double time) -> Eigen::Vector3d {
             const Eigen::Vector2d way = (speed * time + gap * (place / convoy_width)) * ahead +

@@ -1,4 +1,4 @@
-// Large static environments with a few movers: a city, and a scanned building.
+// Large static environments with a few moving bodies: a city, and a scanned building.
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -13,7 +13,7 @@ namespace {
 
 // The city: square blocks of four lots with streets between them, all in metres; z is up.
 //
-//      street |  lot  lot  | street       crossings stand at multiples of `pitch`
+//      street |  lot  lot  | street       crossings are at multiples of `pitch`
 //             |  lot  lot  |
 constexpr double pitch = 60, street = 16, lot = (pitch - street) / 2;
 
@@ -21,7 +21,7 @@ constexpr std::uint32_t scenery = 1, traffic = 2, drones = 4; // layers
 
 const double half_root = std::sqrt(0.5);
 
-/// A turn by `quarters` right angles about z.
+/// Rotation by `quarters` right angles about z.
 Eigen::Quaterniond facing(int quarters)
 {
     const std::array<Eigen::Quaterniond, 4> turns{
@@ -29,7 +29,7 @@ Eigen::Quaterniond facing(int quarters)
     return turns[static_cast<std::size_t>(quarters & 3)];
 }
 
-/// Ten kinds of buildings; most fit their lot, the last two reach into the street.
+/// Ten kinds of buildings; most fit their lot, the last two extend into the street.
 std::vector<GeometryId> add_building_kinds(Scene& scene)
 {
     const auto generated = [&](const char* name, Json generator, double diagonal) {
@@ -82,7 +82,7 @@ void add_buildings(Scene& scene, int count, int blocks, std::uint64_t seed)
 /// From crossing to crossing, straight on, left or right, never out of the city.
 Keyed route(int blocks, int frames, double height, Dice& dice)
 {
-    constexpr double speed = 0.5, corner = 5; // metres a frame, metres before and after a crossing
+    constexpr double speed = 0.5, corner = 5; // metres per frame, metres before and after a crossing
     constexpr std::array<std::array<int, 2>, 4> steps{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
     const auto inside = [&](int x, int y) { return x >= 0 && y >= 0 && x <= blocks && y <= blocks; };
     int x = static_cast<int>(dice.next() * (blocks + 1)), y = static_cast<int>(dice.next() * (blocks + 1));
@@ -131,7 +131,7 @@ MoverKinds add_mover_kinds(Scene& scene)
     };
 }
 
-/// Buses drive to and fro along a street, rollers across them.
+/// Buses drive back and forth along a street, rollers across them.
 Drift shuttle(int blocks, int street_number, bool along_x, double height, double speed)
 {
     const double line = street_number * pitch, end = blocks * pitch;
@@ -197,7 +197,7 @@ Scene make_city_scene(const CatalogueOptions& options)
             {{"mesh",
               {{"generate",
                 {{"kind", "terrain"}, {"size", end + 200}, {"height", 6}, {"cells", 160}, {"seed", options.seed}}}}}});
-        // The ground swings around z = 0; its highest hills reach the traffic.
+        // The ground oscillates around z = 0; its highest hills touch the traffic.
         scene.add_body({.name = "terrain",
                         .geometry = terrain,
                         .pose = placed({end / 2, end / 2, -3.2}),
@@ -218,7 +218,7 @@ Scene make_octomap_scene(const CatalogueOptions& options)
     if (!options.data.empty() && std::filesystem::is_regular_file(file, ignored))
         map = {{"file", file.string()}};
     else
-        scene.warnings.push_back("building: no data folder with octomap/geb079.bt; a generated building stands in");
+        scene.warnings.push_back("building: no data folder with octomap/geb079.bt; uses a generated building instead");
     const GeometryId building = add_geometry(scene, "building", {{"octomap", std::move(map)}});
     scene.add_body({.name = "building", .geometry = building, .is_static = true});
 

@@ -13,7 +13,7 @@ void ChunkBudget::take(std::size_t bytes, const std::string& who)
     if (limit_ == 0 || before + bytes <= limit_) return;
     give(bytes);
     throw NoRoomForChunk(ErrorKind::bad_data,
-                         fmt::format("{}: what one pair needs of it does not fit into the {} bytes that chunks may "
+                         fmt::format("{}: the chunks that one pair needs do not fit into the {} bytes that chunks may "
                                      "hold (--resident, Settings::resident_budget)",
                                      who, limit_));
 }

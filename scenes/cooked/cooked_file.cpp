@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int most_kept_open = 256; ///< files; of more, each read opens its file anew
+constexpr int most_kept_open = 256; ///< files; with more files, each read opens its file again
 std::atomic<int> kept_open = 0;
 
 std::string_view text_of(std::span<const std::byte> bytes)
@@ -29,8 +29,8 @@ std::string_view text_of(std::span<const std::byte> bytes)
 
 } // namespace
 
-/// Read with pread, never mapped: a file that is cut off while it is mapped ends the program (SIGBUS), and what was
-/// checked could change afterwards.
+/// Read with pread, never mapped: truncating a mapped file ends the program (SIGBUS), and checked data could change
+/// afterwards.
 class CookedFile::Handle {
 public:
     explicit Handle(const fs::path& path) : path_(path), at_(open_it()) {}
@@ -38,13 +38,13 @@ public:
     Handle(const Handle&) = delete;
     Handle& operator=(const Handle&) = delete;
 
-    /// -1: not to be had.
+    /// -1: unavailable.
     std::int64_t size() const
     {
         struct stat about;
         return at_ >= 0 && fstat(at_, &about) == 0 ? std::int64_t(about.st_size) : -1;
     }
-    /// Keeps it open, if there are not too many, so that it can be read though it is removed meanwhile.
+    /// Keeps the file open, unless too many are, so that it stays readable after it is deleted.
     void keep()
     {
         if (kept_open.fetch_add(1) < most_kept_open)
@@ -52,7 +52,7 @@ public:
         else
             kept_open.fetch_sub(1), close_it();
     }
-    /// Why it could not; null: it was read.
+    /// Returns why reading failed; null: success.
     const char* read(std::uint64_t offset, std::span<std::byte> out) const
     {
         const int file = at_ >= 0 ? at_ : open_it();
@@ -96,32 +96,32 @@ CookedFile::Opened CookedFile::open(CookedKind kind) const
     const auto handle = std::make_shared<Handle>(path_);
     const std::int64_t size = handle->size();
     if (size < 0) throw Error(ErrorKind::no_input, name_ + ": cannot be read; check its permissions");
-    if (size < std::int64_t(sizeof header)) refuse("is no cooked file, or cut off");
+    if (size < std::int64_t(sizeof header)) refuse("is not a cooked file, or is cut off");
     const auto header_bytes = std::as_writable_bytes(std::span(&header, 1));
     if (const char* why = handle->read(0, header_bytes)) refuse(why);
     if (std::memcmp(header.magic, cooked_magic, sizeof cooked_magic) != 0)
-        refuse("is no cooked file: it does not begin with 'oncooked'");
+        refuse("is not a cooked file: it does not begin with 'oncooked'");
     if (header.byte_order != cooked_byte_order)
         refuse("was cooked on a machine of the other byte order; cook its source here");
     if (header.version != cooked_version)
         refuse(fmt::format("is of version {} of the format; this program reads version {}; cook its source again",
                            header.version, cooked_version));
     if (header.header_checksum != checksum(text_of(header_bytes.first(offsetof(CookedHeader, header_checksum)))))
-        refuse("is damaged: the header's checksum is another one");
+        refuse("is damaged: the header's checksum does not match");
     if (header.kind < CookedKind::mesh || header.kind > CookedKind::map)
         refuse(fmt::format("is of an unknown kind, {}", std::uint32_t(header.kind)));
     if (header.kind != kind) refuse(fmt::format("holds a {}, not a {}", name_of(header.kind), name_of(kind)));
     if (header.file_bytes != std::uint64_t(size))
         refuse(fmt::format("has {} bytes, but should have {}: it is cut off or was changed", size, header.file_bytes));
     if (header.parts > header.file_bytes || header.parts_known > 1 || (!header.parts_known && header.parts))
-        refuse("has counts that cannot be");
+        refuse("has impossible counts");
     const std::uint64_t top_bytes = header.nodes * std::uint64_t(cooked_node_bytes(kind)) +
                                     header.chunks * std::uint64_t(sizeof(CookedChunkEntry)) +
                                     header.parts * cooked_part_bytes + cooked_record_bytes(kind);
     if (top_bytes > header.file_bytes - sizeof header) refuse("is cut off before the end of its top");
     opened.top.resize(top_bytes);
     if (const char* why = handle->read(sizeof header, opened.top)) refuse(why);
-    if (checksum(text_of(opened.top)) != header.top_checksum) refuse("is damaged: the top's checksum is another one");
+    if (checksum(text_of(opened.top)) != header.top_checksum) refuse("is damaged: the top's checksum does not match");
     handle->keep();
     opened.handle = handle;
     return opened;
@@ -160,7 +160,7 @@ std::vector<std::byte> CookedFile::read(const Handle& handle, const CookedChunkE
     check_known(chunk);
     std::vector<std::byte> bytes(entry.bytes);
     if (const char* why = handle.read(entry.offset, bytes)) refuse_chunk(chunk, count, why);
-    if (checksum(text_of(bytes)) != entry.checksum) refuse_chunk(chunk, count, "the checksum is another one");
+    if (checksum(text_of(bytes)) != entry.checksum) refuse_chunk(chunk, count, "the checksum does not match");
     return bytes;
 }
 
@@ -179,7 +179,7 @@ void CookedFile::refuse(const std::string& why) const
 
 void CookedFile::refuse_entry(std::size_t chunk) const
 {
-    refuse(fmt::format("says of chunk {} what cannot be", chunk));
+    refuse(fmt::format("has an impossible entry for chunk {}", chunk));
 }
 
 void CookedFile::refuse_chunk(std::size_t chunk, std::size_t count, const std::string& why) const
@@ -219,7 +219,7 @@ CookedKind cooked_kind(const fs::path& path)
     CookedHeader header{};
     const CookedFile::Handle handle(path);
     const char* const why = handle.read(0, std::as_writable_bytes(std::span(&header, 1)));
-    // What else is wrong with it is said when it is opened as what it is.
+    // Other faults are reported when it is opened as that kind.
     const bool known = !why && header.kind >= CookedKind::mesh && header.kind <= CookedKind::map;
     return known ? header.kind : CookedKind::mesh;
 }

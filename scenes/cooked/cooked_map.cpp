@@ -23,7 +23,7 @@ std::uint32_t octants_in(const Node& node)
     return CellTree::bits_in(node.inner);
 }
 
-/// visit(octant) for those with octants of their own.
+/// Calls visit(octant) for the octants that have octants of their own.
 template <class Visit>
 void each_inner(const Node& node, Visit visit)
 {
@@ -42,12 +42,12 @@ CookedMap::CookedMap(const std::filesystem::path& path) : file_(path)
     const CellBox grid(CellTree::top_cube.octant(0));
     if (!(record_.resolution >= 1e-6 && record_.resolution <= 1e6) || record_.unknown_is_solid > 1 || record_.none ||
         bounds.empty() || !grid.contains(bounds))
-        file_.refuse("says of its grid what cannot be");
+        file_.refuse("has an impossible grid");
     const Eigen::Vector3d low = bounds.low.cast<double>() * record_.resolution,
                           high = bounds.high.cast<double>() * record_.resolution;
     if (std::memcmp(opened.header.low, low.data(), sizeof opened.header.low) != 0 ||
         std::memcmp(opened.header.high, high.data(), sizeof opened.header.high) != 0)
-        file_.refuse("has bounds that its grid contradicts");
+        file_.refuse("has bounds that do not match its grid");
     grid_ = {record_.first, record_.inner, record_.occupied, record_.free, record_.solid};
     top_.resize(opened.header.nodes);
     auto nodes = opened.nodes();
@@ -69,14 +69,14 @@ void CookedMap::place_chunks(const CookedFile::Opened& opened)
         next += up_to_step(entry.triangles), nodes += entry.triangles;
     }
     if (next > std::numeric_limits<std::uint32_t>::max() || nodes != opened.header.triangles)
-        file_.refuse("has counts that cannot be");
+        file_.refuse("has impossible counts");
     end_ = static_cast<std::uint32_t>(next);
 }
 
-/// Every node of the top has its octants where those before it leave off, in the top or in the chunk at hand.
+/// Checks that the octants of each node of the top follow the octants before them, in the top or in the current chunk.
 void CookedMap::check_top()
 {
-    const auto fail = [&] { file_.refuse("has upper levels that are no octree"); };
+    const auto fail = [&] { file_.refuse("has upper levels that do not form an octree"); };
     const bool one_state = grid_.inner == 0;
     if (grid_.free != (one_state && !grid_.occupied ? 0xff : 0xfe) ||
         (one_state ? grid_.occupied > 1 : grid_.inner != 1 || grid_.occupied))
@@ -123,7 +123,7 @@ void CookedMap::check_top()
     check_solid(grid_);
 }
 
-/// But for where its octants are, and what of them counts as occupied.
+/// Returns why a node is invalid; null: valid. Does not check the position of its octants and the mask `solid`.
 const char* CookedMap::why_not_node(const Node& node, const MapCell& cube) const
 {
     const unsigned inner = node.inner, occupied = node.occupied, free = node.free;
@@ -153,11 +153,11 @@ std::vector<CookedMap::Node> CookedMap::read(std::size_t number) const
     for (std::size_t i = 0; i < chunk.entries; ++i) cubes[i] = entries_[chunk.entry + i].cube;
     std::size_t next = chunk.entries;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
-        if (i >= next) fail("a node is nowhere in the octree");
+        if (i >= next) fail("a node is not part of the octree");
         if (const char* why = why_not_node(nodes[i], cubes[i])) fail(why);
         if (!nodes[i].inner) continue;
         if (nodes[i].first != chunk.first + next || next + octants_in(nodes[i]) > nodes.size())
-            fail("a node's octants are not where they should be");
+            fail("a node's octants are in the wrong place");
         each_inner(nodes[i], [&](unsigned k) { cubes[next++] = cubes[i].octant(k); });
     }
     const CellTree tree(record_.unknown_is_solid);
@@ -166,7 +166,7 @@ std::vector<CookedMap::Node> CookedMap::read(std::size_t number) const
         std::size_t at = nodes[i].first - chunk.first;
         each_inner(nodes[i], [&](unsigned k) { solid |= unsigned(nodes[at++].solid != 0) << k; });
         if (solid != nodes[i].solid || (i < chunk.entries && (solid != 0) != entries_[chunk.entry + i].solid))
-            fail("a node does not say what is in it");
+            fail("a node's mask of occupied octants is wrong");
     }
     return nodes;
 }
@@ -241,7 +241,7 @@ void MapChunks::drop(std::uint32_t chunk)
 
 namespace {
 
-/// Divides the nodes of a map into a top and chunks, in the order in which CookedMap expects them.
+/// Splits the nodes of a map into a top and chunks, in the order that CookedMap expects.
 class MapParts {
 public:
     MapParts(const CellTree& cells, std::uint32_t most) : cells_(cells), most_(most), grid_(cells.top())
@@ -277,7 +277,7 @@ public:
 private:
     struct Root {
         bool grid;
-        std::size_t number; ///< in the top
+        std::size_t number; ///< index in the top
         std::uint32_t octants;
     };
     struct Part {
@@ -286,7 +286,7 @@ private:
         std::vector<Node> begin;
     };
 
-    /// Nodes below a node; of more than a chunk holds some number above.
+    /// Number of descendants of a node; if they do not fit into a chunk, some larger number.
     std::uint32_t below(const Node& node) const
     {
         std::uint32_t nodes = octants_in(node);
@@ -294,7 +294,7 @@ private:
             if (node.inner >> k & 1) nodes += below(cells_.below(node, k));
         return nodes;
     }
-    /// Its octants go to the top or to a chunk.
+    /// Puts its octants into the top or into a chunk.
     void divide(const Node of, std::size_t number, bool grid)
     {
         Node& node = grid ? grid_ : top_[number];
@@ -313,7 +313,7 @@ private:
     }
 
     const CellTree& cells_;
-    const std::uint32_t most_; ///< nodes of a chunk
+    const std::uint32_t most_; ///< nodes per chunk
     Node grid_;
     std::vector<Node> top_;
     std::vector<Part> parts_;

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double largest_cooked = 1e15; // as make_mesh has it
+constexpr double largest_cooked = 1e15; // the limit of make_mesh
 
 } // namespace
 
@@ -24,7 +24,7 @@ const char* why_not_outline(const CookedOutline& outline)
         if (!corner.allFinite() || corner.cwiseAbs().maxCoeff() > largest_cooked)
             return "has bounds that are not finite or too far from the origin";
     if ((outline.bounds.min.array() > outline.bounds.max.array()).any()) return "has bounds without an inside";
-    if (!(outline.radius >= 0 && outline.radius <= 4 * largest_cooked)) return "has a radius that cannot be";
+    if (!(outline.radius >= 0 && outline.radius <= 4 * largest_cooked)) return "has an impossible radius";
     return nullptr;
 }
 
@@ -62,7 +62,7 @@ std::shared_ptr<const CookedMesh::Top> CookedMesh::open() const
         if (found != outline_) {
             contradicts_ = true;
             file_->refuse(
-                "is not what the index of its tiles says: another file, or other bounds; cook the tiles again");
+                "does not match the index of its tiles: another file, or other bounds; cook the tiles again");
         }
         open_ = top;
         return top;
@@ -78,18 +78,18 @@ bool CookedMesh::is_open() const
     return kept_ || !open_.expired();
 }
 
-/// Reads and checks all but the chunks, and tells what an outline tells.
+/// Reads and checks everything except the chunks, and fills in the outline.
 CookedMesh::Top CookedMesh::read_file(CookedOutline& outline) const
 {
     const CookedFile::Opened opened = file_->open(CookedKind::mesh);
     const CookedHeader& header = opened.header;
     if (header.coordinate_bytes != 4 && header.coordinate_bytes != 8)
         file_->refuse(fmt::format("has coordinates of {} bytes; must be 4 or 8", header.coordinate_bytes));
-    if (header.topology > CookedTopology::closed) file_->refuse("says something unknown about the topology");
+    if (header.topology > CookedTopology::closed) file_->refuse("has an unknown topology");
     constexpr std::uint64_t most = 0xffffffff;
     if (header.triangles == 0 || header.triangles > most || header.vertices == 0 || header.vertices > most ||
         header.zero_area > header.triangles || header.parts > header.triangles || header.chunks == 0)
-        file_->refuse("has counts that cannot be");
+        file_->refuse("has impossible counts");
     outline.radius = header.radius, outline.header_checksum = header.header_checksum;
     outline.triangles = header.triangles, outline.vertices = header.vertices, outline.zero_area = header.zero_area;
     std::memcpy(outline.bounds.min.data(), header.low, sizeof header.low);
@@ -115,7 +115,7 @@ void CookedMesh::take_table(Top& top, const CookedOutline& outline, const Cooked
         if (entry.triangles > most_chunk_triangles || entry.vertices > most_chunk_vertices || entry.vertices == 0)
             file_->refuse_entry(i);
         if (entry.triangles > 0 && top.tree_chunks < i)
-            file_->refuse(fmt::format("has chunk {} behind an empty one", i));
+            file_->refuse(fmt::format("has chunk {} after an empty chunk", i));
         if (entry.triangles > 0) top.tree_chunks = i + 1;
         triangles += entry.triangles, vertices += entry.vertices;
     }
@@ -156,21 +156,21 @@ void CookedMesh::unpack(const Top& top, std::size_t chunk, std::span<const std::
     take(bytes, std::span(corners)), take(bytes, std::span(out.numbers));
 
     for (const Eigen::Vector3d& v : out.vertices)
-        if (!(v.array().abs() <= largest_cooked).all()) // nor is what is no number
+        if (!(v.array().abs() <= largest_cooked).all()) // also false for NaN
             file_->refuse_chunk(chunk, top.chunks.size(), "a coordinate is not finite or too far from the origin");
     for (std::size_t i = 0; i < corners.size(); ++i)
         for (std::size_t k = 0; k < 3; ++k) {
             if (corners[i][k] >= entry.vertices)
-                file_->refuse_chunk(chunk, top.chunks.size(), "a triangle has a corner that is not there");
+                file_->refuse_chunk(chunk, top.chunks.size(), "a triangle has a corner out of range");
             out.triangles[i][k] = corners[i][k];
         }
     const auto below = [](const std::vector<std::uint32_t>& numbers, std::size_t end) {
         return std::ranges::all_of(numbers, [=](std::uint32_t number) { return number < end; });
     };
     if (!below(out.vertex_numbers, outline_.vertices) || !below(out.numbers, outline_.triangles))
-        file_->refuse_chunk(chunk, top.chunks.size(), "a number of a vertex or a triangle is beyond their count");
+        file_->refuse_chunk(chunk, top.chunks.size(), "the number of a vertex or a triangle is out of range");
     if (std::ranges::any_of(bytes, [](std::byte byte) { return byte != std::byte{}; }))
-        file_->refuse_chunk(chunk, top.chunks.size(), "something stands behind its end");
+        file_->refuse_chunk(chunk, top.chunks.size(), "there is data after its end");
 }
 
 Mesh CookedMesh::whole() const
@@ -187,7 +187,7 @@ Mesh CookedMesh::whole() const
             const std::uint32_t number = chunk.vertex_numbers[i];
             if (has_vertex[number] &&
                 std::memcmp(vertices[number].data(), chunk.vertices[i].data(), 3 * sizeof(double)) != 0)
-                refuse_chunk(c, fmt::format("vertex {} is somewhere else in another chunk", number));
+                refuse_chunk(c, fmt::format("vertex {} has another position in another chunk", number));
             seen += !has_vertex[number];
             has_vertex[number] = true, vertices[number] = chunk.vertices[i];
         }

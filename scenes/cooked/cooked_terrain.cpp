@@ -33,7 +33,7 @@ CookedTerrain::Extent CookedTerrain::extent(const Terrain& terrain, std::size_t 
     return extent;
 }
 
-/// Tiles, their heights, and diagonals where cells have their own.
+/// Tiles, their heights, and diagonals if each cell has its own.
 std::uint64_t CookedTerrain::bytes_of(const Terrain& terrain, std::size_t chunk)
 {
     const std::uint64_t tiles = extent(terrain, chunk).tiles, each = std::uint64_t(terrain.bytes_per_height());
@@ -70,7 +70,7 @@ void CookedTerrain::add_chunk(const Terrain& terrain, std::size_t chunk, CookedB
     const std::uint32_t across = parts_of(terrain.columns_, side);
     const auto x = static_cast<std::uint32_t>(chunk % across) * side,
                y = static_cast<std::uint32_t>(chunk / across) * side;
-    const auto each_row = [&](auto visit) { // visit(number of its first tile)
+    const auto each_row = [&](auto visit) { // calls visit(number of the row's first tile)
         for (std::uint32_t row = 0; row < part.tiles / part.tiles_x; ++row)
             visit(std::size_t(y / tile + row) * terrain.tiles_x_ + x / tile);
     };
@@ -103,7 +103,7 @@ CookedTerrain::CookedTerrain(const std::filesystem::path& path) : file_(path)
     across_ = parts_of(t.columns(), side), blocks_across_ = parts_of(t.cells_x(), side);
     const std::uint64_t blocks = std::uint64_t(blocks_across_) * parts_of(t.cells_y(), side);
     if (opened.header.nodes != blocks || table_.size() != std::uint64_t(across_) * parts_of(t.rows(), side))
-        file_.refuse("has counts that cannot be");
+        file_.refuse("has impossible counts");
     file_.check_table(opened, table_, [&](const CookedChunkEntry& entry, std::size_t chunk) {
         if (entry.triangles || entry.vertices) file_.refuse_entry(chunk);
         return bytes_of(t, chunk);
@@ -111,7 +111,8 @@ CookedTerrain::CookedTerrain(const std::filesystem::path& path) : file_(path)
     ranges_.resize(blocks);
     auto nodes = opened.nodes();
     take(nodes, std::span(ranges_));
-    // What no cell is in is from infinity to its negative. The rest is compared with the heights when these are read.
+    // A block without cells has the range from infinity to -infinity. Other ranges are compared with the heights when
+    // these are read.
     const double half = t.bounds().half_extent().z() * (1 + 0x1p-20);
     for (const CookedRange& range : ranges_) {
         const bool nothing = std::isinf(range.low) && range.low > 0 && range.high == -range.low && t.holes();
@@ -120,7 +121,7 @@ CookedTerrain::CookedTerrain(const std::filesystem::path& path) : file_(path)
     }
 }
 
-/// Everything that make_terrain() would have refused is refused.
+/// Makes the same checks as make_terrain().
 void CookedTerrain::take_record(const CookedTerrainRecord& record, const CookedHeader& header)
 {
     constexpr double farthest = 1e15;
@@ -128,9 +129,9 @@ void CookedTerrain::take_record(const CookedTerrainRecord& record, const CookedH
     t.columns_ = record.columns, t.rows_ = record.rows;
     if (t.columns_ < 2 || t.rows_ < 2 || std::uint64_t(t.columns_ - 1) * (t.rows_ - 1) > Terrain::most_cells ||
         record.diagonal > 2 || record.holes > 1 || record.cells == 0)
-        file_.refuse("says of its grid what cannot be");
+        file_.refuse("has an impossible grid");
     const std::uint64_t all = std::uint64_t(t.cells_x()) * t.cells_y();
-    if (record.cells > all || record.holes != (record.cells < all)) file_.refuse("says of its grid what cannot be");
+    if (record.cells > all || record.holes != (record.cells < all)) file_.refuse("has an impossible grid");
     t.spacing_ = {record.spacing[0], record.spacing[1]};
     t.origin_ = {record.origin[0], record.origin[1], record.origin[2]};
     const std::uint32_t last[2] = {t.cells_x(), t.cells_y()};
@@ -139,7 +140,7 @@ void CookedTerrain::take_record(const CookedTerrainRecord& record, const CookedH
         const double far = std::max(std::abs(from), std::abs(to));
         if (!(t.spacing_[i] > 0 && far <= farthest && t.spacing_[i] >= 0x1p-30 * far) ||
             record.least[i] >= record.greatest[i] || record.greatest[i] > last[i])
-            file_.refuse("says of its grid what cannot be");
+            file_.refuse("has an impossible grid");
     }
     if (!(std::abs(t.origin_.z()) <= farthest && record.low >= -farthest && record.low <= record.high &&
           record.high <= farthest && record.error >= 0 && record.error <= farthest && record.unit >= 0 &&
@@ -168,7 +169,7 @@ void CookedTerrain::take_record(const CookedTerrainRecord& record, const CookedH
     t.find_bounds();
     if (std::memcmp(header.low, t.bounds_.min.data(), sizeof header.low) != 0 ||
         std::memcmp(header.high, t.bounds_.max.data(), sizeof header.high) != 0)
-        file_.refuse("has bounds that its grid contradicts");
+        file_.refuse("has bounds that do not match its grid");
     outline_ = std::move(t);
 }
 
@@ -192,10 +193,10 @@ std::unique_ptr<CookedTerrain::Chunk> CookedTerrain::read(std::size_t number) co
         take(rest, std::span(chunk->falling));
     }
     if (std::ranges::any_of(chunk->tiles, [](const Terrain::Tile& of) { return of.shift > 31; }))
-        refuse_chunk(number, "says of a tile what cannot be");
-    if (t.holes_ && each < 4) return chunk; // any height: those of cells are compared with the top
+        refuse_chunk(number, "a tile is impossible");
+    if (t.holes_ && each < 4) return chunk; // any value is a height: heights of cells are compared with the top
     constexpr double farthest = 1e15;
-    const double off = t.error_ * (1 + 0x1p-20); // the bounds are those of the heights before they were stored
+    const double off = t.error_ * (1 + 0x1p-20); // the bounds were computed before the heights were rounded for storing
     const double low = t.holes_ ? -farthest : t.low_ - off, high = t.holes_ ? farthest : t.high_ + off;
     for (std::uint32_t row = 0; row < part.rows; ++row)
         for (std::uint32_t column = 0; column < part.columns; column += tile) {
@@ -229,7 +230,7 @@ Terrain TerrainChunks::terrain(std::shared_ptr<const CookedTerrain> cooked, Chun
     return terrain;
 }
 
-/// The heights of `count` places of a tile, one after the other.
+/// Reads the heights of `count` consecutive positions of a tile.
 template <class Sample>
 void TerrainChunks::decode_as(const Terrain& terrain, const CookedTerrain::Chunk& chunk, std::uint32_t number,
                               std::uint32_t k, std::uint32_t count, double* out)

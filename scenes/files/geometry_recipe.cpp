@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Generators take no more than this from a file: a typing error should not fill the memory.
+/// Limit of generators' parameters in a file: a typing error should not fill the memory.
 constexpr int most_per_recipe = 10'000'000;
 
 int count(const Node& node, std::string_view key, int most = most_per_recipe)
@@ -27,7 +27,7 @@ int count(const Node& node, std::string_view key, int most = most_per_recipe)
 
 double size(const Node& node, std::string_view key)
 {
-    node[key]; // must be there
+    node[key]; // must exist
     return node.positive(key, 0);
 }
 
@@ -103,7 +103,7 @@ Mesh listed_mesh(const Node& node, const std::string& name)
     return make_mesh(name, points_of(vertices), std::move(indices));
 }
 
-/// As load_mesh treats a file: scale, then fit, then centre.
+/// The same transforms as load_mesh: scale, then fit, then centre.
 Mesh fitted(const std::string& name, Mesh mesh, const MeshOptions& options)
 {
     double scale = options.scale;
@@ -117,7 +117,7 @@ Mesh fitted(const std::string& name, Mesh mesh, const MeshOptions& options)
     return transformed(name, std::move(mesh), scale, origin);
 }
 
-/// Stays in its file, where that is cooked.
+/// A cooked mesh stays in its file.
 GeometryData read_mesh(const Node& node, const std::string& name, const fs::path& folder, const MeshReading& meshes)
 {
     node.only({"file", "generate", "vertices", "triangles", "scale", "fit_diagonal", "centre"});
@@ -251,7 +251,7 @@ Terrain read_terrain(const Node& node, const fs::path& folder)
     return at(file, [&] { return load_terrain(file_in(folder, file.text()), options); });
 }
 
-/// Of one made in code, whose heights are to be written to `file`, and diagonals beside it.
+/// The entry of a terrain made in code; the caller writes its heights to `file`, and its diagonals beside it.
 Json terrain_entry(const Terrain& terrain, const std::string& file)
 {
     const Eigen::Vector2d& spacing = terrain.spacing();
@@ -308,7 +308,7 @@ Json entry_of(const HalfSpace&)
     return {{"kind", "half_space"}};
 }
 
-/// Gives the entry's files, if it has some, other paths.
+/// Changes the paths of the entry's files, if it has any.
 template <class Change>
 void change_file(Json& entry, Change change)
 {
@@ -320,7 +320,7 @@ void change_file(Json& entry, Change change)
             }
 }
 
-/// Of an entry that has been read, so it has the right types.
+/// The entry has been read before, so it has the right types.
 std::string recipe_of(const Node& entry, const fs::path& folder)
 {
     Json recipe = Json::parse(entry.source());
@@ -370,7 +370,7 @@ GeometryId add_geometry(Scene& scene, const std::string& name, const Json& entry
 
 void Expansion::count(const Geometry& geometry, const Node& entry)
 {
-    using Cooked = std::shared_ptr<const CookedMesh>; // takes no memory that its file does not
+    using Cooked = std::shared_ptr<const CookedMesh>; // takes no memory that its file does not have
     if (std::holds_alternative<Shape>(geometry.data) || std::holds_alternative<Cooked>(geometry.data)) return;
     const Mesh* mesh = std::get_if<Mesh>(&geometry.data);
     const Terrain* terrain = std::get_if<Terrain>(&geometry.data);

@@ -14,25 +14,25 @@
 
 namespace oncollide {
 
-// Geometries as a scene file describes them: docs/scene-format.md, "Geometries". Private to scenes.
+// Geometries as described in a scene file: docs/scene-format.md, "Geometries". Private to scenes.
 
 using Json = nlohmann::json;
 
-/// Adds the geometry that `entry` describes; its recipe is the entry with absolute paths. Zero-area triangles become a
-/// line in scene.warnings. Throws Error like load_scene.
-/// @param folder  what relative paths in the entry are relative to
+/// Adds the geometry that `entry` describes; its recipe is the entry with absolute paths. Zero-area triangles add a
+/// line to scene.warnings. Throws Error like load_scene.
+/// @param folder  the base of relative paths in the entry
 GeometryId add_geometry(Scene& scene, std::string_view name, const Node& entry, const std::filesystem::path& folder,
                         const MeshReading& meshes = {});
 
-/// The same for code that writes the entry itself; paths are relative to the current folder.
+/// The same for code that builds the entry; paths are relative to the current folder.
 GeometryId add_geometry(Scene& scene, const std::string& name, const Json& entry);
 
-/// The entry that makes `geometry` again: its recipe with paths relative to `folder`, or its data written out. A map
-/// or terrain without a recipe gets the entry of the file `made_file`, to be written by the caller.
+/// The entry that makes `geometry` again: its recipe with paths relative to `folder`, or its data. A map or terrain
+/// without a recipe gets the entry of the file `made_file`, which the caller must write.
 Json entry_of(const Geometry& geometry, const std::filesystem::path& folder, const std::string& made_file);
 
-/// Calls `work`, putting the node's place in front of what it throws, unless that names a place in the node already.
-/// Wrong arguments are wrong data in a file.
+/// Calls `work` and prefixes its errors with the node's place, unless they name a place in the node already. Converts
+/// usage errors to bad_data.
 template <class Work>
 auto at(const Node& node, Work work)
 {
@@ -45,13 +45,13 @@ auto at(const Node& node, Work work)
     }
 }
 
-/// Keeps a short file from filling the memory: what its geometries are made of without a text or file of their own,
-/// which are the generated ones and files named before, is limited for all of them together.
+/// Prevents a short file from filling the memory: limits the total size of geometries that take no text or file of
+/// their own, which are generated geometries and files used before.
 class Expansion {
 public:
     static constexpr std::uint64_t most_triangles = 20'000'000, most_cells = 10'000'000;
 
-    /// Of the geometry that `entry` has just become. Throws Error{bad_data} naming the place.
+    /// Counts the geometry that was made from `entry`. Throws Error{bad_data} naming the place.
     void count(const Geometry& geometry, const Node& entry);
 
 private:

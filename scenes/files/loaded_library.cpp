@@ -16,7 +16,7 @@ void* LoadedLibrary::find(const char* name) const
 {
     void* const found = handle_ ? ::dlsym(handle_, name) : nullptr;
     if (!found)
-        throw Error(ErrorKind::usage, fmt::format("{} cannot be loaded, which {}: {}; install Debian's {}", file_,
+        throw Error(ErrorKind::usage, fmt::format("cannot load {}, which {}: {}; install Debian's {}", file_,
                                                   purpose_, ::dlerror(), package_));
     return found;
 }

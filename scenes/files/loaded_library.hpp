@@ -2,15 +2,15 @@
 
 namespace oncollide {
 
-/// A shared library that is loaded when a file first needs it. Private to scenes.
+/// A shared library that is loaded on first use. Private to scenes.
 class LoadedLibrary {
 public:
-    /// @param file     the library's, with the number of its interface: "libgdal.so.32"
-    /// @param purpose  what it does, for messages: "reads such files"
-    /// @param package  of Debian, in which it is
+    /// @param file     file name with the interface number: "libgdal.so.32"
+    /// @param purpose  its use, for messages: "reads such files"
+    /// @param package  the Debian package that contains it
     LoadedLibrary(const char* file, const char* purpose, const char* package);
 
-    /// What the library calls `name`. Throws Error{usage} where this machine does not have it.
+    /// The symbol `name` of the library. Throws Error{usage} if this machine does not have the library.
     void* find(const char* name) const;
 
 private:

@@ -18,7 +18,7 @@ namespace {
 struct Format {
     const char* extension;
     RawMesh (*read)(const MeshSource&);
-    /// From a file of at most so many bytes, which need not be in memory as a whole; null: it must be.
+    /// Reads a file of at most that size in pieces; null: the file must be in memory as a whole.
     RawMesh (*read_file)(const std::filesystem::path&, std::uintmax_t) = nullptr;
 };
 constexpr Format formats[] = {{"obj", read_obj},     {"stl", read_stl, read_stl_file},
@@ -26,7 +26,7 @@ constexpr Format formats[] = {{"obj", read_obj},     {"stl", read_stl, read_stl_
                               {"gltf", read_gltf},   {"glb", read_gltf},
                               {"dae", read_collada}, {"3mf", read_3mf}};
 
-/// Standard input has no extension, but what it begins with tells.
+/// Standard input has no extension; its first bytes decide.
 std::string extension_of(std::string_view bytes)
 {
     if (bytes.starts_with("glTF")) return ".glb";
@@ -41,7 +41,7 @@ std::string extension_of(std::string_view bytes)
     return bytes.substr(0, bytes.find_first_of(" \t\r\n")).ends_with("OFF") ? ".off" : ".obj";
 }
 
-/// Null: there is none.
+/// Null: unknown.
 const Format* format_of(std::string_view extension)
 {
     for (const Format& format : formats)
@@ -92,7 +92,7 @@ Mesh load_mesh(const std::filesystem::path& path, const MeshOptions& options)
     if (options.fit_diagonal > 0) {
         if (!(mesh.bounds.diagonal() > 0))
             throw Error(ErrorKind::bad_data,
-                        fmt::format("{}: all vertices are one point, which fits no diagonal", name));
+                        fmt::format("{}: all vertices are at one point, so no scale fits the diagonal", name));
         scale = options.fit_diagonal / mesh.bounds.diagonal();
     }
     const Eigen::Vector3d origin = options.centre ? mesh.bounds.centre() : Eigen::Vector3d::Zero();

@@ -1,4 +1,4 @@
-// NumPy's arrays. Source: "The .npy format", numpy.lib.format, versions 1.0 to 3.0.
+// NumPy arrays. Source: "The .npy format", numpy.lib.format, versions 1.0 to 3.0.
 #include <charconv>
 
 #include <fmt/format.h>
@@ -10,7 +10,7 @@ namespace oncollide {
 
 namespace {
 
-/// What stands after 'key': in the header, a literal of a Python dictionary.
+/// The text after 'key': in the header, a literal of a Python dictionary.
 std::string_view value_of(const std::string& name, std::string_view header, std::string_view key)
 {
     for (const char quote : {'\'', '"'}) {

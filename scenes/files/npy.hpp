@@ -8,13 +8,13 @@
 
 namespace oncollide {
 
-/// What stands before the numbers of a NumPy array. Private to scenes.
+/// The header of a NumPy array. Private to scenes.
 struct NpyHeader {
     SampleType type;
     bool columns_first;
-    std::vector<std::uint64_t> shape; ///< empty where it is no list of numbers
+    std::vector<std::uint64_t> shape; ///< empty if it is not a list of numbers
     std::string shape_text;           ///< for errors
-    std::size_t bytes;                ///< where the numbers begin
+    std::size_t bytes;                ///< offset of the numbers
 };
 
 /// Reads it from the first bytes of a file. Throws Error{bad_data} that begins with `name`.

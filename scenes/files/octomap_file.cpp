@@ -1,4 +1,4 @@
-// Reading and writing OctoMap's files; declared in model/occupancy_map.hpp.
+// Reading and writing OctoMap files; declared in model/occupancy_map.hpp.
 #include <algorithm>
 #include <sstream>
 
@@ -16,7 +16,8 @@ namespace oncollide {
 
 namespace {
 
-/// For the probabilities. Not OctoMap's function for whole files: it reports its progress on the terminal.
+/// An octree with the probabilities. OctoMap's function for whole files prints its progress to the terminal, so it is
+/// not used.
 std::shared_ptr<const octomap::OcTree> octree_of(const OctomapNodes& nodes, std::string bytes, double threshold)
 {
     std::istringstream in(std::move(bytes));
@@ -24,11 +25,11 @@ std::shared_ptr<const octomap::OcTree> octree_of(const OctomapNodes& nodes, std:
     const auto tree = std::make_shared<octomap::OcTree>(nodes.resolution);
     tree->setOccupancyThres(threshold);
     tree->readData(in);
-    tree->updateInnerOccupancy(); // a file may say that an inner node is free though a cell in it is occupied
+    tree->updateInnerOccupancy(); // a file may mark an inner node as free although a cell in it is occupied
     return tree;
 }
 
-/// Two bits a child, depth first.
+/// Two bits per child, depth first.
 void put(const CellTree& cells, const CellTree::Node& node, std::string& bytes)
 {
     unsigned bits = 0;
@@ -43,12 +44,12 @@ void put(const CellTree& cells, const CellTree::Node& node, std::string& bytes)
 
 OccupancyMap load_octomap(const std::filesystem::path& path, const MapOptions& options)
 {
-    constexpr std::uintmax_t most = std::uintmax_t(256) << 20; // of a `.ot` file OctoMap needs ten times that
+    constexpr std::uintmax_t most = std::uintmax_t(256) << 20; // OctoMap needs ten times the memory for a `.ot` file
     const std::string name = path.string();
     const std::string extension = lower_extension(path);
     if (extension == ".cooked") {
         if (options.unknown_is_occupied || options.occupancy_threshold)
-            throw Error(ErrorKind::usage, name + ": what unknown cells and thresholds mean is decided when a map is "
+            throw Error(ErrorKind::usage, name + ": unknown cells and the threshold are decided when a map is "
                                                  "cooked; give these options to 'oncollide cook'");
         return MapChunks::map(std::make_shared<const CookedMap>(path));
     }
@@ -60,7 +61,7 @@ OccupancyMap load_octomap(const std::filesystem::path& path, const MapOptions& o
     if (extension == ".bt") {
         if (options.occupancy_threshold)
             throw Error(ErrorKind::usage,
-                        name + ": a .bt file has no probabilities that an occupancy threshold is for");
+                        name + ": a .bt file has no probabilities, so it takes no occupancy threshold");
         OctomapNodes nodes = read_binary_octomap(name, bytes, options.unknown_is_occupied);
         return {name, std::move(nodes.cells), nodes.resolution};
     }

@@ -1,4 +1,4 @@
-// Stands for the parts that need OctoMap in builds without it.
+// Replaces the functions that need OctoMap in builds without it.
 #include <oncollide/base/error.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 

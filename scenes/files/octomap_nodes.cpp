@@ -15,7 +15,7 @@ namespace oncollide {
 namespace {
 
 constexpr int tree_depth = 16;
-constexpr std::int64_t most_nodes = 20'000'000; ///< an octree of OctoMap with so many takes over a gigabyte
+constexpr std::int64_t most_nodes = 20'000'000; ///< an octree of that size takes over a gigabyte in OctoMap
 
 /// The text before the nodes.
 struct Header {
@@ -60,7 +60,7 @@ Header read_header(const MeshSource& source, bool binary)
     return header;
 }
 
-/// The nodes come depth first.
+/// Reads the nodes, which are stored depth first.
 class Nodes {
 public:
     Nodes(const MeshSource& source, std::size_t start, bool unknown_is_occupied)
@@ -107,13 +107,13 @@ public:
         cells_.reserve((source_.bytes.size() - at_) / 2);
         if (source_.bytes.size() - at_ == 2 && source_.bytes.substr(at_) == std::string_view("\0\0", 2)) {
             at_ += 2;
-            return cells_.set_grid(CellState::occupied); // as OctoMap reads it
+            return cells_.set_grid(CellState::occupied); // as in OctoMap
         }
         cells_.set_grid(node(0));
     }
 
 private:
-    /// Two bits a child: 00 none, 01 free, 10 occupied, 11 a node.
+    /// Two bits per child: 00 none, 01 free, 10 occupied, 11 a node.
     CellTree::Node node(int depth)
     {
         const unsigned first = read<std::uint8_t>(), bits = first | unsigned{read<std::uint8_t>()} << 8;
@@ -126,7 +126,7 @@ private:
             octants.set(static_cast<unsigned>(__builtin_ctz(left)), node(depth + 1));
         return cells_.close(octants);
     }
-    /// Bits 0, 2, 4 and on, side by side.
+    /// Gathers bits 0, 2, 4, ... into adjacent bits.
     static unsigned evens(unsigned bits)
     {
         bits &= 0x5555;
@@ -140,7 +140,7 @@ class FullNodes : public Nodes {
 public:
     FullNodes(const MeshSource& source, std::size_t start, bool unknown_is_occupied, double threshold)
         : Nodes(source, start, unknown_is_occupied),
-          least_(static_cast<float>(std::log(threshold / (1 - threshold)))) // as OctoMap rounds it
+          least_(static_cast<float>(std::log(threshold / (1 - threshold)))) // rounded as in OctoMap
     {
     }
     void read_all()

@@ -12,11 +12,11 @@ struct OctomapNodes {
     CellTree cells;
 };
 
-/// The cells of a `.bt` file. Throws Error{bad_data}, with `name` in front, unless the bytes are one whole tree.
-/// Nothing is allocated because the header says so. Private to scenes.
+/// The cells of a `.bt` file. Throws Error{bad_data}, prefixed with `name`, unless the bytes are one whole tree.
+/// Allocations do not depend on counts in the header. Private to scenes.
 OctomapNodes read_binary_octomap(const std::string& name, std::string_view bytes, bool unknown_is_occupied);
 
-/// The same of a `.ot` file, in which the cells of this probability and above are occupied.
+/// The same for a `.ot` file, whose cells of at least this probability are occupied.
 OctomapNodes read_full_octomap(const std::string& name, std::string_view bytes, bool unknown_is_occupied,
                                double occupancy_threshold);
 

@@ -8,10 +8,10 @@
 
 namespace oncollide {
 
-/// The rotation that a file's four numbers x, y, z, w mean. Private to scenes. A length within 1e-12 of 1 is left
-/// alone, so that what was written once is read back bit for bit; others are divided out, with a line in `warnings`
-/// from 1e-6 on. Throws Error{bad_data} for a length outside [1e-6, 1e6] or not finite.
-/// @param place  names the place in the file, for messages; called only when there is something to say
+/// The rotation given by a file's numbers x, y, z, w. Private to scenes. A length within 1e-12 of 1 is not normalised,
+/// so that saved quaternions are read back bit for bit; others are normalised, with a line in `warnings` if the length
+/// differs by 1e-6 or more. Throws Error{bad_data} for a length outside [1e-6, 1e6] or not finite.
+/// @param place  returns the position in the file, for messages; called only for a message
 Eigen::Quaterniond quaternion_of(FunctionRef<std::string()> place, const Eigen::Vector4d& xyzw,
                                  std::vector<std::string>& warnings);
 

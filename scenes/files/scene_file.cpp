@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t most_bytes = std::uintmax_t(2) << 30;
 
-/// A mesh or a map in the place of a scene is a frequent slip; JSON's complaint about it would not help.
+/// A mesh or a map instead of a scene file is a frequent mistake; an error about its JSON syntax would not help.
 void refuse_other_files(const fs::path& path)
 {
     std::string extension = lower_extension(path);
@@ -53,7 +53,7 @@ Keyed read_keys(const Node& node, std::vector<std::string>& warnings)
 {
     Keyed motion;
     motion.keys.reserve(node.size());
-    // Not row.place(), which counts the rows before it: each may need a warning.
+    // row.place() would take linear time, and each row may need a warning.
     const auto place = [&] { return fmt::format("{}[{}]", node.place(), motion.keys.size()); };
     for (const Node& row : node) {
         Eigen::Matrix<double, 8, 1> n;
@@ -156,7 +156,7 @@ void read_excluded(Scene& scene, const Node& list)
     }
 }
 
-/// The text of a scene file: everything but the bodies on a tape, and these one after the other on another.
+/// The text of a scene file: bodies are put one after the other on their own tape, the rest on another.
 class SceneText {
 public:
     /// Throws JsonFault.
@@ -190,7 +190,7 @@ void reserve(Scene& scene, const Node& bodies)
 {
     if (bodies.size() > most_bodies)
         bodies.fail(fmt::format("{} bodies, at most {} are allowed", bodies.size(), most_bodies));
-    constexpr std::size_t least_bytes = 16; // of a body: commas alone reserve nothing
+    constexpr std::size_t least_bytes = 16; // of a body: so a list of commas cannot reserve much memory
     scene.reserve(std::min(bodies.size(), bodies.source().size() / least_bytes));
 }
 
@@ -217,7 +217,7 @@ void read_tiles(Scene& scene, const Node& sets, const fs::path& folder, const Me
     }
 }
 
-/// Are bodies called by name? Then all names must be known.
+/// True if bodies are given by name. Then all names must be stored.
 bool excludes_names(const Node& root)
 {
     if (!root.has("exclude")) return false;
@@ -274,7 +274,7 @@ Scene load_scene(const fs::path& path, const MeshReading& meshes, BodySink* sink
         try {
             return read_scene(text, path, meshes, sink);
         } catch (const Error&) {
-            text.each_body([](const Node&) {}); // what is no JSON at all is said first
+            text.each_body([](const Node&) {}); // reports JSON errors before other errors
             throw;
         }
     } catch (const JsonFault& fault) {

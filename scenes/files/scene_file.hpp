@@ -8,25 +8,25 @@
 
 namespace oncollide {
 
-/// How meshes come into a scene.
+/// How a scene reads its meshes.
 struct MeshReading {
-    bool on_demand = false; ///< those in cooked files stay there, and are read where tests need them
-    /// The cooked file that stands for a mesh file, which need not be one yet; nothing: the mesh file is read.
+    bool on_demand = false; ///< meshes in cooked files stay there, and are read in parts as tests need them
+    /// The cooked file to use instead of a mesh file; the mesh file may be missing; empty: the mesh file is read.
     std::function<std::optional<std::filesystem::path>(const std::filesystem::path&, const MeshOptions&)> cooked{};
 };
 
-/// Reads a scene file (JSON; schema in docs/scene-format.md). Paths in it are relative to the file's own folder.
-/// "-" is standard input, whose folder is the current one.
-/// Throws Error{no_input} or Error{bad_data}; messages begin with the path and the place in it (`bodies[3].mesh`), and
-/// for an unknown key or name list the valid ones.
-/// @param sink  takes the bodies; null: the scene holds them. One whose "exclude" names bodies, not numbers, is held,
-///   too.
+/// Reads a scene file (JSON; schema in docs/scene-format.md). Paths in it are relative to the file's own folder. "-" is
+/// standard input, whose folder is the current one. Throws Error{no_input} or Error{bad_data}; messages begin with the
+/// path and the place in it (`bodies[3].mesh`), and for an unknown key or name list the valid ones.
+/// @param sink  receives the bodies; null: the scene stores them. A scene whose "exclude" names bodies, not numbers,
+/// stores
+///   its bodies in any case.
 Scene load_scene(const std::filesystem::path& path, const MeshReading& meshes = {}, BodySink* sink = nullptr);
 
-/// Writes `scene` as it stands at frame 0 (start_poses), so that load_scene gives it back bit for bit: every number in
-/// a form that reads back exactly. Files that the scene uses are named relative to `path`'s folder. Geometries made in
-/// code without a recipe are written into the scene file (meshes) or beside it as `.bt` files (maps). Temporary name,
-/// then renamed. Throws Error{cannot_write}.
+/// Writes `scene` with its poses at frame 0 (start_poses), so that load_scene restores it bit for bit: every number is
+/// written in a form that reads back exactly. Paths of files that the scene uses are relative to `path`'s folder.
+/// Geometries made in code without a recipe are written into the scene file (meshes) or beside it as `.bt` files
+/// (maps). Temporary name, then renamed. Throws Error{cannot_write}.
 void save_scene(const Scene& scene, const std::filesystem::path& path);
 
 } // namespace oncollide

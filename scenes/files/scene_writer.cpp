@@ -13,7 +13,7 @@ namespace oncollide {
 namespace {
 
 namespace fs = std::filesystem;
-using Entry = nlohmann::ordered_json; // a body's keys in the order in which one reads them
+using Entry = nlohmann::ordered_json; // keeps a body's keys in a readable order
 
 Entry list(const Eigen::Vector3d& v)
 {
@@ -64,7 +64,7 @@ Entry body_entry(const Scene& scene, std::size_t i)
     if (!scene.names[i].empty()) body["name"] = scene.names[i];
     body["geometry"] = scene.geometries[index(scene.geometry[i])].name;
     const Eigen::Isometry3d implied = default_pose(motion);
-    // Always but for keyed bodies, which have their place in their keys.
+    // Omitted for keyed bodies whose keys give the position.
     if (!std::holds_alternative<Keyed>(motion) ||
         !same_bits(Eigen::Vector3d(pose.translation()), implied.translation()))
         body["position"] = list(pose.translation());
@@ -86,7 +86,7 @@ Entry recording_entry(const Recording& recording, const fs::path& folder)
     return entry;
 }
 
-/// How another entry names a body: by its name, or by its number if it has none.
+/// How another entry refers to a body: by its name, or by its number if it has none.
 Entry reference_to(const Scene& scene, std::uint32_t body)
 {
     return scene.names[body].empty() ? Entry(body) : Entry(scene.names[body]);
@@ -102,7 +102,7 @@ struct Made {
     }
 };
 
-/// One line for each geometry, each body and each excluded pair.
+/// One line per geometry, per body and per excluded pair.
 void write_text(const Scene& scene, const fs::path& path, const std::vector<std::string>& made_files, OutputFile& file)
 {
     fs::path folder = fs::absolute(path).parent_path();

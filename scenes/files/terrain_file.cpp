@@ -104,7 +104,7 @@ Terrain load_terrain(const fs::path& path, const TerrainOptions& options)
     if (!options.diagonals.empty()) grid.falling = read_diagonals(options.diagonals, raster);
     if (raster.whole) grid.unit = options.vertical_scale;
     if (const auto no_data = options.no_data ? options.no_data : raster.no_data) {
-        // Before they are scaled: no other height may become one.
+        // Marks holes before scaling, so that no scaled height equals the no-data value.
         grid.no_data = std::numeric_limits<double>::quiet_NaN();
         for (double& height : raster.heights) {
             if (std::isnan(height) && !std::isnan(*no_data))

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::string_view blanks = " \t\r";
 
-/// Takes the next word off the front of `line`; empty at its end.
+/// Removes the next word from the front of `line`; empty at its end.
 std::string_view next_word(std::string_view& line)
 {
     line.remove_prefix(std::min(line.find_first_not_of(blanks), line.size()));

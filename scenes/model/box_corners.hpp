@@ -6,7 +6,7 @@
 
 namespace oncollide {
 
-// The corners of a box, by number: bit 0 is set where x is largest, 1 for y, 2 for z. Private to the library.
+// The corners of a box, by number: bit 0 is set for the larger x, bit 1 for y, bit 2 for z. Private to the library.
 
 inline Eigen::Vector3d corner_of(const Aabb& box, unsigned corner)
 {
@@ -14,7 +14,7 @@ inline Eigen::Vector3d corner_of(const Aabb& box, unsigned corner)
             corner & 4 ? box.max.z() : box.min.z()};
 }
 
-/// Its surface, outward orientation: two triangles a face; z, y and x, each low and then high.
+/// The surface with outward orientation: two triangles per face; faces of z, y and x, the low face first.
 constexpr std::array<std::array<std::uint32_t, 3>, 12> box_faces{{{0, 2, 1},
                                                                   {1, 2, 3},
                                                                   {4, 5, 6},

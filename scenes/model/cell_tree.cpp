@@ -99,7 +99,7 @@ CellTree::Node CellTree::close(Octants& octants)
     return node;
 }
 
-/// The node's octants; where they were stored is free from now on.
+/// Takes the node's octants out of storage, which becomes free.
 CellTree::Octants CellTree::open(const Node& node)
 {
     Octants octants;
@@ -115,7 +115,7 @@ CellTree::Octants CellTree::open(const Node& node)
 void CellTree::set_grid(CellState state)
 {
     Octants top;
-    for (unsigned k = 0; k < 8; ++k) top.set(k, k == 0 ? state : CellState::free); // no cells are there
+    for (unsigned k = 0; k < 8; ++k) top.set(k, k == 0 ? state : CellState::free); // no cells there
     top_ = close(top);
 }
 
@@ -148,7 +148,7 @@ void CellTree::set(const CellBox& box, CellState state, Before* before)
     if (!inside.empty()) top_ = changed(top_, top_cube, inside, state, before);
 }
 
-/// Tells `before` of what is in a node, and gives up what is stored below it.
+/// Appends the states in a node to `before`, and frees the storage below it.
 void CellTree::take(const Node& node, const MapCell& cube, Before* before)
 {
     const Octants octants = open(node);
@@ -187,7 +187,7 @@ CellTree::Node CellTree::changed(const Node& node, const MapCell& cube, const Ce
     return close(octants);
 }
 
-/// Moves `farthest` out to the cells in the node, where they are farther along the axis.
+/// Extends `farthest` along the axis to the cells in the node.
 void CellTree::add_bounds(const Node& node, const MapCell& cube, int axis, bool high, std::int32_t& farthest) const
 {
     const unsigned leaves = unknown_ ? node.occupied | node.free : node.occupied;

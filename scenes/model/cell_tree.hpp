@@ -14,7 +14,7 @@ namespace oncollide {
 struct MapCell {
     std::int32_t x, y, z, side;
 
-    /// One of its eight halves: along x, y and z by the bits of k.
+    /// One of the eight octants: the bits of k select the half along x, y and z.
     MapCell octant(unsigned k) const
     {
         const std::int32_t half = side / 2;
@@ -23,7 +23,7 @@ struct MapCell {
     friend auto operator<=>(const MapCell&, const MapCell&) = default;
 };
 
-/// Smallest cells from `low` to `high`, the latter not included.
+/// Smallest cells from `low` to `high`, excluding `high`.
 struct CellBox {
     Eigen::Vector3i low, high;
 
@@ -42,33 +42,33 @@ struct CellBox {
 
 class MapChunks;
 
-/// What is known of a cell of an occupancy map.
+/// The state of a cell of an occupancy map.
 enum class CellState : std::uint8_t { unknown, free, occupied };
 
-/// An octree of cells as masks of eight octants: 8 bytes for each inner node and nothing for its leaves. Octants of one
-/// state are always joined, so equal cells make equal trees, however they came about.
+/// An octree of cells as masks of eight octants: 8 bytes per inner node and none for its leaves. Octants of one state
+/// are always joined, so equal cells make equal trees, independent of the order of changes.
 ///
 /// The grid is OctoMap's: cells -32768 to 32767 along each axis.
 class CellTree {
 public:
-    /// An inner node of the octree. An octant that is neither inner, occupied nor free is unknown.
+    /// An inner node of the octree. An octant that is not inner, occupied or free is unknown.
     struct Node {
-        std::uint32_t first = 0;   ///< of the nodes of its inner octants, which lie side by side
-        std::uint8_t inner = 0;    ///< octants with octants of their own
-        std::uint8_t occupied = 0; ///< as a whole
-        std::uint8_t free = 0;     ///< as a whole
-        std::uint8_t solid = 0;    ///< hold something that counts as occupied
+        std::uint32_t first = 0;   ///< of the nodes of its inner octants, which are contiguous
+        std::uint8_t inner = 0;    ///< octants that have child octants
+        std::uint8_t occupied = 0; ///< octants that are completely occupied
+        std::uint8_t free = 0;     ///< octants that are completely free
+        std::uint8_t solid = 0;    ///< octants that contain cells that count as occupied
     };
     static constexpr std::int32_t lowest = -32768, side = 65536;
-    /// Twice the grid, so that a grid of one state is an octant, too: octant 0 of top() is the grid.
+    /// Twice the size of the grid, so that a grid of one state is also an octant: octant 0 of top() is the grid.
     static constexpr MapCell top_cube{lowest, lowest, lowest, 2 * side};
 
-    /// All is unknown.
+    /// All cells are unknown.
     explicit CellTree(bool unknown_is_solid = false);
 
     const Node& top() const { return top_; }
     bool unknown_is_solid() const { return unknown_ != 0; }
-    /// Octants that count as occupied as a whole.
+    /// Octants that count as completely occupied.
     std::uint8_t whole(const Node& node) const
     {
         return static_cast<std::uint8_t>(node.occupied | (unknown_ & ~(node.inner | node.free)));
@@ -85,14 +85,14 @@ public:
                : node.free >> octant & 1   ? CellState::free
                                            : CellState::unknown;
     }
-    /// Of the smallest cell there.
+    /// State of that smallest cell.
     CellState state(const Eigen::Vector3i& cell) const;
 
-    /// Gives all cells of the box, within the grid, one state. What was there is appended to `before`, unless that is
-    /// null. Cost: of the nodes that come and go, and those above them.
+    /// Sets all cells of the box, which is within the grid, to one state. Appends the previous states to `before`,
+    /// unless it is null. Cost: proportional to the nodes that are added and removed, and their ancestors.
     void set(const CellBox& box, CellState state, std::vector<std::pair<MapCell, CellState>>* before = nullptr);
 
-    /// visit(cube, state) for the leaves that are known, in the octree's order.
+    /// Calls visit(cube, state) for the leaves that are known, in the octree's order.
     template <class Visit>
     void each_leaf(Visit visit) const
     {
@@ -102,46 +102,47 @@ public:
         else if (state(top_, 0) != CellState::unknown)
             visit(grid, state(top_, 0));
     }
-    /// visit(cube) for what counts as occupied, in cubes as large as can be, in the octree's order, while it returns
-    /// true. With a wanted(cube) only where that is true of all cubes around it. False when a visit was.
+    /// Calls visit(cube) for the largest cubes that count as occupied, in the octree's order, until visit returns
+    /// false; then returns false. With wanted(cube): only cubes for which it and all cubes around them return true.
     template <class Wanted, class Visit>
     bool each_solid(Wanted wanted, Visit visit) const
     {
         return each_solid(top_, top_cube, wanted, visit);
     }
-    /// Around the cells that are occupied; if unknown ones count too, around those that are known. Empty if none are.
+    /// Bounds of the occupied cells; if unknown cells count as occupied too, of the known cells. Empty if there are
+    /// none.
     CellBox bounds() const;
 
-    /// Inner nodes and leaves that are known, as OctoMap counts them.
+    /// Number of inner nodes and known leaves, as OctoMap counts them.
     std::size_t count() const;
     std::size_t bytes() const;
 
-    /// Of a map in a cooked file, of which chunks are read where nodes are looked at, which then may throw ChunkFault;
-    /// null: all of it is in memory. What is changed is taken into memory first.
+    /// The chunks of a map in a cooked file, which are read on first use, so that access may throw ChunkFault; null:
+    /// the whole map is in memory. A change reads the whole map into memory first.
     MapChunks* chunks() const { return chunks_.get(); }
     CellTree(std::shared_ptr<MapChunks> chunks, const Node& top, bool unknown_is_solid);
 
-    /// The octants of one node, while a tree is put together from its leaves up.
+    /// The octants of one node, while a tree is built from its leaves up.
     class Octants {
     public:
         Octants() = default;
         Octants(std::uint8_t occupied, std::uint8_t free) { node_.occupied = occupied, node_.free = free; }
         void set(unsigned octant, CellState state);
-        void set(unsigned octant, const Node& node); ///< becomes a state if all of it has one
+        void set(unsigned octant, const Node& node); ///< sets a state instead if the whole octant has one
 
     private:
         friend class CellTree;
         Node node_;
-        std::array<Node, 8> below_; ///< by octant, of those that are inner
+        std::array<Node, 8> below_; ///< by octant; valid for inner octants only
     };
-    /// Stores the inner octants side by side.
+    /// Stores the inner octants contiguously.
     Node close(Octants& octants);
-    /// Replaces all: the node of the grid as a whole.
+    /// Replaces the whole tree by the node of the grid.
     void set_grid(const Node& grid);
     void set_grid(CellState state);
     void reserve(std::size_t nodes) { nodes_.reserve(nodes); }
 
-    /// Of eight; portable code would call a function for it.
+    /// Number of set bits of eight; std::popcount would be a function call without -mpopcnt.
     static std::uint32_t bits_in(std::uint32_t bits)
     {
         bits -= bits >> 1 & 0x55;
@@ -180,10 +181,10 @@ private:
     }
 
     std::vector<Node> nodes_;
-    std::shared_ptr<MapChunks> chunks_; ///< in place of the nodes
+    std::shared_ptr<MapChunks> chunks_; ///< instead of the nodes
     Node top_;
-    std::uint8_t unknown_;               ///< all bits: what is unknown counts as occupied
-    std::array<std::uint32_t, 9> spare_; ///< by length: the first run of nodes that is not in use; `first` leads on
+    std::uint8_t unknown_;               ///< all bits set: unknown cells count as occupied
+    std::array<std::uint32_t, 9> spare_; ///< by length: the first free run of nodes; `first` links to the next
     static constexpr std::uint32_t none = ~0u;
 };
 

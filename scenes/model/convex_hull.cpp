@@ -20,7 +20,7 @@ namespace oncollide {
 namespace {
 
 /// One run of Qhull. Qhull reports errors by longjmp inside qh_new_qhull, which returns a code; nothing called after it
-/// can fail. What it wants to print goes to /dev/null.
+/// can fail. Its output goes to /dev/null.
 class Qhull {
 public:
     Qhull(std::vector<double>& coordinates, const char* options) : quiet_(std::fopen("/dev/null", "w"), &std::fclose)
@@ -47,7 +47,7 @@ public:
     bool good() const { return good_; }
     bool flat() const { return flat_; }
 
-    /// Empty when a facet is not a triangle.
+    /// Empty if a facet is not a triangle.
     std::vector<Triangle> triangles()
     {
         std::vector<Triangle> found;
@@ -71,11 +71,11 @@ private:
     bool started_ = false, good_ = false, flat_ = false;
 };
 
-/// A hull that misses points by more than this share of its size is not one: the points are all but flat.
+/// If points are farther outside than this share of its size, the result is no hull: the points are nearly coplanar.
 constexpr double most_slack = 1e-10;
 
-/// The points about their centre, divided by a power of two so that they fill about [-1, 1]^3: Qhull's tolerances are
-/// made for that. Empty when all points are one.
+/// The points relative to their centre, divided by a power of two so that they fill about [-1, 1]^3: Qhull's tolerances
+/// assume that size. Empty if all points are equal.
 std::vector<double> normalised(std::span<const Eigen::Vector3d> points, const Aabb& bounds)
 {
     const Eigen::Vector3d centre = 0.5 * bounds.min + 0.5 * bounds.max;
@@ -110,7 +110,7 @@ double signed_volume(std::span<const double> coordinates, std::span<const Triang
     return volume;
 }
 
-/// Every point as a vertex: what is always right.
+/// Every point as a vertex: always valid.
 Hull all_points(std::size_t count)
 {
     Hull hull;
@@ -131,7 +131,8 @@ Hull convex_hull(std::span<const Eigen::Vector3d> points)
     std::vector<double> coordinates = normalised(points, bounds);
     if (coordinates.empty()) return all_points(points.size());
 
-    // Exact where it can (merged facets, then cut into triangles); else with joggled points. Either is proved below.
+    // First exact, if possible (merged facets, then cut into triangles); else with joggled points. Both results are
+    // proved below.
     for (const char* options : {"qhull Qt Pp", "qhull QJ Pp"}) {
         Qhull qhull(coordinates, options);
         if (qhull.flat()) break;
@@ -139,7 +140,8 @@ Hull convex_hull(std::span<const Eigen::Vector3d> points)
         std::vector<Triangle> triangles = qhull.triangles();
         const auto neighbours = neighbours_of(triangles);
         std::vector<std::uint32_t> vertices = used_vertices(triangles);
-        if (!neighbours || 2 * vertices.size() != triangles.size() + 4) continue; // not a sphere's topology
+        if (!neighbours || 2 * vertices.size() != triangles.size() + 4) continue; // Euler's formula does not hold: not
+                                                                                  // a topological sphere
         const double volume = signed_volume(coordinates, triangles);
         if (volume == 0) break;
         if (volume < 0)

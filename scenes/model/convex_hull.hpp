@@ -13,14 +13,14 @@ struct Hull {
     double slack = 0; ///< certified: every input point is within this distance (m) of the hull of `vertices`
 };
 
-/// Convex hull of finite `points` (at least one) by Qhull. Points that lie in a plane, on a line or in one spot, or
-/// that Qhull gives up on (thinner than about 1e-10 of their size), return every point as a vertex, no triangles and
-/// slack 0: still a superset of the hull's vertices.
+/// Convex hull of finite `points` (at least one) by Qhull. For points in a plane, on a line or at one position, and if
+/// Qhull gives up (thinner than about 1e-10 of their size), every point is a vertex, there are no triangles and the
+/// slack is 0: still a superset of the hull's vertices.
 ///
-/// The slack is proved after the fact, whatever Qhull did: each point that is no vertex is written as a combination of
-/// an inner point and the corners of the facet that it lies under, with shares >= 0 and a sum <= 1, so of a point
-/// certainly in the hull; what is missing to the point is the slack (rounding included). Facets are found by walking
-/// from one to the next. With every point a vertex it is 0. Cost: O(n log n) expected, plus the walks: O(points *
+/// The slack is proved afterwards, independent of Qhull: each point that is not a vertex is written as a combination of
+/// an inner point and the corners of the facet above it, with weights >= 0 and a sum <= 1, which is certainly in the
+/// hull; the remaining distance to the point is the slack (rounding included). It is 0 if every point is a vertex.
+/// Facets are found by walking from each to a neighbour. Cost: O(n log n) expected, plus the walks: O(points *
 /// sqrt(facets)), less for points in a mesh's order.
 Hull convex_hull(std::span<const Eigen::Vector3d> points);
 

@@ -9,8 +9,8 @@ namespace oncollide {
 
 namespace {
 
-/// A sum of doubles without rounding: a nonoverlapping expansion, grown term by term.
-/// Source: Shewchuk, "Adaptive precision floating-point arithmetic", 1997, Grow-Expansion.
+/// A sum of doubles without rounding: a nonoverlapping expansion, grown term by term. Source: Shewchuk, "Adaptive
+/// precision floating-point arithmetic", 1997, Grow-Expansion.
 class ExactSum {
 public:
     void add(double term)
@@ -51,7 +51,8 @@ bool in_line(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Ve
 
 bool are_in_line(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c)
 {
-    // A power of two moves the largest coordinate to about 2^500: products neither overflow nor lose low bits.
+    // Scaling by a power of two moves the largest coordinate to about 2^500: products neither overflow nor lose low
+    // bits.
     const double largest = std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
     if (largest == 0) return true;
     const auto lift = [exponent = 500 - std::ilogb(largest)](const Eigen::Vector3d& p) -> Eigen::Vector3d {

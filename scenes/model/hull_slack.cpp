@@ -10,8 +10,8 @@ namespace oncollide {
 
 namespace {
 
-/// The cone over one triangle from the inner point (the origin here). A point p of it is the sum of shares of the
-/// corners, and shares >= 0 with a sum <= 1 prove that p lies in the hull of the corners and the inner point.
+/// The cone over one triangle from the inner point (the origin here). A point p of the cone is a combination of the
+/// corners; weights (`shares`) >= 0 with a sum <= 1 prove that p is in the hull of the corners and the inner point.
 struct FacetCone {
     Eigen::Matrix3d corners, planes; ///< columns: a, b, c; rows: b x c, c x a, a x b over their determinant
 
@@ -40,7 +40,7 @@ public:
     }
 
     /// Upper bound, up to rounding, on the distance from p to the hull. Walks from the last result towards p, across
-    /// the edge that p is farthest beyond; where that leads nowhere, every cone is tried.
+    /// the edge that p is farthest beyond; if the walk fails, tries every cone.
     double distance(const Eigen::Vector3d& p)
     {
         for (int step = 0; step < 1000; ++step) {
@@ -103,7 +103,7 @@ std::optional<std::vector<std::array<std::uint32_t, 3>>> neighbours_of(std::span
 
 Eigen::Vector3d mean_of(std::span<const Eigen::Vector3d> points, std::span<const std::uint32_t> vertices)
 {
-    // Extended precision: the sum of 2,000 points is still good to an ulp of a double.
+    // Extended precision: the sum of 2,000 points is still accurate to an ulp of a double.
     Eigen::Matrix<long double, 3, 1> sum = Eigen::Matrix<long double, 3, 1>::Zero();
     for (const std::uint32_t v : vertices) sum += points[v].cast<long double>();
     return (sum / static_cast<long double>(vertices.size())).cast<double>();
@@ -112,8 +112,8 @@ Eigen::Vector3d mean_of(std::span<const Eigen::Vector3d> points, std::span<const
 double prove_slack(std::span<const Eigen::Vector3d> points, std::span<const std::uint32_t> vertices,
                    std::span<const Triangle> triangles, std::span<const std::array<std::uint32_t, 3>> neighbours)
 {
-    if (points.size() == vertices.size()) return 0; // each is a vertex
-    // Relative to a vertex, so that coordinates far from the origin cost no accuracy; then to the vertices' mean.
+    if (points.size() == vertices.size()) return 0; // every point is a vertex
+    // First relative to a vertex, so that coordinates far from the origin cost no accuracy; then relative to the mean.
     std::vector<Eigen::Vector3d> relative;
     relative.reserve(points.size());
     for (const Eigen::Vector3d& p : points) relative.push_back(p - points[vertices[0]]);
@@ -124,8 +124,8 @@ double prove_slack(std::span<const Eigen::Vector3d> points, std::span<const std:
         p -= inner;
         size = std::max(size, p.cwiseAbs().sum());
     }
-    // Both differences, the shares' combination (three products, three sums) and the length are each off by a few half
-    // ulps of `size`; the mean by half an ulp and the sum's rounding.
+    // Both differences, the combination of corners (three products, three sums) and the length each have an error of a
+    // few half ulps of `size`; the mean of half an ulp and the sum's rounding.
     const double rounding =
         24 * std::numeric_limits<double>::epsilon() * size + static_cast<double>(vertices.size()) * 0x1p-63 * size;
 

@@ -47,7 +47,7 @@ Mesh make_mesh(const std::string& name, std::vector<Eigen::Vector3d> vertices, s
         for (const std::uint32_t v : t) used[v] = 1;
         mesh.zero_area += has_zero_area(mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]);
     }
-    Aabb bounds; // here, not in memory that others may point to
+    Aabb bounds; // a local, which the compiler can keep in registers
     for (std::size_t i = 0; i < used.size(); ++i)
         if (used[i]) bounds.add(mesh.vertices[i]);
     mesh.bounds = bounds;
@@ -67,7 +67,7 @@ void check_mesh(const std::string& name, const Mesh& mesh)
             bounds.add(mesh.vertices[v]);
         }
     if (bounds.min != mesh.bounds.min || bounds.max != mesh.bounds.max)
-        refuse(name, "the bounds of the mesh are not those of its triangles; make it with make_mesh");
+        refuse(name, "the mesh's bounds differ from its triangles' bounds; make it with make_mesh");
 }
 
 Mesh transformed(const std::string& name, Mesh mesh, double scale, const Eigen::Vector3d& origin)

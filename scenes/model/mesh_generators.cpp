@@ -52,10 +52,10 @@ Mesh subdivided_octahedron(double radius, int levels)
     return make_mesh("sphere", std::move(points), std::move(triangles));
 }
 
-/// Bands of quads between two poles. The number of bands is the one that makes quads at the equator squarest.
+/// Bands of quads between two poles. The number of bands makes quads at the equator nearly square.
 Mesh lat_long_sphere(double radius, int triangles)
 {
-    const int half = triangles / 2; // segments * (bands - 1), without the extra ones
+    const int half = triangles / 2; // segments * (bands - 1), before the extra triangles
     int bands = 3;
     const auto badness = [&](int b) { return std::abs(std::log(half / (b - 1) / (2.0 * b))); };
     for (int b = 3; half / (b - 1) >= 3 && b - 1 <= half / 3; ++b)
@@ -96,7 +96,7 @@ Eigen::Vector3d random_direction(std::uint64_t seed, std::uint64_t index, std::u
     return {ring * turn.cosine, ring * turn.sine, z};
 }
 
-/// A random unit vector and one at a right angle to it.
+/// A random unit vector and a unit vector perpendicular to it.
 struct Directions {
     Eigen::Vector3d along, across;
     Directions(std::uint64_t seed, std::uint64_t index) : along(random_direction(seed, index, 10))
@@ -188,8 +188,8 @@ Mesh make_torus_knot_mesh(int p, int q, double major, double minor, double tube,
     check_order("torus knot", "the minor radius", minor, "the major radius", major);
     check_count("torus knot", "the number of triangles", triangles, 18, most_per_mesh);
 
-    // The centre line winds p times around z on a torus, q times around its tube. The torus' own normal stands at a
-    // right angle to the line everywhere and closes with it, so it serves as the tube's frame.
+    // The centre line winds p times around z on a torus, q times around its tube. The torus' normal is perpendicular to
+    // the line everywhere and closes with it, so it serves as the tube's frame.
     const auto point = [&](double u, double v) -> Eigen::Vector3d {
         const Circle ring = circle(p * u), wind = circle(q * u), around = circle(v);
         const double reach = major + minor * wind.cosine;
@@ -214,7 +214,7 @@ Mesh make_gear_mesh(int teeth, double root_radius, double tip_radius, double thi
     check_order("gear", "the bore radius", bore_radius, "the root radius", root_radius);
     check_order("gear", "the root radius", root_radius, "the tip radius", tip_radius);
 
-    // A tooth takes four points of the rim; the bore has a point under each. Around the ring's section run four walls.
+    // A tooth has four points of the rim; the bore has a point below each. The ring's section has four walls.
     const int rim = 4 * teeth;
     constexpr double share[4] = {0.0, 0.30, 0.42, 0.88}; // of a tooth's angle: root, root, tip, tip
     GridBuilder grid(rim, 4, true);

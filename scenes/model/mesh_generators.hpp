@@ -5,13 +5,13 @@
 
 namespace oncollide {
 
-// Meshes without files. Deterministic for equal arguments, on every platform.
-// All throw Error{usage} for counts or sizes that make no mesh.
+// Generated meshes. Deterministic for equal arguments, on every platform. All throw Error{usage} for counts or sizes
+// that make no mesh.
 
 /// 12 triangles; `half` are the half-extents. Closed.
 Mesh make_box_mesh(const Eigen::Vector3d& half);
-/// On a sphere: a subdivided octahedron for 8 * 4^k triangles, else bands of latitude with just as many; one less when
-/// that is odd, as no closed mesh has an odd number (and 8 for 8 to 11). Closed.
+/// A subdivided octahedron for 8 * 4^k triangles, else bands of latitude with exactly `triangles`; one less if it is
+/// odd, as a closed mesh has an even number (and 8 for 8 to 11). Closed.
 Mesh make_sphere_mesh(double radius, int triangles);
 /// Ring radius `major`, tube radius `minor`, around z. `triangles`, or one less when odd; at least 18. Closed.
 Mesh make_torus_mesh(double major, double minor, int triangles);
@@ -24,7 +24,7 @@ Mesh make_terrain_mesh(double size, double height, int cells, std::uint64_t seed
 /// `count` isolated triangles of length `length` and width length / aspect, in random directions in a cube of side
 /// `size`.
 Mesh make_needles_mesh(int count, double length, double aspect, double size, std::uint64_t seed);
-/// `count` random triangles of edge about `edge` in a cube of side `size`: open, intersecting itself.
+/// `count` random triangles of edge about `edge` in a cube of side `size`: open, with self-intersections.
 Mesh make_soup_mesh(int count, double edge, double size, std::uint64_t seed);
 
 } // namespace oncollide

@@ -14,7 +14,7 @@ namespace oncollide {
 
 namespace {
 
-/// For each vertex the lowest index of a vertex at the same position.
+/// The lowest index of a vertex at the same position, for each vertex.
 std::vector<std::uint32_t> weld(const std::vector<Eigen::Vector3d>& vertices)
 {
     std::vector<std::uint32_t> order(vertices.size());
@@ -38,8 +38,8 @@ bool has_area(const Mesh& mesh, const Triangle& t)
     return !has_zero_area(mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]);
 }
 
-/// Do the edges of triangles with an area cancel, each with one that runs the other way? If not the mesh is not closed;
-/// else it may be. One look at each triangle: sums of hashes that only differ in sign.
+/// False if some edge of a triangle with area has no partner in the opposite direction: the mesh is not closed. True:
+/// it may be closed. A fast test that reads each triangle once and sums hashes whose sign is the edge's direction.
 bool edges_may_cancel(const Mesh& mesh)
 {
     std::vector<std::uint64_t> hashes(mesh.vertices.size());
@@ -60,14 +60,15 @@ bool edges_may_cancel(const Mesh& mesh)
     return sum == 0;
 }
 
-/// A side of a triangle between two positions.
+/// A side of a triangle, as an edge between two positions.
 struct Side {
     std::uint32_t low, high; ///< welded
     bool forward;            ///< the triangle runs from low to high
     MeshEdge edge;
 };
 
-/// visit(sides between the same two positions, in the order of their triangles), of the triangles that count.
+/// Calls visit(sides between the same two positions, in the order of their triangles) for the triangles that `counts`
+/// accepts.
 void each_edge(const Mesh& mesh, auto counts, auto visit)
 {
     const std::vector<std::uint32_t> first = weld(mesh.vertices);

@@ -1,4 +1,4 @@
-// How the triangles of a mesh hang together; is_closed() is in mesh.hpp. Vertices at equal positions count as one.
+// Connectivity of the triangles of a mesh; is_closed() is in mesh.hpp. Vertices at equal positions count as one.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -7,23 +7,23 @@
 
 namespace oncollide {
 
-/// An edge by its vertices' numbers in the mesh.
+/// An edge, by the indices of its vertices in the mesh.
 struct MeshEdge {
     std::uint32_t from, to;
 
     friend bool operator==(const MeshEdge&, const MeshEdge&) = default;
 };
 
-/// The edges that keep a mesh from being closed, each once: those that not exactly two triangles share, or that two run
-/// along in the same direction. Triangles without area are left out. Cost: O(n log n).
+/// The edges that keep a mesh from being closed, each once: edges that are not shared by exactly two triangles, or that
+/// two triangles traverse in the same direction. Triangles without area are ignored. Cost: O(n log n).
 std::vector<MeshEdge> open_edges(const Mesh& mesh);
 
-/// Is every edge one of an even number of triangles? Then a point from which a ray crosses the surface an odd number of
-/// times is enclosed: no way leads from it to the outside but through the surface. Cost: O(n log n).
+/// True if every edge belongs to an even number of triangles. Then a point whose ray crosses the surface an odd number
+/// of times is enclosed: every path from it to the outside crosses the surface. Cost: O(n log n).
 bool edges_are_even(const Mesh& mesh);
 
-/// By triangle: the number of its part, parts being numbered from 0 in the order of their first triangles. Triangles
-/// that share a vertex are of one part. Cost: O(n log n).
+/// Part number of each triangle; parts are numbered from 0 in the order of their first triangles. Triangles that share
+/// a vertex belong to one part. Cost: O(n log n).
 std::vector<std::uint32_t> parts_of(const Mesh& mesh);
 
 } // namespace oncollide

@@ -8,7 +8,7 @@ namespace oncollide {
 
 namespace {
 
-/// Value noise in [0, 1): random values at integer points, blended smoothly between.
+/// Value noise in [0, 1): random values at integer points, interpolated smoothly.
 double value_noise(double x, double y, std::uint64_t seed)
 {
     const double fx = std::floor(x), fy = std::floor(y), tx = x - fx, ty = y - fy;

@@ -57,7 +57,8 @@ CellBox OccupancyMap::cell_at(const Eigen::Vector3d& point) const
 
 CellBox OccupancyMap::cells_in(const Aabb& box) const
 {
-    if (box.min.hasNaN() || box.max.hasNaN()) throw Error(ErrorKind::usage, "map: a box of no numbers");
+    if (box.min.hasNaN() || box.max.hasNaN())
+        throw Error(ErrorKind::usage, "map: the box has a coordinate that is not a number");
     const auto cell = [](const Eigen::Array3d& at) -> Eigen::Vector3i {
         return at.max(CellTree::lowest).min(CellTree::lowest + CellTree::side).cast<int>();
     };

@@ -1,4 +1,4 @@
-// Octrees of OctoMap as maps, maps as octrees, and scans.
+// Conversion of OctoMap's octrees to maps and back, and scans.
 #include <cmath>
 
 #include <octomap/OcTree.h>
@@ -10,7 +10,7 @@ namespace oncollide {
 
 namespace {
 
-/// By leaves alone: what inner nodes say may be out of date.
+/// Reads only leaves: inner nodes may be out of date.
 class Reader {
 public:
     explicit Reader(const octomap::OcTree& tree, bool unknown_is_occupied) : tree_(tree), cells_(unknown_is_occupied) {}
@@ -49,8 +49,8 @@ private:
     CellTree cells_;
 };
 
-/// Takes away what is below a node. OctoMap itself does so only where eight children are equal, and ends the program
-/// when a node goes that had some.
+/// Removes the descendants of a node. OctoMap's own functions do so only if eight children are equal, and abort when a
+/// node with children is removed.
 void make_leaf(octomap::OcTree& tree, octomap::OcTreeNode* node)
 {
     for (unsigned k = 0; k < 8; ++k) {
@@ -75,7 +75,7 @@ float value_of(const octomap::OcTree& tree, CellState state)
     return state == CellState::free ? tree.getClampingThresMinLog() : tree.getClampingThresMaxLog();
 }
 
-/// Gives the cells of a box one state; `node` stands for the cube and is no leaf.
+/// Sets the cells of a box to one state; `node` is the node of the cube and not a leaf.
 void set_cells(octomap::OcTree& tree, octomap::OcTreeNode* node, const MapCell& cube, const CellBox& box,
                CellState state)
 {
@@ -112,7 +112,7 @@ public:
 
     std::shared_ptr<octomap::OcTree> write()
     {
-        tree_->setNodeValue(octomap::OcTreeKey(0, 0, 0), 0, true); // the root is there only once a cell is
+        tree_->setNodeValue(octomap::OcTreeKey(0, 0, 0), 0, true); // the root exists only after a cell exists
         octomap::OcTreeNode* root = tree_->getRoot();
         const CellTree::Node& top = cells_.top();
         if (top.inner & 1) {
@@ -178,7 +178,7 @@ void OccupancyMap::insert_scan(std::span<const Eigen::Vector3d> points, const Ei
     octomap::Pointcloud scan;
     for (const Eigen::Vector3d& point : points) cell_at(point), scan.push_back(point_of(point));
 
-    if (!scanned_ || scanned_.use_count() > 1) // a copy of the map has it, too
+    if (!scanned_ || scanned_.use_count() > 1) // a copy of the map shares it
         scanned_ = scanned_ ? std::make_shared<octomap::OcTree>(*scanned_)
                    : given_ ? std::make_shared<octomap::OcTree>(*given_)
                             : make_octree(*this);
@@ -205,7 +205,7 @@ void OccupancyMap::insert_scan(std::span<const Eigen::Vector3d> points, const Ei
     try {
         change.commit();
     } catch (const Error&) {
-        scanned_.reset(); // as the map is now
+        scanned_.reset(); // it matches the map as it is now
         throw;
     }
 }

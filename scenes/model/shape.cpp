@@ -37,15 +37,15 @@ void check_dimension(const std::string& name, const char* what, double value, bo
                fmt::format("{} is {}; below {} m products lose their digits: scale the scene up", what, value, least));
 }
 
-/// A ball's polytope: unit octasphere and the factor that pushes every facet out of the unit ball.
+/// A polytope around a sphere: unit octasphere and the factor that moves every facet out of the unit sphere.
 struct BallCover {
     std::vector<Eigen::Vector3d> points;
     std::vector<Triangle> triangles;
-    double factor; ///< farthest vertex of the cover of a unit ball
+    double factor; ///< distance of the farthest vertex of the cover of a unit sphere
 };
 
-/// Seen from the centre, each facet's plane is at least `nearest` away, so the surface scaled by 1 / nearest encloses
-/// the unit ball. 1,568 triangles, factor 1.005. Its equator is its outline along z.
+/// Each facet's plane is at least `nearest` from the centre, so the surface scaled by 1 / nearest encloses the unit
+/// sphere. 1,568 triangles, factor 1.005. Its equator is its outline in the direction of z.
 const BallCover& ball_cover()
 {
     static const BallCover cover = [] {
@@ -70,18 +70,18 @@ BoundingMesh enclose_sphere(double radius)
     return {make_mesh("sphere", std::move(points), cover.triangles), radius * (cover.factor * (1 + 4 * epsilon) - 1)};
 }
 
-/// The sum of a ball's cover and the axis: its halves moved apart, joined along the equator. A sum of covers covers
-/// the sum, and errs no more than the ball's cover does.
+/// The Minkowski sum of a sphere's cover and the axis: two halves moved apart, joined along the equator. It encloses
+/// the capsule with the same error as the sphere's cover.
 BoundingMesh enclose_capsule(const Capsule& capsule)
 {
     if (capsule.length == 0) return enclose_sphere(capsule.radius);
     const BallCover& cover = ball_cover();
     const double half = 0.5 * capsule.length;
-    const double rounding = 4 * epsilon * (half + 2 * capsule.radius); // of moving the halves apart
+    const double rounding = 4 * epsilon * (half + 2 * capsule.radius); // of moving the halves
     const double radius = (capsule.radius + rounding) * cover.factor;
 
     std::vector<Eigen::Vector3d> points;
-    std::vector<std::uint32_t> lower(cover.points.size()); // of an equator's vertex; it has an upper copy besides
+    std::vector<std::uint32_t> lower(cover.points.size()); // index of an equator vertex's lower copy; else its own
     for (std::size_t i = 0; i < cover.points.size(); ++i) {
         Eigen::Vector3d p = radius * cover.points[i];
         const double z = p.z();
@@ -116,7 +116,7 @@ BoundingMesh enclose_cylinder(const Cylinder& cylinder)
     return {make_prism("cylinder", radius, half, sides), radius * (1 + 4 * epsilon) - cylinder.radius};
 }
 
-/// The cover of a unit ball, scaled along the axes as the ball is.
+/// The cover of a unit sphere, scaled along the axes by the radii.
 BoundingMesh enclose_ellipsoid(const Ellipsoid& ellipsoid)
 {
     const BallCover& cover = ball_cover();
@@ -145,7 +145,7 @@ BoundingMesh enclose_cone(const Cone& cone)
     return {make_mesh("cone", std::move(points), std::move(triangles)), radius * (1 + 4 * epsilon) - cone.radius};
 }
 
-/// How well a closed surface stands around an inner point and how far points lie outside its facets' planes.
+/// The least distance of an inner point from the facets of a closed surface, and the largest of points beyond them.
 struct Fit {
     double depth, overhang;
 };
@@ -159,7 +159,7 @@ Fit fit_of(std::span<const Eigen::Vector3d> surface, std::span<const Triangle> t
     for (const Triangle& t : triangles) {
         const Eigen::Vector3d u = surface[t[1]] - surface[t[0]], v = surface[t[2]] - surface[t[0]], n = u.cross(v);
         const double length = n.norm();
-        // The normal of a sliver is off by about the rounding of the product over its length.
+        // The error of a sliver's normal is about the rounding of the cross product divided by its length.
         const double rounding = 16 * epsilon * size * (1 + u.norm() * v.norm() / length);
         const Eigen::Vector3d normal = n / length;
         const double plane = normal.dot(surface[t[0]] - inner);
@@ -167,15 +167,16 @@ Fit fit_of(std::span<const Eigen::Vector3d> surface, std::span<const Triangle> t
         double height = -std::numeric_limits<double>::infinity();
         for (const Eigen::Vector3d& p : inside) height = std::max(height, normal.dot(p - inner));
         const double over = height - plane + rounding;
-        if (!(over <= fit.overhang)) fit.overhang = over; // NaN from a facet without area stays, and is refused
+        if (!(over <= fit.overhang)) fit.overhang = over; // keeps a NaN from a facet without area, which is refused
+                                                          // later
     }
     return fit;
 }
 
-/// The hull, pushed out from an inner point. A point at most e above the planes of all facets, which are at least d
-/// from the inner point, is inside the surface scaled by 1 + e / d: along its ray, the surface is met at height h >= d.
-/// When a facet is too thin for that (many points in one plane), each point is first moved out a little, by an amount
-/// of its own: the hull then has no near-flat spots, and the original points lie below its facets.
+/// The hull, expanded from an inner point. If a point is at most e above the planes of all facets, and these are at
+/// least d from the inner point, then it is inside the surface scaled by 1 + e / d: its ray meets the surface at height
+/// h >= d. If a facet is too thin for that (many points in one plane), each point is first moved outward by a small
+/// individual amount: the hull then has no nearly flat parts, and the original points are below its facets.
 BoundingMesh enclose_hull(const std::string& name, const std::vector<Eigen::Vector3d>& points)
 {
     const Hull hull = convex_hull(points);
@@ -184,7 +185,7 @@ BoundingMesh enclose_hull(const std::string& name, const std::vector<Eigen::Vect
                                  points.size()));
     const Eigen::Vector3d inner = mean_of(points, hull.vertices);
     std::vector<Eigen::Vector3d> corners;
-    double rounding = 0; // of a corner's coordinates
+    double rounding = 0; // of a vertex's coordinates
     for (const std::uint32_t v : hull.vertices) {
         corners.push_back(points[v]);
         rounding = std::max(rounding, 2 * epsilon * points[v].cwiseAbs().maxCoeff());
@@ -193,7 +194,8 @@ BoundingMesh enclose_hull(const std::string& name, const std::vector<Eigen::Vect
     for (const double stretch : {0.0, 1e-12, 1e-10, 1e-8, 1e-6}) {
         std::vector<Eigen::Vector3d> surface = corners;
         for (std::size_t i = 0; i < surface.size(); ++i) {
-            const double share = 1 + static_cast<double>(i * 0x9E3779B97F4A7C15u >> 11) * 0x1p-53; // 1 to 2, scattered
+            const double share = 1 + static_cast<double>(i * 0x9E3779B97F4A7C15u >> 11) * 0x1p-53; // 1 to 2,
+                                                                                                   // pseudorandom
             surface[i] += stretch * share * (surface[i] - inner);
         }
         const Hull outer = convex_hull(surface);
@@ -201,8 +203,9 @@ BoundingMesh enclose_hull(const std::string& name, const std::vector<Eigen::Vect
         const Fit fit = fit_of(surface, outer.triangles, inner, corners);
         const double overhang = fit.overhang + hull.slack;
         if (!(fit.depth > 0 && 2 * overhang / fit.depth < std::max(1e-12, stretch))) continue;
-        // A surface whose corners then move by rounding sweeps no point farther from it than that, and two scaled
-        // copies of it are as far apart as their factors differ, times the depth. Twice, for the rounding of all this.
+        // If rounding moves the corners of a surface, it moves no point of the surface farther than that, and two
+        // scaled copies of the surface are apart by the difference of their factors times the depth. Doubled to cover
+        // the rounding of this computation.
         const double push = 2 * (overhang + rounding) / fit.depth;
 
         std::vector<Eigen::Vector3d> pushed;
@@ -218,7 +221,7 @@ BoundingMesh enclose_hull(const std::string& name, const std::vector<Eigen::Vect
         return {make_mesh(name, std::move(pushed), std::move(triangles)), error * (1 + 8 * epsilon)};
     }
     refuse(name,
-           fmt::format("the {} points of the convex hull lie in a plane, as far as rounding tells", points.size()));
+           fmt::format("the {} points of the convex hull lie in a plane up to rounding", points.size()));
 }
 
 } // namespace

@@ -33,26 +33,26 @@ struct HalfSpace {}; ///< all points with z <= 0: unbounded
 
 using Shape = std::variant<Sphere, Box, Capsule, Cylinder, ConvexHull, Ellipsoid, Cone, HalfSpace>;
 
-/// How far a half-space goes where something needs an end: beyond all that poses and sizes, each up to 1e15 m, reach.
+/// A half-space ends here for code that needs a finite box: beyond all poses and sizes, each up to 1e15 m.
 constexpr double half_space_end = 0x1p52;
 
 /// Throws Error{bad_data} naming `name` and the wrong dimension: not finite, not positive, so small that its products
 /// lose digits (below 1e-60 m), flat hull.
 void check_shape(const std::string& name, const Shape& shape);
 
-/// The exact box of the shape in its own frame; of a half-space down to half_space_end.
+/// The exact AABB of the shape in its own frame; a half-space ends at half_space_end.
 Aabb bounds_of(const Shape& shape);
 
 /// A convex closed mesh that encloses the shape.
 struct BoundingMesh {
     Mesh mesh;             ///< outward orientation
-    double covering_error; ///< no point of `mesh` or its inside is farther than this from the shape (m)
+    double covering_error; ///< upper bound on the distance of any point of the solid `mesh` from the shape (m)
 };
 
 /// Curved parts are tessellated so that the covering error is about 0.5 % of the radius (sphere 1,568 triangles). Boxes
-/// are exact (0). Hulls are pushed out by what rounding takes: about 1e-12 of their size, up to 1e-6 where many points
-/// lie all but in one plane. Enclosing is certified with rounding included. The shape must have passed check_shape, and
-/// be no half-space.
+/// are exact (0). Hulls are expanded by their rounding error: about 1e-12 of their size, up to 1e-6 if many points are
+/// nearly coplanar. The mesh certainly encloses the shape, rounding included. The shape must have passed check_shape
+/// and must not be a half-space.
 BoundingMesh bounding_mesh_of(const Shape& shape);
 
 } // namespace oncollide

@@ -8,7 +8,7 @@ namespace oncollide {
 
 namespace {
 
-/// Cosine and sine of an eighth of a turn at most, by their series; the first term left out is below 1e-17.
+/// Cosine and sine of at most an eighth of a turn, by their series; the first omitted term is below 1e-17.
 Circle first_octant(double turns)
 {
     const double x = 2 * std::numbers::pi * turns, x2 = x * x;
@@ -38,7 +38,7 @@ Circle circle(double turns)
 void octasphere(int frequency, std::vector<Eigen::Vector3d>& points, std::vector<Triangle>& triangles)
 {
     const int n = frequency;
-    std::map<std::array<int, 3>, std::uint32_t> known; // whole coordinates on |x| + |y| + |z| == n
+    std::map<std::array<int, 3>, std::uint32_t> known; // integer coordinates on |x| + |y| + |z| == n
     const auto vertex = [&](int x, int y, int z) {
         const auto [place, added] = known.try_emplace({x, y, z}, static_cast<std::uint32_t>(points.size()));
         if (added)

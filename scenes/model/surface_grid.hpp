@@ -9,8 +9,8 @@ namespace oncollide {
 
 // Building blocks of generated meshes. Private to scenes.
 
-/// Cosine and sine of a full turn times `turns` (>= 0). Plain arithmetic: equal bits on every platform, which the C
-/// library does not promise; exact at the quarters and symmetric about them.
+/// Cosine and sine of 2 pi `turns` (>= 0). Plain arithmetic: equal bits on every platform, which the C library does not
+/// guarantee; exact at the quarters and symmetric about them.
 struct Circle {
     double cosine, sine;
 };
@@ -20,8 +20,8 @@ Circle circle(double turns);
 /// three coordinate planes have an exact zero there. Outward orientation.
 void octasphere(int frequency, std::vector<Eigen::Vector3d>& points, std::vector<Triangle>& triangles);
 
-/// A grid of columns x rows quads on a surface, cut into triangles. Along a closed direction the last quads meet the
-/// first: at(columns, j) == at(0, j). Triangles face along du x dv.
+/// A grid of columns x rows quads on a surface, cut into triangles. Along a closed direction the last quads share
+/// vertices with the first: at(columns, j) == at(0, j). Triangles face along du x dv.
 class GridBuilder {
 public:
     std::vector<Eigen::Vector3d> points;
@@ -38,9 +38,10 @@ public:
                static_cast<std::uint32_t>(column % point_columns_);
     }
 
-    /// @param extra  this many quads, spread evenly, become four triangles around point(centre) instead of two: that is
-    ///               how a given number of triangles is met exactly; at most columns * rows
-    /// @param point  maps (column, row), whole at the corners, to the surface
+    /// @param extra  this many quads, spread evenly, become four triangles around point(centre) instead of two, to
+    /// reach an
+    ///               exact number of triangles; at most columns * rows
+    /// @param point  maps (column, row), integers at the corners, to the surface
     template <class Point>
     void build(int extra, Point point)
     {

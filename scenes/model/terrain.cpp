@@ -18,7 +18,7 @@ namespace {
 constexpr double farthest_coordinate = 1e15;
 constexpr std::uint32_t tile = Terrain::tile;
 
-/// Power of two of the lowest bit that is set; of 0 a large number.
+/// Exponent of the lowest bit that is set; a large number for 0.
 int lowest_bit(double value)
 {
     const auto bits = std::bit_cast<std::uint64_t>(value);
@@ -27,7 +27,7 @@ int lowest_bit(double value)
     return digits ? std::max(exponent, 1) - 1075 + std::countr_zero(digits) : 4096;
 }
 
-/// The nearest whole number, for magnitudes below 2^51: std::nearbyint() is a call on the baseline.
+/// The nearest integer, for magnitudes below 2^51: std::nearbyint() is a function call without SSE4.1.
 double nearest(double value)
 {
     constexpr double shift = 0x1.8p52;
@@ -36,7 +36,7 @@ double nearest(double value)
 
 } // namespace
 
-/// Looks at all heights once, chooses how to keep them, and keeps them.
+/// Reads all heights once, chooses their storage, and stores them.
 class TerrainBuilder {
 public:
     TerrainBuilder(const std::string& name, const TerrainGrid& grid, std::size_t count) : name_(name), grid_(grid)
@@ -84,7 +84,7 @@ private:
     {
         return grid_.no_data && (height == *grid_.no_data || (std::isnan(height) && std::isnan(*grid_.no_data)));
     }
-    /// visit(tile number, columns from, to, rows from, to)
+    /// Calls visit(tile number, columns from, to, rows from, to).
     template <class Visit>
     void each_tile(Visit visit) const
     {
@@ -104,18 +104,18 @@ private:
         void add(std::int32_t n) { low = std::min(low, n), high = std::max(high, n); }
         std::int64_t size() const { return std::int64_t(high) - low; }
     };
-    /// In units.
+    /// In units of unit_.
     std::int32_t whole(double height) const { return static_cast<std::int32_t>(nearest(height * per_unit_)); }
 
     const std::string& name_;
     const TerrainGrid& grid_;
     Terrain terrain_;
     double least_ = std::numeric_limits<double>::infinity(), greatest_ = -least_;
-    double largest_ = 0; ///< magnitude of a height
-    int lowest_ = 4096;  ///< power of two of which all are multiples
+    double largest_ = 0; ///< largest magnitude of a height
+    int lowest_ = 4096;  ///< exponent of a power of two that divides all heights
     bool holes_ = false;
-    bool floats_ = true, units_ = true; ///< are all floats, and multiples of grid.unit?
-    bool whole_ = false;                ///< are all whole multiples of unit_?
+    bool floats_ = true, units_ = true; ///< all heights are floats; all are multiples of grid.unit
+    bool whole_ = false;                ///< all heights are integer multiples of unit_
     double unit_ = 1, per_unit_ = 1;
 };
 
@@ -135,7 +135,7 @@ void TerrainBuilder::check_grid(std::size_t count) const
                     fmt::format("{}: heights of {} bytes; must be 1, 2, 4 or 8, or 0 for the fewest that are exact",
                                 name_, grid_.bytes));
     if (!(grid_.error >= 0 && grid_.error <= farthest_coordinate))
-        fail(fmt::format("heights are off by {}; must be 0 or more", grid_.error));
+        fail(fmt::format("the error of heights is {}; must be 0 or more", grid_.error));
     if (!(grid_.unit >= 0 && grid_.unit <= farthest_coordinate))
         fail(fmt::format("the unit of heights is {}; must be 0 or more", grid_.unit));
     for (int i = 0; i < 2; ++i) {
@@ -156,7 +156,7 @@ void TerrainBuilder::fail_at(double height, std::size_t number) const
 {
     fail(fmt::format("the height in column {}, row {} is {}; {}", number % grid_.columns, number / grid_.columns,
                      height,
-                     std::isnan(height) ? "no_data can say that such heights are holes"
+                     std::isnan(height) ? "set no_data to NaN if such heights are holes"
                                         : fmt::format("at most {:g} m are allowed", farthest_coordinate)));
 }
 
@@ -164,7 +164,7 @@ template <class Height>
 void TerrainBuilder::look_at(std::span<const Height> heights)
 {
     const double per_unit = grid_.unit > 0 ? 1 / grid_.unit : 0;
-    double per_lowest = 0; // 2^-lowest_: most heights are multiples of what those before are multiples of
+    double per_lowest = 0; // 2^-lowest_, kept between heights: most heights are multiples of the same power
     for (const Height& given : heights) {
         const double height = given;
         if (hole(height)) {
@@ -186,7 +186,7 @@ void TerrainBuilder::look_at(std::span<const Height> heights)
     largest_ = std::max(std::abs(least_), std::abs(greatest_));
 }
 
-/// The unit of which all heights are multiples, if there is one; else a power of two, fine enough.
+/// Chooses the unit: the largest that divides all heights, if there is one; else a power of two that is fine enough.
 void TerrainBuilder::choose_unit()
 {
     constexpr double most = 0x1p30;
@@ -424,7 +424,7 @@ Mesh mesh_of(const Terrain& terrain)
     for (std::uint32_t r = 0; r < terrain.rows(); ++r)
         for (std::uint32_t c = 0; c < terrain.columns(); ++c) {
             Eigen::Vector3d point = terrain.point(c, r);
-            if (std::isnan(point.z())) point.z() = 0; // in no triangle
+            if (std::isnan(point.z())) point.z() = 0; // no triangle uses it
             points.push_back(point);
         }
     for (std::uint32_t y = 0; y < terrain.cells_y(); ++y)

@@ -10,7 +10,7 @@ namespace oncollide {
 
 namespace {
 
-/// Whole multiples of a power of two, of which 16 bits hold all.
+/// Heights that are integer multiples of a power of two and fit into 16 bits.
 class Hills {
 public:
     Hills(std::uint32_t cells_x, std::uint32_t cells_y, double spacing, double height, std::uint64_t seed)

@@ -94,7 +94,7 @@ CASES = [
     (lambda: world().set_pose(0, np.eye(4)[None]), ValueError, "World.set_pose: pose: expected shape (4, 4)"),
     (lambda: world().set_pose(0, NAN), Error, "body 0: the pose is not finite"),
     (lambda: world().set_pose(0, MIRROR), Error, "body 0: the pose is not rigid: it mirrors"),
-    (lambda: world().set_pose(0, LEAN), Error, "body 0: the pose is not rigid: R^T R is off the identity"),
+    (lambda: world().set_pose(0, LEAN), Error, "body 0: the pose is not rigid: R^T R differs from the identity"),
     (lambda: world().set_pose(0, at(1).T), Error, "body 0: the pose's last row is not (0, 0, 0, 1)"),
     (lambda: world().set_pose(0, at(1e16)), Error, "beyond 1e15 m"),
     (lambda: world().set_pose(0, [0, 0, 0, 0, 0, 0, 0]), ValueError, "World.set_pose: pose: the quaternion (0, 0, 0, 0) has length 0; it must be near 1"),

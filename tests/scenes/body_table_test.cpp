@@ -102,7 +102,7 @@ TEST_F(BodyTable, RefusesTablesThatMakeNoSense)
         expect_error(
             ErrorKind::bad_data, [&] { load(entry); }, "s.json: tables[0]", part);
     };
-    refuse(R"({"file": "t.csv", "geometry": "ball"})", "the scene file gives one for all rows");
+    refuse(R"({"file": "t.csv", "geometry": "ball"})", "the scene file gives a geometry for all rows");
     refuse(R"({"file": "t.csv", "geometry": "bal"})", "geometry: no geometry named 'bal'");
     refuse(R"({"file": "t.csv", "path": "bodies"})", "path: is for HDF5 files");
     refuse(R"({"file": "t.xls"})", "file: unknown kind of table '.xls'; known are .csv, .h5, .hdf5");
@@ -267,11 +267,11 @@ TEST_F(Hdf5Table, RefusesDamagedFilesAndThoseThatAnnounceTooMuch)
     for (const std::size_t size : {std::size_t{1}, std::size_t{100}, bytes.size() / 2, bytes.size() - 1}) {
         folder_.write("t.h5", bytes.substr(0, size));
         expect_error(
-            ErrorKind::bad_data, [&] { load(); }, "t.h5: is no whole HDF5 file");
+            ErrorKind::bad_data, [&] { load(); }, "t.h5: is not a complete HDF5 file");
     }
     folder_.write("t.h5", "x,y,z\n1,2,3\n");
     expect_error(
-        ErrorKind::bad_data, [&] { load(); }, "t.h5: is no whole HDF5 file");
+        ErrorKind::bad_data, [&] { load(); }, "t.h5: is not a complete HDF5 file");
     const hid_t file = H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
     const hid_t group = H5Gcreate2(file, "bodies", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
     const hsize_t extent[2] = {9'000'000, 3};

@@ -137,7 +137,7 @@ TEST_F(RecordedMotion, RefusesOtherShapesTypesAndLengths)
            "(5, 2, 7) numbers of 8 bytes are announced, and 448 bytes are there");
     refuse(as_npy<double>(n, "(4, 2305843009213693952, 7)", "<f8"), "are announced, and 448 bytes are there");
     refuse(as_npy<double>({}, "(0, 2, 7)", "<f8"), "0 frames of 2 bodies; there must be one at least");
-    refuse(as_npy<double>(n, "(2, 4, 7)", "<f8"), "holds 4 bodies, for those from number 1 on; the scene has 3 bodies");
+    refuse(as_npy<double>(n, "(2, 4, 7)", "<f8"), "holds poses of 4 bodies, from body 1 on; the scene has 3 bodies");
     refuse(whole, "moves body 2, which is static", R"({"geometry": "ball", "static": true})");
     refuse(whole, "moves body 2, which has a motion of its own",
            R"({"geometry": "ball", "motion": {"drift": {"velocity": [1, 0, 0]}}})");

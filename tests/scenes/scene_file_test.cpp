@@ -254,7 +254,7 @@ TEST_F(SceneFile, RefusesNamesGivenTwice)
             "geometries.ball: the key 'ball' is given twice");
     refuses(R"({"geometries": {"ball": )" + one + R"(}, "bodies": [{"name": "b", "geometry": "ball"},
         {"name": "a", "geometry": "ball"}, {"name": "a", "geometry": "ball"}]})",
-            "bodies[2]: body 'a': the scene has another one of this name");
+            "bodies[2]: body 'a': the scene has another body of this name");
     refuses(R"({"geometries": {"ball": )" + one + R"(}, "bodies": [{"name": "b", "geometry": "ball"},
         {"name": "a", "geometry": "ball", "name": "c"}]})",
             "bodies[1].geometry: the key 'name' is given twice");

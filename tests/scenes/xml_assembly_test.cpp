@@ -155,13 +155,13 @@ TEST_F(XmlAssembly, BadColladaIsRefusedWithItsLine)
     expect_bad_dae("<p>0 0 ", "<p>-1 0 ", "<p> holds '-1'");
     expect_bad_dae("<p>0 0 ", "<p>0 ", "has 71 numbers, but 2 make a corner");
     expect_bad_dae("<p>0 0 ", "<p>0 0 0 0 ", "1 corners too many");
-    expect_bad_dae("<triangles count=\"12\"", "<triangles count=\"13\"", "announces 13 of them, but has 12");
+    expect_bad_dae("<triangles count=\"12\"", "<triangles count=\"13\"", "announces 13 faces, but has 12");
     expect_bad_dae("count=\"24\">", "count=\"25\">", "announces 25 numbers, but has 24");
     expect_bad_dae("count=\"24\">", "count=\"24\">NaN ", "<float_array> holds 'NaN' at 0");
     expect_bad_dae("count=\"8\" stride=\"3\"", "count=\"9\" stride=\"3\"", "announces 9 positions");
     expect_bad_dae("count=\"8\" stride=\"3\"", "count=\"6148914691236517206\" stride=\"3\"", "announces");
     expect_bad_dae("count=\"8\" stride=\"3\"", "count=\"8\" stride=\"2\"", "announces 8 positions of 2 numbers");
-    expect_bad_dae("url=\"#g\"", "url=\"#h\"", "<instance_geometry> names '#h', which is nothing of its kind");
+    expect_bad_dae("url=\"#g\"", "url=\"#h\"", "<instance_geometry> refers to '#h', which is no element of that kind");
     expect_bad_dae("url=\"#g\"", "url=\"b.dae#g\"", "must be '#' and an id of this file");
     expect_bad_dae("url=\"#s\"", "url=\"#t\"", "names '#t'");
     expect_bad_dae("<node>", "<node><matrix>1 0 0 0</matrix>", "<matrix> has 4 numbers; it must have 16");
@@ -239,7 +239,7 @@ TEST_F(XmlAssembly, Bad3mfIsRefusedWithItsLine)
     expect_bad("a.3mf", as_3mf("<x/>"), "not a 3MF model: it holds <x>");
     expect_bad("a.3mf", test::as_zip({{"a", "b"}}), "_rels/.rels: the archive has no such file");
     expect_bad("a.3mf", test::as_zip({{"_rels/.rels", "<a/>"}}), "it names no 3D model");
-    expect_bad("a.3mf", "no archive", "not a sound zip archive");
+    expect_bad("a.3mf", "no archive", "not a valid zip archive");
     std::string damaged = zip;
     damaged[damaged.find("<vertex x=\"") + 11] ^= 1;
     expect_bad("a.3mf", damaged, "3D/3dmodel.model: ");

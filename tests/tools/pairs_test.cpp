@@ -196,9 +196,9 @@ TEST_F(Pairs, AreRefusedWhereTheyCannotBeWrittenOrContinued)
     expect_error(64, city(3, {"--from-frame", "-1"}), {"--from-frame -1", "at least 0"});
     expect_error(64, city(9, {"--pairs", "p.h5", "--from-frame", "5"}), {"p.h5", "holds frames 0 to 2", "1 to 3"});
     expect_error(64, city(9, {"--pairs", "p.h5", "--from-frame", "2", "--clearance", "1"}),
-                 {"p.h5", "its 'settings' is not this run's", "clearance"});
+                 {"p.h5", "its 'settings' differs from this run's", "clearance"});
     expect_error(64, {"run", "hills", "--bodies", "5", "--frames", "9", "--pairs", "p.h5", "--from-frame", "2"},
-                 {"p.h5", "its 'scene' is not this run's: city there, hills here"});
+                 {"p.h5", "its 'scene' differs from this run's: city there, hills here"});
     EXPECT_EQ(frames_of("p.h5"), 3) << "what cannot be continued stays";
     folder_.write("p.h5", "nothing of the kind");
     expect_error(65, city(9, {"--pairs", "p.h5", "--from-frame", "2"}), {"p.h5", "no file of results"});

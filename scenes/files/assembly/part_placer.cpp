@@ -30,8 +30,8 @@ bool PartPlacer::place(std::uint32_t node, std::uint32_t mesh, const Eigen::Affi
     return true;
 }
 
-/// The number of what a part shares with others of its mesh, and how it is turned. World takes poses that are rigid to
-/// 1e-6; a file's floats are to some 1e-7.
+/// The index in placed_ that a part shares with other parts of its mesh, and the part's rotation relative to it. World
+/// accepts poses that are rigid to 1e-6; a file's floats are accurate to about 1e-7.
 std::pair<std::uint32_t, Eigen::Matrix3d> PartPlacer::shared(std::uint32_t mesh, const Eigen::Matrix3d& linear)
 {
     const Eigen::Matrix3d same = Eigen::Matrix3d::Identity();
@@ -39,7 +39,7 @@ std::pair<std::uint32_t, Eigen::Matrix3d> PartPlacer::shared(std::uint32_t mesh,
         return (m.transpose() * m - same).cwiseAbs().maxCoeff() < 5e-7 && m.determinant() > 0;
     };
     std::vector<std::uint32_t>& of_mesh = by_mesh_[mesh];
-    constexpr std::size_t most = 64; // looked at: a file may stretch each part differently
+    constexpr std::size_t most = 64; // entries compared: a file may scale each part differently
     for (std::size_t k = 0; k < std::min(of_mesh.size(), most); ++k) {
         const Eigen::Matrix3d rotated = linear * placed_[of_mesh[k]].linear.inverse();
         if (rotated.allFinite() && is_rotation(rotated))
@@ -54,7 +54,7 @@ std::pair<std::uint32_t, Eigen::Matrix3d> PartPlacer::shared(std::uint32_t mesh,
 RawAssembly PartPlacer::take(std::span<const std::uint32_t> above,
                              const std::function<std::string(std::uint32_t)>& name_of, const AddMesh& add, int threads)
 {
-    constexpr int levels = 8; // of a path: nodes may be chained by the million
+    constexpr int levels = 8; // of a path: a file may nest millions of nodes
     RawAssembly assembly{std::vector<RawMesh>(placed_.size()), std::move(parts_)};
     for (RawPart& part : assembly.parts) {
         part.name = part.path = name_of(part.node);

@@ -8,15 +8,15 @@
 
 namespace oncollide {
 
-// What the readers of assemblies share. Private to scenes.
+// Shared by the readers of assemblies. Private to scenes.
 
-/// A few bytes may place a mesh a million times, so what they become is bounded: by the bytes of all files, as one that
-/// places everything once needs at least a byte for each triangle and each vertex, or by a number that the smallest
-/// file may grow to.
+/// A few bytes may place a mesh a million times, so the result's size is limited: by the bytes of all files, since a
+/// file without repetition needs at least a byte per triangle and per vertex, or by a number that is allowed for any
+/// file.
 class ExpansionLimit {
 public:
     explicit ExpansionLimit(const MeshSource& source) : source_(source) {}
-    /// Throws Error{bad_data} when too many pieces were spent, by all threads together.
+    /// Throws Error{bad_data} if all threads together spent too many pieces.
     /// @param beside bytes of other files that were read
     void spend(std::uint64_t pieces, std::uint64_t beside = 0);
 
@@ -25,12 +25,12 @@ private:
     std::atomic<std::uint64_t> spent_ = 0;
 };
 
-/// Triangles on their way to a mesh.
+/// Collects the triangles of a mesh.
 struct WeldedMesh {
     Welder weld;
     std::vector<Triangle> triangles;
 
-    /// @param mirrored the vertices were; keeps the front at the front
+    /// @param mirrored the vertices are mirrored: flips the triangle to keep its front
     void add(Triangle triangle, bool mirrored)
     {
         if (mirrored) std::swap(triangle[1], triangle[2]);
@@ -39,30 +39,30 @@ struct WeldedMesh {
     RawMesh take() { return {weld.take(), std::move(triangles)}; }
 };
 
-/// Adds the mesh of that number, moved by the pose, to another one.
+/// Appends the mesh of that number, transformed by the pose, to another mesh.
 using AddMesh = std::function<void(std::uint32_t mesh, const Eigen::Affine3d& pose, WeldedMesh& to)>;
 
-/// Makes parts of nodes that show meshes.
+/// Makes parts from nodes that have meshes.
 class PartPlacer {
 public:
     explicit PartPlacer(std::size_t meshes) : by_mesh_(meshes) {}
 
-    /// False, and nothing is done, where the pose leads too far away.
+    /// Returns false and does nothing if the pose leads out of the allowed coordinates.
     bool place(std::uint32_t node, std::uint32_t mesh, const Eigen::Affine3d& pose);
-    /// All that was placed.
-    /// @param above by node, the node above it or no_node
+    /// All placed parts.
+    /// @param above by node, the parent node or no_node
     RawAssembly take(std::span<const std::uint32_t> above, const std::function<std::string(std::uint32_t)>& name_of,
                      const AddMesh& add, int threads);
 
 private:
-    /// A mesh of the file, turned, stretched or mirrored: what parts that differ only in a rigid pose share.
+    /// A mesh of the file, rotated, scaled or mirrored: shared by parts that differ only in a rigid pose.
     struct Placed {
         std::uint32_t mesh;
         Eigen::Matrix3d linear;
     };
     std::pair<std::uint32_t, Eigen::Matrix3d> shared(std::uint32_t mesh, const Eigen::Matrix3d& linear);
 
-    std::vector<std::vector<std::uint32_t>> by_mesh_; ///< numbers of placed_
+    std::vector<std::vector<std::uint32_t>> by_mesh_; ///< indices into placed_
     std::vector<Placed> placed_;
     std::vector<RawPart> parts_;
 };

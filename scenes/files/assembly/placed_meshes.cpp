@@ -20,8 +20,8 @@ public:
         std::vector<Eigen::Vector3d> points(mesh.vertices.size());
         for (std::size_t i = 0; i < points.size(); ++i) {
             points[i] = pose * mesh.vertices[i];
-            if (!points[i].allFinite()) // welded, such points would each be looked for among all others
-                source_.fail(fmt::format("vertex {} of a mesh lies beyond all numbers where it is placed", i));
+            if (!points[i].allFinite()) // the welder would compare each such point with all others
+                source_.fail(fmt::format("vertex {} of a mesh has no finite position where it is placed", i));
         }
         std::vector<std::uint32_t> numbers(points.size());
         to.weld.add(points, numbers.data());

@@ -6,13 +6,13 @@
 
 namespace oncollide {
 
-/// What a file shows and where: what its nodes instance is resolved. Private to scenes.
+/// The visible meshes of a file and their poses, with instances resolved. Private to scenes.
 struct PlacedMeshes {
     struct Node {
         std::uint32_t above; ///< in nodes, or no_node
         std::uint32_t name;  ///< in names
     };
-    /// A mesh that a node shows, placed in the world.
+    /// A mesh of a node, with its pose in the world.
     struct Show {
         std::uint32_t node, mesh;
         Eigen::Affine3d pose;

@@ -18,7 +18,7 @@ bool is_space(char c)
     return c == ' ' || c == '\n' || c == '\t' || c == '\r';
 }
 
-/// visit(word) for each word of the element's text.
+/// Calls visit(word) for each word of the element's text.
 template <class Visit>
 void each_word(const XmlElement& element, Visit visit)
 {
@@ -48,7 +48,7 @@ std::vector<std::uint32_t> naturals(const MeshSource& source, const XmlElement& 
     return numbers;
 }
 
-/// The attribute as a whole number; `otherwise` where there is none.
+/// The attribute as an integer; `otherwise` if it is missing.
 std::size_t natural(const MeshSource& source, const XmlElement& element, std::string_view attribute,
                     std::size_t otherwise)
 {
@@ -76,8 +76,8 @@ const XmlElement& input(const MeshSource& source, const XmlElement& element, std
     source.fail(fmt::format("<{}> has no input of the semantic {}", element.name, semantic), element.line);
 }
 
-/// Which of the numbers that an accessor steps over are x, y and z: the first three that have a name. Some programs
-/// name none.
+/// Indices of x, y and z in an accessor's parameters: the first three that have a name, since some programs use no
+/// names.
 std::array<std::size_t, 3> coordinates(const MeshSource& source, const XmlElement& accessor)
 {
     std::vector<std::size_t> named, all;
@@ -105,7 +105,7 @@ std::vector<Eigen::Vector3d> positions(const MeshSource& source, const XmlElemen
     const auto [x, y, z] = coordinates(source, accessor);
     const std::size_t count = natural(source, accessor, "count", 0), step = natural(source, accessor, "stride", 1),
                       offset = natural(source, accessor, "offset", 0), last = std::max({x, y, z});
-    // Without products that overflow.
+    // Written so that no product overflows.
     const bool fits = last < step && (count == 0 || (offset <= numbers.size() && step <= numbers.size() - offset &&
                                                      count - 1 <= (numbers.size() - offset - step) / step));
     if (!fits)
@@ -125,7 +125,7 @@ class Faces {
 public:
     Faces(const MeshSource& source, std::size_t vertices) : source_(source), vertices_(vertices) {}
 
-    /// Of an element of any name.
+    /// Adds an element of any name; ignores unknown ones.
     void add(const XmlElement& element)
     {
         const bool triangles = element.name == "triangles", strips = element.name == "tristrips",
@@ -150,7 +150,7 @@ public:
                 ++faces, strips || fans ? add_strip(corners, fans) : add_polygon(element, corners);
         }
         if (const std::size_t count = natural(source_, element, "count", faces); count != faces)
-            source_.fail(fmt::format("<{}> announces {} of them, but has {}", element.name, count, faces),
+            source_.fail(fmt::format("<{}> announces {} faces, but has {}", element.name, count, faces),
                          element.line);
     }
 
@@ -175,7 +175,7 @@ private:
         return corners;
     }
 
-    /// Faces of so many corners each, one after the other; of three where `counts` says nothing.
+    /// Adds consecutive faces with these numbers of corners; with three corners each if `counts` is empty.
     std::size_t add_runs(const XmlElement& element, std::span<const std::int64_t> corners,
                          const std::vector<std::uint32_t>& counts)
     {
@@ -209,7 +209,7 @@ private:
 
     const MeshSource& source_;
     const std::size_t vertices_;
-    std::size_t corner_ = 0, step_ = 1; ///< of the element being read
+    std::size_t corner_ = 0, step_ = 1; ///< offset of the corners, and stride, in the element being read
     PolygonList polygons_;
 };
 
@@ -251,7 +251,7 @@ const XmlElement& ColladaIds::find(const XmlElement& from, std::string_view attr
                      from.line);
     const XmlElement* const found = try_find(reference);
     if (!found)
-        source_.fail(fmt::format("<{}> names {}, which is nothing of its kind in this file", from.name,
+        source_.fail(fmt::format("<{}> refers to {}, which is no element of that kind in this file", from.name,
                                  oncollide::quoted(reference)),
                      from.line);
     return *found;

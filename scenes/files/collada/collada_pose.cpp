@@ -14,7 +14,7 @@ namespace {
 using Eigen::Affine3d;
 using Eigen::Vector3d;
 
-/// The element's numbers, which must be that many.
+/// The element's numbers; throws unless there are exactly N.
 template <int N>
 Eigen::Matrix<double, N, 1> read(const MeshSource& source, const XmlElement& element)
 {
@@ -24,7 +24,7 @@ Eigen::Matrix<double, N, 1> read(const MeshSource& source, const XmlElement& ele
     return Eigen::Map<const Eigen::Matrix<double, N, 1>>(numbers.data());
 }
 
-/// Exact for quarter turns about an axis of coordinates.
+/// Exact for quarter turns about a coordinate axis.
 Affine3d turn(const MeshSource& source, const XmlElement& element)
 {
     const Eigen::Vector4d n = read<4>(source, element);
@@ -44,7 +44,7 @@ Affine3d turn(const MeshSource& source, const XmlElement& element)
     return pose;
 }
 
-/// At the first point, looking at the second one along -z, the third vector up.
+/// The pose at the first point that looks at the second point along -z, with the third vector up.
 Affine3d look_at(const MeshSource& source, const XmlElement& element)
 {
     const Eigen::Matrix<double, 9, 1> n = read<9>(source, element);
@@ -93,12 +93,12 @@ Affine3d collada_units(const MeshSource& source, const XmlElement& root)
     if (unit && !unit->attribute("meter").empty() &&
         !(parse(unit->attribute("meter"), metres) && metres > 0 && metres <= 1e12))
         source.fail(fmt::format("<unit> is of {} metres", oncollide::quoted(unit->attribute("meter"))), unit->line);
-    // Y_UP where nothing is said, as the format has it.
+    // The format's default is Y_UP.
     std::string up = axis ? axis->text : "Y_UP";
     std::erase_if(up, [](char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r'; });
     if (up == "Y_UP")
         pose.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
-    else if (up == "X_UP") // right is -y, towards the viewer is z
+    else if (up == "X_UP") // right is -y, out of the screen is z
         pose.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
     else if (up != "Z_UP")
         source.fail(fmt::format("<up_axis> is {}; it must be X_UP, Y_UP or Z_UP", oncollide::quoted(up)), axis->line);

@@ -5,7 +5,7 @@
 
 namespace oncollide {
 
-/// What a node does to all below it: its transforms, one after the other. Private to scenes.
+/// The pose of a node relative to its parent: the product of its transforms. Private to scenes.
 Eigen::Affine3d collada_pose(const MeshSource& source, const XmlElement& node);
 
 /// The element's 16 numbers, row by row.

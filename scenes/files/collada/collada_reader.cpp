@@ -17,7 +17,7 @@ namespace {
 constexpr std::array kept_libraries = {"asset",         "library_geometries",    "library_controllers",
                                        "library_nodes", "library_visual_scenes", "scene"};
 
-/// Of what a program adds for itself, materials and all else nothing is kept.
+/// Application-specific data, materials and the like are dropped.
 bool is_kept(std::string_view name, int level)
 {
     if (level == 1) return std::ranges::find(kept_libraries, name) != kept_libraries.end();
@@ -47,15 +47,15 @@ public:
     RawAssembly parts(double scale, int threads) { return parts_of(source_, placed_, expansion_, scale, threads); }
 
 private:
-    /// A node on its way to becoming one or more of the world.
+    /// A node of the file during the traversal; instances may turn it into several nodes of the world.
     struct Open {
         const XmlElement* element;
         std::uint32_t above;
         int level;
-        Eigen::Affine3d pose; ///< of the node above
+        Eigen::Affine3d pose; ///< of the parent node
     };
 
-    /// The levels of elements are bounded, so is this recursion.
+    /// Recursion; the reader limits the nesting of elements.
     void add_nodes(const XmlElement& element)
     {
         if (element.name == "node") nodes_.add(element);
@@ -63,7 +63,7 @@ private:
             if (child.name == "node") add_nodes(child);
     }
 
-    /// The one that the file says; else the first.
+    /// The scene that the file selects; else the first.
     const XmlElement& shown_scene() const
     {
         const XmlElement* const scene = root_.find("scene");
@@ -107,7 +107,7 @@ private:
         if (child.name != "instance_geometry" && child.name != "instance_controller") return;
         const XmlElement* shown =
             child.name == "instance_geometry" ? &geometries_.find(child, "url") : &controllers_.find(child, "url");
-        for (int level = 0; shown->name == "controller"; ++level) { // as it was when its bones were tied to it
+        for (int level = 0; shown->name == "controller"; ++level) { // in the pose in which it was bound to its bones
             if (level > 8) source_.fail("controllers are their own sources", shown->line);
             const XmlElement* const skin = shown->find("skin");
             const XmlElement* const deforms = skin ? skin : shown->find("morph");
@@ -122,7 +122,7 @@ private:
         if (name.empty()) name = name_of(*shown);
     }
 
-    /// Of a controller: another one, or a geometry.
+    /// The source of a controller: another controller, or a geometry.
     const XmlElement& source_of(const XmlElement& deforms) const
     {
         const XmlElement* const controller = controllers_.try_find(deforms.attribute("source"));
@@ -135,7 +135,7 @@ private:
         return name.empty() ? element.attribute("id") : name;
     }
 
-    /// The number of the element's name.
+    /// Index of the element's name.
     std::uint32_t definition(const XmlElement& node)
     {
         const auto [at, is_new] = definitions_.try_emplace(&node, static_cast<std::uint32_t>(placed_.names.size()));

@@ -38,7 +38,7 @@ std::uint32_t whole_number(const GltfColumn& column, std::size_t i)
                                    : load<std::uint32_t>(at);
 }
 
-/// A signed type has one number more below zero than above: it is -1, too.
+/// A signed type has one more value below zero than above: the lowest is also -1.
 template <class Whole>
 double scaled(const char* at, bool normalized)
 {
@@ -62,7 +62,7 @@ double coordinate(const char* at, int type, bool normalized)
     }
 }
 
-/// `count` elements of `bytes` each in the view that `node` names. A step of 0: one after the other.
+/// `count` elements of `bytes` each in the view that `node` names. Step 0: contiguous.
 GltfColumn column_in(GltfBuffers& buffers, const Node& node, int type, std::size_t count, std::size_t bytes,
                      std::uint64_t step)
 {
@@ -121,7 +121,7 @@ void GltfAccessor::read(const GltfDocument& document, GltfBuffers& buffers, cons
         elements_ = column_in(buffers, accessor, elements_.type, size_, numbers * bytes_of(elements_.type), step);
     }
     if (is_sparse) read_sparse(buffers, accessor["sparse"], numbers);
-    if (!has_view && !is_sparse) accessor.fail("has neither 'bufferView' nor 'sparse', so its numbers are nowhere");
+    if (!has_view && !is_sparse) accessor.fail("has neither 'bufferView' nor 'sparse', so it has no data");
 }
 
 void GltfAccessor::read_sparse(GltfBuffers& buffers, const Node& sparse, std::size_t numbers)

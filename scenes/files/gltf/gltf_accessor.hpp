@@ -7,7 +7,7 @@
 
 namespace oncollide {
 
-/// Numbers of one type that lie at equal steps in a buffer.
+/// Numbers of one type at a constant stride in a buffer.
 struct GltfColumn {
     const char* data = nullptr;
     std::size_t step = 0;
@@ -16,10 +16,11 @@ struct GltfColumn {
     const char* at(std::size_t i) const { return data + i * step; }
 };
 
-/// The elements of an accessor, read where they lie; some may be replaced (sparse accessors). Private to scenes.
+/// The elements of an accessor, read directly from the buffers; some may be replaced (sparse accessors). Private to
+/// scenes.
 class GltfAccessor {
 public:
-    /// Of corners: whole numbers. Of vertices: points. Throw Error{bad_data} unless all elements lie in their buffers.
+    /// of_corners: integers; of_positions: points. Throw Error{bad_data} unless all elements are inside their buffers.
     static GltfAccessor of_corners(const GltfDocument& document, GltfBuffers& buffers, const Node& number);
     static GltfAccessor of_positions(const GltfDocument& document, GltfBuffers& buffers, const Node& number);
 

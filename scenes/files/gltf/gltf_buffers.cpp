@@ -45,7 +45,7 @@ int hex_digit(char c)
     return lower >= 'a' && lower <= 'f' ? lower - 'a' + 10 : -1;
 }
 
-/// `%20` and the like as the characters that they stand for.
+/// Replaces escapes such as `%20` by their characters.
 std::string decode_percent(const Node& uri, std::string_view text)
 {
     std::string name;
@@ -125,7 +125,7 @@ const std::string& GltfBuffers::beside(const Node& uri)
         const std::string& bytes = files_[name] = read_file(file_in(folder, name), most_bytes - bytes_read_);
         bytes_read_ += bytes.size();
         return bytes;
-    } catch (const Error& error) { // of whatever kind: the file that was requested is there, and is not whole
+    } catch (const Error& error) { // of any kind: the file that was requested exists, but is incomplete
         document_.source().fail(fmt::format("the file of a buffer cannot be read: {}", error.what()));
     }
 }

@@ -9,14 +9,14 @@
 
 namespace oncollide {
 
-/// The bytes that the buffers of a glTF file hold: in GLB's binary chunk, in the file itself (base64) or in files
-/// beside it. Each is read once, when it is first needed. Private to scenes.
+/// The bytes of the buffers of a glTF file: in GLB's binary chunk, in the file itself (base64) or in separate files.
+/// Each buffer is read once, on first use. Private to scenes.
 class GltfBuffers {
 public:
     explicit GltfBuffers(const GltfDocument& document);
 
-    /// The bytes of the buffer view of that number, which stay as long as this. Throws Error{bad_data} where they are
-    /// not all there.
+    /// The bytes of the buffer view of that number, valid as long as this object. Throws Error{bad_data} if some are
+    /// missing.
     std::string_view view(const Node& number);
     /// Bytes of the files read so far.
     std::uint64_t bytes_read() const { return bytes_read_; }
@@ -29,7 +29,7 @@ private:
     const GltfDocument& document_;
     std::vector<std::optional<std::string_view>> buffers_; ///< by number
     std::deque<std::string> decoded_;
-    std::map<std::string, std::string> files_; ///< by name: many buffers may name one
+    std::map<std::string, std::string> files_; ///< by name: several buffers may use one file
     std::uint64_t bytes_read_ = 0;
 };
 

@@ -18,7 +18,7 @@ static_assert(std::endian::native == std::endian::little, "glTF is read as it li
 
 constexpr std::array list_names = {"scenes", "nodes", "meshes", "accessors", "bufferViews", "buffers"};
 
-/// Extensions that a file may require: all but the first say nothing about the shape of a mesh.
+/// Extensions that a file may require: only the first affects the shape of a mesh.
 constexpr std::array known_extensions = {"KHR_mesh_quantization", "KHR_texture_transform", "KHR_texture_basisu",
                                          "KHR_lights_punctual",   "KHR_technique_webgl",   "KHR_techniques_webgl",
                                          "EXT_texture_webp",      "EXT_texture_avif"};
@@ -62,7 +62,7 @@ GltfDocument::GltfDocument(const MeshSource& source) : source_(source), tape_({s
     check_extensions();
 }
 
-/// The JSON chunk; keeps the binary one.
+/// Returns the JSON chunk and stores the binary chunk.
 std::string_view GltfDocument::split_glb()
 {
     constexpr std::size_t header_bytes = 12, chunk_header_bytes = 8;
@@ -87,7 +87,7 @@ std::string_view GltfDocument::split_glb()
         }
         rest.remove_prefix(chunk_header_bytes + chunk.size());
     }
-    while (json.ends_with('\0')) json.remove_suffix(1); // some writers fill up with these in place of blanks
+    while (json.ends_with('\0')) json.remove_suffix(1); // some writers pad with zeros instead of blanks
     return json;
 }
 

@@ -8,7 +8,7 @@
 
 namespace oncollide {
 
-/// `node`, which must be an array, to walk over.
+/// Returns `node`, which must be an array, for iteration.
 Node list_of(const Node& node);
 
 /// The JSON of a glTF or GLB file, and GLB's binary chunk. Private to scenes.
@@ -24,11 +24,11 @@ public:
     const MeshSource& source() const { return source_; }
     Node root() const { return Node(tape_); }
     const std::vector<Node>& all(List list) const { return lists_[list]; }
-    /// The place in `list` that `number` gives. Throws Error{bad_data} when there is none.
+    /// The index in `list` that `number` gives. Throws Error{bad_data} if it is out of range.
     std::size_t index(List list, const Node& number) const;
     const Node& at(List list, const Node& number) const { return lists_[list][index(list, number)]; }
-    std::string_view binary_chunk() const { return binary_chunk_; } ///< empty where there is none
-    bool is_quantized() const { return is_quantized_; }             ///< positions may be whole numbers
+    std::string_view binary_chunk() const { return binary_chunk_; } ///< empty if there is none
+    bool is_quantized() const { return is_quantized_; }             ///< positions may be integers
 
 private:
     std::string_view split_glb();

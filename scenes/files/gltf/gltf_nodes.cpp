@@ -11,7 +11,7 @@ Eigen::Affine3d pose_of(const Node& node)
     Eigen::Affine3d pose = Eigen::Affine3d::Identity();
     if (node.has("matrix")) {
         const Node matrix = node["matrix"];
-        matrix.numbers(16, pose.matrix().data()); // by columns, as Eigen has it
+        matrix.numbers(16, pose.matrix().data()); // column-major, as in Eigen
         const Eigen::RowVector4d last = pose.matrix().row(3);
         if (!((last - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() < 1e-6))
             matrix.fail("its last row must be 0, 0, 0, 1");
@@ -21,7 +21,7 @@ Eigen::Affine3d pose_of(const Node& node)
     if (node.has("translation")) pose.translate(node["translation"].vector3());
     if (node.has("rotation")) {
         Eigen::Quaterniond rotation;
-        node["rotation"].numbers(4, rotation.coeffs().data()); // x, y, z, w, as Eigen has it
+        node["rotation"].numbers(4, rotation.coeffs().data()); // x, y, z, w, as in Eigen
         if (!(rotation.norm() > 1e-6)) node["rotation"].fail("the quaternion has no direction");
         pose.rotate(rotation.normalized());
     }

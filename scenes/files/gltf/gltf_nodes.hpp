@@ -9,16 +9,16 @@
 
 namespace oncollide {
 
-/// The nodes of a glTF file, from the roots down. Private to scenes.
+/// The nodes of a glTF file in an order from the roots down. Private to scenes.
 struct NodeTree {
     std::vector<std::uint32_t> parents, order;
-    std::vector<bool> shown; ///< by the scene
+    std::vector<bool> shown; ///< visible in the scene
 };
 
 /// Throws Error{bad_data} unless nodes form trees.
 NodeTree node_tree(const GltfDocument& document);
 
-/// Where a node stands in the frame of the one above it.
+/// Pose of a node in its parent's frame.
 Eigen::Affine3d pose_of(const Node& node);
 
 } // namespace oncollide

@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// What nlohmann says, without its own prefix `[json.exception.parse_error.101] `.
+/// nlohmann's message without its prefix `[json.exception.parse_error.101] `.
 std::string plain(const std::exception& error)
 {
     const std::string text = error.what();
@@ -23,7 +23,7 @@ std::string plain(const std::exception& error)
     return text.front() == '[' && end != std::string::npos ? text.substr(end + 2) : text;
 }
 
-/// Follows nlohmann's parser: where it stands, and which keys the open objects have had.
+/// Follows nlohmann's parser: tracks its position and the keys of the open objects.
 class Watcher final : public nlohmann::json_sax<Json> {
 public:
     explicit Watcher(const std::string& file) : file_(file) {}
@@ -55,8 +55,8 @@ public:
 private:
     struct Level {
         bool is_array;
-        std::size_t elements = 0; ///< begun so far
-        std::string key{};        ///< the last one
+        std::size_t elements = 0; ///< number of elements begun
+        std::string key{};        ///< the last key
         std::set<std::string> keys{};
     };
 
@@ -78,7 +78,7 @@ private:
     {
         std::string place;
         for (const Level& level : open_) {
-            if (level.is_array) // the innermost array fails before an element has begun
+            if (level.is_array) // in an array, an error may occur before the next element begins
                 place += fmt::format("[{}]", &level == &open_.back() ? level.elements : level.elements - 1);
             else if (!level.key.empty())
                 place += (place.empty() ? "" : ".") + level.key;

@@ -12,10 +12,10 @@
 
 namespace oncollide {
 
-// Reading JSON so that every complaint names its place. Private to scenes.
+// JSON values with their place in the file, for messages. Private to scenes.
 
-/// A value and where it stands. The accessors throw Error{bad_data} `file: place: what is wrong and what would be
-/// right`. Lives as long as the tape keeps its text.
+/// A value and its place. The accessors throw Error{bad_data} `file: place: the fault and the expected value`. Valid as
+/// long as the tape keeps its text.
 class Node {
 public:
     /// The root.
@@ -30,16 +30,16 @@ public:
     bool is_text() const { return value().kind == JsonValue::Kind::text; }
     std::string_view source() const { return value().source_text(); } ///< its bytes in the file
 
-    /// The value is an object without other keys than these.
+    /// Throws unless the value is an object with no keys other than these.
     void only(std::initializer_list<std::string_view> keys) const;
-    /// The same; in the order of the keys, which are literals, the members, or nothing where there is none.
+    /// The same; returns the members in the order of the keys, which are literals; empty for a missing member.
     template <class... Keys>
     std::array<std::optional<Node>, sizeof...(Keys)> members(const Keys&... keys) const;
-    /// The value is an object with exactly one key, one of these; returns it.
+    /// Throws unless the value is an object with exactly one key, one of these; returns it.
     std::string_view one_of(std::initializer_list<std::string_view> keys) const;
     bool has(std::string_view key) const { return find(key) != 0; }
     Node operator[](std::string_view key) const; ///< a member that must exist
-    Node operator[](std::size_t i) const;        ///< an element; walks over those before it: iterate over long arrays
+    Node operator[](std::size_t i) const;        ///< an element; linear cost: iterate over long arrays
     std::size_t size() const;                    ///< of an array
     std::string_view key() const { return tape_->values()[at_ - 1].as_text(); } ///< of a member
 
@@ -48,14 +48,14 @@ public:
     double positive(std::string_view key, double otherwise) const;
     std::int64_t integer(std::int64_t least, std::int64_t most) const;
     std::uint64_t natural() const; ///< 0 to 2^64 - 1
-    std::string_view text() const; ///< stays as long as the tape's text
+    std::string_view text() const; ///< valid as long as the tape's text
     bool boolean() const;
     Eigen::Vector3d vector3() const;
-    /// An array of exactly `count` numbers, written to `out`.
+    /// Throws unless the value is an array of exactly `count` numbers; writes them to `out`.
     void numbers(std::size_t count, double* out) const;
     bool holds_numbers(std::size_t count) const;
 
-    /// The elements of an array or the members of an object; none of anything else.
+    /// The elements of an array or the members of an object; empty for other values.
     class Iterator;
     Iterator begin() const;
     Iterator end() const;
@@ -63,12 +63,12 @@ public:
 private:
     Node(const Node& other, std::uint32_t at) : tape_(other.tape_), at_(at) {}
     const JsonValue& value() const { return tape_->values()[at_]; }
-    std::uint32_t find(std::string_view key) const; ///< 0: there is none
+    std::uint32_t find(std::string_view key) const; ///< 0: not found
     void must_be(bool right, std::string_view what) const;
     std::string dump() const;
 
     const JsonTape* tape_;
-    std::uint32_t at_; ///< on the tape
+    std::uint32_t at_; ///< index on the tape
 };
 
 class Node::Iterator {
@@ -93,7 +93,7 @@ template <class... Keys>
 std::array<std::optional<Node>, sizeof...(Keys)> Node::members(const Keys&... keys) const
 {
     std::array<std::optional<Node>, sizeof...(Keys)> found;
-    if (!is_object()) only({keys...}); // which says so
+    if (!is_object()) only({keys...}); // always throws
     for (const Node member : *this) {
         const std::string_view key = member.key();
         std::size_t i = 0;

@@ -21,28 +21,29 @@ namespace {
 
 using Kind = JsonValue::Kind;
 
-/// Stands for itself in a text: neither the end of it, nor an escape, nor of several bytes, which must be checked.
+/// True for a byte of a text that needs no treatment: not its end, an escape, or part of a multi-byte character, which
+/// must be checked.
 bool is_plain(char c)
 {
     const auto byte = static_cast<unsigned char>(c);
     return byte >= 0x20 && byte < 0x80 && c != '"' && c != '\\';
 }
 
-/// What an array is skipped by.
+/// The bytes that matter for skipping an array.
 constexpr std::array<bool, 256> is_structure = [] {
     std::array<bool, 256> is{};
     for (const unsigned char c : {'"', ',', '[', ']', '{', '}'}) is[c] = true;
     return is;
 }();
 
-/// The first byte that tells where the elements of an array end and begin, or a text; `end` where there is none.
+/// The first byte that separates elements, or begins or ends an array, an object or a text; `end` if there is none.
 const char* find_structure(const char* at, const char* end)
 {
 #if defined(__SSE2__)
     const auto is = [](__m128i bytes, char c) { return _mm_cmpeq_epi8(bytes, _mm_set1_epi8(c)); };
     for (; end - at >= 16; at += 16) {
         const __m128i bytes = _mm_loadu_si128(reinterpret_cast<const __m128i*>(at));
-        const __m128i folded = _mm_or_si128(bytes, _mm_set1_epi8(0x20)); // '[' is '{' then, and ']' is '}'
+        const __m128i folded = _mm_or_si128(bytes, _mm_set1_epi8(0x20)); // folds '[' to '{' and ']' to '}'
         const __m128i found =
             _mm_or_si128(_mm_or_si128(is(bytes, '"'), is(bytes, ',')), _mm_or_si128(is(folded, '{'), is(folded, '}')));
         if (const int mask = _mm_movemask_epi8(found)) return at + std::countr_zero(static_cast<unsigned>(mask));
@@ -85,7 +86,7 @@ void JsonTape::read_value(std::uint32_t parent, std::uint32_t level)
     if (at_ == end_) fail();
     const auto number = static_cast<std::uint32_t>(values_.size());
     const char* const begin = at_;
-    JsonValue& value = values_.emplace_back(); // until others follow
+    JsonValue& value = values_.emplace_back(); // valid until the next value is added
     value.parent = parent;
     value.source = begin;
     switch (*at_) {
@@ -134,7 +135,7 @@ void JsonTape::read_object(std::uint32_t object, std::uint32_t level)
 {
     take('{');
     std::uint64_t size = 0;
-    std::unordered_set<std::string_view> keys; // of a large object
+    std::unordered_set<std::string_view> keys; // used only for large objects
     if (at_ == end_ || *at_ != '}') {
         do {
             if (at_ == end_ || *at_ != '"') fail();
@@ -174,7 +175,7 @@ void JsonTape::check_new(std::uint32_t object, std::uint32_t key, std::unordered
     if (values_[object].size == few)
         for (std::uint32_t each = object + 1; each <= key; each = values_[each + 1].end) {
             keys.insert(values_[each].as_text());
-            if (each == key) break; // its value is still to come
+            if (each == key) break; // the key just read, which has no value yet
         }
 }
 
@@ -182,7 +183,7 @@ void JsonTape::skip_array(JsonValue& array)
 {
     array.source = at_;
     std::uint64_t commas = 0;
-    const char* at = at_; // held in a register, unlike at_
+    const char* at = at_; // a local, which the compiler can keep in a register
     for (std::int64_t open = 0;; ++at) {
         at = find_structure(at, end_);
         if (at == end_) break;
@@ -281,7 +282,7 @@ void JsonTape::read_number(JsonValue& value)
         return;
     }
     if (std::from_chars(begin, at_, value.real).ec == std::errc()) return;
-    value.real = std::strtod(std::string(begin, at_).c_str(), nullptr); // too large, or so small that it is all but 0
+    value.real = std::strtod(std::string(begin, at_).c_str(), nullptr); // out of range: infinite, or nearly 0
     if (!std::isfinite(value.real)) fail();
 }
 

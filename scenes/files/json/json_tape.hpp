@@ -8,30 +8,30 @@
 
 namespace oncollide {
 
-// JSON read strictly (RFC 8259) into one flat list of values, which is used again for the next text: a scene's bodies
-// are read one at a time, without a tree of all of them. Private to scenes.
+// Strict JSON (RFC 8259), read into a flat list of values that is reused for the next text: a scene's bodies are read
+// one at a time, without a tree of all bodies. Private to scenes.
 
-constexpr std::uint32_t most_json_levels = 32; ///< of objects and arrays within each other
+constexpr std::uint32_t most_json_levels = 32; ///< nesting of objects and arrays
 
-/// A text that is no JSON, holds a number too large for a double, gives a key twice or nests too deeply. Where and why
-/// is for explain_json to say.
+/// The text is not JSON, has a number too large for a double or a duplicate key, or is nested too deeply. explain_json
+/// finds the place and the reason.
 struct JsonFault {
     const char* where;
 };
 
-/// A value on the tape. What it holds follows it: elements, or each member's key (a text) and then its value.
+/// A value on the tape. Its contents follow it: elements, or each member's key (a text) and then its value.
 struct JsonValue {
     enum class Kind : std::uint8_t { null, boolean, natural, negative, real, text, array, object };
 
     Kind kind;
-    std::uint32_t parent; ///< of the root: 0
-    std::uint32_t end;    ///< the first value that is not part of this one
+    std::uint32_t parent; ///< 0 for the root
+    std::uint32_t end;    ///< index of the first value after this one and its contents
     std::uint32_t length; ///< bytes of its source
     const char* source;
     union {
         bool truth;
         std::uint64_t natural;
-        std::int64_t negative; ///< a whole number with a minus sign
+        std::int64_t negative; ///< an integer with a minus sign
         double real;
         std::uint64_t size; ///< elements or members
         struct {
@@ -51,7 +51,7 @@ struct JsonValue {
     std::string_view as_text() const { return {text.data, text.size}; }
 };
 
-/// Where the root of a tape stands: the whole of `file`, or element `number` of its list `list`.
+/// Origin of the root of a tape: the whole of `file`, or element `number` of its list `list`.
 struct JsonPlace {
     std::string_view file{};
     std::string_view list{}; ///< "bodies"; empty: the whole file
@@ -68,11 +68,12 @@ public:
     JsonTape() = default;
     explicit JsonTape(const JsonPlace& stands_at) : place(stands_at) {}
 
-    /// Reads the value that `text` begins with, after blanks, in place of the one before; returns what follows it,
-    /// after blanks. `text` must stay. Throws JsonFault.
-    /// @param level    how many objects and arrays the value lies in
-    /// @param unread   the array of this name in the root object is only skipped: its size is told and where it is, but
-    ///                 its elements are neither checked nor on the tape
+    /// Reads the value at the beginning of `text`, after blanks, replacing the previous contents; returns the rest
+    /// after blanks. `text` must stay valid. Throws JsonFault.
+    /// @param level    number of objects and arrays around the value
+    /// @param unread   the array of this name in the root object is skipped: the tape has its size and position, but
+    /// its
+    ///                 elements are neither checked nor on the tape
     const char* read(std::string_view text, std::uint32_t level, std::string_view unread = {});
 
     const std::vector<JsonValue>& values() const { return values_; }
@@ -89,7 +90,7 @@ private:
     void read_number(JsonValue& value);
     void read_word(JsonValue& value, std::string_view word);
     void skip_blanks();
-    bool take(char c); ///< and the blanks after it
+    bool take(char c); ///< also skips the blanks after it
     [[noreturn]] void fail() const { throw JsonFault{at_}; }
 
     std::vector<JsonValue> values_;
@@ -98,7 +99,7 @@ private:
     const char *at_ = nullptr, *end_ = nullptr;
 };
 
-/// Calls visit(tape) for each element of `array`, the source of an array that lies in `level` objects and arrays;
+/// Calls visit(tape) for each element of `array`, the source of an array that is inside `level` objects and arrays;
 /// `tape` then holds the element, and its place has the element's number. Throws JsonFault.
 template <class Visit>
 void each_element(std::string_view array, std::uint32_t level, JsonTape& tape, Visit visit)

@@ -6,16 +6,16 @@
 
 namespace oncollide {
 
-// Numbers as nearly all files write them, read where they stand. Private to scenes.
+// Fast parsing of the most common forms of numbers. Private to scenes.
 
 inline bool is_digit(char c)
 {
     return static_cast<unsigned char>(c - '0') < 10;
 }
 
-/// Reads the digits at `at` on and appends them to `value`, which wraps where they are too many; the first other byte.
-/// Eight at a time: no branch depends on how many there are.
-/// Source: Lemire, "Number parsing at a gigabyte per second", 2021, section 7 (parsing digits).
+/// Reads digits from `at` and appends them to `value`, which wraps if there are too many; returns the first other byte.
+/// Reads eight bytes at a time without branches on the number of digits. Source: Lemire, "Number parsing at a gigabyte
+/// per second", 2021, section 7 (parsing digits).
 [[gnu::always_inline]] inline const char* read_digits(const char* at, const char* end, std::uint64_t& value)
 {
     static_assert(std::endian::native == std::endian::little);
@@ -24,10 +24,11 @@ inline bool is_digit(char c)
     while (end - at >= 8) {
         std::uint64_t bytes;
         std::memcpy(&bytes, at, 8);
-        bytes ^= 0x3030303030303030u; // digits become their values; adding lifts all others to 0x80 or they are there
+        bytes ^= 0x3030303030303030u; // digits become their values; any other byte has bit 7 set, at the latest after
+                                      // adding 0x76
         const int count = std::countr_zero(((bytes + 0x7676767676767676u) | bytes) & 0x8080808080808080u) / 8;
         if (count == 0) return at;
-        bytes <<= 64 - 8 * count; // zeros come first
+        bytes <<= 64 - 8 * count; // pads with leading zeros
         bytes = (bytes * 10 + (bytes >> 8)) & 0x00ff00ff00ff00ffu;
         bytes = (bytes * 100 + (bytes >> 16)) & 0x0000ffff0000ffffu;
         bytes = (bytes * 10'000 + (bytes >> 32)) & 0xffffffffu;
@@ -39,11 +40,11 @@ inline bool is_digit(char c)
     return at;
 }
 
-/// digits / 10^decimals, the nearest double; false where that is not certain.
+/// Computes the double nearest to digits / 10^decimals; returns false if that is not certain.
 ///
-/// A whole number up to 2^53 and a power of ten up to 10^22 are doubles, so their quotient is rounded once.
-/// Source: Clinger, "How to read floating point numbers accurately", 1990.
-/// @param count  of digits that were read, before the point and behind it: more than 19 may have wrapped
+/// A whole number up to 2^53 and a power of ten up to 10^22 are doubles, so their quotient is rounded once. Source:
+/// Clinger, "How to read floating point numbers accurately", 1990.
+/// @param count  number of digits before and after the point: more than 19 may have wrapped
 inline bool exact_quotient(std::uint64_t digits, std::size_t count, std::size_t decimals, double& value)
 {
     constexpr std::array<double, 20> powers = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,
@@ -53,8 +54,8 @@ inline bool exact_quotient(std::uint64_t digits, std::size_t count, std::size_t 
     return true;
 }
 
-/// Reads [+-]digits[.digits] into the nearest double; null where it is of another form (an exponent) or has more digits
-/// than are certain to be rounded right: that needs std::from_chars.
+/// Reads [+-]digits[.digits] into the nearest double; null if the number has another form (an exponent) or too many
+/// digits for certain rounding: then use std::from_chars.
 inline const char* read_decimal(const char* at, const char* end, double& value)
 {
     if (at == end) return nullptr;

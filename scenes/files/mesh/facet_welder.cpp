@@ -13,7 +13,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "keys are cut out of the file");
 
 constexpr std::size_t slots_a_line = 16, least_slots = 64, most_recent_lines = std::size_t{1} << 13;
-constexpr std::uint64_t no_key = 0x8000000080000000u; // -0 twice, which no key has
+constexpr std::uint64_t no_key = 0x8000000080000000u; // -0 twice, which no key contains
 
 Eigen::Vector3d point_at(const char* corner)
 {
@@ -22,7 +22,7 @@ Eigen::Vector3d point_at(const char* corner)
     return point.cast<double>();
 }
 
-bool is_same(const Eigen::Vector3d& a, const Eigen::Vector3d& b) // in one branch
+bool is_same(const Eigen::Vector3d& a, const Eigen::Vector3d& b) // with a single branch
 {
     return (int{a.x() == b.x()} & int{a.y() == b.y()} & int{a.z() == b.z()}) != 0;
 }
@@ -31,8 +31,8 @@ bool is_same(const Eigen::Vector3d& a, const Eigen::Vector3d& b) // in one branc
 
 FacetWelder::FacetWelder(std::size_t facets) : corners_(3 * batch), missing_(3 * batch), found_(3 * batch + 1)
 {
-    // A closed surface has half as many points as triangles, one with a rim a few more; a soup takes more room as it
-    // needs it. Room that is not used is not taken from the system.
+    // A closed surface has half as many points as triangles, an open one a few more; for unconnected triangles the
+    // buffers grow. The system provides untouched pages only on use.
     reserve_large(points_, facets / 2 + facets / 16 + 3 * batch);
     make_slots(std::bit_ceil(std::max(least_slots, facets / 2 * 8 / 5)));
     const std::size_t lines = std::bit_ceil(std::clamp<std::size_t>(facets / 4, 2, most_recent_lines));
@@ -44,7 +44,7 @@ FacetWelder::FacetWelder(std::size_t facets) : corners_(3 * batch), missing_(3 *
 
 inline bool FacetWelder::RecentLine::bring_forward(const Key& key)
 {
-    std::size_t place = 0; // found without branches: which it is, nobody can guess
+    std::size_t place = 0; // branch-free: a branch would be mispredicted
     for (std::size_t i = 1; i < entries.size(); ++i) place += i * std::size_t{entries[i].key == key};
     std::swap(entries[0], entries[place]);
     return place > 0;
@@ -77,8 +77,8 @@ inline std::uint32_t FacetWelder::tag_of(std::uint64_t hash) const
     return static_cast<std::uint32_t>(hash) & ~mask_;
 }
 
-/// The place of the first slot whose tag is the hash's and whose number is the one, else of the empty one where it
-/// belongs: in the same line of memory, unless it is full.
+/// Position of the slot with the hash's tag whose number satisfies `is_it`, or of the empty slot to use: in the same
+/// cache line, unless it is full.
 template <class IsIt>
 inline std::size_t FacetWelder::place_of(std::uint64_t hash, IsIt is_it) const
 {
@@ -106,11 +106,12 @@ void FacetWelder::make_slots(std::size_t count)
     }
 }
 
-/// Finds the keys of the corners, and begins to load where they may be.
+/// Computes the corners' keys, and prefetches their entries in recent_.
 void FacetWelder::take_apart(const char* facets, std::size_t count)
 {
     Corner* next = corners_.data();
-    const RecentLine* const recent = recent_.data(); // in registers: a compiler must take what is written for members
+    const RecentLine* const recent = recent_.data(); // locals stay in registers; members would be reloaded after each
+                                                     // write
     const int shift = recent_shift_;
     for (const char* facet = facets; facet != facets + count * facet_bytes; facet += facet_bytes)
         for (const char* corner = facet + corners_at; corner != facet + corners_at + 36; corner += 12) {
@@ -121,7 +122,7 @@ void FacetWelder::take_apart(const char* facets, std::size_t count)
         }
 }
 
-/// Numbers the corners; those that are missing there are taken for new, and counted.
+/// Numbers the corners; numbers corners that are not in recent_ as new, and returns their count.
 std::uint32_t FacetWelder::look_among_recent(std::size_t corners, std::uint32_t* numbers)
 {
     const auto first_new = static_cast<std::uint32_t>(points_.size());
@@ -145,7 +146,7 @@ std::uint32_t FacetWelder::look_among_recent(std::size_t corners, std::uint32_t*
     return missing;
 }
 
-/// Begins to load the points that are probably theirs.
+/// Prefetches the points that probably match.
 void FacetWelder::fetch_points(std::size_t missing) const
 {
     for (std::size_t i = 0; i < missing; ++i) {
@@ -182,11 +183,11 @@ bool FacetWelder::add(const char* facets, std::size_t count, Triangle* triangles
     return true;
 }
 
-/// Of the missing, some were not new.
+/// Corrects the numbers of missing corners that turned out to be known points.
 void FacetWelder::correct(std::uint32_t missing, std::uint32_t first_new, std::span<std::uint32_t> numbers)
 {
     found_[missing] = 0;
-    for (std::uint32_t& number : numbers) { // without branches: which of them are new, nobody can guess
+    for (std::uint32_t& number : numbers) { // branch-free: branches would be mispredicted
         const std::uint32_t place = number - first_new, is_new = place < missing;
         number = number * (1 - is_new) + found_[std::min(place, missing)] * is_new;
     }

@@ -10,21 +10,22 @@
 
 namespace oncollide {
 
-/// Welder for the facets of binary STL, many at once: equal corners get one number, in order of first use. Beside the
-/// points it takes 6 to 13 bytes a point and at most 0.5 MB. Private to scenes.
+/// Welder for the facets of binary STL, in batches: equal corners get one number, in order of first use. In addition to
+/// the points it takes 6 to 13 bytes per point and at most 0.5 MB. Private to scenes.
 class FacetWelder {
 public:
     static constexpr std::size_t facet_bytes = 50, corners_at = 12; ///< of a facet; three corners of three floats
-    static constexpr std::size_t batch = 64;                        ///< facets at once, at most
-    static constexpr std::size_t bytes_behind = 2;                  ///< that may be read after the last facet
+    static constexpr std::size_t batch = 64;                        ///< most facets per call
+    static constexpr std::size_t bytes_behind = 2;                  ///< that are readable after the last facet
 
     explicit FacetWelder(std::size_t facets);
-    /// The corners of up to `batch` facets as they lie in the file. False where one is not finite: that is the end.
+    /// Adds the corners of up to `batch` facets in the layout of the file. Returns false, and the mesh is invalid, if
+    /// one is not finite.
     bool add(const char* facets, std::size_t count, Triangle* triangles);
     std::vector<Eigen::Vector3d> take() { return std::move(points_); }
 
 private:
-    /// The bits of a point, the same for both zeros.
+    /// The bits of a point; -0 becomes 0.
     struct [[gnu::packed]] Key {
         std::uint64_t xy;
         std::uint32_t z;
@@ -34,11 +35,11 @@ private:
         Key key;
         std::uint32_t number;
     };
-    /// Of one hash, the last found comes first.
+    /// The most recent points of one hash, the latest first.
     struct alignas(64) RecentLine {
         std::array<Recent, 4> entries;
         bool begins_with(const Key& key) const { return entries[0].key == key; }
-        /// Moves it to the front; false, and nothing is done, where it is missing.
+        /// Moves the entry to the front; returns false and does nothing if it is missing.
         bool bring_forward(const Key& key);
         void insert(const Recent& entry);
     };
@@ -59,15 +60,16 @@ private:
     void correct(std::uint32_t missing, std::uint32_t first_new, std::span<std::uint32_t> numbers);
 
     std::vector<Eigen::Vector3d> points_;
-    /// A power of two of them, at most five in eight in use: 0, or 1 + a number in the low bits and bits of the hash in
-    /// the others, so that few points are looked at in vain.
+    /// A power of two, at most five in eight in use: 0, or 1 + a point's number in the low bits and bits of its hash in
+    /// the others, so that few points are compared in vain.
     LargeVector<std::uint32_t> slots_;
-    bool many_known_ = false;        ///< of those that were missing last: they are looked up in points_
-    std::uint32_t mask_ = 0;         ///< of a number in a slot
-    std::vector<RecentLine> recent_; ///< by hash: in most files nearly all corners are here
+    bool many_known_ = false;        ///< over an eighth of the corners missing in recent_ were in points_, in the
+                                     ///< last batch: prefetch points_
+    std::uint32_t mask_ = 0;         ///< of the number in a slot
+    std::vector<RecentLine> recent_; ///< by hash; in most files nearly all corners are found here
     int recent_shift_;
     std::vector<Corner> corners_;                ///< of the batch
-    std::vector<std::uint32_t> missing_, found_; ///< of its corners, those that are not recent, and their numbers
+    std::vector<std::uint32_t> missing_, found_; ///< corners of the batch that are not in recent_, and their numbers
 };
 
 } // namespace oncollide

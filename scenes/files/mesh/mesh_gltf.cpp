@@ -13,7 +13,7 @@ namespace {
 
 using Document = GltfDocument;
 
-/// Corners of triangles: a part of a mesh. Points and lines are left out.
+/// A part of a mesh: corners of triangles. Points and lines are ignored.
 struct Primitive {
     Node node;
     GltfAccessor positions;
@@ -60,7 +60,7 @@ public:
     }
 
 private:
-    /// visit(node, mesh, pose) for each node shown that has a mesh, from the roots down. The mesh is read then.
+    /// Calls visit(node, mesh, pose) for each visible node with a mesh, from the roots down; reads the mesh before.
     template <class Visit>
     void each_mesh(Visit visit)
     {
@@ -88,7 +88,7 @@ private:
         return fmt::format("node {}", i);
     }
 
-    /// The number of a mesh, whose parts are read once, however often it is placed.
+    /// Index of a mesh, which is read once even if it is placed several times.
     std::uint32_t read_mesh(const Node& number)
     {
         const std::size_t i = document_.index(Document::meshes, number);

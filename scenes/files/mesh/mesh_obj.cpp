@@ -14,7 +14,7 @@ namespace oncollide {
 
 namespace {
 
-/// Statements of the OBJ format that say nothing about polygons.
+/// OBJ statements that do not affect polygons.
 constexpr std::array ignored = {"vt",        "vn",     "vp",     "o",     "g",        "s",        "mg",   "usemtl",
                                 "mtllib",    "usemap", "maplib", "l",     "p",        "cstype",   "deg",  "bmat",
                                 "step",      "curv",   "curv2",  "surf",  "parm",     "trim",     "hole", "scrv",
@@ -35,8 +35,8 @@ Counts count_lines(std::string_view text)
     return counts;
 }
 
-/// About as many as a large file has, and a few more, from looks at a small part of it. No line is shorter than eight
-/// bytes.
+/// Estimates the counts of a large file, slightly too high, from a small sample of its lines. No line is shorter than
+/// eight bytes.
 Counts estimate(std::string_view bytes)
 {
     constexpr std::size_t looks = 256, window = 4096;
@@ -66,8 +66,8 @@ std::int64_t corner_vertex(const TextReader& text, std::string_view word, std::s
     return number > 0 ? number - 1 : count + number;
 }
 
-/// Reads lines of the plain kinds, which make up nearly all of a file, in one pass each: `v` and three decimals, `f`
-/// and three corners, texture coordinates, normals, comments. Stops before the first line of another kind.
+/// Reads the plain lines that make up nearly all of a file in one pass each: `v` and three decimals, `f` and three
+/// corners, texture coordinates, normals, comments. Stops before the first line of another kind.
 class PlainLines {
 public:
     PlainLines(const MeshSource& source, RawMesh& mesh, PolygonList& faces)
@@ -90,7 +90,7 @@ public:
     }
 
 private:
-    /// The start of the next line; null: this one is another reader's.
+    /// The start of the next line; null: this line is not plain.
     const char* read_line(const char* at, std::size_t line)
     {
         if (*at == 'v') return is_blank(at[1]) ? read_vertex(at + 2) : read_ignored(at);
@@ -102,7 +102,7 @@ private:
         while (is_blank(*at)) ++at;
         return at;
     }
-    /// Null where the line goes on in the next one.
+    /// Null if the line continues on the next one.
     const char* end_of_line(const char* at) const
     {
         at = skip_blanks(at);
@@ -128,7 +128,7 @@ private:
             at = behind ? behind : read_number(at, point[axis]);
             if (!at || !ends_word(*at)) return nullptr;
         }
-        at = end_of_line(at); // a weight or a colour may follow
+        at = end_of_line(at); // ignores a weight or a colour
         if (at) append_large(mesh_.vertices, point);
         return at;
     }
@@ -160,14 +160,14 @@ private:
         return ends_word(*at) ? at : nullptr;
     }
     static bool ends_word(char c) { return is_blank(c) || c == '\n'; }
-    /// Over the numbers of texture coordinates and normals.
+    /// Skips a number of texture coordinates and normals.
     static const char* skip_word(const char* at)
     {
         while (is_digit(*at) || *at == '/' || *at == '-') ++at;
         return at;
     }
 
-    const char* end_; ///< of the last line that has an end: whoever reads a line stops at it
+    const char* end_; ///< of the last complete line, so every line that is read has an end
     RawMesh& mesh_;
     PolygonList& faces_;
 };
@@ -187,7 +187,7 @@ RawMesh read_obj(const MeshSource& source)
     for (plain.read(text); text.next_line(true); plain.read(text)) {
         const std::string_view keyword = text.word();
         if (keyword == "v") {
-            mesh.vertices.push_back(text.point()); // a weight or a colour may follow
+            mesh.vertices.push_back(text.point()); // ignores a weight or a colour
         } else if (keyword == "f" || keyword == "fo") {
             corners.clear();
             for (std::string_view word = text.word(); !word.empty(); word = text.word())

@@ -9,7 +9,7 @@ namespace oncollide {
 
 namespace {
 
-/// Text OFF whose vertex lines begin with x y z: what follows is a normal, a colour or a texture coordinate.
+/// Kinds of text OFF whose vertex lines begin with x y z, followed by a normal, a colour or a texture coordinate.
 constexpr std::array headers = {"OFF", "COFF", "NOFF", "CNOFF", "STOFF", "STCOFF", "STNOFF", "STCNOFF"};
 
 std::int64_t count(TextReader& text, const char* what, std::size_t bytes)

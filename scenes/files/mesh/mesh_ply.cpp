@@ -23,7 +23,7 @@ using namespace ply;
 
 constexpr std::array<std::size_t, 8> type_bytes = {1, 1, 2, 2, 4, 4, 4, 8};
 
-/// The values after the header, one after the other.
+/// Reads the values after the header in sequence.
 class Values {
 public:
     Values(const MeshSource& source, const Header& header)
@@ -31,7 +31,7 @@ public:
     {
     }
 
-    /// Every type of PLY fits a double without rounding.
+    /// A double can represent every type of PLY without rounding.
     double next(Type type) { return encoding_ == Encoding::text ? next_word() : next_bytes(type); }
     std::int64_t next_whole(Type type, const char* what)
     {
@@ -56,7 +56,7 @@ public:
     }
     std::size_t line() const { return encoding_ == Encoding::text ? line_ : 0; }
 
-    /// What can be read as it lies in memory, and how much of that was.
+    /// The bytes that have the layout of memory; take() consumes some.
     std::string_view plain() const { return encoding_ == Encoding::little_endian ? rest_ : std::string_view{}; }
     void take(std::size_t bytes) { rest_.remove_prefix(bytes); }
 
@@ -160,7 +160,7 @@ void copy_points(const char* rows, std::size_t stride, const std::array<std::siz
     }
 }
 
-/// Reads vertices whose rows have one length and coordinates of one type; as many as there are, none of another kind.
+/// Reads as many vertices as the data holds, if all rows have one length and all coordinates one type; else none.
 void read_plain_vertices(Values& values, const Element& element, std::vector<Eigen::Vector3d>& vertices)
 {
     std::array<std::size_t, 3> offsets{};
@@ -181,7 +181,8 @@ void read_plain_vertices(Values& values, const Element& element, std::vector<Eig
     vertices.resize(count);
     (type == Type::float32 ? copy_points<float> : copy_points<double>)(rows.data(), stride, offsets, vertices);
     const auto wrong = std::ranges::find_if(vertices, [](const Eigen::Vector3d& v) { return !(0 * v.sum() == 0); });
-    for (auto v = wrong; v != vertices.end(); ++v) // the sum of finite numbers may not be finite
+    for (auto v = wrong; v != vertices.end(); ++v) // finds the vertex: the sum of finite numbers may not be finite
+                                                   // either
         if (!v->allFinite()) values.fail(fmt::format("coordinate of vertex {} is not finite", v - vertices.begin()));
     values.take(count * stride);
 }
@@ -213,8 +214,8 @@ bool is_corners(const Property& property)
     return property.list && (property.name == "vertex_indices" || property.name == "vertex_index");
 }
 
-/// Rows of faces as nearly all files have them: a byte that says three, three whole numbers of four bytes, and other
-/// properties of fixed length around.
+/// Rows of faces in the form of nearly all files: a byte with the value three, three integers of four bytes, and other
+/// properties of constant length before and after.
 class PlainTriangles {
 public:
     explicit PlainTriangles(const Element& element)
@@ -234,13 +235,13 @@ public:
         }
     }
 
-    /// Reads rows up to one of another kind; returns how many.
+    /// Reads rows up to the first of another kind; returns their number.
     std::int64_t read(Values& values, std::int64_t most, PolygonList& faces) const
     {
         if (!plain_) return 0;
         const std::string_view rows = values.plain();
         const std::size_t count = std::min(rows.size() / stride_, static_cast<std::size_t>(most));
-        std::size_t row = 0, batch = 4; // small where kinds of rows take turns
+        std::size_t row = 0, batch = 4; // small at first, for files in which kinds of rows alternate
         for (bool all = true; all && row < count; batch = std::min<std::size_t>(2 * batch, 4096)) {
             const std::size_t some = std::min(batch, count - row), read = faces.add_many(some, [&](Triangle*to) {
                 return read_triangles(rows.data() + offset_ + row * stride_, some, to);
@@ -250,15 +251,15 @@ public:
         values.take(row * stride_);
         return static_cast<std::int64_t>(row);
     }
-    /// How many triangles there may be among `rows` faces.
+    /// The largest number of triangles among `rows` faces.
     std::size_t most(const Values& values, std::int64_t rows) const
     {
         return plain_ ? std::min(values.plain().size() / stride_, static_cast<std::size_t>(rows)) : 0;
     }
 
 private:
-    /// Reads up to `most` rows that are triangles whose numbers are not negative; returns how many.
-    /// @param at  where the corners of the first one begin
+    /// Reads up to `most` rows that are triangles without negative indices; returns their number.
+    /// @param at  position of the first triangle's corners
     std::size_t read_triangles(const char* at, std::size_t most, Triangle* to) const
     {
         const std::uint32_t minus = is_signed_ ? 0x80000000u : 0;

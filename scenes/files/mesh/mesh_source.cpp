@@ -49,7 +49,7 @@ bool TextReader::next_line(bool continued)
         if (!text.empty()) return true;
         joined_.clear();
     }
-    words_ = trimmed(joined_); // the file ended within a continued line
+    words_ = trimmed(joined_); // the file ends within a continued line
     return !words_.empty();
 }
 

@@ -12,7 +12,7 @@
 
 namespace oncollide {
 
-// What the readers of mesh files share. Private to scenes.
+// Shared by the readers of mesh files. Private to scenes.
 
 /// A file in memory. Its name begins every message.
 struct MeshSource {
@@ -23,39 +23,39 @@ struct MeshSource {
     [[noreturn]] void fail(const std::string& what, std::size_t line = 0) const;
 };
 
-/// The content of a mesh file before make_mesh's checks: indices may still be out of range.
+/// The contents of a mesh file before make_mesh's checks: indices may be out of range.
 struct RawMesh {
     std::vector<Eigen::Vector3d> vertices;
     std::vector<Triangle> triangles;
 };
 
-// One reader a format: strict about what it reads, and what it allocates is bounded by the size of the file. Where the
-// format repeats vertices for every triangle, equal positions become one.
+// One reader per format. Readers are strict, and their allocations are bounded by the size of the file. In formats that
+// repeat vertices for every triangle, equal positions become one vertex.
 RawMesh read_obj(const MeshSource& source);
 RawMesh read_off(const MeshSource& source);
 RawMesh read_ply(const MeshSource& source);
 RawMesh read_stl(const MeshSource& source);
-/// The same from a file of at most so many bytes; one that is binary is never in memory as a whole.
+/// The same from a file of at most `most` bytes; a binary file is never in memory as a whole.
 RawMesh read_stl_file(const std::filesystem::path& path, std::uintmax_t most);
 bool is_binary_stl(std::string_view bytes);
-/// glTF and GLB: the triangles of the default scene (of all nodes where there is no scene), placed by its nodes and
-/// welded. Buffers in files of their own are found beside the file at source.name. Skins, animations, morph targets,
-/// points and lines are left out. Triangles, vertices and parts of meshes are at most as many as all files together
-/// have bytes, 200 million at the very most; but 10 million are always allowed.
+/// glTF and GLB: the triangles of the default scene (of all nodes if there is no scene), placed by its nodes and
+/// welded. Separate buffer files are found beside the file at source.name. Skins, animations, morph targets, points and
+/// lines are ignored. The total of triangles, vertices and parts of meshes is limited to the bytes of all files, and to
+/// 200 million; but 10 million are always allowed.
 RawMesh read_gltf(const MeshSource& source);
-/// COLLADA: the triangles and polygons that the visual scene shows, in metres, z up. Controllers show what they deform.
-/// 3MF: the objects that the build places, in metres. Both are bounded as glTF is. Throw Error{usage} without
+/// COLLADA: the triangles and polygons of the visual scene, in metres, z up. A controller counts as the mesh that it
+/// deforms. 3MF: the objects that the build places, in metres. Both have the limits of glTF. Throw Error{usage} without
 /// ONCOLLIDE_XML.
 RawMesh read_collada(const MeshSource& source);
 RawMesh read_3mf(const MeshSource& source);
 
-/// Between words, besides the end of a line.
+/// A separator of words other than the end of a line.
 inline bool is_blank(char c)
 {
     return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
 }
 
-/// Cuts text into lines and lines into words; knows the line for messages. Lines end with LF or CR LF. A byte-order
+/// Splits text into lines and lines into words; counts lines for messages. Lines end with LF or CR LF. A byte-order
 /// mark is skipped.
 class TextReader {
 public:
@@ -64,20 +64,20 @@ public:
     {
     }
 
-    /// Goes to the next line that has a word; `#` starts a comment, and a backslash at the end joins lines where
-    /// `continued`. False at the end of the file.
+    /// Goes to the next line that has a word; `#` starts a comment, and with `continued` a backslash at the end joins
+    /// lines. False at the end of the file.
     bool next_line(bool continued = false);
     /// The next word of the line; empty at its end.
     std::string_view word();
-    /// The next word as a number. Throws naming the line when there is none or it is not finite.
+    /// The next word as a number. Throws naming the line if there is none or it is not finite.
     double number(const char* what);
     std::int64_t whole_number(const char* what);
     Eigen::Vector3d point();
     std::size_t line() const { return line_; }
-    /// What comes after the line, for a reader who knows better how to take it apart, and how far that one came.
+    /// The text after the line, for faster parsers of particular lines, and the amount that they consumed.
     std::string_view rest() const { return rest_; }
     void skip_lines(std::size_t bytes, std::size_t lines) { rest_.remove_prefix(bytes), line_ += lines; }
-    /// Says how far that one is.
+    /// Reports progress.
     void reached(const char* at) { progress_.at(static_cast<std::uint64_t>(at - source_.bytes.data())); }
     [[noreturn]] void fail(const std::string& what) const { source_.fail(what, line_); }
 
@@ -89,10 +89,10 @@ private:
     ReadingProgress progress_;
 };
 
-/// A word as it may stand in a message: short, printable.
+/// A word shortened and made printable for a message.
 std::string quoted(std::string_view word);
 
-/// Whole word as a number; false for anything else. Out of double's range: infinite or zero, as rounding gives it.
+/// The whole word as a number; false for any other word. Outside double's range: infinite or zero, as by rounding.
 bool parse(std::string_view word, double& value);
 bool parse(std::string_view word, std::int64_t& value);
 

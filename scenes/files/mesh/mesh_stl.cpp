@@ -37,7 +37,7 @@ std::uint64_t announced(std::string_view header)
         }
 }
 
-/// @param read gives so many bytes of the file, from behind the header on
+/// @param read reads that many bytes of the file, starting after the header
 RawMesh read_facets(const std::string& name, std::size_t facets, FunctionRef<void(char*, std::size_t)> read)
 {
     constexpr std::size_t batch = FacetWelder::batch, block = 16 * batch;
@@ -63,7 +63,7 @@ RawMesh read_binary(const MeshSource& source)
                        [&](char* to, std::size_t size) { std::memcpy(to, std::exchange(rest, rest + size), size); });
 }
 
-/// @param header what the file begins with
+/// @param header the beginning of the file
 bool is_binary(std::string_view header, std::uintmax_t size)
 {
     return header.size() >= header_bytes && size == header_bytes + FacetWelder::facet_bytes * announced(header);

@@ -18,7 +18,7 @@ constexpr std::array<std::array<const char*, 2>, 8> type_names = {{{"char", "int
                                                                    {"float", "float32"},
                                                                    {"double", "float64"}}};
 
-/// Takes the header apart line by line; PLY's comments are statements, so TextReader's do not fit.
+/// Parses the header line by line; PLY's comments are statements, so TextReader does not fit.
 class HeaderParser {
 public:
     explicit HeaderParser(const MeshSource& source)

@@ -17,7 +17,7 @@ enum class Encoding { text, little_endian, big_endian };
 struct Property {
     std::string name;
     Type type;
-    std::optional<Type> list; ///< the type of the list's length, for a list
+    std::optional<Type> list; ///< for a list: the type of its length
 };
 /// `count` rows of the same properties.
 struct Element {
@@ -28,12 +28,12 @@ struct Element {
 struct Header {
     Encoding encoding = Encoding::text;
     std::vector<Element> elements;
-    std::size_t bytes = 0; ///< where the data starts
+    std::size_t bytes = 0; ///< offset of the data
     std::size_t lines = 0;
 };
 
 /// Throws Error{bad_data} with the line for a header that is cut short, names unknown types or formats, or announces
-/// more than the file can hold.
+/// more than the file can contain.
 Header read_header(const MeshSource& source);
 
 } // namespace oncollide::ply

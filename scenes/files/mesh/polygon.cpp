@@ -10,7 +10,7 @@ namespace oncollide {
 
 namespace {
 
-/// Twice the area vector, by Newell's sum: for a planar polygon its normal, whatever its shape.
+/// Twice the area vector, by Newell's sum: for a planar polygon its normal, also if it is not convex.
 Eigen::Vector3d area_vector(std::span<const Eigen::Vector3d> vertices, std::span<const std::uint32_t> polygon)
 {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -20,7 +20,7 @@ Eigen::Vector3d area_vector(std::span<const Eigen::Vector3d> vertices, std::span
     return sum;
 }
 
-/// Points in the cells of a square grid, about one a cell.
+/// Points in the cells of a square grid, about one per cell.
 class PointGrid {
 public:
     explicit PointGrid(std::span<const Eigen::Vector2d> points) : points_(points)
@@ -33,12 +33,12 @@ public:
 
     void remove(std::uint32_t point) { std::erase(cell_of(points_[point]), point); }
 
-    /// How many cells `box` meets.
+    /// Number of cells that `box` meets.
     int count(const Eigen::AlignedBox2d& box) const
     {
         return (place(box.max(), 0) - place(box.min(), 0) + 1) * (place(box.max(), 1) - place(box.min(), 1) + 1);
     }
-    /// A point of these cells for which `wanted(point)`, if there is one.
+    /// Returns a point of these cells that satisfies `wanted(point)`, if there is one.
     template <class Wanted>
     std::optional<std::uint32_t> find(const Eigen::AlignedBox2d& box, Wanted wanted) const
     {
@@ -50,7 +50,7 @@ public:
     }
 
 private:
-    /// Grows with the coordinate, so that a point in a box is in one of the box's cells.
+    /// Monotonic in the coordinate, so that a point in a box is in one of the box's cells.
     int place(const Eigen::Vector2d& p, int axis) const
     {
         const double extent = bounds_.max()[axis] - bounds_.min()[axis];
@@ -66,7 +66,7 @@ private:
     std::vector<std::vector<std::uint32_t>> cells_;
 };
 
-/// A polygon in the plane that drops its normal's largest axis, oriented so that it turns left.
+/// A polygon projected along its normal's largest axis, oriented counter-clockwise.
 class FlatPolygon {
 public:
     FlatPolygon(std::span<const Eigen::Vector3d> vertices, std::span<const std::uint32_t> polygon,
@@ -89,10 +89,10 @@ public:
         return u.x() * v.y() - u.y() * v.x();
     }
 
-    /// Every corner turns left or goes straight on, once around.
+    /// True if no corner turns right and the polygon winds once around.
     bool convex() const
     {
-        int changes = 0; // of the direction's sign along x: two for one turn
+        int changes = 0; // sign changes of the direction's x: two for one winding
         double last = 0;
         for (std::uint32_t i = 0; i < size(); ++i) {
             const std::uint32_t before = i == 0 ? size() - 1 : i - 1, after = i + 1 == size() ? 0 : i + 1;
@@ -109,9 +109,9 @@ private:
     std::vector<Eigen::Vector2d> points_;
 };
 
-/// Cuts ears off a polygon, the next one after the last in the order of its corners. A grid finds the corners that an
-/// ear must not hold, and a corner in the way is remembered: of a spiral of 4,096 corners, the time is that of going
-/// around.
+/// Ear clipping; each search continues after the last ear in the order of the corners. A grid finds corners inside an
+/// ear, and the corner that blocked an ear is remembered: a spiral of 4,096 corners takes little more time than one
+/// traversal of its corners.
 class EarCutter {
 public:
     explicit EarCutter(const FlatPolygon& polygon)
@@ -124,8 +124,8 @@ public:
         }
     }
 
-    /// Calls add(a, b, c) for each triangle. Where no ear is left the polygon crosses itself, and any cut will do. One
-    /// that does so again and again is not searched any more: that would take time by the cube of its corners.
+    /// Calls add(a, b, c) for each triangle. If no ear is left, the polygon intersects itself, and the next corner is
+    /// cut off. After several such failures all corners are cut off without a search, which would take cubic time.
     template <class Add>
     void cut(Add add)
     {
@@ -153,7 +153,7 @@ private:
     void remove(std::uint32_t at)
     {
         const std::uint32_t a = before_[at], c = after_[at];
-        after_[a] = c, before_[c] = a; // those of `at` stay: they lead on
+        after_[a] = c, before_[c] = a; // the links of `at` stay, for iterations that are at it
         in_the_way_[a] = in_the_way_[c] = none;
         cut_[at] = true;
         grid_.remove(at);
@@ -184,7 +184,7 @@ private:
     const FlatPolygon& flat_;
     PointGrid grid_; ///< corners not yet cut off
     std::vector<std::uint32_t> before_, after_;
-    std::vector<std::uint32_t> in_the_way_; ///< of a corner: one that its ear would hold
+    std::vector<std::uint32_t> in_the_way_; ///< of a corner: another corner that was inside its ear
     std::vector<bool> cut_;
     std::uint32_t left_;
 };

@@ -8,11 +8,11 @@
 
 namespace oncollide {
 
-/// Polygons with their place in the file, until all vertices are known. Private to scenes.
+/// Polygons with their lines in the file, until all vertices are known. Private to scenes.
 class PolygonList {
 public:
     void reserve(std::size_t triangles);
-    /// @param corners numbers of vertices, counted from 0, or whatever the file says
+    /// @param corners numbers of vertices, as in the file or counted from 0
     /// @param line    0: the file has no lines
     void add(std::span<const std::int64_t> corners, std::size_t line)
     {
@@ -28,7 +28,7 @@ public:
         append_large(triangles_, triangle);
     }
 
-    /// Appends triangles of a file without lines: `fill` writes up to `most` of them, and returns how many it wrote.
+    /// Appends triangles of a file without lines: `fill` writes up to `most` triangles and returns their number.
     template <class Fill>
     std::size_t add_many(std::size_t most, Fill fill)
     {
@@ -39,18 +39,18 @@ public:
         return count;
     }
 
-    /// The triangles of all polygons, in order; the list is empty then. Throws for an index out of range, as the file
-    /// counts: from `first` on.
+    /// Returns the triangles of all polygons, in order, and clears the list. Throws for an index out of range, given in
+    /// the file's numbering, which starts at `first`.
     std::vector<Triangle> triangulate(const MeshSource& source, std::span<const Eigen::Vector3d> vertices,
                                       std::int64_t first);
 
 private:
-    /// What is no triangle, or has a corner that no mesh can have.
+    /// A polygon with more than three corners, or with a corner that no mesh can have.
     struct Polygon {
-        std::size_t triangles; ///< before it
-        std::size_t begin;     ///< of its corners
+        std::size_t triangles; ///< number of triangles before it
+        std::size_t begin;     ///< index of its first corner
     };
-    /// From `polygon` on each polygon has its line, one after the other. Files are mostly of this kind.
+    /// From `polygon` on, each polygon is on the line after its predecessor, as in most files.
     struct Run {
         std::size_t polygon, line;
     };
@@ -74,8 +74,8 @@ private:
     std::vector<Run> runs_;
 };
 
-/// Appends the triangles of one polygon: a fan from the first corner when it is convex, else by cutting off ears. Zero
-/// areas are kept. False when it is not convex and has more corners than `most_concave_corners`.
+/// Appends the triangles of one polygon: a fan from the first corner if it is convex, else by ear clipping. Zero areas
+/// are kept. False if it is not convex and has more corners than `most_concave_corners`.
 constexpr std::size_t most_concave_corners = 4096;
 bool triangulate(std::span<const Eigen::Vector3d> vertices, std::span<const std::uint32_t> polygon,
                  std::vector<Triangle>& triangles);

@@ -13,7 +13,7 @@ constexpr std::size_t least_slots = 64, recent_slots = std::size_t{1} << 15;
 
 std::uint32_t hash_of(const Eigen::Vector3d& p)
 {
-    // + 0.0: the two zeros are equal.
+    // + 0.0: makes the two zeros equal.
     const std::uint64_t hash = std::bit_cast<std::uint64_t>(p.x() + 0.0) * 0x9E3779B97F4A7C15u +
                                std::bit_cast<std::uint64_t>(p.y() + 0.0) * 0xC2B2AE3D27D4EB4Fu +
                                std::bit_cast<std::uint64_t>(p.z() + 0.0) * 0x165667B19E3779F9u;

@@ -8,8 +8,8 @@
 
 namespace oncollide {
 
-/// Gives points at equal positions one number, in order of first use. 37 to 50 bytes a point, and 256 kB. Private to
-/// scenes.
+/// Gives points at equal positions one number, in order of first use. Takes 37 to 50 bytes per point, and 256 kB.
+/// Private to scenes.
 class Welder {
 public:
     std::uint32_t add(const Eigen::Vector3d& point)
@@ -18,7 +18,7 @@ public:
         add({&point, 1}, &number);
         return number;
     }
-    /// Many at once wait for memory less.
+    /// Batches wait less for memory.
     void add(std::span<const Eigen::Vector3d> points, std::uint32_t* numbers);
     std::size_t size() const { return points_.size(); }
     std::vector<Eigen::Vector3d> take() { return std::move(points_); }
@@ -31,8 +31,8 @@ private:
     void make_slots(std::size_t count);
 
     std::vector<Eigen::Vector3d> points_;
-    LargeVector<Slot> slots_;  ///< a power of two of them, at most five in eight in use
-    std::vector<Slot> recent_; ///< by hash, the last found: nearly all corners are, and at the first look
+    LargeVector<Slot> slots_;  ///< the count is a power of two; at most five in eight are in use
+    std::vector<Slot> recent_; ///< by hash, the last point found: nearly all corners are found here at the first probe
 };
 
 } // namespace oncollide

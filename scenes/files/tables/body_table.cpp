@@ -12,7 +12,7 @@ void BodyRows::expect(std::size_t rows)
 {
     const std::size_t most = scene_.holds_bodies() ? most_bodies : most_passed_bodies;
     if (rows > most - std::min(most, scene_.size()))
-        refuse(file_, fmt::format("{} bodies besides {}; a scene has at most {}", rows, scene_.size(), most));
+        refuse(file_, fmt::format("{} bodies in addition to {}; a scene has at most {}", rows, scene_.size(), most));
     scene_.reserve(scene_.size() + rows);
 }
 

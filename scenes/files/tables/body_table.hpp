@@ -10,13 +10,13 @@
 
 namespace oncollide {
 
-// Bodies as rows of a table, in a file of its own that a scene file names. Private to scenes.
+// Bodies as rows of a table, in a separate file that a scene file names. Private to scenes.
 
-/// A scene may have at most so many bodies, in its scene file and its tables together; one that passes them on, as many
-/// as there are numbers for.
+/// Most bodies of a scene in its scene file and tables together; a scene with a sink is limited by the range of body
+/// numbers.
 constexpr std::size_t most_bodies = 10'000'000, most_passed_bodies = 2'000'000'000;
 
-/// One row. What a table has no column for stays as it is here.
+/// One row. Members without a column in the table keep these defaults.
 struct BodyRow {
     GeometryId geometry{};
     Eigen::Vector3d position = Eigen::Vector3d::Zero();
@@ -27,10 +27,10 @@ struct BodyRow {
     std::string_view name{};
 };
 
-/// Takes the rows of one table into a scene.
+/// Adds the rows of one table to a scene.
 class BodyRows {
 public:
-    /// @param geometry  of all rows; none: the table says it
+    /// @param geometry  of all rows; empty: a column of the table
     BodyRows(Scene& scene, std::string file, std::optional<GeometryId> geometry)
         : scene_(scene), file_(std::move(file)), geometry_(geometry)
     {
@@ -39,13 +39,13 @@ public:
     const Scene& scene() const { return scene_; }
     const std::string& file() const { return file_; }
     const std::optional<GeometryId>& geometry() const { return geometry_; }
-    /// Makes room; throws when that is too many.
+    /// Makes room; throws if there are too many.
     void expect(std::size_t rows);
-    /// Passes over the next row where the scene does not want it.
+    /// Skips the next row if the scene does not want it.
     bool skip() { return scene_.skip_body(); }
-    /// How many of the next rows, `most` at most, the scene wants, up to the first that it does not.
+    /// The number of next rows, at most `most`, that the scene wants, up to the first unwanted row.
     std::size_t wanted(std::size_t most) const;
-    /// @param place  where the row is, for errors
+    /// @param place  returns the position of the row, for errors
     void add(const BodyRow& row, FunctionRef<std::string()> place);
 
 private:
@@ -55,12 +55,12 @@ private:
 };
 
 /// Adds the bodies of an entry of a scene file's "tables". Throws Error{no_input} or Error{bad_data}, which name the
-/// file and the row, Error{usage} for a kind of file that this build cannot read.
+/// file and the row, and Error{usage} for a kind of file that this build cannot read.
 void read_body_table(Scene& scene, const Node& entry, const std::filesystem::path& folder);
 
-// One function a format.
+// One function per format.
 void read_csv_bodies(BodyRows& rows, const std::filesystem::path& path);
-/// @param group  of HDF5, which holds a dataset for each column
+/// @param group  the HDF5 group that has a dataset for each column
 void read_hdf5_bodies(BodyRows& rows, const std::filesystem::path& path, const std::string& group);
 
 } // namespace oncollide

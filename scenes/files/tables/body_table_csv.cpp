@@ -26,7 +26,7 @@ enum Column { geometry, x, y, z, qx, qy, qz, qw, vx, vy, vz, layer, mask, group,
 constexpr std::array<std::string_view, columns> column_names = {
     "geometry", "x", "y", "z", "qx", "qy", "qz", "qw", "vx", "vy", "vz", "layer", "mask", "group", "static", "name"};
 
-/// Fields of a file as RFC 4180 has them; lines may also end with LF alone.
+/// Splits a file into fields as in RFC 4180; lines may also end with LF alone.
 class CsvFields {
 public:
     CsvFields(const std::string& file, std::string_view text)
@@ -54,13 +54,13 @@ public:
         ++line_;
         progress_.at(static_cast<std::uint64_t>(at_ - begin_));
     }
-    /// Passes over the rest of the line.
+    /// Skips the rest of the line.
     void skip_line()
     {
         const auto* const end = static_cast<const char*>(std::memchr(at_, '\n', static_cast<std::size_t>(end_ - at_)));
         at_ = end ? end + 1 : end_;
     }
-    /// The text that follows.
+    /// Continues with this text.
     void go_on(std::string_view text) { at_ = begin_ = text.data(), end_ = at_ + text.size(); }
 
 private:
@@ -86,7 +86,7 @@ private:
 
     const std::string& file_;
     const char *at_, *end_, *begin_;
-    ReadingProgress progress_; ///< of a text that is there as a whole
+    ReadingProgress progress_; ///< for a text that is complete in memory
     std::size_t line_ = 1;
     std::string text_;
 };
@@ -119,7 +119,7 @@ std::vector<Column> read_header(CsvFields& fields, bool needs_geometry)
     return header;
 }
 
-/// Sets what a column says.
+/// Reads the fields of a row.
 class RowReader {
 public:
     RowReader(const BodyRows& rows, const CsvFields& fields) : rows_(rows), fields_(fields)
@@ -167,7 +167,7 @@ public:
 private:
     void set_geometry(std::string_view field)
     {
-        if (field == geometry_name_) return; // as in the row before
+        if (field == geometry_name_) return; // the same as in the previous row
         const std::optional<GeometryId> found = rows_.scene().find_geometry(field);
         if (!found) fields_.fail(fmt::format("no geometry named {}", quoted(field)));
         row.geometry = *found, geometry_name_ = field;
@@ -185,7 +185,7 @@ private:
     std::string geometry_name_, name_;
 };
 
-/// The lines that `fields` holds.
+/// Adds a body for each line of `fields`.
 void read_rows(BodyRows& rows, CsvFields& fields, const std::vector<Column>& header, RowReader& reader)
 {
     const auto place = [&] { return fmt::format("{}: line {}", rows.file(), fields.line()); };
@@ -209,11 +209,11 @@ std::vector<Column> header_of(const BodyRows& rows, CsvFields& fields)
 {
     std::vector<Column> header = read_header(fields, !rows.geometry());
     if (rows.geometry() && std::ranges::find(header, geometry) != header.end())
-        fields.fail("the table has a column 'geometry', and the scene file gives one for all rows");
+        fields.fail("the table has a column 'geometry', and the scene file gives a geometry for all rows");
     return header;
 }
 
-/// A file in pieces that end with a line, of which one is in memory.
+/// Reads a file in pieces that end with a line; only one piece is in memory.
 class Pieces {
 public:
     explicit Pieces(const std::filesystem::path& path) : name_(path.string())
@@ -221,7 +221,7 @@ public:
         check_readable(path);
         file_.open(path, std::ios::binary);
     }
-    /// The next piece, valid until the next call; empty: there is none.
+    /// The next piece, valid until the next call; empty at the end.
     std::string_view next()
     {
         constexpr std::size_t size = std::size_t(1) << 20, longest_line = std::size_t(64) << 20;
@@ -234,7 +234,7 @@ public:
             file_.read(text_.data() + before, std::streamsize(size));
             text_.resize(before + std::size_t(file_.gcount()));
             if (file_.bad()) throw Error(ErrorKind::no_input, name_ + ": cannot be read");
-            taken_ = text_.rfind('\n') + 1; // none: 0
+            taken_ = text_.rfind('\n') + 1; // 0 if there is no line end
         }
         if (!file_) taken_ = text_.size();
         return std::string_view(text_).substr(0, taken_);
@@ -247,7 +247,7 @@ private:
     std::size_t taken_ = 0;
 };
 
-/// For a scene that wants some of the rows: holds a piece of the file at a time.
+/// For a scene that wants only some of the rows: holds one piece of the file at a time.
 void read_csv_pieces(BodyRows& rows, const std::filesystem::path& path)
 {
     Pieces pieces(path);
@@ -258,7 +258,7 @@ void read_csv_pieces(BodyRows& rows, const std::filesystem::path& path)
     RowReader reader(rows, fields);
     read_rows(rows, fields, header, reader);
     for (std::string_view piece = pieces.next(); !piece.empty(); piece = pieces.next()) {
-        rows.expect(piece.size() / 2); // a line has two bytes at least
+        rows.expect(piece.size() / 2); // a line has at least two bytes
         fields.go_on(piece);
         read_rows(rows, fields, header, reader);
     }

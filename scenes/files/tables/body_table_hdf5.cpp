@@ -20,7 +20,7 @@ constexpr std::array<std::string_view, reals> real_names = {"position", "rotatio
 constexpr std::array<std::uint64_t, reals> widths = {3, 4, 3};
 constexpr std::array<std::string_view, wholes> whole_names = {"geometry", "layer", "mask", "group", "static"};
 
-/// The columns of a table, read block by block.
+/// Reads the columns of a table block by block.
 class Columns {
 public:
     Columns(const BodyRows& rows, const std::filesystem::path& path, const std::string& where)
@@ -39,7 +39,8 @@ public:
             if (has(whole_names[c])) whole_[c] = open(whole_names[c], Hdf5File::Numbers::whole, {});
         if (!real_[position]) refuse(rows.file(), fmt::format("{}: the column 'position' is missing", where));
         if (rows.geometry() && whole_[geometry])
-            refuse(rows.file(), fmt::format("{}/geometry: is there, and the scene file gives one for all rows", where));
+            refuse(rows.file(),
+                   fmt::format("{}/geometry: exists, and the scene file gives a geometry for all rows", where));
         if (!rows.geometry() && !whole_[geometry])
             refuse(rows.file(), fmt::format("{}: the column 'geometry' is missing", where));
         size_ = real_[position]->rows();
@@ -49,7 +50,7 @@ public:
 
     std::uint64_t size() const { return size_; }
 
-    /// Adds `count` rows from `first` on.
+    /// Adds the bodies of `count` rows from `first` on.
     void add(std::uint64_t first, std::uint64_t count, BodyRows& rows)
     {
         for (std::size_t c = 0; c < reals; ++c)
@@ -110,7 +111,7 @@ private:
 void read_hdf5_bodies(BodyRows& rows, const std::filesystem::path& path, const std::string& group)
 {
     Columns columns(rows, path, group);
-    // What was never written costs no space in a file, and would fill the memory.
+    // Unwritten rows take no space in the file, but would fill the memory.
     constexpr std::uint64_t always = 1'000'000, block = 65'536;
     if (columns.size() > always && columns.size() > std::filesystem::file_size(path))
         refuse(rows.file(), fmt::format("{} rows are announced; the file is too short for them", columns.size()));

@@ -14,9 +14,9 @@ namespace oncollide {
 
 namespace {
 
-constexpr unsigned read_only = 0; // H5F_ACC_RDONLY calls functions of the library
+constexpr unsigned read_only = 0; // H5F_ACC_RDONLY is a macro that calls a function of the library
 
-/// A file may say that one piece of it fills the memory.
+/// Refuses chunks that are so large that one fills the memory.
 void check_chunks(const std::string& place, hid_t dataset, int dimensions, std::size_t number_bytes)
 {
     constexpr std::uint64_t most_bytes = std::uint64_t{256} << 20;
@@ -37,7 +37,7 @@ Hdf5File::Hdf5File(const std::filesystem::path& path) : name_(path.string())
 {
     check_readable(path);
     file_ = {hdf5().H5Fopen(path.c_str(), read_only, H5P_DEFAULT), hdf5().H5Fclose};
-    if (!file_.valid()) refuse(name_, "is no whole HDF5 file, or it is being written");
+    if (!file_.valid()) refuse(name_, "is not a complete HDF5 file, or is being written");
 }
 
 std::vector<std::string> Hdf5File::names_in(const std::string& group) const
@@ -47,7 +47,7 @@ std::vector<std::string> Hdf5File::names_in(const std::string& group) const
     H5G_info_t info{};
     if (!opened.valid() || h5.H5Gget_info(opened.id(), &info) < 0)
         refuse(name_, fmt::format("has no group '{}'", group));
-    constexpr std::uint64_t most = 1000; // of which the first that is unknown will be refused
+    constexpr std::uint64_t most = 1000; // the first unknown name will be refused anyway
     std::vector<std::string> names;
     for (std::uint64_t i = 0; i < std::min<std::uint64_t>(info.nlinks, most); ++i) {
         std::array<char, 200> name{};

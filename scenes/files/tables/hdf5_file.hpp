@@ -7,9 +7,9 @@
 
 namespace oncollide {
 
-// HDF5, as far as tables need it: the one place that knows the library. Private to scenes.
+// The part of HDF5 that tables need; the only user of the library for reading tables. Private to scenes.
 
-/// An open object of HDF5, closed at the end.
+/// An open object of HDF5, closed by the destructor.
 class Hdf5Handle {
 public:
     using Close = int (*)(std::int64_t);
@@ -33,15 +33,15 @@ private:
     Close close_ = nullptr;
 };
 
-/// A dataset of numbers, whose first dimension counts rows. Nothing of it is held in memory.
+/// A dataset of numbers, whose first dimension counts rows. Its data stays in the file.
 class Hdf5Column {
 public:
     std::uint64_t rows() const { return extent_[0]; }
     std::uint64_t extent(std::size_t dimension) const { return extent_[dimension]; }
-    /// Rows `first` to `first + count`, converted as HDF5 does. Throws Error{bad_data} where they cannot be read.
+    /// Rows `first` to `first + count - 1`, converted by HDF5. Throws Error{bad_data} if they cannot be read.
     void read(std::uint64_t first, std::uint64_t count, double* out) const;
-    void read(std::uint64_t first, std::uint64_t count, std::int64_t* out) const; ///< of whole numbers
-    /// Of one row, `first` to `first + count` along the second dimension.
+    void read(std::uint64_t first, std::uint64_t count, std::int64_t* out) const; ///< integers
+    /// Within one row: `first` to `first + count - 1` along the second dimension.
     void read_within(std::uint64_t row, std::uint64_t first, std::uint64_t count, double* out) const;
 
 private:
@@ -55,17 +55,17 @@ private:
     std::vector<unsigned long long> extent_;
 };
 
-/// A file open for reading. Errors are Error{bad_data} that begin with the file's name, Error{no_input} for a file that
-/// is missing, and Error{usage} where this build or this machine has no HDF5.
+/// A file open for reading. Throws Error{bad_data} prefixed with the file's name, Error{no_input} for a missing file,
+/// and Error{usage} if this build or this machine has no HDF5.
 class Hdf5File {
 public:
     explicit Hdf5File(const std::filesystem::path& path);
 
-    /// What the group holds, by name.
+    /// The names in a group.
     std::vector<std::string> names_in(const std::string& group) const;
     enum class Numbers { real, whole };
-    /// The dataset of that path, whose rows have these extents: none for one number a row; 0: any. Throws where it has
-    /// another shape or type.
+    /// The dataset of that path, whose rows have these extents: empty for one number per row; 0: any extent. Throws if
+    /// it has another shape or type.
     Hdf5Column column(const std::string& path, Numbers numbers, const std::vector<std::uint64_t>& row) const;
 
 private:

@@ -4,7 +4,7 @@
 
 namespace oncollide {
 
-/// A program that is linked with HDF5 holds copies of its variables, which are then those that the library uses.
+/// In a program that is linked with HDF5, the library uses the program's copies of its variables.
 hid_t Hdf5::variable(const char* name) const
 {
     const void* const linked = ::dlsym(RTLD_DEFAULT, name);
@@ -15,9 +15,9 @@ Hdf5::Hdf5()
     : shared_(::dlopen(ONCOLLIDE_HDF5_LIBRARY, RTLD_NOW | RTLD_NOLOAD)),
       library_(ONCOLLIDE_HDF5_LIBRARY, "reads and writes HDF5 files", "libhdf5-103-1")
 {
-    if (!shared_) H5dont_atexit(); // a file that could not be written must not be tried again at the end
+    if (!shared_) H5dont_atexit(); // otherwise HDF5 would try at exit to write a file that could not be written
     H5open();
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); // it prints its errors otherwise
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); // otherwise HDF5 prints its errors
     native_double = variable("H5T_NATIVE_DOUBLE_g"), native_int64 = variable("H5T_NATIVE_INT64_g");
     native_uint8 = variable("H5T_NATIVE_UINT8_g"), native_uint32 = variable("H5T_NATIVE_UINT32_g");
     native_uint64 = variable("H5T_NATIVE_UINT64_g"), text = variable("H5T_C_S1_g");

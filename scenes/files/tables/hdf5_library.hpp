@@ -7,11 +7,11 @@
 
 namespace oncollide {
 
-// What of HDF5's library is called, for the sources that read and write its files. Private to scenes.
+// The functions of HDF5's library that are used to read and write its files. Private to scenes.
 
-/// Loaded when a file first needs it, as GDAL is: linked, it would bring libraries of networks into every program.
+/// Loaded on first use, as GDAL is: linking it would load network libraries in every program.
 class Hdf5 {
-    const bool shared_; ///< the program had it before
+    const bool shared_; ///< the program had loaded it before
     const LoadedLibrary library_;
     hid_t variable(const char* name) const;
 
@@ -75,7 +75,7 @@ public:
     hid_t file_access = -1, dataset_creation = -1; ///< classes of property lists
 };
 
-/// Throws Error{usage} where this machine has no HDF5.
+/// Throws Error{usage} if this machine has no HDF5.
 const Hdf5& hdf5();
 
 } // namespace oncollide

@@ -34,13 +34,13 @@ public:
             if (i % block == 0) source_->read(frame, i, std::min(block, bodies - i), numbers_);
             const double* const n = &numbers_[numbers_each * (i % block)];
             const Eigen::Map<const Eigen::Vector3d> position(n);
-            // As Quaterniond::norm() adds, but not from memory that was written just before.
+            // The order of additions of Quaterniond::norm(), without loads that wait for recent stores.
             const double length = std::sqrt((n[3] * n[3] + n[5] * n[5]) + (n[4] * n[4] + n[6] * n[6]));
             if (!(position.cwiseAbs().maxCoeff() <= farthest) || !position.allFinite() ||
                 !(std::abs(length - 1) <= unit))
                 refuse(file,
                        fmt::format(
-                           "frame {}: {}: ({}, {}, {}), ({}, {}, {}, {}) is no position and quaternion of length 1",
+                           "frame {}: {}: ({}, {}, {}), ({}, {}, {}, {}) is not a position and unit quaternion",
                            frame, name_of(i), n[0], n[1], n[2], n[3], n[4], n[5], n[6]));
             Eigen::Quaterniond rotation(n[6], n[3], n[4], n[5]);
             if (std::abs(length - 1) > 1e-12) rotation.coeffs() /= length;

@@ -15,16 +15,16 @@ namespace oncollide {
 /// that this build cannot read.
 std::shared_ptr<Recording> open_recording(const Node& entry, const std::filesystem::path& folder);
 
-/// Where the numbers of a frame come from.
+/// The source of a frame's numbers.
 class PoseSource {
 public:
     virtual ~PoseSource() = default;
     std::uint64_t frames = 0, bodies = 0;
-    /// Seven numbers for each of `count` bodies from `first` on.
+    /// Reads seven numbers for each of `count` bodies from `first` on.
     virtual void read(std::uint64_t frame, std::uint64_t first, std::uint64_t count, std::vector<double>& numbers) = 0;
 };
 
-// One function a format.
+// One function per format.
 std::unique_ptr<PoseSource> open_npy_poses(const std::filesystem::path& path);
 std::unique_ptr<PoseSource> open_hdf5_poses(const std::filesystem::path& path, const std::string& dataset);
 

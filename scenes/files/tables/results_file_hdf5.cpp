@@ -19,10 +19,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr unsigned truncate = 2, read_while_written = 0x40; // H5F_ACC_TRUNC, H5F_ACC_SWMR_READ: they call functions
-constexpr hsize_t pair_chunk = 16'384, frame_chunk = 128;   // rows that are written and read as one
+constexpr unsigned truncate = 2, read_while_written = 0x40; // H5F_ACC_TRUNC, H5F_ACC_SWMR_READ, whose macros call
+                                                            // functions
+constexpr hsize_t pair_chunk = 16'384, frame_chunk = 128;   // rows per chunk of the file
 
-/// Throws Failed where the library says that it failed.
+/// Throws Failed if the library returned a failure.
 struct Failed {};
 template <class Result>
 Result sure(Result result)
@@ -102,11 +103,11 @@ Hdf5Handle frame_type(const ResultsHeader& header)
         fields.push_back({stage + "_ms", at + offsetof(StageRow, ms), h5.native_double});
         at += sizeof(StageRow);
     }
-    std::ranges::sort(fields, {}, &Field::name); // as HDF5 does in each write, with a slow sort
+    std::ranges::sort(fields, {}, &Field::name); // otherwise HDF5 sorts them slowly in each write
     return row_type(sizeof(FrameRow), fields);
 }
 
-/// A dataset of rows that grows, and the type of its rows.
+/// A growing dataset of rows, and the type of its rows.
 struct Rows {
     Hdf5Handle dataset, row;
 
@@ -118,14 +119,14 @@ struct Rows {
         sure(hdf5().H5Sget_simple_extent_dims(all.id(), &extent, nullptr));
         return extent;
     }
-    /// The same, where the file holds that many: it may say anything.
+    /// size(), checked against the stored bytes, since a damaged file may contain any number.
     std::uint64_t stored(std::size_t row_bytes) const
     {
         const std::uint64_t rows = size();
         if (rows > hdf5().H5Dget_storage_size(dataset.id()) / row_bytes) throw Failed{};
         return rows;
     }
-    /// Calls move(memory space, file space) for rows `first` to `first + count`.
+    /// Calls move(memory space, file space) for rows `first` to `first + count - 1`.
     template <class Move>
     void some(hsize_t first, hsize_t count, Move move) const
     {
@@ -135,7 +136,7 @@ struct Rows {
         sure(h5.H5Sselect_hyperslab(all.id(), H5S_SELECT_SET, &first, nullptr, &count, nullptr));
         sure(move(memory.id(), all.id()));
     }
-    /// Writes rows behind the first `size`.
+    /// Appends rows after the first `size`.
     void append(hsize_t size, hsize_t count, const void* rows) const
     {
         const hsize_t extent = size + count;
@@ -222,11 +223,11 @@ Hdf5Handle create(const fs::path& path)
 {
     const Hdf5& h5 = hdf5();
     const Hdf5Handle access = properties(h5.file_access);
-    sure(h5.H5Pset_libver_bounds(access.id(), H5F_LIBVER_V110, H5F_LIBVER_V110)); // as SWMR needs
+    sure(h5.H5Pset_libver_bounds(access.id(), H5F_LIBVER_V110, H5F_LIBVER_V110)); // required by SWMR
     return {sure(h5.H5Fcreate(path.c_str(), truncate, H5P_DEFAULT, access.id())), h5.H5Fclose};
 }
 
-/// Throws unless it was written by this version, of this scene, by these settings.
+/// Throws unless it was written by this version, of this scene, with these settings.
 void check_header(const std::string& name, const ResultsHeader& found, const ResultsHeader& wanted)
 {
     for (const auto& [what, there, here] :
@@ -234,11 +235,11 @@ void check_header(const std::string& name, const ResultsHeader& found, const Res
           std::tuple("settings", &found.settings, &wanted.settings)})
         if (*there != *here)
             throw Error(ErrorKind::usage,
-                        fmt::format("{}: cannot be continued: its '{}' is not this run's: {} there, {} here", name,
-                                    what, *there, *here));
+                        fmt::format("{}: cannot be continued: its '{}' differs from this run's: {} there, {} here",
+                                    name, what, *there, *here));
 }
 
-/// Those up to `frame`.
+/// The rows before `frame`.
 std::span<const FrameRow> frames_before(const std::string& name, std::span<const FrameRow> rows, std::uint64_t frame)
 {
     if (rows.empty()) throw Error(ErrorKind::usage, fmt::format("{}: holds no frame; leave out --from-frame", name));
@@ -303,7 +304,7 @@ ResultsFile::~ResultsFile()
 {
     if (open_ && std::uncaught_exceptions() == 0) try {
             close();
-        } catch (const Error&) { // who wants to know calls close()
+        } catch (const Error&) { // callers who need the error call close()
         }
 }
 
@@ -315,7 +316,7 @@ void ResultsFile::add(std::span<const PairRow> pairs, FrameRow row)
         errno = 0;
         open_->pairs.append(pairs_, pairs.size(), pairs.data());
         sure(h5.H5Dflush(open_->pairs.dataset.id()));
-        open_->frames.append(frames_, 1, &row); // it counts from now on
+        open_->frames.append(frames_, 1, &row); // from now on the frame is part of the file
         sure(h5.H5Dflush(open_->frames.dataset.id()));
     } catch (const Failed&) {
         fail();
@@ -336,7 +337,7 @@ void ResultsFile::close()
     }
 }
 
-/// What is open stays so, to the end of the program: to close it is to write.
+/// Leaves open objects open until the program ends: closing them would write.
 void ResultsFile::fail()
 {
     const std::string why = errno ? std::strerror(errno) : "HDF5 cannot write it";
@@ -354,8 +355,8 @@ StoredResults::StoredResults(const fs::path& path, const ResultsHeader& words)
 {
     const Hdf5& h5 = hdf5();
     try {
-        // Each attempt to read what a writer may just be changing waits twice as long as the one before: 17 ms in all,
-        // not for ever where the file is damaged.
+        // Each attempt to read data that a writer may be changing waits twice as long as the one before: 17 ms in
+        // total, so that a damaged file does not block forever.
         const Hdf5Handle access = properties(h5.file_access);
         sure(h5.H5Pset_metadata_read_attempts(access.id(), 24));
         open_->file = {sure(h5.H5Fopen(path.c_str(), read_while_written, access.id())), h5.H5Fclose};
@@ -376,7 +377,7 @@ StoredResults::StoredResults(const fs::path& path, const ResultsHeader& words)
             if (row.frame - frames_[0].frame != k || row.first > pairs || row.pairs > pairs - row.first) throw Failed{};
         }
     } catch (const Failed&) {
-        refuse(name_, "is no file of results that 'oncollide run --pairs' wrote, or it is damaged");
+        refuse(name_, "is not a results file of 'oncollide run --pairs', or is damaged");
     }
 }
 
@@ -386,7 +387,7 @@ std::string StoredResults::unlike(const NameColumn& names) const
 {
     const Hdf5& h5 = hdf5();
     Rows rows{{h5.H5Dopen2(open_->file.id(), "names", H5P_DEFAULT), h5.H5Dclose}, text_type()};
-    if (!rows.dataset.valid()) return {}; // none of the bodies has a name
+    if (!rows.dataset.valid()) return {}; // no body has a name
     constexpr hsize_t block = 65'536;
     std::vector<char*> letters;
     std::string found;

@@ -16,8 +16,7 @@ namespace oncollide {
 
 namespace {
 
-/// Loaded when a file first needs it: linked, GDAL and the hundred libraries behind it would add 80 ms to every start
-/// of a program.
+/// Loaded on first use: linking GDAL and its hundred libraries would add 80 ms to every start of a program.
 class Gdal {
     const LoadedLibrary library_{ONCOLLIDE_GDAL_LIBRARY, "reads such files", "libgdal32"};
 
@@ -52,7 +51,7 @@ public:
     }
 };
 
-/// GDAL writes its errors to the terminal otherwise.
+/// Suppresses GDAL's error output on the terminal.
 struct Quiet {
     const Gdal& gdal;
 
@@ -63,7 +62,7 @@ struct Quiet {
     ~Quiet() { gdal.CPLPopErrorHandler(); }
 };
 
-/// A small file must neither fill the memory nor be searched for hours for what it announces.
+/// Prevents a small file that announces a large raster from filling the memory or taking hours.
 void check_announced(const Gdal& gdal, GDALDatasetH data, const std::string& name, const HeightRaster& raster)
 {
     constexpr std::uint64_t most_of_small_files = 20'000'000, most_a_byte = 64; // compressed, or sparse
@@ -113,10 +112,10 @@ HeightRaster read_with_gdal(const std::filesystem::path& path)
     double to_world[6];
     const bool placed = gdal.GDALGetGeoTransform(data.get(), to_world) == CE_None;
     if (placed) {
-        if (to_world[2] != 0 || to_world[4] != 0) fail("the raster is turned against the axes");
+        if (to_world[2] != 0 || to_world[4] != 0) fail("the raster is rotated relative to the axes");
         raster.spacing = Eigen::Vector2d(std::abs(to_world[1]), std::abs(to_world[5]));
     }
-    // Row by row: what a short file announces is read as far as it goes, before there is room for all of it.
+    // Row by row: a short file fails at its end, before memory for all rows is allocated.
     const bool from_north = !placed || to_world[5] < 0;
     std::vector<double> row(raster.columns);
     for (std::uint32_t r = 0; r < raster.rows; ++r) {

@@ -1,4 +1,4 @@
-// Stands for the reader that needs GDAL in builds without it.
+// Replaces the reader that needs GDAL in builds without it.
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/scenes/files/terrain/height_raster.hpp>

@@ -3,7 +3,7 @@
 #include <memory>
 
 #define STB_IMAGE_IMPLEMENTATION
-#define STB_IMAGE_STATIC // so that programs which link stb themselves may be linked with this
+#define STB_IMAGE_STATIC // so that programs that link stb themselves can link this library
 #define STBI_ONLY_PNG
 #define STBI_NO_STDIO
 #pragma GCC diagnostic push
@@ -45,7 +45,7 @@ std::uint32_t crc_of(std::string_view bytes)
     return ~c;
 }
 
-/// stb reads on where a file is cut or damaged. Returns how many bytes of compressed rows there are.
+/// Needed because stb accepts files that are cut or damaged. Returns the number of bytes of compressed rows.
 std::uint64_t check_chunks(const std::string& name, std::string_view bytes)
 {
     std::uint64_t rows = 0;
@@ -74,7 +74,7 @@ HeightRaster read_grey_png(const std::string& name, std::string_view bytes)
     if (colour != 0 || (bits != 8 && bits != 16))
         refuse(name, fmt::format("a PNG of colour type {} and {} bits; heights are grey (type 0), of 8 or 16 bits",
                                  colour, bits));
-    // Deflate packs at most 1032 bytes into one; a small file must not fill the memory all the same.
+    // Deflate compresses at most 1032 bytes into one; a small file must still not fill the memory.
     constexpr std::uint64_t most_of_small_files = 20'000'000, most_a_byte = 64;
     const std::uint64_t packed = check_chunks(name, bytes), samples = std::uint64_t(raster.columns) * raster.rows;
     if (samples == 0 || samples / 1032 > packed || bytes.size() > 0x7fffffff)

@@ -18,7 +18,7 @@ namespace {
 constexpr std::string_view core = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02";
 constexpr std::string_view production = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
 
-/// Extensions that a file may require: they say nothing about the shape of a mesh, but for production, which is read.
+/// Extensions that a file may require: none affects the shape of a mesh, except production, which is supported.
 constexpr std::array known_extensions = {
     production, std::string_view("http://schemas.microsoft.com/3dmanufacturing/material/2015/02"),
     std::string_view("http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07")};
@@ -30,7 +30,7 @@ struct Unit {
 constexpr Unit units[] = {{"micron", 1e-6}, {"millimeter", 1e-3}, {"centimeter", 1e-2},
                           {"inch", 0.0254}, {"foot", 0.3048},     {"meter", 1}};
 
-/// Where in a model an element stands.
+/// Position of an element in a model.
 enum class Place {
     outside,
     model,
@@ -66,7 +66,7 @@ constexpr Step steps[] = {{Place::vertices, "vertex", Place::vertex},
                           {Place::model, "build", Place::build},
                           {Place::build, "item", Place::item}};
 
-/// Of other namespaces nothing is read, nor of what is in it: what changes a shape has to be required.
+/// Elements of other namespaces and their contents are ignored: an extension that affects shapes must be required.
 Place place_of(Place above, const XmlTag& tag)
 {
     if (tag.space != core) return Place::elsewhere;
@@ -210,7 +210,7 @@ private:
         if (const auto numbers = (*tag_)["transform"]) found.pose = transform(*numbers);
         return found;
     }
-    /// Rows of the matrix by which rows of coordinates are multiplied.
+    /// Parses the rows of the matrix by which row vectors are multiplied.
     Eigen::Affine3d transform(std::string_view words) const
     {
         std::vector<double> numbers;
@@ -228,8 +228,8 @@ private:
 
     const MeshSource& source_;
     ExpansionLimit& expansion_;
-    const XmlTag* tag_ = nullptr;               ///< that is being read
-    std::vector<Place> places_;                 ///< from the root to the element that is being read
+    const XmlTag* tag_ = nullptr;               ///< the element being read
+    std::vector<Place> places_;                 ///< from the root to the element being read
     std::map<std::string, std::string> spaces_; ///< by prefix
     ModelObject* object_ = nullptr;
 };

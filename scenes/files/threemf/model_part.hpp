@@ -10,11 +10,11 @@
 
 namespace oncollide {
 
-// A 3MF file holds one or more models: XML files, which may name objects of each other. Private to scenes.
+// A 3MF file holds one or more models: XML files, which may refer to objects of each other. Private to scenes.
 
 /// An object of a model, placed by the build or by another object.
 struct ModelReference {
-    std::string model; ///< its file; empty: the one that says so
+    std::string model; ///< its file; empty: the file of the reference
     std::uint32_t object;
     Eigen::Affine3d pose;
     std::size_t line;
@@ -28,13 +28,13 @@ struct ModelObject {
 };
 
 struct ModelPart {
-    double metres = 1e-3; ///< of its unit
+    double metres = 1e-3; ///< metres per unit
     std::map<std::uint32_t, ModelObject> objects;
     std::vector<ModelReference> build;
 };
 
 /// Throws Error{bad_data} naming the line; the triangles' indices are in range.
-/// @param expansion told of each vertex, triangle and component
+/// @param expansion counts each vertex, triangle and component
 ModelPart read_model_part(const MeshSource& source, const ZipArchive& archive, const std::string& file,
                           ExpansionLimit& expansion);
 

@@ -12,14 +12,14 @@ namespace oncollide {
 
 namespace {
 
-/// Without the '/' that stands for the archive.
+/// The path without the '/' that stands for the archive.
 std::string in_archive(std::string_view path)
 {
     path.remove_prefix(path.starts_with('/'));
     return std::string(path);
 }
 
-/// Which file of the archive is the model.
+/// Finds the file of the archive that is the model.
 class Relationships : public XmlHandler {
 public:
     void begin(const XmlTag& tag) override
@@ -48,13 +48,13 @@ public:
 private:
     using Model = std::map<std::string, ModelPart>::value_type;
 
-    /// An object on its way to becoming a node.
+    /// An object during the traversal that makes nodes.
     struct Open {
         const ModelReference* reference;
-        const Model* from; ///< in which the reference stands
+        const Model* from; ///< the model that contains the reference
         std::uint32_t above;
         int level;
-        Eigen::Affine3d frame; ///< of the node above, from that model's units
+        Eigen::Affine3d frame; ///< of the parent node, from that model's units
     };
 
     std::string model_file() const
@@ -69,7 +69,7 @@ private:
         return found.model;
     }
 
-    /// The model and all that it and others name.
+    /// Reads the model and all models that it refers to, directly or indirectly.
     void read_models(const std::string& root)
     {
         std::vector<std::string> waiting = {root};
@@ -121,7 +121,7 @@ private:
         }
     }
 
-    /// The number of the object's name.
+    /// Index of the object's name.
     std::uint32_t definition(const ModelObject& object, std::uint32_t id)
     {
         const auto [at, is_new] = definitions_.try_emplace(&object, static_cast<std::uint32_t>(placed_.names.size()));

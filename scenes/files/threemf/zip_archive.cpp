@@ -53,7 +53,7 @@ struct ZipArchive::Handle {
         if (!archive && bytes) libzip().zip_source_free(bytes);
         const std::string why = archive ? "" : libzip().zip_error_strerror(&error);
         libzip().zip_error_fini(&error);
-        if (!archive) source.fail(fmt::format("not a sound zip archive, which a 3MF file is: {}", why));
+        if (!archive) source.fail(fmt::format("not a valid zip archive, as a 3MF file must be: {}", why));
     }
     ~Handle() { libzip().zip_discard(archive); }
 };
@@ -71,7 +71,7 @@ void ZipArchive::read(const std::string& name, const std::function<void(std::str
 {
     constexpr std::uint64_t most = std::uint64_t{2} << 30;
     const auto fail = [&](const std::string& why) { source_.fail(fmt::format("{}: {}", printable(name), why)); };
-    // By the number of what was found: names are compared in the one way that OPC has, by letters of any case.
+    // Opened by index: OPC names are compared without regard to case.
     const zip_int64_t index = libzip().zip_name_locate(handle_->archive, name.c_str(), ZIP_FL_NOCASE);
     if (index < 0) fail("the archive has no such file");
     const auto close = [](zip_file_t* file) { libzip().zip_fclose(file); };

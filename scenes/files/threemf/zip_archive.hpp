@@ -7,15 +7,16 @@
 
 namespace oncollide {
 
-/// The files of a zip archive, as libzip reads them. Private to scenes.
+/// The files of a zip archive, read by libzip. Private to scenes.
 class ZipArchive {
 public:
-    /// Throws Error{bad_data} unless the archive is sound as a whole.
+    /// Throws Error{bad_data} unless the whole archive is valid.
     explicit ZipArchive(const MeshSource& source);
     ~ZipArchive();
 
     bool has(const std::string& name) const;
-    /// Passes the file on in pieces: at most 2 GiB, whose checksum is compared at the end. Throws where there is none.
+    /// Passes the file on in pieces: at most 2 GiB, whose checksum is compared at the end. Throws if the file is
+    /// missing.
     void read(const std::string& name, const std::function<void(std::string_view)>& visit) const;
 
 private:

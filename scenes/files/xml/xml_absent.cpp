@@ -1,4 +1,4 @@
-// Stands for the readers that need Expat and libzip in builds without them.
+// Replaces the readers that need Expat and libzip in builds without them.
 #include <oncollide/base/error.hpp>
 #include <oncollide/scenes/files/assembly/raw_assembly.hpp>
 

@@ -52,14 +52,14 @@ public:
     XmlElement root{};
 
 private:
-    // An element takes more memory than its few letters do.
+    // An element takes more memory than its few letters in the file.
     static constexpr std::size_t least = 2'000'000, bytes_each = 24;
 
     const MeshSource& source_;
     const std::function<bool(std::string_view, int)>& keep_;
     const std::size_t most_;
     std::size_t elements_ = 0, left_out_ = 0;
-    std::vector<XmlElement> open_; ///< from the root to the element that is being read
+    std::vector<XmlElement> open_; ///< from the root to the element being read
 };
 
 } // namespace

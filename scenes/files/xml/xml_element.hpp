@@ -7,21 +7,21 @@
 
 namespace oncollide {
 
-/// An element of an XML text with all that is in it. Private to scenes.
+/// An element of an XML text with its contents. Private to scenes.
 struct XmlElement {
     std::string name; ///< without the namespace
     std::size_t line = 0;
     std::vector<std::pair<std::string, std::string>> attributes{};
-    std::string text{}; ///< all text that is not in its children
+    std::string text{}; ///< all text outside its children
     std::vector<XmlElement> children{};
 
-    /// Empty where there is none.
+    /// Empty if there is none.
     const std::string& attribute(std::string_view key) const;
     /// The first child of that name, or null.
     const XmlElement* find(std::string_view child) const;
 };
 
-/// Reads a whole text, but for elements that are not to be kept and all that is in them.
+/// Reads a whole text, except the elements that `keep` rejects and their contents.
 /// @param keep  whether to keep an element of that name, `levels` below the root; called from the second level on
 XmlElement read_xml_elements(const MeshSource& source,
                              const std::function<bool(std::string_view name, int level)>& keep);

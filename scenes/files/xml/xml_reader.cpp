@@ -41,7 +41,7 @@ const Expat& expat()
     return library;
 }
 
-constexpr char separator = '\n'; // between a namespace and a name: no name has one
+constexpr char separator = '\n'; // between a namespace and a name; names cannot contain it
 constexpr std::size_t piece_bytes = std::size_t{1} << 20, most_tag_bytes = 4 * piece_bytes;
 
 } // namespace
@@ -50,7 +50,7 @@ struct XmlReader::Parser {
     const MeshSource& source;
     XmlHandler& handler;
     XML_Parser expat_parser = expat().XML_ParserCreateNS(nullptr, separator);
-    std::exception_ptr fault{}; ///< no exception may cross the frames of C
+    std::exception_ptr fault{}; ///< exceptions must not pass through C code
     int levels = 0;
     std::uint64_t bytes = 0;
 
@@ -126,7 +126,7 @@ struct XmlReader::Parser {
             if (error == XML_ERROR_NO_MEMORY) throw std::bad_alloc();
             source.fail(fmt::format("not well-formed XML: {}", expat().XML_ErrorString(error)), line());
         }
-        // What of a tag has come is looked at again with each piece.
+        // Expat scans an incomplete tag again with each piece, so its length must be limited.
         const auto at = static_cast<std::uint64_t>(expat().XML_GetCurrentByteIndex(expat_parser));
         if (!last && bytes - std::min(bytes, at) > most_tag_bytes)
             source.fail(fmt::format("a tag or comment is longer than {} bytes", most_tag_bytes), line());

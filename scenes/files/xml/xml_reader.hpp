@@ -7,32 +7,32 @@
 
 namespace oncollide {
 
-// XML, as Expat reads it. Private to scenes.
+// XML, parsed by Expat. Private to scenes.
 
-/// Where an element begins. Its views hold during the call alone.
+/// The start tag of an element. Its views are valid during the call only.
 struct XmlTag {
-    std::string_view space, name; ///< of the namespace, and within it
+    std::string_view space, name; ///< namespace, and local name
     const char** attributes;      ///< name, value, name, value, ..., null
     std::size_t line;
 
-    /// Nothing where there is no such attribute.
-    /// @param key  as it is written; where a prefix stands for a namespace, "NAMESPACE\nNAME"
+    /// Empty if there is no such attribute.
+    /// @param key  as written; if a prefix stands for a namespace, "NAMESPACE\nNAME"
     std::optional<std::string_view> operator[](std::string_view key) const;
 };
 
 class XmlHandler {
 public:
     virtual ~XmlHandler() = default;
-    /// A prefix stands for a namespace in the element that begins next.
+    /// Declares a namespace prefix for the element that begins next.
     virtual void name_space(std::string_view /*prefix*/, std::string_view /*name*/) {}
     virtual void begin(const XmlTag& tag) = 0;
     virtual void end() = 0;
-    /// Part of what stands between tags.
+    /// A piece of the text between tags.
     virtual void text(std::string_view) {}
 };
 
-/// Passes on what comes in pieces, strictly: an Error of the handler ends it, and so do entities that the text
-/// declares, elements nested deeper than `most_levels`, and tags of more than 4 MiB.
+/// Parses text in pieces, strictly. An Error of the handler ends the parsing; declared entities, elements nested deeper
+/// than `most_levels`, and tags of more than 4 MiB are refused.
 class XmlReader {
 public:
     /// @param source names the text in messages
@@ -49,7 +49,7 @@ private:
     const std::unique_ptr<Parser> parser_;
 };
 
-/// The same for a text that is there as a whole.
+/// The same for a complete text.
 void read_xml(const MeshSource& source, XmlHandler& handler);
 
 } // namespace oncollide
