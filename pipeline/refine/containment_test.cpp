@@ -9,7 +9,7 @@ namespace oncollide {
 
 namespace {
 
-/// Around all that can be inside a mesh, in its frame, for points that were moved there in double.
+/// A box, in the mesh's frame, around all points that can be inside the mesh after their transformation in double.
 Aabb box_around(const Mesh& mesh, const RelativePose& into)
 {
     Aabb box = mesh.bounds;
@@ -20,7 +20,7 @@ Aabb box_around(const Mesh& mesh, const RelativePose& into)
     return box;
 }
 
-/// May a part with these points be inside?
+/// False if a part with these points cannot be inside.
 bool may_hold(const Aabb& box, const PartPoints& part, const RelativePose& into)
 {
     return std::all_of(part.begin(), part.end(), [&](const Eigen::Vector3d& p) {
@@ -38,8 +38,8 @@ bool may_hold(const Model& outer, const Eigen::Isometry3d& pose_outer, const Mod
                           [&](const PartPoints& part) { return may_hold(box, part, into); });
 }
 
-/// visit(part) for all parts of a body, or triangles of them, that may be in a box, until it returns true.
-/// @param convex  is what fills the box convex? Then few triangles are in the box and not in it
+/// Calls visit(part) for all parts of a body, or their triangles, that may be in a box, until it returns true.
+/// @param convex  the solid in the box is convex: few triangles in the box are then outside the solid
 void look_in(const Aabb& box, Model& inner, const RelativePose& into_inner, bool convex, auto visit)
 {
     if (!convex || !inner.is_mesh() || inner.triangles() < many_triangles || !inner.obb_tree) {
@@ -52,11 +52,12 @@ void look_in(const Aabb& box, Model& inner, const RelativePose& into_inner, bool
     });
 }
 
-/// A point of the inner one, in its frame. @param tree  of the mesh; null: it is looked through
+/// A point of the inner body inside the mesh, in the inner body's frame.
+/// @param tree  of the mesh; null: test all triangles
 std::optional<Eigen::Vector3d> held_point(const PairTask& task, bool outer_is_a, const Mesh& mesh, ObbTree* tree,
                                           PointLocator& locator)
 {
-    // The coordinates of the exact level: those of B moved into A's frame.
+    // As in the exact level, B's coordinates are transformed into A's frame.
     const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
     const RelativePose b_to_a(*task.pose_a, *task.pose_b), stay(here, here);
     const Model& outer = outer_is_a ? *task.a : *task.b;

@@ -10,36 +10,36 @@
 
 namespace oncollide {
 
-/// A mesh of so many triangles takes longer to be told apart into its parts than a first answer should.
+/// Splitting a mesh of more triangles into its parts would take too long for a first result.
 constexpr std::size_t many_triangles = 1 << 17;
 
-/// A point, in the world, of a part of one body that lies inside the other, their surfaces being apart.
-/// @param around  the surface around a model's inside; null: it has none
+/// A point (world frame) of a part of one body that lies inside the other. Requires that their surfaces do not meet.
+/// @param around  returns the surface that bounds a model's inside; null: the model has no inside
 std::optional<Eigen::Vector3d> one_holds_the_other(const PairTask& task, PointLocator& locator,
                                                    FunctionRef<ObbTree*(const Model&)> around);
 
-/// Solid mode: finds the pairs of which one body is inside the other, or a part of it, their surfaces being apart.
+/// Solid mode: finds pairs whose surfaces do not meet, but with one body or a part of it inside the other.
 class ContainmentTest {
 public:
     explicit ContainmentTest(ModelStore& models) : models_(models) {}
 
-    /// Pairs with `apart[i]`, whose surfaces are known not to meet, become colliding where one encloses the other.
-    /// In surface mode there are none.
+    /// Pairs with apart[i] set, whose surfaces do not meet, become colliding if one body encloses a part of the other.
+    /// Does nothing in surface mode.
     void find(const RefineContext& context, std::span<const PairTask> tasks, std::span<const std::uint8_t> apart,
               std::span<RefineResult> results);
 
 private:
-    /// Does one body of a pair, the outer one, hold the other?
+    /// Whether one body of a pair (the outer one) encloses a part of the other.
     struct Query {
         std::uint32_t task;
         bool outer_is_a;
-        ObbTree* tree; ///< of the outer mesh; null where a budget has no room
+        ObbTree* tree; ///< of the outer mesh; null if a budget has no room
         bool holds;
     };
     void gather(const RefineContext& context, std::span<const PairTask> tasks, std::span<const std::uint8_t> apart);
 
     ModelStore& models_;
-    std::vector<std::uint8_t> sides_; ///< by task: whose box holds a part of the other; 1: the first's, 2: the second's
+    std::vector<std::uint8_t> sides_; ///< by task: bodies whose box contains a part of the other; bit 0: a, bit 1: b
     std::vector<Query> queries_;
     std::vector<PointLocator> locators_; ///< by thread
 };

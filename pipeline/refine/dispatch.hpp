@@ -7,20 +7,20 @@
 
 namespace oncollide {
 
-/// The two levels that narrow candidate pairs down, one after the other.
+/// The two levels that decide candidate pairs, one after the other.
 enum class Level : std::uint8_t { refine, exact };
 
 enum class Refiner : std::uint8_t {
     none,    ///< the level leaves the pair as it is
-    no_room, ///< so too, for a budget has no room for what would decide it, or a file cannot be read
+    no_room, ///< the same, because a budget has no room for the required trees, or a file cannot be read
     spheres, ///< sphere-trees
-    obbs,    ///< OBB trees, down to the error
-    exact,   ///< boxes, down to triangles, shapes and cells
-    fcl,     ///< FCL, on the bodies as a whole, where the exact refiner agrees
+    obbs,    ///< OBB trees, down to the requested error
+    exact,   ///< OBB trees, down to triangles, shapes and cells
+    fcl,     ///< FCL on whole bodies; counts only where the exact refiner agrees
 };
 constexpr std::size_t refiner_count = 6;
 
-/// The one place that decides which refiner takes a pair.
+/// The only place that selects the refiner of a pair.
 ///
 /// | level  | settings                                          | refiner |
 /// |--------|---------------------------------------------------|---------|
@@ -30,8 +30,8 @@ constexpr std::size_t refiner_count = 6;
 /// | exact  | predicates                                        | exact   |
 /// | exact  | fcl                                               | fcl     |
 ///
-/// Where a budget has no room for a tree of oriented boxes, spheres refine, and the exact level decides nothing. A
-/// terrain has no sphere-tree.
+/// If a budget has no room for an OBB tree, spheres refine and the exact level decides nothing. Terrains have no
+/// sphere-tree.
 class Dispatch {
 public:
     explicit Dispatch(const Settings& settings)
@@ -40,7 +40,7 @@ public:
     {
     }
 
-    /// Makes the trees that the refiner needs. Not while walks are under way, unless they are there().
+    /// Makes the trees that the refiner needs. Not during traversals, unless there() returns true.
     Refiner of(Level level, ModelStore& models, Model& a, Model& b, std::uint32_t frame) const
     {
         const auto room = [&] {
@@ -58,7 +58,7 @@ public:
         return exact_ == ExactLevel::fcl ? Refiner::fcl : Refiner::exact;
     }
 
-    /// Are all the trees there that of() would make?
+    /// True if of() would make no tree because all exist.
     bool there(Level level, const ModelStore& models, const Model& a, const Model& b) const
     {
         if (level == Level::refine && !obb_ && has_spheres(a) && has_spheres(b)) {
@@ -70,12 +70,12 @@ public:
     }
 
 private:
-    /// Can spheres hold it?
+    /// True if a sphere-tree can represent the model.
     static bool has_spheres(const Model& model) { return !model.terrain() && !model.is_half_space(); }
 
     bool obb_;
     ExactLevel exact_;
-    bool left_to_exact_; ///< by obb
+    bool left_to_exact_; ///< OBB trees leave the pair to the exact level
     bool kinds_;
 };
 

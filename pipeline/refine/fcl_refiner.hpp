@@ -5,8 +5,8 @@
 
 namespace oncollide {
 
-/// Any pairs, by FCL on the two bodies as a whole. FCL errs, so what it says counts only where the exact refiner says
-/// the same; else the pair keeps the verdict and the bound that it came with.
+/// Refines any pair with FCL on the two whole bodies. FCL has errors, so its result counts only if the exact refiner
+/// agrees; otherwise the pair keeps its previous verdict and bound.
 class FclRefiner final : public PairRefiner {
 public:
     explicit FclRefiner(PairRefiner& exact) : exact_(exact) {}

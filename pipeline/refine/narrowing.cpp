@@ -10,7 +10,7 @@ Narrowing::Narrowing(const Settings& settings, ModelStore& models, Level level)
 {
 }
 
-/// Queries whose trees are there do not wait for each other.
+/// Queries whose trees exist run concurrently.
 void Narrowing::sort_out(const RefineContext& context, std::span<const PairTask> tasks)
 {
     if (context.guard) {
@@ -44,7 +44,8 @@ void Narrowing::refine(Refiner which, PairRefiner& refiner, RefineContext& conte
     for (std::size_t k = 0; k < mine.size(); ++k) results[mine[k]] = results_[k];
 }
 
-/// Where a file cannot be read. Of bodies whose box was wrong it is only certain that all there can be is this large.
+/// Reports files that cannot be read. If the file contradicts its own outline, even the box is unreliable, so the bound
+/// becomes the largest possible distance.
 void Narrowing::tell_unreadable(const Settings& settings, const PairTask& task, RefineResult& result) const
 {
     constexpr double beyond_all = 1e16; // coordinates and poses are within 1e15 m
@@ -67,7 +68,7 @@ void Narrowing::run(RefineContext& context, std::span<const PairTask> tasks, Pai
         if (results[i].verdict == Verdict::within) results[i].verdict = Verdict::undecided;
         tell_unreadable(context.settings, tasks[i], results[i]);
     }
-    if (level_ == Level::exact && context.stopped()) // what it had no time for
+    if (level_ == Level::exact && context.stopped()) // pairs not tested before the stop
         for (RefineResult& result : results)
             if (result.verdict == Verdict::within && result.kind == ContactKind::unknown)
                 result.verdict = Verdict::undecided;

@@ -10,23 +10,23 @@
 
 namespace oncollide {
 
-/// Is there something left for the exact level to decide?
+/// True if the exact level must still decide the pair.
 inline bool is_open(Verdict verdict)
 {
     return verdict == Verdict::within || verdict == Verdict::undecided;
 }
 
-/// One level of narrowing down: gives each pair to its refiner and then, in solid mode, tests for containment.
-/// Frames and queries go through the same levels.
+/// One level of refinement: passes each pair to its refiner and then, in solid mode, tests for containment. Used by
+/// frames and queries.
 class Narrowing {
 public:
     Narrowing(const Settings& settings, ModelStore& models, Level level);
 
-    /// results[i] for tasks[i]; those that the level leaves keep what they are, but that where a budget has no room
-    /// for an exact decision, `within` becomes `undecided`.
+    /// Updates results[i] for tasks[i]. Pairs without a refiner keep their results, except that `within` becomes
+    /// `undecided` if a budget has no room for an exact decision.
     void run(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
              std::span<RefineResult> results);
-    /// Did the last run() decide task i?
+    /// True if the last run() decided task i.
     bool decided(std::size_t i) const { return refiners_[i] > Refiner::no_room; }
 
 private:
@@ -50,7 +50,7 @@ private:
     std::vector<std::uint8_t> apart_;
 };
 
-/// Both levels one after the other, for queries: what step() does with its stages between them.
+/// Both levels in sequence, for queries. step() runs them as two stages.
 class BothLevels {
 public:
     BothLevels(const Settings& settings, ModelStore& models)
@@ -58,14 +58,14 @@ public:
     {
     }
 
-    /// As Narrowing::run(); without a cache, as queries come once.
+    /// As Narrowing::run(), but without a cache, because queries do not repeat.
     void run(RefineContext& context, std::span<const PairTask> tasks, std::span<RefineResult> results);
 
 private:
     const Settings& settings_;
     Narrowing refine_, exact_;
-    std::vector<std::uint32_t> open_; ///< tasks left to the exact level
-    std::vector<PairTask> tasks_;     ///< these
+    std::vector<std::uint32_t> open_; ///< tasks left for the exact level
+    std::vector<PairTask> tasks_;     ///< the tasks in open_
     std::vector<RefineResult> results_;
 };
 

@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 
 constexpr EnoughDistance nearest_of_all{.below = -std::numeric_limits<double>::infinity()};
 
-/// A body that does not tell, being round, has the other's normal: it is in the middle of it.
+/// A round body without a normal at the contact (its centre is there) gets the opposite of the other's normal.
 void complete(Contact& c)
 {
     const bool of_a = !c.normal_a.isZero(0), of_b = !c.normal_b.isZero(0);
@@ -24,8 +24,8 @@ void complete(Contact& c)
     if (of_a && !of_b) c.normal_b = -c.normal_a;
 }
 
-/// Appends what walk finds of A and B, in the world.
-/// @param swapped  are the two the pair's b and a?
+/// Appends the contacts that the traversal of A and B finds, in the world frame.
+/// @param swapped  A and B are the pair's b and a
 template <class Walk>
 void find_parts(Walk& walk, auto& a, auto& b, const Isometry3d& pose_a, const Isometry3d& pose_b, bool swapped,
                 std::vector<Contact>& contacts)
@@ -59,7 +59,7 @@ void find_parts(Walk& walk, auto& a, auto& b, const Isometry3d& pose_a, const Is
     }
 }
 
-/// Of two shapes, or of a half-space and a shape.
+/// Contacts of two shapes, or of a half-space and a shape.
 void find_direct(const PairTask& task, std::vector<Contact>& contacts)
 {
     const DirectPair pair(task);
@@ -79,7 +79,7 @@ void find_direct(const PairTask& task, std::vector<Contact>& contacts)
     complete(contacts.back());
 }
 
-/// Of a half-space, which is the pair's b if `swapped`, and a body of several parts.
+/// Contacts of a half-space (the pair's b if `swapped`) and a body of several parts.
 void find_under(const PairTask& task, bool swapped, std::vector<Contact>& contacts)
 {
     const Isometry3d &plane = swapped ? *task.pose_b : *task.pose_a, &pose = swapped ? *task.pose_a : *task.pose_b;
@@ -109,7 +109,7 @@ void find_under(const PairTask& task, bool swapped, std::vector<Contact>& contac
 void NonMeshContacts::find(const PairTask& task, std::vector<Contact>& contacts)
 {
     const std::size_t begin = contacts.size();
-    // The first one's frame counts: a map's, in which its cells are boxes along the axes, else a shape's.
+    // Computations are in the first body's frame: a map's, in which its cells are axis-aligned, else a shape's.
     const auto rank = [](const Model& m) { return m.is_half_space() ? 3 : m.map() ? 2 : m.shape() ? 1 : 0; };
     const bool swapped = rank(*task.b) > rank(*task.a);
     Model &a = swapped ? *task.b : *task.a, &b = swapped ? *task.a : *task.b;

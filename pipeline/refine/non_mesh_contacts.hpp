@@ -8,15 +8,15 @@
 
 namespace oncollide {
 
-/// Contacts of pairs in which a shape or a map takes part; both are solid. One thread's working memory.
+/// Contacts of pairs with at least one shape or map; both are solid. One thread's working memory.
 ///
-/// Exact where NonMeshPairs is: of cells, boxes, hulls and triangles every two with a common point are found, for the one
-/// body's coordinates as moved into the other's frame in double; of round shapes what rounding hides is found too, as
-/// near.
+/// Exact where NonMeshPairs is: all pairs of cells, boxes, hulls and triangles with a common point are found, for one
+/// body's coordinates transformed into the other's frame in double. Contacts of round shapes that rounding cannot
+/// decide are reported as `near`.
 class NonMeshContacts {
 public:
-    /// Appends, sorted by (a, b), each pair of parts once. The trees of meshes must be there. Cost: that of the exact
-    /// level, and half a microsecond to two for each contact.
+    /// Appends contacts sorted by (a, b), each pair of parts once. The OBB trees of meshes must exist. Cost: the cost
+    /// of the exact level, plus half a microsecond to two per contact.
     void find(const PairTask& task, std::vector<Contact>& contacts);
 
 private:

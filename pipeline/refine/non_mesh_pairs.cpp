@@ -13,14 +13,15 @@ namespace oncollide {
 
 namespace {
 
-constexpr double rigid = 0x1p-18; ///< poses may be 2^-20 from rigid: so far may distances in A's frame be off
+constexpr double rigid = 0x1p-18; ///< poses may deviate from rigid by 2^-20, so distances in A's frame have this
+                                  ///< relative error
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// A hull of more is measured by the triangles of its surface: as one solid, all of its points are looked at for each
+/// Hulls with more points are measured by the triangles of their surface: a solid hull scans all its points for each
 /// direction.
 constexpr std::uint32_t most_points = 1024;
 
-/// Of walks whose leaf tests leave open what rounding hides.
+/// True for traversals whose leaf tests may be inconclusive because of rounding.
 template <class Walk>
 constexpr bool may_leave_open = requires(Walk& walk)
 {
@@ -33,7 +34,7 @@ void prepare(Walk& walk, double slack, bool open_counts)
     if constexpr (may_leave_open<Walk>) walk.leaves().prepare(slack, open_counts);
 }
 
-/// How far apart primitives are at most that rounding hides.
+/// Upper bound on the distance of primitives for which rounding leaves the result open.
 template <class Walk>
 double open_bound(Walk& walk)
 {
@@ -41,14 +42,14 @@ double open_bound(Walk& walk)
     return infinity;
 }
 
-/// By how much the heights of terrains may be off.
+/// Error bound of the heights of terrains, metres.
 double height_error(const PairTask& task)
 {
     const auto of = [](const Model& model) { return model.terrain() ? model.terrain()->error() : 0; };
     return of(*task.a) + of(*task.b);
 }
 
-/// Two primitives that are remembered of a pair of bodies, where neither or the first alone is a cell.
+/// Witnesses are kept only for pairs of primitives where at most the first is a cell.
 template <class Pair>
 constexpr bool has_hint = std::same_as<decltype(Pair::b), std::uint32_t>;
 template <class Pair>
@@ -84,7 +85,8 @@ void remember(PairMemory* memory, const std::optional<Pair>& witness)
     }
 }
 
-/// Separate beyond the clearance, or near. @param off  height_error()
+/// For bodies that do not meet: separate beyond the clearance, or near.
+/// @param off  height_error()
 template <class Walk, class A, class B>
 RefineResult by_distance(Walk& walk, A& a, B& b, const PlacedPair& placed, double off, double clearance)
 {
@@ -95,7 +97,7 @@ RefineResult by_distance(Walk& walk, A& a, B& b, const PlacedPair& placed, doubl
     return {Verdict::within, ContactKind::near, distance.upper * (1 + rigid) + off};
 }
 
-/// Where heights are off: what is no farther apart than that may meet or not.
+/// For inexact heights: parts at most this far apart may or may not meet.
 template <class Walk, class A, class B>
 RefineResult decide_off(Walk& walk, A& a, B& b, const PlacedPair& placed, double off, double clearance, auto holds)
 {
@@ -112,7 +114,7 @@ RefineResult decide_off(Walk& walk, A& a, B& b, const PlacedPair& placed, double
     return {Verdict::within, ContactKind::unknown, upper * (1 + rigid) + 0x1p-1000};
 }
 
-/// @param holds(a, b)  does the inside of one, where the leaf tests do not look, hold a part of the other?
+/// @param holds(a, b)  true if the inside of one body, which leaf tests ignore, contains a part of the other
 template <class Walk, class A, class B>
 RefineResult decide(Walk& walk, A& a, B& b, const PlacedPair& placed, double off, double clearance, PairMemory* memory,
                     auto holds)
@@ -146,7 +148,7 @@ RefineResult decide_near(Walk& walk, A& a, B& b, const PlacedPair& placed, doubl
     return {Verdict::within, ContactKind::unknown, (found.near ? found.bound : clearance) + out};
 }
 
-/// In A's frame, of what a walk found there.
+/// The distance in A's frame, from the result of a traversal.
 Distance placed_distance(auto& a, auto& b, const PlacedPair& placed, double off, const auto& found)
 {
     Distance d{.lower = std::max(found.lower * (1 - placed.slack) - off, 0.0),
@@ -159,25 +161,26 @@ Distance placed_distance(auto& a, auto& b, const PlacedPair& placed, double off,
     return d;
 }
 
-/// What walks see of a distance.
+/// The cutoff that a traversal needs.
 double farthest_seen(double farthest, double off)
 {
     return (farthest + off) * (1 + 4 * rigid);
 }
 
-/// From A's frame into the world, and for the bodies as the caller has them.
+/// Transforms from A's frame to the world and undoes the swap.
 Distance in_world(Distance d, const PairTask& task, bool swapped)
 {
     const Eigen::Isometry3d& frame = swapped ? *task.pose_b : *task.pose_a;
     d.point_a = frame * d.point_a, d.point_b = frame * d.point_b;
     if (swapped) std::swap(d.point_a, d.point_b), std::swap(d.a, d.b);
-    // A part of a shape's surface is no part of its own.
+    // A triangle of a shape's surface is not a part that users know.
     if (task.a->shape()) d.a = {};
     if (task.b->shape()) d.b = {};
     return d;
 }
 
-/// Is a cell of the map inside the surface, which is moved into the map's frame by `into` and touches no cell?
+/// True if a cell of the map is inside the surface, which `into` transforms into the map's frame and which touches no
+/// cell.
 bool holds_cell(PointLocator& locator, ObbTree& surface, const RelativePose& into, const MapTree& map)
 {
     Aabb box;
@@ -187,7 +190,7 @@ bool holds_cell(PointLocator& locator, ObbTree& surface, const RelativePose& int
     });
 }
 
-/// The body whose frame counts: a map's, in which its cells are boxes along the axes, else a round shape's.
+/// The body in whose frame computations are done: a map, because its cells are axis-aligned there, else a round shape.
 Model& placed_first(const PairTask& task)
 {
     const auto rank = [](const Model& m) { return m.map() ? 2 : m.shape() && !m.has_triangles() ? 1 : 0; };
@@ -221,8 +224,8 @@ bool NonMeshPairs::shape_holds(const PairTask& task)
         .has_value();
 }
 
-/// Is a shape certainly apart, as a solid, from all triangles of a large mesh? Looking for those that it may hold takes
-/// three times as long.
+/// True if a shape, as a solid, is certainly apart from all triangles of a large mesh. Looking for triangles inside the
+/// shape takes three times as long.
 bool NonMeshPairs::shape_apart_from_large(const PairTask& task)
 {
     const bool swapped = task.b->shape();
@@ -240,7 +243,7 @@ bool NonMeshPairs::shape_apart_from_large(const PairTask& task)
     return apart;
 }
 
-/// Calls work(walk, a, b, placed, holds) with what decides the pair.
+/// Calls work(walk, a, b, placed, holds) with the traversal and trees that decide the pair.
 auto NonMeshPairs::with_walk(const PairTask& task, auto work)
 {
     const auto never = [](const auto&, const auto&) { return false; };
@@ -301,7 +304,7 @@ Distance NonMeshPairs::distance(const PairTask& task, double tolerance, double f
     });
 }
 
-/// Of a shape and a mesh or a terrain; nothing: walks of other kinds are to tell.
+/// For a shape and a mesh or a terrain; empty for other pairs, which need other traversals.
 std::optional<Distance> NonMeshPairs::solid_distance(const PairTask& task, double tolerance, double farthest)
 {
     const bool swapped = task.b->shape();

@@ -9,38 +9,36 @@
 
 namespace oncollide {
 
-/// A mesh, or a terrain with exact heights.
+/// True for a mesh, or a terrain with exact heights.
 bool is_surface(const Model& model);
-/// Can the triangles of the mesh, of the terrain or of the surface of the shape tell exactly? So it is of boxes and
-/// hulls.
+/// True if exact triangle tests decide this model: meshes, exact terrains, boxes and hulls.
 bool is_polytope(const Model& model);
 
-/// Are trees walked for the pair? Not for two shapes, unless kinds of contact are wanted of polytopes.
+/// True if the pair needs trees. Two shapes need none, unless they are polytopes and kinds of contact are requested.
 bool needs_trees(const Model& a, const Model& b, bool kinds);
 
-/// The exact level of pairs in which a round shape, a half-space, a map or a terrain with heights that are off takes
-/// part, with certificates of its own: colliding where points of both are certainly one, separate where a gap is
-/// certain. What rounding hides (2^-47 of the bodies' sizes and distance, where a sphere or a capsule is turned or
-/// another round shape takes part), and heights that are off, stay `within`.
+/// The exact level for pairs with a round shape, a half-space, a map or a terrain with inexact heights. Certified:
+/// colliding if a common point is certain, separate if a gap is certain. Pairs stay `within` if rounding (2^-47 of the
+/// bodies' sizes and distance, if a sphere or a capsule is rotated or another round shape takes part) or the error of
+/// heights leaves both possible.
 /// Shapes and cells are solid. One thread's working memory.
 class NonMeshPairs {
 public:
-    /// The trees of both models must be there.
-    /// @param memory  what met last, but of two maps, is tested first; null: nothing is remembered
+    /// The trees of both models must exist.
+    /// @param memory  witness, tested first (except for two maps) and updated; null: no witness
     RefineResult exact(const RefineContext& context, const PairTask& task, PairMemory* memory);
 
-    /// Any pair but two surfaces: within clearance + tolerance (metres), or separate.
+    /// Any pair except two surfaces: within clearance + tolerance (metres), or separate.
     RefineResult near(const RefineContext& context, const PairTask& task, PairMemory* memory, double tolerance);
 
-    /// Of bodies that do not meet, surfaces too: separate beyond the clearance, or near.
+    /// For bodies that do not meet, including surfaces: separate beyond the clearance, or near.
     RefineResult within_clearance(const RefineContext& context, const PairTask& task);
 
-    /// Of any pair but two surfaces, as World::distance() says; but of a box or a hull, where it encloses a map's cells
-    /// or a part of a mesh, it may be that of its surface. Of bodies farther apart than `farthest` the upper bound is
-    /// infinite.
+    /// For any pair except two surfaces, as World::distance(). Exception: for a box or a hull that encloses a map's
+    /// cells or a part of a mesh, it may be the distance to its surface. Beyond `farthest`, the upper bound is infinite.
     Distance distance(const PairTask& task, double tolerance, double farthest);
 
-    /// Does a shape with a volume, one of the two, enclose a part of the other? Their surfaces are apart.
+    /// True if a shape of the pair encloses a part of the other body. Requires that their surfaces do not meet.
     bool shape_holds(const PairTask& task);
 
     struct Counts {

@@ -12,14 +12,14 @@ namespace oncollide {
 namespace {
 
 constexpr std::size_t pairs_per_chunk = 64;
-constexpr std::size_t pairs_per_look = 16; // at whether the call is to stop; chunks begin with one
+constexpr std::size_t pairs_per_look = 16; // per check whether the call should stop; chunks begin with a check
 
 std::optional<TrianglePair> hint_of(const PairMemory* memory)
 {
     return memory && memory->met ? std::optional(memory->triangles) : std::nullopt;
 }
 
-/// Where two meshes, or a mesh and a terrain, met last, for a walk to begin with and to set.
+/// The position in the trees where a pair met last; a traversal starts there and updates it.
 template <class A, class B>
 class RememberedHint {
 public:
@@ -39,7 +39,7 @@ private:
     std::optional<MeetingHint<A, B>> place_;
 };
 template <>
-class RememberedHint<TerrainTree, TerrainTree> { // few, and large
+class RememberedHint<TerrainTree, TerrainTree> { // few and large
 public:
     explicit RememberedHint(PairMemory*) {}
     std::optional<MeetingHint<TerrainTree, TerrainTree>>* get() { return nullptr; }
@@ -52,7 +52,7 @@ void remember(PairMemory* memory, const std::optional<TrianglePair>& meeting)
     if (meeting) memory->triangles = *meeting;
 }
 
-/// What rounding and poses that are not quite rigid do to distances of the two bodies, at most.
+/// Upper bound on the effect of rounding and of not exactly rigid poses on distances of the two bodies.
 double rounding_of(const PairTask& task)
 {
     const auto reach = [](const Model& model) { return model.is_half_space() ? 0 : model.bounds().reach(); };
@@ -60,14 +60,14 @@ double rounding_of(const PairTask& task)
     return rounding * (reach(*task.a) + reach(*task.b));
 }
 
-/// Of bodies farther apart a walk says `separate`.
-/// @param beyond  it may say something else up to there
+/// A traversal returns `separate` for bodies farther apart than this.
+/// @param beyond  the cutoff, up to which it may return another verdict
 double surely_separate(const PairTask& task, double beyond)
 {
     return beyond * (1 + 0x1p-16) + rounding_of(task);
 }
 
-/// Hulls and balls that showed nothing are left alone for a while, the longer the more often they did not.
+/// Tests of hulls or inner spheres without result are skipped for a while, longer after each such test in a row.
 bool rests(PairMemory::Rest& rest)
 {
     return rest.walks > 0 && (--rest.walks, true);
@@ -78,15 +78,15 @@ void let_rest(PairMemory::Rest& rest)
     rest.walks = static_cast<std::uint8_t>((1u << rest.in_vain) - 1);
 }
 
-/// Do their hulls show that two bodies are surely separate? The gap is remembered. Bodies at rest get no other answer
-/// than before.
+/// True if the hulls prove that two bodies are separate; stores the gap. Skips bodies that have not moved: the result
+/// would be the same.
 bool hulls_part(const PairTask& task, double beyond, PairMemory& memory, double& gap)
 {
     const OuterHull *const a = task.a->hull(), *const b = task.b->hull();
     if (!a || !b || task.travel == memory.walked_at || rests(memory.hulls)) return false;
     const double needed = surely_separate(task, beyond);
-    // A gap that lasts half as long as it is since they were looked at is found along the remembered direction, as a
-    // rule; the largest takes four times as long to find.
+    // A gap that will last half as long as the time since the last test is usually found along the stored direction;
+    // finding the largest gap takes four times as long.
     const double enough = std::max(2 * needed, 0.5 * (task.travel - memory.walked_at));
     const HullGap found = hull_gap(*a, *b, RelativePose(*task.pose_a, *task.pose_b), memory.across, enough);
     memory.across = found.across;
@@ -98,8 +98,8 @@ bool hulls_part(const PairTask& task, double beyond, PairMemory& memory, double&
     return true;
 }
 
-/// Do their surfaces certainly meet, since balls within them overlap so far? How far the bodies must move to part is
-/// remembered.
+/// True if the inner spheres overlap so deeply that the surfaces certainly meet; stores how far the bodies must move to
+/// separate.
 bool balls_meet(const PairTask& task, PairMemory& memory)
 {
     const auto holds = [&](double depth) { return depth > 0 && depth > rounding_of(task); };
@@ -113,7 +113,7 @@ bool balls_meet(const PairTask& task, PairMemory& memory)
     return true;
 }
 
-/// Makes hulls of models of which many pairs were walked, and balls, a few a frame, the first of the list first.
+/// Makes the hulls and inner spheres of frequently traversed models, a few per frame, in the order of tasks.
 void prepare_solids(std::span<const PairTask> tasks, PairCache& cache)
 {
     constexpr int most = 4;
@@ -127,7 +127,7 @@ void prepare_solids(std::span<const PairTask> tasks, PairCache& cache)
     }
 }
 
-/// Where two meshes met last, if both are still there.
+/// The position where two meshes met last, if both nodes still exist.
 const MeetingHint<ObbTree, ObbTree>* place_of(const PairTask& task, const PairMemory& memory)
 {
     const auto* place = std::get_if<MeetingHint<ObbTree, ObbTree>>(&memory.place);
@@ -135,19 +135,19 @@ const MeetingHint<ObbTree, ObbTree>* place_of(const PairTask& task, const PairMe
     return stored && place->holds_in(*task.a->obb_tree, *task.b->obb_tree) ? place : nullptr;
 }
 
-/// visit(tree, triangle) for those at which the walk of a pair that met begins.
+/// Calls visit(tree, triangle) for the triangles at which the traversal of a pair that met will start.
 void each_hint(const PairTask& task, const PairMemory& memory, auto visit)
 {
     const ObbTree *const a = task.a->obb_tree.get(), *const b = task.b->obb_tree.get();
     if (a && b) {
         if (place_of(task, memory)) visit(*a, memory.triangles.a), visit(*b, memory.triangles.b);
     } else if (const ObbTree* one = a ? a : b; one && one->is_large()) {
-        const std::uint32_t triangle = memory.triangles.b; // of walks what has no triangles is the first body
+        const std::uint32_t triangle = memory.triangles.b; // in traversals, the body without triangles comes first
         if (triangle < one->mesh().triangles.size()) visit(*one, triangle);
     }
 }
 
-/// What pairs look at lies scattered in memory: begins to load it for those after number i, a pointer at a time.
+/// Prefetches data of the pairs after number i, one level of pointers per step, because they are scattered in memory.
 void fetch_ahead(std::span<const PairTask> tasks, PairCache* cache, std::size_t i)
 {
     constexpr std::size_t pairs_a_step = 4;
@@ -158,7 +158,7 @@ void fetch_ahead(std::span<const PairTask> tasks, PairCache* cache, std::size_t 
         if (later >= tasks.size()) return;
         const PairTask& task = tasks[later];
         const PairMemory* const memory = cache ? &(*cache)[task.number] : nullptr;
-        if (!memory || !(memory->gap(task.travel) > 0)) visit(task, memory); // else the gap decides, as a rule
+        if (!memory || !(memory->gap(task.travel) > 0)) visit(task, memory); // otherwise the gap usually decides
     };
     const auto trees = [](const PairTask& task, auto visit) {
         for (const Model* model : {task.a, task.b})
@@ -190,7 +190,7 @@ void fetch_ahead(std::span<const PairTask> tasks, PairCache* cache, std::size_t 
 
 } // namespace
 
-/// What the pair's gap decides again, balls within the bodies, their hulls, or a walk.
+/// Decides the pair by its remaining gap, inner spheres, outer hulls, or a traversal, in this order.
 RefineResult ObbRefiner::refine(const RefineContext& context, const PairTask& task, PairMemory* memory,
                                 Worker& worker) const
 {
@@ -204,7 +204,7 @@ RefineResult ObbRefiner::refine(const RefineContext& context, const PairTask& ta
     const double beyond = settings.clearance + tolerance;
     double gap = memory->gap(task.travel);
     const bool kept = gap > beyond && gap > surely_separate(task, beyond);
-    // What near() says, too, where the error is more than what rounding hides.
+    // near() returns the same if the error exceeds the effect of rounding.
     const auto sure = [&] {
         return goal_ == Goal::exact || tolerance >= 2 * rounding_of(task) + 0x1p-16 * settings.clearance;
     };
@@ -217,7 +217,7 @@ RefineResult ObbRefiner::refine(const RefineContext& context, const PairTask& ta
     const bool parted = !kept && hulls_part(task, beyond, *memory, gap);
     if (kept || parted) {
         ++(kept ? worker.by_gap : worker.by_hull);
-        // Without coherence they are walked all the same.
+        // Without coherence, traverse anyway.
         if (settings.coherence) return {Verdict::separate, ContactKind::unknown, gap};
         const RefineResult again = walk(nullptr);
         return again.verdict == Verdict::separate ? RefineResult{Verdict::separate, ContactKind::unknown, gap} : again;
@@ -271,7 +271,7 @@ RefineResult ObbRefiner::exact(const RefineContext& context, const PairTask& tas
     } else {
         auto [meeting, gap, contact, parted] = walk.contact(a, b, b_to_a, hint_of(memory), place.get());
         remember(memory, meeting);
-        // Closed meshes of which every two triangles only touch may share a point inside all the same.
+        // Closed meshes that only touch in all pairs of triangles may still share an interior point.
         if constexpr (two_meshes<A, B>)
             if (contact == TriangleContact::touching && !parted && task.a->has_inside() && task.b->has_inside() &&
                 worker.inside.find(a, b, b_to_a))
@@ -288,7 +288,7 @@ RefineResult ObbRefiner::exact(const RefineContext& context, const PairTask& tas
     return {Verdict::separate, ContactKind::unknown, bound};
 }
 
-/// The same where a part of a cooked file may not be there: what was known of the pair then stays true.
+/// The same, but if a chunk of a cooked file is missing, the pair keeps its previous result, which is still true.
 RefineResult ObbRefiner::refine_there(const RefineContext& context, const PairTask& task, const RefineResult& known,
                                       PairMemory* memory, Worker& worker) const
 {

@@ -9,13 +9,13 @@
 
 namespace oncollide {
 
-/// Pairs of any kinds by their hierarchies of boxes: down to the error, or exactly, down to triangles, shapes and
+/// Refines pairs of any kinds with their trees: down to the requested error, or exactly, down to triangles, shapes and
 /// cells.
 class ObbRefiner final : public PairRefiner {
 public:
     enum class Goal : std::uint8_t {
         near, ///< within clearance + error, or separate
-        exact ///< do they meet, and how, if kinds are requested? With a clearance, the distance decides the rest
+        exact ///< colliding or not, with kinds if requested; with a clearance, the distance decides the rest
     };
     ObbRefiner(const ModelStore& models, Goal goal) : models_(models), goal_(goal) {}
 
@@ -23,14 +23,14 @@ public:
                 std::span<RefineResult> results) override;
 
 private:
-    /// One thread's.
+    /// One thread's working memory.
     struct Worker {
         TriangleWalks walks;
         SharedInside inside;
         NonMeshPairs solids;
-        std::uint64_t by_gap = 0;   ///< pairs that their gap decided
-        std::uint64_t by_hull = 0;  ///< pairs that their hulls decided
-        std::uint64_t by_balls = 0; ///< pairs that balls within them decided
+        std::uint64_t by_gap = 0;   ///< pairs decided by their gap
+        std::uint64_t by_hull = 0;  ///< pairs decided by their outer hulls
+        std::uint64_t by_balls = 0; ///< pairs decided by their inner spheres
     };
     RefineResult refine(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;
     RefineResult refine_there(const RefineContext& context, const PairTask& task, const RefineResult& known,
@@ -38,7 +38,7 @@ private:
     RefineResult near(const RefineContext& context, const PairTask& task, PairMemory* memory, double tolerance,
                       Worker& worker) const;
     RefineResult exact(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;
-    /// By triangles alone.
+    /// Decides two bodies with triangles.
     template <class A, class B>
     RefineResult exact(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker,
                        TraversalOf<A, B>& walk, A& a, B& b) const;

@@ -11,45 +11,47 @@
 
 namespace oncollide {
 
-/// What is remembered of a pair from one frame to the next. A witness is a hint: it is tried first and counts only
-/// where it holds again, so results do not depend on it. A gap is used up by what the bodies can have moved since it
-/// was certified: until then they are apart.
+/// Data kept of a pair between frames. Witnesses are hints: they are tested first and count only if they hold again, so
+/// results do not depend on them. A gap shrinks by the bodies' motion since it was certified; while it is positive, the
+/// bodies are apart.
 struct PairMemory {
-    double apart_until = 0; ///< while their travel is less, so far are the bodies apart at least
-    double meet_until = 0;  ///< while their travel is less, their surfaces meet
-    double walked_at = -1;  ///< their travel when they were walked last, or parted by their hulls
-    Eigen::Vector3f across = Eigen::Vector3f::Zero(); ///< what parted their hulls (hull_gap), or nearly did
+    double apart_until = 0; ///< a lower bound of the distance is this minus the travel
+    double meet_until = 0;  ///< their surfaces meet while the travel is less than this
+    double walked_at = -1;  ///< travel at the last traversal or separation by hulls
+    Eigen::Vector3f across = Eigen::Vector3f::Zero(); ///< separating direction of their hulls (hull_gap), or the last
+                                                      ///< one tried
     struct Rest {
-        std::uint8_t walks = 0;   ///< not looked at for so many more walks
-        std::uint8_t in_vain = 0; ///< looked at so many times in a row, which is why
+        std::uint8_t walks = 0;   ///< skip the test for this many more traversals
+        std::uint8_t in_vain = 0; ///< consecutive tests without result; sets `walks`
     };
-    Rest hulls{};             ///< around them
-    Rest balls{};             ///< within them
-    bool near = false;        ///< their last walk did not part them
-    bool met = false;         ///< `triangles` met, or were as near as was asked
-    TrianglePair triangles{}; ///< witness of contact; 0 for a shape
+    Rest hulls{};             ///< of the outer hulls
+    Rest balls{};             ///< of the inner spheres
+    bool near = false;        ///< the last traversal did not separate them
+    bool met = false;         ///< `triangles` met, or came within the cutoff
+    TrianglePair triangles{}; ///< witness of contact; index 0 for a shape
     LeafPair leaves{};        ///< leaves of the sphere-trees that touched
-    /// Of a map the cell, in place of its triangle; else where the triangles are.
+    /// For a map the cell, replacing its triangle index; otherwise the position of the triangles in the trees.
     std::variant<std::monostate, MapCell, MeetingHint<ObbTree, ObbTree>, MeetingHint<TerrainTree, ObbTree>,
                  MeetingHint<ObbTree, TerrainTree>>
         place = std::monostate();
 
-    /// @param travel  of both, now
+    /// @param travel  current travel of both bodies
     double gap(double travel) const { return apart_until - travel - 0x1p-50 * travel; }
-    /// So far must they move before they can have parted.
+    /// They cannot have separated before moving by this distance.
     double depth(double travel) const { return meet_until - travel - 0x1p-50 * travel; }
     void meet(double depth, double travel) { meet_until = (travel + depth) * (1 - 0x1p-52); }
     void part(double gap, double travel) { apart_until = std::max(apart_until, (travel + gap) * (1 - 0x1p-52)); }
 };
 
-/// The memory of the candidate pairs. Each stays where it is for as long as its pair is a candidate.
+/// The memory of the candidate pairs. An element keeps its address within a frame, and its row while its pair is a
+/// candidate.
 class PairCache {
 public:
-    /// Keeps what is remembered of pairs that were candidates before, and forgets the others.
+    /// Keeps the memory of pairs that were candidates in the last frame, and drops all other memory.
     /// @param pairs  sorted
-    /// @param fresh  by slot: what is remembered of such a body is void; empty: of none
+    /// @param fresh  by slot: true if the memory of the body's pairs is void; empty: false for all
     void begin_frame(std::span<const BodyPair> pairs, std::span<const std::uint8_t> fresh);
-    /// Of pair number `i` of the frame.
+    /// The memory of pair `i` of the frame.
     PairMemory& operator[](std::size_t i) { return memories_[now_[i].row]; }
     std::size_t bytes() const
     {

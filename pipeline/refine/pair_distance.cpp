@@ -10,7 +10,7 @@ Distance PairDistance::find(const PairTask& task, Mode mode, double tolerance, d
     const Distance found = is_surface(*task.a) && is_surface(*task.b)
                                ? surfaces_.distance(*task.a, *task.pose_a, *task.b, *task.pose_b, tolerance, farthest)
                                : solids_.distance(task, tolerance, farthest);
-    if (found.lower == 0 || without_walk(*task.a, *task.b)) return found; // shapes are solid there
+    if (found.lower == 0 || without_walk(*task.a, *task.b)) return found; // which already treats shapes as solid
     const auto around = [&](const Model& model) {
         return model.shape() || (mode == Mode::solid && model.closed()) ? model.obb_tree.get() : nullptr;
     };

@@ -4,11 +4,11 @@
 
 namespace oncollide {
 
-/// Distances of any two bodies, as World::distance() says. One thread's working memory.
+/// Distances of any two bodies, as World::distance(). One thread's working memory.
 class PairDistance {
 public:
-    /// The trees of both models must be there.
-    /// @param mode  whether the inside of a closed mesh belongs to it
+    /// The trees of both models must exist.
+    /// @param mode  whether the inside of a closed mesh belongs to the mesh
     Distance find(const PairTask& task, Mode mode, double tolerance, double farthest);
 
 private:

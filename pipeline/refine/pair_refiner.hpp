@@ -15,9 +15,9 @@
 
 namespace oncollide {
 
-/// Two bodies at their poses, to be narrowed down.
+/// A pair of bodies at their poses, to be refined.
 struct PairTask {
-    std::uint32_t number; ///< of the pair, in the results and in the cache
+    std::uint32_t number; ///< index of the pair in the results and in the cache
     Model *a, *b;
     const Eigen::Isometry3d *pose_a, *pose_b;
     double travel = 0; ///< Bodies::travel() of both
@@ -29,25 +29,25 @@ struct RefineResult {
     double bound; ///< as PairResult::bound
 };
 
-/// What refiners share with whoever calls them.
+/// Data that refiners share with their caller.
 struct RefineContext {
     const Settings& settings;
     std::uint32_t frame = 0;
     int threads = 1;
-    TreeStats trees;           ///< counted up
+    TreeStats trees;           ///< incremented
     std::vector<Round> rounds; ///< appended to
     std::chrono::steady_clock::time_point began;
-    std::shared_mutex* guard = nullptr; ///< of the models' trees; null: no other thread uses them
+    std::shared_mutex* guard = nullptr; ///< guards the models' trees; null: no other thread uses them
 
-    /// Are pairs that are not refined yet to be left as they are?
+    /// True if the remaining pairs should stay unrefined.
     bool stopped() const { return settings.stop && settings.stop(); }
 
-    /// Held while sphere-trees are walked.
+    /// Hold it while traversing sphere-trees.
     std::shared_lock<std::shared_mutex> walking() const
     {
         return guard ? std::shared_lock(*guard) : std::shared_lock<std::shared_mutex>();
     }
-    /// Held while trees are made and while sphere-trees grow.
+    /// Hold it while making trees and while sphere-trees grow.
     std::unique_lock<std::shared_mutex> changing() const
     {
         return guard ? std::unique_lock(*guard) : std::unique_lock<std::shared_mutex>();
@@ -60,15 +60,15 @@ struct RefineContext {
     }
 };
 
-/// Narrows pairs down: each comes back separate, within its error, colliding or undecided. Clearance, kinds, exactness
-/// and budgets are axes that a refiner reads from the settings; which refiner takes a pair is decided in dispatch.hpp.
+/// Refines pairs: each becomes separate, within its error, colliding or undecided. Refiners read clearance, kinds,
+/// exactness and budgets from the settings; dispatch.hpp selects the refiner of a pair.
 class PairRefiner {
 public:
     virtual ~PairRefiner() = default;
-    /// results[i] for tasks[i], for any number of threads and in any company the same. A refiner that cannot tell
-    /// leaves what is there.
-    /// @param tasks  by ascending number; what their models need was admitted (Dispatch)
-    /// @param cache  of the frame's pairs; null: nothing is remembered
+    /// Updates results[i] for tasks[i], independent of the thread count and of the other tasks. A refiner that cannot
+    /// decide a pair leaves its result unchanged.
+    /// @param tasks  by ascending number; the trees that they need were admitted (Dispatch)
+    /// @param cache  of the frame's pairs; null: no memory is kept
     virtual void refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
                         std::span<RefineResult> results) = 0;
 };

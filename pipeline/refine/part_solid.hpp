@@ -10,7 +10,7 @@
 
 namespace oncollide {
 
-/// A part of a body as users know it: the tree of a cooked mesh has numbers of its own.
+/// A part of a body in the user's numbering: the tree of a cooked mesh has its own.
 inline auto source_of(const auto& tree, const auto& part)
 {
     if constexpr (requires { tree.source(part); })
@@ -36,7 +36,7 @@ public:
     PartSolid& operator=(const PartSolid&) = delete;
 
     const Convex& solid() const { return solid_; }
-    /// As Contact has it.
+    /// The normal as defined by Contact.
     Eigen::Vector3d normal(const Eigen::Vector3d& point) const
     {
         return flat_ ? unit_normal(corners_[0], corners_[1], corners_[2]) : outward_normal(solid_, point);

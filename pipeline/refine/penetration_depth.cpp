@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint8_t unknown = 0, outside = 1, inside = 2;
 
-/// What the surfaces share.
+/// Bounding box of the contacts.
 Aabb box_of(std::span<const Contact> contacts)
 {
     Aabb box;
@@ -19,7 +19,7 @@ Aabb box_of(std::span<const Contact> contacts)
     return box;
 }
 
-/// Directions along which an overlap may be thin: the axes, and normals that differ.
+/// Directions along which an overlap may be thin: the axes and the distinct normals of contacts.
 std::vector<Eigen::Vector3d> directions_of(std::span<const Contact> contacts)
 {
     constexpr std::size_t most = 16;
@@ -53,8 +53,8 @@ std::uint32_t PenetrationDepth::root_of(std::uint32_t vertex)
     return vertex;
 }
 
-/// The vertices of `inner` that lie inside `outer`, to inside_ and points_. Vertices that triangles connect which do
-/// not meet the other surface are all on one side of it: one of them tells.
+/// Stores the vertices of `inner` inside `outer` in inside_ and points_. Vertices connected by triangles that do not
+/// meet the other surface are all on the same side of it, so one vertex per such component is located.
 void PenetrationDepth::find_inside(const Side& inner, const Side& outer, std::span<const std::uint8_t> meets)
 {
     inside_.clear(), points_.clear();
@@ -70,7 +70,7 @@ void PenetrationDepth::find_inside(const Side& inner, const Side& outer, std::sp
         if (meets[t]) continue;
         for (const std::size_t k : {1, 2}) roots_[root_of(triangle[k])] = root_of(triangle[0]);
     }
-    // Of a piece that has a vertex beyond the other's box nothing is inside.
+    // A component with a vertex outside the other's box is outside.
     Aabb box;
     for (unsigned k = 0; k < 8; ++k) box.add(outer.to_a(corner_of(around.bounds, k)));
     const double slack = 0x1p-30 * (box.diagonal() + box.min.cwiseAbs().maxCoeff() + box.max.cwiseAbs().maxCoeff());
@@ -101,12 +101,12 @@ Distance PenetrationDepth::to_surface(const Side& outer, const Eigen::Vector3d& 
     return {.lower = found.lower, .upper = found.upper};
 }
 
-/// The deepest of points_: sets of vertices are halved, the most promising first, as no vertex of a set is deeper than
-/// one of it and the farthest that another is from that one.
+/// Finds the deepest of points_ by branch and bound: sets of vertices are halved, best upper bound first. The upper
+/// bound of a set is the depth of one vertex plus its largest distance to another.
 void PenetrationDepth::find_deepest(const Side& outer, bool of_a, Penetration& found)
 {
     struct Set {
-        double most; ///< no vertex is deeper
+        double most; ///< upper bound on the depth of its vertices
         std::uint32_t begin, end;
         bool operator<(const Set& other) const { return most < other.most; }
     };

@@ -8,18 +8,19 @@
 
 namespace oncollide {
 
-/// Measures how far two bodies with triangles reach into each other: World::penetration(). One thread's working memory;
-/// others may walk the same trees.
+/// Measures the penetration of two bodies with triangles: World::penetration(). One thread's working memory; other
+/// threads may traverse the same trees.
 class PenetrationDepth {
 public:
-    /// The trees of both models must be there.
-    /// @param contacts  all of the pair
-    /// Cost: a look at each triangle of both; a point placed for each piece into which the contacts cut a mesh, and
+    /// The trees of both models must exist.
+    /// @param contacts  all contacts of the pair
+    /// Cost: a scan of all triangles of both bodies; one point location for each piece into which the contacts cut a
+    /// mesh; and some dozens of point distances.
     /// some dozens of distances of points.
     Penetration measure(const PairTask& task, std::span<const Contact> contacts);
 
 private:
-    /// One body as its vertices are looked for in the other, in the frame of body a.
+    /// One body, and the transformation into the frame of body a.
     struct Side {
         Model* model;
         RelativePose to_a;
@@ -33,8 +34,8 @@ private:
     Traversal walk_;
     std::vector<std::uint8_t> meets_;
     std::vector<std::uint32_t> roots_, inside_; ///< inside_: vertices of one mesh
-    std::vector<Eigen::Vector3d> points_;       ///< of these, in the frame of body a
-    std::vector<Eigen::Vector3d> all_;          ///< whose hull holds what both bodies have in common, in the world
+    std::vector<Eigen::Vector3d> points_;       ///< positions of inside_, in the frame of body a
+    std::vector<Eigen::Vector3d> all_;          ///< points whose hull contains the bodies' intersection, world frame
 };
 
 } // namespace oncollide

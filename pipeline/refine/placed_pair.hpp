@@ -5,8 +5,8 @@
 
 namespace oncollide {
 
-/// Where B is in A's frame, and by how much lengths there may differ from the world's, relative: 0 where both poses
-/// turn by quarters.
+/// B's pose in A's frame, and the largest relative error of lengths there compared with the world; 0 if both poses
+/// rotate by quarter turns.
 struct PlacedPair {
     RelativePose b_to_a;
     double slack;
@@ -16,24 +16,24 @@ struct PlacedPair {
     double above(double bound) const { return bound * (1 + slack); }
 };
 
-/// By how much a pose makes lengths longer or shorter at most, relative; 0 of quarter turns.
+/// Upper bound on the relative change of lengths by a pose; 0 for quarter turns.
 double stretch(const Eigen::Isometry3d& pose);
 
-/// Is the pair decided without a walk: two shapes, or a half-space and anything?
+/// True if the pair needs no traversal: two shapes, or a half-space and any body.
 bool without_walk(const Model& a, const Model& b);
 
-/// What decides such pairs. A half-space comes first, then its frame is the one that counts.
+/// Decides such pairs. A half-space becomes the first body, because computations are in its frame.
 class DirectPair {
 public:
     explicit DirectPair(const PairTask& task);
 
     /// As NonMeshPairs::exact().
     RefineResult exact(double clearance) const;
-    /// Separate beyond the clearance, or near, where they do not meet.
+    /// For bodies that do not meet: separate beyond the clearance, or near.
     RefineResult by_distance(double clearance) const;
     /// As NonMeshPairs::near().
     RefineResult near(double clearance, double tolerance) const;
-    /// As World::distance(); of shapes that are farther apart than `enough.above` the upper bound is infinite.
+    /// As World::distance(); beyond `enough.above` the upper bound is infinite.
     Distance distance(const EnoughDistance& enough) const;
 
 private:

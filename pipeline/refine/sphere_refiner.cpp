@@ -82,7 +82,7 @@ void SphereRefiner::run_rounds()
     }
 }
 
-/// Those that were put back come first.
+/// Postponed pairs come first.
 void SphereRefiner::next_slice()
 {
     const auto back = again_.begin() + static_cast<std::ptrdiff_t>(std::min(slice_size_, again_.size()));
@@ -92,7 +92,7 @@ void SphereRefiner::next_slice()
         slice_.push_back(static_cast<std::uint32_t>(started_++));
 }
 
-/// One batch of what parked walks wait for; does `meanwhile` while the backend works.
+/// Expands the cells that parked traversals need in one batch; calls `meanwhile` while the backend works.
 template <class Meanwhile>
 void SphereRefiner::grow_trees(Meanwhile meanwhile)
 {
@@ -131,8 +131,8 @@ void SphereRefiner::walk_slice()
     });
 }
 
-/// Joins the threads' parked walks in the order of the pairs, and makes room for the next round's. What is too much
-/// is put back.
+/// Merges the threads' parked traversals in the order of pairs, and prepares the workers for the next round. Postpones
+/// traversals beyond the memory bound.
 bool SphereRefiner::gather_parked()
 {
     workers_.swap(parked_workers_);
@@ -151,7 +151,7 @@ bool SphereRefiner::gather_parked()
         for (std::size_t i = kept; i < parked_.size(); ++i) again_.push_back(parked_[i].pair);
         std::sort(again_.begin(), again_.end());
         parked_.resize(kept);
-        slice_size_ = std::min(slice_size_, kept); // so many find room
+        slice_size_ = std::min(slice_size_, kept); // the number of traversals that fit
     }
     return !parked_.empty();
 }
@@ -188,7 +188,7 @@ void SphereRefiner::count()
 {
     for (auto* side : {&workers_, &parked_workers_})
         for (Worker& worker : *side) {
-            worker.walker.clear(), worker.parked.clear(); // of a call that was stopped
+            worker.walker.clear(), worker.parked.clear(); // left over by a call that was stopped
             context_->trees.node_pairs += worker.walker.node_pairs();
             worker.walker.reset_counters();
         }

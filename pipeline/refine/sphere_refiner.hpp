@@ -9,18 +9,18 @@
 
 namespace oncollide {
 
-/// Any pairs by their sphere-trees, which must be there (ModelStore::spheres), in rounds:
+/// Refines any pairs with their sphere-trees, which must exist (ModelStore::spheres), in rounds:
 ///
-///     pairs walk ──> parked ──> requests ──> one batch ──> trees grow ──> parked pairs walk on ──> ...
-///                                              └─ meanwhile the next pairs start to walk
+///     start ──> park ──> requests ──> one batch ──> trees grow ──> resume ──> park ──> ...
+///                                       └─ meanwhile the next slice of traversals starts
 ///
-/// until none is parked. Many pairs start in slices, one per round: while a GPU works, the CPU has walks to start, and
-/// later slices find most of their cells grown by earlier ones, which keeps what is parked small. Slices are an eighth
-/// of the pairs, so rounds hardly grow with the number of pairs, but at most 16,384 of them.
+/// until no traversal is parked. Many pairs start in slices, one per round: while a GPU works, the CPU starts
+/// traversals, and later slices find most of their cells already grown, which keeps the parked data small. A slice is
+/// an eighth of the pairs, at most 16,384, so the number of rounds hardly grows with the number of pairs.
 ///
-/// What is parked is bounded: no slice starts while it takes over half of `most_parked_bytes` (with a memory budget, a
-/// quarter of that if it is less, but a megabyte), and what goes beyond starts again from its roots later. That costs
-/// time, but changes no result, as these do not depend on the order of a walk.
+/// Parked data are bounded: no slice starts while they use over half of `most_parked_bytes` (with a memory budget, at
+/// most a quarter of the budget, but at least a megabyte). Traversals beyond the bound restart from the roots later.
+/// This costs time but does not change results, which do not depend on the order of traversals.
 class SphereRefiner final : public PairRefiner {
 public:
     explicit SphereRefiner(ModelStore& models) : models_(models) {}
@@ -28,15 +28,15 @@ public:
     void refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
                 std::span<RefineResult> results) override;
 
-    /// Of parked walks. The vectors that hold them may be three times as large.
+    /// Limit of the data of parked traversals. The vectors that hold the data may be three times as large.
     static constexpr std::size_t most_parked_bytes = std::size_t{16} << 20;
-    static constexpr std::size_t least_parked_bytes = std::size_t{1} << 20; ///< however small the budget
+    static constexpr std::size_t least_parked_bytes = std::size_t{1} << 20; ///< regardless of the budget
 
 private:
     struct Parked {
         std::uint32_t pair, worker;
-        int resumed;      ///< times that the pair was taken up again
-        WalkResult found; ///< so far
+        int resumed;      ///< number of times the pair was resumed
+        WalkResult found; ///< result so far
         ParkedWork work;  ///< in the worker's walker
     };
     struct Worker {
@@ -56,22 +56,22 @@ private:
     void resume_all();
     void count();
 
-    static constexpr std::size_t pairs_per_chunk = 256, pairs_per_look = 16; ///< at whether the call is to stop
+    static constexpr std::size_t pairs_per_chunk = 256, pairs_per_look = 16; ///< per check whether the call should stop
     static constexpr std::size_t pairs_worth_slices = 1024, slices = 8, most_in_slice = 16384;
 
     ModelStore& models_;
-    RefineContext* context_ = nullptr; ///< of the run under way, and so the next three
+    RefineContext* context_ = nullptr; ///< of the current run, like the next three members
     std::span<const PairTask> tasks_;
     PairCache* cache_ = nullptr;
     std::span<RefineResult> results_;
-    std::vector<std::array<int, 2>> depths_; ///< by task: at which its walk ends; the trees' may grow meanwhile
+    std::vector<std::array<int, 2>> depths_; ///< by task: levels where its traversal ends
     bool give_up_ = false;
-    std::size_t started_ = 0; ///< pairs
+    std::size_t started_ = 0; ///< number of pairs
     std::size_t slice_size_ = 0;
-    std::vector<std::uint32_t> again_; ///< started, and put back; sorted
+    std::vector<std::uint32_t> again_; ///< pairs started but postponed; sorted
     std::vector<std::uint32_t> slice_; ///< pairs to start now
-    std::size_t parked_room_ = 0;      ///< entries that may be parked
-    std::size_t parked_entries_ = 0;   ///< that are
+    std::size_t parked_room_ = 0;      ///< limit of parked_entries_
+    std::size_t parked_entries_ = 0;   ///< entries parked
     std::vector<Worker> workers_, parked_workers_;
     std::vector<Parked> parked_;
     std::vector<CellRequest> requests_;

@@ -4,10 +4,10 @@
 
 namespace oncollide {
 
-/// Walks of two models' triangles, by their kinds: meshes, the cores of shapes, terrains. One thread's working memory.
+/// Traversals of two models' triangles, by kind: meshes, the cores of shapes, terrains. One thread's working memory.
 class TriangleWalks {
 public:
-    /// work(walk, a, b) with the hierarchies of both, which must be there.
+    /// Calls work(walk, a, b) with the trees of both, which must exist.
     template <class Work>
     auto with(ObbTree& a, ObbTree& b, Work work)
     {
