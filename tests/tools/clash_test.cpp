@@ -70,7 +70,7 @@ TEST_F(ClashCommand, NamesTheClashesTheWorstFirst)
     EXPECT_EQ(outcome.err, "");
     EXPECT_NE(outcome.out.find("6 parts of 6 files, 72 triangles, 111 x 20 x 25 mm\n"
                                "3 clashes: 1 enclosed, 1 crossing, 1 near\n"
-                               "1 pair touches without reaching into each other"),
+                               "1 pair touches without overlapping"),
               std::string::npos)
         << outcome.out;
     const std::size_t enclosed = outcome.out.find("1  enclosed"), crossing = outcome.out.find("2  crossing"),
@@ -123,7 +123,7 @@ TEST_F(ClashCommand, EveryReportIsReadBack)
         << xml;
     const std::string page = folder_.read("r.html");
     EXPECT_NE(page.find("<h2>Clashes (3)</h2>"), std::string::npos);
-    EXPECT_NE(page.find("<h2>Pairs that touch, which is no clash (1)</h2>"), std::string::npos);
+    EXPECT_NE(page.find("<h2>Pairs that only touch (not a clash) (1)</h2>"), std::string::npos);
     for (const char* outside : {"http://", "https://", "src=\"/", "@import", "url("})
         EXPECT_EQ(page.find(outside), std::string::npos) << "a page needs nothing else: " << outside;
 }
@@ -196,13 +196,13 @@ TEST_F(ClashCommand, IgnoredPairsAndTheBaselineGoRoundAndRound)
     // All that is known is ignored: rows of a report are a list of pairs.
     Outcome outcome = clash({"--clearance", "1", "--ignore", "old.csv", "-o", "r.json"});
     EXPECT_EQ(outcome.code, 0) << outcome.out;
-    EXPECT_NE(outcome.out.find("no clashes\n4 pairs ignored, as old.csv says"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("no clashes\n4 pairs ignored, listed in old.csv"), std::string::npos) << outcome.out;
     folder_.write("some.csv", "# the press fit\n\nb,a # meant\n\"e*\", b\nnobody,a\n");
     outcome = clash({"--clearance", "1", "--ignore", "some.csv", "-o", "r.json", "-o", "r.xml"});
     EXPECT_EQ(outcome.code, 1);
     EXPECT_EQ(pairs("r.json"),
               (Pairs{"b e enclosed ignored", "a b crossing ignored", "a c touching contact", "a d near new"}));
-    EXPECT_NE(outcome.err.find("some.csv: row 5: no part is called 'nobody'"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("some.csv: row 5: no part is named 'nobody'"), std::string::npos) << outcome.err;
     EXPECT_NE(folder_.read("r.xml").find("<skipped message=\"ignored: enclosed"), std::string::npos);
 
     outcome = clash({"--clearance", "1", "--baseline", "old.json", "-o", "same.json"});
@@ -217,7 +217,7 @@ TEST_F(ClashCommand, IgnoredPairsAndTheBaselineGoRoundAndRound)
     EXPECT_EQ(pairs("r.json"),
               (Pairs{"a b crossing same", "a c touching contact", "a d crossing new", "e f crossing new"}))
         << outcome.out;
-    EXPECT_NE(outcome.out.find("1 clash as in same.json, 1 fixed since"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("1 clash also in same.json, 1 fixed since"), std::string::npos) << outcome.out;
     EXPECT_NE(outcome.out.find("crossing (was near)"), std::string::npos) << outcome.out;
     EXPECT_EQ(read_json("r.json")["fixed"], (json{{{"kind", "enclosed"}, {"a", "b"}, {"b", "e"}}}));
     EXPECT_NE(folder_.read("r.html").find("Fixed since the baseline (1)"), std::string::npos);
@@ -244,7 +244,7 @@ TEST_F(ClashCommand, FoldersAreReadWithAllThatIsInThem)
     const Outcome outcome = run({"clash", "parts", "-o", "r.json"});
     EXPECT_EQ(outcome.code, 1) << outcome.err;
     EXPECT_EQ(pairs("r.json"), (Pairs{"parts/bolt.off parts/left/bolt.off crossing new"}));
-    EXPECT_NE(outcome.err.find("warning: 2 parts are called 'bolt'; the report calls them 'parts/bolt.off', "
+    EXPECT_NE(outcome.err.find("warning: 2 parts are named 'bolt'; the report names them 'parts/bolt.off', "
                                "'parts/left/bolt.off'"),
               std::string::npos)
         << outcome.err;
@@ -290,8 +290,8 @@ TEST_F(ClashCommand, MillimetresBesideMetresAreWarnedOf)
     write_box("door.off", {0, 0, 31}, {1500, 900, 60});
     write_box("knob.off", {0.9, 0.4, 0.06}, {0.95, 0.45, 0.1});
     Outcome outcome = run({"clash", "frame.off", "door.off", "knob.off"});
-    EXPECT_NE(outcome.err.find("warning: knob.off lies within 0.95 mm of the origin, all else reaches 1.5e+03 mm or "
-                               "farther: metres beside millimetres? --units 'knob.off=m' would say so"),
+    EXPECT_NE(outcome.err.find("warning: knob.off lies within 0.95 mm of the origin, all other files extend to 1.5e+03 mm "
+                               "or more: metres mixed with millimetres? If so, give --units 'knob.off=m'"),
               std::string::npos)
         << outcome.err;
     outcome = run({"clash", "frame.off", "door.off", "knob.off", "--units", "knob.off=m"});
@@ -304,9 +304,9 @@ TEST_F(ClashCommand, SaysWhatIsWrongWithItsInput)
     std::filesystem::create_directory(folder_ / "empty");
     expect_error(66, {"clash", "nothing.stl"}, {"nothing.stl"});
     expect_error(66, {"clash", "empty"}, {"empty", "no mesh file in this folder"});
-    expect_error(65, {"clash", "a.off"}, {"one part alone ('a')", "a folder"});
-    expect_error(64, {"clash", "a.off", "./a.off"}, {"named twice"});
-    expect_error(64, {"clash", "a.off", "b.off", "--units", "furlong"}, {"--units furlong", "mm, cm, m and in"});
+    expect_error(65, {"clash", "a.off"}, {"only one part ('a')", "a folder"});
+    expect_error(64, {"clash", "a.off", "./a.off"}, {"given twice"});
+    expect_error(64, {"clash", "a.off", "b.off", "--units", "furlong"}, {"--units furlong", "valid: mm, cm, m, in"});
     expect_error(64, {"clash", "a.off", "b.off", "--units", "=m"}, {"PATTERN=UNIT"});
     for (const char* length : {"-1", "2 miles", "mm", "nan", "inf"})
         expect_error(64, {"clash", "a.off", "b.off", fmt::format("--clearance={}", length)},
@@ -392,7 +392,7 @@ TEST_F(PlantedClashes, AGlbOfNodesWithOneNameIsToldApart)
     EXPECT_EQ(names,
               (std::set<std::string>{"assembly/part", "assembly/part (2)", "assembly/part (3)", "assembly/part (4)"}));
     ASSERT_EQ(parts.warnings.size(), 1u);
-    EXPECT_NE(parts.warnings[0].find("4 parts are called 'part'"), std::string::npos) << parts.warnings[0];
+    EXPECT_NE(parts.warnings[0].find("4 parts are named 'part'"), std::string::npos) << parts.warnings[0];
     EXPECT_EQ(parts.groups, (std::vector<std::string>{"", "assembly"}));
 }
 

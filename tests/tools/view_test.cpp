@@ -287,12 +287,12 @@ TEST_F(ViewOfResults, BelongToTheirScene)
     folder_.write("short.json", R"({"frames": 3, "geometries": {"b": {"shape": {"kind": "sphere", "radius": 0.5}}},
         "bodies": [{"name": "one", "geometry": "b"}, {"name": "other", "geometry": "b"}]})");
     const auto of = [](const char* scene) { return std::vector<std::string>{"view", "p.h5", scene, "-o", "y.html"}; };
-    expect_error(65, of("moved.json"), {"p.h5", "no results of moved.json", "frame"});
+    expect_error(65, of("moved.json"), {"p.h5", "does not fit moved.json", "frame"});
     expect_error(65, of("renamed.json"), {"p.h5", "no results of renamed.json", "'other'"});
     expect_error(65, of("short.json"), {"p.h5", "frames 0 to 2", "frame 7"});
-    expect_error(65, of("city"), {"p.h5", "no results of city", "bodies, they are of 2"});
+    expect_error(65, of("city"), {"p.h5", "does not fit city", "bodies, the results have 2"});
     std::filesystem::rename(folder_ / "scene.json", folder_ / "elsewhere.json");
-    expect_error(66, as_named, {"scene.json", "p.h5 is of that scene", "elsewhere"});
+    expect_error(66, as_named, {"scene.json", "p.h5 was made from that scene", "elsewhere"});
     EXPECT_EQ(run(of("elsewhere.json")).code, 0);
 }
 
@@ -319,7 +319,7 @@ TEST_F(ViewOfResults, ThatCannotBeReadAreRefused)
     const std::size_t row =
         sound.find(std::string("\0\0\0\0\1\0\0\0\1\3", 10)); // bodies 0 and 1, within, by refinement
     ASSERT_NE(row, std::string::npos);
-    for (const auto& [byte, fault] : {std::pair(12, "hash is another"), std::pair(4, "boxes are apart")}) {
+    for (const auto& [byte, fault] : {std::pair(12, "hash differs"), std::pair(4, "boxes are apart")}) {
         std::string damaged = sound;
         damaged[row + std::size_t(byte)] ^= 2;
         folder_.write("p.h5", damaged);
@@ -445,7 +445,7 @@ TEST_F(ViewInBrowser, EveryViewShowsWhatItIsFor)
     }
     const Seen phone = look("x.html", "frame=7&theme=light&tab=stages", "390,844");
     EXPECT_GT(phone.picture.count(is_colliding), 2000);
-    EXPECT_NE(phone.document.find("Boxes around bodies"), std::string::npos);
+    EXPECT_NE(phone.document.find("Boxes of the bodies"), std::string::npos);
 }
 
 TEST_F(ViewInBrowser, TheSliderAndKeysChangeTheFrame)

@@ -1,4 +1,4 @@
-// oncollide clash: which parts of an assembly are in each other's way.
+// oncollide clash: finds the parts of an assembly that interfere with each other.
 #include <iostream>
 #include <memory>
 
@@ -114,55 +114,62 @@ int clash(const ClashOptions& o)
 
 void add_clash(Arguments app)
 {
-    Arguments sub = app.add_command("clash", "Find the parts of an assembly that are in each other's way");
+    Arguments sub = app.add_command("clash", "Find the parts of an assembly that interfere with each other");
     auto o = std::make_shared<ClashOptions>();
     sub.add_option("parts", o->inputs,
-                   "part files (OBJ, STL, PLY, OFF; each is a part, at the coordinates of its file), glTF, COLLADA or "
-                   "3MF assemblies (each node that shows a mesh is a part), folders of these")
+                   "part files (OBJ, STL, PLY, OFF; one part per file, in the file's coordinates), glTF, COLLADA or "
+                   "3MF assemblies (one part per node that shows a mesh), folders of these")
         .required()
         .type_name("FILES|FOLDER|ASSEMBLY");
     sub.add_option("--units", o->units,
-                   "unit of the files and of the report: mm, cm, m or in (default mm). glTF files are in metres, "
-                   "COLLADA and 3MF files in what they say. "
-                   "PATTERN=UNIT says it of some files: 'frame*.stl=m' (repeatable)")
+                   "unit of the files and of the report: mm, cm, m or in (default mm). glTF files are in metres; "
+                   "COLLADA and 3MF files define their unit. PATTERN=UNIT sets the unit of some files: 'frame*.stl=m' "
+                   "(repeatable)")
         .type_name("UNIT")
         .repeatable();
-    sub.add_option("--clearance", o->clearance, "parts nearer than this clash, too: 2mm, 0.1in (default 0)")
+    sub.add_option("--clearance", o->clearance, "parts closer than this also clash: 2mm, 0.1in (default 0)")
         .type_name("LENGTH");
     sub.add_option("--tolerance", o->tolerance,
-                   "parts that overlap by no more than this only touch: what they have in common is no thicker, or a "
-                   "shift of one by so much parts them (default 0)")
+                   "parts that overlap by no more than this count as touching: the overlap is at most this thick, or "
+                   "moving one part by this much separates them (default 0)")
         .type_name("LENGTH");
-    sub.add_flag("--touching", o->touching, "parts that only touch clash, too, as bolted faces do");
+    sub.add_flag("--touching", o->touching, "parts that only touch also clash, for example bolted faces");
     sub.add_option(
            "--group", o->groups,
-           "parts of one group are not compared: file (of one file), node (below one node of an assembly), or a "
-           "pattern of names, 'bolt*' (repeatable; the first that fits)")
+           "do not compare parts of the same group: file (parts of a file), node (parts below a node of an assembly), "
+           "or a pattern of names, 'bolt*' (repeatable; the first match counts)")
         .type_name("file|node|PATTERN")
         .repeatable();
     sub.add_option("--ignore", o->ignore,
-                   "known pairs to leave out: CSV, two names or patterns a row; rows of an earlier .csv report will do")
+                   "known pairs to ignore: CSV, two names or patterns per row; rows of an earlier .csv report work")
         .type_name("FILE.csv");
     sub.add_option("--baseline", o->baseline,
-                   "the JSON report of an earlier run: only what is new, or worse, counts; also says what is fixed")
+                   "the JSON report of an earlier run: only new or worse clashes count; fixed clashes are listed")
         .type_name("OLD.json");
     sub.add_option("-o,--out", o->out,
                    "write a report: .html (one page with pictures), .json, .csv or .xml (JUnit); '-': JSON on standard "
                    "output (repeatable)")
         .type_name("FILE")
         .repeatable();
-    sub.add_option("--list", o->list, "clashes to print, the worst first (default 20)").type_name("N");
-    sub.add_option("--pictures", o->pictures, "clashes to draw in a page, the worst first (default 40)").type_name("N");
-    sub.add_option("--threads", o->threads, "threads; 0: all (default). Never changes the result").type_name("N");
-    sub.add_flag("--quiet", o->quiet, "print nothing but errors");
+    sub.add_option("--list", o->list, "number of clashes to print, the worst first (default 20)").type_name("N");
+    sub.add_option("--pictures", o->pictures,
+                   "number of clashes to draw in a page, the worst first (default "
+                   "40)")
+        .type_name("N");
+    sub.add_option("--threads", o->threads,
+                   "number of threads; 0: all (default). Does not change the "
+                   "result")
+        .type_name("N");
+    sub.add_flag("--quiet", o->quiet, "print only errors");
     sub.footer(
         "All pairs of parts are decided exactly: enclosed (one inside the other), crossing, touching, near (with\n"
-        "--clearance). Parts should be closed surfaces; inside others nothing is found, and they are named.\n"
+        "--clearance). Parts should be closed surfaces; parts inside a part that is not closed are not found; open\n"
+        "parts are listed.\n"
         "Exit codes: 0 no new clash, 1 a new clash, 64 and above: error.\n"
         "Examples:\n"
         "  oncollide clash factory.glb --clearance 2mm -o report.html\n"
         "  oncollide clash parts/ --units mm --group 'bolt*' --ignore known.csv -o clashes.json -o clashes.xml\n"
-        "  oncollide clash parts/ --baseline clashes.json -o today.json   # 1 only for what is new\n"
+        "  oncollide clash parts/ --baseline clashes.json -o today.json   # 1 only for new clashes\n"
         "More: docs/clash.md.");
     sub.action([o] { return clash(*o); });
 }

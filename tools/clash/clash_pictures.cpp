@@ -19,7 +19,7 @@ namespace {
 constexpr int side = 360; ///< pixels, of each of the two panels
 constexpr Colour colour_a{60, 120, 200}, colour_b{225, 160, 50}, red{215, 25, 30};
 constexpr Colour paper{250, 250, 250};
-constexpr double view_angle = 0.35; ///< as through a long lens, so that near parts hide little
+constexpr double view_angle = 0.35; ///< like a long lens, so that near parts hide little
 
 Camera camera_from(const Eigen::Vector3d& direction, const Eigen::Vector3d& middle, double radius)
 {
@@ -27,7 +27,7 @@ Camera camera_from(const Eigen::Vector3d& direction, const Eigen::Vector3d& midd
         .eye = middle + direction * (radius / std::sin(0.5 * view_angle)), .look_at = middle, .view_angle = view_angle};
 }
 
-/// What the picture is about.
+/// The contents of a picture.
 struct Subject {
     std::vector<Picture::Line> lines;
     std::vector<Eigen::Vector3d> points;
@@ -42,7 +42,7 @@ Subject subject_of(const Clashes& found, const PartList& parts, const Clash& cla
     else if (clash.kind != ContactKind::enclosed) {
         const PairOfBodies pair = found.pair(clash);
         const std::vector<Contact> contacts = found.world->contacts(pair.a, pair.b);
-        constexpr std::size_t most = 100'000; // more are not told apart
+        constexpr std::size_t most = 100'000; // more would not be distinguishable
         for (std::size_t k = 0; k < contacts.size(); k += 1 + contacts.size() / most)
             subject.lines.push_back({contacts[k].ends[0], contacts[k].ends[1], width, red});
     }
@@ -61,7 +61,8 @@ Subject subject_of(const Clashes& found, const PartList& parts, const Clash& cla
     return subject;
 }
 
-/// From where the points are spread widest over the picture, among sixteen places, those from above and before first.
+/// The direction, of sixteen, from which the points spread over the largest area, preferably from above
+/// and the front.
 Eigen::Vector3d good_side(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& middle)
 {
     Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
@@ -75,7 +76,7 @@ Eigen::Vector3d good_side(const std::vector<Eigen::Vector3d>& points, const Eige
         const Eigen::Vector3d from = Eigen::Vector3d(std::sin(turn), -std::cos(turn), height).normalized();
         const Eigen::Vector3d x = Eigen::Vector3d(0, 0, 1).cross(from).normalized(), y = from.cross(x);
         const double xx = x.dot(spread * x), yy = y.dot(spread * y), xy = x.dot(spread * y);
-        // The area over which the points are spread, and where they are in a line, its length.
+        // The area of the spread; for points on a line, its length.
         const double seen = std::sqrt(std::max(xx * yy - xy * xy, 0.0)) + 0.1 * (xx + yy) - 0.002 * k;
         if (seen > most) most = seen, best = from;
     }
@@ -106,7 +107,7 @@ Image draw(Painter& painter, const ClashReport& report, const Clash& clash)
     whole.add(box_b);
     for (const Eigen::Vector3d& p : subject.points) part.add(p);
     const double smaller = std::min(box_a.diagonal(), box_b.diagonal());
-    // Near enough to see the contact, and far enough to see of what; never nearer than floats can draw.
+    // Near enough to see the contact, far enough to recognise the parts, and not nearer than floats can draw.
     const double near = std::max({0.9 * part.diagonal(), 0.15 * smaller, 1e-4 * whole.diagonal()});
 
     Picture picture;
@@ -116,8 +117,8 @@ Image draw(Painter& painter, const ClashReport& report, const Clash& clash)
         colour.alpha = alpha;
         picture.bodies.push_back({&std::get<Mesh>(parts.meshes[body.mesh]->data), body.pose, colour});
     };
-    // The larger one first and clearer: the smaller one may be behind its wall. What lies wholly inside is seen best as
-    // it is.
+    // The larger part first and clearer: the smaller one may be behind its wall. A part wholly inside the other is
+    // drawn unchanged.
     const bool a_is_larger = box_a.diagonal() > box_b.diagonal();
     add(a_is_larger ? clash.a : clash.b, a_is_larger ? colour_a : colour_b, 50);
     if (clash.kind == ContactKind::enclosed)
@@ -130,7 +131,7 @@ Image draw(Painter& painter, const ClashReport& report, const Clash& clash)
     picture.camera = camera_from(from, part.centre(), std::min(near, 0.6 * whole.diagonal()));
     paste(painter, picture, image, 0);
     picture.camera = camera_from(from, whole.centre(), 0.55 * whole.diagonal());
-    // What is small from afar needs a dot to be seen.
+    // A dot marks a contact that is too small to be visible from afar.
     if (part.diagonal() < 0.08 * whole.diagonal()) picture.lines.push_back({part.centre(), part.centre(), 9, red});
     paste(painter, picture, image, side);
     return image;
@@ -149,16 +150,16 @@ ClashPictures draw_clashes(const ClashReport& report, std::size_t most, bool qui
         for (std::size_t i = 0; i < list.size(); ++i)
             if (list[i].status == status && ++wanted <= most) shown.push_back(i);
     if (shown.empty()) {
-        if (wanted) pictures.note = "No pictures were asked for.";
+        if (wanted) pictures.note = "No pictures were requested.";
         return pictures;
     }
     if (wanted > shown.size())
-        pictures.note = fmt::format("Pictures of the {} most severe clashes of {}; --pictures N makes more.",
+        pictures.note = fmt::format("Pictures of the {} most severe clashes of {}; --pictures N draws more.",
                                     grouped(shown.size()), grouped(wanted));
     try {
         Painter painter;
         Progress progress("pictures", shown.size(), quiet);
-        // Drawn one by one, packed side by side: packing takes as long as drawing.
+        // Drawn one by one, packed in parallel: packing takes as long as drawing.
         constexpr std::size_t batch = 16;
         for (std::size_t begin = 0; begin < shown.size(); begin += batch) {
             std::vector<Image> images;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uintmax_t most_bytes = std::uintmax_t(1) << 30;
 
-/// Takes a row of CSV off `rest`: its fields, quotes taken off, without a comment. False where a quote is not closed.
+/// Takes a CSV row off `rest`: its fields, without quotes and comments. False if a quote is not closed.
 bool take_row(std::string_view& rest, std::vector<std::string>& fields, std::size_t& line)
 {
     fields.assign(1, "");
@@ -64,7 +64,7 @@ std::vector<KnownPair> read_pairs(const std::string& file)
             throw Error(ErrorKind::bad_data,
                         fmt::format("{}: row {}: {}; expected two names or patterns: \"bolt*\",housing", file, row,
                                     whole ? "not two names" : "a quote is not closed"));
-        if (pairs.empty() && fields.size() > 2 && fields[2] == "status") continue; // the heading of a report
+        if (pairs.empty() && fields.size() > 2 && fields[2] == "status") continue; // the header of a report
         pairs.push_back({fields[0], fields[1], row});
     }
     return pairs;
@@ -88,7 +88,7 @@ void ignore_pairs(const std::string& file, const PartList& list, std::vector<Cla
         }
         for (const std::string& name : {known.a, known.b})
             if (std::ranges::none_of(list.parts, [&](const Part& part) { return matches(name, part.name); }))
-                warnings.push_back(fmt::format("{}: row {}: no part is called '{}'", file, known.row, name));
+                warnings.push_back(fmt::format("{}: row {}: no part is named '{}'", file, known.row, name));
     }
 }
 
@@ -102,7 +102,7 @@ std::vector<FixedClash> compare_with_baseline(const std::string& file, const Par
     try {
         const nlohmann::json report = nlohmann::json::parse(read_file(file, most_bytes));
         if (!report.is_object() || report.value("report", "") != "oncollide clash")
-            refuse_report("another kind of file");
+            refuse_report("is not a clash report");
         for (const nlohmann::json& clash : report.at("clashes")) {
             const auto status = clash.at("status").get<std::string>();
             if (status != "new" && status != "same") continue;
@@ -126,7 +126,7 @@ std::vector<FixedClash> compare_with_baseline(const std::string& file, const Par
             before.erase(found);
         }
     }
-    // What is ignored now is no more fixed than before.
+    // A clash that is ignored now is not fixed.
     for (const Clash& clash : clashes) {
         if (clash.status != ClashStatus::ignored) continue;
         const std::string &a = list.parts[clash.a].name, &b = list.parts[clash.b].name;

@@ -3,8 +3,8 @@
 
 namespace oncollide::tools {
 
-/// Is `name` as the pattern says? `*` stands for any text, `?` for one byte; a backslash takes away what the next
-/// character would mean.
+/// True if `name` matches the pattern: `*` matches any text, `?` one byte, and a backslash makes the next character
+/// literal.
 bool matches(std::string_view pattern, std::string_view name);
 
 } // namespace oncollide::tools

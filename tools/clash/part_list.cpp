@@ -44,20 +44,20 @@ std::vector<std::string> files_below(const std::string& folder)
     return found;
 }
 
-/// As JSON reports have it, so that a baseline knows it again: bytes that are not UTF-8 become U+FFFD.
+/// The name as JSON reports store it, so that a baseline matches: bytes that are not UTF-8 become U+FFFD.
 std::string valid(const std::string& name)
 {
     using Json = nlohmann::json;
     return Json::parse(Json(name).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
 }
 
-/// What a part may be called, the shortest first.
+/// Candidates for a part's name, the shortest first.
 struct Names {
     std::string own, path, whole;
     const std::string& operator[](int level) const { return level == 0 ? own : level == 1 ? path : whole; }
 };
 
-/// Gives each part a name that no other has: the shortest of its names that is its alone, or with a number behind it.
+/// Gives each part a unique name: the shortest candidate that no other part has, or a name with a number appended.
 void name_parts(PartList& list, const std::vector<Names>& names)
 {
     std::vector<std::uint32_t> open(names.size());
@@ -86,12 +86,12 @@ void name_parts(PartList& list, const std::vector<Names>& names)
     for (std::uint32_t i = 0; i < names.size(); ++i) same[names[i].own].push_back(i);
     for (const auto& [name, parts] : same)
         if (parts.size() > 1)
-            list.warnings.push_back(fmt::format("{} parts are called '{}'; the report calls them '{}', '{}'{}",
+            list.warnings.push_back(fmt::format("{} parts are named '{}'; the report names them '{}', '{}'{}",
                                                 parts.size(), name, list.parts[parts[0]].name,
                                                 list.parts[parts[1]].name, parts.size() > 2 ? ", ..." : ""));
 }
 
-/// By the groups of the command line: the first that fits.
+/// The groups of the command line; the first match counts.
 class Grouping {
 public:
     Grouping(PartList& list, const std::vector<std::string>& rules) : list_(list), rules_(rules) {}
@@ -124,8 +124,8 @@ private:
     std::map<std::string, std::uint32_t> numbers_;
 };
 
-/// Files of which all that is in them lies a hundred times nearer to the origin than all else does: drawn in metres, or
-/// in inches, where the others are in millimetres?
+/// Warns if the geometry in some files lies a hundred times nearer to the origin than in the others: they may be
+/// in metres or inches while the others are in millimetres.
 void warn_of_units(PartList& list, std::vector<std::pair<double, std::string>> reaches, const Unit& unit)
 {
     constexpr double much = 100;
@@ -133,15 +133,15 @@ void warn_of_units(PartList& list, std::vector<std::pair<double, std::string>> r
     for (std::size_t k = 0; k + 1 < reaches.size(); ++k) {
         if (!(reaches[k].first > 0) || reaches[k + 1].first < much * reaches[k].first) continue;
         list.warnings.push_back(fmt::format(
-            "{}{} lies within {:.3g} {} of the origin, all else reaches {:.3g} {} or farther: metres beside "
-            "millimetres? --units '{}=m' would say so",
+            "{}{} lies within {:.3g} {} of the origin, all other files extend to {:.3g} {} or more: metres mixed with "
+            "millimetres? If so, give --units '{}=m'",
             reaches[0].second, k > 0 ? fmt::format(" (and {} more)", k) : "", reaches[k].first, unit.name,
             reaches[k + 1].first, unit.name, fs::path(reaches[0].second).filename().string()));
         return;
     }
 }
 
-/// Of files that cannot be read the first one is told, whichever thread came upon one first.
+/// If files cannot be read, the first of them is reported, independent of which thread failed first.
 template <class Load>
 void load_all(std::size_t count, int threads, Load load)
 {
@@ -181,7 +181,7 @@ std::vector<std::string> files_of(const std::vector<std::string>& inputs)
     std::set<std::string> seen;
     for (const std::string& file : files)
         if (!seen.insert(fs::path(file).lexically_normal().string()).second)
-            throw Error(ErrorKind::usage, fmt::format("{}: named twice; a part would clash with itself", file));
+            throw Error(ErrorKind::usage, fmt::format("{}: given twice; a part would clash with itself", file));
     return files;
 }
 
@@ -223,8 +223,8 @@ PartList read_parts(const std::vector<std::string>& files, const Units& units, c
     }
     if (list.parts.size() < 2)
         throw Error(ErrorKind::bad_data,
-                    fmt::format("{}: one part alone ('{}'), which clashes with nothing; name two files, a folder, or a "
-                                "glTF, COLLADA or 3MF assembly of several nodes",
+                    fmt::format("{}: only one part ('{}'); give two files, a folder, or a glTF, COLLADA or 3MF "
+                                "assembly of several nodes",
                                 files.front(), names.front().own));
     name_parts(list, names);
     warn_of_units(list, std::move(reaches), units.reported());

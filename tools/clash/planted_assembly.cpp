@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double spacing = 400; ///< mm between places; nothing in one reaches farther than half of that less 20
+constexpr double spacing = 400; ///< mm between sites; geometry stays within half of that less 20 of its site
 constexpr double size = 100;    ///< mm, the diagonal of a part
 
 double as_float(double x)
@@ -44,7 +44,7 @@ Mesh fitted(const Mesh& mesh)
     return transformed("part", mesh, size / mesh.bounds.diagonal(), mesh.bounds.centre());
 }
 
-/// Puts parts and pairs into places, one after the other.
+/// Adds parts and pairs, one site after the other.
 class Planter {
 public:
     explicit Planter(const PlantedOptions& options) : options_(options), meshes_(options.meshes)
@@ -75,7 +75,7 @@ public:
 private:
     const Mesh& next_mesh() { return meshes_[used_++ % meshes_.size()]; }
 
-    /// A part in the middle of the place. Returns its name.
+    /// Adds a part in the middle of the site. Returns its name.
     std::string add(const char* what, const Mesh& mesh, const Vector3d& off = Vector3d::Zero())
     {
         std::vector<Vector3d> vertices = mesh.vertices;
@@ -93,8 +93,8 @@ private:
         return name;
     }
 
-    /// A block beside the last part, whose nearest face is `gap` beyond the part's foremost vertex; less than 0 is
-    /// inside. Returns the gap as it came to be in floats.
+    /// Adds a block beside the last part. Its nearest face is `gap` beyond the part's vertex with the largest x; below
+    /// 0: inside. Returns the gap after rounding to floats.
     double add_block(double gap)
     {
         const Aabb box = made_.parts.back().mesh.bounds;
@@ -134,12 +134,12 @@ private:
         const double clearance = options_.clearance;
         const auto box = [](double x, double y, double z) { return make_box_mesh({x, y, z}); };
         switch (kind % 14) {
-        case 0: // deep, and all but not
+        case 0: // deep, and barely
         case 1:
             return plant_beside(kind % 14 == 0 ? -8 : -0.05);
         case 2:
             return plant_beside(0);
-        case 3: // near, and nearly so
+        case 3: // near, and slightly too far
         case 4:
             return plant_beside(kind % 14 == 3 ? 0.25 * clearance : 0.98 * clearance);
         case 5:
@@ -148,19 +148,19 @@ private:
         case 7:
         case 8:
             return plant_in_crate(kind % 14 == 8);
-        case 9: // faces that lie on each other
+        case 9: // coincident faces
             add("plate", box(40, 30, 5)), add("plate", box(20, 20, 5), {0, 0, 10});
             return expect(ContactKind::touching, 0, 0);
-        case 10: // no vertex of one is inside the other
+        case 10: // crossing without a vertex of one inside the other
             add("bar", box(60, 5, 5)), add("bar", box(4, 60, 3));
             return expect(ContactKind::crossing, 0, 6);
-        case 11: // overlap with faces in line, where every two triangles only touch
+        case 11: // overlap with coplanar faces, where all pairs of triangles only touch
             add("wall", box(40, 5, 30)), add("wall", box(40, 5, 30), {70, 0, 0});
             return expect(ContactKind::crossing, 0, 10);
-        case 12: // the same part twice in one place
+        case 12: // the same part twice at the same pose
             add("twin", meshes_made_[0]), add("twin", meshes_made_[0]);
             return expect(ContactKind::crossing);
-        default: // one box holds the other's, and yet they are apart: a ball in a ring
+        default: // one AABB contains the other, but the parts are apart: a ball in a ring
             add("ring", make_torus_mesh(60, 15, 2000)), add("ball", make_sphere_mesh(20, 500));
             return;
         }
@@ -192,24 +192,24 @@ std::vector<std::string> faults_of(const PlantedAssembly& planted, const PartLis
         const auto place = open.find(std::minmax(a, b));
         const auto fault = [&](const std::string& what) { faults.push_back(fmt::format("{} and {}: {}", a, b, what)); };
         if (place == open.end()) {
-            fault(fmt::format("{}, which was not planted", name_of(c.kind)));
+            fault(fmt::format("{}, but was not planted", name_of(c.kind)));
             continue;
         }
         const PlantedAssembly::Pair& pair = *place->second;
         open.erase(place);
-        if (c.kind != pair.kind) fault(fmt::format("{}, but planted was {}", name_of(c.kind), name_of(pair.kind)));
+        if (c.kind != pair.kind) fault(fmt::format("{}, but planted as {}", name_of(c.kind), name_of(pair.kind)));
         constexpr double off = 1e-9; // mm, rounding
         if (pair.depth >= 0 && (c.reach.depth > pair.depth + off || 1.01 * c.reach.depth < pair.depth - off))
-            fault(fmt::format("{} deep, but planted {}", c.reach.depth, pair.depth));
+            fault(fmt::format("depth {}, but planted {}", c.reach.depth, pair.depth));
         if (pair.depth > 0 && std::isfinite(c.reach.thickness) && c.reach.thickness > pair.depth + off)
-            fault(fmt::format("{} thick, but planted {} deep", c.reach.thickness, pair.depth));
+            fault(fmt::format("thickness {}, but planted with depth {}", c.reach.thickness, pair.depth));
         if (pair.thickness >= 0 && std::abs(c.reach.thickness - pair.thickness) > off)
-            fault(fmt::format("{} thick, but planted {}", c.reach.thickness, pair.thickness));
+            fault(fmt::format("thickness {}, but planted {}", c.reach.thickness, pair.thickness));
         if (pair.gap >= 0 && (c.lower > pair.gap + off || c.upper < pair.gap - off || c.upper - c.lower > 1e-6))
             fault(fmt::format("{} to {} apart, but planted {}", c.lower, c.upper, pair.gap));
     }
     for (const auto& [names, pair] : open)
-        faults.push_back(fmt::format("{} and {}: planted {}, and not found", pair->a, pair->b, name_of(pair->kind)));
+        faults.push_back(fmt::format("{} and {}: planted as {}, but not found", pair->a, pair->b, name_of(pair->kind)));
     return faults;
 }
 

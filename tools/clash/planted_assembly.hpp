@@ -11,27 +11,27 @@
 
 namespace oncollide::tools {
 
-/// What an assembly is made of.
+/// Parameters of an assembly.
 struct PlantedOptions {
     std::size_t parts = 500;
-    int triangles = 1000;       ///< of each part that is made
-    std::vector<Mesh> meshes{}; ///< parts to use in place of made ones; each is fitted to 100 mm
-    std::size_t every = 4;      ///< one place of so many has a pair that is planted, a clash or nearly one
+    int triangles = 1000;       ///< of each generated part
+    std::vector<Mesh> meshes{}; ///< used in place of generated parts; each is scaled to 100 mm
+    std::size_t every = 4;      ///< every N-th site has a planted pair: a clash or a near miss
     double clearance = 2;       ///< mm
 };
 
-/// An assembly of which all clashes are known, because each was planted by construction. Millimetres; every coordinate
-/// is a float, as STL and glTF keep them.
+/// An assembly whose clashes are all known by construction. Millimetres; every coordinate is a float, because STL and
+/// glTF store floats.
 struct PlantedAssembly {
     struct Part {
         std::string name;
-        Mesh mesh; ///< where it stands in the assembly
+        Mesh mesh; ///< in the assembly's frame
     };
     struct Pair {
         std::string a, b;
         ContactKind kind;
-        double depth = -1;     ///< of the deepest vertex; below 0: not known
-        double thickness = -1; ///< what is in common is no thinner between two planes along the axes
+        double depth = -1;     ///< of the deepest vertex; below 0: unknown
+        double thickness = -1; ///< least extent of the overlap along an axis
         double gap = -1;       ///< near
     };
     std::vector<Part> parts;
@@ -41,12 +41,12 @@ struct PlantedAssembly {
 
 PlantedAssembly make_planted_assembly(const PlantedOptions& options);
 
-/// Each part as a binary STL file of its name.
+/// Writes each part to a binary STL file of its name.
 void write_stl_files(const PlantedAssembly& assembly, const std::filesystem::path& folder);
-/// All in one file, a node for each part, in metres as glTF wants, by a scale of the root.
+/// Writes all parts to one file, one node per part, in metres as glTF requires, by a scale of the root.
 void write_glb_file(const PlantedAssembly& assembly, const std::filesystem::path& file);
 
-/// What is wrong with clashes that were found: pairs that are missing, invented or measured wrongly; one line each.
+/// Faults of the clashes that were found: missing, invented or wrongly measured pairs; one line per fault.
 std::vector<std::string> faults_of(const PlantedAssembly& planted, const PartList& parts,
                                    const std::vector<Clash>& found);
 

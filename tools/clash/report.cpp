@@ -65,18 +65,19 @@ std::vector<std::string> summary(const ClashReport& r)
         : r.baseline.empty() ? "no clashes"
                              : "no new clashes");
     if (!r.baseline.empty())
-        lines.push_back(fmt::format("{} as in {}, {} fixed since", plural(r.count(ClashStatus::same), "clash"),
+        lines.push_back(fmt::format("{} also in {}, {} fixed since", plural(r.count(ClashStatus::same), "clash"),
                                     r.baseline, grouped(r.fixed.size())));
     if (!r.ignore.empty())
-        lines.push_back(fmt::format("{} ignored, as {} says", plural(r.count(ClashStatus::ignored), "pair"), r.ignore));
+        lines.push_back(
+            fmt::format("{} ignored, listed in {}", plural(r.count(ClashStatus::ignored), "pair"), r.ignore));
     if (const std::size_t n = r.count(ClashStatus::contact))
-        lines.push_back(fmt::format("{} {} without reaching into each other{}, which is no clash unless --touching is "
+        lines.push_back(fmt::format("{} {} without overlapping{}; this is a clash only if --touching is "
                                     "given",
                                     plural(n, "pair"), n == 1 ? "touches" : "touch",
                                     r.settings.tolerance > 0 ? " by more than " + r.length(r.settings.tolerance) : ""));
     if (!r.found.open.empty())
         lines.push_back(fmt::format(
-            "{} not closed ('{}'{}): what lies wholly inside {} is not found",
+            "{} not closed ('{}'{}): parts wholly inside {} are not found",
             r.found.open.size() == 1 ? "1 part is" : grouped(r.found.open.size()) + " parts are", r.found.open.front(),
             r.found.open.size() > 1 ? ", ..." : "", r.found.open.size() == 1 ? "it" : "them"));
     return lines;
@@ -115,7 +116,7 @@ std::string clash_table(const ClashReport& r, std::size_t most)
         text += fmt::format("{:>{}}  {:<{}}  {:<{}}  {:<{}}  {:<{}}  {}\n", row[0], widths[0], row[1], widths[1],
                             row[2], widths[2], row[3], widths[3], row[4], widths[4], row[5]);
     if (rows.size() - 1 < all)
-        text += fmt::format("and {} more (--list N shows more)\n", grouped(all - rows.size() + 1));
+        text += fmt::format("and {} more (--list N prints more)\n", grouped(all - rows.size() + 1));
     return text;
 }
 

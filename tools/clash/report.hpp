@@ -11,7 +11,7 @@
 
 namespace oncollide::tools {
 
-/// What every report says.
+/// The contents of every report.
 struct ClashReport {
     const PartList& parts;
     const Clashes& found;
@@ -30,27 +30,27 @@ struct ClashReport {
 inline constexpr std::array clash_kinds{ContactKind::enclosed, ContactKind::crossing, ContactKind::touching,
                                         ContactKind::near};
 
-/// "8 new clashes: 2 enclosed, 6 crossing", and what else was found, for the screen and the page.
+/// Lines for the screen and the page: "8 new clashes: 2 enclosed, 6 crossing", and notes.
 std::vector<std::string> summary(const ClashReport& report);
-/// How deep, or how near: "at most 0.2 mm thick, a vertex 0.1 mm deep".
+/// The measured overlap or gap: "0.2 mm thick, a vertex 0.1 mm deep".
 std::string measure_text(const ClashReport& report, const Clash& clash);
 /// "10.25 3.5 -2"
 std::string point_text(const Eigen::Vector3d& point);
 
-/// The worst `most` clashes that are new, then those that the baseline has, one row each.
+/// The `most` worst new clashes, then the clashes of the baseline, one row per clash.
 std::string clash_table(const ClashReport& report, std::size_t most);
 
 void write_json(OutputFile& file, const ClashReport& report);
 void write_csv(OutputFile& file, const ClashReport& report);
-/// JUnit XML: a new clash is a failure, one that is known is skipped, one that is fixed passes.
+/// JUnit XML: a new clash is a failure, a known clash is skipped, a fixed clash passes.
 void write_junit(OutputFile& file, const ClashReport& report);
 
-/// PNG files by place in Clashes::list; empty where there is none.
+/// PNG files, in the order of Clashes::list; empty if there is none.
 struct ClashPictures {
     std::vector<std::string> images;
-    std::string note; ///< why there are no more of them; empty: each clash has one
+    std::string note; ///< why pictures are missing; empty: each clash has one
 };
-/// One page that needs nothing else.
+/// Writes one self-contained page.
 void write_page(OutputFile& file, const ClashReport& report, const ClashPictures& pictures);
 
 } // namespace oncollide::tools

@@ -1,4 +1,4 @@
-// The reports that programs read: JSON, CSV and JUnit XML.
+// Machine-readable reports: JSON, CSV and JUnit XML.
 #include <cmath>
 #include <functional>
 
@@ -53,7 +53,7 @@ Json json_of(const ClashReport& r, const Clash& c)
     return j;
 }
 
-/// A field of CSV.
+/// A CSV field, quoted if needed.
 std::string field(const std::string& text)
 {
     if (text.find_first_of(",\"\r\n#") == text.npos && !text.starts_with(' ') && !text.ends_with(' ')) return text;
@@ -97,7 +97,7 @@ void write_json(OutputFile& file, const ClashReport& r)
 
 void write_csv(OutputFile& file, const ClashReport& r)
 {
-    // Names first: rows copied from here make a list of pairs to ignore.
+    // Names first: rows of this report can be used as a list of pairs to ignore.
     file.print("a,b,status,kind,thickness,depth,distance,x,y,z,contact_min_x,contact_min_y,contact_min_z,contact_max_x,"
                "contact_max_y,contact_max_z,group_a,group_b,unit\n");
     for (const Clash& c : r.found.list) {
@@ -120,7 +120,7 @@ void write_junit(OutputFile& file, const ClashReport& r)
 {
     const std::size_t fresh = r.count(ClashStatus::fresh),
                       known = r.count(ClashStatus::same) + r.count(ClashStatus::ignored);
-    // A run without clashes is one test that passes: some readers call a suite without tests a fault.
+    // The first test always passes: some readers reject a suite without tests.
     file.print("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
                "<testsuites>\n<testsuite name=\"oncollide clash\" tests=\"{}\" failures=\"{}\" errors=\"0\" "
                "skipped=\"{}\">\n<testcase classname=\"clash\" name=\"{} parts were compared\"/>\n",
@@ -135,7 +135,7 @@ void write_junit(OutputFile& file, const ClashReport& r)
             file.print("<failure type=\"{}\" message=\"{}\"/>", name_of(c.kind), what);
         else
             file.print("<skipped message=\"{}: {}\"/>",
-                       c.status == ClashStatus::same ? "as in the baseline" : "ignored", what);
+                       c.status == ClashStatus::same ? "also in the baseline" : "ignored", what);
         file.print("</testcase>\n");
     }
     for (const FixedClash& c : r.fixed)

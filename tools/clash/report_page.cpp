@@ -1,4 +1,4 @@
-// The report as one HTML page.
+// The report as a single HTML page.
 #include "bench/bench.hpp"
 #include "clash/report.hpp"
 #include "study/markup.hpp"
@@ -28,7 +28,7 @@ figure img { width: 100%; height: auto; display: block; } figcaption { padding: 
 @media print { body { margin: 0; max-width: none; font-size: 10pt; } figure, tr { break-inside: avoid; } }
 )";
 
-/// Sorts the table of a heading that is clicked, by the rows' keys. The page reads the same without it.
+/// Sorts a table by the rows' keys when its heading is clicked. The page is readable without scripts.
 constexpr std::string_view script = R"(
 for (const button of document.querySelectorAll("th button")) button.addEventListener("click", () => {
   const head = button.parentElement, column = head.cellIndex, body = head.closest("table").tBodies[0];
@@ -88,7 +88,7 @@ void write_cards(OutputFile& file, const ClashReport& r, const ClashPictures& pi
         if (!any) file.print("<div class=\"cards\">\n");
         any = true;
         const std::string a = escaped(r.name(c.a)), b = escaped(r.name(c.b));
-        file.print("<figure><img alt=\"{} and {}, {}: from near, and as a whole\" loading=\"lazy\" width=\"720\" "
+        file.print("<figure><img alt=\"{} and {}, {}: close-up, and as a whole\" loading=\"lazy\" width=\"720\" "
                    "height=\"360\" src=\"data:image/png;base64,",
                    a, b, name_of(c.kind));
         file.write(base64(pictures.images[i]));
@@ -115,24 +115,24 @@ void write_page(OutputFile& file, const ClashReport& r, const ClashPictures& pic
     head(file);
     for (const std::string& line : summary(r)) file.print("<p>{}</p>\n", escaped(line));
     file.print(
-        "<p class=\"soft\">Every pair was decided exactly. Overlap: all that both parts have in common is at most "
-        "so thick, and a vertex of one is at least so deep inside the other. Lengths and places in {}.{}</p>\n",
+        "<p class=\"soft\">Every pair was decided exactly. Overlap: the common part of both parts is at most this "
+        "thick, and a vertex of one is at least this deep inside the other. Lengths and positions in {}.{}</p>\n",
         r.unit.name,
         r.count(ClashStatus::fresh) + r.count(ClashStatus::same)
-            ? " Pictures: the first part blue, the second yellow, both of glass; what they share, or an "
-              "enclosed part, red. Left from near, right as a whole."
+            ? " Pictures: the first part is blue, the second yellow, both transparent; their common part, or an "
+              "enclosed part, is red. Left: close-up; right: both parts as a whole."
             : "");
     if (!pictures.note.empty()) file.print("<p class=\"soft\">{}</p>\n", escaped(pictures.note));
     for (const std::string& warning : r.warnings) file.print("<p class=\"warning\">{}</p>\n", escaped(warning));
     write_section(file, r, pictures, ClashStatus::fresh, r.baseline.empty() ? "Clashes" : "New clashes");
-    write_section(file, r, pictures, ClashStatus::same, "Clashes that the baseline has");
+    write_section(file, r, pictures, ClashStatus::same, "Clashes that are also in the baseline");
     if (!r.fixed.empty()) {
         file.print("<h2>Fixed since the baseline ({})</h2>\n<ul>\n", grouped(r.fixed.size()));
         for (const FixedClash& c : r.fixed)
             file.print("<li>{} and {} ({})</li>\n", escaped(c.a), escaped(c.b), escaped(c.kind));
         file.print("</ul>\n");
     }
-    write_section(file, r, pictures, ClashStatus::contact, "Pairs that touch, which is no clash");
+    write_section(file, r, pictures, ClashStatus::contact, "Pairs that only touch (not a clash)");
     write_section(file, r, pictures, ClashStatus::ignored, "Ignored pairs");
     file.print("<script>{}</script>\n</body></html>\n", script);
 }

@@ -5,7 +5,7 @@
 namespace oncollide::tools {
 namespace {
 
-/// The sum of normals that differ: away from all of the faces, if there is such a direction.
+/// The sum of distinct normals: the direction away from all faces, if there is one.
 class Away {
 public:
     void add(const Eigen::Vector3d& normal)
@@ -28,7 +28,7 @@ bool is_within_tolerance(const Clashes& found, const Clash& clash, double tolera
 {
     if (!(tolerance > 0)) return false;
     if (clash.reach.thickness <= tolerance) return true;
-    // Deeper than that is no rounding error, and need not be tried.
+    // A larger depth is real, so moving a part by the tolerance cannot separate the parts.
     if (clash.reach.depth > tolerance) return false;
     const World& world = *found.world;
     const auto [a, b] = found.pair(clash);

@@ -3,8 +3,8 @@
 
 namespace oncollide::tools {
 
-/// Do two parts that cross overlap by no more than the tolerance: is what they have in common no thicker, or does a
-/// shift of one of them by so much part them? Then it is certain; that neither was found says nothing.
+/// True if two crossing parts certainly overlap by no more than the tolerance: the overlap is at most that thick, or
+/// moving one part by the tolerance separates them. False proves nothing.
 bool is_within_tolerance(const Clashes& found, const Clash& clash, double tolerance);
 
 } // namespace oncollide::tools

@@ -29,7 +29,7 @@ const Unit* find(std::string_view name)
 const Unit& unit_from(const std::string& option, std::string_view name)
 {
     if (const Unit* unit = find(name)) return *unit;
-    usage(fmt::format("{} {}: no unit of that name; there are mm, cm, m and in", option, name));
+    usage(fmt::format("{} {}: unknown unit; valid: mm, cm, m, in", option, name));
 }
 
 double length_from(const std::string& option, const std::string& text, const Unit& unit)
@@ -41,7 +41,7 @@ double length_from(const std::string& option, const std::string& text, const Uni
     suffix.remove_prefix(std::min(suffix.find_first_not_of(' '), suffix.size()));
     const Unit* given = suffix.empty() ? &unit : find(suffix);
     if (error != std::errc{} || !given || !(value >= 0) || !std::isfinite(value))
-        usage(fmt::format("{} {}: expected a length of 0 or more, like 2mm, 0.1in or a number of {}", option, text,
+        usage(fmt::format("{} {}: expected a length of 0 or more, such as 2mm, 0.1in or a number in {}", option, text,
                           unit.name));
     return given == &unit ? value : value * (given->millimetres / unit.millimetres);
 }
@@ -53,7 +53,7 @@ Units::Units(const std::vector<std::string>& texts) : reported_(&all_units[0])
         if (at == text.npos)
             reported_ = &unit_from("--units", text);
         else if (at == 0)
-            usage(fmt::format("--units {}: expected a unit, or PATTERN=UNIT like 'frame*.stl=m'", text));
+            usage(fmt::format("--units {}: expected a unit, or PATTERN=UNIT such as 'frame*.stl=m'", text));
         else
             of_files_.push_back({text.substr(0, at), &unit_from("--units " + text + ":", text.substr(at + 1))});
     }
@@ -63,12 +63,12 @@ double Units::scale_of(const std::string& file) const
 {
     const std::filesystem::path path(file);
     const std::string extension = lower_extension(path);
-    const bool says_itself = extension == ".dae" || extension == ".3mf"; // and is read in metres
+    const bool says_itself = extension == ".dae" || extension == ".3mf"; // read in metres
     const Unit* unit = is_assembly_file(path) ? &unit_from("", "m") : reported_;
     for (const OfFiles& some : of_files_) {
         if (!matches(some.pattern, file) && !matches(some.pattern, path.filename().string())) continue;
         if (says_itself)
-            usage(fmt::format("--units {}={}: {} says itself what its unit is", some.pattern, some.unit->name, file));
+            usage(fmt::format("--units {}={}: {} defines its own unit", some.pattern, some.unit->name, file));
         unit = some.unit;
     }
     return unit == reported_ ? 1 : unit->millimetres / reported_->millimetres;

@@ -102,7 +102,8 @@ std::string describe(const Scene& scene, const Settings& settings, const PairRes
     switch (pair.verdict) {
     case Verdict::separate:
         if (pair.kind == ContactKind::touching)
-            return fmt::format("separate: {} touch without crossing, and touching pairs are ignored (--ignore-touching).", both);
+            return fmt::format(
+                "separate: {} touch without crossing, and touching pairs are ignored (--ignore-touching).", both);
         if (const double gap = std::max(pair.bound, settings.clearance); gap > 0)
             return fmt::format("separate: {} are at least {:.6g} m apart (certified).", both, gap);
         return fmt::format("separate: {} do not meet (tested triangle by triangle).", both);
@@ -129,8 +130,7 @@ std::string describe(const Scene& scene, const Settings& settings, const PairRes
     case Verdict::undecided:
         return fmt::format(
             "undecided: {} are at most {:.6g} m apart (certified); a budget was used up before the pair was decided.",
-            both,
-            pair.bound);
+            both, pair.bound);
     }
     return {};
 }
@@ -228,13 +228,14 @@ void add_check(Arguments app)
 {
     Arguments sub = app.add_command("check", "Check whether two files collide");
     auto options = std::make_shared<CheckOptions>();
-    sub.add_option(
-           "A", options->a,
-           "mesh (OBJ, STL, PLY, OFF, glTF, COLLADA, 3MF, cooked; '-': standard input), OctoMap (.bt, .ot) or terrain (PGM, PNG, "
-           "NumPy, GDAL's)")
+    sub.add_option("A", options->a,
+                   "mesh (OBJ, STL, PLY, OFF, glTF, COLLADA, 3MF, cooked; '-': standard input), OctoMap (.bt, .ot) or "
+                   "terrain (PGM, PNG, NumPy, GDAL's)")
         .required()
         .type_name("FILE");
-    sub.add_option("B", options->b, "the second body, in the same formats; may be the same file").required().type_name("FILE");
+    sub.add_option("B", options->b, "the second body, in the same formats; may be the same file")
+        .required()
+        .type_name("FILE");
     sub.add_option("--pose-a", options->pose_a, "pose of A, metres and unit quaternion (default: identity)")
         .type_name("\"x y z qx qy qz qw\"");
     sub.add_option("--pose-b", options->pose_b, "pose of B").type_name("\"x y z qx qy qz qw\"");

@@ -46,8 +46,7 @@ std::size_t parse_amount(const char* option, const std::string& text)
     else if (!suffix.empty())
         factor = 0;
     if (error != std::errc{} || factor == 0 || value > std::numeric_limits<std::size_t>::max() / factor)
-        usage(fmt::format("{} {}: expected a whole number, 0 or more, optionally followed by K, M or G", option,
-                          text));
+        usage(fmt::format("{} {}: expected a whole number, 0 or more, optionally followed by K, M or G", option, text));
     return value * factor;
 }
 
@@ -93,8 +92,11 @@ void add_accuracy_options(Arguments command, SettingsOptions& o)
 void add_pipeline_options(Arguments command, SettingsOptions& o)
 {
     command.group("Computation");
-    command.add_option("--threads", o.threads, "number of threads; 0: all. Does not change the result (default "
-                                               "1)").type_name("N");
+    command
+        .add_option("--threads", o.threads,
+                    "number of threads; 0: all. Does not change the result (default "
+                    "1)")
+        .type_name("N");
     command
         .add_option(
             "--backend", o.backend,
@@ -283,8 +285,8 @@ Scene open_scene(const SceneOptions& o, BodySink* sink)
         usage(fmt::format("--pace is {}; it must be above 0 and at most 1000", o.pace));
     if (!is_scene_file(o.scene)) return said(make_catalogue_scene(o, sink));
     if (o.bodies || o.seed)
-        usage(
-            fmt::format("--{} applies only to scenes of the catalogue; '{}' is a file", o.bodies ? "bodies" : "seed", o.scene));
+        usage(fmt::format("--{} applies only to scenes of the catalogue; '{}' is a file", o.bodies ? "bodies" : "seed",
+                          o.scene));
     const bool assembly = is_assembly_file(o.scene);
     Scene scene = assembly ? load_assembly_scene(o.scene)
                            : load_scene(o.scene, o.on_demand ? reading_with(o.cache) : MeshReading{}, sink);

@@ -18,7 +18,7 @@ Mesh square_below(const Scene& scene)
 
 Mesh mesh_of_boxes(const std::string& name, const std::vector<Aabb>& boxes)
 {
-    // Corner k is on the high side of axis a when bit a is set; two triangles a face.
+    // Corner k is on the high side of axis a when bit a is set; two triangles per face.
     constexpr std::uint32_t faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                                             {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
     std::vector<Eigen::Vector3d> vertices;

@@ -3,11 +3,11 @@
 
 namespace oncollide::tools {
 
-// What is drawn of geometries that are no meshes.
+// Meshes for drawing geometries that are not meshes.
 
-/// The boxes of a map, twelve triangles each.
+/// A map's cells, twelve triangles per cell.
 Mesh mesh_of_boxes(const std::string& name, const std::vector<Aabb>& boxes);
-/// A shape's bounding mesh; of a half-space its plane, as far as the scene's bodies start from the origin.
+/// A shape's bounding mesh. For a half-space: its plane, as far as the scene's bodies start from the origin.
 Mesh drawn_mesh(const Shape& shape, const Scene& scene);
 
 } // namespace oncollide::tools

@@ -7,7 +7,7 @@ namespace oncollide::tools {
 
 namespace {
 
-constexpr double border = 1.06; ///< what is shown, by how much it could be larger
+constexpr double border = 1.06; ///< factor by which the view is larger than its contents
 
 } // namespace
 
@@ -33,7 +33,7 @@ void Framing::add(const Eigen::Vector3d& point, double radius)
     bounds_.add(point - Eigen::Vector3d::Constant(radius)), bounds_.add(point + Eigen::Vector3d::Constant(radius));
     const Eigen::Vector3d p = view_ * point;
     for (std::size_t axis = 0; axis < 2; ++axis) {
-        // The plane through the eye is x = -tangent z; a ball reaches radius * |(1, tangent)| beyond its centre.
+        // The plane through the eye is x = -tangent z; a sphere extends radius * |(1, tangent)| beyond its centre.
         const double slope = tangent_[axis] * p.z(), wide = radius * std::hypot(1, tangent_[axis]);
         const double x = p[Eigen::Index(axis)];
         reach_[2 * axis] = std::max(reach_[2 * axis], x + slope + wide);
@@ -44,7 +44,7 @@ void Framing::add(const Eigen::Vector3d& point, double radius)
 Camera Framing::camera() const
 {
     if (bounds_.empty()) return {};
-    // The top of the pyramid lies where the planes of each axis meet, at the farther of both.
+    // The apex of the pyramid is where the planes of each axis meet, for the axis where that is farther.
     Eigen::Vector3d top;
     top.z() = -std::numeric_limits<double>::infinity();
     for (std::size_t axis = 0; axis < 2; ++axis) {
@@ -54,7 +54,7 @@ Camera Framing::camera() const
     }
     Camera camera = rotated_;
     camera.eye = view_.inverse() * top;
-    // Looked at is what lies straight ahead in the middle of what is shown.
+    // The camera looks at the point straight ahead at the depth of the contents' centre.
     const Eigen::Vector3d back = view_.linear().row(2);
     camera.look_at = camera.eye - back * std::max(back.dot(camera.eye - bounds_.centre()), 1e-9 * bounds_.diagonal());
     return camera;

@@ -6,24 +6,24 @@
 
 namespace oncollide::tools {
 
-/// Finds the camera from which a set of pictures, all of one size, is seen whole and as large as can be: from the
-/// front, a little from the right and above.
+/// Finds the camera from which a set of pictures of equal size is seen whole and as large as possible: from the front,
+/// slightly from the right and above.
 class Framing {
 public:
     Framing();
     void add(const Picture& picture);
-    /// What was seen; empty when nothing was.
+    /// Bounds of the contents; empty if there are none.
     const Aabb& bounds() const { return bounds_; }
-    /// Any camera will do when nothing was seen.
+    /// An arbitrary camera if there are no contents.
     Camera camera() const;
 
 private:
     void add(const Eigen::Vector3d& point, double radius);
 
-    Camera rotated_;                   ///< towards where we look; its place is not found yet
+    Camera rotated_;                  ///< in the direction of view; its position is not known yet
     Eigen::Isometry3d view_;          ///< of rotated_
-    std::array<double, 2> tangent_{}; ///< of half the view angle: horizontal, vertical
-    /// The farthest that anything reaches beyond a plane of the view pyramid when its top is at the origin:
+    std::array<double, 2> tangent_{}; ///< tangent of half the view angle: horizontal, vertical
+    /// The largest extent beyond a plane of the view pyramid whose apex is at the origin:
     /// right, left, top, bottom.
     std::array<double, 4> reach_;
     Aabb bounds_;

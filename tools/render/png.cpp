@@ -3,7 +3,7 @@
 #include <string_view>
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION
-#define STB_IMAGE_WRITE_STATIC // so that programs which link stb themselves may be linked with this
+#define STB_IMAGE_WRITE_STATIC // programs that link stb themselves can link this, too
 #define STBI_WRITE_NO_STDIO
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
@@ -17,7 +17,7 @@ namespace oncollide::tools {
 
 namespace {
 
-/// Set before threads pack. Its search is short: more costs little.
+/// Set before threads pack. A longer search gains little.
 [[maybe_unused]] const int compression = stbi_write_png_compression_level = 12;
 
 } // namespace

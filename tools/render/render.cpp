@@ -17,13 +17,13 @@
 namespace oncollide::tools {
 namespace {
 
-/// One image to be: its panels from left to right.
+/// The contents of an image: its panels from left to right.
 struct Panels {
     std::vector<ScenePicture> pictures;
     std::size_t spheres = 0, red = 0, meeting = 0; ///< of all panels
 };
 
-/// Plays the scene from its start, so that trees grow and age as they do in a run, and hands over each image's panels.
+/// Plays the scene from its start, so that trees grow and age as in a run, and passes on each image's panels.
 template <class Take>
 void play(Scene& scene, const RenderOptions& options, const Settings& settings, const RenderPlan& plan, Take take)
 {
@@ -39,7 +39,7 @@ void play(Scene& scene, const RenderOptions& options, const Settings& settings, 
     for (const ImagePlan& image : plan.images) {
         Panels panels;
         for (int frame : image.frames) {
-            if (options.whole) next = frame; // whole trees do not come from the frames before
+            if (options.whole) next = frame; // whole trees do not depend on earlier frames
             std::span<const PairResult> pairs;
             for (; next <= frame; ++next) {
                 mover.move(scene, next);
@@ -57,7 +57,7 @@ void play(Scene& scene, const RenderOptions& options, const Settings& settings, 
     }
 }
 
-/// Side by side; columns that no panel covers are background.
+/// Draws panels side by side. Columns that no panel covers are background.
 Image draw(Painter& painter, std::vector<ScenePicture>& panels, const Camera& camera, const RenderPlan& plan)
 {
     Image image{plan.width, plan.height, std::vector<std::uint8_t>(3 * std::size_t(plan.width * plan.height), 255)};
@@ -74,7 +74,7 @@ Image draw(Painter& painter, std::vector<ScenePicture>& panels, const Camera& ca
 int render(const RenderOptions& options)
 {
     Settings settings = settings_from(options.settings);
-    if (!settings.depth && !settings.max_error) settings.depth = 6; // what is drawn is the sphere-trees
+    if (!settings.depth && !settings.max_error) settings.depth = 6; // the sphere-trees are drawn
     const View view(options);
     Scene scene = open_scene(options.scene);
     const RenderPlan plan = plan_from(options, settings, scene);
@@ -84,7 +84,7 @@ int render(const RenderOptions& options)
     if (!options.quiet) print_warnings(scene);
     Painter painter(settings.gpu);
 
-    // One camera for all images: where it stands is known only after all have been seen.
+    // All images share a camera, whose position is known only after all pictures were seen.
     Framing framing;
     const auto see = [&](const Panels& panels) {
         for (const Picture& picture : panels.pictures) framing.add(picture);
@@ -104,22 +104,23 @@ int render(const RenderOptions& options)
 
 void add_drawing_options(Arguments command, RenderOptions& o)
 {
-    command.add_option("--frame", o.frames, "the frame to draw (default: the last); several, 10,20,30, side by side")
+    command.add_option("--frame", o.frames, "frame to draw (default: the last); 10,20,30: several, side by side")
         .type_name("N[,N...]")
         .separated_by(',');
-    command.add_option("--every", o.every, "draw every Kth frame up to --frame: FILE-0000.png, FILE-0010.png, ...")
+    command.add_option("--every", o.every, "draw every K-th frame up to --frame: FILE-0000.png, FILE-0010.png, ...")
         .type_name("K");
     command.add_option("--out", o.out, "file to write (PNG); '-' is standard output").type_name("FILE").required();
     command.add_option("--size", o.size, "pixels (default 1280x720)").type_name("WxH");
     command.add_option("--show", o.show, "meshes, spheres or both (default both)").type_name("WHAT");
-    command.add_option("--level", o.levels, "only spheres of that level; several, 2,4,6, side by side")
+    command.add_option("--level", o.levels, "draw only spheres of this level; 2,4,6: several, side by side")
         .type_name("L[,L...]")
         .separated_by(',');
-    command.add_flag("--whole", o.whole, "grow the whole trees, not only where bodies meet; needs --level");
-    command.add_option("--body", o.bodies, "show only this body (repeatable)").type_name("NAME").repeatable();
-    command.add_option("--eye", o.eye, "where to look from (default: such that all is seen)").type_name("\"x y z\"");
-    command.add_option("--look-at", o.look_at, "where to look (default: the middle)").type_name("\"x y z\"");
-    command.add_flag("--quiet", o.quiet, "print nothing but errors");
+    command.add_flag("--whole", o.whole, "grow whole trees, not only where bodies meet; needs --level");
+    command.add_option("--body", o.bodies, "draw only this body (repeatable)").type_name("NAME").repeatable();
+    command.add_option("--eye", o.eye, "camera position (default: such that all bodies are visible)")
+        .type_name("\"x y z\"");
+    command.add_option("--look-at", o.look_at, "point to look at (default: the centre)").type_name("\"x y z\"");
+    command.add_flag("--quiet", o.quiet, "print only errors");
 }
 
 } // namespace
@@ -140,9 +141,11 @@ void add_render(Arguments app)
                "  oncollide render paper --frame 1200 --out contact.png\n"
                "  oncollide render paper --body dragon --whole --show spheres --level 2,4,6 --out levels.png\n"
                "  oncollide render city --bodies 300 --every 10 --frame 100 --out city.png\n"
-               "Spheres are those that the trees hold at that frame, the finest wherever they are known; red ones\n"
-               "touch spheres of another body that was not found separate. With --exact on the triangles of\n"
-               "colliding meshes that meet are red. More: docs/pictures.md.");
+               "Spheres are drawn at the finest level that the trees hold in that frame; red spheres touch "
+               "spheres of\n"
+               "another body from which this body was not certified separate. With --exact on, intersecting triangles "
+               "of\n"
+               "colliding meshes are red. More: docs/pictures.md.");
     sub.action([options] { return render(*options); });
 }
 

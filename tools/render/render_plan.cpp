@@ -35,10 +35,10 @@ void check_frames(const std::vector<int>& frames, const Scene& scene)
 {
     for (std::size_t i = 0; i < frames.size(); ++i) {
         if (frames[i] < 0 || frames[i] >= scene.frames)
-            usage(fmt::format("--frame {}: '{}' has the frames 0 to {} (--frames makes it longer)", frames[i],
-                              scene.name, scene.frames - 1));
+            usage(fmt::format("--frame {}: '{}' has the frames 0 to {} (--frames N extends it)", frames[i], scene.name,
+                              scene.frames - 1));
         if (i && frames[i] <= frames[i - 1])
-            usage(fmt::format("--frame {}: stands behind {}; frames must ascend", frames[i], frames[i - 1]));
+            usage(fmt::format("--frame {}: follows {}; frames must ascend", frames[i], frames[i - 1]));
     }
 }
 
@@ -58,7 +58,7 @@ std::vector<ImagePlan> images_from(const RenderOptions& o, const Scene& scene)
     const std::vector<int> frames = o.frames.empty() ? std::vector<int>{scene.frames - 1} : o.frames;
     if (!o.every) return {{o.out, frames}};
     check_range("--every", *o.every, 1);
-    if (frames.size() > 1) usage("--every: goes up to one --frame, not to several");
+    if (frames.size() > 1) usage("--every: needs a single --frame, up to which to draw");
     if (o.out == "-") usage("--every: several pictures cannot go to standard output");
     std::vector<ImagePlan> images;
     for (std::int64_t frame = 0; frame <= frames.front(); frame += *o.every)
@@ -66,7 +66,7 @@ std::vector<ImagePlan> images_from(const RenderOptions& o, const Scene& scene)
     return images;
 }
 
-/// By its name, or by what stands for one: "body 3".
+/// By its name, or by its label: "body 3".
 BodyId body_of(const Scene& scene, const std::string& name)
 {
     if (const std::optional<BodyId> body = scene.find(name)) return *body;
@@ -75,7 +75,7 @@ BodyId body_of(const Scene& scene, const std::string& name)
         if (scene.names[body].empty() && scene.label(BodyId{body}) == name) return BodyId{body};
         if (body < 20) labels.push_back(scene.label(BodyId{body}));
     }
-    usage(fmt::format("--body {}: no body of that name; '{}' has: {}{}", name, scene.name, fmt::join(labels, ", "),
+    usage(fmt::format("--body {}: no body has this name; '{}' has: {}{}", name, scene.name, fmt::join(labels, ", "),
                       labels.size() < scene.size() ? fmt::format(" and {} more", scene.size() - labels.size()) : ""));
 }
 
@@ -94,7 +94,7 @@ RenderPlan plan_from(const RenderOptions& o, const Settings& settings, const Sce
         plan.levels.push_back(level);
         plan.deepest = std::max(plan.deepest, level);
     }
-    if (o.whole && o.levels.empty()) usage("--whole: needs --level, down to which the trees are grown");
+    if (o.whole && o.levels.empty()) usage("--whole: needs --level, the depth to which trees are grown");
     if (plan.levels.empty()) plan.levels.push_back(std::nullopt);
     if (plan.width / plan.panels() < least_side)
         usage(fmt::format("--size {}: too narrow for {} pictures side by side", o.size, plan.panels()));

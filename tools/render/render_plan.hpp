@@ -19,30 +19,30 @@ struct RenderOptions {
     bool whole = false, quiet = false;
 };
 
-/// One file to be written: its frames side by side, and of each frame the levels.
+/// A file to write: frames side by side, and for each frame its levels.
 struct ImagePlan {
     std::string file;
     std::vector<int> frames; ///< ascending
 };
 
-/// What is to be drawn.
+/// All images to draw.
 struct RenderPlan {
-    std::vector<ImagePlan> images;          ///< frames ascend from image to image too
-    std::vector<std::optional<int>> levels; ///< none: the finest spheres known
-    int deepest = 0;                        ///< of the levels
+    std::vector<ImagePlan> images;          ///< frames ascend across images, too
+    std::vector<std::optional<int>> levels; ///< nullopt: the finest known spheres
+    int deepest = 0;                        ///< deepest of the levels
     int width, height;                      ///< of an image, pixels
     int panels() const { return int(images.front().frames.size() * levels.size()); }
 };
 
-// All throw Error{usage} for options that make no sense, alone or with this scene.
+// All throw Error{usage} for options that are invalid, by themselves or for this scene.
 RenderPlan plan_from(const RenderOptions& options, const Settings& settings, const Scene& scene);
 ScenePictures::Shown shown_from(const RenderOptions& options, const Scene& scene);
 
-/// What the options say of the camera, over the one that sees everything.
+/// The camera options, applied to the automatic camera.
 class View {
 public:
     explicit View(const RenderOptions& options);
-    /// Whether it depends on what is seen.
+    /// True if the camera depends on the contents.
     bool automatic() const { return !(eye_ && look_at_); }
     Camera camera(const Framing& framing) const;
 

@@ -9,7 +9,7 @@ namespace oncollide::tools {
 namespace {
 
 constexpr Colour touching{214, 40, 40};
-/// Told apart by hue, none near red, all of about the same lightness.
+/// Distinguishable hues, none near red, all of similar lightness.
 constexpr std::array<Colour, 8> palette{{{104, 152, 196},
                                          {222, 184, 108},
                                          {126, 178, 122},
@@ -24,7 +24,7 @@ Colour colour_of(std::uint32_t body)
     return palette[body % palette.size()];
 }
 
-/// Meshes are paler than spheres, which lie on them.
+/// Meshes are paler than the spheres that lie on them.
 Colour paler(Colour c)
 {
     const auto half_white = [](std::uint8_t x) { return static_cast<std::uint8_t>((x + 255) / 2); };
@@ -78,10 +78,10 @@ const std::vector<ScenePictures::Sphere>& ScenePictures::spheres_of(std::uint32_
     return *known;
 }
 
-/// Both sides are sorted along x: each sphere looks only at those that it may reach.
+/// Both lists are sorted along x, so each sphere is compared only with spheres in its range.
 void ScenePictures::mark_touching(std::uint32_t a, std::uint32_t b)
 {
-    // The deciding spheres of a pair may be apart by the rounding that its bound allows for.
+    // The spheres that decided a pair may be apart by the rounding that the pair's bound includes.
     constexpr double rounding = 1 + 1e-4;
     const auto reach = [&](double r, double s) { return (r + s) * rounding + shown_.clearance; };
     std::vector<Sphere>&one = *of_body_[a], &other = *of_body_[b];
@@ -103,7 +103,8 @@ void ScenePictures::add_spheres(Picture& picture, std::uint32_t body)
 {
     for (const Sphere& sphere : *of_body_[body]) {
         Colour colour = sphere.red ? touching : colour_of(body);
-        // Over meshes, coarse spheres are faint: they are large, many lie in one another, and little is known there.
+        // Drawn over meshes, coarse spheres are faint: they are large, overlap each other, and carry little
+        // information.
         if (shown_.meshes && !sphere.red) colour.alpha = std::uint8_t(30 + 150 * sphere.fineness * sphere.fineness);
         picture.balls.push_back({sphere.centre, sphere.radius, colour});
         red_ += sphere.red;
@@ -136,7 +137,8 @@ void ScenePictures::find_meeting(const World& world, std::span<const PairResult>
     }
 }
 
-/// In two parts where triangles meet others: red ones over the whole mesh would flicker in and out of it.
+/// Adds the mesh in two parts if some triangles intersect others: drawn over the whole mesh, red triangles would
+/// flicker.
 void ScenePictures::add_mesh(ScenePicture& picture, std::uint32_t body)
 {
     const Mesh* whole = mesh_of(scene_.geometry[body]);

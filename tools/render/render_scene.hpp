@@ -13,10 +13,10 @@
 
 namespace oncollide::tools {
 
-/// The sphere-tree of a geometry, null when there is none.
+/// The sphere-tree of a geometry; null if there is none.
 using TreeOf = std::function<const Ocst*(GeometryId)>;
 
-/// A picture with the meshes that were made for it alone.
+/// A picture with the meshes that were made only for it.
 struct ScenePicture : Picture {
     std::vector<std::unique_ptr<Mesh>> made;
 };
@@ -28,15 +28,15 @@ public:
         bool meshes = true, spheres = true;
         std::vector<std::uint8_t> bodies; ///< by body
         double clearance = 0;
-        bool meeting = false; ///< colliding meshes: the triangles that meet, red; for exact predicates
+        bool meeting = false; ///< draw intersecting triangles of colliding meshes red; for exact predicates
     };
     /// `scene` must outlive it; poses may change.
     ScenePictures(const Scene& scene, Shown shown);
 
     /// The scene at its current poses, without a camera.
-    /// @param world  of the scene, after this frame
+    /// @param world  the scene's World after this frame
     /// @param pairs  of this frame
-    /// @param level  of the spheres; none: the finest that are known, wherever that is
+    /// @param level  level of the spheres; nullopt: the finest known level everywhere
     ScenePicture make(const World& world, const TreeOf& tree_of, std::span<const PairResult> pairs,
                       std::optional<int> level);
     /// Spheres of the last picture, and how many of them are red.
@@ -46,12 +46,12 @@ public:
     std::size_t meeting() const { return meeting_; }
 
 private:
-    /// One sphere of a body, in the world.
+    /// A sphere of a body, in the world frame.
     struct Sphere {
         Eigen::Vector3d centre;
         double radius;
         float fineness; ///< level / depth of the tree: 1 for leaves
-        bool may_touch; ///< is of the kind that shows a collision
+        bool may_touch; ///< may turn red: a leaf, or any sphere if a level is given
         bool red = false;
     };
     const Mesh* mesh_of(GeometryId geometry);

@@ -11,8 +11,8 @@
 
 namespace oncollide::tools {
 
-/// Numbers as a page's script reads them: columns one after the other, little-endian, each at a multiple of its
-/// numbers' size if wider ones come first.
+/// Binary columns for a page's script, one after the other, little-endian. Each is aligned to the size of its numbers
+/// if columns of wider numbers come first.
 class PageBlock {
 public:
     template <class Number>
@@ -37,7 +37,7 @@ inline void append(std::vector<float>& column, const Eigen::Vector3d& v)
     for (int axis = 0; axis < 3; ++axis) column.push_back(static_cast<float>(v[axis]));
 }
 
-/// x y z w, to 2^-16.
+/// x y z w, rounded to 2^-16.
 inline void append(std::vector<std::int16_t>& column, const Eigen::Quaterniond& q)
 {
     for (const double x : {q.x(), q.y(), q.z(), q.w()})

@@ -10,14 +10,14 @@
 namespace oncollide::tools {
 namespace {
 
-// Of each frame. What is beyond is not looked for, and the page shows it where the bodies' boxes are.
-constexpr std::size_t most_measured = 200; ///< pairs whose nearest points are computed, and as many whose contacts are
+// Limits per frame. Beyond these nothing is measured, and the page shows a pair between its bodies' AABBs.
+constexpr std::size_t most_measured = 200;                      ///< pairs with nearest points, and pairs with contacts
 constexpr std::size_t most_of_curve = 3000, most_of_pair = 400; ///< segments
 constexpr std::size_t most_regions = 3000;
 
 constexpr float not_known = std::numeric_limits<float>::quiet_NaN();
 
-/// What is certain of a double stays certain of the float.
+/// Rounded up, so that an upper bound stays certified as a float.
 float above(double x)
 {
     const float f = static_cast<float>(x);
@@ -28,13 +28,13 @@ float below(double x)
     return -above(-x);
 }
 
-/// JSON has neither infinities nor what is not a number.
+/// JSON has neither infinities nor NaN.
 nlohmann::json number(double x)
 {
     return std::isfinite(x) ? nlohmann::json(x) : nlohmann::json();
 }
 
-/// The order in which pairs are left out, last first.
+/// Pairs with the lowest weight are left out first.
 int weight(Verdict verdict)
 {
     constexpr int weights[] = {0, 1, 3, 2};
@@ -151,12 +151,12 @@ PageFrame PageFrames::make(const FrameView& view)
     const std::vector<PairResult> pairs = chosen(view.pairs);
     const Places places = places_of(pairs);
     std::vector<DelimitedRegion> regions = pipeline_.world().regions();
-    if (regions.size() > most_regions) regions.resize(most_regions); // the lowest levels come last
+    if (regions.size() > most_regions) regions.resize(most_regions); // the deepest levels come last
 
     std::vector<float> positions, bounds, errors, boxes;
     std::vector<std::int16_t> turns;
     std::vector<std::uint32_t> a, b;
-    std::vector<std::uint8_t> small; // verdicts, stages, kinds; levels of regions, and which are rejected
+    std::vector<std::uint8_t> small; // verdicts, stages, kinds; levels of regions, and which regions are rejected
     for (const std::uint32_t body : moving_) {
         append(positions, scene_.poses[body].translation() - origin_);
         append(turns, Eigen::Quaterniond(scene_.poses[body].linear()).normalized());

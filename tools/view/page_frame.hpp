@@ -11,25 +11,25 @@
 
 namespace oncollide::tools {
 
-/// One frame as a page shows it.
+/// The data of one frame for a page.
 struct PageFrame {
-    nlohmann::json header; ///< counts, and how long the columns of the block are
+    nlohmann::json header; ///< counts, and the lengths of the block's columns
     PageBlock block;
 };
 
-/// Turns frames into what a page shows.
+/// Turns frames into page data.
 class PageFrames {
 public:
-    /// Keeps references to both. @param most_pairs  of a frame; more are left out, separate ones first
+    /// Keeps references to both. @param most_pairs  pairs per frame; beyond it pairs are left out, separate ones first
     PageFrames(const Scene& scene, const Pipeline& pipeline, bool separate, std::size_t most_pairs);
 
-    /// Frame `view`, the last that the pipeline ran.
+    /// `view`: the frame that the pipeline ran last.
     PageFrame make(const FrameView& view);
 
     const Eigen::Vector3d& origin() const { return origin_; } ///< poses are relative to it
-    /// Bodies that frames have poses of: those that may move.
+    /// Bodies whose poses are stored per frame: bodies that may move.
     const std::vector<std::uint32_t>& moving() const { return moving_; }
-    /// By geometry: in how many pairs its bodies were that are not separate.
+    /// By geometry: the number of its bodies' pairs that were not separate.
     const std::vector<std::uint64_t>& touched() const { return touched_; }
 
     /// Bytes of a frame without pairs.
@@ -37,12 +37,12 @@ public:
     static constexpr std::size_t bytes_of_pair = 51;
 
 private:
-    /// Where a pair is, in the columns of a frame.
+    /// Positions of pairs, as columns of a frame.
     struct Places {
-        std::vector<float> where;            ///< x y z; not a number: unknown
+        std::vector<float> where;            ///< x y z; NaN: unknown
         std::vector<float> nearest, apart;   ///< certified bounds on the distance; negative: not measured
         std::vector<float> curve;            ///< ends of the segments that surfaces share
-        std::vector<std::uint32_t> of_curve; ///< pair of each
+        std::vector<std::uint32_t> of_curve; ///< the pair of each segment
     };
     std::vector<PairResult> chosen(std::span<const PairResult> pairs) const;
     Places places_of(std::span<const PairResult> pairs) const;

@@ -13,7 +13,7 @@ namespace {
 
 using oncollide::Mesh;
 
-/// Every so manieth height of a terrain.
+/// Every `step`-th height of a terrain.
 Mesh thinned(const Terrain& terrain, std::uint32_t step)
 {
     const auto places = [&](std::uint32_t count) {
@@ -40,16 +40,16 @@ Mesh thinned(const Terrain& terrain, std::uint32_t step)
             if (there[a] && there[b] && there[d]) triangles.push_back({a, b, d});
             if (there[a] && there[d] && there[c]) triangles.push_back({a, d, c});
         }
-    if (triangles.empty()) // holes everywhere but in between
+    if (triangles.empty()) // holes at all heights that were kept
         triangles = {{0, width - 1, std::uint32_t(points.size()) - 1}};
     return make_mesh("terrain", std::move(points), std::move(triangles));
 }
 
-/// The cells of a map, in cubes so large that there are not too many.
+/// The cells of a map, merged into cubes large enough that there are at most `most`.
 Mesh coarsened(const OccupancyMap& map, std::uint64_t most, bool& exactly)
 {
     for (std::int32_t side = 1;; side *= 2) {
-        std::vector<std::array<std::int32_t, 4>> cubes; // side, then the least corner
+        std::vector<std::array<std::int32_t, 4>> cubes; // side, then the lowest corner
         bool too_many = false;
         map.each_cell(map.bounds(), [&](const MapCell& cell) {
             const auto wide = std::max<std::int32_t>(std::int32_t(cell.side), side);
@@ -90,7 +90,7 @@ PageModel::Mesh in_box(const Mesh& mesh, const Aabb& box)
     return out;
 }
 
-/// Only the vertices that triangles use.
+/// Drops vertices that no triangle uses.
 void compact(PageModel::Mesh& mesh)
 {
     std::vector<std::array<std::uint16_t, 4>> padded(mesh.vertices.size()), used(mesh.vertices.size());
@@ -102,7 +102,7 @@ void compact(PageModel::Mesh& mesh)
     for (std::size_t k = 0; k < count; ++k) mesh.vertices[k] = {used[k][0], used[k][1], used[k][2]};
 }
 
-/// @param size  of the box, metres: what is cut off is measured in these
+/// @param size  of the box, metres: simplification errors are measured in metres
 PageModel::Mesh simplified(const PageModel::Mesh& fine, const Eigen::Vector3d& size, std::uint64_t triangles)
 {
     std::vector<std::array<float, 3>> points;
@@ -115,7 +115,7 @@ PageModel::Mesh simplified(const PageModel::Mesh& fine, const Eigen::Vector3d& s
                                        points[0].data(), points.size(), sizeof(points[0]), std::size_t(3 * triangles)));
     };
     run([](auto... given) { return meshopt_simplify(given..., 0.5f, 0, nullptr); });
-    if (coarse.triangles() > triangles + triangles / 2) { // the way that its parts hang together forbids it
+    if (coarse.triangles() > triangles + triangles / 2) { // the mesh's topology prevents it
         coarse.indices.resize(fine.indices.size());
         run([](auto... given) { return meshopt_simplifySloppy(given..., 1e9f, nullptr); });
     }
@@ -124,7 +124,7 @@ PageModel::Mesh simplified(const PageModel::Mesh& fine, const Eigen::Vector3d& s
     return coarse;
 }
 
-/// @param exactly  is it all of the geometry?
+/// @param exactly  set to whether the result is the whole geometry
 Mesh shown_mesh(const Scene& scene, const Geometry& geometry, std::uint64_t most, bool& exactly)
 {
     if (const auto* map = std::get_if<OccupancyMap>(&geometry.data))
@@ -188,7 +188,7 @@ PageModel make_page_model(const Scene& scene, GeometryId id, std::uint64_t most)
     if (model.kind == "mesh" && model.triangles > most)
         model.meshes[0] = simplified(model.meshes[0], size, most), exactly = false;
     model.simplified = !exactly;
-    if (model.kind == "map") return model; // a heap of boxes becomes none of fewer triangles
+    if (model.kind == "map") return model; // a heap of boxes cannot be simplified
     for (const std::uint64_t coarse : {1200, 160, 24})
         if (model.meshes.back().triangles() > 2 * coarse)
             model.meshes.push_back(simplified(model.meshes.back(), size, coarse));

@@ -1,9 +1,10 @@
 #pragma once
 #include <string_view>
 
-// The page's own files, which the build embeds: tools/view/page/.
+// The page's source files in tools/view/page/, embedded by the build.
 namespace oncollide::tools::page {
 
-extern const std::string_view page_html, style_css, data_js, bodies_js, sprites_js, overlay_js, trees_js, panel_js, main_js;
+extern const std::string_view page_html, style_css, data_js, bodies_js, sprites_js, overlay_js, trees_js, panel_js,
+    main_js;
 
 } // namespace oncollide::tools::page

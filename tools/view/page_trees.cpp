@@ -26,7 +26,7 @@ PageTrees make_page_trees(std::shared_ptr<const Geometry> geometry, std::size_t 
     PageTrees trees;
     if (!has_spheres(geometry->data)) return trees;
     const Settings settings{.depth = deepest, .threads = threads};
-    // A level has about four times as many as the one above, and at most eight times.
+    // A level has about four times, and at most eight times, as many volumes as the level above.
     int levels = 0;
     for (std::size_t last = 1; levels < deepest && 4 * last <= most; ++levels) {
         const GrownTree tree(geometry, settings, levels + 1);

@@ -9,13 +9,13 @@
 
 namespace oncollide::tools {
 
-/// The upper levels of a geometry's trees, in its own frame, as if tests had reached all of them.
+/// The upper levels of a geometry's trees, in its own frame, fully grown.
 struct PageTrees {
     struct Level {
         std::vector<CoveringVolume> volumes;
-        double error; ///< no point of a volume is farther from the surface, metres
+        double error; ///< largest distance of a volume's points from the surface, metres
     };
-    std::vector<Level> spheres, boxes; ///< boxes: of meshes only
+    std::vector<Level> spheres, boxes; ///< boxes: only for meshes
 
     std::size_t bytes() const; ///< on a page
 };

@@ -22,7 +22,7 @@ StoredRun run_of(const std::string& name, const ResultsHeader& header, const std
     }
     if (run.scene.scene.empty())
         usage(fmt::format(
-            "{0}: its scene came from standard input; name its file: oncollide view {0} SCENE.json -o ...", name));
+            "{0}: its scene came from standard input; give its file: oncollide view {0} SCENE.json -o ...", name));
     return run;
 }
 
@@ -32,8 +32,8 @@ Scene scene_of(const std::string& name, const StoredRun& run)
         return open_scene(run.scene);
     } catch (const Error& error) {
         if (error.kind() != ErrorKind::no_input) throw;
-        throw Error(ErrorKind::no_input, fmt::format("{}; {} is of that scene: name its file behind the results if it "
-                                                     "is elsewhere by now",
+        throw Error(ErrorKind::no_input, fmt::format("{}; {} was made from that scene: if the scene has moved, give "
+                                                     "its file after the results",
                                                      error.what(), name));
     }
 }
@@ -52,19 +52,20 @@ StoredFrames::StoredFrames(const std::string& results, const std::string& scene,
       scene_(scene_of(results, run_)), pipeline_(scene_, without_narrow_phase(run_.settings, threads))
 {
     if (scene_.size() != stored_.header().bodies)
-        refuse_scene(fmt::format("it has {} bodies, they are of {}", scene_.size(), stored_.header().bodies));
+        refuse_scene(
+            fmt::format("the scene has {} bodies, the results have {}", scene_.size(), stored_.header().bodies));
     if (const std::string other = stored_.unlike(scene_.names); !other.empty())
-        refuse_scene(fmt::format("it has no body '{}' in that place", other));
-    if (stored_.frames().empty()) throw Error(ErrorKind::usage, name_ + ": holds no frame");
+        refuse_scene(fmt::format("the scene has no body '{}' at that number", other));
+    if (stored_.frames().empty()) throw Error(ErrorKind::usage, name_ + ": has no frames");
     if (stored_.frames().back().frame >= std::uint64_t(scene_.frames))
-        refuse_scene(fmt::format("it has frames 0 to {}, they end with frame {}", scene_.frames - 1,
+        refuse_scene(fmt::format("the scene has frames 0 to {}, the results end with frame {}", scene_.frames - 1,
                                  stored_.frames().back().frame));
 }
 
 void StoredFrames::refuse_scene(const std::string& why) const
 {
     throw Error(ErrorKind::bad_data,
-                fmt::format("{}: these are no results of {}, as it is now: {}", name_, run_.scene.scene, why));
+                fmt::format("{}: does not fit {} in its present state: {}", name_, run_.scene.scene, why));
 }
 
 FrameView StoredFrames::play(int frame)
@@ -88,7 +89,7 @@ FrameView StoredFrames::play(int frame)
             .hash = row.hash};
 }
 
-/// Both are sorted by their bodies. Candidates that the file does not have were found separate.
+/// Both are sorted by their bodies. Candidates that are not in the file were separate.
 void StoredFrames::decide(const FrameRow& row, std::span<const PairResult> candidates)
 {
     stored_.read(row, rows_);
@@ -109,13 +110,15 @@ void StoredFrames::decide(const FrameRow& row, std::span<const PairResult> candi
         ++next;
     }
     if (next != rows_.end())
-        refuse_scene(fmt::format("in frame {} they have a pair of bodies {} and {}, whose boxes are apart", row.frame,
-                                 next->a, next->b));
+        refuse_scene(fmt::format("in frame {} the results have a pair of bodies {} and {}, whose boxes are "
+                                 "apart",
+                                 row.frame, next->a, next->b));
     if (hash != row.hash)
-        refuse(name_, fmt::format("the pairs of frame {} are damaged: their hash is another", row.frame));
+        refuse(name_, fmt::format("the pairs of frame {} are damaged: their hash differs", row.frame));
 }
 
-/// What each stage took in and passed on is the file's; why one was skipped follows from the settings and the poses.
+/// Input and output counts of each stage come from the file; the reason for skipping one follows from settings and
+/// poses.
 void StoredFrames::count(const FrameRow& row, std::span<const StageStats> stages)
 {
     stages_.assign(stages.begin(), stages.end());
@@ -132,7 +135,7 @@ void StoredFrames::count(const FrameRow& row, std::span<const StageStats> stages
     }
     constexpr std::size_t broad = ocst_stage_index - 1;
     if (row.stages[broad].out != results_.size())
-        refuse_scene(fmt::format("in frame {} the boxes of {} pairs overlap, of {} in the run", row.frame,
+        refuse_scene(fmt::format("in frame {} the boxes of {} pairs overlap; in the run {} did", row.frame,
                                  results_.size(), row.stages[broad].out));
 }
 

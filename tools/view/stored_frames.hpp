@@ -9,12 +9,12 @@
 
 namespace oncollide::tools {
 
-/// A run that was written with --pairs, played again: bodies go where they were, boxes that overlap are found anew, and
-/// what the narrow phase found is read from the file.
+/// Plays a run that was written with --pairs again: poses and overlapping AABBs are computed anew, and the results of
+/// the narrow phase are read from the file.
 class StoredFrames {
 public:
-    /// Throws Error{usage} where results and scene do not belong together, and what StoredResults and open_scene do.
-    /// @param scene  in place of the scene that the results name; empty: that one
+    /// Throws Error{usage} if results and scene do not fit together, and the errors of StoredResults and open_scene.
+    /// @param scene  used in place of the scene named in the results; empty: that scene
     StoredFrames(const std::string& results, const std::string& scene, const std::string& data, int threads);
 
     const Scene& scene() const { return scene_; }
@@ -23,8 +23,8 @@ public:
     int first() const { return static_cast<int>(stored_.frames().front().frame); }
     int last() const { return static_cast<int>(stored_.frames().back().frame); }
 
-    /// Frame `frame`, first() to last(). Valid until the next call. Throws Error{bad_data} where the file is damaged or
-    /// of other bodies.
+    /// Plays frame `frame`, first() to last(). Valid until the next call. Throws Error{bad_data} if the file is damaged
+    /// or belongs to other bodies.
     FrameView play(int frame);
 
 private:

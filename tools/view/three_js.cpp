@@ -11,7 +11,7 @@
 namespace oncollide::tools {
 namespace {
 
-/// A text in which nothing ends the element that it stands in, which means the same.
+/// The text of a script, changed without changing its meaning so that it cannot end its HTML element.
 std::string script_from(const std::filesystem::path& path)
 {
     std::string text = read_file(path, 16'000'000);
@@ -30,12 +30,11 @@ ThreeJs read_three_js()
     std::error_code error;
     for (const fs::path& file : {library, controls})
         if (!fs::is_regular_file(file, error))
-            throw Error(
-                ErrorKind::no_input,
-                fmt::format("{}: not there; pages need three.js: install Debian's package libjs-three, or let "
-                            "ONCOLLIDE_THREE name a folder that holds three.min.js (release 111) and "
-                            "examples/js/controls/OrbitControls.js",
-                            file.string()));
+            throw Error(ErrorKind::no_input,
+                        fmt::format("{}: not found; pages need three.js: install Debian's package libjs-three, or set "
+                                    "ONCOLLIDE_THREE to a folder that holds three.min.js (release 111) and "
+                                    "examples/js/controls/OrbitControls.js",
+                                    file.string()));
     return {script_from(library), script_from(controls)};
 }
 

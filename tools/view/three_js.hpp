@@ -3,13 +3,13 @@
 
 namespace oncollide::tools {
 
-/// The library that pages draw with.
+/// The library that draws on pages.
 struct ThreeJs {
     std::string library, controls; ///< JavaScript, safe between <script> and </script>
 };
 
-/// Reads three.js where Debian's libjs-three puts it, or from the folder that $ONCOLLIDE_THREE names. Throws
-/// Error{no_input} that names the package when it is not there.
+/// Reads three.js from the folder of Debian's libjs-three, or from the folder that $ONCOLLIDE_THREE names. Throws
+/// Error{no_input}, naming the package, if it is missing.
 ThreeJs read_three_js();
 
 } // namespace oncollide::tools

@@ -1,4 +1,4 @@
-// 'oncollide view': the page of a run that was written with --pairs.
+// 'oncollide view': writes the page of a run that was stored with --pairs.
 #include <limits>
 #include <memory>
 #include <optional>
@@ -34,9 +34,9 @@ int view(const ViewOptions& o)
     const int first = o.from.value_or(frames.first()), last = o.to.value_or(frames.last());
     for (const auto& [option, frame] : {std::pair("--from-frame", first), std::pair("--to-frame", last)})
         if (frame < frames.first() || frame > frames.last())
-            usage(fmt::format("{} {}: {} holds frames {} to {}", option, frame, o.results, frames.first(),
-                              frames.last()));
-    if (first > last) usage(fmt::format("--from-frame {} is behind --to-frame {}", first, last));
+            usage(
+                fmt::format("{} {}: {} has frames {} to {}", option, frame, o.results, frames.first(), frames.last()));
+    if (first > last) usage(fmt::format("--from-frame {} is after --to-frame {}", first, last));
     if (!o.quiet) print_warnings(frames.scene());
     ViewPage page(frames.scene(), frames.pipeline(),
                   {.file = o.out,
@@ -54,7 +54,7 @@ int view(const ViewOptions& o)
     if (!o.quiet && next > first) log(LogLevel::note, page.summary());
     if (next > last) return 0;
     log(LogLevel::error,
-        fmt::format("interrupted after {} of {} frames; the page shows these", next - first, last - first + 1));
+        fmt::format("interrupted after {} of {} frames; the page shows only these", next - first, last - first + 1));
     return 130;
 }
 
@@ -62,28 +62,27 @@ int view(const ViewOptions& o)
 
 void add_view(Arguments app)
 {
-    Arguments sub = app.add_command("view", "Make an HTML page to look at, in 3D, of a run that was kept with --pairs");
+    Arguments sub = app.add_command("view", "Write a 3D HTML page of a run that was stored with --pairs");
     auto o = std::make_shared<ViewOptions>();
-    sub.add_option("results", o->results, "what 'oncollide run --pairs' wrote").required().type_name("RESULTS.h5");
-    sub.add_option("scene", o->scene, "the scene they are of, where it is no longer where the results say")
-        .type_name("SCENE.json|ASSEMBLY|NAME");
-    sub.add_option("-o,--out", o->out, "the page; needs Debian's libjs-three")
+    sub.add_option("results", o->results, "results file of 'oncollide run --pairs'").required().type_name("RESULTS.h5");
+    sub.add_option("scene", o->scene, "scene of the run, if it has moved since").type_name("SCENE.json|ASSEMBLY|NAME");
+    sub.add_option("-o,--out", o->out, "page to write; needs Debian's libjs-three")
         .required()
         .type_name("PAGE.html")
         .check([](const std::string& file) { return std::string(file.empty() ? "the file name is empty" : ""); });
     sub.add_option("--from-frame", o->from, "first frame to show (default: the first of the results)").type_name("N");
     sub.add_option("--to-frame", o->to, "last frame to show (default: the last of the results)").type_name("N");
     add_view_limit(sub, o->limit);
-    sub.add_option("--data", o->data, "data folder of a scene of the catalogue (default: that of the run)")
-        .type_name("DIR");
-    sub.add_option("--threads", o->threads, "threads; 0: all. Never changes the page's results (default 1)")
+    sub.add_option("--data", o->data, "data folder of a scene of the catalogue (default: the run's)").type_name("DIR");
+    sub.add_option("--threads", o->threads, "number of threads; 0: all. Does not change the page's results (default 1)")
         .type_name("N");
-    sub.add_flag("--quiet", o->quiet, "print nothing but errors");
-    sub.footer("Example:\n"
-               "  oncollide run city --exact on --pairs city.h5\n"
-               "  oncollide view city.h5 -o city.html\n"
-               "Verdicts, bounds and times are those of the run; its narrow phase is not run again. What the page\n"
-               "shows: docs/view.md. 'oncollide run --view' makes it while the scene runs.");
+    sub.add_flag("--quiet", o->quiet, "print only errors");
+    sub.footer(
+        "Example:\n"
+        "  oncollide run city --exact on --pairs city.h5\n"
+        "  oncollide view city.h5 -o city.html\n"
+        "The page shows the verdicts, bounds and times of the run; its narrow phase does not run again. The page is\n"
+        "described in docs/view.md. 'oncollide run --view' writes it during the run.");
     sub.action([o] { return view(*o); });
 }
 

@@ -23,8 +23,8 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t bytes_of_body = 25, bytes_of_triangle = 16;
-constexpr std::size_t bytes_of_header = 800, bytes_of_geometry = 600;        ///< in JSON and with the least of meshes
-constexpr std::uint64_t most_triangles = 1'500'000, most_of_model = 250'000; ///< that browsers draw with ease
+constexpr std::size_t bytes_of_header = 800, bytes_of_geometry = 600;        ///< as JSON, with the coarsest meshes
+constexpr std::uint64_t most_triangles = 1'500'000, most_of_model = 250'000; ///< browsers draw this many easily
 constexpr std::size_t most_of_level = 3000;                                  ///< volumes of trees
 
 std::size_t encoded(std::size_t bytes)
@@ -32,7 +32,8 @@ std::size_t encoded(std::size_t bytes)
     return (bytes + 2) / 3 * 4;
 }
 
-/// In a script element: nothing in it ends the element or begins a comment. Bytes that are not UTF-8 become U+FFFD.
+/// JSON for a script element: nothing in it ends the element or begins a comment. Bytes that are not UTF-8 become
+/// U+FFFD.
 std::string script_json(const json& value)
 {
     std::string text;
@@ -66,7 +67,7 @@ std::string accuracy_text(const Settings& s)
     return "1 % of the smaller body";
 }
 
-/// So that the geometries together have no more than `most`: the largest number that one may have.
+/// The largest limit per geometry such that all geometries together have at most `most`.
 std::uint64_t cap_for(std::vector<std::uint64_t> counts, std::uint64_t most)
 {
     std::sort(counts.begin(), counts.end());
@@ -84,7 +85,8 @@ Option add_view_limit(Arguments command, int& limit)
 {
     return command
         .add_option("--view-limit", limit,
-                    "size of that page in MB (default 40): frames and meshes beyond are thinned out, which it says")
+                    "size limit of the page in MB (default 40); to keep it, frames are dropped and meshes simplified, "
+                    "and the page says so")
         .type_name("MB");
 }
 
@@ -93,7 +95,7 @@ void check_view(const char* option, const std::string& file, int limit, const Ou
 {
     if (file.empty()) return;
     check_range("--view-limit", limit, 2, 1000);
-    if (file == "-") usage(fmt::format("{}: names a file; a page cannot go to standard output", option));
+    if (file == "-") usage(fmt::format("{}: needs a file; a page cannot go to standard output", option));
     check_files({{option, file},
                  {"--json", outputs.json},
                  {"--csv", outputs.csv},
@@ -123,7 +125,7 @@ ViewPage::ViewPage(const Scene& scene, const Pipeline& pipeline, const Options& 
     const std::size_t least = fixed + bodies + 2 * encoded(frames_->least_bytes()) + 500'000;
     if (least > options.most_bytes)
         throw Error(ErrorKind::usage,
-                    fmt::format("--view-limit: a page of {} bodies takes at least {}; set --view-limit to {} or more",
+                    fmt::format("--view-limit: a page of {} bodies needs at least {}; set --view-limit to {} or more",
                                 grouped(scene.size()), megabytes(least), (least + 999'999) / 1'000'000));
     room_ = options.most_bytes - fixed - bodies;
     std::size_t names = 0;
@@ -146,7 +148,7 @@ void ViewPage::add(const FrameView& frame)
     while (kept_bytes_ > frames_room_ && kept_.size() > 1) thin_out();
 }
 
-/// Every second of the kept frames goes.
+/// Drops every second of the kept frames.
 void ViewPage::thin_out()
 {
     step_ *= 2;
@@ -199,7 +201,7 @@ ViewPage::Shown ViewPage::shown() const
         shown.geometries.push_back(std::move(entry));
     }
 
-    // Trees of what was in pairs, most often first.
+    // Trees of the geometries that were in pairs, the most frequent first.
     std::vector<std::uint32_t> order;
     for (std::uint32_t g = 0; g < used.size(); ++g)
         if (frames_->touched()[g]) order.push_back(g);
@@ -248,7 +250,7 @@ json ViewPage::about() const
     rows.push_back({"Accuracy (max_error)", accuracy_text(s)});
     rows.push_back({"Decided exactly (--exact)", name_of(s.exact)});
     rows.push_back({"Clearance", fmt::format("{:g} m", s.clearance)});
-    rows.push_back({"Inside of meshes (--mode)", s.mode == Mode::solid ? "counts: solid" : "does not count: surface"});
+    rows.push_back({"Inside of meshes (--mode)", s.mode == Mode::solid ? "included: solid" : "not included: surface"});
     rows.push_back({"Refined with", wants_obbs(s) ? "oriented boxes (OBB trees)" : "sphere-trees (OCST)"});
     if (options_.results.empty()) {
         rows.push_back({"Threads", fmt::format("{}", thread_count(s))});
@@ -278,14 +280,15 @@ void ViewPage::close()
     if (kept_.empty()) return;
     Shown made = shown();
     if (step_ > 1)
-        made.notes.push_back(fmt::format("Shown is one frame in {}: {} of {}, so that the page stays below {}.", step_,
+        made.notes.push_back(fmt::format("The page shows one frame in {}, {} of {}, to stay below {}.", step_,
                                          kept_.size(), grouped(seen_), megabytes(options_.most_bytes)));
     if (made.simplified)
         made.notes.push_back(
-            fmt::format("{} geometr{} shown simplified, with {} of {} triangles. Results are those of the full ones.",
+            fmt::format("{} geometr{} shown simplified, with {} of {} triangles. Results are those of the full "
+                        "geometries.",
                         made.simplified, made.simplified == 1 ? "y is" : "ies are", grouped(made.shown_triangles),
                         grouped(made.triangles)));
-    if (!names_) made.notes.push_back("Bodies go by their numbers: there was no room for their names.");
+    if (!names_) made.notes.push_back("Bodies are shown by number: there was no room for their names.");
 
     json header = {{"scene", printable(scene_.name)},
                    {"frames_of_scene", scene_.frames},

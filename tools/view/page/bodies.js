@@ -1,4 +1,4 @@
-// Bodies: copies of meshes, in levels of detail that are chosen anew for each picture.
+// Bodies: copies of meshes. The level of detail is chosen for each picture.
 const canvas = document.getElementById("scene");
 const gl = canvas.getContext("webgl2", {antialias: false, alpha: false, powerPreference: "high-performance"});
 if (!gl) throw new Error("This page needs WebGL 2, which this browser does not offer.");
@@ -6,17 +6,17 @@ const renderer = new THREE.WebGLRenderer({canvas, context: gl});
 renderer.autoClear = false;
 const camera = new THREE.PerspectiveCamera(42, 1, 0.1, 1000);
 camera.up.set(0, 0, 1);
-// What is drawn, from back to front.
+// Layers, drawn from back to front.
 const scene = new THREE.Scene(), [ground, solids, volumes, ghosts, lines, marks] = Array.from({length: 6}, () => new THREE.Scene());
 scene.add(ground, solids, volumes, ghosts, lines, marks);
 const addTo = (layer, mesh) => (layer.add(mesh), (mesh.renderOrder = scene.children.indexOf(layer)));
-// Does the CPU draw, in the stead of a GPU?
+// True if the CPU draws in place of a GPU.
 const drawsOnCpu = (() => {
   const named = gl.getExtension("WEBGL_debug_renderer_info");
   return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(gl.getParameter(named ? named.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
 })();
-const screen = {value: new THREE.Vector2(1, 1)}, drawnPixels = {value: new THREE.Vector2(1, 1)}; // the view's size: in CSS's pixels, in those drawn
-let palette = {}; // by name of the style sheet: 0 to 1 each
+const screen = {value: new THREE.Vector2(1, 1)}, drawnPixels = {value: new THREE.Vector2(1, 1)}; // the view's size in CSS pixels, and in drawn pixels
+let palette = {}; // colours by name in the style sheet; components 0 to 1
 
 function readPalette() {
   const style = getComputedStyle(document.documentElement);
@@ -34,7 +34,7 @@ void main() {
   vEye = at.xyz; vTint = iTint; vNumber = iNumber;
   gl_Position = projectionMatrix * at;
 }`;
-// @param n, eye  the normal, and the direction to the eye: both as the camera sees them
+// @param n, eye  the normal, and the direction to the eye, in the camera's frame
 const shading = `
 uniform vec3 up, accent; uniform float night;
 vec3 keyLight() { return normalize(up * 0.9 + vec3(-0.45, 0.0, 0.55)); }
@@ -67,7 +67,7 @@ void main() {
 }`),
     uniforms: {...uniforms, ...copies.uniforms, ...boxUniforms(model)}, side: THREE.DoubleSide, transparent: ghost, depthWrite: !ghost});
 }
-// The same, shaded at corners alone: a quarter of the work where the CPU draws.
+// The same, shaded only at vertices: a quarter of the work where the CPU draws.
 function plainMaterial(model, copies) {
   return new THREE.ShaderMaterial({
     vertexShader: copies.shader(turned + shading + `
@@ -87,7 +87,7 @@ const boxUniforms = (model) => ({low: {value: new THREE.Vector3(...model.low)},
                                  size: {value: new THREE.Vector3(...model.high).sub(new THREE.Vector3(...model.low))}});
 const pickFragment = `varying vec4 vNumber; void main() { gl_FragColor = vec4(vNumber.xyz, 1.0); }`;
 
-// Corners of all triangles with normals, smooth but at edges that turn by more than 35 degrees.
+// Vertices of all triangles, with smooth normals except at edges of more than 35 degrees.
 function surfaceOf(geometry, level) {
   const model = header.geometries[geometry], [vertices, triangles] = model.meshes[level], columns = new Columns(`m${geometry}.${level}`);
   const wide = vertices > 65536 && columns.take(Uint32Array, 3 * triangles);
@@ -102,7 +102,7 @@ function surfaceOf(geometry, level) {
   for (let v = 0; v < vertices; ++v) first[v + 1] += first[v];
   const next = first.slice(), around = new Uint32Array(3 * triangles);
   for (let c = 0; c < 3 * triangles; ++c) around[next[index[c]]++] = (c / 3) | 0;
-  if (level > 0 && triangles <= 200) { // from afar edges are not seen, and corners that triangles share cost a third
+  if (level > 0 && triangles <= 200) { // edges are not visible from afar, and shared vertices cost a third
     const position = new Uint16Array(4 * vertices), normal = new Int8Array(4 * vertices);
     for (let v = 0; v < vertices; ++v) {
       let sum = [0, 0, 0], largest = 0;
@@ -110,7 +110,7 @@ function surfaceOf(geometry, level) {
         const own = face.subarray(3 * around[k], 3 * around[k] + 3);
         sum = sum.map((x, a) => x + own[a]), largest = Math.max(largest, Math.hypot(...own));
       }
-      if (Math.hypot(...sum) < 0.1 * largest) sum = [...face.subarray(3 * around[first[v]], 3 * around[first[v]] + 3)]; // both sides of a sheet
+      if (Math.hypot(...sum) < 0.1 * largest) sum = [...face.subarray(3 * around[first[v]], 3 * around[first[v]] + 3)]; // opposite faces of a thin sheet
       const l = 127 / (Math.hypot(...sum) || 1);
       for (let a = 0; a < 3; ++a) position[4 * v + a] = at[3 * v + a], normal[4 * v + a] = sum[a] * l;
     }
@@ -132,7 +132,7 @@ function surfaceOf(geometry, level) {
   return {position, normal, index: null};
 }
 
-// Numbers for shaders, four in a cell.
+// Numbers for shaders, four per texel.
 function tableOf(numbers, columns) {
   const texture = new THREE.DataTexture(numbers, columns, numbers.length / (4 * columns), THREE.RGBAFormat, THREE.FloatType);
   texture.minFilter = texture.magFilter = THREE.NearestFilter, texture.generateMipmaps = false, texture.unpackAlignment = 4;
@@ -140,10 +140,10 @@ function tableOf(numbers, columns) {
   return texture;
 }
 
-// Many copies of a small shape, whose numbers are in a texture: each instance that the GPU draws holds as many copies as
-// make some thousand corners, since instances of a few triangles are slow, above all where the CPU draws them.
+// Many copies of a small shape. Their data is in a texture. Each GPU instance draws as many copies as have about a thousand
+// vertices, because instances of a few triangles are slow, most of all where the CPU draws them.
 class Copies {
-  // @param columns  sizes by name, 1 to 4: what shaders call the numbers of a copy
+  // @param columns  {name: size}, size 1 to 4: the data of a copy, by its name in shaders
   constructor(position, normal, index, columns) {
     this.columns = Object.entries(columns), this.room = 0, this.corners = position.count;
     this.copies = Math.max(1, Math.floor(4096 / this.corners));
@@ -184,7 +184,7 @@ ${this.columns.map(([name, size], k) => `#define ${name} cell(${k})${["", ".x", 
   }
 }
 
-// Bodies that are drawn alike.
+// Bodies that are drawn in the same way.
 const bodyColumns = {iPosition: 3, iTurn: 4, iTint: 4, iNumber: 4};
 class Drawer {
   constructor(copies, layer) {
@@ -206,7 +206,7 @@ class Drawer {
   }
 }
 
-// Bodies that one level of one geometry is drawn for.
+// Bodies drawn with the same level of the same geometry.
 class Batch extends Drawer {
   constructor(surface, model, ghost) {
     super(new Copies(surface.positions, surface.normals, surface.index, bodyColumns), ghost ? ghosts : solids);
@@ -227,16 +227,16 @@ function surfaceAt(geometry, level) {
   return surface;
 }
 
-const batches = []; // by geometry, then [level of solids..., level of ghosts...]
+const batches = []; // by geometry, then [levels of solids..., levels of ghosts...]
 function batchOf(geometry, level, ghost) {
   const model = header.geometries[geometry], levels = model.meshes.length, all = (batches[geometry] = batches[geometry] || []);
   const k = level + (ghost ? levels : 0), other = all[level + (ghost ? 0 : levels)];
   return (all[k] = all[k] || new Batch(other ? other.surface : surfaceAt(geometry, level), model, ghost));
 }
 
-// How finely pictures are drawn: at rest as in the first line, else as far down as it takes to keep up.
-// pixels: of the screen's, along a side; detail: triangles of a body by its size on the screen; smooth: edges; plain: shaded at
-// corners alone; sprites: where the CPU draws, bodies of a smaller radius (in pixels) are copied from pictures.
+// Drawing quality: the first row at rest, otherwise as far down the list as needed to keep up.
+// pixels: drawn per screen pixel, along a side; detail: triangles of a body relative to its size on the screen; smooth: edges; plain: shaded
+// only at vertices; sprites: where the CPU draws, bodies below this radius (in pixels) are copied from pictures.
 const MANNERS = [
   {pixels: 1, detail: 1.2, smooth: true, plain: false, sprites: 12},
   {pixels: 1, detail: 0.7, smooth: false, plain: false, sprites: 24},
@@ -248,7 +248,7 @@ let manner = MANNERS[0];
 const frustum = new THREE.Frustum(), matrix = new THREE.Matrix4(), sphere = new THREE.Sphere();
 let drawnBodies = 0, drawnTriangles = 0;
 
-// @param look  look(body) says how: {hidden} or {ghost, colour: [r, g, b] 0 to 255, alpha}
+// @param look  look(body) returns {hidden} or {ghost, colour: [r, g, b] 0 to 255, alpha}
 function gatherBodies(look) {
   for (const batch of batches.flat()) if (batch) batch.count = 0;
   sprites.begin();
@@ -257,7 +257,7 @@ function gatherBodies(look) {
   const perMetre = (renderer.domElement.clientHeight / 2) / Math.tan((camera.fov * Math.PI) / 360);
   const {x, y, z} = camera.position;
   drawnBodies = drawnTriangles = 0;
-  const few = manner === MANNERS[0] && bodies.count < 64; // all are shown as finely as can be
+  const few = manner === MANNERS[0] && bodies.count < 64; // all at the finest level
   for (let b = 0; b < bodies.count; ++b) {
     const how = look(b);
     if (how.hidden) continue;
@@ -282,7 +282,7 @@ function gatherBodies(look) {
   }
 }
 
-// Edges are smooth where all is drawn into four samples a pixel.
+// Edges are smooth where the scene is drawn with four samples per pixel.
 const samples = new THREE.WebGLMultisampleRenderTarget(1, 1, {format: THREE.RGBAFormat, stencilBuffer: true}); // with 24 bits of depth
 const sheet = new THREE.Mesh(new THREE.PlaneBufferGeometry(2, 2), new THREE.ShaderMaterial({
   vertexShader: "varying vec2 vAt; void main() { vAt = uv; gl_Position = vec4(position.xy, 0.0, 1.0); }",
@@ -296,7 +296,7 @@ function render() {
   if (manner.smooth) renderer.setRenderTarget(null), renderer.render(sheet, camera);
 }
 
-// The body at a place of the canvas, in pixels; -1: none.
+// The body at a position on the canvas, in pixels; -1: none.
 const pickTarget = new THREE.WebGLRenderTarget(1, 1, {stencilBuffer: true}), pickMaterials = new Map();
 function bodyAt(px, py, look) {
   const width = canvas.clientWidth, height = canvas.clientHeight, bytes = new Uint8Array(4);

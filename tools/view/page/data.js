@@ -1,14 +1,14 @@
-// What the page holds: a header in JSON, and columns of numbers in base64, which are decoded when they are needed.
+// The page's data: a header in JSON, and columns of numbers in base64, decoded on first use.
 "use strict";
-// Whatever goes wrong is on the page, not only in the console.
+// Errors are shown on the page, not only in the console.
 addEventListener("error", (e) => {
   const fault = document.getElementById("fault");
-  fault.textContent = "This page stumbled: " + (e.message || e.error);
+  fault.textContent = "Error on this page: " + (e.message || e.error);
   fault.hidden = false;
   document.documentElement.dataset.error = e.message || "unknown";
 });
 const header = JSON.parse(document.getElementById("header").textContent);
-const VERDICTS = ["separate", "within", "colliding", "undecided"]; // as they are numbered
+const VERDICTS = ["separate", "within", "colliding", "undecided"]; // by number
 const KINDS = ["", "near", "touching", "crossing", "enclosed"];
 
 class Columns {
@@ -24,19 +24,19 @@ class Columns {
   }
 }
 
-// Of every body, by number: where it is in the frame that is shown.
+// All bodies, by number: their state in the frame that is shown.
 const bodies = (() => {
   const count = header.bodies, columns = new Columns("bodies");
   const geometry = columns.take(Uint32Array, count), moving = columns.take(Uint32Array, header.moving);
   const position = columns.take(Float32Array, 3 * count), turn = columns.take(Int16Array, 4 * count);
   const fixed = columns.take(Uint8Array, count);
   return {count, geometry, moving, position, turn, fixed,
-          middle: new Float32Array(3 * count),  // of its box
-          radius: new Float32Array(count),      // around that
+          middle: new Float32Array(3 * count),  // centre of its box
+          radius: new Float32Array(count),      // around that centre
           verdict: new Uint8Array(count),       // of its worst pair: 0 none, else rank
           selected: new Uint8Array(count)};
 })();
-const RANKS = ["free", "separate", "within", "undecided", "colliding"]; // of bodies, from good to bad
+const RANKS = ["free", "separate", "within", "undecided", "colliding"]; // of bodies, best first
 const RANK_OF_VERDICT = [1, 2, 4, 3];
 
 for (const g of header.geometries) {
@@ -46,7 +46,7 @@ for (const g of header.geometries) {
 }
 for (let b = 0; b < bodies.count; ++b) bodies.radius[b] = header.geometries[bodies.geometry[b]].radius;
 
-// Fixed bodies that are much larger than those that move: buildings, terrains. They stay grey, and marks show where.
+// Static bodies that are much larger than the dynamic ones: buildings, terrains. They stay grey; marks show contacts.
 const environment = (() => {
   const sizes = [];
   for (let b = 0; b < bodies.count; ++b) if (!bodies.fixed[b]) sizes.push(bodies.radius[b]);
@@ -60,7 +60,7 @@ function nameOf(body) {
   return (header.names && header.names[body]) || "body " + body;
 }
 
-// v turned by quaternion k of `turn` (16 bits each), plus an offset; writes out[o..o+2].
+// Rotates v by quaternion k of `turn` (16-bit components) and adds an offset; writes out[o..o+2].
 function place(turn, k, v, x, y, z, out, o) {
   const s = 1 / 32767, qx = turn[4 * k] * s, qy = turn[4 * k + 1] * s, qz = turn[4 * k + 2] * s, qw = turn[4 * k + 3] * s;
   const [vx, vy, vz] = v;
@@ -92,14 +92,14 @@ function frameAt(k) {
   return frame;
 }
 
-// Which places are known, before those that are not get one between the two bodies when the frame is shown.
+// Records which positions are known; the others get one between the two bodies when the frame is shown.
 function findPlaces(frame) {
   frame.known = new Uint8Array(frame.pairs);
   frame.where = new Float32Array(frame.where);
   for (let p = 0; p < frame.pairs; ++p) frame.known[p] = isFinite(frame.where[3 * p]);
 }
 
-// Moves the bodies to where they are in this frame.
+// Moves the bodies to their poses in this frame.
 function showFrame(frame) {
   const {moving, position, turn, verdict, middle, radius} = bodies;
   for (let i = 0; i < moving.length; ++i) {

@@ -1,10 +1,10 @@
-// What the page does: frames, selection, keys, touch, and when to draw.
+// The page's behaviour: frames, selection, keys, touch, and redrawing.
 const last = header.frames.length - 1, root = document.documentElement;
 const state = {frame: 0, playing: false, speed: 1, only: -1, pair: null, body: -1, isolate: false, links: true, curves: true, bounds: false,
                labels: false, regions: false, regionLevel: -1, colours: "verdict", tree: "none", level: 3, theme: "", search: ""};
 const mediaDark = matchMedia("(prefers-color-scheme: dark)");
 let frame = null, chosenPair = -1, treeFacts = null;
-let dirty = true, pairsDirty = true, panelDirty = true; // the picture; what is drawn of pairs; the texts
+let dirty = true, pairsDirty = true, panelDirty = true; // to renew: the picture; the drawn pairs; the texts
 const changed = () => (dirty = pairsDirty = panelDirty = true);
 const controls = new THREE.OrbitControls(camera, canvas);
 Object.assign(controls, {enableDamping: true, dampingFactor: 0.16, enableKeys: false, screenSpacePanning: true, zoomSpeed: 1.1});
@@ -57,7 +57,7 @@ function nextPair(step) {
   choosePair(frame.a[p], frame.b[p]), fit();
 }
 
-// Turns the camera to what is selected, or to all that moves or is in a pair.
+// Points the camera at the selection, or at all bodies that move or are in a pair.
 function fit() {
   const box = new THREE.Box3(), point = new THREE.Vector3(), chosen = selectedBodies(), add = (b) => {
     const r = bodies.radius[b] * (bodies.count > 1 ? 0.8 : 1), m = bodies.middle;
@@ -77,7 +77,7 @@ function fit() {
   dirty = true;
 }
 
-const extent = (() => { // of all bodies where they start
+const extent = (() => { // of all bodies at their start
   const box = new THREE.Box3(), p = new THREE.Vector3();
   for (let b = 0; b < bodies.count; ++b)
     for (const s of [-1, 1]) box.expandByPoint(p.set(...[0, 1, 2].map((k) => bodies.middle[3 * b + k] + s * bodies.radius[b])));
@@ -158,7 +158,7 @@ function placeLabels() {
   });
 }
 
-// A bar of a round length, at the distance that the camera turns around.
+// A bar of a round length, at the distance of the point that the camera orbits.
 function showScale(target) {
   const perMetre = canvas.clientHeight / 2 / Math.tan((camera.fov * Math.PI) / 360) / target, most = 140 / perMetre, power = Math.pow(10, Math.floor(Math.log10(most)));
   const length = [5, 2, 1].map((f) => f * power).find((l) => l <= most) || power;
@@ -167,7 +167,7 @@ function showScale(target) {
 
 function fillSelection() {
   const box = document.querySelector("#selection > div"), chosen = selectedBodies();
-  if (!chosen.length) return box.replaceChildren(element("p.hint", {}, "Click a body or a pair. ", element("kbd", {}, "N"), " goes from pair to pair."));
+  if (!chosen.length) return box.replaceChildren(element("p.hint", {}, "Click a body or a pair. ", element("kbd", {}, "N"), " goes to the next pair."));
   const parts = [];
   if (state.pair) parts.push(...(chosenPair >= 0 ? pairFacts(frame, chosenPair) : [element("p.hint", {}, "These two are no pair in this frame" + (header.separate ? "." : ", or were found apart."))]), ...chosen.map((b) => bodyLink(b, chooseBody)));
   else {
@@ -186,7 +186,7 @@ function fillSelection() {
       parts.push(element("div.row", {}, element("span.soft", {}, "Level"), element("input", {type: "range", min: 0, max: most, value: level, ariaLabel: "Level of the trees", oninput: (e) => ((state.level = +e.target.value), changed())}), element("b", {}, `${level} of ${most}`)));
       if (treeFacts)
         parts.push(element("dl.facts", {}, ...chosen.flatMap((b, k) => (treeFacts.counts[k] ? fact(nameOf(b), `${grouped(treeFacts.counts[k][0])}${treeFacts.counts[k][1] >= 0 ? `, ${grouped(treeFacts.counts[k][1])} touch` : ""}, off by ≤ ${lengthText(treeFacts.errors[k])}`) : []))),
-          element("p.hint", {}, treeFacts.counts.every((c) => c && c[1] >= 0) ? "Solid: these touch one of the other body, and are refined further. Faint: ruled out." : "All volumes of the level." + (chosen.length > 1 ? " The other body has no such tree on this page." : "")));
+          element("p.hint", {}, treeFacts.counts.every((c) => c && c[1] >= 0) ? "Solid: touches a volume of the other body and is refined further. Faint: ruled out." : "All volumes of the level." + (chosen.length > 1 ? " The other body has no such tree on this page." : "")));
     }
   }
   box.replaceChildren(...parts);
@@ -200,8 +200,8 @@ function fillShow() {
   const toggle = (name, words, key) => element("label.switch", {}, element("input", {type: "checkbox", checked: state[name], onchange: (e) => ((state[name] = e.target.checked), changed())}), words, element("small", {}, element("kbd", {}, key)));
   const levels = [...new Set(frame.level)].sort();
   document.querySelector("#show > div").replaceChildren(
-    toggle("links", "Pairs: a line to each body, a mark where", "L"), toggle("curves", "Where surfaces meet", "C"), toggle("bounds", "Bounds to scale: balls of that radius", "B"),
-    toggle("labels", "Bound and stage beside the marks", "T"), toggle("regions", "Regions looked at (delimitation)", "R"),
+    toggle("links", "Pairs: lines to both bodies, a mark at the pair", "L"), toggle("curves", "Where surfaces meet", "C"), toggle("bounds", "Bounds to scale: spheres of that radius", "B"),
+    toggle("labels", "Labels: bound and stage of each pair", "T"), toggle("regions", "Regions looked at (delimitation)", "R"),
     state.regions ? (levels.length ? element("div.row", {}, element("span.soft", {}, "Level"), element("select", {onchange: (e) => ((state.regionLevel = +e.target.value), changed()), ariaLabel: "Level of the regions"},
       element("option", {value: -1}, "all"), ...levels.map((l) => element("option", {value: l, selected: l === state.regionLevel}, String(l)))), element("small", {}, "blue: kept, grey: ruled out")) : element("p.hint", {}, "None in this frame: " + (frame.header.stages[1][4] || "nothing was looked at") + ".")) : null,
     element("div.row", {}, element("span.soft", {}, "Colour bodies by"), element("select", {onchange: (e) => ((state.colours = e.target.value), (dirty = true)), ariaLabel: "Colour bodies by"},
@@ -225,7 +225,7 @@ function play(on) {
   state.playing = on, panelDirty = true;
 }
 
-// What is shown is in the address, so that it can be shared.
+// The address holds the state of the view, so that it can be shared.
 function writeHash() {
   if (state.playing) return;
   const parts = ["frame=" + state.frame];
@@ -268,8 +268,8 @@ function openTab(name, press) {
 }
 for (const b of document.querySelectorAll("#tabs button")) b.onclick = () => openTab(b.dataset.tab, true);
 
-const KEYS = [["Space", "play or pause"], ["← →", "one frame back or on; with Shift ten"], ["Home End", "first or last frame"], ["N P", "next or previous pair, worst first"],
-  ["F", "fit what is selected, or all"], ["I", "isolate what is selected"], ["Esc", "clear the selection"], ["S X", "trees of the selected: spheres, boxes"], ["[ ]", "level of the trees"],
+const KEYS = [["Space", "play or pause"], ["← →", "previous or next frame; with Shift: by ten"], ["Home End", "first or last frame"], ["N P", "next or previous pair, worst first"],
+  ["F", "fit the selection, or everything"], ["I", "isolate the selection"], ["Esc", "clear the selection"], ["S X", "trees of the selected: spheres, boxes"], ["[ ]", "level of the trees"],
   ["L C B T R", "pairs, contact curves, bounds, labels, regions"], ["D", "dark or light"], ["Drag, wheel", "turn, zoom; right button or two fingers: move"]];
 document.querySelector("#keys dl").append(...KEYS.flatMap(([k, t]) => [element("dt", {}, ...k.split(" ").flatMap((w) => [element("kbd", {}, w), " "])), element("dd", {}, t)]));
 const flip = (name) => ((state[name] = !state[name]), changed());
@@ -290,13 +290,13 @@ $("search").oninput = (e) => ((state.search = e.target.value), (panelDirty = tru
 $("fit").onclick = fit, ($("help").onclick = () => $("keys").showModal());
 $("theme").onclick = () => ((state.theme = isDark() ? "light" : "dark"), applyTheme());
 
-// A click is a press that hardly moved: else it turned the view.
+// A click is a press with hardly any movement; otherwise it rotated the view.
 let pressed = null;
 canvas.addEventListener("pointerdown", (e) => (pressed = [e.clientX, e.clientY, performance.now()]));
 canvas.addEventListener("pointerup", (e) => {
   if (!pressed || Math.hypot(e.clientX - pressed[0], e.clientY - pressed[1]) > 6 || performance.now() - pressed[2] > 800) return;
   const box = canvas.getBoundingClientRect(), x = e.clientX - box.left, y = e.clientY - box.top;
-  let best = e.pointerType === "touch" ? 18 : 11, pair = -1; // marks of pairs come first: they are small and on top
+  let best = e.pointerType === "touch" ? 18 : 11, pair = -1; // marks of pairs first: they are small and on top
   for (let p = 0; state.links && p < frame.pairs; ++p) {
     if (!shown(p)) continue;
     onScreen.fromArray(frame.where, 3 * p).project(camera);
@@ -309,7 +309,7 @@ canvas.addEventListener("pointerup", (e) => {
 });
 canvas.addEventListener("dblclick", fit);
 
-// Draws when something changed: at rest as finely as can be, while it moves so that the browser keeps up.
+// Draws when something changed: at full quality at rest, and fast enough for the browser while moving.
 const FRAMES_PER_SECOND = 20; // of the run, at speed 1
 let due = 0, before = 0, touched = 0, drawn = 0, bench = 0;
 const touch = () => (touched = Math.max(touched, performance.now()));
@@ -337,7 +337,7 @@ function tick(now) {
   tick.busy = busy;
 }
 
-// The manner while it moves: coarser when pictures take too long, finer when there is time; in vain: later the next time.
+// Quality while moving: coarser when pictures take too long, finer when there is time. After a failed try the next one comes later.
 const pace = {at: drawsOnCpu ? 3 : 0, pictures: 0, time: 0, good: 0, patience: 8, tried: false};
 function keepPace(since) {
   pace.time += Math.min(since, 1000);
@@ -350,7 +350,7 @@ function keepPace(since) {
   } else if (each < 20 && pace.at > 0 && ++pace.good >= pace.patience) --pace.at, (pace.good = 0), (pace.tried = true);
 }
 
-// "#bench=SECONDS" plays and turns for so long, and leaves the pictures a second in data-fps.
+// "#bench=SECONDS" plays and rotates for that time, and leaves the pictures per second in data-fps.
 let started = 0;
 function turnFor(passed) {
   if (!started) (started = performance.now()), (drawn = 0);

@@ -1,8 +1,8 @@
-// What is drawn between and around bodies: lines, marks, balls, boxes, regions, the ground.
+// Drawings between and around bodies: lines, marks, spheres, boxes, regions, the ground.
 
-// Marks, lines, balls: copies of a shape of a few corners.
+// Marks, lines, spheres: copies of a shape with few vertices.
 class Instances {
-  // @param index  null: corners are points
+  // @param index  null: vertices are points
   constructor(scene, corners, index, columns, material) {
     this.columns = Object.entries(columns);
     this.copies = new Copies(new THREE.BufferAttribute(new Float32Array(corners), 3), null, index, columns);
@@ -12,7 +12,7 @@ class Instances {
     this.mesh.frustumCulled = false, this.mesh.visible = false;
     addTo(scene, this.mesh);
   }
-  // @param values  by column: numbers of all copies
+  // @param values  by column: the values of all copies
   set(count, values) {
     this.count = count;
     if (count) this.copies.makeRoom(count);
@@ -25,7 +25,7 @@ class Instances {
 }
 const quad = [-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0], quadIndex = [0, 1, 2, 0, 2, 3];
 
-// Lines of some pixels' width; a colour's fourth number is its opacity, less than 0: dashed.
+// Lines with a width in pixels. A colour's fourth number is its opacity; below 0: dashed.
 function makeLines(scene, width, over) {
   return new Instances(scene, [0, -1, 0, 1, -1, 0, 1, 1, 0, 0, 1, 0], quadIndex, {iFrom: 3, iTo: 3, iColour: 4}, new THREE.ShaderMaterial({
     vertexShader: `
@@ -50,7 +50,7 @@ void main() { if (vColour.a < 0.0 && mod(vAlong, 9.0) > 5.0) discard; gl_FragCol
     uniforms: {screen, width: {value: width}}, transparent: true, depthTest: !over, depthWrite: false}));
 }
 
-// Discs that keep their size on the screen, over everything.
+// Discs of constant size on the screen, drawn over everything.
 function makeMarks(scene) {
   return new Instances(scene, [0, 0, 0], null, {iAt: 3, iColour: 3, iSize: 1}, new THREE.ShaderMaterial({
     vertexShader: `
@@ -71,7 +71,7 @@ void main() {
     uniforms: {screen, pixels: drawnPixels, rim: {value: 1}, edge: {value: new THREE.Color(1, 1, 1)}}, transparent: true, depthTest: false, depthWrite: false}));
 }
 
-// Balls: squares on which each pixel computes where its ray meets the ball. Opacity below 1: only the rim shows.
+// Spheres: squares on which each pixel intersects its ray with the sphere. Opacity below 1: only the rim is visible.
 function makeBalls(scene, solid) {
   return new Instances(scene, quad, quadIndex, {iBall: 4, iColour: 4}, new THREE.ShaderMaterial({
     vertexShader: `
@@ -79,7 +79,7 @@ varying vec3 vAt; varying vec4 vBall, vColour;
 void main() {
   vec3 c = (viewMatrix * vec4(iBall.xyz, 1.0)).xyz;
   float d = length(c), r = iBall.w;
-  // A square that faces the eye and hides the ball. From inside: one before the eye.
+  // A square that faces the eye and covers the sphere. From inside: a square in front of the eye.
   vec3 n = d > 1.05 * r ? -c / d : vec3(0.0, 0.0, 1.0);
   vec3 side = normalize(cross(abs(n.y) < 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0), n)), above = cross(n, side);
   float half_ = d > 1.05 * r ? r * d / sqrt(d * d - r * r) : 2.0 * r;
@@ -104,7 +104,7 @@ void main() {
     uniforms: {...uniforms, projection: {value: camera.projectionMatrix}}, transparent: !solid, depthWrite: solid}));
 }
 
-// Boxes turned in any way; without `solid` their edges show.
+// Boxes of any orientation; without `solid` only their edges are visible.
 function makeBoxes(scene, solid) {
   const corners = [], index = [];
   for (let k = 0; k < 8; ++k) corners.push(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1);
@@ -122,7 +122,7 @@ varying vec3 vAt, vEye; varying vec4 vColour;
 void main() {
   vec3 n = normalize(cross(dFdx(vEye), dFdy(vEye))), eye = normalize(-vEye); if (dot(n, eye) < 0.0) n = -n;
   vec3 edge = (1.0 - abs(vAt)) / max(fwidth(vAt), 1e-5);
-  float second = max(min(edge.x, edge.y), min(max(edge.x, edge.y), edge.z)); // the nearest is the face itself
+  float second = max(min(edge.x, edge.y), min(max(edge.x, edge.y), edge.z)); // the nearest one is the face itself
   float line = 1.0 - smoothstep(0.6, 1.6, second);
   gl_FragColor = ${solid ? "vec4(mix(shaded(n, eye, vColour.rgb), vColour.rgb * 0.35, line), 1.0)" : "vec4(vColour.rgb, vColour.a * (0.06 + 0.94 * line))"};
 }`,
@@ -151,7 +151,7 @@ function showRegions(frame, on, level) {
   regionLines.geometry = shape, regionLines.visible = at.length > 0;
 }
 
-// The background, and a ground whose lines are as far apart as the scale asks for.
+// The background, and a ground grid whose spacing follows the scale.
 const backdrop = new THREE.Mesh(new THREE.PlaneBufferGeometry(2, 2), new THREE.ShaderMaterial({
   vertexShader: "varying vec2 vAt; void main() { vAt = position.xy; gl_Position = vec4(position.xy, 1.0, 1.0); }",
   fragmentShader: `varying vec2 vAt; uniform vec3 inner, outer;
@@ -177,8 +177,8 @@ function paletteChanged(dark) {
   placeMarks.mesh.material.uniforms.edge.value.set(dark ? "#0e1319" : "#ffffff");
 }
 
-// Links between the bodies of pairs, marks where they are, and balls as large as the bounds.
-// @param shown  shown(p): is pair p to be seen?  @param chosen  the selected pair or -1
+// Links between the bodies of pairs, marks at the pairs, and spheres with the bounds as radius.
+// @param shown  shown(p): true if pair p is visible  @param chosen  the selected pair or -1
 function showPairs(frame, options, shown, chosen) {
   const from = [], to = [], colour = [], at = [], markColour = [], size = [], ball = [], ballColour = [];
   const visible = [];
@@ -190,7 +190,7 @@ function showPairs(frame, options, shown, chosen) {
     const line = frame.verdict[p] === 2 ? 0.95 : -0.9;
     if ((options.links && !crowd) || p === chosen)
       for (const body of [a, b]) {
-        if (environment[body]) continue; // its middle may be kilometres away
+        if (environment[body]) continue; // its centre may be kilometres away
         from.push(bodies.middle[3 * body], bodies.middle[3 * body + 1], bodies.middle[3 * body + 2]), to.push(x, y, z), colour.push(c.r, c.g, c.b, p === chosen ? Math.sign(line) : line);
       }
     if (options.links || p === chosen) at.push(x, y, z), markColour.push(c.r, c.g, c.b), size.push(p === chosen ? 9 : small);

@@ -1,4 +1,4 @@
-// The texts and charts beside the scene. Names come from files: they go in as text, never as markup.
+// The texts and charts beside the scene. Names come from files, so they are inserted as text, never as markup.
 const $ = (id) => document.getElementById(id);
 // element("p.hint", {title: "x"}, "text", child...)
 function element(what, properties, ...children) {
@@ -10,15 +10,15 @@ function element(what, properties, ...children) {
 }
 
 const VERDICT_TEXT = {
-  colliding: ["Colliding", "they share a point, for certain"],
-  within: ["May touch", "no farther apart than the bound (within)"],
+  colliding: ["Colliding", "they certainly share a point"],
+  within: ["May touch", "at most as far apart as the bound (within)"],
   undecided: ["Not decided", "a limit stopped the search (undecided)"],
-  separate: ["Apart", "their boxes meet, they do not (separate)"]};
+  separate: ["Apart", "their boxes overlap, but they are apart (separate)"]};
 const KIND_TEXT = {near: "apart, but closer than the clearance", touching: "surfaces touch and do not cross", crossing: "surfaces cross", enclosed: "one is inside the other"};
 const STAGE_TEXT = {
-  bounds: ["Boxes around bodies", "bounds"], delimitation: ["Regions where anything can meet", "delimitation"],
+  bounds: ["Boxes of the bodies", "bounds"], delimitation: ["Regions in which pairs can collide", "delimitation"],
   broad: ["Pairs whose boxes overlap", "broad phase"],
-  ocst: [header.refined === "boxes" ? "Pairs that finer boxes keep" : "Pairs that finer spheres keep", header.refined === "boxes" ? "narrow phase, OBB trees" : "narrow phase, sphere-trees"],
+  ocst: [header.refined === "boxes" ? "Pairs left over by OBB trees" : "Pairs left over by sphere-trees", header.refined === "boxes" ? "narrow phase, OBB trees" : "narrow phase, sphere-trees"],
   exact: ["Pairs decided on the surfaces", "exact"]};
 const STAGE_COLOURS = ["#0072b2", "#56b4e9", "#009e73", "#e69f00", "#cc79a7"];
 const ORDER = [2, 3, 1, 0]; // verdicts, worst first
@@ -30,7 +30,7 @@ function boundText(frame, p) {
 }
 const stageName = (frame, p) => header.stages[frame.stage[p]] || "";
 
-// The legend is the filter: a click leaves one verdict.
+// The legend is also the filter: a click leaves only one verdict.
 function fillLegend(frame, only, choose) {
   const counts = frame.header.verdicts, list = $("legend");
   const rows = ORDER.filter((v) => v !== 0 || header.separate || counts[0]).filter((v) => v !== 3 || counts[3] || only === 3);
@@ -61,9 +61,9 @@ function fillPairs(frame, shown, chosen, search, choose, chooseBody) {
   if (wanted)
     for (let b = 0, more = 0; b < bodies.count && more < 20; ++b)
       if (has(b)) ++more, rows.push(element("li", {}, element("button", {onclick: () => chooseBody(b)}, element("span.swatch." + RANKS[bodies.verdict[b]]), element("span.names", {}, nameOf(b)), element("span.bound", {}, "body"))));
-  if (!rows.length) rows.push(element("li.note", {}, wanted ? "Nothing of that name here." : "No pair in this frame" + (header.separate ? "." : " that was not found apart.")));
+  if (!rows.length) rows.push(element("li.note", {}, wanted ? "No match in this frame." : "No pair in this frame" + (header.separate ? "." : " except separate ones.")));
   if (found > MOST_LISTED) rows.push(element("li.note", {}, `and ${grouped(found - MOST_LISTED)} more`));
-  if (frame.header.left_out) rows.push(element("li.note", {}, `${grouped(frame.header.left_out)} pairs of this frame are left out: the page is at its limit.`));
+  if (frame.header.left_out) rows.push(element("li.note", {}, `${grouped(frame.header.left_out)} pairs of this frame are left out: the page has reached its size limit.`));
   list.replaceChildren(...rows);
 }
 
@@ -77,12 +77,12 @@ function pairFacts(frame, p) {
     const near = frame.nearest[p], far = frame.apart[p];
     facts.push(...fact("Measured for this page", far === 0 ? "they meet" : lengthText(near) === lengthText(far) ? lengthText(far) : lengthText(near) + " to " + lengthText(far)));
   }
-  facts.push(...fact("Accuracy asked for (max_error)", lengthText(frame.error[p])));
+  facts.push(...fact("Requested accuracy (max_error)", lengthText(frame.error[p])));
   const stage = STAGE_TEXT[stageName(frame, p)];
   if (stage) facts.push(...fact("Decided by", stage[1]));
   out.push(element("dl.facts", {}, ...facts));
-  // To scale: what was asked for, what was certified, and what it is.
-  const rows = [["Accuracy asked for", frame.error[p] + header.clearance, "var(--line)"], ["Bound", verdict === "colliding" ? 0 : bound, `var(--${verdict})`]];
+  // To scale: the requested accuracy, the certified bound, and the measured distance.
+  const rows = [["Requested accuracy", frame.error[p] + header.clearance, "var(--line)"], ["Bound", verdict === "colliding" ? 0 : bound, `var(--${verdict})`]];
   if (verdict !== "colliding" && frame.apart[p] > 0) rows.push(["Measured", frame.apart[p], "var(--ink)"]);
   const longest = Math.max(...rows.map((r) => (isFinite(r[1]) ? r[1] : 0)));
   if (longest > 0 && verdict !== "colliding")
@@ -95,7 +95,7 @@ function pairFacts(frame, p) {
 }
 
 function bodyLink(b, chooseBody) {
-  return element("button.body-link", {onclick: () => chooseBody(b), title: "Select this body alone"}, element("span.swatch." + RANKS[bodies.verdict[b]]), element("b", {}, nameOf(b)));
+  return element("button.body-link", {onclick: () => chooseBody(b), title: "Select only this body"}, element("span.swatch." + RANKS[bodies.verdict[b]]), element("b", {}, nameOf(b)));
 }
 
 function bodyFacts(b) {
@@ -123,7 +123,7 @@ function fillStages(frame) {
   const levels = frame.header.levels, table = levels.length ? [element("h2", {}, "Regions (delimitation), level by level"),
     element("table", {}, element("tr", {}, ...["level", "regions", "ruled out", "bodies ruled out", "volume"].map((t) => element("th", {}, t))),
       ...levels.map(([n, rejected, gone, volume], k) => element("tr", {}, ...[k, grouped(n), grouped(rejected), grouped(gone), (100 * volume).toFixed(0) + " %"].map((t) => element("td", {}, String(t))))))] : [];
-  document.querySelector("#stages > div").replaceChildren(element("p.soft", {}, `${timeText(frame.header.ms)} in all; pale: what a stage takes in, full: what it passes on (logarithmic)`), times, ...parts, ...table);
+  document.querySelector("#stages > div").replaceChildren(element("p.soft", {}, `${timeText(frame.header.ms)} in total; pale: input of a stage, full: output (logarithmic)`), times, ...parts, ...table);
 }
 
 function fillAbout() {
@@ -132,7 +132,7 @@ function fillAbout() {
     element("p.hint", {}, "Written by oncollide run --view. Drawn with three.js. Lengths in metres unless a unit is given."));
 }
 
-// The strip behind the slider: pairs of each frame by verdict, and the time that it took.
+// The strip behind the slider: each frame's pairs by verdict, and its time.
 function drawChart(now) {
   const chart = $("chart"), ratio = Math.min(devicePixelRatio || 1, 2), width = chart.clientWidth, height = chart.clientHeight, n = header.frames.length;
   chart.width = width * ratio, chart.height = height * ratio;

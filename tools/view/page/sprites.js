@@ -1,8 +1,8 @@
 // Where the CPU draws, small bodies are drawn here: a software renderer takes about ten times as long for their pixels. Each body
-// is copied from a picture of its geometry, seen from the nearest of 144 sides. The sides are the cells of a map of all directions
-// (an octahedron unfolded); pictures hold normals, and 0 beside the body.
+// is copied from a picture of its geometry, seen from the nearest of 144 directions. The directions are the cells of an unfolded
+// octahedron; pictures hold normals, and 0 outside the body.
 const SIDES = 12, SIDE_PIXELS = 32;
-const sideAxes = Array.from({length: SIDES * SIDES}, (_, side) => { // what is right, up and towards the eye from there
+const sideAxes = Array.from({length: SIDES * SIDES}, (_, side) => { // axes of that view: right, up, towards the eye
   const u = ((side % SIDES) + 0.5) * (2 / SIDES) - 1, v = (Math.floor(side / SIDES) + 0.5) * (2 / SIDES) - 1, w = 1 - Math.abs(u) - Math.abs(v);
   const sign = (x) => (x < 0 ? -1 : 1), d = new THREE.Vector3(u, v, w);
   if (w < 0) d.set((1 - Math.abs(v)) * sign(u), (1 - Math.abs(u)) * sign(v), w);
@@ -16,7 +16,7 @@ function sideTowards(x, y, z) {
   return z < 0 ? cell(u < 0 ? -au : au) + SIDES * cell(v < 0 ? -av : av) : cell(u) + SIDES * cell(v);
 }
 
-// A geometry from all sides: normals, 8 bits each (128: 0), and how far its box reaches to the right, up and to the eye.
+// Pictures of a geometry from all directions: normals, 8 bits per component (128: 0), and the extent of its box right, up and to the eye.
 function picturesOf(geometry) {
   const {low, high, meshes} = header.geometries[geometry], level = Math.max(0, meshes.findIndex((m) => m[1] < 1500)), count = SIDES * SIDES;
   const {positions, normals, index} = surfaceAt(geometry, level), copies = new Copies(positions, normals, index, {iRight: 3, iAbove: 3, iSide: 3, iCell: 2});
@@ -49,7 +49,7 @@ void main() {
   return {texels: new Uint32Array(bytes.buffer), reach};
 }
 
-// Numbers 0 to count - 1 by `far`, nearest first: about.
+// Numbers 0 to count - 1 sorted by `far`, approximately, nearest first.
 function nearestFirst(far, count) {
   const BINS = 2048, starts = new Uint32Array(BINS + 1), order = new Uint32Array(count);
   let least = Infinity, most = 0;
@@ -65,11 +65,11 @@ class Sprites {
   constructor() {
     this.count = 0, this.triangles = 2, this.pictures = [];
     this.body = new Uint32Array(bodies.count), this.far = new Float32Array(bodies.count), this.tint = new Uint8Array(4 * bodies.count);
-    // Pictures are worth it for geometries of many bodies, and take time and memory.
+    // Only geometries of many bodies get pictures, which take time and memory.
     const users = header.geometries.map(() => 0);
     for (const g of bodies.geometry) ++users[g];
     this.shown = new Set([...users.keys()].filter((g) => users[g] >= 16).sort((g, h) => users[h] - users[g]).slice(0, 48));
-    this.seen = {}, this.colours = new Uint32Array(0), this.depths = new Float32Array(0); // of the view's pixels, from the lowest row
+    this.seen = {}, this.colours = new Uint32Array(0), this.depths = new Float32Array(0); // per pixel of the view, from the bottom row
     this.uniforms = {colours: {value: null}, depths: {value: null}};
     this.mesh = new THREE.Mesh(new THREE.PlaneBufferGeometry(2, 2), new THREE.ShaderMaterial({
       vertexShader: "void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }",
@@ -103,8 +103,8 @@ void main() {
     this.depths.fill(1e30);
     const v = camera.matrixWorldInverse.elements, sun = new THREE.Vector3(-0.45, 0, 0.55).addScaledVector(uniforms.up.value, 0.9).normalize();
     this.view = v, this.width = width, this.height = height;
-    this.perMetre = (0.5 * height) / Math.tan((camera.fov * Math.PI) / 360); // pixels, a metre away
-    const world = (c) => [0, 4, 8].map((row) => v[row] * c.x + v[row + 1] * c.y + v[row + 2] * c.z); // of a direction that the camera sees
+    this.perMetre = (0.5 * height) / Math.tan((camera.fov * Math.PI) / 360); // pixels per metre at a distance of 1 m
+    const world = (c) => [0, 4, 8].map((row) => v[row] * c.x + v[row + 1] * c.y + v[row + 2] * c.z); // of a direction in the camera's frame
     this.sun = world(sun), this.right = [v[0], v[4], v[8]];
   }
   add(b, red, green, blue, alpha, far) {
@@ -117,12 +117,12 @@ void main() {
     this.mesh.visible = this.count > 0;
     if (this.count) for (const {value} of Object.values(this.uniforms)) value.needsUpdate = true;
   }
-  // Where a body is in the view, which texels of its picture are there, and how normals of the picture are lit.
+  // Where a body is in the view, which texels of its picture lie there, and how its normals are lit.
   see(b) {
     const g = bodies.geometry[b], {texels, reach} = (this.pictures[g] = this.pictures[g] || picturesOf(g)), m = this.view, seen = this.seen, s = 1 / 32767;
     const mx = bodies.middle[3 * b], my = bodies.middle[3 * b + 1], mz = bodies.middle[3 * b + 2];
     const depth = -(m[2] * mx + m[6] * my + m[10] * mz + m[14]), scale = this.perMetre / depth;
-    // The body's axes in the world, and the ways to the eye, to the right and up as the body has them.
+    // The body's axes in the world frame, and the directions to the eye, right and up in the body's frame.
     const qx = bodies.turn[4 * b] * s, qy = bodies.turn[4 * b + 1] * s, qz = bodies.turn[4 * b + 2] * s, qw = bodies.turn[4 * b + 3] * s;
     const ax = 1 - 2 * (qy * qy + qz * qz), ay = 2 * (qx * qy + qw * qz), az = 2 * (qx * qz - qw * qy);
     const bx = 2 * (qx * qy - qw * qz), by = 1 - 2 * (qx * qx + qz * qz), bz = 2 * (qy * qz + qw * qx);
@@ -160,7 +160,7 @@ void main() {
     for (let row = low; row <= high; ++row) {
       const away = row + 0.5 - y, u0 = SIDE_PIXELS / 2 + uByX * (0.5 - x) + uByY * away, v0 = SIDE_PIXELS / 2 + vByX * (0.5 - x) + vByY * away;
       let from = left, to = right;
-      if (!tiny) { // what of the row is on the picture
+      if (!tiny) { // the part of the row that is on the picture
         const u1 = -u0 / uByX, u2 = (SIDE_PIXELS - u0) / uByX, v1 = -v0 / vByX, v2 = (SIDE_PIXELS - v0) / vByX;
         from = Math.max(from, Math.ceil(Math.max(Math.min(u1, u2), Math.min(v1, v2)))), to = Math.min(to, Math.floor(Math.min(Math.max(u1, u2), Math.max(v1, v2))));
       }

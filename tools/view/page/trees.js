@@ -1,4 +1,4 @@
-// The trees of the selected bodies, level by level: which volumes of one touch some of the other.
+// The trees of the selected bodies, level by level: which volumes of one touch volumes of the other.
 const solidBalls = makeBalls(volumes, true), faintBalls = makeBalls(volumes, false);
 const solidBoxes = makeBoxes(volumes, true), faintBoxes = makeBoxes(volumes, false);
 
@@ -21,7 +21,7 @@ function deepestLevel(geometry, kind) {
   return list ? list.length - 1 : -1;
 }
 
-// A level's volumes in the world: centres, radii around them, and of boxes half-extents and axes.
+// A level's volumes in the world: centres, radii around them; for boxes also half-extents and axes.
 function volumesOf(body, kind, level) {
   const g = bodies.geometry[body], tree = treeOf(g, kind);
   if (!tree) return null;
@@ -44,7 +44,7 @@ function volumesOf(body, kind, level) {
   return out;
 }
 
-// Fifteen axes: do two boxes come within `gap` of each other, as far as these tell?
+// Separating-axis test on fifteen axes: false if two boxes are certainly more than `gap` apart.
 function boxesTouch(a, i, b, j, gap) {
   const d = [0, 1, 2].map((k) => b.centre[3 * j + k] - a.centre[3 * i + k]), A = a.axes.subarray(9 * i, 9 * i + 9), B = b.axes.subarray(9 * j, 9 * j + 9);
   const reach = (x, y, z) => {
@@ -62,7 +62,7 @@ function boxesTouch(a, i, b, j, gap) {
   return true;
 }
 
-// Marks the volumes of both sides that touch one of the other; sorted along x, so that each looks at few.
+// Marks the volumes of both sides that touch a volume of the other side; sorted along x, so that each is compared with few.
 function findTouching(a, b, gap) {
   a.touching = new Uint8Array(a.count), b.touching = new Uint8Array(b.count);
   const order = Array.from({length: b.count}, (_, k) => k).sort((p, q) => b.centre[3 * p] - b.centre[3 * q]);
@@ -84,8 +84,8 @@ function findTouching(a, b, gap) {
 }
 
 const treeColours = ["#3f8fd2", "#e0993a"]; // of the first and the second body
-// Draws them and says what there is: {counts: [volumes, touching] by body, errors}; null: nothing.
-// The level is that of the smaller body; a larger one is as much deeper as its volumes would be larger, if it goes there.
+// Draws the volumes. Returns {counts: [volumes, touching] per body, errors}; null: there are none.
+// `level` applies to the smaller body. A larger one uses a deeper level, with volumes of about the same size, if it has one.
 function showTrees(chosen, kind, level) {
   const smallest = Math.min(...chosen.map((b) => bodies.radius[b])), more = chosen.map((b) => Math.max(0, Math.round(Math.log2(bodies.radius[b] / smallest) / (kind === "boxes" ? 1.5 : 1))));
   const sides = kind === "none" ? [] : chosen.map((body, k) => volumesOf(body, kind, level + more[k]));
@@ -96,7 +96,7 @@ function showTrees(chosen, kind, level) {
     const own = new THREE.Color(treeColours[side]), hot = palette.colliding;
     for (let i = 0; i < s.count; ++i) {
       const touches = s.touching && s.touching[i], to = (touches || there.length < 2) && !environment[chosen[side]] ? solid : faint, c = touches ? own.clone().lerp(hot, 0.6) : own;
-      if (environment[chosen[side]] && !touches) continue; // a whole landscape of them hides the rest
+      if (environment[chosen[side]] && !touches) continue; // the volumes of a whole landscape would hide the rest
       ++to.n, to.c.push(s.centre[3 * i], s.centre[3 * i + 1], s.centre[3 * i + 2]);
       if (s.boxes) to.h.push(...s.half.subarray(3 * i, 3 * i + 3)), to.t.push(...s.turn.subarray(4 * i, 4 * i + 4));
       else to.c.push(s.radius[i]);
