@@ -56,8 +56,8 @@ private:
     static constexpr std::uint16_t none = 0xffff;
     static_assert(most_chunk_vertices < none);
 
-    /// Adds the node below box k, and all nodes below it that have more triangles than a chunk. Returns its number plus
-    /// 1.
+    /// Adds the node below box k, and all nodes below it that have more triangles than a chunk. Returns its number;
+    /// the root has 0.
     std::uint32_t add_below(ObbTree::Node index, unsigned k)
     {
         const ObbTree::Node from = tree_.child(index, k);

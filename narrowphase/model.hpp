@@ -43,8 +43,8 @@ public:
     Model& operator=(const Model&) = delete;
 
     const Geometry& geometry() const { return *geometry_; }
-    /// Null if the geometry is no mesh. For a cooked mesh this reads and keeps the whole file and throws ChunkFault, so
-    /// use cooked() where it suffices.
+    /// Null if the geometry is no mesh. For a cooked mesh this reads and keeps the whole file, which may throw
+    /// ChunkFault; use cooked() where it suffices.
     const Mesh* mesh() const { return cooked() ? &whole() : as<Mesh>(); }
     /// The mesh in a cooked file; null for other geometries.
     const CookedMesh* cooked() const
@@ -128,7 +128,7 @@ public:
     std::atomic<std::uint32_t> obb_tree_used = 0;
     std::unique_ptr<Ocst> spheres;  ///< the sphere-tree; null until a test reaches it
     std::unique_ptr<ObbTree> obb_tree; ///< the OBB tree of surface_mesh(); null until a test reaches it
-    std::string unreadable; ///< why a cooked mesh can have no OBB tree; empty: it can
+    std::string unreadable;            ///< why a cooked mesh can have no OBB tree; empty: it can
 
     /// Prefetches the members that a pair reads first.
     void prefetch() const { oncollide::prefetch(this, 192); }

@@ -20,7 +20,7 @@ namespace oncollide {
 /// Bounds on a distance.
 template <class Pair>
 struct DistanceBounds {
-    double lower, upper; ///< both 0 if the geometries were found to meet
+    double lower, upper;         ///< both 0 if the geometries were found to meet
     std::optional<Pair> nearest; ///< two primitives at the distance `upper`, or that meet
 };
 
@@ -104,7 +104,7 @@ public:
     const Leaves& leaves() const { return leaves_; }
     /// True if, in the last query other than distance(), no box of A came within the cutoff of B's root box.
     bool far_from_all() const { return far_; }
-    std::uint64_t box_rows = 0; ///< tests of one box against all boxes of a node
+    std::uint64_t box_rows = 0;   ///< tests of one box against all boxes of a node
     std::uint64_t hints_held = 0; ///< queries that their hint or place decided
 
 private:
@@ -394,11 +394,11 @@ private:
     std::size_t top_ = 0;
     bool far_ = true;
     std::vector<typename A::Node> starts_;
-    std::vector<Pair> waiting_; ///< pairs to be tested together
-    std::vector<Entry> from_; ///< the boxes that contain them
+    std::vector<Pair> waiting_;    ///< pairs to be tested together
+    std::vector<Entry> from_;      ///< the boxes that contain them
     alignas(32) float nearest_[8]; ///< least gaps of the rejected boxes
-    Eigen::Vector3d origin_; ///< of the boxes' coordinates, in A's frame
-    Line line_; ///< from A's nearest point found so far to B's
+    Eigen::Vector3d origin_;       ///< of the boxes' coordinates, in A's frame
+    Line line_;                    ///< from A's nearest point found so far to B's
     double origin_along_line_;
     float toward_b_[3]; ///< line_ for boxes: a little shorter, so that rounding makes it no longer than 1
     Leaves leaves_;
@@ -640,8 +640,8 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
     take_line(Line(b_to_a(b.centre()) - a.centre(), b_to_a));
     Line last_line = line_;
     double share = 1; // search for pairs nearer than this share of the distance of the nearest pair
-    double most; // primitives farther apart do not matter
-    float cutoff; // boxes with a larger gap do not matter
+    double most;      // primitives farther apart do not matter
+    float cutoff;     // boxes with a larger gap do not matter
     const auto narrow_down = [&] {
         const double nearer = std::min(share * best.upper, best.upper - tolerance);
         cutoff = std::min(frame.gap_within(std::min(nearer, farthest)), 0x1p90f);

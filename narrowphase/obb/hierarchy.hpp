@@ -17,7 +17,7 @@ namespace oncollide {
 
 /// One bit for each box of an open node.
 struct LaneMasks {
-    std::uint32_t leaves; ///< boxes of few primitives, which are tested once the other side is at a leaf too
+    std::uint32_t leaves;  ///< boxes of few primitives, which are tested once the other side is at a leaf too
     std::uint32_t singles; ///< boxes of one primitive, without a child node. Other leaves have one: they are opened if
                            ///< the box that they are compared with is smaller
 };

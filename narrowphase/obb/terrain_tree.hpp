@@ -38,9 +38,9 @@ public:
     TerrainTree& operator=(const TerrainTree&) = delete;
 
     struct Node {
-        std::uint32_t x, y; ///< position of the first block, counted in blocks of its level
+        std::uint32_t x, y;  ///< position of the first block, counted in blocks of its level
         std::uint32_t level; ///< level of the blocks
-        bool whole; ///< true: one box around all eight
+        bool whole;          ///< true: one box around all eight
     };
     using Primitive = std::uint32_t; ///< a triangle, by its number in the terrain
     static constexpr Node root{0, 0, ~0u, true};
@@ -202,12 +202,12 @@ private:
     Eigen::Vector3d centre_;
     double radius_;
     Range all_;
-    Node top_; ///< the node that holds all cells
-    std::vector<Square> squares_; ///< blocks of level 2, row by row
+    Node top_;                                ///< the node that holds all cells
+    std::vector<Square> squares_;             ///< blocks of level 2, row by row
     std::vector<std::vector<Bounds>> bounds_; ///< by level from 3, row by row
     std::uint32_t parts_across_ = 0;
     mutable std::vector<std::atomic<Part*>> parts_; ///< of a cooked terrain, instead of squares_ and level 3
-    mutable std::atomic<std::size_t> held_ = 0; ///< bytes held by parts_
+    mutable std::atomic<std::size_t> held_ = 0;     ///< bytes held by parts_
     mutable std::mutex making_;
 };
 

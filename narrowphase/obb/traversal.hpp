@@ -42,7 +42,7 @@ public:
 
     struct Contact {
         std::optional<TrianglePair> pair; ///< two triangles that cross, or if none cross, two that touch
-        double bound; ///< as in Meeting
+        double bound;                     ///< as in Meeting
         TriangleContact kind = TriangleContact::separate;
         bool parted = false; ///< touching: a plane was found that has all of A on one closed side and all of B on the
                              ///< other, so their insides do not overlap
@@ -73,9 +73,9 @@ public:
                       double farthest = std::numeric_limits<double>::infinity());
 
     struct Counts {
-        std::uint64_t box_rows = 0; ///< tests of one box against all boxes of a node
+        std::uint64_t box_rows = 0;   ///< tests of one box against all boxes of a node
         std::uint64_t triangles = 0;  ///< pairs of triangles tested
-        std::uint64_t unsure = 0; ///< of these, pairs that the filter left to exact arithmetic
+        std::uint64_t unsure = 0;     ///< of these, pairs that the filter left to exact arithmetic
         std::uint64_t hints_held = 0; ///< queries that their hint or place decided
     };
     Counts counts() const
