@@ -6,14 +6,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Is `side` . `edge` > 0 for the edge's exact value? The components of edges are differences rounded once, 2^-53 of
-/// themselves, and the sum rounds at most three times more; products below 2^-1000 may underflow.
+/// True if `side` . `edge` > 0 is certain for the exact edge. The components of edges are differences rounded once, by
+/// 2^-53 of themselves, and the sum rounds at most three times more; products below 2^-1000 may underflow.
 bool certainly_ahead(const Vector3d& side, const Vector3d& edge)
 {
     return side.dot(edge) > 0x1p-49 * side.cwiseAbs().dot(edge.cwiseAbs()) + 0x1p-1000;
 }
 
-/// Does a plane through the edges' common start part them? Tried is the one that halves the angle between their sums.
+/// True if a plane through the edges' common start separates them. Tries the plane that bisects the angle between the
+/// sums of the edges.
 bool parted(const Vector3d& a1, const Vector3d& a2, const Vector3d& b1, const Vector3d& b2)
 {
     const Vector3d sum_a = a1 + a2, sum_b = b1 + b2;

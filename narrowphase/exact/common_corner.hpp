@@ -5,14 +5,15 @@
 
 namespace oncollide {
 
-/// Corners i of A and k of B that are one point, and all that the triangles have in common: they touch there.
+/// Corners i of A and k of B that are the same point, and the triangles have no other point in common: they touch
+/// there.
 struct CommonCorner {
     int a, b;
 };
 
-/// Found where a plane through a corner that the two share certainly has the rest of either triangle on one open side:
-/// of fans of n triangles around one point, that parts nearly all n^2 pairs. None: nothing is known.
-/// Cost: 5 ns without a common corner, 20 with one.
+/// Returns a common corner if some plane through it certainly has the rest of the two triangles on opposite open sides;
+/// for fans of n triangles around one point, that decides nearly all n^2 pairs. Returns none if nothing is known. Cost:
+/// 5 ns without a common corner, 20 with one.
 std::optional<CommonCorner> only_common_corner(const TrianglePoints& a, const TrianglePoints& b);
 
 } // namespace oncollide

@@ -18,7 +18,7 @@ ModelPtr make_bvh(const Mesh& mesh)
     std::vector<fcl::Triangle> triangles;
     triangles.reserve(mesh.triangles.size());
     for (const Triangle& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
-    // Valid triangles leave one reason to fail; a model that went on without memory would crash.
+    // If the triangles are valid, only memory can be lacking; a model built regardless would crash.
     const auto made = [](int result) {
         if (result != fcl::BVH_OK) throw std::bad_alloc();
     };

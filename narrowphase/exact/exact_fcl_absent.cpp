@@ -1,4 +1,4 @@
-// Stands for exact_fcl.cpp in builds without FCL.
+// Replaces exact_fcl.cpp in builds without FCL.
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/exact/exact_fcl.hpp>
 

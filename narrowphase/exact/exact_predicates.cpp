@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// p / (p - q) for p and q of different sign.
+/// p / (p - q) for p and q of different signs.
 template <int N>
 double ratio(const WideInteger<N>& p, const WideInteger<N>& q)
 {
@@ -61,7 +61,7 @@ int orient2d_exact(const Vector2d& a, const Vector2d& b, const Vector2d& c)
 
 int orient3d_exact(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& d)
 {
-    // What meshes often have: shared corners, and faces square to an axis.
+    // Frequent in meshes: shared corners, and faces orthogonal to an axis.
     if (a == b || a == c || a == d || b == c || b == d || c == d) return 0;
     for (int k = 0; k < 3; ++k)
         if (a[k] == b[k] && a[k] == c[k] && a[k] == d[k]) return 0;
@@ -96,19 +96,19 @@ bool collinear(const Vector3d& a, const Vector3d& b, const Vector3d& c)
 
 namespace {
 
-// Extended precision for rounded results: 64 bits or more, and exponents that no product of these coordinates leaves.
-// Where long double is not that, the exact evaluations do it all.
+// Extended precision for rounded results: at least 64 bits, and an exponent range that contains all products of these
+// coordinates. If long double is narrower, only the exact evaluations are used.
 using Extended = long double;
 constexpr bool extended = std::numeric_limits<Extended>::digits >= 64;
 using VectorX = Eigen::Matrix<Extended, 3, 1>;
 constexpr Extended extended_unit = std::numeric_limits<Extended>::epsilon() / 2;
 
-/// A value, and by how much it may be off.
+/// A value and its error bound.
 struct Estimate {
     Extended value, error;
 };
 
-/// u x v, and the same with magnitudes: orient3d's determinant, with the bound that its filter uses.
+/// u x v, and the same sum with magnitudes: orient3d's determinant, with the bound of its filter.
 struct ExtendedCross {
     VectorX value, magnitude;
 
@@ -128,7 +128,7 @@ struct ExtendedCross {
     }
 };
 
-/// p / (p - q) of numbers with different signs, if it is certain to 2^-50 of its magnitude.
+/// p / (p - q) for numbers of different signs, if certain within 2^-50 of its magnitude.
 std::optional<double> certain_ratio(const Estimate& p, const Estimate& q)
 {
     const Extended apart = p.value - q.value, size = std::abs(p.value) * std::abs(apart);

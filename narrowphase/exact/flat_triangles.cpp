@@ -17,7 +17,7 @@ bool before(const Vector3d& p, const Vector3d& q)
     return std::lexicographical_compare(p.data(), p.data() + 3, q.data(), q.data() + 3);
 }
 
-/// An axis along which the triangle's projection has area; -1 when it has none itself.
+/// An axis along which the triangle's projection has area; -1 if the triangle has none.
 int axis_of(const Vector3d& a, const Vector3d& b, const Vector3d& c)
 {
     for (int axis = 0; axis < 3; ++axis)
@@ -25,7 +25,7 @@ int axis_of(const Vector3d& a, const Vector3d& b, const Vector3d& c)
     return -1;
 }
 
-/// True when an edge of `a` has all of `b` strictly on its outer side; along `axis`.
+/// True if an edge of `a` has all of `b` strictly on its outer side; both are projected along `axis`.
 bool edge_parts(const Simplex& a, const Simplex& b, int axis)
 {
     const auto side = [&](int i, int j, const Vector3d& p) {
@@ -41,8 +41,8 @@ bool edge_parts(const Simplex& a, const Simplex& b, int axis)
     return false;
 }
 
-/// Do simplices in one plane meet? Two convex figures of a plane that are apart are parted by a line along an edge of
-/// one of them, unless all is on one line.
+/// True if simplices in one plane meet. Two disjoint convex figures in a plane are separated by a line along an edge of
+/// one of them, unless all corners are on one line.
 bool coplanar_meet(const Simplex& a, const Simplex& b)
 {
     const int axis = projection_axis(a, b);

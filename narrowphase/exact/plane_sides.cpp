@@ -35,7 +35,7 @@ int PlaneSides::side_of_b(std::uint32_t vertex)
 
 bool PlaneSides::part(const Triangle& of_a, const Triangle& of_b)
 {
-    int side = 0; // of A's; B's have the other
+    int side = 0; // the side of A's corners; B's are negated
     for (const std::uint32_t v : of_a) {
         const int s = side_of_a(v);
         if (s * side < 0) return false;
@@ -52,8 +52,8 @@ bool PlaneSides::part(const Triangle& of_a, const Triangle& of_b)
 bool PlaneSides::part_all(std::uint64_t& looked)
 {
     const std::size_t of_a = a_->vertices.size(), of_b = b_->vertices.size();
-    int side = 0; // of A's; B's have the other
-    // In turns: most planes have the nearest of A and of B on one side, so that two looks are enough.
+    int side = 0; // the side of A's vertices; B's are negated
+    // Alternates between A and B: most planes have a vertex of A and of B on one side, which two tests then find.
     for (std::uint32_t v = 0; v < std::max(of_a, of_b); ++v)
         for (const bool is_b : {false, true}) {
             if (v >= (is_b ? of_b : of_a)) continue;

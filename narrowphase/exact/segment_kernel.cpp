@@ -1,12 +1,13 @@
 // Compiled once per instruction set; see oncollide_add_kernel.
 //
-// Of two triangles that cross, both cut the line of the two planes in an interval between the two edges that leave the
-// corner which is alone on its side. The segment is what the intervals have in common: from the later of their
-// beginnings to the earlier of their ends.
+// Each of two triangles that cross cuts the line of the two planes in an interval, between the two edges that leave its
+// lone corner (the corner alone on its side of the other plane). The common segment is the intersection of the
+// intervals: from the later of their beginnings to the earlier of their ends.
 //
-// Where an edge pq cuts a plane: at t = P / (P - Q), of the determinants P and Q of its corners, which have different
-// signs. If each errs by at most E, then t by E / (|P - Q| - 2 E), so a coordinate by that times the edge's extent, and
-// by 9 u of the largest coordinate M as rounding: less than 2^-46 M where E times the extent is below 2^-47 M |P - Q|
+// An edge pq cuts a plane at t = P / (P - Q), where P and Q are the determinants of its corners, which have different
+// signs. If each errs by at most E, then t errs by at most E / (|P - Q| - 2 E). A coordinate errs by that times the
+// edge's extent, plus 9 u of the largest coordinate M for rounding: less than 2^-46 M if E times the extent is below
+// 2^-47 M |P - Q| and E below 2^-17 |P - Q|.
 // and E below 2^-17 |P - Q|.
 #include <oncollide/narrowphase/exact/segment_kernel.hpp>
 #include <oncollide/narrowphase/exact/triangle_lanes.hpp>
@@ -31,7 +32,7 @@ inline F64 largest_coordinate(const Corners& c)
     return largest(max(max(abs(c.p), abs(c.q)), abs(c.r)));
 }
 
-/// The sum that cross() takes the difference of, of magnitudes.
+/// The sum of magnitudes whose difference cross() takes.
 inline Vec cross_magnitude(const Vec& u, const Vec& v)
 {
     const auto sum = [](F64 x, F64 y) { return abs(x) + abs(y) + 0x1p-900; };
@@ -42,7 +43,7 @@ inline Vec normal_magnitude(const Corners& plane)
     return cross_magnitude(plane.q - plane.p, plane.r - plane.p);
 }
 
-/// An edge through a plane: the heights of its corners, and by how much these may be off.
+/// An edge through a plane: the heights of its corners, and their error bound.
 struct Edge {
     Vec p, q;
     F64 p_height, q_height, error;
@@ -66,7 +67,7 @@ inline Point crossing(const Edge& e, F64 size)
     return {{e.p.x + t * along.x, e.p.y + t * along.y, e.p.z + t * along.z}, accurate};
 }
 
-/// Components err by at most 12 u times the magnitude over the length: 2^9 at most, so 2^-40.
+/// Components err by at most 12 u times magnitude over length, which is at most 2^9, so by 2^-40.
 inline Point unit(const Vec& normal, const Vec& magnitude)
 {
     const F64 length2 = dot(normal, normal), most = largest(magnitude);
@@ -92,20 +93,20 @@ inline I64 segment(TwoCorners triangles, const RigidMap& place, unsigned first_p
     const auto error_of = [&](const Vec& magnitude) { return dot(magnitude, box) * (10 * 0x1p-53) + 0x1p-900; };
     const F64 error_a = error_of(magnitude_a),
               error_b = error_of(magnitude_b); // of heights above the planes of a, of b
-    // Where sizes are such that nothing below underflows or overflows unseen.
+    // Sizes for which nothing below underflows or overflows unnoticed.
     I64 sure = of_a.known() & of_b.known() & ~of_a.apart() & ~of_b.apart() & (size > 0x1p-100) & (size < 0x1p200);
 
     const Turn turn_a(of_a), turn_b(of_b);
     turn_a(a.p, a.q, a.r), turn_b(b.p, b.q, b.r);
     turn_a(of_a.p, of_a.q, of_a.r), turn_b(of_b.p, of_b.q, of_b.r);
-    // The sign of such a determinant of an edge of A and one of B tells which cuts the line first.
+    // The sign of the determinant of an edge of A and an edge of B decides which cuts the line first.
     const Vec w = b.p - a.p, e = a.q - a.p, f = a.r - a.p, tw = cross(b.q - b.p, w), uw = cross(b.r - b.p, w);
     const auto sign = [&](F64 v) { return turn_b.above ? v : -v; };
     const F64 et = sign(dot(e, tw)), ft = sign(dot(f, tw)), eu = sign(dot(e, uw)), fu = sign(dot(f, uw));
     const I64 alike = ~(turn_a.above ^ turn_b.above);
     const Edge pq{a.p, a.q, of_a.p, of_a.q, error_b}, pr{a.p, a.r, of_a.p, of_a.r, error_b};
     const Edge st{b.p, b.q, of_b.p, of_b.q, error_a}, su{b.p, b.r, of_b.p, of_b.r, error_a};
-    // A's interval is from pq to pr; B's from su to st where their lone corners are alike, else from st to su.
+    // A's interval is from pq to pr; B's from su to st if the lone corners are on the same side, else from st to su.
     const F64 begin_to_end = select(alike, et, eu), begins = select(alike, eu, et);
     const F64 end_to_begin = select(alike, fu, ft), ends = select(alike, ft, fu);
     sure &= (begin_to_end > bound) & (end_to_begin < -bound) & (abs(begins) > bound) & (abs(ends) > bound);

@@ -1,4 +1,4 @@
-// What triangles that cross have in common, one implementation an instruction set. Plain data in, plain data out.
+// The common segments of triangles that cross, one implementation per instruction set. Plain data in, plain data out.
 #pragma once
 #include <oncollide/narrowphase/exact/triangle_kernel.hpp>
 
@@ -9,17 +9,17 @@ struct RigidMap {
     const double *rotation, *translation;
 };
 
-/// Of eight pairs of triangles: [end][axis][pair], [axis][pair].
+/// Results of eight pairs of triangles: [end][axis][pair], [axis][pair].
 struct SegmentsOfPairs {
-    double ends[2][3][8];                  ///< of what both have in common
-    double normal_a[3][8], normal_b[3][8]; ///< unit
+    double ends[2][3][8];                  ///< ends of the common segment
+    double normal_a[3][8], normal_b[3][8]; ///< unit normals
 };
 
-/// Of triangles of A and triangles of B, moved as RelativePose does: one bit for each pair that certainly crosses and
-/// of which all is as accurate as stated, in A's frame; the others are left open. Then `place` moves what is written,
-/// with rounding of its own.
+/// Common segments of triangles of A and triangles of B, which are moved as RelativePose does. Returns one bit for each
+/// pair that certainly crosses and whose results in A's frame certainly have the accuracy below; the other pairs are
+/// undecided. `place` is then applied to the results, and adds its own rounding.
 ///
-/// Coordinates of ends err by at most 2^-46 times the largest coordinate, components of normals by 2^-40.
+/// Coordinates of ends err by at most 2^-46 times the largest coordinate, components of normals by at most 2^-40.
 using CommonSegments = unsigned(const CornersOfPairs& corners, const RigidMap& b_to_a, const RigidMap& place,
                                 SegmentsOfPairs& out);
 

@@ -1,9 +1,9 @@
 // Compiled once per instruction set; see oncollide_add_kernel.
 //
-// The nearest points of two triangles that do not meet are those of two edges, or of a corner and a face.
-// Source: Ericson, "Real-Time Collision Detection", 2004, 5.1.5 and 5.1.9; but what is divided by are the squares of
-// cross products, of which rounding leaves twice as many digits as of differences of products where edges are nearly
-// parallel. A quotient without a value (edges parallel, or points) counts as 0.
+// The nearest points of two triangles that do not meet are on two edges, or at a corner and on a face. Source: Ericson,
+// "Real-Time Collision Detection", 2004, 5.1.5 and 5.1.9; but divisors are squares of cross products: where edges are
+// nearly parallel, rounding leaves them twice as many digits as differences of products. An undefined quotient
+// (parallel edges, or points) counts as 0.
 #include <oncollide/narrowphase/exact/triangle_lanes.hpp>
 
 #include <oncollide/narrowphase/exact/triangle_distance_kernel.hpp>
@@ -51,9 +51,9 @@ inline void take_edges(Nearest& nearest, const Edge& a, const Edge& b)
     nearest.take(~I64{}, along(a.from, s, a.along), along(b.from, t, b.along));
 }
 
-/// A triangle as corners are compared with it.
+/// A triangle, prepared for comparison with corners.
 struct Face {
-    Vec from, u, v, across_u, across_v; ///< square to u and to v, in its plane
+    Vec from, u, v, across_u, across_v; ///< in the triangle's plane, orthogonal to u and to v
     F64 n2, per_n2;
 
     explicit Face(const Corners& t) : from(t.p), u(t.q - t.p), v(t.r - t.p)
@@ -62,7 +62,7 @@ struct Face {
         across_u = cross(n, u), across_v = cross(v, n);
         n2 = dot(n, n), per_n2 = 1 / n2;
     }
-    /// Sets the point of the face below p. False: there is none.
+    /// Sets q to the projection of p onto the face. False if it is outside the face.
     I64 below(const Vec& p, Vec& q) const
     {
         const Vec w = p - from;

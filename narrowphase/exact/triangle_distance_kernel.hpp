@@ -1,17 +1,17 @@
-// Nearest points of triangles, one implementation an instruction set. Plain data in, plain data out.
+// Nearest points of triangles, one implementation per instruction set. Plain data in, plain data out.
 #pragma once
 #include <oncollide/narrowphase/exact/triangle_kernel.hpp>
 
 namespace oncollide {
 
-/// By pair: the nearest points, x, y and z, in A's frame, and their squared distance.
+/// For each pair: the nearest points, x, y and z, in A's frame, and their squared distance.
 struct NearestOfPairs {
     double a[3][8], b[3][8];
     double distance2[8];
 };
 
-/// Of the first `count` pairs, of triangles that do not meet, those of B moved as RelativePose does. All pairs must be
-/// there to be read. `rotation` is column-major.
+/// Measures the first `count` pairs, of triangles that do not meet; B's are moved as RelativePose does. All eight pairs
+/// must be readable. `rotation` is column-major.
 using MeasurePairs = void(const CornersOfPairs& corners, const double* rotation, const double* translation,
                           unsigned count, NearestOfPairs& out);
 

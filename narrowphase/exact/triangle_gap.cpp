@@ -11,10 +11,10 @@ namespace {
 template <int N>
 struct Gaps {
     const BinaryGrid& grid;
-    std::array<WideVector<N, 3>, 9> apart; ///< from each corner of a to each of b
+    std::array<WideVector<N, 3>, 9> apart; ///< from each corner of a to each corner of b
     double widest = 0;
 
-    /// Takes the gap along the axis, where it has all of b on one side of all of a.
+    /// Takes the gap along the axis, if all of b is on one side of all of a.
     void add(const WideVector<2 * N, 3>& axis)
     {
         WideInteger<3 * N> least;
@@ -33,7 +33,9 @@ struct Gaps {
         for (int k = 0; k < 3; ++k) scaled[k] = scaled_down(axis[std::size_t(k)], axis_bits);
         const double units = scaled_down(least, bits) / scaled.norm() * (1 - 0x1p-45);
         const double gap = std::ldexp(units, bits - axis_bits + grid.exponent);
-        if (gap >= std::numeric_limits<double>::min()) widest = std::max(widest, gap); // else it might have rounded up
+        if (gap >= std::numeric_limits<double>::min())
+            widest = std::max(widest, gap); // a smaller gap might have been
+                                            // rounded up
     }
 };
 
@@ -66,8 +68,8 @@ double triangle_gap(const TrianglePoints& a, const TrianglePoints& b)
 
 double least_possible_gap(const TrianglePoints& a, const TrianglePoints& b)
 {
-    // In units of the grid, edges are below 2^(bits + 1) and cross products of two below 2^(2 bits + 4); an axis along
-    // which triangles are apart shows a whole number, so at least 1, over its length.
+    // In units of the grid, edges are below 2^(bits + 1) and cross products of two edges below 2^(2 bits + 4). The gap
+    // along a separating axis is an integer, so at least 1, divided by the axis's length.
     const BinaryGrid grid = grid_of_points(a[0], a[1], a[2], b[0], b[1], b[2]);
     const double gap = std::ldexp(1.0, grid.exponent - 2 * grid.bits - 4);
     return gap >= std::numeric_limits<double>::min() ? gap : 0;

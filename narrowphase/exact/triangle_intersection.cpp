@@ -1,6 +1,6 @@
 // Every end of the common segment, and every corner of an overlap in one plane, is a corner of one triangle in the
-// other, an edge of one through the other, or the crossing of two edges in one plane. Which of these exist is decided
-// exactly; only their coordinates are rounded.
+// other, an edge of one through the other, or the crossing of two edges in one plane. Exact tests decide which of these
+// exist; only their coordinates are rounded.
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 
 #include <oncollide/base/error.hpp>
@@ -14,11 +14,11 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Points common to both, at most 3 corners and 6 crossings of each.
+/// Points common to both: at most 3 corners and 6 crossings of each.
 struct Candidates {
     std::array<Vector3d, 18> point;
     int count = 0;
-    int crossings = 0; ///< strictly through the inside of an edge and of a face: two of them are the ends
+    int crossings = 0; ///< strictly through the inside of an edge and of a face: two of these are the ends
 
     void add(const Vector3d& p) { point[count++] = p; }
 };
@@ -34,7 +34,7 @@ int edges(const Simplex& s)
     return s.count == 3 ? 3 : s.count - 1;
 }
 
-/// On which sides of the plane of `face` the corners of `s` are; none if it has no area.
+/// Sides of the plane of `face` on which the corners of `s` are; 0 if the face has no area.
 std::array<int, 3> sides_of(const Simplex& face, const Simplex& s)
 {
     std::array<int, 3> sides{};
@@ -43,7 +43,7 @@ std::array<int, 3> sides_of(const Simplex& face, const Simplex& s)
     return sides;
 }
 
-/// Where edges of `thin` that are not in the plane of `face` meet it.
+/// Adds the points where edges of `thin` that are not in the plane of `face` meet it.
 void add_piercing(const Simplex& face, const Simplex& thin, const std::array<int, 3>& sides, Candidates& out)
 {
     const TrianglePoints& f = face.corner;
@@ -58,14 +58,14 @@ void add_piercing(const Simplex& face, const Simplex& thin, const std::array<int
     }
 }
 
-/// Corners of `s` in `t`, both in one plane.
+/// Adds the corners of `s` that are in `t`, both in one plane.
 void add_corners(const Simplex& s, const Simplex& t, int axis, Candidates& out)
 {
     for (int i = 0; i < s.count; ++i)
         if (holds(t, s.corner[i], axis)) out.add(s.corner[i]);
 }
 
-/// Where edges of simplices in one plane cross strictly.
+/// Adds the points where edges of simplices in one plane cross strictly.
 void add_crossings(const Simplex& s, const Simplex& t, int axis, Candidates& out)
 {
     for (int i = 0; i < edges(s); ++i)
@@ -96,7 +96,7 @@ CommonSegment common_segment(const TrianglePoints& a, const TrianglePoints& b)
     const Simplex s = simplex_of(a), t = simplex_of(b);
     Candidates found;
     const std::array<int, 3> of_s = sides_of(t, s), of_t = sides_of(s, t), in_plane{};
-    if (of_s == in_plane && of_t == in_plane) { // as they meet: also two without area
+    if (of_s == in_plane && of_t == in_plane) { // as they meet, this includes two triangles without area
         const int axis = projection_axis(s, t);
         add_corners(s, t, axis, found), add_corners(t, s, axis, found);
         if (axis >= 0) add_crossings(s, t, axis, found);
@@ -105,7 +105,7 @@ CommonSegment common_segment(const TrianglePoints& a, const TrianglePoints& b)
         if (s.count == 1 || t.count == 1) found.add(s.count == 1 ? s.corner[0] : t.corner[0]);
     }
     ONCOLLIDE_ASSERT(found.count > 0); // they meet
-    // What an edge goes strictly through inside the face, the insides meet beside the edge.
+    // If an edge passes strictly through the inside of a face, the interiors meet next to the edge.
     return {farthest(found), found.crossings ? TriangleContact::crossing : triangle_contact(a, b)};
 }
 

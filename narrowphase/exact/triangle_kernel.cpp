@@ -1,20 +1,20 @@
 // Compiled once per instruction set; see oncollide_add_kernel.
 //
-// Guigue and Devillers' test for triangle_contact's generic case, a lane a pair. A pair with a sign that is not certain
-// is left to the scalar test, unless another sign shows that it is separate.
+// Guigue and Devillers' test for triangle_contact's generic case, one pair per lane. A pair with an uncertain sign is
+// left to the scalar test, unless another sign shows that it is separate.
 #include <oncollide/narrowphase/exact/triangle_lanes.hpp>
 
 namespace oncollide::ONCOLLIDE_ISA {
 namespace {
 
-/// By how much each component of an axis errs at most: 2^-50 times the product of two sides.
+/// Error bound of each component of an axis: 2^-50 times the product of two sides.
 inline F64 axis_error(const Corners& a, const Corners& b)
 {
     const auto [x, y, z] = sides(a, b);
     return (x * y + y * z + z * x) * 0x1p-49;
 }
 
-/// Squared lower bounds on distances, lane by lane, of axes that part the triangles.
+/// Squared lower bounds of distances, one per lane, from axes that separate the triangles.
 struct Gaps {
     F64 bound, length_error2;
     F64 height = F64{}, length2 = F64{} + 1;
@@ -22,9 +22,9 @@ struct Gaps {
     Gaps(const Corners& a, const Corners& b, F64 bound_of_determinants) : bound(bound_of_determinants)
     {
         const F64 error = axis_error(a, b);
-        length_error2 = error * error * 1040 + 0x1p-960; // more than what underflows in squares
+        length_error2 = error * error * 1040 + 0x1p-960; // 0x1p-960 is more than the underflow of squares
     }
-    /// Where the axis parts them: by the determinant over the length of the axis.
+    /// Lanes that the axis separates: the gap is the determinant over the length of the axis.
     void take(I64 where, F64 determinant, const Vec& axis)
     {
         height = where ? determinant - bound : height, length2 = where ? dot(axis, axis) : length2;
@@ -36,7 +36,7 @@ struct NoGaps {
     void take(I64, F64, const Vec&) {}
 };
 
-/// Lanes that are certainly separate, and lanes about which nothing is uncertain.
+/// Lanes that are certainly separate, and lanes in which nothing is uncertain.
 struct Verdicts {
     I64 separate, known;
 };
@@ -54,7 +54,7 @@ inline Verdicts judge(Corners a, Corners b, F64 bound, Gaps& gaps)
     if (bits(~separate) == 0) return {separate, separate};
     const I64 known = of_a.known() & of_b.known() & ~separate;
 
-    // As in triangle_contact: the edges that leave the lone corners, in the order that the sides of these call for.
+    // As in triangle_contact: the edges that leave the lone corners, in the order that the corners' sides require.
     const Turn turn_a(of_a), turn_b(of_b);
     turn_a(a.p, a.q, a.r), turn_b(b.p, b.q, b.r);
     const I64 b_above = turn_b.above, alike = ~(turn_a.above ^ b_above);
@@ -65,15 +65,16 @@ inline Verdicts judge(Corners a, Corners b, F64 bound, Gaps& gaps)
     const I64 second_above = second > bound, second_below = second < -bound;
     const I64 by_first = known & ((b_above & first_below) | (~b_above & first_above));
     const I64 by_second = known & ((b_above & second_above) | (~b_above & second_below));
-    // Where their intervals on the line of the planes do not meet, an axis square to the two edges parts the triangles.
+    // If their intervals on the line of the planes do not meet, an axis orthogonal to the two edges separates the
+    // triangles.
     gaps.take(by_first, max(first, -first), first_axis);
     gaps.take(by_second, max(second, -second), second_axis);
     separate |= by_first | by_second;
     return {separate, separate | (known & (first_above | first_below) & (second_above | second_below))};
 }
 
-/// Of a triangle pair a lane: keeps the least gaps where there are any, and leaves what is too small or too large for
-/// their squares to exact arithmetic.
+/// One pair of triangles per lane. Keeps the least gaps, and leaves pairs whose squared gaps underflow or overflow to
+/// exact arithmetic.
 inline Verdicts judge_with_gaps(const Corners& a, const Corners& b, F64 bound, double* nearest2)
 {
     Gaps gaps(a, b, bound);

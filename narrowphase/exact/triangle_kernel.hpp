@@ -1,22 +1,22 @@
-// Triangles against triangles, one implementation an instruction set. Plain data in, plain data out.
+// Tests of triangles against triangles, one implementation per instruction set. Plain data in, plain data out.
 #pragma once
 #include <cstdint>
 
 namespace oncollide {
 
-/// Where the corners of eight pairs of triangles are: [corner][pair], three doubles each.
+/// Pointers to the corners of eight pairs of triangles: [corner][pair], three doubles each.
 struct CornersOfPairs {
     const double *a[3][8], *b[3][8];
 };
 
-/// Bits by pair: those that are certainly separate, and those of which it is certain whether they are.
+/// One bit per pair: `separate` if it is certainly separate, `known` if it is certain whether it is.
 struct PairVerdicts {
     unsigned separate, known;
 };
 
-/// Triangles of A against triangles of B, moved as RelativePose does. `rotation` is column-major.
-/// @param nearest2  in and out, by pair: the least squared distance, as certified, of triangles that were separate;
-///                  null: nobody wants to know
+/// Tests triangles of A against triangles of B, which are moved as RelativePose does. `rotation` is column-major.
+/// @param nearest2  in and out, by pair: the least certified squared distance of triangles that were separate; null:
+/// not needed
 using JudgePairs = PairVerdicts(const CornersOfPairs& corners, const double* rotation, const double* translation,
                                 double (*nearest2)[8]);
 

@@ -1,11 +1,12 @@
-// Pairs of triangles a lane each, for kernel files only (see oncollide_add_kernel): everything here is in the kernel's
-// own namespace, so that code compiled for AVX never stands in for the baseline's.
+// Pairs of triangles, one per lane, for kernel files only (see oncollide_add_kernel): everything here is in the
+// kernel's own namespace, so that code compiled for AVX never replaces the baseline's.
 //
-// When a sign is certain. Let X, Y, Z be the sides of the pair's common box, each plus 2^-300. A determinant has six
+// When a sign is certain: let X, Y, Z be the sides of the pair's common box, each plus 2^-300. A determinant has six
 // terms, each the product of a difference in x, one in y and one in z, so with u = 2^-53 the bound of
-// exact_predicates.hpp, 8 u (1 + 8 u) P, has P <= 6 X Y Z; rounding of the sides and of their product included, 56 u X
-// Y Z bounds the error. Products of two that underflow, times the third side, err by at most 2^-1072 X, and so on: the
-// 2^-300 in the others cover that. Sides above 2^300 might overflow; there the bound is infinite.
+// exact_predicates.hpp, 8 u (1 + 8 u) P, has P <= 6 X Y Z; with the rounding of the sides and of their product, 56 u X
+// Y Z bounds the error. A product of two differences that underflows, times the third side, errs by at most 2^-1072 X,
+// and likewise for Y and Z: the 2^-300 in the other sides covers that. Sides above 2^300 might overflow; the bound is
+// then infinite.
 #include <oncollide/base/simd_doubles.hpp>
 #include <oncollide/narrowphase/exact/triangle_kernel.hpp>
 
@@ -60,7 +61,7 @@ struct Corners {
     Vec p, q, r;
 };
 
-/// Of the box of both, made a little larger.
+/// Sides of the box around both, slightly enlarged.
 inline Vec sides(const Corners& a, const Corners& b)
 {
     const Vec lo = min(min(min(a.p, a.q), a.r), min(min(b.p, b.q), b.r));
@@ -76,9 +77,9 @@ inline F64 error_bound(const Corners& a, const Corners& b)
     return max(max(x, y), z) < 0x1p300 ? bound : F64{} + __builtin_inf();
 }
 
-/// Of a triangle's corners against a plane: lanes in which p, q, r are certainly above, or below.
+/// Sides of a plane on which a triangle's corners are: lanes in which p, q, r are certainly above, or below.
 struct Sides {
-    F64 p, q, r; ///< their heights above it, times the normal's length
+    F64 p, q, r; ///< heights above the plane, times the normal's length
     I64 p_above, q_above, r_above, p_below, q_below, r_below;
     Vec normal;
 
@@ -92,14 +93,14 @@ struct Sides {
     }
     I64 apart() const { return (p_above & q_above & r_above) | (p_below & q_below & r_below); }
     I64 known() const { return (p_above | p_below) & (q_above | q_below) & (r_above | r_below); }
-    /// The least of the heights, where all are on one side.
+    /// The least height, if all corners are on one side.
     F64 beyond() const { return max(min(min(p, q), r), -max(max(p, q), r)); }
 };
 
-/// Brings the corner that is alone on its side to the first place, in lanes whose sides are known.
+/// Moves the corner that is alone on its side to the first position, in lanes whose sides are known.
 struct Turn {
     I64 r_alone, q_alone;
-    I64 above; ///< is that corner above?
+    I64 above; ///< true if that corner is above
 
     explicit Turn(const Sides& s)
         : r_alone(~(s.p_above ^ s.q_above)), q_alone(~(s.p_above ^ s.r_above) & ~r_alone),
@@ -116,7 +117,7 @@ struct Turn {
     }
 };
 
-/// Lane i holds the three numbers at v[i].
+/// Lane i gets the three numbers at v[i].
 #if defined(__AVX2__)
 inline void gather4(const double* const* v, __m256d (&xyz)[3])
 {
@@ -145,7 +146,7 @@ inline Vec gather(const double* const* v)
 #endif
 }
 
-/// As RelativePose does, operation by operation.
+/// As RelativePose, operation by operation.
 inline Vec moved(const Vec& p, const double* rotation, const double* translation)
 {
     const auto row = [&](int i) {
@@ -157,7 +158,7 @@ inline Vec moved(const Vec& p, const double* rotation, const double* translation
 struct TwoCorners {
     Corners a, b;
 };
-/// Of the pairs from `first` on, those of B moved.
+/// The corners of the pairs from `first` on; B's are moved.
 inline TwoCorners corners_of(const CornersOfPairs& of, unsigned first, const double* rotation,
                              const double* translation)
 {

@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// u x v, and the same with magnitudes; see exact_predicates.hpp for the bound.
+/// u x v, and the same sum with magnitudes; see exact_predicates.hpp for the bound.
 struct FilteredCross {
     Vector3d value, magnitude;
 
@@ -22,7 +22,7 @@ struct FilteredCross {
         }
     }
 
-    /// The sign of (u x v) . w where certain, else 0.
+    /// The sign of (u x v) . w if certain, else 0.
     int side(const Vector3d& w) const
     {
         const double x = value.x() * w.x() + value.y() * w.y() + value.z() * w.z();
@@ -33,7 +33,7 @@ struct FilteredCross {
     }
 };
 
-/// On which sides of a plane the corners of a triangle are.
+/// Sides of a plane on which the corners of a triangle are.
 struct Sides {
     int of[3];
 
@@ -54,11 +54,11 @@ struct Sides {
     }
 };
 
-/// The corner that has one side of the plane to itself, the two others being on the other side or on the plane, or, the
-/// corner being on the plane, both strictly on one side.
+/// The corner that is alone on its side of the plane, the two others being on the other side or on the plane; or the
+/// corner that is on the plane, both others being strictly on one side.
 struct Lone {
     int corner;
-    int side; ///< 1 or -1; that of a corner on the plane is the one where the others are not
+    int side; ///< 1 or -1; for a corner on the plane, the side opposite to the others
 };
 
 Lone lone(const Sides& s)
@@ -68,10 +68,10 @@ Lone lone(const Sides& s)
         if (s.of[k] && a != s.of[k] && b != s.of[k]) return {k, s.of[k]};
         if (!s.of[k] && a && a == b) return {k, -a};
     }
-    return {}; // not reached: sides neither all equal nor all on the plane
+    return {}; // not reached: the sides are neither all equal nor all 0
 }
 
-/// The sign of (q - p) x (t - s) . (s - p), which is that of orient3d(p, q, t, s).
+/// The sign of (q - p) x (t - s) . (s - p), which equals orient3d(p, q, t, s).
 int side_of_edges(const Vector3d& p, const Vector3d& q, const Vector3d& s, const Vector3d& t)
 {
     const int sign = FilteredCross(q - p, t - s).side(s - p);
@@ -89,7 +89,7 @@ TriangleContact triangle_contact(const TrianglePoints& a, const TrianglePoints& 
     if (of_a.in_plane() || of_b.in_plane()) return flat_contact(a, b);
 
     // Each triangle cuts the line of the two planes in an interval, between the two edges that leave its lone corner.
-    // The intervals meet when each begins before the other ends.
+    // The intervals meet if each begins before the other ends.
     const Lone la = lone(of_a), lb = lone(of_b);
     const Vector3d &p = a[la.corner], &s = b[lb.corner];
     const Vector3d &q = a[(la.corner + 1) % 3], &r = a[(la.corner + 2) % 3];

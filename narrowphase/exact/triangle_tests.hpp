@@ -35,7 +35,7 @@ inline CommonSegments* common_segments()
     return kernel;
 }
 
-/// The triangles of a hierarchy, as the tests read them: where their corners are stored.
+/// The corners of a hierarchy's triangles, in the form that the tests need: pointers to where they are stored.
 template <class Tree>
 class TriangleCorners;
 
@@ -48,7 +48,7 @@ public:
         const Triangle& t = triangles_[triangle];
         return {vertices_[t[0]], vertices_[t[1]], vertices_[t[2]]};
     }
-    /// Tells the kernel where those of pair `i` are.
+    /// Stores pointers to the triangle's corners as pair `i` of the kernel's input.
     void put(std::uint32_t triangle, unsigned i, const double* (&corners)[3][8])
     {
         for (std::size_t k = 0; k < 3; ++k) corners[k][i] = vertices_[triangles_[triangle][k]].data();
@@ -59,7 +59,7 @@ private:
     const Triangle* triangles_ = nullptr;
 };
 
-/// A terrain's are made where they are needed.
+/// The corners of a terrain's triangles are computed when needed.
 template <>
 class TriangleCorners<TerrainTree> {
 public:
@@ -78,8 +78,8 @@ private:
     unsigned at_ = 0;
 };
 
-/// The leaf tests of meshes and terrains (see hierarchy.hpp): exact predicates on their own coordinates, those of B
-/// moved into A's frame in double.
+/// The leaf tests of meshes and terrains (see hierarchy.hpp): exact predicates on their own coordinates; B's are moved
+/// into A's frame in double.
 template <class A, class B>
 class TriangleTestsOf {
 public:
@@ -90,7 +90,7 @@ public:
     template <class Found>
     bool meeting(std::span<const TrianglePair> pairs, Found found);
     double least_gap(double rounding) const;
-    /// Of up to eight pairs that meet, as CommonSegments says.
+    /// Common segments of up to eight pairs that meet; see CommonSegments.
     unsigned segments(std::span<const TrianglePair> pairs, const RigidMap& place, SegmentsOfPairs& out);
     bool meet(TrianglePair pair) const { return triangles_meet(points_a(pair.a), points_b(pair.b)); }
     double distance(TrianglePair pair);
@@ -104,7 +104,7 @@ public:
         return least_along(line, b_.points(triangle));
     }
     NearestPoints nearest(TrianglePair pair);
-    /// take(pair, points) for each of them.
+    /// Calls take(pair, points) for each pair.
     template <class Take>
     void nearest(std::span<const TrianglePair> pairs, Take take);
 
@@ -118,12 +118,12 @@ public:
 
     struct Counts {
         std::uint64_t tested = 0; ///< pairs of triangles
-        std::uint64_t unsure = 0; ///< of these, left by the filter to exact arithmetic
+        std::uint64_t unsure = 0; ///< of these, pairs that the filter left to exact arithmetic
     };
     Counts counts;
 
 private:
-    /// Of up to eight pairs; places past the last hold it once more.
+    /// The corners of up to eight pairs; unused lanes repeat the last pair.
     CornersOfPairs corners_of(std::span<const TrianglePair> pairs)
     {
         CornersOfPairs corners;
@@ -139,13 +139,14 @@ private:
     const RelativePose* b_to_a_ = nullptr;
     TriangleCorners<A> a_;
     TriangleCorners<B> b_;
-    std::vector<TrianglePair> barely_apart_; ///< that exact arithmetic alone could part
-    alignas(64) double nearest2_[8];         ///< least squared gaps of those that the kernel found apart
-    bool met_ = false;                       ///< did some? Then gaps do not count any more
+    std::vector<TrianglePair> barely_apart_; ///< only exact arithmetic could separate them
+    alignas(64) double nearest2_[8];         ///< least squared gaps of the pairs that the kernel found apart
+    bool met_ = false;                       ///< true once a pair met: gaps then no longer count
 };
 using TriangleTests = TriangleTestsOf<ObbTree, ObbTree>;
 
-/// take(first pairs, their corners) for eight pairs at a time, while it returns true. False when it did not.
+/// Calls take(first pairs, their corners) for eight pairs at a time, while it returns true. Returns whether it always
+/// did.
 template <class A, class B>
 template <class Take>
 bool TriangleTestsOf<A, B>::each_eight(std::span<const TrianglePair> pairs, Take take)

@@ -1,4 +1,4 @@
-// Vectors of integers on a common grid: what the exact evaluations are made of. Widths as with_limbs() gives them.
+// Vectors of integers on a common grid, for the exact evaluations. with_limbs() chooses their width.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -42,7 +42,7 @@ WideInteger<3 * N> dot(const WideVector<2 * N, 3>& n, const WideVector<N, 3>& v)
     return n[0] * v[0] + n[1] * v[1] + n[2] * v[2];
 }
 
-/// The grid of all coordinates of the points.
+/// The common grid of all coordinates of the points.
 template <class... Points>
 BinaryGrid grid_of_points(const Points&... points)
 {
