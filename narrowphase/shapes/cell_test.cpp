@@ -16,7 +16,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Of the triangle beyond the cell along the axes; negative where it is not.
+/// The gap between the triangle and the cell along the axes; negative if there is none.
 double gap_along_axes(const Aabb& cell, const TrianglePoints& t)
 {
     const Vector3d low = t[0].cwiseMin(t[1]).cwiseMin(t[2]), high = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
@@ -31,7 +31,7 @@ bool parted_along_axes(const Aabb& cell, const TrianglePoints& t)
     return false;
 }
 
-/// Are all corners of the cell strictly on one side of the triangle's plane?
+/// True if all corners of the cell are strictly on one side of the triangle's plane.
 bool parted_by_plane(const Aabb& cell, const TrianglePoints& t)
 {
     const int first = orient3d(t[0], t[1], t[2], corner_of(cell, 0));
@@ -41,7 +41,7 @@ bool parted_by_plane(const Aabb& cell, const TrianglePoints& t)
     return true;
 }
 
-/// Seen along an axis: does the line of an edge part the cell from the triangle?
+/// True if, in the projection along an axis, the line of an edge separates the cell from the triangle.
 bool parted_by_edges(const Aabb& cell, const TrianglePoints& t)
 {
     for (int axis = 0; axis < 3; ++axis) {
@@ -112,8 +112,8 @@ CellCorners corners_of(const Aabb& cell)
 
 bool cell_meets(const Aabb& cell, const TrianglePoints& t)
 {
-    // Two polytopes are apart when a face of either or an edge of each parts them; a triangle without area has edges
-    // alone, for which the cell's own axes and those across the edges suffice.
+    // Two polytopes are apart if a face of either or an edge of each separates them. A triangle without area has only
+    // edges; then the cell's own axes and the axes across the edges suffice.
     if (parted_along_axes(cell, t)) return false;
     return !parted_by_plane(cell, t) && !parted_by_edges(cell, t);
 }
@@ -139,7 +139,7 @@ NearestPoints cell_nearest(const Aabb& cell, const TrianglePoints& t)
     std::array<TrianglePoints, 12> faces;
     std::size_t count = 0;
     for (std::size_t f = 0; f < 12; ++f) {
-        // Nearest is a face that the triangle is in front of.
+        // Only faces that the triangle is in front of can be nearest.
         const int axis = 2 - static_cast<int>(f / 4);
         const bool high = f % 4 >= 2;
         const bool in_front = std::ranges::any_of(
@@ -168,7 +168,7 @@ bool cells_meet(const Aabb& cell, const CellCorners& other)
 {
     for (std::size_t f = 0; f < 12; ++f)
         if (cell_meets(cell, face_of(other, f))) return true;
-    // No face of the other touches the cell, which is then all in it or all out of it.
+    // No face of the other cell touches this cell, which is then completely inside or outside.
     const Vector3d p = cell.centre();
     for (std::size_t f = 0; f < 12; ++f) {
         const auto& [a, b, c] = box_faces[f];

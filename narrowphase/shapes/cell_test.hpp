@@ -5,26 +5,26 @@
 
 namespace oncollide {
 
-/// Have the cell, a solid box, and the triangle a point in common? Exact for the coordinates as stored; touching
-/// counts. Cost: 10 to 100 ns. Source: Akenine-Möller, "Fast 3D triangle-box overlap testing", JGT 2001, with exact
-/// signs.
+/// True if the cell, a solid box, and the triangle have a point in common. Exact for the coordinates as stored;
+/// touching counts. Cost: 10 to 100 ns. Source: Akenine-Möller, "Fast 3D triangle-box overlap testing", JGT 2001, with
+/// exact signs.
 bool cell_meets(const Aabb& cell, const TrianglePoints& triangle);
 
-/// Distance of a cell and a triangle that do not meet, metres; errs as triangle_distance().
+/// Distance of a cell and a triangle that do not meet, metres; errs by no more than triangle_distance().
 double cell_distance(const Aabb& cell, const TrianglePoints& triangle);
 
-/// The nearest points, the cell's first, and that distance.
+/// The nearest points, the cell's first, and their distance.
 NearestPoints cell_nearest(const Aabb& cell, const TrianglePoints& triangle);
 
-/// Upper bound on the distance, of a corner of the triangle.
+/// Upper bound of the distance, from the corners of the triangle.
 double cell_distance_at_most(const Aabb& cell, const TrianglePoints& triangle);
 
-/// A lower bound on the distance of a cell and a triangle that do not meet: > 0 unless doubles cannot express it.
-/// @param rounding  by which cell_distance() may err
+/// A lower bound of the distance of a cell and a triangle that do not meet: > 0 unless doubles cannot express it.
+/// @param rounding  error bound of cell_distance()
 double cell_gap(const Aabb& cell, const TrianglePoints& triangle, double rounding);
 
-/// Have two cells a point in common, the second given by its corners (bit 0 of the place along x, 1 along y, 2 along z
-/// of its own frame)?
+/// True if two cells have a point in common. The second is given by its corners: bits 0, 1 and 2 of the index select
+/// the side along x, y and z of its own frame.
 using CellCorners = std::array<Eigen::Vector3d, 8>;
 bool cells_meet(const Aabb& cell, const CellCorners& other);
 double cells_distance(const Aabb& cell, const CellCorners& other);

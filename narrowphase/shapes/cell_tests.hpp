@@ -12,8 +12,8 @@
 
 namespace oncollide {
 
-/// What B is made of in tests of a map's cells against it: triangles of a mesh or a terrain, or another map's cells;
-/// its primitives come moved into A's frame in double.
+/// The primitives of B in tests against a map's cells: triangles of a mesh or a terrain, or another map's cells, moved
+/// into A's frame in double.
 struct PlacedTriangles {
     using Tree = ObbTree;
     using Placed = TrianglePoints;
@@ -73,8 +73,8 @@ struct PlacedCells {
     }
 };
 
-/// The leaf tests of a map, A, against a mesh or another map (see hierarchy.hpp): exact signs, a cell being a solid box
-/// of the map's own coordinates.
+/// The leaf tests of a map, A, against a mesh or another map (see hierarchy.hpp): exact signs; a cell is a solid box in
+/// the map's own coordinates.
 template <class Placing>
 class CellTests {
 public:

@@ -9,7 +9,7 @@ namespace oncollide {
 
 namespace {
 
-constexpr double inward = 1 - 0x1p-40, outward = 1 + 0x1p-40; ///< of balls within and around
+constexpr double inward = 1 - 0x1p-40, outward = 1 + 0x1p-40; ///< factors that round inner and outer radii
 
 Convex box_core(const Eigen::Vector3d& low, const Eigen::Vector3d& high, double radius = 0)
 {
@@ -31,8 +31,8 @@ Convex round_core(Convex::Core core, const Eigen::Vector3d& size, double extent,
     return c;
 }
 
-/// The ball around the mean of the surface's corners that no facet's plane cuts, rounding included: the normal of a
-/// sliver is off by about the rounding of the product over its length.
+/// Sets the sphere around the mean of the surface's corners that no facet's plane cuts, rounding included: the normal
+/// of a sliver errs by about the product's rounding over its length.
 void set_inner_sphere(Convex& hull, const Mesh& surface)
 {
     hull.centre.setZero();
@@ -45,7 +45,7 @@ void set_inner_sphere(Convex& hull, const Mesh& surface)
         const double length = n.norm();
         const double rounding = 0x1p-48 * hull.extent * (1 + u.norm() * v.norm() / length);
         least = std::min(least, n.dot(p - hull.centre) / length - rounding);
-        if (!(least > 0)) return; // not a number, too
+        if (!(least > 0)) return; // also if NaN
     }
     hull.inner = least * inward;
 }
@@ -80,7 +80,7 @@ struct OfShape {
                           {0, 0, inner - half}, inner);
     }
     Convex operator()(const ConvexHull&) const { return {}; } // not called
-    Convex operator()(const HalfSpace&) const { return {}; }  // nor this
+    Convex operator()(const HalfSpace&) const { return {}; }  // not called
 };
 
 } // namespace
@@ -95,7 +95,7 @@ bool Convex::holds(const Eigen::Vector3d& p, double ball) const
         return within > 0 && (p - p.cwiseMax(low).cwiseMin(high)).squaredNorm() < within * within;
     }
     case Core::points:
-        return false; // would cost as much as what it is to save
+        return false; // the test would cost as much as it saves
     case Core::cylinder: {
         const double within = high.x() - ball;
         return within > 0 && std::abs(p.z()) < high.z() - ball && across2 < within * within;

@@ -9,51 +9,51 @@
 
 namespace oncollide {
 
-/// A bounded convex solid as the tests in convex_pair.hpp take it: all points within `radius` of a core, that its
-/// support function gives. Metres, in the solid's own frame. A small value; it may refer to points that others own.
+/// A bounded convex solid for the tests in convex_pair.hpp: all points within `radius` of a core, which its support
+/// function defines. Metres, in the solid's own frame. A small value; it may refer to points that others own.
 struct Convex {
     enum class Core : std::uint8_t {
-        box,      ///< from `low` to `high`; a point where the two are one, a segment where they differ along z
+        box,      ///< from `low` to `high`; a point if the two are equal, a segment if they differ only along z
         points,   ///< the hull of `points`, with the surface `faces`
         cylinder, ///< along z: radius high.x, half-length high.z
         cone,     ///< along z: radius high.x at z = -high.z, apex at high.z
         ellipsoid ///< semi-axes `high`
     };
     Core core = Core::box;
-    bool flat_sided = true; ///< is the core a polytope? Then its support points are exact
+    bool flat_sided = true; ///< true: the core is a polytope, and its support points are exact
     Eigen::Vector3d low, high;
     const Eigen::Vector3d* points = nullptr;
     std::uint32_t count = 0;
     std::span<const Triangle> faces;
 
-    double radius = 0;      ///< of the ball around the core
-    double extent = 0;      ///< the core is within this of the origin, rounded up
+    double radius = 0;      ///< of the sphere that is swept over the core
+    double extent = 0;      ///< the core is within this distance of the origin, rounded up
     Eigen::Vector3d centre; ///< a point inside
-    double inner = 0;       ///< the core holds a ball of this radius around `centre`, rounded down; 0 for flat ones
+    double inner = 0;       ///< the core holds a sphere of this radius around `centre`, rounded down; 0 for flat cores
 
-    /// A point of the core that is farthest along d, each coordinate but for a few roundings.
+    /// A support point of the core along d; each coordinate errs by a few roundings.
     Eigen::Vector3d support(const Eigen::Vector3d& d) const;
-    /// Does the solid certainly hold a ball around p? Of hulls it is not looked at. @param ball  its radius, 2^-47 of
-    /// the solid's size or more, which is far above rounding
+    /// True if the solid certainly holds a sphere around p; always false for hulls. @param ball  the sphere's radius,
+    /// at least 2^-47 of the solid's size, which is far above rounding
     bool holds(const Eigen::Vector3d& p, double ball) const;
-    /// The most that points of the solid show along d, but for rounding.
+    /// The largest projection of the solid onto d, within rounding.
     double most_along(const Eigen::Vector3d& d) const { return d.dot(support(d)) + radius * d.norm(); }
 };
 
-/// Of a shape that is no hull. It must have passed check_shape.
+/// The shape must not be a hull, and must have passed check_shape.
 Convex convex_of(const Shape& shape);
-/// Of a convex hull, given by its surface, all of whose vertices are corners; refers to both.
+/// A convex hull, given by its surface, all of whose vertices are corners; refers to its vertices and faces.
 Convex convex_of_hull(const Mesh& surface);
-/// A cell's, or any other box along the axes.
+/// A cell or any other axis-aligned box.
 Convex convex_of(const Aabb& box);
-/// A triangle's; refers to its corners.
+/// A triangle; refers to its corners.
 Convex convex_of(const std::array<Eigen::Vector3d, 3>& triangle);
 
 inline Eigen::Vector3d Convex::support(const Eigen::Vector3d& d) const
 {
     switch (core) {
     case Core::box:
-        // By address: a branch on a sign would be mispredicted every other time.
+        // Selects by address: a branch on a sign would be mispredicted every other time.
         return {(d.x() < 0 ? &low : &high)->x(), (d.y() < 0 ? &low : &high)->y(), (d.z() < 0 ? &low : &high)->z()};
     case Core::points: {
         std::uint32_t best = 0;

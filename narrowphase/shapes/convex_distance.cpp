@@ -9,23 +9,23 @@ namespace oncollide {
 
 namespace {
 
-constexpr int most_newton_steps = 8; ///< by Newton's method, which takes four to six
+constexpr int most_newton_steps = 8; ///< Newton's method takes four to six
 
 bool is_enough(const ConvexDistance& d, const EnoughDistance& enough, double rounding)
 {
     return d.lower > enough.above || d.upper <= enough.below || d.upper - d.lower <= enough.tolerance + 4 * rounding;
 }
 
-/// Is one of them an ellipsoid or a point? Where both have edges or rims, Newton's method soon gets stuck, and its
-/// looks are lost.
+/// True if one of them is an ellipsoid or a point. If both have edges or rims, Newton's method soon gets stuck, and its
+/// evaluations are wasted.
 bool one_is_smooth(const ConvexDifference& cores)
 {
     const auto smooth = [](const Convex& c) { return c.core == Convex::Core::ellipsoid || !(c.extent > 0); };
     return smooth(cores.a()) || smooth(cores.b());
 }
 
-/// Of curved cores: Newton's method comes to the direction of smooth ones in a few looks. Returns whether that was
-/// enough; `v` is then or else the best direction.
+/// Newton's method, for curved cores: it finds the direction for smooth cores in a few evaluations. Returns whether the
+/// bounds are then good enough; sets `v` to the best direction.
 bool look_along_normals(const ConvexDifference& cores, const EnoughDistance& enough, Eigen::Vector3d& v,
                         ConvexDistance& found)
 {
@@ -35,7 +35,7 @@ bool look_along_normals(const ConvexDifference& cores, const EnoughDistance& eno
     for (int look = 0; look < most_newton_steps; ++look) {
         const ConvexDifference::Point p = cores.support(-n);
         const double apart = n.dot(p.w), upper = p.w.norm() + rounding;
-        if (!(apart > last)) break; // faces, edges, or as near as doubles come
+        if (!(apart > last)) break; // faces, edges, or the limit of doubles
         last = apart, v = n;
         found.lower = std::max(found.lower, apart - rounding);
         if (upper < found.upper) found.upper = upper, found.on_a = p.a, found.on_b = p.a + p.w;
@@ -53,7 +53,7 @@ ConvexDistance convex_distance(const ConvexDifference& cores, const EnoughDistan
     constexpr int most_steps = 256; // smooth cores take 10 to 40
     const double rounding = cores.rounding();
     ConvexDistance found{std::max(cores.least(), 0.0), std::numeric_limits<double>::infinity(), {}, {}};
-    double nearest = std::numeric_limits<double>::infinity(); ///< of the simplex
+    double nearest = std::numeric_limits<double>::infinity(); ///< distance of the simplex from 0
     Simplex4 simplex;
     Eigen::Vector3d v = first ? *first : cores.middle();
     if (v.isZero(0)) v = Eigen::Vector3d::UnitX();

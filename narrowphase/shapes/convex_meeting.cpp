@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 
 class Portal {
 public:
-    /// @param looks  of which some became corners
+    /// @param looks  evaluations whose points become the first corners
     Portal(const ConvexDifference& cores, const NewtonMeeting& looks)
         : cores_(cores), looks_(looks), rounding_(cores.rounding()), inside_(cores.middle()), inner_(cores.inner()),
           smooth_(!cores.flat_sided())
@@ -33,7 +33,7 @@ public:
         Vector3d n = normal(inside_, 0, 1);
         if (looks_.looks == 1 || !(n.norm() > 0x1p-30 * inside_.norm() * (corner_[1].w - corner_[0].w).norm())) {
             n = corner_[0].w.cross(inside_);
-            // 0, the point inside and the first corner are on one line: any plane through it will do.
+            // 0, the point inside and the first corner are on one line: use any plane through it.
             if (!(n.norm() > 0x1p-40 * inside_.norm() * corner_[0].w.norm()))
                 n = inside_.unitOrthogonal() * inside_.norm();
             if (!look(n, 1)) return {1, bound_};
@@ -48,7 +48,7 @@ private:
     {
         return (corner_[i].w - from).cross(corner_[j].w - from);
     }
-    /// Puts the farthest point along d at corner i. False: the difference is certainly short of 0 along d.
+    /// Sets corner i to the support point along d. False: the difference certainly does not extend to 0 along d.
     bool look(const Vector3d& d, int i)
     {
         corner_[i] = cores_.support(d);
@@ -59,7 +59,8 @@ private:
         return !(bound_ > 0);
     }
     void move_corner(int from, int to) { corner_[to] = corner_[from], normal_[to] = normal_[from]; }
-    /// Of a smooth surface where the ray passes the portal, nearly: mixed of those at the corners.
+    /// The approximate normal of a smooth surface where the ray passes the portal, mixed from the normals at the
+    /// corners.
     Vector3d mixed_normal() const
     {
         const Vector3d a = corner_[0].w.cross(inside_), b = corner_[1].w.cross(inside_);
@@ -67,14 +68,14 @@ private:
                      of_0 = std::abs(b.dot(corner_[2].w));
         return of_0 * normal_[0] + of_1 * normal_[1] + of_2 * normal_[2];
     }
-    /// Is 0 certainly a mixture of the first corner and of the ball around the point inside?
+    /// True if 0 is certainly a convex combination of the first corner and the sphere around the point inside.
     bool met_on_segment() const
     {
         const Vector3d d = corner_[0].w - inside_;
         const double t = std::clamp(-inside_.dot(d) / d.squaredNorm(), 0.0, 1.0);
         return (inside_ + t * d).norm() + rounding_ < (1 - t) * inner_;
     }
-    /// Is 0 certainly a mixture of the corners and of the ball around the point inside?
+    /// True if 0 is certainly a convex combination of the corners and the sphere around the point inside.
     bool met() const
     {
         const Vector3d p = corner_[0].w - inside_, q = corner_[1].w - inside_, r = corner_[2].w - inside_;
@@ -86,7 +87,7 @@ private:
             return share[0] * inside_ + share[1] * corner_[0].w + share[2] * corner_[1].w + share[3] * corner_[2].w;
         };
         Vector3d rest = inside_;
-        for (int round = 0; round < 3 && rest.norm() > rounding_; ++round) { // a thin portal takes more than one
+        for (int round = 0; round < 3 && rest.norm() > rounding_; ++round) { // a thin portal takes more than one round
             for (int k = 0; k < 3; ++k) {
                 const double more = -rest.dot(by_volume[k]) / volume;
                 share[k + 1] += more, share[0] -= more;
@@ -97,7 +98,7 @@ private:
         for (double& s : share) s = std::max(s, 0.0), sum += s;
         return mixed().norm() / sum + 2 * rounding_ < share[0] / sum * inner_;
     }
-    /// Looks along n for a third corner until the ray passes between the three; then moves the portal outward.
+    /// Adds corners along n until the ray passes between three of them; then moves the portal outward.
     ConvexMeeting refine(Vector3d n)
     {
         constexpr int most_steps = 128;
@@ -117,7 +118,7 @@ private:
             const double length = n.norm(), height = n.dot(corner_[0].w) / length;
             if (!(length > 0)) break;
             if (height >= 0 && met()) return {-1, 0};
-            // Smooth surfaces are soon found by mixed normals; others may have no point beyond the portal there.
+            // Mixed normals soon find smooth surfaces; other surfaces may have no point beyond the portal there.
             bool beyond = false;
             if (smooth_ && step % 3 == 0) {
                 if (!look(mixed_normal(), 3)) return {1, bound_};
@@ -127,7 +128,7 @@ private:
                 if (!look(n, 3)) return {1, bound_};
                 if (corner_[3].w.dot(n) / length - height <= rounding_) break;
             }
-            // Of the three portals that the new corner makes with two of the old ones, the one that the ray passes.
+            // The new corner makes three portals with two of the old corners each; keep the portal that the ray passes.
             const Vector3d across = corner_[3].w.cross(inside_);
             if (across.dot(corner_[0].w) > 0)
                 move_corner(3, across.dot(corner_[1].w) > 0 ? 0 : 2);
@@ -152,13 +153,13 @@ private:
     const Vector3d inside_;
     const double inner_;
     const bool smooth_;
-    std::array<ConvexDifference::Point, 4> corner_; ///< three of the portal, and a new one
-    std::array<Vector3d, 4> normal_;                ///< along which they are farthest, of length 1
+    std::array<ConvexDifference::Point, 4> corner_; ///< three corners of the portal, and a new one
+    std::array<Vector3d, 4> normal_;                ///< unit directions whose support points the corners are
     double bound_ = 0;
 };
 
-/// Of an ellipsoid, E, and another solid: in a frame that shrinks E's axes to 1 it is a ball.
-/// @param off  by how much the other's points may be off, besides rounding
+/// Decides about an ellipsoid, E, and another solid, in a frame that scales E's axes to 1, where E is a sphere.
+/// @param off  error bound of the other solid's points, besides rounding
 ConvexMeeting meeting_with_ball(const Convex& e, const Convex& other, const RelativePose& other_to_e, double off)
 {
     const Vector3d shrink = e.high.cwiseInverse();
@@ -181,7 +182,7 @@ ConvexMeeting meeting_with_ball(const ConvexDifference& cores)
     const double rounding = 2 * cores.rounding();
     if (cores.a().core == Convex::Core::ellipsoid)
         return meeting_with_ball(cores.a(), cores.b(), cores.b_to_a(), rounding);
-    // A point of A is off in B's frame by what the turn is not rigid.
+    // A point of A errs in B's frame by the rotation's deviation from rigid.
     RelativePose back = cores.b_to_a();
     back.rotation.transposeInPlace();
     back.translation = -(back.rotation * cores.b_to_a().translation);

@@ -50,13 +50,13 @@ ConvexDistance ConvexPair::distance(EnoughDistance enough) const
 {
     enough.above += radius_, enough.below += radius_;
     ConvexDistance d = convex_distance(cores_, enough);
-    // The direction of bodies that all but touch is lost in rounding, a portal's is not.
+    // The direction between bodies that almost touch is lost in rounding; a portal's direction is not.
     if (radius_ == 0 && d.lower < 0x1p-20 * d.upper) {
         const ConvexMeeting m = convex_meeting(cores_);
         if (m.sign > 0) d.lower = std::min(std::max(d.lower, m.bound), d.upper);
         if (m.sign < 0) d.lower = d.upper = 0;
     }
-    // From the cores to the surfaces of the balls around them, or to the middle of what both balls share.
+    // Move the points from the cores to the surfaces of the swept spheres, or to the middle of the spheres' overlap.
     const Eigen::Vector3d v = d.on_b - d.on_a;
     const double length = v.norm();
     if (length > radius_)

@@ -8,16 +8,17 @@ namespace oncollide {
 class ConvexPair {
 public:
     /// Keeps references.
-    /// @param slack  by how much a length of 1 may differ between the frames of world, A and B; 0 where none does
+    /// @param slack  relative error of lengths between the frames of world, A and B; 0 if there is none
     ConvexPair(const Convex& a, const Convex& b, const RelativePose& b_to_a, double slack);
 
-    /// Do they meet? Two polytopes and, where the slack is 0, balls around polytopes exactly for B as placed: then the
-    /// sign is never 0. Others but for rounding, 2^-47 of their sizes and distance, and the slack.
+    /// Decides whether they meet. The sign is exact for B as placed, and never 0, for two polytopes and, if the slack
+    /// is 0, for spheres swept over polytopes. Otherwise it is certain except for rounding, 2^-47 of their sizes and
+    /// distance, and the slack.
     ConvexMeeting meeting() const;
 
-    /// Bounds on the distance, both 0 where they certainly meet; the points are on the bodies, and `upper` apart, but
-    /// for rounding: one point of both where they meet. With enough.below infinitely low that of balls is where they
-    /// overlap the most.
+    /// Bounds of the distance, both 0 if they certainly meet. The points are on the bodies and, within rounding,
+    /// `upper` apart; if they meet, one point of both. If enough.below is -infinity, swept spheres that meet return
+    /// their point of deepest overlap.
     ConvexDistance distance(EnoughDistance enough) const;
 
 private:
@@ -26,8 +27,8 @@ private:
 
     const Convex &a_, &b_;
     const RelativePose& b_to_a_;
-    const double radius_; ///< of both together
-    const bool exact_;    ///< can exact tests decide what rounding hides?
+    const double radius_; ///< sum of both radii
+    const bool exact_;    ///< true: exact tests can decide cases that rounding hides
     const ConvexDifference cores_;
 };
 

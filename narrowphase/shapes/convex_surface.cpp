@@ -18,7 +18,7 @@ bool outside(Points points, const Triangle& face, std::uint32_t p)
     return orient3d(points[face[0]], points[face[1]], points[face[2]], points[p]) > 0;
 }
 
-/// Is it closed, convex at every edge, and around all points?
+/// True if the hull is closed, convex at every edge, and contains all points.
 bool is_surface_of(const Hull& hull, Points points)
 {
     const auto neighbours = neighbours_of(hull.triangles);
@@ -38,7 +38,7 @@ bool is_surface_of(const Hull& hull, Points points)
     return true;
 }
 
-/// A tetrahedron with volume; empty when there is none.
+/// A tetrahedron with volume; empty if there is none.
 std::vector<Triangle> first_faces(Points points)
 {
     const auto count = static_cast<std::uint32_t>(points.size());
@@ -54,8 +54,8 @@ std::vector<Triangle> first_faces(Points points)
     return {{a, b, c}, {a, d, b}, {b, d, c}, {c, d, a}};
 }
 
-/// A point outside sees faces, which a fan from it to their rim replaces. Faces in whose plane it lies it does not see,
-/// so every new triangle has an area.
+/// Adds a point: the faces that a point outside sees are replaced by a fan from the point to their rim. A face whose
+/// plane contains the point is not seen, so every new triangle has an area.
 void add_point(std::vector<Triangle>& faces, Points points, std::uint32_t p)
 {
     const auto seen =

@@ -6,11 +6,11 @@
 
 namespace oncollide {
 
-/// The surface of the convex hull of finite `points`, exactly: closed, outward orientation, every point on it or
-/// inside. Faces in one plane are several triangles. Indices into `points`; empty when all lie in a plane.
+/// The exact surface of the convex hull of finite `points`: closed, outward orientation, every point on it or inside. A
+/// face with more than three corners is several triangles. Indices into `points`; empty if all lie in a plane.
 ///
-/// Qhull's facets where exact signs prove them right; else points are added one by one, each exactly.
-/// Cost: O(n log n) and O(points inside * facets); else O(n * facets).
+/// Uses Qhull's facets if exact signs prove them right; otherwise adds points one by one, each exactly. Cost: O(n log
+/// n) and O(points inside * facets); otherwise O(n * facets).
 std::vector<Triangle> convex_surface(std::span<const Eigen::Vector3d> points);
 
 } // namespace oncollide

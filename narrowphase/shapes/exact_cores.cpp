@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 using PointList = std::vector<Vector3d>;
 using Edge = std::array<std::uint32_t, 2>;
 
-/// A core as its corners and faces; faces without area stand for a point or a segment.
+/// A core as its corners and faces; faces without area represent a point or a segment.
 struct Polytope {
     PointList points;
     std::vector<Triangle> faces;
@@ -57,7 +57,7 @@ TrianglePoints corners_of(const PointList& points, const Triangle& t)
     return {points[t[0]], points[t[1]], points[t[2]]};
 }
 
-/// Those that reach into the box.
+/// The triangles whose bounds overlap the box.
 std::vector<TrianglePoints> triangles_in(const Aabb& box, const PointList& points,
                                          const std::vector<Triangle>& triangles)
 {
@@ -76,7 +76,7 @@ bool holds(const PointList& points, const std::vector<Triangle>& faces, const Ve
         faces, [&](const Triangle& f) { return orient3d(points[f[0]], points[f[1]], points[f[2]], p) > 0; });
 }
 
-/// The features of a core.
+/// The vertices, edges and faces of a core.
 struct Features {
     PointList points;
     std::vector<std::uint32_t> vertices;
@@ -97,8 +97,8 @@ struct Features {
     }
 };
 
-/// Distances of features against a radius, in integers of N limbs. Each test looks at the two features' planes and
-/// lines alone, and counts where they are nearest inside both.
+/// Compares distances of features with a radius, in integers of N limbs. Each test compares only the planes and lines
+/// of two features, and counts if the nearest points are inside both.
 template <int N>
 class Within {
 public:
@@ -126,7 +126,7 @@ public:
         const Vector e = from_to(p, p2), f = from_to(q, q2), w = from_to(p, q);
         const auto n = cross<N>(e, f);
         const WideInteger<4 * N> nn = along(n, n);
-        if (nn.sign() == 0) return false; // parallel: their ends tell
+        if (nn.sign() == 0) return false; // parallel: other features at their ends decide
         for (const Vector& other : {f, e}) {
             const WideInteger<4 * N> s = along(cross<N>(w, other), n);
             if (s.sign() < 0 || !not_above(s, nn)) return false;
@@ -155,7 +155,7 @@ private:
     }
     bool plane(const Vector& w, const WideVector<2 * N, 3>& n, const WideInteger<4 * N>& nn) const
     {
-        if (nn.sign() == 0) return false; // without an area
+        if (nn.sign() == 0) return false; // no area
         const WideInteger<3 * N> height = dot<N>(n, w);
         return not_above(height * height, radius2_ * nn);
     }
@@ -168,7 +168,7 @@ private:
 template <int N>
 bool any_within(const Within<N>& within, const Features& a, const Features& b)
 {
-    const auto with = [&](const Features& x, const Features& y) { // vertices of x, and what y has besides vertices
+    const auto with = [&](const Features& x, const Features& y) { // vertices of x against the edges and faces of y
         return std::ranges::any_of(x.vertices, [&](std::uint32_t v) {
             const Vector3d& p = x.points[v];
             const auto near_edge = [&](const Edge& e) { return within.edge(p, y.points[e[0]], y.points[e[1]]); };
@@ -195,7 +195,7 @@ bool cores_meet(const Polytope& a, const Polytope& b)
     for (const TrianglePoints& t : of_a)
         for (const TrianglePoints& u : of_b)
             if (triangles_meet(t, u)) return true;
-    // Their surfaces are apart: all of one is inside the other, or none.
+    // Their surfaces are apart: one is completely inside the other, or both are outside.
     return (a.has_volume() && holds(a.points, a.faces, b.points[b.faces[0][0]])) ||
            (b.has_volume() && holds(b.points, b.faces, a.points[a.faces[0][0]]));
 }
@@ -210,13 +210,13 @@ double exact_gap(const Convex& a, const Convex& b, const RelativePose& b_to_a)
     std::vector<double> numbers = numbers_of(of_a.points, of_b.points);
     numbers.insert(numbers.end(), {a.radius, b.radius});
     const BinaryGrid grid = grid_of(numbers);
-    // Some determinant of three differences is 1 or more on the grid; its length is below 2^(2 bits + 4).
+    // Some determinant of three differences is at least 1 on the grid; its length is below 2^(2 bits + 4).
     if (a.radius == 0 && b.radius == 0) return std::ldexp(1.0, grid.exponent - 2 * grid.bits - 4);
     const bool met = with_limbs(grid, [&](auto limbs) {
         return any_within(Within<decltype(limbs)::value>(grid, a.radius, b.radius), Features(of_a), Features(of_b));
     });
-    // The squares of distance and radius differ by 1 or more over a square below 2^(4 bits + 8), both below
-    // 2^(bits + 3).
+    // The squares of distance and radius differ by at least 1 over a square below 2^(4 bits + 8); distance and radius
+    // are below 2^(bits + 3).
     return met ? 0 : std::ldexp(1.0, grid.exponent - 5 * grid.bits - 12);
 }
 

@@ -4,10 +4,10 @@
 
 namespace oncollide {
 
-/// How far apart two solids with flat-sided cores are at least, exactly for B's vertices as placed in A's frame: 0
-/// where they meet, touching included, else > 0 unless doubles cannot express it, though it may be far too low. The
-/// last resort where rounding hides a sign. Cost: 30 ns for each pair of triangles that reach into each other's boxes;
-/// with radii 0.2 to 2 microseconds for each pair of an edge and an edge, or a vertex and a face.
+/// A lower bound of the distance of two solids with flat-sided cores, exact for B's vertices as placed in A's frame: 0
+/// if they meet, touching included; otherwise > 0 unless doubles cannot express it, though it may be far too low. The
+/// last resort if rounding hides a sign. Cost: 30 ns for each pair of triangles that overlap the other solid's box;
+/// with radii 0.2 to 2 microseconds for each pair of two edges, or of a vertex and a face.
 double exact_gap(const Convex& a, const Convex& b, const RelativePose& b_to_a);
 
 } // namespace oncollide

@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector3d;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Hands visit(primitive) those of a hierarchy that may come below cut(), those in lower boxes first.
+/// Calls visit(primitive) for the primitives of a hierarchy that may be below cut(), lower boxes first.
 template <BoxHierarchy Hierarchy, class Cut, class Visit>
 class Descent {
 public:
@@ -33,7 +33,7 @@ private:
         std::array<std::pair<double, unsigned>, 8> lanes; // the lowest first
         unsigned count = 0;
         for (unsigned k = 0; k < 8; ++k) {
-            if (!(boxes.c[0][k] < 1e29f)) continue; // no box
+            if (!(boxes.c[0][k] < 1e29f)) continue; // an unused lane
             const std::pair lane(low(boxes, k), k);
             unsigned at = count++;
             for (; at > 0 && lane < lanes[at - 1]; --at) lanes[at] = lanes[at - 1];
@@ -67,7 +67,7 @@ private:
     const double base_, rounding_;
 };
 
-/// Of corners, as placed.
+/// The lowest corner, as placed.
 class Lowest {
 public:
     explicit Lowest(const RelativePose& to_plane) : to_plane_(to_plane) {}
@@ -83,8 +83,8 @@ private:
     Vector3d point_ = Vector3d::Constant(infinity);
 };
 
-/// A body that is no shape, as a hierarchy whose primitives have corners: work(tree, each_corner), where
-/// each_corner(primitive, take) hands over those of one.
+/// For a body that is no shape: calls work(tree, each_corner) with a hierarchy whose primitives have corners;
+/// each_corner(primitive, take) passes the corners of a primitive to take().
 void with_corners(Model& body, auto work)
 {
     if (body.map()) {
@@ -108,7 +108,7 @@ void with_corners(Model& body, auto work)
 Vector3d lowest_of_shape(const Convex& c, const RelativePose& to_plane)
 {
     const Vector3d up = to_plane.rotation.row(2);
-    // Of a box it is that of the least products, rounding included: sums of larger ones are not less.
+    // The lowest corner of a box minimises every product, rounding included: sums of larger products are not less.
     if (c.core != Convex::Core::points) return to_plane(c.support(-up));
     const Vector3d* lowest = c.points;
     double least = std::numeric_limits<double>::infinity();
@@ -120,7 +120,7 @@ Vector3d lowest_of_shape(const Convex& c, const RelativePose& to_plane)
     return to_plane(*lowest);
 }
 
-/// A point of two half-spaces that overlap, where doubles reach one: down between their normals.
+/// A point of two overlapping half-spaces, if doubles can express it: down along the bisector of their normals.
 Vector3d shared_point(const RelativePose& to_plane)
 {
     const Vector3d normal = to_plane.rotation.col(2), into = -(Vector3d::UnitZ() + normal).normalized();
@@ -144,7 +144,7 @@ HalfSpacePair::HalfSpacePair(Model& body, const RelativePose& body_to_plane, dou
 Vector3d HalfSpacePair::lowest(double enough) const
 {
     if (body_.is_half_space()) {
-        // Unless their planes are parallel and they look away from each other, they meet somewhere.
+        // They meet unless their planes are parallel and they face away from each other.
         const Vector3d normal = to_plane_.rotation.col(2), along(normal.x(), normal.y(), 0);
         const double across = along.norm(), height = normal.dot(to_plane_.translation);
         if (across == 0 && normal.z() < 0) return to_plane_.translation;

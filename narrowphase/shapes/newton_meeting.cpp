@@ -13,20 +13,20 @@ using Eigen::Vector3d;
 
 constexpr int most_looks = 8;
 
-/// Two directions across a third, all of length 1 and at right angles.
-/// Source: Duff et al., "Building an orthonormal basis, revisited", JCGT 2017.
+/// Two unit directions orthogonal to a third and to each other. Source: Duff et al., "Building an orthonormal basis,
+/// revisited", JCGT 2017.
 std::pair<Vector3d, Vector3d> across(const Vector3d& n)
 {
     const double sign = std::copysign(1.0, n.z()), a = -1 / (sign + n.z()), b = n.x() * n.y() * a;
     return {{1 + sign * n.x() * n.x() * a, sign * b, -sign * n.x()}, {b, sign + n.y() * n.y() * a, -n.y()}};
 }
 
-/// Second derivatives of support functions across a direction.
+/// Second derivatives of support functions, orthogonal to a direction.
 struct Curvature {
     double ee = 0, ef = 0, ff = 0;
     int rank = 0;
 
-    /// Of the core at d, across which e and f are.
+    /// Adds the core's derivatives at d along e and f, which are orthogonal to d.
     void add(const Convex& c, const Vector3d& d, const Vector3d& e, const Vector3d& f)
     {
         if (c.core == Convex::Core::ellipsoid) {
@@ -57,7 +57,7 @@ Vector3d newton_step(const ConvexDifference& cores, const Vector3d& n, const Vec
     Curvature h;
     if (!a.flat_sided) h.add(a, n, e, f);
     if (!b.flat_sided) h.add(b, -cores.into_b(n), cores.into_b(e), cores.into_b(f));
-    if (const double trace = h.ee + h.ff; h.rank == 1 && trace > 0) { // no large steps where it is flat
+    if (const double trace = h.ee + h.ff; h.rank == 1 && trace > 0) { // no large steps where the surface is flat
         const double scale = stiffness / trace, ee = h.ee;
         h.ee += scale * h.ff, h.ff += scale * ee, h.ef -= scale * h.ef;
     }
@@ -93,7 +93,7 @@ NewtonMeeting newton_meeting(const ConvexDifference& cores)
             found.meeting = {-1, 0};
             break;
         }
-        if (!(apart > last) || found.looks == most_looks || cores.flat_sided()) break; // faces, edges: see portals
+        if (!(apart > last) || found.looks == most_looks || cores.flat_sided()) break; // faces or edges: Portal decides
         last = apart;
         n += newton_step(cores, n, p.w);
     }

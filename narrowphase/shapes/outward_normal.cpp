@@ -9,14 +9,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// v's direction; 0 if v has none.
+/// v normalised; 0 if v is 0.
 Vector3d direction(const Vector3d& v)
 {
     const double length = v.stableNorm();
     return length > 0 ? Vector3d(v / length) : Vector3d(Vector3d::Zero());
 }
 
-/// Of normals, that whose plane is the least far inside.
+/// The normal of the plane with the largest height, that is, the plane that the point is least far below.
 class Shallowest {
 public:
     void take(double height, const Vector3d& normal)

@@ -3,9 +3,9 @@
 
 namespace oncollide {
 
-/// The unit normal, outward, of a solid's surface where it is nearest to a point inside or near it; of an ellipsoid
-/// that of the similar one through the point. 0 where that is not told: in the middle of a sphere, a capsule or an
-/// ellipsoid. The solid has a volume. Cost: of a hull 2 ns a face.
+/// The outward unit normal of a solid's surface where it is nearest to a point inside or near the solid; for an
+/// ellipsoid, the normal of the similar ellipsoid through the point. 0 where it is undefined: in the middle of a
+/// sphere, a capsule or an ellipsoid. The solid must have a volume. Cost: 2 ns per face for a hull.
 Eigen::Vector3d outward_normal(const Convex& solid, const Eigen::Vector3d& point);
 
 } // namespace oncollide

@@ -26,7 +26,7 @@ struct Core {
             }
         return make_mesh("convex hull", std::move(corners), std::move(faces));
     }
-    Mesh operator()(const auto&) const { return {}; } // round
+    Mesh operator()(const auto&) const { return {}; } // round shapes
 };
 
 } // namespace

@@ -11,8 +11,8 @@
 
 namespace oncollide {
 
-/// The leaf tests of a shape, A, against the triangles of a mesh or a terrain (see hierarchy.hpp). What is
-/// certain counts as meeting or as apart; pairs in between, that rounding hides, are counted by open_bound().
+/// The leaf tests of a shape, A, against the triangles of a mesh or a terrain (see hierarchy.hpp). Certain results
+/// count as meeting or as apart; open_bound() covers pairs that rounding leaves undecided.
 template <class Tree>
 class ShapeTriangleTests {
 public:
@@ -51,7 +51,7 @@ protected:
     double slack_ = 0;
 };
 
-/// The same of a map, A, and a shape.
+/// The same for a map, A, and a shape.
 class MapShapeTests {
 public:
     struct Pair {
@@ -88,14 +88,14 @@ protected:
     double slack_ = 0;
 };
 
-/// Makes leaf tests of what tells of one pair.
+/// Makes leaf tests from a test of one pair.
 template <class Judge>
 class RoundTests : public Judge {
 public:
     using Pair = typename Judge::Pair;
 
     /// @param slack        see ConvexPair
-    /// @param open_counts  do pairs that rounding hides count as meeting?
+    /// @param open_counts  true: pairs that rounding leaves undecided count as meeting
     void prepare(double slack, bool open_counts)
     {
         this->slack_ = slack, open_counts_ = open_counts;
@@ -132,7 +132,7 @@ public:
     }
     double most(const Pair& pair) const { return Judge::bounds(pair, {.above = 0}).upper; }
 
-    /// How far apart a pair that rounding hides is at most; infinite: there was none.
+    /// Upper bound of the distance of a pair that rounding left undecided; infinite: there was none.
     double open_bound() const { return open_bound_; }
     std::uint64_t tested = 0; ///< pairs
 

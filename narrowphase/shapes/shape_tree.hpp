@@ -6,10 +6,10 @@
 
 namespace oncollide {
 
-/// A bounded shape as a BoxHierarchy: one box around one primitive. Holds nothing else.
+/// A bounded shape as a BoxHierarchy: one box around one primitive.
 class ShapeTree {
 public:
-    /// Keeps a reference. @param bounds  of the shape
+    /// Keeps a reference. @param bounds  the shape's bounds
     ShapeTree(const Convex& shape, const Aabb& bounds)
         : shape_(shape), centre_(bounds.centre()), half_(bounds.half_extent() * (1 + 0x1p-20)), radius_(half_.norm())
     {

@@ -30,7 +30,7 @@ Face nearest_on_segment(const std::array<ConvexDifference::Point, 4>& c, int i, 
     return {{i, j, 0}, {1 - t, t, 0}, 2};
 }
 
-/// Ericson, "Real-Time Collision Detection", 2004, 5.1.5, of 0.
+/// The point nearest to 0, by Ericson, "Real-Time Collision Detection", 2004, 5.1.5.
 Face nearest_on_triangle(const std::array<ConvexDifference::Point, 4>& corner, int i, int j, int k)
 {
     const Vector3d &a = corner[i].w, &b = corner[j].w, &c = corner[k].w;
@@ -41,7 +41,7 @@ Face nearest_on_triangle(const std::array<ConvexDifference::Point, 4>& corner, i
     if (d3 >= 0 && d4 <= d3) return point(j);
     const double d5 = -ab.dot(c), d6 = -ac.dot(c);
     if (d6 >= 0 && d5 <= d6) return point(k);
-    // Signed areas: the cross products are more exact than differences of the products above.
+    // Signed areas by cross products, which are more exact than differences of the products above.
     const Vector3d n = ab.cross(ac);
     const double vc = n.dot(a.cross(b)), va = n.dot(b.cross(c)), vb = n.dot(c.cross(a));
     if (vc <= 0 && d1 >= 0 && d3 <= 0) return nearest_on_segment(corner, i, j);
@@ -80,12 +80,12 @@ void Simplex4::reduce()
     if (count == 2) return take(nearest_on_segment(corner, 0, 1));
     if (count == 3) return take(nearest_on_triangle(corner, 0, 1, 2));
 
-    // Of the faces that have 0 on their outer side the one that is nearest, which it is where 0 is right above it; with
-    // none, 0 is inside. Those of the last corner come first: mostly that one was added.
+    // Takes the nearest of the faces with 0 on their outer side; a face with 0 right above it is the nearest. If there
+    // are none, 0 is inside. Faces at the last corner come first, as it is usually the newest.
     static constexpr int faces[4][4] = {{1, 3, 2, 0}, {0, 2, 3, 1}, {0, 3, 1, 2}, {0, 1, 2, 3}};
     Face best{};
     double least = std::numeric_limits<double>::infinity();
-    std::array<double, 4> opposite{}; // volumes that 0 makes with the faces, by the corner that each leaves out
+    std::array<double, 4> opposite{}; // volumes between 0 and each face, indexed by the corner that the face omits
     bool inside = true;
     for (const auto& [i, j, k, other] : faces) {
         const Vector3d &p = corner[i].w, n = (corner[j].w - p).cross(corner[k].w - p);

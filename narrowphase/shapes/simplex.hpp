@@ -7,14 +7,14 @@
 
 namespace oncollide {
 
-/// Up to four points of a ConvexDifference, and the point of their hull that is nearest to 0.
+/// Up to four points of a ConvexDifference, and the point of their hull nearest to 0.
 struct Simplex4 {
     std::array<ConvexDifference::Point, 4> corner;
-    std::array<double, 4> weight; ///< of the nearest point, 0 or above, 1 in all
+    std::array<double, 4> weight; ///< of the nearest point; each at least 0, with the sum 1
     int count = 0;
 
-    /// Finds the nearest point and drops the corners that it does not need. It is a point of the hull whatever rounding
-    /// does, though it may then not be the nearest.
+    /// Finds the nearest point and drops the corners that it does not need. In spite of rounding the point is in the
+    /// hull, though it may then not be the nearest.
     void reduce();
 
     Eigen::Vector3d nearest() const
