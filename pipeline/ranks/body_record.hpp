@@ -7,22 +7,22 @@
 
 namespace oncollide {
 
-/// What every rank must know of a body that it looks at: all that a pair's verdict depends on.
+/// The data of a body that a rank needs to decide its pairs.
 struct BodyHere {
-    std::uint32_t gid; ///< its index in the whole scene
+    std::uint32_t gid; ///< index in the whole scene
     std::uint32_t geometry;
     std::uint32_t layer, mask, group;
     bool is_static;
     Eigen::Isometry3d pose;
-    std::string name{};                    ///< as csv_field gives it, where rows are to be written; else empty
+    std::string name{};                    ///< as from csv_field if rows are written; else empty
     std::vector<std::uint32_t> excluded{}; ///< bodies that it never collides with
 };
 
-/// A body as its home rank has it: how it moves, too. Its geometry stays where it is: all ranks know the scene's.
+/// A body on its home rank, including its motion. Geometries are not sent: all ranks have the scene's.
 struct BodyRecord : BodyHere {
     Eigen::Isometry3d start;
     Motion motion;
-    Aabb box{}; ///< world; empty: not known yet. Grown by half the clearance
+    Aabb box{}; ///< world AABB, grown by half the clearance; empty: not yet known
 };
 
 void put_vector(Bytes& bytes, const Eigen::Vector3d& v);

@@ -10,10 +10,10 @@
 
 namespace oncollide {
 
-/// A message from one process to another.
+/// A message between processes.
 using Bytes = std::vector<std::byte>;
 
-/// Appends a value as it lies in memory: all processes run the same program.
+/// Appends the bytes of a value: all processes run the same program.
 template <class Value>
 requires std::is_trivially_copyable_v<Value>
 void put(Bytes& bytes, const Value& value)
@@ -21,7 +21,7 @@ void put(Bytes& bytes, const Value& value)
     const auto* from = reinterpret_cast<const std::byte*>(&value);
     bytes.insert(bytes.end(), from, from + sizeof(Value));
 }
-/// A text or a vector: its length, and what is in it.
+/// Appends the length of a string or vector and its elements.
 template <class List>
 void put_list(Bytes& bytes, const List& list)
 {
@@ -30,7 +30,7 @@ void put_list(Bytes& bytes, const List& list)
     bytes.insert(bytes.end(), from, from + list.size() * sizeof(list[0]));
 }
 
-/// Reads what put() wrote, in the same order.
+/// Reads the values that put() wrote, in the same order.
 class ByteReader {
 public:
     explicit ByteReader(const Bytes& bytes) : at_(bytes.data()), end_(bytes.data() + bytes.size()) {}
@@ -57,7 +57,7 @@ private:
     const std::byte* take(std::size_t bytes)
     {
         if (bytes > static_cast<std::size_t>(end_ - at_))
-            throw Error(ErrorKind::internal, "a message of another process ends early");
+            throw Error(ErrorKind::internal, "a message from another process is truncated");
         return std::exchange(at_, at_ + bytes);
     }
 

@@ -6,7 +6,7 @@ namespace oncollide {
 
 namespace {
 
-/// The first of the variables that is set, as a number; -1: none is.
+/// The first of these variables that is set, as a number; -1 if none is set.
 int variable(std::initializer_list<const char*> names)
 {
     for (const char* name : names)
@@ -16,8 +16,7 @@ int variable(std::initializer_list<const char*> names)
 
 } // namespace
 
-// Open MPI; MPICH and others of its family. What runs under srun alone is told apart by neither: --mpi=pmix sets the
-// first.
+// For Open MPI, and for MPICH and its derivatives. Plain srun sets none of these; srun --mpi=pmix sets PMIX_RANK.
 int mpi_size_of_environment()
 {
     return std::max(1, variable({"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"}));

@@ -8,7 +8,7 @@ namespace oncollide {
 namespace {
 
 using Eigen::Vector3d;
-using Key = std::uint64_t; ///< three coordinates of 20 bits, bit by bit
+using Key = std::uint64_t; ///< three coordinates of 20 bits, interleaved
 
 constexpr int levels = 20;
 
@@ -36,7 +36,7 @@ public:
         for (std::size_t i = 0; i < points.size(); ++i) mine.push_back({key(cell(points[i])), weights[i]});
         std::ranges::sort(mine, {}, &Sample::key);
         Bytes bytes;
-        // Samples stand for equal shares of this rank's weight.
+        // Each sample represents an equal share of this rank's weight.
         double all = 0, taken = 0, heard = 0;
         for (const Sample& s : mine) all += s.weight;
         const double share = all / samples_of_a_rank;
@@ -69,10 +69,11 @@ private:
         ranks.most(ends);
         origin_ = -Vector3d(ends[0], ends[1], ends[2]);
         const double edge = (Vector3d(ends[3], ends[4], ends[5]) - origin_).maxCoeff();
-        cells_ = edge > 0 && std::isfinite(edge) ? (1u << levels) / edge : 0; // all in one place, or no points
+        cells_ = edge > 0 && std::isfinite(edge) ? (1u << levels) / edge : 0; // 0: all points coincide, or there are
+                                                                              // none
         if (!origin_.allFinite()) origin_.setZero();
     }
-    /// Of equal weights, as nearly as samples tell.
+    /// Splits into ranges of equal weight, as far as the samples allow.
     void split(int size, const std::vector<Bytes>& gathered)
     {
         std::vector<Sample> samples;
@@ -89,7 +90,8 @@ private:
         }
     }
 
-    /// One function for points and the corners of boxes: it never descends where a coordinate ascends.
+    /// Used for points and for corners of boxes: monotonic in each coordinate, so a box's cells include its points'
+    /// cells.
     Cell cell(const Vector3d& point) const
     {
         Cell c;
@@ -102,7 +104,7 @@ private:
     static Key key(const Cell& c) { return spread(c[0]) | spread(c[1]) << 1 | spread(c[2]) << 2; }
     int owner(Key k) const { return int(std::ranges::upper_bound(begins_, k) - begins_.begin()); }
 
-    /// @param first, depth  of a cell of the octree: its first key, and how often it was halved
+    /// @param first, depth  the first key and the depth of an octree cell
     void visit(const Cell& lo, const Cell& hi, Key first, int depth, std::vector<int>& ranks) const
     {
         const Key last = first + ((Key{1} << 3 * (levels - depth)) - 1);
@@ -111,7 +113,7 @@ private:
             add(ranks, from);
             return;
         }
-        const int shift = levels - depth - 1; // an octant's edge is 2^shift
+        const int shift = levels - depth - 1; // edge length of an octant: 2^shift
         const Cell at = corner(first);
         bool whole = true;
         for (std::size_t k = 0; k < 3; ++k) whole &= lo[k] <= at[k] && at[k] + ((2u << shift) - 1) <= hi[k];
@@ -128,7 +130,7 @@ private:
             if (touches) visit(lo, hi, first + (Key{octant} << 3 * shift), depth + 1, ranks);
         }
     }
-    /// Cells are visited in the order of their keys, and ranks ascend with them.
+    /// Cells are visited in the order of their keys, so ranks ascend.
     static void add(std::vector<int>& ranks, int rank)
     {
         if (ranks.empty() || ranks.back() < rank) ranks.push_back(rank);
@@ -142,8 +144,8 @@ private:
     }
 
     Vector3d origin_ = Vector3d::Zero();
-    double cells_ = 0;        ///< a metre
-    std::vector<Key> begins_; ///< of the regions but the first
+    double cells_ = 0;        ///< per metre
+    std::vector<Key> begins_; ///< first keys of all regions except the first
 };
 
 } // namespace

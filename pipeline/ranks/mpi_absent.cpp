@@ -1,4 +1,4 @@
-// ONCOLLIDE_MPI=OFF.
+// Replaces the MPI sources if ONCOLLIDE_MPI=OFF.
 #include <oncollide/pipeline/ranks/partitioner.hpp>
 
 namespace oncollide {

@@ -9,7 +9,7 @@ namespace oncollide {
 namespace {
 
 constexpr int bytes_tag = 1, number_tag = 2;
-constexpr std::size_t most_of_a_message = std::size_t{1} << 30; // counts are ints
+constexpr std::size_t most_of_a_message = std::size_t{1} << 30; // because counts are ints
 
 class MpiRanks final : public Ranks {
 public:
@@ -45,7 +45,7 @@ public:
                 });
         }
         for (int k = 0; k < size_; ++k) {
-            const int other = (rank_ + k) % size_; // not all to the same one first
+            const int other = (rank_ + k) % size_; // start with different receivers
             const Bytes& bytes = out[std::size_t(other)];
             if (other == rank_)
                 in[std::size_t(other)] = bytes;
@@ -79,7 +79,7 @@ public:
     }
     void send(int to, std::uint64_t number) override
     {
-        // So small a message is buffered; nobody waits for its receiver.
+        // A message this small is buffered, so the call does not wait for the receiver.
         MPI_Send(&number, 1, MPI_UINT64_T, to, number_tag, MPI_COMM_WORLD);
     }
     std::uint64_t receive(int from) override

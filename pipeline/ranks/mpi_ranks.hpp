@@ -3,7 +3,7 @@
 
 namespace oncollide {
 
-/// What all ranks talk over, once make_mpi_ranks() has begun MPI.
+/// The communicator of all ranks; valid while the result of make_mpi_ranks() exists.
 MPI_Comm mpi_communicator();
 
 } // namespace oncollide

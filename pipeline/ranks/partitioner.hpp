@@ -9,28 +9,28 @@
 
 namespace oncollide {
 
-/// Cuts space into regions, one for each rank, which all ranks know alike. Before the first rebuild() all is rank 0's.
+/// Divides space into one region per rank; all ranks have the same regions. Before the first rebuild(), all space is
+/// rank 0's.
 class Partitioner {
 public:
     virtual ~Partitioner() = default;
     virtual std::string_view name() const = 0;
 
-    /// Cuts anew, so that the weights in the regions are much the same. A call of all ranks.
-    /// @param points  this rank's
-    /// @param weights of these, > 0
+    /// Divides anew, with roughly equal weights in all regions. Collective.
+    /// @param points  of this rank
+    /// @param weights  of these points, > 0
     virtual void rebuild(Ranks& ranks, std::span<const Eigen::Vector3d> points, std::span<const float> weights) = 0;
 
-    /// The rank whose region holds the point. Every point has one, on whatever rank one looks.
+    /// The rank whose region contains the point. Every point has exactly one owner, the same on all ranks.
     virtual int owner(const Eigen::Vector3d& point) const = 0;
-    /// Overwrites `ranks` with those whose regions the closed box touches, at least: for every point of the box its
-    /// owner is among them. Ascending.
+    /// Overwrites `ranks` with at least the ranks whose regions the closed box touches, so the owner of every point of
+    /// the box is included. Ascending.
     virtual void ranks(const Aabb& box, std::vector<int>& ranks) const = 0;
 };
 
-/// Regions are runs of the cells of an octree in Morton order, split by samples of all ranks.
+/// Regions are ranges of an octree's cells in Morton order, split by samples from all ranks.
 std::unique_ptr<Partitioner> make_morton_partitioner();
-/// Zoltan's recursive coordinate bisection. With ONCOLLIDE_MPI=OFF, or for ranks that are not of MPI, it throws
-/// Error{usage}.
+/// Zoltan's recursive coordinate bisection. Throws Error{usage} with ONCOLLIDE_MPI=OFF or if `ranks` are not MPI's.
 std::unique_ptr<Partitioner> make_zoltan_partitioner(const Ranks& ranks);
 
 } // namespace oncollide

@@ -10,7 +10,7 @@ namespace oncollide {
 
 namespace {
 
-/// The World knows slots; users know the scene's bodies.
+/// Replaces slots in error messages by the scene's body indices.
 template <class Call>
 auto naming(std::uint32_t gid, Call call)
 {
@@ -29,12 +29,12 @@ auto naming(std::uint32_t gid, Call call)
 void check_for_ranks(const Settings& settings)
 {
     const auto refuse = [](const char* what) {
-        throw Error(ErrorKind::usage, std::string(what) + "; run in one process, or leave it out");
+        throw Error(ErrorKind::usage, std::string(what) + "; run in one process or omit the option");
     };
     if (settings.node_budget || settings.memory_budget)
-        refuse("--node-budget and --memory-budget limit all trees together, which are spread over the processes");
+        refuse("--node-budget and --memory-budget limit all trees together, but the trees are spread over the processes");
     if (std::ranges::count(settings.skip, "broad"))
-        refuse("--skip broad wants all pairs of bodies, and no process knows all bodies");
+        refuse("--skip broad needs all pairs of bodies, but no process has all bodies");
 }
 
 RankWorld::RankWorld(const GeometryList& geometries, const Settings& settings, const Partitioner& partition, int rank)
@@ -54,7 +54,7 @@ ModelId RankWorld::model_of(std::uint32_t geometry)
 Aabb RankWorld::grown(const Aabb& box) const
 {
     if (half_margin_ == 0) return box;
-    // The broad phase rounds a difference of two coordinates: a pair that it finds overlaps here, too.
+    // The broad phase rounds the difference of two coordinates; growing by the rounding keeps every pair that it finds.
     const Eigen::Vector3d far = box.min.cwiseAbs().cwiseMax(box.max.cwiseAbs());
     const Eigen::Vector3d by = 0x1p-50 * far + Eigen::Vector3d::Constant(half_margin_ * (1 + 0x1p-50));
     return {box.min - by, box.max + by};
@@ -92,7 +92,7 @@ FrameView RankWorld::step()
             world_.remove_body(at->second.id), at = here_.erase(at);
         else
             ++at;
-    // By index, so that slots do not depend on the order of messages.
+    // Sorted by index, so slots do not depend on the order of messages.
     std::ranges::sort(come_, {}, &BodyHere::gid);
     for (const BodyHere* const come : come_) {
         const BodyHere& body = *come;

@@ -12,36 +12,36 @@ namespace oncollide {
 class Bodies;
 struct BodyPair;
 
-/// One rank's World: the bodies in and around its region, of which it decides the pairs whose overlap begins there.
+/// The World of one rank: holds the bodies in and around its region and decides the pairs whose overlap begins there.
 ///
-/// Where the boxes of two bodies overlap, the overlap's lowest corner lies in both, so the rank that owns this point
-/// has heard of both bodies; and a point has one owner, so each pair is decided once. The corner is the larger of two
-/// coordinates, which rounds nothing. Pairs are decided as (lower index, higher index), as in one World of all.
+/// If two AABBs overlap, the lowest corner of the overlap lies in both, so the rank that owns this point has both
+/// bodies; the point has one owner, so each pair is decided once. The corner's coordinates are maxima of two
+/// coordinates, so they are not rounded. Pairs are decided as (lower index, higher index), as in a World of all bodies.
 class RankWorld {
 public:
-    /// Keeps references to `geometries` and `partition`. Throws Error{usage} for settings whose results depend on what
-    /// else is in the World.
+    /// Keeps references to `geometries` and `partition`. Throws Error{usage} for settings that make results depend on
+    /// other bodies in the World.
     RankWorld(const GeometryList& geometries, const Settings& settings, const Partitioner& partition, int rank);
     RankWorld(const RankWorld&) = delete;
 
-    /// The world box of a body, grown by half the clearance and by its rounding: what decides which ranks must know it.
+    /// The body's world AABB, grown by half the clearance and its rounding; it determines the ranks that need the body.
     Aabb box(const BodyHere& body);
 
-    /// From now on these are the bodies here: begin, add each once, step.
+    /// Replaces the set of bodies: call begin(), add() once per body, then step().
     void begin();
-    void add(const BodyHere& body); ///< which must stay until then
+    void add(const BodyHere& body); ///< keeps a reference until step()
     FrameView step();
 
     World& world() { return world_; }
     std::uint32_t gid(BodyId body) const { return static_cast<std::uint32_t>(world_.user(body)); }
     const std::string& name(BodyId body) const { return names_[body.slot]; }
-    /// In how many pairs of the last step a body was; 0 for one that is not here.
+    /// Number of pairs of the last step that include the body; 0 if this rank does not have it.
     std::uint32_t pairs_of(std::uint32_t gid) const;
 
 private:
     struct Entry {
         BodyId id;
-        std::uint32_t seen; ///< in which step
+        std::uint32_t seen; ///< last step in which it was added
     };
     ModelId model_of(std::uint32_t geometry);
     void choose(const Bodies& bodies, std::vector<BodyPair>& pairs);
@@ -61,7 +61,7 @@ private:
     std::vector<std::uint32_t> pairs_; ///< by slot
 };
 
-/// Throws Error{usage} for settings that several processes cannot honour: results would depend on how many there are.
+/// Throws Error{usage} for settings that make results depend on the number of processes.
 void check_for_ranks(const Settings& settings);
 
 } // namespace oncollide

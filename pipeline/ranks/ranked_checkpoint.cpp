@@ -1,5 +1,5 @@
-// RankedRun: its checkpoints. FILE.0 and FILE.1 are written in turn; each is a header and then the pose of every body,
-// by index, so that any number of ranks can go on from it.
+// RankedRun: checkpoints, written alternately to FILE.0 and FILE.1. A checkpoint is a header followed by the poses of
+// all bodies by index, so any number of ranks can continue from it.
 #include <array>
 #include <cstdio>
 #include <fstream>
@@ -15,12 +15,12 @@ struct RankedRun::Checkpoint {
     std::array<char, 8> magic{'o', 'n', 'c', 'o', 'l', 'l', 'c', 'p'};
     std::uint32_t version = 2, bodies = 0;
     std::uint64_t scene = 0, settings = 0; ///< checksums
-    std::uint64_t frame = 0;               ///< the next one
+    std::uint64_t frame = 0;               ///< the next frame
     std::uint64_t hash = 0, csv_end = 0;
     std::array<std::uint64_t, 4> verdicts{};
     std::array<std::uint64_t, 5> kinds{};
-    std::uint64_t poses = 0;  ///< sum of the hashes of all
-    std::uint64_t header = 0; ///< hash of all above
+    std::uint64_t poses = 0;  ///< sum of the hashes of all poses
+    std::uint64_t header = 0; ///< hash of all members above
 
     std::uint64_t hash_of_header() const
     {
@@ -34,7 +34,7 @@ struct RankedRun::Checkpoint {
 
 namespace {
 
-using PoseWords = std::array<std::uint64_t, 12>; ///< bits of the upper three rows
+using PoseWords = std::array<std::uint64_t, 12>; ///< bit patterns of the upper three rows
 constexpr std::uint64_t poses_begin = 512;
 
 PoseWords words_of(const Eigen::Isometry3d& pose)
@@ -58,7 +58,7 @@ std::filesystem::path RankedRun::slot_path(int slot) const
     return fmt::format("{}.{}", options_.checkpoint.string(), slot);
 }
 
-/// Of what results and rows depend on.
+/// Hash of the settings that affect results and rows.
 std::uint64_t RankedRun::settings_hash()
 {
     std::uint64_t hash = hash_of(world_.world().settings());
@@ -74,7 +74,7 @@ void RankedRun::write_checkpoint()
     header.frame = std::uint64_t(frame_), header.csv_end = csv_end_;
     header.hash = hash(), header.verdicts = verdicts(), header.kinds = kinds();
 
-    // Each rank writes one run of bodies.
+    // Each rank writes one run of consecutive bodies.
     for (Bytes& bytes : out_) bytes.clear();
     for (const BodyRecord& body : home_) {
         const PoseWords words = words_of(body.pose);
@@ -117,7 +117,7 @@ void RankedRun::write_checkpoint()
     slot_ = 1 - slot_;
 }
 
-/// The later of the two that is whole.
+/// Reads the later of the two checkpoints that are complete.
 void RankedRun::read_checkpoint()
 {
     std::array<Checkpoint, 2> headers;
@@ -133,11 +133,11 @@ void RankedRun::read_checkpoint()
         kind = ErrorKind::bad_data;
         const auto refuse = [&](const char* what) { why = fmt::format("{}: {}", slot_path(slot).string(), what); };
         if (!read || header.magic != ours.magic)
-            refuse("is no checkpoint, or a damaged one");
+            refuse("is not a checkpoint, or is damaged");
         else if (header.version != ours.version)
             refuse("is a checkpoint of another version of oncollide");
         else if (header.header != header.hash_of_header())
-            refuse("is no checkpoint, or a damaged one");
+            refuse("is not a checkpoint, or is damaged");
         else if (header.scene != checksum_ || header.bodies != scene_.bodies)
             refuse("is a checkpoint of another scene");
         else if (header.settings != settings_hash())
@@ -145,7 +145,7 @@ void RankedRun::read_checkpoint()
         else
             good[std::size_t(slot)] = true;
     }
-    // All ranks must see the same.
+    // Use a checkpoint only if all ranks find it good.
     std::array<std::uint64_t, 2> votes{good[0], good[1]};
     ranks_.sum(votes);
     const int later = headers[1].frame > headers[0].frame;
@@ -165,7 +165,7 @@ void RankedRun::read_checkpoint()
     together(ranks_, [&] { throw Error(kind, why); });
 }
 
-/// Of this rank's bodies, which are runs as the scene was read. Changes nothing unless all are as they were written.
+/// Reads this rank's bodies, in runs of consecutive indices. Changes nothing if the checksum over all ranks differs.
 bool RankedRun::read_poses(int slot, const Checkpoint& header)
 {
     std::vector<PoseWords> words(home_.size());

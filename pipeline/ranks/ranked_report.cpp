@@ -78,7 +78,7 @@ std::string rank_table(const std::vector<RankStatistics>& ranks)
     std::uint64_t most = 0, all = 0;
     for (const RankStatistics& r : ranks) most = std::max(most, r.work), all += r.work;
     if (all)
-        text += fmt::format("imbalance  {:.2f}: the most work of a process over the mean\n",
+        text += fmt::format("imbalance  {:.2f}: largest work of a process divided by the mean\n",
                             double(most) * double(ranks.size()) / double(all));
     return text;
 }

@@ -11,7 +11,7 @@ namespace oncollide {
 
 namespace {
 
-constexpr std::uint64_t work_of_a_body = 4; // next to that of a candidate pair
+constexpr std::uint64_t work_of_a_body = 4; // relative to a candidate pair
 enum class Sent : std::uint8_t { ghost, home };
 
 std::size_t bytes_to_others(const std::vector<Bytes>& out, int rank)
@@ -28,7 +28,7 @@ Rebalance rebalance_from_name(std::string_view name)
     if (name == "auto") return Rebalance::automatic;
     if (name == "always") return Rebalance::always;
     if (name == "never") return Rebalance::never;
-    throw Error(ErrorKind::usage, fmt::format("rebalance: nothing named '{}'; valid: auto, always, never", name));
+    throw Error(ErrorKind::usage, fmt::format("rebalance: no '{}'; valid: auto, always, never", name));
 }
 
 RankedRun::RankedRun(Ranks& ranks, std::unique_ptr<Partitioner> partition, SceneSlice scene, const Settings& settings,
@@ -40,8 +40,8 @@ RankedRun::RankedRun(Ranks& ranks, std::unique_ptr<Partitioner> partition, Scene
     together(ranks_, [&] {
         if (options_.separate && settings.coherence && ranks_.size() > 1)
             throw Error(ErrorKind::usage,
-                        "--separate: the gaps of pairs that stay apart come from earlier frames, which "
-                        "other processes may have decided; add --no-coherence");
+                        "--separate: the gaps of separate pairs may come from earlier frames, which "
+                        "other processes may have computed; add --no-coherence");
     });
     compare_slices();
     refuse_names_twice();
@@ -50,7 +50,7 @@ RankedRun::RankedRun(Ranks& ranks, std::unique_ptr<Partitioner> partition, Scene
     began_ = phase_began_ = Clock::now();
 }
 
-/// Each rank has looked at the bodies of the next one, too.
+/// Each rank also has a checksum of the next rank's bodies.
 void RankedRun::compare_slices()
 {
     struct Sums {
@@ -74,7 +74,7 @@ void RankedRun::compare_slices()
     mix(checksum_, bodies);
 }
 
-/// Names meet on the rank that their hash says.
+/// Sends names to ranks by hash, so equal names meet on one rank.
 void RankedRun::refuse_names_twice()
 {
     for (Bytes& bytes : out_) bytes.clear();
@@ -90,13 +90,13 @@ void RankedRun::refuse_names_twice()
     together(ranks_, [&] {
         if (twice != marks.end())
             throw Error(ErrorKind::bad_data,
-                        fmt::format("body {}: has the name of body {}; names must differ", twice[1].gid, twice->gid));
+                        fmt::format("body {}: has the same name as body {}; names must differ", twice[1].gid, twice->gid));
     });
 }
 
 RankedRun::~RankedRun()
 {
-    // What a checkpoint counts on stays.
+    // Rows that a checkpoint relies on stay.
     if (csv_ && !finished_ && options_.checkpoint.empty() && ranks_.rank() == 0) csv_->remove();
 }
 
@@ -106,7 +106,7 @@ void RankedRun::open_csv()
     csv_.emplace(options_.csv);
     together(ranks_, [&] {
         if (ranks_.rank() != 0) return;
-        // Whoever died after the last rename left a whole file and no part of one.
+        // A process killed after the final rename leaves FILE but no FILE.part.
         if (options_.resume) csv_->take_back(csv_end_, slot_path(1 - slot_));
         csv_->create();
     });
@@ -115,7 +115,7 @@ void RankedRun::open_csv()
         if (ranks_.rank() != 0) return;
         if (csv_end_ > csv_->size())
             throw Error(ErrorKind::bad_data,
-                        fmt::format("{}.part: has {} bytes, where the checkpoint of frame {} counts on {}: rows are "
+                        fmt::format("{}.part: has {} bytes, but the checkpoint of frame {} needs {}: rows are "
                                     "lost; start again without --resume",
                                     options_.csv.string(), csv_->size(), frame_, csv_end_));
         csv_->truncate(csv_end_);
@@ -153,7 +153,7 @@ void RankedRun::step()
         write_checkpoint();
 }
 
-/// Bodies at home are met in the order of the recording.
+/// Poses are assigned in the order of the recording, so home bodies are sorted by index first.
 void RankedRun::read_recording()
 {
     const std::uint32_t first = scene_.recording->first;
@@ -185,7 +185,7 @@ void RankedRun::repartition()
 {
     std::vector<Eigen::Vector3d> centres;
     std::vector<float> weights;
-    // What this rank did for pairs is that of its bodies, by how many pairs they were in.
+    // Distributes this rank's work on pairs to its bodies by their number of pairs.
     std::uint64_t pairs = 0;
     for (const BodyRecord& body : home_) pairs += world_.pairs_of(body.gid);
     const float of_a_pair = pairs ? float(double(last_pair_work_) / double(pairs)) : 0;
@@ -199,12 +199,12 @@ void RankedRun::repartition()
     send_home();
 }
 
-/// Bodies go to where the new cuts have their homes, some at a time: all at once they would be in memory three times.
+/// Sends bodies to their new home ranks, in batches: all at once would need three times the memory.
 void RankedRun::send_home()
 {
     constexpr std::size_t at_a_time = 5'000;
     const int me = ranks_.rank();
-    std::size_t looked_at = 0, end = home_.size(); // those between have not been looked at; what follows has come
+    std::size_t looked_at = 0, end = home_.size(); // [looked_at, end): unexamined; from end: received
     for (std::uint64_t left = 1; left;) {
         for (Bytes& bytes : out_) bytes.clear();
         for (std::size_t sent = 0; looked_at < end && sent < at_a_time;) {
@@ -230,7 +230,7 @@ void RankedRun::send_home()
     for (Bytes& bytes : in_) bytes = {};
 }
 
-/// Hands over the bodies whose home is elsewhere, shows ghosts, and learns of both.
+/// Hands over bodies that have left this rank's region, sends ghosts, and receives both.
 void RankedRun::exchange()
 {
     for (Bytes& bytes : out_) bytes.clear();
@@ -313,7 +313,7 @@ void RankedRun::take_rows(std::vector<Bytes>& in)
                                                      twice->pair.a.slot, twice->pair.b.slot));
 }
 
-/// The frame's hash goes from rank to rank, each adding its rows. Nobody waits for the last one.
+/// The frame's hash passes from rank to rank, and each adds its rows. No rank waits for the last one.
 void RankedRun::write_rows()
 {
     std::uint64_t hash = ranks_.rank() == 0 ? 0 : ranks_.receive(ranks_.rank() - 1);
@@ -347,9 +347,9 @@ void RankedRun::watch_balance()
     ranks_.most({&most, 1}), ranks_.sum({&all, 1});
     const double mean = double(all) / ranks_.size();
     uneven_frames_ = most > 1.2 * mean ? uneven_frames_ + 1 : 0;
-    // To cut anew costs each rank about as much as to look at its bodies four times.
+    // Cost estimate: dividing anew costs each rank about four scans of its bodies.
     const double cost = 4.0 * double(work_of_a_body) * scene_.bodies / ranks_.size();
-    // The first cut knew nothing of pairs.
+    // The first division knows no pairs, so it may be replaced sooner.
     repartition_now_ =
         uneven_frames_ >= (rebuilds_ == 1 ? 1 : 3) && (most - mean) * (scene_.frames - frame_ - 1) > cost;
 }

@@ -26,8 +26,7 @@ std::uint64_t checksum_of(const Bytes& bytes)
     return checksum_of(bytes.data(), bytes.size());
 }
 
-/// Of a mesh all of it; of a shape, a map, a terrain what its name, its box and its heights tell, of a
-/// cooked mesh the top of its file.
+/// Covers all of a mesh; the name, box and heights or points of other geometries; the header of cooked files.
 std::uint64_t checksum_of(const Geometry& geometry)
 {
     std::uint64_t sum = checksum(geometry.name);
@@ -53,7 +52,7 @@ std::uint64_t checksum_of(const Geometry& geometry)
         mix(sum, checksum_of(mesh->triangles.data(), mesh->triangles.size() * sizeof(mesh->triangles[0])));
     }
     if (const auto* cooked = std::get_if<std::shared_ptr<const CookedMesh>>(&geometry.data))
-        mix(sum, (*cooked)->outline().header_checksum); // which covers the checksums of all else
+        mix(sum, (*cooked)->outline().header_checksum); // which covers all other checksums of the file
     return sum;
 }
 
@@ -99,7 +98,7 @@ void SliceReader::take(std::uint32_t body, BodyInit init)
     slice_.records.push_back(std::move(record));
 }
 
-/// Each record knows whom it never collides with.
+/// Stores the exclusions of each record.
 void SliceReader::exclude(const std::vector<ExcludedPair>& pairs)
 {
     std::vector<ExcludedPair> both;

@@ -7,13 +7,13 @@
 
 namespace oncollide {
 
-/// What is left of a body's name to find one that is there twice.
+/// A fingerprint of a body's name, to detect duplicates.
 struct NameMark {
     std::uint64_t hash, other_hash;
     std::uint32_t gid;
 };
 
-/// A scene of which this rank has some of the bodies.
+/// A scene with only this rank's share of the bodies.
 struct SceneSlice {
     std::string name;
     int frames = 1;
@@ -21,27 +21,28 @@ struct SceneSlice {
     std::uint32_t bodies = 0; ///< of the whole scene
     GeometryList geometries;
     std::shared_ptr<Recording> recording;
-    std::vector<BodyRecord> records; ///< of this rank, by index
-    std::vector<NameMark> names;     ///< of those that have one
+    std::vector<BodyRecord> records; ///< this rank's bodies, by index
+    std::vector<NameMark> names;     ///< of this rank's bodies that have one
     std::vector<std::string> warnings;
 
-    // Checksums, by which ranks find out whether they have read the same.
-    std::uint64_t common = 0; ///< of what all read: name, pace, geometries, first bodies, exclusions, recorded starts
-    std::uint64_t own = 0, other = 0; ///< sums over this rank's bodies, and over those of the rank after it
+    // Checksums, to verify that all ranks have read the same scene.
+    std::uint64_t common = 0; ///< data that all ranks read: name, pace, geometries, first bodies, exclusions, recorded
+                              ///< starts
+    std::uint64_t own = 0, other = 0; ///< sums over this rank's bodies, and over the next rank's
 };
 
-/// Takes one rank's bodies of a scene while it is read or made. Bodies are dealt out in short runs, so that how many
-/// there are need not be known. The first ones and those of the next rank are looked at, too, and not kept: so what a
-/// rank has of the scene was seen alike by another one.
+/// Selects one rank's bodies while a scene is read or generated. Bodies are distributed in short runs, so their number
+/// need not be known. For verification, the reader also examines, but does not keep, the first bodies and the next
+/// rank's bodies, so every body is seen by two ranks.
 class SliceReader final : public BodySink {
 public:
-    /// @param names  keep what bodies are called
+    /// @param names  keep the bodies' names
     SliceReader(int rank, int size, bool names);
 
     bool wants(std::uint32_t body) const override;
     void take(std::uint32_t body, BodyInit init) override;
-    /// The slice, once `scene` has passed all its bodies here. Throws Error{bad_data} for a recording that moves bodies
-    /// which are static or have a motion.
+    /// Call after `scene` has passed all bodies to take(). Throws Error{bad_data} for a recording that moves bodies
+    /// that are static or have a motion.
     SceneSlice finish(const Scene& scene);
 
 private:
@@ -52,11 +53,11 @@ private:
     int rank_, size_;
     bool names_;
     SceneSlice slice_;
-    std::uint64_t first_ = 0; ///< sum over the first bodies
+    std::uint64_t first_ = 0; ///< checksum of the first bodies
     Bytes bytes_;
 };
 
-/// The slice of a scene that this rank holds whole.
+/// This rank's slice of a complete scene.
 SceneSlice slice_of(const Scene& scene, int rank, int size, bool names);
 
 } // namespace oncollide

@@ -78,7 +78,7 @@ void SharedFile::rename()
     std::error_code error;
     std::filesystem::rename(part(), path_, error);
     if (error) fail(error.value());
-    // The new name, too, is to outlast a power cut.
+    // fsync the folder, so the new name survives a power failure.
     const std::filesystem::path folder = std::filesystem::absolute(path_).parent_path();
     if (const int directory = ::open(folder.c_str(), O_RDONLY | O_CLOEXEC); directory >= 0)
         ::fsync(directory), ::close(directory);

@@ -5,28 +5,28 @@
 
 namespace oncollide {
 
-/// A file that several processes write, each its own part: under the name FILE.part, until rename() makes it FILE.
-/// Errors are Error{cannot_write}, and name the file.
+/// A file to which several processes write disjoint parts, named FILE.part until rename() makes it FILE.
+/// Errors are Error{cannot_write} and name the file.
 class SharedFile {
 public:
     explicit SharedFile(std::filesystem::path path) : path_(std::move(path)) {}
     ~SharedFile();
     SharedFile(const SharedFile&) = delete;
 
-    /// Where FILE is there, newer than `than` and at least `size` bytes long, and FILE.part is not: begins with a copy
-    /// of FILE.
+    /// If FILE.part does not exist and FILE does, is newer than `than` and has at least `size` bytes: copies FILE to
+    /// FILE.part.
     void take_back(std::uint64_t size, const std::filesystem::path& than) const;
-    /// Opens it, once one process has created it; what was there stays.
+    /// create(): called by one process first; keeps an existing file. open(): called by all.
     void create();
     void open();
     void write(std::uint64_t offset, std::string_view bytes);
     void truncate(std::uint64_t size);
     std::uint64_t size() const;
-    /// Until what this process wrote is on the disk.
+    /// Returns once this process's writes are on disk.
     void sync();
-    /// By one process, once all have called sync().
+    /// Called by one process, after all have called sync().
     void rename();
-    /// By one process: gives it up.
+    /// Called by one process: deletes FILE.part.
     void remove() noexcept;
 
 private:

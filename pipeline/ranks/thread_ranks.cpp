@@ -1,4 +1,4 @@
-// Ranks that are threads of this process.
+// Ranks as threads of this process.
 #include <condition_variable>
 #include <exception>
 #include <map>
@@ -12,11 +12,12 @@ namespace oncollide {
 
 namespace {
 
-/// What they share. A call writes, meets, reads, and meets again, so that nobody overwrites what others still read.
+/// State shared by all ranks. A collective call writes, meets, reads and meets again, so data that others still read
+/// are not overwritten.
 struct Shared {
     explicit Shared(int ranks) : size(ranks), slots(std::size_t(ranks), nullptr) {}
 
-    /// Waits until all are here. Throws where one of them has gone.
+    /// Waits until all ranks have arrived. Throws if one has failed.
     void meet()
     {
         std::unique_lock lock(mutex);
@@ -26,7 +27,7 @@ struct Shared {
             wake.notify_all();
         }
         wake.wait(lock, [&] { return meetings != now || broken; });
-        if (meetings == now) throw Error(ErrorKind::internal, "another rank has gone");
+        if (meetings == now) throw Error(ErrorKind::internal, "another rank has failed");
     }
     void leave_broken()
     {
@@ -41,7 +42,7 @@ struct Shared {
     int here = 0;
     std::uint64_t meetings = 0;
     bool broken = false;
-    std::vector<const void*> slots; ///< by rank: what it shows the others
+    std::vector<const void*> slots; ///< by rank: data shown to the others
     std::map<std::pair<int, int>, std::queue<std::uint64_t>> sent;
 };
 
@@ -94,7 +95,7 @@ public:
         std::unique_lock lock(shared_.mutex);
         auto& queue = shared_.sent[{from, rank_}];
         shared_.wake.wait(lock, [&] { return !queue.empty() || shared_.broken; });
-        if (queue.empty()) throw Error(ErrorKind::internal, "another rank has gone");
+        if (queue.empty()) throw Error(ErrorKind::internal, "another rank has failed");
         const std::uint64_t number = queue.front();
         queue.pop();
         return number;

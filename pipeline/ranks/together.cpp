@@ -31,7 +31,7 @@ void together(Ranks& ranks, const std::function<void()>& work)
         const auto its_kind = ErrorKind(reader.get<std::uint64_t>());
         const auto its_text = reader.get_list<std::string>();
         if (its_kind == ErrorKind{}) continue;
-        // Where all say the same, which of them it is tells nothing.
+        // If all ranks fail, omit the rank's number.
         throw ErrorOfAll(its_kind, failed == all.size()
                                        ? its_text
                                        : fmt::format("process {} of {}: {}", rank, all.size(), its_text));

@@ -30,7 +30,7 @@ void list(void* data, int, int, ZOLTAN_ID_PTR global, ZOLTAN_ID_PTR local, int w
     *error = ZOLTAN_OK;
     const Points& p = points_of(data);
     for (std::size_t i = 0; i < p.points.size(); ++i) {
-        global[i] = local[i] = ZOLTAN_ID_TYPE(i); // bisection looks at points alone
+        global[i] = local[i] = ZOLTAN_ID_TYPE(i); // bisection uses only the points
         if (weights) out[i] = p.weights[i];
     }
 }
@@ -59,7 +59,7 @@ public:
         check(Zoltan_Initialize(0, nullptr, &version), "Zoltan_Initialize");
         zoltan_ = Zoltan_Create(mpi_communicator());
         if (!zoltan_) throw Error(ErrorKind::internal, "Zoltan: out of memory");
-        // The level of messages first: setting the method prints.
+        // DEBUG_LEVEL first, because setting the method prints.
         for (const auto& [name, value] : {std::pair{"DEBUG_LEVEL", "0"},
                                           {"LB_METHOD", "RCB"},
                                           {"KEEP_CUTS", "1"},
@@ -81,7 +81,7 @@ public:
     {
         std::uint64_t all = points.size();
         ranks.sum({&all, 1});
-        // Of one part it keeps no cuts: its box would be empty.
+        // For a single part Zoltan stores no cuts, and its box would be empty.
         if (size_ == 1 || all == 0) return;
         Points here{points, weights};
         Zoltan_Set_Num_Obj_Fn(zoltan_, count, &here), Zoltan_Set_Obj_List_Fn(zoltan_, list, &here);
@@ -108,7 +108,7 @@ public:
         return rank;
     }
 
-    /// Regions are open below and closed above, as owner() takes points.
+    /// Regions are open below and closed above, consistent with owner().
     void ranks(const Aabb& box, std::vector<int>& ranks) const override
     {
         ranks.assign(1, 0);
@@ -125,7 +125,7 @@ private:
     int size_;
     Zoltan_Struct* zoltan_ = nullptr;
     bool cut_ = false;
-    mutable std::vector<int> found_; ///< room for every rank
+    mutable std::vector<int> found_; ///< room for all ranks
 };
 
 } // namespace

@@ -125,7 +125,7 @@ TEST(SceneSlice, ErrorsInRowsAreThoseOfTheRankThatReadsThem)
         EXPECT_NE(refused(read, 3).find(fmt::format("t.csv: line {}: has 2 fields", line)), std::string::npos);
     }
     table(4000, "1,2,3,body 7");
-    EXPECT_NE(refused(read, 3).find("body 3998: has the name of body 5"), std::string::npos) << refused(read, 3);
+    EXPECT_NE(refused(read, 3).find("body 3998: has the same name as body 5"), std::string::npos) << refused(read, 3);
 }
 
 TEST(SceneSlice, WhatOneRankAloneReadsOtherwiseIsFound)
