@@ -208,7 +208,7 @@ TEST_F(Study, ThePageNeedsNothingElse)
     const std::regex mark("<path fill=\"[^\"]*\" transform=\"[^\"]*\" d=\"([^\"]*)\"/>");
     std::set<std::string> markers;
     for (std::sregex_iterator it(page.begin(), page.end(), mark), end; it != end; ++it) markers.insert((*it)[1]);
-    const bool front = page.find(">fastest for its error") != std::string::npos; // not where an exact one is fastest
+    const bool front = page.find(">fastest at its error") != std::string::npos; // not where an exact one is fastest
     EXPECT_EQ(markers.size(), front ? 6u : 5u) << "two dials, two exact levels, FCL, the front";
     EXPECT_EQ(count_of(page, "src=\"data:image/png;base64,iVBORw0KGgo"), count_of(page, "<figcaption>"));
     EXPECT_GT(count_of(page, "<figcaption>"), 0u);

@@ -288,7 +288,7 @@ TEST_F(ViewOfResults, BelongToTheirScene)
         "bodies": [{"name": "one", "geometry": "b"}, {"name": "other", "geometry": "b"}]})");
     const auto of = [](const char* scene) { return std::vector<std::string>{"view", "p.h5", scene, "-o", "y.html"}; };
     expect_error(65, of("moved.json"), {"p.h5", "does not fit moved.json", "frame"});
-    expect_error(65, of("renamed.json"), {"p.h5", "no results of renamed.json", "'other'"});
+    expect_error(65, of("renamed.json"), {"p.h5", "does not fit renamed.json", "'other'"});
     expect_error(65, of("short.json"), {"p.h5", "frames 0 to 2", "frame 7"});
     expect_error(65, of("city"), {"p.h5", "does not fit city", "bodies, the results have 2"});
     std::filesystem::rename(folder_ / "scene.json", folder_ / "elsewhere.json");

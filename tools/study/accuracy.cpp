@@ -1,4 +1,4 @@
-// oncollide accuracy: is every collision found, and does every bound hold? FCL is the judge.
+// oncollide accuracy: checks with FCL that every collision is found and every bound holds.
 #include "bench/bench.hpp"
 #include "cli/command.hpp"
 #include "study/accuracy_check.hpp"
@@ -28,11 +28,11 @@ struct AccuracyOptions {
     int count = 1, samples = 10, every = 1;
 };
 
-/// One way to run the pipeline, judged over all frames of all scenes.
+/// A way to run the pipeline, judged over all frames of all scenes.
 struct Variant {
     std::string name;
     Settings settings;
-    bool same_hash = false; ///< must give the hash of the plain variant of its depth
+    bool same_hash = false; ///< must give the same hash as the plain variant of its depth
     std::size_t plain = 0;  ///< that variant
 
     std::uint64_t frames = 0, other_hash = 0;
@@ -43,7 +43,7 @@ struct Variant {
     std::uint64_t violations() const { return counts.missed + counts.wrong_exact + bounds.violations + other_hash; }
 };
 
-/// At each depth the settings as given, and with `toggle` one change of them at a time.
+/// Makes a variant per depth with the settings as given; with `toggle` also one per single change of the settings.
 std::vector<Variant> make_variants(const AccuracyOptions& options)
 {
     std::vector<Variant> variants;
@@ -58,7 +58,7 @@ std::vector<Variant> make_variants(const AccuracyOptions& options)
         };
         add("as given", false, [](Settings&) {});
         if (!options.toggle) continue;
-        for (const char* stage : std::span(stage_names).first(4)) // the exact level has variants of its own
+        for (const char* stage : std::span(stage_names).first(4)) // the exact level has its own variants
             add(without_stage(stage).name, false, without_stage(stage).apply);
         for (const SettingChange& change : changes_of_method()) add(change.name, true, change.apply);
         add("100 cells", false, [](Settings& s) { s.node_budget = 100; });
@@ -68,7 +68,7 @@ std::vector<Variant> make_variants(const AccuracyOptions& options)
     return variants;
 }
 
-/// FCL's distances at one frame, each found once for all variants.
+/// FCL's distances in a frame; each is computed once for all variants.
 class Distances {
 public:
     explicit Distances(FclWorld& world) : world_(world) {}
@@ -85,7 +85,7 @@ private:
     std::map<BodyPair, double> known_;
 };
 
-/// Bounds of at most `samples` pairs, evenly spread over the list; other pairs in other frames.
+/// Checks the bounds of at most `samples` pairs, evenly spread over the list; the choice differs from frame to frame.
 BoundCheck check_bounds(const Scene& scene, const FrameView& frame, const Settings& settings, int samples,
                         const FclWorld& world, Distances& distance)
 {
@@ -188,7 +188,7 @@ int accuracy(const AccuracyOptions& options)
 {
     if (options.scene.scene.empty())
         throw Error(ErrorKind::usage, "accuracy: scene is required (oncollide accuracy --help)");
-    const std::string& word = options.scene.scene; // its first position takes what was to be a command
+    const std::string& word = options.scene.scene; // a misspelt subcommand ends up here
     if (const std::string hint = did_you_mean(word, {"fuzz", "study"}); !hint.empty() && !is_scene_file(word))
         if (std::ranges::find(catalogue(), word, &CatalogueEntry::name) == catalogue().end())
             usage(fmt::format("accuracy: '{}' is neither a command nor a scene{} (scenes: oncollide scene --list)",
@@ -196,7 +196,7 @@ int accuracy(const AccuracyOptions& options)
     check_range("--count", options.count, 1), check_range("--samples", options.samples, 0),
         check_range("--every", options.every, 1);
     if (options.count > 1 && is_scene_file(options.scene.scene))
-        throw Error(ErrorKind::usage, "--count is for scenes of the catalogue: it counts seeds");
+        throw Error(ErrorKind::usage, "--count applies only to scenes of the catalogue: it counts seeds");
     check_files({{"--csv", options.csv}, {"--json", options.json}});
     std::vector<Variant> variants = make_variants(options);
     std::string name, backend;
@@ -218,7 +218,7 @@ int accuracy(const AccuracyOptions& options)
     say("scene      {}{}; FCL judges every {}frame, {} bounds per frame and variant against its distances\n"
         "settings   {}\n{}\n",
         printable(name), options.count > 1 ? fmt::format(", {} seeds", options.count) : "",
-        options.every > 1 ? fmt::format("{}. ", options.every) : "", options.samples,
+        options.every > 1 ? fmt::format("{}-th ", options.every) : "", options.samples,
         describe(settings_from(options.settings), "depths " + options.depths), describe_program(backend));
     print_table(variants);
     if (!options.csv.empty()) write_csv(options.csv, variants);
@@ -226,7 +226,7 @@ int accuracy(const AccuracyOptions& options)
     std::uint64_t violations = 0;
     for (const Variant& v : variants) violations += v.violations();
     say("\n{}\n", violations ? fmt::format("{} VIOLATIONS", violations)
-                             : "no collision missed, no bound broken, no result changed that must not");
+                             : "no collision missed, no bound broken, no unexpected change of a result");
     return violations ? int(ErrorKind::internal) : 0;
 }
 
@@ -234,21 +234,23 @@ int accuracy(const AccuracyOptions& options)
 
 void add_accuracy(Arguments app)
 {
-    Arguments sub =
-        app.add_command("accuracy", "Check the results of a scene against FCL: collisions missed, false positives, bounds");
+    Arguments sub = app.add_command(
+        "accuracy", "Check the results of a scene against FCL: collisions missed, false positives, bounds");
     auto options = std::make_shared<AccuracyOptions>();
-    // Not marked as required: a word in its place that names a subcommand would be taken for it.
+    // Not marked as required: CLI11 would then take a subcommand's name for the scene.
     sub.add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
         .type_name("SCENE.json|NAME");
     add_accuracy_fuzz(sub);
     add_accuracy_hard(sub);
     add_accuracy_study(sub);
-    sub.at_most_one_command(); // what follows is theirs, even if it is called 'hard'
+    sub.at_most_one_command(); // words after a subcommand belong to it, even 'hard'
     sub.add_option("--depths", options->depths, "depths to check (default 1-8)").type_name("LIST");
-    sub.add_flag("--toggle", options->toggle, "also check with each stage left out and each setting changed in turn");
-    sub.add_option("--count", options->count, "so many scenes, each with the next seed").type_name("N");
-    sub.add_option("--every", options->every, "only every so manieth frame").type_name("N");
-    sub.add_option("--samples", options->samples, "bounds to check per frame (default 10)").type_name("N");
+    sub.add_flag("--toggle", options->toggle,
+                 "also check with each stage skipped and each setting changed, one at a "
+                 "time");
+    sub.add_option("--count", options->count, "number of scenes, each with the next seed").type_name("N");
+    sub.add_option("--every", options->every, "process only every N-th frame").type_name("N");
+    sub.add_option("--samples", options->samples, "number of bounds to check per frame (default 10)").type_name("N");
     add_catalogue_options(sub, options->scene);
     add_accuracy_options(sub, options->settings);
     sub.remove_option("--depth");
@@ -259,9 +261,9 @@ void add_accuracy(Arguments app)
     sub.footer("Examples:\n"
                "  oncollide accuracy paper --every 20\n"
                "  oncollide accuracy random --count 200 --frames 3 --depths 1-8 --toggle\n"
-               "  oncollide accuracy hard                      (the hard cases; see its own --help)\n"
+               "  oncollide accuracy hard                      (hard cases; see its own --help)\n"
                "  oncollide accuracy study paper --html study.html    (speed against error; see its own --help)\n"
-               "Exit code 70: a collision was missed, a bound was broken, or a result changed that must not.");
+               "Exit code 70: a collision was missed, a bound was broken, or a result changed unexpectedly.");
     sub.action([options] { return accuracy(*options); });
 }
 

@@ -14,7 +14,7 @@ std::string names_of(const Scene& scene, BodyPair pair)
     return fmt::format("{} and {}", scene.label(BodyId{pair.a}), scene.label(BodyId{pair.b}));
 }
 
-/// What FCL's distance may be wrong by: 1e-9 of the bodies' size, and what double leaves far from the origin.
+/// Largest error of FCL's distance: 1e-9 of the bodies' size, plus the rounding of doubles far from the origin.
 double distance_rounding(const Scene& scene, const PairResult& pair, bool has_shape)
 {
     double size = 0, far = 0;
@@ -27,8 +27,8 @@ double distance_rounding(const Scene& scene, const PairResult& pair, bool has_sh
     return 1e-9 * size + 4e-15 * far + (has_shape ? shape_rounding : 0);
 }
 
-/// FCL parts hulls from meshes that they overlap: where it says no, extended precision has the last word. Not of maps
-/// and terrains, which have too many cells.
+/// FCL reports some overlapping pairs of a hull and a mesh as separate, so extended precision decides when FCL says no.
+/// Not for maps and terrains, which have too many cells.
 bool truly_meet(const Scene& scene, BodyPair pair)
 {
     const auto sets = [&](std::uint32_t body) {
@@ -66,7 +66,7 @@ Comparison compare(const Scene& scene, const FrameView& frame, const Settings& s
             result.first_missed = fmt::format("frame {}: {}", frame.frame, names_of(scene, pair));
     };
     auto theirs = fcl.colliding.begin();
-    for (const PairResult& ours : frame.pairs) { // both are sorted
+    for (const PairResult& ours : frame.pairs) { // both lists are sorted
         const BodyPair pair{index(ours.a), index(ours.b)};
         while (theirs != fcl.colliding.end() && *theirs < pair) miss(*theirs++);
         const bool collides = theirs != fcl.colliding.end() && *theirs == pair;
@@ -77,7 +77,7 @@ Comparison compare(const Scene& scene, const FrameView& frame, const Settings& s
         result.false_positives += left_over && !collides;
         const bool ignored = settings.ignore_touching && ours.kind == ContactKind::touching;
         if (collides && !left_over && !ignored) miss(pair);
-        // Solid mode also knows bodies inside bodies, which FCL does not see.
+        // Solid mode also finds bodies inside bodies, which FCL does not.
         if (settings.exact != ExactLevel::off && colliding && !collides && settings.mode == Mode::surface)
             result.wrong_exact += !(world.has_shape(pair) && truly_meet(scene, pair));
     }
@@ -98,7 +98,7 @@ BoundCheck check_bound(const Scene& scene, const PairResult& pair, const Setting
                        bool has_shape)
 {
     BoundCheck check;
-    if (pair.verdict == Verdict::colliding) return check; // compare() judges these
+    if (pair.verdict == Verdict::colliding) return check; // compare() checks these
     check.checks = 1;
     const bool separate = pair.verdict == Verdict::separate;
     check.least_margin = separate ? distance - pair.bound : pair.bound - distance;

@@ -1,4 +1,4 @@
-// oncollide accuracy study: what a scene costs at which error, beside other libraries, as a table and as a page.
+// oncollide accuracy study: time against error of a scene, with other libraries for comparison, as a table and a page.
 #include "cli/command.hpp"
 #include "cli/shard.hpp"
 
@@ -27,7 +27,7 @@ struct StudyOptions {
     int warm_up = 3, repeats = 1;
 };
 
-/// Numbers of a list, in its order.
+/// The numbers of a list, in its order.
 template <class Number>
 std::vector<Number> parse_list(const char* option, const std::string& list, const char* form)
 {
@@ -36,13 +36,13 @@ std::vector<Number> parse_list(const char* option, const std::string& list, cons
         Number value{};
         const auto [rest, error] = std::from_chars(part.data(), part.data() + part.size(), value);
         if (error != std::errc{} || rest != part.data() + part.size())
-            usage(fmt::format("{} {}: '{}' is no number; expected a list like {}", option, list, part, form));
+            usage(fmt::format("{} {}: '{}' is not a number; expected a list such as {}", option, list, part, form));
         numbers.push_back(value);
     }
     return numbers;
 }
 
-/// One setting of the dial.
+/// One setting of the accuracy: a depth or a maximum error.
 struct Dial {
     std::optional<int> depth;
     std::optional<double> max_error;
@@ -52,7 +52,7 @@ struct Dial {
 std::vector<Dial> dials_of(const StudyOptions& o)
 {
     if (!o.depths.empty() && !o.max_errors.empty())
-        usage("--depths and --max-errors: give one of them, they set the same dial");
+        usage("--depths and --max-errors: give only one of them; both set the accuracy");
     std::vector<Dial> dials;
     if (!o.max_errors.empty())
         for (double error : parse_list<double>("--max-errors", o.max_errors, "0.1,0.01")) dials.push_back({{}, error});
@@ -61,9 +61,9 @@ std::vector<Dial> dials_of(const StudyOptions& o)
     return dials;
 }
 
-/// Who finds the cells: a backend by name, gl-query once a viewport.
+/// Where the cells come from: a backend by name; gl-query once per viewport.
 struct Source {
-    std::string prefix; ///< of names; empty for the cpu
+    std::string prefix; ///< of variant names; empty for the cpu
     SettingsOptions settings;
 };
 
@@ -85,7 +85,7 @@ std::vector<Source> sources_of(const StudyOptions& o)
     return sources;
 }
 
-/// Every combination that differs: only spheres are found by a GPU, and an exact result has no dial.
+/// All distinct combinations: a GPU only finds spheres, and an exact result has no accuracy setting.
 std::vector<StudyVariant> variants_of(const StudyOptions& o)
 {
     std::vector<StudyVariant> variants;
@@ -95,11 +95,11 @@ std::vector<StudyVariant> variants_of(const StudyOptions& o)
             for (const std::string& exact : split(o.exact)) {
                 SettingsOptions one = source.settings;
                 one.bounding_volume = volume, one.exact = exact;
-                // Without an exact level what only touches cannot be told, and is left over as a false positive.
+                // Without an exact level, touching pairs cannot be recognised and are left over as false positives.
                 if (exact_from_name(exact) == ExactLevel::off) one.kinds = one.ignore_touching = false;
                 const BoundingVolume kind = bounding_volume_from_name(volume);
                 if (kind == BoundingVolume::automatic)
-                    usage("--bounding-volume auto: a study needs to know which; expected sphere, obb or both");
+                    usage("--bounding-volume auto: a study needs a definite choice; expected sphere, obb or both");
                 if (kind == BoundingVolume::obb && !source.prefix.empty()) continue;
                 const std::string form = kind == BoundingVolume::obb ? "OBBs" : "spheres";
                 if (exact_from_name(exact) != ExactLevel::off) {
@@ -115,8 +115,8 @@ std::vector<StudyVariant> variants_of(const StudyOptions& o)
             }
     if (o.settings.ignore_touching &&
         std::ranges::none_of(variants, [](const StudyVariant& v) { return v.settings.ignore_touching; }))
-        usage("--ignore-touching: needs --exact predicates, alone or among others");
-    if (variants.empty()) usage("--bounding-volume obb: OBBs need --backend cpu; nothing is left to study");
+        usage("--ignore-touching: needs --exact predicates in the list");
+    if (variants.empty()) usage("--bounding-volume obb: OBBs need --backend cpu; no variant is left");
     return variants;
 }
 
@@ -145,7 +145,7 @@ int accuracy_study(const StudyOptions& o)
     const Shard shard = shard_from(o.shard);
     const std::size_t all = variants.size();
     keep_part(shard, variants, "variants");
-    if (shard.part < shard.parts) peers.clear(); // the last rows
+    if (shard.part < shard.parts) peers.clear(); // their rows are the last ones
     std::vector<std::string> inputs = o.workload.what;
     inputs.push_back(o.workload.poses);
     check_files({{"--html", o.html}, {"--csv", o.csv}, {"--json", o.json}}, inputs);
@@ -153,16 +153,16 @@ int accuracy_study(const StudyOptions& o)
     print_warnings(workload.scene);
     const Study study = play_study(workload, variants, peers, o.warm_up, o.repeats);
     const std::string about = fmt::format(
-        "workload     {}; {} frames, {} of them to warm up, least of {} {}; every variant{} turn about\n"
-        "truth      exact integers on the triangles of every two bodies whose boxes overlap, long double for "
+        "workload   {}; {} frames, {} of them to warm up, least of {} {}; all variants{} in alternation\n"
+        "truth      exact integers on the triangles of every two bodies whose AABBs overlap, long double for "
         "distances;\n"
-        "           extended precision on convex sets where a shape or a map takes part\n"
+        "           extended precision on convex sets for shapes and maps\n"
         "settings   {}\n{}",
         printable(study.title), study.frames, study.warm_up, o.repeats, o.repeats == 1 ? "run" : "runs",
-        names_of(study.peers), describe(variants.front().settings, "the dial as each variant says"),
+        names_of(study.peers), describe(variants.front().settings, "accuracy by variant"),
         describe_program(study.rows.front().backend));
-    say("{}{} bodies of {} triangles, {:.3g} m in the median; {} collisions in all frames\n\n", about,
-        grouped(study.bodies), grouped(study.triangles), study.size, grouped(study.colliding));
+    say("{}{} bodies of {} triangles, {:.3g} m median; {} collisions in all frames\n\n", about, grouped(study.bodies),
+        grouped(study.triangles), study.size, grouped(study.colliding));
     for (const std::string& note : study.left_out) say("left out   {}\n", note);
     print_study(study);
     std::cout.flush();
@@ -178,45 +178,48 @@ int accuracy_study(const StudyOptions& o)
     return study.faulty() ? int(ErrorKind::internal) : 0;
 }
 
-/// Returns the option that takes poses from a file.
+/// Adds the options. Returns the option that takes poses from a file.
 Option add_study_options(Arguments sub, StudyOptions& o)
 {
     sub.add_option("what", o.workload.what, "a scene, or two mesh files").type_name("SCENE.json|NAME|MESH_A MESH_B");
     const Option poses =
         sub.add_option("--poses", o.workload.poses,
-                       "two meshes in the poses of this file; without a file and meshes, the data folder's set")
+                       "two meshes in the poses of this file; without a file and meshes: the data folder's set")
             .type_name("FILE")
             .expected(0, 1);
     sub.add_option("--distances", o.workload.distances,
-                   "two meshes: distances of generated poses, percents of A's diagonal (default 0,0.1,1,5)")
+                   "two meshes: distances of generated poses, in percent of A's diagonal (default 0,0.1,1,5)")
         .type_name("LIST");
-    sub.add_option("--count", o.workload.count, "two meshes: poses a distance, or of the file (default 100, all)")
+    sub.add_option("--count", o.workload.count,
+                   "two meshes: poses per distance (default 100), or poses of the file "
+                   "(default all)")
         .type_name("N");
-    sub.add_option("--every", o.workload.every, "only every so manieth frame or pose").type_name("N");
+    sub.add_option("--every", o.workload.every, "process only every N-th frame or pose").type_name("N");
     sub.add_option("--depths", o.depths, "depths of the trees (default 2-8)").type_name("LIST");
-    sub.add_option("--max-errors", o.max_errors, "instead of depths: errors in metres, like 0.1,0.03,0.01")
+    sub.add_option("--max-errors", o.max_errors, "instead of depths: errors in metres, such as 0.1,0.03,0.01")
         .type_name("LIST");
-    sub.add_option("--backend", o.backends, "cpu, gl-compute, gl-query, several with commas (default cpu)")
+    sub.add_option("--backend", o.backends, "comma-separated list of cpu, gl-compute, gl-query (default cpu)")
         .type_name("LIST");
-    sub.add_option("--viewport", o.viewports, "gl-query: pixels a side, several with commas (default 16)")
+    sub.add_option("--viewport", o.viewports, "gl-query: pixels per side, comma-separated (default 16)")
         .type_name("LIST");
     sub.add_option("--bounding-volume,--spheres", o.bounding_volumes, "sphere, obb or both (default sphere,obb)")
         .type_name("LIST");
     sub.add_option("--exact", o.exact, "exact levels: off, predicates, fcl (default off,predicates)").type_name("LIST");
-    sub.add_option(
-           "--peers", o.peers,
-           "beside these: fcl, ode, bullet, embree, cgal, several with commas, all or none (default fcl,ode,bullet)")
+    sub.add_option("--peers", o.peers,
+                   "other libraries: comma-separated list of fcl, ode, bullet, embree, cgal, or all, or none (default "
+                   "fcl,ode,bullet)")
         .type_name("LIST");
-    sub.add_option("--warm-up", o.warm_up, "frames at the start that count in no time (default 3)").type_name("N");
+    sub.add_option("--warm-up", o.warm_up, "frames at the start that are not timed (default 3)").type_name("N");
     sub.add_option("--repeats", o.repeats,
-                   "runs, of a frame's times the least counts; scenes from nothing, poses go on with what has grown "
+                   "number of runs; each frame's least time counts. A scene starts anew, poses reuse the grown trees "
                    "(default 1)")
         .type_name("N");
-    sub.add_option("--html", o.html, "write a page with all of it, figures and pictures; needs no network")
+    sub.add_option("--html", o.html, "write a page with all results, figures and pictures; needs no network")
         .type_name("FILE");
-    sub.add_option("--csv", o.csv, "write one row a variant").type_name("FILE");
-    sub.add_option("--shard", o.shard, std::string("of the variants, ") + shard_help).type_name("I/N");
-    sub.add_option("--json", o.json, "write the same as JSON, with the stages").type_name("FILE");
+    sub.add_option("--csv", o.csv, "write one row per variant").type_name("FILE");
+    sub.add_option("--shard", o.shard, std::string("divide the variants among N processes: ") + shard_help)
+        .type_name("I/N");
+    sub.add_option("--json", o.json, "write the same as JSON, with times per stage").type_name("FILE");
     return poses;
 }
 
@@ -225,7 +228,8 @@ Option add_study_options(Arguments sub, StudyOptions& o)
 void add_accuracy_study(Arguments accuracy)
 {
     Arguments sub = accuracy.add_command(
-        "study", "Speed against error: a scene, or two meshes in many poses, at many settings, beside other libraries");
+        "study", "Measure time against error: a scene, or two meshes in many poses, with many settings and other "
+                 "libraries");
     auto options = std::make_shared<StudyOptions>();
     add_catalogue_options(sub, options->workload.scene);
     add_accuracy_options(sub, options->settings);
@@ -234,14 +238,14 @@ void add_accuracy_study(Arguments accuracy)
         sub.remove_option(replaced);
     const Option poses = add_study_options(sub, *options);
     sub.footer(
-        "The truth is exact arithmetic on the triangles of every two bodies whose boxes overlap, by no tree, walk or\n"
-        "predicate of the library. Columns:\n"
-        "  error     the largest certified bound of a pair left over: none is farther apart\n"
-        "  x FCL     how many times as fast as FCL, by the means\n"
-        "  left over pairs that are not certified separate; false: those that are apart\n"
-        "  missed    collisions lost: must be 0, but for gl-query, which certifies nothing\n"
+        "The truth is exact arithmetic on the triangles of every two bodies whose AABBs overlap, without any tree,\n"
+        "traversal or predicate of the library. Columns:\n"
+        "  error     the largest certified bound of a pair left over: no such pair is farther apart\n"
+        "  x FCL     speed relative to FCL, from mean times\n"
+        "  left over pairs that are not certified separate; false: pairs left over that are apart\n"
+        "  missed    collisions not found: must be 0, except for gl-query, which certifies nothing\n"
         "  at m      true distance of the false positives: median and largest\n"
-        "  needed    cells and boxes ever reached, of those of the same trees grown everywhere\n\n"
+        "  needed    share of the fully grown trees' cells and boxes that tests ever reached\n\n"
         "Examples:\n"
         "  oncollide accuracy study many --frames 20 --html many.html\n"
         "  oncollide accuracy study a.obj b.obj --poses poses.txt --max-errors 0.1,0.01,0.001 --csv study.csv\n"

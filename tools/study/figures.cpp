@@ -10,7 +10,7 @@
 namespace oncollide::tools {
 namespace {
 
-/// A row of bars, one a column, each with its number beside it.
+/// A row of bars, one per column, each with its number.
 struct BarRow {
     std::string name;
     std::vector<double> lengths; ///< 0 to 1
@@ -45,7 +45,7 @@ void draw_bars(OutputFile& file, std::string_view title, const std::vector<std::
     file.print("</svg>\n");
 }
 
-/// The series in order of their first row, and the rows of each.
+/// The series, in order of their first row, with their rows.
 std::vector<std::pair<std::string, std::vector<const StudyRow*>>> by_series(const Study& study)
 {
     std::vector<std::pair<std::string, std::vector<const StudyRow*>>> result;
@@ -70,7 +70,7 @@ void draw_speed_error(OutputFile& file, const Study& study)
     double least = 1e300;
     for (const StudyRow& row : study.rows)
         if (row.error > 0) least = std::min(least, row.error);
-    // Exact answers have no logarithm: they stand a decade to the left of the others.
+    // Exact results have no logarithm: they are drawn a decade to the left of the others.
     const double exact = least < 1e300 ? std::pow(10, std::floor(std::log10(least)) - 1) : 1;
     const auto point = [&](const StudyRow& row) {
         return PlotLine::Point{row.error > 0 ? row.error : exact, study.mean_ms(row.ms)};
@@ -88,12 +88,12 @@ void draw_speed_error(OutputFile& file, const Study& study)
     for (const StudyPeer& peer : study.peers) {
         const PlotLine::Point at{exact, study.mean_ms(peer.ms)};
         if (on_front(study, peer)) front.push_back(at);
-        const std::string label = peer.right() ? peer.name : peer.name + ", which errs";
+        const std::string label = peer.right() ? peer.name : peer.name + ", not error-free";
         panel.lines.push_back(line_of(label, {at}, panel.lines.size(), PlotLine::Weight::peer));
     }
     if (front.size() > 1)
         panel.lines.push_back(
-            line_of("fastest for its error", std::move(front), panel.lines.size(), PlotLine::Weight::baseline));
+            line_of("fastest at its error", std::move(front), panel.lines.size(), PlotLine::Weight::baseline));
     draw_line_plot(file, {&panel, 1},
                    {.x_label = "certified error, m (logarithmic)",
                     .y_label = "ms per frame, mean (logarithmic)",

@@ -7,7 +7,7 @@
 namespace oncollide::tools {
 namespace {
 
-constexpr std::size_t most_errors = 10; ///< of a peer, in words
+constexpr std::size_t most_errors = 10; ///< listed per peer
 
 void judge_false_positive(StudyRow& row, const Sighting& found, double lower)
 {
@@ -69,7 +69,7 @@ void judge(StudyPeer& peer, std::span<const BodyPair> colliding, StudyTruth& tru
     for (BodyPair pair : colliding)
         if (!truth.collide(pair)) {
             ++peer.invented;
-            tell(pair, fmt::format("calls colliding, at {:.3g} m,", truth.distance(pair).high));
+            tell(pair, fmt::format("reports as colliding, though {:.3g} m apart,", truth.distance(pair).high));
         }
 }
 

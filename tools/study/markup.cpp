@@ -9,7 +9,7 @@ namespace oncollide::tools {
 std::string escaped(std::string_view text)
 {
     std::string result;
-    for (const char c : printable(text)) { // XML allows no control characters
+    for (const char c : printable(text)) { // XML does not allow control characters
         switch (c) {
         case '<':
             result += "&lt;";

@@ -6,11 +6,11 @@
 
 namespace oncollide::tools {
 
-/// `text` for SVG and HTML, between tags or in a quoted attribute. Control characters, which XML has none of, become
+/// `text` for SVG and HTML, between tags or in a quoted attribute. Control characters, which XML does not allow, become
 /// spaces.
 std::string escaped(std::string_view text);
 
-/// Words of SVG at a place. @param anchor  start, middle or end  @param style  a class of the style sheet
+/// Writes SVG text. @param anchor  start, middle or end  @param style  a class of the style sheet
 void svg_text(OutputFile& file, double x, double y, std::string_view anchor, std::string_view style,
               std::string_view words);
 

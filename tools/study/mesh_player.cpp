@@ -19,7 +19,7 @@ constexpr std::size_t most_structures = 100;
 /// Two geometries, first <= second.
 using GeometryPair = std::pair<std::uint32_t, std::uint32_t>;
 
-/// Those of which bodies may meet, as far as static bodies tell.
+/// Pairs of geometries whose bodies can collide: at least one of the two bodies is dynamic.
 std::vector<GeometryPair> geometry_pairs(const Scene& scene)
 {
     std::vector<std::uint32_t> bodies(scene.geometries.size()), movers(bodies.size());
@@ -110,11 +110,11 @@ private:
     }
 
     const Scene& scene_;
-    std::vector<std::unique_ptr<NarrowPeer>> peers_; ///< by first and second geometry
+    std::vector<std::unique_ptr<NarrowPeer>> peers_; ///< by pair of geometries
     std::vector<PoseBounds> bounds_;                 ///< by geometry
     std::vector<Aabb> boxes_;
     std::vector<std::uint32_t> moving_;
-    std::unique_ptr<BroadPeer> broad_; ///< none: the two bodies are always the pair
+    std::unique_ptr<BroadPeer> broad_; ///< null: the two bodies are always the pair
     std::vector<BodyPair> candidates_;
     std::size_t bytes_ = 0;
 };
@@ -128,12 +128,12 @@ std::string why_not(const PeerKind& kind, const Scene& scene)
     for (GeometryId used : scene.geometry) {
         const auto* mesh = std::get_if<Mesh>(&scene.geometries[index(used)].data);
         const std::string& name = scene.geometries[index(used)].name;
-        if (!mesh) return fmt::format("plays meshes only, and '{}' is none", name);
+        if (!mesh) return fmt::format("supports only meshes, and '{}' is not a mesh", name);
         if (mesh->triangles.size() < narrow.least)
-            return fmt::format("crashes on meshes of fewer than {} triangles, and '{}' is one", narrow.least, name);
+            return fmt::format("crashes on meshes of fewer than {} triangles, such as '{}'", narrow.least, name);
     }
     if (const std::size_t pairs = geometry_pairs(scene).size(); pairs > most_structures)
-        return fmt::format("needs a structure for each two geometries, and {} are more than {}", grouped(pairs),
+        return fmt::format("needs a structure per pair of geometries, and {} are more than {}", grouped(pairs),
                            most_structures);
     return {};
 }

@@ -6,7 +6,7 @@
 namespace oncollide::tools {
 namespace {
 
-/// Grown by more than rounding, and poses that are rigid to 1e-6 only, can move a point.
+/// The body's world AABB, grown by more than rounding, and poses that are rigid only to 1e-6, can move a point.
 Aabb world_box(const Scene& scene, std::uint32_t body, double clearance)
 {
     const Geometry& geometry = scene.geometries[index(scene.geometry[body])];

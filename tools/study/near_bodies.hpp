@@ -6,8 +6,8 @@
 
 namespace oncollide::tools {
 
-/// For the truth: every two bodies whose world boxes are within `clearance`, of all vertices and generously rounded,
-/// and that may collide; sorted. By a sweep along x.
+/// For the truth: all pairs of bodies that may collide and whose world AABBs, of all vertices and rounded generously,
+/// are within `clearance`; sorted. Found by a sweep along x.
 std::vector<BodyPair> near_bodies(const Scene& scene, double clearance);
 
 } // namespace oncollide::tools

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int no_ageing = 1'000'000; ///< frames
 
-/// Nodes of all oriented boxes of a mesh.
+/// Number of nodes in the whole OBB tree of a mesh.
 std::uint64_t all_boxes(const Mesh& mesh)
 {
     ObbTree tree(mesh);
@@ -27,7 +27,7 @@ std::uint64_t all_boxes(const Mesh& mesh)
     return tree.nodes();
 }
 
-/// Trees grown everywhere, each counted once.
+/// Fully grown trees; each is counted once.
 class WholeModel {
 public:
     explicit WholeModel(const Scene& scene) : scene_(scene), boxes_(scene.geometries.size()), cells_(boxes_.size()) {}
@@ -38,7 +38,7 @@ public:
         return boxes_[geometry];
     }
 
-    /// Cells that a tree of that depth stores: its leaves are not. None when a level has too many.
+    /// Cells that a tree of this depth stores, without its leaves. Empty if a level has too many.
     std::optional<std::uint64_t> cells(std::uint32_t geometry, int depth)
     {
         std::vector<std::uint64_t>& levels = cells_[geometry];
@@ -62,7 +62,7 @@ private:
     std::vector<std::vector<std::uint64_t>> cells_; ///< by geometry and level
 };
 
-/// The workload once more, without ageing where it dropped something. What trees hold at its end.
+/// Plays the workload again, without ageing if cells were dropped, and counts the trees' nodes at its end.
 void count(StudyWorkload& workload, StudyRow& row, WholeModel& whole, const std::vector<std::uint8_t>& used)
 {
     Settings settings = row.variant.settings;
@@ -73,7 +73,7 @@ void count(StudyWorkload& workload, StudyRow& row, WholeModel& whole, const std:
         workload.move(frame);
         row.nodes_needed = pipeline.step(workload.scene).trees.nodes;
     }
-    int deepest = settings.depth.value_or(1); // max_error: of trees that nothing reached, the depth of the deepest
+    int deepest = settings.depth.value_or(1); // max_error: depth for trees that no test reached
     for (std::uint32_t g = 0; g < used.size(); ++g)
         if (const Ocst* tree = pipeline.tree(GeometryId{g})) deepest = std::max(deepest, tree->depth());
     const bool exact = settings.exact == ExactLevel::predicates;
@@ -96,7 +96,7 @@ void count_needed(StudyWorkload& workload, Study& study)
     WholeModel whole(workload.scene);
     std::vector<std::uint8_t> used(workload.scene.geometries.size());
     for (GeometryId geometry : workload.scene.geometry) used[index(geometry)] = 1;
-    Progress progress("counting what was needed: variant", study.rows.size());
+    Progress progress("counting needed nodes: variant", study.rows.size());
     for (StudyRow& row : study.rows) count(workload, row, whole, used), progress.step();
 }
 

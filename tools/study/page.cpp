@@ -63,18 +63,18 @@ void write_summary(OutputFile& file, const Study& study)
                                 grouped(study.bodies), grouped(std::uint64_t(study.frames)), grouped(study.colliding),
                                 study.size));
     if (study.faulty())
-        fault(file, fmt::format("FAULT: {} collisions missed, {} invented, {} bounds broken, {} answers beside the "
-                                "poses contradicted.",
+        fault(file, fmt::format("FAULT: {} collisions missed, {} invented, {} bounds broken, {} results in the pose "
+                                "file contradicted.",
                                 missed, invented, broken, study.contradicted));
     else
-        paragraph(file, "Of the variants that certify their results, none missed or invented a collision, and every "
+        paragraph(file, "No variant that certifies its results missed or invented a collision, and every "
                         "false positive lies within its bound.");
     if (lost) fault(file, fmt::format("gl-query, which certifies nothing, missed {} collisions.", lost));
     write_errors_of_peers(file, study);
-    for (const std::string& note : study.left_out) paragraph(file, "Left out: " + note);
+    for (const std::string& note : study.left_out) paragraph(file, "Skipped: " + note);
 }
 
-/// Two tables: one would not fit a page.
+/// Two tables: a single one would not fit on a page.
 void write_tables(OutputFile& file, const Study& study)
 {
     file.print("<div class=\"scroll\"><table>\n<thead><tr><th>variant</th><th>error, m</th><th>% of size</th>"
@@ -95,7 +95,7 @@ void write_tables(OutputFile& file, const Study& study)
                    ratio_text(study, peer.ms), peer.colliding, peer.missed, peer.invented);
     file.print("</tbody>\n</table></div>\n<div class=\"scroll\"><table>\n<thead><tr><th>variant</th>"
                "<th>tests of spheres or boxes</th><th>tests of triangles</th><th>MB of trees</th>"
-               "<th>reached, of the full trees (needed)</th><th>distance of false positives, m (median)</th>"
+               "<th>share of the full trees reached (needed)</th><th>distance of false positives, m (median)</th>"
                "<th>at most, m</th></tr></thead>\n<tbody>\n");
     const std::uint64_t n = std::uint64_t(study.frames);
     for (const StudyRow& row : study.rows)
@@ -112,12 +112,11 @@ void write_tables(OutputFile& file, const Study& study)
 
 void write_pictures(OutputFile& file, const StudyPictures& pictures)
 {
-    heading(file, "The worst false positives, and what was missed");
+    heading(file, "The worst false positives, and missed collisions");
     if (!pictures.none.empty()) return paragraph(file, "No pictures: " + pictures.none);
     if (pictures.all.empty()) return paragraph(file, "There were none.");
-    paragraph(file, "Left both bodies, right the place where they are nearest. Red spheres, the darkest in print, are "
-                    "those that touched; "
-                    "bodies told apart by oriented boxes are shown without spheres.");
+    paragraph(file, "Left: both bodies; right: their nearest points. Red spheres, the darkest in print, touched "
+                    "spheres of the other body; bodies separated by OBBs are shown without spheres.");
     for (const StudyPicture& picture : pictures.all)
         file.print(
             "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"/><figcaption>{0}</figcaption></figure>\n",
@@ -136,20 +135,20 @@ void write_study_page(OutputFile& file, const Study& study, const StudyPictures&
     draw_speed_error(file, study);
     file.print("</figure>\n");
     paragraph(file,
-              "Error is the largest certified bound of a pair that was not ruled out (left over): no pair called "
-              "within it is "
-              "farther apart. Other libraries and the exact levels stand at the left. Those marked ★ are the fastest "
-              "for their error: no other is both as exact and as fast. A library that erred is not exact.");
+              "Error is the largest certified bound of a pair that was not ruled out (left over): no such pair is "
+              "farther apart. Other libraries and the exact levels are at the left edge. A row with ★ is the fastest "
+              "at its error: no other row is at least as exact and as fast. A library with an error does not count as "
+              "exact.");
     write_tables(file, study);
     paragraph(
         file,
-        "Verdicts, missed and false positives are counted over all frames, tests are means per frame. Missed: "
-        "the bodies collide by exact arithmetic, and were called separate. False positives: not ruled out, but "
-        "apart; their true distance is bounded in long double between meshes. Needed: cells and boxes that a test ever "
-        "reached, of those that the same trees have when they are grown everywhere.");
+        "Verdicts, missed collisions and false positives are counted over all frames; tests are means per frame. "
+        "Missed: the bodies collide by exact arithmetic, but were reported separate. False positives: not ruled out, "
+        "but apart; between meshes their true distance is bounded in long double. Needed: the share of the fully grown "
+        "trees' cells and boxes that a test ever reached.");
     heading(file, "Time by stage, ms per frame");
     draw_stage_times(file, study);
-    heading(file, "What each stage leaves, pairs per frame (bars logarithmic)");
+    heading(file, "Pairs left by each stage, per frame (bars logarithmic)");
     draw_funnel(file, study);
     heading(file, "True distance of the false positives, in percent of their bound");
     if (std::ranges::any_of(study.rows, &StudyRow::false_positives))
@@ -157,7 +156,7 @@ void write_study_page(OutputFile& file, const Study& study, const StudyPictures&
     else
         paragraph(file, "There were no false positives.");
     write_pictures(file, pictures);
-    heading(file, "How it was measured");
+    heading(file, "Measurement");
     file.print("<pre>");
     for (std::size_t at = 0; at < about.size();) {
         const std::size_t end = std::min(about.find('\n', at), about.size());

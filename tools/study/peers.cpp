@@ -17,7 +17,7 @@ namespace {
 const std::vector<PeerKind>& all_kinds()
 {
     static const std::vector<PeerKind> kinds{{"fcl", "FCL", "", ""},
-                                             {"ode", "ODE", "kd", "ode"}, // its own spaces are in no benchmark
+                                             {"ode", "ODE", "kd", "ode"}, // ODE's own spaces are not measured
                                              {"bullet", "Bullet", "bullet-dbvt", "bullet-gimpact"},
                                              {"embree", "Embree", "embree-rebuild", "embree-refit"},
                                              {"cgal", "CGAL", "cgal", "cgal"}};
@@ -39,15 +39,15 @@ private:
     FclWorld world_;
 };
 
-/// What the peers cannot do; empty: nothing.
+/// Requests that no peer supports; empty: none.
 std::string why_not_by_peers(const Settings& request)
 {
     if (request.clearance > 0) return "has no query for a clearance";
     if (request.mode == Mode::solid) return "has no query for solids";
-    return request.ignore_touching ? "cannot leave out what only touches" : "";
+    return request.ignore_touching ? "cannot ignore touching pairs" : "";
 }
 
-/// Debian's package of a library that this build does without; empty: it is there.
+/// Debian's package of a library that this build lacks; empty: the build has it.
 std::string missing_package(const PeerKind& kind)
 {
     for (const MissingPeer& peer : narrow_contenders().missing)
@@ -69,7 +69,7 @@ std::vector<PeerKind> peers_from_names(const std::string& list)
         const auto at = std::ranges::find(all_kinds(), name, &PeerKind::name);
         if (at == all_kinds().end())
             throw Error(ErrorKind::usage,
-                        fmt::format("--peers {}: no such peer{}", name, valid_names(name, names, "there are")));
+                        fmt::format("--peers {}: unknown peer{}", name, valid_names(name, names, "there are")));
         if (std::ranges::find(chosen, name, &PeerKind::name) == chosen.end()) chosen.push_back(*at);
     }
     return chosen;

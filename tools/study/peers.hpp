@@ -7,10 +7,10 @@
 
 #include "study/workload.hpp"
 
-// Who plays a study beside the variants: other libraries, each as well as it can be used.
+// The other libraries in a study, each used as well as possible.
 namespace oncollide::tools {
 
-/// A library at work on a workload.
+/// A library that plays a workload.
 class StudyPlayer {
 public:
     virtual ~StudyPlayer() = default;
@@ -19,34 +19,34 @@ public:
         std::uint64_t candidates = 0;
         std::vector<BodyPair> colliding; ///< sorted
     };
-    /// Of the scene as it stands.
+    /// Plays the scene at its current poses.
     virtual Result step() = 0;
-    virtual std::size_t bytes() const = 0; ///< of what it built
+    virtual std::size_t bytes() const = 0; ///< of its models and trees
 };
 
-/// A library as --peers names it.
+/// A library by its name in --peers.
 struct PeerKind {
     std::string name, library;
-    std::string broad, narrow; ///< contenders of 'bench broad' and 'bench narrow'; FCL has a world of its own
+    std::string broad, narrow; ///< contenders of 'bench broad' and 'bench narrow'; FCL uses its own world
 };
 
-/// Empty: those that keep a tree of either mesh; Embree and CGAL go through all of a mesh for each query. Else
-/// "all", "none", or names with commas. Throws Error{usage} that lists the names.
+/// Parses "all", "none", or a comma-separated list. Empty: the libraries that keep a tree of both meshes; Embree and
+/// CGAL process a whole mesh per query. Throws Error{usage} that lists the names.
 std::vector<PeerKind> peers_from_names(const std::string& list);
 
-/// Takes out those that are not in this build or have no such query, and says why, a line each.
+/// Removes libraries that are not in this build or lack such a query. Returns one line per library with the reason.
 std::vector<std::string> leave_out(std::vector<PeerKind>& kinds, const StudyWorkload& workload,
                                    const Settings& request);
 
 /// Builds models, trees and objects; the workload's scene must outlive it.
 std::unique_ptr<StudyPlayer> make_player(const PeerKind& kind, const StudyWorkload& workload);
 
-// The parts of the above for those that know triangles only.
+// Parts of the above for libraries that support only triangles.
 
-/// Why these cannot play the scene; empty when they can.
+/// The reason why the library cannot play the scene; empty if it can.
 std::string why_not(const PeerKind& kind, const Scene& scene);
-/// One structure for each two geometries whose bodies may meet, made now. A scene's pairs come from the broad phase,
-/// over our boxes; two meshes in poses have no need of one.
+/// Makes one structure per pair of geometries whose bodies may collide. A scene's pairs come from the broad phase
+/// `broad`, over AABBs of oncollide; two meshes in poses need none.
 std::unique_ptr<StudyPlayer> make_mesh_player(const PeerKind& kind, const StudyWorkload& workload);
 
 } // namespace oncollide::tools

@@ -25,7 +25,8 @@ struct Scenario {
     bool miss;
 };
 
-/// Misses first; then, of each series, the rows with the largest and the smallest error that have a false positive.
+/// Missed collisions first; then, for each series, the rows with the largest and the smallest error that have a false
+/// positive.
 std::vector<Scenario> choose(const Study& study)
 {
     std::vector<Scenario> chosen;
@@ -45,7 +46,7 @@ std::vector<Scenario> choose(const Study& study)
     return chosen;
 }
 
-/// Between the two triangles that are nearest; none when the pair is no pair of meshes.
+/// The point midway between the two nearest triangles; empty unless both bodies are meshes.
 std::optional<Eigen::Vector3d> nearest_place(const Scene& scene, BodyPair pair)
 {
     const auto mesh = [&](std::uint32_t body) {
@@ -83,7 +84,7 @@ StudyPicture draw(StudyWorkload& workload, const Scenario& scenario, Painter& pa
         for (const PairResult& p : view.pairs)
             if (index(p.a) == pair.a && index(p.b) == pair.b) pairs.push_back(p);
     }
-    // Oriented boxes are not drawn: their spheres would be those of other pairs.
+    // OBBs are not drawn: the spheres of their bodies would belong to other pairs.
     ScenePictures::Shown shown{.spheres = !wants_obbs(settings),
                                .bodies = std::vector<std::uint8_t>(scene.size()),
                                .clearance = settings.clearance};
@@ -103,10 +104,9 @@ StudyPicture draw(StudyWorkload& workload, const Scenario& scenario, Painter& pa
         picture.camera.look_at = *place, picture.camera.eye = *place + 2 * size * back;
         paste(painter, picture, image, side);
     }
-    const std::string what = scenario.miss
-                                 ? "missed: they collide, and were called separate"
-                                 : fmt::format("false positive: {:.3g} m apart, certified to be within {:.3g} m",
-                                               scenario.at.distance, scenario.at.bound);
+    const std::string what = scenario.miss ? "missed: they collide, but were reported separate"
+                                           : fmt::format("false positive: {:.3g} m apart, certified within {:.3g} m",
+                                                         scenario.at.distance, scenario.at.bound);
     return {fmt::format("{}, frame {}: {} and {}; {}.", scenario.row->variant.name, workload.number(scenario.at.frame),
                         scene.label(BodyId{pair.a}), scene.label(BodyId{pair.b}), what),
             packed_png(image)};

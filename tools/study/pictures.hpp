@@ -13,12 +13,12 @@ struct StudyPicture {
 
 struct StudyPictures {
     std::vector<StudyPicture> all;
-    std::string none; ///< why there are none; empty when there could be some
+    std::string none; ///< why there are none; empty if pictures are possible
 };
 
-/// Pairs that were missed, and the worst false positives of each series at its widest and its narrowest error: both
-/// bodies from afar, and the place where they are nearest. Each is found by playing the workload again up to its frame.
-/// Without a renderer there are none.
+/// Draws missed pairs, and the worst false positives of each series at its largest and its smallest error: both bodies
+/// from afar, and their nearest points. The workload is played again up to each frame. Draws nothing without a
+/// renderer.
 StudyPictures draw_study_pictures(StudyWorkload& workload, const Study& study);
 
 } // namespace oncollide::tools

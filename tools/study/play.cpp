@@ -21,7 +21,7 @@ void add(TreeStats& sum, const TreeStats& frame)
     sum.nodes = std::max(sum.nodes, frame.nodes), sum.bytes = std::max(sum.bytes, frame.bytes);
 }
 
-/// Keeps the least time of a frame; true when this one is it.
+/// Keeps the least time of a frame; true if `now` is the least.
 bool take_time(std::vector<double>& ms, int frame, double now)
 {
     if (int(ms.size()) == frame) {
@@ -41,7 +41,7 @@ void take_times(StudyRow& row, const FrameView& view, int frame)
     for (std::size_t k = 0; k < stages.size(); ++k) stages[k] = view.stages[k].cpu_ms;
 }
 
-/// Everybody who plays, from nothing.
+/// All variants and libraries, in their initial state.
 struct Players {
     StudyTruth truth;
     std::vector<Pipeline> pipelines;
@@ -94,7 +94,7 @@ void play_once(StudyWorkload& workload, Study& study, Players& all, int repeat, 
     }
 }
 
-/// What all variants are to find; those without an exact level cannot tell what only touches.
+/// The request to all variants; variants without an exact level cannot recognise touching pairs.
 Settings request_of(const std::vector<StudyVariant>& variants)
 {
     Settings request = variants.front().settings;

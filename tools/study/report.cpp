@@ -116,7 +116,7 @@ double false_positive_quantile(const StudyRow& row, double q)
 void print_study(const Study& study)
 {
     const std::uint64_t n = std::uint64_t(study.frames);
-    // Two tables: one would be wider than a terminal.
+    // Two tables: a single one would be wider than a terminal.
     say("{:<32}{:>10}{:>8}{:>11}{:>7}{:>10}{:>8}{:>8}\n", "speed and error", "error m", "% size", "ms mean", "x FCL",
         "left over", "false", "missed");
     for (const StudyRow& row : study.rows) {
@@ -131,7 +131,7 @@ void print_study(const Study& study)
     for (const StudyPeer& peer : study.peers)
         say("{:<32}{:>10}{:>8}{:>11.4f}{:>7}{:>10}{:>8}{:>8}{}\n", peer.name, 0, 0, study.mean_ms(peer.ms),
             ratio_text(study, peer.ms), peer.colliding, peer.invented, peer.missed, on_front(study, peer) ? "  *" : "");
-    say("(left over: pairs that are not certified separate; false: those of them that are apart; * fastest for its "
+    say("(left over: pairs that are not certified separate; false: pairs left over that are apart; * fastest at its "
         "error)\n\n");
 
     say("{:<32}{:>11}{:>10}{:>10}{:>11}{:>11}{:>9}{:>9}\n", "work per frame", "ms median", "at m", "worst m", "nodes",
@@ -143,14 +143,13 @@ void print_study(const Study& study)
             mean_count(row.trees.triangle_pairs, n), double(row.trees.bytes) / 1e6, needed_text(row));
     for (const StudyPeer& peer : study.peers)
         say("{:<32}{:>11.4f}{:>51.3f}\n", peer.name, study.median_ms(peer.ms), double(peer.bytes) / 1e6);
-    say("(at m: distance of the false positives in the median; nodes, triangles: tests; needed: share of the full "
-        "trees "
-        "that was reached)\n");
+    say("(at m: median distance of the false positives; nodes, triangles: tests; needed: share of the full trees that "
+        "was reached)\n");
     for (const StudyPeer& peer : study.peers)
         for (const std::string& error : peer.errors) say("{:<10} {}\n", peer.name + " errs", error);
     if (study.contradicted)
-        say("FAULT      the answers beside the poses contradict the truth {} times\n", study.contradicted);
-    say("(counts over all frames, tests per frame in the mean)\n");
+        say("FAULT      the results in the pose file contradict the truth {} times\n", study.contradicted);
+    say("(counts over all frames, tests: mean per frame)\n");
 }
 
 void write_study_csv(OutputFile& file, const Study& study)

@@ -6,35 +6,35 @@
 #include "study/pictures.hpp"
 #include "study/study.hpp"
 
-// What a study is written as: a table, CSV, JSON, and a page with figures.
+// The formats of a study: a table, CSV, JSON, and a page with figures.
 namespace oncollide::tools {
 
 void print_study(const Study& study);
-/// One row a variant; those of peers last.
+/// One row per variant, then one per peer.
 void write_study_csv(OutputFile& file, const Study& study);
 void write_study_json(OutputFile& file, const Study& study, const std::string& program);
 
-/// The share of the model that the row's trees needed, "3.1 %"; "-" when unknown.
+/// The row's needed share of the full trees, "3.1 %"; "-" if unknown.
 std::string needed_text(const StudyRow& row);
-/// How many times as fast as FCL, "2.50"; "-" without it.
+/// Speed relative to FCL, "2.50"; "-" without FCL.
 std::string ratio_text(const Study& study, const std::vector<double>& ms);
-/// Certified bound: "0.0123", "0" where the exact level decided all.
+/// Certified bound: "0.0123", "0" if the exact level decided all pairs.
 std::string error_text(const StudyRow& row);
-/// Of the false positives' true distances, m; q from 0 to 1. 0 when there are none.
+/// The q-quantile of the false positives' true distances, m; q from 0 to 1. 0 if there are none.
 double false_positive_quantile(const StudyRow& row, double q);
 
-/// One HTML page that needs nothing else: no network, no scripts, no fonts, pictures inside. Well-formed as XML too.
+/// Writes a self-contained HTML page: no network, scripts or fonts; pictures embedded. Well-formed as XML, too.
 /// @param about  settings and program, lines of plain text
 void write_study_page(OutputFile& file, const Study& study, const StudyPictures& pictures, const std::string& about);
 
-// The figures of the page, as inline SVG. Nothing in them is told by colour alone.
-/// Time a frame against certified error, a line a series; exact answers and peers at the left edge.
+// The figures of the page, as inline SVG. No information is shown by colour alone.
+/// Time per frame against certified error, one line per series; exact results and peers at the left edge.
 void draw_speed_error(OutputFile& file, const Study& study);
-/// Time of each stage, a row a variant.
+/// Time of each stage, one row per variant.
 void draw_stage_times(OutputFile& file, const Study& study);
-/// Pairs that enter and leave the stages, a row a variant.
+/// Pairs that enter and leave the stages, one row per variant.
 void draw_funnel(OutputFile& file, const Study& study);
-/// True distances of the false positives, in tenths of their bound, a row a variant.
+/// True distances of the false positives, in tenths of their bound, one row per variant.
 void draw_false_positives(OutputFile& file, const Study& study);
 
 } // namespace oncollide::tools

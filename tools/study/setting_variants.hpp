@@ -6,21 +6,21 @@
 
 #include <oncollide/pipeline/settings.hpp>
 
-// Which settings are compared with each other: the one list of 'accuracy', 'accuracy hard' and the crowd.
+// The settings compared by 'accuracy', 'accuracy hard' and the crowd trial.
 namespace oncollide::tools {
 
-/// One way to run the pipeline.
+/// A way to run the pipeline.
 struct SettingVariant {
     std::string name;
     Settings settings;
 };
 
-/// Each of the exact levels with each bounding volume, all else as in `base`.
+/// Every combination of the exact levels and the bounding volumes; other settings as in `base`.
 std::vector<SettingVariant> levels_and_volumes(std::span<const ExactLevel> levels, const Settings& base);
 
-/// One change of settings.
+/// A change of settings.
 struct SettingChange {
-    std::string name; ///< as results name it
+    std::string name; ///< its name in results
     std::function<void(Settings&)> apply;
 };
 
@@ -28,7 +28,7 @@ struct SettingChange {
 std::vector<SettingChange> changes_of_method();
 
 constexpr const char* stage_names[] = {"bounds", "delimitation", "broad", "ocst", "exact"};
-/// Leaves the stage out: results may only get wider.
+/// Skips the stage: results may only get wider.
 SettingChange without_stage(const char* stage);
 
 } // namespace oncollide::tools

@@ -35,7 +35,7 @@ bool counts(const StudyRow& row)
     return row.variant.certified() && !row.faulty();
 }
 
-/// No answer that counts is both as exact and as fast, and better in one of them.
+/// True if no counted result is at least as exact and as fast, and better in one of both.
 bool unbeaten(const Study& study, double ms, double error)
 {
     const auto beats = [&](double other_ms, double other_error) {

@@ -16,7 +16,7 @@
 namespace oncollide::tools {
 namespace {
 
-/// Of the bodies' size: what the exact level's distances may round by.
+/// Largest rounding error of the exact level's distances, relative to the bodies' size.
 constexpr double distance_rounding = 0x1p-36;
 
 const Geometry& geometry_of(const Scene& scene, std::uint32_t body)
@@ -30,7 +30,7 @@ bool is_half_space(const Geometry& geometry)
     return shape && std::holds_alternative<HalfSpace>(*shape);
 }
 
-/// `box` as another frame sees it, wide enough for all rounding.
+/// `box` in another frame, grown to include all rounding.
 Aabb moved(const Aabb& box, const Eigen::Isometry3d& pose)
 {
     Aabb result;
@@ -46,8 +46,8 @@ Aabb grown(Aabb box, double by)
     return box;
 }
 
-/// Points that stand for all parts of a shape or a map: each is on one side of a surface that it does not
-/// meet.
+/// One point for each part of a shape or a map. If a part does not meet a surface, its point and the whole part are on
+/// the same side.
 std::vector<Eigen::Vector3d> points_of(const Geometry& geometry)
 {
     std::vector<Eigen::Vector3d> points;
@@ -62,7 +62,7 @@ std::vector<Eigen::Vector3d> points_of(const Geometry& geometry)
 
 } // namespace
 
-/// What is kept of a mesh, or of a terrain as a mesh.
+/// Data of a mesh, or of a terrain as a mesh.
 struct StudyTruth::Model {
     Model(std::shared_ptr<const Mesh> given, Mode mode) : Model(*given, mode) { kept = std::move(given); }
     Model(const Mesh& mesh, Mode mode)
@@ -71,11 +71,11 @@ struct StudyTruth::Model {
     {
     }
 
-    std::shared_ptr<const Mesh> kept; ///< null: the scene's
+    std::shared_ptr<const Mesh> kept; ///< null: the scene holds the mesh
     HalvedMesh halved;
     BoxedTriangles at_home;
     bool solid;
-    std::vector<std::uint32_t> parts; ///< by triangle; solid mode only
+    std::vector<std::uint32_t> parts; ///< by triangle; only in solid mode
 
     bool winds_around(const BoxedTriangles& here, const Eigen::Vector3d& point) const
     {
@@ -83,7 +83,7 @@ struct StudyTruth::Model {
                std::abs(winding_number(here.points(), halved.mesh->triangles, point)) > 0.5L;
     }
 
-    /// Is a part of `inner` inside? The surfaces do not meet.
+    /// True if a part of `inner` is inside. Precondition: the surfaces do not meet.
     bool holds(const BoxedTriangles& here, const Model& inner, const BoxedTriangles& there) const
     {
         std::uint32_t next = 0;
@@ -180,7 +180,8 @@ DistanceTruth StudyTruth::mesh_distance(BodyPair pair) const
     return distance_of(model(pair.a)->halved, scene_.poses[pair.a], model(pair.b)->halved, scene_.poses[pair.b]);
 }
 
-/// Of shapes, cells and triangles, each a convex set. Extended precision errs by less than what is taken off.
+/// Distance of shapes, cells and triangles, each a convex set. The rounding subtracted exceeds the error of extended
+/// precision.
 DistanceTruth StudyTruth::convex_distance(BodyPair pair) const
 {
     const Geometry &a = geometry_of(scene_, pair.a), &b = geometry_of(scene_, pair.b);
@@ -202,7 +203,7 @@ DistanceTruth StudyTruth::convex_distance(BodyPair pair) const
     return distance;
 }
 
-/// Looks at the parts of each that are near the other first: a map may have millions.
+/// Tests parts near the other body first: a map may have millions.
 TrueDistance StudyTruth::bounded_distance(BodyPair pair) const
 {
     const auto sets = [&](std::uint32_t body, std::uint32_t other, double within) {
@@ -210,7 +211,7 @@ TrueDistance StudyTruth::bounded_distance(BodyPair pair) const
             moved(bounds_of(geometry_of(scene_, other)), scene_.poses[body].inverse() * scene_.poses[other]), within);
         return convex_sets(geometry_of(scene_, body).data, scene_.poses[body], &around);
     };
-    double far = 0; // there is nothing beyond
+    double far = 0; // all parts are within this distance
     for (const std::uint32_t body : {pair.a, pair.b})
         far += 2 * (bounds_of(geometry_of(scene_, body)).diagonal() + scene_.poses[body].translation().norm() +
                     bounds_of(geometry_of(scene_, body)).centre().norm());

@@ -13,30 +13,31 @@
 
 namespace oncollide::tools {
 
-/// The right results of a frame, by nothing that is under test: the boxes of every two bodies are compared, and every
-/// two meshes whose boxes overlap are decided by exact arithmetic on their triangles (tools/hard). Solid mode: by
-/// winding numbers. A terrain is the mesh of its heights as stored. Where a shape or a map takes part: the distance of
-/// convex sets, in extended precision, and of half-spaces from the points that reach farthest into them.
+/// The correct results of a frame, computed without any code under test. All pairs of AABBs are compared, and meshes
+/// whose AABBs overlap are decided by exact arithmetic on their triangles (tools/hard), in solid mode also by winding
+/// numbers. A terrain is the mesh of its stored heights. For shapes and maps: distances of convex sets in extended
+/// precision; for half-spaces: the points that reach farthest into them.
 class StudyTruth {
 public:
-    /// Clearance, mode and whether touching counts are taken from `request`. Keeps a reference to `scene`.
+    /// Takes clearance, mode and the treatment of touching from `request`. Keeps a reference to `scene`.
     StudyTruth(const Scene& scene, const Settings& request);
     ~StudyTruth();
 
-    /// At the scene's poses.
+    /// Computes the results at the scene's poses.
     void step();
     /// Pairs that collide, or are within the clearance, sorted.
     const std::vector<BodyPair>& colliding() const { return colliding_; }
     bool collide(BodyPair pair) const;
-    /// So near the clearance that rounding decides: either result is right.
+    /// True if the pair is so near the clearance that rounding decides: both results are accepted.
     bool open(BodyPair pair) const;
-    /// Of this frame: between meshes in long double, less what the pipeline's own bounds may round by.
+    /// The distance in this frame: between meshes in long double, less the rounding that the pipeline's bounds may
+    /// have.
     DistanceTruth distance(BodyPair pair);
 
 private:
     enum class Decision : std::uint8_t { apart, open, collide };
     struct Model;
-    const Model* model(std::uint32_t body) const; ///< null: no mesh and no terrain
+    const Model* model(std::uint32_t body) const; ///< null: neither mesh nor terrain
     Decision decide_meshes(BodyPair pair) const;
     Decision decide_other(BodyPair pair) const;
     DistanceTruth mesh_distance(BodyPair pair) const;

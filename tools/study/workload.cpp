@@ -15,18 +15,18 @@ namespace fs = std::filesystem;
 void check_scene(const WorkloadOptions& o)
 {
     if (o.use_poses || o.count || !o.distances.empty())
-        usage(fmt::format("{}: poses, distances and counts are for two meshes: MESH_A MESH_B", o.what[0]));
+        usage(fmt::format("{}: --poses, --distances and --count need two meshes: MESH_A MESH_B", o.what[0]));
 }
 
 void check_meshes(const WorkloadOptions& o)
 {
     if (o.what.size() > 2) usage(fmt::format("'{}': expected a scene or two meshes", o.what[2]));
     if (o.use_poses && o.poses.empty() == !o.what.empty())
-        usage(o.what.empty() ? fmt::format("--poses {}: needs the two meshes that it is about", o.poses)
-                             : "--poses: the data folder's poses have meshes of their own; name a pose file or no "
+        usage(o.what.empty() ? fmt::format("--poses {}: needs the two meshes that the poses are for", o.poses)
+                             : "--poses: the data folder's poses have their own meshes; name a pose file or no "
                                "meshes");
-    if (o.use_poses && !o.distances.empty()) usage("--distances: the poses of a file have their own");
-    if (o.scene.bodies || o.scene.frames) usage("--bodies and --frames are for scenes; --count for poses");
+    if (o.use_poses && !o.distances.empty()) usage("--distances: does not apply to the poses of a file");
+    if (o.scene.bodies || o.scene.frames) usage("--bodies and --frames apply only to scenes; use --count for poses");
     check_range("--count", o.count.value_or(1), 1, 100'000);
 }
 

@@ -12,27 +12,27 @@ struct WorkloadOptions {
     std::vector<std::string> what; ///< a scene, or two mesh files
     SceneOptions scene;
     bool use_poses = false; ///< a pose file instead of generated poses
-    std::string poses;      ///< that file; empty: the data folder's, with its own meshes
-    std::string distances;  ///< of generated poses, as make_workload() takes them
+    std::string poses;      ///< that file; empty: the set in the data folder, with its own meshes
+    std::string distances;  ///< of generated poses, as for make_workload()
     std::optional<int> count;
     int every = 1;
 };
 
-/// What a study looks at: a scene as it moves, or two meshes, of which the second is put into one pose a frame.
+/// The workload of a study: a scene in motion, or two meshes, of which the second takes one pose per frame.
 class StudyWorkload {
 public:
-    /// Throws Error{usage} for options that make no sense together, and whatever reading files throws.
+    /// Throws Error{usage} for options that contradict each other, and the errors of reading files.
     explicit StudyWorkload(const WorkloadOptions& options);
 
     Scene scene;
     std::string title;
 
     bool is_poses() const { return !poses_.empty(); }
-    int frames() const { return frames_; }                 ///< to be played
-    int number(int frame) const { return frame * every_; } ///< of a frame played: the scene's frame, or the pose
-    /// Puts the bodies where they are at the frame played. A run starts with frame 0.
+    int frames() const { return frames_; }                 ///< number of frames to play
+    int number(int frame) const { return frame * every_; } ///< of a played frame: the scene's frame, or the pose
+    /// Moves the bodies to their poses in the played frame. A run starts with frame 0.
     void move(int frame);
-    /// Does the pose file say whether the bodies collide there?
+    /// Whether the bodies collide in this frame, if the pose file states it.
     std::optional<bool> known(int frame) const;
 
 private:

@@ -284,7 +284,7 @@ void ViewPage::close()
                                          kept_.size(), grouped(seen_), megabytes(options_.most_bytes)));
     if (made.simplified)
         made.notes.push_back(
-            fmt::format("{} geometr{} shown simplified, with {} of {} triangles. Results are those of the full "
+            fmt::format("{} geometr{} shown simplified, with {} of {} triangles. Results refer to the full "
                         "geometries.",
                         made.simplified, made.simplified == 1 ? "y is" : "ies are", grouped(made.shown_triangles),
                         grouped(made.triangles)));

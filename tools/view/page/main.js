@@ -169,7 +169,7 @@ function fillSelection() {
   const box = document.querySelector("#selection > div"), chosen = selectedBodies();
   if (!chosen.length) return box.replaceChildren(element("p.hint", {}, "Click a body or a pair. ", element("kbd", {}, "N"), " goes to the next pair."));
   const parts = [];
-  if (state.pair) parts.push(...(chosenPair >= 0 ? pairFacts(frame, chosenPair) : [element("p.hint", {}, "These two are no pair in this frame" + (header.separate ? "." : ", or were found apart."))]), ...chosen.map((b) => bodyLink(b, chooseBody)));
+  if (state.pair) parts.push(...(chosenPair >= 0 ? pairFacts(frame, chosenPair) : [element("p.hint", {}, "These two are not a pair in this frame" + (header.separate ? "." : ", or are separate."))]), ...chosen.map((b) => bodyLink(b, chooseBody)));
   else {
     parts.push(bodyLink(state.body, fit), bodyFacts(state.body));
     const own = [];
@@ -201,9 +201,9 @@ function fillShow() {
   const levels = [...new Set(frame.level)].sort();
   document.querySelector("#show > div").replaceChildren(
     toggle("links", "Pairs: lines to both bodies, a mark at the pair", "L"), toggle("curves", "Where surfaces meet", "C"), toggle("bounds", "Bounds to scale: spheres of that radius", "B"),
-    toggle("labels", "Labels: bound and stage of each pair", "T"), toggle("regions", "Regions looked at (delimitation)", "R"),
+    toggle("labels", "Labels: bound and stage of each pair", "T"), toggle("regions", "Regions tested (delimitation)", "R"),
     state.regions ? (levels.length ? element("div.row", {}, element("span.soft", {}, "Level"), element("select", {onchange: (e) => ((state.regionLevel = +e.target.value), changed()), ariaLabel: "Level of the regions"},
-      element("option", {value: -1}, "all"), ...levels.map((l) => element("option", {value: l, selected: l === state.regionLevel}, String(l)))), element("small", {}, "blue: kept, grey: ruled out")) : element("p.hint", {}, "None in this frame: " + (frame.header.stages[1][4] || "nothing was looked at") + ".")) : null,
+      element("option", {value: -1}, "all"), ...levels.map((l) => element("option", {value: l, selected: l === state.regionLevel}, String(l)))), element("small", {}, "blue: kept, grey: ruled out")) : element("p.hint", {}, "None in this frame: " + (frame.header.stages[1][4] || "no region was tested") + ".")) : null,
     element("div.row", {}, element("span.soft", {}, "Colour bodies by"), element("select", {onchange: (e) => ((state.colours = e.target.value), (dirty = true)), ariaLabel: "Colour bodies by"},
       ...[["verdict", "verdict"], ["body", "body"]].map(([v, t]) => element("option", {value: v, selected: v === state.colours}, t)))));
 }
