@@ -28,7 +28,7 @@ public:
         fmt::format_to(std::back_inserter(buffer_), format, std::forward<Args>(args)...);
         if (buffer_.size() > 60'000) flush();
     }
-    /// Bytes as they are.
+    /// Writes bytes unchanged.
     void write(std::string_view bytes)
     {
         buffer_.append(bytes.data(), bytes.data() + bytes.size());

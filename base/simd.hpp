@@ -1,5 +1,5 @@
-// Eight float lanes, for kernel files only (see oncollide_add_kernel): everything here is in the kernel's own
-// namespace, so that code compiled for AVX never stands in for the baseline's.
+// Eight float lanes, for kernel files only (see oncollide_add_kernel). All code is in the kernel's own namespace, so
+// the linker cannot use functions compiled for AVX in the baseline kernel.
 #include <cstdint>
 #if defined(__SSE2__)
 #include <immintrin.h>

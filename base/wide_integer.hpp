@@ -78,7 +78,7 @@ int bit_length(const WideInteger<N>& a)
     return 0;
 }
 
-/// a / 2^bits, where |a| < 2^bits, within 2^-51 of its own magnitude or 2^-1073.
+/// a / 2^bits for |a| < 2^bits, with a relative error of at most 2^-51 or an absolute one of at most 2^-1073.
 template <int N>
 double scaled_down(const WideInteger<N>& a, int bits)
 {

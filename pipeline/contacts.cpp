@@ -11,7 +11,7 @@ namespace oncollide {
 
 namespace {
 
-/// The meshes' trees, once what they are made of is known to be valid.
+/// Checks the meshes and poses, then makes the meshes' OBB trees.
 struct TwoTrees {
     ObbTree a, b;
 

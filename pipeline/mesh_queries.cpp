@@ -14,7 +14,7 @@ namespace oncollide {
 
 namespace {
 
-constexpr std::size_t batch = 8192; // queries walked together: their parked work bounds the memory
+constexpr std::size_t batch = 8192; // queries per batch, which bounds the memory of parked traversals
 
 Settings checked(Settings s)
 {
@@ -23,11 +23,12 @@ Settings checked(Settings s)
     const Settings usual;
     if (s.exact == ExactLevel::fcl || s.mode != usual.mode || s.backend != usual.backend || !s.skip.empty() ||
         wants_kinds(s))
-        throw Error(ErrorKind::usage, "MeshQueries: exact is off or predicates, mode surface, the backend cpu, no "
-                                      "stage can be skipped, and contacts have no kind");
+        throw Error(ErrorKind::usage, "MeshQueries: exact must be off or predicates, mode surface and backend cpu; "
+                                      "skip and kinds are not supported");
     if (s.exact == ExactLevel::predicates && s.clearance > 0)
-        throw Error(ErrorKind::usage, "MeshQueries: a clearance has no exact result; leave exact off");
-    s.coherence = false; // a query's number says nothing about it
+        throw Error(ErrorKind::usage,
+                    "MeshQueries: clearance is not supported with exact = predicates; use exact = off");
+    s.coherence = false; // a query's index does not identify the pair
     return s;
 }
 
@@ -40,7 +41,7 @@ struct MeshQueries::Impl {
     BothLevels levels;
     RefineContext context;
     std::vector<MeshQuery> placed; ///< a batch of columns
-    std::vector<PairTask> tasks;   ///< of the batch under way
+    std::vector<PairTask> tasks;   ///< of the current batch
     std::vector<RefineResult> refined;
     std::vector<PairDistance> finders; ///< by thread
 
@@ -62,14 +63,15 @@ struct MeshQueries::Impl {
              {std::tuple(query.a, &query.pose_a, "pose_a"), std::tuple(query.b, &query.pose_b, "pose_b")}) {
             if (mesh >= models.size())
                 throw Error(ErrorKind::usage,
-                            fmt::format("query {}: there is no mesh {}, only {}", number, mesh, models.size()));
+                            fmt::format("query {}: there is no mesh {}; there are {} meshes", number, mesh,
+                                        models.size()));
             if (const std::string why = why_not_rigid(*pose); !why.empty())
                 throw Error(ErrorKind::bad_data, fmt::format("query {}: {}: {}", number, name, why));
         }
     }
 
-    /// Calls work(first) for batches whose tasks are ready.
-    /// @param batch_of  gives the queries from `first` on, `count` of them, checked
+    /// Prepares the tasks of each batch, then calls work(first).
+    /// @param batch_of  batch_of(first, count) checks and returns the queries [first, first + count)
     template <class BatchOf, class Work>
     void in_batches(std::size_t queries, BatchOf batch_of, Work work)
     {
@@ -137,7 +139,7 @@ struct MeshQueries::Impl {
         refined.assign(tasks.size(), {Verdict::undecided, ContactKind::unknown, unknown});
         levels.run(context, tasks, refined);
         const auto box = [](const Model& model, const Eigen::Isometry3d& pose) { return model.bounds().box(pose); };
-        for (std::size_t i = 0; i < tasks.size(); ++i) // what no level had room or time for
+        for (std::size_t i = 0; i < tasks.size(); ++i) // pairs that no level could test
             if (refined[i].verdict == Verdict::undecided && refined[i].bound == unknown)
                 refined[i].bound =
                     farthest_apart(box(*tasks[i].a, *tasks[i].pose_a), box(*tasks[i].b, *tasks[i].pose_b));
@@ -157,7 +159,7 @@ struct MeshQueries::Impl {
                 for (std::size_t i = begin; i < end; ++i) {
                     const PairTask& task = tasks[i];
                     Distance& out = distances[first + i];
-                    out = {}; // stopped, or a mesh for whose tree a budget has no room: nothing is known
+                    out = {}; // for queries not reached after a stop, or without room for a tree
                     if (i % 16 == 0) stopped = context.stopped();
                     if (!stopped && has_tree(*task.a) && has_tree(*task.b))
                         out = store.with_room([&] {

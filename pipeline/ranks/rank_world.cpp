@@ -32,7 +32,7 @@ void check_for_ranks(const Settings& settings)
         throw Error(ErrorKind::usage, std::string(what) + "; run in one process or omit the option");
     };
     if (settings.node_budget || settings.memory_budget)
-        refuse("--node-budget and --memory-budget limit all trees together, but the trees are spread over the processes");
+        refuse("--node-budget and --memory-budget limit all trees together, but each process has only some of them");
     if (std::ranges::count(settings.skip, "broad"))
         refuse("--skip broad needs all pairs of bodies, but no process has all bodies");
 }

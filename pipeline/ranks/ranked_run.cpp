@@ -90,7 +90,8 @@ void RankedRun::refuse_names_twice()
     together(ranks_, [&] {
         if (twice != marks.end())
             throw Error(ErrorKind::bad_data,
-                        fmt::format("body {}: has the same name as body {}; names must differ", twice[1].gid, twice->gid));
+                        fmt::format("body {}: has the same name as body {}; names must differ", twice[1].gid,
+                                    twice->gid));
     });
 }
 

@@ -26,7 +26,7 @@ constexpr std::size_t refiner_count = 6;
 /// |--------|---------------------------------------------------|---------|
 /// | refine | spheres                                           | spheres |
 /// | refine | OBBs, or one body is a terrain                    | obbs    |
-/// | refine | the same, and predicates are to decide            | none    |
+/// | refine | the same, and predicates decide                   | none    |
 /// | exact  | predicates                                        | exact   |
 /// | exact  | fcl                                               | fcl     |
 ///

@@ -16,7 +16,6 @@ public:
     /// @param contacts  all contacts of the pair
     /// Cost: a scan of all triangles of both bodies; one point location for each piece into which the contacts cut a
     /// mesh; and some dozens of point distances.
-    /// some dozens of distances of points.
     Penetration measure(const PairTask& task, std::span<const Contact> contacts);
 
 private:

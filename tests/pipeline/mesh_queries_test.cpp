@@ -146,7 +146,7 @@ TEST(MeshQueryColumns, RefuseOtherLengthsAndNameWhatIsWrong)
     columns = both.columns(), columns.poses_a = columns.poses_a.first(32);
     EXPECT_NE(message(columns).find("poses_a: 32 numbers; must be 48"), std::string::npos);
     both.b[1] = 6;
-    EXPECT_EQ(message(both.columns()), "query 1: there is no mesh 6, only 6");
+    EXPECT_EQ(message(both.columns()), "query 1: there is no mesh 6; there are 6 meshes");
     both.b[1] = 0, both.poses_b[16 + 12] = 1; // the matrix lies the other way round
     EXPECT_EQ(message(both.columns()), "query 1: pose_b: the pose's last row is not (0, 0, 0, 1)");
     EXPECT_THROW(queries.run(columns, verdicts, {}), Error);
