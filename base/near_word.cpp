@@ -32,9 +32,7 @@ std::string_view nearest(std::string_view word, const std::vector<std::string_vi
 {
     if (word.empty() || word.size() > longest_word) return {};
     std::string_view best;
-    std::size_t least = word.size() < 3   ? 2
-                        : word.size() < 6 ? 3
-                                          : 4; // accept only fewer edits than this
+    std::size_t least = word.size() < 3 ? 2 : word.size() < 6 ? 3 : 4; // accept only fewer edits than this
     for (const std::string_view name : names) {
         // Names of files and bodies may be of any length: if the lengths alone differ too much, skip the name.
         const std::size_t longer = std::max(name.size(), word.size()) - std::min(name.size(), word.size());

@@ -19,8 +19,7 @@ namespace oncollide {
 /// Changes since the last frame, as lists of slots for the broad phase; each slot is at most once in each list.
 struct BodyChanges {
     std::vector<std::uint32_t> removed, added_dynamic, added_static, moved, made_static, made_dynamic;
-    std::vector<std::uint32_t>
-        fresh; ///< bodies that are new or have a new geometry: cached data of them is void
+    std::vector<std::uint32_t> fresh; ///< bodies that are new or have a new geometry: cached data of them is void
     void clear();
 };
 
@@ -100,11 +99,11 @@ private:
     enum State : std::uint8_t {
         alive_bit = 1,
         static_bit = 2,
-        known_bit = 4,       ///< in the broad phase
+        known_bit = 4,        ///< in the broad phase
         known_static_bit = 8, ///< and static there
-        fresh_bit = 16,      ///< new, or with a new geometry
-        moved_bit = 32,      ///< pose or filter changed
-        listed_bit = 64,     ///< in changed_
+        fresh_bit = 16,       ///< new, or with a new geometry
+        moved_bit = 32,       ///< pose or filter changed
+        listed_bit = 64,      ///< in changed_
     };
     static std::uint64_t key(std::uint32_t a, std::uint32_t b)
     {

@@ -32,8 +32,8 @@ struct Frame {
     /// Reduces the candidates to the pairs that this World decides, and may swap their bodies; null: keep all. Set by
     /// RankWorld.
     std::function<void(const Bodies&, std::vector<BodyPair>&)> choose;
-    PairCache cache;                             ///< of the candidates
-    std::vector<PairResult> results;             ///< one per pair, in the same order
+    PairCache cache;                 ///< of the candidates
+    std::vector<PairResult> results; ///< one per pair, in the same order
     RefineContext context;
 };
 

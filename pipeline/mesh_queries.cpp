@@ -62,9 +62,8 @@ struct MeshQueries::Impl {
         for (const auto& [mesh, pose, name] :
              {std::tuple(query.a, &query.pose_a, "pose_a"), std::tuple(query.b, &query.pose_b, "pose_b")}) {
             if (mesh >= models.size())
-                throw Error(ErrorKind::usage,
-                            fmt::format("query {}: there is no mesh {}; there are {} meshes", number, mesh,
-                                        models.size()));
+                throw Error(ErrorKind::usage, fmt::format("query {}: there is no mesh {}; there are {} meshes", number,
+                                                          mesh, models.size()));
             if (const std::string why = why_not_rigid(*pose); !why.empty())
                 throw Error(ErrorKind::bad_data, fmt::format("query {}: {}: {}", number, name, why));
         }

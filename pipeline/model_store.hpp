@@ -137,7 +137,7 @@ private:
     std::vector<std::unique_ptr<Model>> passing_;
     std::size_t size_ = 0;
     std::vector<std::uint32_t> with_spheres_; ///< numbers of models with a sphere-tree
-    std::vector<Model*> with_obb_trees_;          ///< models with an OBB tree
+    std::vector<Model*> with_obb_trees_;      ///< models with an OBB tree
     std::vector<Model*> with_chunks_;         ///< the subset whose trees read chunks
     Room reserved_;                           ///< for with_obb_trees_, fully grown
     std::vector<const Model*> grids_;         ///< terrains, and maps in files
@@ -159,8 +159,8 @@ private:
                                    ///< prefetcher exists
     std::vector<Prepared> prepared_;
     std::unique_ptr<Prefetcher> ahead_; ///< null until needed; destroyed before the other members
-    std::uint32_t frame_ = 0;          ///< of the last age()
-    bool late_ = false;                ///< true if the last collapse() was postponed because the prefetcher was busy
+    std::uint32_t frame_ = 0;           ///< of the last age()
+    bool late_ = false;                 ///< true if the last collapse() was postponed because the prefetcher was busy
 };
 
 template <class Work>

@@ -70,9 +70,8 @@ void Pipeline::play(const Scene& scene)
 {
     Played& p = *played_;
     if (scene.size() < p.bodies)
-        throw Error(ErrorKind::usage,
-                    fmt::format("the scene has {} bodies, {} in the last call; pass the same scene", scene.size(),
-                                p.bodies));
+        throw Error(ErrorKind::usage, fmt::format("the scene has {} bodies, {} in the last call; pass the same scene",
+                                                  scene.size(), p.bodies));
     play_geometries(scene);
     std::uint32_t body = 0;
     try {

@@ -133,8 +133,8 @@ void Report::print_table(std::ostream& out) const
             "gpu        {:.3f} ms busy per frame, {:.3f} ms per frame waiting for it; {} transferred in total",
             gpu_ms / n, wait_ms / n, bytes_text(trees_.gpu_bytes));
         if (trees_.queries) text += fmt::format("; {} occlusion queries", grouped(trees_.queries));
-        text += trees_.repeats ? fmt::format("; {} batches repeated with larger buffers\n", grouped(trees_.repeats))
-                               : "\n";
+        text +=
+            trees_.repeats ? fmt::format("; {} batches repeated with larger buffers\n", grouped(trees_.repeats)) : "\n";
     }
     if (!backend_note_.empty()) text += "note       " + backend_note_ + "\n";
     text += fmt::format("hash       {:016x}\n", hash_);

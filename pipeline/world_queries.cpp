@@ -274,9 +274,8 @@ void World::penetration(std::span<const PairOfBodies> pairs, std::span<Penetrati
 {
     Impl& p = *impl_;
     if (pairs.size() != found.size())
-        throw Error(ErrorKind::usage,
-                    fmt::format("penetration: spans of {} and {} elements; must have the same length", pairs.size(),
-                                found.size()));
+        throw Error(ErrorKind::usage, fmt::format("penetration: spans of {} and {} elements; must have the same length",
+                                                  pairs.size(), found.size()));
     for (const PairOfBodies& pair : pairs)
         for (const BodyId body : {pair.a, pair.b}) {
             Model& model = p.bodies.model(p.slot_of(body));
@@ -284,11 +283,10 @@ void World::penetration(std::span<const PairOfBodies> pairs, std::span<Penetrati
                 throw Error(ErrorKind::usage,
                             fmt::format("penetration: {} is not a mesh, box or hull", p.label(body.slot)));
             if (model.cooked() && reads_on_demand(p.settings))
-                throw Error(
-                    ErrorKind::usage,
-                    fmt::format("penetration: {} is a cooked mesh that is read on demand; penetration needs "
-                                "the whole mesh, as returned by load_mesh()",
-                                p.label(body.slot)));
+                throw Error(ErrorKind::usage,
+                            fmt::format("penetration: {} is a cooked mesh that is read on demand; penetration needs "
+                                        "the whole mesh, as returned by load_mesh()",
+                                        p.label(body.slot)));
             p.need_tree(model);
         }
     const ExecutorScope scope(p.settings.executor);

@@ -39,9 +39,8 @@ RankedRun::RankedRun(Ranks& ranks, std::unique_ptr<Partitioner> partition, Scene
 {
     together(ranks_, [&] {
         if (options_.separate && settings.coherence && ranks_.size() > 1)
-            throw Error(ErrorKind::usage,
-                        "--separate: the gaps of separate pairs may come from earlier frames, which "
-                        "other processes may have computed; add --no-coherence");
+            throw Error(ErrorKind::usage, "--separate: the gaps of separate pairs may come from earlier frames, which "
+                                          "other processes may have computed; add --no-coherence");
     });
     compare_slices();
     refuse_names_twice();
@@ -89,9 +88,8 @@ void RankedRun::refuse_names_twice()
     const auto twice = std::ranges::adjacent_find(marks, {}, name);
     together(ranks_, [&] {
         if (twice != marks.end())
-            throw Error(ErrorKind::bad_data,
-                        fmt::format("body {}: has the same name as body {}; names must differ", twice[1].gid,
-                                    twice->gid));
+            throw Error(ErrorKind::bad_data, fmt::format("body {}: has the same name as body {}; names must differ",
+                                                         twice[1].gid, twice->gid));
     });
 }
 

@@ -15,9 +15,9 @@ namespace oncollide {
 /// results do not depend on them. A gap shrinks by the bodies' motion since it was certified; while it is positive, the
 /// bodies are apart.
 struct PairMemory {
-    double apart_until = 0; ///< a lower bound of the distance is this minus the travel
-    double meet_until = 0;  ///< their surfaces meet while the travel is less than this
-    double walked_at = -1;  ///< travel at the last traversal or separation by hulls
+    double apart_until = 0;                           ///< a lower bound of the distance is this minus the travel
+    double meet_until = 0;                            ///< their surfaces meet while the travel is less than this
+    double walked_at = -1;                            ///< travel at the last traversal or separation by hulls
     Eigen::Vector3f across = Eigen::Vector3f::Zero(); ///< separating direction of their hulls (hull_gap), or the last
                                                       ///< one tried
     struct Rest {
