@@ -78,8 +78,8 @@ const Mesh& Model::whole() const
 void Model::make_obb_tree(ChunkBudget* budget, BoxTotals& totals)
 {
     const auto* cooked = std::get_if<std::shared_ptr<const CookedMesh>>(&geometry_->data);
-    boxes = cooked && budget ? std::make_unique<ObbTree>(*cooked, *budget)
-                             : std::make_unique<ObbTree>(*surface_mesh(), &totals);
+    obb_tree = cooked && budget ? std::make_unique<ObbTree>(*cooked, *budget)
+                                : std::make_unique<ObbTree>(*surface_mesh(), &totals);
 }
 
 /// Reads all of a cooked mesh, and keeps none of it.
