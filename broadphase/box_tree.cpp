@@ -322,8 +322,7 @@ void BoxTree::add_layers(std::uint32_t body, const BodyColumns& columns)
     for (std::size_t level = 1; level < levels_.size(); ++level) {
         Level& l = levels_[level];
         node /= node_width;
-        if ((l.layers[node] & layers) == layers && (l.masks[node] & masks) == masks) return; // then all ancestors
-                                                                                             // include them too
+        if ((l.layers[node] & layers) == layers && (l.masks[node] & masks) == masks) return; // as do all ancestors
         l.layers[node] |= layers, l.masks[node] |= masks;
     }
 }

@@ -267,8 +267,7 @@ void DynamicTree::find_near(const BodyColumns& columns)
             [&](std::size_t, BodyPair& pair) {
                 const auto [body, other] = pair;
                 if (other == body || !((states[body] | states[other]) & BodyStates::dynamic)) return false;
-                if (states[other] & BodyStates::queried && other < body) return false; // the other body's query finds
-                                                                                       // the pair
+                if (states[other] & BodyStates::queried && other < body) return false; // the other query finds it
                 if (filtered && !columns.allows(body, other)) return false;
                 if (body > other) pair = {other, body};
                 return true;
