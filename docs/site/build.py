@@ -47,7 +47,7 @@ def for_mkdocs(text):
 
 
 def gather(pages):
-    """The pages, with links to what is no page made plain: sources and the README are not on the site."""
+    """Copies the pages. Links to sources and to the README become plain text, because the site does not have these files."""
     for folder in ("data", "pictures"):
         shutil.copytree(DOCS / folder, pages / folder)
     (pages / "notes").mkdir()
@@ -55,7 +55,7 @@ def gather(pages):
         text = page.read_text(encoding="utf-8")
         outside = r"\.\./" if page.parent == DOCS else r"\.\./\.\./"
         text = re.sub(rf"\[([^\]]*)\]\({outside}([^)]*)\)", r"\1 (`\2`)", text)
-        text = text.replace("```cpp fcl\n", "```cpp\n")  # tests tell these blocks apart
+        text = text.replace("```cpp fcl\n", "```cpp\n")  # a mark for the tests
         # Cells of HTML tables hold Markdown.
         text = text.replace("<td>\n", '<td markdown="block">\n').replace("<table>", '<table markdown="block">')
         (pages / page.relative_to(DOCS)).write_text(for_mkdocs(text), encoding="utf-8")

@@ -194,7 +194,7 @@ def headline():
 
 
 def many_pairs():
-    """What decides a pair of `many`, and where a frame's time goes, in the mean of the frames that count."""
+    """The share of pairs that each method decides in `many`, and the time per frame: means over the counted frames."""
     out = []
     for name, title in MANY.items():
         frames = rows_of(f"many/{name}")[3:]
@@ -219,7 +219,7 @@ WORLDS = {
 
 
 def worlds():
-    """Times of a race of both, memory of the process of each alone; where FCL took no part, what its models would need."""
+    """Times of both libraries in one process, memory of each in its own. Without FCL: an estimate of the memory of its models."""
     chunks = rows_of("worlds/chunks")[0]
     fcl_bytes = 1e6 * float(chunks["fcl_mb"]) / float(chunks["triangles"])
     out = []
@@ -243,7 +243,7 @@ QUERIES = {"boolean": "yes or no", "all": "all pairs of triangles", "distance": 
 
 
 def medians(name):
-    """Of `bench narrow --csv`: what each contender takes at each distance."""
+    """Each contender's time at each distance, from `bench narrow --csv`."""
     rows = rows_of(name)
     places = list(dict.fromkeys(r["distance"] for r in rows))
     out = []
@@ -303,7 +303,7 @@ def broad():
 
 
 def levels_of(mesh):
-    """Of `spheres --levels`: rows by kind and level, and a length in thousandths of the longest side."""
+    """Rows of `spheres --levels` by kind and level, and a function that gives lengths in thousandths of the longest side."""
     rows = rows_of(f"spheres/{mesh}")
     return {(r["kind"], int(r["level"])): r for r in rows}, lambda r, k: f"{1000 * float(r[k]) / float(r['longest_side']):.1f}"
 
