@@ -1,4 +1,4 @@
-# One function, one target a folder.
+# One function; one target per folder.
 #
 #   oncollide_add_module(broadphase
 #       HEADERS kd_tree.hpp ...      public, installed, each compiled alone by the tests
@@ -7,26 +7,27 @@
 #       LINK    Qhull::qhull_r)      private third-party libraries
 #   FOLDER: where its headers are, if not in the folder of its name
 #
-# A module sees its own headers and those of the modules it depends on, as <oncollide/MODULE/x.hpp>, and no others:
-# each module's folder is linked into an include tree of its own under cmake/include, so including upward does not compile,
-# and an editor follows every include in a fresh clone (compile_flags.txt).
+# A module can include its own headers and the headers of modules that it depends on, as <oncollide/MODULE/x.hpp>, and
+# no others: each module's folder is linked into a separate include tree under cmake/include, so an upward include does
+# not compile, and an editor follows every include in a fresh clone (compile_flags.txt).
 
-set(ONCOLLIDE_LAYERS base scenes files broadphase narrowphase pipeline) # bottom first; none needs files
+set(ONCOLLIDE_LAYERS base scenes files broadphase narrowphase pipeline) # bottom first; none depends on files
 
-# Eigen aligns its types as the processor's widest registers want, so that poses would lie elsewhere in the structures of
-# a program compiled with -march=native. All who use the library have those of the baseline.
+# Eigen aligns its types for the processor's widest registers, so a program compiled with -march=native would use other
+# structure layouts. All users of the library get the baseline's alignment.
 set(ONCOLLIDE_EIGEN_LAYOUT EIGEN_MAX_STATIC_ALIGN_BYTES=16)
 
 add_library(oncollide_flags INTERFACE)
 target_compile_definitions(oncollide_flags INTERFACE ${ONCOLLIDE_EIGEN_LAYOUT})
 target_compile_features(oncollide_flags INTERFACE cxx_std_20)
-# No contraction: every path and every optimisation level must compute the same bits. No straight-line vectoriser: GCC 12's
-# drops the rounding of double -> float -> double, on which the bounds rest.
+# No contraction: every path and every optimisation level must compute the same bits. No straight-line vectoriser: GCC
+# 12's omits the rounding of double -> float -> double, on which the bounds rely.
 target_compile_options(oncollide_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off -fno-tree-slp-vectorize
                        $<$<CONFIG:Debug>:-DONCOLLIDE_ASSERTIONS>)
 
-# What nearly every unit includes, parsed once instead of by each: Eigen alone takes three seconds. A header must not count
-# on it: those that are public are compiled alone, without it. -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON builds without.
+# Precompiles the headers that nearly every unit includes: Eigen alone takes three seconds. A header must not depend on
+# them: public headers are compiled alone, without precompiled headers. -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON turns them
+# off.
 function(oncollide_precompile target)
   target_precompile_headers(${target} PRIVATE
     <algorithm> <array> <atomic> <bit> <chrono> <cmath> <cstdint> <cstring> <filesystem> <functional> <iosfwd> <limits> <map> <memory>
@@ -35,7 +36,8 @@ function(oncollide_precompile target)
 endfunction()
 if(TARGET nlohmann_json::nlohmann_json) # tests/builds/portable has no modules
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/precompiled.cpp CONTENT "")
-  add_library(oncollide_precompiled OBJECT ${PROJECT_BINARY_DIR}/precompiled.cpp) # for the modules; the same flags as theirs
+  add_library(oncollide_precompiled OBJECT ${PROJECT_BINARY_DIR}/precompiled.cpp) # for the modules; compiled with their
+                                                                                  # flags
   set_target_properties(oncollide_precompiled PROPERTIES POSITION_INDEPENDENT_CODE ON)
   target_link_libraries(oncollide_precompiled PRIVATE oncollide_flags Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json)
   oncollide_precompile(oncollide_precompiled <nlohmann/json.hpp>)
@@ -54,7 +56,7 @@ function(oncollide_add_module name)
     endif()
   endforeach()
 
-  set(include_tree ${PROJECT_SOURCE_DIR}/cmake/include/${arg_FOLDER}) # a link to the folder: nothing else is seen through it
+  set(include_tree ${PROJECT_SOURCE_DIR}/cmake/include/${arg_FOLDER}) # a link to the folder: exposes only this module
 
   add_library(oncollide_${name} STATIC ${arg_SOURCES})
   add_library(oncollide::${name} ALIAS oncollide_${name})
@@ -69,8 +71,9 @@ function(oncollide_add_module name)
     target_link_libraries(oncollide_${name} PUBLIC oncollide_${dependency})
   endforeach()
 
-  if(NOT name STREQUAL base) # base makes do without Eigen nearly everywhere
-    target_link_libraries(oncollide_${name} PRIVATE fmt::fmt) # its definitions must be those of the precompiled headers
+  if(NOT name STREQUAL base) # few files of base use Eigen
+    target_link_libraries(oncollide_${name} PRIVATE fmt::fmt) # its definitions must be the same as in the precompiled
+                                                              # headers
     target_precompile_headers(oncollide_${name} REUSE_FROM oncollide_precompiled)
   endif()
 
@@ -82,7 +85,7 @@ function(oncollide_add_module name)
   endforeach()
 endfunction()
 
-# A part of a module that ONCOLLIDE_<PART>=OFF leaves out: ABSENT then stands for SOURCES, with the same functions.
+# A part of a module that ONCOLLIDE_<PART>=OFF leaves out: ABSENT then replaces SOURCES, with the same functions.
 function(oncollide_add_part module part)
   cmake_parse_arguments(arg "" "" "SOURCES;ABSENT;LINK" ${ARGN})
   if(ONCOLLIDE_${part})
@@ -93,8 +96,8 @@ function(oncollide_add_part module part)
   endif()
 endfunction()
 
-# Compiles sources of which every number is a double as one unit with the straight-line vectoriser, which has no rounding
-# to float there that it could drop: GJK takes 0.55 to 0.6 of the time.
+# Compiles sources whose numbers are all doubles as one unit with the straight-line vectoriser, which has no rounding to
+# float there that it could omit: GJK takes 0.55 to 0.6 of the time.
 function(oncollide_add_vectorised target)
   set(includes)
   foreach(source IN LISTS ARGN)
@@ -114,8 +117,9 @@ function(oncollide_add_vectorised target)
 endfunction()
 
 # Compiles KERNEL once per instruction set: oncollide_add_kernel(TARGET kernel.cpp) builds it with ONCOLLIDE_ISA set to
-# baseline and, on x86-64, avx2 and avx512; WITHOUT avx512 where that gains too little. The kernel puts everything it defines in namespace ONCOLLIDE_ISA and shares no inline
-# function with the rest of the program: the linker must never hand AVX code to a machine without it.
+# baseline and, on x86-64, avx2 and avx512; WITHOUT avx512 if that gains too little. The kernel puts all its definitions
+# in namespace ONCOLLIDE_ISA and shares no inline function with the rest of the program: the linker must never use AVX
+# code for functions that run on a machine without AVX.
 set(ONCOLLIDE_ISAS baseline)
 set(ONCOLLIDE_ISA_FLAGS_baseline)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$")

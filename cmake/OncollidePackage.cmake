@@ -1,5 +1,5 @@
-# What is installed beside the library and the command: pkg-config, man pages, completion. And packages of it all: cpack.
-# pkg-config: the libraries are static, so all that they need is named.
+# Installs the files other than library and command: pkg-config, man pages, completion. Also makes packages with cpack.
+# pkg-config: the libraries are static, so their dependencies are listed.
 set(pc_requires)
 list(TRANSFORM CMAKE_DL_LIBS PREPEND "-l" OUTPUT_VARIABLE dl)
 set(pc_libs " -lqhull_r -pthread ${dl}")
@@ -23,7 +23,7 @@ install(FILES ${PROJECT_BINARY_DIR}/oncollide.pc DESTINATION ${CMAKE_INSTALL_LIB
 if(NOT ONCOLLIDE_TOOLS OR (CMAKE_CROSSCOMPILING AND NOT CMAKE_CROSSCOMPILING_EMULATOR))
   return()
 endif()
-set(references ${PROJECT_BINARY_DIR}/references) # made from the options
+set(references ${PROJECT_BINARY_DIR}/references) # generated from the command's options
 add_custom_command(OUTPUT ${references}/made
   COMMAND ${CMAKE_COMMAND} -E rm -rf ${references}
   COMMAND ${CMAKE_COMMAND} -E make_directory ${references}/man

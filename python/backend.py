@@ -1,7 +1,7 @@
-"""Builds the wheel, for `pip install .`: what CMake installs of the component `python`, zipped (PEP 517, PEP 427).
+"""Builds the wheel, for `pip install .`: a zip of CMake's install component `python` (PEP 517, PEP 427).
 
-It needs nothing but Debian's packages (./dev python installs them), and no network, isolated or not.
-    pip install . --config-settings build-dir=build/release    takes a build that is there already
+It needs only Debian's packages (./dev python installs them), and no network, with or without build isolation.
+    pip install . --config-settings build-dir=build/release    uses an existing build
 """
 
 import base64

@@ -1,8 +1,9 @@
-# Puts into the archive (not into the .deb) what the command needs of the system, so that it runs wherever it is unpacked:
+# Adds the system files that the command needs to the archive (not to the .deb), so that it runs after unpacking in any
+# folder:
 #   bin/oncollide                 a script that finds the rest (launcher.sh)
 #   lib/oncollide/oncollide       the command; it and its libraries look for each other in their own folder ($ORIGIN)
 #   lib/oncollide/libc/           the C library, for systems whose own is older
-#   share/oncollide/three/        three.js, which pages draw with, where Debian's libjs-three is installed
+#   share/oncollide/three/        three.js, which pages draw with, if Debian's libjs-three is installed
 if(NOT CPACK_GENERATOR STREQUAL "TGZ")
   return()
 endif()
@@ -23,7 +24,7 @@ foreach(library IN LISTS libraries)
   endif()
 endforeach()
 foreach(file IN LISTS bundled ITEMS ${home}/oncollide)
-  # An old-fashioned rpath, which holds for what is loaded by others, too.
+  # DT_RPATH instead of DT_RUNPATH: it also applies to indirect dependencies.
   execute_process(COMMAND ${PATCHELF} --force-rpath --set-rpath "$ORIGIN" ${file} COMMAND_ERROR_IS_FATAL ANY)
 endforeach()
 set(three /usr/share/javascript/three)
@@ -33,7 +34,7 @@ if(EXISTS ${three}/three.min.js AND EXISTS ${three}/examples/js/controls/OrbitCo
 else()
   message(WARNING "The archive comes without three.js: 'run --view' will need it. Install Debian's libjs-three before packing.")
 endif()
-# The C library that the command needs at least: the newest version that it or a library asks for.
+# The minimum version of the C library: the newest version that the command or a library requires.
 set(needed 0)
 foreach(file IN LISTS bundled ITEMS ${home}/oncollide)
   execute_process(COMMAND objdump -T ${file} OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)

@@ -1,10 +1,10 @@
 #!/bin/sh
-# Runs ../lib/oncollide/oncollide with the libraries beside it. Needs glibc 2.@needed@; where the system's is older, or there is none
-# (or ONCOLLIDE_LIBC=bundled), with the C library that lies there, too.
+# Runs ../lib/oncollide/oncollide with the bundled libraries. Needs glibc 2.@needed@; uses the bundled C library if the
+# system's is older or missing (or ONCOLLIDE_LIBC=bundled).
 root=$(dirname "$(readlink -f "$0")")/..
 home=$root/lib/oncollide
 if [ -z "$ONCOLLIDE_THREE" ] && [ -d "$root/share/oncollide/three" ]; then
-    export ONCOLLIDE_THREE="$root/share/oncollide/three" # of pages (run --view)
+    export ONCOLLIDE_THREE="$root/share/oncollide/three" # three.js for pages (run --view)
 fi
 version=$(getconf GNU_LIBC_VERSION 2>/dev/null)
 minor=${version#glibc 2.}

@@ -1,15 +1,15 @@
 #!/bin/bash
-# Tries the packages of a folder in bare root file systems: try.sh FOLDER. Needs root, debootstrap and Debian's archive; says so and
-# goes on without, where there is none.
-#   1. the archive in Debian's smallest system, moved about, with the system's C library and with its own
-#   2. the archive in a root that has nothing but a shell (busybox): no library of the system at all
+# Tests the packages of a folder in bare root file systems: try.sh FOLDER. Needs root, debootstrap and Debian's archive;
+# otherwise prints that it is skipped.
+#   1. the archive in Debian's smallest system, in several folders, with the system's C library and with the bundled one
+#   2. the archive in a root that has only a shell (busybox): no library of the system at all
 #   3. the .deb in Debian's smallest system
 set -euo pipefail
 packages=$(readlink -f "$1")
 archive=$(ls "$packages"/oncollide-*.tar.gz) deb=$(ls "$packages"/oncollide_*.deb)
 mirror=${MIRROR:-$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Codename: bookworm' | head -n 1)}
-[[ $mirror || ${BARE:-} ]] || { echo "try: not tried: apt names no mirror of Debian 12, and MIRROR does not either" >&2; exit 0; }
-(( EUID == 0 )) && command -v debootstrap >/dev/null || { echo "try: not tried: needs root and debootstrap" >&2; exit 0; }
+[[ $mirror || ${BARE:-} ]] || { echo "try: skipped: no mirror of Debian 12 in apt or in MIRROR" >&2; exit 0; }
+(( EUID == 0 )) && command -v debootstrap >/dev/null || { echo "try: skipped: needs root and debootstrap" >&2; exit 0; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -17,8 +17,8 @@ bare=${BARE:-$work/bare}
 [[ -d $bare/usr ]] || debootstrap --variant=minbase bookworm "$bare" "$mirror" >"$work/log" || { tail "$work/log" >&2; exit 1; }
 
 cube='OFF\n8 12 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n3 0 2 1\n3 0 3 2\n3 4 5 6\n3 4 6 7\n3 0 1 5\n3 0 5 4\n3 1 2 6\n3 1 6 5\n3 2 3 7\n3 2 7 6\n3 3 0 4\n3 3 4 7\n'
-# In the root $1: the command $2 says what it is, finds a collision (exit code 1), runs a scene, writes a page if it brings what that needs
-# ($3: 0; 66 otherwise), and says of a picture whether it can.
+# In the root $1: the command $2 prints its version, finds a collision (exit code 1), runs a scene, writes a page if
+# three.js is bundled ($3: 0; 66 otherwise), and reports whether it can draw a picture.
 works_in() {
     local root=$1 command=$2 page=$3
     printf "$cube" >"$root/tmp/cube.off"
@@ -43,7 +43,7 @@ ln -sf "/srv/moved about/bin/oncollide" usr/local/bin/oncollide
 works_in "$bare" oncollide 0
 works_in "$bare" "env ONCOLLIDE_LIBC=bundled oncollide" 0
 rm usr/local/bin/oncollide
-echo "try: the archive works in a bare Debian, wherever it lies, with the system's C library and with its own"
+echo "try: the archive works in a bare Debian, in any folder, with the system's C library and with the bundled one"
 
 cd "$work"
 mkdir -p nothing/{bin,tmp,proc,dev}
@@ -53,7 +53,7 @@ for name in sh dirname readlink env grep; do ln -s busybox nothing/bin/$name; do
 : >nothing/dev/null
 cp -r "$bare/srv/moved about" nothing/oncollide
 works_in "$work/nothing" /oncollide/bin/oncollide 0
-echo "try: the archive works where there is no library at all"
+echo "try: the archive works in a system without libraries"
 
 cp "$deb" "$bare/tmp/oncollide.deb"
 chroot "$bare" sh -c 'apt-get -qq update && apt-get -qq install -y --no-install-recommends /tmp/oncollide.deb' >"$work/log" 2>&1 ||
@@ -61,4 +61,4 @@ chroot "$bare" sh -c 'apt-get -qq update && apt-get -qq install -y --no-install-
 works_in "$bare" oncollide 66
 chroot "$bare" sh -c 'test -s /usr/share/man/man1/oncollide-run.1 && test -s /usr/share/bash-completion/completions/oncollide'
 chroot "$bare" apt-get -qq remove -y oncollide >/dev/null 2>&1
-echo "try: the .deb installs, works and goes in a bare Debian"
+echo "try: the .deb installs, works and can be removed in a bare Debian"

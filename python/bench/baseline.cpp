@@ -1,4 +1,4 @@
-// The calls that overhead.py times, without Python: nanoseconds a call, as lines "NAME NS".
+// The calls that overhead.py times, without Python: nanoseconds per call, as lines "NAME NS".
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -13,7 +13,7 @@ namespace {
 
 double seconds = 0.2;
 
-/// The least of five.
+/// The least of five runs.
 template <class Work>
 void time(const char* name, double items, Work work)
 {

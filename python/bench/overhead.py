@@ -1,4 +1,4 @@
-"""What a call costs beyond the same call in C++: a table, and CSV.
+"""Measures the overhead of a call over the same call in C++: prints a table, and CSV.
 
     ninja -C build/release oncollide_python oncollide_python_baseline
     PYTHONPATH=build/release/python python3 python/bench/overhead.py --baseline build/release/python/oncollide_python_baseline
@@ -17,8 +17,8 @@ import oncollide
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("--baseline", help="the program that times the same calls in C++; without it there is no overhead column")
 parser.add_argument("--csv", help="where to write the table")
-parser.add_argument("--seconds", type=float, default=0.2, help="for each call, about")
-parser.add_argument("--rounds", type=int, default=3, help="of all calls, of which the least counts")
+parser.add_argument("--seconds", type=float, default=0.2, help="about, per call")
+parser.add_argument("--rounds", type=int, default=3, help="of all calls; the least time counts")
 options = parser.parse_args()
 
 
@@ -46,7 +46,7 @@ count = 100_000
 batch = poses(3 + 1e-5 * np.arange(count))
 batch_here, numbers = np.tile(here, (count, 1, 1)), np.zeros(count, np.uint32)
 
-# Name, call, how many items it is about.
+# Name, call, number of items that it processes.
 CALLS = [
     ("World.is_static", lambda: world.is_static(b), 1),
     ("World.pose", lambda: world.pose(b), 1),
@@ -73,7 +73,7 @@ def baseline():
 
 
 least, native = {}, {}
-for _ in range(options.rounds):  # turn about, as others use the machine, too
+for _ in range(options.rounds):  # in rounds, so that other processes affect all calls alike
     if options.baseline:
         for name, ns in baseline().items():
             native[name] = min(ns, native.get(name, ns))
@@ -91,7 +91,7 @@ rows = [
     }
     for name, _, items in CALLS
 ]
-print(f"nanoseconds an item, least of several runs; Python {platform.python_version()}, NumPy {np.__version__}")
+print(f"nanoseconds per item, least of several runs; Python {platform.python_version()}, NumPy {np.__version__}")
 for row in [dict(zip(rows[0], rows[0])), *rows]:
     print(f"{row['call']:18}{row['items']:>8}{row['python_ns']:>12}{row['cpp_ns']:>10}{row['overhead_ns']:>14}")
 if options.csv:

@@ -1,8 +1,8 @@
 # %% [markdown]
 # # Rocks that fall onto a terrain
 #
-# A World of one terrain and many rocks, stepped as a simulator would: poses in, pairs and bounds out. Run it as a program, or
-# open it as a notebook: each `# %%` begins a cell. It draws rocks.png where matplotlib is installed.
+# A World of one terrain and many rocks, stepped as a simulator would: poses in, pairs and bounds out. Run it as a
+# program, or open it as a notebook: each `# %%` begins a cell. It draws rocks.png if matplotlib is installed.
 
 # %%
 import numpy as np
@@ -31,8 +31,8 @@ sharp_rocks = world.add_bodies(world.add(oncollide.convex_hull(rng.normal(size=(
 rocks = np.concatenate([round_rocks, sharp_rocks])
 
 # %% [markdown]
-# Rocks fall until they meet something; then they rest. Every pair that is not separate has a bound: how far apart the two
-# are at most.
+# Rocks fall until they meet something; then they rest. Every pair that is not separate has an upper bound on the
+# distance of the two bodies.
 
 # %%
 speed = np.zeros(count)
@@ -57,8 +57,8 @@ for frame_number in range(300):
 print(f"{resting.sum()} of {count} rocks rest after {len(history)} frames")
 print(f"every bound is at most 1 cm: {max(bounds) <= 0.01}")
 
-# %% [markdown]
-# How deep is the valley under a rock that rests? `distance` gives certified bounds and the two nearest points.
+# %% [markdown] How deep is the valley under a rock that rests? `distance` returns certified bounds and the two nearest
+# points.
 
 # %%
 lowest = rocks[np.argmin(poses[:, 2])]
@@ -80,7 +80,7 @@ else:
     figure.colorbar(shown, ax=map_axes, label="height, m")
     map_axes.legend(loc="upper right")
     time_axes.plot(history[:, 0], label="rocks at rest")
-    time_axes.plot(history[:, 1], label="pairs whose boxes overlap")
+    time_axes.plot(history[:, 1], label="pairs whose AABBs overlap")
     time_axes.set(title="Rocks that rest, and candidates for collisions", xlabel="frame")
     time_axes.legend()
     figure.tight_layout()

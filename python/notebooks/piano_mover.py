@@ -1,9 +1,9 @@
 # %% [markdown]
 # # A map of where a body fits
 #
-# A planner asks the same question many times: does the body collide at this pose? `Queries` answers for whole arrays of
-# poses at once. Here a T-shaped body is tried at every place and turn of a grid in a flat with two rooms. Run it as a program, or
-# open it as a notebook: each `# %%` begins a cell. It draws fits.png where matplotlib is installed.
+# A planner tests many times whether a body collides at a pose. `Queries` tests whole arrays of poses at once. Here a
+# T-shaped body is tested at every position and rotation of a grid in a flat with two rooms. Run it as a program, or open
+# it as a notebook: each `# %%` begins a cell. It draws fits.png if matplotlib is installed.
 
 # %%
 import numpy as np
@@ -12,7 +12,7 @@ import oncollide
 
 
 def joined(*boxes):
-    """One mesh of several boxes: (middle, half-extents) each, metres."""
+    """One mesh of several boxes: (centre, half-extents) each, metres."""
     vertices, faces, used = [], [], 0
     for middle, half in boxes:
         box = oncollide.box_mesh(half)
@@ -50,15 +50,15 @@ free = (verdict == oncollide.Verdict.SEPARATE).reshape(a.shape)
 print(f"{verdict.size} poses, {100 * free.mean():.0f} % of them are free")
 
 # %% [markdown]
-# In the doorway the body fits at few turns. `distances` says with how much room.
+# In the doorway the body fits at few rotations. `distances` returns the remaining clearance.
 
 # %%
 middle = np.argmin(np.abs(grid_x)), np.argmin(np.abs(grid_y))
 turns_that_fit = np.flatnonzero(free[:, middle[1], middle[0]])
-print(f"in the doorway it fits at {len(turns_that_fit)} of {turns} turns")
+print(f"in the doorway it fits at {len(turns_that_fit)} of {turns} rotations")
 place = poses.reshape(*a.shape, 4, 4)[turns_that_fit, middle[1], middle[0]]
 room = queries.distances(0, 1, np.ascontiguousarray(place), np.eye(4))
-print(f"and at the best of them has {100 * room['upper'].max(initial=0):.0f} cm of room")
+print(f"and at the best of them it has {100 * room['upper'].max(initial=0):.0f} cm of room")
 
 # %%
 try:
@@ -68,7 +68,7 @@ except ImportError:
 else:
     figure, axes = plt.subplots(figsize=(9, 5.5))
     shown = axes.pcolormesh(grid_x, grid_y, free.sum(axis=0), shading="auto", cmap="viridis")
-    figure.colorbar(shown, label=f"turns, of {turns}, at which the body fits")
+    figure.colorbar(shown, label=f"rotations, of {turns}, at which the body fits")
     axes.set(title="Where a T-shaped body fits", xlabel="x, m", ylabel="y, m", aspect="equal")
     figure.tight_layout()
     figure.savefig("fits.png", dpi=100)

@@ -1,9 +1,9 @@
 # %% [markdown]
-# # What does which error cost?
+# # The cost of accuracy
 #
-# One swarm of bodies is played at many accuracies. For each the program tells the time of a frame, how many pairs may collide, and how
-# many of these are apart. Run it as a program, or open it as a notebook: each `# %%` begins a cell. It draws speed_and_error.png where
-# matplotlib is installed.
+# The same swarm of bodies is played at several accuracies. The program prints, for each, the time per frame, the number
+# of pairs that may collide, and how many of these are separate. Run it as a program, or open it as a notebook: each
+# `# %%` begins a cell. It draws speed_and_error.png if matplotlib is installed.
 
 # %%
 import numpy as np
@@ -19,16 +19,15 @@ start = np.zeros((count, 7))
 start[:, :3] = rng.uniform(0, 4.5, (count, 3))
 start[:, 3:] = rng.normal(size=(count, 4))
 start[:, 3:] /= np.linalg.norm(start[:, 3:], axis=1, keepdims=True)
-velocity = rng.normal(size=(count, 3)) * 0.02  # metres a frame
+velocity = rng.normal(size=(count, 3)) * 0.02  # metres per frame
 
-# %% [markdown]
-# `play` steps a World through all frames and keeps the pairs that are not certainly apart. Settings are those of the command; the first
-# frames, in which trees grow, do not count for the time.
+# %% [markdown] `play` steps a World through all frames and keeps the pairs that are not certainly apart. It takes
+# settings by the names of the command's options; the first frames, in which trees grow, are not timed.
 
 
 # %%
 def play(**settings):
-    """(milliseconds of a frame, pairs of all frames as (frame, a, b))"""
+    """(milliseconds per frame, pairs of all frames as (frame, a, b))"""
     world = oncollide.World(**settings)
     models = [world.add(mesh) for mesh in (knot, rock)]
     bodies = np.concatenate([world.add_bodies(m, start[k::2]) for k, m in enumerate(models)])
@@ -45,9 +44,8 @@ def play(**settings):
     return float(np.median(times[3:])), pairs
 
 
-# %% [markdown]
-# The exact level gives the truth: every pair that it finds must be among those that any error leaves over. None is ever lost; a larger error
-# only leaves more.
+# %% [markdown] The exact level gives the truth: every colliding pair must be among the pairs that are left over at any
+# error. None is ever missed; a larger error only leaves more pairs.
 
 # %%
 exact_ms, truth = play(exact="predicates")
@@ -57,7 +55,7 @@ for name, volume in (("oriented boxes", "obb"), ("spheres, as in the paper", "sp
     rows = []
     for error in errors:
         ms, left = play(max_error=error, bounding_volume=volume)
-        assert truth <= left, "a collision is never lost"
+        assert truth <= left, "no collision is missed"
         rows.append((ms, len(left - truth)))
         print(f"{name}, {1000 * error:g} mm: {len(left)} pairs may collide, {len(left - truth)} of them are apart")
     curves[name] = np.array(rows)

@@ -39,7 +39,7 @@ __version__ = "0.1.0"
 
 
 class Verdict(enum.IntEnum):
-    """What is certain about a pair of bodies; the numbers in `verdict` of arrays."""
+    """The certified state of a pair of bodies; the numbers in `verdict` of arrays."""
 
     SEPARATE = 0  #: the distance exceeds the clearance, and is at least the bound
     WITHIN = 1  #: the distance is at most the bound; the bodies may or may not collide
@@ -48,7 +48,7 @@ class Verdict(enum.IntEnum):
 
 
 class ContactKind(enum.IntEnum):
-    """How a pair collides or is near, where an exact level found out; the numbers in `kind` of arrays."""
+    """How a pair collides or is near, if an exact level determined it; the numbers in `kind` of arrays."""
 
     UNKNOWN = 0  #: not determined, or there is no contact
     NEAR = 1  #: no contact; the distance is at most the clearance

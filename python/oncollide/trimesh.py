@@ -1,8 +1,8 @@
-"""CollisionManager with the names and returns of trimesh's, for anything that has `vertices` and `faces`.
+"""A CollisionManager with the names and return types of trimesh's, for any object with `vertices` and `faces`.
 
-What differs: poses stay in double; equal meshes share one model; nothing is built when an object is added; all closed meshes
-are solids, not only convex ones; touching counts, exactly; of meshes that meet the distance is 0, not negative, and `depth`
-is nan, because oncollide estimates none. What is added: `bound`, certified metres.
+Differences: poses stay in double; equal meshes share one model; adding an object builds nothing; all closed meshes are
+solids, not only convex ones; touching counts as collision, exactly; the distance of meshes that meet is 0, not
+negative, and `depth` is nan, because oncollide does not estimate it. Addition: `bound`, certified, in metres.
 """
 
 import collections
@@ -15,14 +15,14 @@ from . import Geometry, Verdict, World, mesh as _mesh
 
 __all__ = ["CollisionManager", "ContactData", "DistanceData", "scene_to_collision"]
 
-_EXTERNAL = "__external"  # what trimesh calls the mesh of a *_single call
+_EXTERNAL = "__external"  # trimesh's name for the mesh of a *_single call
 
 
 class ContactData:
     """One contact: two triangles that meet.
 
     names: set of the two objects' names. point: (3,), on both. normal: (3,), unit, of the triangle of the object that
-    comes first. depth: nan. bound: certified upper bound on the objects' distance, metres; 0 where they meet exactly.
+    comes first. depth: nan. bound: certified upper bound on the objects' distance, metres; 0 if they meet exactly.
     """
 
     def __init__(self, names, contact, bound):
@@ -34,14 +34,14 @@ class ContactData:
         self._index = {names[0]: int(contact["triangle_a"]), names[1]: int(contact["triangle_b"])}
 
     def index(self, name):
-        """The number of the triangle in contact of the object with that name."""
+        """Index of the triangle in contact, of the object with that name."""
         return self._index[name]
 
 
 class DistanceData:
     """The nearest two objects.
 
-    names: set of their names. distance: metres; 0 where they meet. bound: (lower, upper), certified.
+    names: set of their names. distance: metres; 0 if they meet. bound: (lower, upper), certified.
     """
 
     def __init__(self, names, found):
@@ -52,7 +52,7 @@ class DistanceData:
         self._point = {names[0]: found["point_a"], names[1]: found["point_b"]}
 
     def index(self, name):
-        """The number of the nearest triangle of the object with that name."""
+        """Index of the nearest triangle of the object with that name."""
         return self._index[name]
 
     def point(self, name):
@@ -61,14 +61,14 @@ class DistanceData:
 
 
 class CollisionManager:
-    """Which of many meshes collide, and how far apart they are.
+    """Finds which of many meshes collide, and how far apart they are.
 
-    settings: of oncollide.World. Unless they say otherwise exact='predicates' and mode='solid', in which a mesh that is
-    not closed is a surface. With max_error=0.01 and exact='off', objects closer than 1 cm may count as in collision, and
-    `bound` says how close they are at most.
+    settings: of oncollide.World. The defaults are exact='predicates' and mode='solid', in which a mesh that is not
+    closed is a surface. With max_error=0.01 and exact='off', objects closer than 1 cm may count as in collision, and
+    `bound` is an upper bound on their distance.
     """
 
-    _KEPT = 8  # models of *_single calls that are kept for the next one
+    _KEPT = 8  # models of *_single calls that are kept for the next call
 
     def __init__(self, **settings):
         settings = {"exact": "predicates", "mode": "solid", **settings}
@@ -82,7 +82,7 @@ class CollisionManager:
         self._idle = collections.OrderedDict()  # keys of models that no object uses, oldest first
 
     def add_object(self, name, mesh, transform=None):
-        """Adds an object, in place of one with that name. Returns its body's id.
+        """Adds an object, or replaces the object of that name. Returns its body's id.
 
         mesh: a Geometry, or anything with `vertices` (V, 3) and `faces` (F, 3). transform: (4, 4) or (7,), metres; None:
         the identity.
@@ -107,10 +107,10 @@ class CollisionManager:
         self._world.set_pose(self._body(name), transform)
 
     def in_collision_single(self, mesh, transform=None, return_names=False, return_data=False):
-        """Does a mesh collide with any object?
+        """Returns whether a mesh collides with any object.
 
-        Returns a bool; with return_names also the set of their names; with return_data also a list of ContactData: every
-        pair of triangles that meet, so none of a mesh that lies wholly inside another.
+        return_names adds the set of their names, return_data a list of ContactData: every pair of triangles that meet,
+        so none for a mesh that is completely inside another.
         """
         key = self._model_key(mesh)
         hits = self._world.query(self._models[key][0], transform)
@@ -124,10 +124,9 @@ class CollisionManager:
         return _results(bool(names), set(names), data, return_names, return_data)
 
     def in_collision_internal(self, return_names=False, return_data=False):
-        """Do any two objects collide?
+        """Returns whether any two objects collide.
 
-        Returns a bool; with return_names also the set of pairs of names, each sorted; with return_data also a list of
-        ContactData.
+        return_names adds the set of pairs of names, each sorted; return_data a list of ContactData.
         """
         pairs = self._world.step().pairs
         pairs = pairs[pairs["verdict"] != Verdict.SEPARATE]
@@ -138,9 +137,9 @@ class CollisionManager:
         return _results(bool(names), {tuple(sorted(pair)) for pair in names}, data, return_names, return_data)
 
     def in_collision_other(self, other_manager, return_names=False, return_data=False):
-        """Does any object collide with one of another manager?
+        """Returns whether any object collides with an object of another manager.
 
-        Returns a bool; with return_names also the set of pairs of names, this manager's first; with return_data also a
+        With return_names also returns the set of pairs of names, this manager's first; with return_data also a
         list of ContactData.
         """
         pairs, data = set(), []
@@ -154,10 +153,9 @@ class CollisionManager:
         return _results(bool(pairs), pairs, data, return_names, return_data)
 
     def min_distance_single(self, mesh, transform=None, return_name=False, return_data=False):
-        """How far is a mesh from the nearest object?
+        """Returns the distance of a mesh from the nearest object.
 
-        Returns metres, 0 where they meet, inf without objects; with return_name also the object's name; with return_data
-        also a DistanceData.
+        In metres; 0 if they meet, inf without objects. return_name adds the object's name, return_data a DistanceData.
         """
         nearest = _Nearest()
         with self._passing(self._model_key(mesh), transform) as body:
@@ -167,10 +165,10 @@ class CollisionManager:
         return _results(nearest.distance, name, nearest.data(), return_name, return_data)
 
     def min_distance_internal(self, return_names=False, return_data=False):
-        """How far apart are the nearest two objects?
+        """Returns the distance of the nearest two objects.
 
-        Returns metres, 0 where two meet, inf with fewer than two; with return_names also the two names, sorted; with
-        return_data also a DistanceData. Cost: of every two objects, those least that are far apart.
+        In metres; 0 if two meet, inf with fewer than two. return_names adds the two names, sorted; return_data a
+        DistanceData. Cost: tests every pair of objects; distant pairs cost least.
         """
         nearest = _Nearest()
         objects = list(self._bodies.items())
@@ -181,10 +179,10 @@ class CollisionManager:
         return _results(nearest.distance, names, nearest.data(), return_names, return_data)
 
     def min_distance_other(self, other_manager, return_names=False, return_data=False):
-        """How far apart are the nearest two objects, one of each manager?
+        """Returns the distance of the nearest two objects, one of each manager.
 
-        Returns metres, 0 where two meet, inf without objects; with return_names also the two names, this manager's first;
-        with return_data also a DistanceData.
+        In metres; 0 if two meet, inf without objects. return_names adds the two names, this manager's first; return_data
+        a DistanceData.
         """
         nearest = _Nearest()
         for name, (key, pose) in self._objects_of(other_manager):
@@ -193,7 +191,7 @@ class CollisionManager:
                     nearest.look(self._world, other, body, (mine, name))
         return _results(nearest.distance, nearest.names, nearest.data(), return_names, return_data)
 
-    # --- Models: one for all objects of equal geometry.
+    # --- Models: objects with equal geometry share one.
 
     def _model_key(self, mesh):
         if isinstance(mesh, Geometry):
@@ -246,7 +244,7 @@ class CollisionManager:
         return _Passing(self, key, pose)
 
     def _objects_of(self, other):
-        """Of another manager: the name of each object, the key of its model here, and its pose."""
+        """For each object of another manager: its name, the key of its model here, and its pose."""
         for name, body in other._bodies.items():
             yield name, (self._model_key(other._models[other._keys[name]][1]), other._world.pose(body))
 
@@ -260,7 +258,7 @@ class CollisionManager:
 
 
 class _Passing:
-    """A body that is in a manager's World for the time of one call."""
+    """A body that is in a manager's World during one call."""
 
     def __init__(self, manager, key, pose):
         self._manager, self._key, self._pose = manager, key, pose
@@ -277,7 +275,7 @@ class _Passing:
 
 
 class _Nearest:
-    """The nearest of the pairs that were looked at; those farther apart than it cost little."""
+    """The nearest of the pairs tested so far; tests of more distant pairs are cheap."""
 
     def __init__(self):
         self.distance, self.names, self._found = math.inf, None, None
@@ -294,7 +292,7 @@ class _Nearest:
 
 
 def _results(result, names, data, return_names, return_data):
-    """The result alone, or with what else was requested, as trimesh has it."""
+    """The result alone, or a tuple with the other requested values, as in trimesh."""
     extra = ([names] if return_names else []) + ([data] if return_data else [])
     return (result, *extra) if extra else result
 

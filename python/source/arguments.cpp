@@ -16,7 +16,7 @@ std::string begin(const Place& place)
 
 constexpr int contiguous = int{py::array::c_style} | int{py::detail::npy_api::NPY_ARRAY_ALIGNED_};
 
-/// Writes a pose as a matrix row by row. x y z qx qy qz qw; the quaternion is divided by its length, as in scene files.
+/// Writes a pose as a matrix row by row, from x y z qx qy qz qw; the quaternion is normalised, as in scene files.
 void write_rows(const double* from, double* rows, const Place& place)
 {
     const Eigen::Vector4d q(from[3], from[4], from[5], from[6]);
@@ -126,7 +126,7 @@ std::string text(py::handle value, const Place& place)
     if (const char* const bytes = PyUnicode_AsUTF8AndSize(value.ptr(), &size))
         return {bytes, static_cast<std::size_t>(size)};
     PyErr_Clear();
-    refuse_value(place, "holds a lone surrogate, which is no character");
+    refuse_value(place, "holds a lone surrogate, which is not a character");
 }
 
 std::string path(py::handle value, const Place& place)
@@ -148,7 +148,7 @@ py::array doubles(py::handle value, const Place& place)
 
 py::array whole_numbers(py::handle value, const Place& place)
 {
-    // 64 bits without a sign hold more than those with one.
+    // Unsigned 64-bit numbers may exceed the signed range.
     if (py::isinstance<py::array>(value) && py::reinterpret_borrow<py::array>(value).dtype().kind() == 'u')
         return numbers<std::uint64_t, 'u'>(value, place, "an array of whole numbers");
     return numbers<std::int64_t, 'i', 'u'>(value, place, "an array of whole numbers");
@@ -248,7 +248,8 @@ std::vector<BodyId> bodies(py::handle value, const Place& place)
 {
     const py::array array = whole_numbers(value, place);
     if (array.ndim() != 1) refuse_value(place, "expected shape (N,), got " + shape_of(array));
-    const auto* at = static_cast<const std::uint64_t*>(array.data()); // a negative number is the id of no body
+    const auto* at = static_cast<const std::uint64_t*>(array.data()); // a negative number becomes an id that no body
+                                                                      // has
     std::vector<BodyId> made(static_cast<std::size_t>(array.shape(0)));
     for (std::size_t i = 0; i < made.size(); ++i) made[i] = id_of(at[i]);
     return made;

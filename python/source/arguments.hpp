@@ -12,12 +12,12 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/scenes/ids.hpp>
 
-/// What Python hands over, checked: every error names the call, the argument and what would be valid.
+/// Conversion of Python arguments, with checks: every error names the call, the argument and the valid values.
 namespace oncollide::python {
 
 namespace py = pybind11;
 
-/// Where a value comes from, for messages: "World.set_pose: body".
+/// Origin of a value, for messages: "World.set_pose: body".
 struct Place {
     const char *call, *argument;
 };
@@ -26,20 +26,20 @@ struct Place {
 [[noreturn]] void refuse_value(const Place& place, const std::string& what);                    ///< ValueError
 std::string text_of(py::handle shape_or_value);
 
-double number(py::handle value, const Place& place);                           ///< finite or not
+double number(py::handle value, const Place& place);                           ///< may be infinite or NaN
 double limit_of(py::handle value, const Place& place);                         ///< None: infinite
 std::uint64_t whole(py::handle value, const Place& place, std::uint64_t most); ///< from 0 on
-bool truth(py::handle value, const Place& place);                              ///< True or False, nothing else
+bool truth(py::handle value, const Place& place);                              ///< only True or False
 std::string text(py::handle value, const Place& place);
 std::string path(py::handle value, const Place& place); ///< str, bytes or os.PathLike
 
-/// C-contiguous doubles: the array itself where it is such an array, else a copy of what can be made one (whole numbers
-/// and floats of any size, order and stride; lists).
+/// C-contiguous doubles: the array itself if it has this form, else a converted copy (integers and floats of any size,
+/// byte order and stride; lists).
 py::array doubles(py::handle value, const Place& place);
-/// The same of whole numbers.
+/// The same for integers.
 py::array whole_numbers(py::handle value, const Place& place);
 
-/// Does the array have that shape? -1: any length.
+/// Whether the array has that shape. -1: any length.
 bool has_shape(const py::array& array, std::initializer_list<py::ssize_t> shape);
 std::string shape_of(const py::array& array);
 
@@ -51,7 +51,7 @@ std::vector<Eigen::Vector3d> points(py::handle value, const Place& place); ///< 
 /// rigid.
 Eigen::Isometry3d pose(py::handle value, const Place& place);
 
-/// Poses of many, as rows of 16 numbers: the array's own memory where it is (N, 4, 4), contiguous and of doubles.
+/// Many poses, as rows of 16 numbers: the array's own memory if it is (N, 4, 4), contiguous and of doubles.
 class Poses {
 public:
     /// (N, 4, 4), (N, 7), or one pose for all: (4, 4), (7,).
@@ -69,7 +69,7 @@ private:
     bool one_;
 };
 
-/// Ids are whole numbers in Python: the slot and, above it, the generation.
+/// An id in Python is an integer: the slot in the low bits, the generation above.
 inline std::uint64_t number_of(BodyId id)
 {
     return std::uint64_t{id.generation} << 32 | id.slot;

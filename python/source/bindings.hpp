@@ -8,12 +8,12 @@
 
 namespace oncollide::python {
 
-/// Shared by Python and by all Worlds and Queries that were given it. Never changes.
+/// Shared by Python and by all Worlds and Queries that use it. Immutable.
 using GeometryHandle = std::shared_ptr<const Geometry>;
 
 GeometryHandle geometry(py::handle value, const Place& place);
 
-/// The settings that keyword arguments stand for.
+/// Settings from keyword arguments.
 Settings settings_of(const py::kwargs& arguments, const char* call);
 
 // Each adds its part to the module.
@@ -23,7 +23,7 @@ void bind_grids(py::module_& module);
 void bind_world(py::module_& module);
 void bind_queries(py::module_& module);
 
-/// Structured types over the library's own results.
+/// NumPy types with the layout of the library's results.
 struct ResultTypes {
     py::dtype pair;     ///< PairResult
     py::dtype bodies;   ///< PairOfBodies
@@ -31,12 +31,12 @@ struct ResultTypes {
     py::dtype contact;  ///< Contact
     py::dtype distance; ///< Distance
 };
-/// When the module is imported, so that no thread waits for another that makes them: making them runs Python, which
-/// may hand the interpreter's lock to the one that waits.
+/// Called at import, before threads can wait for each other: making the types runs Python code, which may hand the
+/// interpreter's lock to a thread that needs them.
 void make_result_types();
 const ResultTypes& result_types();
 
-/// An array that takes the vector over.
+/// An array that takes ownership of the vector.
 template <class T>
 py::array array_of(const py::dtype& type, std::vector<T> items)
 {

@@ -1,4 +1,4 @@
-// What a step finds.
+// The result of a step.
 #include <fmt/format.h>
 
 #include "held_world.hpp"
@@ -7,7 +7,7 @@ namespace oncollide::python {
 
 namespace {
 
-/// What one step found; a copy of what the World will overwrite.
+/// Copies of the results of one step, which the World will overwrite.
 struct FrameResult {
     std::uint64_t frame, hash;
     double ms;
@@ -24,7 +24,7 @@ struct FrameResult {
     }
 };
 
-/// A view of what the frame holds, which keeps the frame alive.
+/// A view of an array of the frame; it keeps the frame alive.
 template <auto member, auto type>
 py::array column(py::object self)
 {
@@ -65,25 +65,26 @@ void bind_frames(py::module_& m, WorldClass& world)
 {
     using namespace py::literals;
     py::class_<FrameResult>(
-        m, "Frame", R"(What one World.step() found. Its arrays are its own: later steps leave them as they are.)")
+        m, "Frame", R"(The results of one World.step(). Later steps do not change its arrays.)")
         .def_readonly("frame", &FrameResult::frame, "Counted from 0 by the World (int).")
-        .def_readonly("ms", &FrameResult::ms, "How long the step took, milliseconds (float).")
+        .def_readonly("ms", &FrameResult::ms, "Duration of the step, milliseconds (float).")
         .def_readonly("hash", &FrameResult::hash,
-                      "Of the pairs that are not separate; equal input gives an equal hash (int).")
+                      "Hash of the pairs that are not separate; equal input gives an equal hash (int).")
         .def_property_readonly("pairs", &column<&FrameResult::pairs, &ResultTypes::pair>,
-                               R"(Every pair whose boxes overlap, separate ones too, sorted by the slots of a and b.
+                               R"(Every pair whose AABBs overlap, including separate pairs, sorted by slots.
 
 Structured (N,): a, b (uint64, ids of bodies), verdict (uint8, a Verdict), stage (uint8, index into World.stages), kind
 (uint8, a ContactKind), bound (float64, metres; separate: certified lower bound on the distance; within and undecided:
 certified upper bound; colliding: 0).)")
         .def_property_readonly(
             "began", &column<&FrameResult::began, &ResultTypes::bodies>,
-            "Pairs that are not separate, and were in the step before: structured (N,), a, b (uint64).")
+            "Pairs that are not separate now, but were separate or absent in the step before: structured (N,), a, b "
+            "(uint64).")
         .def_property_readonly("ended", &column<&FrameResult::ended, &ResultTypes::bodies>,
-                               "The reverse, also where a body was removed: structured (N,), a, b (uint64).")
+                               "The reverse, including pairs of removed bodies: structured (N,), a, b (uint64).")
         .def_property_readonly(
             "stages", [](const FrameResult& f) { return stage_list(f.stages); },
-            "What each stage did: dicts with stage, unit, in, out, culled, undecided, cpu_ms and others.")
+            "Counts of each stage: dicts with stage, unit, in, out, culled, undecided, cpu_ms and others.")
         .def_property_readonly(
             "trees",
             [](const FrameResult& f) {
@@ -93,7 +94,7 @@ certified upper bound; colliding: 0).)")
                                 "by_witness"_a = t.by_witness, "nodes"_a = t.nodes, "collapsed"_a = t.collapsed,
                                 "refused"_a = t.refused, "bytes"_a = t.bytes);
             },
-            "What refinement did: a dict of counts.")
+            "Counts of refinement (dict).")
         .def("__repr__", [](const FrameResult& f) {
             return fmt::format("<oncollide.Frame {}: {} pairs, {} began, {} ended>", f.frame, f.pairs.size(),
                                f.began.size(), f.ended.size());
@@ -102,9 +103,9 @@ certified upper bound; colliding: 0).)")
     world.def("step", &step, R"(step(self)
 --
 
-Finds all pairs as the bodies are now, and returns a Frame. Lets other threads of Python run meanwhile.
+Finds all pairs at the bodies' present poses, and returns a Frame. Other Python threads can run meanwhile.
 
-Ctrl-C ends it soon, between two pairs, with KeyboardInterrupt; the World stays valid, and the next step is whole.)");
+Ctrl-C ends it soon, between two pairs, with KeyboardInterrupt; the World stays valid, and the next step is complete.)");
 
     world.def_property_readonly("stages",
                                 look("World.stages",
@@ -117,7 +118,7 @@ Ctrl-C ends it soon, between two pairs, with KeyboardInterrupt; the World stays 
     world.def_property_readonly("totals", look("World.totals", [](const World& w) { return stage_list(w.totals()); }),
                                 "Sums over all frames so far, as Frame.stages.");
     world.def_property_readonly("hash", look("World.hash", [](const World& w) { return w.hash(); }),
-                                "Chained over all frames so far; equal input gives an equal hash (int).");
+                                "Hash of all frames so far; equal input gives an equal hash (int).");
 }
 
 } // namespace oncollide::python

@@ -16,7 +16,8 @@ std::vector<Triangle> triangles(py::handle faces, const Place& place)
 {
     const py::array array = whole_numbers(faces, place);
     if (!has_shape(array, {-1, 3})) refuse_value(place, "expected shape (F, 3), got " + shape_of(array));
-    const auto* at = static_cast<const std::int64_t*>(array.data()); // what is too large without a sign is negative
+    const auto* at = static_cast<const std::int64_t*>(array.data()); // unsigned numbers that are too large become
+                                                                     // negative
     std::vector<Triangle> made(static_cast<std::size_t>(array.shape(0)));
     for (std::size_t i = 0; i < made.size(); ++i)
         for (std::size_t k = 0; k < 3; ++k) {
@@ -51,7 +52,7 @@ GeometryHandle mesh_file(py::handle file, py::handle scale, py::handle fit_diago
         return made_without_lock(from, [&] { return load_mesh(from, options); });
     if (options.scale != 1 || options.fit_diagonal != 0 || options.centre)
         refuse_value({call, "on_demand"},
-                     "a mesh that stays in its file has the scale and the place that it has there");
+                     "scale, fit_diagonal and centre cannot change a mesh that stays in its file");
     return made_without_lock(from, [&] { return std::make_shared<const CookedMesh>(from); });
 }
 
@@ -59,7 +60,7 @@ void cook(py::handle made, py::handle file)
 {
     const GeometryHandle shared = geometry(made, {"cook", "geometry"});
     const std::string to = path(file, {"cook", "path"});
-    if (!is_cooked(to)) refuse_value({"cook", "path"}, "the name must end in .cooked, by which such files are known");
+    if (!is_cooked(to)) refuse_value({"cook", "path"}, "the name must end in .cooked");
     const Released released;
     if (const auto* mesh = std::get_if<Mesh>(&shared->data))
         cook_mesh(*mesh, to);
@@ -93,7 +94,7 @@ const Mesh& mesh_in(const Geometry& geometry, const char* property)
         fmt::format("Geometry.{}: only a mesh has it; this is a {}", property, kind_of(geometry)));
 }
 
-/// Rows of three numbers, which the geometry keeps; not to be written to.
+/// Rows of three numbers, as a read-only view; the geometry stays alive.
 template <class T>
 py::array rows(py::object owner, const std::vector<std::array<T, 3>>& items)
 {
@@ -116,17 +117,17 @@ void bind_geometry(py::module_& m)
 {
     using namespace py::literals;
     const auto unnamed = py::arg("name") = py::str("");
-    py::class_<Geometry, std::shared_ptr<Geometry>>(m, "Geometry", R"(What a body is made of, in its own frame, metres.
+    py::class_<Geometry, std::shared_ptr<Geometry>>(m, "Geometry", R"(The geometry of a body, in its own frame, metres.
 
-Made by mesh(), load_mesh(), sphere(), terrain(), load_map() and others. It never changes, keeps no array that it was
-made from, and is shared, not copied, by every World and Queries that it is given to.)")
+Made by mesh(), load_mesh(), sphere(), terrain(), load_map() and others. It never changes, copies the arrays that it is
+made from, and is shared, not copied, by every World and Queries that uses it.)")
         .def_property_readonly(
             "name",
-            [](const Geometry& g) { // a path may hold bytes that are no UTF-8
+            [](const Geometry& g) { // a path may contain bytes that are not UTF-8
                 return py::reinterpret_steal<py::object>(
                     PyUnicode_DecodeFSDefaultAndSize(g.name.data(), static_cast<py::ssize_t>(g.name.size())));
             },
-            "What messages call it: the name or the path that it was made with (str).")
+            "Its name in messages: the name or the path that it was made with (str).")
         .def_property_readonly(
             "kind", [](const Geometry& g) { return kind_of(g); },
             "'mesh', 'sphere', 'box', 'capsule', 'cylinder', 'convex_hull', 'ellipsoid', 'cone', "
@@ -140,7 +141,7 @@ made from, and is shared, not copied, by every World and Queries that it is give
                     made.mutable_at(0, k) = box.min[k], made.mutable_at(1, k) = box.max[k];
                 return made;
             },
-            "The box around it in its own frame, metres: least and greatest corner, float64 (2, 3).")
+            "Its AABB in its own frame, metres: least and greatest corner, float64 (2, 3).")
         .def_property_readonly(
             "vertices",
             [](py::object self) {
@@ -150,13 +151,13 @@ made from, and is shared, not copied, by every World and Queries that it is give
                 made.attr("flags").attr("writeable") = false;
                 return made;
             },
-            "Of a mesh: float64 (V, 3), metres; a view that cannot be written to.")
+            "Only meshes: float64 (V, 3), metres; a read-only view.")
         .def_property_readonly(
             "faces",
             [](py::object self) {
                 return rows<std::uint32_t>(self, mesh_in(self.cast<const Geometry&>(), "faces").triangles);
             },
-            "Of a mesh: uint32 (F, 3); a view that cannot be written to.")
+            "Only meshes: uint32 (F, 3); a read-only view.")
         .def_property_readonly(
             "closed",
             [](const Geometry& g) {
@@ -164,8 +165,8 @@ made from, and is shared, not copied, by every World and Queries that it is give
                 const auto* mesh = std::get_if<Mesh>(&g.data);
                 return mesh ? is_closed(*mesh) : !std::holds_alternative<Terrain>(g.data);
             },
-            "Does it have an inside? Of a mesh: is every edge shared by two triangles that run along it in opposite "
-            "directions? Cost: O(F log F).")
+            "True if it has an inside. A mesh: if every edge is shared by two triangles that traverse it in opposite "
+            "directions. Cost: O(F log F).")
         .def("__repr__", [](const Geometry& g) {
             std::string text = fmt::format("<oncollide.Geometry: {}", kind_of(g));
             if (!g.name.empty()) text += fmt::format(" '{}'", printable(g.name));
@@ -182,22 +183,23 @@ made from, and is shared, not copied, by every World and Queries that it is give
 A triangle mesh from arrays, which are copied.
 
 vertices: (V, 3) numbers, metres, finite and at most 1e15. faces: (F, 3) whole numbers, rows of `vertices`, F >= 1.
-name: what messages call it. Raises TypeError or ValueError for arrays of another type or shape, Error for an index out
-of range or a vertex that is not finite. Cost: 10 ns a triangle.)");
+name: used in messages. Raises TypeError or ValueError for arrays of another type or shape, Error for an index out of
+range or a vertex that is not finite. Cost: 10 ns per triangle.)");
     m.def("load_mesh", &mesh_file, "path"_a, "scale"_a = 1.0, "fit_diagonal"_a = 0.0, "centre"_a = false,
           "on_demand"_a = false, R"(load_mesh(path, scale=1.0, fit_diagonal=0.0, centre=False, on_demand=False)
 --
 
-A mesh from an OBJ, STL, PLY, OFF, glTF, GLB, COLLADA or 3MF file, or from a cooked one.
+A mesh from an OBJ, STL, PLY, OFF, glTF, GLB, COLLADA or 3MF file, or from a cooked file.
 
-scale: metres for each unit of the file. fit_diagonal: if above 0, scaled again so that the diagonal of the box around it
-is this long, metres. centre: moves the middle of that box to the origin. on_demand: leaves a cooked mesh in its file;
-a World reads of it what its pairs come near. Raises Error for a file that is missing or not valid.)");
+scale: metres per unit of the file. fit_diagonal: if above 0, scales again so that the diagonal of its AABB has this
+length, metres. centre: moves the centre of the AABB to the origin. on_demand: leaves a cooked mesh in its file; a World
+reads the parts that other bodies come near. Raises Error for a file that is missing or not valid.)");
     m.def("cook", &cook, "geometry"_a, "path"_a, R"(cook(geometry, path)
 --
 
 Writes a mesh, a map or a terrain as a cooked file, NAME.cooked, which load_mesh(path, on_demand=True), load_map and
-load_terrain open without reading it. Results are those of what was cooked. Raises Error where it cannot be written.)");
+load_terrain open without reading all of it. Results are the same as for `geometry`. Raises Error if the file cannot be
+written.)");
     m.def(
         "box_mesh",
         [](py::handle half) {
@@ -216,7 +218,7 @@ A closed mesh of 12 triangles. half_extents: (3,) metres.)");
         "radius"_a, "triangles"_a, R"(sphere_mesh(radius, triangles)
 --
 
-A closed mesh with corners on a sphere. radius: metres. triangles: how many, or one less where that is odd.)");
+A closed mesh with corners on a sphere. radius: metres. triangles: their number; one less if it is odd.)");
     m.def(
         "torus_mesh",
         [](py::handle major, py::handle minor, py::handle triangles) {

@@ -9,7 +9,7 @@ inline GeometryHandle share(std::string name, GeometryData data)
     return std::make_shared<const Geometry>(Geometry{std::move(name), std::move(data), {}});
 }
 
-/// Of a name that may be missing: what the call makes.
+/// The name, or the name of the call if it is missing.
 inline std::string name_or(const std::string& name, const char* call)
 {
     return name.empty() ? call : name;

@@ -9,7 +9,7 @@ namespace oncollide::python {
 
 namespace {
 
-/// A height grid: float32 is taken as it is, all else as float64.
+/// A height grid: float32 is used directly, other types are converted to float64.
 GeometryHandle terrain(py::handle heights, py::handle spacing, py::handle origin, py::handle no_data, py::handle error,
                        py::handle bytes, py::handle falling, py::handle name)
 {
@@ -35,7 +35,7 @@ GeometryHandle terrain(py::handle heights, py::handle spacing, py::handle origin
         if (!py::isinstance<py::array_t<bool>>(falling)) refuse_type(place, "an array of bool", falling);
         const auto flags = Flags::ensure(falling);
         if (!has_shape(flags, {array.shape(0) - 1, array.shape(1) - 1}))
-            refuse_value(place, "expected shape (rows - 1, columns - 1), one entry a cell, got " + shape_of(flags));
+            refuse_value(place, "expected shape (rows - 1, columns - 1), one entry per cell, got " + shape_of(flags));
         grid.falling.assign(flags.data(), flags.data() + flags.size());
     }
     std::string called = text(name, {call, "name"});
@@ -109,22 +109,21 @@ void bind_grids(py::module_& m)
         R"(terrain(heights, spacing=1.0, origin=(0.0, 0.0, 0.0), no_data=None, error=0.0, bytes=0, falling=None, name="")
 --
 
-A surface over a grid of heights, two triangles a cell; without an inside.
+A surface over a grid of heights, two triangles per cell; it has no inside.
 
 heights: (rows, columns) metres, at least two of each; heights[r, c] is at origin + (c spacing, r spacing, height).
-spacing: metres, one number or (columns', rows'). no_data: heights that are holes; may be nan. error: by how much heights
-may be off, metres. bytes: for each height 1, 2, 4 or 8; 0: the fewest that are exact. falling: bool (rows - 1,
-columns - 1), True for a cell that is cut along its other diagonal. Raises Error for a grid that is no terrain.)");
+spacing: metres, one number or (columns', rows'). no_data: heights of this value are holes; may be nan. error: bound on
+the error of the heights, metres. bytes: 1, 2, 4 or 8 per height; 0: the smallest size that is exact. falling: bool
+(rows - 1, columns - 1), True for a cell that is cut along its other diagonal. Raises Error for an invalid grid.)");
     m.def("load_terrain", &terrain_file, "path"_a, "spacing"_a = py::none(), "origin"_a = py::make_tuple(0.0, 0.0, 0.0),
           "vertical_scale"_a = 1.0, "no_data"_a = py::none(), "centre"_a = false,
           R"(load_terrain(path, spacing=None, origin=(0.0, 0.0, 0.0), vertical_scale=1.0, no_data=None, centre=False)
 --
 
-A terrain from a file: PGM, PNG, .npy, and GeoTIFF or DEM where the build has GDAL.
+A terrain from a file: PGM, PNG, .npy, and GeoTIFF or DEM if the build has GDAL.
 
-spacing: metres; None: what the file says, else 1. vertical_scale: metres for each unit of the file's heights. no_data:
-in the file's units. centre: moves the middle of the box around it to the origin. Raises Error for a file that is missing
-or not valid.)");
+spacing: metres; None: from the file, else 1. vertical_scale: metres per unit of the file's heights. no_data: in the
+file's units. centre: moves the centre of its AABB to the origin. Raises Error for a file that is missing or not valid.)");
     m.def("occupancy_map", &occupancy_map, "cells"_a, "resolution"_a, unnamed,
           R"(occupancy_map(cells, resolution, name="")
 --
@@ -132,17 +131,16 @@ or not valid.)");
 A map of solid cells; the others are unknown.
 
 cells: (N, 3) whole numbers from -32768 to 32767; cell (i, j, k) is the box from (i, j, k) to (i + 1, j + 1, k + 1)
-resolutions. np.argwhere(grid) gives those of a dense grid of bools. resolution: metres. Raises Error where no cell is
-occupied. Cost: 200 ns a cell.)");
+resolutions. np.argwhere(grid) returns the cells of a dense grid of bools. resolution: metres. Raises Error if no cell
+is occupied. Cost: 200 ns per cell.)");
     m.def("load_map", &map_file, "path"_a, "unknown_is_occupied"_a = false, "occupancy_threshold"_a = py::none(),
           R"(load_map(path, unknown_is_occupied=False, occupancy_threshold=None)
 --
 
-An OctoMap environment from a .bt or .ot file.
+An occupancy map from an OctoMap file (.bt or .ot).
 
-unknown_is_occupied: cells that nothing is known of, within the box around the known ones, count as occupied.
-occupancy_threshold: for .ot files, the probability from which a cell is occupied; None: 0.5. Raises Error for a file
-that is missing or not valid.)");
+unknown_is_occupied: unknown cells within the box around the known cells count as occupied. occupancy_threshold: for .ot
+files, the least probability of an occupied cell; None: 0.5. Raises Error for a file that is missing or not valid.)");
 
     m.def(
         "hills",

@@ -8,44 +8,44 @@
 
 namespace oncollide::python {
 
-/// A model as Python holds it: of one World, so that no other takes it.
+/// A model in Python; it records its World, so that another World refuses it.
 struct ModelHandle {
     std::uint64_t world;
     ModelId id;
     friend bool operator==(const ModelHandle&, const ModelHandle&) = default;
 };
 
-/// The World, who is inside it, and the thread that it belongs to.
+/// The World, its users, and the thread that it is tied to.
 struct HeldWorld {
     Interrupts interrupts;
     World world;
-    const std::uint64_t number; ///< no other World of this process has it
+    const std::uint64_t number; ///< unique among the Worlds of this process
     Users users;
-    const bool tied; ///< to its thread, by a GPU
+    const bool tied; ///< a GPU ties it to its thread
     const std::thread::id home = std::this_thread::get_id();
 
     explicit HeldWorld(const Settings& settings);
-    void at_home(const char* call) const; ///< throws Error{usage} elsewhere
+    void at_home(const char* call) const; ///< throws Error{usage} on another thread
 
 private:
     Settings with_stop(Settings settings);
 };
 
-/// Alone in a World for one call.
+/// Exclusive use of a World for one call.
 struct Inside : Users::Alone {
     Inside(HeldWorld& held, const char* call) : Alone(held.users, call) { held.at_home(call); }
 };
-/// Beside other const calls.
+/// Shared use with other const calls.
 struct Looking : Users::Beside {
     Looking(HeldWorld& held, const char* call) : Beside(held.users, call) { held.at_home(call); }
 };
 
-/// The model's id in this World. ValueError if it is of another.
+/// The model's id in this World. ValueError if the model belongs to another World.
 ModelId model_of(const HeldWorld& held, py::handle value, const Place& place);
 std::uint32_t bits(py::handle value, const Place& place);
 Aabb box_of(py::handle low, py::handle high, const char* call);
 
-/// A property or a method that only looks.
+/// A property or a method that is a const call.
 template <class Look>
 auto look(const char* call, Look work)
 {

@@ -25,11 +25,11 @@ const char* name_of(ErrorKind kind)
 
 void bind_error(py::module_& m)
 {
-    static PyObject* type = nullptr; // for the translator, which captures nothing
-    type = PyErr_NewExceptionWithDoc("oncollide.Error", R"(What the library refuses, and why, in one line.
+    static PyObject* type = nullptr; // static, because the translator captures nothing
+    type = PyErr_NewExceptionWithDoc("oncollide.Error", R"(An error of the library; the message is one line.
 
-kind: 'usage' (requested what does not exist or makes no sense), 'bad_data' (an array or a file is not valid), 'no_input'
-(a file is missing or unreadable), 'no_gpu', 'cannot_write' or 'internal'.)",
+kind: 'usage' (a request that is invalid or not supported), 'bad_data' (an array or a file is not valid), 'no_input' (a
+file is missing or unreadable), 'no_gpu', 'cannot_write' or 'internal'.)",
                                      PyExc_Exception, nullptr);
     if (!type) throw py::error_already_set();
     m.add_object("Error", py::reinterpret_borrow<py::object>(type));

@@ -28,7 +28,7 @@ struct HeldQueries {
     }
 };
 
-/// Numbers of geometries by query: one for all, or an array; the array's own memory where it is of uint32.
+/// The geometry index of each query: one for all, or an array; uses the array's own memory if it is of uint32.
 class Numbers {
 public:
     Numbers(py::handle value, const Place& place, std::size_t count)
@@ -58,7 +58,7 @@ public:
         }
         if (array_.ndim() > 1) refuse_value(place, "expected a number or shape (N,), got " + shape_of(array_));
         one_ = array_.ndim() == 0;
-        for (const std::uint32_t number : numbers_) // before any lock is given away
+        for (const std::uint32_t number : numbers_) // before any lock is released
             if (number >= count) check(number);
     }
     Numbers(const Numbers&) = delete;
@@ -86,7 +86,7 @@ public:
         const auto take = [&](const char* argument, bool one, std::size_t entries) {
             if (one) return;
             if (length && *length != entries)
-                refuse_value({call, argument}, fmt::format("{} entries where an argument before it has {}; must be as "
+                refuse_value({call, argument}, fmt::format("{} entries, but an earlier argument has {}; must be as "
                                                            "many, or one for all",
                                                            entries, *length));
             length = entries;
@@ -146,14 +146,14 @@ void bind_queries(py::module_& m)
     py::class_<HeldQueries>(m, "Queries", R"(Queries(geometries, **settings)
 --
 
-Many pairs at many poses, without bodies: for planners that sample poses.
+Tests many pairs at many poses, without bodies: for planners that sample poses.
 
     queries = oncollide.Queries([robot, house], exact="predicates", threads=0)
     verdict, bound = queries.run(0, 1, robot_poses, np.eye(4))
 
-geometries: a sequence of Geometry, of any kind; queries name them by their index. settings: of World's max_error, depth,
+geometries: a sequence of Geometry, of any kind; queries use their indices. settings: World's max_error, depth,
 clearance, exact ('off' or 'predicates'), bounding_volume, threads, age_limit (in calls) and the budgets. Trees grow
-where queries reach, and are kept from call to call. One thread at a time; a call uses `threads` threads itself.)")
+where queries need them, and are kept from call to call. One thread at a time; a call uses `threads` threads.)")
         .def(py::init([](py::handle geometries, const py::kwargs& settings) {
                  const Place place{"Queries", "geometries"};
                  if (!py::isinstance<py::sequence>(geometries))
@@ -167,31 +167,31 @@ where queries reach, and are kept from call to call. One thread at a time; a cal
         .def("run", &run, "a"_a, "b"_a, "poses_a"_a, "poses_b"_a, R"(run(self, a, b, poses_a, poses_b)
 --
 
-Do geometries a and b collide at these poses?
+Decides whether geometries a and b collide at these poses.
 
 a, b: whole numbers (N,), or one for all. poses_a, poses_b: (N, 4, 4) or (N, 7), metres, or one pose for all. Arrays of
-poses are not copied where they are (N, 4, 4), C-contiguous and float64, nor a and b where they are uint32.
-Returns (verdict, bound): uint8 (N,), a Verdict each, and float64 (N,), metres, as Frame.pairs. The same for any number of
-threads and in any company. Lets other threads of Python run meanwhile; Ctrl-C ends it soon. Raises ValueError for other shapes and lengths,
-Error naming the query whose pose is not rigid.)")
+poses are not copied if they are (N, 4, 4), C-contiguous and float64; a and b are not copied if they are uint32.
+Returns (verdict, bound): uint8 (N,), a Verdict each, and float64 (N,), metres, as in Frame.pairs. They are independent
+of the thread count and of the other queries in the batch. Other Python threads can run meanwhile; Ctrl-C ends it soon.
+Raises ValueError for other shapes and lengths, Error naming the query whose pose is not rigid.)")
         .def("distances", &distances, "a"_a, "b"_a, "poses_a"_a, "poses_b"_a, "tolerance"_a = 0.0,
              "farthest"_a = py::none(),
              R"(distances(self, a, b, poses_a, poses_b, tolerance=0.0, farthest=None)
 --
 
-How far apart are they? Arguments as run(); the result and the limits as World.distance(), structured (N,).)")
+Distances. Arguments as in run(); result, tolerance and farthest as in World.distance(), structured (N,).)")
         .def(
             "__len__", [](const HeldQueries& held) { return held.queries.size(); }, R"(__len__(self, /)
 --
 
-How many geometries there are.)")
+Number of geometries.)")
         .def_property_readonly(
             "bytes",
             [](HeldQueries& held) {
                 const Users::Beside beside(held.users, "Queries.bytes");
                 return held.queries.bytes();
             },
-            "HeldQueries for trees, bytes (int).");
+            "Memory of the trees, bytes (int).");
 }
 
 } // namespace oncollide::python

@@ -12,10 +12,10 @@ namespace oncollide::python {
 
 namespace {
 
-std::atomic<int> coming_back = 0; ///< threads that wait for the interpreter's lock, or have just got it
+std::atomic<int> coming_back = 0; ///< threads that wait for the interpreter's lock, or have just acquired it
 std::atomic<bool> interpreter_is_ending = false;
 std::atomic<pthread_t> ending_thread{};
-std::atomic<unsigned long> main_thread = 0; ///< Python's, the only one that handles signals
+std::atomic<unsigned long> main_thread = 0; ///< Python's main thread, the only one that handles signals
 
 } // namespace
 
@@ -63,7 +63,7 @@ void interpreter_begins()
     main_thread = pybind11::module_::import("threading").attr("main_thread")().attr("ident").cast<unsigned long>();
 }
 
-/// A thread either sees that the end has begun, or is seen here and let through.
+/// A thread either sees that the shutdown has begun, or is counted here, and then may finish.
 void interpreter_ends()
 {
     ending_thread.store(pthread_self());
@@ -75,7 +75,7 @@ void interpreter_ends()
 
 namespace {
 
-// The child of fork() has none of the threads that were coming back, and one thread, which is its main one.
+// The child of fork() has only the calling thread, which becomes its main thread; no other thread is coming back.
 [[maybe_unused]] const int at_fork = pthread_atfork(nullptr, nullptr, [] {
     coming_back = 0;
     main_thread = PyThread_get_thread_ident();

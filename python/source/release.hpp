@@ -7,29 +7,28 @@
 
 namespace oncollide::python {
 
-/// Ctrl-C in a long call: Python's main thread, where it made the call, looks now and then whether Python has a signal
-/// to handle, and the call ends early where the handler raises. Settings::stop asks it; one for each object, for calls
-/// that are alone in it.
+/// Ctrl-C in a long call: if Python's main thread made the call, it regularly checks whether Python has a signal to
+/// handle, and the call ends early if the handler raises. Settings::stop calls it; one per object, for calls that have
+/// exclusive use of the object.
 class Interrupts {
 public:
     bool requested();
-    /// After the call: throws what a handler raised meanwhile.
+    /// Call it after the call: throws the exception that a handler raised meanwhile.
     void rethrow();
 
 private:
     friend class Released;
-    std::atomic<bool> raised_ = false; ///< in the call under way; it is the thread's current exception then
+    std::atomic<bool> raised_ = false; ///< in the current call; the exception is then the thread's current exception
     bool caught_ = false;              ///< in the last call
-    std::thread::id caller_;           ///< of the call under way
+    std::thread::id caller_;           ///< of the current call
     PyThreadState** state_ = nullptr;
     std::chrono::steady_clock::time_point last_look_;
 };
 
-/// Gives the interpreter's lock to other threads for as long as it lives.
+/// Releases the interpreter's lock to other threads during its lifetime.
 ///
-/// A thread that comes back while the interpreter ends must not wait for that lock any more: CPython would end it by
-/// unwinding through frames that may not be unwound, which aborts the process. Such a thread stays where it is until
-/// the process is gone.
+/// A thread that returns while the interpreter shuts down must not wait for that lock: CPython would end it by unwinding
+/// through frames that must not be unwound, which aborts the process. The thread blocks until the process ends instead.
 class Released {
 public:
     Released() : Released(nullptr) {}
@@ -43,15 +42,15 @@ private:
     Interrupts* interrupts_;
 };
 
-/// To be called when the module is imported, and as the interpreter begins to end.
+/// Call them when the module is imported, and when the interpreter begins to shut down.
 void interpreter_begins();
 void interpreter_ends();
 
-/// Who is inside an object that does not lock itself: any number of const calls, or one other. Others are refused, by
-/// an exception rather than a wait: a process that was forked in the middle of a call would wait for ever.
+/// Users of an object that does not lock itself: any number of const calls, or one other call. Further calls are
+/// refused with an exception instead of waiting, because a process that was forked during a call would wait forever.
 class Users {
 public:
-    /// Throws Error{usage} while another thread is inside.
+    /// Throws Error{usage} while another call is active.
     class Alone {
     public:
         Alone(Users& users, const char* call);
@@ -62,7 +61,7 @@ public:
     private:
         Users& users_;
     };
-    /// Throws Error{usage} while another thread is inside with a call that is not const.
+    /// Throws Error{usage} while a call that is not const is active.
     class Beside {
     public:
         Beside(Users& users, const char* call);
@@ -75,7 +74,7 @@ public:
     };
 
 private:
-    std::atomic<int> inside_ = 0; ///< const calls; -1: another call
+    std::atomic<int> inside_ = 0; ///< number of const calls; -1: another call
 };
 
 } // namespace oncollide::python

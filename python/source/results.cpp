@@ -11,7 +11,7 @@ namespace oncollide::python {
 
 namespace {
 
-/// A field: where it is, and of what type, as NumPy writes it.
+/// A field: its offset, and its type in NumPy's notation.
 struct Field {
     const char* name;
     const char* type;
@@ -33,7 +33,7 @@ static_assert(sizeof(Eigen::Vector3d) == 24 && std::endian::native == std::endia
 
 constexpr std::size_t cell_in_part = offsetof(BodyPart, cell);
 
-/// Never freed: the interpreter may be gone before static objects are.
+/// Never freed: the interpreter may end before static objects are destroyed.
 const ResultTypes* types = nullptr;
 
 } // namespace

@@ -26,7 +26,7 @@ void bind_shapes(py::module_& m)
         "radius"_a, unnamed, R"(sphere(radius, name="")
 --
 
-A solid ball around the origin. radius: metres, > 0.)");
+A solid sphere around the origin. radius: metres, > 0.)");
     m.def(
         "box",
         [](py::handle half, py::handle name) {
@@ -52,7 +52,7 @@ A solid box around the origin. half_extents: (3,) metres, half of each side, > 0
         R"(capsule(radius, length, name="")
 --
 
-A solid capsule along z, its middle at the origin. radius: metres, > 0. length: of the cylinder, without the caps, >= 0.)");
+A solid capsule along z, centred at the origin. radius: metres, > 0. length: of the cylinder, without the caps, >= 0.)");
     along_z(
         "cylinder",
         [](double r, double l) {
@@ -61,7 +61,7 @@ A solid capsule along z, its middle at the origin. radius: metres, > 0. length: 
         R"(cylinder(radius, length, name="")
 --
 
-A solid cylinder along z, its middle at the origin. radius, length: metres, > 0.)");
+A solid cylinder along z, centred at the origin. radius, length: metres, > 0.)");
     along_z(
         "cone",
         [](double r, double l) {
@@ -94,7 +94,7 @@ The solid convex hull of points: (N, 3) metres, at least four, not in one plane.
         R"(half_space(name="")
 --
 
-All points with z <= 0 in its own frame: a floor without end.)");
+All points with z <= 0 in its own frame: an infinite floor.)");
 }
 
 } // namespace oncollide::python

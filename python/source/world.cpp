@@ -59,7 +59,7 @@ void bind_world(py::module_& m)
 {
     using namespace py::literals;
     py::class_<ModelHandle>(m, "Model",
-                            R"(A geometry in one World, with all that is derived from it; as World.add() returns it.)")
+                            R"(A geometry in one World, with all data derived from it; returned by World.add().)")
         .def("__eq__",
              [](const ModelHandle& a, py::handle b) {
                  return py::isinstance<ModelHandle>(b) && a == py::cast<const ModelHandle&>(b);
@@ -74,7 +74,7 @@ void bind_world(py::module_& m)
     WorldClass world(m, "World", R"(World(**settings)
 --
 
-Bodies and their models, which come, go and move between steps, and which of them collide.
+Holds bodies and their models, which may be added, removed and moved between steps, and finds the bodies that collide.
 
     world = oncollide.World(max_error=0.01)
     crane = world.add(oncollide.load_mesh("crane.obj"))
@@ -86,20 +86,21 @@ Settings, all by keyword:
   depth: 1 to 16, the depth of sphere-trees, in place of max_error.
   clearance: metres, >= 0; pairs this close count as touching.
   exact: 'off', 'predicates' (decides exactly whether surfaces meet) or 'fcl'.
-  contact_kinds, ignore_touching: tell touching from crossing; leave pairs that only touch apart. exact='predicates'.
-  mode: 'surface' or 'solid' (the inside of a closed mesh belongs to it). open_as_surface: takes open meshes, too.
-  threads: 1; 0: all that there are. Never changes a result.
+  contact_kinds, ignore_touching: distinguish touching from crossing; count pairs that only touch as separate. Both
+      need exact='predicates'.
+  mode: 'surface' or 'solid' (the inside of a closed mesh belongs to it). open_as_surface: 'solid' allows open meshes.
+  threads: 1; 0: all of the machine. Never changes a result.
   bounding_volume: 'auto', 'sphere' or 'obb'. broad_phase: 'kd', 'octree' or 'brute'.
   backend: 'cpu', 'auto', 'gl-compute' or 'gl-query'; gpu, viewport: for these.
   skip: names of stages to leave out. age_limit, node_budget, memory_budget, coherence: as in the C++ library.
-  resident_budget: bytes that cooked files may hold; 0: no limit. look_ahead: frames for which they are prepared beside.
+  resident_budget: bytes of memory for chunks of cooked files; 0: no limit. look_ahead: frames to prefetch them for.
 
-Bodies have ids, whole numbers. That of a removed body is stale: using it raises Error. Poses are float64: (4, 4), body
-to world, metres, or (7,) with position and quaternion x y z qx qy qz qw.
+Bodies have ids, whole numbers. The id of a removed body is stale: using it raises Error. Poses are float64: (4, 4),
+body to world, metres, or (7,) with position and quaternion x y z qx qy qz qw.
 
-Raises TypeError and ValueError for arguments of another type, shape or range, and Error for what the library refuses;
-then nothing has changed. One thread at a time may change a World, or step it; queries, contacts and distances may run
-side by side. Calls that compute let other threads of Python run.)");
+Raises TypeError and ValueError for arguments of another type, shape or range, and Error for other invalid arguments;
+the World is then unchanged. One thread at a time may change or step a World; queries, contacts and distances may run
+in parallel. Other Python threads can run during calls that compute.)");
 
     world.def(py::init(
         [](const py::kwargs& settings) { return std::make_unique<HeldWorld>(settings_of(settings, "World")); }));
@@ -114,7 +115,7 @@ side by side. Calls that compute let other threads of Python run.)");
         "geometry"_a, R"(add(self, geometry)
 --
 
-Shares a Geometry with this World and returns its Model. Builds nothing yet: trees grow where bodies come close.)");
+Shares a Geometry with this World and returns its Model. Builds no trees yet: they grow where bodies come close.)");
     world.def(
         "replace",
         [](HeldWorld& held, py::handle model, py::handle made) {
@@ -126,7 +127,7 @@ Shares a Geometry with this World and returns its Model. Builds nothing yet: tre
         "model"_a, "geometry"_a, R"(replace(self, model, geometry)
 --
 
-Gives a model another Geometry; all its bodies have it from now on.)");
+Replaces the Geometry of a model and so of all its bodies.)");
     world.def(
         "remove",
         [](HeldWorld& held, py::handle model) {
@@ -144,21 +145,21 @@ Removes a model. Raises Error while a body uses it.)");
     bind_world_queries(world);
     bind_maps(world);
     world.def_property_readonly("bytes", look("World.bytes", [](const World& w) { return w.bytes(); }),
-                                "HeldWorld for bodies, boxes and trees, bytes; the geometries come on top (int).");
+                                "Memory of bodies, AABBs and trees, bytes, without the geometries (int).");
     world.def_property_readonly("backend", look("World.backend", [](const World& w) { return w.backend(); }),
-                                "What finds grey cells, e.g. 'cpu (avx2)' (str).");
+                                "The backend that finds grey cells, e.g. 'cpu (avx2)' (str).");
     world.def_property_readonly(
         "file_faults",
         look("World.file_faults",
              [](const World& w) {
                  py::list made;
-                 for (const std::string& fault : w.file_faults()) // a path may hold bytes that are no UTF-8
+                 for (const std::string& fault : w.file_faults()) // a path may contain bytes that are not UTF-8
                      made.append(py::reinterpret_steal<py::object>(
                          PyUnicode_DecodeFSDefaultAndSize(fault.data(), static_cast<py::ssize_t>(fault.size()))));
                  return made;
              }),
-        "What went wrong with cooked files so far; the pairs that it concerns stay undecided (list of str).");
-    world.def("__repr__", [](const HeldWorld& held) { // also while another thread is inside
+        "Faults of cooked files so far; the pairs that need these parts stay undecided (list of str).");
+    world.def("__repr__", [](const HeldWorld& held) { // also while another thread uses the World
         return fmt::format("<oncollide.World {}>", held.number);
     });
 }

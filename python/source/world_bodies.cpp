@@ -14,7 +14,7 @@ void check_length(const Poses& poses, std::size_t count, const Place& place)
                      fmt::format("{} poses for {} bodies; must be as many, or one for all", poses.size(), count));
 }
 
-/// The keyword `static`, or its older name `fixed` where that is given.
+/// The keyword `static`, or its older name `fixed` if given.
 bool static_or_fixed(py::handle is_static, py::handle fixed, const char* call)
 {
     return fixed.is_none() ? truth(is_static, {call, "static"}) : truth(fixed, {call, "fixed"});
@@ -74,7 +74,7 @@ py::array pose_of(HeldWorld& held, py::handle which)
     return made;
 }
 
-/// A method of one body that changes it.
+/// A method that changes one body.
 template <class Change>
 void change(HeldWorld& held, const char* call, py::handle which, Change work)
 {
@@ -97,9 +97,9 @@ void bind_bodies(WorldClass& world)
 
 Adds a body and returns its id (int).
 
-pose: (4, 4) or (7,), metres; None: the origin. static: two static bodies never form a pair. layer, mask: bits; a pair is
-tested when the layer of each has a bit in common with the mask of the other. group: bodies of one group other than 0
-never collide. user: a number of yours, up to 2^64 - 1, which World.user() returns.)");
+pose: (4, 4) or (7,), metres; None: the identity. static: two static bodies never form a pair. layer, mask: bits; a pair
+is tested if the layer of each has a bit in common with the mask of the other. group: bodies of one group other than 0
+never collide. user: any number up to 2^64 - 1, which World.user() returns.)");
     world.def("add_bodies", &add_bodies, "model"_a, "poses"_a, "static"_a = false, "layer"_a = 1, "mask"_a = all,
               "group"_a = 0, "fixed"_a = none, R"(add_bodies(self, model, poses, static=False, layer=1, mask=4294967295, group=0)
 --
@@ -139,7 +139,7 @@ Moves a body. pose: (4, 4) or (7,), metres; rigid to 1e-6.)");
     world.def("set_poses", &set_poses, "bodies"_a, "poses"_a, R"(set_poses(self, bodies, poses)
 --
 
-Moves many. bodies: (N,) ids. poses: (N, 4, 4) or (N, 7), metres, or one pose for all. Where one is refused, none moves.)");
+Moves many. bodies: (N,) ids. poses: (N, 4, 4) or (N, 7), metres, or one pose for all. If one is invalid, none moves.)");
     world.def(
         "set_static",
         [](HeldWorld& held, py::handle which, py::handle is_static) {
@@ -161,7 +161,7 @@ Makes a body static or dynamic. Two static bodies never form a pair; a static bo
         "body"_a, "layer"_a, "mask"_a, R"(set_layers(self, body, layer, mask)
 --
 
-The layers that a body is on, and those that it collides with: bits.)");
+Sets the layers that a body is on, and the layers that it collides with: bits.)");
     world.def(
         "set_group",
         [](HeldWorld& held, py::handle which, py::handle group) {
@@ -171,7 +171,7 @@ The layers that a body is on, and those that it collides with: bits.)");
         "body"_a, "group"_a, R"(set_group(self, body, group)
 --
 
-Bodies of one group other than 0 never collide.)");
+Sets a body's group. Bodies of one group other than 0 never collide.)");
     world.def(
         "set_model",
         [](HeldWorld& held, py::handle which, py::handle model) {
@@ -191,7 +191,7 @@ Gives a body another model.)");
         "body"_a, "user"_a, R"(set_user(self, body, user)
 --
 
-A number of yours, up to 2^64 - 1, that the World keeps for a body.)");
+Stores any number up to 2^64 - 1 with a body.)");
     const auto two = [&](const char* name, const char* call, auto method, const char* text) {
         world.def(
             name,
@@ -214,7 +214,7 @@ Undoes exclude().)");
     world.def("pose", &pose_of, "body"_a, R"(pose(self, body)
 --
 
-Where a body is: float64 (4, 4), a copy.)");
+The pose of a body: float64 (4, 4), a copy.)");
     world.def(
         "model",
         [](HeldWorld& held, py::handle which) {
@@ -236,7 +236,7 @@ The Model of a body.)");
         "body"_a, R"(user(self, body)
 --
 
-The number of yours that the World keeps for a body (int).)");
+The number stored by set_user() (int).)");
     world.def(
         "is_static",
         [](HeldWorld& held, py::handle which) {
@@ -265,11 +265,11 @@ True if the body is static.)");
         R"(__contains__(self, item, /)
 --
 
-Is there a body with this id, or this Model?)");
+True if there is a body with this id, or this Model.)");
     world.def("__len__", look("World.__len__", [](const World& w) { return w.size(); }), R"(__len__(self, /)
 --
 
-How many bodies there are.)");
+Number of bodies.)");
 }
 
 } // namespace oncollide::python

@@ -33,9 +33,9 @@ void bind_maps(WorldClass& world)
         "map"_a, "points"_a, "state"_a, R"(set_cells(self, map, points, state)
 --
 
-Gives the cells of a map's Model that hold these points another state: 'unknown', 'free' or 'occupied'.
+Sets the cells of a map's Model that contain these points to a state: 'unknown', 'free' or 'occupied'.
 
-points: (N, 3) metres, in the map's frame. The Geometry stays as it is; this World has a copy from now on.)");
+points: (N, 3) metres, in the map's frame. The Geometry does not change; this World uses a copy from now on.)");
     world.def(
         "set_cells_in_box",
         [](HeldWorld& held, py::handle map, py::handle low, py::handle high, py::handle state) {
@@ -49,7 +49,7 @@ points: (N, 3) metres, in the map's frame. The Geometry stays as it is; this Wor
         "map"_a, "low"_a, "high"_a, "state"_a, R"(set_cells_in_box(self, map, low, high, state)
 --
 
-The same for the cells whose middles are in a box of the map's frame. low, high: (3,) metres.)");
+The same for the cells whose centres are in a box of the map's frame. low, high: (3,) metres.)");
     world.def(
         "replace_cells",
         [](HeldWorld& held, py::handle map, py::handle low, py::handle high, py::handle by) {
@@ -66,7 +66,7 @@ The same for the cells whose middles are in a box of the map's frame. low, high:
         "map"_a, "low"_a, "high"_a, "by"_a, R"(replace_cells(self, map, low, high, by)
 --
 
-The same cells become what they are in another map, a Geometry of the same resolution.)");
+Copies the states of the same cells from another map, a Geometry of the same resolution.)");
     world.def(
         "insert_scan",
         [](HeldWorld& held, py::handle map, py::handle at, py::handle origin, py::handle max_range) {
@@ -83,10 +83,10 @@ The same cells become what they are in another map, a Geometry of the same resol
         R"(insert_scan(self, map, points, origin, max_range=None)
 --
 
-Takes a sensor's scan into a map's Model, as OctoMap counts hits and misses.
+Inserts a sensor's scan into a map's Model, with OctoMap's rules for hits and misses.
 
-points: (N, 3) metres, in the map's frame. origin: (3,), where the sensor was. max_range: longer rays are cut there and
-hit nothing; None: no ray is too long.)");
+points: (N, 3) metres, in the map's frame. origin: (3,), the sensor's position. max_range: longer rays are cut there and
+hit nothing; None: no limit.)");
 }
 
 } // namespace oncollide::python

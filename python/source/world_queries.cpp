@@ -14,7 +14,7 @@ QueryFilter filter_of(py::handle layer, py::handle mask, py::handle group, const
     return {bits(layer, {call, "layer"}), bits(mask, {call, "mask"}), bits(group, {call, "group"})};
 }
 
-/// Where each item's begin, from `ends`: one more than there are items.
+/// The begin of each item's entries, from their ends; one more than there are items.
 py::array offsets_of(const std::vector<std::size_t>& ends)
 {
     py::array_t<std::int64_t> made(static_cast<py::ssize_t>(ends.size() + 1));
@@ -118,7 +118,7 @@ void bind_world_queries(WorldClass& world)
         R"(query(self, model, pose=None, layer=1, mask=4294967295, group=0)
 --
 
-What a body of this model at this pose would hit, without adding one.
+Finds the bodies that a body of this model at this pose would hit, without adding it.
 
 Returns a structured array (N,), sorted by slot: body (uint64), verdict (uint8, never separate), kind (uint8), bound
 (float64, metres).)");
@@ -128,7 +128,7 @@ Returns a structured array (N,), sorted by slot: body (uint64), verdict (uint8, 
 
 The same at many poses, (N, 4, 4) or (N, 7), on the World's threads.
 
-Returns (hits, offsets): those of pose i are hits[offsets[i]:offsets[i + 1]]; offsets is int64 (N + 1,).)");
+Returns (hits, offsets): the hits of pose i are hits[offsets[i]:offsets[i + 1]]; offsets is int64 (N + 1,).)");
     world.def(
         "query_segment",
         [](HeldWorld& held, py::handle from, py::handle to, py::handle layer, py::handle mask, py::handle group) {
@@ -140,7 +140,7 @@ Returns (hits, offsets): those of pose i are hits[offsets[i]:offsets[i + 1]]; of
         R"(query_segment(self, start, end, layer=1, mask=4294967295, group=0)
 --
 
-What a segment touches. start, end: (3,) metres. Returns as query(), not sorted along the segment.)");
+Finds the bodies that a segment touches. start, end: (3,) metres. Returns as query(), not sorted along the segment.)");
     world.def(
         "query_box",
         [](HeldWorld& held, py::handle low, py::handle high, py::handle layer, py::handle mask, py::handle group) {
@@ -151,31 +151,32 @@ What a segment touches. start, end: (3,) metres. Returns as query(), not sorted 
         R"(query_box(self, low, high, layer=1, mask=4294967295, group=0)
 --
 
-What reaches into a solid box of the world. low, high: (3,) metres, its least and greatest corner. Returns as query().)");
+Finds the bodies that touch a solid box along the world's axes. low, high: (3,) metres, its corners. Returns as query().)");
     world.def("contacts", &contacts, "a"_a, "b"_a, R"(contacts(self, a, b)
 --
 
-All pairs of parts of two bodies that meet, as they are now.
+All pairs of parts of two bodies that meet, at their present poses.
 
-Returns a structured array (N,): triangle_a, triangle_b (uint32, numbers of triangles; 0 of others), cell_a, cell_b
-(int32 (4,): of maps the cube's x, y, z and side, in cells), kind (uint8, a ContactKind), ends (float64 (2, 3): of two
-triangles the segment that both share, of others a point on each), normal_a, normal_b (float64 (3,), unit). World frame,
-metres.)");
+Returns a structured array (N,): triangle_a, triangle_b (uint32, indices of triangles; 0 for other parts), cell_a,
+cell_b (int32 (4,): for maps the cube's x, y, z and side, in cells), kind (uint8, a ContactKind), ends (float64 (2, 3):
+for two triangles the segment that both share, else a point on each part), normal_a, normal_b (float64 (3,), unit).
+World frame, metres.)");
     world.def("contacts_batch", &contacts_batch, "a"_a, "b"_a, R"(contacts_batch(self, a, b)
 --
 
 The same for many pairs, on the World's threads. a, b: (N,) ids.
 
-Returns (contacts, offsets): those of pair i are contacts[offsets[i]:offsets[i + 1]]; offsets is int64 (N + 1,).)");
+Returns (contacts, offsets): pair i has contacts[offsets[i]:offsets[i + 1]]; offsets is int64 (N + 1,).)");
     world.def("distance", &distance, "a"_a, "b"_a, "tolerance"_a = 0.0, "farthest"_a = none,
               R"(distance(self, a, b, tolerance=0.0, farthest=None)
 --
 
 Certified bounds on the distance of two bodies, and their nearest points.
 
-tolerance: metres, >= 0; a larger one is cheaper. farthest: metres; of bodies beyond it only a lower bound above it is found; None: no limit.
-Returns a structured scalar: lower, upper (float64, metres; both 0 where they meet; upper inf beyond `farthest`),
-triangle_a, cell_a, triangle_b, cell_b (as contacts()), point_a, point_b (float64 (3,), world, where upper is finite).)");
+tolerance: metres, >= 0; a larger tolerance is cheaper. farthest: the cutoff, metres; beyond it lower > farthest and
+upper = inf; None: no cutoff.
+Returns a structured scalar: lower, upper (float64, metres; both 0 if they meet), triangle_a, cell_a, triangle_b, cell_b
+(as in contacts()), point_a, point_b (float64 (3,), world frame, if upper is finite).)");
     world.def(
         "max_error",
         [](HeldWorld& held, py::handle a, py::handle b) {
@@ -187,7 +188,7 @@ triangle_a, cell_a, triangle_b, cell_b (as contacts()), point_a, point_b (float6
         "a"_a, "b"_a, R"(max_error(self, a, b)
 --
 
-The largest error that `within` may have for these two bodies, metres above the clearance (float).)");
+The error bound of `within` for these two bodies, metres above the clearance (float).)");
 }
 
 } // namespace oncollide::python

@@ -132,7 +132,7 @@ CASES = [
     (lambda: Queries([MESH]).run(np.array([0, 9], np.uint32), 0, np.eye(4), np.eye(4)), ValueError, "Queries.run: a: there is no geometry 9"),
     (lambda: Queries([MESH]).run("0", 0, np.eye(4), np.eye(4)), TypeError, "Queries.run: a: expected an array of whole numbers"),
     (lambda: Queries([MESH]).run(0, 0, np.zeros((5, 4, 5)), np.eye(4)), ValueError, "Queries.run: poses_a: expected shape (N, 4, 4), or (N, 7) with x y z qx qy qz qw, or one pose for all, got (5, 4, 5)"),
-    (lambda: Queries([MESH]).run([0, 0], 0, np.eye(4), np.tile(np.eye(4), (3, 1, 1))), ValueError, "Queries.run: poses_b: 3 entries where an argument before it has 2; must be as many, or one for all"),
+    (lambda: Queries([MESH]).run([0, 0], 0, np.eye(4), np.tile(np.eye(4), (3, 1, 1))), ValueError, "Queries.run: poses_b: 3 entries, but an earlier argument has 2; must be as many, or one for all"),
     (lambda: Queries([MESH]).run(0, 0, None, np.eye(4)), TypeError, "Queries.run: poses_a: expected an array of numbers"),
     (lambda: Queries([MESH]).run(0, 0, MIRROR, np.eye(4)), Error, "query 0: pose_a: the pose is not rigid: it mirrors"),
     (lambda: Queries([MESH]).distances(0, 0, np.eye(4), np.eye(4), tolerance=-1), Error, "tolerance"),

@@ -1,4 +1,4 @@
-"""conan create cmake/packaging/conan: the library, without the command, from this very tree."""
+"""conan create cmake/packaging/conan: the library, without the command, from this source tree."""
 import os
 
 from conan import ConanFile
@@ -53,6 +53,6 @@ class Oncollide(ConanFile):
         CMake(self).install()
         copy(self, "LICENSE", self.source_folder, os.path.join(self.package_folder, "licenses"))
 
-    def package_info(self):  # the files for CMake that the library installs itself
+    def package_info(self):  # the CMake package files that the library installs
         self.cpp_info.set_property("cmake_find_mode", "none")
         self.cpp_info.builddirs = [os.path.join("lib", "cmake", "oncollide")]

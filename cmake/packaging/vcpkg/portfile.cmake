@@ -1,4 +1,4 @@
-# An overlay port that builds this very tree: vcpkg install oncollide --overlay-ports=cmake/packaging/vcpkg
+# An overlay port that builds this source tree: vcpkg install oncollide --overlay-ports=cmake/packaging/vcpkg
 get_filename_component(SOURCE_PATH "${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
 vcpkg_check_features(OUT_FEATURE_OPTIONS FEATURE_OPTIONS FEATURES fcl ONCOLLIDE_FCL octomap ONCOLLIDE_OCTOMAP gl ONCOLLIDE_GL)
 vcpkg_cmake_configure(SOURCE_PATH "${SOURCE_PATH}" OPTIONS ${FEATURE_OPTIONS}
