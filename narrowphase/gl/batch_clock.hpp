@@ -26,7 +26,7 @@ private:
     GLuint queries_[2];
 };
 
-/// Waits for a fence; returns for how long (ms).
+/// Waits for a fence; returns the time waited (ms).
 double wait_for(GLsync fence);
 
 } // namespace oncollide::gl

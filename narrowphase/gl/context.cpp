@@ -16,7 +16,7 @@ namespace {
     throw Error(ErrorKind::no_gpu, message);
 }
 
-/// epoxy ends the program when a library is missing: look first.
+/// epoxy ends the program if a library is missing, so look for them first.
 void need_libraries()
 {
     struct Needed {
@@ -38,7 +38,7 @@ std::string egl_error()
     return fmt::format("EGL error 0x{:x}", static_cast<unsigned>(eglGetError()));
 }
 
-/// A device as EGL names it; null: the surfaceless platform.
+/// A device by its EGL handle; null: the surfaceless platform.
 struct Candidate {
     GpuDevice device;
     EGLDeviceEXT handle = nullptr;
@@ -100,15 +100,15 @@ namespace gl {
 
 namespace {
 
-/// EGL has one display a device in a process, and it stays open: a driver takes tens of milliseconds to load, and
-/// Mesa's leaves memory behind when it is unloaded.
+/// EGL has one display per device in a process. It stays open: a driver takes tens of milliseconds to load, and Mesa's
+/// leaks memory when it is unloaded.
 EGLDisplay open_display(const Candidate& candidate)
 {
     const EGLDisplay display =
         candidate.handle ? eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, candidate.handle, nullptr)
                          : eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
     if (display == EGL_NO_DISPLAY) fail(fmt::format("{}: no display ({})", candidate.device.platform, egl_error()));
-    if (!eglInitialize(display, nullptr, nullptr)) // nothing, if it was done before
+    if (!eglInitialize(display, nullptr, nullptr)) // no effect if it is already initialised
         fail(fmt::format("{}: cannot be initialised ({}); is a driver installed (Debian: libgl1-mesa-dri)?",
                          candidate.device.platform, egl_error()));
     return display;

@@ -12,18 +12,18 @@ namespace oncollide::gl {
 /// An OpenGL 4.5 core context without a display or a window. Belongs to the thread that made it.
 class Context {
 public:
-    /// As describe_gpu().
+    /// @param gpu  as for describe_gpu()
     explicit Context(int gpu);
     ~Context();
     Context(const Context&) = delete;
     Context& operator=(const Context&) = delete;
 
-    /// Makes it the thread's current context: each entry into GL code begins with this. Throws Error{usage} on another
+    /// Makes it the thread's current context: each entry into GL code calls this first. Throws Error{usage} on another
     /// thread.
     void use() const;
-    /// Where nothing may be thrown: destructors of what lives in it. Objects of a GPU that is lost are lost with it.
+    /// The same without exceptions, for destructors of objects in the context. Objects of a lost GPU are lost with it.
     void use_at_end() const noexcept;
-    /// Throws GpuLost when the device was lost or a command since the last check failed; `what` says which work it was.
+    /// Throws GpuLost if the device was lost or a command since the last check failed; `what` names the work.
     void check(const char* what) const;
     const GpuInfo& info() const { return info_; }
 

@@ -1,4 +1,4 @@
-// Stands for the rest of this folder in builds without OpenGL.
+// Replaces the other sources of this folder in builds without OpenGL.
 #include <oncollide/narrowphase/gl/gpu.hpp>
 #include <oncollide/narrowphase/gl/picture.hpp>
 

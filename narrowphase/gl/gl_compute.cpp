@@ -1,11 +1,11 @@
-// A batch is three steps, each a dispatch; nothing comes back between them:
+// A batch is three dispatches; nothing is read back between them:
 //
-//     rows ── plan ──> tiles ── test ──> a byte a row, masks of triangles, room for lists ── scatter ──> lists
+//     rows ── plan ──> tiles ── test ──> one byte per row, masks of triangles, room for lists ── scatter ──> lists
 //
-// A tile is at most eight triangles of one row, tested by one invocation: short lists fill the machine as well as long
-// ones. Whoever does a row's last tile takes the room for its list. A list keeps a run of entries for each octant, so
-// that a child's row reads exactly the triangles that enter it. Tiles and lists are given out by atomic counters; when
-// one passes its buffer's end the batch did nothing that lasts, and is done again with a larger buffer.
+// A tile is at most eight triangles of one row, tested by one invocation, so short lists fill the GPU as well as long
+// ones. The invocation that finishes a row's last tile reserves the room for its list. A list keeps one run of entries
+// per octant, so a child's row reads exactly the triangles that enter it. Atomic counters allocate tiles and lists; if
+// one passes its buffer's end, the batch has no lasting effect, and is repeated with a larger buffer.
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -28,7 +28,7 @@ using namespace gl;
 
 constexpr std::uint32_t none = 0xffffffffu;
 
-/// A row as the shaders read it.
+/// The layout of a row in the shaders.
 struct GpuRow {
     float centre[3], slack;
     float half[3];
@@ -158,7 +158,7 @@ public:
               std::vector<std::size_t>& ends) override
     {
         context_.use();
-        std::vector<ListRead> far; // runs of reads that the store serves
+        std::vector<ListRead> far; // runs of reads that the list store serves
         const auto flush = [&] {
             lists_.read(far, triangles, ends);
             far.clear();
@@ -189,7 +189,7 @@ private:
         bool boxes, on_gpu;
         std::size_t first, count; ///< primitives
         std::vector<std::array<double, 4>> inside;
-        std::vector<ListId> lists; ///< kept and not released, unordered
+        std::vector<ListId> lists; ///< kept lists, unordered
     };
 
     void remember(std::vector<ListId>& lists, ListId list)
@@ -215,7 +215,7 @@ private:
         std::copy_n(cell.centre, 3, r.centre), std::copy_n(cell.half, 3, r.half);
         r.slack = cell.slack, r.boxes = tree.boxes;
         r.first_primitive = static_cast<std::uint32_t>(tree.first);
-        r.parent_list = static_cast<std::uint32_t>(row.list); // all_triangles is none
+        r.parent_list = static_cast<std::uint32_t>(row.list); // all_triangles equals `none`
         r.octant_or_count = all ? static_cast<std::uint32_t>(tree.count) : octant_of(row.cell);
         r.own_list = static_cast<std::uint32_t>(own);
         return r;
@@ -223,7 +223,7 @@ private:
 
     std::size_t out_bytes() const { return 4 * words::header + (gpu_rows_.size() + 3) / 4 * 4; }
 
-    /// Puts the whole batch into the command queue.
+    /// Queues all commands of the batch.
     void dispatch()
     {
         const std::size_t count = gpu_rows_.size();
@@ -246,7 +246,7 @@ private:
         };
         bind(binding::primitives, primitives_.buffer()), bind(binding::rows, rows_), bind(binding::cursors, cursors_);
         bind(binding::tiles, tiles_), bind(binding::out, out_);
-        // Few groups where a few threads do the work, enough of them to fill a GPU.
+        // Few groups on a software renderer with few threads, enough to fill a GPU otherwise.
         const auto for_rows = static_cast<GLuint>(std::min<std::size_t>((count + 63) / 64, 65535));
         const GLuint for_tiles = context_.info().software ? std::min(4 * for_rows + 16, 256u) : 2048;
         const bool keep = std::any_of(gpu_rows_.begin(), gpu_rows_.end(), [](auto& r) { return r.own_list != none; });
@@ -283,7 +283,7 @@ private:
             context_.check("the mapping of results"), throw GpuLost("gl-compute: results cannot be mapped");
     }
 
-    /// Waits for the batch. False: a buffer was too small, and is larger now.
+    /// Waits for the batch. False: a buffer was too small, and has been enlarged.
     bool finished()
     {
         work_.wait_ms += wait_for(fence_);
@@ -305,19 +305,19 @@ private:
         return true;
     }
 
-    Context context_; // first: everything below lives in it
+    Context context_; // first, as all members below live in it
     std::size_t most_;
     PrimitiveStore primitives_;
     ListStore lists_;
     Program plan_, test_, scatter_;
     Buffer rows_, cursors_, tiles_, out_, readback_;
-    const std::byte* readback_data_ = nullptr; ///< readback_, mapped for good
+    const std::byte* readback_data_ = nullptr; ///< permanent mapping of readback_
     GLsync fence_ = nullptr;
     BatchClock clock_;
 
     std::vector<std::optional<Tree>> trees_;
-    std::vector<std::uint32_t> place_in_tree_;   ///< by list: where it is in Tree::lists
-    std::unique_ptr<OcclusionBackend> oversize_; ///< has the surfaces that do not fit
+    std::vector<std::uint32_t> place_in_tree_;   ///< by list: its index in Tree::lists
+    std::unique_ptr<OcclusionBackend> oversize_; ///< serves surfaces that do not fit
     std::span<const OctantRow> requested_;
     std::vector<GpuRow> gpu_rows_;
     std::vector<OctantRow> oversize_rows_;

@@ -1,12 +1,13 @@
-// The paper's way to find the octants that a surface enters: make the octant the view volume, draw the mesh, and query
-// the GPU whether any fragment came out.
+// The paper's method of finding the octants that a surface enters: make the octant the view volume, draw the mesh, and
+// query the GPU whether any fragment was drawn.
 //
 //        camera      near          far          The camera stands one box length outside the octant and looks along
-//          o . . . . +--------------+           x, then y, then z; near = 1 and far = 2 box lengths, so what is left
-//          <- 1 ->   |    octant    |           after clipping is the part of the mesh within the octant. No depth
-//                    +--------------+           test, no culling: any fragment tells.
+//          o . . . . +--------------+           x, then y, then z; near = 1 and far = 2 box lengths, so clipping
+//          <- 1 ->   |    octant    |           leaves the part of the mesh within the octant. No depth test,
+//                    +--------------+           no culling: any fragment counts.
 //
-// A fragment is proof; none from three sides is not: triangles seen edge-on, or between pixel centres, leave none.
+// A fragment is proof. No fragment from three sides is no proof: triangles seen edge-on, or between pixel centres,
+// leave none.
 //
 // Source: Franquesa-Niubó and Rodríguez González, "Sphere-trees generation as needed in real time to speed up collision
 // detection", GRAPP 2006, section 4.
@@ -40,7 +41,7 @@ const char* name_in(const char* const (&names)[N], std::size_t value, const char
     return names[value];
 }
 
-/// Throws Error{usage} for options that make no sense.
+/// Throws Error{usage} for invalid options.
 std::string describe(const GlQueryOptions& o)
 {
     if (o.viewport < 1 || o.viewport > 1024)
@@ -52,7 +53,7 @@ std::string describe(const GlQueryOptions& o)
                        o.inflated ? ", inflated" : "");
 }
 
-/// A part of a strip is no strip.
+/// A part of a strip is no strip, so strips always draw the whole mesh.
 GlQueryOptions usable(GlQueryOptions options)
 {
     if (options.primitives == Primitives::strips) options.draw = Draw::mesh;
@@ -73,12 +74,12 @@ public:
     std::string name() const override { return name_; }
     std::string renderer() const override { return context_.info().renderer; }
 
-    /// A fragment is the centre of a pixel within the triangle, clipped to the view volume and its corners snapped to
-    /// at most 1/16 of a pixel (GL_SUBPIXEL_BITS is at least 4). So the triangle has a point within the volume's depth
-    /// and 1/16 pixel beside that centre. Pixel centres lie half a texel inside the plain volume: that point is in the
-    /// octant, but for the rounding of float, which test_error() covers. The inflated volume is half a texel deeper on
-    /// either side, and its outermost pixel centres are just inside the octant: at most 1.02 times half a texel. Half a
-    /// texel more allows for hardware that clips by a depth interpolated at the pixel's centre.
+    /// A fragment is a pixel centre within the triangle, after clipping to the view volume and snapping of the corners
+    /// to at most 1/16 of a pixel (GL_SUBPIXEL_BITS is at least 4). The triangle therefore has a point within the
+    /// volume's depth and within 1/16 pixel of that centre. Pixel centres lie half a texel inside the plain volume, so
+    /// that point is in the octant except for float rounding, which test_error() covers. The inflated volume is half a
+    /// texel deeper on either side, and its outermost pixel centres are just inside the octant: at most 1.02 times half
+    /// a texel. Another half texel allows for hardware that clips by a depth interpolated at the pixel's centre.
     double error(double half) const override { return (options_.inflated ? 2 : 1) * half / options_.viewport; }
 
     void attach(std::uint32_t tree, Surface surface) override
@@ -103,7 +104,7 @@ public:
     {
         context_.use();
         rows_ = rows, work_ = {}, axis_ = 0, begin_ = 0;
-        // Half a texel of an octant is this part of its cell.
+        // Half a texel of an octant, as a fraction of its cell.
         const float inflation = options_.inflated ? 0.5f / static_cast<float>(options_.viewport) : 0.0f;
         surfaces_.find(rows, {.boxes = true, .inflation = inflation, .all = options_.draw == Draw::inherited}, threads);
         settle_without_queries();
@@ -143,13 +144,13 @@ public:
     }
 
 private:
-    struct OpenOctant { ///< an octant that no fragment was seen of yet
+    struct OpenOctant { ///< an octant without a fragment so far
         std::uint32_t row;
         unsigned octant;
     };
 
-    /// Lists, insides of solid shapes, and maps, whose boxes are solid: a query would see their faces alone. All other
-    /// octants are tested.
+    /// Sets lists and results that need no queries: insides of solid shapes, and maps, whose boxes are solid while a
+    /// query would only see their faces. All other octants become open.
     void settle_without_queries()
     {
         open_.clear(), results_.resize(rows_.size());
@@ -165,7 +166,7 @@ private:
 
     bool seen(const OpenOctant& q) const { return results_[q.row].grey >> q.octant & 1; }
 
-    /// The open octants that are in flight together.
+    /// The open octants whose queries are in flight together.
     std::span<const OpenOctant> in_flight() const
     {
         return std::span(open_).subspan(begin_, std::min(most_in_flight, open_.size() - begin_));
@@ -190,7 +191,7 @@ private:
         work_.queries += octants.size();
     }
 
-    /// The triangles whose boxes meet each octant in flight.
+    /// Uploads the triangles whose boxes meet each octant in flight.
     void stream_triangles()
     {
         stream_.clear();
@@ -210,7 +211,8 @@ private:
         work_.wait_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - from).count();
     }
 
-    /// The next octants along this axis, or else along the next one those that showed nothing. False: none is left.
+    /// Issues the next octants along this axis; at their end, the octants without a fragment along the next axis.
+    /// False: none is left.
     bool issue_next()
     {
         begin_ += in_flight().size();
@@ -225,18 +227,18 @@ private:
 
     GlQueryOptions options_;
     std::string name_;
-    gl::Context context_; ///< before all that lives in it
+    gl::Context context_; ///< first, as all members below live in it
     gl::OctantQueries queries_;
     gl::BatchClock clock_;
     gl::TriangleStream stream_;
     std::vector<std::optional<gl::QueryMesh>> meshes_; ///< by tree; none for maps
     ListedSurfaces surfaces_;
 
-    // The batch under way.
+    // The current batch.
     std::span<const OctantRow> rows_;
     std::vector<OctantResult> results_;
     std::vector<OpenOctant> open_;
-    std::size_t begin_ = 0; ///< of those in flight, within open_
+    std::size_t begin_ = 0; ///< index in open_ of the first octant in flight
     int axis_ = 0;
     BatchWork work_;
 };

@@ -7,53 +7,52 @@
 
 namespace oncollide {
 
-/// A device on which an OpenGL context without a display can be made. Its number is its place in gpu_devices().
+/// A device on which an OpenGL context without a display can be made. Its number is its index in gpu_devices().
 struct GpuDevice {
     std::string platform; ///< "EGL device (EGL_MESA_device_software)", "EGL surfaceless"
     bool software;        ///< known to be a software renderer before it is opened
 };
 
-/// What this machine offers, in EGL's order, without opening any of them. Cost: loads EGL, some 10 ms the first time.
-/// Throws Error{no_gpu} naming the missing library or extension.
+/// The devices of this machine, in EGL's order, without opening any. Cost: loads EGL, about 10 ms the first time.
+/// Throws Error{no_gpu}, which names the missing library or extension.
 std::vector<GpuDevice> gpu_devices();
 
-/// What an opened device is.
+/// Properties of an opened device.
 struct GpuInfo {
     std::string renderer, vendor, version; ///< GL_RENDERER, GL_VENDOR, GL_VERSION
     std::string platform;
     bool software;   ///< a software renderer such as llvmpipe
-    double start_ms; ///< making the context
+    double start_ms; ///< time to make the context
 };
 
-/// Opens device number `gpu` and closes it again; -1: the first hardware device, else the first software one.
-/// Throws Error{no_gpu} that says which step failed.
+/// Opens device number `gpu` and closes it again; -1: the first hardware device, else the first software device. Throws
+/// Error{no_gpu}, which names the failed step.
 GpuInfo describe_gpu(int gpu);
 
 /// Separating axes in a compute shader: the results of the cpu backend, bit for bit. Triangle lists stay on the GPU.
 /// The backend belongs to the thread that made it.
 struct GlComputeOptions {
     int gpu = -1;
-    /// Most that one buffer may hold (bytes); 0: what the driver allows, at most 2 GiB. A mesh that does not fit is
-    /// left to the cpu backend; triangle lists that do not fit are a GpuLost.
+    /// Upper limit of the size of one buffer (bytes); 0: the driver's limit, at most 2 GiB. A mesh that does not fit is
+    /// left to the cpu backend; triangle lists that do not fit cause GpuLost.
     std::size_t most_buffer_bytes = 0;
-    std::size_t first_entries = 1 << 16; ///< room for list entries at the start; it grows
+    std::size_t first_entries = 1 << 16; ///< initial room for list entries; it grows
 };
 std::unique_ptr<OcclusionBackend> make_gl_compute_backend(const GlComputeOptions& options = {});
 
-/// The method of the paper, for reference: is any fragment drawn when the cell is the view volume? Not conservative:
-/// triangles seen edge-on or smaller than a pixel leave no fragment. error() allows for grey octants without surface,
-/// nothing allows for those that it misses.
-/// Source: Franquesa-Niubó and Rodríguez González, GRAPP 2006, section 4.
+/// The method of the paper, for reference: is any fragment drawn if the cell is the view volume? Not conservative:
+/// triangles seen edge-on or smaller than a pixel leave no fragment. error() allows for grey octants without surface;
+/// nothing allows for missed octants. Source: Franquesa-Niubó and Rodríguez González, GRAPP 2006, section 4.
 struct GlQueryOptions {
     enum class Primitives : unsigned char { soup, indexed, strips };
     enum class Samples : unsigned char { passed, any };
     enum class Draw : unsigned char { mesh, inherited }; ///< the whole mesh, or the triangles whose boxes meet the cell
     int gpu = -1;
-    int viewport = 16; ///< pixels a side, 1 to 1024
+    int viewport = 16; ///< pixels per side, 1 to 1024
     Primitives primitives = Primitives::indexed;
     Samples samples = Samples::any;
-    Draw draw = Draw::inherited; ///< strips: the whole mesh always
-    bool inflated = false;       ///< view volume half a texel larger on every side
+    Draw draw = Draw::inherited; ///< strips always draw the whole mesh
+    bool inflated = false;       ///< the view volume is half a texel larger on every side
 };
 std::unique_ptr<OcclusionBackend> make_gl_query_backend(const GlQueryOptions& options = {});
 

@@ -11,7 +11,7 @@ namespace oncollide::gl {
 
 namespace {
 
-constexpr GLuint most_groups = 65535; // what every driver must allow
+constexpr GLuint most_groups = 65535; // the minimum that every driver must allow
 
 std::uint32_t number(ListId list)
 {
@@ -55,7 +55,7 @@ void ListStore::release(ListId list)
     lists_in_use_[number(list)] = false;
     free_.push_back(number(list));
     holes_ = true;
-    if (free_.size() == lists_in_use_.size()) used_ = 0, holes_ = false; // none left
+    if (free_.size() == lists_in_use_.size()) used_ = 0, holes_ = false; // no lists are left
 }
 
 void ListStore::make_list_room()
@@ -69,7 +69,7 @@ void ListStore::bind() const
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding::lists, lists_.name());
 }
 
-/// One group a job, two words each. Leaves the number of entries in counters_[1].
+/// One group per job of two words. Leaves the number of entries in counters_[1].
 void ListStore::run_jobs(const Program& program, std::span<const std::uint32_t> jobs, const Buffer& target)
 {
     grow(jobs_, jobs.size_bytes(), 0, most_, "lists to copy");
@@ -109,7 +109,7 @@ void ListStore::make_entry_room(std::size_t count)
 {
     if (used_ + count <= entry_room()) return;
     if (holes_) pack();
-    // Packing again and again for a few entries would cost more than memory does.
+    // Packing repeatedly for a few entries would cost more than memory.
     const std::size_t wanted = used_ + count;
     if (4 * wanted > 3 * entry_room())
         grow(entries_, std::max(4 * wanted, std::min(8 * wanted, most_)), 4 * used_, most_, "triangle lists");
@@ -131,7 +131,7 @@ void ListStore::read(std::span<const ListRead> reads, std::vector<std::uint32_t>
     std::vector<std::uint32_t> all(counters[1]);
     glGetNamedBufferSubData(jobs_.name(), 0, static_cast<GLsizeiptr>(4 * jobs.size()), jobs.data());
     if (!all.empty()) glGetNamedBufferSubData(packed_.name(), 0, static_cast<GLsizeiptr>(4 * all.size()), all.data());
-    for (std::size_t i = 0; i < reads.size(); ++i) { // where each lies depends on which group came first
+    for (std::size_t i = 0; i < reads.size(); ++i) { // positions depend on the order of the groups
         const auto from = all.begin() + jobs[2 * i];
         const auto begin = static_cast<std::ptrdiff_t>(triangles.size());
         triangles.insert(triangles.end(), from, from + jobs[2 * i + 1]);

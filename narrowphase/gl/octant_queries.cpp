@@ -4,8 +4,9 @@ namespace oncollide::gl {
 
 namespace {
 
-// An octant and its view volume have one centre, so clip coordinates are those of the octant, and the view along an
-// axis is a permutation that puts this axis last. Seen from the other side or in a mirror, the mesh covers as much.
+// An octant and its view volume have the same centre, so clip coordinates are the octant's coordinates, and the view
+// along an axis is a permutation that puts this axis last. Seen from the opposite side or mirrored, the mesh covers as
+// many pixels.
 constexpr const char* vertex_shader = R"(#version 450 core
 layout(location = 0) in vec3 position;
 layout(location = 0) uniform vec3 centre;
@@ -58,7 +59,7 @@ void OctantQueries::look_at(const OctantCell& octant)
 
 std::span<const GLuint> OctantQueries::read(std::size_t count)
 {
-    // Into a buffer first, so that there is one wait and not one a query.
+    // Into a buffer first, so that there is one wait instead of one per query.
     for (std::size_t i = 0; i < count; ++i)
         glGetQueryBufferObjectuiv(queries_[i], results_.name(), GL_QUERY_RESULT,
                                   static_cast<GLintptr>(i * sizeof(GLuint)));

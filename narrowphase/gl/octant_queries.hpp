@@ -8,9 +8,9 @@
 
 namespace oncollide::gl {
 
-// Objects whose context must be current whenever they are used or die.
+// The context of these objects must be current whenever they are used or destroyed.
 
-/// A square framebuffer that stores nothing: fragments are only counted.
+/// A square framebuffer without storage: fragments are only counted.
 class BareFramebuffer {
 public:
     explicit BareFramebuffer(int pixels);
@@ -23,7 +23,7 @@ private:
     GLuint name_ = 0;
 };
 
-/// Query objects, all of one target: a query object cannot change it.
+/// Query objects of one target, which a query object cannot change.
 class Queries {
 public:
     Queries(GLenum target, std::size_t count);
@@ -36,19 +36,19 @@ private:
     std::vector<GLuint> names_;
 };
 
-/// Occlusion queries whose view volume is an octant, many in flight. Their context is for them alone: OpenGL's state is
-/// set once.
+/// Occlusion queries whose view volume is an octant, many in flight. They need a context of their own: OpenGL's state
+/// is set only once.
 class OctantQueries {
 public:
     static constexpr std::size_t most_in_flight = 4096;
 
     /// @param target    GL_SAMPLES_PASSED or GL_ANY_SAMPLES_PASSED
-    /// @param viewport  pixels a side
+    /// @param viewport  pixels per side
     /// @param inflated  view volumes half a texel larger on every side
     OctantQueries(GLenum target, int viewport, bool inflated);
 
     void look_along(int axis);
-    /// Query number i, below most_in_flight: does draw() leave a fragment in the octant?
+    /// Issues query number i, below most_in_flight: whether draw() leaves a fragment in the octant.
     template <class Draw>
     void issue(std::size_t i, const OctantCell& octant, Draw draw)
     {
@@ -57,14 +57,14 @@ public:
         draw();
         glEndQuery(target_);
     }
-    /// Waits for the first `count` queries. Their results, 0: no fragment; valid until the next read().
+    /// Waits for the first `count` queries. Returns their results, 0 for no fragment; valid until the next read().
     std::span<const GLuint> read(std::size_t count);
 
 private:
     void look_at(const OctantCell& octant);
 
     GLenum target_;
-    float growth_; ///< of view volumes
+    float growth_; ///< relative size of the view volumes
     Program program_;
     BareFramebuffer framebuffer_;
     Queries queries_;

@@ -58,9 +58,9 @@ void main()
 }
 )";
 
-// The arithmetic is that of octant_kernel.cpp, operation by operation, and `precise` forbids to fuse it: so the results
-// are the same bits. There a lane is an octant. Here a lane is a tile, and use is made of the symmetry of the octants:
-// along the cross product of an edge and an axis their centres project to d, t, -t and -d only.
+// The same arithmetic as octant_kernel.cpp, operation by operation, and `precise` forbids fusing it, so the results
+// have the same bits. There a lane is an octant; here a lane is a tile. The symmetry of the octants saves work: along
+// the cross product of an edge and an axis their centres project only to d, t, -t and -d.
 constexpr const char* test_main = R"(
 uint apart(float lo, float hi, float shift, float r) { return lo - shift > r || hi - shift < -r ? none : 0u; }
 
@@ -189,7 +189,7 @@ void main()
 }
 )";
 
-// One group a job.
+// One group per job.
 constexpr const char* jobs = R"(
 layout(std430, binding = 3) writeonly buffer Packed { uint packed_entries[]; };
 layout(std430, binding = 4) buffer Jobs { uvec2 jobs[]; };

@@ -3,7 +3,7 @@
 
 namespace oncollide::gl {
 
-/// One compute shader a step of a batch; see gl_compute.cpp. 64 invocations a group, each loops over its share.
+/// One compute shader per step of a batch; see gl_compute.cpp. 64 invocations per group; each loops over its share.
 struct OctantShaders {
     static std::string plan();    ///< rows -> tiles: at most eight triangles of one row each
     static std::string test();    ///< tiles -> masks of rows and triangles, room for lists
@@ -12,16 +12,17 @@ struct OctantShaders {
     static std::string read();    ///< reads -> triangles, packed
 };
 
-/// Where the shaders expect their buffers.
+/// The binding points of the shaders' buffers.
 namespace binding {
 constexpr unsigned primitives = 0, entries = 1, lists = 2, rows = 3, cursors = 4, tiles = 5, out = 6;
-constexpr unsigned packed = 3, jobs = 4; ///< of pack and read, which use neither rows nor cursors
+constexpr unsigned packed = 3, jobs = 4; ///< for pack and read, which use neither rows nor cursors
 } // namespace binding
 
-/// Words of one thing in its buffer, and what the words of a row are.
+/// Words per item in each buffer.
 namespace words {
 constexpr unsigned primitive = 12, list = 9, row = 12, cursors = 9, tile = 5;
-constexpr unsigned header = 4; ///< of the out buffer: tiles wanted, entries wanted; then a byte a row
+constexpr unsigned header = 4; ///< of the out buffer: tiles wanted, entries wanted, two spare words; then one byte per
+                               ///< row
 } // namespace words
 
 } // namespace oncollide::gl

@@ -16,7 +16,7 @@ namespace {
 
 using gl::Buffer;
 
-/// As the vertex shaders read them.
+/// Layouts in which the vertex shaders read their input.
 struct Corner {
     Eigen::Vector3f position, normal;
 };
@@ -31,7 +31,7 @@ struct LineInstance {
     Colour colour;
 };
 
-/// How one kind of vertex is laid out in its buffer. Its context must be current whenever it is used or dies.
+/// The layout of one kind of vertex in its buffer. Its context must be current whenever it is used or destroyed.
 class VertexLayout {
 public:
     VertexLayout() { glCreateVertexArrays(1, &name_); }
@@ -56,7 +56,7 @@ private:
     GLuint name_ = 0;
 };
 
-/// A frame buffer with colour and depth, `samples` a pixel.
+/// A framebuffer with colour and depth, `samples` per pixel.
 class Canvas {
 public:
     Canvas(int width, int height, int samples)
@@ -79,7 +79,8 @@ private:
     GLuint name_ = 0, parts_[2] = {};
 };
 
-/// Corners of a mesh, relative to the centre of its bounds: meshes far from their origin keep their shape in float.
+/// Corners of a mesh, relative to the centre of its bounds, so that meshes far from their origin keep their shape in
+/// float.
 Buffer upload(const Mesh& mesh)
 {
     std::vector<Corner> corners;
@@ -93,7 +94,7 @@ Buffer upload(const Mesh& mesh)
     return Buffer(corners.size() * sizeof(Corner), 0, corners.data());
 }
 
-/// Balls in the view frame: opaque ones first, then bubbles from far to near. Returns how many are opaque.
+/// Spheres in the view frame: opaque ones first, then bubbles from far to near. Returns the number of opaque ones.
 std::size_t order(const Picture& picture, const Eigen::Isometry3d& view, std::vector<BallInstance>& balls)
 {
     for (const Picture::Ball& ball : picture.balls)
@@ -106,7 +107,7 @@ std::size_t order(const Picture& picture, const Eigen::Isometry3d& view, std::ve
     return std::size_t(bubbles - balls.begin());
 }
 
-/// Near and far plane around all that is drawn, so that depth is as fine as it can be.
+/// Near and far planes around all objects, so that depth is as fine as possible.
 std::pair<double, double> depth_range(const Picture& picture, const Eigen::Isometry3d& view)
 {
     double near = std::numeric_limits<double>::infinity(), far = 0;
@@ -117,7 +118,7 @@ std::pair<double, double> depth_range(const Picture& picture, const Eigen::Isome
     for (const Picture::Body& body : picture.bodies)
         add(body.pose * body.mesh->bounds.centre(), 0.5 * body.mesh->bounds.diagonal());
     for (const Picture::Ball& ball : picture.balls) add(ball.centre, ball.radius);
-    if (!(far > 0)) return {0.1, 1}; // nothing before the eye
+    if (!(far > 0)) return {0.1, 1}; // nothing in front of the eye
     return {std::max(0.99 * near, 1e-4 * far), 1.01 * far};
 }
 
@@ -133,7 +134,7 @@ Eigen::Matrix4f projection_of(const Picture& picture, const Eigen::Isometry3d& v
 
 } // namespace
 
-/// What one context needs, however many pictures it draws.
+/// The objects that one context needs for any number of pictures.
 struct Painter::Tools {
     explicit Tools(int gpu) : context(gpu)
     {
@@ -176,7 +177,7 @@ void Painter::Tools::begin(const Picture& picture, const Canvas& canvas)
     glDepthMask(GL_TRUE);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     glEnable(GL_DEPTH_TEST);
-    // A ball's outline is inside its square: it is smooth only if each sample is shaded by itself.
+    // A sphere's outline is inside its square: it is smooth only if each sample is shaded separately.
     glEnable(GL_SAMPLE_SHADING);
     glMinSampleShading(1);
 }
@@ -184,7 +185,7 @@ void Painter::Tools::begin(const Picture& picture, const Canvas& canvas)
 void Painter::Tools::draw_bodies(const Picture& picture, const Eigen::Isometry3d& view,
                                  const Eigen::Matrix4f& projection, bool glass)
 {
-    std::map<const Mesh*, Buffer> uploaded; // instances share their mesh
+    std::map<const Mesh*, Buffer> uploaded; // bodies with the same mesh share its buffer
     glUseProgram(mesh_program.name());
     glUniformMatrix4fv(1, 1, GL_FALSE, projection.data());
     for (const Picture::Body& body : picture.bodies) {
@@ -201,7 +202,7 @@ void Painter::Tools::draw_bodies(const Picture& picture, const Eigen::Isometry3d
     }
 }
 
-/// Over all that is opaque and has been drawn.
+/// Blends transparent objects over the opaque ones, which must have been drawn.
 void Painter::Tools::draw_glass(const Picture& picture, const Eigen::Isometry3d& view,
                                 const Eigen::Matrix4f& projection)
 {

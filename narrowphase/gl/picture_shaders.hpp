@@ -1,6 +1,6 @@
 #pragma once
 
-// The shaders of pictures. Everything happens in the view frame: the eye is the origin and looks along -z.
+// The shaders of pictures. All coordinates are in the view frame: the eye is the origin and looks along -z.
 namespace oncollide::gl {
 
 /// `n` must face the eye. The first light comes over the left shoulder, the second lifts the shadows from the right.
@@ -42,7 +42,7 @@ void main()
 }
 )";
 
-/// A rectangle around a line, as wide as it is to be and half that longer at each end.
+/// A rectangle around a line, with the line's width, extended by half of it at each end.
 inline constexpr const char* line_vertex = R"(#version 450 core
 layout(location = 1) uniform mat4 projection;
 layout(location = 2) uniform vec2 half_picture; // pixels
@@ -73,7 +73,7 @@ void main()
 }
 )";
 
-/// A square that faces the eye and covers the ball's outline, which is wider than the ball seen in perspective.
+/// A square that faces the eye and covers the sphere's outline, which in perspective is wider than the sphere.
 inline constexpr const char* ball_vertex = R"(#version 450 core
 layout(location = 1) uniform mat4 projection;
 layout(location = 0) in vec4 ball; // centre, radius
@@ -97,8 +97,8 @@ void main()
 }
 )";
 
-/// Where the ray through the pixel meets the ball. Taken from the ray's nearest point to the centre, which keeps small
-/// balls round at large distances.
+/// Intersects the ray through the pixel with the sphere, starting from the ray's point nearest to the centre, which
+/// keeps small spheres round at large distances.
 inline constexpr const char* ball_fragment = R"(
 layout(location = 1) uniform mat4 projection;
 in vec3 at;

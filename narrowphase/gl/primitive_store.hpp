@@ -8,7 +8,7 @@
 
 namespace oncollide::gl {
 
-/// The primitives of all surfaces in one buffer. First fit; what is freed joins its neighbours.
+/// The primitives of all surfaces in one buffer. First-fit allocation; a freed range merges with its neighbours.
 class PrimitiveStore {
 public:
     explicit PrimitiveStore(std::size_t most_bytes) : most_(most_bytes) {}

@@ -11,7 +11,8 @@ namespace oncollide::gl {
 namespace {
 
 using Corner = std::array<float, 3>;
-constexpr std::uint32_t restart = std::numeric_limits<std::uint32_t>::max(); // as GL_PRIMITIVE_RESTART_FIXED_INDEX
+constexpr std::uint32_t restart = std::numeric_limits<std::uint32_t>::max(); // the index of
+                                                                             // GL_PRIMITIVE_RESTART_FIXED_INDEX
 
 std::vector<Corner> corners_of(std::span<const Primitive> triangles)
 {
@@ -22,7 +23,7 @@ std::vector<Corner> corners_of(std::span<const Primitive> triangles)
     return corners;
 }
 
-/// Makes one vertex of all corners in the same place. Returns the vertex of each corner.
+/// Merges corners at the same position into one vertex. Returns the vertex of each corner.
 std::vector<std::uint32_t> weld(std::vector<Corner>& corners)
 {
     std::vector<std::uint32_t> vertex(corners.size());
@@ -43,7 +44,7 @@ std::vector<std::uint32_t> strips_of(const std::vector<std::uint32_t>& indices, 
     return strips;
 }
 
-/// OpenGL has no empty buffers.
+/// OpenGL has no empty buffers, so these get room for one element.
 template <class T>
 Buffer upload(const std::vector<T>& data)
 {

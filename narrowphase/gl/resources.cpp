@@ -28,7 +28,7 @@ Program::Program(const char* what, std::initializer_list<Shader> shaders) : name
         glGetShaderiv(compiled, GL_COMPILE_STATUS, &good);
         const std::string log = good ? "" : log_of(compiled, false);
         glAttachShader(name_, compiled);
-        glDeleteShader(compiled); // lives on in the program
+        glDeleteShader(compiled); // the program keeps the shader
         if (!good) {
             glDeleteProgram(name_);
             throw GpuLost(fmt::format("{}: the driver cannot compile its shader: {}", what, log));

@@ -8,11 +8,11 @@
 
 namespace oncollide::gl {
 
-/// A buffer object. Its context must be current whenever it is used or dies.
+/// A buffer object. Its context must be current whenever it is used or destroyed.
 class Buffer {
 public:
     Buffer() = default;
-    /// @param flags  of glNamedBufferStorage; `data` may be null
+    /// @param flags  for glNamedBufferStorage; `data` may be null
     Buffer(std::size_t bytes, GLbitfield flags, const void* data = nullptr) : bytes_(bytes)
     {
         glCreateBuffers(1, &name_);
@@ -40,7 +40,7 @@ public:
         GLenum stage;
         std::string source;
     };
-    /// Throws GpuLost with the driver's message: a program that does not compile is of no use.
+    /// Throws GpuLost with the driver's message: a program that does not compile is useless.
     Program(const char* what, std::initializer_list<Shader> shaders);
     ~Program() { glDeleteProgram(name_); }
     Program(const Program&) = delete;

@@ -19,7 +19,7 @@ using Eigen::Vector3i;
 
 constexpr std::size_t most_enclosed = 32;
 
-/// Of a point from the nearest triangle, at least.
+/// Lower bound of the distance of a point from the nearest triangle.
 double distance_to(const Mesh& mesh, const Vector3d& point)
 {
     double nearest = std::numeric_limits<double>::infinity();
@@ -36,11 +36,11 @@ double distance_to(const Mesh& mesh, const Vector3d& point)
     return nearest * (1 - 0x1p-20);
 }
 
-/// Does a ray from the point cross the surface, of which every edge is of an even number of triangles, an odd number of
-/// times? Then no way leads out of it.
+/// True if a ray from the point crosses the surface an odd number of times. As every edge belongs to an even number of
+/// triangles, no path then leads from the point to the outside.
 bool encloses(const Mesh& mesh, const Vector3d& point)
 {
-    constexpr std::uint64_t most_rays = 8; // each touches an edge or a corner once in a blue moon
+    constexpr std::uint64_t most_rays = 8; // rays very rarely touch an edge or a corner
     for (std::uint64_t ray = 0; ray < most_rays; ++ray) {
         Vector3d way(u01(3, ray, 0) - 0.5, u01(3, ray, 1) - 0.5, u01(3, ray, 2) - 0.5);
         const Vector3d tip = point + 2 * mesh.bounds.diagonal() * way.normalized();
@@ -60,12 +60,13 @@ bool encloses(const Mesh& mesh, const Vector3d& point)
     return false;
 }
 
-/// Cells of a grid around a mesh, by how far they are from the surface and from the outside.
+/// Cells of a grid around a mesh, with their distance in layers from the surface, and the cells outside.
 class Grid {
 public:
     explicit Grid(const Mesh& mesh)
     {
-        // Along the longest side: few where the mesh has few vertices, for which a fine grid would take the longest.
+        // Cells along the longest side: few for a mesh with few vertices, for which a fine grid would take most of the
+        // time.
         const double most_cells = std::clamp(0.8 * std::sqrt(double(mesh.vertices.size())), 16.0, 40.0);
         const Vector3d size = mesh.bounds.max - mesh.bounds.min;
         side_ = size.maxCoeff() / most_cells;
@@ -77,7 +78,7 @@ public:
         measure();
     }
     double side() const { return side_; }
-    /// visit(centre, layers from the surface) of cells that the surface shuts off from the outside.
+    /// Calls visit(centre, layers from the surface) for the cells that the surface separates from the outside.
     void each_enclosed(auto visit) const
     {
         each({0, 0, 0}, cells_ - Vector3i::Ones(), [&](const Vector3i& cell) {
@@ -102,7 +103,7 @@ private:
             for (int y = from[1]; y <= to[1]; ++y)
                 for (int x = from[0]; x <= to[0]; ++x) visit(Vector3i(x, y, z));
     }
-    /// visit(neighbour) of those in the grid.
+    /// Calls visit(neighbour) for the neighbours in the grid.
     void each_neighbour(const Vector3i& cell, auto visit) const
     {
         each((cell.array() - 1).cwiseMax(0), (cell.array() + 1).cwiseMin(cells_.array() - 1), visit);
@@ -132,7 +133,7 @@ private:
             }
         }
     }
-    /// Layer by layer from the surface inward.
+    /// Numbers the layers from the surface inward.
     void measure()
     {
         std::vector<Vector3i> layer, next;
@@ -164,7 +165,7 @@ bool one_piece(const Mesh& mesh)
 InnerSpheres::InnerSpheres(const Mesh& mesh)
     : centre_(mesh.bounds.centre()), radius_(0.5 * mesh.bounds.diagonal() * (1 + 0x1p-20))
 {
-    // Of floats squares must not underflow or overflow.
+    // Squares of floats must not underflow or overflow.
     if (!(radius_ > 1e-12 && radius_ < 1e12) || !one_piece(mesh)) return;
     if (edges_are_even(mesh)) add_enclosed(mesh);
     add_points(mesh);
@@ -178,7 +179,7 @@ void InnerSpheres::add(const Vector3d& at, double radius)
     ++count_;
 }
 
-/// The largest first, each around a cell that none so far holds.
+/// Adds the deepest spheres first, each around the centre of a cell that no sphere so far contains.
 void InnerSpheres::add_enclosed(const Mesh& mesh)
 {
     struct Cell {
@@ -193,7 +194,7 @@ void InnerSpheres::add_enclosed(const Mesh& mesh)
     while (!cells.empty() && enclosed_ < most_enclosed) {
         const Vector3d centre = cells.front().centre;
         const double radius = distance_to(mesh, centre);
-        // From one ball a way leads into another one that it overlaps.
+        // A sphere that overlaps an enclosed sphere is enclosed, too.
         const bool joined = std::ranges::any_of(
             found, [&](const auto& other) { return (other.first - centre).norm() < other.second + radius; });
         if (radius > 0 && (joined || encloses(mesh, centre))) {
@@ -206,7 +207,7 @@ void InnerSpheres::add_enclosed(const Mesh& mesh)
     }
 }
 
-/// Far from each other.
+/// Adds points that are far from each other.
 void InnerSpheres::add_points(const Mesh& mesh)
 {
     std::vector<Vector3d> points;

@@ -12,28 +12,30 @@
 
 namespace oncollide {
 
-/// Balls that the surface of a mesh encloses, and points of the surface, which are balls of radius 0: they show of two
-/// meshes that reach deep into each other that their surfaces meet, without a look at any triangle, and how far the
-/// meshes would have to move to part. Of a surface that is one piece; where it has open edges there are points alone.
+/// Spheres inside the surface of a mesh, and points on the surface as spheres of radius 0. They prove, without a test
+/// of any triangle, that the surfaces of two deeply overlapping meshes meet, and how far the meshes would have to move
+/// to separate. Only for a surface in one piece; a surface with open edges has points only.
 ///
-/// Why it is so. Let a point be enclosed by both surfaces, and each surface, which is connected, have a point outside
-/// of a ball around the other. If the surfaces did not meet, each would lie in one region of what the other one
-/// leaves of space, the unbounded one. From the point there is a way to A's surface through what A encloses, where B's
-/// surface is not; so A's surface is in the region of the point, which is bounded as B encloses it: a contradiction.
-/// Let a point of A's surface be enclosed by B, and another one lie outside of a ball around B: then a way between
-/// them on the surface crosses B's. Both hold on while nothing moves farther than the balls overlap, and than the
-/// surfaces stand out.
+/// Proof. Let a point be enclosed by both surfaces, and let each surface, which is connected, have a point outside a
+/// sphere around the other surface. Suppose that the surfaces do not meet. Then each lies in one region of the
+/// complement of the other, the unbounded one. A path leads from the point to A's surface through the space that A
+/// encloses, which B's surface does not enter; so A's surface is in the region of B's complement that contains the
+/// point. B encloses the point, so that region is bounded: a contradiction. In the other case a point of A's surface is
+/// enclosed by B, and another one lies outside a sphere around B: a path between them on A's surface crosses B's
+/// surface. Both arguments hold until something moves farther than the overlap of the spheres, or farther than a
+/// surface extends beyond the sphere around the other mesh.
 class InnerSpheres {
 public:
-    /// Cost: 1 to 2 microseconds a triangle.
+    /// Cost: 1 to 2 microseconds per triangle.
     explicit InnerSpheres(const Mesh& mesh);
 
-    bool empty() const { return count_ == 0; } ///< the surface is in several pieces
+    /// True if the surface is in several pieces, or too small or too large for floats.
+    bool empty() const { return count_ == 0; }
     std::size_t enclosed() const { return enclosed_; }
     std::size_t count() const { return count_; }
     const Eigen::Vector3d& centre() const { return centre_; }
-    double radius() const { return radius_; } ///< of the ball around the mesh
-    /// Ball number `i`, relative to the centre.
+    double radius() const { return radius_; } ///< of the sphere around the mesh
+    /// Sphere number `i`, relative to the centre.
     Eigen::Vector3d ball(std::size_t i) const { return {column_[0][i], column_[1][i], column_[2][i]}; }
     double radius(std::size_t i) const { return column_[3][i]; }
     SphereColumns columns() const
@@ -58,8 +60,8 @@ private:
     std::size_t count_ = 0, enclosed_ = 0;
 };
 
-/// So far must two bodies move, together, before their surfaces can have parted, m; 0: they were not seen to meet.
-/// Cost: 0.1 to 0.2 microseconds.
+/// The meshes' surfaces still meet after movements whose sum is below this, m; 0: they were not found to meet. Cost:
+/// 0.1 to 0.2 microseconds.
 double meeting_depth(const InnerSpheres& a, const InnerSpheres& b, const RelativePose& b_to_a);
 
 } // namespace oncollide

@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-/// Vertices farther than this, of the box's diagonal, from the hull of those chosen so far are chosen too.
+/// Share of the box's diagonal: vertices farther than this from the hull of the chosen vertices are chosen, too.
 constexpr double most_cover = 0x1p-8;
 constexpr std::size_t most_points = 512;
 
@@ -30,18 +30,18 @@ Vector3d point(const PointColumns& points, std::size_t i)
     return Vector3f(points.xyz[0][i], points.xyz[1][i], points.xyz[2][i]).cast<double>();
 }
 
-/// The points of a difference of two convex sets, b - a, searched for the one nearest to 0 (Gilbert, Johnson and
-/// Keerthi, "A fast procedure for computing the distance between complex objects in three-dimensional space", 1988).
+/// Searches the difference of two convex sets, b - a, for the point nearest to 0 (Gilbert, Johnson and Keerthi, "A fast
+/// procedure for computing the distance between complex objects in three-dimensional space", 1988).
 struct Search {
-    double lower = -std::numeric_limits<double>::infinity(); ///< no point is nearer, if > 0; but for rounding
-    double upper = std::numeric_limits<double>::infinity();  ///< one is so near
-    Vector3d across = Vector3d::Zero();                      ///< of length 1: along it `lower` was seen
+    double lower = -std::numeric_limits<double>::infinity(); ///< lower bound of the distance, if > 0, within rounding
+    double upper = std::numeric_limits<double>::infinity();  ///< distance of the nearest point found
+    Vector3d across = Vector3d::Zero();                      ///< unit direction that gave `lower`
 
-    Simplex4 simplex; ///< the points found; may be given some to start with
+    Simplex4 simplex; ///< the points found; may initially hold some
 
-    /// @param v        where to look first, of a simplex without points
-    /// @param support  (direction of length 1) -> a point that shows the least along it
-    /// @param enough   (*this) -> is the search over?
+    /// @param v        the first direction, for a simplex without points
+    /// @param support  (direction of length 1) -> the point with the smallest projection onto it
+    /// @param enough   (*this) -> true ends the search
     void run(Vector3d v, auto support, auto enough)
     {
         constexpr int most_steps = 32;
@@ -59,7 +59,7 @@ struct Search {
     }
 
 private:
-    /// Goes to the nearest point of the simplex. False: that is 0, or no nearer than before.
+    /// Sets v to the nearest point of the simplex. False: it is 0, or no nearer than before.
     bool nearer(Vector3d& v)
     {
         simplex.reduce();
@@ -87,7 +87,7 @@ OuterHull::OuterHull(const Mesh& mesh) : centre_(mesh.bounds.centre())
                 if (!chosen[i]) chosen[i] = true, add(all, i);
             }
     const double allowed = most_cover * mesh.bounds.diagonal();
-    Simplex4 last; // of the vertex before, which is mostly close by
+    Simplex4 last; // of the previous vertex, which is usually close by
     for (std::size_t i = 0; i < all.size(); ++i) {
         if (chosen[i]) continue;
         const Vector3d p = point(all, i);
@@ -110,13 +110,13 @@ OuterHull::OuterHull(const Mesh& mesh) : centre_(mesh.bounds.centre())
             cover_ = std::max(cover_, search.upper);
     }
     for (std::vector<float>& column : points_.xyz) column.shrink_to_fit();
-    // Points as floats, which near 0 are 2^-149 apart, and the rounding of the search.
+    // Adds the rounding of points to floats, which near 0 are 2^-149 apart, and of the search.
     const double reach = mesh.bounds.half_extent().norm();
     cover_ = cover_ * (1 + 0x1p-20) + 0x1p-22 * reach + 0x1p-148;
     extent_ = reach * (1 + 0x1p-20);
 }
 
-/// In place of a copy, if there is one.
+/// Replaces a padding copy, if there is one.
 void OuterHull::add(const PointColumns& from, std::size_t i)
 {
     if (count_ == points_.size())
@@ -135,8 +135,8 @@ HullGap hull_gap(const OuterHull& a, const OuterHull& b, const RelativePose& b_t
                  double enough)
 {
     const Vector3d between = b_to_a(b.centre()) - a.centre();
-    // Poses may be 2^-20 from rigid. A point that is farthest in float may show less than another one by 2^-21 of the
-    // extent, as may a direction that was turned and rounded.
+    // Poses may be 2^-20 from rigid. The projection of a support point found in float may be too small by 2^-21 of the
+    // extent, and by as much again because the direction was rotated and rounded.
     const double rounding = 0x1p-18 * (a.extent() + b.extent()) + 0x1p-46 * b_to_a.translation.norm();
     const double covered = (a.cover() + b.cover()) * (1 + 0x1p-18) + rounding;
     Search search;

@@ -11,19 +11,19 @@
 
 namespace oncollide {
 
-/// A convex solid that holds a mesh: all that is within cover() of the hull of some of its vertices, a few hundred at
-/// most. Meshes whose solids are apart are apart: seeing so takes a fraction of a walk, and bounds their distance
-/// better than boxes do.
+/// A convex solid that contains a mesh: all points within cover() of the hull of some of its vertices, at most a few
+/// hundred. If the solids of two meshes are apart, so are the meshes: the test takes a fraction of a traversal, and
+/// bounds the distance better than boxes do.
 class OuterHull {
 public:
-    /// Cost: 1 to 2 microseconds a vertex.
+    /// Cost: 1 to 2 microseconds per vertex.
     explicit OuterHull(const Mesh& mesh);
 
     const Eigen::Vector3d& centre() const { return centre_; } ///< points are relative to it
     double cover() const { return cover_; }                   ///< m
-    double extent() const { return extent_; }                 ///< of the points, from the centre, at most
-    /// A point that is farthest along a direction of a length of about 1, but for the rounding of products and sums in
-    /// float. Cost: 1 ns for eight points.
+    double extent() const { return extent_; }                 ///< upper bound of the points' distance from the centre
+    /// The support point along a direction of length about 1, within the rounding of products and sums in float. Cost:
+    /// 1 ns per eight points.
     Eigen::Vector3d farthest(const Eigen::Vector3f& direction) const;
     std::size_t bytes() const { return points_.bytes(); }
 
@@ -37,13 +37,13 @@ private:
 };
 
 struct HullGap {
-    double gap;             ///< so far are the meshes apart at least, m; 0: their solids were not seen to be apart
-    Eigen::Vector3f across; ///< from A to B, in A's frame: what parts them best of what was tried
+    double gap;             ///< lower bound of the meshes' distance, m; 0: their solids were not found to be apart
+    Eigen::Vector3f across; ///< from A to B, in A's frame: the direction of the largest gap found
 };
 
-/// How far apart are two meshes, by their solids: at least nine tenths of what the solids show.
-/// @param first  the direction to try first; where it parted them a moment ago it mostly does again
-/// Cost: 0.1 to 1 microseconds.
+/// A lower bound of the distance of two meshes: at least nine tenths of the distance of their solids. Cost: 0.1 to 1
+/// microseconds.
+/// @param first  the direction to try first; a direction that separated them before mostly does again
 HullGap hull_gap(const OuterHull& a, const OuterHull& b, const RelativePose& b_to_a, const Eigen::Vector3f& first,
                  double enough = std::numeric_limits<double>::infinity());
 

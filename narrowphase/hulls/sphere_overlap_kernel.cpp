@@ -18,7 +18,8 @@ inline float greatest(F32x8 v)
     return most;
 }
 
-/// Those that reach into the other mesh's ball. Returns how far all reach from there at most.
+/// Collects the spheres that overlap the sphere around the other mesh. Returns how far all spheres extend from its
+/// centre.
 template <class Placed>
 inline float near_balls(const SphereColumns& from, float other_radius, Placed placed, Balls& to)
 {
@@ -67,7 +68,7 @@ SphereOverlap overlap(const SphereColumns& a, const SphereColumns& b, const floa
             const F32x8 x = load(of_a.x + i) - of_b.x[k], y = load(of_a.y + i) - of_b.y[k],
                         z = load(of_a.z + i) - of_b.z[k], squared = x * x + y * y + z * z;
             const F32x8 radii = load(of_a.r + i) + of_b.r[k],
-                        more = radii - depth; // deeper than what was found before?
+                        more = radii - depth; // overlap beyond the largest one so far
             if (bits((more > splat(0)) & (squared < more * more))) depth = max(depth, radii - sqrt(squared));
         }
     }

@@ -11,7 +11,7 @@ std::vector<FanCorner> fans_of(const Mesh& mesh, std::span<const std::uint8_t> f
     for (std::uint32_t t = 0; t < flags.size(); ++t)
         for (std::uint8_t i = 0; i < 3; ++i)
             if (flags[t] >> i & 1) corners.push_back({t, i, std::uint32_t(corners.size())});
-    // `fan` is another corner of the same fan, and its own number for one of them.
+    // `fan` links to another corner of the same fan; one corner of each fan links to itself.
     const auto root_of = [&](std::uint32_t k) {
         while (corners[k].fan != k) k = corners[k].fan = corners[corners[k].fan].fan;
         return k;

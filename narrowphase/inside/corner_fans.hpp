@@ -7,17 +7,16 @@
 
 namespace oncollide {
 
-/// A corner of a triangle, 0 to 2, and the fan that it belongs to.
+/// A corner of a triangle, 0 to 2, and its fan.
 struct FanCorner {
     std::uint32_t triangle;
     std::uint8_t corner;
     std::uint32_t fan;
 };
 
-/// The corners flagged, by triangle. Triangles around a vertex that follow each other over edges from there are one
-/// fan.
+/// The flagged corners, by triangle. Triangles around a vertex that are connected through edges at the vertex form one
+/// fan. Cost: n log n in the number of flagged corners, and a pass over the triangles.
 /// @param flags  by triangle: bit i for its corner i
-/// Cost: n log n of the corners flagged, and a look at each triangle.
 std::vector<FanCorner> fans_of(const Mesh& mesh, std::span<const std::uint8_t> flags);
 
 } // namespace oncollide

@@ -34,7 +34,7 @@ std::vector<PartPoints> points_of(const Mesh& mesh)
     return points;
 }
 
-/// A connected part of a terrain, by the columns and rows of its outermost heights.
+/// A connected part of a terrain, by the columns and rows of its outermost points.
 struct TerrainPart {
     Terrain::Place left, right, front, back;
 
@@ -57,7 +57,7 @@ std::vector<PartPoints> points_of(const Terrain& terrain)
     }
     constexpr std::uint32_t none = 0xffffffff;
     std::vector<TerrainPart> parts;
-    std::vector<std::uint32_t> joined; // by part: one of a lower number that it is joined to, or itself
+    std::vector<std::uint32_t> joined; // by part: a joined part with a lower number, or itself
     const auto part_of = [&](std::uint32_t part) {
         while (joined[part] != part) part = joined[part] = joined[joined[part]];
         return part;
@@ -85,7 +85,7 @@ std::vector<PartPoints> points_of(const Terrain& terrain)
     for (auto i = static_cast<std::uint32_t>(parts.size()); i-- > 0;) {
         const TerrainPart& part = parts[i];
         const std::array<Terrain::Place, 6> places{part.left, part.right, part.front, part.back, part.left, part.right};
-        if (joined[i] != i) { // joined to one that comes later
+        if (joined[i] != i) { // joined to a later part
             for (const Terrain::Place& place : places) parts[joined[i]].add(place);
             continue;
         }
@@ -118,11 +118,11 @@ std::vector<PartPoints> part_points_of(const GeometryData& geometry)
     };
     if (const auto* mesh = std::get_if<Mesh>(&geometry)) return points_of(*mesh);
     if (const auto* shape = std::get_if<Shape>(&geometry)) {
-        const auto* hull = std::get_if<ConvexHull>(shape); // others hold their origin
+        const auto* hull = std::get_if<ConvexHull>(shape); // other shapes contain their origin
         return {point(hull ? hull->points.front() : Eigen::Vector3d::Zero())};
     }
     if (const auto* terrain = std::get_if<Terrain>(&geometry)) return part_points_of(*terrain);
-    return {}; // far too many
+    return {}; // a map has far too many
 }
 
 void refuse_open_mesh(const std::string& name, const Mesh& mesh)

@@ -7,18 +7,18 @@
 
 namespace oncollide {
 
-/// Points of a connected part of a geometry: of a mesh its least and largest vertices along the axes. Where the part
-/// does not meet a surface, all of it is on one side: one point tells, and the others quickly show where that is not
-/// the inside.
+/// Points of a connected part of a geometry; for a mesh, the part's least and largest vertices along the axes. A part
+/// that does not meet a surface is completely on one side of it: any point decides which, and testing several finds an
+/// outside part sooner.
 using PartPoints = std::array<Eigen::Vector3d, 6>;
 
-/// The parts of a mesh; of a terrain, whose cells that share corners are one; of a shape, which is one; none of a map,
-/// of which each cell is one. Cost: O(triangles).
+/// The parts of a mesh; of a terrain, where cells that share a corner belong to one part; of a shape, which is one
+/// part; empty for a map, where each cell is a part. Cost: O(triangles).
 std::vector<PartPoints> part_points_of(const GeometryData& geometry);
 std::vector<PartPoints> part_points_of(const Mesh& mesh);
 std::vector<PartPoints> part_points_of(const Terrain& terrain);
 
-/// Throws Error{bad_data} that names a mesh which is not closed, and its first open edges.
+/// Throws Error{bad_data}, which names a mesh that is not closed, and its first open edges.
 [[noreturn]] void refuse_open_mesh(const std::string& name, const Mesh& mesh);
 
 } // namespace oncollide

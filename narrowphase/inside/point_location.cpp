@@ -9,7 +9,7 @@ namespace oncollide {
 
 namespace {
 
-/// Triangles of the mesh that a ray is walked as. With three there is a box of its own around each.
+/// The triangles of the mesh that represents a ray. There are three because each then gets a box of its own.
 enum : std::uint32_t { segment, start, end };
 
 Mesh ray_from(const Eigen::Vector3d& point, const Eigen::Vector3d& tip)
@@ -25,7 +25,7 @@ TrianglePoints corners(const Mesh& mesh, std::uint32_t triangle, const RelativeP
     return {into(mesh.vertices[t[0]]), into(mesh.vertices[t[1]]), into(mesh.vertices[t[2]])};
 }
 
-/// Without area as stored: no part of what closes the mesh.
+/// True for a triangle without area as stored: it is no part of the closed surface.
 bool flat(const Mesh& mesh, std::uint32_t triangle)
 {
     const Triangle& t = mesh.triangles[triangle];
@@ -45,7 +45,7 @@ void meet_all(const Mesh& ray, const Mesh& mesh, const RelativePose& into, std::
     }
 }
 
-/// What the triangles that the ray meets say; nothing, where it only touches one of them.
+/// The location according to the triangles that the ray meets; none if the ray only touches one of them.
 std::optional<PointLocation> judge(const Mesh& ray, const Mesh& mesh, const RelativePose& into,
                                 const std::vector<TrianglePair>& hits)
 {
@@ -68,14 +68,15 @@ std::optional<PointLocation> judge(const Mesh& ray, const Mesh& mesh, const Rela
 PointLocation PointLocator::place(const Eigen::Vector3d& point, const Mesh& mesh, ObbTree* tree, const RelativePose& into)
 {
     const Eigen::Vector3d centre = into(mesh.bounds.centre()), from_centre = point - centre;
-    // All of the moved mesh is that near its centre: poses may be 2^-20 from rigid, and coordinates round.
+    // All of the moved mesh is within this distance of its centre: poses may be 2^-20 from rigid, and coordinates
+    // round.
     const double largest =
         std::max({mesh.bounds.centre().stableNorm(), into.translation.stableNorm(), point.stableNorm()});
     const double radius =
         0.5 * (mesh.bounds.max - mesh.bounds.min).stableNorm() * (1 + 0x1p-16) + 0x1p-46 * largest + 1e-30;
     if (from_centre.stableNorm() > radius) return PointLocation::outside;
-    // Out by a short way, but never along an axis or an edge of the many meshes that have these in line. Directions
-    // that touch an edge have measure zero, so this ends.
+    // A short way out, but not along an axis, as edges of many meshes are along the axes. Directions that touch an edge
+    // have measure zero, so this ends.
     for (std::uint64_t attempt = 0;; ++attempt) {
         Eigen::Vector3d way = from_centre / radius;
         for (std::uint64_t k = 0; k < 3; ++k) way[int(k)] += 0.25 * double(attempt + 1) * (u01(1, attempt, k) - 0.5);

@@ -21,15 +21,15 @@ Vector3d unit_normal_of(const TrianglePoints& t)
     return (t[1] - t[0]).stableNormalized().cross((t[2] - t[0]).stableNormalized()).stableNormalized();
 }
 
-constexpr double lean = 0x1p-10; ///< away from a face
+constexpr double lean = 0x1p-10; ///< tangent of the angle between a step and the face
 
-/// A step far larger than what a contact's place errs by.
+/// A step far larger than the error of a contact's position.
 double step_of(double length, double far)
 {
     return std::max(0x1p-20 * length, 0x1p-34 * far);
 }
 
-/// Points beside a contact that is a point, on both sides of the triangle: where surfaces meet there alone, all of a
+/// Points next to a contact that is a point, on both sides of the triangle: if the surfaces meet only there, all of a
 /// face around it is on one side of the other mesh.
 void beside_point(const Vector3d& contact, const TrianglePoints& t, double far, std::vector<Vector3d>& points)
 {
@@ -40,7 +40,7 @@ void beside_point(const Vector3d& contact, const TrianglePoints& t, double far, 
         points.push_back(contact + step_of(length, far) * (inward / length + side * unit_normal_of(t)));
 }
 
-/// The same for the ends in either order.
+/// The same array for the ends in either order.
 std::array<double, 6> as_array(const std::array<Vector3d, 2>& ends)
 {
     const auto& [p, q] = ends;
@@ -57,7 +57,7 @@ Vector3d in_face(const Vector3d& contact, const TrianglePoints& t, double far)
     return contact + step_of(length, far) * (inward / length);
 }
 
-/// Points beside a contact that is a segment, on both sides of the triangle and of the contact.
+/// Points next to a contact that is a segment, on both sides of the triangle and of the contact.
 void beside_segment(const std::array<Vector3d, 2>& ends, const TrianglePoints& t, double far,
                     std::vector<Vector3d>& points)
 {
@@ -68,7 +68,8 @@ void beside_segment(const std::array<Vector3d, 2>& ends, const TrianglePoints& t
         for (const double side : {lean, -lean}) points.push_back(middle + way * (in_face + side * up));
 }
 
-/// What meets a triangle of the other mesh there along a segment is seen to by that.
+/// Clears the flags of corners on a triangle of the other mesh that meets this one along a segment: the points next to
+/// the segment cover them.
 void leave_out_corners_on(const TrianglePoints& other, const TrianglePoints& t, std::uint8_t& flags)
 {
     for (std::size_t i = 0; i < 3; ++i)
@@ -97,7 +98,7 @@ std::optional<Vector3d> SharedInside::beside_corners(const Side& side, const std
     const Mesh& mesh = side.tree->mesh();
     const std::vector<FanCorner> fans = fans_of(mesh, flags);
     enum : std::uint8_t { unknown, in, out };
-    std::vector<std::uint8_t> place(fans.size(), unknown); // of the fan, in the other mesh
+    std::vector<std::uint8_t> place(fans.size(), unknown); // of each fan, in the other mesh
     for (const auto& [t, corner, fan] : fans) {
         const TrianglePoints points = corners(side, t);
         const double far = largest(points);
@@ -130,7 +131,7 @@ std::optional<Vector3d> SharedInside::find(ObbTree& a, ObbTree& b, const Relativ
     for (const auto& [of_a, of_b] : contacts_) {
         const TrianglePoints here = corners(side_a, of_a), moved = corners(side_b, of_b);
         const auto ends = common_segment(here, moved).ends;
-        // Rounded up to a power of two, so that what is tried around a point does not depend on the other triangle.
+        // Rounded up to a power of two, so that the points tried around a contact do not depend on the other triangle.
         const double far = std::exp2(std::ceil(std::log2(std::max(largest(here), largest(moved)))));
         const bool is_point = !((ends[1] - ends[0]).stableNorm() > 0x1p-40 * far);
         points_.clear();

@@ -6,8 +6,8 @@
 
 namespace oncollide {
 
-/// Names one cell of an octree: a leading 1, then one octal digit a level, the octant taken. Root: 1. Octant k lies on
-/// the high side of axis a when bit a of k is set. Integer, so that two ways to the same cell agree.
+/// Names one cell of an octree: a leading 1, then one octal digit per level, the octant. Root: 1. Octant k lies on the
+/// high side of axis a if bit a of k is set. An integer, so that two paths to the same cell agree.
 using CellKey = std::uint64_t;
 
 constexpr CellKey root_cell = 1;
@@ -34,7 +34,7 @@ constexpr int level_of(CellKey cell)
     return (static_cast<int>(std::bit_width(cell)) - 1) / 3;
 }
 
-/// The octant taken on the way to `cell` from level `level` to level + 1.
+/// The octant on the path to `cell` between `level` and level + 1.
 constexpr unsigned octant_at(CellKey cell, int level)
 {
     return cell >> 3 * (level_of(cell) - level - 1) & 7;

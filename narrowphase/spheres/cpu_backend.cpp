@@ -19,12 +19,12 @@ public:
     bool attached(std::uint32_t tree) const override { return surfaces_.attached(tree); }
     void detach(std::uint32_t tree) override { surfaces_.detach(tree); }
 
-    /// Tests at once: nothing else could do the work meanwhile.
+    /// Tests immediately: no other device could do it meanwhile.
     void submit(std::span<const OctantRow> rows, int threads) override
     {
         surfaces_.find(rows, {}, threads);
         results_.resize(rows.size());
-        // In the order of the rows, so that threads leave no trace in the lists.
+        // In the order of the rows, so that the lists do not depend on threads.
         for (std::size_t i = 0; i < rows.size(); ++i) results_[i] = find(rows[i], i);
     }
 

@@ -42,7 +42,7 @@ ListedSurfaces::Found ListedSurfaces::test(const OctantRow& row, const Find& how
                                             worker.ids.data() + offset, worker.masks.data() + offset);
     std::uint8_t entered = 0;
     for (std::size_t i = offset; i < offset + count; ++i) entered |= worker.masks[i];
-    // A triangle's box may reach into an octant that the triangle leaves wholly inside.
+    // A triangle's box may overlap an octant that is completely inside and that the triangle does not enter.
     const unsigned inside = octants_inside(surface.inside, cell, how.boxes ? 0 : entered);
     const std::uint32_t kept = row.keep_list || how.all ? count : 0;
     worker.ids.resize(offset + kept), worker.masks.resize(offset + kept);

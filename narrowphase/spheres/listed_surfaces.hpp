@@ -9,8 +9,8 @@
 
 namespace oncollide {
 
-/// The surfaces of trees with the triangle lists of their cells, in main memory, and the octant test that fills them.
-/// For backends that test octants, or choose what to draw, on the CPU.
+/// The surfaces of trees with the triangle lists of their cells, in main memory, and the octant test that fills them:
+/// for backends that test octants, or choose the triangles to draw, on the CPU.
 class ListedSurfaces {
 public:
     void attach(std::uint32_t tree, Surface surface);
@@ -19,21 +19,21 @@ public:
     const Surface& surface(std::uint32_t tree) const { return trees_[tree]->surface; }
     std::size_t bytes() const; ///< of surfaces and kept lists
 
-    /// How find() tests triangles, and which it remembers.
+    /// How find() tests triangles, and which results it stores.
     struct Find {
-        bool boxes = false;  ///< triangles by their boxes alone: quicker, and still loses none
+        bool boxes = false;  ///< tests triangles by their boxes alone: faster, and still conservative
         float inflation = 0; ///< octants grow on every side by this fraction of the cell's largest half-extent
-        bool all = false;    ///< remember what rows without keep_list found as well
+        bool all = false;    ///< also stores the triangles of rows without keep_list
     };
-    /// Finds the triangles of each row and the octants that each enters. The same for any number of threads.
+    /// Finds the triangles of each row and the octants that each enters. Independent of the number of threads.
     void find(std::span<const OctantRow> rows, const Find& how, int threads);
-    /// What the last find() found for its row number `row`: octants that triangles enter, octants inside a solid shape,
-    /// and the triangles, none when they were not to be remembered.
+    /// Results of the last find() for its row number `row`: octants that triangles enter, octants inside a solid shape,
+    /// and the triangles, none if they were not to be stored.
     std::uint8_t entered(std::size_t row) const { return found_[row].entered; }
     std::uint8_t inside(std::size_t row) const { return found_[row].inside; }
     TriangleSpan triangles(std::size_t row, unsigned octant) const;
 
-    /// Keeps the triangles that were found for a row.
+    /// Keeps the triangles found for a row.
     ListId keep(std::uint32_t tree, std::size_t row);
     void release(std::uint32_t tree, ListId list) { trees_[tree]->lists.release(list); }
     /// As OcclusionBackend::read().
@@ -45,7 +45,7 @@ private:
         Surface surface;
         TriangleLists lists;
     };
-    struct Worker { ///< what one thread found
+    struct Worker { ///< the results of one thread
         std::vector<std::uint32_t> ids;
         std::vector<std::uint8_t> masks;
     };

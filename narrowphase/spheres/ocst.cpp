@@ -10,7 +10,7 @@ namespace oncollide {
 
 namespace {
 
-/// Place of octant k's node among the packed grey children.
+/// Position of octant k's node among the packed grey children.
 unsigned rank(unsigned grey, unsigned octant)
 {
     return static_cast<unsigned>(std::popcount(grey & ((1u << octant) - 1)));
@@ -37,7 +37,7 @@ void Ocst::deepen(int depth)
     depth_ = depth;
 }
 
-/// Expands no longer the cells whose children are leaves, which have no room and no list.
+/// Makes cells unexpanded whose children are leaves: they have no room for child nodes and no list.
 void Ocst::forget_leaves(std::uint32_t node, int level)
 {
     const OcstNode n = nodes_[node];
@@ -135,7 +135,7 @@ void Ocst::expand(CellKey cell, const OctantResult& result, std::uint32_t frame)
     ONCOLLIDE_ASSERT(!nodes_[node].expanded());
     const auto children = static_cast<unsigned>(std::popcount(result.grey));
     const bool stored = level_of(cell) + 1 < depth_ && children > 0;
-    const std::uint32_t first = stored ? add_block(children) : 0; // may move nodes_
+    const std::uint32_t first = stored ? add_block(children) : 0; // may reallocate nodes_
     nodes_[node] = {first, expanded_state(result.grey, frame)};
     lists_[node] = result.list;
 }
@@ -203,7 +203,7 @@ std::uint64_t Ocst::collapse_below(std::uint32_t node, int level, std::uint32_t 
 std::uint64_t Ocst::collapse(std::uint32_t frame, std::uint32_t age, std::uint32_t tree, OcclusionBackend& backend)
 {
     const std::uint64_t dropped = collapse_below(0, 0, frame, age, tree, backend);
-    if (stored_ == 1 && nodes_.size() > 1) { // back to the root: give the memory back too
+    if (stored_ == 1 && nodes_.size() > 1) { // only the root is left: free the memory, too
         const OcstNode root = nodes_[0];
         const ListId list = lists_[0];
         nodes_ = std::vector<OcstNode>(1, root), lists_ = std::vector<ListId>(1, list);

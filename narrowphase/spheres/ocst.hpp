@@ -12,49 +12,50 @@
 namespace oncollide {
 
 /// The sphere-tree of one geometry, built while collisions are detected ("on-collide"): a cell is expanded only when a
-/// test reaches it, when a backend finds which of its octants are grey.
+/// test reaches it; then a backend finds which of its octants are grey.
 ///
-/// Cells of level `depth` are the deepest that a walk has needed. They are not stored: their parent's grey mask says
-/// which exist. All cells of level l share one half-extent and one sphere radius, root radius / 2^l.
-/// Source: Franquesa-Niubó and Rodríguez González, "Sphere-trees generation as needed in real time to speed up
-/// collision detection", GRAPP 2006.
+/// Cells of level `depth` are the deepest that a traversal has needed. They are not stored: their parent's grey mask
+/// shows which exist. All cells of level l share one half-extent and one sphere radius, root radius / 2^l. Source:
+/// Franquesa-Niubó and Rodríguez González, "Sphere-trees generation as needed in real time to speed up collision
+/// detection", GRAPP 2006.
 class Ocst {
 public:
-    /// A tree of the root alone. depth in [1, deepest_level].
+    /// A tree with only the root. depth in [1, deepest_level].
     Ocst(const RootCell& root, int depth, double covering_error);
-    /// Sees to it that the depth is at least that. Cells above the new levels that were expanded without what those
-    /// need are no longer expanded. Cost: of the cells, where it is deeper.
+    /// Raises the depth to at least `depth`. Cells above the new levels are no longer expanded if they lack the data
+    /// that these levels need. Cost: a pass over the cells, if the depth changes.
     void deepen(int depth);
 
     const RootCell& root() const { return root_; }
     int depth() const { return depth_; }
     double radius(int level) const;
-    /// Adds to 2 * radius in a bound: how far the geometry may be from a grey cell, whichever backend found it (m).
+    /// How far the geometry may be from a grey cell, whichever backend found it (m); a bound adds it to 2 * radius.
     double error(int level) const { return errors_[static_cast<std::size_t>(level)]; }
-    /// Cells may come from `backend` from now on. Those that came from others stay: the errors are the largest.
+    /// Lets `backend` supply cells from now on. Cells from other backends stay; error() is the largest of all
+    /// backends'.
     void admit_backend(const OcclusionBackend& backend);
 
-    /// The request to expand `cell`: finds its parent's list. The cell must be stored and not
-    /// expanded. The triangles of the last stored level are not kept: nothing below it needs them yet.
+    /// The request to expand `cell`, with its parent's list. The cell must be stored and not expanded. The triangles of
+    /// the last stored level are not kept, as nothing below it needs them yet.
     OctantRow row(std::uint32_t tree, CellKey cell) const;
     /// Stores the result for `cell` and stamps it.
     void expand(CellKey cell, const OctantResult& result, std::uint32_t frame);
-    /// Has `backend` make the lists of all cells again, after those of another were lost. Masks stay.
+    /// Lets `backend` rebuild the lists of all cells, after another backend's lists were lost. Masks stay.
     void rebuild_lists(std::uint32_t tree, OcclusionBackend& backend, int threads);
-    /// Drops the children of every expanded cell that no test has reached for `age` frames, releasing lists.
-    /// Returns how many stored cells went.
+    /// Drops the children of every expanded cell that no test has reached for `age` frames, and releases their lists.
+    /// Returns the number of stored cells that were dropped.
     std::uint64_t collapse(std::uint32_t frame, std::uint32_t age, std::uint32_t tree, OcclusionBackend& backend);
 
     /// The list of `cell`'s parent, which holds the triangles of `cell` under its octant; all_triangles for the root.
     ListId parent_list(CellKey cell) const;
 
-    /// The cell of that level that holds `point` (geometry frame; points outside the root go to the nearest cell).
+    /// The cell of the level that contains `point` (geometry frame; points outside the root go to the nearest cell).
     CellKey cell_at(const Eigen::Vector3d& point, int level) const;
-    /// Is the cell's parent expanded and the cell grey, so that its triangles are known?
+    /// True if the cell's parent is expanded and the cell is grey, so that its triangles are known.
     bool knows(CellKey cell) const;
 
-    /// Calls `visit` for every cell that is alive, parents first: stored ones, and the leaves under expanded parents.
-    /// The children of an expanded cell are alive too; of others nothing is known yet, and leaves have none.
+    /// Calls `visit` for every known cell, parents first: stored cells, and the leaves under expanded parents. The
+    /// children of an expanded cell are known; below other cells nothing is known yet, and leaves have no children.
     void for_each_cell(const std::function<void(CellKey, bool expanded)>& visit) const;
     Eigen::Vector3d centre(CellKey cell) const; ///< of its sphere, geometry frame
 

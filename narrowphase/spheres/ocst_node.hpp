@@ -3,9 +3,10 @@
 
 namespace oncollide {
 
-/// One stored cell: 8 bytes. Level, place and sphere follow from the way to it.
+/// One stored cell: 8 bytes. Its level, position and sphere follow from the path to it.
 struct OcstNode {
-    std::uint32_t first_child = 0; ///< of its grey children, packed in octant order; unused on the last stored level
+    std::uint32_t first_child = 0; ///< first of its grey children, packed in octant order; unused on the last stored
+                                   ///< level
     std::uint32_t state = 0;       ///< bits 0-7 grey mask, bit 8 expanded, bits 9-31 the frame that last reached it
 
     static constexpr std::uint32_t expanded_bit = 1u << 8;

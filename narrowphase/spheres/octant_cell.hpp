@@ -10,8 +10,8 @@ namespace oncollide {
 
 OctantCell octant_cell(const RootCell& root, CellKey cell);
 
-/// The octants, grey ones apart, that lie inside a solid (Surface::inside): the surface does not enter them, so their
-/// centres tell. None without planes.
+/// The octants inside a solid (Surface::inside), except grey ones: the surface does not enter them, so their centres
+/// decide. None without planes.
 unsigned octants_inside(std::span<const std::array<double, 4>> planes, const OctantCell& cell, unsigned grey);
 
 } // namespace oncollide

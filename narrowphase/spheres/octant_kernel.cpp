@@ -3,13 +3,12 @@
 // Source of the test: Akenine-Möller, "Fast 3D triangle-box overlap testing", JGT 2001; here against eight boxes at
 // once, lane k being octant k.
 //
-// Why no octant is lost. With M the root's largest half-extent, every float below has magnitude at most 4 M, and the
+// Why no octant is missed: with M the root's largest half-extent, every float below has magnitude at most 4 M, and the
 // test grows octants by slack = 2^-18 M on each axis.
-//   - float copies of the vertices and the cell's centre: 2^-23 M each;
-//   - an edge axis a = u_k x e: its components come from e without further rounding, so both sides of the comparison
-//   err by at
-//     most 24 * 2^-24 |a|_1 M, less than slack |a|_1, which is what growing the octant adds;
-//   - the face axis: the unit normal errs by 2^-24 a component, the comparison by 12 * 2^-24 M, less than slack.
+// - Float copies of the vertices and the cell's centre err by 2^-23 M each.
+// - Edge axis a = u_k x e: its components come from e without further rounding, so both sides of the comparison err by
+//   at most 24 * 2^-24 |a|_1 M. This is less than slack |a|_1, which the growth of the octant adds.
+// - Face axis: the unit normal errs by 2^-24 per component, the comparison by 12 * 2^-24 M, less than slack.
 #include <oncollide/base/simd.hpp>
 #include <oncollide/narrowphase/spheres/octant_kernel.hpp>
 
@@ -27,7 +26,7 @@ inline unsigned bits3(int __attribute__((vector_size(16))) mask)
 #endif
 }
 
-/// Octants whose three sides are all in: side bits of the low halves and of the high halves, a bit an axis.
+/// Octants that overlap on all three axes: bits of the low halves and of the high halves, one bit per axis.
 inline unsigned octants(unsigned low, unsigned high)
 {
     const auto axis = [&](unsigned a, unsigned low_octants, unsigned high_octants) {
@@ -46,8 +45,8 @@ inline float abs(float v)
     return v < 0 ? -v : v;
 }
 
-/// Lanes whose octant an axis separates: projections of the triangle in [p, q] or [q, p], of the octants' centres
-/// `shift`, radius `r`.
+/// Lanes whose octant is separated by an axis. The triangle's projection is [p, q] or [q, p], the octants' centres
+/// project to `shift`, and their radius is `r`.
 inline I32x8 apart(float p, float q, F32x8 shift, float r)
 {
     const float lo = p < q ? p : q, hi = p < q ? q : p;

@@ -1,4 +1,4 @@
-// The octant test's hot loop, one implementation an instruction set.
+// The octant test's inner loop, one implementation per instruction set.
 #pragma once
 #include <cstdint>
 
@@ -6,7 +6,7 @@
 
 namespace oncollide {
 
-/// A cell as the octant tests of all backends see it.
+/// A cell in the form that the octant tests of all backends use.
 struct OctantCell {
     float centre[3]; ///< relative to the root's centre
     float half[3];   ///< of the cell
@@ -21,7 +21,8 @@ struct TriangleSpan {
     unsigned octant;
 };
 
-/// Writes the triangles that enter the cell and the octants that each enters; room for count. Returns how many.
+/// Writes the triangles that enter the cell and the octants that each enters. Both outputs need room for `count`.
+/// Returns the number written.
 using OctantTest = std::uint32_t(const Primitive* primitives, bool boxes, const TriangleSpan& triangles,
                                  const OctantCell& cell, std::uint32_t* ids, std::uint8_t* masks);
 

@@ -2,7 +2,7 @@
 
 namespace oncollide {
 
-/// One primitive as the octant test reads it: three points, and the unit normal spread over the fourth lanes (zero when
+/// One primitive in the form that the octant test reads: three points, and the unit normal in the fourth lanes (zero if
 /// the triangle is too thin for one). A box is its low and high corner; its third point repeats the second.
 struct alignas(16) Primitive {
     float point[3][4];

@@ -20,9 +20,8 @@ void put(Primitive& primitive, int point, const Eigen::Vector3d& p)
     for (int axis = 0; axis < 3; ++axis) primitive.point[point][axis] = static_cast<float>(p[axis]);
 }
 
-/// Unit normal from the float corners, so that it belongs to the triangle that the test sees; in double, so that thin
-/// triangles keep a good one. Zero when the area is below 2^-26 of the longest edge squared: the edges then decide
-/// alone.
+/// Unit normal of the float corners, so that it belongs to the triangle that the test uses; in double, so that thin
+/// triangles keep a good one. Zero if the area is below 2^-26 of the longest edge squared: then only the edges decide.
 Eigen::Vector3d normal_of(const Primitive& t)
 {
     Eigen::Vector3d p[3];
@@ -73,7 +72,7 @@ RootCell root_cell_around(const Aabb& bounds)
 {
     RootCell root;
     root.centre = bounds.centre();
-    // The centre is rounded, so the farther side decides.
+    // The centre is rounded, so take the larger distance.
     const Eigen::Vector3d half = (bounds.max - root.centre).cwiseMax(root.centre - bounds.min);
     const double least = std::max(half.maxCoeff() / 64, 1e-12);
     root.radius = 0, root.scale = 0;

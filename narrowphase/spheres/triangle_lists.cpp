@@ -36,7 +36,7 @@ void TriangleLists::pack()
         if (lists_[i].count) order.push_back(i);
     std::sort(order.begin(), order.end(), [&](auto a, auto b) { return lists_[a].offset < lists_[b].offset; });
     std::uint32_t end = 0;
-    for (std::uint32_t i : order) { // offsets ascend, so lists only ever move down
+    for (std::uint32_t i : order) { // offsets ascend, so lists only move to lower offsets
         List& list = lists_[i];
         std::copy_n(ids_.begin() + list.offset, list.count, ids_.begin() + end);
         std::copy_n(masks_.begin() + list.offset, list.count, masks_.begin() + end);

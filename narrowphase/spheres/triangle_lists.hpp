@@ -7,8 +7,8 @@
 
 namespace oncollide {
 
-/// The triangle lists of one tree in one arena: 5 bytes an entry, 8 a list. Released lists leave holes; when holes make
-/// up half of the arena it is packed.
+/// The triangle lists of one tree in one arena: 5 bytes per entry, 8 per list. Released lists leave holes; when holes
+/// fill half of the arena, it is packed.
 class TriangleLists {
 public:
     ListId add(const std::uint32_t* ids, const std::uint8_t* masks, std::uint32_t count);

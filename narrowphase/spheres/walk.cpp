@@ -20,7 +20,7 @@ const WalkKernel& kernel()
     return kernel;
 }
 
-// Squares below this would leave float's normal range; 1e-18 m in distance.
+// Squares below this would leave float's normal range; equals a distance of 1e-18 m.
 constexpr double tiny2 = 1e-36;
 constexpr float float_infinity = std::numeric_limits<float>::infinity();
 
@@ -29,7 +29,7 @@ double side(unsigned octant, int axis)
     return octant >> axis & 1 ? 1.0 : -1.0;
 }
 
-/// The levels that step s goes to on each side; the larger sphere goes down, both when within a factor of sqrt 2.
+/// The levels reached at step s on each side: the larger sphere is descended, both if within a factor of sqrt 2.
 struct Descent {
     double ra, rb;
     int left_a, left_b, level_a = 0, level_b = 0;
@@ -48,11 +48,11 @@ struct Descent {
     }
 };
 
-/// Fills the plan; returns the rounding s: how far float distances may be from true ones.
+/// Fills the plan. Returns the rounding s: the error bound of float distances.
 ///
-/// Every component is at most m = |d| + |hA| + |hB|. A step adds two offsets, each rounded twice: 4 * 2^-24 m a step.
-/// The relative pose is computed in double, from the bodies' distance and the files' places, which may be large and
-/// cancel: 2^-48 of these. A pose may be 1e-6 from rigid (2^-20 a body). Squares and sums: 4 * 2^-24 d.
+/// Every component is at most m = |d| + |hA| + |hB|. A step adds two offsets, each rounded twice: 4 * 2^-24 m per step.
+/// The relative pose is computed in double from the bodies' distance and the files' positions, which may be large and
+/// cancel: 2^-48 of these. A pose may be 1e-6 from rigid (2^-20 per body). Squares and sums: 4 * 2^-24 d.
 double make_plan(const WalkPair& pair, std::uint32_t frame, WalkPlan& plan)
 {
     const Ocst &a = *pair.a, &b = *pair.b;
@@ -89,7 +89,7 @@ double make_plan(const WalkPair& pair, std::uint32_t frame, WalkPlan& plan)
     return rounding;
 }
 
-/// Distance at most this, when spheres of the levels reached after `steps` steps touch.
+/// Upper bound of the distance if spheres of the levels reached after `steps` steps touch.
 double upper_bound(const WalkPair& pair, int steps, double rounding)
 {
     Descent down(pair);
@@ -115,7 +115,7 @@ double lower_bound(const WalkPair& pair, const WalkPlan& plan, const WalkState& 
     return lower;
 }
 
-/// How many pairs of cells a walk sets aside before it parks.
+/// The number of pairs of cells that a traversal sets aside before it parks.
 std::uint32_t patience_in(int round, int steps)
 {
     constexpr std::uint32_t least = 4;
@@ -144,7 +144,7 @@ WalkResult Walker::run(const WalkPair& pair, const WalkPlan& plan, double roundi
     state.parked = aside_.data(), state.parked_room = patience;
     std::fill(state.nearest2, state.nearest2 + plan.count, float_infinity);
 
-    int deepest = -1; // of the entries given up
+    int deepest = -1; // deepest step of the entries given up
     WalkEnd end = kernel().walk(plan, state);
     while (give_up && end == WalkEnd::full) {
         for (std::uint32_t i = 0; i < state.parked_count; ++i) deepest = std::max(deepest, aside_[i].step);
@@ -162,7 +162,7 @@ WalkResult Walker::run(const WalkPair& pair, const WalkPlan& plan, double roundi
     if (deepest >= 0) return {WalkStatus::undecided, upper_bound(pair, deepest, rounding), {}};
     if (state.top == 0 && state.parked_count == 0) return {WalkStatus::separate, std::max(lower, pair.clearance), {}};
 
-    // Taken up from the end: what was set aside first comes next, then the rest of the stack.
+    // Parked work is resumed from the end: first the entries set aside, in their order, then the rest of the stack.
     std::reverse(aside_.begin(), aside_.begin() + state.parked_count);
     park(stack_.data(), state.top);
     park(aside_.data(), state.parked_count);

@@ -5,7 +5,7 @@
 namespace oncollide::ONCOLLIDE_ISA {
 namespace {
 
-/// Other threads walk the same trees: masks do not change meanwhile, stamps are all written alike.
+/// Other threads may traverse the same trees: masks do not change meanwhile, and all threads write the same stamp.
 inline std::uint32_t visit(OcstNode& node, std::uint32_t stamp)
 {
     const std::uint32_t state = __atomic_load_n(&node.state, __ATOMIC_RELAXED);
@@ -24,7 +24,7 @@ inline CellKey below(CellKey key, unsigned octant)
     return key << 3 | octant;
 }
 
-/// All-ones lanes where `grey` has a bit.
+/// Sets the lanes of the bits in `grey` to all ones.
 inline I32x8 lanes_of(unsigned grey)
 {
     const I32x8 lane{1, 2, 4, 8, 16, 32, 64, 128};
@@ -32,7 +32,7 @@ inline I32x8 lanes_of(unsigned grey)
     return (I32x8{g, g, g, g, g, g, g, g} & lane) != 0;
 }
 
-/// Lane k: child k of A against one child of B, or, with A not descended, A against child k of B.
+/// Lane k: child k of A against one child of B, or, if A is not descended, A against child k of B.
 struct Near {
     F32x8 x, y, z, d2;
     unsigned mask; ///< lanes that touch and are grey
@@ -105,7 +105,7 @@ WalkEnd walk(const WalkPlan& plan, WalkState& s)
         const F32x8 x = e.d[0] + bx * step.scale_b, y = e.d[1] + by * step.scale_b, z = e.d[2] + bz * step.scale_b;
         if (open_a) {
             const F32x8 oax = ax * step.scale_a, oay = ay * step.scale_a, oaz = az * step.scale_a;
-            alignas(32) float child_x[8], child_y[8], child_z[8]; // of B's children, to broadcast one at a time
+            alignas(32) float child_x[8], child_y[8], child_z[8]; // B's children, to broadcast one at a time
             store(child_x, x), store(child_y, y), store(child_z, z);
             for (unsigned rest = open_b ? grey_b : 1; rest; rest &= rest - 1) {
                 const auto j = static_cast<unsigned>(__builtin_ctz(rest));
@@ -117,7 +117,7 @@ WalkEnd walk(const WalkPlan& plan, WalkState& s)
         } else if (take(measure(x, y, z, step.cutoff2, lanes, nearest2[e.step]), false, 0)) {
             return WalkEnd::hit;
         }
-        if (s.top > first_pushed) { // the closest pair next: deep contacts end the walk soonest
+        if (s.top > first_pushed) { // the closest pair is next, as deep contacts end the traversal soonest
             const WalkEntry t = s.stack[closest_at];
             s.stack[closest_at] = s.stack[s.top - 1];
             s.stack[s.top - 1] = t;
@@ -133,7 +133,7 @@ inline unsigned digit(CellKey key, int below_it)
 
 bool replay(const WalkPlan& plan, CellKey key_a, CellKey key_b)
 {
-    int left_a = 0, left_b = 0; // levels still to go down on each side
+    int left_a = 0, left_b = 0; // levels left to descend on each side
     for (int i = 0; i < plan.count; ++i) left_a += plan.steps[i].scale_a != 0, left_b += plan.steps[i].scale_b != 0;
     if (key_a >> 3 * left_a != 1 || key_b >> 3 * left_b != 1) return false;
 

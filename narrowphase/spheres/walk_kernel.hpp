@@ -1,4 +1,4 @@
-// The walk of two trees, one implementation an instruction set. Plain data in, plain data out.
+// The traversal of two trees, one implementation per instruction set. Plain data in, plain data out.
 #pragma once
 #include <cstdint>
 
@@ -9,24 +9,24 @@ namespace oncollide {
 
 constexpr int most_steps = 2 * deepest_level;
 
-/// What one step down does. All pairs of cells at step s have the same two levels.
+/// One step down. All pairs of cells at step s have the same two levels.
 struct WalkStep {
     float scale_a, scale_b; ///< of the child offsets; 0: that side is not descended
-    float cutoff2;          ///< squared distance up to which the children's spheres touch, widened for rounding
+    float cutoff2;          ///< squared distance up to which the children's spheres touch, enlarged for rounding
 };
 
-/// Two trees at one relative pose, everything in A's frame.
+/// Two trees at one relative pose; all data in A's frame.
 struct WalkPlan {
-    alignas(32) float ax[8], ay[8], az[8]; ///< offsets of A's octants from their cell's centre at the root
-    alignas(32) float bx[8], by[8], bz[8]; ///< of B's, turned into A's frame
+    alignas(32) float ax[8], ay[8], az[8]; ///< offsets of A's octants from their cell's centre, at the root
+    alignas(32) float bx[8], by[8], bz[8]; ///< B's, rotated into A's frame
     float d[3];                            ///< from A's root centre to B's
     int count;                             ///< steps
     WalkStep steps[most_steps];
     OcstNode *nodes_a, *nodes_b;
-    std::uint32_t stamp; ///< this frame, shifted into place
+    std::uint32_t stamp; ///< this frame, shifted into position
 };
 
-/// Two cells whose spheres touch, still to be opened.
+/// Two cells whose spheres touch, still to be expanded.
 struct WalkEntry {
     std::uint32_t a, b; ///< stored nodes; meaningless on a side that has reached its leaves
     float d[3];         ///< from a's centre to b's
@@ -39,21 +39,21 @@ enum class WalkEnd : int { empty, hit, full };
 struct WalkState {
     WalkEntry* stack;
     std::uint32_t top;
-    WalkEntry* parked; ///< out: entries that need a cell that is not expanded
+    WalkEntry* parked; ///< out: entries that need an unexpanded cell
     std::uint32_t parked_count, parked_room;
     CellKey hit_a, hit_b; ///< out
     std::uint64_t node_pairs;
-    float nearest2[most_steps]; ///< in and out: smallest squared distance of the pairs cut at each step
+    float nearest2[most_steps]; ///< in and out: smallest squared distance of the pairs rejected at each step
 };
 
-/// Entries that a walk may push above what it starts with.
+/// Room for the entries that a traversal may push above its initial ones.
 constexpr std::uint32_t walk_stack_room = most_steps * 64 + 64;
 
 struct WalkKernel {
     /// Depth first from the stack's entries until a pair of leaves touches (hit), nothing is left (empty), or `parked`
     /// has no room (full: the stack holds the rest).
     WalkEnd (*walk)(const WalkPlan& plan, WalkState& state);
-    /// True when the walk from the root to this pair of leaves meets every test: the same arithmetic, one path.
+    /// True if the traversal from the root to this pair of leaves passes every test: the same arithmetic on one path.
     bool (*replay)(const WalkPlan& plan, CellKey a, CellKey b);
 };
 
