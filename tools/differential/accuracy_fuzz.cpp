@@ -1,4 +1,4 @@
-// oncollide accuracy fuzz: small scenes drawn by lot, held against the truth and against each other.
+// oncollide accuracy fuzz: small random scenes, checked against the truth and against each other.
 #include "cli/command.hpp"
 
 #include <iostream>
@@ -50,18 +50,17 @@ int fuzz(const FuzzOptions& options)
 
 void add_accuracy_fuzz(Arguments accuracy)
 {
-    Arguments sub = accuracy.add_command("fuzz", "Small scenes drawn by lot, held against the truth and each other");
+    Arguments sub = accuracy.add_command("fuzz", "Check small random scenes against the truth and against each other");
     auto options = std::make_shared<FuzzOptions>();
-    sub.add_option("--scenes", options->scenes, "scenes to draw (default 10000)").type_name("N");
-    sub.add_option("--seed", options->seed, "seed of the first; the next has the next number (default 1)")
+    sub.add_option("--scenes", options->scenes, "number of scenes (default 10000)").type_name("N");
+    sub.add_option("--seed", options->seed, "seed of the first scene; each scene has the next number (default 1)")
         .type_name("S");
-    sub.add_option("--threads", options->threads, "threads; 0: all (default 1)").type_name("N");
-    sub.add_option("--out", options->out, "where the smallest faulty scene goes (default fault.json)")
-        .type_name("FILE");
-    sub.footer("Meshes, shapes, maps and terrains, two to four at a time, on a grid of 1/8 where touching is common "
-               "and off it, "
-               "with all settings. The truth comes from extended precision and shares no code with the library. Exit "
-               "code 70: the first fault, shrunk by itself to a scene file and the options that show it.");
+    sub.add_option("--threads", options->threads, "number of threads; 0: all (default 1)").type_name("N");
+    sub.add_option("--out", options->out, "file for the smallest faulty scene (default fault.json)").type_name("FILE");
+    sub.footer("Scenes of two to four meshes, shapes, maps and terrains, with all settings. Most are on a grid of 1/8, "
+               "where touching is common. The truth comes from extended precision and shares no code with the library. "
+               "Exit code 70: a fault was found; the scene is reduced to a small scene file, and the options are "
+               "printed.");
     sub.action([options] { return fuzz(*options); });
 }
 

@@ -13,13 +13,13 @@ namespace {
 using Vec = ExtendedVector;
 using Real = long double;
 
-/// The nearest point to the origin of the hull of at most four points, and which of them it needs.
+/// The point nearest to the origin in the hull of at most four points, and the points that span its face.
 struct Nearest {
     Vec point;
     std::vector<Vec> simplex;
 };
 
-/// Tries the relative insides of all faces of the simplex.
+/// Tries the relative interiors of all faces of the simplex.
 Nearest nearest_to_origin(const std::vector<Vec>& points)
 {
     Nearest best{Vec::Zero(), {}};
@@ -116,7 +116,7 @@ struct SetOfShape {
             return apex.dot(direction) > rim.dot(direction) ? apex : rim;
         };
     }
-    /// A piece of it, large beside any scene that is drawn.
+    /// A bounded piece of it, large compared with any random scene.
     ConvexSet operator()(const HalfSpace&) const
     {
         std::vector<Eigen::Vector3d> points;
@@ -221,7 +221,7 @@ Real gap(const Boxed& a, const Boxed& b)
     return (a.low - b.high).cwiseMax(b.low - a.high).cwiseMax(Vec::Zero()).norm();
 }
 
-/// Leaves those that are farther from all of `others` together than `farthest`.
+/// Keeps only the sets within `farthest` of the union of `others`.
 void keep_near(std::vector<Boxed>& sets, const std::vector<Boxed>& others, Real farthest)
 {
     Boxed all = others.front();
@@ -234,7 +234,7 @@ void keep_near(std::vector<Boxed>& sets, const std::vector<Boxed>& others, Real 
 TrueDistance true_distance(const std::vector<ConvexSet>& a, const std::vector<ConvexSet>& b)
 {
     std::vector<Boxed> boxed_a = boxed(a), boxed_b = boxed(b);
-    // Some upper bound: from one part of B to the part of A that is nearest to it by its box.
+    // An upper bound: the distance of a part of B to the part of A with the nearest AABB.
     const Boxed& one = boxed_b.front();
     const auto nearest = std::ranges::min_element(boxed_a, {}, [&](const Boxed& x) { return gap(x, one); });
     TrueDistance least = convex_distance(*nearest->set, *one.set);

@@ -18,7 +18,7 @@
 namespace oncollide::tools {
 namespace {
 
-/// The truth is certain to this, as are bodies of a few metres.
+/// Precision of the truth, and of bodies of a few metres.
 constexpr double tie = 1e-11;
 
 struct Result {
@@ -27,9 +27,9 @@ struct Result {
     double bound;
     friend bool operator==(const Result&, const Result&) = default;
 };
-using FrameResults = std::map<std::pair<std::uint32_t, std::uint32_t>, Result>; ///< of the pairs that were candidates
+using FrameResults = std::map<std::pair<std::uint32_t, std::uint32_t>, Result>; ///< for all candidate pairs
 
-/// Frame by frame; calls look(scene, results) after each.
+/// Plays the scene; calls look(scene, results) after each frame.
 void run(Scene scene, const Settings& settings, auto look)
 {
     Pipeline pipeline(scene, settings);
@@ -55,7 +55,7 @@ const GeometryData& data_of(const Scene& scene, std::uint32_t body)
     return scene.geometries[index(scene.geometry[body])].data;
 }
 
-/// A mesh of a box's corners is drawn closed; others are open.
+/// Meshes that are drawn as a box's corners are closed; others are open.
 bool is_solid(const GeometryData& geometry, const Settings& settings)
 {
     const auto* mesh = std::get_if<Mesh>(&geometry);
@@ -77,7 +77,7 @@ bool is_round(const GeometryData& geometry)
     return shape && !std::holds_alternative<Box>(*shape) && !std::holds_alternative<ConvexHull>(*shape);
 }
 
-/// Null: the result is true.
+/// Null: the result is correct.
 const char* fault_of(const Result& r, const TrueDistance& truth, const Settings& s, bool round)
 {
     const bool touching = truth.lower < tie;
@@ -89,21 +89,21 @@ const char* fault_of(const Result& r, const TrueDistance& truth, const Settings&
         if (s.exact == ExactLevel::predicates && !round && truth.upper == 0 && s.clearance == 0) return "missed";
         break;
     case Verdict::colliding:
-        if (truth.lower > tie) return "invented";
-        if (r.bound != 0) return "a bound of a collision";
+        if (truth.lower > tie) return "a false collision";
+        if (r.bound != 0) return "a collision with a bound";
         break;
     default:
         if (truth.lower > r.bound + tie) return "farther than the bound";
     }
     const bool decided = s.exact == ExactLevel::predicates && s.node_budget == 0 && s.memory_budget == 0;
     if (!decided || s.clearance > 0) return nullptr;
-    if (truth.lower > tie && r.verdict != Verdict::separate) return "left open, though apart";
+    if (truth.lower > tie && r.verdict != Verdict::separate) return "not decided, though apart";
     if (truth.upper == 0 && !round && !s.ignore_touching && r.verdict != Verdict::colliding)
-        return "left open, though colliding";
+        return "not decided, though colliding";
     return nullptr;
 }
 
-/// Fills `all` with the results, frame by frame.
+/// Fills `all` with the results of each frame.
 std::string fault_against_truth(const DrawnScene& drawn, std::vector<FrameResults>& all)
 {
     const Settings& s = drawn.settings;
@@ -145,30 +145,31 @@ Scene reversed(const Scene& scene)
     return other;
 }
 
-/// @param results  of the scene as it is
+/// @param results  of the unchanged scene
 std::string fault_against_others(const DrawnScene& drawn, const std::vector<FrameResults>& results)
 {
     const auto same = [&](const char* what, auto change) -> std::string {
         Settings other = drawn.settings;
         change(other);
-        return results_of(drawn.scene, other) == results ? "" : fmt::format("other results {}", what);
+        return results_of(drawn.scene, other) == results ? "" : fmt::format("different results {}", what);
     };
-    if (auto fault = same("on other threads", [](Settings& s) { s.threads = s.threads % 3 + 1; }); !fault.empty())
+    if (auto fault = same("with another number of threads", [](Settings& s) { s.threads = s.threads % 3 + 1; });
+        !fault.empty())
         return fault;
-    // Within a budget, cells that a hint spares are there for other pairs.
+    // Within a budget, cells that a hint saves are available to other pairs.
     const bool budget = drawn.settings.node_budget || drawn.settings.memory_budget;
     if (!budget)
-        if (auto fault = same("with the other coherence", [](Settings& s) { s.coherence = !s.coherence; });
+        if (auto fault = same("with coherence switched", [](Settings& s) { s.coherence = !s.coherence; });
             !fault.empty())
             return fault;
-    if (auto fault = same("of another broad phase",
+    if (auto fault = same("with another broad phase",
                           [](Settings& s) {
                               s.broad_phase = s.broad_phase == BroadPhaseKind::kd_tree ? BroadPhaseKind::octree
                                                                                        : BroadPhaseKind::kd_tree;
                           });
         !fault.empty())
         return fault;
-    // Rounding turns by who comes first, and budgets by the order: of exact results the verdicts, on the grid.
+    // The order of a pair changes rounding, and budgets depend on order: only exact verdicts on the grid are compared.
     const bool exact =
         drawn.settings.exact == ExactLevel::predicates && !drawn.settings.node_budget && !drawn.settings.memory_budget;
     const bool quarter_turns = std::ranges::all_of(drawn.scene.poses, [](const Eigen::Isometry3d& pose) {
@@ -182,13 +183,13 @@ std::string fault_against_others(const DrawnScene& drawn, const std::vector<Fram
         const auto other = reverse_order[0].find({last - pair.second, last - pair.first});
         const Verdict verdict = other == reverse_order[0].end() ? Verdict::separate : other->second.verdict;
         if (verdict != r.verdict)
-            return fmt::format("bodies {} and {} in frame 0: {}, and {} when they come in reverse", pair.first,
-                               pair.second, name_of(r.verdict), name_of(verdict));
+            return fmt::format("bodies {} and {} in frame 0: {}, but {} in reverse order", pair.first, pair.second,
+                               name_of(r.verdict), name_of(verdict));
     }
     return {};
 }
 
-/// The scene with one of its bodies left out, or with other data for one.
+/// The scene without one of its bodies, or with changed data of one body.
 Scene with(const Scene& scene, std::size_t left_out,
            const std::function<void(std::size_t, GeometryData&, BodyInit&)>& change)
 {
@@ -206,7 +207,7 @@ Scene with(const Scene& scene, std::size_t left_out,
     return other;
 }
 
-/// Calls tried(data) for versions of the geometry with one part less.
+/// Calls tried(data) for versions of the geometry with one part removed.
 void with_one_part_less(const GeometryData& geometry, const std::function<bool(GeometryData)>& tried)
 {
     if (const auto* mesh = std::get_if<Mesh>(&geometry)) {
@@ -233,7 +234,7 @@ try {
     const std::string fault = fault_against_truth(drawn, results);
     return fault.empty() ? fault_against_others(drawn, results) : fault;
 } catch (const std::exception& error) {
-    return fmt::format("an error: {}", error.what());
+    return fmt::format("error: {}", error.what());
 }
 
 std::optional<std::uint64_t> first_faulty_seed(std::uint64_t first, std::uint64_t count, int threads,
@@ -265,7 +266,7 @@ DrawnScene shrunk(DrawnScene drawn, const std::function<bool(const DrawnScene&)>
                                const std::function<void(std::size_t, GeometryData&, BodyInit&)>& change) {
         try {
             return keep_if_faulty({with(drawn.scene, left_out, change), drawn.settings});
-        } catch (const Error&) { // not a scene
+        } catch (const Error&) { // not a valid scene
             return false;
         }
     };

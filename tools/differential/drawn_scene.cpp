@@ -137,7 +137,7 @@ private:
         for (std::uint32_t i = 0; i < grid.columns * grid.rows; ++i)
             heights.push_back(i > 0 && one_in(12) ? -9 : coordinate());
         const auto whole = [](double height) { return height == -9 ? 0.25 : height; };
-        heights[1] = whole(heights[1]); // one cell at least
+        heights[1] = whole(heights[1]); // at least one cell
         for (const std::uint32_t i : {grid.columns, grid.columns + 1}) heights[i] = whole(heights[i]);
         for (std::uint32_t i = 0; i < (grid.columns - 1) * (grid.rows - 1); ++i) grid.falling.push_back(one_in(2));
         return make_terrain("terrain", grid, heights);
@@ -149,7 +149,7 @@ private:
             tree.updateNode(octomap::point3d(float(p.x()), float(p.y()), float(p.z())), true);
         };
         for (int k = number(1, 12); k > 0; --k) occupy(point());
-        if (one_in(4)) // cells that the octree joins to a larger one
+        if (one_in(4)) // cells that the octree merges into a larger one
             for (int k = 0; k < 8; ++k) occupy({k & 1 ? 0.1 : 0.4, k & 2 ? 0.1 : 0.4, k & 4 ? 0.1 : 0.4});
         if (one_in(2)) return changed(make_occupancy_map(tree, one_in(4)));
         return changed(boxes(on_grid_ ? 0.0625 : 0.07));
@@ -178,7 +178,7 @@ private:
                     map.set(std::vector<Eigen::Vector3d>{a, b}, state);
                 else
                     map.set(Aabb{a.cwiseMin(b), a.cwiseMax(b)}, state);
-            } catch (const Error&) { // nothing would be left
+            } catch (const Error&) { // no cell would be left
             }
         }
         return map;
@@ -204,7 +204,7 @@ private:
 
     std::mt19937_64 random_;
     bool on_grid_, terrains_;
-    int kinds_; ///< of geometry, the last; tests name seeds for which there were fewer
+    int kinds_; ///< number of kinds of geometry; tests use seeds from when there were fewer
 };
 
 } // namespace

@@ -6,14 +6,14 @@
 
 namespace oncollide::tools {
 
-/// A small scene of all kinds of geometry and settings for it, drawn by lot.
+/// A small random scene with all kinds of geometry, and settings for it.
 struct DrawnScene {
     Scene scene; ///< two to four bodies, which drift for three frames
     Settings settings;
 };
 
-/// Three of four are on a grid of 1/8, rotated by quarter turns, where touching is common; the others lie anywhere.
-/// The same for the same seed on every platform that has the same standard library.
+/// Three of four scenes are on a grid of 1/8, rotated by quarter turns, where touching is common; the others use
+/// arbitrary coordinates. Equal seeds give equal scenes on every platform with the same standard library.
 DrawnScene draw_scene(std::uint64_t seed);
 
 } // namespace oncollide::tools

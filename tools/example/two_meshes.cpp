@@ -1,4 +1,4 @@
-// A ring and a gear; the gear moves through the ring, and each frame says what is certain about the two.
+// A gear moves through a ring. Prints each frame's certified result for the pair.
 #include <iostream>
 
 #include <oncollide/pipeline/world.hpp>

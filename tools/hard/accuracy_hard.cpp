@@ -1,5 +1,5 @@
-// oncollide accuracy hard: what collision detection gets wrong, by every combination of stages, held against
-// exact arithmetic.
+// oncollide accuracy hard: checks every combination of stages on hard cases of collision detection, against exact
+// arithmetic.
 #include "cli/command.hpp"
 
 #include <algorithm>
@@ -46,7 +46,7 @@ std::vector<std::string> families_of(const std::vector<BodyCase>& cases)
     return names;
 }
 
-/// The families that were requested.
+/// The requested families.
 class Choice {
 public:
     Choice(const HardOptions& options, const std::vector<BodyCase>& cases) : chosen_(options.families)
@@ -58,7 +58,7 @@ public:
         known_.push_back(drawn_family), known_.push_back(crowd_family), known_.push_back(solid_crowd_family);
         for (const std::string& name : chosen_)
             if (std::find(known_.begin(), known_.end(), name) == known_.end())
-                usage(fmt::format("--family: no '{}'{}", name,
+                usage(fmt::format("--family: unknown family '{}'{}", name,
                                   valid_names(name, {known_.begin(), known_.end()}, "there are")));
         take_part(shard_from(options.shard));
     }
@@ -68,7 +68,7 @@ public:
     }
 
 private:
-    /// A run of those chosen, in the order of the rows.
+    /// Keeps a contiguous part of the chosen families, in the order of the rows.
     void take_part(const Shard& shard)
     {
         if (shard.whole()) return;
@@ -77,13 +77,13 @@ private:
             if ((*this)(name)) all.push_back(name);
         const auto [first, end] = shard.range(all.size());
         chosen_.assign(all.begin() + std::ptrdiff_t(first), all.begin() + std::ptrdiff_t(end));
-        if (chosen_.empty()) chosen_.push_back({}); // no family's name
+        if (chosen_.empty()) chosen_.push_back({}); // "" is not a family's name, so nothing matches
     }
 
     std::vector<std::string> chosen_, known_;
 };
 
-/// Cases side by side; the sum does not depend on the number of threads.
+/// Tests cases in parallel; the sum does not depend on the number of threads.
 Tally try_family(const std::string& family, const std::vector<BodyCase>& cases, int threads)
 {
     std::vector<const BodyCase*> mine;
@@ -106,17 +106,17 @@ Tally try_family(const std::string& family, const std::vector<BodyCase>& cases, 
     return sum;
 }
 
-/// Small scenes of all kinds of geometry, as `accuracy fuzz` draws them.
+/// Tests small scenes of all kinds of geometry, as `accuracy fuzz` draws them.
 Tally try_drawn(std::uint64_t scenes, int threads)
 {
     Tally tally{.family = drawn_family, .cases = scenes, .results = scenes};
     if (const auto seed = first_faulty_seed(1, scenes, threads, [] {}))
-        tally.fault(&Tally::wrong, fmt::format("'oncollide accuracy fuzz --seed {0}' shrinks it: {1}", *seed,
+        tally.fault(&Tally::wrong, fmt::format("'oncollide accuracy fuzz --seed {0}' reduces it: {1}", *seed,
                                                fault_in(draw_scene(*seed))));
     return tally;
 }
 
-/// Why gl-compute cannot run here; empty: it can.
+/// The reason why gl-compute cannot run here; empty if it can.
 std::string why_no_gpu()
 {
     Scene scene;
@@ -132,11 +132,11 @@ std::string why_no_gpu()
 
 void print_header()
 {
-    say("{:<34}{:>9}{:>11}{:>8}{:>7}{:>9}{:>9}{:>8}{:>9}{:>12}{:>11}\n", "family", "cases", "answers", "missed",
+    say("{:<34}{:>9}{:>11}{:>8}{:>7}{:>9}{:>9}{:>8}{:>9}{:>12}{:>11}\n", "family", "cases", "results", "missed",
         "wrong", "false +", "bounds", "broken", "changed", "FCL missed", "FCL false");
 }
 
-/// At once, for the next takes a while.
+/// Prints a row immediately, because the next one takes a while.
 void print_row(const Tally& t)
 {
     say("{:<34}{:>9}{:>11}{:>8}{:>7}{:>9}{:>9}{:>8}{:>9}{:>12}{:>11}\n", t.family, t.cases, t.results, t.missed,
@@ -167,7 +167,7 @@ std::vector<Tally> try_all(const HardOptions& options, const Choice& chosen, con
     if (!surfaces && !solids) return rows;
     const std::string no_gpu = why_no_gpu();
     if (!no_gpu.empty()) say("skipped    gl-compute: {}\n", no_gpu);
-    // Not the data folder's: they are too many.
+    // Without the data folder's cases, which are too many.
     if (surfaces) add(try_crowd(surface_cases(), Mode::surface, std::vector<int>{1, 2, 3}, no_gpu.empty()));
     if (solids) add(try_crowd(solid_cases(), Mode::solid, std::vector<int>{1, 3}, no_gpu.empty()));
     return rows;
@@ -211,8 +211,8 @@ int accuracy_hard(HardOptions options)
     const Choice chosen(options, cases);
     if (no_queries && options.families.empty())
         say("skipped    Erleben's spikes, wedges and internal edges: no data folder with queries/ (--data)\n");
-    say("truth      exact integers for what meets, long double for distances; {} pairs of triangles a family,\n"
-        "           bodies in 5 forms and {} combinations of stages\n{}\n",
+    say("truth      exact integers for contacts, long double for distances; {} pairs of triangles per family,\n"
+        "           bodies in 5 forms, {} combinations of stages\n{}\n",
         grouped(std::uint64_t(options.count)), all_variants().size(), describe_program("cpu"));
     const std::vector<Tally> rows = try_all(options, chosen, cases);
     if (!options.csv.empty())
@@ -226,11 +226,11 @@ int accuracy_hard(HardOptions options)
     if (!options.json.empty()) write_json(options.json, rows);
     Tally sum;
     for (const Tally& row : rows) sum += row;
-    say("\n{}; FCL misses {} collisions and invents {}\n",
+    say("\n{}; FCL misses {} collisions and reports {} false ones\n",
         sum.faults()
             ? fmt::format("{} VIOLATIONS", grouped(sum.faults()))
-            : fmt::format("{} cases, {} answers: no collision missed, no exact answer wrong, no bound broken, none "
-                          "changed that must not",
+            : fmt::format("{} cases, {} results: no collision missed, no exact result wrong, no bound broken, no "
+                          "unexpected change of a result",
                           grouped(sum.cases), grouped(sum.results)),
         grouped(sum.fcl_missed), grouped(sum.fcl_false));
     return sum.faults() ? int(ErrorKind::internal) : 0;
@@ -240,48 +240,46 @@ int accuracy_hard(HardOptions options)
 
 void add_accuracy_hard(Arguments accuracy)
 {
-    Arguments sub = accuracy.add_command("hard", "Check every stage on what is hard: touching, coplanar, thin, "
-                                                 "tiny, huge, far and inside, against exact arithmetic");
+    Arguments sub = accuracy.add_command("hard", "Check every stage on hard cases against exact arithmetic: touching, "
+                                                 "coplanar, thin, tiny, huge, far from the origin, enclosed");
     auto options = std::make_shared<HardOptions>();
     sub.add_option("--count", options->count,
-                   "pairs of triangles a family, as stored and again turned (default 100000)")
+                   "pairs of triangles per family, tested as stored and again rotated (default 100000)")
         .type_name("N");
-    sub.add_option("--family", options->families, "this family alone (repeatable); a wrong name lists them")
+    sub.add_option("--family", options->families,
+                   "test only this family (repeatable); an unknown name lists all "
+                   "families")
         .type_name("NAME")
         .repeatable();
-    sub.add_option("--threads", options->threads, "threads; 0: all. Never changes the result (default 1)")
+    sub.add_option("--threads", options->threads, "number of threads; 0: all. Does not change the result (default 1)")
         .type_name("N");
     sub.add_option("--data", options->data,
                    "folder with queries/, Erleben's cases (default: $ONCOLLIDE_DATA, else ../shared/data if present)")
         .type_name("DIR");
-    sub.add_option("--csv", options->csv, "write one row a family").type_name("FILE");
-    sub.add_option("--shard", options->shard, std::string("of the families, ") + shard_help).type_name("I/N");
+    sub.add_option("--csv", options->csv, "write one row per family").type_name("FILE");
+    sub.add_option("--shard", options->shard, std::string("divide the families among N processes: ") + shard_help)
+        .type_name("I/N");
     sub.add_option("--json", options->json, "write the same as JSON").type_name("FILE");
     sub.footer(
-        "Pairs of triangles: the exact test, in both orders, and FCL's, against linear programming in integers.\n"
-        "Spheres, capsules and triangles that touch cells, boxes, hulls and meshes, or just do not, and all of these "
-        "on\n"
-        "terrains: squares of integers.\n"
-        "Bodies: every set of stages left out, both kinds of spheres, each exact level, budgets; as stored, swapped, "
-        "with\n"
-        "triangles and corners in another order, turned by a quarter, and turned anyhow and so rounded. With "
-        "clearances "
-        "below,\n"
-        "at and above the distance; as solids; and with kinds of contact. Then all at once, for several numbers of "
-        "threads\n"
-        "and on a GPU where there is one.\n\n"
+        "Pairs of triangles: the exact test, in both orders, and FCL's test are compared with linear programming in\n"
+        "integers. Spheres, capsules and triangles that touch cells, boxes, hulls, meshes or terrains, or barely miss\n"
+        "them: the truth is computed from squares of integers. Bodies: with each set of stages skipped, both bounding\n"
+        "volumes, each exact level and budgets; as stored, swapped, with triangles and vertices in another order,\n"
+        "rotated by quarter turns, and moved with rounding; with clearances below, at and above the distance; as\n"
+        "solids; and with kinds of contact. Finally all cases in one scene, with several numbers of threads, and on\n"
+        "a GPU if there is one.\n\n"
         "Columns:\n"
-        "  missed   collisions, or bodies within the clearance, that a result lost: must be 0\n"
-        "  wrong    exact results that invent a collision, leave it open or name the wrong kind: must be 0\n"
+        "  missed   collisions, or bodies within the clearance, that a result does not report: must be 0\n"
+        "  wrong    exact results with a false collision, without a decision or with the wrong kind: must be 0\n"
         "  false +  'within' for bodies that do not collide: allowed without an exact level\n"
         "  broken   certified bounds that the true distance contradicts: must be 0\n"
-        "  changed  results that the order or a motion changed and must not: must be 0\n"
-        "  FCL      cases in which FCL's own test misses a collision, or invents one\n\n"
+        "  changed  results that differ although order or motion must not change them: must be 0\n"
+        "  FCL      cases in which FCL's own test misses a collision, or reports a false one\n\n"
         "Examples:\n"
         "  oncollide accuracy hard --threads 0\n"
         "  oncollide accuracy hard --count 1000 --family coplanar --family slivers --csv hard.csv\n"
-        "The catalogue's scene of this name: oncollide scene hard --out hard.json, then oncollide accuracy hard.json.\n"
-        "Exit code 70: something is not 0 that must be.");
+        "For the catalogue's scene 'hard': oncollide scene hard --out hard.json, then oncollide accuracy hard.json.\n"
+        "Exit code 70: a column that must be 0 is not.");
     sub.action([options] { return accuracy_hard(*options); });
 }
 

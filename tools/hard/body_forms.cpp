@@ -21,7 +21,8 @@ BodyForm swapped(const BodyForm& form)
     return {"swapped", form.b, form.a, form.poses_b, form.poses_a};
 }
 
-/// With `turn` corners are shuffled too, which turns some triangles over; else all are.
+/// Shuffles triangles. With `turn` also shuffles each triangle's vertices, which flips some triangles; otherwise flips
+/// all.
 Mesh reordered(Mesh mesh, std::mt19937_64& random, bool turn)
 {
     std::vector<std::uint32_t> place(mesh.vertices.size());
@@ -49,7 +50,7 @@ BodyForm reordered(BodyForm form, FormFor whom)
     return form;
 }
 
-/// Of b in a's frame, as FCL and the library compute it whatever the distance from the origin.
+/// Pose of b in a's frame, computed as FCL and the library do, at any distance from the origin.
 Isometry3d between(const Isometry3d& a, const Isometry3d& b)
 {
     return at(a.linear().transpose() * (b.translation() - a.translation()), a.linear().transpose() * b.linear());

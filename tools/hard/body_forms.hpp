@@ -8,31 +8,31 @@
 
 namespace oncollide::tools {
 
-/// What is true of two bodies, and what FCL says of them.
+/// The truth about two bodies, and FCL's result.
 struct PairTruth {
     BodyTruth surfaces;
     SolidTruth solids;
     bool fcl_collide = false;
 };
 
-/// Whom a form is for: all, those for whom meshes are surfaces alone, or those for whom insides count.
+/// The settings that a form applies to: all settings, those with meshes as surfaces, or those with insides.
 enum class FormFor { all, surfaces, solids };
 
-/// A case in one of its forms, with its truth.
+/// A case in one of its forms, with the truth.
 struct BodyForm {
     std::string name;
     Mesh a, b;
     std::vector<Eigen::Isometry3d> poses_a, poses_b;
     std::vector<PairTruth> truths{}; ///< by pose
-    bool exact = false;              ///< no coordinate was rounded: nothing may change
+    bool exact = false;              ///< no coordinate was rounded, so no result may change
     FormFor whom = FormFor::all;
 };
 
-/// As stored, first; with the bodies swapped; with triangles, corners and vertices in another order, where insides
-/// count so that they are kept, if inside out; after a motion of both that is exact; and after one that is rounded.
+/// First as stored; with the bodies swapped; with triangles, vertices and their order shuffled, where insides count so
+/// that they are kept or all inside out; after an exact motion of both bodies; and after a rounded one.
 std::vector<BodyForm> forms_of(const BodyCase& c);
 
-/// The larger one's diagonal.
+/// Diagonal of the larger body.
 double size_of(const Mesh& a, const Mesh& b);
 
 } // namespace oncollide::tools

@@ -8,12 +8,12 @@
 namespace oncollide::tools {
 namespace {
 
-/// What may be said and what must be, where an exact level decides.
+/// The verdicts that are allowed and required of an exact level.
 struct Expected {
     bool may_collide, must_collide, may_be_near, must_be_near;
 };
 
-/// Within it of the clearance either may be said, docs/results.md.
+/// Rounding of the clearance test: at distances this close to the clearance both results are right (docs/results.md).
 double clearance_rounding(const PairTruth& truth, double clearance)
 {
     return 0x1p-16 * clearance + 0x1p-35 * truth.surfaces.distance.size + 1e-139;
@@ -34,7 +34,7 @@ Expected expected(const PairTruth& truth, const Settings& settings)
     return e;
 }
 
-/// Null: the verdict is right.
+/// Null: the verdict is correct.
 struct Fault {
     std::uint64_t Tally::*kind = nullptr;
     const char* why = "";
@@ -46,29 +46,29 @@ Fault fault_of_exact(Verdict verdict, const Expected& e)
     case Verdict::separate:
         return e.must_collide || e.must_be_near ? Fault{&Tally::missed, ""} : Fault{};
     case Verdict::colliding:
-        return e.may_collide ? Fault{} : Fault{&Tally::wrong, ": invented"};
+        return e.may_collide ? Fault{} : Fault{&Tally::wrong, ": false collision"};
     case Verdict::within:
-        if (e.must_collide) return {&Tally::wrong, ": left open"};
+        if (e.must_collide) return {&Tally::wrong, ": not decided"};
         return e.may_be_near ? Fault{} : Fault{&Tally::wrong, ": not that near"};
     case Verdict::undecided:
         break;
     }
-    return {&Tally::wrong, ": left open"};
+    return {&Tally::wrong, ": not decided"};
 }
 
-/// Spheres may leave anything open, and say of solids that they are inside.
+/// Spheres may leave any pair undecided, and may report solids as enclosed.
 Fault fault_of_spheres(const BodyResult& result, const PairTruth& truth, const Settings& settings)
 {
     const bool enclosed = settings.mode == Mode::solid && truth.solids.enclosed;
     const bool near = settings.clearance > 0 && truth.surfaces.distance.high <= settings.clearance;
     if (result.verdict == Verdict::separate && (truth.surfaces.collide || enclosed || near))
         return {&Tally::missed, ""};
-    if (result.verdict == Verdict::colliding && !enclosed) return {&Tally::wrong, ": invented"};
+    if (result.verdict == Verdict::colliding && !enclosed) return {&Tally::wrong, ": false collision"};
     return {};
 }
 
-/// Where FCL errs, or exact tests cannot say that it does not, a pair stays as it came: open. So it must not where FCL
-/// is right about surfaces and no distance counts.
+/// Where FCL errs, or exact tests cannot confirm its result, a pair stays undecided. This is a fault where FCL is right
+/// about surfaces and no distance matters.
 bool left_open_by_fcl(const BodyResult& result, const PairTruth& truth, const Settings& settings)
 {
     const bool open =
@@ -97,7 +97,7 @@ bool right_kind(const BodyResult& result, const PairTruth& truth, const Settings
     return result.kind == ContactKind::unknown;
 }
 
-/// Is the certified bound true?
+/// True if the certified bound holds.
 bool holds(const BodyResult& result, const PairTruth& truth, const Settings& settings)
 {
     const DistanceTruth& distance = truth.surfaces.distance;
@@ -131,7 +131,7 @@ void judge(const PairTruth& truth, const Settings& settings, const BodyResult& r
 {
     ++tally.results;
     const bool exact = decides(settings) && !left_open_by_fcl(result, truth, settings);
-    // Where a budget has no room for what would decide, a pair may stay undecided; its bound is judged all the same.
+    // A pair may stay undecided if a budget has no room to decide it; its bound is still checked.
     const bool no_room = result.verdict == Verdict::undecided && (settings.node_budget || settings.memory_budget);
     const Fault fault = !exact    ? fault_of_spheres(result, truth, settings)
                         : no_room ? Fault{}

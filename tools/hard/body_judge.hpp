@@ -9,19 +9,19 @@
 
 namespace oncollide::tools {
 
-/// What the pipeline says of a pair.
+/// The pipeline's result for a pair.
 struct BodyResult {
     Verdict verdict = Verdict::separate;
     ContactKind kind = ContactKind::unknown;
     double bound = 0;
-    bool listed = false; ///< false: the broad phase left the pair out
+    bool listed = false; ///< false: the broad phase rejected the pair
 };
 
-/// True when an exact level is on and not skipped.
+/// True if an exact level is on and not skipped.
 bool decides(const Settings& settings);
-/// True when FCL, which may err, must agree with what exact tests say.
+/// True if FCL, which may err, must agree with the exact tests.
 bool fcl_decides(const Settings& settings);
-/// Holds one result against the truth: verdict, kind and bound. Where FCL errs a pair may stay open.
+/// Compares one result with the truth: verdict, kind and bound. Where FCL errs, a pair may stay undecided.
 void judge(const PairTruth& truth, const Settings& settings, const BodyResult& result, Tally& tally,
            const std::string& what);
 

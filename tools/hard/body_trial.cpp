@@ -45,7 +45,7 @@ std::vector<BodyResult> results_of(const BodyForm& form, const Settings& setting
     return results;
 }
 
-/// Throws where the case was made for something else than the oracles say.
+/// Throws if the oracles contradict the purpose of the case.
 void check_truth(const BodyCase& c, const BodyForm& plain)
 {
     const auto check = [&](std::size_t k, const char* how, bool said, std::optional<bool> meant) {
@@ -63,7 +63,7 @@ void check_truth(const BodyCase& c, const BodyForm& plain)
     }
 }
 
-/// The variant's settings for this case, of whose meshes so many are closed; nothing where it is none for it.
+/// The variant's settings for this case, which has `closed` closed meshes; empty if the variant does not apply.
 std::optional<Settings> settings_for(const Variant& variant, const BodyForm& plain, int closed)
 {
     if (variant.closed_alone && closed == 0) return std::nullopt;
@@ -86,7 +86,7 @@ void must_be_refused(const BodyCase& c, const BodyForm& form, const Settings& as
         const Scene scene = scene_of(form, false);
         Pipeline pipeline(scene, settings);
         tally.fault(&Tally::wrong,
-                    fmt::format("{}: {}: a mesh that is not closed is taken as a solid", c.family, c.name));
+                    fmt::format("{}: {}: a mesh that is not closed is accepted as a solid", c.family, c.name));
     } catch (const Error& error) {
         if (error.kind() != ErrorKind::bad_data) throw;
     }
@@ -98,12 +98,12 @@ bool is_for(const BodyForm& form, const Settings& settings)
     return form.whom == FormFor::all || (form.whom == FormFor::solids) == insides;
 }
 
-/// True where the result must be that of the case as it is.
+/// True if the result must equal the result of the case as stored.
 bool must_hold(const BodyForm& form, const BodyForm& plain, std::size_t k, const Settings& settings)
 {
     const PairTruth &now = form.truths[k], &before = plain.truths[k];
     if (settings.ignore_touching && (now.solids.vague || before.solids.vague)) return false;
-    if (fcl_decides(settings)) { // FCL may change its mind, and where it misses a contact no point has a side
+    if (fcl_decides(settings)) { // FCL's result may change, and if it misses a contact no point is inside or outside
         const bool no_side = settings.mode == Mode::solid && now.fcl_collide != now.surfaces.collide;
         if (now.fcl_collide != before.fcl_collide || no_side) return false;
     }

@@ -14,7 +14,7 @@ namespace {
 
 using Matrix3l = Eigen::Matrix<long double, 3, 3>;
 
-/// An edge of `of` pierces t, by `spare` in each direction.
+/// True if an edge of `of` pierces t, by `spare` in each direction.
 bool pierced(const TrianglePoints& t, const TrianglePoints& of, double spare)
 {
     const Eigen::Vector3d normal = (t[1] - t[0]).cross(t[2] - t[0]).normalized();
@@ -44,7 +44,7 @@ bool deep(const BoxedTriangles& a, const BoxedTriangles& b)
     return cutoff < 0;
 }
 
-/// Is there a gap wider than `least` across a face or two edges?
+/// True if a plane parallel to a face or to two edges separates them with a gap wider than `least`.
 bool surely_parted(const TrianglePoints& p, const TrianglePoints& q, double least)
 {
     const auto edge = [](const TrianglePoints& t, std::size_t k) -> Eigen::Vector3d { return t[(k + 1) % 3] - t[k]; };
@@ -96,7 +96,7 @@ TriangleContact contact_of(const BoxedTriangles& a, const BoxedTriangles& b, Tri
 DistanceTruth distance_of(const HalvedMesh& a, const Eigen::Isometry3d& pose_a, const HalvedMesh& b,
                           const Eigen::Isometry3d& pose_b)
 {
-    // Boxes in double, relative to a's place; triangles are moved again, in long double, when it comes to them.
+    // AABBs in double, relative to a's position; a triangle is transformed again, in long double, when it is tested.
     const Eigen::Vector3d between = pose_b.translation() - pose_a.translation();
     const BoxedTriangles at_a(a, [&](const Eigen::Vector3d& v) { return Eigen::Vector3d(pose_a.linear() * v); });
     const BoxedTriangles at_b(b,

@@ -5,7 +5,7 @@
 namespace oncollide::tools {
 namespace {
 
-/// Plain, predicates and FCL on both bounding volumes.
+/// No exact level, predicates and FCL with both bounding volumes.
 std::vector<Variant> plain(int depth)
 {
     constexpr ExactLevel levels[] = {ExactLevel::off, ExactLevel::predicates, ExactLevel::fcl};
@@ -15,7 +15,7 @@ std::vector<Variant> plain(int depth)
     return all;
 }
 
-/// These, each changed.
+/// Adds each plain variant with `change` applied.
 template <class Change>
 void add(std::vector<Variant>& all, int depth, const std::string& name, Change change)
 {
@@ -26,7 +26,7 @@ void add(std::vector<Variant>& all, int depth, const std::string& name, Change c
     }
 }
 
-/// Each set of stages left out, at two depths.
+/// Every set of stages skipped, at two depths.
 std::vector<Variant> sets_of_stages()
 {
     std::vector<Variant> all;
@@ -49,7 +49,7 @@ std::vector<Variant> other_settings()
     std::vector<Variant> all;
     for (int depth : {1, 4, 10}) add(all, depth, "alone", [](Variant&) {});
     for (const SettingChange& change : changes_of_method())
-        if (change.name != "2 threads") // two bodies leave nothing to share; the crowd has threads
+        if (change.name != "2 threads") // two bodies give threads nothing to share; the crowd trial uses threads
             add(all, 6, change.name, [&](Variant& v) { change.apply(v.settings); });
     add(all, 6, "20 cells", [](Variant& v) { v.settings.node_budget = 20; });
     add(all, 6, "no memory", [](Variant& v) { v.settings.memory_budget = 1; });
@@ -71,7 +71,7 @@ std::vector<Variant> clearances()
     };
     for (const char* stage : stage_names)
         at_distance(without_stage(stage).name, [&](Variant& v) { without_stage(stage).apply(v.settings); });
-    std::erase_if(all, [](const Variant& v) { // FCL decides again whatever came before
+    std::erase_if(all, [](const Variant& v) { // FCL decides independently of earlier stages
         return v.settings.exact == ExactLevel::fcl && !v.settings.skip.empty();
     });
     at_distance("octree", [](Variant& v) { v.settings.broad_phase = BroadPhaseKind::octree; });
@@ -81,7 +81,7 @@ std::vector<Variant> clearances()
     return all;
 }
 
-/// Meshes without an inside are taken as the surfaces that they are.
+/// Meshes without an inside are treated as surfaces.
 std::vector<Variant> solids()
 {
     std::vector<Variant> all;

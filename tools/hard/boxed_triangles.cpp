@@ -15,7 +15,7 @@ constexpr std::uint32_t middle(std::uint32_t begin, std::uint32_t end)
     return begin + (end - begin) / 2;
 }
 
-/// At the median along the longest side of the centres' box.
+/// Splits at the median along the longest side of the AABB of the centres.
 void halve(std::span<std::uint32_t> order, const std::vector<Eigen::Vector3d>& centres)
 {
     if (order.size() <= leaf) return;

@@ -8,11 +8,11 @@
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 
-// All pairs of triangles that are near enough, for the truth: plain boxes in double around halves of halves, made of
-// minima and maxima alone, so that nothing in them rounds.
+// Finds all pairs of triangles that are near enough, for the truth. Uses AABBs in double around a binary hierarchy;
+// they are computed only from minima and maxima, so nothing is rounded.
 namespace oncollide::tools {
 
-/// A mesh, and its triangles in an order in which halves of halves lie together. The mesh must outlive it.
+/// A mesh, and an order of its triangles for a binary hierarchy. The mesh must outlive it.
 struct HalvedMesh {
     explicit HalvedMesh(const Mesh& mesh);
 
@@ -20,15 +20,15 @@ struct HalvedMesh {
     std::vector<std::uint32_t> order;
 };
 
-/// Its triangles somewhere.
+/// The triangles of a mesh, transformed.
 class BoxedTriangles {
 public:
     using Box = Eigen::AlignedBox3d;
-    /// Calls `place` once a vertex. `halved` must outlive it. Cost: 20 nanoseconds a triangle.
+    /// Calls `place` once per vertex. `halved` must outlive it. Cost: 20 nanoseconds per triangle.
     BoxedTriangles(const HalvedMesh& halved, FunctionRef<Eigen::Vector3d(const Eigen::Vector3d&)> place);
 
     const Mesh& mesh() const { return *halved_->mesh; }
-    const std::vector<Eigen::Vector3d>& points() const { return points_; } ///< the vertices there
+    const std::vector<Eigen::Vector3d>& points() const { return points_; } ///< the transformed vertices
     TrianglePoints triangle(std::uint32_t i) const;
     const Box& box() const { return boxes_[1]; }
     double largest() const { return std::max(-box().min().minCoeff(), box().max().maxCoeff()); } ///< coordinate
@@ -39,11 +39,11 @@ private:
 
     const HalvedMesh* halved_;
     std::vector<Eigen::Vector3d> points_;
-    std::vector<Box> boxes_, triangle_boxes_; ///< by node: the halves of node k are 2 k and 2 k + 1; by place in order
+    std::vector<Box> boxes_, triangle_boxes_; ///< by node (children of k: 2 k and 2 k + 1); by index in `order`
 };
 
-/// Calls look(i, j) for every two triangles whose boxes are at most `cutoff` apart, the nearer halves first. `cutoff`
-/// may shrink meanwhile; below 0 it ends the search.
+/// Calls look(i, j) for all pairs of triangles whose AABBs are at most `cutoff` apart, nearer halves first. `cutoff`
+/// may shrink during the search; a value below 0 ends it.
 void for_near_pairs(const BoxedTriangles& a, const BoxedTriangles& b, const double& cutoff,
                     FunctionRef<void(std::uint32_t i, std::uint32_t j)> look);
 

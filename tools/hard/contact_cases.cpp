@@ -1,4 +1,4 @@
-// Bodies that touch without crossing, overlap in a plane, are the same, or are parallel at a distance near rounding.
+// Bodies that touch without crossing, overlap in a plane, are identical, or are parallel at a distance near rounding.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -30,7 +30,7 @@ void touching_boxes(std::vector<BodyCase>& cases)
     add("an ulp off the edge", cube, at(1, std::nextafter(1, 2), 0), false);
     add("an ulp off the corner", cube, at(std::nextafter(-1, -2), -1, 1), false);
     add("an ulp into the face", cube, at(std::nextafter(1, 0), 0.25, 0), true);
-    // A corner on a face and an edge across an edge: meshes whose corners and edges are on the grid.
+    // A vertex on a face and an edge across an edge: meshes whose vertices and edges are on the grid.
     const Mesh pyramid = mesh_of({{0, 0, 0}, {0.5, 0.125, 1}, {-0.5, 0.25, 1}, {0.125, -0.5, 1}},
                                  {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}});
     add("corner on a face", pyramid, at(0.25, -0.125, 0.5), true);
@@ -44,7 +44,7 @@ void touching_boxes(std::vector<BodyCase>& cases)
         true);
 }
 
-/// Walls and boxes as a building has them: lengths in decimals, so that coordinates are rounded.
+/// Walls and boxes as in buildings: lengths in decimals, so coordinates are rounded.
 void walls(std::vector<BodyCase>& cases)
 {
     const auto add = [&](const char* name, Vector3d a, Vector3d b, Eigen::Isometry3d pose) {

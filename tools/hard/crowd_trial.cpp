@@ -43,7 +43,7 @@ public:
         tally_.cases = cases.size();
     }
 
-    /// The first run with settings of one `kind` gives the hash that the others must have.
+    /// The first run of each `kind` of settings gives the hash that the other runs must reproduce.
     void run(const std::string& kind, const std::string& name, const Settings& settings)
     {
         Pipeline pipeline(scene_, settings);
@@ -57,7 +57,9 @@ public:
         }
         const auto [first, fresh] = hashes_.try_emplace(kind, pipeline.hash());
         if (!fresh && first->second != pipeline.hash())
-            tally_.fault(&Tally::changed, fmt::format("{}, {}: another result hash than with one thread", kind, name));
+            tally_.fault(&Tally::changed, fmt::format("{}, {}: the result hash differs from the run with one "
+                                                      "thread",
+                                                      kind, name));
     }
 
     void run_queries(ExactLevel exact, int threads)

@@ -10,11 +10,11 @@
 
 namespace oncollide::tools {
 
-/// All bodies of all cases at once, as stored, each at its first pose: those of one case are hard for those of the
-/// next, as most are in one place. The result hash must be the same for any number of threads and kind of broad phase;
-/// with `gpu` also for gl-compute, on the pairs of plain spheres. The pair of each case must come out as exactly as
-/// alone, and so it must from MeshQueries, which know no solids. Throws Error{no_gpu} when `gpu` is requested and there
-/// is none.
+/// All bodies of all cases in one scene, as stored, each at its first pose. Most are near the origin, so bodies of one
+/// case are hard for bodies of the others. The result hash must be equal for any number of threads and kind of broad
+/// phase; with `gpu` also for gl-compute, on sphere pairs without an exact level. The pair of each case must have the
+/// same result as alone, also from MeshQueries, which do not support solids. Throws Error{no_gpu} if `gpu` is requested
+/// and there is none.
 Tally try_crowd(const std::vector<BodyCase>& cases, Mode mode, std::span<const int> threads, bool gpu);
 
 } // namespace oncollide::tools

@@ -1,6 +1,6 @@
-// How often closed surfaces wind around a point, in integers: independent of the code under test, which walks a ray
-// that touches no edge through a tree of boxes. Here the ray runs along x, and a point on an edge's shadow is moved
-// aside by an infinitesimal.
+// Winding number of closed surfaces around a point, in integers. Independent of the code under test, which follows a
+// ray that touches no edge through a tree of boxes. Here the ray runs along x, and a point whose ray meets an edge is
+// moved aside by an infinitesimal.
 #pragma once
 #include <optional>
 #include <span>
@@ -15,15 +15,15 @@ inline int first_sign(int a, int b, int c)
     return a ? a : b ? b : c;
 }
 
-/// On which side of edge u to v the point (e, e^2) lies, both seen along x, for any small enough e > 0.
+/// The side of edge u to v on which the point (e, e^2) lies, in projection along x, for any small enough e > 0.
 template <int N>
 int side_of_edge(const Point<N>& u, const Point<N>& v)
 {
     return first_sign((u[1] * v[2] - u[2] * v[1]).sign(), (u[2] - v[2]).sign(), (v[1] - u[1]).sign());
 }
 
-/// What the triangle adds to the winding number around the origin, where it is crossed by the ray along x; nothing
-/// where the origin is on it.
+/// The triangle's contribution to the winding number around the origin, if the ray along x crosses it; nullopt if the
+/// origin is on the triangle.
 template <int N>
 std::optional<int> winding_of(const std::array<Point<N>, 3>& t)
 {
@@ -47,8 +47,8 @@ std::optional<int> winding_of(const TrianglePoints& t, const Eigen::Vector3d& po
     return winding_of<N>(from);
 }
 
-/// Of closed surfaces around a point; nothing where it is on one.
-/// Cost: a nanosecond a triangle, and 0.5 to 20 microseconds for those that the ray comes near.
+/// Winding number of closed surfaces around a point; nullopt if it is on a surface.
+/// Cost: a nanosecond per triangle, and 0.5 to 20 microseconds for triangles near the ray.
 inline std::optional<int> winding(std::span<const TrianglePoints> surface, const Eigen::Vector3d& point)
 {
     int sum = 0;

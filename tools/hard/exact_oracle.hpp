@@ -1,6 +1,6 @@
-// How two triangles lie, by linear programming in integers: they meet when sum a_i p_i = sum b_j q_j has a solution
-// with a, b >= 0 and sum a = sum b = 1. No orientations, no cases: independent of the code under test, and as good for
-// segments, points and triangles in one plane.
+// Contact of two triangles by linear programming in integers: they meet if sum a_i p_i = sum b_j q_j has a solution
+// with a, b >= 0 and sum a = sum b = 1. Without orientations and case distinctions: independent of the code under test,
+// and equally valid for segments, points and coplanar triangles.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -16,7 +16,7 @@ namespace oncollide::oracle {
 
 __extension__ typedef unsigned __int128 Twice;
 
-/// Integers modulo 2^(64 N), read as signed.
+/// Signed integers modulo 2^(64 N).
 template <int N>
 struct Int {
     std::array<std::uint64_t, N> limb{};
@@ -81,7 +81,7 @@ struct Int {
     }
 };
 
-/// Divides by `divisor` where that leaves no remainder: odd numbers have inverses modulo powers of two.
+/// Exact division by `divisor`, which must leave no remainder: odd numbers have inverses modulo powers of two.
 template <int N>
 class ExactDivision {
 public:
@@ -90,7 +90,7 @@ public:
         while (!divisor.limb[zeros_ / 64]) zeros_ += 64;
         zeros_ += std::countr_zero(divisor.limb[zeros_ / 64]);
         divisor = divisor.shifted_right(zeros_);
-        inverse_ = divisor; // right to 3 bits
+        inverse_ = divisor; // correct to 3 bits
         for (int bits = 3; bits < 64 * N; bits *= 2) inverse_ = inverse_ * (Int<N>(2) - divisor * inverse_);
     }
     Int<N> operator()(const Int<N>& a) const { return a.shifted_right(zeros_) * inverse_; }
@@ -100,13 +100,13 @@ private:
     Int<N> inverse_;
 };
 
-/// Has M x = b a solution with x >= 0? Rows are [M | b]. Phase one of the simplex method by Bland's rule, with
+/// True if M x = b has a solution with x >= 0. Rows are [M | b]. Phase one of the simplex method by Bland's rule, with
 /// fraction-free pivots (Edmonds): every entry stays a minor of the input.
 template <int N, std::size_t Rows, std::size_t Columns>
 bool feasible(std::array<std::array<Int<N>, Columns>, Rows> m)
 {
     constexpr std::size_t b = Columns - 1;
-    std::array<Int<N>, Columns> goal{}; // what the artificial variables still hold
+    std::array<Int<N>, Columns> goal{}; // remaining sum of the artificial variables
     for (auto& row : m) {
         if (row[b].sign() < 0)
             for (auto& x : row) x = Int<N>() - x;
@@ -152,7 +152,7 @@ TriangleContact contact(const std::array<Point<N>, 3>& p, const std::array<Point
     }
     if (!feasible(meet)) return TriangleContact::separate;
 
-    // Crossing: a solution with a, b > 0 (at least 1 when scaled), and edges that span space.
+    // Crossing: a solution with a, b > 0 (at least 1 when scaled), and edges that span 3D space.
     std::array<std::array<Int<N>, 7>, 4> inside{};
     for (std::size_t k = 0; k < 3; ++k)
         for (std::size_t i = 0; i < 6; ++i) {
@@ -195,7 +195,7 @@ TriangleContact contact(const TrianglePoints& a, const TrianglePoints& b, int lo
     return contact<N>(p, q);
 }
 
-/// The binary digits that coordinates have between them.
+/// Range of the binary digits of a set of coordinates.
 struct Digits {
     int lowest = 2000, highest = -2000;
 
@@ -215,7 +215,7 @@ struct Digits {
     int count() const { return std::max(highest - lowest + 1, 0); }
 };
 
-/// The truth. Cost: 10 to 100 microseconds, 0.1 s where magnitudes are as far apart as doubles can be.
+/// The true contact. Cost: 10 to 100 microseconds; 0.1 s if magnitudes are as far apart as doubles allow.
 inline TriangleContact contact(const TrianglePoints& a, const TrianglePoints& b)
 {
     Digits digits;

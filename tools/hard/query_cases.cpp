@@ -13,8 +13,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Seven columns: numerator and denominator of x, y and z, then the truth of the query from t0 to t1, which says
-/// nothing about its ends. Denominators are powers of two, so the quotients are exact.
+/// Seven columns: numerator and denominator of x, y and z, then the truth of the query from t0 to t1, which does not
+/// apply to its ends. Denominators are powers of two, so the quotients are exact.
 Vector3d point_of(const std::string& line, const std::string& where)
 {
     std::array<double, 7> column{};
@@ -29,7 +29,7 @@ Vector3d point_of(const std::string& line, const std::string& where)
     return {column[0] / column[1], column[2] / column[3], column[4] / column[5]};
 }
 
-/// Eight rows a query: four points at t0, and the same at t1.
+/// Eight rows per query: four points at t0, and the same four at t1.
 void read_queries(const std::filesystem::path& path, const std::string& family, bool edges,
                   std::vector<BodyCase>& cases)
 {

@@ -1,4 +1,5 @@
-// One body inside another, very small and very large bodies, near and far ones, and bodies that slide along each other.
+// One body inside another, tiny and huge bodies, bodies near and far from the origin, and bodies that slide along
+// others.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -12,7 +13,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// As surfaces: they collide only where these meet.
+/// For surfaces: a collision only if the surfaces meet.
 void nested(std::vector<BodyCase>& cases)
 {
     const Mesh cube = make_box_mesh({1, 1, 1}), sphere = make_sphere_mesh(1, 128);
@@ -83,8 +84,8 @@ void offsets(std::vector<BodyCase>& cases)
     }
 }
 
-/// Two spikes tip to tip: no box around them overlaps by more than the tips do. In files far from their origins that
-/// the poses take back, sums of large numbers leave small ones.
+/// Two spikes, tip to tip: their boxes overlap by no more than the tips do. In files far from their origins, which the
+/// poses compensate, sums of large numbers leave small ones.
 void spikes(std::vector<BodyCase>& cases)
 {
     const Mesh spike = mesh_of({{0, 0, 0}, {1, 0x1p-6, 0}, {1, -0x1p-6, 0x1p-6}, {1, 0, -0x1p-6}},
@@ -130,7 +131,8 @@ void mixed_sizes(std::vector<BodyCase>& cases)
     add("a large needle by a grain", mesh_of({{-l, 0, 0}, {l, 0, 0}, {l, s, 0}}), grain, at(777.7, 0.0011, 0), {});
 }
 
-/// Motions in which the bodies slide along each other; each pose is a case, and the trees remember the last one.
+/// Motions in which bodies slide along each other. Each pose is a case, and the trees keep their state from the last
+/// pose.
 void grazing(std::vector<BodyCase>& cases)
 {
     const Mesh cube = make_box_mesh({0.5, 0.5, 0.5}), floor = make_box_mesh({4, 4, 0.25}),

@@ -1,4 +1,4 @@
-// Meshes that are not what most programs expect: slivers, needles, triangles without area or twice, open and
+// Unusual meshes: slivers, needles, triangles without area, duplicate triangles, open and
 // non-manifold surfaces, single triangles.
 #include <cmath>
 
@@ -67,7 +67,7 @@ void needles(std::vector<BodyCase>& cases)
     add("through the tube of a ring", torus, through, at(0.6, 0.05, 0), true);
 }
 
-/// `mesh` with a triangle at a corner, one along an edge, and each of its own twice.
+/// `mesh` plus a triangle at a vertex, one along an edge, and a duplicate of each triangle.
 Mesh littered(Mesh mesh)
 {
     const std::vector<Triangle> once = mesh.triangles;
@@ -77,7 +77,7 @@ Mesh littered(Mesh mesh)
     return mesh_of(std::move(mesh.vertices), std::move(mesh.triangles));
 }
 
-/// Each triangle with three vertices of its own.
+/// The mesh without shared vertices: three per triangle.
 Mesh unshared(const Mesh& mesh)
 {
     std::vector<Vector3d> corners;
@@ -129,7 +129,7 @@ void open_meshes(std::vector<BodyCase>& cases)
     const Mesh fan = mesh_of({{0, 0, -1}, {0, 0, 1}, {1, 0, 0}, {-0.5, 1, 0}, {-0.5, -1, 0}},
                              {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}}); // three on one edge
     const Mesh bow = mesh_of({{0, 0, 0}, {1, 0.5, 0}, {1, -0.5, 0}, {-1, 0.5, 0}, {-1, -0.5, 0}},
-                             {{0, 1, 2}, {0, 3, 4}}); // two that share a corner alone
+                             {{0, 1, 2}, {0, 3, 4}}); // two that share only a vertex
     const auto add = [&](const char* name, const Mesh& a, const Mesh& b, Eigen::Isometry3d pose,
                          std::optional<bool> collide = {}) {
         cases.push_back({"open and non-manifold", name, a, b, at(0, 0, 0), {pose}, collide});
@@ -146,7 +146,7 @@ void open_meshes(std::vector<BodyCase>& cases)
     add("a fin through a bow", fan, bow, at(0.25, 0, 0.25), true);
 }
 
-/// Of each family of triangle pairs a few, each triangle a mesh.
+/// A few pairs of each family of triangle pairs, each triangle a mesh.
 void lone_triangles(std::vector<BodyCase>& cases)
 {
     for (const TriangleFamily& family : triangle_families()) {

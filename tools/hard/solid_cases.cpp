@@ -1,5 +1,5 @@
-// What solids alone make hard: bodies wholly inside others, cavities, parts of which one is inside, meshes inside out,
-// and a tiny body just inside or outside. As surfaces most of them are apart.
+// Cases that are hard only for solids: bodies wholly inside others, cavities, parts inside others, meshes inside out,
+// and a tiny body just inside or outside. Most of them are apart as surfaces.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -29,7 +29,7 @@ Mesh shifted(const Mesh& mesh, const Vector3d& by)
     return rotated(mesh, Eigen::Matrix3d::Identity(), by);
 }
 
-/// A case of `family` with both truths known.
+/// Adds cases of `family` with both truths known.
 struct Family {
     std::vector<BodyCase>& cases;
     const char* name;
@@ -41,7 +41,7 @@ struct Family {
     }
 };
 
-/// Grains by a face, an edge and a corner of a box, a unit in the last place of its coordinates off.
+/// Grains at a face, an edge and a corner of a box, off by one unit in the last place of its coordinates.
 void grains(std::vector<BodyCase>& cases)
 {
     const Family family{cases, "just inside or outside"};
@@ -51,7 +51,7 @@ void grains(std::vector<BodyCase>& cases)
         for (const auto& [what, x, y, z] : {std::tuple("a face", 1., 0.25, 0.125), std::tuple("an edge", 1., 1., 0.125),
                                             std::tuple("a corner", 1., 1., 1.)}) {
             const Vector3d place(x, y, z);
-            const auto off = [&](double by) { // of those coordinates that are on the boundary
+            const auto off = [&](double by) { // moves the coordinates that are on the boundary
                 return Vector3d(place.array() + (place.array() == 1).cast<double>() * by);
             };
             const auto name = [&, what = what](const char* how) {
@@ -69,7 +69,7 @@ void grains(std::vector<BodyCase>& cases)
     }
 }
 
-/// Bodies from which a ray in any simple direction meets edges and corners.
+/// Bodies from which rays in all simple directions hit edges and vertices.
 void enclosed(std::vector<BodyCase>& cases)
 {
     const Family family{cases, "enclosed"};
@@ -99,7 +99,7 @@ void enclosed(std::vector<BodyCase>& cases)
     family.add("a corner on an edge from within", box, shifted(tetrahedron, {0, -0.5, 0}), at(1, 0.5, 0), true, true);
 }
 
-/// Surfaces within surfaces: what is solid between them is told by their winding.
+/// Surfaces within surfaces: the winding number determines the solid space between them.
 void cavities(std::vector<BodyCase>& cases)
 {
     const Family family{cases, "cavities"};
@@ -123,14 +123,14 @@ void cavities(std::vector<BodyCase>& cases)
     family.add("touching the cavity's floor", hollow, cube(0.25), at(0.125, 0.25, -0.75), true, true);
     family.add("a box inside out, not in a cavity", joined(cube(1), flipped(shifted(cube(1), {4, 0, 0}))), grain,
                at(4, 0.125, 0), false, true);
-    // Parts that overlap are their union; where one is inside out they cancel.
+    // Overlapping parts form their union; a part that is inside out cancels the other.
     family.add("where two parts overlap", joined(cube(1), shifted(cube(1), {1, 0.5, 0.25})), grain,
                at(0.5, 0.25, 0.125), false, true);
     family.add("where one cancels the other", joined(cube(1), flipped(shifted(cube(1), {1, 0.5, 0.25}))), grain,
                at(0.5, 0.25, 0.125), false, false);
 }
 
-/// The rule speaks of parts: any of them inside is enough.
+/// Solids collide if any part is inside the other body.
 void parts(std::vector<BodyCase>& cases)
 {
     const Family family{cases, "several parts"};
@@ -158,7 +158,7 @@ void parts(std::vector<BodyCase>& cases)
                true, true);
 }
 
-/// The same small and large, and far from the origin.
+/// The same cases small and large, and far from the origin.
 void sizes(std::vector<BodyCase>& cases)
 {
     const Family family{cases, "solids of all sizes and places"};

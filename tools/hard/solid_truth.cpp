@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A closed surface somewhere.
+/// A closed surface, transformed.
 struct PlacedSolid {
     std::vector<TrianglePoints> triangles;
     BoxedTriangles::Box box;
@@ -37,7 +37,8 @@ bool holds_a_corner(const BoxedTriangles& outer, const BoxedTriangles& inner)
     return false;
 }
 
-/// Of points spread over what both boxes cover, one is inside both. However thin an overlap of boxes is, so are these.
+/// True if one of 500 points in the intersection of both AABBs is inside both. The points fill even a thin
+/// intersection.
 bool share_a_point(const PlacedSolid& a, const PlacedSolid& b)
 {
     constexpr int count = 500;
@@ -52,7 +53,7 @@ bool share_a_point(const PlacedSolid& a, const PlacedSolid& b)
     return false;
 }
 
-/// What both boxes cover is narrower than the library looks for.
+/// True if the intersection of both AABBs is thinner than the library searches.
 bool narrow(const BoxedTriangles::Box& a, const BoxedTriangles::Box& b)
 {
     const BoxedTriangles::Box all = a.merged(b);

@@ -8,28 +8,28 @@
 
 namespace oncollide::tools {
 
-/// What two bodies are to each other beyond meeting, for b's corners as they round in a's frame.
+/// Relation of two solids, with b's vertices rounded in a's frame.
 struct SolidTruth {
-    /// The most that any two triangles do to each other; of meshes with an inside that only touch, crossing where one
-    /// of 500 points of their common box is inside both.
+    /// The strongest contact of two triangles; for meshes with an inside that only touch: crossing if one of 500 points
+    /// in the intersection of their AABBs is inside both.
     TriangleContact contact = TriangleContact::separate;
-    bool vague = false; ///< such points are in a region so narrow that it may be overlooked, docs/results.md
-    /// The surfaces are apart, and a corner of the one is where the other, being closed, winds around it: in either
-    /// direction, so that a part inside out is a cavity and a mesh inside out as a whole is like any other.
+    bool vague = false; ///< that intersection is so thin that the library may overlook it, docs/results.md
+    /// The surfaces are apart, and the other, being closed, winds around a vertex of one of them. Either orientation
+    /// counts, so a part inside out is a cavity, and a mesh that is inside out as a whole is like any other.
     bool enclosed = false;
 };
 
-/// Of two that touch and do not cross by their triangles.
+/// The truth about two solids whose triangles touch but do not cross.
 SolidTruth touching_truth_of(const BoxedTriangles& a, const BoxedTriangles& b);
 
-/// Independent of the library: each pair of triangles by linear programming, each corner by its winding number, both in
-/// integers.
+/// Independent of the library: linear programming for each pair of triangles and the winding number of each vertex,
+/// both in integers.
 /// @param deep  they are known to cross (BodyTruth), so nothing is computed
 SolidTruth solid_truth_of(const Mesh& a, const Eigen::Isometry3d& pose_a, const Mesh& b,
                           const Eigen::Isometry3d& pose_b, bool deep);
 
-/// Some triangle has an area, and for every edge of such a triangle there is one other that runs along it the other
-/// way.
+/// True if some triangle has an area, and every edge of such a triangle is shared by one other triangle in the opposite
+/// direction.
 bool has_inside(const Mesh& mesh);
 
 } // namespace oncollide::tools

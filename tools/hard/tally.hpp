@@ -5,20 +5,20 @@
 
 namespace oncollide::tools {
 
-/// What became of one family of hard cases. Sums with +=.
+/// The results of one family of hard cases. Sums with +=.
 struct Tally {
     std::string family;
     std::uint64_t cases = 0;           ///< pairs of triangles, or of bodies at one pose
-    std::uint64_t results = 0;         ///< of oncollide; each must be right
-    std::uint64_t missed = 0;          ///< results that lose a collision, or what is within the clearance
-    std::uint64_t wrong = 0;           ///< exact results that invent one, or name the wrong kind of contact
-    std::uint64_t false_positives = 0; ///< `within` for bodies that do not collide: allowed, the bound says how near
-    std::uint64_t bounds = 0;          ///< certified bounds held against the true distance
-    std::uint64_t broken = 0;          ///< of these, wrong
-    std::uint64_t changed = 0;         ///< results that a change changed which must not
-    std::uint64_t fcl_missed = 0;      ///< cases that collide, but not for FCL
-    std::uint64_t fcl_false = 0;       ///< cases that do not, but for FCL they do
-    std::string first_fault{};         ///< which
+    std::uint64_t results = 0;         ///< of oncollide; each must be correct
+    std::uint64_t missed = 0;          ///< results that miss a collision, or bodies within the clearance
+    std::uint64_t wrong = 0;           ///< exact results with a false collision or the wrong kind of contact
+    std::uint64_t false_positives = 0; ///< `within` for bodies that do not collide: allowed
+    std::uint64_t bounds = 0;          ///< certified bounds compared with the true distance
+    std::uint64_t broken = 0;          ///< wrong bounds
+    std::uint64_t changed = 0;         ///< results that changed, but must not
+    std::uint64_t fcl_missed = 0;      ///< cases that collide, but not according to FCL
+    std::uint64_t fcl_false = 0;       ///< cases that collide only according to FCL
+    std::string first_fault{};         ///< description of the first fault
 
     std::uint64_t faults() const { return missed + wrong + broken + changed; }
     /// Counts one fault of a kind, e.g. fault(&Tally::missed, "...").

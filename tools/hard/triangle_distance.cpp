@@ -19,7 +19,7 @@ Vector3l normal_of(const TriangleL& t)
     return (t[1] - t[0]).cross(t[2] - t[0]);
 }
 
-/// A point of the triangle near p: exact where p's foot lies well inside, some point of it everywhere.
+/// A point of the triangle near p: exact if p's projection lies well inside, otherwise some point of the triangle.
 Vector3l foot(const TriangleL& t, const Vector3l& p)
 {
     const Vector3l n = normal_of(t);
@@ -29,7 +29,7 @@ Vector3l foot(const TriangleL& t, const Vector3l& p)
     return t[0] + v * (t[1] - t[0]) + w * (t[2] - t[0]);
 }
 
-/// Of a segment the point nearest to p.
+/// The point of a segment nearest to p.
 Vector3l foot(const Vector3l& a, const Vector3l& b, const Vector3l& p)
 {
     const Vector3l edge = b - a;
@@ -54,7 +54,7 @@ void take_edges(const TriangleL& a, const TriangleL& b, Nearest& nearest)
             const Vector3l &p = a[i], &q = b[j], &p_end = a[(i + 1) % 3], &q_end = b[(j + 1) % 3];
             nearest.take(p, foot(q, q_end, p)), nearest.take(foot(p, p_end, q), q);
             const Vector3l u = p_end - p, v = q_end - q, across = u.cross(v);
-            // Where the lines are nearest, then each once more from there: that much of rounding is mended.
+            // Where the lines are nearest; then each point is computed again from the other, which reduces rounding.
             Vector3l on_p = p + unit_part((q - p).cross(v).dot(across) / across.squaredNorm()) * u;
             const Vector3l on_q = foot(q, q_end, on_p);
             on_p = foot(p, p_end, on_q);
@@ -62,7 +62,7 @@ void take_edges(const TriangleL& a, const TriangleL& b, Nearest& nearest)
         }
 }
 
-/// Corners of `of` over the face of t, and where its edges pierce it. `swapped`: points of t come first.
+/// Vertices of `of` over the face of t, and points where its edges pierce t. `swapped`: points of t come first.
 void take_face(const TriangleL& t, const TriangleL& of, bool swapped, Nearest& nearest)
 {
     const Vector3l n = normal_of(t);
@@ -88,7 +88,7 @@ DistanceRange triangle_distance(const TriangleL& a, const TriangleL& b)
     Real low = std::max(parted(a, b, normal_of(a)), parted(a, b, normal_of(b)));
     low = std::max(low, parted(a, b, nearest.gap));
     const Real high = std::sqrt(nearest.squared);
-    // A gap of rounding's size leaves its own direction vague; that across two edges is sharp.
+    // The direction of a gap near rounding is inaccurate; the direction across two edges is accurate.
     for (std::size_t i = 0; i < 3 && low < (1 - 1e-9L) * high; ++i)
         for (std::size_t j = 0; j < 3; ++j)
             low = std::max(low, parted(a, b, (a[(i + 1) % 3] - a[i]).cross(b[(j + 1) % 3] - b[j])));

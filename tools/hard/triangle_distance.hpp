@@ -10,12 +10,12 @@ namespace oncollide::tools {
 using Vector3l = Eigen::Matrix<long double, 3, 1>;
 using TriangleL = std::array<Vector3l, 3>;
 
-/// What the distance of two triangles is at least and at most.
+/// Lower and upper bound of the distance of two triangles.
 struct DistanceRange {
     long double low, high;
 };
 
-/// How wide a gap across direction n parts them; 0 when none does. Rounding, of doubles: 2^-48 of the largest
+/// Width of the gap between the projections onto n; 0 if they overlap. Rounding, for doubles: 2^-48 of the largest
 /// coordinate.
 template <class Real>
 Real parted(const std::array<Eigen::Matrix<Real, 3, 1>, 3>& a, const std::array<Eigen::Matrix<Real, 3, 1>, 3>& b,
@@ -23,7 +23,7 @@ Real parted(const std::array<Eigen::Matrix<Real, 3, 1>, 3>& a, const std::array<
 {
     const Real length = n.norm();
     if (!(length > 0)) return 0;
-    // Relative to a corner, so that far triangles lose nothing.
+    // Relative to a vertex, so that triangles far from the origin lose no precision.
     Real low_a = 0, high_a = 0, low_b = std::numeric_limits<Real>::infinity(), high_b = -low_b;
     for (std::size_t k = 0; k < 3; ++k) {
         const Real x = n.dot(a[k] - a[0]), y = n.dot(b[k] - a[0]);
@@ -33,9 +33,9 @@ Real parted(const std::array<Eigen::Matrix<Real, 3, 1>, 3>& a, const std::array<
     return std::max({low_b - high_a, low_a - high_b, Real(0)}) / length;
 }
 
-/// Any triangles, also segments and points. `high` is the distance of two points of theirs: the nearest of corners and
-/// faces, edges and edges, and where an edge pierces a face. `low` is the width of a gap between parallel planes that
-/// parts them, 0 when none of those tried does. Rounding: 2^-60 of the largest coordinate.
+/// For any triangles, also degenerate ones. `high` is the distance of two of their points: the nearest of vertices and
+/// faces, of edges and edges, and where an edge pierces a face. `low` is the width of a gap between parallel separating
+/// planes, 0 if none of the planes tried separates them. Rounding: 2^-60 of the largest coordinate.
 DistanceRange triangle_distance(const TriangleL& a, const TriangleL& b);
 
 } // namespace oncollide::tools

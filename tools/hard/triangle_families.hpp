@@ -1,4 +1,4 @@
-// Pairs of triangles that are hard for rounded arithmetic, on grids where their touching is exact.
+// Pairs of triangles that are hard for rounded arithmetic, on grids where touching is exact.
 #pragma once
 #include <cctype>
 #include <cmath>
@@ -41,7 +41,7 @@ private:
     std::mt19937_64 random_;
 };
 
-/// Its corners, to the last bit.
+/// The vertices, to the last bit.
 inline std::string shown(const TwoTriangles& pair)
 {
     std::ostringstream out;
@@ -61,7 +61,7 @@ inline std::ostream& operator<<(std::ostream& out, const TriangleFamily& family)
     return out << family.name;
 }
 
-/// Its name as gtest wants it.
+/// The name in the form that gtest requires.
 inline std::string test_name(const TriangleFamily& family)
 {
     std::string name = family.name;
@@ -69,8 +69,8 @@ inline std::string test_name(const TriangleFamily& family)
     return name;
 }
 
-/// Corner + sums of the triangle's edges in sixteenths: in the triangle, on its border now and then. Exact when the
-/// edges are multiples of 16.
+/// A vertex plus multiples of a sixteenth of the triangle's edges: a point in the triangle, sometimes on its border.
+/// Exact if the edges are multiples of 16.
 inline Eigen::Vector3d inside(const TrianglePoints& t, GridPoints& random)
 {
     const int i = random.number(0, 16), j = random.number(0, 16 - i);
@@ -114,7 +114,7 @@ inline TwoTriangles near_parallel(GridPoints& random)
     return {a, b};
 }
 
-/// A corner on an edge, in a plane across z and turned in it: what the signs of two dimensions decide.
+/// A vertex on an edge, in a plane across z and rotated in it: decided by signs of two dimensions.
 inline TwoTriangles corner_on_edge(GridPoints& random)
 {
     TrianglePoints a = of_sixteenths(random, 1 << 20);
@@ -170,7 +170,7 @@ inline std::vector<TriangleFamily> triangle_families()
     };
 }
 
-/// Every corner p becomes turn * p + by, rounded.
+/// Every vertex p becomes turn * p + by, rounded.
 inline TwoTriangles moved(TwoTriangles pair, const Eigen::Matrix3d& turn, const Eigen::Vector3d& by)
 {
     for (TrianglePoints* t : {&pair.first, &pair.second})

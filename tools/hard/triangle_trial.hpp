@@ -4,9 +4,9 @@
 
 namespace oncollide::tools {
 
-/// `count` pairs of a family, as stored on their grid of 2^-20 m or each turned at random and rounded: the exact test
-/// in both orders of the triangles, and FCL's, against the oracle. The same pairs for any number of threads. Cost: 10
-/// to 100 microseconds a pair.
+/// `count` pairs of a family, as stored on their grid of 2^-20 m, or randomly rotated and rounded. Compares the exact
+/// test, in both orders of the triangles, and FCL's test with the oracle. The pairs do not depend on the number of
+/// threads. Cost: 10 to 100 microseconds per pair.
 Tally try_triangles(const TriangleFamily& family, std::uint64_t count, bool rotated, int threads);
 
 } // namespace oncollide::tools

@@ -7,9 +7,9 @@
 
 namespace oncollide::tools {
 
-/// The oriented boxes of a tree by levels, in the mesh's frame, as tests read them. Level l holds those l nodes below
-/// the root, and those of one triangle above: so each level stands for the whole surface. Ends with the level on which
-/// every triangle has its own box, or before the first of more than `most`. Grows the tree so far.
+/// The OBBs of a tree by level, in the mesh's frame, as tests read them. Level l holds the nodes l steps below the
+/// root, and the single-triangle nodes above them, so each level covers the whole surface. Ends with the level on which
+/// every triangle has its own OBB, or before the first level of more than `most` OBBs. Grows the tree as needed.
 std::vector<std::vector<CoveringVolume>> box_levels(ObbTree& tree, std::size_t most = 1'000'000);
 
 } // namespace oncollide::tools

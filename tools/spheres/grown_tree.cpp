@@ -35,7 +35,7 @@ GrownTree::GrownTree(std::shared_ptr<const Geometry> geometry, const Settings& s
         if (next.size() > most)
             throw Error(
                 ErrorKind::usage,
-                fmt::format("level {} of '{}' has {} cells, and at most {} are shown; give a smaller --level or "
+                fmt::format("level {} of '{}' has {} cells, but at most {} are supported; give a smaller --level or "
                             "--depth, or a larger --max-error",
                             l + 1, geometry->name, next.size(), most));
     }

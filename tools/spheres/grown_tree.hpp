@@ -9,27 +9,27 @@
 
 namespace oncollide::tools {
 
-/// Half-spaces end nowhere, and terrains are searched by their own grid: they have no sphere-tree.
+/// False for half-spaces, which are unbounded, and for terrains, which are searched by their own grid.
 bool has_spheres(const GeometryData& data);
 
-/// The sphere-tree of one geometry, grown by the library's model store on the cpu backend as if tests had reached every
+/// The sphere-tree of a geometry, grown by the library's model store on the cpu backend as if tests had reached every
 /// cell.
 class GrownTree {
 public:
     /// @param settings  depth or max_error, and threads
-    /// @param levels    grow so many below the root alone; none: all
-    /// The geometry must have spheres. Throws Error{usage} when a level has more than `most` cells.
+    /// @param levels    grow only this many levels below the root; nullopt: all
+    /// Precondition: has_spheres(). Throws Error{usage} if a level has more than `most` cells.
     GrownTree(std::shared_ptr<const Geometry> geometry, const Settings& settings, std::optional<int> levels = {},
               std::size_t most = 1'000'000);
 
     GrownTree(const GrownTree&) = delete;
 
-    int depth() const { return static_cast<int>(levels_.size()) - 1; } ///< of what is grown
-    /// The cells of a level, 0 to depth(), that the surface enters.
+    int depth() const { return static_cast<int>(levels_.size()) - 1; } ///< of the grown part
+    /// The cells of a level, 0 to depth(), that the surface intersects.
     const std::vector<CellKey>& level(int l) const { return levels_[std::size_t(l)]; }
     std::vector<CoveringVolume> spheres(int level) const;
     const Ocst& tree() const { return *model_.spheres; }
-    /// No point of a sphere of that level is farther from the surface.
+    /// Largest distance of a point of a sphere of that level from the surface.
     double certified_reach(int level) const;
     std::size_t bytes() const { return models_.bytes(); }
 
@@ -40,12 +40,12 @@ private:
     std::vector<std::vector<CellKey>> levels_;
 };
 
-/// The trees of a scene's geometries, of one depth, each grown when it is first needed.
+/// The trees of a scene's geometries, all of the same depth, each grown on first use.
 class GrownTrees {
 public:
     /// The scene must outlive it.
     GrownTrees(const Scene& scene, int depth, int threads) : scene_(scene), depth_(depth), threads_(threads) {}
-    /// Throws Error{usage} when the tree would have too many cells.
+    /// Throws Error{usage} if the tree would have too many cells.
     const GrownTree& operator[](GeometryId geometry);
 
 private:

@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Even on the unit sphere: a spiral by the golden angle.
+/// Directions spread evenly over the unit sphere: a golden-angle spiral.
 std::vector<Vector3d> even_directions(int count)
 {
     std::vector<Vector3d> directions;
@@ -23,7 +23,7 @@ std::vector<Vector3d> even_directions(int count)
     return directions;
 }
 
-/// To the corners of a cube.
+/// Directions to the corners of a cube.
 std::vector<Vector3d> corner_directions()
 {
     std::vector<Vector3d> directions;
@@ -42,7 +42,7 @@ public:
     Reach operator()(const CoveringVolume& volume) const
     {
         Reach reach;
-        // Straight away from the surface, and straight through it.
+        // Straight away from the surface, and in the opposite direction.
         const Vector3d off = volume.centre - index_.nearest(volume.centre).point;
         if (off.norm() > 1e-9 * volume.radius())
             for (const double sign : {1.0, -1.0}) look(volume, sign * off, reach);

@@ -1,4 +1,4 @@
-// oncollide spheres: the spheres of a mesh's tree and the boxes of its other one, and how well they stand for it.
+// oncollide spheres: the spheres and OBBs of a mesh's trees, and how closely they fit the mesh.
 #include "cli/command.hpp"
 #include "cli/options.hpp"
 #include "spheres/box_levels.hpp"
@@ -28,12 +28,12 @@ struct SpheresOptions {
     bool quiet = false;
 };
 
-/// One level of one of the trees.
+/// A level of one of the trees.
 struct Row {
     BoundingVolume kind;
     int level;
-    double certified;           ///< no point of a volume is farther from the surface
-    std::vector<CellKey> cells; ///< of the spheres
+    double certified;           ///< largest distance of a volume's points from the surface
+    std::vector<CellKey> cells; ///< only for spheres
     std::vector<CoveringVolume> volumes;
     LevelQuality quality;
 
@@ -49,12 +49,12 @@ struct Row {
 struct Judged {
     const Mesh& mesh;
     bool closed;
-    double side; ///< longest of the bounds
+    double side; ///< longest side of the bounds
     std::vector<Row> rows;
 };
 
-/// The spheres of all levels, then the boxes. Each box holds a part of the surface, so the farthest point is no farther
-/// from that than twice its radius.
+/// Measures the spheres of all levels, then the OBBs. Each OBB contains a part of the surface, so its points are at
+/// most twice its radius from the surface.
 void judge(Judged& judged, const GrownTree& tree, ObbTree& boxes, const SpheresOptions& options)
 {
     for (int level = 0; level <= tree.depth(); ++level)
@@ -73,7 +73,7 @@ void judge(Judged& judged, const GrownTree& tree, ObbTree& boxes, const SpheresO
                                    .threads = options.threads ? options.threads : hardware_threads()});
 }
 
-/// As much of the surface as is in no volume; "none" only when nothing is.
+/// How much of the surface is in no volume; "none" only if all of it is covered.
 std::string uncovered(const LevelQuality& q)
 {
     if (q.open_triangles == 0 && q.outside == 0) return "none";
@@ -88,16 +88,15 @@ double volume_of(const RootCell& root)
 void print_table(const Judged& judged, const GrownTree& tree, const ObbTree& boxes, const SpheresOptions& options,
                  std::FILE* to)
 {
-    fmt::print(
-        to,
-        "mesh       {}: {} triangles, {}; longest side {:.6g} m\n"
-        "spheres    depth {}; {} cells stored, {} bytes\n"
-        "boxes      {} nodes, {} bytes; every triangle has its own in the end\n"
-        "over-reach worst, mean, certified: the farthest that a point of a sphere or box is from the surface, m\n"
-        "           worst out, mean out: of its points outside a closed mesh, in thousandths of the longest side\n"
-        "volume     of all spheres or boxes, over that of the root cell\n",
-        printable(options.mesh), judged.mesh.triangles.size(), judged.closed ? "closed" : "open", judged.side,
-        tree.depth(), tree.tree().size(), tree.bytes(), boxes.nodes(), boxes.bytes());
+    fmt::print(to,
+               "mesh       {}: {} triangles, {}; longest side {:.6g} m\n"
+               "spheres    depth {}; {} cells stored, {} bytes\n"
+               "boxes      {} nodes, {} bytes; every triangle has its own box on the last level\n"
+               "over-reach worst, mean, certified: largest distance of a sphere's or box's points from the surface, m\n"
+               "           worst out, mean out: only points outside a closed mesh, in thousandths of the longest side\n"
+               "volume     sum of all spheres or boxes, relative to the root cell\n",
+               printable(options.mesh), judged.mesh.triangles.size(), judged.closed ? "closed" : "open", judged.side,
+               tree.depth(), tree.tree().size(), tree.bytes(), boxes.nodes(), boxes.bytes());
     const double cell = volume_of(tree.tree().root());
     const auto out = [&](double length) {
         return judged.closed ? fmt::format("{:.2f}", 1000 * length / judged.side) : std::string("-");
@@ -126,7 +125,7 @@ std::vector<std::string> columns(BoundingVolume kind, bool closed)
     return names;
 }
 
-/// What the columns name, with commas between.
+/// The values of the columns, separated by commas.
 std::string numbers(const Row& row, std::size_t i, bool closed)
 {
     const CoveringVolume& v = row.volumes[i];
@@ -154,7 +153,7 @@ void write_csv(const std::string& path, const Judged& judged, BoundingVolume kin
     file.commit();
 }
 
-/// The tables, one row a level; last the bytes of the whole tree.
+/// The tables, one row per level; the last column is the size of the whole tree in bytes.
 void write_levels(const std::string& path, const Judged& judged, const GrownTree& tree, const ObbTree& boxes)
 {
     const double cell = volume_of(tree.tree().root());
@@ -197,7 +196,7 @@ nlohmann::json as_json(const Row& row, const Judged& judged)
 void write_json(const std::string& path, const SpheresOptions& options, const Judged& judged, int depth,
                 BoundingVolume kind)
 {
-    // `spheres` is the older name of the setting, with its older values.
+    // `spheres` is the earlier name of the setting, with its earlier values.
     const nlohmann::json header = {{"version", version},
                                    {"mesh", options.mesh},
                                    {"depth", depth},
@@ -243,14 +242,14 @@ int spheres(const SpheresOptions& options)
     if (!options.csv.empty()) write_csv(options.csv, judged, kind);
     if (!options.levels.empty()) write_levels(options.levels, judged, tree, boxes);
     if (!options.json.empty()) write_json(options.json, options, judged, tree.depth(), kind);
-    // What the judge measures with is rounded where the mesh lies.
+    // The measured distances are rounded according to the mesh's coordinates.
     const double rounding = 1e-14 * mesh.bounds.min.cwiseAbs().cwiseMax(mesh.bounds.max.cwiseAbs()).maxCoeff();
     for (const Row& row : judged.rows) {
         const LevelQuality& q = row.quality;
         if (q.open_triangles || q.outside || q.worst.either > row.certified + rounding)
             throw Error(ErrorKind::internal,
-                        fmt::format("{}: {} level {}: a part of the surface is left out, or a point is {} m from it, "
-                                    "where {} m are certified",
+                        fmt::format("{}: {} level {}: a part of the surface is not covered, or a point is {} m from "
+                                    "it, but {} m are certified",
                                     options.mesh, row.name(), row.level, q.worst.either, row.certified));
     }
     return 0;
@@ -261,7 +260,7 @@ int spheres(const SpheresOptions& options)
 void add_spheres(Arguments app)
 {
     Arguments sub = app.add_command(
-        "spheres", "List the spheres or boxes that enclose a mesh (its trees), and how closely they fit");
+        "spheres", "List the bounding volumes of a mesh's trees, spheres or OBBs, and how closely they fit");
     auto options = std::make_shared<SpheresOptions>();
     sub.add_option("mesh", options->mesh, "mesh (OBJ, STL, PLY, OFF, glTF, COLLADA, 3MF)").required().type_name("MESH");
     sub.add_option("--depth", options->depth,
@@ -271,21 +270,21 @@ void add_spheres(Arguments app)
                    "instead of --depth: largest error in metres of the verdict 'within' for two such trees")
         .type_name("M");
     sub.add_option("--bounding-volume,--spheres", options->bounding_volume,
-                   "which to write. sphere: spheres around cells (default); obb: oriented boxes around triangles")
+                   "volumes to write: sphere, spheres around cells (default), or obb, oriented boxes around triangles")
         .type_name("NAME");
-    sub.add_option("--csv", options->csv, "write those of all levels, one a row; '-' is standard output")
+    sub.add_option("--csv", options->csv, "write the volumes of all levels, one per row; '-' is standard output")
         .type_name("FILE");
-    sub.add_option("--levels", options->levels, "write the tables as CSV, one row a level; '-' is standard output")
+    sub.add_option("--levels", options->levels, "write the tables as CSV, one row per level; '-' is standard output")
         .type_name("FILE");
-    sub.add_option("--json", options->json, "write the tables and those of all levels; '-' is standard output")
+    sub.add_option("--json", options->json, "write the tables and all volumes as JSON; '-' is standard output")
         .type_name("FILE");
     sub.add_option("--directions", options->directions,
-                   fmt::format("points of each sphere or box that are looked at (default {})", options->directions))
+                   fmt::format("sample points per sphere or box (default {})", options->directions))
         .type_name("N");
-    sub.add_option("--threads", options->threads, "threads; 0: all. Never changes the result (default 1)")
+    sub.add_option("--threads", options->threads, "number of threads; 0: all. Does not change the result (default 1)")
         .type_name("N");
-    sub.add_flag("--quiet", options->quiet, "print nothing but errors");
-    sub.footer("Exit code 70: a part of the surface is in no sphere or box, or one reaches farther than certified.\n"
+    sub.add_flag("--quiet", options->quiet, "print only errors");
+    sub.footer("Exit code 70: a part of the surface is not covered, or a volume extends farther than certified.\n"
                "Examples:\n"
                "  oncollide spheres bunny.obj --depth 5\n"
                "  oncollide spheres part.stl --max-error 0.002 --bounding-volume obb --csv boxes.csv");

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int most_halvings = 100; // two halve all lengths: pieces end at 2^-50 of a fine one
+constexpr int most_halvings = 100; // two halvings halve all lengths, so pieces end at 2^-50 of a fine one
 
 double area(const Vector3d& a, const Vector3d& b, const Vector3d& c)
 {
@@ -31,7 +31,7 @@ SurfaceCover::SurfaceCover(const Mesh& mesh, const SurfaceIndex& index, std::spa
 {
     for (const CoveringVolume& v : volumes) fine_ = std::min(fine_, v.radius() / 16);
     fine_ = std::max(fine_, slack_);
-    // Count, then fill.
+    // The first pass counts, the second fills.
     const auto for_each_near = [&](auto&& visit) {
         for (std::uint32_t i = 0; i < volumes.size(); ++i)
             index.near(volumes[i].centre, volumes[i].radius() + slack_, [&](std::uint32_t t) { visit(t, i); });
@@ -55,7 +55,7 @@ SurfaceCover::Piece SurfaceCover::piece(std::size_t triangle) const
     return {{mesh_.vertices[t[0]], mesh_.vertices[t[1]], mesh_.vertices[t[2]]}};
 }
 
-/// Is all of the piece in one of the volumes? If not, `reached` are those that it comes near.
+/// True if the whole piece is in one of the volumes. Otherwise `reached` receives the volumes near it.
 bool SurfaceCover::in_one(const Piece& p, std::span<const std::uint32_t> candidates,
                           std::vector<std::uint32_t>& reached) const
 {
@@ -70,7 +70,7 @@ bool SurfaceCover::in_one(const Piece& p, std::span<const std::uint32_t> candida
     return false;
 }
 
-/// Across the longest edge.
+/// Halves the piece across its longest edge.
 std::array<SurfaceCover::Piece, 2> SurfaceCover::halves(const Piece& p)
 {
     int longest = 0;

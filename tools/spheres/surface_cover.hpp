@@ -10,17 +10,17 @@
 
 namespace oncollide::tools {
 
-/// Which part of a mesh is in no volume? Volumes are taken as large as they are, but for rounding: 1e-12 of the extent.
+/// Finds parts of a mesh that are in no volume. Volumes are enlarged by 1e-12 of the extent, for rounding.
 class SurfaceCover {
 public:
-    /// @param index  of `mesh`
+    /// @param index  the index of `mesh`
     SurfaceCover(const Mesh& mesh, const SurfaceIndex& index, std::span<const CoveringVolume> volumes);
 
-    /// Each triangle is halved until every piece is in one volume, which is convex. Counts the triangles of which a
-    /// piece is left, and returns the area of such pieces.
+    /// Halves each triangle until every piece is in one volume, which is convex. Counts the triangles with an uncovered
+    /// piece, and returns the area of these pieces.
     double uncovered_area(std::size_t& open_triangles) const;
-    /// Looks at about `count` points spread by area, and at the corners and the centre of every triangle.
-    /// @param looked  at so many
+    /// Tests about `count` points spread by area, and the vertices and the centre of every triangle.
+    /// @param looked  number of points tested
     std::size_t points_outside(std::size_t count, std::size_t& looked) const;
 
 private:
@@ -38,8 +38,8 @@ private:
     const Mesh& mesh_;
     std::span<const CoveringVolume> volumes_;
     double slack_;
-    double fine_;                       ///< pieces below it are covered wholly or not at all
-    std::vector<std::uint32_t> near_;   ///< volumes that may reach a triangle, triangle after triangle
+    double fine_;                       ///< pieces smaller than this count as wholly covered or not at all
+    std::vector<std::uint32_t> near_;   ///< volumes that may intersect a triangle, triangle by triangle
     std::vector<std::size_t> near_end_; ///< by triangle
 };
 

@@ -32,7 +32,7 @@ Vector3d nearest_point(const Vector3d& from, const Vector3d& a, const Vector3d& 
     const Vector3d n = (b - a).cross(c - a);
     const double longest2 = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
     const auto left = [&](const Vector3d& p, const Vector3d& q) { return n.dot((q - p).cross(from - p)) > 0; };
-    const bool thin = n.norm() < 1e-7 * longest2; // its normal is rounding, and its edges are as good
+    const bool thin = n.norm() < 1e-7 * longest2; // its normal is dominated by rounding; its edges are accurate enough
     if (!thin && left(a, b) && left(b, c) && left(c, a)) return from - n.dot(from - a) / n.squaredNorm() * n;
     Vector3d best = nearest_point(from, a, b);
     for (const Vector3d& p : {nearest_point(from, b, c), nearest_point(from, c, a)})
@@ -75,7 +75,7 @@ SurfaceIndex::Nearest SurfaceIndex::nearest(const Vector3d& from, double enough)
 {
     Nearest best;
     double best2 = std::numeric_limits<double>::infinity();
-    std::uint32_t stack[64], top = 0; // halving gives fewer levels than the index has bits
+    std::uint32_t stack[64], top = 0; // a tree of halves has at most as many levels as the index has bits
     stack[top++] = 0;
     while (top > 0 && best2 >= enough * enough) {
         const std::uint32_t at = stack[--top];

@@ -48,7 +48,7 @@ SquareLength point_to_triangle(const Place& p, const PlaceTriangle& t)
     return std::min(least, SquareLength{height * height, dot(normal, normal)});
 }
 
-/// Inner points of both: where the lines are nearest. Their ends are compared elsewhere.
+/// Distance of interior points of both segments, where the lines are nearest. Their ends are compared elsewhere.
 SquareLength inside_segments(const Place& p, const Place& q, const Place& a, const Place& b)
 {
     const Vec u = q - p, v = b - a, w = p - a;
@@ -63,13 +63,13 @@ SquareLength inside_segments(const Place& p, const Place& q, const Place& a, con
     return {gap * gap, square};
 }
 
-/// Does the segment pierce the triangle? Where it lies in its plane, its ends and edges tell.
+/// True if the segment pierces the triangle. A segment in its plane is handled by its ends and edges.
 bool pierces(const Place& p, const Place& q, const PlaceTriangle& t)
 {
     const Vec normal = cross(t[1] - t[0], t[2] - t[0]), u = q - p;
     const Wide from = dot(normal, p - t[0]), to = dot(normal, q - t[0]);
     if ((from > 0 && to > 0) || (from < 0 && to < 0) || from == to) return false;
-    // On one side of all edges, seen along the segment.
+    // True if the line passes all edges on the same side.
     int low = 0, high = 0;
     for (std::size_t k = 0; k < 3; ++k) {
         const Wide side = dot(u, cross(t[k] - p, t[(k + 1) % 3] - p));
@@ -80,7 +80,7 @@ bool pierces(const Place& p, const Place& q, const PlaceTriangle& t)
 
 } // namespace
 
-/// By continued fractions: products could be too large.
+/// Compares by continued fractions, because products could overflow.
 bool SquareLength::operator<(const SquareLength& other) const
 {
     const Wide p = numerator / denominator, q = other.numerator / other.denominator;

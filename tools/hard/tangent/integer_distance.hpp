@@ -5,14 +5,14 @@
 
 namespace oncollide::tools {
 
-// __int128 is no ISO C++.
+// __int128 is not ISO C++.
 __extension__ typedef __int128 Wide;
 
-/// In units of a grid.
+/// A point in units of a grid.
 using Place = std::array<std::int64_t, 3>;
 using PlaceTriangle = std::array<Place, 3>;
 
-/// A square of a length, as a fraction; the denominator is above 0.
+/// The square of a length, as a fraction with a positive denominator.
 struct SquareLength {
     Wide numerator, denominator;
 
@@ -24,8 +24,8 @@ struct SquareLength {
     long double length() const;
 };
 
-/// The exact square of the distance of a segment from a triangle, by cases on their faces, edges and ends; the
-/// segment's ends may be equal. Coordinates: up to 2^16, for products to fit. Shares no code with the library.
+/// The exact squared distance of a segment from a triangle, by cases on faces, edges and ends; the segment's ends may
+/// be equal. Coordinates up to 2^16, so that products fit. Shares no code with the library.
 SquareLength square_distance(const Place& from, const Place& to, const PlaceTriangle& triangle);
 
 } // namespace oncollide::tools

@@ -64,7 +64,7 @@ void judge_meeting(const PlacedBody& a, const PlacedBody& b, bool meet, const st
 void judge_bounds(const PlacedBody& a, const PlacedBody& b, long double distance, const std::string& what, Tally& tally)
 {
     ++tally.cases;
-    constexpr long double rounding = 1e-12L; // of the truth's square roots, and of doubles that say it
+    constexpr long double rounding = 1e-12L; // of the truth's square roots, and of its conversion to double
     const bool meet = distance == 0;
     const auto judge = [&](const Settings& settings, const char* how) {
         ++tally.results, tally.bounds += 2;

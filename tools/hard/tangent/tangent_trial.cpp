@@ -17,9 +17,9 @@ namespace oncollide::tools {
 namespace {
 
 using Eigen::Vector3d;
-constexpr std::int64_t cube_side = 1 << 20; ///< of the cube, whose least corner is the origin
+constexpr std::int64_t cube_side = 1 << 20; ///< side of the cube, whose lowest corner is the origin
 
-/// What touches the cube: all within `radius` of a segment along z, or a triangle.
+/// The body that touches the cube: all points within `radius` of a segment along z, or a triangle.
 struct Toucher {
     Place centre{};
     std::int64_t radius = 0, half = 0;
@@ -64,7 +64,7 @@ public:
     {
         return std::uniform_int_distribution<std::int64_t>(least, most)(random_);
     }
-    /// A Pythagorean vector of so many coordinates, as long as `radius`.
+    /// A Pythagorean vector with this many coordinates that are not 0, and its length `radius`.
     Place away(int coordinates, std::int64_t& radius)
     {
         static constexpr std::int64_t triples[][3] = {{3, 4, 5}, {5, 12, 13}, {8, 15, 17}, {20, 21, 29}};
@@ -89,14 +89,14 @@ public:
             t.centre[i] = d == 0 ? number(1, cube_side - 1) : high ? cube_side + d : -d;
         }
         if (along_edge) t.half = number(1, 2 * cube_side);
-        t.centre[number(0, 2)] += number(-1, 1); // a unit off, or not
+        t.centre[number(0, 2)] += number(-1, 1); // at most a unit off
         return t;
     }
     Toucher triangle()
     {
         Toucher t;
         t.triangle = true;
-        // Corners on a coarse grid around the cube touch faces, edges and corners; then one may be a unit off.
+        // Corners on a coarse grid around the cube touch faces, edges and corners; then one may be moved by a unit.
         for (Place& p : t.corners)
             for (std::int64_t& x : p) x = number(-2, 4) * (cube_side / 2);
         t.corners[number(0, 2)][number(0, 2)] += number(-1, 1);

@@ -20,7 +20,7 @@ TerrainShape::TerrainShape(TerrainDraw& draw, bool fine)
     : columns(std::uint32_t(draw.number(2, 5))), rows(std::uint32_t(draw.number(2, 5))),
       heights(std::size_t(columns) * rows), hole(heights.size()), falling(std::size_t(columns - 1) * (rows - 1))
 {
-    // Normals whose upward part is a power of two, so that slopes are eighths.
+    // Normals whose upward component is a power of two, so that slopes are multiples of 1/8.
     static constexpr Place normals[] = {{0, 0, 1},  {3, 0, 4},  {0, -3, 4}, {-15, 0, 8}, {1, 2, 2},
                                         {-2, 1, 2}, {1, -8, 4}, {4, 7, 4},  {9, 12, 8}};
     const std::int64_t way = fine ? 3 : draw.number(0, 3);

@@ -20,11 +20,11 @@ using Eigen::Vector3d;
 
 enum class TerrainFamily { balls, capsules, boxes, triangles, half_spaces, terrains, off };
 
-/// A body beside the terrain, and the truth about the two.
+/// A body near the terrain, and the truth about both.
 struct Other {
     PlacedBody body;
     bool meet;
-    long double distance = 0; ///< of balls and capsules; 0 where they meet
+    long double distance = 0; ///< for spheres and capsules; 0 if they meet
 };
 
 /// All rotations by quarter turns that take z to one of the axes.
@@ -83,7 +83,7 @@ public:
     {
         const TerrainShape shape(draw_, family_ == off);
         const std::int64_t kind = family_ == boxes ? draw_.number(0, 3) : family_ == off ? draw_.number(0, 1) : 0;
-        const bool map = family_ == boxes && kind == 0; // its cells are 1e-6 to 1e6 m
+        const bool map = family_ == boxes && kind == 0; // a map's cells are 1e-6 to 1e6 m
         draw_frame(map ? draw_.number(-27, 6) : draw_.number(-43, 16));
         const Other other = family_ == balls || (family_ == off && kind == 0) ? ball(shape, false)
                             : family_ == capsules || family_ == off           ? ball(shape, true)
@@ -104,13 +104,13 @@ private:
     void draw_frame(std::int64_t exponent)
     {
         frame_.unit = std::ldexp(1.0, int(exponent)), frame_.offset.setZero();
-        constexpr std::int64_t least = 18;                                   // beyond all coordinates
+        constexpr std::int64_t least = 18;                                   // larger than all coordinates
         const std::int64_t most = std::min<std::int64_t>(50, 26 - exponent); // 1e8 m; whole units are doubles
         if (most < least) return;
         for (int i = 0; i < 3; ++i)
             if (draw_.one_in(2)) frame_.offset[i] = 0.75 * std::ldexp(frame_.unit, int(draw_.number(least, most)));
     }
-    /// A unit of the grid off, or not.
+    /// Moves the point by at most one unit of the grid.
     void push(Place& p)
     {
         if (!draw_.one_in(3)) p[std::size_t(draw_.number(0, 2))] += draw_.number(0, 1) ? 1 : -1;
@@ -137,14 +137,14 @@ private:
         Place from, to, centre;
         std::int64_t radius, half;
         std::size_t axis;
-        SquareLength square; ///< of the distance from its segment
+        SquareLength square; ///< squared distance from its segment
     };
     /// A sphere, or a capsule along an axis.
     Ball draw_ball(const TerrainShape& shape, bool long_one)
     {
         Ball ball{};
         Place away = draw_.away(ball.radius);
-        if (shape.normal[2] && draw_.one_in(2)) { // on the plane's face
+        if (shape.normal[2] && draw_.one_in(2)) { // on the plane
             static constexpr std::int64_t lengths[] = {1, 3, 5, 9, 17};
             const auto length = *std::ranges::find_if(lengths, [&](std::int64_t l) {
                 return l * l == shape.normal[0] * shape.normal[0] + shape.normal[1] * shape.normal[1] +
@@ -170,7 +170,7 @@ private:
             ball.square = std::min(ball.square, square_distance(ball.from, ball.to, t));
         return ball;
     }
-    /// One that all but touches, if there is soon one.
+    /// A body that nearly touches, if one is found soon.
     Other ball(const TerrainShape& shape, bool long_one)
     {
         const std::int64_t near = family_ == off ? draw_.number(2, 500) : 2;
@@ -181,7 +181,7 @@ private:
         double metres = frame_.unit * double(found.radius);
         const auto order = found.square.compare(found.radius);
         bool meet = order <= 0;
-        if (family_ != off && order == 0 && draw_.one_in(2)) { // tangent: the last place decides
+        if (family_ != off && order == 0 && draw_.one_in(2)) { // tangent: the last bit decides
             meet = draw_.one_in(2);
             metres = std::nextafter(metres, meet ? 2 * metres : 0);
         }
@@ -192,7 +192,7 @@ private:
         return {{Shape(Capsule{metres, 2 * frame_.unit * double(found.half)}), pose}, meet, gap};
     }
 
-    /// Some units in some direction: what only touches comes off.
+    /// Moves the triangles by some units in some direction, so that bodies that only touch come apart.
     std::vector<PlaceTriangle> moved_aside(std::vector<PlaceTriangle> all)
     {
         const auto axis = std::size_t(draw_.number(0, 2));
@@ -219,7 +219,7 @@ private:
             if (!meet(ground, moved_aside(faces_of(low, high)))) break;
         }
         bool touch = meet(ground, faces_of(low, high));
-        for (const PlaceTriangle& t : ground) // within: a mesh has no inside
+        for (const PlaceTriangle& t : ground) // enclosed: a mesh has no inside
             touch |= kind != 3 && t[0][0] >= low[0] && t[0][0] <= high[0] && t[0][1] >= low[1] && t[0][1] <= high[1] &&
                      t[0][2] >= low[2] && t[0][2] <= high[2];
         const Vector3d size = frame_.point(high) - frame_.point(low);
@@ -251,9 +251,9 @@ private:
     Other half_space(const TerrainShape& shape)
     {
         const auto axis = std::size_t(draw_.number(0, 2));
-        const bool back = draw_.one_in(2); // all with a coordinate of at least, or at most, the plane's
+        const bool back = draw_.one_in(2); // the half-space is above or below the plane's coordinate
         Place on = shape.feature(draw_);
-        for (const PlaceTriangle& t : shape.triangles()) // where it begins, or ends
+        for (const PlaceTriangle& t : shape.triangles()) // the terrain's extent on that axis
             for (const Place& p : t) on[axis] = back ? std::max(on[axis], p[axis]) : std::min(on[axis], p[axis]);
         push(on);
         bool touch = false;
@@ -266,7 +266,7 @@ private:
     {
         const TerrainShape second(draw_);
         const Isometry3d turn = quarter_turn(draw_.number(0, 2), draw_.one_in(2));
-        // A feature of one on a feature of the other.
+        // A feature of one terrain on a feature of the other.
         Place by = shape.feature(draw_);
         const auto rotated = [&](const Place& p) {
             const Vector3d q = turn * Vector3d(double(p[0]), double(p[1]), double(p[2]));
