@@ -3,6 +3,6 @@
 #include <cstddef>
 
 namespace oncollide {
-/// Counted where one source file of the program includes count_allocations.hpp.
+/// Counts if one source file of the program includes count_allocations.hpp.
 inline std::atomic<std::size_t> allocations{0};
 } // namespace oncollide

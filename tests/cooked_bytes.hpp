@@ -21,7 +21,7 @@ void set_value(std::string& bytes, std::size_t at, const Value& value)
     std::memcpy(bytes.data() + at, &value, sizeof value);
 }
 
-/// Where the table of chunks of a cooked file begins.
+/// Offset of the table of chunks in a cooked file.
 inline std::size_t table_of(const std::string& bytes)
 {
     const auto header = value_at<CookedHeader>(bytes, 0);
@@ -33,7 +33,7 @@ inline CookedChunkEntry chunk_at(const std::string& bytes, std::size_t chunk)
     return value_at<CookedChunkEntry>(bytes, table_of(bytes) + chunk * sizeof(CookedChunkEntry));
 }
 
-/// A cooked file that was changed, with checksums that say it was not. One that cannot have any stays as it is.
+/// Recomputes the checksums of a modified cooked file. Bytes without room for checksums are returned unchanged.
 inline std::string resealed(std::string bytes)
 {
     if (bytes.size() < sizeof(CookedHeader)) return bytes;

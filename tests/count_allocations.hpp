@@ -1,5 +1,5 @@
-// Counts what a program allocates, for what promises to allocate nothing. For one source file of a program. Sanitizers
-// bring their own operators: there nothing is counted.
+// Counts the allocations of a program, for functions that promise to allocate nothing. Include it in one source file of
+// a program. Sanitizers replace the operators: then nothing is counted.
 #pragma once
 #include <cstdlib>
 #include <new>

@@ -14,7 +14,7 @@ constexpr const char* every_kind[] = {"mesh",     "map",         "terrain",   "s
                                       "cylinder", "convex hull", "ellipsoid", "cone",   "half-space"};
 constexpr std::size_t kinds = std::size(every_kind);
 
-/// Steep heights, whole numbers times a quarter, with holes and both diagonals.
+/// Steep heights, integers times a quarter, with holes and both diagonals.
 inline Terrain small_terrain(std::uint64_t seed, int bytes = 0)
 {
     TerrainGrid grid{.columns = 7, .rows = 6};
@@ -26,7 +26,7 @@ inline Terrain small_terrain(std::uint64_t seed, int bytes = 0)
     return make_terrain("small", grid, heights);
 }
 
-/// Cells on all sides of the origin, and some far away: a walk starts with several of them.
+/// Cells on all sides of the origin, and some far away: a traversal starts with several of them.
 inline OccupancyMap scattered_map(std::uint64_t seed)
 {
     OccupancyMap map = tools::one_cell(0.25);
@@ -40,7 +40,7 @@ inline OccupancyMap scattered_map(std::uint64_t seed)
     return map;
 }
 
-/// A body of a kind, about 1 m large (but for maps with far cells); lengths are whole eighths where they can be.
+/// A body of a kind, about 1 m large (except maps with far cells); lengths are multiples of an eighth if possible.
 inline GeometryData draw_geometry(std::size_t kind, std::uint64_t seed)
 {
     const auto size = [&](std::uint64_t k) { return 0.125 * (1 + std::floor(6 * u01(seed, 50, k))); };

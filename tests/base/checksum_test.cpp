@@ -6,7 +6,7 @@
 namespace oncollide {
 namespace {
 
-/// As other programs compute it.
+/// Values computed by other programs.
 TEST(Checksum, IsXxh64)
 {
     EXPECT_EQ(checksum(""), 0xef46db3751d8e999u);
@@ -17,7 +17,7 @@ TEST(Checksum, IsXxh64)
 
 TEST(LazyMemory, IsZeroUntilWrittenAndOnceGivenBack)
 {
-    LazyMemory memory(std::size_t(1) << 36); // more than there is
+    LazyMemory memory(std::size_t(1) << 36); // more than the machine has
     std::byte* const bytes = memory.data();
     const std::size_t at = std::size_t(1) << 35, size = 3 * LazyMemory::page;
     EXPECT_EQ(bytes[at], std::byte{});

@@ -14,7 +14,7 @@
 namespace oncollide {
 namespace {
 
-/// As an application would write it: one thread after the other, the last task first.
+/// An executor as an application may write it: one thread after the other, the last task first.
 class OneAfterTheOther final : public Executor {
 public:
     int threads() const override { return 1; }
@@ -31,7 +31,7 @@ Executor& named(std::string_view name)
     return name == "OpenMp" ? openmp_executor() : thread_pool();
 }
 
-/// Every executor keeps what parallel_chunks promises.
+/// Every executor satisfies the contract of parallel_chunks.
 class ParallelChunks : public testing::TestWithParam<const char*> {
     ExecutorScope scope_{&named(GetParam())};
 };
@@ -121,7 +121,7 @@ std::size_t sum_in_parallel(std::size_t count, int threads)
 
 TEST(ThreadPool, RunsItsTasksAtTheSameTime)
 {
-    std::barrier together(3); // one thread alone would wait for ever
+    std::barrier together(3); // a single thread would wait forever
     thread_pool().run(3, [&](int) { together.arrive_and_wait(); });
 }
 
@@ -138,7 +138,7 @@ TEST(ThreadPool, ServesManyThreadsAtOnce)
     EXPECT_EQ(wrong, 0);
 }
 
-#if !defined(__SANITIZE_THREAD__) // whose runtime does not start threads after a fork
+#if !defined(__SANITIZE_THREAD__) // its runtime does not start threads after a fork
 TEST(ThreadPool, WorksInAForkedProcess)
 {
     ASSERT_EQ(sum_in_parallel(64, 4), 64u * 63 / 2); // the parent's threads exist

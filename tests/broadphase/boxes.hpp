@@ -7,7 +7,7 @@
 
 namespace oncollide {
 
-/// Bodies as boxes alone.
+/// Bodies given by AABBs only.
 struct Boxes {
     std::vector<Aabb> boxes;
     std::vector<std::uint8_t> is_static;
@@ -76,7 +76,7 @@ inline Pairs find(BroadPhase& broad, const Boxes& scene, bool whole = false)
     return {pairs.begin(), pairs.end()};
 }
 
-/// A broad phase made for one use, of all bodies of the scene.
+/// The pairs of a new broad phase with all bodies of the scene.
 inline Pairs find_anew(std::unique_ptr<BroadPhase> broad, const Boxes& scene)
 {
     scene.add_to(*broad);

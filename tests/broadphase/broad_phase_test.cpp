@@ -34,7 +34,7 @@ std::string message_of(auto&& work)
 class EveryBroadPhase : public ::testing::TestWithParam<Algorithm> {
 protected:
     std::unique_ptr<BroadPhase> make() const { return GetParam().make(GetParam().options); }
-    /// Of a broad phase made for this scene.
+    /// The pairs of a new broad phase for this scene.
     Pairs find_in(const Boxes& scene) const { return find_anew(make(), scene); }
     Pairs truth(const Boxes& scene) const { return scene.truth(margin_); }
     const double margin_ = GetParam().options.margin;
@@ -136,7 +136,7 @@ TEST_P(EveryBroadPhase, FollowsWhatMovesFrameByFrame)
     scene.add_to(*broad);
     EXPECT_EQ(find(*broad, scene), truth(scene));
     for (std::uint64_t frame = 0; frame < 40; ++frame) {
-        // None, one, some, most; a little, and now and then to the other end of the world.
+        // Moves none, one, some or most; by a little, and sometimes across the world.
         const double share = std::array{0.0, 0.0004, 0.05, 0.2, 0.6}[frame % 5];
         Bodies moved;
         for (std::uint32_t body : scene.all) {
@@ -178,7 +178,7 @@ TEST_P(EveryBroadPhase, FollowsBodiesThatComeGoMoveSleepWakeAndChangeLayersAndGr
         for (const Bodies& list : {come, come_static})
             for (std::uint32_t body : list) there[body] = 1;
         for (std::uint32_t body : gone) there[body] = 0;
-        if (frame % 9 == 4 && !gone.empty()) { // gone and back before anybody asks
+        if (frame % 9 == 4 && !gone.empty()) { // removed and added again before the next query
             broad->add(std::span(gone).first(1), scene.is_static[gone[0]] != 0);
             there[gone[0]] = 1;
         }
@@ -192,7 +192,7 @@ TEST_P(EveryBroadPhase, FollowsBodiesThatComeGoMoveSleepWakeAndChangeLayersAndGr
     }
 }
 
-/// Most stay within the larger boxes that trees hold, and meet what else happens there.
+/// Most stay within the enlarged boxes of the trees, while other changes happen.
 TEST_P(EveryBroadPhase, FollowsBodiesThatDriftSlowlyAmongOtherChanges)
 {
     Boxes scene = random_boxes(1600, 19, 0.5, 41, {-7, 1e3, 0});
@@ -205,7 +205,7 @@ TEST_P(EveryBroadPhase, FollowsBodiesThatDriftSlowlyAmongOtherChanges)
         for (std::uint32_t body : scene.all)
             if (there[body] && body % 8 == 3) drifting.push_back(body);
         const auto drift = [&](double frames) {
-            for (std::uint32_t body : drifting) // some fast; all turn back now and then
+            for (std::uint32_t body : drifting) // some fast; all reverse from time to time
                 scene.step(body, random_step(frame / 20, body, body % 5 ? 0.06 : 0.5) * frames);
             broad->move(drifting);
         };
@@ -242,19 +242,19 @@ TEST_P(EveryBroadPhase, FollowsBodiesThatDriftSlowlyAmongOtherChanges)
                 ASSERT_TRUE(told || !(is_in(changed, a) || is_in(changed, b))) << a << ' ' << b;
             }
         }
-        if (frame % 4 == 3) continue; // nobody asks
+        if (frame % 4 == 3) continue; // no query
         ASSERT_EQ(find(*broad, scene, frame % 13 == 12), expected) << "frame " << frame;
     }
 }
 
-/// Memory that boxes in a heap take is not that of the pairs which layers, groups or sleep forbid.
+/// The pairs that layers, groups or static bodies forbid must take no memory in a heap of boxes.
 TEST_P(EveryBroadPhase, HoldsNoForbiddenPairsOfAHeap)
 {
     constexpr std::uint32_t count = 3000;
     Boxes by_layer, by_group, by_static;
     for (std::uint32_t i = 0; i < count; ++i) {
         const Eigen::Vector3d low = 0.01 * Eigen::Vector3d(u01(1, i, 0), u01(1, i, 1), u01(1, i, 2)), high(1, 1, 1);
-        // Each one's layers meet the mask of the other half, whose layers do not meet its own.
+        // The layers of each body meet the mask of the other half, whose layers do not meet its mask.
         by_layer.add(low, high, false, i % 2 ? 1 : 4, i % 2 ? 2 : 1);
         by_group.add(low, high, false, 1, 1, 5);
         by_static.add(low, high, i > 0);
@@ -273,7 +273,7 @@ TEST_P(EveryBroadPhase, HoldsNoForbiddenPairsOfAHeap)
     }
 }
 
-/// Most queries reach most regions there.
+/// Most queries reach most regions here.
 TEST_P(EveryBroadPhase, FindsTheFewPairsAllowedInAHeap)
 {
     Boxes scene;
@@ -384,7 +384,7 @@ TEST_P(EveryBroadPhase, RefusesWhatMakesNoSense)
 TEST_P(EveryBroadPhase, RefusesBoxesThatAreNotFiniteNamesTheBodyAndLosesNothing)
 {
     const double infinity = std::numeric_limits<double>::infinity();
-    for (const std::uint32_t first : {0u, 100u, 250u}) // all new, some, few
+    for (const std::uint32_t first : {0u, 100u, 250u}) // all bodies new, some, few
         for (const double bad : {infinity, -infinity, std::nan(""), 1e31}) {
             Boxes scene = random_boxes(300, 12, 0, 1, {0, 0, 0});
             const auto broad = make();

@@ -50,7 +50,7 @@ TEST(PoseBounds, EncloseRotatedMeshesTightlyBeforeAndAfterTheirMapIsMade)
     }
 }
 
-/// Processes that share a scene must find the same boxes, whatever else each has seen of the mesh.
+/// Processes that share a scene must compute the same boxes, independent of their earlier queries of the mesh.
 TEST(PoseBounds, DependOnThePoseAloneAndNotOnWhatWasRequestedBefore)
 {
     for (const Mesh& mesh : {make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 3000), make_box_mesh({1, 2, 3})}) {
@@ -60,7 +60,7 @@ TEST(PoseBounds, DependOnThePoseAloneAndNotOnWhatWasRequestedBefore)
         for (std::uint64_t i = 0; i < 4200; ++i) complete.expect(random_pose(2, i, 10));
         for (std::uint64_t i = 0; i < 200; ++i) {
             Eigen::Isometry3d pose = random_pose(1, i, 10);
-            if (i < 10) pose.linear().setIdentity(); // first what floats have no part in
+            if (i < 10) pose.linear().setIdentity(); // first without rounding of floats
             const auto box = [&](PoseBounds& bounds) { return bounds.expect(pose), bounds.box(pose); };
             const Aabb a = box(fresh);
             for (const Aabb& b : {box(used), box(complete)}) {
@@ -71,8 +71,8 @@ TEST(PoseBounds, DependOnThePoseAloneAndNotOnWhatWasRequestedBefore)
     }
 }
 
-/// A rotation and a translation of large numbers leave a small one, which rounding has moved by more than floats of the
-/// body would.
+/// A large rotation and a large translation nearly cancel; the rounding error of the rest exceeds the precision of the
+/// body's floats.
 TEST(PoseBounds, EncloseSmallMeshesOfFarFilesThatPosesTakeBack)
 {
     using Vector3l = Eigen::Matrix<long double, 3, 1>;
@@ -106,7 +106,7 @@ TEST(PoseBounds, GiveAtMostATenthMoreCandidatesThanExactBoxesOnMany)
     for (std::uint32_t body = 0; body < scene.size(); ++body) all.push_back(body);
     Mover mover;
     std::size_t candidates = 0, least = 0;
-    for (int frame = 0; frame < 16; ++frame) { // long enough for the maps to take over
+    for (int frame = 0; frame < 16; ++frame) { // long enough that the maps are used
         mover.move(scene, frame);
         for (std::uint32_t body : all) {
             PoseBounds& own = bounds[index(scene.geometry[body])];
@@ -170,7 +170,7 @@ TEST(PoseBounds, NoPointMovesFartherThanTheMotion)
                 Eigen::Isometry3d to(turn * from.linear());
                 to.translation() =
                     from.translation() + scale * Eigen::Vector3d(u01(3, i, 1), u01(3, i, 2), -u01(3, i, 3));
-                // About the mesh's middle, that far coordinates do not hide what turns.
+                // About the mesh's centre, so that far coordinates do not hide the rotation.
                 to.translation() += (from.linear() - to.linear()) * mesh.bounds.centre();
                 if (i % 5 == 0) to.linear() *= 1 + 4e-7 * (u01(3, i, 4) - 0.5);
                 double most = 0;

@@ -1,4 +1,4 @@
-// What only the kd-tree and the octree do: delimitation, threads, memory.
+// Properties of only the kd-tree and the octree: delimitation, threads, memory.
 #include <algorithm>
 #include <numeric>
 
@@ -22,16 +22,17 @@ TEST(KdTree, CountsATouchingGridAndAGiantFarFromTheOrigin)
                 const Eigen::Vector3d corner = at + Eigen::Vector3d(x, y, z);
                 scene.add(corner, corner.array() + 1);
             }
-    // Each box touches the 26 around it: (3 side - 2)^3 ordered pairs of neighbours, themselves included.
+    // Each box touches the 26 around it: (3 side - 2)^3 ordered pairs of neighbours, pairs of a box with itself
+    // included.
     constexpr std::size_t boxes = side * side * side,
                           neighbours = std::size_t{3 * side - 2} * (3 * side - 2) * (3 * side - 2);
     const auto kd = make_kd_tree();
     scene.add_to(*kd);
     EXPECT_EQ(find(*kd, scene).size(), (neighbours - boxes) / 2);
-    scene.add(at.array() - 10, at.array() + 2e6); // the middle of all is a million away from the grid
+    scene.add(at.array() - 10, at.array() + 2e6); // the centre of all boxes is a million away from the grid
     kd->add(std::span(scene.all).last(1));
     EXPECT_EQ(find(*kd, scene).size(), (neighbours - boxes) / 2 + boxes);
-    for (Aabb& box : scene.boxes) box.max.array() -= 1e-3; // nothing touches any more, but for the giant
+    for (Aabb& box : scene.boxes) box.max.array() -= 1e-3; // boxes no longer touch, except the giant
     kd->move(scene.all);
     EXPECT_EQ(find(*kd, scene).size(), boxes);
     EXPECT_EQ(find_anew(make_kd_tree(), scene).size(), boxes);
@@ -68,7 +69,7 @@ TEST(KdTree, GivesTheSameOnManyThreads)
     EXPECT_LT(one->bytes(), 150 * scene.boxes.size());
 }
 
-/// A heap of boxes at the most changes for which regions are looked at.
+/// A heap of boxes with the largest number of changes for which regions are examined.
 TEST(Delimitation, IsTheSameForAnyNumberOfThreadsInAHeap)
 {
     Boxes scene;
@@ -93,8 +94,8 @@ TEST(Delimitation, IsTheSameForAnyNumberOfThreadsInAHeap)
     }
 }
 
-/// What is left is enough for every pair, whatever moves and wherever to.
-/// There are as many of each level and kind as its levels() count, and those that are left hold the bodies that are.
+/// The remaining bodies must include every pair, for any motion. The number of remaining regions of each level and kind
+/// must equal levels(), and they must contain the remaining bodies.
 void expect_regions_of(BroadPhase& tree, const Boxes& scene, const Bodies& left)
 {
     const std::vector<DelimitedRegion> regions = tree.regions();
@@ -133,7 +134,7 @@ TEST(Delimitation, LeavesEveryBodyOfAPair)
         if (frame < 3) {
             EXPECT_LT(left.size(), scene.boxes.size() * 3 / 4) << "regions are rejected";
         }
-        // Level by level, what is not left was rejected once.
+        // Every region that does not remain was rejected once, level by level.
         std::uint64_t rejected = 0, regions = 1, survived = 1;
         for (const DelimitationLevel& level : tree->levels()) {
             EXPECT_LE(level.regions, 16 * survived);
@@ -146,7 +147,7 @@ TEST(Delimitation, LeavesEveryBodyOfAPair)
         expect_regions_of(*tree, scene, left);
         EXPECT_GT(regions, 20u);
         if (frame % 2) tree->find_pairs(scene.columns());
-        // All wander to one corner, and out of the space that was built, too fast for larger boxes.
+        // All move to one corner and out of the space of the tree, too fast for enlarged boxes.
         for (std::uint32_t body : moving) scene.step(body, {-2.5, -1.0, 0.3 * (body % 5)});
     }
 }
@@ -155,7 +156,7 @@ TEST(Delimitation, RejectsForbiddenLayersAndAllWhenNothingMoves)
 {
     Boxes scene;
     for (int i = 0; i < 600; ++i) scene.add({10.0 * i, 0, 0}, {10.0 * i + 1, 1, 1}, true, 1, i < 300 ? 1 : 3);
-    scene.add({2000, 0, 0}, {2001, 1, 1}, false, 2, 1); // where it is, nobody collides with layer 2
+    scene.add({2000, 0, 0}, {2001, 1, 1}, false, 2, 1); // nobody near it collides with layer 2
     scene.add({5000, 0, 0}, {5001, 1, 1}, false, 2, 3);
     const auto tree = make_kd_tree();
     scene.add_to(*tree);
@@ -167,7 +168,7 @@ TEST(Delimitation, RejectsForbiddenLayersAndAllWhenNothingMoves)
     EXPECT_EQ(find(*tree, scene), (Pairs{{500, 601}}));
     tree->move({});
     tree->delimit(scene.columns());
-    scene.layers[600] = 1; // and now they do
+    scene.layers[600] = 1; // now they do
     tree->move(Bodies{600});
     EXPECT_EQ(find(*tree, scene), (Pairs{{200, 600}, {500, 601}}));
     EXPECT_EQ(find(*tree, scene, true), (Pairs{{200, 600}, {500, 601}}));
@@ -179,7 +180,7 @@ TEST(Delimitation, RejectsForbiddenLayersAndAllWhenNothingMoves)
     EXPECT_EQ(tree->bodies_left(), 0u);
 }
 
-/// A body within the larger box that the tree had for it meets another, after the tree was built anew.
+/// A body within its enlarged box meets another body, after the tree was rebuilt.
 TEST(KdTree, FindsWhoDriftsOnInATreeThatGotALevelMore)
 {
     Boxes scene;
@@ -205,7 +206,7 @@ TEST(KdTree, FindsWhoDriftsOnInATreeThatGotALevelMore)
     EXPECT_EQ(find(*tree, scene), (Pairs{{7, 120}}));
 }
 
-/// New leaves at the end of a tree that knows layers, across the sizes at which it gets another level.
+/// Adds leaves at the end of a tree that stores layers, up to sizes at which it gets another level.
 TEST(Delimitation, KnowsTheLayersOfBodiesThatAreAddedLittleByLittle)
 {
     Boxes scene = random_boxes(5000, 40, 0.5, 37, {0, 0, 0});

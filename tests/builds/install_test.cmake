@@ -1,4 +1,5 @@
-# Installs a build to a prefix of its own and uses it from there: the example, the programs of README and docs/, every header.
+# Installs a build to a separate prefix and uses it from there: the example, the programs of README and docs/, every
+# header.
 #   cmake -DSOURCE=project -DBUILD=its build -DWORK=scratch folder -DDOC=share/doc/oncollide -DFLAGS=C++ flags
 #         -DCOMPILER=c++ [-DCLANG=clang++] -P install_test.cmake
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
@@ -21,7 +22,7 @@ if(EXISTS ${WORK}/prefix/bin/oncollide)
   run(${WORK}/prefix/bin/oncollide --version)
 endif()
 
-# The pages' programs and lines for CMake, as they stand.
+# The programs and CMake lines of the pages, unchanged.
 set(cmake_start "cmake_minimum_required(VERSION 3.22)\nproject(page LANGUAGES C CXX)\n")
 blocks(${SOURCE}/README.md cpp program)
 blocks(${SOURCE}/README.md cmake lines)
@@ -56,7 +57,7 @@ file(WRITE ${WORK}/tutorial_source/CMakeLists.txt "${lines}")
 build(tutorial ${WORK}/tutorial_source ${COMPILER})
 run_as_shown(${page} ${WORK}/tutorial/yard)
 set(plain "${FLAGS}")
-set(FLAGS "${FLAGS} -march=native") # must change neither the layout of what is passed nor a result
+set(FLAGS "${FLAGS} -march=native") # must not change the layout of types or any result
 build(tutorial_native ${WORK}/tutorial_source ${COMPILER})
 run_as_shown(${page} ${WORK}/tutorial_native/yard)
 set(FLAGS "${plain}")

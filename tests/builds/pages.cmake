@@ -1,6 +1,6 @@
-# Code and output as the pages of docs/ show them.
+# Code and output in the pages of docs/.
 
-# All blocks of `page` that open with ```<fence>, one after the other.
+# All blocks of `page` that begin with ```<fence>, in order.
 function(blocks page fence result)
   file(READ ${page} rest)
   set(text)
@@ -14,7 +14,7 @@ function(blocks page fence result)
   set(${result} "${text}" PARENT_SCOPE)
 endfunction()
 
-# Runs a program; its output must be what `page` shows in its blocks of text.
+# Runs a program; its output must equal the text blocks of `page`.
 function(run_as_shown page program)
   run(${program})
   blocks(${page} text shown)

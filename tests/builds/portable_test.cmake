@@ -1,4 +1,4 @@
-# Holds what portable/ prints, built with another compiler or as PROGRAM already, against what is known.
+# Compares the output of portable/, built with another compiler or given as PROGRAM, with known results.
 #   cmake -DSOURCE=project -DWORK=scratch folder -DCOMPILER=c++ -DEIGEN=folder -DFMT=folder [-DPROCESSOR=aarch64 -DRUNNER=qemu-aarch64]
 #         -P portable_test.cmake
 #   cmake -DPROGRAM=portable -P portable_test.cmake
@@ -6,7 +6,8 @@ include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 if(NOT PROGRAM)
   file(REMOVE_RECURSE ${WORK})
   file(MAKE_DIRECTORY ${WORK}/headers)
-  file(CREATE_LINK ${EIGEN}/Eigen ${WORK}/headers/Eigen SYMBOLIC) # not all of /usr/include, which is another processor's
+  file(CREATE_LINK ${EIGEN}/Eigen ${WORK}/headers/Eigen SYMBOLIC) # not all of /usr/include, which is for another
+                                                                  # processor
   file(CREATE_LINK ${FMT}/fmt ${WORK}/headers/fmt SYMBOLIC)
   set(cross)
   if(PROCESSOR)
@@ -18,10 +19,10 @@ if(NOT PROGRAM)
   set(PROGRAM ${WORK}/build/portable)
 endif()
 if(PROCESSOR AND NOT RUNNER)
-  return() # that it builds is all that can be said here
+  return() # cannot run it: tests only that it builds
 endif()
 file(READ ${CMAKE_CURRENT_LIST_DIR}/portable/answers.txt known)
-foreach(isa IN ITEMS baseline avx2 avx512) # those that this processor has not are lowered
+foreach(isa IN ITEMS baseline avx2 avx512) # a level that this processor lacks is lowered
   run(${CMAKE_COMMAND} -E env ONCOLLIDE_ISA=${isa} ${RUNNER} ${PROGRAM})
   if(NOT output STREQUAL known)
     message(FATAL_ERROR "with ${isa} the answers are\n${output}and not\n${known}")

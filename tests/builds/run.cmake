@@ -1,4 +1,4 @@
-# Runs a command; sets `output` to all that it prints, and ends the test where it fails.
+# Runs a command; sets `output` to its output, and ends the test if it fails.
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT code EQUAL 0)

@@ -1,5 +1,5 @@
-# Builds and installs the libraries by COMPILER, without the part OFF where that is given, or with the tools and tests if
-# WHOLE, and finds them from there.
+# Builds and installs the libraries with COMPILER, without the part OFF if given, or with the tools and tests if WHOLE,
+# and then uses the installation.
 #   cmake -DSOURCE=project -DWORK=scratch folder -DCOMPILER=c++ [-DOFF=FCL | -DWHOLE=ON] -P variant_test.cmake
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 file(REMOVE_RECURSE ${WORK})

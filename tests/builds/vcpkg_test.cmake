@@ -1,11 +1,12 @@
-# The recipe for vcpkg, as far as it goes without vcpkg: its functions stand in, and the project must configure as it is asked to.
+# Tests the recipe for vcpkg without vcpkg: its functions are mocked, and the project must configure with the options
+# that the recipe passes.
 #   cmake -DSOURCE=project -DWORK=scratch folder -P vcpkg_test.cmake
 cmake_minimum_required(VERSION 3.22)
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 set(port ${SOURCE}/cmake/packaging/vcpkg)
 file(READ ${port}/vcpkg.json manifest)
 foreach(key IN ITEMS name version dependencies)
-  string(JSON ${key} GET "${manifest}" ${key}) # an error where it is no JSON, or lacks the key
+  string(JSON ${key} GET "${manifest}" ${key}) # an error if it is not JSON, or lacks the key
 endforeach()
 file(STRINGS ${SOURCE}/CMakeLists.txt project REGEX "^project\\(oncollide VERSION ${version} ")
 if(NOT project)
@@ -38,7 +39,7 @@ function(vcpkg_cmake_configure)
 endfunction()
 function(vcpkg_install_copyright)
   cmake_parse_arguments(arg "" "" "FILE_LIST" ${ARGN})
-  file(READ ${arg_FILE_LIST} licence) # must be there
+  file(READ ${arg_FILE_LIST} licence) # must exist
 endfunction()
 foreach(name IN ITEMS vcpkg_cmake_install vcpkg_cmake_config_fixup vcpkg_fixup_pkgconfig)
   cmake_language(EVAL CODE "function(${name})\nendfunction()")

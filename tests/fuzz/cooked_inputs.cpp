@@ -29,7 +29,7 @@ struct Field {
     std::size_t at, size;
 };
 
-/// All numbers of a cooked file, by section, as far as the bytes go; and where sections and chunks end.
+/// All fields of a cooked file, by section, as far as the bytes go; and the ends of sections and chunks.
 struct Layout {
     std::vector<std::vector<Field>> sections;
     std::vector<std::size_t> ends;
@@ -88,7 +88,7 @@ private:
     std::size_t at_ = 0, end_;
 };
 
-/// What a field of so many bytes may become: its ends, its neighbours, what is no number, anything.
+/// A new value for a field of `size` bytes: a limit, a neighbouring value, a NaN, or any value.
 std::uint64_t changed(std::uint64_t value, std::size_t size, std::mt19937_64& random)
 {
     const std::uint64_t all = size == 8 ? ~std::uint64_t{0} : (std::uint64_t{1} << 8 * size) - 1;
@@ -124,7 +124,7 @@ std::uint64_t changed(std::uint64_t value, std::size_t size, std::mt19937_64& ra
     }
 }
 
-/// As a scene opens it, and all of it in memory.
+/// The file opened as by a scene, and the whole contents in memory.
 struct Opened {
     GeometryData data;
     std::uint64_t checksum = 0;
@@ -180,7 +180,7 @@ private:
     }
 };
 
-/// What a World finds of a mesh, at rest and turned, with bodies in it, on it and beside it.
+/// The results of a World for a mesh, unrotated and rotated, with bodies inside, on and beside it.
 struct Found {
     struct Pair {
         std::uint32_t a, b;
@@ -233,7 +233,7 @@ bool same(const Found::Pair& a, const Found::Pair& b)
     return a.a == b.a && a.b == b.b && a.verdict == b.verdict && a.bound == b.bound;
 }
 
-/// Of a file that was damaged and of its seed. Boxes may be wider where the file cannot be read, for more pairs.
+/// Compares a damaged file with its seed. Unreadable parts may have wider boxes, which give more pairs.
 void compare_damaged(const Found& seed, const Found& now)
 {
     std::size_t next = 0;
@@ -250,8 +250,7 @@ void compare_damaged(const Found& seed, const Found& now)
     if (undecided && now.faults.empty()) fault("undecided, and no fault says why");
 }
 
-/// Of a file in which nothing is wrong and of what it holds, in memory. Its boxes may be others,
-/// so that bounds may differ.
+/// Compares a valid file with its contents in memory. Its boxes may be different, so bounds may differ.
 void compare_sealed(Queries& of_whole, const Found& whole, const Found& now)
 {
     if (now.pairs.size() != whole.pairs.size()) fault("a cooked file has other pairs than what is in it");
@@ -293,10 +292,10 @@ std::string mutated_cooked(std::string bytes, std::mt19937_64& random)
     if (layout.sections.empty()) return bytes;
     for (std::size_t changes = pick(2) ? 1 : 1 + pick(3); changes > 0; --changes) {
         const std::size_t what = pick(20);
-        if (what == 0) { // a cut, which the header may know of
+        if (what == 0) { // a cut; the header may be adjusted to it
             const std::size_t end = layout.ends[pick(layout.ends.size())] + pick(3);
             bytes.resize(std::min(end > 0 ? end - 1 : 0, bytes.size()));
-        } else if (what == 1) { // as long as it was, but not all of it in its place
+        } else if (what == 1) { // the same length, but some parts overwritten
             const std::size_t at = pick(bytes.size() + 1), to = pick(bytes.size() + 1);
             std::rotate(bytes.begin() + std::ptrdiff_t(std::min(at, to)),
                         bytes.begin() + std::ptrdiff_t(std::max(at, to)), bytes.end());
@@ -306,9 +305,9 @@ std::string mutated_cooked(std::string bytes, std::mt19937_64& random)
             const auto& section = layout.sections[pick(layout.sections.size())];
             const Field field = section[pick(section.size())];
             if (field.at + field.size > bytes.size()) continue;
-            std::uint64_t value = 0; // the machines that cook are little-endian, as are the others that are known
+            std::uint64_t value = 0; // little-endian, like all supported machines
             std::memcpy(&value, bytes.data() + field.at, field.size);
-            if (pick(8) == 0) { // that of another field
+            if (pick(8) == 0) { // the value of another field
                 const Field other = section[pick(section.size())];
                 std::memcpy(&value, bytes.data() + std::min(other.at, bytes.size() - field.size), field.size);
             } else {

@@ -48,12 +48,12 @@ constexpr Format all_formats[] = {
     {"aabbs", "input.aabbs", aabbs_seeds},
     {"table", "input.csv", table_seeds},
     {"recording", "recorded.npy", recording_seeds},
-    {"cooked", "input.cooked", cooked_seeds, mutated_cooked}, // with checksums that fit whatever it holds
+    {"cooked", "input.cooked", cooked_seeds, mutated_cooked}, // with checksums that match any contents
     {"damaged", "input.cooked", cooked_seeds, mutated_cooked},
     {"tiles", "tiles.json", tiles_seeds},
 };
 
-/// What make_mesh promises.
+/// The guarantees of make_mesh.
 void check(const Mesh& mesh)
 {
     if (mesh.triangles.empty()) fault("a mesh without triangles");
@@ -78,7 +78,7 @@ void check(const Scene& scene)
         if (!why_not_rigid(pose).empty()) fault("a pose that is not rigid");
 }
 
-/// Opens each tile that is there, as a body would that comes to it.
+/// Opens each tile that exists, as an approaching body would.
 void load_tiles(const fs::path& file)
 {
     Scene scene;
@@ -172,7 +172,7 @@ bool load_bytes(const Format& format, std::string_view bytes)
     static const bool ready = (add_companions(folder), true);
     (void)ready;
     const fs::path file = folder / format.file;
-    write_bytes(file, sealed ? resealed(std::string(bytes)) // what is behind checksums
+    write_bytes(file, sealed ? resealed(std::string(bytes)) // reaches the code behind the checksums
                       : name == "3mf" && !bytes.starts_with("P") ? as_3mf(std::string(bytes))
                                                                  : std::string(bytes));
     try {

@@ -1,4 +1,4 @@
-// Every format that a file from outside may have, as the fuzzers and the replay of their corpora see it.
+// Every format of external files, for the fuzzers and the replay of their corpora.
 #pragma once
 #include <filesystem>
 #include <random>
@@ -11,23 +11,23 @@ namespace oncollide::test {
 
 struct Format {
     const char* name;                    ///< of its target and its corpus
-    const char* file;                    ///< the name under which bytes are loaded; the readers go by its ending
-    std::vector<std::string> (*seeds)(); ///< files that the readers accept, small
-    /// Changes what means something in this format, in bytes that may be anything; null: nothing is known of it.
+    const char* file;                    ///< file name for the bytes; readers go by its extension
+    std::vector<std::string> (*seeds)(); ///< small files that the readers accept
+    /// Mutates with knowledge of the format; accepts any bytes. Null: the format has no such mutator.
     std::string (*mutated)(std::string, std::mt19937_64&) = nullptr;
 };
 
 std::span<const Format> formats();
-/// Ends the program with a message when there is none of that name.
+/// Ends the program with a message if there is no such format.
 const Format& format_named(std::string_view name);
 
-/// Loads the bytes as a user's file of that format is loaded, from a temporary folder. Whatever they are, the answer
-/// must be something valid or one Error: of the kind bad_data or no_input, of one printable line, which names the file.
-/// Aborts the program with a message otherwise.
-/// @return  were they accepted?
+/// Loads the bytes as a user's file of that format, from a temporary folder. The result must be valid, or one Error of
+/// the kind bad_data or no_input, with one printable line that names the file. Otherwise aborts the program with a
+/// message.
+/// @return  true if they were accepted
 bool load_bytes(const Format& format, std::string_view bytes);
 
-/// Ends the program: what a reader promises does not hold.
+/// Ends the program: a reader violated its contract.
 [[noreturn]] void fault(const std::string& what);
 void write_bytes(const std::filesystem::path& file, std::string_view bytes);
 

@@ -1,4 +1,4 @@
-// One libFuzzer target a format: ONCOLLIDE_FORMAT names it.
+// One libFuzzer target per format: ONCOLLIDE_FORMAT names it.
 #include "formats.hpp"
 
 #include <algorithm>
@@ -23,7 +23,7 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
     return 0;
 }
 
-/// Half of the time what the format knows of itself, else anything.
+/// Uses the mutator of the format half of the time, else libFuzzer's.
 extern "C" std::size_t LLVMFuzzerCustomMutator(unsigned char* data, std::size_t size, std::size_t most, unsigned seed)
 {
     std::mt19937_64 random(seed);

@@ -1,4 +1,4 @@
-// Without a fuzzer: the seeds of a format as a corpus, and inputs loaded again.
+// Works without a fuzzer: writes the seeds of a format as a corpus, and loads inputs again.
 //
 //   fuzz_replay seeds FOLDER           writes FOLDER/FORMAT/seed-N for every format, and FOLDER/FORMAT.dict
 //   fuzz_replay FORMAT [N] [PATH...]   loads the seeds (all must be accepted), N mutations of them, and the files given
@@ -21,7 +21,7 @@ namespace {
 using namespace oncollide::test;
 namespace fs = std::filesystem;
 
-/// The words of text seeds, quoted as libFuzzer's dictionaries are.
+/// The words of text seeds, quoted as in libFuzzer's dictionaries.
 std::set<std::string> words_of(const std::string& seed)
 {
     std::set<std::string> words;
@@ -49,7 +49,7 @@ void write_seeds(const fs::path& folder)
     }
 }
 
-/// A few cuts, changed bytes, doubled and swapped pieces.
+/// Applies a few cuts, changed bytes, duplicated and swapped pieces.
 std::string mutated(std::string bytes, std::mt19937_64& random)
 {
     const auto pick = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };

@@ -34,7 +34,7 @@ OccupancyMap map()
     return make_building_map(1, 1.0, 3);
 }
 
-/// Of a number of bytes that 3 divides.
+/// The number of bytes must be a multiple of 3.
 std::string base64(const std::string& bytes)
 {
     constexpr const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -266,8 +266,8 @@ std::vector<std::string> recording_seeds()
     return {array("(2, 1, 7)", 2, 0.0), array("(3, 2, 7)", 6, 0.0f)};
 }
 
-/// Of one chunk, and of several under up to three levels of nodes; floats and doubles; with vertices that no triangle
-/// uses; in parts; closed and not. Terrains and maps.
+/// Meshes of one chunk, and of several under up to three levels of nodes; floats and doubles; with vertices that no
+/// triangle uses; in parts; closed and not. Terrains and maps.
 std::vector<std::string> cooked_seeds()
 {
     const TemporaryFolder folder;
@@ -287,7 +287,7 @@ std::vector<std::string> cooked_seeds()
         for (std::uint32_t& corner : t) corner += corner >= 3;
     add(make_mesh("ground", std::move(vertices), std::move(triangles)), 4);
 
-    // Heights at 1, 2 and 8 bytes, in four chunks and in one; with holes; with diagonals of their own.
+    // Heights at 1, 2 and 8 bytes, in four chunks and in one; with holes; with a diagonal per cell.
     const auto add_heights = [&](TerrainGrid grid, double holes) {
         std::vector<double> heights;
         for (std::uint32_t i = 0; i < grid.columns * grid.rows; ++i)
@@ -302,7 +302,7 @@ std::vector<std::string> cooked_seeds()
     for (std::uint64_t i = 0; i < 72; ++i) mixed.falling.push_back(u01(4, i, 0) < 0.5);
     add_heights(mixed, 0.1);
 
-    // Maps of one chunk, with unknown cells that count, and of several.
+    // Maps of one chunk, with unknown cells that count as occupied, and of several chunks.
     const auto add_map = [&](const OccupancyMap& of, std::uint32_t chunk) {
         cook_map(of, folder / "a.cooked", chunk);
         seeds.push_back(folder.read("a.cooked"));

@@ -1,4 +1,4 @@
-// Small files of every format that the readers accept: what fuzzing begins with.
+// Small files of every format that the readers accept: the initial corpus of the fuzzers.
 #pragma once
 #include <string>
 #include <vector>
@@ -14,7 +14,7 @@ std::vector<std::string> stl_seeds();
 std::vector<std::string> gltf_seeds();
 std::vector<std::string> glb_seeds();
 std::vector<std::string> dae_seeds();
-std::vector<std::string> threemf_seeds(); ///< archives, and models of their own
+std::vector<std::string> threemf_seeds(); ///< archives, and bare models
 std::vector<std::string> bt_seeds();
 std::vector<std::string> ot_seeds();
 std::vector<std::string> pgm_seeds();
@@ -28,7 +28,7 @@ std::vector<std::string> recording_seeds(); ///< NumPy
 std::vector<std::string> cooked_seeds();
 std::vector<std::string> tiles_seeds(); ///< of one chunk, and of several
 
-/// The files that some of them name.
+/// Writes the files that some seeds refer to.
 void add_companions(const TemporaryFolder& folder);
 
 } // namespace oncollide::test

@@ -1,5 +1,5 @@
-// Maps, terrains and shapes that make no sense, as scene files name them: one line that says where and what would be
-// right, and no memory for what a header announces.
+// Invalid maps, terrains and shapes in scene files: each must give one line with the place and the valid values, and
+// allocate no memory for sizes in a header.
 #include <bit>
 #include <limits>
 
@@ -10,7 +10,7 @@ namespace {
 
 class HostileEnvironments : public CommandLine {
 protected:
-    /// In at most so many MB of data and ten seconds.
+    /// Limits the run to that many MB of data and ten seconds.
     Outcome run_scene(const std::string& geometry, int megabytes = 60)
     {
         folder_.write("s.json", fmt::format(R"({{"geometries":{{"g":{},"ball":{{"shape":{{"kind":"sphere",)"
@@ -136,7 +136,7 @@ TEST_F(HostileEnvironments, TerrainsWithHeightsThatAreNoneAreRefused)
     for (const char* spacing : {"0", "-1", "[1,0]"})
         refused(terrain("t.npy", heights(4), fmt::format(R"(,"spacing":{})", spacing)), {"spacing", "above 0"});
     refused(terrain("t.npy", heights(4), R"(,"vertical_scale":1e300)"), {"vertical scale of 1e+300", "at most 1e15"});
-    refused(terrain("t.npy", heights(4), R"(,"error":-1)"), {"off by -1", "0 or more"});
+    refused(terrain("t.npy", heights(4), R"(,"error":-1)"), {"error of heights is -1", "0 or more"});
     refused(terrain("t.npy", heights(4), R"(,"origin":[1e16,0,0])"), {"at most 1e+15 m"});
     refused(terrain("t.npy", heights(4), R"(,"bytes":3)"), {"heights of 3 bytes", "1, 2, 4 or 8"});
 }
@@ -163,7 +163,7 @@ TEST_F(HostileEnvironments, TerrainsOfOneRowOrOfMoreThanTheFileHoldsAreRefused)
     refused(R"({"terrain":{"file":"none.npy"}})", {"none.npy: no such file"}, 66);
 }
 
-/// GDAL looked for the lines of a short file for minutes, and made zeros of what nobody had stored.
+/// GDAL searched a short file for lines for minutes, and returned zeros for missing data.
 TEST_F(HostileEnvironments, RastersOfGdalOfMoreThanTheirFilesHoldAreRefused)
 {
     const auto grid = [](const char* counts) {

@@ -1,4 +1,4 @@
-// Vertices in which hundreds of triangles meet, touching others of that kind: n^2 pairs of triangles touch.
+// Pairs of meshes that touch at vertices with hundreds of triangles each: n^2 pairs of triangles touch.
 #include <ctime>
 #include <cmath>
 #include <numbers>
@@ -16,8 +16,8 @@ using Eigen::Vector3d;
 
 struct Drum {
     double bottom, top;               ///< of the rim
-    double middle_bottom, middle_top; ///< of the caps' middle vertices: a cone where they are not the rim's
-    double radius = 1, dent = 1;      ///< every other corner of the rim is `dent` times as far out
+    double middle_bottom, middle_top; ///< of the caps' centre vertices: a cone if they differ from the rim's
+    double radius = 1, dent = 1;      ///< every second corner of the rim is at `dent` times the radius
     double phase = 0;                 ///< in corners
     Vector3d centre = Vector3d::Zero();
 };
@@ -57,7 +57,7 @@ Outcome check(const Mesh& a, const Mesh& b)
     Settings settings;
     settings.exact = ExactLevel::predicates, settings.contact_kinds = true;
     Pipeline pipeline(scene, settings);
-    const std::clock_t start = std::clock(); // the processor's, not that of a busy machine
+    const std::clock_t start = std::clock(); // CPU time, independent of the machine's load
     const FrameView frame = pipeline.step(scene);
     const double ms = 1e3 * double(std::clock() - start) / CLOCKS_PER_SEC;
     return {frame.pairs.empty() ? ContactKind::unknown : frame.pairs[0].kind, ms};
@@ -66,7 +66,7 @@ Outcome check(const Mesh& a, const Mesh& b)
 constexpr std::uint32_t segments = 512;
 const Drum lower{-1, 0, -1, 0}, upper{0, 1, 0, 1};
 
-/// What is exactly in one plane takes a few milliseconds; ten times that for a busy machine.
+/// Exactly coplanar contacts take a few milliseconds; the limit is ten times that, for a busy machine.
 void expect_quick(const Mesh& a, const Mesh& b, ContactKind kind, double most_ms)
 {
     const Outcome outcome = check(a, b), swapped = check(b, a);
@@ -78,7 +78,7 @@ void expect_quick(const Mesh& a, const Mesh& b, ContactKind kind, double most_ms
 TEST(FanContact, StackedCylindersTakeMilliseconds)
 {
     expect_quick(drum(segments, lower), drum(segments, upper), ContactKind::touching, 100);
-    for (const double radius : {0.1, 1.0}) { // slender ones have walls that touch first
+    for (const double radius : {0.1, 1.0}) { // walls of slender drums touch first
         Drum a = lower, b = upper;
         a.radius = b.radius = radius;
         for (const double phase : {0.0, 0.37})
@@ -92,7 +92,7 @@ TEST(FanContact, StackedCylindersTakeMilliseconds)
 
 TEST(FanContact, StackedCylindersAtAnyAngleDoNotTakeSeconds)
 {
-    // The caps' corners are the same, but in no plane.
+    // The caps' corners are the same, but not coplanar.
     expect_quick(drum(segments, lower, rotated), drum(segments, upper, rotated), ContactKind::touching, 1500);
 }
 
@@ -114,13 +114,13 @@ TEST(FanContact, CoaxialGearsTakeMilliseconds)
     expect_quick(drum(segments, low), drum(segments, high), ContactKind::touching, 100);
 }
 
-/// A cone in the dent of another, which is hollowed out from above: they touch in the point alone.
+/// A cone in the dent of another cone that is hollowed from above: they touch only at the apex.
 TEST(FanContact, ACornerInsideACornerCrosses)
 {
     const Drum cup{0.25, -1, 0, -1}, outer{1, 2, 0, 2}, inner{2, 2.5, 0, 2.5, 0.5};
-    // A dent above z = 0 of slope 0.25: the cone of slope 2 stands in it outside of the cup's body.
+    // A dent above z = 0 of slope 0.25: the cone of slope 2 is inside it, outside of the cup's body.
     expect_quick(drum(64, cup), drum(64, inner), ContactKind::touching, 500);
-    // One cone inside another: their surfaces meet in the point alone, but they share an inside.
+    // One cone inside another: their surfaces meet only at the apex, but their insides overlap.
     const Drum narrow{0.75, 0.9, 0, 0.9, 0.25};
     expect_quick(drum(64, outer), drum(64, narrow), ContactKind::crossing, 500);
     expect_quick(drum(64, outer, rotated), drum(64, narrow, rotated), ContactKind::crossing, 500);

@@ -1,5 +1,5 @@
-// glTF files that crashed a reader, or could: each is read or refused by one line, in time and memory that it
-// justifies.
+// glTF files that crashed a reader, or could: each must be read or refused with one line, in time and memory
+// proportionate to its size.
 #include <chrono>
 #include <cmath>
 
@@ -19,7 +19,7 @@ namespace {
 using Eigen::Vector3d;
 using test::expect_error;
 
-/// One triangle, (0, 0, 0), (1, 0, 0), (0, 1, 0): its numbers as base64.
+/// The data of one triangle, (0, 0, 0), (1, 0, 0), (0, 1, 0), as base64.
 constexpr const char* triangle_data =
     "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
 
@@ -159,7 +159,7 @@ TEST_F(HostileGltf, SmallFilesThatPlaceAMeshAMillionTimesAreBounded)
     for (int i = 0; i < 2'000; ++i) nodes += R"({"mesh":0},)";
     nodes += R"({"mesh":0}])";
     const std::string glb = test::as_glb(make_torus_mesh(2, 0.7, 20'000), nodes.substr(1, nodes.size() - 2));
-    // Only nodes[0] is in its scene: take them all.
+    // The scene contains only nodes[0]: renames it, so that all nodes are read.
     std::string all = glb;
     all.replace(all.find("scenes"), 6, "scenex"), all.replace(all.find("\"scene\""), 7, "\"scenf\"");
     const auto path = folder.write("a.glb", all);
@@ -167,7 +167,7 @@ TEST_F(HostileGltf, SmallFilesThatPlaceAMeshAMillionTimesAreBounded)
     expect_error(
         ErrorKind::bad_data, [&] { load_mesh(path); }, path.string(), "more than 10000000 triangles");
     EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
-    // Vertices that no buffer holds are not made before a triangle uses them.
+    // Vertices that are in no buffer are not created unless a triangle uses them.
     const std::string sparse = R"("componentType":5126,"count":4000000000,"type":"VEC3","sparse":{"count":3,"indices":)"
                                R"({"bufferView":1,"componentType":5125},"values":{"bufferView":0}})";
     const std::string views = R"(,{"buffer":1,"byteLength":12},{"buffer":2,"byteLength":12})";
@@ -199,7 +199,7 @@ TEST_F(HostileGltf, StripsFansSparseAndQuantizedPositionsAreRead)
     parts.primitive = R"(,"mode":0)";
     refuse(gltf(parts), "no triangle");
 
-    // Bytes with a sign, normalised: 127 is 1.
+    // Signed normalised bytes: 127 is 1.
     std::string bytes;
     for (const int v : {0, 0, 0, 0, 127, 0, 0, 0, -128, 0, 127, 0}) bytes += static_cast<char>(v);
     folder_.write("q.bin", bytes);

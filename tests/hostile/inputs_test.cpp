@@ -1,4 +1,4 @@
-// Inputs that are no files: one error before anything blocks.
+// Inputs that are not files: one error instead of blocking.
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>

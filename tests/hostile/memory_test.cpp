@@ -1,4 +1,4 @@
-// Memory that does not follow from what was requested, and ends that lose what was computed.
+// Memory out of proportion to the request, and endings that lose computed results.
 #include <chrono>
 #include <thread>
 
@@ -9,7 +9,7 @@ namespace {
 
 class HostileMemory : public CommandLine {
 protected:
-    /// `count` bodies in one place, all in each other.
+    /// `count` bodies at one position, all overlapping.
     std::string heap(int count, const std::string& geometry, const std::function<std::string(int)>& more,
                      int frames = 1)
     {
@@ -21,7 +21,7 @@ protected:
         folder_.write("heap.json", text + "]}");
         return "heap.json";
     }
-    /// Runs in at most so many MB of data; without the room for them the program ends with code 70.
+    /// Runs with a limit of that many MB of data; if they do not suffice, the program ends with code 70.
     Outcome run_in(int megabytes, std::vector<std::string> arguments)
     {
         std::string line = fmt::format("ulimit -d {} && exec " ONCOLLIDE_COMMAND, megabytes * 1024);
@@ -65,7 +65,7 @@ TEST_F(HostileMemory, PairsThatLayersForbidAreNotStored)
 TEST_F(HostileMemory, ARunKeepsNothingThatNobodyRequested)
 {
     const std::string scene = heap(
-        12, ball, [](int) { return ""; }, 50'000); // 66 pairs a frame
+        12, ball, [](int) { return ""; }, 50'000); // 66 pairs per frame
     fits(40, {"run", scene, "--quiet"});
     fits(40, {"run", scene, "--quiet", "--picture", "p.svg"});
     fits(40, {"run", scene, "--quiet", "--csv", "r.csv"});
@@ -119,7 +119,7 @@ TEST_F(HostileMemory, AShortFileOfManyGeometriesIsRefused)
     write_cube("cube.off");
     fits(60, {"run", scene(R"({"mesh": {"file": "cube.off"}})", 1000), "--quiet"});
     const std::vector<std::string> words{"too much for one scene", "10000000 cells", "20000000 triangles"};
-    // 1.3 MB, which would be 8.7 GB.
+    // 1.3 MB, which would expand to 8.7 GB.
     expect_error(65, {"run", scene(R"({"octomap": {"building": {"rooms": 2, "resolution": 0.25}}})", 16'000)}, words);
     expect_error(65,
                  {"run", scene(R"({"mesh": {"generate": {"kind": "sphere", "radius": 1, "triangles": 500000}}})", 50)},

@@ -1,4 +1,4 @@
-// Names that would act on a terminal or break an output, numbers that wrap around, marks before text.
+// Names that would act on a terminal or break an output, numbers that overflow, byte-order marks.
 #include <new>
 
 #include "scenes/mesh_writers.hpp"
@@ -152,7 +152,7 @@ TEST(HostileWorkers, WantOfMemoryInAWorkerIsThrownToTheCaller)
                                              if (begin >= 500 || begin == 0) throw std::bad_alloc();
                                          }),
                          std::bad_alloc);
-            std::atomic<int> done{0}; // and the next loop runs as ever
+            std::atomic<int> done{0}; // the next loop runs normally
             parallel_chunks(1000, 1, threads, [&](std::size_t b, std::size_t e, int) { done += int(e - b); });
             EXPECT_EQ(done, 1000);
         }
@@ -168,9 +168,9 @@ TEST_F(HostileNames, OutOfMemoryIsOneLineAndCode70InEveryThread)
                 {"-c", fmt::format("ulimit -v {}; exec {} run many --bodies 40000 --frames 1 --quiet {}",
                                    megabytes * 1024, ONCOLLIDE_COMMAND, how)},
                 {.folder = folder_.path(), .environment = {{"ONCOLLIDE_DATA", ""}, {"OMP_NUM_THREADS", "1"}}});
-            if (outcome.code == 0 || outcome.code == 127) continue; // enough; not even enough to load the libraries
+            if (outcome.code == 0 || outcome.code == 127) continue; // enough memory; too little to load the libraries
             EXPECT_EQ(outcome.code, 70) << how << " " << megabytes << ": " << outcome.err;
-            // FCL may write a line of its own before.
+            // FCL may print a line first.
             EXPECT_TRUE(outcome.err.ends_with("oncollide: out of memory\n")) << how << " " << megabytes << outcome.err;
             EXPECT_TRUE(outcome.err.starts_with("oncollide: ") || outcome.err.starts_with("BVH Error! "))
                 << outcome.err;

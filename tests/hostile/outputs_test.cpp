@@ -1,4 +1,4 @@
-// Outputs that would destroy something: an input, another user's permissions, a folder full of leftovers.
+// Outputs that would destroy data: an input, another user's permissions, a folder full of leftovers.
 #include <sys/stat.h>
 
 #include "scenes/mesh_writers.hpp"
@@ -11,7 +11,7 @@ namespace {
 
 class HostileOutputs : public CommandLine {
 protected:
-    /// Exit code 64, one line, and `file` as it was.
+    /// Exit code 64, one line, and `file` unchanged.
     void keeps(const std::string& file, const std::vector<std::string>& arguments)
     {
         const std::string before = folder_.read(file);
@@ -65,7 +65,7 @@ TEST_F(HostileOutputs, TemporaryFilesOfOtherRunsBlockNobody)
 {
     const std::string out = folder_ / "out.csv";
     {
-        const OutputFile first(out), second(out); // as two runs with the same process id would
+        const OutputFile first(out), second(out); // as in two runs with the same process id
         EXPECT_EQ(folder_.list().size(), 2u);
         const OutputFile longest(folder_ / (std::string(251, 'n') + ".csv"));
         EXPECT_EQ(folder_.list().size(), 3u);
@@ -73,14 +73,14 @@ TEST_F(HostileOutputs, TemporaryFilesOfOtherRunsBlockNobody)
     EXPECT_TRUE(folder_.list().empty());
 }
 
-/// After the run, when nothing asks for interrupted() any more, and results that took a while to write are half there.
+/// After the run, when interrupted() is no longer checked, and slow results are partly written.
 TEST_F(HostileOutputs, AnInterruptWhileResultsAreWrittenLeavesNoTemporaryFile)
 {
     const std::string program = ONCOLLIDE_COMMAND;
     Surroundings around{.folder = folder_.path()};
     around.environment.emplace_back("ONCOLLIDE_DATA", "");
     around.meanwhile = [&](pid_t child) {
-        const auto begun = [&] { // what only tries whether it can write leaves files empty
+        const auto begun = [&] { // a mere test of write access leaves files empty
             for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
                 if (std::error_code gone; entry.file_size(gone) > 0 && !gone) return true;
             return false;

@@ -1,5 +1,5 @@
-// Inputs whose time or memory was out of all proportion to their size. Each figure is a small part of what it was, or
-// of what a quadratic algorithm takes, and far above what it is, for slow machines.
+// Inputs that used to take time or memory out of proportion to their size. Each limit is a small part of the former
+// value, or of a quadratic algorithm's, and far above the present value, for slow machines.
 #include <chrono>
 #include <numbers>
 
@@ -25,7 +25,7 @@ protected:
         work();
         return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
-    /// Cuts `faces` times the polygon, and expects triangles that cover it once.
+    /// Triangulates the polygon `faces` times, and expects triangles that cover it once.
     double seconds_to_cut(const std::vector<Vector2d>& outline, int faces)
     {
         std::string text, face = "f";

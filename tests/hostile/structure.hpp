@@ -9,8 +9,8 @@
 
 namespace oncollide::test {
 
-/// Changes a JSON text by its structure: one to three values are dropped, copied from elsewhere in it, or drawn from a
-/// list. The same for the same round.
+/// Mutates a JSON text by its structure: one to three values are removed, copied from elsewhere in it, or drawn from a
+/// list. Deterministic for a round.
 class StructureMutator {
 public:
     StructureMutator(nlohmann::json valid, std::vector<nlohmann::json> drawn)
@@ -46,7 +46,7 @@ public:
     }
 
 private:
-    /// Every value of `json` and what lies in it.
+    /// Collects `json` and every value inside it.
     static void collect(nlohmann::json& json, std::vector<nlohmann::json*>& values)
     {
         values.push_back(&json);

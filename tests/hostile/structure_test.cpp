@@ -1,5 +1,4 @@
-// Scenes and maps changed by their structure, not by their bytes: each is taken and can be stepped, or refused by one
-// line.
+// Scenes and maps mutated by structure, not by bytes: each must be accepted and stepped, or refused with one line.
 #include <cstring>
 
 #include <fmt/format.h>
@@ -68,7 +67,7 @@ TEST(HostileStructure, MutatedScenesAreSteppedOrRefused)
     EXPECT_LT(accepted, rounds / 2);
 }
 
-/// The nodes of a `.bt` file drawn by lot, depth first: two bits a child.
+/// Random nodes of a `.bt` file, depth first: two bits per child.
 class DrawnMap {
 public:
     explicit DrawnMap(std::uint64_t seed) : seed_(seed) { node(0); }
@@ -89,7 +88,7 @@ private:
         bytes_.append(2, '\0');
         std::uint16_t bits = 0;
         int inner = 0;
-        // Long thin trees, so that some are too deep.
+        // Long thin trees, some of which are too deep.
         for (int child = 0; child < 8; ++child) {
             const double chance = draw();
             const unsigned kind = chance < 0.16 && count_ < 400 ? 3u : chance < 0.4 ? 1u + (draw() < 0.5) : 0u;
@@ -98,7 +97,7 @@ private:
             occupied_ |= kind == 2;
         }
         if (bits == 0 && depth > 0) valid_ = false; // an inner node without children
-        occupied_ |= bits == 0 && depth == 0;       // so is written what is occupied as a whole
+        occupied_ |= bits == 0 && depth == 0;       // the encoding of a completely occupied map
         std::memcpy(bytes_.data() + at, &bits, 2);
         for (; inner > 0; --inner) {
             if (depth + 1 >= 16) valid_ = false;

@@ -1,4 +1,4 @@
-// The walk over boxes with a hierarchy that is no mesh, against brute force.
+// Traversal of box hierarchies that are not meshes, against brute force.
 #include <algorithm>
 #include <set>
 
@@ -19,7 +19,7 @@ static_assert(BoxHierarchy<VoxelGrid>);
 static_assert(LeafTests<CubeTests<true>, VoxelGrid, ObbTree>);
 static_assert(LeafTests<CubeTests<false>, ObbTree, VoxelGrid>);
 
-/// A hollow ball of cubes.
+/// A hollow sphere of cubes.
 VoxelGrid shell()
 {
     return VoxelGrid(8, 0.2, [](int x, int y, int z) {

@@ -1,4 +1,4 @@
-// Pairs of shapes, held against bounds on their distance that share no code with the library.
+// Pairs of shapes, compared with bounds on their distance that share no code with the library.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -107,7 +107,7 @@ TEST(ConvexPair, FlatAndLongShapesThatAllButTouchAreNeverDecidedWrongly)
         b.pose.translation() += farthest(a, u) - farthest(b, -u) + gap * u;
         const auto truth = tools::true_distance(tools::convex_sets(a.model->geometry().data, a.pose),
                                                 tools::convex_sets(b.model->geometry().data, b.pose));
-        // Polytopes are what their vertices, as placed, are; of others nothing but extended precision is off.
+        // A polytope is exactly its transformed vertices; for other shapes only extended precision has an error.
         const auto polytope = [](const Drawn& d) {
             return d.model->convex().flat_sided && d.model->convex().radius == 0;
         };
@@ -128,7 +128,7 @@ TEST(ConvexPair, FlatAndLongShapesThatAllButTouchAreNeverDecidedWrongly)
     }
     EXPECT_GT(meet, 3000);
     EXPECT_GT(apart, 3000);
-    EXPECT_LT(open, 2500); // many gaps are below rounding
+    EXPECT_LT(open, 2500); // the gap is below rounding
 }
 
 int sign_of(const Shape& a, const Shape& b, const Vector3d& at,
@@ -152,7 +152,7 @@ Shape hull_of_box(const Vector3d& half)
     return hull;
 }
 
-/// Tangent, and farther by the least that doubles can say.
+/// Tangent shapes, and shapes moved apart by one ulp.
 void expect_tangent(const Shape& a, const Shape& b, const Vector3d& at, int axis)
 {
     Vector3d beyond = at, nearer = at;
@@ -169,12 +169,12 @@ TEST(ConvexPair, BallsThatAreTangentMeetAndAnUlpFartherTheyAreApart)
         const Shape box = Box{at(1, 2, 3)}, hull = hull_of_box(at(1, 2, 3));
         const Shape point = Sphere{scale * 3}, five = Sphere{scale * 5}, capsule = Capsule{scale * 5, scale * 2};
         for (const Shape& solid : {box, hull}) {
-            expect_tangent(solid, point, at(4, 0.5, -0.25), 0);          // a face
-            expect_tangent(solid, five, at(1 + 3, 2 + 4, 1), 0);         // an edge
-            expect_tangent(solid, point, at(1 + 1, 2 + 2, 3 + 2), 0);    // a corner
+            expect_tangent(solid, point, at(4, 0.5, -0.25), 0);          // face
+            expect_tangent(solid, five, at(1 + 3, 2 + 4, 1), 0);         // edge
+            expect_tangent(solid, point, at(1 + 1, 2 + 2, 3 + 2), 0);    // corner
             expect_tangent(solid, capsule, at(1 + 3, 2 + 4, 3), 1);      // along an edge
             expect_tangent(solid, capsule, at(-1 - 5, 0.5, 3.5), 0);     // along a face
-            expect_tangent(solid, capsule, at(0.5, 0.25, 3 + 5 + 1), 2); // its end on a face
+            expect_tangent(solid, capsule, at(0.5, 0.25, 3 + 5 + 1), 2); // its end touches a face
         }
         expect_tangent(point, five, at(8, 0, 0), 0);
         expect_tangent(point, Sphere{scale * 10}, at(3, 4, 12), 2);

@@ -11,7 +11,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// The sign of the determinant in integers of 64 N bits, coordinates being multiples of 2^lowest.
+/// The sign of the determinant in integers of 64 N bits; coordinates are multiples of 2^lowest.
 template <int N>
 int true_orientation(const std::array<Vector3d, 4>& at, int lowest)
 {
@@ -36,7 +36,7 @@ int filter_of(const std::array<Vector3d, 4>& at)
     return orient3d_filter(at[0], at[1], at[2], at[3]);
 }
 
-/// Fails where orient3d is wrong. Returns how often its filter could not tell a sign that is not 0.
+/// Fails if orient3d is wrong. Returns how often its filter did not determine a sign other than 0.
 template <int N>
 int check(const std::vector<std::array<Vector3d, 4>>& points, int lowest)
 {
@@ -52,7 +52,7 @@ int check(const std::vector<std::array<Vector3d, 4>>& points, int lowest)
     return failed;
 }
 
-/// Three corners, and points within a few units in the last place of their plane.
+/// Three corners, and points within a few ulps of their plane.
 std::vector<std::array<Vector3d, 4>> near_planes(int count, double size)
 {
     GridPoints random(1);
@@ -139,8 +139,8 @@ TEST(Orient3d, SeesSharedPointsAndPlanesSquareToAnAxis)
     EXPECT_EQ(orient3d({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}), 1) << "the side to which the normal points";
 }
 
-// Points around the middle of a long segment, one unit in the last place apart: rounded arithmetic paints a carpet here
-// (Kettner et al., "Classroom examples of robustness problems in geometric computations", 2008).
+// Points around the middle of a long segment, one ulp apart: rounded arithmetic gives irregular signs here (Kettner et
+// al., "Classroom examples of robustness problems in geometric computations", 2008).
 TEST(Orient2d, IsExactOnThePointsOfAFineGrid)
 {
     int undecided = 0;
@@ -183,7 +183,7 @@ TEST(Collinear, IsExact)
 
 TEST(CrossingParameter, IsAccurateWhereBothEndsAreNearThePlane)
 {
-    // The plane z = x 2^-40: the exact answer is a third however small the distances.
+    // The plane z = x 2^-40: the exact fraction is a third for any size of the distances.
     const Vector3d a(0, 0, 0), b(1, 0, 0x1p-40), c(0, 1, 0);
     for (double far : {1.0, 0x1p-60, 0x1p-90})
         EXPECT_NEAR(crossing_parameter(a, b, c, {1, 5, 0x1p-40 + far}, {1, -7, 0x1p-40 - 2 * far}), 1 / 3.0, 0x1p-49)
@@ -206,7 +206,7 @@ TEST(ExactPredicates, RoundAlikeFromExtendedPrecisionAndFromIntegers)
     GridPoints random(31);
     int crossings = 0, flat = 0;
     for (int turn = 0; turn < 4000; ++turn) {
-        // From ordinary triangles to slivers 2^-40 wide, also far away and on scales of all kinds.
+        // From ordinary triangles to slivers 2^-40 wide, also far away and at many scales.
         const Eigen::Matrix3d map = std::ldexp(1.0, random.number(-60, 60)) * random.rotation();
         const Vector3d far = turn % 3 ? Vector3d::Zero().eval() : Vector3d(map * random.point(1 << 30));
         TrianglePoints t = random.triangle(1 << 20);

@@ -5,7 +5,7 @@
 
 namespace oncollide {
 
-// What a model makes of a geometry.
+// The root cell of a model of the geometry.
 inline RootCell root_cell_of(const Geometry& geometry)
 {
     return Model(std::make_shared<const Geometry>(geometry)).root_cell();

@@ -13,7 +13,7 @@
 namespace oncollide {
 namespace {
 
-/// A geometry's tree in a backend of its own, grown and shrunk by hand.
+/// A geometry's tree in its own backend, expanded and collapsed explicitly.
 class Grown {
 public:
     Grown(const Geometry& geometry, int depth, std::unique_ptr<OcclusionBackend> backend)
@@ -60,7 +60,7 @@ public:
         return found;
     }
 
-    /// Of two levels of whole cells, all that the tree knows.
+    /// The expanded cells of the first two levels.
     std::vector<CellKey> known() const
     {
         std::vector<CellKey> cells;
@@ -79,7 +79,7 @@ public:
         OcstNode& root = tree_.nodes()[0];
         root.state = (root.state & 0x1ff) | frame << OcstNode::stamp_shift;
     }
-    /// Of a cell on level 1.
+    /// Whether a cell of level 1 is expanded.
     bool expanded(CellKey cell) const { return !children(cell).empty(); }
     std::vector<CellKey> children(CellKey cell) const
     {
@@ -109,14 +109,14 @@ Mesh knot(int triangles)
     return make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, triangles);
 }
 
-/// Vertices on the faces of cells, but for a hair less or more than the slack of the test.
+/// Vertices on the faces of cells, moved by slightly less or more than the slack of the test.
 Mesh almost_on_cell_faces()
 {
     Mesh mesh = make_soup_mesh(400, 0.7, 1.6, 21);
     std::mt19937 random(5);
     for (Eigen::Vector3d& v : mesh.vertices)
         for (int axis = 0; axis < 3; ++axis) v[axis] = std::round(8 * v[axis]) / 8 + (int(random() % 9) - 4) * 0x1p-20;
-    mesh.vertices[0] = {-1, -1, -1}, mesh.vertices[1] = {1, 1, 1}; // the root cell reaches from -1 to 1
+    mesh.vertices[0] = {-1, -1, -1}, mesh.vertices[1] = {1, 1, 1}; // the root cell extends from -1 to 1
     return make_mesh("almost", mesh.vertices, mesh.triangles);
 }
 

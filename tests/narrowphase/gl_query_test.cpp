@@ -1,4 +1,4 @@
-// The paper's occlusion queries: not conservative, so what they miss is counted here and not forbidden.
+// The paper's occlusion queries: they are not conservative, so misses are counted and not forbidden.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,12 +16,12 @@ using Primitives = GlQueryOptions::Primitives;
 using Samples = GlQueryOptions::Samples;
 using Draw = GlQueryOptions::Draw;
 
-/// Answers of a whole tree against the truth. The truth decides which cells are asked for, so that a miss hides no
-/// other.
+/// Results of a whole tree compared with the truth. The truth determines which cells are tested, so that a miss hides
+/// no other.
 struct Score {
     int grey = 0;   ///< octants that the surface enters
-    int missed = 0; ///< of those
-    int far = 0;    ///< answered grey, though the surface is farther than the backend allows for
+    int missed = 0; ///< of the grey octants
+    int far = 0;    ///< reported grey, though the surface is farther than the backend's tolerance
 };
 
 Score score(OcclusionBackend& backend, const Mesh& mesh, int depth)
@@ -62,8 +62,7 @@ std::vector<unsigned> masks_of(OcclusionBackend& backend, const Mesh& mesh, int 
 
 TEST(GlQuery, GivesTheSameAnswersHoweverTheMeshIsDrawn)
 {
-    // In the soup, triangles end within half a texel of octants: inherited lists must reach as far as the inflated
-    // view.
+    // In the soup, triangles end within half a texel of octants: inherited lists must cover the whole inflated view.
     for (const Mesh& mesh : {knot(1000), make_soup_mesh(300, 0.7, 3, 10)})
         for (const bool inflated : {false, true}) {
             std::vector<unsigned> first;
@@ -116,7 +115,7 @@ TEST(GlQuery, MissesFewOctantsOfOrdinaryMeshesAndFewerWhenInflated)
     }
 }
 
-/// A square that faces `axis` on either side of the middle, and specks too small to be seen that make the root a cube.
+/// A square perpendicular to `axis` on either side of the centre, and invisible specks that make the root a cube.
 Mesh squares_facing(int axis)
 {
     std::vector<Eigen::Vector3d> v;
@@ -131,7 +130,7 @@ Mesh squares_facing(int axis)
     return make_mesh("squares", v, t);
 }
 
-/// The answer for the root and the number of queries that it took.
+/// The result for the root and the number of queries that it took.
 std::pair<unsigned, std::uint64_t> ask_root(OcclusionBackend& backend, const Geometry& geometry)
 {
     backend.attach(0, make_surface(geometry, root_cell_of(geometry)));

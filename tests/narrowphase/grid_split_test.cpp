@@ -1,4 +1,4 @@
-// Large meshes told apart by a grid: the parts, and the tree that is made of them.
+// Large meshes split by a grid: the parts, and the tree that is made from them.
 #include <algorithm>
 #include <numeric>
 #include <random>
@@ -110,7 +110,7 @@ TEST(GridSplit, PartsOfASurfaceAreAboutEquallyLarge)
     }
 }
 
-/// What is in a box, and where it is, must not depend on the order in the file.
+/// Contents and extent of a box must not depend on the order in the file.
 TEST(GridSplit, PartsDoNotDependOnTheOrderOfTheTriangles)
 {
     const Mesh& mesh = large_meshes()[1].mesh;
@@ -148,7 +148,7 @@ TEST(GridSplit, ATreeOfALargeMeshHoldsEveryTriangleInEachOfItsBoxes)
             const unsigned lanes = tree.node(index).lanes;
             for (unsigned k = 0; k < lanes; ++k) {
                 const std::uint32_t count = tree.count_of(index, k), begin = tree.begin_of(index, k);
-                if (count > 64) // what is below is as for small meshes
+                if (count > 64) // smaller parts are split as in small meshes
                     open.push_back(tree.child(index, k));
                 else
                     for (std::uint32_t i = begin; i < begin + count; ++i) ++seen[tree.triangle(i)];

@@ -1,4 +1,4 @@
-// Balls within meshes, against all triangles, and the meetings that they show, against walks.
+// Spheres inside meshes, compared with all triangles, and the collisions that they prove, compared with traversals.
 #include <algorithm>
 #include <cmath>
 
@@ -30,14 +30,14 @@ Mesh without(Mesh mesh, std::size_t first, std::size_t count)
     mesh.triangles.erase(at, at + static_cast<std::ptrdiff_t>(count));
     return make_mesh("holes", mesh.vertices, mesh.triangles);
 }
-/// Each triangle twice: every edge is even, and nothing is enclosed that a ray would tell.
+/// Each triangle twice: every edge is even, and no ray can find an inside.
 Mesh doubled(const Mesh& mesh)
 {
     std::vector<Triangle> triangles = mesh.triangles;
     triangles.insert(triangles.end(), mesh.triangles.begin(), mesh.triangles.end());
     return make_mesh("doubled", mesh.vertices, triangles);
 }
-/// A cup: a ball from which a smaller one that stands out of it was taken, as a surface of revolution.
+/// A cup: a sphere minus a smaller sphere that protrudes from it, as a surface of revolution.
 Mesh cup()
 {
     constexpr std::uint32_t around = 24, along = 12;
@@ -114,7 +114,7 @@ TEST(InnerSpheres, AreEnclosed)
     EXPECT_GT(enclosed, 60u);
 }
 
-/// Balls as large as a body allows, in all of its parts.
+/// Spheres as large as a body allows, in all of its parts.
 TEST(InnerSpheres, FillABody)
 {
     const InnerSpheres ball(make_sphere_mesh(1, 2000)), rod(make_box_mesh({1, 0.3, 0.3}));
@@ -145,7 +145,7 @@ TEST(InnerSpheres, MeetOnlyWhereSurfacesDoHoweverTheBodiesMoveWithinTheDepth)
             const double size = 0.5 * (a.bounds.diagonal() + b.bounds.diagonal());
             for (std::uint64_t j = 0; j < 60; ++j) {
                 Isometry3d at_a = random_pose(100 * i + j, 1), at_b = random_pose(7000 * k + j, 1);
-                if (j % 3 == 0) at_b.linear() *= 1 + 0x1p-21, at_a.linear() *= 1 - 0x1p-21; // as rigid as is allowed
+                if (j % 3 == 0) at_b.linear() *= 1 + 0x1p-21, at_a.linear() *= 1 - 0x1p-21; // at the limit of rigidity
                 const double off = 0.5 * size * u01(9, j, 0) * (j % 4 == 0 ? 0.2 : 1);
                 at_b.translation() =
                     at_a * a.bounds.centre() - at_b.linear() * b.bounds.centre() + off * direction(100 * i + j);
@@ -163,7 +163,7 @@ TEST(InnerSpheres, MeetOnlyWhereSurfacesDoHoweverTheBodiesMoveWithinTheDepth)
                     const Isometry3d next_a = nudge(at_a, a.bounds.centre(), 11 * j + k),
                                      next_b = nudge(at_b, b.bounds.centre(), 13 * j + i);
                     const double travel = bounds_a.motion(at_a, next_a) + bounds_b.motion(at_b, next_b);
-                    // All the way would part some: a share of it that the depth allows.
+                    // The whole way could separate some: moves by a share that the depth allows.
                     const double share = 0.97 * std::min(1.0, depth / travel);
                     const auto part_way = [&](const Isometry3d& from, const Isometry3d& to) {
                         Isometry3d pose;

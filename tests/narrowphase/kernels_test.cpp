@@ -58,7 +58,7 @@ TEST(Kernels, KeepThePointsThatMayBeFarthestOnEveryInstructionSet)
                                          along.data(), expected.data());
     const auto kept = std::accumulate(expected.begin(), expected.begin() + count, 0);
     EXPECT_TRUE(kept > 0 && kept < 50) << kept;
-    const auto most = [&](const float(&d)[3]) { // which of them is farthest
+    const auto most = [&](const float(&d)[3]) { // the farthest of them
         std::size_t best = 0;
         const auto of = [&](std::size_t i) { return d[0] * xyz[0][i] + d[1] * xyz[1][i] + d[2] * xyz[2][i]; };
         for (std::size_t i = 1; i < count; ++i)

@@ -1,4 +1,4 @@
-// What a whole tree says about a surface, judged by code that shares nothing with the trees.
+// The statements of a whole tree about a surface, checked by code that shares nothing with the trees.
 #include <gtest/gtest.h>
 
 #include "octant_truth.hpp"
@@ -21,7 +21,8 @@ std::vector<Case> hard_cases()
 {
     std::vector<Case> all;
     for (Case& c : cases())
-        if (c.mesh.triangles.size() < 4000) all.push_back(std::move(c)); // each level is judged: the larger take long
+        if (c.mesh.triangles.size() < 4000) all.push_back(std::move(c)); // each level is checked: larger meshes would
+                                                                         // take long
     all.push_back(
         {"slivers, 1 : 1e12", make_mesh("slivers", {{0, 0, 0}, {1, 0.3, 0.2}, {0.5, 0.15 + 1e-12, 0.1}, {0.2, 1, 0.7}},
                                         {{0, 1, 2}, {0, 2, 3}, {0, 0, 3}, {3, 3, 3}})});
@@ -87,7 +88,8 @@ TEST(WholeTrees, BoxesLeaveLessOfACurvedSurfacesNeighbourhoodThanAsManySpheres)
     const tools::QualityOptions options{.closed = true, .directions = 20, .points = 0};
     const auto quality = tools::judge_level(mesh, index, spheres, options);
     const auto better = tools::judge_level(mesh, index, boxes, options);
-    // The octree's law: beyond a closed surface the mean tends to the radius and the worst to twice as much.
+    // A property of the octree: outside a closed surface the mean excess approaches the radius, and the maximum twice
+    // the radius.
     const double radius = whole.tree().radius(5);
     EXPECT_NEAR(quality.mean.beyond, radius, 0.1 * radius);
     EXPECT_GT(quality.worst.beyond, 1.6 * radius);
@@ -96,8 +98,8 @@ TEST(WholeTrees, BoxesLeaveLessOfACurvedSurfacesNeighbourhoodThanAsManySpheres)
     EXPECT_LT(better.volume, 0.05 * quality.volume);
 }
 
-// How many cells a surface enters follows from geometry where its faces lie on the faces of cells: these belong to the
-// cells on both sides.
+// If the faces of a surface are on the faces of cells, the number of cells that it enters follows from geometry: such
+// faces belong to the cells on both sides.
 
 TEST(WholeTrees, SpheresOfABoxAreTheCellsOfItsHull)
 {
@@ -113,7 +115,8 @@ TEST(WholeTrees, SpheresOfOneTriangleAreTheSquaresBelowItsDiagonalOnBothSides)
     const tools::GrownTree whole =
         whole_tree(make_mesh("half a square", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}), 5);
     for (int level = 1; level <= 5; ++level) {
-        const std::size_t n = std::size_t(1) << level; // squares (i, j) with i + j <= n: the last touch in a corner
+        const std::size_t n = std::size_t(1) << level; // squares (i, j) with i + j <= n: the last squares touch at a
+                                                       // corner
         EXPECT_EQ(whole.level(level).size(), 2 * (n * (n + 1) / 2 + n - 1)) << "level " << level;
     }
 }

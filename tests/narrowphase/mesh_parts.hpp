@@ -1,4 +1,4 @@
-// Meshes made of meshes, and the number of times that they wind around a point.
+// Meshes joined from meshes, and the winding number of a point.
 #pragma once
 #include <utility>
 #include <vector>
@@ -28,7 +28,7 @@ inline Mesh moved(const Mesh& mesh, const Eigen::Vector3d& by)
     return transformed("moved", mesh, 1, -by);
 }
 
-/// Inside out.
+/// The mesh with reversed orientation.
 inline Mesh flipped(Mesh mesh)
 {
     for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);

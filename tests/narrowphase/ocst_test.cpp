@@ -80,7 +80,7 @@ TEST_F(OcstTest, DropsWhatAgedAndRegrowsTheSame)
     const std::uint64_t full = tree.size();
     const std::size_t bytes = backend_->bytes();
 
-    // Reached last: the root and the other child at 20, the child at 10.
+    // Time of last use: 20 for the root and one child, 10 for the other child.
     tree.nodes()[0].state = (tree.nodes()[0].state & 0x1ff) | 20u << OcstNode::stamp_shift;
     const std::uint64_t dropped = tree.collapse(24, 5, 0, *backend_);
     EXPECT_EQ(dropped, full - tree.size());

@@ -1,4 +1,4 @@
-// What is true of octants, by clipping in double, and the inputs and the growing of trees that tests of backends share.
+// The truth about octants, by clipping in double, and inputs and tree growth that the tests of backends share.
 #pragma once
 #include <cmath>
 #include <cstdlib>
@@ -29,7 +29,8 @@ inline Polygon clip(const Polygon& in, int axis, double sign, double d)
     return out;
 }
 
-/// Does the triangle enter the box grown by `grow`? By clipping in double, independent of the test's separating axes.
+/// Whether the triangle enters the box grown by `grow`. Uses clipping in double, independent of the test's separating
+/// axes.
 inline bool enters(const Mesh& mesh, const Triangle& t, const Eigen::Vector3d& centre, const Eigen::Vector3d& half,
                    double grow)
 {
@@ -52,7 +53,7 @@ inline Mesh moved(Mesh mesh, double scale, const Eigen::Vector3d& by)
 inline std::vector<Case> cases()
 {
     std::vector<Case> all;
-    // Real ones where there is a data folder beside the sources.
+    // Real meshes, if there is a data folder beside the sources.
     const char* data = std::getenv("ONCOLLIDE_DATA");
     const std::filesystem::path folder = data ? data : ONCOLLIDE_SOURCE_DIR "/../shared/data";
     for (const char* file : {"meshes/paper/lamp.obj", "meshes/woody.obj"})
@@ -74,7 +75,7 @@ inline std::vector<Case> cases()
     return all;
 }
 
-/// Does the triangle enter the cell grown by `grow`?
+/// Whether the triangle enters the cell grown by `grow`.
 inline bool enters(const Mesh& mesh, const Triangle& t, const RootCell& root, CellKey cell, double grow)
 {
     const auto at = centre_of(cell);
@@ -86,7 +87,7 @@ inline bool enters(const Mesh& mesh, const Triangle& t, const RootCell& root, Ce
     return enters(mesh, t, centre, half, grow);
 }
 
-/// Which octants of the cell, each grown by `grow`, does the mesh enter?
+/// The octants of the cell, each grown by `grow`, that the mesh enters.
 inline unsigned octants_entered(const Mesh& mesh, const RootCell& root, CellKey cell, double grow)
 {
     unsigned entered = 0;
@@ -99,8 +100,8 @@ inline unsigned octants_entered(const Mesh& mesh, const RootCell& root, CellKey 
     return entered;
 }
 
-/// Grows the whole tree of `mesh`, number 0, level by level: visit(root, cell, grey) gets the answer for each cell and
-/// returns the octants to go on with.
+/// Grows the whole tree of `mesh`, number 0, level by level: visit(root, cell, grey) receives the result for each cell
+/// and returns the octants to expand.
 template <class Visit>
 Ocst grow(OcclusionBackend& backend, const Mesh& mesh, int depth, Visit visit)
 {

@@ -1,4 +1,4 @@
-// Convex solids around meshes, against all vertices, and the gaps that they show, against the distance of the meshes.
+// Convex solids around meshes, compared with all vertices, and their gaps, compared with the distance of the meshes.
 #include <algorithm>
 #include <cmath>
 
@@ -76,7 +76,7 @@ TEST(OuterHull, ShowsNoMoreThanTheDistance)
             const double size = 0.5 * (a.bounds.diagonal() + b.bounds.diagonal());
             for (std::uint64_t j = 0; j < 24; ++j) {
                 Isometry3d at_a = random_pose(100 * i + j, 1), at_b = random_pose(7000 * k + j, 1);
-                if (j % 3 == 0) at_b.linear() *= 1 + 0x1p-21, at_a.linear() *= 1 - 0x1p-21; // as rigid as is allowed
+                if (j % 3 == 0) at_b.linear() *= 1 + 0x1p-21, at_a.linear() *= 1 - 0x1p-21; // at the limit of rigidity
                 const double apart = std::pow(2, double(j % 8) - 5) * size;
                 at_b.translation() =
                     at_a * a.bounds.centre() - at_b.linear() * b.bounds.centre() + (0.5 * size + apart) * direction(j);
@@ -87,7 +87,7 @@ TEST(OuterHull, ShowsNoMoreThanTheDistance)
                 EXPECT_LE(found.gap, truth.upper) << i << ' ' << k << ' ' << j;
                 parted += found.gap > 0;
                 if (!(found.gap > 0)) continue;
-                // Where to look the next time: there it is at once.
+                // A new search from the found direction succeeds at once.
                 const HullGap again = hull_gap(hull_a, hull_b, b_to_a, found.across);
                 EXPECT_GE(again.gap, 0.49 * found.gap);
                 EXPECT_LE(again.gap, truth.upper);

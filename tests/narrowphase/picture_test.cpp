@@ -1,4 +1,4 @@
-// What is seen is checked by colour and place, with room for the lights and for other renderers.
+// Pictures are checked by colour and position, with tolerances for the lights and for other renderers.
 #include <numbers>
 
 #include <gtest/gtest.h>

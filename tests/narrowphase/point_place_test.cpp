@@ -1,4 +1,4 @@
-// Where points lie in closed meshes, against solid angles and exact signs.
+// The location of points relative to closed meshes, compared with solid angles and exact signs.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -36,7 +36,7 @@ Isometry3d rotated_pose(std::uint64_t seed)
     return pose;
 }
 
-/// With the tree and without; they must agree.
+/// With the tree and without; both must agree.
 PointLocation place_of(const Vector3d& point, const Mesh& mesh, const RelativePose& into = stay)
 {
     PointLocator locator;
@@ -62,7 +62,7 @@ TEST(PointLocation, EqualsTheWindingNumberBySolidAngles)
             const Vector3d local = random_point(seed, 1.1 * mesh.bounds.min, 1.1 * mesh.bounds.max);
             const double winding = winding_number(mesh, local);
             const double whole = std::round(winding);
-            if (std::abs(winding - whole) > 1e-3) continue; // too near the surface for this judge
+            if (std::abs(winding - whole) > 1e-3) continue; // too near the surface for this method
             const PointLocation truth = whole != 0 ? PointLocation::inside : PointLocation::outside;
             ++(whole != 0 ? inside : outside);
             EXPECT_EQ(place_of(local, mesh), truth) << seed;
@@ -73,8 +73,8 @@ TEST(PointLocation, EqualsTheWindingNumberBySolidAngles)
     EXPECT_GT(outside, 400);
 }
 
-/// Points on the faces of tetrahedra, rounded, and moved by a few units in the last place; the signs of four
-/// determinants in integers are the truth.
+/// Points on the faces of tetrahedra, rounded, and moved by a few ulps; the signs of four determinants in integers are
+/// the truth.
 TEST(PointLocation, IsRightHoweverNearTheSurface)
 {
     int count[3] = {};
@@ -96,7 +96,7 @@ TEST(PointLocation, IsRightHoweverNearTheSurface)
                 point[int(k)] = std::nextafter(point[int(k)], n > 0 ? 2.0 : -2.0);
         const int turn = orient3d_exact(v[0], v[1], v[2], v[3]);
         PointLocation truth = PointLocation::inside;
-        for (std::size_t k = 0; k < 4; ++k) { // the point in the place of corner k
+        for (std::size_t k = 0; k < 4; ++k) { // replaces corner k by the point
             std::vector<Vector3d> w = v;
             w[k] = point;
             const int side = turn * orient3d_exact(w[0], w[1], w[2], w[3]);
@@ -110,7 +110,7 @@ TEST(PointLocation, IsRightHoweverNearTheSurface)
     EXPECT_GT(count[int(PointLocation::outside)], 500);
 }
 
-/// A box of eight units in the last place: rays have few directions there, and many meet edges and corners.
+/// A box of eight ulps: rays have few directions there, and many meet edges and corners.
 TEST(PointLocation, TriesAnotherRayWhereOneTouchesAnEdge)
 {
     const double unit = 0x1p-3, far = 0x1p49;
@@ -130,7 +130,7 @@ TEST(PointLocation, TriesAnotherRayWhereOneTouchesAnEdge)
     for (int truth : count) EXPECT_GT(truth, 300);
 }
 
-/// Coordinates round to eighths, so that a triangle that was a segment becomes one with area.
+/// Coordinates are rounded to eighths, so that a degenerate triangle gets an area.
 TEST(PointLocation, LeavesTrianglesOutThatHadNoArea)
 {
     const Mesh ball = make_sphere_mesh(1, 200);

@@ -1,4 +1,4 @@
-// Insides that overlap where every two triangles only touch.
+// Insides that overlap although all pairs of triangles only touch.
 #include <array>
 #include <set>
 
@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 using Cell = std::array<int, 3>;
 using Cells = std::set<Cell>;
 
-/// Unit cubes joined by their faces; its surface, two triangles a face of a cube.
+/// The surface of unit cubes joined by their faces, two triangles per face of a cube.
 Mesh mesh_of(const Cells& cells)
 {
     std::vector<Vector3d> vertices;
@@ -54,7 +54,7 @@ Cells random_cells(std::uint64_t seed, std::size_t count)
         Cell next = *from;
         next[std::size_t(u01(seed, step, 1) * 3)] += u01(seed, step, 2) < 0.5 ? 1 : -1;
         if (!cells.insert(next).second) continue;
-        if (!is_closed(mesh_of(cells))) cells.erase(next); // cubes that meet in an edge alone
+        if (!is_closed(mesh_of(cells))) cells.erase(next); // cubes that meet only at an edge
     }
     return cells;
 }
@@ -111,7 +111,7 @@ TEST(SharedInside, IsFoundBelowAnEdgeThatLiesInAFace)
 {
     const Mesh box = make_box_mesh({1, 1, 1});
     for (const double wide : {0.9, 0.1, 0.01})
-        for (const double base : {0.5, 1.5}) { // a roof inside the box, or standing on its ridge above it
+        for (const double base : {0.5, 1.5}) { // a roof inside the box, or above it on its ridge
             const Mesh roof =
                 make_mesh("roof",
                           {{-0.5, -wide, base},
@@ -141,7 +141,7 @@ TEST(SharedInside, IsNoneWhereBodiesFitExactly)
     EXPECT_TRUE(found(mesh_of(frame), mesh_of(frame), {0, 0, 0}));
 }
 
-/// A cylinder whose caps are fans around a vertex in the middle.
+/// A cylinder whose caps are fans around a centre vertex.
 Mesh fan_cylinder(std::uint32_t segments, double turn = 0)
 {
     std::vector<Vector3d> vertices{{0, 0, 0}, {0, 0, 1}};
@@ -194,12 +194,12 @@ TEST(SharedInside, LooksAtNoPairsOfFansWhereAPlanePartsStackedGears)
     EXPECT_EQ(inside.points_placed(), 0u);
 }
 
-/// Two fans touch in their middles, and a hook around them keeps any plane from parting the bodies.
+/// Two fans touch at their centres, and a hook around them prevents any separating plane.
 TEST(SharedInside, TriesEachFaceOnceAroundAPointThatManyPairsShare)
 {
     constexpr std::uint32_t segments = 64;
     const Mesh low = fan_cylinder(segments);
-    // B: a cone upside down on A's cap, and a box beside A.
+    // B: an inverted cone on A's cap, and a box beside A.
     std::vector<Vector3d> vertices{{0, 0, 1}, {0, 0, 2}};
     std::vector<Triangle> triangles;
     for (std::uint32_t i = 0; i < segments; ++i) {
@@ -225,7 +225,7 @@ TEST(SharedInside, TriesEachFaceOnceAroundAPointThatManyPairsShare)
     EXPECT_LE(inside.points_placed(), 4u * segments) << "two a face, where " << segments * segments << " pairs meet";
 }
 
-/// A ball that a box holds, with corners on its walls: surfaces meet in points alone.
+/// A sphere inside a box, with vertices on its walls: surfaces meet only at points.
 TEST(SharedInside, IsFoundWhereBodiesTouchInAPoint)
 {
     const Mesh box = make_box_mesh({1, 1, 1}), ball = make_sphere_mesh(1, 128);

@@ -1,4 +1,4 @@
-// How far convex solids are from terrains and meshes: the walk with bounds of its own, against every triangle.
+// Distances of convex solids from terrains and meshes: the traversal with its bounds, compared with every triangle.
 #include <algorithm>
 #include <cstring>
 #include <functional>
@@ -89,7 +89,7 @@ Solid solid_of(int kind, double size)
     default:
         break;
     }
-    auto surface = std::make_unique<Mesh>(make_sphere_mesh(size, 60)); // off its centre
+    auto surface = std::make_unique<Mesh>(make_sphere_mesh(size, 60)); // not centred at the origin
     for (Vector3d& v : surface->vertices) v = v.cwiseProduct(Vector3d(1, 0.2, 0.7)) + Vector3d(3, 0, 0) * size;
     Solid hull{convex_of_hull(*surface), {}, nullptr};
     for (const Vector3d& v : surface->vertices) hull.bounds.add(v);
@@ -101,7 +101,7 @@ struct Truth {
     double lower = infinity, upper = infinity;
 };
 
-/// @param there  is the triangle one?
+/// @param there  whether the triangle exists
 template <class Tree>
 Truth truth_of(const Solid& solid, const Tree& tree, std::uint32_t triangles, auto there, const RelativePose& into)
 {
@@ -163,7 +163,7 @@ TEST_P(SolidDistances, AreThoseOfTheNearestTriangle)
         TerrainTree heights(terrain);
         ObbTree boxes(mesh);
         const Solid solid = solid_of(int(seed / 3) % kinds, size * (seed % 2 ? 0.5 : 3));
-        // Beside a corner of a triangle, above the middle, and far away; with the ground far from the world's origin.
+        // Beside a corner of a triangle, above its centre, and far away; with the ground far from the world's origin.
         for (const double away : {0.0, 1.0, 6.0, 1000.0}) {
             const Vector3d over = terrain.bounds().centre();
             Isometry3d pose = random_pose(seed + 100 * std::uint64_t(away), 0);
@@ -237,7 +237,7 @@ TEST(SolidDistance, OverLargeGroundTakesFewNodes)
     }
 }
 
-/// The heights of all cells below a node are where its blocks say that they are.
+/// The heights of all cells below a node are between the planes of its blocks.
 TEST(SolidDistance, BlocksHoldTheirHeightsBetweenTwoPlanes)
 {
     for (const Ground kind : every_ground) {

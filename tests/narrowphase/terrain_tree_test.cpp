@@ -1,4 +1,4 @@
-// The quadtree of a terrain: its boxes, where it starts, and walks of it, against brute force.
+// The quadtree of a terrain: its boxes, its roots, and its traversals, compared with brute force.
 #include <algorithm>
 #include <functional>
 
@@ -37,7 +37,7 @@ TEST(TerrainTree, BoxesHoldTheirTrianglesAndEveryTriangleIsInOneLeaf)
             const Terrain terrain = random_terrain(columns, rows, columns * rows < 5 ? 0 : holes, columns + rows);
             const TerrainTree tree(terrain);
             std::vector<int> seen(2 * std::size_t(terrain.cells_x()) * terrain.cells_y());
-            std::vector<Aabb> around; // the boxes on the way down
+            std::vector<Aabb> around; // the boxes on the path from the root
             const double slack = 50 * 0x1p-24 * tree.radius();
             std::function<void(const TerrainTree::Node&)> down = [&](const TerrainTree::Node& node) {
                 OpenBoxes boxes;
@@ -179,8 +179,8 @@ TEST(TerrainTree, WalksFindWhatBruteForceFinds)
     EXPECT_LT(met, all * 4 / 5);
 }
 
-/// A ball of 1 m on 300 by 300 cells of 40 m: what a walk finds there, against the cells around it, and how many
-/// triangles it looks at.
+/// A sphere of 1 m on 300 by 300 cells of 40 m: contacts of a traversal, compared with the cells around it, and the
+/// number of triangles that it tests.
 template <class Ground>
 void stand_on(Ground& ground, const Terrain& terrain, std::uint64_t seed, bool ball_first)
 {
@@ -189,7 +189,7 @@ void stand_on(Ground& ground, const Terrain& terrain, std::uint64_t seed, bool b
     const auto column = static_cast<std::uint32_t>(2 + 290 * u01(seed, 1, 0)),
                row = static_cast<std::uint32_t>(2 + 290 * u01(seed, 1, 1));
     const Vector3d place = terrain.point(column, row) + Vector3d(20 * u01(seed, 1, 2), 20 * u01(seed, 1, 3), 30);
-    const Isometry3d turn = random_pose(seed, 1e4); // of all that is there
+    const Isometry3d turn = random_pose(seed, 1e4); // rotation of both bodies
     const Isometry3d spin = random_pose(seed + 1, 0);
     std::vector<TrianglePoints> near;
     for (std::uint32_t y = row - 1; y < row + 2; ++y)
@@ -212,7 +212,7 @@ void stand_on(Ground& ground, const Terrain& terrain, std::uint64_t seed, bool b
     const auto pose = [&](double up) {
         return Isometry3d(turn * Eigen::Translation3d(place.x(), place.y(), up) * spin);
     };
-    double up = place.z(); // of the ball's centre: lowered to the ground by distances
+    double up = place.z(); // of the sphere's centre: lowered to the ground by distances
     for (double left = 1; left > 1e-9; up -= left) left = truth(RelativePose(turn, pose(up)));
     for (const double deep : {-0.3, -1e-3, -1e-6, 1e-6, 1e-3}) {
         const Isometry3d at = pose(up - deep);

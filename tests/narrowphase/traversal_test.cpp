@@ -1,4 +1,4 @@
-// Trees of oriented boxes and the questions asked of them, against brute force over all triangles.
+// OBB trees and their queries, compared with brute force over all triangles.
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -58,7 +58,7 @@ std::vector<Case> cases()
             {"a file far from its origin", scaled(knot, 1, {1e4, -1e4, 1e3}), soup, 1.4}};
 }
 
-/// Poses of `b` that put it near the middle of `a`.
+/// Poses of `b` near the centre of `a`.
 std::vector<Isometry3d> poses_of(const Case& c, std::uint64_t count)
 {
     std::vector<Isometry3d> poses;
@@ -187,7 +187,7 @@ TEST(Traversal, BoundsTheDistanceToTheToleranceAsked)
                 EXPECT_GT(far.lower, 0.5 * truth) << c.name;
                 EXPECT_LE(far.lower, truth) << c.name;
                 EXPECT_FALSE(far.nearest);
-                for (const double share : {1 - 1e-11, 1.0, 1 + 1e-11}) { // as far apart as asked, but for rounding
+                for (const double share : {1 - 1e-11, 1.0, 1 + 1e-11}) { // exactly the cutoff, up to rounding
                     const auto just = walk.distance(a, b, at(pose), tolerance, share * truth);
                     EXPECT_TRUE(just.nearest ? just.upper >= truth : just.lower > share * truth) << c.name;
                     EXPECT_LE(just.lower, truth) << c.name;
@@ -222,7 +222,7 @@ TEST(Traversal, CallsMeshesNearThatAreWithinTheClearanceAndNoneBeyondTheToleranc
                         EXPECT_LE(answer.bound, truth.distance) << c.name;
                     }
                     near += answer.near, apart += !answer.near;
-                    // With what met last frame, right or wrong, the answer is the same.
+                    // The result does not depend on the hint from the last frame, right or wrong.
                     for (const TrianglePair hint :
                          {TrianglePair{0, 0}, truth.meeting.empty() ? last : truth.meeting[0]}) {
                         const auto same = walk.near(a, b, at(pose), clearance, tolerance, hint);
@@ -249,7 +249,7 @@ std::vector<Kernel> kernels()
     return all;
 }
 
-/// How far beyond the faces of box k a point is, at most.
+/// Upper bound on the distance of a point beyond the faces of box k.
 double beyond(const OpenBoxes& boxes, unsigned k, const Vector3d& p)
 {
     double most = -std::numeric_limits<double>::infinity();
@@ -312,7 +312,7 @@ TEST(ObbTree, HoldsEveryTriangleInEachOfItsBoxes)
         }
 }
 
-/// Eight boxes of sizes and flatness of all kinds.
+/// Eight boxes of various sizes and flatness.
 OpenBoxes random_boxes(std::uint64_t seed)
 {
     OpenBoxes boxes;
@@ -346,7 +346,7 @@ TEST(OrientedBoxKernel, NeverShowsAGapLargerThanTheDistance)
         OpenBoxes boxes = random_boxes(seed);
         const OpenBoxes other = random_boxes(seed + 1000);
         const unsigned k = seed % 8;
-        // Half of them are moved until a point of theirs is on a point of the other.
+        // Half of the boxes are moved so that one of their points is on a point of the other box.
         for (unsigned lane = 0; lane < 8; lane += 2) {
             const Vector3d by = point_in(other, k, seed + lane) - point_in(boxes, lane, seed + 31);
             for (int i = 0; i < 3; ++i) boxes.c[i][lane] += static_cast<float>(by[i]);
@@ -390,7 +390,7 @@ TEST(OrientedBoxKernel, NeverShowsAGapLargerThanTheDistance)
     EXPECT_GT(apart, 1000);
 }
 
-/// Boxes that the nine cross products alone part: two flat, long ones crossing like the strokes of a plus.
+/// Boxes that only the nine cross products separate: two flat, long boxes that cross like the strokes of a plus.
 TEST(OrientedBoxKernel, PartsBoxesByTheirEdges)
 {
     OpenBoxes boxes{}, other{};
@@ -412,7 +412,7 @@ TEST(OrientedBoxKernel, PartsBoxesByTheirEdges)
     }
 }
 
-/// Whether they are halved, sorted or cut between slices; where many triangles lie at one place along an axis, too.
+/// By halving, sorting or cutting between slices; also with many triangles at one position along an axis.
 TEST(TriangleParts, DoNotDependOnTheOrderOfTheTriangles)
 {
     const Mesh meshes[] = {make_terrain_mesh(10, 1, 20, 3), make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 800),
@@ -449,8 +449,8 @@ TEST(TriangleParts, DoNotDependOnTheOrderOfTheTriangles)
         }
 }
 
-/// Is every corner of the triangles in its box, and no box larger than need be?
-/// @param thickness  by the triangle's size: where slivers are wider they are as good as lines
+/// Expects that every corner of the triangles is in its box, and that no box is larger than necessary.
+/// @param thickness  in units of the triangle's size: wider slivers count as lines
 void expect_boxes_of(std::span<const TrianglePoints> triangles, double thickness, const std::string& name)
 {
     const Vector3d middle(0.3, -0.2, 0.1), from = middle + Vector3d(0.0625, 0.125, -0.5);
@@ -501,7 +501,7 @@ TEST(OrientedBoxes, OfSingleTrianglesHoldTheirCorners)
         const auto triangles =
             std::vector<TrianglePoints>{{p, p, p},                       // a point
                                         {p, p + size * x, p - size * x}, // a line
-                                        {p, p, p + size * x},            // the same with two corners in one
+                                        {p, p, p + size * x},            // the same with two equal corners
                                         {p, p + size * x, p - size * (x + 1e-7 * y)}, // needles
                                         {p, p + size * x, p - size * (x + 1e-4 * y)},
                                         {p, p + size * x, p - size * (x + 1e-2 * y)},
@@ -548,7 +548,7 @@ TEST(TriangleDistance, IsThatOfTheNearestPoints)
     EXPECT_DOUBLE_EQ(to({Vector3d(1, 1, 7), Vector3d(1, 1, 7), Vector3d(1, 1, 7)}), 7) << "a point";
     EXPECT_DOUBLE_EQ(to({Vector3d(-3, -1, 4), Vector3d(5, -1, 4), Vector3d(5, -1, 4)}), std::sqrt(17.0)) << "a segment";
 
-    // No two sampled points are nearer, and by descent some come as near.
+    // No two sampled points are nearer, and by descent some are as near.
     for (std::uint64_t seed = 0; seed < 300; ++seed) {
         TrianglePoints a, b;
         for (std::uint64_t k = 0; k < 3; ++k)
@@ -556,7 +556,7 @@ TEST(TriangleDistance, IsThatOfTheNearestPoints)
                 a[k][int(i)] = u01(seed, 11, 3 * k + i), b[k][int(i)] = u01(seed, 12, 3 * k + i) + (i == 2 ? 0.8 : 0);
         if (triangles_meet(a, b)) continue;
         const double distance = triangle_distance(a, b);
-        // Of the convex set of differences, alternating steps towards the corner that promises most (Frank and Wolfe).
+        // Descends in the convex set of differences by steps towards the best corner (Frank and Wolfe).
         Vector3d d = a[0] - b[0];
         for (int step = 0; step < 3000; ++step) {
             Vector3d best = a[0] - b[0];

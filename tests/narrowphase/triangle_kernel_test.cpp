@@ -1,4 +1,4 @@
-// Eight pairs of triangles at a time against the exact test of one.
+// Eight pairs of triangles at a time, compared with the exact test of one pair.
 #include <cmath>
 #include <limits>
 
@@ -42,7 +42,7 @@ double extent_of(const TwoTriangles& pair)
     return extent;
 }
 
-/// Rotations, scales, and axes so different that some products of coordinates underflow or overflow and others do not.
+/// Rotations, scales, and axes so different that only some products of coordinates underflow or overflow.
 std::vector<Eigen::Matrix3d> maps()
 {
     std::vector<Eigen::Matrix3d> all;
@@ -59,7 +59,7 @@ std::vector<Eigen::Matrix3d> maps()
     return all;
 }
 
-/// Is it of a scale that the filter is made for?
+/// Whether the filter is designed for this scale.
 bool ordinary(const Eigen::Matrix3d& map)
 {
     return map.norm() < 1e20 && map.norm() > 1e-20;
@@ -128,7 +128,7 @@ TEST_P(EveryFamilyInEights, IsJudgedAsTheExactTestDoesOrLeftOpen)
     }
 }
 
-/// What a kernel says that a pair has in common, not moved.
+/// The common points of a pair, as returned by a kernel; not transformed.
 struct Common {
     bool found;
     Eigen::Vector3d ends[2], normal_a, normal_b;
@@ -206,7 +206,7 @@ TEST(TriangleKernel, MovesSegmentsToTheWorld)
     const TrianglePoints flat{Eigen::Vector3d(-4, -4, 0), Eigen::Vector3d(4, -4, 0), Eigen::Vector3d(0, 4, 0)};
     const TrianglePoints steep{Eigen::Vector3d(-1, 0, -1), Eigen::Vector3d(1, 0, -1), Eigen::Vector3d(0, 0, 1)};
     TwoTriangles pair{flat,
-                      steep}; // where they are in the world; they share the segment from (-1/2, 0, 0) to (1/2, 0, 0)
+                      steep}; // in the world frame; they share the segment from (-1/2, 0, 0) to (1/2, 0, 0)
     for (Eigen::Vector3d& p : pair.first) p = a.inverse() * p;
     for (Eigen::Vector3d& p : pair.second) p = b.inverse() * p;
     const std::vector<TwoTriangles> eight(8, pair);
@@ -255,7 +255,7 @@ TEST_P(EveryFamilyInEights, HasNearestPointsThatASlabProvesAndTheSameBitsOnEvery
             EXPECT_NEAR(points.distance, (points.b - points.a).norm(), rounding);
             EXPECT_EQ(points.distance, triangle_distance(p, q)) << "one pair alone";
             EXPECT_LE(points.distance, corner_distance(p, q) + rounding);
-            if (points.distance < 1e-3 * extent_of(eight[i])) continue; // the line is known too roughly
+            if (points.distance < 1e-3 * extent_of(eight[i])) continue; // the line is known too inaccurately
             const Eigen::Vector3d line = (points.b - points.a) / points.distance;
             EXPECT_GE(least_along(line, q) - most_along(line, p), points.distance - 8 * rounding);
             EXPECT_NEAR(line.dot(points.a), most_along(line, p), 8 * rounding);
@@ -268,7 +268,7 @@ TEST_P(EveryFamilyInEights, HasNearestPointsThatASlabProvesAndTheSameBitsOnEvery
 
 TEST(TriangleKernel, MovesPointsToTheLastBitAsTheExactTestIsTold)
 {
-    // Triangles of B that end exactly on, or one step of a double above, a corner of A after the move.
+    // Triangles of B that, after the transform, end exactly on, or one ulp above, a corner of A.
     GridPoints random(21);
     const Eigen::Isometry3d a = Eigen::Isometry3d(random.rotation()), b = Eigen::Translation3d(0.3, 0.7, 0.1) * a;
     const RelativePose b_to_a(a, b);

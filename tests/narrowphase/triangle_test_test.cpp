@@ -11,7 +11,7 @@
 namespace oncollide {
 namespace {
 
-/// The longest edge of the two and of what is between them.
+/// The longest edge of the two triangles or between them.
 double extent(const TwoTriangles& pair)
 {
     double most = 0;
@@ -21,7 +21,7 @@ double extent(const TwoTriangles& pair)
     return most;
 }
 
-/// A gap shows exactly between those that the oracle parts, and none wider than the distance.
+/// Expects a gap exactly for the pairs that the oracle separates, and no gap wider than the distance.
 void check_gaps(const std::vector<TwoTriangles>& pairs)
 {
     for (const TwoTriangles& pair : pairs) {
@@ -36,7 +36,7 @@ void check_gaps(const std::vector<TwoTriangles>& pairs)
     }
 }
 
-/// Counts by TriangleContact; a failure for each answer that is not the oracle's.
+/// Counts by TriangleContact; a failure for each result that differs from the oracle's.
 std::array<int, 3> check(const std::vector<TwoTriangles>& pairs)
 {
     std::array<int, 3> count{};
@@ -113,7 +113,7 @@ TEST_P(EveryFamily, ShowsAGapExactlyWhereTrianglesAreApart)
 INSTANTIATE_TEST_SUITE_P(TriangleTest, EveryFamily, testing::ValuesIn(triangle_families()),
                          [](const auto& family) { return test_name(family.param); });
 
-// On a grid of 3 x 3 x 3 points triangles share corners and edges, lie in one plane, are segments and points.
+// On a grid of 3 x 3 x 3 points triangles share corners and edges, are coplanar, or are segments and points.
 TEST(TriangleTest, IsExactOnATinyGrid)
 {
     GridPoints random(6);
@@ -124,7 +124,7 @@ TEST(TriangleTest, IsExactOnATinyGrid)
     for (int n : count) EXPECT_GT(n, 500);
 }
 
-/// Point, segment or triangle through small integers.
+/// A point, segment or triangle through small integers.
 TrianglePoints degenerate(int corners, GridPoints& random)
 {
     const Eigen::Vector3d p = random.point(8), q = random.point(8);
@@ -143,7 +143,7 @@ TEST(TriangleTest, TakesSegmentsAndPointsAsWhatTheyAre)
                 const TrianglePoints a = degenerate(of_a, random);
                 TrianglePoints b = degenerate(of_b, random);
                 const Eigen::Vector3d shift = a[random.number(0, 2)] - b[random.number(0, 2)];
-                if (i % 2) // let them touch, or cross with luck
+                if (i % 2) // lets them touch, or perhaps cross
                     for (Eigen::Vector3d& p : b) p += shift;
                 if (i % 3 == 2)
                     for (TrianglePoints* t : {&pairs.emplace_back(a, b).first, &pairs.back().second})
@@ -187,7 +187,7 @@ TEST(TriangleTest, IsExactWhereMagnitudesAreFarApart)
     }
 }
 
-/// How far a point is from a triangle, for triangles that are no slivers.
+/// Distance of a point from a triangle that is not a sliver.
 double distance(const TrianglePoints& t, const Eigen::Vector3d& p)
 {
     const Eigen::Vector3d normal = (t[1] - t[0]).cross(t[2] - t[0]).normalized();
@@ -201,7 +201,7 @@ double distance(const TrianglePoints& t, const Eigen::Vector3d& p)
     return inside > 0 ? nearest : std::abs(normal.dot(p - t[0]));
 }
 
-/// The length that two triangles in different planes cut from the common line.
+/// Length of the common segment of two triangles in different planes.
 double length_of_contact(const TrianglePoints& a, const TrianglePoints& b)
 {
     const Eigen::Vector3d m = (a[1] - a[0]).cross(a[2] - a[0]), n = (b[1] - b[0]).cross(b[2] - b[0]);
@@ -219,7 +219,7 @@ double length_of_contact(const TrianglePoints& a, const TrianglePoints& b)
         low = std::max(low, first), high = std::min(high, last);
     };
     cut(a, n, b[0]), cut(b, m, a[0]);
-    return std::max(high - low, 0.0); // rounding can miss a short one
+    return std::max(high - low, 0.0); // rounding can miss a short segment
 }
 
 TEST_P(EveryFamily, HasContactsInBothTriangles)
@@ -289,7 +289,7 @@ TEST(CommonSegment, IsFoundForSegmentsAndPoints)
         ++met;
         const auto found = common_segment(a, b).ends;
         for (const Eigen::Vector3d& p : found) {
-            // Coordinates here are simple fractions: the point, times their denominator, is on the grid.
+            // Coordinates here are simple fractions: the point times their denominator is on the grid.
             int n = 1;
             while (((n * p).array().round() - (n * p).array()).abs().maxCoeff() > 1e-12 && n < 1000) ++n;
             ASSERT_LT(n, 1000) << shown({a, b}) << p.transpose();

@@ -1,5 +1,5 @@
-// A hierarchy of its own for tests: cubes of a regular grid, as an implicit octree over it, and their tests against
-// triangles. It is all that the walk over boxes needs to know of a new kind of geometry.
+// A minimal hierarchy for tests: cubes of a regular grid, as an implicit octree, and their tests against triangles. It
+// is all that the box traversal needs for a new kind of geometry.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -18,7 +18,7 @@ namespace oncollide {
 class VoxelGrid {
 public:
     struct Node {
-        std::uint32_t size, x, y, z; ///< cubes along a side, and the first one
+        std::uint32_t size, x, y, z; ///< cubes per side, and the first cube
     };
     using Primitive = std::uint32_t; ///< (z size + y) size + x
     static constexpr Node root{0, 0, 0, 0};
@@ -77,7 +77,7 @@ public:
     }
 
 private:
-    /// The root has one box, around all.
+    /// The root has one box, around the whole grid.
     Node below(const Node& node, unsigned k) const
     {
         if (!node.size) return {size_, 0, 0, 0};
@@ -97,7 +97,7 @@ private:
     std::vector<std::uint32_t> cubes_;
 };
 
-/// A cube, solid, against a triangle, with B's moved into A's frame; `cubes_first`: the grid is A.
+/// A solid cube against a triangle, with B transformed into A's frame; `cubes_first`: the grid is A.
 template <bool cubes_first>
 class CubeTests {
 public:

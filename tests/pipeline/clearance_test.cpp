@@ -1,4 +1,4 @@
-// Clearances where rounding is all that matters.
+// Clearances that are as small as rounding errors.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ PairResult answer(const Mesh& a, const Isometry3d& pose_a, const Mesh& b, const 
                                : frame.pairs[0];
 }
 
-/// Files whose vertices are far from their origins: turned back, they round by more than the clearance.
+/// Files whose vertices are far from their origins: after the pose, their rounding errors exceed the clearance.
 TEST(Clearance, IsNotLostInWhatFilesFarAwayRound)
 {
     const Mesh spike = mesh_of({{0, 0, 0}, {1, 0x1p-6, 0}, {1, -0x1p-6, 0x1p-6}}, {{0, 1, 2}});

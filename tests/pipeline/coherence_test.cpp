@@ -1,5 +1,5 @@
-// Pairs that stay apart by what an earlier frame certified: the same results with coherence and without, and those of a
-// World that remembers nothing, whatever the bodies do.
+// Pairs that stay separate because of an earlier frame's gap: the same results with coherence, without it, and in a new
+// World, for any motion.
 #include <map>
 #include <memory>
 #include <optional>
@@ -36,7 +36,7 @@ public:
         for (std::size_t i = 0; i < bodies_.size(); ++i) add(i);
     }
 
-    /// Most bodies move a little, some rest, and a few do something else.
+    /// Most bodies move a little, some rest, and a few change in other ways.
     void change()
     {
         for (std::size_t i = 0; i < bodies_.size(); ++i) {
@@ -50,7 +50,7 @@ public:
                                              Vector3d(u() - 0.5, u() - 0.5, u() - 0.5).normalized());
                 Isometry3d pose = body.pose;
                 pose.linear() = Eigen::Quaterniond(turn * pose.linear()).normalized().toRotationMatrix();
-                if (below(8) == 0) pose.linear() *= 1 + 4e-7 * (u() - 0.5); // as rigid as is allowed
+                if (below(8) == 0) pose.linear() *= 1 + 4e-7 * (u() - 0.5); // at the limit of rigidity
                 pose.translation() += by.translation();
                 body.pose = pose;
                 for (auto& world : worlds_) world->set_pose(body.id, pose);
@@ -78,7 +78,7 @@ public:
     }
 
     World& world(std::size_t i) { return *worlds_[i]; }
-    /// The same bodies, without a past.
+    /// A World with the same bodies and no history.
     World fresh(Settings settings)
     {
         World world(settings);
@@ -190,8 +190,8 @@ TEST_P(Coherence, ChangesNoVerdictAndNoBoundAndKeepsPairsApartThatAre)
                 }
             }
             if (frame % 4) continue;
-            // A world without a past says the same of each, and the bounds on distances hold but for what poses that
-            // are not quite rigid make of distances.
+            // A new World has the same results, and the bounds on distances hold up to the distortion by poses that are
+            // not quite rigid.
             World fresh = crowd.fresh(on);
             const auto results = by_users(crowd.world(0), expected);
             std::map<Users, PairResult> again = by_users(fresh, fresh.step());
@@ -225,7 +225,7 @@ TEST(CoherenceOfAPair, EndsWhereTheBodiesCanHaveMet)
     World world({.exact = ExactLevel::predicates});
     const ModelId model = world.add(make_sphere_mesh(0.5, 500));
     Isometry3d still = Isometry3d::Identity(), other = still;
-    other.translation() = Vector3d(0.8, 0.8, 0); // their boxes meet
+    other.translation() = Vector3d(0.8, 0.8, 0); // their boxes overlap
     const BodyId a = world.add_body({.model = model, .pose = still});
     const BodyId b = world.add_body({.model = model, .pose = other});
     const auto step = [&] {
@@ -250,7 +250,7 @@ TEST(CoherenceOfAPair, EndsWhereTheBodiesCanHaveMet)
     still.translation().y() -= 0.25 * gap;
     world.set_pose(a, still);
     EXPECT_TRUE(step().second);
-    for (const double x : {0.3, -0.3}) { // there and back in one frame: it counts all the same
+    for (const double x : {0.3, -0.3}) { // there and back in one frame: the motion counts
         other.translation().x() += x * gap;
         world.set_pose(b, other);
     }

@@ -1,4 +1,4 @@
-// How pairs collide: touching, crossing, enclosed, near.
+// The kinds of contact: touching, crossing, enclosed, near.
 #include <functional>
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ PairResult at(Pipeline& pipeline, Scene& scene, const Eigen::Vector3d& place)
                                : frame.pairs[0];
 }
 
-/// The most that any two triangles do to each other.
+/// The strongest contact of any two triangles.
 TriangleContact brute_force(const Scene& scene)
 {
     const RelativePose b_to_a(scene.poses[0], scene.poses[1]);
@@ -77,7 +77,7 @@ TEST(ContactKinds, TellTouchingFromCrossingToTheLastBit)
     EXPECT_EQ(kind(0.95, 0, 0), ContactKind::crossing) << "walls overlap, though every two triangles only touch";
 }
 
-/// Many frames, so that hints of touching and of crossing triangles are met by the other.
+/// Many frames, so that hints of touching triangles meet crossing ones and vice versa.
 TEST(ContactKinds, EqualBruteForceOverAllPairsOfTriangles)
 {
     const Mesh knot = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 300), box = make_box_mesh({0.5, 0.5, 0.5}),
@@ -91,7 +91,7 @@ TEST(ContactKinds, EqualBruteForceOverAllPairsOfTriangles)
         Pipeline without_hints(scene, alone);
         for (std::uint64_t frame = 0; frame < 120; ++frame) {
             Eigen::Vector3d place;
-            // Steps of a quarter, so that faces, edges and corners often lie on each other.
+            // Multiples of a quarter, so that faces, edges and corners often coincide.
             for (std::uint64_t k = 0; k < 3; ++k) place[int(k)] = 0.25 * std::floor(8 * u01(7, frame, k)) - 1;
             const PairResult result = at(pipeline, scene, place);
             TriangleContact truth = brute_force(scene);
@@ -113,10 +113,10 @@ TEST(ContactKinds, OfASlideThatKeepsTouchingShowACrossingElsewhere)
 {
     const Mesh box = make_box_mesh({0.5, 0.5, 0.5}), wall = make_box_mesh({0.5, 3, 3});
     const Mesh tip = make_mesh("tip", {{-0.5, 0, 0}, {0, 0.1, 0.2}, {0, -0.2, 0.1}, {0, 0.1, -0.2}},
-                               {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}}); // open: no inside tells
+                               {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}}); // open, so it has no inside
     Scene scene = two(joined({wall, moved(box, {2.3, 1.2, 11.2})}), joined({tip, moved(box, {1, 0, 10})}));
     Pipeline pipeline(scene, with_kinds());
-    for (const double y : {0.0, 0.1, 0.3, 0.1}) // triangles that touched last time still do
+    for (const double y : {0.0, 0.1, 0.3, 0.1}) // triangles that touched last time still touch
         EXPECT_EQ(at(pipeline, scene, {1, y, 1}).kind, y > 0.2 ? ContactKind::crossing : ContactKind::touching) << y;
 }
 
@@ -167,7 +167,7 @@ TEST(ContactKinds, TouchingCanBeIgnored)
     Settings settings = with_kinds();
     settings.contact_kinds = false, settings.ignore_touching = true;
     Pipeline pipeline(scene, settings);
-    for (int round = 0; round < 2; ++round) { // the second meets the hints of the first
+    for (int round = 0; round < 2; ++round) { // the second round uses the hints of the first
         const PairResult touching = at(pipeline, scene, {1, 0.05, 0.3});
         EXPECT_EQ(touching.verdict, Verdict::separate);
         EXPECT_EQ(touching.kind, ContactKind::touching);

@@ -1,4 +1,4 @@
-// Contacts of bodies of every kind, part by part, held against distances of convex sets that share no code with the
+// Contacts of bodies of every kind, part by part, compared with distances of convex sets that share no code with the
 // library.
 #include <map>
 
@@ -16,7 +16,7 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-constexpr double tie = 1e-10; ///< of bodies of a few metres
+constexpr double tie = 1e-10; ///< for bodies of a few metres
 
 /// The parts in the order of convex_sets().
 std::vector<BodyPart> parts_of(const GeometryData& geometry)
@@ -59,7 +59,7 @@ std::vector<Aabb> boxes_of(const std::vector<tools::ConvexSet>& sets)
     return boxes;
 }
 
-/// Holds the contacts of two bodies against every pair of parts. Returns how many meet.
+/// Compares the contacts of two bodies with every pair of parts. Returns how many meet.
 std::size_t compare(const World& world, BodyId a, BodyId b, const GeometryData& of_a, const GeometryData& of_b,
                     const Isometry3d& pose_a, const Isometry3d& pose_b, const std::string& where)
 {
@@ -156,7 +156,7 @@ TEST(Contacts, OfSolidsSayWhichWayIsOut)
     }
 }
 
-/// A half-space lists what reaches into it, and nothing else.
+/// The contacts of a half-space are exactly the parts that touch it.
 TEST(Contacts, OfAHalfSpaceAreAllPartsThatReachIntoIt)
 {
     World world;

@@ -1,5 +1,5 @@
-// The one contract: a stage may keep what does not collide; it must never lose what does. FCL judges whole pipelines,
-// at every depth and with each stage left out or replaced in turn.
+// The contract: a stage may keep pairs that do not collide, but must never lose a pair that does. FCL checks whole
+// pipelines, at every depth and with each stage left out or replaced in turn.
 #include "study/accuracy_check.hpp"
 
 #include <gtest/gtest.h>
@@ -73,10 +73,10 @@ std::vector<Variant> every_toggle(int depth)
 
 struct Play {
     int first = 0, frames = 3, every = 1;
-    int bounds = 4; ///< to check in each frame, per variant
+    int bounds = 4; ///< to check per frame and variant
 };
 
-/// FCL answers each frame once; every variant must keep what it found, and every bound must hold for its distance.
+/// FCL decides each frame once; every variant must keep FCL's collisions, and every bound must hold for its distance.
 void judge(Scene scene, const std::vector<Variant>& variants, Play play)
 {
     Mover mover;
@@ -143,13 +143,13 @@ TEST(Contract, NoCollisionAmongManyIsLostAtAnyDepth)
     judge(catalogue_scene("many", 100), every_depth(), {});
 }
 
-/// Small bodies far apart: most regions have nothing in them, and those with something must survive.
+/// Small bodies far apart: most regions are empty, and the regions with bodies must survive.
 TEST(Contract, NoCollisionOfATownIsLostWithAnyStageOff)
 {
     judge(catalogue_scene("city", 500), every_toggle(3), {.frames = 2, .every = 20, .bounds = 2});
 }
 
-/// Delimitation works where little moves: here it must keep pillars with a ring on them, in groups and alone.
+/// Delimitation is effective if little moves: here it must keep pillars with a ring on them, in groups and alone.
 TEST(Contract, NoCollisionAmongPillarsIsLostWithAnyStageOff)
 {
     Scene scene;
@@ -165,7 +165,7 @@ TEST(Contract, NoCollisionAmongPillarsIsLostWithAnyStageOff)
         }
         BodyInit body{.name = "pillar " + std::to_string(i), .geometry = pillar};
         body.pose.translation() << position.head<2>(), 0;
-        if (i % 5 == 0) { // bodies of both kinds are spread over all numbers
+        if (i % 5 == 0) { // mixes bodies of both kinds in their numbering
             body.name = "ring " + std::to_string(i), body.geometry = ring;
             body.pose.translation() = position;
             body.motion = Drift{velocity, 0.2 * velocity, {-half, half}};
@@ -212,8 +212,7 @@ TEST(Contract, OneMeshTwiceAtOnePoseCollidesAtEveryDepth)
     }
 }
 
-/// Moves body 1 along a ray towards body 0 until FCL says that they collide, by the least it can tell. False when they
-/// never do.
+/// Moves body 1 along a ray towards body 0 until FCL reports the first collision. False if they never collide.
 bool push_until_touching(Scene& scene, const Eigen::Vector3d& direction, double reach)
 {
     FclWorld world(scene);
@@ -234,7 +233,7 @@ bool push_until_touching(Scene& scene, const Eigen::Vector3d& direction, double 
     return collide(touching);
 }
 
-/// Contact in one point is what a hole in a tree loses.
+/// A contact at one point is lost by a hole in a tree.
 TEST(Contract, BodiesThatBarelyTouchCollideAtEveryDepth)
 {
     const std::vector<Mesh> meshes{make_torus_knot_mesh(2, 3, 0.6, 0.25, 0.12, 900),
@@ -263,7 +262,7 @@ TEST(Contract, BodiesThatBarelyTouchCollideAtEveryDepth)
     EXPECT_GT(touching, 100);
 }
 
-/// Coordinates are small multiples of powers of two: the boxes touch exactly, and FCL says so.
+/// Coordinates are small multiples of powers of two: the boxes touch exactly, and FCL reports it.
 TEST(Contract, BoxesThatOnlyTouchCollideAtEveryDepth)
 {
     for (const bool as_shape : {false, true}) {
@@ -278,13 +277,13 @@ TEST(Contract, BoxesThatOnlyTouchCollideAtEveryDepth)
         put(scene, box, {-1, -0.5, 1});  // corner on corner
         judge(scene, every_depth(), {.frames = 2});
         judge(scene, every_toggle(6), {.frames = 2});
-        if (as_shape) continue; // libccd may call touching shapes apart
+        if (as_shape) continue; // libccd may report touching shapes as separate
         FclWorld world(scene);
         EXPECT_GE(world.step().colliding.size(), 4u);
     }
 }
 
-/// FCL sees surfaces only; the pipeline in solid mode must see the inside too, and say so with certainty.
+/// FCL tests surfaces only; the pipeline in solid mode must also detect the inside, with certainty.
 TEST(Contract, ABodyInsideAnotherCollidesInSolidModeOnly)
 {
     Scene scene;

@@ -1,4 +1,4 @@
-// Meshes in cooked files against the meshes that they were cooked from.
+// Meshes in cooked files, compared with the meshes that they were cooked from.
 #include <chrono>
 #include <filesystem>
 #include <thread>
@@ -33,7 +33,7 @@ std::string read(const fs::path& file)
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// With vertices that no triangle uses, triangles that are there twice, and others without area.
+/// With vertices that no triangle uses, duplicate triangles, and triangles without area.
 Mesh odd_mesh(std::size_t triangles)
 {
     std::vector<Eigen::Vector3d> vertices;
@@ -63,7 +63,7 @@ struct Sample {
     Mesh mesh;
 };
 
-//// From one triangle to more than the trees' grids take to (the terrain), of one chunk and of many.
+/// / From one triangle to more than the size from which trees use grids (the terrain), of one chunk and of many.
 const std::vector<Sample>& samples()
 {
     static const std::vector<Sample> all{
@@ -194,7 +194,7 @@ TEST(Cooked, GivesTheSameResultsInEveryMode)
         const double size = sample.mesh.bounds.diagonal() / 2;
         for (const auto& [name, of] : settings) {
             if (std::string(name) == "spheres" && sample.mesh.triangles.size() > 100'000)
-                continue; // slow, and no other
+                continue; // slow, and no different
             SCOPED_TRACE(fmt::format("{}, {}", sample.name, name));
             const bool turning = sample.mesh.triangles.size() < 100'000;
             const Played played = play(scene_of(mesh, size, turning), of);
@@ -234,7 +234,7 @@ TEST(Cooked, GivesTheSameContactsAndDistances)
     }
 }
 
-/// A terrain or a map, and how it is cooked and opened.
+/// A terrain or a map, and the functions that cook and open it.
 struct Grid {
     std::string name;
     GeometryData data;
@@ -247,8 +247,8 @@ struct Grid {
     }
 };
 
-/// Heights at 1, 2, 4 and 8 bytes, with holes, off by something, with diagonals of their own; of one chunk, of one
-/// whose last column has a chunk to itself, of many. Maps of one chunk and of many.
+/// Heights at 1, 2, 4 and 8 bytes, with holes, with an error, with a diagonal per cell; of one chunk, with a last
+/// column in a separate chunk, of many chunks. Maps of one chunk and of many.
 std::vector<Grid> grids()
 {
     std::vector<Grid> all;
@@ -315,13 +315,13 @@ TEST(Cooked, GridsGiveTheSameHeightsAndCells)
         auto b = std::get<OccupancyMap>(cooked);
         EXPECT_EQ(leaves(a), leaves(b));
         EXPECT_EQ(a.count(), b.count());
-        b.set(a.bounds(), CellState::occupied); // which takes it into memory
+        b.set(a.bounds(), CellState::occupied); // reads it into memory
         EXPECT_EQ(b.cells().chunks(), nullptr);
         EXPECT_EQ(leaves(a), leaves(std::get<OccupancyMap>(cooked)));
     }
 }
 
-/// Grids below bodies of every kind, which turn and fall through them, the grid itself and another one among them.
+/// Grids below bodies of every kind, including other grids, which rotate and fall through them.
 Scene over_grid(const GeometryData& grid)
 {
     Scene scene;
@@ -382,7 +382,7 @@ TEST(Cooked, GridsGiveTheSameResults)
     }
 }
 
-/// A small body over one place of the terrain.
+/// A small body over one position of the terrain.
 Scene one_body_on(const GeometryData& ground, const Eigen::Vector3d& at = {0, 0, 0})
 {
     Scene scene;
@@ -494,7 +494,7 @@ TEST(Cooked, ResultsDoNotDependOnWhatMayBeHeld)
         expect_same(all, some);
         EXPECT_TRUE(some.faults.empty());
         EXPECT_GT(all.bytes, 2 * little.resident_budget);
-        EXPECT_LT(some.bytes, 2 * little.resident_budget); // the crates' trees, too
+        EXPECT_LT(some.bytes, 2 * little.resident_budget); // including the crates' trees
     }
 }
 
@@ -520,7 +520,8 @@ TEST(Cooked, BoxesOfTurnedBodiesAreThoseOfTheMeshAndNeedItsEndsOnly)
         ASSERT_GT(chunks, 8u);
         PoseBounds a(of_mesh), b(in_file);
         for (std::uint64_t i = 0; i < 40; ++i) {
-            const Eigen::Isometry3d pose = random_pose(i, 3), other = random_pose(i + 1000, 3); // which nobody expects
+            const Eigen::Isometry3d pose = random_pose(i, 3), other = random_pose(i + 1000, 3); // an unpredictable
+                                                                                                // motion
             a.expect(pose), b.expect(pose);
             EXPECT_EQ(a.box(pose).min, b.box(pose).min);
             EXPECT_EQ(a.box(pose).max, b.box(pose).max);
@@ -546,7 +547,7 @@ TEST(Cooked, BoxesOfTurnedBodiesAreThoseOfTheMeshAndNeedItsEndsOnly)
             wider += wide.min != exact.min || wide.max != exact.max;
         }
         EXPECT_GT(wider, 0u);
-        // Nor does a box of no numbers do more than that.
+        // A box with NaN coordinates has no worse effect.
         test::set_value(bytes, sizeof(CookedHeader) + offsetof(CookedNode, origin), std::nanf(""));
         std::string sealed = test::resealed(bytes);
         sealed.back() ^= 1;
@@ -660,7 +661,7 @@ TEST(Cooked, OneThatNeedsAllOfADamagedMeshIsRefusedAtOnce)
         ErrorKind::bad_data, [&] { world.add_body({.model = model}); }, "damaged.cooked", "checksum");
 }
 
-/// Tiles side by side, each of which is opened when a ball comes to it, and balls that roll over them.
+/// Adjacent tiles, each of which is opened when a sphere approaches, and spheres that roll over them.
 struct TiledWorld {
     std::vector<std::shared_ptr<const CookedMesh>> tiles;
     Scene scene;
@@ -761,14 +762,14 @@ TEST(Cooked, NothingRestsOnBoundsThatATileContradicts)
     ASSERT_FALSE(played.frames[2].empty());
     std::size_t with_tiles = 0;
     for (const PairResult& pair : played.frames[2]) {
-        if (pair.a.slot >= 16) continue; // two balls
+        if (pair.a.slot >= 16) continue; // two spheres
         ++with_tiles;
         EXPECT_EQ(pair.verdict, Verdict::undecided);
         EXPECT_GE(pair.bound, 1e15);
     }
     EXPECT_GT(with_tiles, 0u);
     ASSERT_FALSE(played.faults.empty());
-    EXPECT_NE(played.faults[0].find("not what the index"), std::string::npos) << played.faults[0];
+    EXPECT_NE(played.faults[0].find("does not match the index"), std::string::npos) << played.faults[0];
     EXPECT_NE(played.faults[0].find("results undecided"), std::string::npos) << played.faults[0];
 }
 
@@ -794,7 +795,7 @@ TEST(Cooked, ATileThatIsGoneCostsItsPairs)
     }
 }
 
-/// Does the file open, and is all of it as it was?
+/// Whether the file opens, and all of its contents are unchanged.
 bool is_whole(const TemporaryFolder& folder, const std::string& bytes)
 {
     const fs::path file = folder.write("changed.cooked", bytes);
@@ -836,13 +837,13 @@ TEST(Cooked, OtherVersionsAndByteOrdersAreNamed)
     };
     expect(offsetof(CookedHeader, version), 2, "version 2");
     expect(offsetof(CookedHeader, byte_order), 0x04030201, "byte order");
-    expect(offsetof(CookedHeader, magic), 7, "no cooked file");
+    expect(offsetof(CookedHeader, magic), 7, "not a cooked file");
     expect(offsetof(CookedHeader, kind), 9, "unknown kind");
     test::expect_error(
         ErrorKind::no_input, [&] { opened(folder.path() / "none.cooked"); }, "none.cooked");
 }
 
-/// Checksums cannot tell what was forged on purpose; checks of what they cover must.
+/// Checksums do not detect forged data; checks of the data must.
 TEST(Cooked, BoxesThatTheirTrianglesContradictAreNotTrusted)
 {
     const TemporaryFolder folder;
@@ -850,7 +851,7 @@ TEST(Cooked, BoxesThatTheirTrianglesContradictAreNotTrusted)
     const std::string bytes = read(cooked(folder, terrain));
     const auto header = test::value_at<CookedHeader>(bytes, 0);
     ASSERT_GT(header.nodes, 2u);
-    // Each node's boxes one unit lower, in turn: all that a chunk below needs is its top.
+    // Shrinks each node's boxes along z, in turn: a chunk below it needs only its top.
     for (std::uint32_t node = 0; node < header.nodes; ++node) {
         std::string forged = bytes;
         const std::size_t at =
@@ -862,7 +863,7 @@ TEST(Cooked, BoxesThatTheirTrianglesContradictAreNotTrusted)
         const fs::path file = folder.write("forged.cooked", test::resealed(forged));
         EXPECT_THROW(check_cooked(file), ChunkFault) << node;
     }
-    // A chunk that is touched is checked before its triangles are taken for all there is.
+    // A chunk is checked before its triangles are used as its whole contents.
     std::string forged = bytes;
     const auto entry = test::value_at<CookedChunkEntry>(bytes, test::table_of(bytes));
     for (std::size_t v = 0; v < entry.vertices; ++v)

@@ -96,7 +96,8 @@ TEST_F(BodyTable, RefusesTablesThatMakeNoSense)
     refuse_csv(head + row + "\"ball,1,2,3,1,0,0,0,0,1\n", "line 3: a quoted field has no closing quote");
     refuse_csv(head + row + "\"ball\"x,1,2,3,1,0,0,0,0,1\n", "line 3: a comma or the end of the line");
     refuse_csv("geometry,x,y,z,static,vx,vy,vz\nball,1,2,3,1,1,0,0\n", "line 2: body 0: is static");
-    refuse_csv("name,geometry,x,y,z\nq,ball,1,2,3\nq,ball,1,2,3\n", "line 3: body 'q': the scene has another one");
+    refuse_csv("name,geometry,x,y,z\nq,ball,1,2,3\nq,ball,1,2,3\n",
+               "line 3: body 'q': the scene has another body of this name");
     folder_.write("t.csv", "geometry,x,y,z\nball,1,2,3\n");
     const auto refuse = [&](const std::string& entry, std::string_view part) {
         expect_error(

@@ -112,7 +112,7 @@ TEST_F(RecordedMotion, APoseThatIsNoneNamesItsFrameAndItsBodyWhenItIsPlayed)
         mover.move(scene, 1);
         expect_error(
             ErrorKind::bad_data, [&] { mover.move(scene, 2); }, "r.npy: frame 2: body 2: (",
-            "no position and quaternion");
+            "not a position and unit quaternion");
         Scene named = load_npy(as_npy<double>(n, shape(), "<f8"), R"({"geometry": "ball", "name": "b"})");
         expect_error(
             ErrorKind::bad_data, [&] { mover.move(named, 2); }, "r.npy: frame 2: body 'b': (");

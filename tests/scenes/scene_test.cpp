@@ -73,10 +73,10 @@ TEST(Scene, RefusesASecondGeometryOrBodyOfTheSameName)
 {
     Scene scene = scene_with_ball();
     expect_error(
-        ErrorKind::bad_data, [&] { scene.add("ball", Sphere{2}); }, "geometry 'ball'", "another one");
+        ErrorKind::bad_data, [&] { scene.add("ball", Sphere{2}); }, "geometry 'ball'", "another geometry");
     scene.add_body({.name = "a"});
     expect_error(
-        ErrorKind::bad_data, [&] { scene.add_body({.name = "a"}); }, "body 'a'", "another one");
+        ErrorKind::bad_data, [&] { scene.add_body({.name = "a"}); }, "body 'a'", "another body");
     EXPECT_EQ(scene.geometries.size(), 1u);
     EXPECT_EQ(scene.size(), 1u);
 }

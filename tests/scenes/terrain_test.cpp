@@ -170,7 +170,7 @@ TEST(TerrainHeights, RefusesWhatIsNoTerrain)
     expect_error(
         ErrorKind::usage, [&] { make_terrain("land", grid, four); }, "land: ", "3 bytes");
     grid = grid_of(2, 2), grid.error = -1;
-    refused(grid, four, "off by -1");
+    refused(grid, four, "error of heights is -1");
     expect_error(
         ErrorKind::usage, [] { make_hills(0, 5, 1, 1, 1); }, "hills", "number of cells");
     expect_error(

@@ -155,10 +155,10 @@ TEST_F(Cook, AWorldOfTilesIsNamedByItsIndex)
     folder_.write("wrong-scene.json", scene_with("land/wrong.json"));
     const Outcome undecided = run({"run", "wrong-scene.json", "--exact", "on", "--quiet", "--json", "wrong.out.json"});
     EXPECT_EQ(undecided.code, 65);
-    EXPECT_NE(undecided.err.find("not what the index of its tiles says"), std::string::npos) << undecided.err;
+    EXPECT_NE(undecided.err.find("does not match the index of its tiles"), std::string::npos) << undecided.err;
     const auto verdicts = nlohmann::json::parse(folder_.read("wrong.out.json"))["frames"][6]["verdicts"];
     EXPECT_EQ(verdicts["colliding"], 0) << verdicts.dump();
-    expect_error(65, {"cook", "--check", "land/wrong.json"}, {"0-0.cooked", "not what the index"});
+    expect_error(65, {"cook", "--check", "land/wrong.json"}, {"0-0.cooked", "does not match the index"});
     const std::vector<std::pair<std::string, std::string>> damaged{
         {"", "empty"},
         {index.substr(0, index.size() / 2), "line"},
@@ -231,7 +231,7 @@ TEST_F(Cook, RefusesWhatMakesNoSense)
     expect_error(64, {"cook", "--check", "ground.obj", "-o", "a.cooked"}, {"--check"});
     expect_error(66, {"cook", "none.obj", "-o", "a.cooked"}, {"none.obj"});
     folder_.write("wrong.cooked", "v 0 0 0\n");
-    expect_error(65, {"check", "wrong.cooked", "ground.obj"}, {"wrong.cooked", "no cooked file"});
+    expect_error(65, {"check", "wrong.cooked", "ground.obj"}, {"wrong.cooked", "not a cooked file"});
 }
 
 TEST_F(Cook, TheCacheIsKeyedByContentBoundedAndShared)

@@ -201,7 +201,7 @@ TEST_F(Pairs, AreRefusedWhereTheyCannotBeWrittenOrContinued)
                  {"p.h5", "its 'scene' differs from this run's: city there, hills here"});
     EXPECT_EQ(frames_of("p.h5"), 3) << "what cannot be continued stays";
     folder_.write("p.h5", "nothing of the kind");
-    expect_error(65, city(9, {"--pairs", "p.h5", "--from-frame", "2"}), {"p.h5", "no file of results"});
+    expect_error(65, city(9, {"--pairs", "p.h5", "--from-frame", "2"}), {"p.h5", "not a results file"});
     EXPECT_EQ(folder_.read("p.h5"), "nothing of the kind");
     EXPECT_EQ(folder_.list(), std::vector<std::string>{"p.h5"});
 }

@@ -303,7 +303,7 @@ TEST_F(ViewOfResults, ThatCannotBeReadAreRefused)
         0);
     const auto of = [](const char* file) { return std::vector<std::string>{"view", file, "-o", "y.html"}; };
     expect_error(66, of("missing.h5"), {"missing.h5"});
-    expect_error(65, of("r.json"), {"r.json", "no file of results", "--pairs"});
+    expect_error(65, of("r.json"), {"r.json", "not a results file", "--pairs"});
     expect_error(64, {"view", "p.h5", "-o", "p.h5"}, {"--out p.h5", "input"});
     expect_error(64, {"view", "p.h5", "-o", "-"}, {"--out", "standard output"});
     expect_error(64, {"view", "p.h5"}, {"--out"});

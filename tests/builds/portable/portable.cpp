@@ -1,6 +1,5 @@
-// Prints a hash of what the kernels and the walks answer, which must be the same with every compiler and on every
-// processor. Meshes and poses come from random numbers and basic operations alone: not every mathematics library rounds
-// sines alike.
+// Prints a hash of the results of kernels and traversals, which must be equal for every compiler and processor. Meshes
+// and poses use only random numbers and basic operations: mathematics libraries round sines differently.
 #include <bit>
 #include <cmath>
 #include <cstdio>
@@ -121,7 +120,7 @@ void predicates(Hash& hash)
     for (std::uint64_t i = 0; i < 2000; ++i) {
         Vector3d p[4];
         for (std::uint64_t k = 0; k < 4; ++k) p[k] = random_point(5, 4 * i + k);
-        p[3] = p[0] + 0.25 * (p[1] - p[0]) + 0.5 * (p[2] - p[0]); // on the plane, rounding aside
+        p[3] = p[0] + 0.25 * (p[1] - p[0]) + 0.5 * (p[2] - p[0]); // on the plane up to rounding
         hash.add(static_cast<std::uint64_t>(orient3d(p[0], p[1], p[2], p[3]) + 1));
     }
 }
