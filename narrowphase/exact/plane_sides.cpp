@@ -53,7 +53,8 @@ bool PlaneSides::part_all(std::uint64_t& looked)
 {
     const std::size_t of_a = a_->vertices.size(), of_b = b_->vertices.size();
     int side = 0; // the side of A's vertices; B's are negated
-    // Alternates between A and B: most planes have a vertex of A and of B on one side, which two tests then find.
+    // Alternates between A and B: for most planes the first vertices of A and B are on the same side, so two tests
+    // suffice.
     for (std::uint32_t v = 0; v < std::max(of_a, of_b); ++v)
         for (const bool is_b : {false, true}) {
             if (v >= (is_b ? of_b : of_a)) continue;

@@ -8,7 +8,6 @@
 // signs. If each errs by at most E, then t errs by at most E / (|P - Q| - 2 E). A coordinate errs by that times the
 // edge's extent, plus 9 u of the largest coordinate M for rounding: less than 2^-46 M if E times the extent is below
 // 2^-47 M |P - Q| and E below 2^-17 |P - Q|.
-// and E below 2^-17 |P - Q|.
 #include <oncollide/narrowphase/exact/segment_kernel.hpp>
 #include <oncollide/narrowphase/exact/triangle_lanes.hpp>
 

@@ -40,9 +40,10 @@ struct GlComputeOptions {
 };
 std::unique_ptr<OcclusionBackend> make_gl_compute_backend(const GlComputeOptions& options = {});
 
-/// The method of the paper, for reference: is any fragment drawn if the cell is the view volume? Not conservative:
-/// triangles seen edge-on or smaller than a pixel leave no fragment. error() allows for grey octants without surface;
-/// nothing allows for missed octants. Source: Franquesa-Niubó and Rodríguez González, GRAPP 2006, section 4.
+/// The method of the paper, for reference: tests whether a fragment is drawn with the cell as view volume. Not
+/// conservative: triangles seen edge-on or smaller than a pixel leave no fragment. error() allows for grey octants
+/// without surface; nothing allows for missed octants. Source: Franquesa-Niubó and Rodríguez González, GRAPP 2006,
+/// section 4.
 struct GlQueryOptions {
     enum class Primitives : unsigned char { soup, indexed, strips };
     enum class Samples : unsigned char { passed, any };

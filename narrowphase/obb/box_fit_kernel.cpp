@@ -87,7 +87,7 @@ void sums(const FourTriangles* fours, std::size_t triangles, const double (&midd
     }
     double most = 0;
     for (int k = 0; k < 4; ++k) most = largest[k] > most ? largest[k] : most;
-    // A square is below 12 * 2^26, and there are 2^14 at most: their sum is below 2^52.
+    // A square is below 12 * 2^26, and its weight at most 256. There are at most 2^14, so their sum is below 2^52.
     constexpr double heaviest = 256;
     const double share_of_area = most > 0 ? heaviest / most : 0;
     F64 squares[6] = {}, sum[3] = {}, weights = F64{};

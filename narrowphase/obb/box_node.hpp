@@ -24,7 +24,7 @@ struct alignas(64) BoxNode {
 };
 static_assert(sizeof(BoxNode) == 192);
 
-/// A node with boxes that are no leaves.
+/// A node with at least one box that is no leaf.
 struct InnerNode {
     BoxNode boxes;
     std::uint32_t child[8]; ///< child node of box k; 0: not grown yet, or a leaf. Other threads may set it
@@ -40,8 +40,8 @@ struct BoxPlacement {
     float translation[3];
 };
 
-/// The rounding allowance of a node's boxes, relative to their size: the largest sum of half-extents of any of them.
-/// The size of a stored box includes its distance from the node's origin.
+/// The rounding allowance of a node's boxes, as a share of the node's size: the largest sum of half-extents of a box,
+/// plus, for stored boxes, the distance of the box from the node's origin.
 constexpr float box_margin = 0x1p-15f;
 
 /// Eight boxes of one node in the layout of the box test: in A's frame, metres. Box k is the set of points c + u a1 + v

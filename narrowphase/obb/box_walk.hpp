@@ -87,7 +87,7 @@ public:
     void all_meetings(A& a, B& b, const RelativePose& b_to_a, auto found, auto leave);
 
     /// Decides whether the distance is at most `clearance`. Geometries farther apart than the clearance, but at most
-    /// clearance + tolerance apart, may be reported as near. The result does not depend on `hint`.
+    /// clearance + tolerance apart, may be reported as near. Whether they are does not depend on `hint`.
     NearBounds<Pair> near(A& a, B& b, const RelativePose& b_to_a, double clearance, double tolerance,
                           std::optional<Pair> hint, std::optional<Place>* place = nullptr);
 
@@ -436,7 +436,7 @@ unsigned BoxWalk<A, B, Leaves>::compare(Entry e, bool down_a, std::uint32_t slot
     ++box_rows;
     float gaps[8];
     const unsigned k = down_a ? e.lane_b() : e.lane_a();
-    if (down_a) // this other box, the larger one, is usually opened soon
+    if (down_a) // as a rule the other box is soon the larger one
         b_.prefetch(e.slot_b(), k);
     else
         a_.prefetch(e.slot_a(), k);
@@ -695,7 +695,7 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
         measure();
     };
     // Pairs in overlapping boxes that did not meet are near. If there are none, a coarse search finds the line early.
-    // Geometries that are far apart need a larger share, as few of their pairs are nearer than the share.
+    // Its share is larger for geometries that are far apart: few of their pairs are nearer than that.
     if (waiting_.size() > most_seeds) waiting_.resize(most_seeds);
     measure();
     if (!best.nearest) look(box_rows - rows_before > 8 ? 0.5 : 0.85);

@@ -32,7 +32,7 @@ struct LaneMasks {
 /// - `open(node, placement, boxes)` writes the node's boxes, relative to the centre and moved by the placement unless
 ///   it is null, and their margin. Each box encloses all of its primitives, with an error that WalkFrame allows for;
 ///   far from the placement's `from` the error may be larger. Lanes past the last box have centres at 1e30.
-/// - `child(node, k)` names the child node of box k, which must be no single.
+/// - `child(node, k)` names the child node of box k, which must not be a single.
 /// - `primitives(node, k)` is a range of the primitives in box k, which must be a leaf.
 /// - optional, `starts(box, size, nodes)` of a large geometry: where to start for the primitives in a box
 ///   (MapTree::starts).

@@ -32,7 +32,7 @@ MeshChunks::MeshChunks(Empty, std::shared_ptr<const CookedMesh> mesh, ChunkBudge
 {
 }
 
-// Delegates to a constructor, so that the destructor frees all memory even if the file turns out to be invalid.
+// Delegates construction, so that the destructor frees all memory even if the file turns out to be invalid.
 MeshChunks::MeshChunks(std::shared_ptr<const CookedMesh> mesh, ChunkBudget& budget)
     : MeshChunks(Empty{}, std::move(mesh), budget)
 {

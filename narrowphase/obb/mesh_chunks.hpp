@@ -53,7 +53,7 @@ public:
     bool there(std::uint32_t chunk) const { return chunks_[chunk].there.load(std::memory_order_acquire); }
     /// Reads the chunk unless it is loaded, and checks the boxes above it. Throws ChunkFault.
     void need(std::uint32_t chunk);
-    /// A traversal opens the node: reads the chunks of its leaves; the chunk of a node below the upper levels is marked
+    /// A traversal opens the node: reads the chunks of its leaves. For a node below the upper levels, marks its chunk
     /// as needed now.
     void opened(std::uint32_t node);
 

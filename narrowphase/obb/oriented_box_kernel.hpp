@@ -21,8 +21,7 @@ struct OrientedBoxKernel {
     /// One box for each triangle of a row.
     void (*open_triangles)(const TriangleRow& row, const BoxPlacement* placement, OpenBoxes& out);
     /// @param row    relative to `from` of the placement
-    /// @param lanes  one bit for each box that exists; the others get centres at 1e30, as lanes past a node's last box
-    /// do
+    /// @param lanes  one bit for each box that exists; the others get centres at 1e30
     void (*open_octants)(const OctantBoxes& row, unsigned lanes, const BoxPlacement* placement, OpenBoxes& out);
     /// Returns one bit for each box that box `k` of `other` may touch: its gap is at most `cutoff`.
     /// @param gaps     out: lower bounds of the distances after subtracting the margins; they ignore other rounding. A

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint32_t square_side = 8; ///< side of a block of level 2, in cells
 constexpr float nothing = std::numeric_limits<float>::infinity();
-constexpr float range_rounding = 0x1p-20f; ///< relative error bound of stored heights, in half the terrain's own height
+constexpr float range_rounding = 0x1p-20f; ///< error bound of stored heights, as a share of half the terrain's height
 
 } // namespace
 
