@@ -9,7 +9,7 @@ TEST_F(CommandLine, BenchReadRefusesWhatMakesNoSense)
 {
     expect_error(64, {"bench", "read", "--triangles", "1"}, {"--triangles 1", "from 2 to"});
     expect_error(64, {"bench", "read", "--repeats", "0"}, {"--repeats 0"});
-    expect_error(64, {"bench", "read", "--styles", "obj,fbx"}, {"no style 'fbx'", "obj-full", "stl-text"});
+    expect_error(64, {"bench", "read", "--styles", "obj,fbx"}, {"unknown style 'fbx'", "obj-full", "stl-text"});
     expect_error(73, {"bench", "read", "--csv", "no/where.csv"}, {"no/where.csv"});
     expect_error(64, {"bench", "read", "cube.obj", "--csv", "cube.obj"}, {"--csv cube.obj", "overwrite"});
 }

@@ -21,7 +21,7 @@ TEST_F(CommandLine, BenchManyFindsTheContactsThatFclFinds)
     const double fcl = number(at + 15), ours = number(outcome.out.find("oncollide ", at) + 10);
     EXPECT_GT(ours, 100);
     EXPECT_NEAR(ours, fcl, 0.01 * fcl) << outcome.out;
-    EXPECT_NE(outcome.out.find("bytes a triangle"), std::string::npos);
+    EXPECT_NE(outcome.out.find("bytes per triangle"), std::string::npos);
 }
 
 TEST_F(CommandLine, BenchSceneSumsUpARaceInOneRow)

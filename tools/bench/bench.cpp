@@ -1,4 +1,4 @@
-// oncollide bench: one subcommand a benchmark.
+// oncollide bench: one subcommand per benchmark.
 #include "bench/bench.hpp"
 #include "bench/scenes/bench_scale.hpp"
 #include "cli/command.hpp"
@@ -19,16 +19,26 @@ void add_compare_options(Arguments sub, CompareOptions& o)
     add_cache_options(sub, o.scene.cache);
     add_accuracy_options(sub, o.settings);
     add_pipeline_options(sub, o.settings);
-    sub.add_option("--warm-up", o.warm_up, "frames at the start that are not counted (default 3)").type_name("N");
-    sub.add_option("--repeats", o.repeats, "runs from frame 0; of each frame the fastest counts").type_name("N");
-    sub.add_option("--cold-runs", o.cold_runs, "first frames measured from nothing (default 5)").type_name("N");
-    sub.add_option("--only", o.only, "run fcl or oncollide alone, to measure its memory").type_name("WHO");
+    sub.add_option("--warm-up", o.warm_up, "frames at the start that are not timed (default 3)").type_name("N");
+    sub.add_option("--repeats", o.repeats,
+                   "number of runs from frame 0; each frame's least time "
+                   "counts")
+        .type_name("N");
+    sub.add_option("--cold-runs", o.cold_runs,
+                   "number of cold starts, from the scene to the first frame's results "
+                   "(default 5)")
+        .type_name("N");
+    sub.add_option("--only", o.only, "run only fcl or only oncollide, to measure its memory").type_name("WHO");
     sub.add_flag("--contacts", o.contacts,
-                 "find every contact of every pair that collides, instead of yes or no; needs --exact predicates");
-    sub.add_option("--timeline", o.timeline, "a line every so many frames: cells alive, pairs, times").type_name("N");
+                 "find all contacts of each colliding pair, not only whether it collides; needs --exact predicates");
+    sub.add_option("--timeline", o.timeline, "print a line every N frames: cells alive, pairs, times").type_name("N");
     sub.add_option("--csv", o.csv, "write one row per frame").type_name("FILE");
-    sub.add_option("--summary", o.summary, "write one row: the first result, a frame, memory").type_name("FILE");
-    sub.add_option("--shard", o.shard, std::string("of the frames, ") + shard_help).type_name("I/N");
+    sub.add_option("--summary", o.summary,
+                   "write one row: time of the first result, time per frame, "
+                   "memory")
+        .type_name("FILE");
+    sub.add_option("--shard", o.shard, std::string("divide the frames among N processes: ") + shard_help)
+        .type_name("I/N");
 }
 
 void add_scene_bench(Arguments bench, const char* name, const char* summary)
@@ -42,14 +52,14 @@ void add_scene_bench(Arguments bench, const char* name, const char* summary)
 
 void add_paper(Arguments bench)
 {
-    Arguments sub = bench.add_command("paper", "The paper's tables: its occlusion queries beside the other backends");
+    Arguments sub = bench.add_command("paper", "The paper's tables: its occlusion queries and the other backends");
     auto options = std::make_shared<PaperOptions>();
     sub.add_flag("--large", options->large, "animate models of 5,100 triangles instead of 1,500");
     sub.add_option("--frames", options->frames, "frames of the animation (default 2400, as in the paper)")
         .type_name("N");
     sub.add_option("--depth", options->depth, "depth of the sphere-trees (default 5, as in the paper)").type_name("D");
     sub.add_option("--age", options->age, "frames after which unused cells are dropped (default 60)").type_name("N");
-    sub.add_option("--viewport", options->viewport, "pixels a side of a cell (default 16)").type_name("PX");
+    sub.add_option("--viewport", options->viewport, "pixels per side of a cell (default 16)").type_name("PX");
     sub.add_option("--gpu", options->gpu, "number of the GPU ('oncollide doctor' lists them)").type_name("N");
     sub.add_option("--data", options->data, "folder with meshes/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
         .type_name("DIR");
@@ -65,22 +75,29 @@ void add_poses(Arguments bench)
     sub.add_option("--data", options->data, "folder with poses/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
         .type_name("DIR");
     sub.add_option("--depths", options->depths, "depths of the sphere-trees (default 4-8)").type_name("LIST");
-    sub.add_option("--repeats", options->repeats, "of each query the fastest counts (default 5)").type_name("N");
-    sub.add_option("--poses", options->poses, "only the first so many").type_name("N");
+    sub.add_option("--repeats", options->repeats,
+                   "number of runs; each query's least time counts (default "
+                   "5)")
+        .type_name("N");
+    sub.add_option("--poses", options->poses, "use only the first N poses").type_name("N");
     sub.add_option("--csv", options->csv, "write one row per pose").type_name("FILE");
     sub.action([options] { return bench_poses(*options); });
 }
 
 void add_octants(Arguments bench)
 {
-    Arguments sub = bench.add_command("octants", "Batches of the query \"which octants does the surface enter?\"");
+    Arguments sub = bench.add_command("octants", "Batches of octant queries: which octants does the surface "
+                                                 "intersect?");
     auto options = std::make_shared<OctantsOptions>();
     sub.add_option("--data", options->data, "folder with meshes/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
         .type_name("DIR");
     sub.add_option("--gpu", options->gpu, "number of the GPU ('oncollide doctor' lists them)").type_name("N");
-    sub.add_option("--repeats", options->repeats, "of each batch the fastest counts (default 5)").type_name("N");
-    sub.add_option("--only", options->only, "one part: speed, trees or misses").type_name("PART");
-    sub.add_option("--limit", options->limit_s, "leave out batches that would take longer (seconds, default 2)")
+    sub.add_option("--repeats", options->repeats,
+                   "number of runs; each batch's least time counts (default "
+                   "5)")
+        .type_name("N");
+    sub.add_option("--only", options->only, "run only one part: speed, trees or misses").type_name("PART");
+    sub.add_option("--limit", options->limit_s, "skip batches that would take longer (seconds, default 2)")
         .type_name("S");
     sub.add_option("--csv", options->csv, "write one row per figure").type_name("FILE");
     sub.action([options] { return bench_octants(*options); });
@@ -88,52 +105,60 @@ void add_octants(Arguments bench)
 
 void add_broad(Arguments bench)
 {
-    Arguments sub = bench.add_command("broad", "The broad phase alone, on boxes, beside those of other libraries");
+    Arguments sub = bench.add_command("broad", "Only the broad phase, on boxes, compared with other libraries");
     auto options = std::make_shared<BroadOptions>();
     sub.add_option("--scene", options->scene,
-                   "scenes, or one recording: brown (default), large, mixed, flat, clustered, static, giant, jump, and "
+                   "scenes, or a recording: brown (default), large, mixed, flat, clustered, static, giant, jump, and "
                    "freefall, brownian, gravity with -cubes or -assorted")
         .type_name("LIST|FILE.aabbs");
-    sub.add_option("--sizes", options->sizes, "numbers of boxes, like 2500,10k,1M (default 1k,10k,100k)")
+    sub.add_option("--sizes", options->sizes, "numbers of boxes, such as 2500,10k,1M (default 1k,10k,100k)")
         .type_name("LIST");
-    sub.add_option("--frames", options->frames, "frames to play, the first third not counted (default 60 to 8)")
+    sub.add_option("--frames", options->frames, "frames to play; the first third is not timed (default 60 to 8)")
         .type_name("N");
     sub.add_option("--threads", options->threads, "numbers of threads (default 1)").type_name("LIST");
-    sub.add_option("--only", options->only, "these contenders alone").type_name("LIST");
+    sub.add_option("--only", options->only, "run only these contenders").type_name("LIST");
     sub.add_option("--csv", options->csv, "write one row per contender and size").type_name("FILE");
-    sub.add_option("--shard", options->shard, std::string("of the scenes and sizes, ") + shard_help).type_name("I/N");
-    Option plot = sub.add_option("--plot", options->plot, "draw time against size, one panel a scene");
+    sub.add_option("--shard", options->shard,
+                   std::string("divide the scenes and sizes among N "
+                               "processes: ") +
+                       shard_help)
+        .type_name("I/N");
+    Option plot = sub.add_option("--plot", options->plot, "draw time against size, one panel per scene");
     plot.type_name("FILE.svg");
-    sub.add_flag("--per-box", options->per_box, "let the plot show nanoseconds a box, to see growth").needs(plot);
+    sub.add_flag("--per-box", options->per_box, "plot nanoseconds per box, to show growth").needs(plot);
     sub.add_option("--seed", options->seed, "seed of the scene (default 12345)").type_name("S");
     sub.action([options] { return bench_broad(*options); });
 }
 
 void add_narrow(Arguments bench)
 {
-    Arguments sub = bench.add_command("narrow", "The narrow phase alone, on two meshes, beside other libraries");
+    Arguments sub = bench.add_command("narrow", "Only the narrow phase, on two meshes, compared with other libraries");
     auto options = std::make_shared<NarrowOptions>();
     sub.add_option("meshes", options->meshes, "two mesh files; the second is moved (default: two generated knots)")
         .expected(0, 2)
         .type_name("MESH_A MESH_B");
     Option distances = sub.add_option("--distances", options->distances,
-                                      "how far apart the surfaces are, in percent of the diagonal of MESH_A's box "
+                                      "distances of the surfaces, in percent of the diagonal of MESH_A's AABB "
                                       "(default 0,0.1,1,5,10,20,40); 0 just touches, negative collides");
     distances.type_name("LIST");
     Option poses = sub.add_option("--poses", options->poses,
-                                  "poses from a file for these meshes, with its exact results if FILE_expected lies "
-                                  "beside it; without FILE the data folder's set with its own meshes");
+                                  "poses from a file for these meshes, with exact results if FILE_expected exists; "
+                                  "without FILE: the data folder's set with its own meshes");
     poses.type_name("FILE").expected(0, 1);
-    sub.add_option("--count", options->count, "poses a distance (default 100), or of the file (default: all)")
+    sub.add_option("--count", options->count, "poses per distance (default 100), or poses of the file (default: all)")
         .type_name("N");
     sub.add_option("--query,--ask", options->ask,
                    "queries: boolean (do they collide?), all (which triangles meet?), distance (default: all three)")
         .type_name("LIST");
-    sub.add_option("--only", options->only, "these contenders alone").type_name("LIST");
-    sub.add_option("--repeats", options->repeats, "of each query the fastest counts (default 3)").type_name("N");
+    sub.add_option("--only", options->only, "run only these contenders").type_name("LIST");
+    sub.add_option("--repeats", options->repeats,
+                   "number of runs; each query's least time counts (default "
+                   "3)")
+        .type_name("N");
     sub.add_option("--csv", options->csv, "write one row per contender, query and distance").type_name("FILE");
-    sub.add_option("--shard", options->shard, std::string("of the distances, ") + shard_help).type_name("I/N");
-    sub.add_option("--plot", options->plot, "draw time against distance, one panel a query").type_name("FILE.svg");
+    sub.add_option("--shard", options->shard, std::string("divide the distances among N processes: ") + shard_help)
+        .type_name("I/N");
+    sub.add_option("--plot", options->plot, "draw time against distance, one panel per query").type_name("FILE.svg");
     sub.add_option("--seed", options->seed, "seed of the poses (default 12345)").type_name("S");
     sub.add_option("--data", options->data, "folder with poses/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
         .type_name("DIR");
@@ -141,9 +166,9 @@ void add_narrow(Arguments bench)
                "  oncollide bench narrow                                     two generated knots, no files needed\n"
                "  oncollide bench narrow cup.obj spoon.stl --distances 0,1,10 --plot narrow.svg\n"
                "  oncollide bench narrow --poses --query boolean --only walk-6,fcl-obb,fcl-obbrss\n"
-               "Every result is checked, by CGAL where this build has it. In 'results', +k are false positives and\n"
-               "MISSED k collisions lost (of 'all': pairs of triangles). Exit code 70: oncollide lost one, or an\n"
-               "exact result of it is wrong. What each contender counts: docs/benchmarks.md.");
+               "Every result is checked, by CGAL if this build has it. In 'results', +k are k false positives and\n"
+               "MISSED k is k missed collisions (of 'all': pairs of triangles). Exit code 70: oncollide missed a\n"
+               "collision, or an exact result is wrong. Definitions for each contender: docs/benchmarks.md.");
     sub.action([options, poses] {
         options->use_poses = poses.given();
         return bench_narrow(*options);
@@ -156,53 +181,52 @@ void add_planner(Arguments bench)
     auto options = std::make_shared<PlannerOptions>();
     sub.add_option("meshes", options->meshes, "two mesh files; the second is moved (default: terrain and knot)")
         .expected(0, 2)
-        .type_name("FIXED MOVING");
+        .type_name("STATIC MOVING");
     sub.add_option("--poses", options->poses, "poses to sample (default 100000)").type_name("N");
     sub.add_option("--seed", options->seed, "seed of the poses (default 12345)").type_name("S");
     sub.add_option("--csv", options->csv, "write one row per kind of query and number of threads").type_name("FILE");
-    sub.footer("The first call starts from nothing: FCL's models, oncollide's trees. Ratios are of second calls.\n"
-               "'false' are poses that oncollide leaves over and FCL finds separate.");
+    sub.footer("The first call includes building FCL's models and oncollide's trees. Ratios compare second calls.\n"
+               "'false': poses that oncollide leaves over and FCL finds separate.");
     sub.action([options] { return bench_planner(*options); });
 }
 
 void add_world(Arguments bench)
 {
-    Arguments sub = bench.add_command("world", "Bodies that come, go and move between frames, and queries beside them");
+    Arguments sub = bench.add_command("world", "Bodies that are added, removed and moved between frames, and queries");
     auto options = std::make_shared<WorldOptions>();
     auto settings = std::make_shared<SettingsOptions>();
     sub.add_option("--bodies", options->bodies, "bodies (default 100000)").type_name("N");
-    sub.add_option("--changes", options->changes, "bodies that move, or come and go, per frame (default 1000)")
+    sub.add_option("--changes", options->changes, "bodies moved, or removed and added, per frame (default 1000)")
         .type_name("N");
     sub.add_option("--frames", options->frames, "frames to time (default 20)").type_name("N");
     sub.add_option("--seed", options->seed, "seed of the scene (default 12345)").type_name("S");
     sub.add_option("--csv", options->csv, "write one row per kind of change").type_name("FILE");
     add_accuracy_options(sub, *settings);
     add_pipeline_options(sub, *settings);
-    sub.footer("The results are held against those of a World made anew. Exit code 70: they differ.");
+    sub.footer("A newly made World must give the same results. Exit code 70: they differ.");
     sub.action([options, settings] {
         options->settings = settings_from(*settings);
         return bench_world(*options);
     });
 }
 
-/// Defaults that differ are those of `in`.
+/// Adds the options; defaults are taken from `in`.
 void add_environment_choice(Arguments sub, EnvironmentChoice& in)
 {
     sub.add_option(
            "--environments", in.environments,
-           "which (default building,hills,hills-mesh): building, a map of 30 x 30 rooms at 6 cm; hills, a height "
-           "grid; hills-mesh, the same as a mesh; campus and st-helens, of the data folder; or one shape of about a "
-           "metre: sphere, box, capsule, cylinder, hull, ellipsoid, cone")
+           "environments (default building,hills,hills-mesh): building, a map of 30 x 30 rooms at 6 cm; hills, a "
+           "height grid; hills-mesh, the same as a mesh; campus and st-helens, from the data folder; or one shape of "
+           "about a metre: sphere, box, capsule, cylinder, hull, ellipsoid, cone")
         .type_name("LIST");
-    sub.add_option(
-           "--bodies-of", in.bodies_of,
-           "meshes, shapes (spheres, boxes and capsules), all-shapes (of every bounded kind) or both, or a list "
-           "(default meshes,shapes)")
+    sub.add_option("--bodies-of", in.bodies_of,
+                   "meshes, shapes (spheres, boxes and capsules), all-shapes (all bounded kinds), both, or a list "
+                   "(default meshes,shapes)")
         .type_name("LIST");
     sub.add_option("--bodies", in.bodies, fmt::format("bodies in each environment (default {})", in.bodies))
         .type_name("N");
     sub.add_option("--cells", in.cells,
-                   "cells along a side of the hills (default 500; 2200 make 9.7 million triangles)")
+                   "cells along a side of the hills (default 500; 2200 give 9.7 million triangles)")
         .type_name("N");
     sub.add_option("--seed", in.seed, "seed of environments and bodies (default 1)").type_name("S");
     sub.add_option("--data", in.data, "data folder (default: $ONCOLLIDE_DATA, else ../shared/data if present)")
@@ -211,18 +235,25 @@ void add_environment_choice(Arguments sub, EnvironmentChoice& in)
 
 void add_distances(Arguments bench)
 {
-    Arguments sub = bench.add_command("distances", "How far bodies are from buildings and terrains, near and far");
+    Arguments sub = bench.add_command("distances", "Distances of bodies to buildings and terrains, near and far");
     auto options = std::make_shared<DistancesOptions>();
     add_environment_choice(sub, options->in);
     sub.add_option("--distances", options->distances,
-                   "in per cent of the environment's diagonal (default 0.1,1,5,10,25,50,100,200)")
+                   "in percent of the environment's diagonal (default 0.1,1,5,10,25,50,100,200)")
         .type_name("LIST");
     sub.add_option("--tolerance", options->tolerance,
-                   "metres by which oncollide's bounds may be apart (default 0); FCL's of shapes stop at 1e-6")
+                   "largest difference of oncollide's bounds in metres (default 0); FCL's error for shapes is up to "
+                   "1e-6")
         .type_name("M");
-    sub.add_option("--repeats", options->repeats, "of each query the least time counts (default 3)").type_name("N");
+    sub.add_option("--repeats", options->repeats,
+                   "number of runs; each query's least time counts (default "
+                   "3)")
+        .type_name("N");
     sub.add_option("--csv", options->csv, "write one row per environment, bodies and distance").type_name("FILE");
-    sub.add_option("--shard", options->shard, std::string("of the environments with their bodies, ") + shard_help)
+    sub.add_option("--shard", options->shard,
+                   std::string("divide the environments with their bodies among N "
+                               "processes: ") +
+                       shard_help)
         .type_name("I/N");
     sub.footer("Examples:\n"
                "  oncollide bench distances --environments hills --distances 1,10,100 --bodies 30\n"
@@ -232,110 +263,133 @@ void add_distances(Arguments bench)
 
 void add_environment(Arguments bench)
 {
-    Arguments sub = bench.add_command("environment", "Many bodies in buildings and on terrains, at several errors");
+    Arguments sub = bench.add_command("environment", "Many bodies in buildings and on terrains, with several error "
+                                                     "bounds");
     auto options = std::make_shared<EnvironmentOptions>();
     add_environment_choice(sub, options->in);
-    sub.add_option("--errors", options->errors, "in metres, and 'exact' (default 1,0.1,0.01,exact)").type_name("LIST");
+    sub.add_option("--errors", options->errors,
+                   "error bounds in metres, and 'exact' (default "
+                   "1,0.1,0.01,exact)")
+        .type_name("LIST");
     sub.add_option("--frames", options->frames, "frames to play (default 10)").type_name("N");
-    sub.add_option("--warm-up", options->warm_up, "of these, frames that are not counted (default 3)").type_name("N");
-    sub.add_option("--repeats", options->repeats,
-                   "plays of all frames; the least time of each frame counts (default 1)")
+    sub.add_option("--warm-up", options->warm_up, "frames at the start that are not timed (default 3)").type_name("N");
+    sub.add_option("--repeats", options->repeats, "number of runs; each frame's least time counts (default 1)")
         .type_name("N");
-    sub.add_option("--cold-runs", options->cold_runs, "first frames measured from nothing (default 1)").type_name("N");
+    sub.add_option("--cold-runs", options->cold_runs, "number of cold starts (default 1)").type_name("N");
     sub.add_option("--threads", options->threads, "threads of oncollide; 0: all (default 1)").type_name("N");
     sub.add_option("--csv", options->csv, "write one row per environment, bodies and error").type_name("FILE");
-    sub.add_option("--shard", options->shard, std::string("of the environments with their bodies, ") + shard_help)
+    sub.add_option("--shard", options->shard,
+                   std::string("divide the environments with their bodies among N "
+                               "processes: ") +
+                       shard_help)
         .type_name("I/N");
-    sub.add_option("--plot", options->plot, "draw time against error, a panel an environment").type_name("FILE.svg");
+    sub.add_option("--plot", options->plot, "draw time against error, one panel per environment").type_name("FILE.svg");
     sub.footer("Examples:\n"
                "  oncollide bench environment --environments building --bodies 50 --errors 0.1,exact\n"
                "  oncollide bench environment --environments hills,hills-mesh --cells 2200 --bodies 1000\n"
-               "'first' is from the geometry in memory to the first frame's results. Exit code 70: a collision was\n"
+               "'first': from the geometry in memory to the first frame's results. Exit code 70: a collision was\n"
                "missed, or an exact result is wrong.");
     sub.action([options] { return bench_environment(*options); });
 }
 
 void add_clash_bench(Arguments bench)
 {
-    Arguments sub = bench.add_command("clash", "Clash reports of an assembly whose clashes are known, files to report");
+    Arguments sub = bench.add_command("clash", "Clash reports of an assembly with known clashes, from files to report");
     auto options = std::make_shared<ClashBenchOptions>();
-    sub.add_option("--parts", options->parts, "parts of the assembly (default 5000)").type_name("N");
-    sub.add_option("--triangles", options->triangles, "triangles of a part (default 1000)").type_name("N");
-    sub.add_flag("--real", options->real, "make it of the data folder's meshes of up to 20,000 triangles");
-    sub.add_option("--every", options->every, "one place of so many has a planted pair (default 10)").type_name("N");
-    sub.add_option("--threads", options->threads, "threads; 0: all (default 2)").type_name("N");
-    sub.add_option("--repeats", options->repeats, "runs; the fastest counts (default 1)").type_name("N");
-    sub.add_option("--pictures", options->pictures, "clashes to draw in the page (default 40)").type_name("N");
+    sub.add_option("--parts", options->parts, "number of parts of the assembly (default 5000)").type_name("N");
+    sub.add_option("--triangles", options->triangles, "triangles per part (default 1000)").type_name("N");
+    sub.add_flag("--real", options->real, "use the data folder's meshes of up to 20,000 triangles");
+    sub.add_option("--every", options->every, "every N-th site has a planted pair (default 10)").type_name("N");
+    sub.add_option("--threads", options->threads, "number of threads; 0: all (default 2)").type_name("N");
+    sub.add_option("--repeats", options->repeats, "number of runs; the fastest counts (default 1)").type_name("N");
+    sub.add_option("--pictures", options->pictures,
+                   "number of clashes to draw in the page (default "
+                   "40)")
+        .type_name("N");
     sub.add_option("--data", options->data, "folder with meshes/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
         .type_name("DIR");
     sub.add_option("--write", options->write, "keep the assembly and its reports in this folder").type_name("FOLDER");
     sub.add_option("--csv", options->csv, "write one row per kind of file").type_name("FILE");
-    sub.footer("Planted are parts that cross by much and by little, that touch, that are near and just not near, that\n"
-               "are enclosed, and that lie free in a hollow or a ring. Exit code 70: one was missed, invented or\n"
-               "measured wrongly.");
+    sub.footer("Planted pairs cross deeply or barely, touch, are near or slightly too far, are enclosed, or lie free "
+               "in\n"
+               "a hollow or a ring. Exit code 70: a clash was missed, invented or measured\n"
+               "wrongly.");
     sub.action([options] { return bench_clash(*options); });
 }
 
 void add_shapes(Arguments bench)
 {
-    Arguments sub =
-        bench.add_command("shapes", "Pairs of primitive shapes all but in contact, judged in extended precision");
+    Arguments sub = bench.add_command("shapes", "Pairs of shapes close to contact, checked in extended precision");
     auto options = std::make_shared<ShapesOptions>();
-    sub.add_option("--pairs", options->pairs, "pairs to draw (default 100000)").type_name("N");
+    sub.add_option("--pairs", options->pairs, "number of random pairs (default 100000)").type_name("N");
     sub.add_option("--seed", options->seed, "seed of the pairs (default 12345)").type_name("S");
     sub.add_option("--least-gap", options->least_gap, "least gap or overlap; 0.1 m is the largest (default 1e-6)")
         .type_name("M");
-    sub.add_option("--threads", options->threads, "threads that judge; 0: all (default 0)").type_name("N");
-    sub.add_option("--csv", options->csv, "one row for every two kinds").type_name("FILE");
+    sub.add_option("--threads", options->threads,
+                   "number of threads for the checks; 0: all (default "
+                   "0)")
+        .type_name("N");
+    sub.add_option("--csv", options->csv, "write one row per pair of kinds").type_name("FILE");
     sub.footer(
-        "Both are timed on one thread, turn about. 'within' are pairs that oncollide leaves open; 'FCL lost' and "
-        "'FCL made' are pairs that collide though FCL says no, and that do not though it says yes; 'worst' is how "
-        "far apart such a pair was. Exit code 70: the truth contradicts a result or a bound of oncollide.");
+        "Both libraries are timed on one thread, in alternation. 'within': pairs that oncollide does not decide; 'FCL "
+        "lost' and 'FCL made': collisions that FCL misses, and false collisions of FCL; 'worst': largest distance "
+        "of such a pair. Exit code 70: the truth contradicts a result or a bound of oncollide.");
     sub.action([options] { return bench_shapes(*options); });
 }
 
 void add_read(Arguments bench)
 {
-    Arguments sub = bench.add_command("read", "Reading of mesh files: triangles a second and memory, format by format");
+    Arguments sub = bench.add_command("read", "Reading mesh files: triangles per second and memory, by format");
     auto options = std::make_shared<ReadOptions>();
     sub.add_option("files", options->files,
-                   "mesh files, or scene files, whose bodies count (default: a generated height field in each style)")
+                   "mesh files, or scene files, whose bodies are counted (default: a generated height field in each "
+                   "style)")
         .expected(0, 1000)
         .type_name("FILE...");
-    sub.add_option(
-           "--styles", options->styles,
-           "of the generated files: obj, obj-full, obj-back, obj-exact, stl, stl-mixed, ply, stl-text, ply-text, "
-           "off (default: all)")
+    sub.add_option("--styles", options->styles,
+                   "styles of the generated files: obj, obj-full, obj-back, obj-exact, stl, stl-mixed, ply, stl-text, "
+                   "ply-text, off (default: all)")
         .type_name("LIST");
-    sub.add_option("--triangles", options->triangles, "of the height field, about (default 10000000)").type_name("N");
-    sub.add_option("--repeats", options->repeats, "of each file the least time counts (default 3)").type_name("N");
+    sub.add_option("--triangles", options->triangles,
+                   "approximate triangles of the height field (default "
+                   "10000000)")
+        .type_name("N");
+    sub.add_option("--repeats", options->repeats,
+                   "number of runs; each file's least time counts (default "
+                   "3)")
+        .type_name("N");
     sub.add_option("--seed", options->seed, "seed of the heights (default 12345)").type_name("S");
-    sub.add_option("--folder", options->folder, "where the generated files lie meanwhile (default: as TMPDIR says)")
-        .type_name("DIR");
+    sub.add_option("--folder", options->folder, "folder for the generated files (default: $TMPDIR)").type_name("DIR");
     sub.add_option("--csv", options->csv, "write one row per file").type_name("FILE");
-    sub.footer("Times are of the thread's processor, and of the clock: the file from the system's cache, checks, "
+    sub.footer("'ms' is processor time of the thread, 'wall ms' elapsed time: reading from the system's cache, checks, "
                "welding (STL).\n"
-               "'peak MB' is by how much the process grew at most, 'bytes each' the same per triangle.");
+               "'peak MB' is the largest growth of the process, 'bytes each' the same per triangle.");
     sub.action([options] { return bench_read(*options); });
 }
 
 void add_scale(Arguments bench)
 {
-    Arguments sub = bench.add_command("scale", "Ranks of a large world, simulated one after another, against the model "
-                                               "of what they cost");
+    Arguments sub = bench.add_command("scale", "Ranks of a large world, simulated one after another, compared with a "
+                                               "cost model");
     auto options = std::make_shared<ScaleOptions>();
-    sub.add_option("--bodies", options->bodies, "of the world, about: a cube of cells (default 1e6)").type_name("N");
-    sub.add_option("--ranks", options->ranks, "that share it; several numbers are compared (default 64)")
-        .type_name("LIST");
-    sub.add_option("--sample", options->sample, "play so many of them; 0: all (default 0)").type_name("N");
+    sub.add_option("--bodies", options->bodies,
+                   "approximate number of bodies in the world, a cube of cells (default "
+                   "1e6)")
+        .type_name("N");
+    sub.add_option("--ranks", options->ranks, "numbers of ranks to compare (default 64)").type_name("LIST");
+    sub.add_option("--sample", options->sample, "number of ranks to play; 0: all (default 0)").type_name("N");
     sub.add_option("--edge", options->edge, "mean edge of the bodies, in mean spacings (default 1)").type_name("E");
-    sub.add_option("--frame", options->frame, "of their motion (default 0)").type_name("F");
-    sub.add_option("--threads", options->threads, "ranks at a time; 0: all (default 1)").type_name("N");
-    sub.add_option("--seed", options->seed, "of the bodies (default 12345)").type_name("S");
+    sub.add_option("--frame", options->frame, "frame of the motion (default 0)").type_name("F");
+    sub.add_option("--threads", options->threads,
+                   "ranks played at the same time; 0: as many as processors (default "
+                   "1)")
+        .type_name("N");
+    sub.add_option("--seed", options->seed, "seed of the bodies (default 12345)").type_name("S");
     sub.add_option("--csv", options->csv, "write one row per rank").type_name("FILE");
-    sub.add_option("--shard", options->shard, std::string("of the ranks, ") + shard_help).type_name("I/N");
-    sub.footer("Where all ranks are played, pairs and hash are the same for any number of ranks. Exit code 70: they\n"
-               "are not, or the ghosts are off the model by more than a tenth.\n"
+    sub.add_option("--shard", options->shard, std::string("divide the ranks among N processes: ") + shard_help)
+        .type_name("I/N");
+    sub.footer("If all ranks are played, pairs and hash do not depend on the number of ranks. Exit code 70: they do,\n"
+               "or the number of ghosts differs from the model by more than a tenth.\n"
                "  oncollide bench scale --ranks 8,64 --bodies 1e6\n"
                "  oncollide bench scale --ranks 10000 --bodies 1e9 --sample 26");
     sub.action([options] { return bench_scale(*options); });
@@ -346,12 +400,12 @@ void add_scale(Arguments bench)
 void add_bench(Arguments app)
 {
     Arguments bench =
-        app.add_command("bench", "Measure against other libraries in one run, on the same work, turn about");
+        app.add_command("bench", "Measure oncollide and other libraries in one run, on the same workload, in "
+                                 "alternation");
     bench.at_most_one_command();
     bench.action([]() -> int {
-        usage("bench: which one? broad, narrow, planner, world, environment, distances, shapes, clash, read, scale, "
-              "many, "
-              "octants, paper, poses or scene (oncollide bench --help)");
+        usage("bench: choose a benchmark: broad, narrow, planner, world, environment, distances, shapes, clash, read, "
+              "scale, many, octants, paper, poses or scene (oncollide bench --help)");
     });
     add_broad(bench);
     add_narrow(bench);
@@ -367,7 +421,7 @@ void add_bench(Arguments app)
     add_poses(bench);
     add_octants(bench);
     add_scale(bench);
-    Arguments scene = bench.add_command("scene", "Any scene: a file, or a scene of the catalogue");
+    Arguments scene = bench.add_command("scene", "Any scene: a file or a scene of the catalogue");
     auto options = std::make_shared<CompareOptions>();
     scene.add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
         .required()
@@ -380,7 +434,7 @@ void add_bench(Arguments app)
                  "  oncollide bench poses --depths 5-7\n"
                  "  oncollide bench broad --scene brown,static --sizes 1k,10k,100k --threads 1,2 --plot broad.svg\n"
                  "  oncollide bench narrow cup.obj spoon.stl --distances 0,1,10 --plot narrow.svg\n"
-                 "How to read and repeat the results: docs/benchmarks.md. Exit code 70: a collision was missed.");
+                 "For reading and repeating results see docs/benchmarks.md. Exit code 70: a collision was missed.");
 }
 
 } // namespace oncollide::tools

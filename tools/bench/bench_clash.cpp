@@ -1,4 +1,4 @@
-// oncollide bench clash: how long a report takes from files to the last byte, and whether it is right.
+// oncollide bench clash: time from files to a complete report, and a check of the report.
 #include "bench/bench.hpp"
 #include "clash/clash_pictures.hpp"
 #include "clash/planted_assembly.hpp"
@@ -22,14 +22,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder for the time of one benchmark, unless it has a name.
+/// A folder that is removed after the benchmark, unless it was named.
 class Folder {
 public:
     explicit Folder(const std::string& named) : path_(named), keep_(!named.empty())
     {
         if (!keep_) {
             std::string pattern = (fs::temp_directory_path() / "oncollide-clash-XXXXXX").string();
-            if (!::mkdtemp(pattern.data())) throw Error(ErrorKind::cannot_write, pattern + ": cannot be made");
+            if (!::mkdtemp(pattern.data())) throw Error(ErrorKind::cannot_write, pattern + ": cannot create");
             path_ = pattern;
         }
         std::error_code error;
@@ -50,7 +50,7 @@ private:
     bool keep_;
 };
 
-/// The mesh files of the data folder, the small ones: a part has a thousand triangles, not a million.
+/// The small meshes of the data folder: parts have a thousand triangles, not a million.
 std::vector<Mesh> meshes_of(const fs::path& data)
 {
     constexpr std::size_t most = 20'000;
@@ -81,7 +81,7 @@ struct Times {
     double all() const { return read + find + report; }
 };
 
-/// Reads, finds and writes; says what is wrong.
+/// Reads, finds and writes; adds faults of the result to `faults`.
 Times run(const std::vector<std::string>& files, const PlantedAssembly& planted, const ClashBenchOptions& o,
           const fs::path& folder, std::vector<std::string>& faults)
 {
@@ -121,7 +121,7 @@ int bench_clash(const ClashBenchOptions& o)
     write_stl_files(planted, folder.path() / "parts");
     write_glb_file(planted, folder.path() / "assembly.glb");
     say("{}", describe_program("cpu"));
-    say("{} parts, {} triangles, {} pairs planted that touch, cross, enclose or are near; seconds, {} threads\n",
+    say("{} parts, {} triangles, {} planted pairs (touching, crossing, enclosed, near); seconds, {} threads\n",
         grouped(planted.parts.size()), grouped(planted.triangles), grouped(planted.pairs.size()),
         o.threads ? o.threads : hardware_threads());
     std::optional<OutputFile> csv;
@@ -129,7 +129,7 @@ int bench_clash(const ClashBenchOptions& o)
         csv.emplace(o.csv);
         csv->print("meshes,files,parts,triangles,planted,threads,read_s,find_s,json_s,all_s,page_s,pictures,faults\n");
     }
-    say("{:<14} {:>8} {:>8} {:>8} {:>8} {:>10} {:>8}\n", "files", "read", "find", "JSON", "all", "the page", "faults");
+    say("{:<14} {:>8} {:>8} {:>8} {:>8} {:>10} {:>8}\n", "files", "read", "find", "JSON", "all", "page", "faults");
     bool faulty = false;
     for (const auto& [name, files] : {std::pair("STL files", files_of({(folder.path() / "parts").string()})),
                                       std::pair("one GLB", std::vector{(folder.path() / "assembly.glb").string()})}) {

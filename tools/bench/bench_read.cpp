@@ -1,4 +1,4 @@
-// How fast are files of meshes and scenes read?
+// oncollide bench read: speed of reading files of meshes and scenes.
 #include "bench/bench.hpp"
 #include "bench/mesh_files.hpp"
 
@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A file that goes at the end of its scope.
+/// A file that is removed at the end of its scope.
 class PassingFile {
 public:
     PassingFile(const fs::path& folder, std::string_view extension)
@@ -43,11 +43,11 @@ private:
 struct ReadRow {
     std::size_t count = 0; ///< triangles, or bodies
     std::uintmax_t bytes = 0;
-    double ms = 0, wall_ms = 0; ///< of the thread's processor, and of the clock
-    std::size_t peak = 0;       ///< bytes that the process grew by, at most
+    double ms = 0, wall_ms = 0; ///< processor time of the thread, and elapsed time
+    std::size_t peak = 0;       ///< largest growth of the process, bytes
 };
 
-/// That this thread has had: what else the machine does meanwhile counts less.
+/// Processor time of this thread, because other work on the machine affects it less.
 double processor_ms()
 {
     std::timespec t{};
@@ -55,13 +55,13 @@ double processor_ms()
     return 1e3 * double(t.tv_sec) + 1e-6 * double(t.tv_nsec);
 }
 
-/// Triangles of a mesh, bodies of a scene.
+/// Number of triangles of a mesh, or of bodies of a scene.
 std::size_t read_count(const fs::path& path)
 {
     return path.extension() == ".json" ? load_scene(path).size() : load_mesh(path).triangles.size();
 }
 
-/// The least time of `repeats` readings, so from the system's cache of files but for the first.
+/// The least time of `repeats` readings; all except the first come from the system's file cache.
 ReadRow read_repeatedly(const fs::path& path, int repeats)
 {
     ReadRow row;
@@ -92,11 +92,11 @@ public:
     {
         const std::string files = options_.files.empty() ? fmt::format("height fields of {} triangles, seed {}",
                                                                        grouped(2 * cells() * cells()), options_.seed)
-                                                         : fmt::format("{} of yours", options_.files.size());
-        say("{}files      {}; the least time of {}, on one thread\n\n", describe_program("reading"), files,
+                                                         : fmt::format("{} given", options_.files.size());
+        say("{}files      {}; least time of {} runs, on one thread\n\n", describe_program("reading"), files,
             options_.repeats);
         say("{:<12}{:>10}{:>14}{:>10}{:>10}{:>16}{:>9}{:>10}{:>12}\n", "", "MB", "triangles", "ms", "wall ms",
-            "a second", "MB / s", "peak MB", "bytes each");
+            "per second", "MB / s", "peak MB", "bytes each");
         if (csv_) csv_->print("style,bytes,triangles,ms,wall_ms,triangles_per_s,mb_per_s,peak_bytes\n");
         for (const std::string& file : options_.files) report(file, read_repeatedly(file, options_.repeats), "");
         if (options_.files.empty()) run_styles();
@@ -145,7 +145,7 @@ void check_styles(const std::string& list)
         if (std::ranges::find(mesh_file_styles, name, &MeshFileStyle::name) != mesh_file_styles.end()) continue;
         std::vector<std::string_view> known;
         for (const MeshFileStyle& style : mesh_file_styles) known.push_back(style.name);
-        usage(fmt::format("--styles: no style '{}'{}", name, valid_names(name, known, "there are")));
+        usage(fmt::format("--styles: unknown style '{}'{}", name, valid_names(name, known, "there are")));
     }
 }
 

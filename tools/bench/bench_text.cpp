@@ -45,7 +45,7 @@ std::vector<int> parse_depths(const std::string& option, const std::string& text
     std::vector<int> depths;
     const auto fail = [&] {
         throw Error(ErrorKind::usage,
-                    fmt::format("{} {}: expected depths from 1 to {}, like 6, 4-8 or 2,5-7", option, text, deepest));
+                    fmt::format("{} {}: expected depths from 1 to {}, such as 6, 4-8 or 2,5-7", option, text, deepest));
     };
     const char *at = text.data(), *const end = at + text.size();
     const auto number = [&] {
@@ -87,7 +87,7 @@ std::string describe(const Settings& s, const std::string& stand_in)
     return text;
 }
 
-/// Which FCL was loaded: the system's, or another by the folder that it lies in.
+/// The FCL that was loaded: the system's, or another one by its folder.
 std::string fcl_loaded()
 {
     std::string path;
@@ -124,7 +124,7 @@ std::vector<std::string> split(const std::string& list)
 
 namespace {
 
-/// "2500", "10k" or "1M", from 1 to `most`.
+/// Parses "2500", "10k" or "1M", from 1 to `most`.
 std::size_t parse_count(const char* option, const std::string& text, std::size_t most)
 {
     std::size_t value = 0, unit = 1;
@@ -132,7 +132,7 @@ std::size_t parse_count(const char* option, const std::string& text, std::size_t
     auto [rest, error] = std::from_chars(text.data(), end, value);
     if (rest != end && (*rest == 'k' || *rest == 'M')) unit = *rest++ == 'k' ? 1'000 : 1'000'000;
     if (error != std::errc{} || rest != end || value < 1 || value > most / unit)
-        usage(fmt::format("{} {}: expected numbers from 1 to {}, like {}", option, text, most,
+        usage(fmt::format("{} {}: expected numbers from 1 to {}, such as {}", option, text, most,
                           most > 10'000 ? "2500,10k,1M" : "1,2"));
     return value * unit;
 }

@@ -10,10 +10,10 @@ namespace {
 
 constexpr double width = 960, left = 76, right = 690, label_gap = 28;
 constexpr double panel_height = 480, plot_top = 46, plot_bottom = 420;
-// Okabe and Ito's palette: told apart with any colour vision.
+// Okabe and Ito's palette, distinguishable with any colour vision.
 constexpr std::string_view colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
 constexpr std::string_view dashes[] = {"none", "7 3", "2 3", "10 3 2 3", "14 4"};
-// Around (0, 0), about 8 wide.
+// Centred at (0, 0), about 8 wide.
 constexpr std::string_view markers[] = {"M-4 0A4 4 0 1 0 4 0A4 4 0 1 0-4 0Z",
                                         "M-4-4H4V4H-4Z",
                                         "M0-5L5 4H-5Z",
@@ -28,11 +28,11 @@ void segment(OutputFile& file, double x1, double y1, double x2, double y2, std::
     file.print("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" class=\"{}\"/>\n", x1, y1, x2, y2, style);
 }
 
-/// A logarithmic axis over whole decades, or, with names, one that counts them.
+/// A logarithmic axis over whole decades, or an axis of named positions.
 struct Axis {
     double from = 0, to = 0;                 ///< pixels
-    std::span<const std::string> names = {}; ///< of 0, 1, 2, ...
-    double low = 1e300, high = -1e300;       ///< log10; of names, their numbers
+    std::span<const std::string> names = {}; ///< names of 0, 1, 2, ...
+    double low = 1e300, high = -1e300;       ///< log10; with names, their numbers
 
     void add(double value)
     {
@@ -73,8 +73,7 @@ void draw_axes(OutputFile& file, const Axis& x, const Axis& y, const PlotAxes& a
         0.5 * (y.from + y.to), escaped(axes.y_label));
 }
 
-/// Heights for the labels of lines that end at the same place: beside their ends where there is room, else pushed
-/// apart.
+/// Heights of the labels of lines that end at the same x: at the lines' ends if there is room, otherwise moved apart.
 std::vector<double> label_places(std::span<const PlotLine* const> lines, const Axis& y)
 {
     constexpr double pitch = 15;
@@ -126,7 +125,7 @@ void draw_panel(OutputFile& file, const PlotPanel& panel, double top, const Plot
     if (lines.empty()) return;
     x.high = std::max(x.high, x.low + 1), y.high = std::max(y.high, y.low + 1);
     draw_axes(file, x, y, axes);
-    // Lines that end near each other share the room for labels, the slowest on top.
+    // Lines with ends near each other share the space for labels, the slowest on top.
     constexpr double near = 60;
     const auto end_x = [&](const PlotLine* line) { return x.at(line->points.back().x); };
     std::ranges::stable_sort(lines, {}, end_x);

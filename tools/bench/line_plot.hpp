@@ -7,7 +7,7 @@
 
 namespace oncollide::tools {
 
-/// One contender's times in one panel.
+/// A contender's times in a panel.
 struct PlotLine {
     enum class Weight { main, peer, baseline } weight = Weight::peer;
     std::string label;
@@ -15,7 +15,7 @@ struct PlotLine {
         double x, y;
     };
     std::vector<Point> points; ///< x ascending
-    std::size_t style = 0;     ///< the same contender has the same one in every panel
+    std::size_t style = 0;     ///< equal for a contender in all panels
 };
 
 struct PlotPanel {
@@ -23,17 +23,16 @@ struct PlotPanel {
     std::vector<PlotLine> lines;
 };
 
-/// What all panels have in common.
+/// Properties of all panels.
 struct PlotAxes {
     std::string x_label, y_label;
-    std::string (*value_text)(double y); ///< a line's last value, with its unit, beside its label
-    std::vector<std::string> x_names =
-        {};                        ///< when there are any, x is 0, 1, ...: these, evenly spaced; else logarithmic
+    std::string (*value_text)(double y);   ///< formats a line's last value, with its unit, for its label
+    std::vector<std::string> x_names = {}; ///< not empty: x is 0, 1, ..., with these names; else logarithmic
     std::string x_least_name = {}; ///< in place of the number at the left end, for points that have no logarithm
 };
 
-/// One panel below the other; y is logarithmic. Lines differ in colour, dash and marker, and are labelled at their
-/// ends.
+/// Draws panels one below the other; y is logarithmic. Lines differ in colour, dash and marker, and have labels at
+/// their ends.
 void draw_line_plot(OutputFile& file, std::span<const PlotPanel> panels, const PlotAxes& axes);
 
 } // namespace oncollide::tools

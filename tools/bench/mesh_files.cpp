@@ -11,7 +11,7 @@
 namespace oncollide::tools {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "binary files are written as they lie");
+static_assert(std::endian::native == std::endian::little, "binary files are written in memory order");
 
 template <class T>
 void put(OutputFile& file, const T& value)

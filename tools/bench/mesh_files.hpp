@@ -6,10 +6,10 @@
 
 namespace oncollide::tools {
 
-/// How mesh files come: each format, and of OBJ what exporters make of it.
+/// A style of mesh files: a format, and for OBJ a variant that exporters write.
 struct MeshFileStyle {
     std::string_view name, extension;
-    std::string_view what; ///< a few words for the table
+    std::string_view what; ///< description for the table
 };
 inline constexpr std::array<MeshFileStyle, 10> mesh_file_styles = {{
     {"obj", "obj", "six decimals, f a b c"},
@@ -24,8 +24,8 @@ inline constexpr std::array<MeshFileStyle, 10> mesh_file_styles = {{
     {"off", "off", "six decimals"},
 }};
 
-/// Writes a height field of `cells` x `cells` cells of two triangles, with rounding as the style has it: hills that are
-/// drawn from `seed`.
+/// Writes a height field of `cells` x `cells` cells of two triangles, rounded as in the style: random hills from
+/// `seed`.
 void write_mesh_file(const MeshFileStyle& style, const std::filesystem::path& path, std::uint32_t cells,
                      std::uint64_t seed);
 

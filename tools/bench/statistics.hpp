@@ -4,7 +4,7 @@
 
 namespace oncollide::tools {
 
-// 0 of nothing.
+// Both return 0 for an empty list.
 double median(std::vector<double> values);
 double mean(const std::vector<double>& values);
 

@@ -5,10 +5,10 @@
 
 namespace oncollide::tools {
 
-/// What stands for a part of a surface: a ball, or a box turned in any way. Convex and closed.
+/// The bounding volume of a part of a surface: a sphere or an OBB. Convex and closed.
 struct CoveringVolume {
     Eigen::Vector3d centre;
-    Eigen::Vector3d half;                               ///< along the axes; of a ball its radius, thrice
+    Eigen::Vector3d half;                               ///< half-extents; for a sphere (radius, radius, radius)
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity(); ///< columns
     bool ball = false;
 
@@ -17,18 +17,18 @@ struct CoveringVolume {
         return {.centre = centre, .half = Eigen::Vector3d::Constant(radius), .ball = true};
     }
 
-    /// No point is farther from the centre.
+    /// Largest distance of its points from the centre.
     double radius() const { return ball ? half.x() : half.norm(); }
     double volume() const { return (ball ? 4 * std::numbers::pi / 3 : 8) * half.prod(); }
-    /// Is a point inside, or within `slack`? Of boxes, in some more at edges and corners.
+    /// True if a point is inside, or within `slack`. OBBs have up to sqrt(3) times `slack` at corners.
     bool holds(const Eigen::Vector3d& point, double slack) const
     {
         const Eigen::Vector3d d = point - centre;
         if (ball) return d.squaredNorm() <= (half.x() + slack) * (half.x() + slack);
         return ((axes.transpose() * d).cwiseAbs().array() <= half.array() + slack).all();
     }
-    /// A point of its boundary: of a ball the one in that direction; of a box the same directions end evenly over
-    /// the faces, however flat it is, and those to the corners of a cube at its corners.
+    /// A point of its boundary. For a sphere: the point in that direction. For an OBB: even directions give points that
+    /// are even over the faces, however flat it is, and directions to the corners of a cube give its corners.
     Eigen::Vector3d boundary(const Eigen::Vector3d& direction) const
     {
         if (ball) return centre + half.x() * direction.normalized();

@@ -30,8 +30,8 @@ inline RTCBounds float_bounds(const Aabb& box)
     return b;
 }
 
-/// Some of the boxes as one Embree scene. Only in a scene of low quality does Embree heed a geometry's own: there
-/// "refit" builds a good tree once, "low" a Morton tree every time; otherwise all is built anew and well.
+/// Some of the boxes as an Embree scene. Embree uses a geometry's build quality only in scenes of low quality: "refit"
+/// then builds a good tree once, "low" a Morton tree every time. In other scenes all trees are rebuilt at high quality.
 class EmbreeBoxes {
 public:
     EmbreeBoxes(RTCDevice device, RTCBuildQuality scene_quality, RTCBuildQuality quality,
@@ -60,7 +60,7 @@ public:
         rtcCommitScene(scene);
     }
 
-    const std::vector<std::uint32_t> members; ///< numbers of the boxes
+    const std::vector<std::uint32_t> members; ///< indices of the boxes
     const RTCScene scene;
 
 private:

@@ -56,7 +56,7 @@ struct ShapeGeometry {
     FclGeometry operator()(const ConvexHull& h) const { return make_convex(h); }
 };
 
-/// The result is this thread's, and is overwritten by the next call: FCL allocates nothing for it.
+/// The result belongs to this thread and is overwritten by the next call, which saves allocations.
 const fcl::CollisionResultd& collide(const FclBody& a, const FclBody& b, std::size_t most, bool details)
 {
     const fcl::CollisionRequestd request(most, details);

@@ -11,38 +11,38 @@ template <typename Scalar>
 class CollisionGeometry;
 }
 
-// FCL on single geometries and on two of them. Its headers take seconds to compile: fcl_pair.cpp, fcl_world.cpp and
-// peer_fcl.cpp alone include them.
+// FCL on single geometries and pairs. Its headers take seconds to compile, so only fcl_pair.cpp, fcl_world.cpp and
+// peer_fcl.cpp include them.
 namespace oncollide::tools {
 
-/// The nodes of FCL's trees of triangles: OBB is the fastest for yes and no, and only OBBRSS knows distances.
+/// The nodes of FCL's trees of triangles: OBB is the fastest for collision queries; only OBBRSS supports distances.
 enum class FclNodes { obb, obbrss };
 
-/// A geometry as FCL has it: a tree over a mesh's triangles, a primitive shape, or an octree.
+/// A geometry in FCL: a tree over a mesh's triangles, a primitive shape, or an octree.
 using FclGeometry = std::shared_ptr<fcl::CollisionGeometry<double>>;
-/// @param octree  of a map, where it was made before
+/// @param octree  the octree of a map, if it exists already
 FclGeometry make_fcl_geometry(const GeometryData& geometry, FclNodes nodes,
                               std::shared_ptr<const octomap::OcTree> octree = nullptr);
 
-/// A geometry somewhere.
+/// A geometry at a pose.
 struct FclBody {
     const FclGeometry& geometry;
     Eigen::Isometry3d pose;
 };
 
-/// The number of contacts (of meshes, pairs of triangles that intersect), counted up to `most`.
-/// @param details  with depths, places and normals, which cost time
+/// The number of contacts (for meshes: pairs of intersecting triangles), counted up to `most`.
+/// @param details  compute depths, positions and normals, which costs time
 std::size_t fcl_contacts(const FclBody& a, const FclBody& b, std::size_t most = 1, bool details = false);
-/// Of the surfaces, 0 when they touch; not sure to be so when one is deep inside the other. Meshes need OBBRSS.
+/// Distance of the surfaces, 0 if they touch; unreliable if one is deep inside the other. Meshes need OBBRSS.
 double fcl_distance(const FclBody& a, const FclBody& b);
-/// The depth of the deepest contact; 0 when they do not collide.
+/// The depth of the deepest contact; 0 if they do not collide.
 double fcl_penetration(const FclBody& a, const FclBody& b);
 /// FCL's own test of two triangles.
 bool fcl_triangles_meet(const std::array<Eigen::Vector3d, 3>& a, const std::array<Eigen::Vector3d, 3>& b);
-/// What a mesh's tree takes, as it would be with nodes of that kind; 0 for what is no mesh. Bytes.
+/// Bytes of a mesh's tree if it had nodes of that kind; 0 if the geometry is not a mesh.
 std::size_t fcl_mesh_bytes(const FclGeometry& geometry, FclNodes as);
 
-/// Two meshes, of which the second is moved. No details of contacts: FCL is fastest so. Thread-safe.
+/// Two meshes, of which the second moves. Without contact details, FCL's fastest mode. Thread-safe.
 class FclPair final : public NarrowPeer {
 public:
     FclPair(const Mesh& a, const Mesh& b, FclNodes nodes);

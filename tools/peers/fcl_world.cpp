@@ -20,7 +20,7 @@ double lap(Clock::time_point& from)
     return ms;
 }
 
-/// FCL's trees end the program over boxes without an end.
+/// Bounds a half-space: FCL's trees abort the program on unbounded boxes.
 void bound_half_space(fcl::CollisionGeometryd& geometry)
 {
     if (geometry.getNodeType() != fcl::GEOM_HALFSPACE) return;
@@ -35,7 +35,7 @@ struct FclWorld::Impl {
     explicit Impl(const Scene& s) : scene(s) {}
 
     const Scene& scene;
-    std::vector<FclGeometry> models, distance_models; ///< by geometry; the second when first needed
+    std::vector<FclGeometry> models, distance_models; ///< by geometry; distance_models made on first use
     std::vector<std::unique_ptr<fcl::CollisionObjectd>> objects;
     std::vector<std::uint32_t> moving;
     fcl::DynamicAABBTreeCollisionManagerd moving_tree, static_tree;
@@ -50,7 +50,7 @@ struct FclWorld::Impl {
         const std::uint32_t a = std::min(number(x), number(y)), b = std::max(number(x), number(y));
         if ((me.scene.layers[a] & me.scene.masks[b]) && (me.scene.layers[b] & me.scene.masks[a]))
             me.candidates.push_back({a, b});
-        return false; // go on
+        return false; // continue
     }
 
     FclBody body(std::uint32_t b) const { return {models[index(scene.geometry[b])], scene.poses[b]}; }
@@ -85,7 +85,7 @@ FclWorld::FclWorld(const Scene& scene, const Octrees& octrees) : impl_(std::make
     for (std::uint32_t body = 0; body < scene.size(); ++body) {
         const fcl::Transform3d pose = scene.poses[body];
         w.objects.push_back(std::make_unique<fcl::CollisionObjectd>(w.models[index(scene.geometry[body])], pose));
-        bound_half_space(*w.models[index(scene.geometry[body])]); // an object measures its geometry
+        bound_half_space(*w.models[index(scene.geometry[body])]); // objects compute AABBs from their geometry
         w.objects.back()->computeAABB();
         w.objects.back()->setUserData(reinterpret_cast<void*>(std::uintptr_t{body}));
         (scene.is_static[body] ? fixed : moving).push_back(w.objects.back().get());

@@ -6,7 +6,7 @@
 namespace oncollide::tools {
 namespace {
 
-/// A mesh as Bullet takes it, in its precision. Bullet keeps pointers into these arrays.
+/// A mesh in Bullet's form and precision. Bullet keeps pointers into these arrays.
 class BulletMesh {
 public:
     explicit BulletMesh(const Mesh& mesh)
@@ -32,10 +32,10 @@ private:
     std::unique_ptr<btTriangleIndexVertexArray> arrays_;
 
 public:
-    std::unique_ptr<btGImpactMeshShapePart> part; ///< goes before what it points into
+    std::unique_ptr<btGImpactMeshShapePart> part; ///< declared last: destroyed before the data it points to
 };
 
-/// The two levels of btGImpactCollisionAlgorithm without its contacts: all pairs of boxes, then triangles pair by pair.
+/// The two levels of btGImpactCollisionAlgorithm without contacts: all pairs of AABBs, then triangles pair by pair.
 class BulletNarrowPeer final : public NarrowPeer {
 public:
     BulletNarrowPeer(const Mesh& a, const Mesh& b) : a_(a), b_(b) {}

@@ -1,4 +1,4 @@
-// CGAL's trees are under the GPL: they serve this comparison and are no part of what is installed as a library.
+// CGAL's trees are under the GPL: they serve only this comparison, and the installed libraries do not contain them.
 #include "peers/narrow_peer.hpp"
 
 #include <iterator>
@@ -16,8 +16,8 @@ using Iterator = std::vector<Kernel::Triangle_3>::const_iterator;
 using Primitive = CGAL::AABB_triangle_primitive<Kernel, Iterator>;
 using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
 
-/// A tree over the first mesh, searched for each triangle of the second at its place. Exact for the corners as rounded
-/// to double. A triangle without area is no triangle to CGAL: such are left out.
+/// A tree over the first mesh, searched for each triangle of the second at its pose. Exact for vertices rounded to
+/// double. CGAL does not support triangles without area, so they are left out.
 class CgalNarrowPeer final : public NarrowPeer {
 public:
     CgalNarrowPeer(const Mesh& a, const Mesh& b) : b_(b), moved_(b.vertices.size())

@@ -1,5 +1,5 @@
-// Embree's rtcCollide over the boxes of triangles as user geometry. It has no moving instances: the second mesh's boxes
-// are made anew for every pose.
+// Embree's rtcCollide over the boxes of triangles as user geometry. It does not support moving instances, so the second
+// mesh's boxes are computed again for every pose.
 #include "peers/embree_boxes.hpp"
 #include "peers/narrow_peer.hpp"
 
@@ -34,8 +34,8 @@ RTCBounds around(const RTCBounds& a, const RTCBounds& b)
     return both;
 }
 
-/// Counts moving the vertices, new boxes, the tree of the second mesh (refitted or made anew), and the exact test of
-/// every pair of boxes, of which yes and no need the first that meets: rtcCollide cannot be told to stop.
+/// Timed: moving the vertices, new boxes, the tree of the second mesh (refitted or rebuilt), and the exact test of all
+/// pairs of boxes. Collision queries need only the first contact, but rtcCollide cannot be stopped.
 class EmbreeNarrowPeer final : public NarrowPeer {
 public:
     EmbreeNarrowPeer(const Mesh& a, const Mesh& b, RTCBuildQuality quality)
@@ -110,14 +110,14 @@ private:
             const std::uint32_t i = collisions[k].primID0, j = collisions[k].primID1;
             const TrianglePoints p = points(peer.a_.triangles[i], peer.a_.vertices);
             const TrianglePoints q = points(peer.b_.triangles[j], peer.moved_);
-            // Embree reports the contents of leaves that overlap, not of boxes.
+            // Embree reports the contents of overlapping leaves, not of overlapping boxes.
             if (box(p).overlaps(box(q)) && triangles_meet(p, q)) peer.found_.push_back({i, j});
         }
     }
 
     const Mesh &a_, &b_;
     std::vector<Eigen::Vector3d> moved_; ///< the second mesh's vertices
-    std::vector<RTCBounds> bounds_;      ///< of each, rounded outwards
+    std::vector<RTCBounds> bounds_;      ///< of each triangle, rounded outwards
     RTCDevice device_;
     tbb::task_arena arena_;
     std::unique_ptr<EmbreeBoxes> boxes_a_, boxes_b_;
@@ -138,7 +138,7 @@ void add_narrow_embree(std::vector<NarrowContender>& all)
 {
     all.push_back(contender("embree-refit", "Embree rtcCollide, B's tree refitted; oncollide's exact triangle test",
                             RTC_BUILD_QUALITY_REFIT));
-    all.push_back(contender("embree-rebuild", "the same, B's tree made anew (Morton)", RTC_BUILD_QUALITY_LOW));
+    all.push_back(contender("embree-rebuild", "the same, B's tree rebuilt (Morton)", RTC_BUILD_QUALITY_LOW));
 }
 
 } // namespace oncollide::tools

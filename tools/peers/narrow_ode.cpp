@@ -7,7 +7,7 @@
 namespace oncollide::tools {
 namespace {
 
-/// ODE wants to be started once a program, and ended.
+/// ODE must be initialised once per program, and closed at its end.
 void start_ode()
 {
     static const struct Library {
@@ -16,7 +16,7 @@ void start_ode()
     } library;
 }
 
-/// A mesh as ODE takes it. ODE keeps pointers into these arrays.
+/// A mesh in ODE's form. ODE keeps pointers into these arrays.
 class OdeMesh {
 public:
     explicit OdeMesh(const Mesh& mesh) : data_(dGeomTriMeshDataCreate())
@@ -39,7 +39,7 @@ private:
     std::vector<dTriIndex> indices_;
 };
 
-/// Yes and no only: ODE merges contacts before it hands them out, so pairs of triangles are lost.
+/// Collision queries only: ODE merges contacts before it returns them, so pairs of triangles are lost.
 class OdeNarrowPeer final : public NarrowPeer {
 public:
     OdeNarrowPeer(const Mesh& a, const Mesh& b) : a_((start_ode(), a)), b_(b) {}

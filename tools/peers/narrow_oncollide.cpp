@@ -11,8 +11,7 @@ namespace {
 
 using Promise = NarrowContender::Promise;
 
-/// The walk of two sphere-trees. The trees grow as poses need them: only in the warm-up pass, as
-/// every pose is met there.
+/// Traversal of two sphere-trees. The trees grow only in the warm-up pass, because it runs every pose.
 class SpheresPeer final : public NarrowPeer {
 public:
     SpheresPeer(const Mesh& a, const Mesh& b, const Settings& settings) : trees_(fill(scene_, a, b), settings) {}
@@ -44,7 +43,7 @@ NarrowContender walk(int depth)
             }};
 }
 
-/// The walk of two trees of oriented boxes, which grow in the same way.
+/// Traversal of two OBB trees, which grow in the same way.
 class BoxesPeer : public NarrowPeer {
 public:
     BoxesPeer(const Mesh& a, const Mesh& b) : a_(a), b_(b) {}
@@ -79,7 +78,7 @@ NarrowContender exact()
             .make = [](const Mesh& a, const Mesh& b) { return std::make_unique<BoxesPeer>(a, b); }};
 }
 
-/// Its error is a part of the size of the larger mesh, the diagonal of its box.
+/// Its error is relative to the size of the larger mesh, the diagonal of its AABB.
 class NearPeer final : public BoxesPeer {
 public:
     NearPeer(const Mesh& a, const Mesh& b, double error)

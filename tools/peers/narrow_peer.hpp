@@ -11,7 +11,7 @@
 
 #include "peers/peer.hpp"
 
-// Who takes part in the benchmark of the narrow phase. One file a library; each adds what it has to the list.
+// Contenders of the narrow phase benchmark. One file per library; each adds its contenders to the list.
 namespace oncollide::tools {
 
 /// Triangle `a` of the first mesh and triangle `b` of the second.
@@ -21,15 +21,15 @@ struct TrianglePair {
     auto operator<=>(const TrianglePair&) const = default;
 };
 
-/// One way to answer for two meshes, of which the second is moved. All distances in metres.
+/// A method for queries of two meshes, of which the second moves. All distances in metres.
 class NarrowPeer {
 public:
     virtual ~NarrowPeer() = default;
-    /// Do the surfaces meet? One that is only conservative says yes when it is not sure.
+    /// True if the surfaces meet. Conservative methods also return true if they are uncertain.
     virtual bool collides(const Eigen::Isometry3d& b) = 0;
-    /// Every two triangles that meet, each once, in any order; `pairs` is overwritten.
+    /// Finds all pairs of triangles that meet, each once, in any order; overwrites `pairs`.
     virtual void all_pairs(const Eigen::Isometry3d&, std::vector<TrianglePair>& pairs) { pairs.clear(); }
-    /// Of the surfaces, 0 when they meet.
+    /// Distance of the surfaces, 0 if they meet.
     virtual double distance(const Eigen::Isometry3d&) { return 0; }
 };
 
@@ -37,12 +37,12 @@ struct NarrowContender {
     std::string name; ///< as in --only
     std::string what; ///< library and structure
     Contender::Group group = Contender::Group::debian;
-    /// What its answers promise. Conservative: no collision is missed, but some are false. Approximate: nothing, its
-    /// errors are only counted.
+    /// Reliability of its results. Conservative: no missed collisions, but false positives. Approximate: nothing is
+    /// promised; errors are only counted.
     enum class Promise { exact, conservative, approximate } promise = Promise::exact;
-    bool has_all_pairs = false, has_distance = false; ///< beside collides()
-    std::size_t least = 1;                            ///< triangles a mesh must have, or it crashes
-    /// Builds what it keeps between queries.
+    bool has_all_pairs = false, has_distance = false; ///< in addition to collides()
+    std::size_t least = 1;                            ///< least triangles per mesh; it crashes with fewer
+    /// Builds the data that it keeps between queries.
     std::function<std::unique_ptr<NarrowPeer>(const Mesh& a, const Mesh& b)> make;
 };
 

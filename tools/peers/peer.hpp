@@ -8,26 +8,26 @@
 
 #include <oncollide/broadphase/broad_phase.hpp>
 
-// Who takes part in the benchmark of the broad phase. One file a library; each adds what it has to the list.
+// Contenders of the broad phase benchmark. One file per library; each adds its contenders to the list.
 namespace oncollide::tools {
 
-/// What everybody is told about a frame.
+/// The input of a frame, the same for all contenders.
 struct BoxFrame {
     std::span<const Aabb> boxes;
-    std::span<const std::uint32_t> moved; ///< boxes that changed since the frame before, ascending
+    std::span<const std::uint32_t> moved; ///< boxes that changed since the previous frame, ascending
     std::span<const std::uint8_t> is_static;
 };
 
-/// One way to find all overlapping boxes, with whatever it keeps from frame to frame.
+/// A method to find all overlapping boxes, with its data from frame to frame.
 class BroadPeer {
 public:
     virtual ~BroadPeer() = default;
-    /// Takes in frame 0.
+    /// Receives frame 0.
     virtual void start(const BoxFrame& frame) = 0;
-    /// Takes in the next frame. `pairs` is overwritten: every two boxes that overlap and are not both static, each
+    /// Receives the next frame. Overwrites `pairs` with all pairs of boxes that overlap and are not both static, each
     /// once, in any order.
     virtual void step(const BoxFrame& frame, std::vector<BodyPair>& pairs) = 0;
-    /// What its delimitation did in the last frame; null: it has none. Not timed.
+    /// Its delimitation, for the statistics of the last frame; null: none. Not timed.
     virtual BroadPhase* delimited() { return nullptr; }
 };
 
@@ -36,11 +36,11 @@ struct Contender {
     std::string what; ///< library and class
     enum class Group { oncollide, baseline, debian } group = Group::debian;
     bool threaded = false;              ///< can use several threads
-    std::size_t most = ~std::size_t{0}; ///< boxes above which it would take too long
+    std::size_t most = ~std::size_t{0}; ///< largest number of boxes; more would take too long
     std::function<std::unique_ptr<BroadPeer>(int threads)> make;
 };
 
-/// A library that this build does without.
+/// A library that this build lacks.
 struct MissingPeer {
     std::string library, package; ///< Debian's name
 };
@@ -50,7 +50,8 @@ struct ContenderList {
     std::vector<Kind> all;
     std::vector<MissingPeer> missing;
 
-    /// Leaves those that the list names, in its order; an empty list leaves all. Throws Error{usage} with the names.
+    /// Keeps only the named contenders, in that order; an empty list keeps all. Throws Error{usage} with the valid
+    /// names.
     void keep(const std::string& only);
 };
 using Contenders = ContenderList<Contender>;
@@ -64,7 +65,7 @@ void add_embree(std::vector<Contender>& all);
 void add_cgal(std::vector<Contender>& all);
 void add_bullet(std::vector<Contender>& all);
 
-/// Exact, whatever the sizes of the boxes: the judge of all others.
+/// Exact for boxes of any size: the judge of all others.
 std::unique_ptr<BroadPeer> make_grid_peer();
 std::unique_ptr<BroadPeer> make_brute_peer();
 

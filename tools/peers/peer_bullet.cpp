@@ -16,11 +16,11 @@ btVector3 corner(const Eigen::Vector3d& p)
 std::unique_ptr<btBroadphaseInterface> make_tree(const BoxFrame&)
 {
     auto tree = std::make_unique<btDbvtBroadphase>();
-    tree->m_deferedcollide = true; // all pairs of a frame in one go, faster when much moves
+    tree->m_deferedcollide = true; // all pairs of a frame together, which is faster if many boxes move
     return tree;
 }
 
-/// Sweep and prune on coordinates of `Number`'s width, in twice the room the boxes start in.
+/// Sweep and prune with coordinates of the width of `Number`, in twice the room of the boxes at the start.
 template <class Sweep, class Number>
 std::unique_ptr<btBroadphaseInterface> make_sweep(const BoxFrame& frame)
 {
@@ -31,7 +31,7 @@ std::unique_ptr<btBroadphaseInterface> make_sweep(const BoxFrame& frame)
                                    Number(frame.boxes.size() + 2));
 }
 
-/// Bullet keeps its pairs from frame to frame; some of them are stale or only nearly overlap, so they are compared
+/// Bullet keeps its pairs from frame to frame. Some of them are outdated or only nearly overlap, so they are tested
 /// again.
 class BulletPeer final : public BroadPeer {
 public:
@@ -90,7 +90,7 @@ Contender contender(const char* name, const char* what, BulletPeer::Make make, s
 void add_bullet(std::vector<Contender>& all)
 {
     all.push_back(contender("bullet-dbvt", "Bullet btDbvtBroadphase, deferred", make_tree));
-    // Inserting one by one costs the number of boxes each: hours for a million.
+    // Each insertion costs time in proportion to the number of boxes: hours for a million boxes.
     all.push_back(contender("bullet-sweep16", "Bullet btAxisSweep3", make_sweep<btAxisSweep3, unsigned short>, 10'000));
     all.push_back(
         contender("bullet-sweep32", "Bullet bt32BitAxisSweep3", make_sweep<bt32BitAxisSweep3, unsigned>, 10'000));

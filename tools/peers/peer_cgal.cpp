@@ -1,4 +1,4 @@
-// CGAL's box intersection is under the GPL: it serves this comparison and is no part of what is installed as a library.
+// CGAL's box intersection is under the GPL: it serves only this comparison; the installed libraries do not contain it.
 #include "peers/peer.hpp"
 
 #include <CGAL/Box_intersection_d/Box_with_info_d.h>
@@ -9,7 +9,7 @@ namespace {
 
 using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, std::uint32_t>;
 
-/// Streamed segment trees, made anew each frame.
+/// Streamed segment trees, rebuilt each frame.
 class CgalPeer final : public BroadPeer {
 public:
     void start(const BoxFrame&) override {}

@@ -1,4 +1,4 @@
-// Embree's rtcCollide over boxes as user geometry: static boxes in a scene of their own, built once.
+// Embree's rtcCollide over boxes as user geometry. Static boxes have their own scene, built once.
 #include "peers/embree_boxes.hpp"
 #include "peers/peer.hpp"
 
@@ -11,7 +11,7 @@
 namespace oncollide::tools {
 namespace {
 
-/// Embree calls back from several threads: each collects for itself. Threads are few, they live as long as the program.
+/// Embree calls back from several threads, so each thread collects its own pairs. Threads are few and live until exit.
 constexpr std::size_t most_threads = 256;
 std::size_t thread_slot()
 {
@@ -77,7 +77,7 @@ private:
         EmbreePeer& peer;
         const BoxFrame& frame;
         const EmbreeBoxes &a, &b;
-        bool exact; ///< leaves hold one box each: what Embree reports overlaps
+        bool exact; ///< each leaf has one box, so all reported pairs overlap
     };
 
     void collide(const BoxFrame& frame, const EmbreeBoxes& a, const EmbreeBoxes& b)
@@ -86,7 +86,7 @@ private:
         rtcCollide(a.scene, b.scene, take, &search);
     }
 
-    /// Embree reports the contents of leaves that overlap, within one scene each pair in both orders.
+    /// Embree reports the contents of overlapping leaves; within one scene it reports each pair in both orders.
     static void take(void* data, RTCCollision* collisions, unsigned count)
     {
         const Search& q = *static_cast<const Search*>(data);
@@ -100,9 +100,9 @@ private:
 
     RTCBuildQuality quality_;
     RTCDevice device_;
-    tbb::task_arena arena_; ///< a device's limit gives way to that of any other device in the program; this one stays
+    tbb::task_arena arena_; ///< limits threads; Embree's own limit changes with every device
     std::unique_ptr<EmbreeBoxes> movers_, statics_;
-    std::vector<std::uint32_t> member_; ///< by box, its number among the movers or the static ones
+    std::vector<std::uint32_t> member_; ///< by box, its index among the moving or the static boxes
     std::array<std::vector<BodyPair>, most_threads> parts_;
 };
 
@@ -117,7 +117,7 @@ Contender contender(const char* name, const char* what, RTCBuildQuality quality)
 
 void add_embree(std::vector<Contender>& all)
 {
-    all.push_back(contender("embree-rebuild", "Embree rtcCollide, Morton tree made anew", RTC_BUILD_QUALITY_LOW));
+    all.push_back(contender("embree-rebuild", "Embree rtcCollide, Morton tree rebuilt", RTC_BUILD_QUALITY_LOW));
     all.push_back(contender("embree-refit", "Embree rtcCollide, tree refitted", RTC_BUILD_QUALITY_REFIT));
 }
 

@@ -1,6 +1,6 @@
-// FCL's collision managers, without its narrow phase: the objects' boxes are set as they are, and the callback takes
-// the pair. Its SaPCollisionManager is left out: it corrupts memory when a box's low face rises while its high face
-// stays.
+// FCL's collision managers without its narrow phase: the objects' boxes are set directly, and the callback stores the
+// pair. Its SaPCollisionManager is left out: it corrupts memory when a box's lower face moves up while its upper face
+// does not move.
 #include "peers/peer.hpp"
 
 #include <deque>
@@ -26,11 +26,11 @@ private:
 
 bool take(fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* pairs)
 {
-    // Some managers call for boxes that only share a cell or an interval.
+    // Some managers call back for boxes that only share a cell or an interval.
     if (a->getAABB().overlap(b->getAABB()))
         static_cast<std::vector<BodyPair>*>(pairs)->push_back(
             {static_cast<BoxObject*>(a)->number(), static_cast<BoxObject*>(b)->number()});
-    return false; // go on
+    return false; // continue
 }
 
 using Hash = fcl::SpatialHashingCollisionManagerd<>;
@@ -50,7 +50,7 @@ std::unique_ptr<Manager> make_manager(std::span<const Aabb> boxes)
     }
 }
 
-/// One manager over what may move and one over what may not, so that pairs of static boxes are never formed.
+/// One manager for moving and one for static boxes, so that pairs of static boxes are never formed.
 template <class Manager>
 class FclPeer final : public BroadPeer {
 public:
@@ -77,8 +77,8 @@ public:
             objects_[i].set(frame.boxes[i]);
             moved_.push_back(&objects_[i]);
         }
-        // The interval tree loses pairs when only what moved is named; the others are faster for it when that is
-        // little.
+        // The interval tree misses pairs if only the moved objects are given. The other managers are faster with them
+        // if they are few.
         if (std::is_same_v<Manager, IntervalTree> || 4 * moved_.size() > mover_count_)
             movers_->update();
         else

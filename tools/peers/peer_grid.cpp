@@ -1,4 +1,4 @@
-// The obvious baselines: every pair, and a uniform grid made anew each frame.
+// Simple baselines: every pair, and a uniform grid rebuilt each frame.
 #include "peers/peer.hpp"
 
 #include <algorithm>
@@ -22,8 +22,8 @@ public:
     }
 };
 
-/// Each box is listed in every cell that it reaches into; two boxes are compared in the lists of all their common
-/// cells, and reported in the one that holds the lower corner of their intersection.
+/// Each box is listed in every cell that it overlaps. Two boxes are compared in the lists of all their common cells,
+/// and reported in the cell that holds the lower corner of their intersection.
 class GridPeer final : public BroadPeer {
 public:
     void start(const BoxFrame&) override {}
@@ -41,7 +41,7 @@ public:
 private:
     using Cell = std::array<std::size_t, 3>;
 
-    /// Cells as large as the mean box, but at most two for each box.
+    /// Cells as large as the mean box, but at most two cells per box.
     void choose_cells(std::span<const Aabb> boxes)
     {
         Aabb world;
@@ -92,7 +92,7 @@ private:
         first_.assign(cells_[0] * cells_[1] * cells_[2] + 1, 0);
         for (const Aabb& box : boxes) for_cells(box, [&](std::size_t cell) { ++first_[cell]; });
         std::size_t sum = 0;
-        for (std::size_t& n : first_) sum += n, n = sum; // ends; they move down to the starts below
+        for (std::size_t& n : first_) sum += n, n = sum; // ends; the loop below turns them into starts
         list_.resize(sum);
         for (std::uint32_t i = std::uint32_t(boxes.size()); i-- > 0;)
             for_cells(boxes[i], [&](std::size_t cell) { list_[--first_[cell]] = i; });
@@ -110,7 +110,7 @@ private:
     Eigen::Vector3d origin_;
     double per_metre_ = 0;
     Cell cells_{};
-    std::vector<std::size_t> first_;  ///< by cell, its first place in list_; one more at the end
+    std::vector<std::size_t> first_;  ///< by cell, its first index in list_; one more at the end
     std::vector<std::uint32_t> list_; ///< boxes
 };
 
@@ -128,7 +128,7 @@ std::unique_ptr<BroadPeer> make_brute_peer()
 void add_baselines(std::vector<Contender>& all)
 {
     all.push_back(
-        {.name = "grid", .what = "uniform grid, made anew", .group = Contender::Group::baseline, .make = [](int) {
+        {.name = "grid", .what = "uniform grid, rebuilt", .group = Contender::Group::baseline, .make = [](int) {
              return make_grid_peer();
          }});
     all.push_back(

@@ -10,7 +10,7 @@
 namespace oncollide::tools {
 namespace {
 
-/// The library's own, told which boxes moved.
+/// The library's own broad phase; it receives the list of moved boxes.
 class OwnPeer final : public BroadPeer {
 public:
     OwnPeer(std::unique_ptr<BroadPhase> broad, bool whole) : broad_(std::move(broad)), whole_(whole) {}
@@ -34,7 +34,7 @@ public:
 
 private:
     std::unique_ptr<BroadPhase> broad_;
-    bool whole_; ///< search all, whatever moved
+    bool whole_; ///< search all boxes, not only moved ones
 };
 
 } // namespace

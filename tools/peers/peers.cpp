@@ -1,4 +1,4 @@
-// Who takes part in this build.
+// The contenders in this build.
 #include "peers/narrow_peer.hpp"
 
 #include <algorithm>
@@ -23,7 +23,7 @@ void ContenderList<Kind>::keep(const std::string& only)
         const auto found = std::ranges::find(all, name, &Kind::name);
         if (found == all.end())
             throw Error(ErrorKind::usage,
-                        fmt::format("--only {}: no such contender; this build has: {}", name, fmt::join(names, ", ")));
+                        fmt::format("--only {}: unknown contender; this build has: {}", name, fmt::join(names, ", ")));
         if (std::ranges::find(chosen, name, &Kind::name) == chosen.end()) chosen.push_back(*found);
     }
     all = std::move(chosen);

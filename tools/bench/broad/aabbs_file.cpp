@@ -24,7 +24,7 @@ struct Header {
 };
 static_assert(sizeof(Header) == 304);
 
-using FileBox = std::array<float, 8>; // min and max, each with a 0 behind it
+using FileBox = std::array<float, 8>; // min and max, each followed by a 0
 
 class Recording {
 public:
@@ -50,11 +50,11 @@ public:
     std::uint64_t frames() const { return std::uint64_t(header_.frames); }
     std::string name() const { return std::string(header_.scene) + " " + header_.type; }
 
-    /// Takes in the next frame and says which boxes changed.
+    /// Reads the next frame and lists the boxes that changed.
     void read(std::uint64_t frame, std::vector<Aabb>& boxes, std::vector<std::uint32_t>& moved)
     {
         if (!in_.read(reinterpret_cast<char*>(file_boxes_.data()), std::streamsize(count() * sizeof(FileBox))))
-            fail(fmt::format("frame {} cannot be read", frame));
+            fail(fmt::format("cannot read frame {}", frame));
         moved.clear();
         for (std::uint32_t i = 0; i < count(); ++i) {
             const Aabb box = checked(frame, i);
@@ -77,8 +77,8 @@ private:
         for (const char* text : {header_.scene, header_.type})
             if (!std::memchr(text, 0, 128)) fail("the names in the header do not end within their 128 bytes");
         if (header_.count < 1 || header_.count > 100'000'000)
-            fail(fmt::format("the header says {} boxes; 1 to 100000000 can be", header_.count));
-        if (header_.frames < 1) fail(fmt::format("the header says {} frames; 1 or more can be", header_.frames));
+            fail(fmt::format("the header has {} boxes; must be 1 to 100000000", header_.count));
+        if (header_.frames < 1) fail(fmt::format("the header has {} frames; must be 1 or more", header_.frames));
         if (header_.zero[0] != 0 || header_.zero[1] != 0)
             fail("bytes 264 to 271 of the header are not 0: this is not a recording of boxes");
     }
@@ -89,8 +89,8 @@ private:
         for (int axis : {0, 1, 2})
             if (!std::isfinite(b[std::size_t(axis)]) || !std::isfinite(b[std::size_t(axis) + 4]) ||
                 b[std::size_t(axis)] > b[std::size_t(axis) + 4])
-                fail(fmt::format("frame {}, box {}: [{}, {}] along {} is no interval", frame, i, b[std::size_t(axis)],
-                                 b[std::size_t(axis) + 4], "xyz"[axis]));
+                fail(fmt::format("frame {}, box {}: [{}, {}] along {} is not an interval", frame, i,
+                                 b[std::size_t(axis)], b[std::size_t(axis) + 4], "xyz"[axis]));
         Aabb box;
         box.min = {b[0], b[1], b[2]};
         box.max = {b[4], b[5], b[6]};

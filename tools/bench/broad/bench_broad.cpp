@@ -1,4 +1,4 @@
-// Who finds all overlapping boxes how fast? oncollide beside the broad phases of other libraries.
+// oncollide bench broad: time to find all overlapping boxes, compared with the broad phases of other libraries.
 #include "bench/bench.hpp"
 #include "bench/broad/aabbs_file.hpp"
 #include "bench/broad/broad_race.hpp"
@@ -20,7 +20,7 @@ bool is_recording(const std::string& scene)
     return scene.ends_with(".aabbs") || scene.find('/') != std::string::npos;
 }
 
-/// As many as the published results are after.
+/// The frame number of the published results.
 std::uint64_t usual_frames(std::size_t boxes)
 {
     return boxes <= 3'000 ? 60 : boxes <= 30'000 ? 40 : boxes <= 300'000 ? 12 : 8;
@@ -39,10 +39,10 @@ std::string answer_text(const RaceRow& row)
 
 std::string delimitation_text(const RaceRow& row)
 {
-    if (row.levels.empty()) return "delimitation off: over a quarter of the boxes changed";
+    if (row.levels.empty()) return "delimitation off: more than a quarter of the boxes changed";
     std::string text = "delimitation by level, rejected:";
     for (const DelimitationLevel& level : std::span(row.levels).subspan(1))
-        text += fmt::format(" {} of {} regions with {} boxes, {:.0f} % of the volume out of play, {:.4f} ms;",
+        text += fmt::format(" {} of {} regions with {} boxes, {:.0f} % of the volume ruled out, {:.4f} ms;",
                             level.regions_rejected, level.regions, level.bodies_rejected, 100 * level.volume_rejected,
                             level.ms);
     return text += fmt::format(" {} boxes left", row.left);
@@ -101,7 +101,7 @@ public:
     }
 
 private:
-    /// Everything that could be wrong with them shows here, before any work.
+    /// Finds all faults of scenes before any work.
     void choose_scenes()
     {
         const std::vector<std::size_t> sizes =
@@ -117,10 +117,10 @@ private:
             }
         keep_part(shard_, work_, "scenes and sizes");
         if (!is_recording(options_.scene)) return;
-        if (!options_.sizes.empty()) usage(fmt::format("--sizes: the recording {} has its own", options_.scene));
+        if (!options_.sizes.empty()) usage(fmt::format("--sizes: does not apply to the recording {}", options_.scene));
         const std::uint64_t last = open_aabbs(options_.scene).last_frame;
         if (last < 2 || std::uint64_t(options_.frames.value_or(2)) > last)
-            usage(fmt::format("{}: has {} frames after the initial one; {} are to be played", options_.scene, last,
+            usage(fmt::format("{}: has {} frames after the initial one; {} are requested", options_.scene, last,
                               options_.frames.value_or(2)));
     }
 
@@ -155,7 +155,7 @@ private:
         if (const auto published = published_result(scene.name, scene.boxes.size(), scene.frame);
             published && options_.seed == 12345) {
             const bool match = *published == result.pairs;
-            say(": {} the published one", match ? "matches" : "MISMATCH with");
+            say(": {} the published result", match ? "matches" : "MISMATCH with");
             wrong_ |= !match;
         }
         say("\n");
@@ -189,9 +189,9 @@ private:
     Contenders contenders_;
     std::vector<int> threads_;
     Shard shard_;
-    std::vector<std::pair<std::string, std::size_t>> work_; ///< scenes, each with every size
+    std::vector<std::pair<std::string, std::size_t>> work_; ///< every combination of scene and size
     std::optional<OutputFile> csv_, plot_;
-    std::vector<PlotPanel> panels_;             ///< one a scene
+    std::vector<PlotPanel> panels_;             ///< one per scene
     std::map<std::string, std::size_t> styles_; ///< of the lines, by label
     bool wrong_ = false;
 };

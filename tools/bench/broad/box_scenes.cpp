@@ -26,7 +26,7 @@ constexpr std::string_view scene_names[] = {"brown",          "large",
                                             "brownian-cubes", "brownian-assorted",
                                             "gravity-cubes",  "gravity-assorted"};
 
-/// What the boxes of a scene are made from.
+/// The data from which a scene's boxes are made.
 struct Swarm {
     std::uint64_t seed = 0;
     double side = 0; ///< the room is [0, side]^3
@@ -38,7 +38,7 @@ Vector3d uniform(std::uint64_t seed, std::uint64_t index, std::uint64_t first)
     return {u01(seed, index, first), u01(seed, index, first + 1), u01(seed, index, first + 2)};
 }
 
-/// Back into [0, side], as if from a mirror; true when it was outside.
+/// Reflects p back into [0, side]; true if it was outside.
 bool reflect(double& p, double side)
 {
     if (p >= 0 && p <= side) return false;
@@ -56,7 +56,7 @@ Swarm make_swarm(std::size_t count, std::uint64_t seed, double side)
     return swarm;
 }
 
-/// Every axis in `axes` walks by up to 0.1 a frame.
+/// Every axis in `axes` moves randomly by up to 0.1 per frame.
 void walk(Swarm& swarm, std::uint64_t frame, int axes)
 {
     for (std::uint64_t i = 0; i < swarm.position.size(); ++i)
@@ -136,7 +136,7 @@ Swarm in_one_plane(Swarm swarm)
     return swarm;
 }
 
-/// Clouds of about a thousand boxes, dense in the middle (standard deviation 4), much space between them.
+/// Clusters of about a thousand boxes, dense in the middle (standard deviation 4), far apart from each other.
 Swarm clustered(Swarm swarm)
 {
     const std::uint64_t clusters = swarm.position.size() / 1000 + 1;
@@ -151,7 +151,7 @@ Swarm clustered(Swarm swarm)
     return swarm;
 }
 
-/// A thousand movers (a tenth of the boxes where there are fewer) among boxes that stay.
+/// A thousand moving boxes (a tenth of the boxes if that is fewer) among static boxes.
 BoxScene mostly_static(Swarm&& swarm)
 {
     const std::size_t count = swarm.position.size();
@@ -161,7 +161,7 @@ BoxScene mostly_static(Swarm&& swarm)
     return scene;
 }
 
-/// All boxes are somewhere else in every frame.
+/// All boxes take a new position in every frame.
 BoxScene jumping(Swarm&& made)
 {
     const auto swarm = std::make_shared<Swarm>(std::move(made));
@@ -221,7 +221,7 @@ BoxScene make_box_scene(std::string_view name, std::size_t count, std::uint64_t 
 {
     if (std::find(std::begin(scene_names), std::end(scene_names), name) == std::end(scene_names))
         throw Error(ErrorKind::usage,
-                    fmt::format("no scene '{}' of boxes{}, or a recording FILE.aabbs", name,
+                    fmt::format("unknown scene '{}' of boxes{}, or a recording FILE.aabbs", name,
                                 valid_names(name, {std::begin(scene_names), std::end(scene_names)}, "there are")));
     if (count < 1 || count > most_boxes)
         throw Error(ErrorKind::usage, fmt::format("{} boxes: must be from 1 to {}", count, most_boxes));

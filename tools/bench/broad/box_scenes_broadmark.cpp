@@ -1,9 +1,9 @@
 // The three scenes of Serpa and Rodrigues, "Broadmark: a testing framework for broad-phase collision detection
-// algorithms", Computer Graphics Forum 2020: 30 frames a second, boxes that fill a tenth of the room.
+// algorithms", Computer Graphics Forum 2020: 30 frames per second, boxes that fill a tenth of the room.
 //
-// Broadmark records them from physics engines. Here nothing touches anything and nothing turns: instead each box has
-// walls of its own, so placed that the boxes all together, pressed into any corner, fill 60 % of the space they hold,
-// as a settled heap does. A box that meets its floor stays there.
+// Broadmark records them from physics engines. Here boxes neither touch nor rotate. Instead each box has its own walls,
+// placed such that all boxes together, pressed into any corner, fill 60 % of the space that they occupy, as a settled
+// heap does. A box that reaches its floor stays there.
 #include "bench/broad/box_scenes.hpp"
 
 #include <algorithm>
@@ -21,15 +21,15 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double second = 30;          // frames
-constexpr double weight = 9.81;        // metres a second squared
+constexpr double weight = 9.81;        // metres per second squared
 constexpr double density = 0.1;        // share of the room that boxes fill
 constexpr double heap = density / 0.6; // share of the room that a settled heap takes
-constexpr double fastest = 5;          // metres a second at the start
+constexpr double fastest = 5;          // metres per second at the start
 constexpr std::uint64_t cycle = 100;   // frames in which every box of the Brownian scene gets a new velocity
-constexpr double gravity_period = 6.2; // seconds in which gravity turns once
+constexpr double gravity_period = 6.2; // seconds per revolution of gravity
 constexpr double gravity_scale = 4;
 
-/// Edges of the i-th box of the mixture: of 80, 19 have the paper's special shapes, the others are drawn.
+/// Edges of the i-th box of the mixture: of every 80, 19 have the paper's special shapes; the others are random.
 Vector3d assorted_edges(std::uint64_t i, std::uint64_t seed)
 {
     constexpr double thin = 0.1, thick = 1.9;
@@ -48,8 +48,8 @@ Vector3d assorted_edges(std::uint64_t i, std::uint64_t seed)
 
 struct Particles {
     std::uint64_t seed = 0;
-    std::vector<Vector3d> half, position, velocity; ///< metres, metres a frame
-    std::vector<Vector3d> low, high;                ///< each one's own walls
+    std::vector<Vector3d> half, position, velocity; ///< metres, metres per frame
+    std::vector<Vector3d> low, high;                ///< walls of each box
 
     Vector3d random_velocity(std::uint64_t i, std::uint64_t frame) const
     {
@@ -59,7 +59,7 @@ struct Particles {
     }
 };
 
-/// `squeeze`: the share of the room's side to which the boxes can be pressed together, by axis.
+/// `squeeze`: the fraction of the room's side to which the boxes can be pressed together, by axis.
 Particles make_particles(std::size_t count, bool assorted, const Vector3d& squeeze, std::uint64_t seed)
 {
     Particles p;
@@ -80,7 +80,7 @@ Particles make_particles(std::size_t count, bool assorted, const Vector3d& squee
     return p;
 }
 
-/// One frame at `velocity`; a wall stops the box (`bounce` 0) or sends it back (1).
+/// Moves a box by one frame at `velocity`; a wall stops it (`bounce` 0) or reflects it (1).
 bool move(Particles& p, std::uint32_t i, double bounce)
 {
     const Vector3d before = p.position[i];
@@ -92,7 +92,8 @@ bool move(Particles& p, std::uint32_t i, double bounce)
     return p.position[i] != before;
 }
 
-/// The direction of gravity at a frame: the axis x turned by a small angle a frame about an axis that itself turns.
+/// The direction of gravity in a frame: the x axis, rotated by a small angle per frame about an axis that itself
+/// rotates.
 Vector3d gravity_at(std::uint64_t frame)
 {
     const double step = 2 * std::numbers::pi / (gravity_period * second);
@@ -107,7 +108,7 @@ Vector3d gravity_at(std::uint64_t frame)
 void step_freefall(Particles& p, std::uint32_t i)
 {
     if (p.position[i].y() <= p.low[i].y())
-        p.velocity[i].setZero(); // it has landed
+        p.velocity[i].setZero(); // it reached the floor
     else
         p.velocity[i].y() -= weight / (second * second);
 }

@@ -10,7 +10,7 @@ namespace {
 
 using Group = Contender::Group;
 
-constexpr double longest_ms = 20'000; // to take in a scene with its first frame, and for any other
+constexpr double longest_ms = 20'000; // limit for the start with the first frame, and for each other frame
 
 struct Difference {
     std::uint64_t missed = 0, extra = 0, twice = 0;
@@ -23,7 +23,7 @@ void sort_pairs(std::vector<BodyPair>& pairs)
     std::sort(pairs.begin(), pairs.end());
 }
 
-/// Sorts both.
+/// Compares two lists of pairs; sorts both.
 Difference compare(std::vector<BodyPair>& right, std::vector<BodyPair>& given)
 {
     Difference difference;
@@ -43,9 +43,9 @@ Difference compare(std::vector<BodyPair>& right, std::vector<BodyPair>& given)
 struct Entrant {
     RaceRow row;
     std::unique_ptr<BroadPeer> peer;
-    std::vector<double> times; ///< ms, of the counted frames
+    std::vector<double> times; ///< ms per timed frame
     double first_ms = 0;
-    std::string trouble; ///< why it is out; empty: it is not
+    std::string trouble; ///< why it is disqualified; empty: it is not
 };
 
 class Race {
@@ -99,7 +99,7 @@ public:
 private:
     BoxFrame frame() const { return {scene_.boxes, scene_.moved, scene_.is_static}; }
 
-    /// Milliseconds of `work`; what memory it takes is the entrant's.
+    /// Milliseconds of `work`; adds the growth of memory to the entrant.
     template <class Work>
     double measured(Entrant& entrant, Work work)
     {
@@ -116,11 +116,10 @@ private:
     {
         const auto step = [&] { entrant.peer->step(frame(), pairs_); };
         if (scene_.frame == 1) {
-            pairs_.reserve(2 * right_.size()); // everybody's: not part of what an entrant takes
+            pairs_.reserve(2 * right_.size()); // shared, so not counted as an entrant's memory
             entrant.first_ms += measured(entrant, step);
             if (entrant.first_ms > longest_ms)
-                entrant.trouble =
-                    fmt::format("{:.0f} s to take in the scene and its first frame", entrant.first_ms / 1e3);
+                entrant.trouble = fmt::format("{:.0f} s for the start and the first frame", entrant.first_ms / 1e3);
         } else {
             const Clock::time_point from = Clock::now();
             step();
@@ -149,7 +148,7 @@ private:
     std::uint64_t warm_up_;
     std::unique_ptr<BroadPeer> judge_;
     std::vector<Entrant> entrants_;
-    std::vector<BodyPair> right_, pairs_; ///< of this frame: the judge's and the entrant's
+    std::vector<BodyPair> right_, pairs_; ///< pairs of this frame: the correct ones and the entrant's
     PairSet right_set_;
 };
 
@@ -172,7 +171,7 @@ RaceResult race(BoxScene& scene, const std::vector<Contender>& contenders, const
     std::vector<std::string> left;
     for (const Contender& contender : contenders) {
         if (scene.boxes.size() > contender.most) {
-            left.push_back(fmt::format("{}: not above {} boxes", contender.name, grouped(contender.most)));
+            left.push_back(fmt::format("{}: supports at most {} boxes", contender.name, grouped(contender.most)));
             continue;
         }
         if (!contender.threaded)

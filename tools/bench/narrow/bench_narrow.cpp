@@ -1,4 +1,4 @@
-// How long does one query of two meshes take? oncollide beside the narrow phases of other libraries.
+// oncollide bench narrow: time of a query of two meshes, compared with the narrow phases of other libraries.
 #include "bench/bench.hpp"
 #include "bench/narrow/narrow_report.hpp"
 #include "cli/shard.hpp"
@@ -24,7 +24,7 @@ std::vector<NarrowQuery> parse_queries(const std::string& list)
     for (const std::string& part : split(list)) {
         const auto found = std::find(query_names.begin(), query_names.end(), part);
         if (found == query_names.end())
-            usage(fmt::format("--query {}: no such query{}", part,
+            usage(fmt::format("--query {}: unknown query{}", part,
                               valid_names(part, {query_names.begin(), query_names.end()}, "there are")));
         wanted[std::size_t(found - query_names.begin())] = true;
     }
@@ -39,7 +39,7 @@ struct BenchedMesh {
     Mesh mesh;
 };
 
-/// The mesh without its triangles that have no area: whether these meet anything, the peers cannot agree.
+/// The mesh without triangles of zero area: the peers disagree about their intersections.
 BenchedMesh with_area(BenchedMesh named)
 {
     const Mesh& mesh = named.mesh;
@@ -49,10 +49,10 @@ BenchedMesh with_area(BenchedMesh named)
         const std::vector<Eigen::Vector3d> corners{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
         if (make_mesh(named.name, corners, {{0, 1, 2}}).zero_area == 0) kept.push_back(t);
     }
-    return {named.name, make_mesh(named.name + ", without triangles of no area", mesh.vertices, std::move(kept))};
+    return {named.name, make_mesh(named.name + ", without zero-area triangles", mesh.vertices, std::move(kept))};
 }
 
-/// Two files, the pair of the pose set, or generated.
+/// Opens two files, or the pair of the pose set, or generates two meshes.
 std::array<BenchedMesh, 2> open_meshes(const NarrowOptions& options)
 {
     const auto load = [](const fs::path& path) { return with_area({path.stem().string(), load_mesh(path)}); };
@@ -65,7 +65,7 @@ std::array<BenchedMesh, 2> open_meshes(const NarrowOptions& options)
             BenchedMesh{"knot-2-3", make_torus_knot_mesh(2, 3, 1, 0.4, 0.18, 5144)}};
 }
 
-/// Poses of a file, with the exact results beside it when there are any.
+/// Reads the poses of a file, with exact results if it has them.
 NarrowWorkload read_workload(const NarrowOptions& options)
 {
     std::vector<KnownPose> poses =
@@ -76,12 +76,12 @@ NarrowWorkload read_workload(const NarrowOptions& options)
 
 void check(const NarrowOptions& options)
 {
-    if (options.meshes.size() == 1) usage(fmt::format("{}: a second mesh is missing", options.meshes[0]));
+    if (options.meshes.size() == 1) usage(fmt::format("{}: a second mesh is required", options.meshes[0]));
     if (!options.poses.empty() && options.meshes.empty())
-        usage(fmt::format("--poses {}: needs the two meshes that it is about: MESH_A MESH_B", options.poses));
+        usage(fmt::format("--poses {}: needs the two meshes that the poses are for: MESH_A MESH_B", options.poses));
     if (options.use_poses && options.poses.empty() && !options.meshes.empty())
-        usage("--poses: the data folder's poses have meshes of their own; name a pose file or no meshes");
-    if (options.use_poses && !options.distances.empty()) usage("--distances: the poses of a file have their own");
+        usage("--poses: the data folder's poses have their own meshes; name a pose file or no meshes");
+    if (options.use_poses && !options.distances.empty()) usage("--distances: does not apply to the poses of a file");
     check_range("--repeats", options.repeats, 1, 1000);
     check_range("--count", options.count.value_or(1), 1, 100'000);
     check_files({{"--csv", options.csv}, {"--plot", options.plot}});
@@ -89,19 +89,19 @@ void check(const NarrowOptions& options)
 
 void print_settings(const NarrowOptions& options, const NarrowResult& result, const NarrowContenders& contenders)
 {
-    say("{}", describe_program("narrow phase alone"));
+    say("{}", describe_program("narrow phase only"));
     for (const MissingPeer& peer : contenders.missing)
         say("{:<11}not in this build (Debian: {})\n", peer.library, peer.package);
     const auto colliding = std::count(result.truth.colliding.begin(), result.truth.colliding.end(), true);
     say("meshes     {} ({} triangles), {} ({})\n"
-        "poses      {}, {} colliding{}; the least of {} repeats of each query, after a pass to warm up\n",
+        "poses      {}, {} colliding{}; least of {} runs of each query, after a warm-up pass\n",
         result.mesh_a, grouped(result.triangles_a), result.mesh_b, grouped(result.triangles_b),
         grouped(result.workload.poses.size()), grouped(std::uint64_t(colliding)),
         options.use_poses ? "" : fmt::format(", seed {}", options.seed), options.repeats);
     std::cout.flush();
 }
 
-/// Takes out those that would crash on meshes of so few triangles, and says so.
+/// Removes contenders that crash on meshes with too few triangles, and prints their names.
 void leave_out_fragile(std::vector<NarrowContender>& contenders, std::size_t triangles)
 {
     std::erase_if(contenders, [&](const NarrowContender& contender) {
@@ -111,7 +111,7 @@ void leave_out_fragile(std::vector<NarrowContender>& contenders, std::size_t tri
     });
 }
 
-/// The groups of poses that are the shard's; which poses they have depends on all.
+/// Keeps the shard's groups of poses; the poses themselves depend on all groups.
 void keep_groups(const Shard& shard, NarrowWorkload& workload)
 {
     const auto [first, end] = shard.range(workload.groups.size());

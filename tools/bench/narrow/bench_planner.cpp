@@ -1,4 +1,4 @@
-// What a planner needs: at which of many sampled poses does a body collide with a large one that stays?
+// oncollide bench planner: which of many sampled poses of a body collide with a large static body?
 #include "bench/bench.hpp"
 #include "peers/fcl_pair.hpp"
 
@@ -23,7 +23,7 @@ double seconds_since(Clock::time_point from)
     return 1e-3 * milliseconds_since(from);
 }
 
-/// Random orientations, places in the fixed mesh's box grown by half the moving one's size.
+/// Random orientations, and positions in the AABB of `fixed` grown by half the size of `moving`.
 std::vector<MeshQuery> sample(const Mesh& fixed, const Mesh& moving, std::size_t count, std::uint64_t seed)
 {
     const Eigen::Vector3d reach = fixed.bounds.half_extent().array() + 0.25 * moving.bounds.diagonal();
@@ -45,7 +45,7 @@ std::string stem(const std::string& file)
     return std::filesystem::path(file).stem().string();
 }
 
-/// FCL in a loop, on so many threads.
+/// FCL in a loop, on this many threads.
 double query_fcl(const FclPair& fcl, std::span<const MeshQuery> queries, int threads,
                  std::vector<std::uint8_t>& results)
 {
@@ -62,7 +62,7 @@ int bench_planner(const PlannerOptions& options)
 {
     check_range("--poses", options.poses, 1, 10'000'000);
     if (options.meshes.size() != 0 && options.meshes.size() != 2)
-        usage("bench planner: give no meshes or two, the fixed one and the moving one");
+        usage("bench planner: give no meshes, or two: the static and the moving mesh");
     check_files({{"--csv", options.csv}}, options.meshes);
     std::optional<OutputFile> csv;
     if (!options.csv.empty()) csv.emplace(options.csv);

@@ -1,4 +1,4 @@
-// One pair of meshes in many poses, a query at a time: the walk of two sphere-trees against FCL's trees of boxes.
+// oncollide bench poses: one pair of meshes in many poses; traversal of two sphere-trees against FCL's trees of OBBs.
 #include "bench/bench.hpp"
 #include "bench/narrow/pose_file.hpp"
 #include "bench/narrow/tree_pair.hpp"
@@ -23,11 +23,11 @@ double milliseconds(Work work)
     return milliseconds_since(from);
 }
 
-/// One way to answer, and what it took.
+/// A method, and its times.
 struct PoseContender {
     std::string name;
-    std::function<bool(const KnownPose&)> answer; ///< true: not known to be separate
-    std::vector<double> us = {};                  ///< by pose, the least of the repeats
+    std::function<bool(const KnownPose&)> answer; ///< true: not certified separate
+    std::vector<double> us = {};                  ///< by pose, least of the repeats
     std::uint64_t false_positives = 0, missed = 0;
 };
 
@@ -60,9 +60,9 @@ public:
 
     int run()
     {
-        say("poses      {} of a bunny (5,110 triangles) and a cow (5,144), {} colliding; least of {} repeats of each "
+        say("poses      {} of a bunny (5,110 triangles) and a cow (5,144), {} colliding; least of {} runs of each "
             "query\n"
-            "settings   trees grown by the same poses before, no coherence, one thread\n{}\n",
+            "settings   trees already grown for these poses, no coherence, one thread\n{}\n",
             grouped(poses_.size()),
             std::count_if(poses_.begin(), poses_.end(), [](const KnownPose& p) { return *p.colliding; }),
             options_.repeats, describe_program(make_cpu_backend()->name()));
@@ -93,7 +93,7 @@ private:
                  }});
     }
 
-    /// Lets every tree meet every pose once.
+    /// Runs every pose once, so that all trees are grown.
     void grow()
     {
         for (const auto& tree : trees_) {
@@ -110,7 +110,7 @@ private:
     {
         const KnownPose& pose = poses_[i];
         for (std::size_t k = 0; k < contenders_.size(); ++k) {
-            PoseContender& who = contenders_[(i + k) % contenders_.size()]; // turn about
+            PoseContender& who = contenders_[(i + k) % contenders_.size()]; // in alternation
             bool answer = false;
             for (int repeat = 0; repeat < options_.repeats; ++repeat) {
                 const auto from = Clock::now();
@@ -139,7 +139,7 @@ private:
                 fcl_mean / mean(who.us), who.false_positives, who.missed);
         say("\nFCL builds OBB in {:.2f} ms, OBBRSS in {:.2f} ms\n\n", obb_ms_, rss_ms_);
         say("{:<8}{:>14}{:>16}{:>18}{:>14}{:>20}{:>12}\n", "trees", "bound", "% of diagonal", "cell pairs/query",
-            "cells", "growing, ms in all", "MB");
+            "cells", "growing, ms total", "MB");
         const double diagonal = bounds_of(scene_.geometries[0]).diagonal();
         for (std::size_t k = 0; k < trees_.size(); ++k) {
             double bound = 0;
@@ -153,7 +153,7 @@ private:
         }
     }
 
-    /// FCL counts every intersecting pair of triangles; the expected numbers are exact.
+    /// FCL counts all intersecting pairs of triangles; the expected numbers are exact.
     void check_fcl() const
     {
         std::uint64_t sum = 0, expected = 0, differing = 0, wrong = 0;
@@ -162,7 +162,7 @@ private:
             sum += pairs, expected += *pose.triangle_pairs;
             differing += pairs != *pose.triangle_pairs, wrong += (pairs > 0) != *pose.colliding;
         }
-        say("\nexact answers: {} triangle pairs expected, FCL finds {}; {} poses differ in number, {} in colliding or "
+        say("\nexact results: {} triangle pairs expected, FCL finds {}; {} poses differ in number, {} in colliding or "
             "not\n",
             grouped(expected), grouped(sum), differing, wrong);
     }
@@ -185,7 +185,7 @@ private:
     std::vector<KnownPose> poses_;
     Scene scene_;
     std::unique_ptr<FclPair> obb_, rss_;
-    double obb_ms_ = 0, rss_ms_ = 0; ///< to build them
+    double obb_ms_ = 0, rss_ms_ = 0; ///< time to build them
     std::vector<std::unique_ptr<TreePair>> trees_;
     std::vector<double> growth_, cell_pairs_; ///< by tree
     std::vector<PoseContender> contenders_;

@@ -1,4 +1,4 @@
-// Pairs of primitive shapes all but in contact, beside FCL, which passes most of them to libccd.
+// oncollide bench shapes: pairs of shapes close to contact, compared with FCL, which passes most of them to libccd.
 #include "bench/bench.hpp"
 #include "bench/narrow/shape_pairs.hpp"
 #include "differential/convex_truth.hpp"
@@ -20,14 +20,14 @@ namespace {
 constexpr std::size_t batch = 2000;
 constexpr std::size_t kinds = shape_kinds.size();
 
-/// Of pairs of two kinds.
+/// Results of the pairs of two kinds.
 struct ShapeRow {
     std::uint64_t pairs = 0, colliding = 0;
     double ours_ns = 0, fcl_ns = 0;
-    std::uint64_t open = 0;  ///< left `within` by oncollide
+    std::uint64_t open = 0;  ///< reported `within` by oncollide
     std::uint64_t wrong = 0; ///< results or bounds of oncollide that the truth contradicts
     std::uint64_t fcl_missed = 0, fcl_invented = 0;
-    double fcl_worst = 0; ///< metres apart, and colliding for FCL
+    double fcl_worst = 0; ///< largest distance of a pair that FCL reports as colliding, metres
 
     ShapeRow& operator+=(const ShapeRow& o)
     {
@@ -43,7 +43,7 @@ struct ShapeResults {
     bool fcl;
 };
 
-/// Extended precision is certain to this of bodies of a few metres, and placed coordinates are rounded.
+/// Error of extended precision for bodies of a few metres, and of transformed coordinates.
 constexpr double certain = 1e-14;
 
 void judge(const ClosePair& pair, const ShapeResults& results, ShapeRow& row)
@@ -66,7 +66,7 @@ void judge(const ClosePair& pair, const ShapeResults& results, ShapeRow& row)
     if (apart && results.fcl) row.fcl_worst = std::max(row.fcl_worst, double(truth.lower));
 }
 
-/// That this thread has had: what else the machine does meanwhile does not count.
+/// Processor time of this thread, so that other work on the machine does not count.
 double processor_ns()
 {
     std::timespec t{};
@@ -98,7 +98,7 @@ public:
     {
         drawn_.clear();
         for (std::uint64_t i = 0; i < count; ++i) drawn_.push_back(pairs_.draw(first + i));
-        // By kinds, so that each is timed by itself.
+        // Sorted by kinds, so that each pair of kinds is timed separately.
         std::ranges::stable_sort(drawn_, {}, [](const ClosePair& p) { return p.kind_a * int(kinds) + p.kind_b; });
         results_.resize(count);
         for (std::size_t begin = 0, end; begin < count; begin = end) {
@@ -163,11 +163,11 @@ int bench_shapes(const ShapesOptions& options)
     check_range("--pairs", options.pairs, 1, 1'000'000'000);
     check_range("--threads", options.threads, 0, 1024);
     if (!(options.least_gap > 0 && options.least_gap <= 0.1))
-        usage("bench shapes: --least-gap is above 0 and at most 0.1");
+        usage("bench shapes: --least-gap must be above 0 and at most 0.1");
     check_files({{"--csv", options.csv}});
     std::optional<OutputFile> csv;
     if (!options.csv.empty()) csv.emplace(options.csv);
-    say("{}pairs      {}, gaps of {} to 0.1 m, seed {}; judged in extended precision on {} threads\n\n",
+    say("{}pairs      {}, gaps of {} to 0.1 m, seed {}; checked in extended precision on {} threads\n\n",
         describe_program("shapes"), grouped(std::uint64_t(options.pairs)), options.least_gap, options.seed,
         thread_count({.threads = options.threads}));
     ShapeRace race(options);

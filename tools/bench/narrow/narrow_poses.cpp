@@ -19,7 +19,7 @@
 namespace oncollide::tools {
 namespace {
 
-/// Uniform numbers, one after the other.
+/// A sequence of uniform random numbers.
 class Dice {
 public:
     Dice(std::uint64_t seed, std::uint64_t index) : seed_(seed), index_(index) {}
@@ -45,7 +45,7 @@ private:
     std::uint64_t seed_, index_, k_ = 0;
 };
 
-/// To one digit.
+/// Rounds up to one digit.
 double rounded_up(double value)
 {
     if (!(value > 0)) return 0;
@@ -59,7 +59,7 @@ Eigen::Vector3d centroid(const Mesh& mesh, std::size_t triangle)
     return (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3;
 }
 
-/// An orientation of b and a line along which it moves; at place 0 two triangles cross.
+/// An orientation of b and a line along which it moves; at position 0 two triangles cross.
 struct Approach {
     Eigen::Isometry3d start;
     Eigen::Vector3d direction;
@@ -80,7 +80,7 @@ public:
     {
     }
 
-    /// The line of pose `i`.
+    /// The approach of pose `i`.
     Approach approach(std::size_t i) const
     {
         constexpr std::uint64_t most_attempts = 50;
@@ -95,11 +95,11 @@ public:
             if (models_.contacts(approach.start) && !models_.contacts(approach.at(1.01 * reach_))) return approach;
         }
         throw Error(ErrorKind::bad_data,
-                    fmt::format("the meshes do not collide in any of {} poses that let two of their triangles cross",
+                    fmt::format("the meshes do not collide in any of {} poses in which two of their triangles cross",
                                 most_attempts));
     }
 
-    /// Where b touches a, to 1e-9 of the diagonal: in contact just before, out of it just after.
+    /// The position at which b touches a, to 1e-9 of the diagonal: in contact just before, apart just after.
     double touching(const Approach& approach) const
     {
         double in = 0, out = 1.01 * reach_;
@@ -110,11 +110,11 @@ public:
         return out;
     }
 
-    /// Where the distance is `distance` to 1e-7 of the diagonal, not before `low`, where it is no more.
-    /// By the Illinois method, a false position that cannot get stuck.
+    /// The position with this distance, to 1e-7 of the diagonal, at or after `low`, where the distance is not larger.
+    /// By the Illinois method, a false position method that always converges.
     double apart(const Approach& approach, double distance, double low) const
     {
-        double high = reach_ + distance; // the boxes overlap at 0
+        double high = reach_ + distance; // at position 0 the AABBs overlap
         double low_error = error(approach, distance, low), high_error = error(approach, distance, high);
         if (low_error >= 0) return low;
         for (int step = 0, last = 0; step < 60; ++step) {
@@ -142,7 +142,7 @@ private:
     const Mesh &a_, &b_;
     std::uint64_t seed_;
     FclPair models_;
-    double diagonal_, reach_; ///< of a's box; so far from place 0 nothing touches
+    double diagonal_, reach_; ///< diagonal of a's AABB; beyond reach_ from position 0 nothing touches
 };
 
 } // namespace
@@ -155,8 +155,8 @@ std::vector<double> parse_distances(const std::string& list)
         const char* const end = part.data() + part.size();
         const auto [rest, error] = std::from_chars(part.data(), end, value);
         if (error != std::errc{} || rest != end || !(value >= -50 && value <= 1000))
-            usage(fmt::format("--distances {}: expected percents of the first mesh's diagonal from -50 to 1000, "
-                              "like 0,0.1,1,5",
+            usage(fmt::format("--distances {}: expected percentages of the first mesh's diagonal from -50 to 1000, "
+                              "such as 0,0.1,1,5",
                               part));
         percents.push_back(value == 0 ? 0 : value); // no -0
     }
@@ -176,7 +176,7 @@ NarrowWorkload make_workload(const Mesh& a, const Mesh& b, std::span<const doubl
     for (std::size_t i = 0; i < count; ++i, progress.step()) {
         const Approach approach = finder.approach(i);
         const double touching = finder.touching(approach);
-        double place = touching, reached = 0; // where b was put last, and how far apart it was there
+        double place = touching, reached = 0; // last position of b, and its distance there
         for (std::size_t group = 0; group < percents.size(); ++group) {
             NarrowPose& pose = workload.poses[group * count + i];
             const double distance = 0.01 * percents[group] * finder.diagonal();
@@ -186,7 +186,7 @@ NarrowWorkload make_workload(const Mesh& a, const Mesh& b, std::span<const doubl
                 pose.known.b = approach.at(touching + distance + nudge);
                 continue;
             }
-            // Distance grows no faster than b moves.
+            // The distance grows no faster than b moves.
             place = finder.apart(approach, distance, place + distance - reached), reached = distance;
             pose.known.b = approach.at(place);
             pose.distance = distance;

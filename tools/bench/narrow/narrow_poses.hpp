@@ -11,27 +11,27 @@
 
 namespace oncollide::tools {
 
-/// A pose to be queried.
+/// A pose to query.
 struct NarrowPose {
     KnownPose known;
-    std::size_t group;                   ///< of NarrowWorkload::groups
-    std::optional<double> distance = {}; ///< of the surfaces, as it was requested
+    std::size_t group;                   ///< in NarrowWorkload::groups
+    std::optional<double> distance = {}; ///< requested distance of the surfaces
 };
 
 /// All poses of a benchmark, group by group.
 struct NarrowWorkload {
-    std::vector<std::string> groups; ///< "5 %": so far apart; "within 2 %": the reach of one kind in a pose file
+    std::vector<std::string> groups; ///< "5 %": a distance; "within 2 %": a kind in a pose file, by its largest offset
     std::vector<NarrowPose> poses;
 };
 
-/// "0,0.1,1,5" of --distances as percents, ascending, each once. Throws Error{usage}.
+/// Parses --distances, "0,0.1,1,5", to ascending unique percentages. Throws Error{usage}.
 std::vector<double> parse_distances(const std::string& list);
 
-/// Random poses of `b` around `a`: `count` orientations, directions and places of contact, each at all distances.
-/// A distance is that of the surfaces, in percent of the diagonal of a's box. 0: just touching, then moved by 1e-6 of
-/// the diagonal out of contact and into it, alternately. Negative: moved in from touching by so much.
-/// Deterministic for equal arguments. Throws Error{bad_data} when the meshes cannot be made to touch.
-/// Cost: about ten of FCL's distances and forty of its yes or no a pose; shown while it lasts.
+/// Random poses of `b` around `a`: `count` orientations, directions and contact positions, each at all distances.
+/// A distance is between the surfaces, in percent of the diagonal of a's AABB. 0: just touching, then moved by 1e-6 of
+/// the diagonal alternately out of contact and into it. Negative: moved in by this much from touching. Deterministic
+/// for equal arguments. Throws Error{bad_data} if the meshes cannot be made to touch. Cost per pose: about ten distance
+/// queries and forty collision queries of FCL. Shows progress.
 NarrowWorkload make_workload(const Mesh& a, const Mesh& b, std::span<const double> percents, std::size_t count,
                              std::uint64_t seed);
 

@@ -15,14 +15,14 @@
 namespace oncollide::tools {
 namespace {
 
-constexpr double long_us = 5'000; // what a query may take in all before it is repeated no more
+constexpr double long_us = 5'000; // a query that took longer in total is not repeated
 
 double microseconds_since(Clock::time_point from)
 {
     return 1e3 * milliseconds_since(from);
 }
 
-/// The result of any of the queries.
+/// The result of any kind of query.
 struct Found {
     bool colliding = false;
     std::vector<TrianglePair> pairs;
@@ -69,7 +69,7 @@ public:
     {
     }
 
-    /// Builds the contender and lets it meet every pose once.
+    /// Builds the contender and runs every pose once.
     void enter(const NarrowContender& contender)
     {
         NarrowEntrant entrant;

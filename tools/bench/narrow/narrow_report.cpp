@@ -17,14 +17,14 @@ namespace {
 using Group = Contender::Group;
 using Promise = NarrowContender::Promise;
 
-constexpr double distance_tolerance = 1e-6; // over the diagonal; FCL rounds by about 1e-9
+constexpr double distance_tolerance = 1e-6; // relative to the diagonal; FCL rounds by about 1e-9
 
 bool took_part(const NarrowRow& row, NarrowQuery query)
 {
     return row.queries[std::size_t(query)].has_value();
 }
 
-/// What others are compared with: FCL's OBBRSS, as its users have it. Null when it did not take part.
+/// The reference of the ratios: FCL's OBBRSS, in its usual form. Null if it did not take part.
 const NarrowRow* yardstick(const NarrowResult& result)
 {
     for (const NarrowRow& row : result.rows)
@@ -63,7 +63,7 @@ void print_contenders(const NarrowResult& result)
             row.contender->what);
 }
 
-/// Three digits are all that a time is worth.
+/// Three digits: times are not more precise.
 std::string microseconds(double us)
 {
     return us >= 99.95   ? fmt::format("{:.0f}", us)
@@ -73,8 +73,7 @@ std::string microseconds(double us)
 
 void print_query(const NarrowResult& result, NarrowQuery query)
 {
-    say("\n{}, microseconds: the median at each distance; over all poses\n  {:<16}", query_names[std::size_t(query)],
-        "");
+    say("\n{}, microseconds: median at each distance; over all poses\n  {:<16}", query_names[std::size_t(query)], "");
     std::vector<std::size_t> widths;
     for (const std::string& group : result.workload.groups) {
         widths.push_back(std::max<std::size_t>(9, group.size() + 2));
@@ -138,7 +137,7 @@ void print_narrow(const NarrowResult& result)
     print_contenders(result);
     for (NarrowQuery query : result.queries) print_query(result, query);
     say("\n");
-    for (const std::string& note : result.truth.notes) say("judged by  {}\n", note);
+    for (const std::string& note : result.truth.notes) say("checked by {}\n", note);
 }
 
 void write_narrow_csv(OutputFile& file, const NarrowResult& result)

@@ -9,11 +9,11 @@
 
 namespace oncollide::tools {
 
-/// A benchmark of the narrow phase that has been run.
+/// The results of a benchmark of the narrow phase.
 struct NarrowResult {
     std::string mesh_a, mesh_b; ///< names
     std::size_t triangles_a = 0, triangles_b = 0;
-    double diagonal = 0; ///< of a's box
+    double diagonal = 0; ///< of a's AABB
     std::uint64_t seed = 0;
     NarrowWorkload workload;
     NarrowTruth truth;
@@ -21,12 +21,12 @@ struct NarrowResult {
     std::vector<NarrowRow> rows;
 };
 
-/// One contender's results of one query over some of the poses, in microseconds.
+/// A contender's results for one kind of query over some poses, in microseconds.
 struct NarrowSummary {
     double median = 0, mean = 0, mean_colliding = 0, mean_separate = 0;
     std::uint64_t poses = 0, colliding = 0;
-    std::uint64_t missed = 0, extra = 0; ///< poses; of all pairs, triangle pairs
-    double error = 0;                    ///< of distances, the largest, over the diagonal
+    std::uint64_t missed = 0, extra = 0; ///< poses; for `all`: pairs of triangles
+    double error = 0;                    ///< largest error of a distance, relative to the diagonal
     std::uint64_t hash = 0;              ///< of all results
 };
 
@@ -34,14 +34,14 @@ constexpr std::size_t every_group = ~std::size_t{0};
 NarrowSummary summarise(const NarrowResult& result, const NarrowRow& row, NarrowQuery query,
                         std::size_t group = every_group);
 
-/// True when a result of oncollide breaks its promise: something missed, or, where it is exact, something wrong.
+/// True if a result of oncollide breaks its promise: something is missed, or an exact result is wrong.
 bool broken_promise(const NarrowResult& result);
 
-/// A table of the contenders, and one a query: medians by group, then over all poses.
+/// Prints a table of the contenders, and one table per query: medians by group, then over all poses.
 void print_narrow(const NarrowResult& result);
-/// One row a contender, query and group.
+/// Writes one row per contender, query and group.
 void write_narrow_csv(OutputFile& file, const NarrowResult& result);
-/// Median against group, one panel a query.
+/// Draws median against group, one panel per query.
 void draw_narrow_plot(OutputFile& file, const NarrowResult& result);
 
 } // namespace oncollide::tools

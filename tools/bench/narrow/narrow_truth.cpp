@@ -1,4 +1,4 @@
-// Who is right about a pose.
+// The correct results of poses.
 #include "bench/narrow/narrow_race.hpp"
 
 #include <algorithm>
@@ -35,20 +35,19 @@ public:
         Progress progress("judging", workload_.poses.size());
         for (const NarrowPose& pose : workload_.poses) judge(pose), progress.step();
         truth_.notes.emplace_back(exact_ ? "CGAL, exact predicates"
-                                         : "FCL; CGAL, which is exact, is not in this build");
+                                         : "FCL; this build does not have CGAL, which is exact");
         if (differ_)
             truth_.notes.push_back(
                 fmt::format("FCL differs from CGAL in {} of {} poses", grouped(differ_), workload_.poses.size()));
         if (expected_)
-            truth_.notes.push_back(
-                fmt::format("expected results: {} poses, of which the judge differs in {} about colliding{}",
-                            grouped(expected_), unexpected_,
-                            all_ ? fmt::format("; {} triangle pairs, of which the judge finds {}",
-                                               grouped(expected_pairs_), grouped(found_pairs_))
-                                 : ""));
+            truth_.notes.push_back(fmt::format("expected results: {} poses, {} contradicted by the judge{}",
+                                               grouped(expected_), unexpected_,
+                                               all_ ? fmt::format("; {} triangle pairs, {} found by the judge",
+                                                                  grouped(expected_pairs_), grouped(found_pairs_))
+                                                    : ""));
         if (distances_ && misplaced_ > 1e-6)
             truth_.notes.push_back(
-                fmt::format("FCL's distances differ by up to {:.2g} % from those requested", 100 * misplaced_));
+                fmt::format("FCL's distances differ by up to {:.2g} % from the requested distances", 100 * misplaced_));
         return std::move(truth_);
     }
 
@@ -80,7 +79,7 @@ private:
             misplaced_ = std::max(misplaced_, std::abs(truth_.distances.back() - *pose.distance) / diagonal_);
     }
 
-    /// One pair only, when not all are requested.
+    /// Finds at most one pair if not all are requested.
     std::vector<TrianglePair> pairs_by_fcl(const Eigen::Isometry3d& b)
     {
         std::vector<TrianglePair> pairs;
@@ -99,7 +98,7 @@ private:
     double diagonal_;
     NarrowTruth truth_;
     std::uint64_t differ_ = 0, expected_ = 0, unexpected_ = 0, expected_pairs_ = 0, found_pairs_ = 0;
-    double misplaced_ = 0; ///< the most by which a distance is not as requested, over the diagonal
+    double misplaced_ = 0; ///< largest difference from a requested distance, relative to the diagonal
 };
 
 } // namespace

@@ -34,7 +34,7 @@ std::vector<KnownPose> read_poses(const fs::path& path)
         std::vector<double> numbers;
         for (std::string word; words >> word;) {
             char* end = nullptr;
-            numbers.push_back(std::strtod(word.c_str(), &end)); // hexadecimal ones too
+            numbers.push_back(std::strtod(word.c_str(), &end)); // also hexadecimal numbers
             if (*end != 0 || !(std::abs(numbers.back()) < 1e15))
                 throw Error(ErrorKind::bad_data, fmt::format("{}:{}: '{}' is not a number below 1e15", path.string(),
                                                              poses.size() + 1, word.substr(0, 40)));
@@ -50,7 +50,7 @@ std::vector<KnownPose> read_poses(const fs::path& path)
             throw Error(ErrorKind::bad_data, fmt::format("{}:{}: {}", path.string(), poses.size() + 1, why));
         poses.push_back(pose);
     }
-    if (poses.empty()) throw Error(ErrorKind::bad_data, fmt::format("{}: holds no pose", path.string()));
+    if (poses.empty()) throw Error(ErrorKind::bad_data, fmt::format("{}: has no poses", path.string()));
     return poses;
 }
 
@@ -61,12 +61,12 @@ void read_expected(const fs::path& path, std::vector<KnownPose>& poses)
     for (std::uint64_t colliding, pairs; file >> index >> colliding >> pairs; ++count) {
         if (index >= poses.size())
             throw Error(ErrorKind::bad_data,
-                        fmt::format("{}: pose {}, but there are {}", path.string(), index, poses.size()));
+                        fmt::format("{}: pose {}, but there are only {}", path.string(), index, poses.size()));
         poses[index].colliding = colliding, poses[index].triangle_pairs = pairs;
     }
     if (count != poses.size())
         throw Error(ErrorKind::bad_data,
-                    fmt::format("{}: {} answers for {} poses", path.string(), count, poses.size()));
+                    fmt::format("{}: {} results for {} poses", path.string(), count, poses.size()));
 }
 
 std::vector<KnownPose> read_known_poses(const fs::path& path)

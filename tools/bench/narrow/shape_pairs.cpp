@@ -10,7 +10,7 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-/// Random numbers of one thing, in turn.
+/// A sequence of random numbers for one object.
 class Lot {
 public:
     Lot(std::uint64_t seed, std::uint64_t number) : seed_(seed), number_(number) {}
@@ -66,7 +66,7 @@ Shape draw_shape(std::size_t kind, Lot& lot)
     }
 }
 
-/// The body's farthest point along u, of length 1.
+/// The body's support point along the unit vector u.
 Vector3d farthest(const RacedShape& shape, const Isometry3d& pose, const Vector3d& u)
 {
     if (shape.model->is_half_space()) return pose.translation(); // u is its normal
@@ -99,7 +99,7 @@ ClosePair ClosePairs::draw(std::uint64_t number) const
     ClosePair pair{one(kind_a), one(kind_b), kind_a, kind_b, lot.pose(), lot.pose()};
     const Vector3d u = kind_b == half_space ? Vector3d(-pair.pose_b.linear().col(2)) : lot.direction();
     const double gap = lot.spread(least_gap_, 0.1) * (lot.next() < 0.5 ? -1 : 1);
-    // Where A reaches farthest along u, B begins beyond the gap.
+    // B begins at `gap` beyond A's support point along u.
     pair.pose_b.translation() += farthest(*pair.a, pair.pose_a, u) + gap * u - farthest(*pair.b, pair.pose_b, -u);
     return pair;
 }

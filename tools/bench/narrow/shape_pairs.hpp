@@ -14,21 +14,21 @@ namespace oncollide::tools {
 constexpr std::array<std::string_view, 8> shape_kinds{"sphere", "box",       "capsule", "cylinder",
                                                       "hull",   "ellipsoid", "cone",    "half_space"};
 
-/// A shape as both sides have it.
+/// A shape in both libraries' forms.
 struct RacedShape {
     std::unique_ptr<Model> model;
     FclGeometry fcl;
 };
 
-/// Two shapes all but in contact: along some direction they are apart by a gap, or overlap by as much, that is drawn
-/// between the least one and 0.1 m, each power of ten as often. Sizes are 0.1 to 1 m.
+/// Two shapes close to contact: along some direction they are apart by a gap, or overlap by this length, which is
+/// random between the least gap and 0.1 m, each power of ten equally likely. Sizes are 0.1 to 1 m.
 struct ClosePair {
     const RacedShape *a, *b;
-    int kind_a, kind_b; ///< places in shape_kinds, kind_a <= kind_b
+    int kind_a, kind_b; ///< indices in shape_kinds, kind_a <= kind_b
     Eigen::Isometry3d pose_a, pose_b;
 };
 
-/// Draws close pairs of all kinds; the same for the same seed and number.
+/// Generates close pairs of all kinds; equal seeds and numbers give equal pairs.
 class ClosePairs {
 public:
     ClosePairs(std::uint64_t seed, double least_gap);
@@ -38,7 +38,7 @@ private:
     static constexpr std::size_t of_a_kind = 64;
     std::uint64_t seed_;
     double least_gap_;
-    std::vector<RacedShape> shapes_; ///< of each kind so many
+    std::vector<RacedShape> shapes_; ///< of_a_kind shapes of each kind
 };
 
 } // namespace oncollide::tools

@@ -5,8 +5,8 @@
 
 namespace oncollide::tools {
 
-/// The walk of two sphere-trees, one query at a time, by the refiner of the pipeline's stage.
-/// Nothing is remembered from one query to the next but the trees.
+/// Traverses two sphere-trees, one query at a time, with the refiner of the pipeline's stage. Only the trees are kept
+/// from one query to the next.
 class TreePair {
 public:
     /// @param scene  two bodies with meshes; the second is moved

@@ -1,4 +1,4 @@
-// How fast, and how wrong, is each backend about which octants a surface enters?
+// oncollide bench octants: speed and errors of each backend in finding the octants that a surface intersects.
 #include "bench/bench.hpp"
 #include "bench/paper/octant_levels.hpp"
 
@@ -16,12 +16,12 @@
 namespace oncollide::tools {
 namespace {
 
-/// A backend in one of its forms.
+/// A backend in one of its variants.
 struct OctantContender {
     std::string name;
     std::function<std::unique_ptr<OcclusionBackend>()> make;
     int threads = 1;
-    bool lists = true; ///< false: it draws whole meshes, whatever lists there are
+    bool lists = true; ///< false: it draws whole meshes, without using lists
 };
 
 std::vector<OctantContender> contenders(int gpu)
@@ -47,7 +47,7 @@ std::vector<OctantContender> contenders(int gpu)
     return all;
 }
 
-/// A contender with one mesh, and the tree that it grew along the true cells.
+/// A contender with a mesh, and the tree that it grew along the true cells.
 class Candidate {
 public:
     Candidate(const OctantContender& contender, const OctantLevels& levels)
@@ -64,7 +64,7 @@ public:
         grown_ = 0;
     }
 
-    /// Queries the cells of the next level and grows there; `see` gets each cell's true octants and those found.
+    /// Queries the cells of the next level and grows the tree; `see` receives each cell's true and found octants.
     template <class See>
     BatchWork grow_level(See see)
     {
@@ -81,8 +81,8 @@ public:
         return work;
     }
 
-    /// `count` queries of one level, the last of at least so many cells if there is one; the fastest of `repeats`,
-    /// ms.
+    /// `count` queries of one level: the last level with at least this many cells, if there is one. Returns the least
+    /// time of `repeats`, ms.
     double measure(std::size_t count, int repeats)
     {
         int level = 0;
@@ -90,7 +90,7 @@ public:
         while (contender_.lists && grown_ < level) grow_level([](auto...) {});
         rows_.clear();
         const auto& cells = levels_.level(level);
-        for (std::size_t i = 0; i < count; ++i) // from all over the level; again from its start if it has too few
+        for (std::size_t i = 0; i < count; ++i) // spread over the level; repeated if it has too few cells
             rows_.push_back(row(cells[cells.size() >= count ? i * cells.size() / count : i % cells.size()].key));
         results_.resize(count);
         double best = 1e300;
@@ -161,13 +161,13 @@ private:
                         other);
     }
 
-    /// Octants a second, by size of the batch.
+    /// Octants per second, by size of the batch.
     void speed(const NamedMesh& mesh)
     {
         const std::size_t batches[] = {24, 240, 2400, 24000};
         const OctantLevels levels(mesh.mesh, 8);
-        say("million octants a second: {}, {} triangles\n{:<34}", mesh.name, grouped(mesh.mesh.triangles.size()),
-            "  rows in a batch");
+        say("million octants per second: {}, {} triangles\n{:<34}", mesh.name, grouped(mesh.mesh.triangles.size()),
+            "  rows per batch");
         for (std::size_t rows : batches) say("{:>12}", grouped(rows));
         say("\n");
         for (const OctantContender& contender : contenders_) {
@@ -176,7 +176,7 @@ private:
             double row_ms = 0;
             for (std::size_t rows : batches) {
                 if (row_ms * double(rows) > options_.limit_s * 1e3) {
-                    say("{:>12}", "-"); // the row before says what it would be
+                    say("{:>12}", "-"); // predicted from the batch before
                     continue;
                 }
                 const double ms = candidate.measure(rows, row_ms * double(rows) > 200 ? 1 : options_.repeats);
@@ -190,7 +190,7 @@ private:
         say("\n");
     }
 
-    /// The whole tree, a batch a level.
+    /// The whole tree, one batch per level.
     void trees(const NamedMesh& mesh, std::initializer_list<int> depths)
     {
         say("whole tree, ms (GPU's clock): {}, {} triangles\n{:<34}", mesh.name, grouped(mesh.mesh.triangles.size()),
@@ -199,7 +199,8 @@ private:
         say("\n");
         const OctantLevels levels(mesh.mesh, 7);
         for (const OctantContender& contender : contenders_) {
-            if (contender.name.starts_with("gl-query")) continue; // minutes; its speed is the table before
+            if (contender.name.starts_with("gl-query"))
+                continue; // would take minutes; its speed is in the table before
             say("  {:<32}", contender.name);
             Candidate candidate(contender, levels);
             for (int depth : depths) {
@@ -219,15 +220,15 @@ private:
         say("\n");
     }
 
-    /// Octants missed and octants too many, over all true cells above `depth`.
+    /// Missed and extra octants, over all true cells above `depth`.
     void misses(const NamedMesh& mesh, int depth)
     {
         const OctantLevels levels(mesh.mesh, depth);
         std::uint64_t grey = 0;
         for (int level = 0; level < depth; ++level)
             for (const auto& cell : levels.level(level)) grey += std::uint64_t(std::popcount(cell.truth));
-        say("octants missed and too many to depth {}: {}, {} triangles, {} grey octants\n{:<34}{:>16}{:>16}{:>14}\n",
-            depth, mesh.name, grouped(mesh.mesh.triangles.size()), grouped(grey), "", "missed", "too many", "queries");
+        say("missed and extra octants to depth {}: {}, {} triangles, {} grey octants\n{:<34}{:>16}{:>16}{:>14}\n",
+            depth, mesh.name, grouped(mesh.mesh.triangles.size()), grouped(grey), "", "missed", "extra", "queries");
         for (const OctantContender& contender : contenders_) {
             if (contender.threads > 1) continue;
             Candidate candidate(contender, levels);

@@ -1,4 +1,4 @@
-// The paper's own tables, by its method and by ours.
+// oncollide bench paper: the paper's tables, with its method and with oncollide's other backends.
 #include "bench/bench.hpp"
 #include "bench/paper/octant_levels.hpp"
 
@@ -37,7 +37,7 @@ std::vector<Method> methods(const PaperOptions& options)
             {"cpu", make_cpu_backend}};
 }
 
-/// One part of the animation.
+/// A part of the animation.
 struct Window {
     double ms = 0;
     std::uint64_t frames = 0, queries = 0, cells = 0;
@@ -80,7 +80,7 @@ Played play(Scene scene, const PaperOptions& options, std::unique_ptr<OcclusionB
     return played;
 }
 
-/// Pairs of `truth`, over all frames, that `other` lost.
+/// Number of pairs of `truth`, over all frames, that `other` missed.
 std::uint64_t lost(const Played& truth, const Played& other)
 {
     std::uint64_t count = 0;
@@ -101,7 +101,7 @@ public:
     void run()
     {
         const GpuInfo gpu = describe_gpu(options_.gpu);
-        say("{}GPU        {}, OpenGL {}; {} pixels a side, samples passed\n\n",
+        say("{}GPU        {}, OpenGL {}; {} pixels per side, samples passed\n\n",
             describe_program(make_cpu_backend()->name()), gpu.renderer, gpu.version, options_.viewport);
         table_1();
         tables_2_and_3();
@@ -109,7 +109,7 @@ public:
     }
 
 private:
-    /// One level of the tree: the root's eight octants.
+    /// A level of the tree: the root's eight octants.
     void table_1()
     {
         say("Table 1: one level of the tree (the paper: 9 to 13 queries)\n{:<16}{:>10}{:>9}", "model", "triangles",
@@ -164,8 +164,8 @@ private:
                                         .data = options_.data,
                                         .cache = {}});
         say("Tables 2 and 3: the animation, {} frames, depth {}, cells dropped after {} frames\n"
-            "(the paper, 1,500 triangles a model, on a notebook of 2004: 8.58 s with soup, 7.36 s with strips, 178 to "
-            "349 frames a second)\n",
+            "(the paper: 1,500 triangles per model, on a notebook of 2004: 8.58 s with soup, 7.36 s with strips, 178 "
+            "to 349 frames per second)\n",
             scene.frames, options_.depth, options_.age);
         std::vector<Played> played;
         for (const Method& method : methods_) played.push_back(play(scene, options_, method.make()));
@@ -189,12 +189,13 @@ private:
                 grouped(all.cells), all.queries ? fmt::format("{:.2f}", double(all.queries) / double(all.cells)) : "-",
                 grouped(lost(played.back(), played[i])), played[i].hash);
         }
-        say("contacts lost: frames and pairs that cpu, which loses none, leaves over and the method does not\n\n");
+        say("contacts lost: pairs, over all frames, that cpu, which misses none, leaves over and the method does "
+            "not\n\n");
     }
 
     void print_timeline(const std::vector<Played>& played)
     {
-        say("over time: frames a second (queries)\n{:>12}", "to frame");
+        say("over time: frames per second (queries)\n{:>12}", "to frame");
         for (const Method& method : methods_) say("{:>24}", method.name);
         say("\n");
         std::uint64_t frame = 0;

@@ -11,7 +11,7 @@
 namespace oncollide::tools {
 namespace {
 
-/// Does the triangle meet the closed box around the origin? Akenine-Möller's thirteen axes, in double.
+/// True if the triangle meets the closed box around the origin. Akenine-Möller's thirteen axes, in double.
 bool meets(const std::array<Eigen::Vector3d, 3>& p, const Eigen::Vector3d& half)
 {
     const auto apart = [&](const Eigen::Vector3d& axis) {
@@ -54,7 +54,7 @@ OctantLevels::OctantLevels(const Mesh& mesh, int depth) : mesh_(mesh), root_(roo
 {
     const auto backend = make_cpu_backend();
     backend->attach(0, surface());
-    Ocst tree(root_, depth + 1, 0); // one deeper, so that the lists of the last level are kept too
+    Ocst tree(root_, depth + 1, 0); // one level deeper, so that the lists of the last level are kept
     levels_.push_back({{root_cell, 0}});
     for (int level = 0; level < depth; ++level) {
         std::vector<OctantRow> rows;

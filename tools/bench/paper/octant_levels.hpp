@@ -9,16 +9,16 @@
 
 namespace oncollide::tools {
 
-/// The cells of a mesh's whole tree that its surface really enters, and which of their octants it enters: what backends
-/// are judged by.
+/// The true results for backends: the cells of a mesh's whole tree that its surface intersects, and the intersected
+/// octants of each.
 class OctantLevels {
 public:
     struct Cell {
         CellKey key;
-        std::uint8_t truth; ///< octants that a triangle enters, by separating axes in double, without any slack
+        std::uint8_t truth; ///< intersected octants, by separating axes in double, without tolerance
     };
 
-    /// Levels 0 to depth - 1. Cost: that of the whole tree on the cpu backend, and about as much again.
+    /// Levels 0 to depth - 1. Cost: about twice the cost of the whole tree on the cpu backend.
     OctantLevels(const Mesh& mesh, int depth);
 
     const RootCell& root() const { return root_; }
@@ -40,7 +40,7 @@ struct NamedMesh {
     Mesh mesh;
 };
 
-/// The real mesh in the folder's meshes/, or a generated knot of as many triangles.
+/// A real mesh from the folder's meshes/, or a generated knot with as many triangles.
 NamedMesh mesh_or_knot(const std::filesystem::path& data, const std::string& file, int triangles);
 
 } // namespace oncollide::tools

@@ -1,4 +1,4 @@
-// How far small bodies are from large environments, from close by to far away, beside FCL.
+// oncollide bench distances: distances of small bodies to large environments, near and far, compared with FCL.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -22,11 +22,11 @@ namespace {
 using Eigen::Vector3d;
 using Clock = std::chrono::steady_clock;
 
-/// One environment, one kind of bodies, one distance.
+/// One environment, kind of bodies, and distance.
 struct DistanceRow {
     std::string environment, bodies_of;
     double percent = 0, metres = 0, fcl_us = 0, our_us = 0;
-    int differ = 0; ///< results of FCL beyond oncollide's certified bounds
+    int differ = 0; ///< results of FCL outside oncollide's certified bounds
 };
 
 double microseconds(auto query)
@@ -44,8 +44,8 @@ public:
         for (std::uint32_t g = 0; g < scene.geometries.size(); ++g)
             models_.push_back(world_.add(scene.geometries.share(g)));
         for (std::size_t i = 0; i < scene.size(); ++i)
-            ids_.push_back(
-                world_.add_body({.model = models_[index(scene.geometry[i])], .pose = scene.poses[i], .is_static = i == 0}));
+            ids_.push_back(world_.add_body(
+                {.model = models_[index(scene.geometry[i])], .pose = scene.poses[i], .is_static = i == 0}));
         const Aabb bounds = bounds_of(scene.geometries[index(scene.geometry[0])].data);
         middle_ = bounds.centre(), diagonal_ = bounds.diagonal();
     }
@@ -72,8 +72,8 @@ public:
     }
 
 private:
-    /// About so far from the environment, from a random side, by steps that are certainly free; where these lead past
-    /// it towards what is nearest.
+    /// Places the body at about this distance from the environment, on a random side. Moves in steps that are certainly
+    /// free; if these lead past the environment, moves towards its nearest point.
     void place(std::uint32_t body, double wanted, std::uint64_t seed)
     {
         const auto random = [&](std::uint64_t k) { return u01(seed, 1000 + body, k) - 0.5; };
@@ -108,7 +108,9 @@ std::vector<double> percents_of(const std::string& list)
         char* end = nullptr;
         percents.push_back(std::strtod(text.c_str(), &end));
         if (text.empty() || *end != 0 || !(percents.back() > 0 && percents.back() <= 1e4))
-            usage(fmt::format("--distances {}: expected percentages above 0 and up to 10000, like 0.1,10,200", list));
+            usage(fmt::format("--distances {}: expected percentages above 0 and up to 10000, such as "
+                              "0.1,10,200",
+                              list));
     }
     return percents;
 }
@@ -118,13 +120,13 @@ std::vector<double> percents_of(const std::string& list)
 int bench_distances(const DistancesOptions& o)
 {
     check_range("--bodies", o.in.bodies, 1, 100'000), check_range("--repeats", o.repeats, 1, 100);
-    if (!(o.tolerance >= 0)) usage("bench distances: --tolerance is 0 or more");
+    if (!(o.tolerance >= 0)) usage("bench distances: --tolerance must be 0 or more");
     check_files({{"--csv", o.csv}});
     const std::vector<double> percents = percents_of(o.distances);
     std::vector<EnvironmentScene> scenes = scenes_of(o.in, 1);
     const Shard shard = shard_from(o.shard);
     keep_part(shard, scenes, "environments with their bodies");
-    say("{}{} bodies, one after the other; microseconds a query, warm, of each the least of {}; tolerance {} m\n\n",
+    say("{}{} bodies, one after the other; microseconds per query, warm, least of {} runs; tolerance {} m\n\n",
         describe_program("distances"), o.in.bodies, o.repeats, o.tolerance);
     say("{:<11} {:<10} {:>10} {:>10} {:>10} {:>10} {:>7} {:>7}\n", "environment", "bodies", "% diagonal", "metres",
         "FCL us", "us", "ratio", "differ");
@@ -140,7 +142,7 @@ int bench_distances(const DistancesOptions& o)
             rows.push_back(row);
         }
     }
-    say("\n'differ' counts results of FCL outside of oncollide's certified bounds.\n");
+    say("\n'differ' counts results of FCL outside oncollide's certified bounds.\n");
     if (o.csv.empty()) return 0;
     OutputFile file(o.csv);
     file.write(shard.line(

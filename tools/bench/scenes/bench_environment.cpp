@@ -1,4 +1,4 @@
-// Many bodies in large environments, at several errors and exactly, beside FCL.
+// oncollide bench environment: many bodies in large environments, with several error bounds and exactly, against FCL.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -34,7 +34,7 @@ std::vector<Dial> dials_of(const EnvironmentOptions& o)
             char* end = nullptr;
             const double error = std::strtod(text.c_str(), &end);
             if (text.empty() || *end != 0 || !(error > 0) || !std::isfinite(error))
-                usage(fmt::format("--errors {}: expected lengths in metres above 0, and 'exact', like 1,0.1,exact",
+                usage(fmt::format("--errors {}: expected lengths in metres above 0, and 'exact', such as 1,0.1,exact",
                                   o.errors));
             dial.settings.max_error = error;
         }
@@ -44,7 +44,7 @@ std::vector<Dial> dials_of(const EnvironmentOptions& o)
     return dials;
 }
 
-/// The most that the process has held, MB; 0: not known.
+/// The most memory that the process has held, MB; 0: unknown.
 double peak_mb()
 {
     std::ifstream status("/proc/self/status");
@@ -53,7 +53,7 @@ double peak_mb()
     return 0;
 }
 
-/// One environment at one error.
+/// One environment with one error bound.
 struct Row {
     std::string environment, bodies_of, error;
     double fcl_ms = 0, our_ms = 0, fcl_first_ms = 0, our_first_ms = 0, fcl_mb = 0, our_mb = 0, peak = 0;
@@ -138,7 +138,7 @@ int bench_environment(const EnvironmentOptions& o)
     std::vector<EnvironmentScene> scenes = scenes_of(o.in, o.frames);
     const Shard shard = shard_from(o.shard);
     keep_part(shard, scenes, "environments with their bodies");
-    say("{}{} bodies in each environment; FCL says yes or no, oncollide is certain to the error\n\n",
+    say("{}{} bodies in each environment; FCL reports collisions, oncollide is certified to the error bound\n\n",
         describe_program("environments"), grouped(std::uint64_t(o.in.bodies)));
     say("{:<11} {:<7} {:>6} {:>9} {:>9} {:>7} {:>10} {:>10} {:>8} {:>8} {:>10} {:>10} {:>9}\n", "environment", "bodies",
         "error", "FCL ms", "ms", "ratio", "FCL first", "first ms", "FCL MB", "MB", "pairs", "left over", "false");
@@ -150,7 +150,7 @@ int bench_environment(const EnvironmentOptions& o)
             print(rows.back());
         }
     }
-    say("\nThe process held {:.0f} MB at most, FCL's models and the environments among it.\n", peak_mb());
+    say("\nThe process held {:.0f} MB at most, including FCL's models and the environments.\n", peak_mb());
     if (!o.csv.empty())
         write_csv(
             o.csv,

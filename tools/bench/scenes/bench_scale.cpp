@@ -1,5 +1,6 @@
-// oncollide bench scale: what each of very many ranks would have to do, without the machines. Bodies are a function of
-// their index and the frame, so a rank that is played alone knows those in and around its region without reading any.
+// oncollide bench scale: the work of each of very many ranks, without the machines. Bodies are a function of their
+// index and the frame, so a single rank can be played without reading any file: it computes the bodies in and near its
+// region.
 #include "bench/scenes/bench_scale.hpp"
 
 #include <algorithm>
@@ -27,10 +28,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::uint32_t large_every = 1000; // one body of so many is 8 times as large, drawn by lot
+constexpr std::uint32_t large_every = 1000; // about one body of this many, chosen randomly, is 8 times as large
 constexpr double large_by = 8;
 
-/// One cube in each cell of a lattice of unit cells, somewhere in it.
+/// One cube in each cell of a lattice of unit cells, at a random position in the cell.
 class UniformWorld {
 public:
     UniformWorld(double bodies, double edge, std::uint64_t seed, int frame)
@@ -47,7 +48,7 @@ public:
         const std::uint32_t i = index(x, y, z);
         Vector3d at(x, y, z);
         for (int k = 0; k < 3; ++k) {
-            // There and back in its cell.
+            // Moves back and forth in its cell.
             const double start = u01(seed_, i, std::uint64_t(k)),
                          speed = 0.1 * (u01(seed_, i, std::uint64_t(k) + 4) - 0.5);
             const double way = std::fmod(std::abs(start + frame_ * speed), 2.0);
@@ -56,7 +57,7 @@ public:
         const double size = edge_ * (0.5 + u01(seed_, i, 3)) * (u01(seed_, i, 7) * large_every < 1 ? large_by : 1);
         return {at - Vector3d::Constant(0.5 * size), at + Vector3d::Constant(0.5 * size)};
     }
-    /// The mean of the k-th power of the edges.
+    /// The mean k-th power of the edges.
     double moment(int k) const
     {
         const double uniform = (std::pow(1.5, k + 1) - std::pow(0.5, k + 1)) / (k + 1);
@@ -70,12 +71,12 @@ private:
     int frame_;
 };
 
-/// The world in equal blocks: what recursive bisection makes of an even one.
+/// The world in equal blocks, as recursive bisection divides a uniform world.
 class Blocks {
 public:
     Blocks(int ranks, double side) : side_(side)
     {
-        // Factors as near to each other as there are.
+        // The factors nearest to each other.
         int best = 1 << 30;
         for (int a = 1; a * a * a <= ranks; ++a)
             for (int b = a; ranks % a == 0 && a * b * b <= ranks; ++b)
@@ -86,7 +87,7 @@ public:
     {
         return {rank % count_[0], rank / count_[0] % count_[1], rank / count_[0] / count_[1]};
     }
-    /// Which block along an axis: never descends where x ascends.
+    /// The block along an axis: monotonic in x.
     int part(double x, int axis) const
     {
         const int count = count_[std::size_t(axis)];
@@ -103,12 +104,12 @@ private:
 struct Rank {
     int number = 0;
     std::uint64_t home = 0, ghosts = 0, pairs = 0, hash = 0;
-    std::size_t bytes = 0; ///< of ghosts that come, and of what is held
+    std::size_t bytes = 0; ///< of received ghosts, and of all data held
     std::size_t held = 0;
     double ms = 0;
 };
 
-/// What a rank is sent of a ghost without a name.
+/// Bytes that a rank receives for a ghost without a name.
 std::size_t ghost_bytes()
 {
     Bytes message;
@@ -116,7 +117,7 @@ std::size_t ghost_bytes()
     return message.size() + 1;
 }
 
-/// Which bodies are here, their pairs, and whose they are: as RankWorld decides.
+/// Finds the bodies of the rank, their pairs, and the owners of the pairs, by the rules of RankWorld.
 Rank play_rank(const UniformWorld& world, const Blocks& blocks, int number)
 {
     const auto begin_time = std::chrono::steady_clock::now();
@@ -166,11 +167,11 @@ Rank play_rank(const UniformWorld& world, const Blocks& blocks, int number)
     return rank;
 }
 
-/// The ghosts of a block: the bodies whose boxes reach in over a face, an edge or a corner that is not the world's.
+/// Number of ghosts of a block: bodies whose AABBs extend into it over a face, an edge or a corner inside the world.
 double model_ghosts(const UniformWorld& world, const Blocks& blocks, int number)
 {
     const auto place = blocks.place(number);
-    std::array<double, 3> edge, open; // lengths; how many of the two faces have a neighbour, halved
+    std::array<double, 3> edge, open; // lengths; number of faces with a neighbour, halved
     for (int k = 0; k < 3; ++k) {
         const int count = blocks.count()[std::size_t(k)], at = place[std::size_t(k)];
         edge[std::size_t(k)] = double(world.side()) / count;
@@ -182,7 +183,8 @@ double model_ghosts(const UniformWorld& world, const Blocks& blocks, int number)
            s3 * open[0] * open[1] * open[2];
 }
 
-/// Of a frame: the time without ranks over that with them, by the model; broad phase only, a microsecond a body.
+/// Parallel efficiency of a frame by the model: the time of one process divided by the total time of all ranks; broad
+/// phase only, a microsecond per body.
 double model_efficiency(double home, double ghosts, int ranks)
 {
     const double body_us = 1, bytes_of_a_ghost = 184, bytes_a_us = 10e9 / 48 / 1e6;
@@ -198,17 +200,17 @@ std::vector<int> sampled(int ranks, int sample)
         std::iota(numbers.begin(), numbers.end(), 0);
         return numbers;
     }
-    // A stride without a common factor with the blocks' counts, which all divide `ranks`: else only edges are seen.
+    // A stride coprime to `ranks`, which the blocks' counts divide; otherwise only blocks at edges would be sampled.
     int stride = std::max(1, ranks / sample);
     while (std::gcd(stride, ranks) != 1) ++stride;
     for (int k = 0; k < sample; ++k) numbers.push_back(int(std::int64_t(k) * stride % ranks));
     return numbers;
 }
 
-/// One partition of the world, as far as it was played.
+/// A partition of the world, as far as it was played.
 struct Partition {
     Blocks blocks;
-    int count; ///< of ranks
+    int count; ///< number of ranks
     std::vector<Rank> ranks;
 
     bool all() const { return ranks.size() == std::size_t(count); }
@@ -235,7 +237,7 @@ Partition play(const UniformWorld& world, int count, int sample, int threads, co
     return partition;
 }
 
-/// Says what its ranks cost. Are the ghosts those of the model, to a tenth?
+/// Prints the cost of the ranks. True if the number of ghosts agrees with the model to a tenth.
 bool report(const UniformWorld& world, const Partition& partition)
 {
     double home = 0, ghosts = 0, model = 0, ms = 0, bytes = 0, most_home = 0, most_ghosts = 0, most_held = 0;
@@ -252,21 +254,21 @@ bool report(const UniformWorld& world, const Partition& partition)
     const auto& blocks = partition.blocks.count();
     say("ranks      {} as {} x {} x {} blocks, {} played\n\n", partition.count, blocks[0], blocks[1], blocks[2],
         partition.ranks.size());
-    say("{:<34}{:>14}{:>14}{:>14}\n", "a rank", "mean", "most", "model");
-    say("{:<34}{:>14.0f}{:>14.0f}{:>14.0f}\n", "bodies at home", home / n, most_home,
+    say("{:<34}{:>14}{:>14}{:>14}\n", "per rank", "mean", "max", "model");
+    say("{:<34}{:>14.0f}{:>14.0f}{:>14.0f}\n", "own bodies", home / n, most_home,
         double(world.bodies()) / partition.count);
     say("{:<34}{:>14.0f}{:>14.0f}{:>14.0f}\n", "ghosts", ghosts / n, most_ghosts, model / n);
-    say("{:<34}{:>14.3f}{:>14}{:>14.3f}\n", "MB of ghosts a frame", bytes / n / 1e6, "",
+    say("{:<34}{:>14.3f}{:>14}{:>14.3f}\n", "MB of ghosts per frame", bytes / n / 1e6, "",
         double(ghost_bytes()) * model / n / 1e6);
     say("{:<34}{:>14}{:>14.1f}\n", "MB held", "", most_held / 1e6);
-    say("{:<34}{:>14.3f}\n", "us a body, with its making", 1e3 * ms / (home + ghosts));
+    say("{:<34}{:>14.3f}\n", "us per body, with its creation", 1e3 * ms / (home + ghosts));
     say("{:<34}{:>14.3f}{:>14}\n", "efficiency by the model", model_efficiency(home / n, ghosts / n, partition.count),
         "");
     say("{:<34}{:>14.3f}\n\n", "  of the worst rank", least_efficiency);
     say("pairs      {}, order-free hash {:016x}{}\n", partition.pairs(), partition.hash(),
         partition.all() ? "" : " (of the ranks played)");
     const bool off = model > 0 && std::abs(ghosts / model - 1) > 0.1;
-    if (off) say("FAULT      the ghosts are off the model by more than a tenth\n");
+    if (off) say("FAULT      the number of ghosts differs from the model by more than a tenth\n");
     return !off;
 }
 
@@ -295,12 +297,12 @@ int bench_scale(const ScaleOptions& o)
     check_files({{"--csv", o.csv}});
     const std::vector<std::size_t> counts = parse_counts("--ranks", o.ranks, 1'000'000);
     const Shard shard = shard_from(o.shard);
-    if (!shard.whole() && counts.size() > 1) usage("--shard: the ranks of one number of them are divided; give one");
+    if (!shard.whole() && counts.size() > 1) usage("--shard: needs a single number of ranks, whose ranks are divided");
     check_parts(shard, sampled(int(counts.front()), o.sample).size(), "ranks");
     const UniformWorld world(o.bodies, o.edge, o.seed, o.frame);
     const int threads = o.threads ? o.threads : hardware_threads();
-    say("world      {} cubes, frame {}, edges {} spacings in the mean, one of {} is {} times as large\n",
-        world.bodies(), o.frame, o.edge, large_every, large_by);
+    say("world      {} cubes, frame {}, mean edge {} spacings, one of {} is {} times as large\n", world.bodies(),
+        o.frame, o.edge, large_every, large_by);
     std::vector<Partition> partitions;
     bool good = true;
     for (const std::size_t count : counts) {
@@ -309,7 +311,7 @@ int bench_scale(const ScaleOptions& o)
         const Partition& first = partitions.front();
         if (first.all() && partitions.back().all() &&
             (partitions.back().pairs() != first.pairs() || partitions.back().hash() != first.hash())) {
-            say("FAULT      {} ranks found other pairs than {}\n", count, first.count);
+            say("FAULT      {} ranks found different pairs than {}\n", count, first.count);
             good = false;
         }
     }

@@ -1,4 +1,4 @@
-// FCL and oncollide on the same scene, frame by frame in turn.
+// FCL and oncollide on the same scene, in alternation, frame by frame.
 #include "bench/bench.hpp"
 
 #include <algorithm>
@@ -19,9 +19,9 @@ int bench_scene(const CompareOptions& given)
     check_range("--warm-up", options.warm_up, 0), check_range("--repeats", options.repeats, 1, 1000);
     check_range("--cold-runs", options.cold_runs, 1, 100);
     check_files({{"--csv", options.csv}, {"--summary", options.summary}});
-    options.scene.on_demand = options.only == "oncollide"; // FCL needs all of a mesh
+    options.scene.on_demand = options.only == "oncollide"; // FCL needs whole meshes
     if (!options.scene.cache.folder.empty() && !options.scene.on_demand)
-        usage("--cache: needs --only oncollide; FCL cannot leave a part of a mesh on the disk");
+        usage("--cache: needs --only oncollide; FCL needs whole meshes in memory");
     const Settings settings = settings_from(options.settings);
     if (options.contacts && settings.exact != ExactLevel::predicates) usage("--contacts: needs --exact predicates");
     Scene scene = open_scene(options.scene);

@@ -1,4 +1,4 @@
-// A World whose bodies come, go and move: what does a frame cost, by how many of them changed? And queries beside it.
+// oncollide bench world: cost of a frame by the number of bodies added, removed or moved, and cost of queries.
 #include "bench/bench.hpp"
 #include "bench/statistics.hpp"
 #include "cli/system.hpp"
@@ -19,7 +19,7 @@
 namespace oncollide::tools {
 namespace {
 
-/// The bodies of the catalogue's scene `many` in a World. Each body's user number says where in the list it is.
+/// The bodies of the catalogue's scene `many` in a World. Each body's user number is its index in the list.
 class Crowd {
 public:
     Crowd(const WorldOptions& options, std::uint32_t bodies)
@@ -36,7 +36,7 @@ public:
     World& world() { return world_; }
     std::size_t size() const { return ids_.size(); }
 
-    /// Moves `count` bodies, other ones each time, to where another body was at the start.
+    /// Moves `count` bodies, different bodies each time, each to the start pose of another.
     void move(std::size_t count)
     {
         some_ids_.clear(), some_poses_.clear();
@@ -47,7 +47,7 @@ public:
         world_.set_poses(some_ids_, some_poses_);
     }
 
-    /// Removes `count` bodies and adds as many at other places.
+    /// Removes `count` bodies and adds as many at other poses.
     void exchange(std::size_t count)
     {
         const std::vector<std::size_t> chosen = pick(count);
@@ -62,7 +62,7 @@ public:
         for (std::size_t k = 0; k < chosen.size(); ++k) ids_[chosen[k]] = some_ids_[k];
     }
 
-    /// The pairs that are not separate, by the bodies' places in the list.
+    /// The pairs that are not separate, by the bodies' indices in the list.
     using Pairs = std::set<std::tuple<std::uint64_t, std::uint64_t, Verdict>>;
     static Pairs pairs(World& world)
     {
@@ -75,7 +75,7 @@ public:
         return found;
     }
 
-    /// Do a World made anew and this one find the same?
+    /// True if a newly made World finds the same pairs.
     bool is_as_made_anew()
     {
         World fresh(world_.settings());
@@ -88,7 +88,7 @@ public:
         return pairs(world_) == pairs(fresh);
     }
 
-    /// Queries of the first bodies' models at places of others.
+    /// Queries of the first bodies' models at the poses of others.
     std::vector<ModelQuery> queries(std::size_t count)
     {
         std::vector<ModelQuery> queries;
@@ -97,7 +97,7 @@ public:
     }
 
 private:
-    /// The scene's geometries, in order: in a World without models their ids are their numbers.
+    /// Adds the scene's geometries in order: in a World without models their ids equal their numbers.
     void add_models(World& world) const
     {
         for (std::size_t g = 0; g < scene_.geometries.size(); ++g) world.add(scene_.geometries.share(g));
@@ -105,7 +105,7 @@ private:
     ModelId model_of(std::size_t i) const { return {index(scene_.geometry[i])}; }
     BodySpec spec_of(std::size_t i) const { return {.model = model_of(i), .pose = scene_.poses[i], .user = i}; }
     std::size_t place() { return std::size_t(u01(7, draws_++, 0) * double(size())); }
-    /// The next `count` bodies in turn.
+    /// The next `count` bodies in rotation.
     std::vector<std::size_t> pick(std::size_t count)
     {
         std::vector<std::size_t> chosen(count);
@@ -124,7 +124,7 @@ private:
     std::uint64_t draws_ = 0;
 };
 
-/// Milliseconds per frame, the median: of the calls that change something, and of step().
+/// Median milliseconds per frame: of the calls that change bodies, and of step().
 template <class Change>
 std::pair<double, double> time_frames(Crowd& crowd, int frames, Change change)
 {
@@ -134,13 +134,13 @@ std::pair<double, double> time_frames(Crowd& crowd, int frames, Change change)
         change();
         const double changed = milliseconds_since(begin);
         crowd.world().step();
-        if (frame < 0) continue; // warming up
+        if (frame < 0) continue; // warm-up
         changes.push_back(changed), steps.push_back(milliseconds_since(begin) - changed);
     }
     return {median(changes), median(steps)};
 }
 
-/// Queries per second with so many threads that each make a part of them, one by one.
+/// Queries per second on this many threads, each with a part of the queries, one by one.
 double time_queries(const World& world, std::span<const ModelQuery> queries, std::size_t threads)
 {
     const auto begin = Clock::now();
@@ -171,7 +171,7 @@ int bench_world(const WorldOptions& options)
     World& world = crowd.world();
     const std::size_t pairs = world.step().pairs.size();
     say("{}scene      many, {} bodies, {} pairs; made in {:.0f} ms, first frame after {:.0f} ms\n"
-        "settings   {}\nframes     {}, the median of each\n\n",
+        "settings   {}\nframes     {}, medians\n\n",
         describe_program(world.backend()), grouped(crowd.size()), grouped(pairs), made, milliseconds_since(begin),
         describe(world.settings()), options.frames);
 
@@ -194,16 +194,16 @@ int bench_world(const WorldOptions& options)
     say("\nremoved and added / moved  {:.2f}\n", exchanged / moved);
 
     const std::vector<ModelQuery> queries = crowd.queries(10'000);
-    world.query(queries.front().model, queries.front().pose); // takes in what changed
+    world.query(queries.front().model, queries.front().pose); // applies the changes
     time_queries(world, queries, 1);                          // warms up
     const double one = time_queries(world, queries, 1), two = time_queries(world, queries, 2);
-    say("queries    {} per second from one thread, {} from two beside each other ({:.2f} times)\n",
+    say("queries    {} per second from one thread, {} from two at the same time ({:.2f} times)\n",
         grouped(std::uint64_t(one)), grouped(std::uint64_t(two)), two / one);
     say("memory     World {} MB; process {} MB at its peak\n", world.bytes() / 1'000'000, peak_memory() / 1'000'000);
 
     if (csv) csv->commit();
     const bool same = crowd.is_as_made_anew();
-    say("results    {} a World made anew\n", same ? "those of" : "WRONG: not those of");
+    say("results    {} a newly made World\n", same ? "same as of" : "WRONG: not the same as of");
     return same ? 0 : int(ErrorKind::internal);
 }
 

@@ -21,7 +21,7 @@ namespace oncollide::tools {
 
 namespace {
 
-/// Where the data folder has it; empty: it is generated.
+/// The environment's file in the data folder; empty: it is generated.
 std::filesystem::path file_of(const EnvironmentScene& which)
 {
     const char* place = which.environment == "campus"      ? "octomap/fr_campus.bt"
@@ -34,7 +34,7 @@ std::filesystem::path file_of(const EnvironmentScene& which)
     return which.data / place;
 }
 
-/// Shapes of about a metre, by kind.
+/// Shapes of about one metre, by kind.
 const std::vector<std::pair<std::string, Shape>>& every_shape()
 {
     static const std::vector<std::pair<std::string, Shape>> shapes = [] {

@@ -8,10 +8,10 @@
 
 namespace oncollide::tools {
 
-/// The environments that there are: generated ones, those of files in the data folder, and single shapes by kind.
+/// The available environments: generated ones, files in the data folder, and single shapes by kind.
 const std::vector<std::string>& environment_names();
 
-/// Which environments, and what is in them.
+/// The environments, and the bodies in them.
 struct EnvironmentChoice {
     std::string environments = "building,hills,hills-mesh", bodies_of = "meshes,shapes";
     int bodies;
@@ -19,11 +19,11 @@ struct EnvironmentChoice {
     std::uint64_t seed = 1;
     std::string data{};
 
-    /// What parts of the work must have in common, in words.
+    /// Description of the work; must be equal for all parts of it.
     std::string work() const;
 };
 
-/// One large, fixed body, and many small ones on and just above its surface, which drift a little every frame.
+/// One large static body, and many small ones on and just above its surface, which drift slightly in every frame.
 struct EnvironmentScene {
     std::string environment = "building";
     /// "meshes" of 6,000 to 13,000 triangles; "shapes": spheres, boxes and capsules; "all-shapes", of all bounded
@@ -35,12 +35,11 @@ struct EnvironmentScene {
     std::filesystem::path data; ///< folder of the files
 };
 
-/// Throws Error{usage} for an unknown name and for a file without a data folder, Error{no_input} for one that is
-/// missing.
+/// Throws Error{usage} for an unknown name and for a file without a data folder, Error{no_input} for a missing file.
 void check(const EnvironmentScene& which);
-/// One for each environment and kind of bodies. Throws as check(), and for `cells` out of range.
+/// One scene per environment and kind of bodies. Throws as check(), and for `cells` out of range.
 std::vector<EnvironmentScene> scenes_of(const EnvironmentChoice& choice, int frames);
-/// Checks first.
+/// Calls check() first.
 Scene make_environment_scene(const EnvironmentScene& which);
 
 } // namespace oncollide::tools

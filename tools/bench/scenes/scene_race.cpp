@@ -30,7 +30,7 @@ public:
     }
 
 private:
-    /// From a scene in memory to the answer of its first frame, each time from nothing.
+    /// Measures from a scene in memory to the results of its first frame, each time in the initial state.
     void measure_cold_starts()
     {
         for (int run = 0; run < options_.cold_runs; ++run) {
@@ -96,7 +96,7 @@ private:
         return pairs;
     }
 
-    /// What this takes counts as the exact level's.
+    /// The time counts as time of the exact level.
     void find_contacts(SceneRow& row, const World& world, ContactLists& contacts, FrameView& frame) const
     {
         const Clock::time_point from = Clock::now();

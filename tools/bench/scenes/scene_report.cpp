@@ -22,7 +22,7 @@ std::uint64_t SceneReport::print() const
 
 void SceneReport::print_head() const
 {
-    say("scene      {}, {} bodies, {} geometries of {} triangles together; frames {} to {}, {} before them to warm "
+    say("scene      {}, {} bodies, {} geometries of {} triangles in total; frames {} to {}, {} before them to warm "
         "up, least of {} {}\n"
         "settings   {}\n{}\n",
         printable(scene_.name), grouped(scene_.size()), scene_.geometries.size(), grouped(triangles()),
@@ -48,7 +48,7 @@ void SceneReport::print_times() const
         contacts += row.contacts_ms;
     }
     const double n = double(counted().size());
-    say("{:<17}{:>12}{:>12}{:>14}{:>24}\n", "ms per frame", "median", "mean", "frames/s", "first, from nothing");
+    say("{:<17}{:>12}{:>12}{:>14}{:>24}\n", "ms per frame", "median", "mean", "frames/s", "first, cold start");
     const auto line = [](const char* who, const std::vector<double>& ms, const std::vector<double>& cold) {
         say("{:<17}{:>12.4f}{:>12.4f}{:>14.1f}{:>24.3f}\n", who, median(ms), mean(ms), 1e3 / mean(ms), median(cold));
     };
@@ -58,7 +58,7 @@ void SceneReport::print_times() const
         say("{:<17}{:>12.2f}{:>12.2f}{:>14}{:>24.2f}   (median of the frames' ratios; ratio of the totals)\n",
             "FCL / oncollide", median(ratios), mean(fcl) / mean(ours), "",
             median(runs_.fcl_cold) / median(runs_.our_cold));
-    say("\nwhere the time goes, mean ms\n");
+    say("\ntime by part, mean ms\n");
     if (with_fcl_)
         say("  FCL        transforms {:.4f}, tree update {:.4f}, pairs {:.4f}, narrow {:.4f}\n", fcl_parts[0] / n,
             fcl_parts[1] / n, fcl_parts[2] / n, fcl_parts[3] / n);
@@ -103,9 +103,8 @@ std::uint64_t SceneReport::print_faults(const Comparison& sum, std::uint64_t fra
 {
     Comparison all; // missed collisions count in every frame
     for (const SceneRow& row : runs_.rows) all += row.counts;
-    say("  oncollide  false positives {} ({:.1f} % of what is left over), missed {}, within FCL's rounding {}, wrong "
-        "exact "
-        "answers {}\n",
+    say("  oncollide  false positives {} ({:.1f} % of pairs left over), missed {}, within FCL's rounding {}, wrong "
+        "exact results {}\n",
         mean_count(sum.false_positives, frames),
         sum.left_over ? 100.0 * double(sum.false_positives) / double(sum.left_over) : 0.0, all.missed,
         all.missed_by_rounding, all.wrong_exact);
@@ -119,10 +118,10 @@ void SceneReport::print_memory(std::uint64_t nodes) const
     if (with_ours_) say("trees {:.3f} MB at most ({} cells); ", double(runs_.our_bytes) / 1e6, grouped(nodes));
     if (with_fcl_) say("FCL models {:.3f} MB; ", double(runs_.fcl_bytes.obb) / 1e6);
     say("process {:.1f} MB at its peak{}\n", double(peak_memory()) / 1e6,
-        with_fcl_ && with_ours_ ? " (both; --only tells them apart)" : "");
+        with_fcl_ && with_ours_ ? " (both; --only measures one)" : "");
     if (const auto [meshed, bytes] = in_meshes(); meshed && meshed == triangles()) {
         const auto each = [count = double(meshed)](std::size_t all) { return double(all) / count; };
-        say("           bytes a triangle:");
+        say("           bytes per triangle:");
         if (with_ours_)
             say(" trees {:.0f}, with the meshes {:.0f};", each(runs_.our_bytes), each(runs_.our_bytes + bytes));
         if (with_fcl_)
@@ -154,7 +153,7 @@ std::uint64_t SceneReport::triangles() const
     return sum;
 }
 
-/// What the sphere-trees requested of the backend, warm and in the first frame.
+/// Requests of the sphere-trees to the backend, in later frames and in the first.
 void SceneReport::print_rounds() const
 {
     std::uint64_t rounds = 0, rows = 0, bytes = 0, queries = 0;

@@ -5,7 +5,7 @@
 
 namespace oncollide::tools {
 
-/// What a race of a scene came to, in words and as CSV. All must outlive it.
+/// The results of a race on a scene, as text and CSV. All arguments must outlive it.
 class SceneReport {
 public:
     SceneReport(const CompareOptions& options, const Settings& settings, const Scene& scene, const SceneRuns& runs)
@@ -14,7 +14,7 @@ public:
     {
     }
 
-    /// Returns how many collisions oncollide missed or got wrong.
+    /// Returns the number of collisions that oncollide missed or reported wrongly.
     std::uint64_t print() const;
     void write_csv() const;
     void write_summary() const;
@@ -33,7 +33,7 @@ private:
         std::size_t triangles = 0, bytes = 0;
     };
     InMeshes in_meshes() const;
-    std::uint64_t triangles() const; ///< of all geometries, wherever they lie
+    std::uint64_t triangles() const; ///< of all geometries, in memory or in files
 
     const CompareOptions& options_;
     const Settings& settings_;
