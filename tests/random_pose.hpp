@@ -7,7 +7,7 @@
 
 namespace oncollide {
 
-/// Any rotation; each coordinate within `reach`. The same for the same seed.
+/// Any rotation; each coordinate within `reach`. Deterministic for a seed.
 inline Eigen::Isometry3d random_pose(std::uint64_t seed, double reach)
 {
     Eigen::Vector4d q;

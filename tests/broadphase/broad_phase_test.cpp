@@ -109,7 +109,7 @@ TEST_P(EveryBroadPhase, FindsThePairsOfBoxesOfEverySizeTogether)
     EXPECT_EQ(pairs, truth(scene));
 }
 
-TEST_P(EveryBroadPhase, FormsNoPairsOfSleepersOrAgainstLayersMasksAndGroups)
+TEST_P(EveryBroadPhase, FormsNoPairsOfStaticBodiesOrAgainstLayersMasksAndGroups)
 {
     Boxes scene;
     const auto add = [&](bool is_static, std::uint32_t layer, std::uint32_t mask, std::uint32_t group) {
@@ -126,7 +126,7 @@ TEST_P(EveryBroadPhase, FormsNoPairsOfSleepersOrAgainstLayersMasksAndGroups)
     broad->move(Bodies{2, 5});
     EXPECT_EQ(find(*broad, scene), (Pairs{{0, 3}, {0, 4}, {0, 5}, {1, 3}, {1, 4}, {1, 5}, {3, 4}, {3, 5}, {4, 5}}));
     const auto pairs = broad->find_pairs({.boxes = scene.boxes}, true);
-    EXPECT_EQ(pairs.size(), 14u) << "all but that of the statics";
+    EXPECT_EQ(pairs.size(), 14u) << "all pairs except the pair of static bodies";
 }
 
 TEST_P(EveryBroadPhase, FollowsWhatMovesFrameByFrame)
@@ -150,7 +150,7 @@ TEST_P(EveryBroadPhase, FollowsWhatMovesFrameByFrame)
 }
 
 /// All changes at random, in bulk.
-TEST_P(EveryBroadPhase, FollowsBodiesThatComeGoMoveSleepWakeAndChangeLayersAndGroups)
+TEST_P(EveryBroadPhase, FollowsBodiesThatComeGoMoveBecomeStaticAndChangeLayersAndGroups)
 {
     Boxes scene = random_boxes(1500, 18, 0.5, 23, {0, 0, 0});
     std::vector<std::uint8_t> there(scene.all.size(), 0);
@@ -269,7 +269,7 @@ TEST_P(EveryBroadPhase, HoldsNoForbiddenPairsOfAHeap)
             broad->move(std::span(scene->all).first(moved));
             EXPECT_EQ(find(*broad, *scene), expected) << moved;
         }
-        EXPECT_LT(broad->bytes(), 1000 * count) << "of at least 36 MB of pairs, if all were held";
+        EXPECT_LT(broad->bytes(), 1000 * count) << "storing all pairs would take at least 36 MB";
     }
 }
 
@@ -332,7 +332,7 @@ TEST_P(EveryBroadPhase, AnswersQueriesFromManyThreadsAtOnce)
 
 TEST_P(EveryBroadPhase, AllocatesNothingInAWarmFrame)
 {
-    if (GetParam().options.threads > 1) GTEST_SKIP() << "which thread finds how much is not fixed";
+    if (GetParam().options.threads > 1) GTEST_SKIP() << "the share of each thread is not deterministic";
     Boxes scene = random_boxes(2000, 22, 0.3, 43, {0, 0, 0});
     const auto broad = make();
     scene.add_to(*broad);

@@ -180,7 +180,8 @@ TEST(PoseBounds, NoPointMovesFartherThanTheMotion)
                 const double moved = scale * 1.75 * (1 + mesh.bounds.half_extent().norm());
                 EXPECT_LE(motion, moved * 1.01 + 4e-6 * size) << scale;
                 if (i % 3 == 0 && i % 5) {
-                    EXPECT_LE(motion, most * (1 + 1e-5) + 1e-12 * (100 + size)) << "no more than it moves, unrotated";
+                    EXPECT_LE(motion, most * (1 + 1e-5) + 1e-12 * (100 + size))
+                        << "no larger than the translation, if unrotated";
                 }
             }
             EXPECT_EQ(bounds.motion(random_pose(2, 0, 9), random_pose(2, 0, 9)), 0);

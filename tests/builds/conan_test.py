@@ -1,4 +1,4 @@
-"""The recipe for Conan, as far as it goes without Conan: stand-ins take its place, and what it exports must configure as it is asked to.
+"""Tests the recipe for Conan without Conan: Conan is mocked, and the exported project must configure with the options that the recipe passes.
 
     conan_test.py SOURCE
 """

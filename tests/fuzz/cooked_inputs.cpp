@@ -253,16 +253,16 @@ void compare_damaged(const Found& seed, const Found& now)
 /// Compares a valid file with its contents in memory. Its boxes may be different, so bounds may differ.
 void compare_sealed(Queries& of_whole, const Found& whole, const Found& now)
 {
-    if (now.pairs.size() != whole.pairs.size()) fault("a cooked file has other pairs than what is in it");
+    if (now.pairs.size() != whole.pairs.size()) fault("a cooked file has other pairs than its contents");
     for (std::size_t i = 0; i < now.pairs.size(); ++i) {
         const Found::Pair &a = whole.pairs[i], &b = now.pairs[i];
         if (a.a != b.a || a.b != b.b || a.verdict != b.verdict)
-            fault("a cooked file has another result than what is in it");
+            fault("a cooked file has another result than its contents");
         if (a.bound != b.bound && !(b.bound <= of_whole.most_distance(b))) fault("a bound that is no bound");
     }
 }
 
-/// By checksum of the header.
+/// Keyed by the checksum of the header.
 const std::map<std::uint64_t, Found>& seeds_results(const fs::path& folder)
 {
     static const std::map<std::uint64_t, Found> results = [&] {
@@ -273,7 +273,7 @@ const std::map<std::uint64_t, Found>& seeds_results(const fs::path& folder)
             const Opened opened(file);
             Found found = Queries(named(opened.data)).results(), whole = Queries(named(opened.whole())).results();
             if (!std::ranges::equal(found.pairs, whole.pairs, same) || found.pairs.size() < 3)
-                fault("a seed's results are not those of what is in it");
+                fault("a seed's results differ from its contents' results");
             all.emplace(opened.checksum, std::move(found));
         }
         fs::remove(file);

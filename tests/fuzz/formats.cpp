@@ -90,7 +90,7 @@ void load_tiles(const fs::path& file)
             if (tile->open()->chunks.empty()) fault("a tile without chunks");
             check(tile->whole());
         } catch (const ChunkFault&) {
-            if (tile->faults().size() != 1) fault("a tile that says nothing of its fault");
+            if (tile->faults().size() != 1) fault("a tile does not report its fault");
         }
     }
 }

@@ -85,7 +85,7 @@ TEST_F(HostileMemory, CtrlCEndsAFrameOfManySecondsWithinOne)
         ::kill(child, SIGINT);
     };
     const Outcome outcome = run({"run", scene, "--depth", "6", "--quiet", "--json", "r.json"}, around);
-    EXPECT_LT(Clock::now() - sent, std::chrono::seconds(5)) << "half a second, and a busy machine";
+    EXPECT_LT(Clock::now() - sent, std::chrono::seconds(5)) << "half a second, plus a margin for a busy machine";
     EXPECT_EQ(outcome.code, 130) << outcome.err;
     EXPECT_NE(outcome.err.find("interrupted after 0 of 1 frames; their results are in r.json"), std::string::npos)
         << outcome.err;

@@ -82,7 +82,7 @@ TEST_F(HostileNames, NamesThatAreNotUtf8EndInNoInternalFault)
     EXPECT_EQ(outcome.code, 1) << outcome.err;
     EXPECT_TRUE(is_tame(outcome.out)) << outcome.out;
     EXPECT_EQ(read_json("r.json").at("header").is_object(), true);
-    EXPECT_NE(folder_.read("r.json").find("\xef\xbf\xbd"), std::string::npos) << "U+FFFD in their place";
+    EXPECT_NE(folder_.read("r.json").find("\xef\xbf\xbd"), std::string::npos) << "U+FFFD replaces them";
     outcome = run({"spheres", name, "--json", "s.json", "--csv", "s.csv", "--directions", "10", "--depth", "2"});
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_TRUE(is_tame(outcome.out)) << outcome.out;

@@ -1,5 +1,5 @@
-// Inputs that used to take time or memory out of proportion to their size. Each limit is a small part of the former
-// value, or of a quadratic algorithm's, and far above the present value, for slow machines.
+// Inputs that used to take time or memory out of proportion to their size. Each limit is far below the former value or
+// the value of a quadratic algorithm, and far above the present value, for slow machines.
 #include <chrono>
 #include <numbers>
 

@@ -73,7 +73,7 @@ TEST(Orient3d, IsExactNearPlanes)
 {
     for (int exponent : {-60, -3, 0, 40}) {
         const int undecided = check<16>(near_planes(3000, std::ldexp(1, exponent)), exponent - 160);
-        EXPECT_GT(undecided, 1000) << "these are meant to be too near for the filter";
+        EXPECT_GT(undecided, 1000) << "these points must be too near for the filter";
     }
 }
 

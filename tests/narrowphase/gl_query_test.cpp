@@ -240,7 +240,7 @@ TEST(GlQuery, FillsTheInsideOfSolidShapes)
     std::vector<OctantResult> answer(1);
     const BatchWork work = backend->run(std::vector<OctantRow>{{0, inner, all_triangles, false}}, 1, answer);
     EXPECT_EQ(answer[0].grey, 0xff);
-    EXPECT_EQ(work.queries, 0u) << "nothing is left to ask";
+    EXPECT_EQ(work.queries, 0u) << "no query is left";
 }
 
 TEST(GlQuery, AnswersMapsAsTheCpuDoes)

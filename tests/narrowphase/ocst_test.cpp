@@ -89,7 +89,7 @@ TEST_F(OcstTest, DropsWhatAgedAndRegrowsTheSame)
     EXPECT_FALSE(tree.knows(child_cell(child, 0)) || tree.knows(child_cell(child, 7)));
 
     expand(tree, child, 24);
-    EXPECT_EQ(tree.size(), full) << "the parent's list is still there, so the child grows back as it was";
+    EXPECT_EQ(tree.size(), full) << "the parent's list still exists, so the child is restored unchanged";
 
     tree.collapse(100, 5, 0, *backend_);
     EXPECT_EQ(tree.size(), 1u) << "an idle tree is its root alone";

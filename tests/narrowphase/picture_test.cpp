@@ -102,7 +102,7 @@ TEST(Picture, BubblesLetOneSeeThrough)
     const Pixels seen = draw(picture);
     EXPECT_TRUE(seen.is_red(60, 45));
     picture.balls.erase(picture.balls.begin());
-    EXPECT_GT(seen.at(60, 45, 2), draw(picture).at(60, 45, 2)) << "and still are seen";
+    EXPECT_GT(seen.at(60, 45, 2), draw(picture).at(60, 45, 2)) << "the transparent sphere is also visible";
 }
 
 TEST(Picture, BodiesOfGlassLetOneSeeThrough)
@@ -115,9 +115,9 @@ TEST(Picture, BodiesOfGlassLetOneSeeThrough)
     picture.balls = {{{0, 0, 0}, 0.5, red}};
     const Pixels seen = draw(picture);
     EXPECT_TRUE(seen.is_red(60, 45));
-    EXPECT_LT(seen.at(60 + 20, 45, 0), 230) << "beside the ball there is glass";
+    EXPECT_LT(seen.at(60 + 20, 45, 0), 230) << "beside the sphere the glass is visible";
     picture.bodies.clear();
-    EXPECT_GT(seen.at(60, 45, 2), draw(picture).at(60, 45, 2)) << "and over it, too";
+    EXPECT_GT(seen.at(60, 45, 2), draw(picture).at(60, 45, 2)) << "the glass also covers the sphere";
 }
 
 TEST(Picture, LinesAreSeenThroughAllElseAndAreAsWideAsTheyShould)
@@ -133,7 +133,7 @@ TEST(Picture, LinesAreSeenThroughAllElseAndAreAsWideAsTheyShould)
     picture.lines = {{{0, 0, 0}, {0, 0, 0}, 6, red}};
     EXPECT_NEAR(draw(picture).count_red(), 36, 8) << "a dot";
     picture.lines = {{{0, 0, 0}, {0, -20, 0}, 6, red}};
-    EXPECT_EQ(draw(picture).count_red(), 0) << "ends behind the eye";
+    EXPECT_EQ(draw(picture).count_red(), 0) << "the line ends behind the camera";
 }
 
 TEST(Picture, PlacesFarFromTheOriginLookTheSame)

@@ -36,7 +36,7 @@ Isometry3d rotated_pose(std::uint64_t seed)
     return pose;
 }
 
-/// With the tree and without; both must agree.
+/// Located with and without the tree; both results must agree.
 PointLocation place_of(const Vector3d& point, const Mesh& mesh, const RelativePose& into = stay)
 {
     PointLocator locator;
@@ -171,7 +171,7 @@ TEST(PointLocation, KnowsCavitiesByTheirOrientation)
     EXPECT_EQ(place_of(centre, hollow), PointLocation::outside);
     EXPECT_EQ(place_of(wall, hollow), PointLocation::inside);
     EXPECT_EQ(place_of(centre, flipped(hollow)), PointLocation::outside);
-    EXPECT_EQ(place_of(wall, flipped(hollow)), PointLocation::inside) << "the wrong way round, all of it";
+    EXPECT_EQ(place_of(wall, flipped(hollow)), PointLocation::inside) << "all triangles reversed";
     EXPECT_EQ(place_of(centre, filled), PointLocation::inside) << "one part in another";
     const Mesh overlapping = joined({ball, moved(ball, {2, 0, 0})});
     EXPECT_EQ(place_of({1, 0.1, 0.1}, overlapping), PointLocation::inside) << "in both";

@@ -1,5 +1,5 @@
-// A minimal hierarchy for tests: cubes of a regular grid, as an implicit octree, and their tests against triangles. It
-// is all that the box traversal needs for a new kind of geometry.
+// A minimal hierarchy for tests: cubes of a regular grid, as an implicit octree, and their tests against triangles.
+// The box traversal needs no more for a new kind of geometry.
 #pragma once
 #include <algorithm>
 #include <array>

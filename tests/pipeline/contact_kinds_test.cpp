@@ -71,10 +71,10 @@ TEST(ContactKinds, TellTouchingFromCrossingToTheLastBit)
             EXPECT_EQ(kind(1, y, z), ContactKind::touching) << y << ' ' << z;
             EXPECT_EQ(kind(std::nextafter(1, 2), y, z), ContactKind::unknown) << y << ' ' << z;
         }
-    EXPECT_EQ(kind(std::nextafter(1, 0), 0.05, 0.3), ContactKind::crossing) << "an ulp deep, and no faces in line";
+    EXPECT_EQ(kind(std::nextafter(1, 0), 0.05, 0.3), ContactKind::crossing) << "an ulp deep, without coplanar faces";
     EXPECT_EQ(kind(0.9, 0.1, 0.1), ContactKind::crossing);
     EXPECT_EQ(kind(0, 0, 0), ContactKind::crossing) << "the same mesh in the same pose";
-    EXPECT_EQ(kind(0.95, 0, 0), ContactKind::crossing) << "walls overlap, though every two triangles only touch";
+    EXPECT_EQ(kind(0.95, 0, 0), ContactKind::crossing) << "walls overlap, although all pairs of triangles only touch";
 }
 
 /// Many frames, so that hints of touching triangles meet crossing ones and vice versa.
@@ -106,7 +106,7 @@ TEST(ContactKinds, EqualBruteForceOverAllPairsOfTriangles)
             EXPECT_EQ(at(without_hints, scene, place).kind, kind) << frame;
         }
     }
-    for (int truth : count) EXPECT_GE(truth, 20) << "the poses must show every answer often";
+    for (int truth : count) EXPECT_GE(truth, 20) << "the poses must produce every result often";
 }
 
 TEST(ContactKinds, OfASlideThatKeepsTouchingShowACrossingElsewhere)
@@ -175,7 +175,7 @@ TEST(ContactKinds, TouchingCanBeIgnored)
         const PairResult crossing = at(pipeline, scene, {std::nextafter(1, 0), 0.05, 0.3});
         EXPECT_EQ(crossing.verdict, Verdict::colliding);
         EXPECT_EQ(crossing.kind, ContactKind::crossing);
-        EXPECT_EQ(at(pipeline, scene, {0.95, 0, 0}).verdict, Verdict::colliding) << "in line, but 5 cm deep";
+        EXPECT_EQ(at(pipeline, scene, {0.95, 0, 0}).verdict, Verdict::colliding) << "coplanar, but 5 cm deep";
     }
 }
 
@@ -219,7 +219,7 @@ TEST(ContactKinds, GiveOneHashForThreadsAndCoherence)
     const std::uint64_t expected = hash(1, true, true);
     EXPECT_EQ(hash(3, true, true), expected);
     EXPECT_EQ(hash(1, false, true), expected);
-    EXPECT_NE(hash(1, true, false), expected) << "kinds count where they were asked for";
+    EXPECT_NE(hash(1, true, false), expected) << "kinds are part of the hash if they were requested";
 }
 
 TEST(ContactKinds, RefuseWhatCannotBeAnswered)

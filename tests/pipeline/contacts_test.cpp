@@ -93,7 +93,7 @@ std::size_t compare(const World& world, BodyId a, BodyId b, const GeometryData& 
             for (const Vector3d& normal : {c.normal_a, c.normal_b})
                 EXPECT_TRUE(normal.isZero(0) || std::abs(normal.norm() - 1) < 1e-9) << where;
         }
-    EXPECT_EQ(meet, found.size()) << where << ": parts that are none";
+    EXPECT_EQ(meet, found.size()) << where << ": parts that do not exist";
     return meet;
 }
 

@@ -1,4 +1,4 @@
-// The error that a pair is given, and that refinement keeps to it.
+// The error bound of a pair, which refinement must satisfy.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ struct Yard {
         std::uniform_real_distribution<double> place(-90, 90), above(-0.2, 0.6);
         std::vector<BodySpec> specs[3];
         specs[0].push_back({.model = models[0], .is_static = true});
-        for (int i = 0; i < 60; ++i) { // every other ball is where a tower stands
+        for (int i = 0; i < 60; ++i) { // every second sphere is at a tower
             const Eigen::Vector2d far(place(random), place(random)), near(0.1 * place(random), 0.1 * place(random));
             Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
             if (i % 10 == 0) {
@@ -77,7 +77,7 @@ TEST_P(Dial, IsThatOfThePairWhateverOtherPairsNeed)
     const auto results = [&](std::vector<int> order, int together) {
         Yard yard({.bounding_volume = GetParam()}, order);
         std::map<std::array<double, 6>, std::pair<Verdict, double>> found;
-        for (int frame = 0; frame < 2; ++frame) { // the second with trees that others have deepened
+        for (int frame = 0; frame < 2; ++frame) { // the second frame has trees that other pairs have refined
             if (frame == 0 && !together)
                 for (BodyId ball : yard.small) yard.world.set_layers(ball, 2, 2);
             else
@@ -95,13 +95,14 @@ TEST_P(Dial, IsThatOfThePairWhateverOtherPairsNeed)
         return found;
     };
     const auto first = results({0, 1, 2}, 1);
-    EXPECT_EQ(results({0, 1, 2}, 0), first) << "the small ones come later, and deepen the ground's tree";
+    EXPECT_EQ(results({0, 1, 2}, 0), first) << "the small crates come later, and refine the ground's tree";
     const auto other = results({2, 0, 1}, 1);
     ASSERT_EQ(other.size(), first.size());
     for (const auto& [key, result] : first) {
         ASSERT_TRUE(other.contains(key));
         EXPECT_EQ(other.at(key).first, result.first);
-        EXPECT_NEAR(other.at(key).second, result.second, 1e-4 * result.second + 1e-4) << "rounding depends on who is A";
+        EXPECT_NEAR(other.at(key).second, result.second, 1e-4 * result.second + 1e-4)
+            << "rounding depends on which body is A";
     }
 }
 

@@ -1,5 +1,5 @@
-// Distances and nearest points of every two kinds of geometry, held against the distance of convex sets in extended
-// precision, which shares no code with the library.
+// Distances and nearest points of every pair of kinds of geometry, compared with the distance of convex sets in
+// extended precision, which shares no code with the library.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-/// A body as the truth knows it.
+/// A body as the oracle sees it.
 struct Placed {
     GeometryData geometry;
     Isometry3d pose;
@@ -31,7 +31,7 @@ struct Placed {
     double off(const Vector3d& point) const
     {
         const auto* shape = std::get_if<Shape>(&geometry);
-        // Extended precision comes to a rim slowly: it may be 2e-7 off.
+        // Extended precision converges slowly to a rim: it may have an error of 2e-7.
         if (const auto* c = shape ? std::get_if<Cylinder>(shape) : nullptr) {
             const Vector3d p = pose.inverse() * point;
             const double across = std::hypot(p.x(), p.y()) - c->radius, along = std::abs(p.z()) - c->length / 2;
@@ -68,7 +68,7 @@ Pair world_of(const Placed& a, const Placed& b)
     return pair;
 }
 
-/// How the bodies of a case stand: on a grid, where touching is common; turned anyhow, and near; or far apart.
+/// The poses of a case: on a grid, where touching is common; randomly rotated, and near; or far apart.
 Isometry3d drawn_pose(std::uint64_t seed, int way)
 {
     Isometry3d pose = way == 0 ? Isometry3d::Identity() : random_pose(seed, 1);
@@ -92,7 +92,7 @@ void expect_certified(const Placed& a, const Placed& b, double tolerance, double
     EXPECT_GE(d.upper, truth.lower - tie);
     EXPECT_GE(d.lower, 0);
     EXPECT_LE(d.upper - d.lower, tolerance + 1e-8 + 1e-6 * d.upper);
-    // Their frames' rounding, and that of curved shapes, whose points are on them but for it.
+    // Points are on the surfaces up to the rounding of the frames and of curved shapes.
     const double on = 1e-7 + tie;
     EXPECT_LE(a.off(d.point_a), on) << "point of a " << d.point_a.transpose();
     EXPECT_LE(b.off(d.point_b), on) << "point of b " << d.point_b.transpose();
@@ -110,7 +110,7 @@ void expect_certified(const Placed& a, const Placed& b, double tolerance, double
         EXPECT_LE(bound, 1e-9);
     }
 
-    // A limit below the distance leaves a bound above it; one above changes nothing.
+    // A cutoff below the distance gives a lower bound above the cutoff; a cutoff above the distance changes nothing.
     if (truth.lower < 1e-3) return;
     const Distance cut = pair.world.distance(pair.a, pair.b, 0, 0.5 * d.lower);
     EXPECT_GT(cut.lower, 0.5 * d.lower);
@@ -146,7 +146,7 @@ INSTANTIATE_TEST_SUITE_P(Distance, EveryTwoKinds, ::testing::Range(std::size_t{0
     return name;
 });
 
-/// One in the other, no surfaces near.
+/// One inside the other, with no surfaces near.
 TEST(Distance, OfSolidsInsideOneAnotherIsZeroAndHasOnePoint)
 {
     Seen seen;
@@ -166,7 +166,7 @@ TEST(Distance, OfSolidsInsideOneAnotherIsZeroAndHasOnePoint)
     EXPECT_EQ(seen.apart, 0);
 }
 
-/// Half-spaces are certain only where they look away from each other exactly.
+/// Half-spaces are certainly separate only if they face exactly away from each other.
 TEST(Distance, OfHalfSpacesIsThatOfParallelPlanes)
 {
     Isometry3d rotated = Isometry3d::Identity();
@@ -186,7 +186,7 @@ TEST(Distance, OfHalfSpacesIsThatOfParallelPlanes)
     expect_certified(a, b, 0, 1e-12, seen);
 }
 
-/// Heights that are off widen the bounds by as much, about the surface as given.
+/// An error of the heights widens the bounds by the same amount, relative to the exact surface.
 TEST(Distance, OfTerrainsWithQuantisedHeightsHoldsForTheSurfaceAsGiven)
 {
     int cases = 0;

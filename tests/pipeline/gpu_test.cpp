@@ -13,10 +13,10 @@ Scene many(int bodies)
     return make_scene("many", {.bodies = bodies, .frames = {}, .seed = 7, .data = {}});
 }
 
-/// The cpu backend, until the call at which it is lost.
+/// The cpu backend, which fails at a given call.
 class DyingBackend final : public OcclusionBackend {
 public:
-    /// @param coarse  added to the error that the cells have, as a share of their half side
+    /// @param coarse  added to the error bound of the cells, as a share of their half side
     explicit DyingBackend(int calls, double coarse = 0) : left_(calls), coarse_(coarse) {}
     std::string name() const override { return "dying"; }
     double error(double half) const override { return cpu_->error(half) + coarse_ * half; }
@@ -44,7 +44,7 @@ private:
 };
 
 struct Played {
-    std::vector<std::uint64_t> hashes; ///< by frame
+    std::vector<std::uint64_t> hashes; ///< per frame
     std::string note, error;
 };
 
@@ -111,7 +111,7 @@ TEST(Gpu, RoundsDoNotGrowWithThePairs)
         Pipeline pipeline(scene, {.depth = 5});
         rounds.push_back(pipeline.step(scene).rounds.size());
     }
-    EXPECT_LE(rounds[1], rounds[0] + 8) << "the slices of the later start";
+    EXPECT_LE(rounds[1], rounds[0] + 8) << "for slices that start later";
 }
 
 TEST(Gpu, AFrameInWhichItIsLostIsFinishedOnTheCpu)
@@ -120,7 +120,7 @@ TEST(Gpu, AFrameInWhichItIsLostIsFinishedOnTheCpu)
     const Played cpu = play(many(200), settings, 5, make_cpu_backend());
     EXPECT_EQ(cpu.note, "");
     int lost = 0;
-    for (int calls = 0; calls < 60; calls += 3) { // at the upload, at a batch, at its answer, at the exact level
+    for (int calls = 0; calls < 60; calls += 3) { // at the upload, at a batch, at its result, at the exact level
         const Played played = play(many(200), settings, 5, std::make_unique<DyingBackend>(calls));
         EXPECT_EQ(played.hashes, cpu.hashes) << "lost at call " << calls;
         EXPECT_EQ(played.error, "");
@@ -129,7 +129,7 @@ TEST(Gpu, AFrameInWhichItIsLostIsFinishedOnTheCpu)
     EXPECT_GT(lost, 10);
 }
 
-/// As those of gl-query are found on pixels: the bound must allow for it whoever goes on.
+/// Cells of a coarse backend, such as gl-query, keep its error bound after another backend takes over.
 TEST(Gpu, CellsThatALostOneFoundKeepTheirError)
 {
     constexpr int never = 1 << 30;

@@ -1,4 +1,4 @@
-// A ground without an end under many bodies.
+// An infinite ground under many bodies.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -44,7 +44,7 @@ Crowd crowd_of(const Settings& settings, const Isometry3d& ground, bool fixed, s
     return crowd;
 }
 
-/// Three frames: their hashes, and how many pairs are left over.
+/// Three frames: their hashes, and the number of pairs that are left over.
 std::pair<std::uint64_t, std::size_t> played(const Settings& settings, const Isometry3d& ground, bool fixed = true)
 {
     Crowd crowd = crowd_of(settings, ground, fixed, 2000);
@@ -76,7 +76,7 @@ TEST(HalfSpaces, UnderManyBodiesLoseNoPairAndHaveOneResult)
             }
 }
 
-/// Pairs of the ground are those of bodies that reach into it, and bounds hold.
+/// The ground forms pairs with exactly the bodies that touch it, and bounds hold.
 TEST(HalfSpaces, MeetWhatReachesIntoThem)
 {
     for (const Isometry3d& ground : grounds)
@@ -106,7 +106,7 @@ TEST(HalfSpaces, MeetWhatReachesIntoThem)
         }
 }
 
-/// One that quarter turns moved ends the boxes where it ends.
+/// A half-space rotated by quarter turns has a bounding box that ends at its plane.
 TEST(HalfSpaces, AlongTheAxesArePairsOnlyOfWhatReachesTheirPlane)
 {
     Crowd crowd = crowd_of({}, Isometry3d::Identity(), true, 2000);

@@ -1,4 +1,4 @@
-// The hard cases of 'oncollide accuracy hard': each answered right, whatever stages are left out.
+// The hard cases of 'oncollide accuracy hard': each must be decided correctly with any stages left out.
 #include <cctype>
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ std::vector<std::string> families()
 
 class HardCases : public testing::TestWithParam<std::string> {};
 
-/// Each case meets a part of the variants, and all of them meet some case of each family.
+/// Each case runs a part of the variants, and each family of cases runs all of them.
 TEST_P(HardCases, AreAnsweredRightByEveryCombinationOfStages)
 {
     constexpr std::size_t parts = 32;
@@ -86,7 +86,7 @@ TEST(HardTriangles, AreAnsweredRightWhereFclErrs)
     EXPECT_GT(sum.fcl_false, 100u);
 }
 
-/// The truth is held against what the cases were made for by try_bodies; here, that it is sharp.
+/// try_bodies checks the truth of the cases; this test checks that its bounds are tight.
 TEST(BodyTruth, KnowsDistancesToTheLastDigits)
 {
     double loosest = 0;
@@ -143,12 +143,13 @@ TEST(BodyTruth, FindsWhatALoopOverAllTrianglesFinds)
                       most != TriangleContact::separate);
             const DistanceTruth distance = distance_of(halved_a, Eigen::Isometry3d::Identity(), halved_b, pose);
             EXPECT_EQ(distance.high, double(high)) << k;
-            EXPECT_GE(distance.low, double(low)) << k; // boxes may say more
+            EXPECT_GE(distance.low, double(low)) << k; // bounds may be wider for boxes
         }
-    for (int n : count) EXPECT_GE(n, 5) << "the poses must show every answer";
+    for (int n : count) EXPECT_GE(n, 5) << "the poses must produce every result";
 }
 
-/// Where no surface is near: there rounded angles tell nothing, and cases have their truth by construction.
+/// Only for points far from surfaces: nearer, rounded angles are unreliable, and cases have a known truth by
+/// construction.
 TEST(SolidTruth, CountsWindingsAsSolidAnglesDo)
 {
     int inside = 0, outside = 0;
@@ -196,13 +197,13 @@ TEST(TriangleDistance, IsThatOfFacesEdgesAndCorners)
             EXPECT_NEAR(double(range.low), double(expected), 1e-18);
         }
     };
-    check({1, 1, 0.25L}, {2, 1, 1}, {1, 2, 3}, 0.25L);              // a corner over the face
+    check({1, 1, 0.25L}, {2, 1, 1}, {1, 2, 3}, 0.25L);              // a corner above the face
     check({-3, -4, 1}, {-3, -4, 2}, {-5, -6, 2}, std::sqrt(26.0L)); // corner and corner
     check({2, -1, -1}, {2, -1, 1}, {3, -5, 0}, 1);                  // edge across edge
     check({1, 1, -1}, {1, 1, 1}, {9, 9, 0}, 0);                     // an edge through the face
     check({1, 1, 0.5L}, {1, 1, 0.5L}, {1, 1, 0.5L}, 0.5L);          // a point
     check({-1, -3, 0}, {-1, 5, 0}, {-1, 5, 0}, 1);                  // a segment beside an edge
-    check({1, 1, 0}, {2, 1, 0}, {1, 2, 0}, 0);                      // inside, in one plane
+    check({1, 1, 0}, {2, 1, 0}, {1, 2, 0}, 0);                      // inside, coplanar
 }
 
 } // namespace

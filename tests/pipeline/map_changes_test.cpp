@@ -1,4 +1,4 @@
-// Maps whose cells change while a World runs: its answers are those of a World that is given the changed map.
+// Maps whose cells change while a World runs: its results must equal the results of a new World with the changed map.
 #include <map>
 #include <random>
 
@@ -22,7 +22,7 @@ Outcome outcome_of(World& world)
 {
     Outcome outcome;
     for (const PairResult& pair : world.step().pairs) {
-        if (pair.verdict == Verdict::separate) continue; // pairs of boxes that do not overlap are not there at all
+        if (pair.verdict == Verdict::separate) continue; // pairs of boxes that do not overlap are not reported
         const std::uint64_t a = world.user(pair.a), b = world.user(pair.b);
         outcome[{std::min(a, b), std::max(a, b)}] = {pair.verdict, pair.kind, pair.bound};
     }
@@ -60,7 +60,7 @@ OccupancyMap small_map()
     return {"map", std::move(cells), 0.25};
 }
 
-/// Changes both a World's map and a map of our own.
+/// Applies the same changes to a World's map and to a separate map.
 class Changes {
 public:
     explicit Changes(std::uint64_t seed) : random_(seed) {}
@@ -72,7 +72,7 @@ public:
             try {
                 make(map);
             } catch (const Error&) {
-                refused = true; // nothing would be left
+                refused = true; // no cell would remain occupied
             }
             return refused;
         };
@@ -200,7 +200,7 @@ TEST(MapChanges, ThatMakeNoSenseChangeNothing)
     refuses([&] { world.replace_cells(map, everything, make_building_map(1, 1.0, 1)); }, "resolution of 1 m");
     refuses([&] { world.insert_scan(map, near, beyond[1]); }, "beyond the map's grid");
     EXPECT_EQ(world.map(map).count(), small_map().count());
-    world.set_cells(map, Aabb{{5, 5, 5}, {5.1, 5.1, 5.1}}, CellState::occupied); // no middle of a cell is in it
+    world.set_cells(map, Aabb{{5, 5, 5}, {5.1, 5.1, 5.1}}, CellState::occupied); // it contains no centre of a cell
     EXPECT_EQ(world.map(map).count(), small_map().count());
 }
 

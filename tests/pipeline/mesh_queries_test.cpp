@@ -1,4 +1,4 @@
-// MeshQueries from columns, and about geometries of any kind. What meshes answer: predicates_test.cpp.
+// MeshQueries from columns, and for geometries of any kind. predicates_test.cpp tests the results of meshes.
 #include <gtest/gtest.h>
 
 #include <oncollide/base/error.hpp>
@@ -147,7 +147,7 @@ TEST(MeshQueryColumns, RefuseOtherLengthsAndNameWhatIsWrong)
     EXPECT_NE(message(columns).find("poses_a: 32 numbers; must be 48"), std::string::npos);
     both.b[1] = 6;
     EXPECT_EQ(message(both.columns()), "query 1: there is no mesh 6; there are 6 meshes");
-    both.b[1] = 0, both.poses_b[16 + 12] = 1; // the matrix lies the other way round
+    both.b[1] = 0, both.poses_b[16 + 12] = 1; // the matrix is stored in the other order
     EXPECT_EQ(message(both.columns()), "query 1: pose_b: the pose's last row is not (0, 0, 0, 1)");
     EXPECT_THROW(queries.run(columns, verdicts, {}), Error);
     EXPECT_THROW(MeshQueries({nullptr, geometries[0]}), Error);

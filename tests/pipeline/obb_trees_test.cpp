@@ -1,4 +1,4 @@
-// Trees of oriented boxes come with the room they are given, and give it back.
+// OBB trees are built if the memory budget allows, and their memory is returned.
 #include <gtest/gtest.h>
 
 #include <oncollide/pipeline/model_store.hpp>
@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t balls = 4;
 
-/// Balls of the same size in a row, far apart.
+/// Spheres of the same size in a row, far apart.
 Scene row_of_balls()
 {
     Scene scene;
@@ -34,7 +34,7 @@ TEST(ObbTrees, ReserveRoomUntilTheyAreDropped)
     EXPECT_TRUE(models.admit_obb_tree(*balls_of[0], 0));
     EXPECT_TRUE(models.admit_obb_tree(*balls_of[1], 1));
     EXPECT_FALSE(models.admit_obb_tree(*balls_of[2], 1)) << "room for two";
-    EXPECT_TRUE(models.admit_obb_tree(*balls_of[0], 1)) << "it is there already";
+    EXPECT_TRUE(models.admit_obb_tree(*balls_of[0], 1)) << "it exists already";
     EXPECT_TRUE(models.admit_obb_tree(*balls_of[1], 3));
     EXPECT_EQ(models.age(3), 1u) << "the root of one";
     EXPECT_FALSE(balls_of[0]->obb_tree);
@@ -57,7 +57,7 @@ TEST(ObbTrees, OfAPairThatPartedMakeRoomForOthers)
         return frame.trees.triangle_pairs;
     };
     EXPECT_GT(pairs_tested(0, 1), 0u);
-    EXPECT_EQ(pairs_tested(2, 3), 0u) << "no room: a budget never changes who decides";
+    EXPECT_EQ(pairs_tested(2, 3), 0u) << "no memory: a budget never changes which refiner decides";
     for (int frame = 0; frame < 3; ++frame) pairs_tested(2, 3);
     EXPECT_GT(pairs_tested(2, 3), 0u);
 }

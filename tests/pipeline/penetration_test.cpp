@@ -1,4 +1,4 @@
-// How far bodies reach into each other, held against bodies of which it is known.
+// Penetration depths, compared with bodies whose depth is known.
 #include <gtest/gtest.h>
 
 #include <oncollide/base/error.hpp>
@@ -59,7 +59,7 @@ TEST(Penetration, TheSameWhereverTheBodiesAreTurned)
         const Isometry3d pose = random_pose(seed, 3);
         const Penetration p = between(cube, pose, cube, pose * at(1.9, 1.8, 1.5));
         EXPECT_NEAR(p.depth, 0.1, 1e-9);
-        EXPECT_NEAR(p.thickness, 0.1, 1e-9) << "the normals tell along which direction it is thin";
+        EXPECT_NEAR(p.thickness, 0.1, 1e-9) << "the normals show along which direction it is thin";
         EXPECT_LT((pose.inverse() * p.deepest - Vector3d(p.of_a ? 1 : 0.9, p.of_a ? 1 : 0.8, p.of_a ? 1 : 0.5)).norm(),
                   1e-9);
     }
@@ -98,7 +98,7 @@ TEST(Penetration, NothingWhereBodiesTouchOrAreApart)
 
 TEST(Penetration, ACavityIsNoInside)
 {
-    // A crate with a hollow, in which a ball lies free.
+    // A crate with a hollow, in which a sphere is free.
     Mesh hollow = make_box_mesh({2, 2, 2});
     const Mesh inner = make_box_mesh({1, 1, 1});
     for (const Triangle& t : inner.triangles) hollow.triangles.push_back({t[0] + 8, t[2] + 8, t[1] + 8});
@@ -123,7 +123,7 @@ TEST(Penetration, DeepestIsDeepestOfThousandsAndEqualForAnyThreads)
     const Penetration p = between(knot, at(0), ball, at(0.3, 0.2, 0.1));
     double deepest = 0;
     for (const Vector3d& v : knot.vertices) deepest = std::max(deepest, 1 - (v - Vector3d(0.3, 0.2, 0.1)).norm());
-    // The ball's facets are up to 0.3 % inside the sphere; its own vertices may be deeper in the knot's tube.
+    // The sphere's facets are up to 0.3 % inside the ideal sphere; its own vertices may be deeper in the knot's tube.
     EXPECT_GT(p.depth, deepest / 1.01 - 0.01);
     EXPECT_LT(p.depth, std::max(deepest, 0.2) + 1e-9);
     const Penetration again = between(knot, at(0), ball, at(0.3, 0.2, 0.1), 4);

@@ -56,7 +56,8 @@ TEST(Pipeline, GivesTheSameHashForAnyThreadCountBroadPhaseAndCoherence)
         EXPECT_EQ(run(scene, settings([](Settings& s) { s.coherence = false; }), 4), expected);
         EXPECT_EQ(run(scene, settings([](Settings& s) { s.age_limit = 1; }), 4), expected);
         const std::uint64_t shallow = run(scene, settings([](Settings& s) { s.depth = 4; }), 4);
-        EXPECT_EQ(shallow == expected, exact == ExactLevel::fcl) << "the hash sees the bounds; exact answers have none";
+        EXPECT_EQ(shallow == expected, exact == ExactLevel::fcl)
+            << "the hash includes the bounds; exact results have none";
     }
 }
 
@@ -66,7 +67,7 @@ TEST(Pipeline, AllocatesNothingInAWarmFrame)
     for (const ExactLevel exact : {ExactLevel::off, ExactLevel::predicates}) {
         Pipeline pipeline(scene, {.depth = 5, .exact = exact, .age_limit = 100000});
         Mover mover;
-        constexpr int last = 6; // the last lap over the same frames finds everything in place
+        constexpr int last = 6; // the last repetition of the same frames needs no new memory
         for (int lap = 0; lap <= last; ++lap)
             for (int frame = 0; frame < 12; ++frame) {
                 mover.move(scene, frame);
@@ -137,7 +138,7 @@ TEST(Pipeline, KeepsEveryPairWhenEveryStageIsSkipped)
     const FrameView view = pipeline.step(scene);
     ASSERT_EQ(view.pairs.size(), 1u);
     EXPECT_EQ(view.pairs[0].verdict, Verdict::undecided);
-    EXPECT_GE(view.pairs[0].bound, 47) << "the bound is certified whatever was skipped";
+    EXPECT_GE(view.pairs[0].bound, 47) << "the bound is certified with any stages skipped";
     for (const StageStats& stage : view.stages) EXPECT_TRUE(stage.skipped);
 }
 
@@ -180,7 +181,7 @@ TEST(Pipeline, AnswersForNoBodyAndForOne)
     scene.add_body({.name = "a", .geometry = scene.add("box", make_box_mesh({1, 1, 1})), .motion = Drift{}});
     Pipeline one(scene, {.exact = ExactLevel::fcl, .skip = {"broad", "ocst"}});
     EXPECT_TRUE(one.step(scene).pairs.empty());
-    EXPECT_TRUE(empty.step(scene).pairs.empty()) << "the body is taken in";
+    EXPECT_TRUE(empty.step(scene).pairs.empty()) << "the new body is included";
     EXPECT_EQ(empty.world().size(), 1u);
 }
 

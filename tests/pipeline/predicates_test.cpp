@@ -1,4 +1,4 @@
-// The exact level by predicates against brute force over all pairs of triangles.
+// The exact level `predicates`, compared with brute force over all pairs of triangles.
 #include <cmath>
 #include <tuple>
 
@@ -60,7 +60,7 @@ TEST(Predicates, CountWhatTheFilterLeavesToExactArithmetic)
     }
 }
 
-/// Boxes that touch in a face, an edge, a corner, or a part of a face; and that miss each other by an ulp.
+/// Boxes that touch at a face, an edge, a corner, or a part of a face; and boxes one ulp apart.
 TEST(Predicates, CallTouchingCollidingToTheLastBit)
 {
     Scene scene = two(make_box_mesh({0.5, 0.5, 0.5}), make_box_mesh({0.5, 0.5, 0.5}));
@@ -109,7 +109,7 @@ TEST(Predicates, GiveOneHashForThreadsBackendsAndCoherence)
     EXPECT_EQ(plain, hash({.coherence = false}));
     EXPECT_EQ(plain, hash({.bounding_volume = BoundingVolume::sphere}));
     EXPECT_EQ(plain, hash({.age_limit = 1}));
-    EXPECT_EQ(plain, hash({.backend = BackendKind::gl_compute})) << "the triangles are on the CPU all the same";
+    EXPECT_EQ(plain, hash({.backend = BackendKind::gl_compute})) << "the triangles are still on the CPU";
 }
 
 TEST(Contacts, AreAllPairsOfBruteForceWithPointsOnBothTriangles)
@@ -250,7 +250,7 @@ TEST(MeshQueries, RefuseWhatMakesNoSense)
     EXPECT_THROW(queries.run(asked, answers), Error) << "not rigid";
     asked[0].pose_b = here;
     queries.run(asked, answers);
-    EXPECT_EQ(answers[0].verdict, Verdict::within) << "and none of it did harm";
+    EXPECT_EQ(answers[0].verdict, Verdict::within) << "a refused query changes nothing";
     EXPECT_THROW(MeshQueries(meshes, {.exact = ExactLevel::fcl}), Error);
     EXPECT_THROW(MeshQueries(meshes, {.clearance = 0.1, .exact = ExactLevel::predicates}), Error);
     queries.run({}, {});

@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// Three boxes in a row, 0.9 m apart at first: the first two overlap, then they part.
+/// Three boxes in a row, 0.9 m apart at first: the first two overlap, then they separate.
 class ReportTest : public ::testing::Test {
 protected:
     ReportTest()
@@ -39,7 +39,7 @@ protected:
     }
     ~ReportTest() override { fs::remove_all(folder_); }
 
-    /// Four frames; the last box moves away by 0.2 m a frame.
+    /// Four frames; the last box moves away by 0.2 m per frame.
     void play(Pipeline& pipeline, Report& report)
     {
         for (int frame = 0; frame < 4; ++frame) {
@@ -93,7 +93,7 @@ TEST_F(ReportTest, JsonHoldsEveryPairWithNamesAndBoundsToTheLastBit)
             EXPECT_EQ(pair.at(2), name_of(expected.verdict));
             EXPECT_EQ(pair.at(3).get<double>(), expected.bound);
             EXPECT_EQ(pair.at(4), pipeline.stages()[expected.stage]);
-            EXPECT_TRUE(pair.at(5).is_null()) << "nobody asked for kinds";
+            EXPECT_TRUE(pair.at(5).is_null()) << "kinds were not requested";
         }
     }
     EXPECT_EQ(at, bounds_.size());
@@ -151,7 +151,7 @@ TEST_F(ReportTest, CsvQuotesNamesAsRfc4180Asks)
         "frame,a,b,verdict,gap_bound,stage,kind,max_error\n0,plain,\"with, comma and \"\"quotes\"\"\","))
         << text;
     EXPECT_NE(text.find(",\"line\nbreak and \xff\","), std::string::npos) << text;
-    // One row a pair, one header, and the line break inside a name once a row that names it.
+    // One row per pair, one header, and one more line per row with the name that contains a line break.
     std::size_t rows = 1 + bounds_.size();
     for (const PairResult& pair : bounds_) rows += index(pair.b) == 2;
     EXPECT_EQ(std::size_t(std::count(text.begin(), text.end(), '\n')), rows);
@@ -197,7 +197,7 @@ TEST_F(ReportTest, TraceNestsStagesInFramesWithoutOverlap)
     report.write_trace(folder_ / "t.json");
     double frame_end = 0, stage_end = 0;
     int frames = 0, stages = 0, counters = 0;
-    constexpr double tolerance = 2e-3; // microseconds are written to three places
+    constexpr double tolerance = 2e-3; // microseconds are written with three decimals
     const json trace = json::parse(read("t.json"));
     for (const json& event : trace.at("traceEvents")) {
         counters += event.at("ph") == "C";

@@ -1,4 +1,4 @@
-// Solid mode: bodies inside bodies, against solid angles and brute force over all triangles.
+// Solid mode: bodies inside bodies, compared with solid angles and brute force over all triangles.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -40,7 +40,7 @@ const Mesh& mesh_of(const Scene& scene, std::size_t body)
     return std::get<Mesh>(scene.geometries[index(scene.geometry[body])].data);
 }
 
-/// Does `outer` wind around a corner of some part of `inner`? Their surfaces do not meet.
+/// Whether `outer` winds around a corner of some part of `inner`. Their surfaces do not meet.
 Truth inside(const Scene& scene, std::size_t outer, std::size_t inner)
 {
     const Mesh &around = mesh_of(scene, outer), &mesh = mesh_of(scene, inner);
@@ -71,7 +71,7 @@ Truth truth_of(const Scene& scene)
     return first == Truth::apart ? inside(scene, 1, 0) : first;
 }
 
-/// Nested, disjoint and crossing: hollow and of several parts, some inside out, either the first body.
+/// Nested, disjoint and crossing; hollow and of several parts; some with reversed orientation; in either order.
 TEST(SolidMode, EqualsTheTruthOnAThousandRandomPairs)
 {
     const Mesh outers[] = {make_sphere_mesh(1, 160),
@@ -106,7 +106,7 @@ TEST(SolidMode, EqualsTheTruthOnAThousandRandomPairs)
         }
         for (const BoundingVolume spheres : {BoundingVolume::sphere, BoundingVolume::obb}) {
             const PairResult result = answer(scene, solid(ExactLevel::off, spheres));
-            if (result.verdict == Verdict::within) continue; // spheres cannot tell, and say so
+            if (result.verdict == Verdict::within) continue; // spheres cannot decide, and report it
             EXPECT_EQ(result.verdict, enclosed ? Verdict::colliding : Verdict::separate) << seed;
         }
     }
@@ -115,7 +115,7 @@ TEST(SolidMode, EqualsTheTruthOnAThousandRandomPairs)
     EXPECT_LE(count[int(Truth::unsure)], 5);
 }
 
-/// A shell inside another that is larger by so little.
+/// A shell inside another shell that is slightly larger.
 TEST(SolidMode, SeesConcentricShellsHoweverNear)
 {
     for (const double gap : {1e-1, 1e-4, 1e-8, 1e-12, 1e-15})
@@ -135,7 +135,7 @@ TEST(SolidMode, SeesConcentricShellsHoweverNear)
                       ContactKind::enclosed)
                 << "not only near";
         }
-    // In a cavity nothing is enclosed, however near the wall.
+    // In a cavity no body is enclosed, at any distance from the wall.
     for (const double gap : {1e-4, 1e-12}) {
         Scene scene;
         const Mesh hollow = joined({make_box_mesh({2, 2, 2}), flipped(make_box_mesh({1, 1, 1}))});
@@ -161,7 +161,7 @@ TEST(SolidMode, SeesShapesAndMapsInsideMeshes)
     }
 }
 
-/// The middle of a hull's box need not be in the hull.
+/// The centre of a hull's box need not be in the hull.
 TEST(SolidMode, SeesACornerInsideALargerOne)
 {
     const auto corner = [](double low, double high) {
@@ -185,7 +185,7 @@ TEST(SolidMode, NeedsNoRoomForTrees)
         Settings settings = solid(exact);
         settings.memory_budget = 1;
         const PairResult result = answer(scene, settings);
-        if (exact != ExactLevel::off) { // no room for what would tell the surfaces apart
+        if (exact != ExactLevel::off) { // the budget does not suffice to separate the surfaces
             EXPECT_EQ(result.verdict, Verdict::undecided);
         }
         EXPECT_NE(result.verdict, Verdict::separate);

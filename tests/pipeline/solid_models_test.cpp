@@ -33,7 +33,7 @@ TEST(Solids, RefuseAMeshThatIsNotClosedAndNameItsOpenEdges)
         EXPECT_TRUE(text.starts_with("holed: ")) << text;
         EXPECT_NE(text.find("3 open edges"), std::string::npos) << text;
         const Triangle gone = make_box_mesh({1, 1, 1}).triangles.back();
-        for (std::size_t i = 0; i < 3; ++i) // its neighbours run along its edges the other way
+        for (std::size_t i = 0; i < 3; ++i) // its neighbours traverse its edges in the opposite direction
             EXPECT_NE(text.find(std::to_string(gone[(i + 1) % 3]) + "-" + std::to_string(gone[i])), std::string::npos)
                 << text;
         EXPECT_NE(text.find("open-as-surface"), std::string::npos) << text;

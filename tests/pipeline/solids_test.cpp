@@ -1,5 +1,4 @@
-// Shapes, meshes and maps against one another, held against bounds on their distance that share no code with the
-// library.
+// Shapes, meshes and maps in all pairs, compared with bounds on their distance that share no code with the library.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -20,15 +19,15 @@ TEST(Differential, DrawnScenesHaveNoFault)
     }
 }
 
-/// Seeds that had one.
+/// Seeds of former faults.
 TEST(Differential, FaultsOfOldStayMended)
 {
-    // Where a budget had no room for other pairs, one that FCL and the exact tests saw differently lost its result.
-    // Asked for the distance of shapes that touch, libccd ended the program.
+    // Former faults: if the budget was exhausted, a pair on which FCL and the exact tests differed lost its result; and
+    // libccd ended the program in a distance query of touching shapes.
     for (const std::uint64_t seed : {271814, 2054478}) EXPECT_EQ(tools::fault_in(tools::draw_scene(seed)), "") << seed;
 }
 
-/// Say that what is wrong is two balls in solid mode: nothing else is left.
+/// With two spheres in solid mode as the artificial fault, nothing else remains in the scene.
 TEST(Differential, AFaultIsShrunkToWhatItNeeds)
 {
     const auto faulty = [](const tools::DrawnScene& drawn) {
@@ -131,7 +130,7 @@ TEST(ConvexSolids, BallsAreDecidedExactlyAndCylindersButForRounding)
               Verdict::separate);
 }
 
-/// Its prisms have corners at the quarters; between two of them lies what only the outer one holds.
+/// Its prisms have corners at the quarters; some points between two corners are only in the outer prism.
 TEST(ConvexSolids, ACylinderIsNotPartedFromAMeshBetweenTheCornersOfItsPrism)
 {
     Body box = at(make_box_mesh({1, 1, 1}), 0, 0, 0);
@@ -145,7 +144,7 @@ TEST(ConvexSolids, ACylinderIsNotPartedFromAMeshBetweenTheCornersOfItsPrism)
     EXPECT_EQ(result_of(settings, at(Shape(Cylinder{1, 1}), 0, 0, 0), box).verdict, Verdict::separate);
 }
 
-/// Of a mesh so large parts are not told apart beforehand: its triangles are looked for in the shape.
+/// The parts of such a large mesh are not precomputed: the shape is searched for its triangles.
 TEST(Shapes, HoldALooseCrumbOfALargeMesh)
 {
     Mesh mesh = make_terrain_mesh(10, 0.5, 300, 1);

@@ -1,4 +1,4 @@
-// Answers do not flicker: bodies at rest, slow approaches, growing depth.
+// Results do not flicker: bodies at rest, slow approaches, growing depth.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -79,7 +79,7 @@ Answers step(Pipeline& pipeline, const Scene& scene)
     return answers;
 }
 
-/// A separate pair's bound may be that of an earlier frame.
+/// A separate pair's bound may come from an earlier frame.
 Answers without_gaps(Answers answers)
 {
     for (auto& [a, b, verdict, kind, stage, bound] : answers)
@@ -93,7 +93,7 @@ TEST(Stability, BodiesAtRestGetTheSameAnswerInEveryFrame)
     for (const auto& [name, settings] : every_combination()) {
         Scene scene = crowd();
         Pipeline pipeline(scene, settings);
-        for (int frame = 0; frame < 3; ++frame) { // come to rest with hints and trees of other poses
+        for (int frame = 0; frame < 3; ++frame) { // come to rest with hints and trees from other poses
             for (std::uint32_t i = 0; i < 24; ++i)
                 scene.set_position({i}, scene.poses.position(i) + 0.05 * random_pose(i + 100, 1).translation());
             step(pipeline, scene);
@@ -130,7 +130,7 @@ std::vector<Approach> approaches()
             {"a ball and a knot", knot, ball, {0, 0, 1}, 4, 0.7}};
 }
 
-/// Frames of an approach, there and back: the verdicts must rise and fall once.
+/// Frames of an approach and the way back: the verdicts must rise and fall once.
 void expect_one_rise(const Approach& approach, const Settings& settings, int highest)
 {
     constexpr int steps = 150;
@@ -153,7 +153,8 @@ void expect_one_rise(const Approach& approach, const Settings& settings, int hig
             EXPECT_GE(now, last) << "frame " << k;
             there.push_back(now);
         } else {
-            EXPECT_EQ(now, there[std::size_t(2 * steps - k)]) << "frame " << k << ": the way back is the way there";
+            EXPECT_EQ(now, there[std::size_t(2 * steps - k)]) << "frame " << k
+                << ": the way back must give the same verdicts";
         }
         most = std::max(most, now), last = now;
     }

@@ -1,4 +1,4 @@
-// Settings::stop: a call that is stopped ends soon, loses nothing, and leaves no trace.
+// Settings::stop: a call that is stopped ends soon, loses no data, and leaves no trace.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -12,7 +12,7 @@
 namespace oncollide {
 namespace {
 
-/// Returns true from so many calls on, until it is set back.
+/// Returns true from the N-th call on, until it is reset.
 struct StopAfter {
     std::atomic<int> calls = 0;
     int limit = 0;
@@ -62,7 +62,8 @@ TEST_P(EveryWay, AStoppedStepKeepsEveryPairAndTheNextOneIsWhole)
             }
         }
     }
-    for (std::uint32_t i = 0; i < bodies.size(); i += 2) { // moved, so that what is remembered is tried
+    for (std::uint32_t i = 0; i < bodies.size(); i += 2) { // moves bodies, so that stored results of the last frame are
+                                                           // used
         Eigen::Isometry3d pose = stopped.pose(bodies[i]);
         pose.translation().x() += 0.05;
         stopped.set_pose(bodies[i], pose), whole.set_pose(bodies[i], pose);

@@ -1,4 +1,5 @@
-// Terrains against everything: the verdicts of the same surface as a mesh, and bounds that hold where heights are off.
+// Terrains against every kind: the verdicts equal the verdicts for the same surface as a mesh, and bounds hold for
+// heights with errors.
 #include <gtest/gtest.h>
 
 #include <oncollide/base/random.hpp>
@@ -13,7 +14,7 @@ namespace {
 
 using Eigen::Isometry3d;
 
-/// Steep random heights, whole numbers times `unit`, with holes.
+/// Steep random heights, integers times `unit`, with holes.
 Terrain rough(std::uint32_t columns, std::uint32_t rows, double unit, double holes, std::uint64_t seed, int bytes = 0)
 {
     TerrainGrid grid{.columns = columns, .rows = rows};
@@ -68,7 +69,7 @@ PairResult result_of(World& world)
     return frame.pairs.empty() ? apart : frame.pairs[0];
 }
 
-/// Of shapes on a grid of 1/8, so that touching is common, or anywhere.
+/// For shapes: on a grid of 1/8, so that touching is common, or anywhere.
 Isometry3d drawn_pose(std::uint64_t seed, bool on_grid)
 {
     Isometry3d pose = on_grid ? Isometry3d::Identity() : random_pose(seed, 1);
@@ -128,7 +129,7 @@ TEST(Terrain, HasTheVerdictsOfTheSameSurfaceAsAMesh)
     EXPECT_GT(verdicts[std::size_t(Verdict::colliding)], 100);
 }
 
-/// Down to an error: whatever is called separate is.
+/// With an error bound: pairs reported separate are separate.
 TEST(Terrain, IsWithinTheErrorOrSeparate)
 {
     for (const GeometryData& other : bodies()) {
@@ -151,7 +152,7 @@ TEST(Terrain, IsWithinTheErrorOrSeparate)
     }
 }
 
-/// At one byte, heights of a wide range are off; the truth is the surface as given.
+/// At one byte, heights of a wide range have errors; the truth is the given surface.
 TEST(Terrain, WithHeightsThatAreOffIsNeverSureWithinTheirError)
 {
     int separate = 0, within = 0;
@@ -196,7 +197,7 @@ TEST(Terrain, WithHeightsThatAreOffIsNeverSureWithinTheirError)
     EXPECT_GT(within, 50);
 }
 
-/// Neither is a shape, that could hold a part of the other.
+/// No shape is involved, so neither body can contain a part of the other.
 TEST(Terrain, WithHeightsThatAreOffIsApartFromALargeMeshAboveIt)
 {
     TerrainGrid grid{.columns = 3, .rows = 3};

@@ -1,4 +1,5 @@
-// A World: bodies that come, go and change give the results of a World made anew, and queries those of frames.
+// A World whose bodies are added, removed and changed gives the results of a new World, and its queries the results of
+// frames.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,7 +31,7 @@ Eigen::Isometry3d at(double x, double y = 0, double z = 0)
     return pose;
 }
 
-/// Verdicts of the pairs that are not separate, by the users' numbers of their bodies.
+/// Verdicts of the pairs that are not separate, by their bodies' user numbers.
 using Outcome = std::map<std::pair<std::uint64_t, std::uint64_t>, Verdict>;
 
 Outcome outcome_of(World& world)
@@ -44,7 +45,7 @@ Outcome outcome_of(World& world)
     return outcome;
 }
 
-/// What a body is, to make it again elsewhere.
+/// The properties of a body, to add it to another World.
 struct Described {
     BodySpec spec;
     std::size_t mesh;
@@ -137,7 +138,7 @@ TEST(World, GivesAfterAnyChangesWhatAFreshOneGives)
         }
 }
 
-/// The broad phase looks around bodies that drift only now and then; what they may collide with can change any time.
+/// The broad phase rarely searches around bodies that drift; layers and groups may change at any time.
 TEST(World, FollowsWhatMayCollideWhileBodiesDrift)
 {
     for (const BroadPhaseKind broad : {BroadPhaseKind::kd_tree, BroadPhaseKind::octree}) {
@@ -198,10 +199,10 @@ TEST(World, CountsNoMemoryOfModelsThatWereRemoved)
         const std::size_t held = world.bytes();
         world.remove_body(a), world.remove_body(b), world.remove(model);
         world.step();
-        EXPECT_LT(world.bytes(), held) << "its boxes are gone";
+        EXPECT_LT(world.bytes(), held) << "its boxes are removed";
         return world.bytes();
     };
-    come_and_go(); // working memory grows
+    come_and_go(); // lets working memory grow
     const std::size_t once = come_and_go();
     for (int time = 0; time < 3; ++time) EXPECT_EQ(come_and_go(), once);
 }
@@ -294,13 +295,13 @@ TEST(World, GivesQueriesWhatAFrameWouldGiveABody)
                 for (std::size_t i = t; i < queries.size(); i += 3)
                     beside[i] = world.query(queries[i].model, queries[i].pose, queries[i].filter);
             });
-        for (std::thread& thread : threads) thread.join(); // the trees grew under them
+        for (std::thread& thread : threads) thread.join(); // the trees grew during the queries
         QueryHits many;
         world.query(queries, many);
         ASSERT_EQ(many.ends.size(), queries.size());
         std::size_t begin = 0;
         for (std::size_t i = 0; i < queries.size(); ++i) {
-            // As the last body it is B of every pair in a frame, and A of a query: exact results are symmetric here.
+            // As the last body it is B of every pair in a frame, and A in a query: exact results are symmetric here.
             const BodyId added = world.add_body({.model = queries[i].model, .pose = queries[i].pose, .mask = 1});
             std::map<std::uint32_t, Verdict> expected;
             for (const PairResult& pair : world.step().pairs)
@@ -369,7 +370,7 @@ TEST(World, BoundsDistancesOfMeshesAndShapes)
     EXPECT_THROW(world.distance(a, b, -1), Error);
 }
 
-/// An application's threads, here none: tasks run one after the other, last one first.
+/// Replaces an application's threads, without threads: tasks run one after the other, the last first.
 class CountingExecutor final : public Executor {
 public:
     int threads() const override { return 3; }
@@ -403,7 +404,7 @@ TEST(World, RunsItsLoopsOnTheExecutorOfItsSettings)
     const auto alone = run({.depth = 4}), spread = run({.depth = 4, .threads = 0, .executor = &executor});
     EXPECT_EQ(alone, spread);
     EXPECT_GT(executor.loops, 2);
-    EXPECT_EQ(executor.most, 3); // what threads = 0 stands for
+    EXPECT_EQ(executor.most, 3); // the meaning of threads = 0
 
     executor.loops = 0;
     MeshQueries many({knot()}, {.threads = 0, .executor = &executor});
@@ -435,7 +436,7 @@ TEST(World, AllocatesNothingInAWarmFrameWithoutAdditions)
         }
 }
 
-/// Rounding of the relative rotation used to part them, after exact tests of every two neighbouring triangles.
+/// Rounding of the relative rotation used to separate them, after exact tests of every two neighbouring triangles.
 TEST(World, FindsThatCopiesInOnePlaceCollide)
 {
     World world({.exact = ExactLevel::predicates});

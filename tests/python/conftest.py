@@ -1,4 +1,4 @@
-"""What the tests of the Python package share. ctest runs them on build/PRESET/python; by hand:
+"""Shared by the tests of the Python package. ctest runs them on build/PRESET/python; by hand:
 PYTHONPATH=build/release/python pytest tests/python"""
 
 import os
@@ -21,7 +21,7 @@ def at(x, y=0.0, z=0.0):
 
 
 def random_poses(count, reach, seed):
-    """Any rotation, each coordinate within reach: (count, 7)."""
+    """Random poses, each coordinate within +-reach: (count, 7)."""
     rng = np.random.default_rng(seed)
     quaternions = rng.normal(size=(count, 4))
     quaternions /= np.linalg.norm(quaternions, axis=1, keepdims=True)
@@ -29,7 +29,7 @@ def random_poses(count, reach, seed):
 
 
 def matrices(poses):
-    """(N, 7) as (N, 4, 4), by formulas of our own."""
+    """(N, 7) as (N, 4, 4), by formulas independent of the package."""
     x, y, z, w = poses[:, 3:].T
     made = np.tile(np.eye(4), (len(poses), 1, 1))
     made[:, 0, :3] = np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)], axis=1)
@@ -40,7 +40,7 @@ def matrices(poses):
 
 
 class Cube:
-    """What a mesh of another library looks like."""
+    """A mesh with the interface of another library."""
 
     def __init__(self, side=1.0):
         self.vertices = side * np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
@@ -50,7 +50,7 @@ class Cube:
 
 @pytest.fixture
 def run_python(tmp_path):
-    """Runs a program in an interpreter of its own; returns (exit code, output, errors)."""
+    """Runs a program in a separate interpreter; returns (exit code, output, errors)."""
 
     def run(code, timeout=60, **environment):
         done = subprocess.run(

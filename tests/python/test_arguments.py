@@ -1,4 +1,4 @@
-"""Bad input: one exception each, which names the call, the argument and what would be valid; and nothing has changed."""
+"""Bad input: one exception each, which names the call, the argument and the valid values; the object is unchanged."""
 
 import re
 

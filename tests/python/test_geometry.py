@@ -1,4 +1,4 @@
-"""Geometries: from arrays, from files, by their sizes."""
+"""Geometries: from arrays, from files, from dimensions."""
 
 import gc
 import os
@@ -17,7 +17,7 @@ def test_a_mesh_copies_its_arrays_and_gives_them_back():
     assert (mesh.name, mesh.kind, mesh.closed) == ("cube", "mesh", True)
     assert np.array_equal(mesh.vertices, cube.vertices) and np.array_equal(mesh.faces, cube.faces)
     assert np.array_equal(mesh.bounds, [[0, 0, 0], [1, 1, 1]])
-    cube.vertices[:] = np.nan  # the mesh has numbers of its own
+    cube.vertices[:] = np.nan  # the mesh has its own copy
     assert np.isfinite(mesh.vertices).all()
     with pytest.raises(ValueError):
         mesh.vertices[0, 0] = 7
@@ -101,7 +101,7 @@ def test_a_terrain_has_holes_and_diagonals():
     assert world.distance(land, pin)["lower"] > 0.5
     falling = np.zeros((2, 2), bool)
     falling[0, 0] = True
-    bowl = np.array([[0, 1, 1], [1, 0, 1], [1, 1, 1]], float)  # the diagonals of cell 0 are 1 m apart in its middle
+    bowl = np.array([[0, 1, 1], [1, 0, 1], [1, 1, 1]], float)  # the diagonals of cell 0 are 1 m apart at its centre
     for name, terrain in [("rising", oncollide.terrain(bowl)), ("falling", oncollide.terrain(bowl, falling=falling))]:
         world = oncollide.World(exact="predicates")
         world.add_body(world.add(terrain))
@@ -137,7 +137,7 @@ def test_files_become_geometries(tmp_path):
     (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     mesh = oncollide.load_mesh(tmp_path / "a.obj", scale=2.0)
     assert np.array_equal(mesh.bounds, [[0, 0, 0], [2, 2, 0]]) and mesh.name == str(tmp_path / "a.obj")
-    odd = os.fsencode(tmp_path) + b"/\xff.obj"  # no UTF-8
+    odd = os.fsencode(tmp_path) + b"/\xff.obj"  # not UTF-8
     os.link(tmp_path / "a.obj", odd)
     assert np.array_equal(oncollide.load_mesh(odd, centre=True).bounds[1], [0.5, 0.5, 0])
     assert os.fsencode(oncollide.load_mesh(os.fsdecode(odd)).name) == odd

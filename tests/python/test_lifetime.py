@@ -1,4 +1,4 @@
-"""Threads, forks, Ctrl-C, the end of the interpreter, and objects that Python has let go of."""
+"""Threads, forks, Ctrl-C, the end of the interpreter, and objects that Python has released."""
 
 import gc
 import os
@@ -15,7 +15,7 @@ from conftest import at
 
 SLOW = """
 import numpy as np, oncollide
-def slow(**settings):  # one step of many seconds
+def slow(**settings):  # one step takes many seconds
     world = oncollide.World(**settings)
     model = world.add(oncollide.torus_knot_mesh(2, 3, 1, 0.4, 0.15, 20000))
     poses = np.tile(np.eye(4), (900, 1, 1))
@@ -79,7 +79,7 @@ def test_other_threads_run_while_a_world_steps_and_are_refused_by_it():
     assert "World.pose: another thread is in a call of this object" in str(refused) and refused.kind == "usage"
     with pytest.raises(oncollide.Error, match="World.set_pose: another thread"):
         world.set_pose(0, at(0))
-    # The thread goes on beside the tests that follow; it is a daemon.
+    # The thread continues during the following tests; it is a daemon.
 
 
 def test_const_calls_run_side_by_side():
@@ -108,7 +108,7 @@ def test_const_calls_run_side_by_side():
 
 
 def test_threads_may_all_be_the_first_to_call(run_python):
-    """Whatever a call makes once must not wait for the interpreter's lock while another thread waits for it."""
+    """A one-time initialisation in a call must not wait for the interpreter's lock while another thread waits for it."""
     code = """
 import sys, threading, numpy as np, oncollide
 world = oncollide.World(exact="predicates")

@@ -1,4 +1,4 @@
-"""The programs of the pages and of README.md, as they stand."""
+"""Runs the programs of the pages and of README.md unchanged."""
 
 import csv
 import re

@@ -83,7 +83,7 @@ def test_no_queries_give_no_results():
 
 
 def test_queries_keep_their_geometries():
-    queries = Queries([oncollide.sphere_mesh(1.0, 200)])  # nobody else has it
+    queries = Queries([oncollide.sphere_mesh(1.0, 200)])  # the only reference
     verdict, _ = queries.run(0, 0, np.eye(4), np.stack([at(0.5), at(5)]))
     assert verdict.tolist() == [Verdict.WITHIN, Verdict.SEPARATE]
 

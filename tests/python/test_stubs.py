@@ -1,4 +1,4 @@
-"""The type stubs say what is there, and everything that is there has a docstring."""
+"""The type stubs match the package, and every public name has a docstring."""
 
 import ast
 import inspect
@@ -13,7 +13,7 @@ FOLDER = Path(oncollide.__file__).parent
 
 
 def parameters(node):
-    """Names of a stub's parameters, and which of them have a default; without self."""
+    """Names of a stub's parameters, without self, and whether each has a default."""
     args = node.args
     positional = args.posonlyargs + args.args
     defaults = [False] * (len(positional) - len(args.defaults)) + [True] * len(args.defaults)
@@ -21,7 +21,7 @@ def parameters(node):
 
 
 def stubs(module):
-    """(qualified name, stub, what it stands for) of all functions, methods and properties."""
+    """(qualified name, stub, object) of all functions, methods and properties."""
     tree = ast.parse((FOLDER / (module.__name__.partition(".")[2] or "__init__")).with_suffix(".pyi").read_text())
     for node in tree.body:
         if isinstance(node, ast.FunctionDef):
@@ -42,7 +42,7 @@ def test_stubs_and_runtime_agree(module):
             assert isinstance(real, property) or not callable(real), name
             continue
         if name.endswith("__init__"):
-            continue  # settings, held against the runtime below
+            continue  # settings are compared with the runtime below
         signature = inspect.signature(real)
         found = [
             (p.name, p.default is not p.empty)

@@ -1,4 +1,4 @@
-"""CollisionManager: names and returns as trimesh has them."""
+"""CollisionManager: the names and return types of trimesh."""
 
 import itertools
 import math
@@ -124,7 +124,7 @@ def test_what_lies_inside_a_closed_mesh_collides():
 def test_poses_stay_in_double():
     manager = CollisionManager()
     manager.add_object("a", Cube(), at(1e6))
-    touching, apart = at(1e6 - 1), at(1e6 - 1 - 1e-9)  # float32 cannot tell them apart from 1e6 - 1.0625
+    touching, apart = at(1e6 - 1), at(1e6 - 1 - 1e-9)  # in float32 both equal 1e6 - 1
     assert manager.in_collision_single(Cube(), touching) and not manager.in_collision_single(Cube(), apart)
     assert manager.min_distance_single(Cube(), at(1e6 - 1.001)) == pytest.approx(0.001, rel=1e-6)
 

@@ -1,4 +1,4 @@
-"""pip install: a wheel of the build that is there, installed to a folder of its own."""
+"""pip install: a wheel of the existing build, installed to a separate folder."""
 
 import os
 import subprocess

@@ -1,5 +1,5 @@
-// Preloaded into a process of a job, kills it where the tests want it to die: DIE_AT=PHASE:COUNT:RANK, in the COUNT-th
-// call of that phase. What a dying process leaves behind is real: half a write is half written.
+// Preloaded into a process of a job, kills it at a chosen time: DIE_AT=PHASE:COUNT:RANK, in the COUNT-th call of that
+// phase. The remains are realistic: an interrupted write is partly written.
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
@@ -39,7 +39,8 @@ bool due(const char* phase)
 
 void die(int = 0)
 {
-    if (const char* mark = std::getenv("DIE_MARK")) ::close(::open(mark, O_CREAT | O_WRONLY, 0600)); // when it was
+    if (const char* mark = std::getenv("DIE_MARK")) ::close(::open(mark, O_CREAT | O_WRONLY, 0600)); // the time of its
+                                                                                                     // death
     ::kill(::getpid(), SIGKILL);
 }
 
@@ -50,7 +51,7 @@ Function real(Function, const char* name)
 }
 #define REAL(name) static const auto of_library = real(&::name, #name)
 
-/// Is it the file of a checkpoint, not of rows?
+/// Whether it is the file of a checkpoint, not of rows.
 bool of_checkpoint(int file)
 {
     char path[512] = {};
@@ -84,7 +85,7 @@ int MPI_Alltoall(const void* a, int b, MPI_Datatype c, void* d, int e, MPI_Datat
     return of_library(a, b, c, d, e, f, g);
 }
 
-/// Bodies have come: soon the World steps.
+/// Bodies have arrived: the World steps next.
 int MPI_Waitall(int a, MPI_Request b[], MPI_Status c[])
 {
     REAL(MPI_Waitall);

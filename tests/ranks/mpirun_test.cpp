@@ -1,4 +1,4 @@
-// mpirun -n P oncollide run, as users meet it. Only in builds with ONCOLLIDE_MPI.
+// mpirun -n P oncollide run, as run by users. Only in builds with ONCOLLIDE_MPI.
 #ifdef ONCOLLIDE_MPI
 #include "tools/command_fixture.hpp"
 
@@ -18,7 +18,7 @@ protected:
         if (!die_at.empty())
             arguments.insert(arguments.begin(), {"-x", "LD_PRELOAD=" DIE_AT_LIBRARY, "-x", "DIE_AT=" + die_at, "-x",
                                                  "DIE_MARK=" + (folder_ / "died").string()});
-        // As root in a container, with more processes than processors.
+        // Works as root in a container, with more processes than processors.
         return run_program(ONCOLLIDE_MPIRUN, arguments,
                            {.folder = folder_.path(),
                             .environment = {{"ONCOLLIDE_DATA", ""},
@@ -52,7 +52,7 @@ protected:
             EXPECT_TRUE(folder_.read("many.csv") == folder_.read("one.csv")) << processes << " processes, " << scene[1];
         }
     }
-    /// The one line that is oncollide's own.
+    /// Expects one line of oncollide itself.
     void expect_one_error(int code, const Outcome& outcome, const std::string& words)
     {
         EXPECT_EQ(outcome.code, code) << outcome.err;
@@ -78,12 +78,12 @@ TEST_F(Mpirun, WritesTheFileAndTheHashOfOneProcess)
     expect_the_same({"boxes", "--bodies", "3", "--frames", "2"});
 }
 
-/// Where Zoltan's regions, open below and closed above, could go wrong: faces that touch on cuts, bodies that are there
-/// twice, giants over all regions, bodies all in one place, none.
+/// Difficult cases for Zoltan's regions, which are open below and closed above: faces that touch on cuts, duplicate
+/// bodies, giants over all regions, all bodies at one position, no bodies.
 TEST_F(Mpirun, TiesGiantsAndEmptyRegionsAreThoseOfOneProcess)
 {
     std::string lattice, heap;
-    // Bisection cuts through centres: cubes that are shifted by half an edge touch each other there.
+    // Bisection cuts through centres: there, cubes shifted by half an edge touch each other.
     for (int i = 0; i < 432; ++i)
         for (int copies = i % 7 == 0 ? 2 : 1; copies > 0; --copies)
             lattice += fmt::format(R"({{"geometry": "cube", "position": [{}, {}, {}]}},)", i % 6 + 0.5 * (i / 216),
@@ -133,12 +133,12 @@ TEST_F(Mpirun, EndsWhenAProcessHangs)
     EXPECT_EQ(folder_.read("r.csv"), "") << "nothing is published";
 }
 
-/// kill -9 of one process in every phase of a run; ONCOLLIDE_KILLS says how often (default: once in each).
+/// kill -9 of one process in every phase of a run; ONCOLLIDE_KILLS is the number of times (default: once in each).
 TEST_F(Mpirun, GoesOnWhereverAProcessWasKilled)
 {
     struct Death {
         const char* phase;
-        int least, most; ///< which call of it
+        int least, most; ///< range of the calls
         bool of_process_0 = false;
     };
     const std::vector<Death> deaths{{"load", 1, 1},    {"partition", 1, 9},    {"exchange", 1, 30},
@@ -202,7 +202,7 @@ TEST_F(Mpirun, TakesACheckpointOfThisSceneAndVersionAlone)
     };
     ASSERT_EQ(play("300", {}).code, 0);
     expect_one_error(65, play("301", {"--resume"}), "another scene");
-    for (const char* file : {"c.0", "c.1"}) { // of a version to come, with the checksum it would have
+    for (const char* file : {"c.0", "c.1"}) { // of a future version, with a valid checksum
         std::fstream stream(folder_ / file, std::ios::in | std::ios::out | std::ios::binary);
         stream.seekp(8);
         stream.put(77);

@@ -1,5 +1,5 @@
-// Scenes played by many ranks: threads of this process, which know no more of each other than processes do. Results
-// must be those of one World, bit by bit.
+// Scenes played by many ranks, which are threads of this process that share no more data than processes do. Results
+// must equal the results of one World, bit by bit.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -84,7 +84,7 @@ Scene catalogue_scene(const char* name, std::optional<int> bodies, int frames)
     return make_scene(name, {.bodies = bodies, .frames = frames, .data = {}});
 }
 
-/// Cubes whose faces touch, on a lattice; every seventh is there twice.
+/// Cubes whose faces touch, on a lattice; every seventh is duplicated.
 Scene lattice(int side)
 {
     Scene scene;
@@ -125,7 +125,7 @@ TEST_F(RanksTest, ScenesOfTheCatalogueAreThoseOfOneWorld)
     expect_the_same(catalogue_scene("many", 60, 3));
     expect_the_same(catalogue_scene("octomap", 12, 3));
     expect_the_same(catalogue_scene("hills", 30, 3));
-    expect_the_same(catalogue_scene("boxes", 400, 4)); // a random walk: brown
+    expect_the_same(catalogue_scene("boxes", 400, 4)); // a random walk (brown)
     Scene campus = catalogue_scene("campus", 30, 2);
     EXPECT_EQ(by_many(campus, 4), by_one(campus));
 }
@@ -161,7 +161,7 @@ TEST_F(RanksTest, FacesThatTouchOnACutAreDecidedOnce)
 TEST_F(RanksTest, EmptyRanksAndNoBodiesAreNoSpecialCases)
 {
     for (const int count : {0, 1, 3}) expect_the_same(balls(count, 1.5));
-    expect_the_same(balls(20, 0)); // all in one place
+    expect_the_same(balls(20, 0)); // all at one position
 }
 
 TEST_F(RanksTest, GiantsThatReachIntoEveryRegionAreDecidedOnce)
@@ -200,11 +200,11 @@ TEST_F(RanksTest, BodiesThatLeaveOneRegionForAnotherTakeTheirMotionAlong)
     for (const int size : {2, 4}) EXPECT_EQ(by_many(scene, size), one);
 }
 
-/// Bodies in heaps of very different density: what is counted is shared, and the cuts do not show in the results.
+/// Bodies in heaps of very different density: the counted work is balanced, and the cuts do not affect results.
 TEST_F(RanksTest, ClusteredScenesAreCutByWorkNotByBodies)
 {
     Scene scene;
-    scene.name = "clusters", scene.frames = 24; // the first one is cut by bodies alone
+    scene.name = "clusters", scene.frames = 24; // the first cut is by bodies only
     const GeometryId ball = scene.add("ball", Sphere{0.4});
     for (std::uint64_t i = 0; i < 3000; ++i) {
         const double heap = std::floor(6 * u01(1, i, 0)), spread = 3 + 2 * heap;
@@ -231,9 +231,9 @@ TEST_F(RanksTest, ClusteredScenesAreCutByWorkNotByBodies)
     EXPECT_GT(imbalance(7, Rebalance::never), 1.4);
 }
 
-// --- Faults: what the tests above rest on would show.
+// --- Faults: the tests above would detect them.
 
-/// Morton's, with a fault.
+/// Morton's partitioner, with a fault.
 class Faulty : public Partitioner {
 public:
     std::string_view name() const override { return "faulty"; }
@@ -294,7 +294,7 @@ TEST_F(RanksTest, PairsThatNobodyOwnsAloneAreAnError)
     }
 }
 
-// --- What goes wrong.
+// --- Errors.
 
 void expect_refused(ErrorKind kind, const std::string& words, const std::function<void()>& call)
 {
@@ -342,7 +342,7 @@ TEST_F(RanksTest, AFaultOfOneRankIsAnErrorOfAll)
             });
         });
     });
-    const auto leave = [](int i) { // the world in frame 2
+    const auto leave = [](int i) { // leaves the world in frame 2
         return i == 3 ? Motion(Drift{.velocity = {9e14, 0, 0}, .walls = {}}) : of_every_second(i);
     };
     Scene scene = balls(6, 1, leave);
@@ -354,11 +354,11 @@ TEST_F(RanksTest, AFaultOfOneRankIsAnErrorOfAll)
 
 TEST_F(RanksTest, ARunGoesOnFromItsCheckpointOnOtherRanks)
 {
-    Scene scene = catalogue_scene("boxes", 300, 9); // walks: every frame rests on the one before
+    Scene scene = catalogue_scene("boxes", 300, 9); // random walks: every frame depends on the one before
     const Played one = by_one(scene);
     for (const auto& [before, after] : {std::pair{3, 2}, {1, 4}, {4, 1}}) {
         RankedOptions options{.checkpoint = folder_ / "check", .checkpoint_every = 2};
-        by_many(scene, before, {}, options, &make_morton_partitioner, 7); // frame 6 has a checkpoint, 7 is lost
+        by_many(scene, before, {}, options, &make_morton_partitioner, 7); // frame 6 has a checkpoint, frame 7 is lost
         EXPECT_FALSE(std::filesystem::exists(folder_ / "many.csv")) << "not whole yet";
         options.resume = true;
         EXPECT_EQ(by_many(scene, after, {}, options), one);

@@ -1,4 +1,4 @@
-// Scenes that are read and made by slices: what each rank gets, and that none gets all.
+// Scenes that are read and made in slices: each rank gets its own bodies, and no rank gets all.
 #include <gtest/gtest.h>
 
 #include <oncollide/base/random.hpp>
@@ -24,7 +24,7 @@ std::vector<Bytes> bytes_of(const SceneSlice& slice)
     return all;
 }
 
-/// The slices of all ranks are those of the whole scene, and each rank was given its share alone.
+/// The slices of all ranks must add up to the whole scene, and each rank must receive only its share.
 void expect_slices(const MakeScene& make)
 {
     const Scene whole = make(nullptr);
@@ -72,7 +72,7 @@ TEST(SceneSlice, OfFilesIsReadFromTheirRows)
         table += fmt::format("\"row \"\"{0}\"\"\",{0},0,1,{1},0,0\n", i, i % 3 == 0 ? 1 : 0);
     for (int i = 0; i < 1500; ++i)
         list += fmt::format(R"({}{{"geometry": "ball", "position": [{}, 3, 4]}})", i ? "," : "", i);
-    folder.write("t.csv", table.substr(0, table.size() - 1)); // the last line has no end
+    folder.write("t.csv", table.substr(0, table.size() - 1)); // the last line has no line end
     const std::string begin = R"({"geometries": {"ball": {"shape": {"kind": "sphere", "radius": 0.6}}}, "bodies": [)" +
                               list + R"(], "tables": [{"file": "t.csv", "geometry": "ball"},
         {"file": "u.csv", "geometry": "ball"}])";
@@ -152,7 +152,7 @@ TEST(SceneSlice, WhatOneRankAloneReadsOtherwiseIsFound)
     }
 }
 
-/// A cooked file of which every chunk is damaged: faults() then counts the chunks that were touched.
+/// A cooked file whose chunks are all damaged: faults() then counts the chunks that were read.
 TEST(SceneSlice, ChunksOfAGiantAreTouchedWhereBodiesAreAlone)
 {
     const test::TemporaryFolder folder;

@@ -1,4 +1,4 @@
-// Files as assemblies: parts by node, at their places, with names, sharing meshes.
+// Files as assemblies: parts by node, at their poses, with names, sharing meshes.
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -55,13 +55,13 @@ TEST_F(AssemblyFile, EachNodeWithAMeshIsAPartAndSharesTheMesh)
     EXPECT_EQ(found.parts[1].path, "plant/turned");
     EXPECT_EQ(found.parts[0].above, 0u);
     EXPECT_EQ(found.parts[0].pose.translation(), Vector3d(10, 0, 0));
-    EXPECT_TRUE(found.parts[0].pose.linear().isIdentity(0)) << "not turned is not rounded";
+    EXPECT_TRUE(found.parts[0].pose.linear().isIdentity(0)) << "a pose without rotation is not rounded";
     EXPECT_NEAR(found.parts[1].pose.linear()(1, 0), 0.96, 1e-15);
 }
 
 TEST_F(AssemblyFile, ScaledPartsShareAScaledMesh)
 {
-    // As many programs write millimetres: a scale above everything.
+    // Like files of many programs that write millimetres: a scale above all nodes.
     const Assembly found = load(R"({"scale":[0.001,0.001,0.001],"children":[1,2,3]},)"
                                 R"({"mesh":0},{"mesh":0,"rotation":[0.6,0,0,0.8],"translation":[500,0,0]},)"
                                 R"({"mesh":0,"scale":[1,1,2]})");
@@ -87,7 +87,7 @@ TEST_F(AssemblyFile, EveryPartLiesWhereTheMergedMeshHasIt)
     std::ranges::sort(expected);
     const auto found = corners(parts);
     ASSERT_EQ(found.size(), expected.size());
-    // Sorted alike but for rounding: each corner has one so near.
+    // Rounding may change the order of sorting, so searches for a near corner.
     for (const auto& p : found)
         EXPECT_TRUE(std::ranges::any_of(
             expected, [&](const auto& q) { return (Vector3d(p.data()) - Vector3d(q.data())).norm() < 1e-12; }));

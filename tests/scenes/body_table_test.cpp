@@ -71,7 +71,7 @@ TEST_F(BodyTable, OneGeometryServesAllRowsAndTablesFollowEachOther)
     EXPECT_EQ(index(scene.geometry[1]), 1u);
     EXPECT_EQ(index(scene.geometry[2]), 0u);
     EXPECT_EQ(scene.poses[3].translation(), Vector3d(4, 5, 6));
-    EXPECT_EQ(load_csv("geometry,x,y,z\n").size(), 0u) << "a header alone is a table of no rows";
+    EXPECT_EQ(load_csv("geometry,x,y,z\n").size(), 0u) << "a header alone is a table without rows";
 }
 
 TEST_F(BodyTable, RefusesTablesThatMakeNoSense)

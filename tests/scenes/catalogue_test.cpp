@@ -65,7 +65,7 @@ TEST_P(EveryScene, ComesBackBitForBitFromItsFile)
     Scene read = load_scene(folder.path() / "scene.json");
     test::expect_same_scene(made, read);
 
-    // And a file written from the scene that was read is the same file: nothing drifts however often it is rewritten.
+    // A file written from the scene that was read is identical: repeated saving changes nothing.
     std::filesystem::create_directory(folder.path() / "again");
     save_scene(read, folder.path() / "scene2.json");
     const auto content = [&](const char* name) {
@@ -279,7 +279,7 @@ TEST(CityScene, HasStaticSceneryAndMoversOnLayersThatMeet)
         EXPECT_EQ(scene.is_static[i], !moves);
         EXPECT_EQ(scene.layers[i] == 1, !moves);
         if (moves) {
-            EXPECT_NE(scene.masks[i] & 1, 0u) << scene.names[i] << " must see the scenery";
+            EXPECT_NE(scene.masks[i] & 1, 0u) << scene.names[i] << " must collide with the scenery";
         }
     }
     EXPECT_EQ(movers, 20u);
@@ -333,7 +333,7 @@ TEST(LargeScenes, AreMadeAsTheirSummariesSay)
     EXPECT_EQ(movers(tiles), 8u);
     EXPECT_EQ(mesh_of(tiles, "ground/5").triangles.size(), 10'082u);
     for (const auto& [a, b] : {std::pair("ground/5", "ground/6"), std::pair("ground/5", "ground/9")}) {
-        const auto& vertices = mesh_of(tiles, b).vertices; // they join
+        const auto& vertices = mesh_of(tiles, b).vertices; // the tiles join
         EXPECT_EQ(std::ranges::count_if(mesh_of(tiles, a).vertices,
                                         [&](const auto& v) { return std::ranges::count(vertices, v); }),
                   72);

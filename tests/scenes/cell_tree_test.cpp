@@ -11,7 +11,7 @@ namespace {
 using Eigen::Vector3i;
 using Leaf = std::pair<MapCell, CellState>;
 
-/// The same cells, one by one.
+/// The same cells in a flat array.
 class Grid {
 public:
     static constexpr int low = -13, high = 19;

@@ -33,11 +33,11 @@ TEST(Columns, GiveEveryPoseBackBitForBit)
         scene.set_pose({1}, pose);
         EXPECT_TRUE(same_bits(scene.poses[1], pose)) << pose.matrix();
         EXPECT_TRUE(same_bits(scene.poses[0], Isometry3d::Identity()));
-        EXPECT_TRUE(same_bits(scene.start_pose(1), Isometry3d::Identity())) << "the first one stays the start";
+        EXPECT_TRUE(same_bits(scene.start_pose(1), Isometry3d::Identity())) << "the first pose stays the start pose";
     }
     scene.add_body({.geometry = GeometryId{0}, .pose = rotated});
     EXPECT_TRUE(same_bits(scene.poses[3], rotated));
-    EXPECT_TRUE(same_bits(scene.start_pose(3), rotated)) << "came after others had moved";
+    EXPECT_TRUE(same_bits(scene.start_pose(3), rotated)) << "added after others had moved";
     std::size_t walked = 0;
     for (const Isometry3d& pose : scene.poses) EXPECT_TRUE(same_bits(pose, scene.poses[walked++]));
     EXPECT_EQ(walked, 4u);
@@ -79,7 +79,7 @@ TEST(ChangeLog, TellsWhatChangedSinceAMark)
     EXPECT_EQ(since[1].body, 3u);
     EXPECT_FALSE(since[1].only_pose);
     scene.set_position({2}, {1, 0, 0});
-    EXPECT_EQ(scene.changes.since(begin).size(), 2u) << "it is there already";
+    EXPECT_EQ(scene.changes.since(begin).size(), 2u) << "it exists already";
     EXPECT_TRUE(scene.changes.since(scene.changes.now()).empty());
 }
 

@@ -44,8 +44,8 @@ double diagonal(const Points& points)
     return bounds.diagonal();
 }
 
-/// The contract, checked by brute force: no point reaches farther than the vertices do in any of many directions, but
-/// by the slack and the rounding of this very check.
+/// The contract, checked by brute force: in any of many directions, no point extends farther than the vertices, up to
+/// the slack and the rounding of this check.
 void expect_hull(const Points& points, const Hull& hull, double most_slack)
 {
     ASSERT_FALSE(hull.vertices.empty());
@@ -153,7 +153,7 @@ TEST(ConvexHull, FewFlatStraightOrEqualPointsAreAllKept)
     }
     expect_all_points(line);
     expect_all_points(plane);
-    const Hull hull = convex_hull(tilted); // rounded: a slab of about 1e-16, which may be seen as flat or not
+    const Hull hull = convex_hull(tilted); // rounded: a slab of about 1e-16, which may or may not count as flat
     expect_hull(tilted, hull, 1e-14);
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-/// The value at `i` and what it holds.
+/// The value at `i` with its contents.
 json tree_of(const JsonTape& tape, std::uint32_t i = 0)
 {
     using Kind = JsonValue::Kind;
@@ -50,7 +50,7 @@ json tree_of(const JsonTape& tape, std::uint32_t i = 0)
     return tree;
 }
 
-/// What the text means, or nothing if it is refused.
+/// The parsed value of the text, or nothing if it is refused.
 std::optional<json> meaning(const std::string& text)
 {
     JsonTape tape;
@@ -62,7 +62,7 @@ std::optional<json> meaning(const std::string& text)
     }
 }
 
-/// The same where the array "bodies" is read element by element.
+/// The same if the array "bodies" is read element by element.
 std::optional<json> meaning_in_pieces(const std::string& text)
 {
     JsonTape rest, element;
@@ -131,7 +131,7 @@ TEST(JsonTape, ReadsAndRefusesWhatAnotherParserDoes)
             ASSERT_EQ(pieces->dump(), theirs.dump());
             continue;
         }
-        // The other parser knows why, so the reason is not just the place where reading stopped.
+        // The other parser knows the reason, so the message is not only the place where reading stopped.
         try {
             explain_json("file", text, text.data());
         } catch (const Error& error) {

@@ -44,7 +44,7 @@ std::vector<Sample> samples(const Mesh& mesh)
             {"a.glb", test::as_glb(mesh), false, false}};
 }
 
-/// Through memory: GCC 12's -ftree-slp-vectorize takes double -> float -> double for no change and drops the rounding.
+/// Through memory: GCC 12's -ftree-slp-vectorize optimises double -> float -> double away and drops the rounding.
 Vector3d rounded_to_float(const Vector3d& p)
 {
     volatile float x = static_cast<float>(p.x()), y = static_cast<float>(p.y()), z = static_cast<float>(p.z());
@@ -75,7 +75,7 @@ TEST(MeshFile, EveryFormatGivesTheMeshBack)
         SCOPED_TRACE(sample.name);
         const Mesh read = load_mesh(folder.write(sample.name, sample.bytes));
         ASSERT_EQ(read.triangles.size(), mesh.triangles.size());
-        EXPECT_EQ(read.vertices.size(), mesh.vertices.size()) << "vertices at one position are one";
+        EXPECT_EQ(read.vertices.size(), mesh.vertices.size()) << "equal positions become one vertex";
         EXPECT_TRUE(is_closed(read));
         if (sample.shared) {
             EXPECT_EQ(read.vertices, mesh.vertices);
@@ -130,7 +130,7 @@ TEST(MeshFile, ObjDialectsAreUnderstood)
 TEST(MeshFile, PlainLinesOfObjMeanWhatAnyLineMeans)
 {
     const test::TemporaryFolder folder;
-    // A comment in a line of a face, or of a vertex that goes on, hands the line to the reader of all kinds.
+    // A comment in the line of a face, or of a continued vertex, passes the line to the general reader.
     const std::string heads[] = {"", "# text\r\n\n", "o x\n", "v 9 9 9\n"};
     const std::string numbers[] = {"0",
                                    "-0.0",
@@ -237,18 +237,18 @@ TEST(MeshFile, BinaryPlyRowsOfEveryKindAreRead)
 TEST(MeshFile, StlOfManyPointsIsWelded)
 {
     const test::TemporaryFolder folder;
-    const Mesh mesh = make_torus_mesh(2, 0.7, 60'000); // more points than are remembered without a look at the table
+    const Mesh mesh = make_torus_mesh(2, 0.7, 60'000); // more points than fit into the cache of recent points
     const Mesh read = load_mesh(folder.write("a.stl", test::as_binary_stl(mesh)));
     EXPECT_EQ(read.vertices.size(), mesh.vertices.size());
     EXPECT_TRUE(is_closed(read));
-    // Points that are no numbers are equal to none; a table of them would be searched from end to end each time.
+    // NaN points equal no point; a table of them would be searched from end to end each time.
     std::string bytes = test::as_binary_stl(make_soup_mesh(200'000, 0.1, 10, 1));
     for (std::size_t at = 84 + 12 + 50; at + 12 < bytes.size(); at += 50)
         bytes.replace(at, 4, std::string("\0\0\xc0\x7f", 4));
     expect_bad("a.stl", bytes, "a corner of facet 1 is not finite");
 }
 
-/// Corners on a grid of so many points along each axis, zeros of both signs, as a binary STL.
+/// A binary STL with corners on a grid of `points` points along each axis, with zeros of both signs.
 std::string corners_on_grid(std::uint32_t facets, std::uint64_t points)
 {
     std::string bytes(80, ' ');
@@ -271,7 +271,7 @@ TEST(MeshFile, StlIsWeldedAsOneCornerAfterTheOtherWouldBe)
         std::uint32_t facets;
         std::uint64_t points;
     };
-    // Few points, many, all but all different; numbers of facets around those that are welded and read together.
+    // Few points, many points, nearly all different; numbers of facets around the sizes of batches.
     for (const auto& [facets, points] :
          {Case{1, 2}, {63, 5}, {64, 5}, {65, 5}, {4097, 30}, {120'000, 40}, {30'000, 5'000}}) {
         SCOPED_TRACE(fmt::format("{} facets, {} points along each axis", facets, points));
@@ -289,7 +289,7 @@ TEST(MeshFile, StlIsWeldedAsOneCornerAfterTheOtherWouldBe)
                 const Vector3d& vertex = read.vertices[known->second];
                 for (int axis = 0; axis < 3; ++axis) {
                     ASSERT_EQ(vertex[axis], corner[axis]);
-                    ASSERT_EQ(std::signbit(vertex[axis]), std::signbit(corner[axis])) << "of the first that is there";
+                    ASSERT_EQ(std::signbit(vertex[axis]), std::signbit(corner[axis])) << "the signs of the first corner";
                 }
             }
         EXPECT_EQ(read.vertices.size(), numbers.size());
@@ -341,7 +341,7 @@ TEST(MeshFile, PolygonsAreCutIntoTrianglesThatCoverThem)
         const char* name;
         std::vector<Eigen::Vector2d> outline;
     };
-    std::vector<Case> cases = {{"dart", {{0, 0}, {2, 1}, {0, 2}, {1, 1}}}, // the first diagonal would lie outside
+    std::vector<Case> cases = {{"dart", {{0, 0}, {2, 1}, {0, 2}, {1, 1}}}, // the first diagonal would be outside
                                {"dart from its dent", {{1, 1}, {0, 0}, {2, 1}, {0, 2}}},
                                {"u", {{0, 0}, {3, 0}, {3, 3}, {2, 3}, {2, 1}, {1, 1}, {1, 3}, {0, 3}}},
                                {"straight corners", {{0, 0}, {1, 0}, {2, 0}, {2, 2}, {1, 2}, {0, 2}}},
@@ -367,7 +367,7 @@ TEST(MeshFile, PolygonsAreCutIntoTrianglesThatCoverThem)
         }
         const Mesh mesh = load_mesh(folder.write("a.obj", text + face + "\n"));
         ASSERT_EQ(mesh.triangles.size(), c.outline.size() - 2);
-        double sum = 0; // of areas seen along z: no overlap makes it the outline's
+        double sum = 0; // sum of areas projected along z: equals the outline's area if nothing overlaps
         for (const Triangle& t : mesh.triangles) {
             const Vector3d& a = mesh.vertices[t[0]];
             sum += std::abs((mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).z());
@@ -441,7 +441,7 @@ TEST(MeshFile, UnknownKindsListTheKnown)
     expect_bad("a", "v 0 0 0\n", "known are obj");
     for (const std::string& extension : mesh_extensions()) {
 #ifndef ONCOLLIDE_XML
-        if (extension == "dae" || extension == "3mf") continue; // refused whatever they hold
+        if (extension == "dae" || extension == "3mf") continue; // refused with any contents
 #endif
         expect_bad("empty." + extension, "", "empty");
         expect_bad("picture." + extension, std::string("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16), "");
@@ -612,7 +612,7 @@ TEST(MeshFile, APolygonThatCrossesItselfEverywhereIsCutInReasonableTime)
     EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
 }
 
-// A short, repeatable version of a fuzzer: whatever the bytes, the answer is a valid mesh or an Error.
+// A short, repeatable fuzzer: for any bytes the result is a valid mesh or an Error.
 TEST(MeshFile, DamagedFilesGiveAnErrorOrAValidMesh)
 {
     const test::TemporaryFolder folder;
@@ -655,7 +655,7 @@ TEST(MeshFile, ReadsTheDataFolder)
         EXPECT_EQ(mesh.vertices.size(), e.vertices) << e.name;
         EXPECT_EQ(mesh.triangles.size(), e.triangles) << e.name;
     }
-    // More digits than a float keeps.
+    // More digits than a float has.
     EXPECT_EQ(load_mesh(data / "poses/bunny_5110.obj").vertices[0], Vector3d(-0.558309197, -0.0087593589, 0.118954651));
 }
 

@@ -54,7 +54,7 @@ TEST(MeshGenerators, ASphereMeetsItsCountOnItsSurface)
         SCOPED_TRACE(count);
         const Mesh mesh = make_sphere_mesh(2, count);
         EXPECT_EQ(mesh.triangles.size(), static_cast<std::size_t>(count / 2 * 2));
-        // A polytope in a ball lacks a share of 5 to 20 / triangles of its volume.
+        // A polytope in a sphere lacks a share of 5 to 20 / triangles of its volume.
         const double full = 32 * std::numbers::pi / 3, least = full * (1 - 20.0 / (count + 16));
         expect_solid(mesh, 0.5 * (least + full), 0.5 * (full - least) / least);
         for (const Vector3d& v : mesh.vertices) EXPECT_NEAR(v.norm(), 2, 1e-14);

@@ -68,7 +68,7 @@ TEST(Mesh, CountsTrianglesWithoutAreaExactly)
     EXPECT_EQ(zero_areas({0, 0, 0}, {0, 0, 0}, {0, 0, 0}), 1u);
     EXPECT_EQ(zero_areas({1, 1, 1}, {2, 2, 2}, {7, 7, 7}), 1u);
     EXPECT_EQ(make_mesh("m", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 1}}).zero_area, 1u);
-    // On one line as written, but not as doubles; and the other way round, hidden by cancellation.
+    // Collinear as decimals, but not as doubles; and the reverse, hidden by cancellation.
     EXPECT_EQ(zero_areas({0.1, 0.1, 0}, {0.2, 0.2, 0}, {0.3, 0.3, 0}), 1u);
     EXPECT_EQ(zero_areas({0.1, 0.3, 0}, {0.2, 0.6, 0}, {0.3, 0.9, 0}), 0u) << "0.3 is not three times 0.1";
     const double next = std::nextafter(3.0, 4.0);

@@ -15,7 +15,7 @@ TEST(OpenEdges, AreThoseThatKeepAMeshFromBeingClosed)
     EXPECT_EQ(open_edges(hole).size(), 3u);
     Mesh flip = box;
     std::swap(flip.triangles[0][0], flip.triangles[0][1]);
-    EXPECT_EQ(open_edges(flip).size(), 3u) << "two triangles run along each edge in the same direction";
+    EXPECT_EQ(open_edges(flip).size(), 3u) << "two triangles traverse each edge in the same direction";
     Mesh fin = box;
     fin.vertices.push_back({5, 5, 5});
     fin.triangles.push_back({0, 1, static_cast<std::uint32_t>(fin.vertices.size() - 1)});
@@ -26,7 +26,7 @@ TEST(OpenEdges, AreThoseThatKeepAMeshFromBeingClosed)
 
 TEST(PartsOf, CountTrianglesThatShareAPosition)
 {
-    // Two quads, far from each other, the second of triangles with vertices of their own.
+    // Two quads, far from each other; the triangles of the second share no vertices.
     const Mesh mesh = make_mesh("m",
                                 {{0, 0, 0},
                                  {1, 0, 0},

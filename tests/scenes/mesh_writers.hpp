@@ -106,7 +106,7 @@ inline std::string gltf_buffer(const Mesh& mesh)
     return bytes;
 }
 
-/// @param uri   `"uri":"file",` or nothing for GLB
+/// @param uri   `"uri":"file",` or empty for GLB
 /// @param nodes the node array's content; nodes[0] is the root
 inline std::string gltf_json(const Mesh& mesh, const std::string& uri, const std::string& nodes = R"({"mesh":0})")
 {

@@ -30,7 +30,7 @@ Isometry3d pose(const Vector3d& position, const Quaterniond& rotation = Quaterni
 
 TEST(Random, SplitmixGivesThePublishedSequence)
 {
-    // The first outputs of Vigna's splitmix64.c for seed 1234567: its state grows by the constant that splitmix adds.
+    // The first outputs of Vigna's splitmix64.c for seed 1234567, whose state grows by the constant that splitmix adds.
     const std::uint64_t expected[] = {6457827717110365317u, 3203168211198807973u, 9817491932198370423u};
     std::uint64_t state = 1234567;
     for (const std::uint64_t value : expected) {
@@ -154,7 +154,7 @@ TEST(Jitter, StepsAndReflectsAsTheBenchmarkSays)
         }
         ASSERT_TRUE(test::same_bits(p, expected)) << f;
     }
-    EXPECT_TRUE(reflected) << "the test must reach a wall";
+    EXPECT_TRUE(reflected) << "the motion must reach a wall";
 }
 
 TEST(Jitter, KeepsABodyInARoomSmallerThanItsStep)

@@ -117,7 +117,7 @@ TEST(OccupancyMap, ASavedMapLoadsBackWithEqualCells)
     const OccupancyMap odd = make_building_map(1, 1.0 / 3, 5);
     save_octomap(odd, folder.path() / "a.bt");
     expect_equal(odd, load_octomap(folder.path() / "a.bt"));
-    save_octomap(map, folder.path() / "a.bt"); // over the old file
+    save_octomap(map, folder.path() / "a.bt"); // replaces the old file
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1) << "no temporary file stays";
 }
 
@@ -146,7 +146,7 @@ TEST(OccupancyMap, FullFilesAreReadToo)
     EXPECT_EQ(coarse.bounds().max, Vector3d::Zero());
 }
 
-/// Two occupied cells beside each other and a free one; the occupied ones have been free before.
+/// Two adjacent occupied cells and a free cell; the occupied cells were free before.
 octomap::OcTree small_tree(bool lazy = false)
 {
     octomap::OcTree tree(0.5);
@@ -195,7 +195,7 @@ TEST(OccupancyMap, DoesNotTrustInnerNodesThatLazyUpdatesLeftBehind)
     const OccupancyMap map = make_occupancy_map(lazy);
     expect_equal(map, make_occupancy_map(*lazy));
     expect_equal(map, make_occupancy_map(small_tree()));
-    // A file may hold such a tree too.
+    // A file may contain such a tree too.
     std::ostringstream nodes;
     lazy->writeData(nodes);
     const test::TemporaryFolder folder;
@@ -384,7 +384,7 @@ TEST(OccupancyMap, TakesScansInAsOctoMapDoes)
             map.insert_scan(points, origin, 4);
             tree.insertPointCloud(cloud, {float(origin.x()), float(origin.y()), float(origin.z())}, 4);
             expect_equal(map, make_occupancy_map(tree));
-            // What is set between scans is certain from then on.
+            // Cells that are set between scans are certain from then on.
             const Aabb box{Vector3d::Constant(-0.5 * double(scan)), Vector3d::Constant(2)};
             map.set(box, scan % 2 ? CellState::occupied : CellState::free);
             for (double x = box.min.x() + 0.25; x < 2; x += 0.5)

@@ -20,7 +20,7 @@ using test::expect_error;
 
 constexpr int frames = 4, bodies = 2;
 
-/// Body b of frame f is at (f, b, 0.1), and turns about z.
+/// Body b of frame f is at (f, b, 0.1), and rotates about z.
 std::vector<double> numbers()
 {
     std::vector<double> all;
@@ -83,7 +83,7 @@ TEST_F(RecordedMotion, GivesEveryBodyItsPoseOfEveryFrame)
                 Eigen::AngleAxisd(0.2 * f, Vector3d::UnitZ()).toRotationMatrix(), 1e-14));
         }
     }
-    scene.pace = 0.5; // the last whole frame
+    scene.pace = 0.5; // the pose of the last whole frame
     mover.move(scene, 3);
     EXPECT_EQ(scene.poses[1].translation().x(), 1);
     EXPECT_EQ(scene.start_pose(2).translation(), Vector3d(0, 1, 0.1));

@@ -9,7 +9,7 @@
 
 namespace oncollide::test {
 
-/// Equal in every bit, zeros' signs included.
+/// Equal in every bit, signs of zeros included.
 template <class Matrix>
 bool same_bits(const Matrix& a, const Matrix& b)
 {
@@ -104,7 +104,7 @@ inline void expect_same_poses(const Scene& a, const Scene& b, const char* when)
             << a.label({static_cast<std::uint32_t>(i)}) << " " << when;
 }
 
-/// The two scenes are the same in every bit, now and in later frames. Moves both.
+/// The two scenes are equal in every bit, now and in later frames. Moves both.
 inline void expect_same_scene(Scene& a, Scene& b)
 {
     EXPECT_EQ(a.name, b.name);

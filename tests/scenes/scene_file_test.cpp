@@ -21,7 +21,7 @@ class SceneFile : public testing::Test {
 protected:
     Scene load(const std::string& content) { return load_scene(folder_.write("scene.json", content)); }
 
-    /// A scene with the ball, and one body with these members.
+    /// A scene with the geometry "ball", and one body with these members.
     Scene load_body(const std::string& members)
     {
         return load(R"({"geometries": {"ball": {"shape": {"kind": "sphere", "radius": 1}}}, "bodies": [{)" + members +
@@ -65,7 +65,7 @@ protected:
 
 const std::string ball = R"("name": "a", "geometry": "ball")";
 
-// Reading what is right
+// Reading valid files
 
 TEST_F(SceneFile, LoadsTheExampleOfItsDocumentation)
 {
@@ -171,7 +171,7 @@ TEST_F(SceneFile, NormalisesQuaternionsAndWarnsWhenTheyAreFarOff)
     EXPECT_TRUE(near.warnings.empty());
 }
 
-// Refusing what is wrong
+// Refusing invalid files
 
 TEST_F(SceneFile, NamesThePlaceAndTheValidKeysForAnUnknownKey)
 {
@@ -415,7 +415,7 @@ TEST_F(SceneFile, AnswersAnyChangedValueWithASceneOrAnErrorOfOneLine)
     const json values = json::parse(
         R"([null, -1, 0, 1e300, 18446744073709551615, "", [], {"file": "flat.obj"}, [[1, 0, 0], [0, 1, 0]]])");
     std::vector<json::json_pointer> places{json::json_pointer("")};
-    for (std::size_t i = 0; i < places.size(); ++i) // grows as it goes
+    for (std::size_t i = 0; i < places.size(); ++i) // appends while it iterates
         for (const auto& [key, value] : whole[places[i]].items())
             if (whole[places[i]].is_structured()) places.push_back(places[i] / key);
     int loaded = 0;
@@ -490,7 +490,7 @@ TEST_F(SceneFile, RefusesGroupsAndExcludedPairsWithoutMeaning)
 
 TEST_F(SceneFile, RefusesEveryDamageToItsListOfBodies)
 {
-    // Bodies are read one by one, apart from the rest of the file.
+    // Bodies are read one by one, separately from the rest of the file.
     const std::string head = R"({"geometries": {"ball": {"shape": {"kind": "sphere", "radius": 1}}}, "bodies": )";
     const std::string one = R"({"name": "a]", "geometry": "ball"})", two = R"({"geometry": "ball"})";
     EXPECT_EQ(load(head + " [ " + one + " , " + two + " ] }").size(), 2u);
@@ -520,7 +520,7 @@ TEST_F(SceneFile, ReadsNumbersAsTheyAreRoundedCorrectly)
     const auto position = [&](const std::string& numbers) -> Vector3d {
         return load_body(ball + R"(, "position": [)" + numbers + "]").poses[0].translation();
     };
-    EXPECT_FALSE(std::signbit(position("-0, 0, 0").x())) << "a whole number has one zero";
+    EXPECT_FALSE(std::signbit(position("-0, 0, 0").x())) << "an integer has only one zero";
     EXPECT_TRUE(std::signbit(position("-0.0, 0, 0").x()));
     EXPECT_EQ(position("18446744073709551615, 18446744073709551616, -9223372036854775809"),
               Vector3d(0x1p64, 0x1p64, -0x1p63));
@@ -550,7 +550,7 @@ double cpu_time()
 
 TEST_F(SceneFile, ReadsBodiesAndGeometriesInLinearTime)
 {
-    // Ten times as many took a hundred times as long.
+    // Ten times as many used to take a hundred times as long.
     const auto time_of = [&](int bodies, int geometries) {
         std::string text = R"({"geometries": {)";
         for (int i = 0; i < geometries; ++i)
@@ -591,7 +591,7 @@ Scene made_in_code()
         Eigen::Vector4d q(u01(1, i, 0) - 0.5, u01(1, i, 1) - 0.5, u01(1, i, 2) - 0.5, u01(1, i, 3) - 0.5);
         if (i % 6 == 0) q = {0, 0, 0, i % 12 ? -1.0 : 1.0};
         body.pose.linear() = Eigen::Quaterniond(q.normalized()).toRotationMatrix();
-        if (i % 5 == 0) body.pose.linear()(0, 1) += 1e-9; // a rotation that no quaternion has
+        if (i % 5 == 0) body.pose.linear()(0, 1) += 1e-9; // a rotation that no quaternion represents exactly
         body.pose.translation() = Vector3d(u01(2, i, 0) / 3, -0.0, 1e6 * u01(2, i, 1));
         const Aabb walls{{-1, -1.1, 0}, {2, 2 / 3.0, 1e6}};
         const Eigen::Quaterniond unit(Eigen::Vector4d(q.normalized()));

@@ -116,7 +116,7 @@ TEST(Scene, TakesManyBodiesWithoutNames)
     for (int i = 0; i < 3; ++i) scene.add_body({});
     scene.add_body({.name = "a"});
     EXPECT_EQ(scene.find(""), std::nullopt);
-    EXPECT_EQ(scene.find("a"), BodyId{3}) << "by its index, not by how many have names";
+    EXPECT_EQ(scene.find("a"), BodyId{3}) << "by its index, not by the number of named bodies";
     EXPECT_EQ(scene.label(BodyId{2}), "body 2");
     EXPECT_EQ(scene.label(BodyId{3}), "a");
     expect_error(
@@ -189,7 +189,7 @@ TEST(Scene, RefusesPosesThatAreNotRigid)
     pose.matrix()(3, 0) = 1;
     refuses(pose, "last row");
     pose = at(0, 0, 0);
-    pose.linear() *= 1 + 1e-8; // rounding of a float pose
+    pose.linear() *= 1 + 1e-8; // as if by rounding to a float pose
     EXPECT_NO_THROW(scene.add_body({.name = "a", .pose = pose}));
 }
 
@@ -222,7 +222,7 @@ TEST(Mover, ReachesTheSamePosesInOneLeapAndStepByStep)
     leap.move(leaping, 40);
     test::expect_same_poses(stepped, leaping, "at frame 40");
     EXPECT_NE(stepped.poses[2].translation(), stepped.start_pose(2).translation());
-    EXPECT_NE(stepped.poses[2].translation(), stepped.poses[3].translation()) << "two walks must not be one";
+    EXPECT_NE(stepped.poses[2].translation(), stepped.poses[3].translation()) << "two random walks must differ";
     EXPECT_EQ(stepped.poses[0].matrix(), stepped.start_pose(0).matrix());
 }
 
@@ -241,7 +241,7 @@ TEST(Mover, PlaysAHalfOfTheMotionAtHalfThePace)
     const auto step = [](const Scene& scene) {
         return Vector3d(scene.poses[2].translation() - scene.start_pose(2).translation());
     };
-    EXPECT_TRUE(step(half).isApprox(0.5 * step(whole), 1e-12)) << "of a random walk steps of half the length";
+    EXPECT_TRUE(step(half).isApprox(0.5 * step(whole), 1e-12)) << "a random walk takes steps of half the length";
 }
 
 TEST(Mover, WalksAgainFromTheStartWhenTimeRunsBackwards)

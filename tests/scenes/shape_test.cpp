@@ -24,7 +24,7 @@ Vector3d random_vector(std::uint64_t index)
     return {2 * u01(5, index, 0) - 1, 2 * u01(5, index, 1) - 1, 2 * u01(5, index, 2) - 1};
 }
 
-/// How far the shape reaches along the unit vector d.
+/// The support function of the shape for the unit vector d.
 double support(const Shape& shape, const Vector3d& d)
 {
     if (const auto* s = std::get_if<Sphere>(&shape)) return s->radius;
@@ -40,7 +40,7 @@ double support(const Shape& shape, const Vector3d& d)
     return most;
 }
 
-/// Distance of p to the solid; for a hull a lower bound (0), its vertices are tested otherwise.
+/// Distance of p from the solid; for a hull a lower bound (0), its vertices are tested separately.
 double distance(const Shape& shape, const Vector3d& p)
 {
     const auto outside = [](double a, double b) { return std::hypot(std::max(a, 0.0), std::max(b, 0.0)); };
@@ -51,7 +51,7 @@ double distance(const Shape& shape, const Vector3d& p)
                         Vector3d(p.x(), p.y(), std::max(0.0, std::abs(p.z()) - 0.5 * c->length)).norm() - c->radius);
     if (const auto* c = std::get_if<Cylinder>(&shape))
         return outside(std::hypot(p.x(), p.y()) - c->radius, std::abs(p.z()) - 0.5 * c->length);
-    if (const auto* c = std::get_if<Cone>(&shape)) { // to the triangle of its outline
+    if (const auto* c = std::get_if<Cone>(&shape)) { // from the triangle of its outline
         const double across = std::hypot(p.x(), p.y()), z = p.z(), half = 0.5 * c->length;
         const double t = ((c->radius - across) * c->radius + (z + half) * c->length) /
                          (c->radius * c->radius + c->length * c->length);
@@ -106,7 +106,7 @@ std::vector<Shape> shapes()
     for (int i = 0; i < 8; ++i) cube.points.push_back({i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0});
     for (int i = 0; i < 1000; ++i) grid.points.push_back(0.1 * Vector3d(i % 10, i / 10 % 10, i / 100));
     const Eigen::Quaterniond turn = Eigen::Quaterniond(1, 2, 3, 4).normalized();
-    for (Vector3d& p : grid.points) p = turn * p; // many points near six planes, none exactly in them
+    for (Vector3d& p : grid.points) p = turn * p; // many points near six planes, none exactly on them
     for (std::uint64_t i = 0; i < 300; ++i) slab.points.push_back(random_vector(i).cwiseProduct(Vector3d(1, 1, 1e-5)));
     ball.points = make_sphere_mesh(1, 2000).vertices;
     for (const ConvexHull& hull : {cube, grid, slab, ball}) all.emplace_back(hull);
@@ -123,7 +123,7 @@ TEST(Shape, EnclosuresAreClosedConvexAndOutward)
         for (const Triangle& t : mesh.triangles) {
             const Vector3d& a = mesh.vertices[t[0]];
             const Vector3d u = mesh.vertices[t[1]] - a, v = mesh.vertices[t[2]] - a, n = u.cross(v);
-            if (n.norm() < 1e-6 * u.norm() * v.norm()) continue; // its plane is not well known
+            if (n.norm() < 1e-6 * u.norm() * v.norm()) continue; // its plane is not well defined
             const Vector3d normal = n.normalized();
             for (const Vector3d& p : mesh.vertices) ASSERT_LE(normal.dot(p - a), rounding);
         }
@@ -141,7 +141,7 @@ TEST(Shape, NoFacetOfAnEnclosureCutsIntoTheShape)
             const Vector3d& a = mesh.vertices[t[0]];
             const Vector3d u = mesh.vertices[t[1]] - a, v = mesh.vertices[t[2]] - a, n = u.cross(v);
             const Vector3d normal = n.normalized();
-            // What the check itself may be off by: the normal of a thin facet is worth less.
+            // The rounding error of this check: the normal of a thin facet is less accurate.
             const double rounding = 1e-15 * size_of(shape) * (1 + u.norm() * v.norm() / n.norm());
             ASSERT_LE(support(shape, normal), normal.dot(a) + rounding);
             ASSERT_GT(normal.dot(a - inner), 0);
@@ -149,7 +149,7 @@ TEST(Shape, NoFacetOfAnEnclosureCutsIntoTheShape)
     }
 }
 
-// In 113-bit arithmetic, without any tolerance: hulls are pushed out by amounts as small as rounding.
+// In 113-bit arithmetic, without any tolerance: hulls are expanded by amounts as small as rounding.
 TEST(Shape, HullPointsLieStrictlyInsideTheirEnclosures)
 {
     __extension__ typedef __float128 Quad;
@@ -184,7 +184,7 @@ TEST(Shape, NoPointOfAnEnclosureIsFartherThanItsCoveringError)
                                                (4 - i - j) * enclosure.mesh.vertices[t[2]]);
                     ASSERT_LE(distance(shape, p), enclosure.covering_error + rounding);
                 }
-        // The other way round: support differs nowhere by more than the error.
+        // The reverse: the supports differ by at most the error.
         for (std::uint64_t i = 0; i < 500; ++i) {
             const Vector3d d = random_vector(i).normalized();
             double reach = -1e300;

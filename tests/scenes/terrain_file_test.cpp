@@ -1,4 +1,4 @@
-// Files of heights: what is read, and what is refused.
+// Files of heights: reading, and refusing.
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -239,7 +239,7 @@ TEST(TerrainFile, SceneFilesHaveTerrains)
     EXPECT_EQ(hill.diagonal(0, 0), CellDiagonal::falling);
     EXPECT_EQ(std::get<Terrain>(scene.geometries[1].data).cells(), 200u);
 
-    // Made in code: the heights go to a file beside the scene's.
+    // Made in code: the heights go to a file beside the scene file.
     TerrainGrid grid{.columns = 3, .rows = 2};
     grid.no_data = 300, grid.falling = {true, false}, grid.spacing = {0.3, 0.7}, grid.origin = {1, 2, 3},
     grid.error = 0.25;

@@ -1,4 +1,4 @@
-// Terrains: how heights are kept, and what make_terrain refuses.
+// Terrains: storage of heights, and the errors of make_terrain.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -87,7 +87,7 @@ TEST(TerrainHeights, TakeTheFewestBytesThatAreExact)
     std::vector<float> floats;
     for (int i = 0; i < 100; ++i) floats.push_back(0.1f * float(i));
     EXPECT_EQ(make_terrain("t", grid_of(10, 10), floats).bytes_per_height(), 4);
-    // Whole multiples of a tenth, as a file of whole numbers and a scale gives them.
+    // Integer multiples of a tenth, as from a file of integers with a scale.
     TerrainGrid grid = grid_of(10, 10);
     grid.unit = 0.1;
     std::vector<double> tenths;

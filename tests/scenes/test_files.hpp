@@ -12,7 +12,7 @@
 
 namespace oncollide::test {
 
-/// An empty folder that goes with the test.
+/// An empty folder that the destructor removes.
 class TemporaryFolder {
 public:
     TemporaryFolder()
@@ -48,7 +48,7 @@ inline std::filesystem::path data_folder()
     return std::filesystem::is_directory(folder) ? folder : std::filesystem::path();
 }
 
-/// Runs `action`, which must throw an Error of that kind whose message is one line and holds all of `parts`.
+/// Runs `action`, which must throw an Error of that kind whose message is one line and contains all of `parts`.
 template <class Action, class... Parts>
 void expect_error(ErrorKind kind, Action action, Parts... parts)
 {

@@ -1,4 +1,4 @@
-// COLLADA and 3MF files: as meshes, as assemblies, as scenes, and what is wrong with them.
+// COLLADA and 3MF files: as meshes, as assemblies, as scenes, and their errors.
 #include <gtest/gtest.h>
 
 #include "scenes/test_files.hpp"
@@ -90,7 +90,7 @@ TEST_F(XmlAssembly, ColladaNodesArePartsAtTheirPlacesAndShareTheirMesh)
             R"(<library_nodes><node id="cell"><matrix>1 0 0 5 0 1 0 6 0 0 1 7 0 0 0 1</matrix>)" + shown_ +
                 R"(<node><scale>1 1 2</scale>)" + shown_ + "</node></node></library_nodes>");
     ASSERT_EQ(found.parts.size(), 4u);
-    EXPECT_EQ(found.meshes.size(), 2u) << "stretched is another mesh";
+    EXPECT_EQ(found.meshes.size(), 2u) << "a scaled mesh is a separate mesh";
     EXPECT_EQ(found.parts[0].path, "plant/left");
     EXPECT_EQ(found.parts[0].above, 0u);
     EXPECT_EQ(found.parts[0].pose.translation(), Vector3d(10, 0, 0));
@@ -99,7 +99,7 @@ TEST_F(XmlAssembly, ColladaNodesArePartsAtTheirPlacesAndShareTheirMesh)
     EXPECT_EQ(found.parts[1].pose.linear().col(0), Vector3d(0, 1, 0));
     EXPECT_EQ(found.parts[2].path, "plant/cell");
     EXPECT_EQ(found.parts[2].pose.translation(), Vector3d(15, 6, 7));
-    EXPECT_EQ(found.parts[3].path, "plant/cell/thing") << "a node without a name is called as its mesh";
+    EXPECT_EQ(found.parts[3].path, "plant/cell/thing") << "a node without a name gets its mesh's name";
     EXPECT_EQ(mesh_of(found, 3).bounds.max, Vector3d(1, 2, 6));
 }
 
@@ -112,8 +112,8 @@ TEST_F(XmlAssembly, ColladaUnitsAndAxesBecomeMetresAndZUp)
     };
     EXPECT_EQ(place("<up_axis>Z_UP</up_axis>"), Vector3d(101, 202, 303));
     EXPECT_TRUE(place("<unit meter=\"0.01\"/><up_axis> Z_UP\n</up_axis>").isApprox(Vector3d(1.01, 2.02, 3.03), 1e-15));
-    // Turned boxes: the corner of all maxima is another one.
-    EXPECT_EQ(dae(node, "").parts[0].pose.translation(), Vector3d(100, -300, 200)) << "y is up where nothing is said";
+    // In rotated boxes another corner has the largest coordinates.
+    EXPECT_EQ(dae(node, "").parts[0].pose.translation(), Vector3d(100, -300, 200)) << "y is up by default";
     EXPECT_EQ(dae(node, "<up_axis>X_UP</up_axis>").parts[0].pose.translation(), Vector3d(-200, -300, 100));
     EXPECT_EQ(place("<unit meter=\"1\"/><up_axis>Z_UP</up_axis>", 1000), Vector3d(101000, 202000, 303000));
     expect_bad_dae("<up_axis>Z_UP", "<up_axis>NORTH", "<up_axis> is 'NORTH'");
@@ -136,7 +136,7 @@ TEST_F(XmlAssembly, ColladaFacesOfAllKindsAreRead)
     EXPECT_EQ(triangles("<lines count=\"1\">" + corner + "<p>0 1</p></lines><triangles count=\"1\">" + corner +
                         "<p>0 1 2</p></triangles>"),
               1u)
-        << "lines are left out";
+        << "lines are ignored";
 }
 
 TEST_F(XmlAssembly, ColladaControllersShowWhatTheyDeform)
@@ -198,7 +198,7 @@ TEST_F(XmlAssembly, ObjectsThatA3mfBuildPlacesAreParts)
     EXPECT_EQ(found.parts[2].path, "pair/bolt");
     EXPECT_EQ(mesh_of(found, 0).bounds.max, Vector3d(0.001, 0.002, 0.003)) << "millimetres become metres";
     EXPECT_TRUE(found.parts[2].pose.translation().isApprox(Vector3d(1, 0, 2), 1e-15));
-    // Rows of coordinates times the matrix: x becomes y.
+    // Row vectors times the matrix: x becomes y.
     EXPECT_TRUE((found.parts[2].pose.linear() * Vector3d(1, 0, 0)).isApprox(Vector3d(0, 1, 0), 1e-15));
     EXPECT_EQ(found.parts[3].path, "pair/nut");
     EXPECT_NEAR(mesh_of(found, 3).bounds.max.x(), 0.01, 1e-17) << "of a model in centimetres";

@@ -5,7 +5,7 @@ namespace oncollide::test {
 
 // COLLADA and 3MF files.
 
-/// `mesh` as the geometry "g", which the visual scene's content shows.
+/// `mesh` as the geometry "g", with the given content of the visual scene.
 inline std::string as_dae(const Mesh& mesh, const std::string& nodes = R"(<node><instance_geometry url="#g"/></node>)",
                           const std::string& asset = "<up_axis>Z_UP</up_axis>", const std::string& libraries = "")
 {
@@ -27,7 +27,7 @@ inline std::string as_dae(const Mesh& mesh, const std::string& nodes = R"(<node>
         nodes);
 }
 
-/// An archive of files as they are.
+/// An uncompressed archive of files.
 inline std::string as_zip(const std::vector<std::pair<std::string, std::string>>& files)
 {
     std::string bytes, directory;
@@ -38,7 +38,7 @@ inline std::string as_zip(const std::vector<std::pair<std::string, std::string>>
             for (int bit = 0; bit < 8; ++bit) sum = sum >> 1 ^ (sum & 1 ? 0xedb88320u : 0);
         }
         const auto size = static_cast<std::uint32_t>(content.size());
-        std::string header; // what a local header and the directory share
+        std::string header; // the fields that a local header and the directory share
         append(header, std::uint16_t(20)), append(header, std::uint32_t(0)), append(header, std::uint32_t(0x21 << 16));
         append(header, ~sum), append(header, size), append(header, size);
         append(header, static_cast<std::uint16_t>(name.size())), append(header, std::uint16_t(0));

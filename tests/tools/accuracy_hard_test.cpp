@@ -25,7 +25,7 @@ TEST_F(CommandLine, AccuracyHardCountsWhatFclGetsWrong)
     EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);
 }
 
-/// What balls, capsules and triangles do to cells, boxes, hulls and meshes, and all of these to terrains.
+/// Spheres, capsules and triangles against cells, boxes, hulls and meshes, and all of these against terrains.
 TEST_F(CommandLine, AccuracyHardFindsNoFaultWhereBodiesAreTangent)
 {
     const std::vector<std::string> families{"balls on faces of cells and boxes",
@@ -72,7 +72,7 @@ TEST_F(CommandLine, AccuracyHardReadsErlebensQueries)
     for (const char* kind : {"erleben-spikes", "erleben-wedges", "erleben-cube-internal-edges"}) {
         std::filesystem::create_directory(folder_.path() / "queries" / kind);
         const std::string folder = fmt::format("queries/{}/", kind);
-        // A corner over a face at t0 and on it at t1; two edges apart, then crossing.
+        // A corner above a face at t0 and on it at t1; two edges apart, then crossing.
         folder_.write(folder + "vertex-face.csv", "1,2,1,4,1,1,1\n0,1,0,1,0,1,1\n1,1,0,1,0,1,1\n0,1,1,1,0,1,1\n"
                                                   "1,2,1,4,0,1,1\n0,1,0,1,0,1,1\n1,1,0,1,0,1,1\n0,1,1,1,0,1,1\n");
         folder_.write(folder + "edge-edge.csv", "-1,1,0,1,1,1,1\n1,1,0,1,1,1,1\n0,1,-1,1,0,1,1\n0,1,1,1,0,1,1\n"

@@ -8,7 +8,7 @@
 namespace oncollide::test {
 namespace {
 
-/// Why `page` is not well-formed XML, as far as tags, attributes and entities go; empty when it is.
+/// Why `page` is not well-formed XML, regarding tags, attributes and entities; empty if it is.
 std::string why_malformed(const std::string& page)
 {
     std::vector<std::string> open;
@@ -24,7 +24,8 @@ std::string why_malformed(const std::string& page)
         } else if (!inside.starts_with("!DOCTYPE")) {
             if (!std::regex_match(inside, tag)) return "not a tag: " + inside;
             if (inside[0] == '/') {
-                if (open.empty() || open.back() != inside.substr(1)) return "closes what is not open: " + inside;
+                if (open.empty() || open.back() != inside.substr(1))
+                    return "closes an element that is not open: " + inside;
                 open.pop_back();
             } else if (inside.back() != '/') {
                 open.push_back(name);
@@ -38,7 +39,7 @@ std::string why_malformed(const std::string& page)
     return open.empty() ? "" : "left open: " + open.back();
 }
 
-/// Nothing that a browser would fetch, and nothing that runs.
+/// The page must contain no scripts and no references that a browser would fetch.
 void expect_self_contained(const std::string& page)
 {
     EXPECT_EQ(why_malformed(page), "");
@@ -153,7 +154,7 @@ TEST_F(Study, JudgesBodiesOfEveryKind)
     }
 }
 
-/// FCL's tree of boxes ended the program over a half-space's.
+/// FCL's OBB tree of a half-space used to end the program.
 TEST_F(Study, PlanesStandBesideFcl)
 {
     std::string bodies = R"({"geometry": "plane", "static": true}, {"geometry": "plane", "position": [0, 0, -1]})";
@@ -196,19 +197,19 @@ TEST_F(Study, ThePageNeedsNothingElse)
     const Outcome outcome =
         run({"accuracy", "study", "cubes.json", "--depths", "2-4", "--html", "s.html", "--peers", "fcl"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
-    EXPECT_EQ(outcome.err, "") << "no progress where nobody looks";
+    EXPECT_EQ(outcome.err, "") << "no progress display off a terminal";
     EXPECT_EQ(folder_.list(), (std::vector<std::string>{"cubes.json", "s.html"}));
     const std::string page = folder_.read("s.html");
     expect_self_contained(page);
     EXPECT_EQ(count_of(page, "<svg "), 4u);
-    EXPECT_EQ(count_of(page, "<tr>"), 2 * (1u + 8 + 1)) << "two tables: head, variants, FCL";
+    EXPECT_EQ(count_of(page, "<tr>"), 2 * (1u + 8 + 1)) << "two tables: header, variants, FCL";
     for (const char* word : {"b &lt;&amp;&gt;", "false positive: 0.05 m apart", ">exact</text>", "★", "FCL missed 0"})
         EXPECT_NE(page.find(word), std::string::npos) << word;
-    // Without colour, lines are told by their markers and labels.
+    // Without colour, lines are distinguished by their markers and labels.
     const std::regex mark("<path fill=\"[^\"]*\" transform=\"[^\"]*\" d=\"([^\"]*)\"/>");
     std::set<std::string> markers;
     for (std::sregex_iterator it(page.begin(), page.end(), mark), end; it != end; ++it) markers.insert((*it)[1]);
-    const bool front = page.find(">fastest at its error") != std::string::npos; // not where an exact one is fastest
+    const bool front = page.find(">fastest at its error") != std::string::npos; // not if an exact engine is the fastest
     EXPECT_EQ(markers.size(), front ? 6u : 5u) << "two dials, two exact levels, FCL, the front";
     EXPECT_EQ(count_of(page, "src=\"data:image/png;base64,iVBORw0KGgo"), count_of(page, "<figcaption>"));
     EXPECT_GT(count_of(page, "<figcaption>"), 0u);
@@ -269,7 +270,7 @@ TEST_F(Study, ABrowserDrawsThePage)
     EXPECT_GT(image.count([](const std::uint8_t* p) { return p[0] < 100 && p[1] < 100 && p[2] < 100; }), 5000)
         << "text";
     EXPECT_FALSE(image.count([](const std::uint8_t* p) { return p[0] < 250; }, 985) > 0)
-        << "nothing is cut at the right";
+        << "nothing is clipped at the right";
     draw("--print-to-pdf=" + (folder_ / "s.pdf").string());
     EXPECT_TRUE(folder_.read("s.pdf").starts_with("%PDF"));
 }

@@ -30,7 +30,7 @@ TEST_F(CommandLine, BenchBroadComparesEverybodyOnTheSameBoxes)
     const std::string csv = folder_.read("b.csv"), svg = folder_.read("b.svg");
     for (const char* name : {"kd", "octree", "dynamic", "fcl-tree", "grid", "brute"})
         EXPECT_NE(csv.find(fmt::format("12345,{},", name)), std::string::npos) << name;
-    for (const auto& row : read_csv(csv)) // a tenth of 'static' moves, all of 'brown' does
+    for (const auto& row : read_csv(csv)) // a tenth of 'static' moves, all bodies of 'brown' do
         EXPECT_EQ(row.at("regions").find('/') != std::string::npos,
                   row.at("contender") == "dynamic" && row.at("scene") == "static")
             << row.at("contender") << row.at("scene") << row.at("boxes");

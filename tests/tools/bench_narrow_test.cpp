@@ -37,7 +37,7 @@ TEST_F(CommandLine, BenchNarrowComparesEverybodyOnGeneratedMeshes)
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_NE(outcome.out.find("checked by"), std::string::npos) << outcome.out;
     EXPECT_EQ(outcome.err, "");
-    std::map<std::string, std::set<std::string>> hashes; // of exact answers, by question and distance
+    std::map<std::string, std::set<std::string>> hashes; // of exact results, by kind of query and distance
     std::set<std::string> seen;
     for (auto& row : read_csv(folder_.read("n.csv"))) {
         SCOPED_TRACE(row["contender"] + " " + row["ask"] + " " + row["distance"]);
@@ -91,7 +91,7 @@ TEST_F(CommandLine, BenchNarrowReadsMeshesPosesAndTheirAnswers)
     EXPECT_NE(outcome.out.find("2 poses, 0 contradicted by the judge"), std::string::npos) << outcome.out;
     EXPECT_NE(outcome.out.find("within 50 %"), std::string::npos) << outcome.out;
 
-    // Answers that nobody can find: whoever promises them is told.
+    // Impossible expectations: every library that promises them must be reported.
     folder_.write("p_expected.txt", "0 1 24\n1 1 1\n");
     const Outcome missed = ask({"--ask", "boolean"});
     EXPECT_EQ(missed.code, 70);

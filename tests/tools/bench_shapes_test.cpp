@@ -30,7 +30,7 @@ TEST_F(CommandLine, BenchShapesFindsNoWrongAnswerOfAnyTwoKinds)
     };
     EXPECT_EQ(hash("1"), hash("3"));
     const auto rows = read_csv(folder_.read("s.csv"));
-    EXPECT_EQ(rows.size(), 35u) << "two of eight kinds each, but for two half-spaces";
+    EXPECT_EQ(rows.size(), 35u) << "two of eight kinds each, except two half-spaces";
     int pairs = 0, colliding = 0;
     for (auto row : rows) {
         SCOPED_TRACE(row["a"] + " " + row["b"]);

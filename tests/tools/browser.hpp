@@ -3,9 +3,9 @@
 
 namespace oncollide::test {
 
-inline const char* const chromium = "/usr/bin/chromium"; ///< Debian's; need not be there
+inline const char* const chromium = "/usr/bin/chromium"; ///< Debian's; may be missing
 
-/// What Chromium, without a window, makes of a page. On a busy machine one start in ten hangs: then it is started again.
+/// Runs Chromium, headless, on a page. On a busy machine one start in ten hangs, and is repeated.
 inline Outcome browse(const TemporaryFolder& folder, std::vector<std::string> arguments)
 {
     const std::vector<std::string> always{"30",

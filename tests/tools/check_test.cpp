@@ -6,7 +6,7 @@
 namespace oncollide::test {
 namespace {
 
-/// Two cubes of side 1; the second stands where each test puts it.
+/// Two cubes of side 1; each test gives the second cube's pose.
 class Check : public CommandLine {
 protected:
     void SetUp() override { write_cube("a.off"), write_cube("b.off"); }
@@ -40,7 +40,7 @@ TEST_F(Check, GivesADistanceEvenWhenTheBoxesAreFarApart)
 TEST_F(Check, NeverCallsADistanceOfZeroCertified)
 {
     for (const char* exact : {"predicates", "fcl"}) {
-        // Their boxes overlap, and no sphere tells them apart.
+        // Their boxes overlap, and no sphere separates them.
         const Outcome outcome = check("0.71 0.71 0 0 0 0.3826834323650898 0.9238795325112867", {"--exact", exact});
         EXPECT_EQ(outcome.out.find("at least 0 m"), std::string::npos) << outcome.out;
     }
@@ -80,7 +80,7 @@ TEST_F(Check, WritesTheTrianglesThatMeet)
     EXPECT_TRUE(row.starts_with("part_a,part_b,kind,x0")) << row;
     int count = 0;
     for (; std::getline(rows, row); ++count) EXPECT_NE(row.find(",touching,0.5,"), std::string::npos) << row;
-    EXPECT_GE(count, 4) << "the two of a face meet the two of the other, and more their edges";
+    EXPECT_GE(count, 4) << "two triangles of each face meet, and more triangles at the edges";
     EXPECT_EQ(check("1.0000001 0 0 0 0 0 1", {"--exact", "predicates"}).code, 0);
     expect_error(64, {"check", "a.off", "b.off", "--max-error", "1", "--contacts", "c.csv"}, {"--exact on"});
     expect_error(73, {"check", "a.off", "b.off", "--exact", "predicates", "--contacts", "no/c.csv"}, {"no/c.csv"});

@@ -1,5 +1,5 @@
-// oncollide clash: what it finds in assemblies whose clashes are known, what each report says of them, and what it says
-// to input that makes no sense.
+// oncollide clash: its findings in assemblies with known clashes, the contents of each report, and its errors for
+// invalid input.
 #include <set>
 
 #include "clash/name_pattern.hpp"
@@ -102,7 +102,7 @@ TEST_F(ClashCommand, TheJsonReportMeasures)
     EXPECT_LE(near["distance"]["lower"].get<double>(), 0.5);
     EXPECT_NEAR(near["distance"]["upper"].get<double>(), 0.5, 1e-9);
     const Outcome piped = clash({"--clearance", "1mm", "-o", "-"});
-    EXPECT_EQ(json::parse(piped.out), report) << "standard output holds the report and nothing else";
+    EXPECT_EQ(json::parse(piped.out), report) << "standard output has only the report";
 }
 
 TEST_F(ClashCommand, EveryReportIsReadBack)
@@ -125,7 +125,7 @@ TEST_F(ClashCommand, EveryReportIsReadBack)
     EXPECT_NE(page.find("<h2>Clashes (3)</h2>"), std::string::npos);
     EXPECT_NE(page.find("<h2>Pairs that only touch (not a clash) (1)</h2>"), std::string::npos);
     for (const char* outside : {"http://", "https://", "src=\"/", "@import", "url("})
-        EXPECT_EQ(page.find(outside), std::string::npos) << "a page needs nothing else: " << outside;
+        EXPECT_EQ(page.find(outside), std::string::npos) << "a page needs no other files: " << outside;
 }
 
 TEST_F(ClashCommand, ThePageShowsEachClash)
@@ -163,7 +163,7 @@ TEST_F(ClashCommand, TouchingIsAClashOnRequestAndSmallOverlapsTouchWithinATolera
 
 TEST_F(ClashCommand, ABlockInACornerTouchesWithinATolerance)
 {
-    // A bracket of a floor and a wall in one file, and a block that reaches 0.001 into both.
+    // A bracket of a floor and a wall in one file, and a block that penetrates both by 0.001.
     write_box("block.off", {-0.001, 1, -0.001}, {5, 9, 5});
     folder_.write("bracket.off", "OFF\n12 20 0\n-3 0 -3\n9 0 -3\n9 0 0\n0 0 0\n0 0 9\n-3 0 9\n"
                                  "-3 10 -3\n9 10 -3\n9 10 0\n0 10 0\n0 10 9\n-3 10 9\n"
@@ -184,7 +184,7 @@ TEST_F(ClashCommand, UnitsAreThoseOfTheFiles)
     EXPECT_FALSE(pairs("r.json").contains("a d near new")) << "half an inch is more than 12 mm";
     clash({"--units", "in", "--clearance", "13mm", "-o", "r.json"});
     EXPECT_TRUE(pairs("r.json").contains("a d near new"));
-    // All in metres but f, which then lies at 0.1 m, inside a.
+    // All in metres except f, which then is at 0.1 m, inside a.
     clash({"--units", "m", "--units", "f*=mm", "-o", "r.json"});
     EXPECT_EQ(read_json("r.json")["unit"], "m");
     EXPECT_TRUE(pairs("r.json").contains("a f crossing new"));
@@ -193,7 +193,7 @@ TEST_F(ClashCommand, UnitsAreThoseOfTheFiles)
 TEST_F(ClashCommand, IgnoredPairsAndTheBaselineGoRoundAndRound)
 {
     EXPECT_EQ(clash({"--clearance", "1", "-o", "old.json", "-o", "old.csv"}).code, 1);
-    // All that is known is ignored: rows of a report are a list of pairs.
+    // All known clashes are ignored: rows of a report are a list of pairs.
     Outcome outcome = clash({"--clearance", "1", "--ignore", "old.csv", "-o", "r.json"});
     EXPECT_EQ(outcome.code, 0) << outcome.out;
     EXPECT_NE(outcome.out.find("no clashes\n4 pairs ignored, listed in old.csv"), std::string::npos) << outcome.out;
@@ -209,7 +209,7 @@ TEST_F(ClashCommand, IgnoredPairsAndTheBaselineGoRoundAndRound)
     EXPECT_EQ(outcome.code, 0) << outcome.out;
     EXPECT_EQ(pairs("same.json"),
               (Pairs{"b e enclosed same", "a b crossing same", "a c touching contact", "a d near same"}));
-    // d comes nearer and crosses, e goes, a new one comes.
+    // d comes nearer and crosses, e is removed, a new part is added.
     write_box("d.off", {-10, 0, 0}, {0.5, 10, 10});
     write_box("e.off", {95, 0, 0}, {100.5, 5, 5});
     outcome = clash({"--clearance", "1", "--baseline", "same.json", "-o", "r.json", "-o", "r.html"});
@@ -269,7 +269,7 @@ TEST_F(ClashCommand, NamesHarmNoReport)
     for (const std::string& name : names) {
         std::string safe = name;
         for (char& c : safe)
-            if (c == '/') c = '_'; // a file name has none
+            if (c == '/') c = '_'; // not valid in a file name
         write_box("n/" + safe, {0, 0, 0}, {1, 1, 1});
     }
     const Outcome outcome =
@@ -280,7 +280,7 @@ TEST_F(ClashCommand, NamesHarmNoReport)
     const std::string xml = folder_.read("r.xml");
     EXPECT_EQ(xml.find("<script>"), std::string::npos);
     EXPECT_EQ(std::ranges::count_if(xml, [](unsigned char c) { return c < 32 && c != '\n'; }), 0);
-    // The baseline knows its names again, and a list of pairs knows those that a row can hold.
+    // The baseline finds its names again, and a list of pairs finds the names that a row can hold.
     EXPECT_EQ(run({"clash", "n", "--baseline", "r.json"}).code, 0);
 }
 
@@ -328,7 +328,7 @@ TEST_F(ClashCommand, SaysWhatIsWrongWithItsInput)
     expect_error(65, {"clash", "a.off", "bad.off", "b.off"}, {"bad.off"});
 }
 
-/// An assembly on disk, both ways.
+/// An assembly on disk, in both forms.
 class PlantedClashes : public ::testing::Test {
 protected:
     static std::vector<std::string> faults(const tools::PlantedAssembly& planted, const std::vector<std::string>& files,
@@ -362,11 +362,11 @@ TEST_F(PlantedClashes, OfEveryKindAreAllFoundAndNoneIsInvented)
     ASSERT_EQ(again.size(), list.size());
     for (std::size_t i = 0; i < list.size(); ++i) {
         EXPECT_EQ(again[i].a, list[i].a);
-        EXPECT_EQ(again[i].reach.depth, list[i].reach.depth) << "the same for any number of threads";
+        EXPECT_EQ(again[i].reach.depth, list[i].reach.depth) << "independent of the thread count";
         EXPECT_EQ(again[i].upper, list[i].upper);
     }
 
-    // What judges them sees what is wrong.
+    // The judge detects planted faults.
     const tools::PartList parts = tools::read_parts({(folder_ / "all.glb").string()}, tools::Units({"mm"}), {}, 1);
     std::vector<Clash> wrong = list;
     wrong.pop_back();
@@ -415,7 +415,7 @@ TEST_F(PlantedClashes, AnAssemblyRunsAsAScene)
     for (const json& pair : pairs)
         if (pair[2] == "colliding") found.insert(std::minmax(pair[0].get<std::string>(), pair[1].get<std::string>()));
     EXPECT_EQ(found, expected);
-    // And is written as a scene file.
+    // It is also written as a scene file.
     const auto written = [&](const std::string& out) {
         return run_program(ONCOLLIDE_COMMAND, {"scene", "all.glb", "--out", out}, {.folder = folder_.path()});
     };
@@ -437,7 +437,7 @@ TEST_F(PlantedClashes, TheBenchmarkFindsNoFaultInMadeAndRealParts)
     EXPECT_TRUE(std::filesystem::exists(folder_ / "kept/report.html"));
     const char* named = std::getenv("ONCOLLIDE_DATA");
     const std::filesystem::path data = named && *named ? named : ONCOLLIDE_SOURCE_DIR "/../shared/data";
-    if (!std::filesystem::is_directory(data)) GTEST_SKIP() << "no data folder: made parts only";
+    if (!std::filesystem::is_directory(data)) GTEST_SKIP() << "no data folder: generated parts only";
     arguments.insert(arguments.end(), {"--real", "--data", std::filesystem::absolute(data)});
     outcome = run_program(ONCOLLIDE_COMMAND, arguments, around);
     EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;

@@ -21,7 +21,7 @@ protected:
         return run_program(ONCOLLIDE_COMMAND, std::move(arguments), around);
     }
 
-    /// Expects exit code `code` and one line on standard error that holds every word; nothing on standard output.
+    /// Expects exit code `code` and one line on standard error that contains every word; nothing on standard output.
     void expect_error(int code, std::vector<std::string> arguments, const std::vector<std::string>& words)
     {
         std::string line;

@@ -1,4 +1,4 @@
-// What the user types wrong must end in one clear line and the right exit code, before any work and without a trace.
+// Invalid command lines must give one clear line and the right exit code, before any work and without leaving files.
 #include "command_fixture.hpp"
 
 namespace oncollide::test {

@@ -11,7 +11,7 @@ namespace {
 
 class Cook : public CommandLine {
 protected:
-    /// A wavy ground of so many cells a side, at z = 0.
+    /// A wavy ground of `cells` cells per side, at z = 0.
     void write_ground(const std::string& name, int cells, double step = 0.1)
     {
         std::string text;
@@ -104,7 +104,7 @@ TEST_F(Cook, TerrainsAndMapsAreCookedAsWhatTheyAre)
     EXPECT_EQ(run({"check", "building.cooked", "heights.cooked", "--pose-b", "2 2 0.5 0 0 0 1"}).code, 1);
     EXPECT_EQ(run({"check", "building.cooked", "heights.cooked", "--pose-b", "0 0 50 0 0 0 1"}).code, 0);
 
-    // What cannot be read costs the pairs that need it.
+    // Unreadable data affects only the pairs that need it.
     std::string bytes = folder_.read("heights.cooked");
     for (std::size_t at = bytes.size() / 2; at < bytes.size(); at += 1000) bytes[at] ^= 1;
     folder_.write("damaged.cooked", bytes);
@@ -146,8 +146,7 @@ TEST_F(Cook, AWorldOfTilesIsNamedByItsIndex)
     const Outcome outcome = run({"run", "scene.json", "--exact", "on"});
     EXPECT_NE(outcome.out.find("'land/1-0'"), std::string::npos) << outcome.out;
 
-    // Wrong bounds, for the tiles that the ball comes to and for all: the answers that would rest on them are
-    // undecided.
+    // Wrong bounds, for the tiles near the ball and for all tiles: results that depend on them are undecided.
     const std::string index = folder_.read("land/tiles.json");
     auto wrong = nlohmann::json::parse(index);
     for (auto& tile : wrong["tiles"]) tile["bounds"][1][2] = tile["bounds"][1][2].get<double>() + 0.5;
@@ -211,7 +210,7 @@ TEST_F(Cook, WhatIsDamagedEndsWith65AndTheRestIsWritten)
     EXPECT_NE(outcome.err.find("undecided"), std::string::npos) << outcome.err;
     EXPECT_EQ(nlohmann::json::parse(folder_.read("result.json"))["frames"].size(), 8u);
 
-    // Also where something else ends the run: this body leaves the world.
+    // Also if another error ends the run: this body leaves the world.
     std::string scene = folder_.read("scene.json");
     scene.insert(scene.rfind(']'), R"(, {"name": "rocket", "geometry": "ball", "position": [0, 0, 500],
         "motion": {"drift": {"velocity": [0, 0, 3e14]}}})");
@@ -245,7 +244,7 @@ TEST_F(Cook, TheCacheIsKeyedByContentBoundedAndShared)
         std::sort(names.begin(), names.end());
         return names;
     };
-    // Several at once, on an empty folder.
+    // Several processes at once, on an empty folder.
     std::vector<pid_t> others;
     for (int i = 0; i < 4; ++i) {
         const pid_t child = ::fork();
@@ -266,7 +265,7 @@ TEST_F(Cook, TheCacheIsKeyedByContentBoundedAndShared)
                   plain);
     ASSERT_EQ(cached().size(), 1u);
     const std::string first = cached()[0];
-    // Found again; not by another content; and one that is damaged is made anew.
+    // Found again; not found for other content; and a damaged file is made again.
     EXPECT_EQ(hash_of({"scene.json", "--exact", "predicates", "--cache", "cache"}), plain);
     EXPECT_EQ(cached().size(), 1u);
     std::filesystem::resize_file(folder_ / "cache" / first, 100);
@@ -277,8 +276,8 @@ TEST_F(Cook, TheCacheIsKeyedByContentBoundedAndShared)
     EXPECT_EQ(cached().size(), 2u);
     write_ground("ground.obj", 100, 0.12);
     hash_of({"scene.json", "--exact", "predicates", "--cache", "cache", "--cache-size", "0"});
-    ASSERT_EQ(cached().size(), 1u) << "the newest stays though it alone is too large";
-    // Of two files of that size, the bound takes both or one.
+    ASSERT_EQ(cached().size(), 1u) << "the newest file stays, although it alone is too large";
+    // The limit allows two files of that size, or one.
     const std::uintmax_t bytes = std::filesystem::file_size(folder_ / "cache" / cached()[0]);
     write_ground("ground.obj", 100, 0.13);
     hash_of({"scene.json", "--exact", "predicates", "--cache", "cache", "--cache-size", fmt::format("{}", 3 * bytes)});
@@ -286,7 +285,7 @@ TEST_F(Cook, TheCacheIsKeyedByContentBoundedAndShared)
     write_ground("ground.obj", 100, 0.14);
     hash_of({"scene.json", "--exact", "predicates", "--cache", "cache", "--cache-size",
              fmt::format("{}", bytes + bytes / 2)});
-    EXPECT_EQ(cached().size(), 1u) << "the newest counts, too";
+    EXPECT_EQ(cached().size(), 1u) << "the newest file counts, too";
     expect_error(73, {"run", "scene.json", "--cache", "ground.obj/cache"}, {"--cache"});
 }
 

@@ -9,7 +9,7 @@
 
 namespace oncollide::test {
 
-/// The cells of a CSV line, of which none holds a comma but in quotes.
+/// The cells of a CSV line; commas are allowed in quotes only.
 inline std::vector<std::string> csv_cells(const std::string& line)
 {
     std::vector<std::string> result(1);

@@ -21,7 +21,7 @@ struct Decoded {
     std::vector<std::uint8_t> pixels;
 
     const std::uint8_t* at(int x, int y) const { return &pixels[std::size_t(3 * (y * width + x))]; }
-    /// Pixels in the columns from..to that are `wanted`.
+    /// Number of pixels in the columns from..to that are `wanted`.
     template <class Wanted>
     int count(Wanted wanted, int from = 0, int to = -1) const
     {
@@ -32,7 +32,7 @@ struct Decoded {
     }
 };
 
-/// Fails the test when `file` does not hold a PNG file.
+/// Fails the test if `file` is not a PNG file.
 inline Decoded decode(const std::string& file)
 {
     EXPECT_TRUE(file.starts_with("\x89PNG\r\n\x1a\n"));
@@ -41,7 +41,7 @@ inline Decoded decode(const std::string& file)
     stbi_uc* pixels = stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(file.data()), int(file.size()),
                                             &image.width, &image.height, &channels, 3);
     if (!pixels) {
-        ADD_FAILURE() << "not a PNG file that can be read";
+        ADD_FAILURE() << "not a readable PNG file";
         return image;
     }
     image.pixels.assign(pixels, pixels + 3 * image.width * image.height);

@@ -1,4 +1,4 @@
-// The exact truth of 'accuracy hard' about terrains, held against sampling.
+// The exact oracle of 'accuracy hard' for terrains, compared with sampling.
 #include <Eigen/Core>
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ Vec at(const Place& p)
     return {double(p[0]), double(p[1]), double(p[2])};
 }
 
-/// The nearest of points, by turns on the segment and on the triangle.
+/// The nearest points, by alternating projections between the segment and the triangle.
 double nearest_sampled(const Place& from, const Place& to, const PlaceTriangle& t)
 {
     const Vec p = at(from), q = at(to), a = at(t[0]), b = at(t[1]), c = at(t[2]);
@@ -37,7 +37,7 @@ TEST(IntegerDistance, IsThatOfTheNearestPoints)
     const auto number = [&](int most) { return std::uniform_int_distribution<int>(-most, most)(random); };
     int meet = 0;
     for (int k = 0; k < 400; ++k) {
-        const int most = k % 2 ? 40 : 4; // on a coarse grid much lies in one plane or along one line
+        const int most = k % 2 ? 40 : 4; // on a coarse grid many cases are coplanar or collinear
         const auto place = [&] { return Place{number(most), number(most), number(most)}; };
         const PlaceTriangle t{place(), place(), place()};
         if ((at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0])).isZero(0)) continue;
@@ -45,7 +45,7 @@ TEST(IntegerDistance, IsThatOfTheNearestPoints)
         const SquareLength square = square_distance(from, to, t);
         const double sampled = nearest_sampled(from, to, t), length = double(square.length());
         EXPECT_LE(length, sampled + 1e-12) << k;
-        EXPECT_GE(length, sampled - 0.15 * most) << k; // the samples' steps
+        EXPECT_GE(length, sampled - 0.15 * most) << k; // the step of the samples
         meet += square.compare(0) == 0;
         EXPECT_TRUE(square.compare(std::int64_t(length) + 1) < 0);
         EXPECT_FALSE(square < square);

@@ -30,7 +30,7 @@ protected:
         arguments.insert(arguments.end(), more.begin(), more.end());
         return arguments;
     }
-    /// Hash of all frames, as JSON states it; an empty text where the run fails.
+    /// Hash of all frames, from the JSON report; an empty text if the run fails.
     std::string hash_of(std::vector<std::string> arguments)
     {
         arguments.insert(arguments.end(), {"--json", "hash.json"});
@@ -38,7 +38,7 @@ protected:
         EXPECT_EQ(outcome.code, 0) << outcome.err;
         return outcome.code ? "" : read_json("hash.json").at("header").at("hash").get<std::string>();
     }
-    /// How many frames a file holds, from frame 0 on: a run that goes on too late says so. -1: it cannot be read.
+    /// The number of frames in a file, counted from frame 0: a run that continues too late reports it. -1: unreadable.
     int frames_of(const std::string& file)
     {
         const Outcome outcome = run(city(1'000'001, {"--pairs", file, "--from-frame", "1000000"}));
@@ -52,7 +52,8 @@ protected:
             return ADD_FAILURE() << outcome.err, -1;
         return last + 1;
     }
-    /// Until a file that is being written has room for more pairs than one chunk holds: then frames before are whole.
+    /// Waits until a file that is being written has room for more pairs than one chunk holds: earlier frames are then
+    /// complete.
     void wait_for_frames(const std::string& file)
     {
         const auto ripe = [&] {
@@ -62,12 +63,12 @@ protected:
         for (int k = 0; k < 6000 && !ripe(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(5));
         EXPECT_TRUE(ripe());
     }
-    /// Runs a program of Python with h5py; nothing where there is none.
+    /// Runs a Python program that uses h5py; empty if h5py is missing.
     std::optional<std::string> python(const std::string& program)
     {
         Surroundings around{.folder = folder_.path()};
         for (const char* interpreter :
-             {"python3", "/usr/bin/python3"}) { // the first one may be of a virtual environment
+             {"python3", "/usr/bin/python3"}) { // the first one may be a virtual environment's
             const auto with = [&](const std::string& rest) {
                 return run_program("/bin/sh", {"-c", interpreter + rest}, around);
             };
@@ -132,7 +133,7 @@ TEST_F(Pairs, GoOnFromAnyFrameToTheSameHash)
         EXPECT_EQ(folder_.read("p.h5").size(), folder_.read("whole.h5").size());
     }
     EXPECT_NE(hash_of(city(6, {"--from-frame", "3"})), whole) << "of other frames";
-    ASSERT_EQ(run(city(6, {"--pairs", "late.h5", "--from-frame", "3"})).code, 0) << "no file is there";
+    ASSERT_EQ(run(city(6, {"--pairs", "late.h5", "--from-frame", "3"})).code, 0) << "there is no file";
     EXPECT_NE(run(city(9, {"--pairs", "late.h5", "--from-frame", "8"})).err.find("holds frames 3 to 5"),
               std::string::npos);
 }
@@ -168,7 +169,7 @@ TEST_F(Pairs, AreClosedWhenTheRunIsInterrupted)
     EXPECT_GT(frames_of("p.h5"), 0);
     const auto shown = python("import h5py\nprint(len(h5py.File('p.h5', 'r')['frames']) > 0)\n");
     if (shown) {
-        EXPECT_EQ(*shown, "True\n") << "no reader for files under way is needed";
+        EXPECT_EQ(*shown, "True\n") << "a finished file needs no SWMR reader";
     }
 }
 
@@ -199,7 +200,7 @@ TEST_F(Pairs, AreRefusedWhereTheyCannotBeWrittenOrContinued)
                  {"p.h5", "its 'settings' differs from this run's", "clearance"});
     expect_error(64, {"run", "hills", "--bodies", "5", "--frames", "9", "--pairs", "p.h5", "--from-frame", "2"},
                  {"p.h5", "its 'scene' differs from this run's: city there, hills here"});
-    EXPECT_EQ(frames_of("p.h5"), 3) << "what cannot be continued stays";
+    EXPECT_EQ(frames_of("p.h5"), 3) << "a file that cannot be continued is kept";
     folder_.write("p.h5", "nothing of the kind");
     expect_error(65, city(9, {"--pairs", "p.h5", "--from-frame", "2"}), {"p.h5", "not a results file"});
     EXPECT_EQ(folder_.read("p.h5"), "nothing of the kind");

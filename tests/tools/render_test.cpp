@@ -1,4 +1,4 @@
-// Pictures are decoded and judged by colour: red is used for nothing but spheres that touch and triangles that meet.
+// Pictures are decoded and checked by colour: only spheres that touch and triangles that meet are red.
 #include "command_fixture.hpp"
 #include "decoded_png.hpp"
 
@@ -18,7 +18,7 @@ class Render : public CommandLine {
 protected:
     void SetUp() override { write_scene("apart.json", 5), write_scene("touching.json", 1.02); }
 
-    /// Two balls of radius 0.5; at frame f the second is f / 100 m from where it starts.
+    /// Two spheres of radius 0.5; at frame f the second has moved by f / 100 m.
     void write_scene(const std::string& name, double distance)
     {
         folder_.write(name, fmt::format(R"({{"frames": 21, "geometries": {{"ball": {{"mesh": {{"generate":
@@ -35,7 +35,7 @@ protected:
         return run(arguments);
     }
 
-    /// Renders to x.png, which must work.
+    /// Renders to x.png; must succeed.
     Decoded picture(const std::string& scene, std::vector<std::string> more = {})
     {
         more.insert(more.end(), {"--out", "x.png"});
@@ -51,7 +51,7 @@ TEST_F(Render, WritesAPictureOfTheSizeAskedFor)
     EXPECT_EQ(image.width, 64);
     EXPECT_EQ(image.height, 48);
     EXPECT_GT(image.count(is_drawn), 300);
-    EXPECT_FALSE(is_drawn(image.at(0, 0))) << "all that is shown fits";
+    EXPECT_FALSE(is_drawn(image.at(0, 0))) << "the whole content fits";
     EXPECT_EQ(folder_.list(), (std::vector<std::string>{"apart.json", "touching.json", "x.png"}));
 }
 
@@ -60,7 +60,7 @@ TEST_F(Render, OnlyCollisionsAreRed)
     EXPECT_GT(picture("touching.json", {"--show", "spheres", "--whole", "--level", "4"}).count(is_red), 10);
     EXPECT_EQ(picture("apart.json", {"--show", "spheres", "--whole", "--level", "4"}).count(is_red), 0);
     EXPECT_EQ(picture("touching.json", {"--show", "meshes"}).count(is_red), 0);
-    // Spheres that touch make no collision where deeper ones told the bodies apart.
+    // Touching spheres are not a collision if deeper spheres separated the bodies.
     write_scene("near.json", 1.5);
     EXPECT_EQ(picture("near.json", {"--show", "spheres", "--whole", "--level", "1"}).count(is_red), 0);
 }
@@ -78,7 +78,7 @@ TEST_F(Render, TrianglesThatMeetAreRedUnderExactPredicates)
     EXPECT_NE(render("through.json", {"--exact", "predicates", "--out", "x.png"}).out.find("triangles that meet"),
               std::string::npos);
     EXPECT_GT(picture("through.json", {"--exact", "predicates", "--body", "one"}).count(is_red), 0)
-        << "also where they meet a body that is not shown";
+        << "also where they meet a hidden body";
 }
 
 TEST_F(Render, TheLiveTreesShowTheDecidingSpheres)
@@ -116,7 +116,7 @@ TEST_F(Render, LevelsAndFramesStandSideBySide)
     const Decoded frames = picture("apart.json", {"--frame", "0,10,20"});
     EXPECT_EQ(run({"render", "--frame", "0", "apart.json", "--level", "1", "--size", "64x48", "--out", "x.png"}).code,
               0)
-        << "lists end where the word ends";
+        << "the lists end with the word";
     for (int k = 0; k < 3; ++k) EXPECT_GT(frames.count(is_drawn, 21 * k, 21 * (k + 1)), 5);
     const Decoded one = picture("touching.json", {"--eye", "0 -9 0", "--look-at", "0 0 0", "--frame", "20"});
     EXPECT_TRUE(is_drawn(one.at(32, 24))) << "the body at the origin";
@@ -136,7 +136,7 @@ TEST_F(Render, StandardOutputTakesThePictureAlone)
     const Outcome outcome = render("touching.json", {"--out", "-"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_EQ(decode(outcome.out).width, 64);
-    EXPECT_EQ(picture("touching.json").pixels, decode(outcome.out).pixels) << "and the same one";
+    EXPECT_EQ(picture("touching.json").pixels, decode(outcome.out).pixels) << "and the same picture";
 }
 
 TEST_F(Render, EveryKindOfGeometryIsDrawn)

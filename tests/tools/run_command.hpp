@@ -14,7 +14,7 @@
 
 namespace oncollide::test {
 
-/// A folder of its own for one test, removed at the end.
+/// A folder for one test, removed at the end.
 class TemporaryFolder {
 public:
     TemporaryFolder()
@@ -27,7 +27,7 @@ public:
 
     std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
     const std::filesystem::path& path() const { return path_; }
-    /// Names of what lies in it, hidden files too, sorted.
+    /// Names of its contents, including hidden files, sorted.
     std::vector<std::string> list() const
     {
         std::vector<std::string> names;
@@ -47,14 +47,14 @@ private:
 };
 
 struct Outcome {
-    int code; ///< exit status; 1000 + signal when it was killed
+    int code; ///< exit status; 1000 + signal if it was killed
     std::string out, err;
 };
 
 struct Surroundings {
     std::filesystem::path folder; ///< where it runs
     std::string in = "/dev/null"; ///< file that is standard input
-    std::string out = {};         ///< file that takes standard output instead of Outcome::out
+    std::string out = {};         ///< file to which standard output goes instead of Outcome::out
     std::vector<std::pair<std::string, std::string>> environment = {};
     std::function<void(pid_t)> meanwhile = {}; ///< called while it runs
 };

@@ -114,8 +114,8 @@ TEST_F(CommandLine, ThreadsAndCoherenceDoNotChangeTheHash)
 
 TEST_F(CommandLine, EveryInstructionSetAndBuildTypeGivesTheKnownHash)
 {
-    // Pinned: debug and release builds, with and without AVX, must all come to it. It changes when answers change,
-    // which is for the author of the change to explain.
+    // Pinned: debug and release builds, with and without AVX, must all produce it. It changes if results change; the
+    // author of the change must explain why.
     const std::string known = "f5eb4e7481dbad57";
     for (const char* set : {"baseline", "avx2", "avx512"}) {
         const Outcome outcome =
@@ -224,13 +224,13 @@ TEST_F(CommandLine, ARecordedPoseThatIsNoneEndsTheRunThereWithTheFramesBeforeIt)
     for (const char* part : {"run.npy: frame 50: body 'drone': (nan", "after 50 of 100 frames", "r.csv"})
         EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
     EXPECT_EQ(read_json("r.json").at("header").at("frames"), wrong);
-    const std::string rows = folder_.read("r.csv"); // they part after frame 20
+    const std::string rows = folder_.read("r.csv"); // they separate after frame 20
     EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 1 + 21) << rows;
 }
 
 TEST_F(CommandLine, UnwritableOutputsAreRefusedBeforeTheRun)
 {
-    // A run of this length would take far longer than the test may.
+    // Runs of this length take far longer than the test's time limit.
     const std::vector<std::string> endless{"run", "city", "--frames", "100000000", "--quiet"};
     for (const char* option : {"--json", "--csv", "--trace", "--picture"}) {
         std::vector<std::string> arguments = endless;

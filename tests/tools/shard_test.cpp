@@ -15,7 +15,7 @@ TEST_F(CommandLine, PartsOfARunMergeToTheFileOfTheWhole)
         EXPECT_EQ(outcome.code, 0) << outcome.err;
     };
     play({"whole.csv"});
-    for (const int parts : {2, 3, 9}) { // with 9, two have no frame
+    for (const int parts : {2, 3, 9}) { // with 9, two parts have no frame
         std::vector<std::string> merge{"merge", "--out", "merged.csv"};
         for (int part = parts; part >= 1; --part) {
             const std::string file = fmt::format("{}of{}.csv", part, parts);
@@ -53,7 +53,7 @@ TEST_F(CommandLine, PartsOfTheHardCasesMergeToTheFileOfTheWhole)
     EXPECT_EQ(folder_.read("merged.csv"), folder_.read("whole.csv"));
 }
 
-/// Rows without the columns that no two runs share.
+/// Rows without the columns that differ between any two runs.
 std::vector<std::string> without_times(const std::string& csv)
 {
     std::vector<std::string> rows;
@@ -136,7 +136,7 @@ TEST_F(CommandLine, SimulatedRanksAddUpToTheSamePairsHoweverManyThereAre)
     EXPECT_NE(result("30", "4"), one);
     const Outcome both = run({"bench", "scale", "--bodies", "30000", "--ranks", "8,30", "--edge", "0.5"});
     EXPECT_EQ(both.code, 0) << both.out;
-    EXPECT_NE(both.out.find(one), both.out.rfind(one)) << "two numbers of ranks, the same pairs";
+    EXPECT_NE(both.out.find(one), both.out.rfind(one)) << "the same pairs with two numbers of ranks";
     expect_error(64, {"bench", "scale", "--bodies", "1e12"}, {"--bodies"});
 }
 

@@ -79,7 +79,7 @@ TEST(LevelQuality, TheFarthestPointOfABoxIsACorner)
 {
     const Mesh mesh = square();
     const SurfaceIndex index(mesh);
-    // Turned by 45 degrees about x and moved up: an edge points up, by sqrt(2) / 4.
+    // Rotated by 45 degrees about x and moved up: an edge points up, by sqrt(2) / 4.
     const CoveringVolume box{.centre = {0, 0, 0.25},
                              .half = {0.5, 0.25, 0.25},
                              .axes = Eigen::AngleAxisd(M_PI / 4, Vector3d::UnitX()).toRotationMatrix()};
@@ -90,7 +90,7 @@ TEST(LevelQuality, TheFarthestPointOfABoxIsACorner)
     EXPECT_TRUE(box.holds({0.5, 0, 0.25 + std::sqrt(2) / 4}, 1e-12)) << "a corner";
     EXPECT_FALSE(box.holds({0.5, 0, 0.26 + std::sqrt(2) / 4}, 1e-12));
     EXPECT_FALSE(box.holds({0.51, 0, 0.25}, 1e-12));
-    EXPECT_FALSE(box.holds({0, 0.25, 0.45}, 1e-12)) << "in the upright box, not in the turned one";
+    EXPECT_FALSE(box.holds({0, 0.25, 0.45}, 1e-12)) << "in the axis-aligned box, not in the rotated box";
     const CoveringVolume aside{.centre = {3, 3, 0}, .half = {0.5, 0.25, 0.125}};
     EXPECT_NEAR(judge_level(mesh, index, {&aside, 1}, {.directions = 1}).worst.either,
                 Vector3d(2.5, 2.25, 0.125).norm(), 1e-12);
@@ -115,13 +115,13 @@ TEST(LevelQuality, CoverageFindsWhatIsLeftOut)
     std::vector<CoveringVolume> volumes{ball({0, 0, 0}, std::sqrt(2.0))};
     EXPECT_EQ(judge_level(mesh, index, volumes).open_triangles, 0u) << "it passes through the corners";
     volumes = {ball({0, 0, 0}, std::sqrt(2.0) - 1e-6)};
-    EXPECT_EQ(judge_level(mesh, index, volumes).open_triangles, 2u) << "the corners are out by a millionth";
-    EXPECT_EQ(judge_level(mesh, index, volumes).outside, 6u) << "three of each triangle; no other point comes so near";
+    EXPECT_EQ(judge_level(mesh, index, volumes).open_triangles, 2u) << "the corners are outside by a millionth";
+    EXPECT_EQ(judge_level(mesh, index, volumes).outside, 6u) << "three of each triangle; no other point is as near";
     volumes = {ball({0, 0, 0}, 1)};
     const auto round = judge_level(mesh, index, volumes);
     EXPECT_NEAR(round.uncovered, 4 - M_PI, 0.15);
     EXPECT_NEAR(double(round.outside) / double(round.points), (4 - M_PI) / 4, 0.01);
-    // Four around the quarters leave nothing out, and meet in the middle alone: as spheres, and as flat boxes.
+    // Four volumes around the quarters cover all of it, and meet only at the centre: as spheres, and as flat boxes.
     for (const bool boxes : {false, true}) {
         SCOPED_TRACE(boxes);
         for (const double less : {0.0, 1e-9}) {
@@ -133,7 +133,7 @@ TEST(LevelQuality, CoverageFindsWhatIsLeftOut)
             EXPECT_EQ(judge_level(mesh, index, volumes).open_triangles, less > 0 ? 2u : 0u);
         }
     }
-    // A box that the square lies in a face of, and one that ends below it.
+    // A box with the square in one of its faces, and a box that ends below the square.
     volumes = {{.centre = {0, 0, 0.1}, .half = {1, 1, 0.1}}};
     EXPECT_EQ(judge_level(mesh, index, volumes).open_triangles, 0u);
     volumes[0].half.z() = 0.0999;
@@ -207,7 +207,7 @@ TEST_F(Spheres, WritesTightOnesAsOrientedBoxes)
         if (box[0] < 2) continue;
         EXPECT_LT(*std::min_element(&box[4], &box[7]), 1e-4) << "one triangle is flat";
         EXPECT_NEAR(*std::max_element(&box[4], &box[7]), std::sqrt(2) / 2, 1e-3) << "its longest side, halved";
-        // Its right angle is in the middle of one side of the box, whose ends stand out of the square.
+        // Its right angle is in the middle of one side of the box, whose ends extend beyond the square.
         EXPECT_NEAR(box[16], 0.5, 1e-3);
         EXPECT_NEAR(box[17], 0.5, 1e-3);
     }
@@ -227,7 +227,7 @@ TEST_F(Spheres, MaxErrorChoosesTheDepth)
         EXPECT_EQ(run({"spheres", "cube.off", "--max-error", max_error, "--quiet", "--json", "s.json"}).code, 0);
         return read_json("s.json").at("header").at("depth").get<int>();
     };
-    // Two trees of leaves of radius 0.866 / 2^d certify 4 of them.
+    // Two trees with leaves of radius 0.866 / 2^d certify 4 such radii.
     EXPECT_EQ(depth("1"), 2);
     EXPECT_EQ(depth("0.4"), 4);
 }

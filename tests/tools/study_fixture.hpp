@@ -12,8 +12,8 @@ inline std::size_t count_of(const std::string& text, const std::string& word)
 
 class Study : public CommandLine {
 protected:
-    /// Three cubes of side 1, turned so that their boxes in the world overlap: 'a' and 'c' collide; 'b' is 0.05, 0.04
-    /// and 0.03 m from both.
+    /// Three cubes of side 1, rotated so that their AABBs overlap: 'a' and 'c' collide; 'b' is 0.05, 0.04 and 0.03 m
+    /// from both.
     void SetUp() override
     {
         const double s = std::sqrt(0.5);

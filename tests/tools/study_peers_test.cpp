@@ -1,4 +1,4 @@
-// The other libraries in 'oncollide accuracy study'. Which of them there are depends on the build.
+// The other libraries in 'oncollide accuracy study'. The build determines which are available.
 #include <set>
 
 #include "study_fixture.hpp"
@@ -10,7 +10,7 @@ const std::set<std::string> everybody{"FCL", "ODE", "Bullet", "Embree", "CGAL"};
 
 class StudyPeers : public Study {
 protected:
-    /// Who plays, and who does not for lack of a package.
+    /// The libraries that take part, and the libraries whose packages are missing.
     static std::set<std::string> names(const nlohmann::json& study)
     {
         std::set<std::string> found;
@@ -21,7 +21,7 @@ protected:
         return found;
     }
 
-    /// Everybody who plays is right.
+    /// Expects every library that takes part to be correct.
     static void expect_right(const nlohmann::json& study)
     {
         EXPECT_EQ(names(study), everybody);
@@ -75,7 +75,7 @@ TEST_F(StudyPeers, PlayScenesOfMovingStaticAndLayeredBodies)
         const std::string name = row["name"];
         rows += count_of(csv, "\n\"" + name + "\",");
         EXPECT_NE(page.find(name + " missed 0 collisions and invented 0."), std::string::npos) << name;
-        EXPECT_NE(page.find(">" + name + "  "), std::string::npos) << name << " is no point of the curve";
+        EXPECT_NE(page.find(">" + name + "  "), std::string::npos) << name << " is not a point of the curve";
     }
     EXPECT_EQ(rows, all["peers"].size());
     EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), std::ptrdiff_t(1 + all["variants"].size() + rows));
@@ -93,7 +93,7 @@ TEST_F(StudyPeers, PlayPoses)
 
 TEST_F(StudyPeers, OneThatErrsIsNotExact)
 {
-    // A gap that single precision, and ODE's tolerance, do not see; nor do the boxes of bodies turned about it.
+    // A gap below single precision and ODE's tolerance; the boxes of the rotated bodies do not show it either.
     folder_.write("gap.json", R"({"frames": 2, "geometries": {"cube": {"mesh": {"generate": {"kind": "box", "half":
         [0.5, 0.5, 0.5]}}}}, "bodies": [{"name": "a", "geometry": "cube", "rotation": [0.28, 0, 0, 0.96]},
         {"name": "b", "geometry": "cube", "position": [1.00000000001, 0.25, 0.25], "rotation": [0.28, 0, 0, 0.96]}]})");

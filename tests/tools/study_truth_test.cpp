@@ -1,4 +1,4 @@
-// What 'oncollide accuracy study' takes for true, whether it sees when an answer is not, and who is fastest for an
+// The truth of 'oncollide accuracy study', its detection of wrong results, and its choice of the fastest engine for an
 // error.
 #include <functional>
 
@@ -81,14 +81,14 @@ TEST(StudyTruth, IsThatOfExactPredicatesWhereBodiesNearlyTouch)
                 truth.step();
                 const bool collide = !truth.colliding().empty();
                 const FrameView view = pipeline.step(scene);
-                if (truth.open({0, 1})) return collide; // an ulp deep: either answer is right
+                if (truth.open({0, 1})) return collide; // an ulp deep: either result is right
                 EXPECT_EQ(truth.colliding(), colliding(view.pairs)) << pose.matrix();
                 ++count[ignore][collide];
                 return collide;
             };
             for (std::uint64_t k = 0; k < 60; ++k) {
                 Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-                // Steps of a quarter, so that faces, edges and corners lie on each other.
+                // Multiples of a quarter, so that faces, edges and corners coincide.
                 for (std::uint64_t axis = 0; axis < 3; ++axis)
                     pose.translation()[int(axis)] = 0.25 * std::floor(10 * u01(3, k, axis)) - 1.25;
                 check(pose);
@@ -98,7 +98,7 @@ TEST(StudyTruth, IsThatOfExactPredicatesWhereBodiesNearlyTouch)
                     check(off);
                 }
             }
-            // Turned, on both sides of the place where they come to touch.
+            // Rotated, on both sides of the pose in which they begin to touch.
             for (std::uint64_t k = 0; k < 10; ++k) {
                 Eigen::Isometry3d in = random_pose(k, 0), out = in;
                 out.translation() = Eigen::Vector3d(4, 1, 0);
@@ -161,7 +161,8 @@ TEST(StudyTruth, BoundsDistancesAsTheLibraryDoes)
     }
 }
 
-/// One after the other, in poses that touch, overlap and miss: the truth is what the exact level says, and bounds hold.
+/// Every pair of kinds, in poses that touch, overlap and miss: the truth equals the exact level's result, and bounds
+/// hold.
 TEST(StudyTruth, KnowsEveryTwoKinds)
 {
     std::size_t apart = 0, meet = 0, open = 0;
@@ -179,7 +180,7 @@ TEST(StudyTruth, KnowsEveryTwoKinds)
                     pose.linear().setIdentity();
                     pose.translation() = (8 * pose.translation()).array().floor() / 8;
                 }
-                // Beyond the piece that stands for a half-space elsewhere.
+                // Outside the finite piece that replaces a half-space elsewhere.
                 if (i == 4) pose.translation() += Eigen::Vector3d(3e3, -2e3, 1e3);
                 scene.set_pose({body}, pose);
             }
@@ -209,7 +210,7 @@ TEST(StudyTruth, KnowsEveryTwoKinds)
     EXPECT_LT(open, 60u);
 }
 
-/// A ball over a plane that is far larger than it.
+/// A sphere above a plane that is far larger.
 TEST(StudyTruth, MeasuresHowFarBodiesAreOverAPlane)
 {
     Scene scene;
@@ -245,7 +246,7 @@ TEST(StudyTruth, LeavesOpenWhatRoundingDecides)
     EXPECT_EQ(at(1.1000001), std::pair(false, false));
 }
 
-/// Every kind of wrong answer, planted into right ones.
+/// Wrong results of every kind, planted among right ones.
 TEST(StudyJudge, SeesWrongAnswersOfThePipeline)
 {
     Scene scene = crowd();
@@ -281,7 +282,7 @@ TEST(StudyJudge, SeesWrongAnswersOfThePipeline)
     ASSERT_TRUE(missed.first_miss);
     EXPECT_TRUE(truth.collide(missed.first_miss->pair));
 
-    std::vector<PairResult> fewer = right; // the broad phase lost it
+    std::vector<PairResult> fewer = right; // as if the broad phase had missed it
     std::erase_if(fewer, [&](const PairResult& pair) {
         return BodyPair{index(pair.a), index(pair.b)} == truth.colliding().back();
     });

@@ -1,4 +1,4 @@
-// What the command shows of itself: on a terminal and off it, in its log, and in the references made from its options.
+// The command's output: on a terminal and off it, its log, and the references generated from its options.
 #include "command_fixture.hpp"
 
 #include <pty.h>
@@ -8,7 +8,7 @@ namespace {
 
 class Terminal : public CommandLine {
 protected:
-    /// All that the command writes to a terminal of 80 columns.
+    /// The command's output on a terminal of 80 columns.
     std::string on_terminal(const std::vector<std::string>& arguments, const char* no_colour = "")
     {
         const winsize size{.ws_row = 24, .ws_col = 80, .ws_xpixel = 0, .ws_ypixel = 0};
@@ -36,7 +36,7 @@ protected:
         std::size_t longest = 0;
         std::istringstream lines(text);
         for (std::string line; std::getline(lines, line);)
-            if (!line.starts_with("  oncollide")) longest = std::max(longest, line.size()); // examples stay whole
+            if (!line.starts_with("  oncollide")) longest = std::max(longest, line.size()); // examples are not wrapped
         return longest;
     }
 };
@@ -65,7 +65,8 @@ TEST_F(Terminal, ALongRunShowsHowFarItIsAndWhatIsLeft)
 TEST_F(Terminal, HelpFitsTheTerminal)
 {
     for (const char* command : {"run", "check", "render", "clash", "spheres", "accuracy"}) {
-        EXPECT_LE(longest_line(on_terminal({command, "--help"}, "1")), 80u + 1) << command; // and a carriage return
+        EXPECT_LE(longest_line(on_terminal({command, "--help"}, "1")), 80u + 1) << command; // one more for the carriage
+                                                                                            // return
         EXPECT_LE(longest_line(run({command, "--help"}).out), 100u) << command;
     }
     const std::string help = run({"run", "--help"}).out;
@@ -85,9 +86,9 @@ TEST_F(Terminal, TheLogSaysAsMuchAsItsVariable)
     EXPECT_NE(said("info").err.find("20 bodies"), std::string::npos);
     EXPECT_EQ(said("info").err.find("frame 1:"), std::string::npos);
     EXPECT_NE(said("debug").err.find("frame 1:"), std::string::npos);
-    EXPECT_EQ(said("debug").out, "") << "results are not mixed with it";
+    EXPECT_EQ(said("debug").out, "") << "results are not mixed with the log";
     EXPECT_EQ(said("error", "nowhere").code, 64);
-    EXPECT_NE(said("error", "nowhere").err.find("no scene named"), std::string::npos) << "errors are always said";
+    EXPECT_NE(said("error", "nowhere").err.find("no scene named"), std::string::npos) << "errors are always printed";
     const Outcome wrong = said("inof");
     EXPECT_EQ(wrong.code, 64);
     EXPECT_NE(wrong.err.find("ONCOLLIDE_LOG: unknown level 'inof'; did you mean 'info'?"), std::string::npos) << wrong.err;
@@ -108,7 +109,7 @@ TEST_F(Terminal, TheReferencesHaveEveryCommandAndOption)
     EXPECT_TRUE(page.starts_with(".TH ONCOLLIDE\\-RUN 1 ")) << page;
     EXPECT_NE(page.find("\\-\\-max\\-error M"), std::string::npos);
     EXPECT_GT(folder_.read("oncollide-bench-narrow.1").size(), 500u);
-    EXPECT_EQ(run({"--help"}).out.find("reference"), std::string::npos) << "it is for builds";
+    EXPECT_EQ(run({"--help"}).out.find("reference"), std::string::npos) << "it is only for builds";
     expect_error(64, {"reference", "tcsh"}, {"'tcsh'", "bash"});
 }
 

@@ -1,4 +1,4 @@
-// Every file of Debian's assimp-testmodels, also those made to be broken: each is answered or refused in one line.
+// Every file of Debian's assimp-testmodels, including broken ones: each must be processed, or refused in one line.
 #include "command_fixture.hpp"
 
 #include <filesystem>
@@ -18,19 +18,19 @@ TEST(TestModels, EachIsAnsweredOrRefusedInOneLine)
         if (!entry.is_regular_file()) continue;
         const std::string file = entry.path();
         SCOPED_TRACE(file);
-        // 'timeout' ends with 124 when it had to end the command.
+        // 'timeout' exits with 124 if it had to end the command.
         const Outcome outcome =
             run_program("/usr/bin/timeout", {"60", ONCOLLIDE_COMMAND, "check", file, file, "--depth", "4", "--quiet"},
                         {.folder = folder.path()});
         EXPECT_EQ(outcome.out, "");
-        if (outcome.code == 2) { // both at the same place
+        if (outcome.code == 2) { // both at the same pose
             EXPECT_EQ(outcome.err, "");
             ++answered;
             continue;
         }
         const std::string ending = entry.path().extension();
         const bool heights = (ending == ".raw" || ending == ".bin") && entry.file_size() > 0;
-        EXPECT_EQ(outcome.code, heights ? 64 : 65) << "raw arrays of heights need more than their name";
+        EXPECT_EQ(outcome.code, heights ? 64 : 65) << "raw arrays of heights need more options";
         EXPECT_TRUE(outcome.err.starts_with("oncollide: " + file + ": ")) << outcome.err;
         EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
         ++refused;

@@ -1,5 +1,5 @@
-// The page of 'run --view' and 'view': what it holds is read back, and where Chromium and three.js are installed, it is
-// looked at.
+// The page of 'run --view' and 'view': its contents are read back and, if Chromium and three.js are installed, it is
+// rendered.
 #include "browser.hpp"
 #include "command_fixture.hpp"
 #include "decoded_png.hpp"
@@ -27,7 +27,7 @@ std::string decoded_base64(std::string_view text)
 
 class View : public CommandLine {
 protected:
-    /// Two balls of radius 0.5, the second moving by -0.1 m a frame; it begins `distance` away.
+    /// Two spheres of radius 0.5, the second moving by -0.1 m per frame, initially `distance` away.
     void write_scene(const std::string& name, double distance, const std::string& second = "other")
     {
         const nlohmann::json body = second;
@@ -38,7 +38,7 @@ protected:
                                         body.dump(), distance));
     }
 
-    /// Runs with a stand-in for three.js, so that tests of what is in the page do not need it.
+    /// Runs with a mock of three.js, so that tests of the page's contents do not need three.js.
     void write_stand_in()
     {
         const std::filesystem::path controls = "lib/examples/js/controls";
@@ -54,7 +54,7 @@ protected:
         return run(std::move(arguments), around);
     }
 
-    /// What the element of that id holds.
+    /// The contents of the element of that id.
     std::string block(const std::string& id, const std::string& file = "x.html")
     {
         const std::string page = folder_.read(file), mark = "id=\"" + id + "\">";
@@ -104,7 +104,7 @@ TEST_F(View, ThePageHoldsTheFramesOfTheRun)
         EXPECT_NEAR(position[0] + h.at("origin")[0].get<double>(), 1.5 - 0.1 * double(f), 1e-6) << f;
         EXPECT_NEAR(position[1] + h.at("origin")[1].get<double>(), 0.1, 1e-6);
         if (frame.at("pairs").empty()) continue;
-        // Rounding keeps what is certain.
+        // Rounding keeps bounds certified.
         const nlohmann::json& pair = frame.at("pairs")[0];
         const double bound = pair[3], kept = floats(fmt::format("f{}", f), 5, 1)[0];
         EXPECT_TRUE(pair[2] == "separate" ? kept <= bound : kept >= bound) << pair;
@@ -122,7 +122,7 @@ TEST_F(View, ThePageNeedsNothingElse)
     for (const char* outside : {"http://", "https://", " src=", " href=", "@import", "url("})
         EXPECT_EQ(page.find(outside), std::string::npos) << outside;
     EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
-    EXPECT_EQ(page.find("three </script>"), std::string::npos) << "what is embedded ends no element";
+    EXPECT_EQ(page.find("three </script>"), std::string::npos) << "the embedded text ends no element";
     EXPECT_NE(page.find("three <\\/script>"), std::string::npos);
 }
 
@@ -309,7 +309,7 @@ TEST_F(ViewOfResults, ThatCannotBeReadAreRefused)
     expect_error(64, {"view", "p.h5"}, {"--out"});
     expect_error(73, {"view", "p.h5", "-o", "missing/y.html"}, {"missing/y.html"});
     const std::string whole = folder_.read("p.h5");
-    for (const double part : {0.02, 0.1, 0.5, 0.9}) { // what HDF5 does not notice, hashes do
+    for (const double part : {0.02, 0.1, 0.5, 0.9}) { // hashes detect damage that HDF5 does not
         folder_.write("cut.h5", whole.substr(0, std::size_t(part * double(whole.size()))));
         expect_error(65, of("cut.h5"), {"cut.h5", "damaged"});
     }
@@ -330,7 +330,7 @@ TEST_F(ViewOfResults, ThatCannotBeReadAreRefused)
     std::string damaged = sound;
     damaged[header + 20] ^= 2;
     folder_.write("p.h5", damaged);
-    expect_error(65, of("p.h5"), {"p.h5", "damaged"}); // and HDF5 does not try to read it for minutes
+    expect_error(65, of("p.h5"), {"p.h5", "damaged"}); // HDF5 must not try to read it for minutes
     EXPECT_FALSE(std::filesystem::exists(folder_ / "y.html"));
 }
 
@@ -366,7 +366,7 @@ bool is_blue(const std::uint8_t* p)
     return p[2] > 120 && p[2] > p[0] + 40;
 }
 
-/// With three.js and Chromium on a software renderer.
+/// Tests with three.js and Chromium on a software renderer.
 class ViewInBrowser : public View {
 protected:
     void SetUp() override
@@ -376,7 +376,7 @@ protected:
     }
 
     struct Seen {
-        std::string document; ///< as it is at the end
+        std::string document; ///< at the end
         Decoded picture;
 
         /// data-NAME of the document.
@@ -399,13 +399,13 @@ protected:
                       "file://" + (folder_ / page).string() + "#" + fragment});
         EXPECT_EQ(outcome.code, 0) << outcome.err;
         EXPECT_EQ(outcome.err.find("Uncaught"), std::string::npos) << outcome.err;
-        EXPECT_EQ(outcome.err.find("THREE."), std::string::npos) << outcome.err; // shaders that do not compile
+        EXPECT_EQ(outcome.err.find("THREE."), std::string::npos) << outcome.err; // no shader fails to compile
         Seen seen{outcome.out, decode(folder_.read("x.png"))};
         EXPECT_EQ(seen.data("ready"), "yes") << fragment << "\n" << outcome.err;
         EXPECT_EQ(seen.data("error"), "");
         return seen;
     }
-    /// Pixels of the scene that are `wanted`: not of the panel, the legend or the strip of frames.
+    /// Pixels of the scene that are `wanted`: outside the panel, the legend and the strip of frames.
     template <class Wanted>
     static int in_scene(const Decoded& picture, Wanted wanted)
     {
@@ -414,7 +414,7 @@ protected:
             for (int x = 0; x < 520; ++x) count += wanted(picture.at(x, y));
         return count;
     }
-    /// Those that are unlike the background.
+    /// Pixels that differ from the background.
     static int drawn(const Decoded& picture)
     {
         const std::uint8_t* paper = picture.at(260, 4);
@@ -468,7 +468,7 @@ for (const what of ["pointerdown", "pointerup"])
     EXPECT_EQ(seen.data("left"), "5");
     EXPECT_EQ(seen.data("home"), "0");
     EXPECT_EQ(seen.data("end"), "7");
-    EXPECT_NE(seen.document.find("class=\"body-link\""), std::string::npos) << "what is clicked is selected";
+    EXPECT_NE(seen.document.find("class=\"body-link\""), std::string::npos) << "the clicked body is selected";
     EXPECT_EQ(seen.document.find("<title>owned"), std::string::npos);
     EXPECT_GT(in_scene(seen.picture, is_within), 8000) << "without an exact level they may touch";
 }
@@ -501,8 +501,8 @@ wait();
 
 TEST_F(ViewInBrowser, SmallBodiesHaveTheirColoursAndHideWhatIsBehind)
 {
-    // A wall of 24 x 16 pairs of balls that collide, and behind the first of each, as the page looks at it, one that
-    // does not.
+    // A wall of 24 x 16 colliding pairs of spheres, and behind the first sphere of each pair, as seen in the page, one
+    // that does not collide.
     std::string placed;
     const auto put = [&](double x, double y, double z) {
         placed += fmt::format(R"(,{{"geometry": "ball", "position": [{}, {}, {}]}})", x, y, z);
@@ -517,12 +517,12 @@ TEST_F(ViewInBrowser, SmallBodiesHaveTheirColoursAndHideWhatIsBehind)
                                    placed.substr(1) + "]}");
     ASSERT_EQ(run({"run", "wall.json", "--exact", "on", "--quiet", "--view", "x.html"}).code, 0);
     folder_.write("y.html", folder_.read("x.html") + R"(<script>
-for (const key of ["l", "c"]) dispatchEvent(new KeyboardEvent("keydown", {key})); // no marks
+for (const key of ["l", "c"]) dispatchEvent(new KeyboardEvent("keydown", {key})); // hides the marks
 </script>)");
     const Seen seen = look("y.html", "theme=light");
     EXPECT_EQ(seen.data("bodies"), "1152");
     EXPECT_EQ(seen.data("triangles"), "2304") << "they are drawn as sprites";
-    EXPECT_GT(in_scene(seen.picture, is_colliding), 30'000) << "24,000 if what is behind were drawn before";
+    EXPECT_GT(in_scene(seen.picture, is_colliding), 30'000) << "24,000 if the spheres behind were drawn first";
 }
 
 TEST_F(ViewInBrowser, RegionsAndMarksOfALargeScene)
