@@ -64,8 +64,7 @@ std::unique_ptr<FrameResult> step(HeldWorld& held)
 void bind_frames(py::module_& m, WorldClass& world)
 {
     using namespace py::literals;
-    py::class_<FrameResult>(
-        m, "Frame", R"(The results of one World.step(). Later steps do not change its arrays.)")
+    py::class_<FrameResult>(m, "Frame", R"(The results of one World.step(). Later steps do not change its arrays.)")
         .def_readonly("frame", &FrameResult::frame, "Counted from 0 by the World (int).")
         .def_readonly("ms", &FrameResult::ms, "Duration of the step, milliseconds (float).")
         .def_readonly("hash", &FrameResult::hash,

@@ -51,8 +51,7 @@ GeometryHandle mesh_file(py::handle file, py::handle scale, py::handle fit_diago
     if (!truth(on_demand, {call, "on_demand"}))
         return made_without_lock(from, [&] { return load_mesh(from, options); });
     if (options.scale != 1 || options.fit_diagonal != 0 || options.centre)
-        refuse_value({call, "on_demand"},
-                     "scale, fit_diagonal and centre cannot change a mesh that stays in its file");
+        refuse_value({call, "on_demand"}, "scale, fit_diagonal and centre cannot change a mesh that stays in its file");
     return made_without_lock(from, [&] { return std::make_shared<const CookedMesh>(from); });
 }
 

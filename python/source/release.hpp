@@ -27,8 +27,9 @@ private:
 
 /// Releases the interpreter's lock to other threads during its lifetime.
 ///
-/// A thread that returns while the interpreter shuts down must not wait for that lock: CPython would end it by unwinding
-/// through frames that must not be unwound, which aborts the process. The thread blocks until the process ends instead.
+/// A thread that returns while the interpreter shuts down must not wait for that lock: CPython would end it by
+/// unwinding through frames that must not be unwound, which aborts the process. The thread blocks until the process
+/// ends instead.
 class Released {
 public:
     Released() : Released(nullptr) {}

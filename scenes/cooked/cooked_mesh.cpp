@@ -61,8 +61,7 @@ std::shared_ptr<const CookedMesh::Top> CookedMesh::open() const
         const auto top = std::make_shared<const Top>(read_file(found));
         if (found != outline_) {
             contradicts_ = true;
-            file_->refuse(
-                "does not match the index of its tiles: another file, or other bounds; cook the tiles again");
+            file_->refuse("does not match the index of its tiles: another file, or other bounds; cook the tiles again");
         }
         open_ = top;
         return top;

@@ -16,8 +16,8 @@ void* LoadedLibrary::find(const char* name) const
 {
     void* const found = handle_ ? ::dlsym(handle_, name) : nullptr;
     if (!found)
-        throw Error(ErrorKind::usage, fmt::format("cannot load {}, which {}: {}; install Debian's {}", file_,
-                                                  purpose_, ::dlerror(), package_));
+        throw Error(ErrorKind::usage, fmt::format("cannot load {}, which {}: {}; install Debian's {}", file_, purpose_,
+                                                  ::dlerror(), package_));
     return found;
 }
 

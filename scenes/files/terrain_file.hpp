@@ -13,10 +13,10 @@ struct TerrainOptions {
     std::optional<Eigen::Vector2d> spacing{};         ///< metres; default: from the file, else 1
     Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< of the first column and row, and of height 0
     double vertical_scale = 1;                        ///< metres per unit of the file's heights; > 0
-    std::optional<double> no_data{}; ///< in the file's units; may be NaN; default: from the file
-    int bytes = 0;                   ///< as TerrainGrid::bytes
-    double error = 0;                ///< bound on the error of the heights, metres
-    bool centre = false;             ///< move the bounding box's centre to the origin; overrides `origin`
+    std::optional<double> no_data{};                  ///< in the file's units; may be NaN; default: from the file
+    int bytes = 0;                                    ///< as TerrainGrid::bytes
+    double error = 0;                                 ///< bound on the error of the heights, metres
+    bool centre = false; ///< move the bounding box's centre to the origin; overrides `origin`
     CellDiagonal diagonal = CellDiagonal::rising;
     std::filesystem::path diagonals{}; ///< a .npy file of rows - 1 times columns - 1 bytes, 1 for a cell cut along its
                                        ///< falling diagonal; empty: all cells have the same diagonal

@@ -167,8 +167,7 @@ Fit fit_of(std::span<const Eigen::Vector3d> surface, std::span<const Triangle> t
         double height = -std::numeric_limits<double>::infinity();
         for (const Eigen::Vector3d& p : inside) height = std::max(height, normal.dot(p - inner));
         const double over = height - plane + rounding;
-        if (!(over <= fit.overhang)) fit.overhang = over; // keeps a NaN from a facet without area, which is refused
-                                                          // later
+        if (!(over <= fit.overhang)) fit.overhang = over; // keeps NaN, which is refused later
     }
     return fit;
 }
@@ -220,8 +219,7 @@ BoundingMesh enclose_hull(const std::string& name, const std::vector<Eigen::Vect
         for (Triangle& t : triangles) t = {place[t[0]], place[t[1]], place[t[2]]};
         return {make_mesh(name, std::move(pushed), std::move(triangles)), error * (1 + 8 * epsilon)};
     }
-    refuse(name,
-           fmt::format("the {} points of the convex hull lie in a plane up to rounding", points.size()));
+    refuse(name, fmt::format("the {} points of the convex hull lie in a plane up to rounding", points.size()));
 }
 
 } // namespace

@@ -205,8 +205,7 @@ TEST(TriangleKernel, MovesSegmentsToTheWorld)
     const Eigen::Vector3d translation = a.translation();
     const TrianglePoints flat{Eigen::Vector3d(-4, -4, 0), Eigen::Vector3d(4, -4, 0), Eigen::Vector3d(0, 4, 0)};
     const TrianglePoints steep{Eigen::Vector3d(-1, 0, -1), Eigen::Vector3d(1, 0, -1), Eigen::Vector3d(0, 0, 1)};
-    TwoTriangles pair{flat,
-                      steep}; // in the world frame; they share the segment from (-1/2, 0, 0) to (1/2, 0, 0)
+    TwoTriangles pair{flat, steep}; // in the world frame; they share the segment from (-1/2, 0, 0) to (1/2, 0, 0)
     for (Eigen::Vector3d& p : pair.first) p = a.inverse() * p;
     for (Eigen::Vector3d& p : pair.second) p = b.inverse() * p;
     const std::vector<TwoTriangles> eight(8, pair);

@@ -153,8 +153,8 @@ void expect_one_rise(const Approach& approach, const Settings& settings, int hig
             EXPECT_GE(now, last) << "frame " << k;
             there.push_back(now);
         } else {
-            EXPECT_EQ(now, there[std::size_t(2 * steps - k)]) << "frame " << k
-                << ": the way back must give the same verdicts";
+            EXPECT_EQ(now, there[std::size_t(2 * steps - k)])
+                << "frame " << k << ": the way back must give the same verdicts";
         }
         most = std::max(most, now), last = now;
     }

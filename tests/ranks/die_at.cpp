@@ -39,8 +39,7 @@ bool due(const char* phase)
 
 void die(int = 0)
 {
-    if (const char* mark = std::getenv("DIE_MARK")) ::close(::open(mark, O_CREAT | O_WRONLY, 0600)); // the time of its
-                                                                                                     // death
+    if (const char* mark = std::getenv("DIE_MARK")) ::close(::open(mark, O_CREAT | O_WRONLY, 0600)); // time of death
     ::kill(::getpid(), SIGKILL);
 }
 

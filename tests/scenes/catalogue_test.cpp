@@ -88,7 +88,8 @@ TEST_P(EveryScene, ComesBackBitForBitWithTheDataFolder)
         if (std::string(error.what()).find("without GDAL") == std::string::npos) throw;
         GTEST_SKIP() << error.what();
     }
-    for (const std::string& warning : made.warnings) EXPECT_EQ(warning.find("no data folder"), std::string::npos) << warning;
+    for (const std::string& warning : made.warnings)
+        EXPECT_EQ(warning.find("no data folder"), std::string::npos) << warning;
     save_scene(made, folder.path() / "scene.json");
     Scene read = load_scene(folder.path() / "scene.json");
     test::expect_same_scene(made, read);

@@ -289,7 +289,8 @@ TEST(MeshFile, StlIsWeldedAsOneCornerAfterTheOtherWouldBe)
                 const Vector3d& vertex = read.vertices[known->second];
                 for (int axis = 0; axis < 3; ++axis) {
                     ASSERT_EQ(vertex[axis], corner[axis]);
-                    ASSERT_EQ(std::signbit(vertex[axis]), std::signbit(corner[axis])) << "the signs of the first corner";
+                    ASSERT_EQ(std::signbit(vertex[axis]), std::signbit(corner[axis]))
+                        << "the signs of the first corner";
                 }
             }
         EXPECT_EQ(read.vertices.size(), numbers.size());

@@ -150,8 +150,7 @@ public:
                 ++faces, strips || fans ? add_strip(corners, fans) : add_polygon(element, corners);
         }
         if (const std::size_t count = natural(source_, element, "count", faces); count != faces)
-            source_.fail(fmt::format("<{}> announces {} faces, but has {}", element.name, count, faces),
-                         element.line);
+            source_.fail(fmt::format("<{}> announces {} faces, but has {}", element.name, count, faces), element.line);
     }
 
     std::vector<Triangle> take(std::span<const Eigen::Vector3d> points)

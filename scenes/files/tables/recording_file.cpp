@@ -39,9 +39,8 @@ public:
             if (!(position.cwiseAbs().maxCoeff() <= farthest) || !position.allFinite() ||
                 !(std::abs(length - 1) <= unit))
                 refuse(file,
-                       fmt::format(
-                           "frame {}: {}: ({}, {}, {}), ({}, {}, {}, {}) is not a position and unit quaternion",
-                           frame, name_of(i), n[0], n[1], n[2], n[3], n[4], n[5], n[6]));
+                       fmt::format("frame {}: {}: ({}, {}, {}), ({}, {}, {}, {}) is not a position and unit quaternion",
+                                   frame, name_of(i), n[0], n[1], n[2], n[3], n[4], n[5], n[6]));
             Eigen::Quaterniond rotation(n[6], n[3], n[4], n[5]);
             if (std::abs(length - 1) > 1e-12) rotation.coeffs() /= length;
             Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();

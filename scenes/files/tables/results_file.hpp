@@ -16,8 +16,7 @@ namespace oncollide {
 /// Data of a results file that apply to all its frames.
 struct ResultsHeader {
     std::string version, scene, settings;
-    std::string
-        source; ///< the scene's origin (JSON); may differ from the origin in a file that is continued
+    std::string source; ///< the scene's origin (JSON); may differ from the origin in a file that is continued
     std::uint64_t bodies = 0;
     std::vector<std::string> verdicts, stages, kinds; ///< names of the numbers in a row, from 0 on
 };

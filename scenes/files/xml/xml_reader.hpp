@@ -40,7 +40,7 @@ public:
     ~XmlReader();
 
     void read(std::string_view piece); ///< of a megabyte or so
-    void finish(); ///< throws unless the text was whole
+    void finish();                     ///< throws unless the text was whole
 
     static constexpr int most_levels = 1000;
 
