@@ -19,8 +19,7 @@ struct MeshReading {
 /// standard input, whose folder is the current one. Throws Error{no_input} or Error{bad_data}; messages begin with the
 /// path and the place in it (`bodies[3].mesh`), and for an unknown key or name list the valid ones.
 /// @param sink  receives the bodies; null: the scene stores them. A scene whose "exclude" names bodies, not numbers,
-/// stores
-///   its bodies in any case.
+///   stores its bodies in any case.
 Scene load_scene(const std::filesystem::path& path, const MeshReading& meshes = {}, BodySink* sink = nullptr);
 
 /// Writes `scene` with its poses at frame 0 (start_poses), so that load_scene restores it bit for bit: every number is

@@ -39,8 +39,7 @@ public:
     }
 
     /// @param extra  this many quads, spread evenly, become four triangles around point(centre) instead of two, to
-    /// reach an
-    ///               exact number of triangles; at most columns * rows
+    ///               reach an exact number of triangles; at most columns * rows
     /// @param point  maps (column, row), integers at the corners, to the surface
     template <class Point>
     void build(int extra, Point point)

@@ -25,6 +25,6 @@ file(READ ${CMAKE_CURRENT_LIST_DIR}/portable/answers.txt known)
 foreach(isa IN ITEMS baseline avx2 avx512) # a level that this processor lacks is lowered
   run(${CMAKE_COMMAND} -E env ONCOLLIDE_ISA=${isa} ${RUNNER} ${PROGRAM})
   if(NOT output STREQUAL known)
-    message(FATAL_ERROR "with ${isa} the answers are\n${output}and not\n${known}")
+    message(FATAL_ERROR "with ${isa} the results are\n${output}and not\n${known}")
   endif()
 endforeach()

@@ -295,7 +295,7 @@ std::string mutated_cooked(std::string bytes, std::mt19937_64& random)
         if (what == 0) { // a cut; the header may be adjusted to it
             const std::size_t end = layout.ends[pick(layout.ends.size())] + pick(3);
             bytes.resize(std::min(end > 0 ? end - 1 : 0, bytes.size()));
-        } else if (what == 1) { // the same length, but some parts overwritten
+        } else if (what == 1) { // the same length, but some parts moved
             const std::size_t at = pick(bytes.size() + 1), to = pick(bytes.size() + 1);
             std::rotate(bytes.begin() + std::ptrdiff_t(std::min(at, to)),
                         bytes.begin() + std::ptrdiff_t(std::max(at, to)), bytes.end());

@@ -1,4 +1,4 @@
-// Inputs that used to take time or memory out of proportion to their size. Each limit is far below the former value or
+// Inputs that used to take time or memory out of proportion to their size. Each limit is far below the old value or
 // the value of a quadratic algorithm, and far above the present value, for slow machines.
 #include <chrono>
 #include <numbers>

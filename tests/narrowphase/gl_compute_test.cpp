@@ -60,7 +60,7 @@ public:
         return found;
     }
 
-    /// The expanded cells of the first two levels.
+    /// The cells of level 2 that the tree knows.
     std::vector<CellKey> known() const
     {
         std::vector<CellKey> cells;

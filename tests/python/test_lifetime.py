@@ -186,7 +186,7 @@ def test_a_handler_of_a_signal_may_go_on():
             world.step()
     finally:
         signal.signal(signal.SIGALRM, before)
-    assert len(seen) == 1, "handled within the step, which went on"
+    assert len(seen) == 1, "handled within the step, which continued"
 
 
 @pytest.mark.parametrize("threads", [1, 2])

@@ -50,7 +50,7 @@ def test_notebooks_run(notebook, plots, run_python, tmp_path):
     assert bool(pictures) == plots
     assert all(picture.stat().st_size > 5000 for picture in pictures)
     if not plots:
-        assert "matplotlib" in out, "it says why there is no picture"
+        assert "matplotlib" in out, "it prints why there is no picture"
 
 
 def test_notebooks_are_of_cells():
@@ -67,7 +67,7 @@ def test_the_benchmark_runs(run_python, tmp_path):
     with open(tmp_path / "o.csv") as measured, open(SOURCE / "docs" / "data" / "python.csv") as shown:
         calls = [row["call"] for row in csv.DictReader(measured)]
         rows = list(csv.DictReader(shown))
-    assert calls == [row["call"] for row in rows], "the page's data is of other calls"
+    assert calls == [row["call"] for row in rows], "the page's data has other calls"
     page = (SOURCE / "docs" / "python.md").read_text()
     for row in rows:
         assert f"| `{row['call']}` | {int(row['items']):,} | {row['python_ns']} | {row['cpp_ns']} | {row['overhead_ns']} |" in page

@@ -73,7 +73,7 @@ def test_contiguous_doubles_are_not_copied():
         return most
 
     assert peak(poses) < 1.2e6, "the results take 0.9 MB"
-    assert peak(poses.astype(np.float32)) > poses.nbytes, "others are: the test would see a copy"
+    assert peak(poses.astype(np.float32)) > poses.nbytes, "float32 arrays are copied, which shows that the test detects copies"
 
 
 def test_no_queries_give_no_results():

@@ -72,8 +72,7 @@ public:
     /// after blanks. `text` must stay valid. Throws JsonFault.
     /// @param level    number of objects and arrays around the value
     /// @param unread   the array of this name in the root object is skipped: the tape has its size and position, but
-    /// its
-    ///                 elements are neither checked nor on the tape
+    ///                 its elements are neither checked nor on the tape
     const char* read(std::string_view text, std::uint32_t level, std::string_view unread = {});
 
     const std::vector<JsonValue>& values() const { return values_; }
