@@ -69,9 +69,9 @@ private:
 /// A scene: geometries, and bodies as columns indexed by index(BodyId).
 ///
 /// Move a body by set_pose between frames. Bodies a and b may collide if (layer a & mask b) and (layer b & mask a) are
-/// not 0, not both are static, they are not in one group, and the pair is not excluded. add and add_body add geometries
-/// and bodies and keep all columns at one length; neither can be renamed or removed. A body takes 45 bytes, 72 more if
-/// it is rotated, and the memory of its name and motion.
+/// not 0, not both are static, they are not in one group, and the pair is not excluded. add and add_body keep all
+/// columns at one length. Geometries and bodies cannot be renamed or removed. A body takes 45 bytes, 72 more if it is
+/// rotated, and the memory of its name and motion.
 struct Scene {
     Scene() = default;
     /// For a scene too large to store: its bodies go to `sink` as they are added, and its columns stay empty. Null: the

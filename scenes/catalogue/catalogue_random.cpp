@@ -123,7 +123,7 @@ Scene make_random_scene(const CatalogueOptions& options)
         geometries.push_back(random_geometry(scene, own, scale * spread(own, 0.2, 4), options.seed + std::uint64_t(k)));
         volume += bounds_of(scene.geometries.back()).volume() * *options.bodies / kinds;
     }
-    // Boxes fill the cube about once: most bodies overlap a few others, few overlap many.
+    // Boxes fill the cube about once: most bodies have a neighbour, few have many.
     const double side = std::cbrt(volume * spread(dice, 0.5, 4)) + scale;
     const Aabb walls{origin - Vector3d::Constant(0.5 * side), origin + Vector3d::Constant(0.5 * side)};
     for (int i = 0; i < *options.bodies; ++i) {

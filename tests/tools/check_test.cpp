@@ -170,7 +170,7 @@ TEST_F(Check, TheSameFileMayStandOnBothSides)
 
 TEST_F(Check, RotationsAreApplied)
 {
-    // Two cubes at 1.2 along x: apart when parallel, touching once the second is turned by 45 degrees around z.
+    // Two cubes at 1.2 along x: apart when parallel, touching if the second is rotated by 45 degrees around z.
     EXPECT_EQ(check("1.2 0 0 0 0 0 1").code, 0);
     const double s = std::sin(M_PI / 8), c = std::cos(M_PI / 8);
     EXPECT_EQ(check(fmt::format("1.2 0 0 0 0 {} {}", s, c), {"--exact", "fcl"}).code, 1);
