@@ -100,7 +100,7 @@ TEST_F(CommandLine, AccuracyHardRefusesWhatMakesNoSense)
     expect_error(64, {"accuracy", "hard", "--threads", "-1"}, {"--threads -1"});
     expect_error(64, {"accuracy", "hard", "--csv", "x", "--json", "x"}, {"both go to 'x'"});
     expect_error(64, {"accuracy", "hard", "paper"}, {"unexpected argument 'paper'"});
-    expect_error(64, {"accuracy"}, {"scene is required"});
+    expect_error(64, {"accuracy"}, {"a scene is required"});
     expect_error(73, {"accuracy", "hard", "--csv", "no/where.csv"}, {"no/where.csv"});
 }
 

@@ -190,7 +190,7 @@ TEST_F(Pairs, KeepWholeFramesWhenTheDiskIsFull)
 TEST_F(Pairs, AreRefusedWhereTheyCannotBeWrittenOrContinued)
 {
     ASSERT_EQ(run(city(3, {"--pairs", "p.h5"})).code, 0);
-    expect_error(64, city(3, {"--pairs", "-"}), {"--pairs -", "must be a file"});
+    expect_error(64, city(3, {"--pairs", "-"}), {"--pairs -", "needs a file"});
     expect_error(73, city(3, {"--pairs", "no/p.h5"}), {"no/p.h5"});
     expect_error(64, city(3, {"--pairs", "x", "--csv", "x"}), {"both go to 'x'"});
     expect_error(64, city(3, {"--from-frame", "3"}), {"--from-frame 3", "0 to 2"});

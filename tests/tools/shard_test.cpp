@@ -28,10 +28,10 @@ TEST_F(CommandLine, PartsOfARunMergeToTheFileOfTheWhole)
     expect_error(66, {"merge", "1of3.csv", "3of3.csv", "--out", "m.csv"}, {"missing", "2/3"});
     expect_error(65, {"merge", "1of3.csv", "1of3.csv", "--out", "m.csv"}, {"part 1"});
     expect_error(65, {"merge", "1of3.csv", "2of9.csv", "--out", "m.csv"}, {"2of9.csv", "9 parts"});
-    expect_error(65, {"merge", "whole.csv", "--out", "m.csv"}, {"whole.csv", "no part"});
+    expect_error(65, {"merge", "whole.csv", "--out", "m.csv"}, {"whole.csv", "not a part"});
     expect_error(64, {"merge", "1of2.csv", "2of2.csv", "--out", "1of2.csv"}, {"overwrite"});
     play({"other.csv", "--shard", "2/2", "--clearance", "1"});
-    expect_error(65, {"merge", "1of2.csv", "other.csv", "--out", "m.csv"}, {"other work"});
+    expect_error(65, {"merge", "1of2.csv", "other.csv", "--out", "m.csv"}, {"different run"});
     for (const char* wrong : {"0/2", "3/2", "1/0", "1", "a/b", "1/2x"})
         expect_error(64, {"run", "boxes", "--shard", wrong}, {"--shard", "I/N"});
     expect_error(64, {"run", "boxes", "--shard", "1/2", "--checkpoint", "c"}, {"--shard"});

@@ -292,7 +292,7 @@ TEST_F(ViewOfResults, BelongToTheirScene)
     expect_error(65, of("short.json"), {"p.h5", "frames 0 to 2", "frame 7"});
     expect_error(65, of("city"), {"p.h5", "does not fit city", "bodies, the results have 2"});
     std::filesystem::rename(folder_ / "scene.json", folder_ / "elsewhere.json");
-    expect_error(66, as_named, {"scene.json", "p.h5 was made from that scene", "elsewhere"});
+    expect_error(66, as_named, {"scene.json", "p.h5 was made from that scene", "has moved"});
     EXPECT_EQ(run(of("elsewhere.json")).code, 0);
 }
 

@@ -84,7 +84,7 @@ int merge(const std::string& out, const std::vector<std::string>& paths)
                    fmt::format("belongs to a different run than {}: '{}', {} parts; there '{}', {} parts",
                                (*other)->path, part.work, part.shard.parts, (*other)->work, (*other)->shard.parts));
         std::optional<Part>& place = parts[std::size_t(part.shard.part - 1)];
-        if (place) refuse(path, fmt::format("is part {}, and so is {}", part.shard.part, place->path));
+        if (place) refuse(path, fmt::format("is part {}, the same as {}", part.shard.part, place->path));
         place = std::move(part);
     }
     std::string missing;

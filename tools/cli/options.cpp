@@ -67,7 +67,7 @@ void add_accuracy_options(Arguments command, SettingsOptions& o)
                     "instead of --max-error, the paper's measure of accuracy: depth of the sphere-trees, 1 to 16 "
                     "levels")
         .type_name("D");
-    command.add_option("--clearance", o.clearance, "metres: bodies this close count as touching (default 0)")
+    command.add_option("--clearance", o.clearance, "metres: bodies at most this far apart are not separate (default 0)")
         .type_name("M");
     command
         .add_option(

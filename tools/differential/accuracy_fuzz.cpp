@@ -41,7 +41,7 @@ int fuzz(const FuzzOptions& options)
     const DrawnScene drawn = draw_scene(*first),
                      small = shrunk(drawn, [](const DrawnScene&d) { return !fault_in(d).empty(); });
     save_scene(small.scene, options.out);
-    std::cout << fmt::format("seed {}: {}\nshrunk to {} bodies: {}\noncollide run {} {}\n", *first, fault_in(drawn),
+    std::cout << fmt::format("seed {}: {}\nreduced to {} bodies: {}\noncollide run {} {}\n", *first, fault_in(drawn),
                              small.scene.size(), fault_in(small), options.out, options_of(small.settings));
     return int(ErrorKind::internal);
 }

@@ -50,9 +50,10 @@ void check_truth(const BodyCase& c, const BodyForm& plain)
 {
     const auto check = [&](std::size_t k, const char* how, bool said, std::optional<bool> meant) {
         if (meant && *meant != said)
-            throw Error(ErrorKind::internal,
-                        fmt::format("hard case '{}: {}', pose {}: as {} meant to {}, but the exact oracle says no",
-                                    c.family, c.name, k, how, *meant ? "collide" : "be apart"));
+            throw Error(
+                ErrorKind::internal,
+                fmt::format("hard case '{}: {}', pose {}: as {} expected to {}, but the exact oracle contradicts",
+                            c.family, c.name, k, how, *meant ? "collide" : "be apart"));
     };
     for (std::size_t k = 0; k < plain.truths.size(); ++k) {
         const auto& [surfaces, solids, fcl_collide] = plain.truths[k];

@@ -127,8 +127,7 @@ void add_drawing_options(Arguments command, RenderOptions& o)
 
 void add_render(Arguments app)
 {
-    Arguments sub = app.add_command(
-        "render", "Draw a scene and the spheres around its bodies (sphere-trees), as PNG; needs no display");
+    Arguments sub = app.add_command("render", "Draw a scene and its sphere-trees as PNG; needs no display");
     auto options = std::make_shared<RenderOptions>();
     sub.add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
         .required()

@@ -187,7 +187,7 @@ void write_json(const std::string& path, const std::string& scene, const std::ve
 int accuracy(const AccuracyOptions& options)
 {
     if (options.scene.scene.empty())
-        throw Error(ErrorKind::usage, "accuracy: scene is required (oncollide accuracy --help)");
+        throw Error(ErrorKind::usage, "accuracy: a scene is required (oncollide accuracy --help)");
     const std::string& word = options.scene.scene; // a misspelt subcommand ends up here
     if (const std::string hint = did_you_mean(word, {"fuzz", "study"}); !hint.empty() && !is_scene_file(word))
         if (std::ranges::find(catalogue(), word, &CatalogueEntry::name) == catalogue().end())
@@ -215,7 +215,7 @@ int accuracy(const AccuracyOptions& options)
         backend = judge(scene, options, variants);
         if (options.count > 1 && before() > faults) say("FAULT      first seen with --seed {}\n", *one.seed);
     }
-    say("scene      {}{}; FCL judges every {}frame, {} bounds per frame and variant against its distances\n"
+    say("scene      {}{}; compared with FCL in every {}frame, with {} bounds per frame and variant\n"
         "settings   {}\n{}\n",
         printable(name), options.count > 1 ? fmt::format(", {} seeds", options.count) : "",
         options.every > 1 ? fmt::format("{}-th ", options.every) : "", options.samples,
@@ -235,7 +235,7 @@ int accuracy(const AccuracyOptions& options)
 void add_accuracy(Arguments app)
 {
     Arguments sub = app.add_command(
-        "accuracy", "Check the results of a scene against FCL: collisions missed, false positives, bounds");
+        "accuracy", "Check the results of a scene against FCL: missed collisions, false positives, bounds");
     auto options = std::make_shared<AccuracyOptions>();
     // Not marked as required: CLI11 would then take a subcommand's name for the scene.
     sub.add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")

@@ -155,7 +155,7 @@ void draw_false_positives(OutputFile& file, const Study& study)
     std::vector<std::string> columns;
     for (std::size_t k = 0; k < false_positive_bins; ++k)
         columns.push_back(fmt::format("{}-{} %", 10 * k, 10 * (k + 1)));
-    draw_bars(file, "true distance of the false positives over their bound", columns, rows);
+    draw_bars(file, "true distance of the false positives relative to their bound", columns, rows);
 }
 
 } // namespace oncollide::tools

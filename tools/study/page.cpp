@@ -59,7 +59,7 @@ void write_summary(OutputFile& file, const Study& study)
         (row.variant.certified() ? missed : lost) += row.missed;
         broken += row.broken, invented += row.invented;
     }
-    paragraph(file, fmt::format("{} bodies, {} frames, {} collisions. A body's size is {:.3g} m in the median.",
+    paragraph(file, fmt::format("{} bodies, {} frames, {} collisions. The median size of a body is {:.3g} m.",
                                 grouped(study.bodies), grouped(std::uint64_t(study.frames)), grouped(study.colliding),
                                 study.size));
     if (study.faulty())

@@ -75,7 +75,7 @@ int bench_planner(const PlannerOptions& options)
     const std::string fixed_name = given ? stem(options.meshes[0]) : "terrain",
                       moving_name = given ? stem(options.meshes[1]) : "knot";
     const std::vector<MeshQuery> queries = sample(fixed, moving, std::size_t(options.poses), options.seed);
-    say("{}fixed      {} triangles\nmoving     {} triangles\nposes      {}, seed {}\n\n", describe_program("planner"),
+    say("{}static     {} triangles\nmoving     {} triangles\nposes      {}, seed {}\n\n", describe_program("planner"),
         grouped(fixed.triangles.size()), grouped(moving.triangles.size()), grouped(queries.size()), options.seed);
 
     auto from = Clock::now();

@@ -168,7 +168,7 @@ void SceneReport::print_rounds() const
         mean_count(rounds, n), mean_count(rows, rounds), first.trees.rounds,
         mean_count(first.trees.rows, first.trees.rounds));
     if (first.trees.gpu_bytes)
-        say("  GPU        {:.3f} ms of its time per frame, {:.3f} ms waiting for it, {} bytes moved, {} queries; the "
+        say("  GPU        {:.3f} ms GPU time per frame, {:.3f} ms waiting for it, {} bytes moved, {} queries; the "
             "first "
             "frame: {:.3f}, {:.3f}, {}, {}\n",
             gpu_ms / double(n), wait_ms / double(n), mean_count(bytes, n), mean_count(queries, n), first.gpu_ms,
