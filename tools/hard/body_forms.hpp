@@ -15,7 +15,7 @@ struct PairTruth {
     bool fcl_collide = false;
 };
 
-/// The settings that a form applies to: all settings, those with meshes as surfaces, or those with insides.
+/// The settings that a form applies to: all settings, settings with meshes as surfaces, or settings with insides.
 enum class FormFor { all, surfaces, solids };
 
 /// A case in one of its forms, with the truth.
