@@ -248,9 +248,10 @@ void add_check(Arguments app)
            "write each pair of triangles or cells that meet, with its position and normals, as CSV; not with --exact "
            "off")
         .type_name("FILE.csv");
-    sub.add_option("--distance", options->distance,
-                   "also print lower and upper bounds of the distance of two meshes or terrains, at most this far "
-                   "apart, in metres; 0: as close as double precision allows")
+    sub.add_option(
+           "--distance", options->distance,
+           "also print the distance of two meshes or terrains as two bounds that differ by at most M metres; 0: as "
+           "close as double precision allows")
         .type_name("M");
     sub.add_flag("--quiet", options->quiet, "print only errors; the exit code is the result");
     sub.footer("Exit codes: 0 separate, 1 colliding, 2 within or undecided, 64 and above: error.\n"

@@ -131,18 +131,18 @@ void add_pipeline_options(Arguments command, SettingsOptions& o)
         .type_name("N");
     command
         .add_option("--node-budget", o.node_budget,
-                    "most nodes (cells) in all trees together, e.g. 2M; 0: no limit (default)")
+                    "limit on the nodes (cells) of all trees together, e.g. 2M; 0: none (default)")
         .type_name("N");
     command
-        .add_option(
-            "--memory-budget", o.memory_budget,
-            "most bytes in all trees together, e.g. 64M; 0: no limit (default). A quarter of it, 1 to 16 MiB, is for "
-            "temporary buffers")
+        .add_option("--memory-budget", o.memory_budget,
+                    "limit on the bytes of all trees together, e.g. 64M; 0: none (default). A quarter of it, 1 to 16 "
+                    "MiB, is for temporary buffers")
         .type_name("BYTES");
     command
-        .add_option("--resident", o.resident,
-                    "most bytes of cooked meshes in memory, e.g. 64M; 0: no limit (default). Changes a result only if "
-                    "a single pair needs more")
+        .add_option(
+            "--resident", o.resident,
+            "limit on the bytes of cooked meshes in memory, e.g. 64M; 0: none (default). Changes a result only if "
+            "a single pair needs more")
         .type_name("BYTES");
     command
         .add_option("--look-ahead", o.look_ahead,
@@ -193,7 +193,7 @@ void add_cache_options(Arguments command, CacheOptions& o)
         .type_name("DIR");
     command
         .add_option("--cache-size", o.bytes,
-                    "most bytes in the folder; the least recently used files are removed, never the newest (default "
+                    "limit on the folder's bytes; the least recently used files are removed, never the newest (default "
                     "4G)")
         .type_name("BYTES");
 }

@@ -154,7 +154,7 @@ int accuracy_study(const StudyOptions& o)
     const Study study = play_study(workload, variants, peers, o.warm_up, o.repeats);
     const std::string about = fmt::format(
         "workload   {}; {} frames, {} of them to warm up, least of {} {}; all variants{} in alternation\n"
-        "truth      exact integers on the triangles of every two bodies whose AABBs overlap, long double for "
+        "truth      exact integers on the triangles of all pairs of bodies whose AABBs overlap, long double for "
         "distances;\n"
         "           extended precision on convex sets for shapes and maps\n"
         "settings   {}\n{}",
@@ -238,7 +238,7 @@ void add_accuracy_study(Arguments accuracy)
         sub.remove_option(replaced);
     const Option poses = add_study_options(sub, *options);
     sub.footer(
-        "The truth is exact arithmetic on the triangles of every two bodies whose AABBs overlap, without any tree,\n"
+        "The truth is exact arithmetic on the triangles of all pairs of bodies whose AABBs overlap, without any tree,\n"
         "traversal or predicate of the library. Columns:\n"
         "  error     the largest certified bound of a pair left over: no such pair is farther apart\n"
         "  x FCL     speed relative to FCL, from mean times\n"
