@@ -145,7 +145,7 @@ void check_styles(const std::string& list)
         if (std::ranges::find(mesh_file_styles, name, &MeshFileStyle::name) != mesh_file_styles.end()) continue;
         std::vector<std::string_view> known;
         for (const MeshFileStyle& style : mesh_file_styles) known.push_back(style.name);
-        usage(fmt::format("--styles: unknown style '{}'{}", name, valid_names(name, known, "there are")));
+        usage(fmt::format("--styles: unknown style '{}'{}", name, valid_names(name, known, "valid")));
     }
 }
 

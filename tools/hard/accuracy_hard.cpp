@@ -59,7 +59,7 @@ public:
         for (const std::string& name : chosen_)
             if (std::find(known_.begin(), known_.end(), name) == known_.end())
                 usage(fmt::format("--family: unknown family '{}'{}", name,
-                                  valid_names(name, {known_.begin(), known_.end()}, "there are")));
+                                  valid_names(name, {known_.begin(), known_.end()}, "valid")));
         take_part(shard_from(options.shard));
     }
     bool operator()(const std::string& name) const

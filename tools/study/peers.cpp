@@ -69,7 +69,7 @@ std::vector<PeerKind> peers_from_names(const std::string& list)
         const auto at = std::ranges::find(all_kinds(), name, &PeerKind::name);
         if (at == all_kinds().end())
             throw Error(ErrorKind::usage,
-                        fmt::format("--peers {}: unknown peer{}", name, valid_names(name, names, "there are")));
+                        fmt::format("--peers {}: unknown peer{}", name, valid_names(name, names, "valid")));
         if (std::ranges::find(chosen, name, &PeerKind::name) == chosen.end()) chosen.push_back(*at);
     }
     return chosen;

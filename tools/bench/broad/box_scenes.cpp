@@ -222,7 +222,7 @@ BoxScene make_box_scene(std::string_view name, std::size_t count, std::uint64_t 
     if (std::find(std::begin(scene_names), std::end(scene_names), name) == std::end(scene_names))
         throw Error(ErrorKind::usage,
                     fmt::format("unknown scene '{}' of boxes{}, or a recording FILE.aabbs", name,
-                                valid_names(name, {std::begin(scene_names), std::end(scene_names)}, "there are")));
+                                valid_names(name, {std::begin(scene_names), std::end(scene_names)}, "valid")));
     if (count < 1 || count > most_boxes)
         throw Error(ErrorKind::usage, fmt::format("{} boxes: must be from 1 to {}", count, most_boxes));
     BoxScene scene = make(name, count, seed);

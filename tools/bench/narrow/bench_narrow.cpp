@@ -25,7 +25,7 @@ std::vector<NarrowQuery> parse_queries(const std::string& list)
         const auto found = std::find(query_names.begin(), query_names.end(), part);
         if (found == query_names.end())
             usage(fmt::format("--query {}: unknown query{}", part,
-                              valid_names(part, {query_names.begin(), query_names.end()}, "there are")));
+                              valid_names(part, {query_names.begin(), query_names.end()}, "valid")));
         wanted[std::size_t(found - query_names.begin())] = true;
     }
     std::vector<NarrowQuery> queries;
