@@ -131,8 +131,8 @@ void add_merge(Arguments app)
     sub.footer("Example:\n"
                "  for i in 1 2 3 4; do oncollide run city --shard $i/4 --csv part$i.csv & done; wait\n"
                "  oncollide merge part*.csv --out city.csv\n"
-               "The result is byte for byte the file that 'oncollide run city --csv city.csv' writes. For GNU\n"
-               "parallel and Slurm see docs/many-processes.md.");
+               "The result is byte for byte the file that 'oncollide run city --csv city.csv' writes. See\n"
+               "docs/many-processes.md for GNU parallel and Slurm.");
     sub.action([options] { return merge(options->out, options->parts); });
 }
 
