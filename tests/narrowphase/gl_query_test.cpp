@@ -9,7 +9,7 @@
 #include "narrowphase/geometry_surface.hpp"
 #include "octant_truth.hpp"
 
-namespace oncollide {
+namespace oncollide::gl_query_test {
 namespace {
 
 using Primitives = GlQueryOptions::Primitives;
@@ -272,4 +272,4 @@ TEST(GlQuery, RefusesOptionsThatMakeNoSense)
 }
 
 } // namespace
-} // namespace oncollide
+} // namespace oncollide::gl_query_test

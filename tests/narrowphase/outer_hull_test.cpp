@@ -11,7 +11,7 @@
 
 #include "random_pose.hpp"
 
-namespace oncollide {
+namespace oncollide::outer_hull_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -112,4 +112,4 @@ TEST(OuterHull, ShowsNearlyTheDistanceOfConvexMeshes)
 }
 
 } // namespace
-} // namespace oncollide
+} // namespace oncollide::outer_hull_test

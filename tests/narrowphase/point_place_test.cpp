@@ -14,7 +14,7 @@
 #include "mesh_parts.hpp"
 #include "random_pose.hpp"
 
-namespace oncollide {
+namespace oncollide::point_place_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -199,4 +199,4 @@ TEST(PointLocation, IsTheSameAtEveryScaleAndOffset)
 }
 
 } // namespace
-} // namespace oncollide
+} // namespace oncollide::point_place_test

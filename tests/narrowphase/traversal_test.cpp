@@ -17,7 +17,7 @@
 
 #include "random_pose.hpp"
 
-namespace oncollide {
+namespace oncollide::traversal_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -573,4 +573,4 @@ TEST(TriangleDistance, IsThatOfTheNearestPoints)
 }
 
 } // namespace
-} // namespace oncollide
+} // namespace oncollide::traversal_test

@@ -13,7 +13,7 @@
 
 #include "hard/triangle_families.hpp"
 
-namespace oncollide {
+namespace oncollide::triangle_kernel_test {
 namespace {
 
 struct Kernel {
@@ -290,4 +290,4 @@ INSTANTIATE_TEST_SUITE_P(TriangleKernel, EveryFamilyInEights, testing::ValuesIn(
                          [](const auto& family) { return test_name(family.param); });
 
 } // namespace
-} // namespace oncollide
+} // namespace oncollide::triangle_kernel_test

@@ -8,7 +8,7 @@
 #include <oncollide/scenes/catalogue/catalogue.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
-namespace oncollide::tools {
+namespace oncollide::tools::contract_test {
 namespace {
 
 struct Variant {
@@ -325,4 +325,4 @@ TEST(Contract, ThreadsCoherenceAgeingAndBroadPhaseDoNotChangeTheHash)
 }
 
 } // namespace
-} // namespace oncollide::tools
+} // namespace oncollide::tools::contract_test

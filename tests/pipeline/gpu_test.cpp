@@ -5,7 +5,7 @@
 #include <oncollide/pipeline/pipeline.hpp>
 #include <oncollide/scenes/catalogue/catalogue.hpp>
 
-namespace oncollide {
+namespace oncollide::gpu_test {
 namespace {
 
 Scene many(int bodies)
@@ -182,4 +182,4 @@ TEST(Gpu, AutoTakesTheCpuRatherThanASoftwareRendererAndSaysSo)
 }
 
 } // namespace
-} // namespace oncollide
+} // namespace oncollide::gpu_test

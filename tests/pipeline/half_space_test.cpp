@@ -9,7 +9,7 @@
 #include "every_kind.hpp"
 #include "random_pose.hpp"
 
-namespace oncollide {
+namespace oncollide::half_space_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -122,4 +122,4 @@ TEST(HalfSpaces, AlongTheAxesArePairsOnlyOfWhatReachesTheirPlane)
 }
 
 } // namespace
-} // namespace oncollide
+} // namespace oncollide::half_space_test

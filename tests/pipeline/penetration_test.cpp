@@ -8,7 +8,7 @@
 
 #include "random_pose.hpp"
 
-namespace oncollide {
+namespace oncollide::penetration_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -148,4 +148,4 @@ TEST(Penetration, RefusesWhatHasNoTriangles)
 }
 
 } // namespace
-} // namespace oncollide
+} // namespace oncollide::penetration_test

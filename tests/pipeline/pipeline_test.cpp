@@ -9,7 +9,7 @@
 
 #include "count_allocations.hpp"
 
-namespace oncollide {
+namespace oncollide::pipeline_test {
 namespace {
 
 Scene many(int bodies)
@@ -268,4 +268,4 @@ TEST(Pipeline, FollowsEveryKindOfChangeAsIfMadeAnew)
 }
 
 } // namespace
-} // namespace oncollide
+} // namespace oncollide::pipeline_test

@@ -15,7 +15,7 @@
 
 #include "random_pose.hpp"
 
-namespace oncollide {
+namespace oncollide::predicates_test {
 namespace {
 
 std::vector<TrianglePair> brute_force(const Mesh& a, const Mesh& b, const Eigen::Isometry3d& pose_a,
@@ -257,4 +257,4 @@ TEST(MeshQueries, RefuseWhatMakesNoSense)
 }
 
 } // namespace
-} // namespace oncollide
+} // namespace oncollide::predicates_test

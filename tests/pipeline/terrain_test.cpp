@@ -9,7 +9,7 @@
 
 #include "random_pose.hpp"
 
-namespace oncollide {
+namespace oncollide::terrain_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -267,4 +267,4 @@ TEST(Terrain, ContactsAreThoseOfTheMesh)
 }
 
 } // namespace
-} // namespace oncollide
+} // namespace oncollide::terrain_test

@@ -16,7 +16,7 @@
 #include "allocations.hpp"
 #include "random_pose.hpp"
 
-namespace oncollide {
+namespace oncollide::world_test {
 namespace {
 
 Mesh knot()
@@ -465,4 +465,4 @@ TEST(Meshes, AreTestedInOneLine)
 }
 
 } // namespace
-} // namespace oncollide
+} // namespace oncollide::world_test

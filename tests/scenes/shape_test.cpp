@@ -13,7 +13,7 @@
 #include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/motion.hpp>
 
-namespace oncollide {
+namespace oncollide::shape_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -259,4 +259,4 @@ TEST(Shape, ImpossibleDimensionsAreNamed)
 }
 
 } // namespace
-} // namespace oncollide
+} // namespace oncollide::shape_test

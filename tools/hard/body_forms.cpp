@@ -56,7 +56,7 @@ Isometry3d between(const Isometry3d& a, const Isometry3d& b)
     return at(a.linear().transpose() * (b.translation() - a.translation()), a.linear().transpose() * b.linear());
 }
 
-BodyForm moved(BodyForm form, const char* name, const Isometry3d& motion)
+BodyForm moved_form(BodyForm form, const char* name, const Isometry3d& motion)
 {
     form.name = name, form.exact = true;
     for (std::size_t k = 0; k < form.poses_b.size(); ++k) {
@@ -97,8 +97,8 @@ std::vector<BodyForm> forms_of(const BodyCase& c)
                                 swapped(plain),
                                 reordered(plain, FormFor::surfaces),
                                 reordered(plain, FormFor::solids),
-                                moved(plain, "turned by axes", at({0, 0, 0}, quarter)),
-                                moved(plain, "moved", at(by, turn_by(2, {3, 1, -2})))};
+                                moved_form(plain, "turned by axes", at({0, 0, 0}, quarter)),
+                                moved_form(plain, "moved", at(by, turn_by(2, {3, 1, -2})))};
     forms.back().exact = false;
     for (BodyForm& form : forms) find_truth(form);
     return forms;

@@ -3,13 +3,13 @@
 namespace oncollide::tools {
 namespace {
 
-struct Place {
+struct Lane {
     ObbTree::Node node;
     unsigned lane;
     bool single;
 };
 
-void add_boxes(const ObbTree& tree, ObbTree::Node index, std::vector<Place>& places,
+void add_boxes(const ObbTree& tree, ObbTree::Node index, std::vector<Lane>& places,
                std::vector<CoveringVolume>& volumes)
 {
     OpenBoxes boxes;
@@ -31,7 +31,7 @@ void add_boxes(const ObbTree& tree, ObbTree::Node index, std::vector<Place>& pla
 std::vector<std::vector<CoveringVolume>> box_levels(ObbTree& tree, std::size_t most)
 {
     std::vector<std::vector<CoveringVolume>> levels(1);
-    std::vector<Place> places, next;
+    std::vector<Lane> places, next;
     add_boxes(tree, ObbTree::root, places, levels.back());
     for (;;) {
         next.clear();
