@@ -111,28 +111,28 @@ std::uint64_t spread(std::uint64_t x)
     return (x | x << 2) & 0x1249249249249249;
 }
 
-struct Keyed {
+struct SortItem {
     std::uint64_t key;
     Item item;
 };
 
 /// Stable sort by 48 bits of the key, 12 bits at a time.
-void radix_sort(std::vector<Keyed>& items, std::vector<Keyed>& scratch, int threads)
+void radix_sort(std::vector<SortItem>& items, std::vector<SortItem>& scratch, int threads)
 {
     constexpr std::size_t digits = 4096, most_shares = 16;
     const std::size_t shares = std::clamp<std::size_t>(static_cast<std::size_t>(threads), 1, most_shares);
     std::vector<std::array<std::uint32_t, digits>> next(shares);
     scratch.resize(items.size());
     for (int shift = 0; shift < 48; shift += 12) {
-        const auto digit = [&](const Keyed& k) { return k.key >> shift & (digits - 1); };
+        const auto digit = [&](const SortItem& k) { return k.key >> shift & (digits - 1); };
         const auto share_of = [&](std::size_t s) {
             const std::size_t begin = items.size() * s / shares, end = items.size() * (s + 1) / shares;
-            return std::span<const Keyed>(items).subspan(begin, end - begin);
+            return std::span<const SortItem>(items).subspan(begin, end - begin);
         };
         parallel_chunks(shares, 1, threads, [&](std::size_t first, std::size_t last, int) {
             for (std::size_t s = first; s < last; ++s) {
                 next[s].fill(0);
-                for (const Keyed& k : share_of(s)) ++next[s][digit(k)];
+                for (const SortItem& k : share_of(s)) ++next[s][digit(k)];
             }
         });
         std::uint32_t sum = 0;
@@ -140,7 +140,7 @@ void radix_sort(std::vector<Keyed>& items, std::vector<Keyed>& scratch, int thre
             for (std::size_t s = 0; s < shares; ++s) sum += std::exchange(next[s][d], sum);
         parallel_chunks(shares, 1, threads, [&](std::size_t first, std::size_t last, int) {
             for (std::size_t s = first; s < last; ++s)
-                for (const Keyed& k : share_of(s)) scratch[next[s][digit(k)]++] = k;
+                for (const SortItem& k : share_of(s)) scratch[next[s][digit(k)]++] = k;
         });
         items.swap(scratch);
     }
@@ -148,7 +148,7 @@ void radix_sort(std::vector<Keyed>& items, std::vector<Keyed>& scratch, int thre
 
 void order_octree(const std::vector<std::span<Item>>& runs, int threads)
 {
-    std::vector<Keyed> keyed, scratch;
+    std::vector<SortItem> keyed, scratch;
     for (std::span<Item> run : runs) {
         const Extent extent(run);
         const float size = extent.along(extent.longest_axis());
@@ -163,7 +163,7 @@ void order_octree(const std::vector<std::span<Item>>& runs, int threads)
             keyed.push_back({key, item});
         }
         if (run.size() < 4096)
-            std::stable_sort(keyed.begin(), keyed.end(), [](const Keyed& a, const Keyed& b) { return a.key < b.key; });
+            std::stable_sort(keyed.begin(), keyed.end(), [](const SortItem& a, const SortItem& b) { return a.key < b.key; });
         else
             radix_sort(keyed, scratch, threads);
         for (std::size_t i = 0; i < run.size(); ++i) run[i] = keyed[i].item;

@@ -61,9 +61,9 @@ bool encloses(const Mesh& mesh, const Vector3d& point)
 }
 
 /// Cells of a grid around a mesh, with their distance in layers from the surface, and the cells outside.
-class Grid {
+class SampleGrid {
 public:
-    explicit Grid(const Mesh& mesh)
+    explicit SampleGrid(const Mesh& mesh)
     {
         // Cells along the longest side: few for a mesh with few vertices, for which a fine grid would take most of the
         // time.
@@ -186,7 +186,7 @@ void InnerSpheres::add_enclosed(const Mesh& mesh)
         Vector3d centre;
         int depth;
     };
-    const Grid grid(mesh);
+    const SampleGrid grid(mesh);
     std::vector<Cell> cells;
     grid.each_enclosed([&](const Vector3d& centre, int depth) { cells.push_back({centre, depth}); });
     std::ranges::stable_sort(cells, [](const Cell& a, const Cell& b) { return a.depth > b.depth; });

@@ -196,6 +196,10 @@ TEST(ConvexHull, CoversGeneratedAndRealMeshes)
         expect_hull(mesh.vertices, hull, 1e-13 * mesh.bounds.diagonal());
         expect_outward_and_closed(mesh.vertices, hull);
     }
+}
+
+TEST(ConvexHull, HoldsScannedMeshesOfTheDataFolder)
+{
     if (test::data_folder().empty()) GTEST_SKIP() << "skipped: no data";
     for (const char* name :
          {"poses/bunny_5110.obj", "meshes/bunny_69k.obj", "meshes/teapot.obj", "meshes/beetle.obj"}) {

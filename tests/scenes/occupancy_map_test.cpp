@@ -398,7 +398,7 @@ TEST(OccupancyMap, TakesScansInAsOctoMapDoes)
     }
 }
 
-TEST(OccupancyMap, ReadsAScannedBuilding)
+TEST(OccupancyMap, ReadsAScannedBuildingOfTheDataFolder)
 {
     const auto data = test::data_folder();
     if (data.empty()) GTEST_SKIP() << "skipped: no data";
