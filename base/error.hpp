@@ -2,8 +2,6 @@
 #include <stdexcept>
 #include <string>
 
-#include <oncollide/base/printable.hpp>
-
 namespace oncollide {
 
 /// The kind of an error. The values are the exit codes of the command line (after BSD sysexits).
@@ -21,7 +19,7 @@ enum class ErrorKind : int {
 /// Thrown at load or creation only, never half-way through a frame.
 class Error : public std::runtime_error {
 public:
-    Error(ErrorKind kind, const std::string& message) : std::runtime_error(printable(message)), kind_(kind) {}
+    Error(ErrorKind kind, const std::string& message);
     ErrorKind kind() const { return kind_; }
 
 private:

@@ -6,11 +6,10 @@
 #include <utility>
 #include <vector>
 
-#if defined(__linux__)
-#include <sys/mman.h>
-#endif
-
 namespace oncollide {
+
+/// Asks the system for huge pages in this memory: a hint, which it may refuse.
+void advise_huge_pages(void* memory, std::size_t bytes);
 
 /// Allocator for memory with random access: large blocks use huge pages if the system grants them, which reduces TLB
 /// misses.
@@ -29,9 +28,7 @@ struct LargeAllocator {
         const std::size_t bytes = count * sizeof(T);
         if (!large(count)) return static_cast<T*>(::operator new(bytes));
         void* memory = ::operator new (bytes, std::align_val_t{huge_page});
-#if defined(__linux__)
-        madvise(memory, bytes, MADV_HUGEPAGE); // a hint: may be refused
-#endif
+        advise_huge_pages(memory, bytes);
         return static_cast<T*>(memory);
     }
     void deallocate(T* memory, std::size_t count)
@@ -59,13 +56,11 @@ template <class T>
 void reserve_large(std::vector<T>& vector, std::size_t count)
 {
     vector.reserve(count);
-#if defined(__linux__)
     constexpr std::size_t huge_page = LargeAllocator<T>::huge_page;
     const std::size_t begin = reinterpret_cast<std::uintptr_t>(vector.data());
     const std::size_t first = (begin + huge_page - 1) / huge_page * huge_page,
                       last = (begin + count * sizeof(T)) / huge_page * huge_page;
-    if (first < last) madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE); // a hint
-#endif
+    if (first < last) advise_huge_pages(reinterpret_cast<void*>(first), last - first);
 }
 
 /// push_back() that grows with reserve_large(), for vectors of unknown final size.

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/base/error.hpp>
+
 namespace oncollide {
 
 namespace {
@@ -69,5 +71,7 @@ std::string printable_lines(std::string_view text)
 {
     return escape(text, true);
 }
+
+Error::Error(ErrorKind kind, const std::string& message) : std::runtime_error(printable(message)), kind_(kind) {}
 
 } // namespace oncollide

@@ -5,12 +5,14 @@
 #       SOURCES kd_tree.cpp ...
 #       DEPENDS scenes               lower modules only
 #       LINK    Qhull::qhull_r)      private third-party libraries
+#   SAMPLES: headers of generated geometry and scenes, which only users of oncollide::samples see
 #   FOLDER: where its headers are, if not in the folder of its name
 #
 # A module can include its own headers and the headers of modules that it depends on, as <oncollide/MODULE/x.hpp>, and
 # no others: each module's folder is linked into a separate include tree under cmake/include, so an upward include does
 # not compile, and an editor follows every include in a fresh clone (compile_flags.txt).
 
+set(ONCOLLIDE_SAMPLES_INCLUDE ${CMAKE_INSTALL_INCLUDEDIR}/oncollide-samples)
 set(ONCOLLIDE_LAYERS base scenes files broadphase narrowphase pipeline) # bottom first; none depends on files
 
 # Eigen aligns its types for the processor's widest registers, so a program compiled with -march=native would use other
@@ -44,7 +46,7 @@ if(TARGET nlohmann_json::nlohmann_json) # tests/builds/portable has no modules
 endif()
 
 function(oncollide_add_module name)
-  cmake_parse_arguments(arg "" "FOLDER" "HEADERS;SOURCES;DEPENDS;LINK" ${ARGN})
+  cmake_parse_arguments(arg "" "FOLDER" "HEADERS;SAMPLES;SOURCES;DEPENDS;LINK" ${ARGN})
   if(NOT arg_FOLDER)
     set(arg_FOLDER ${name})
   endif()
@@ -82,6 +84,10 @@ function(oncollide_add_module name)
   foreach(header IN LISTS arg_HEADERS)
     get_filename_component(folder ${header} DIRECTORY)
     install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/oncollide/${arg_FOLDER}/${folder})
+  endforeach()
+  foreach(header IN LISTS arg_SAMPLES)
+    get_filename_component(folder ${header} DIRECTORY)
+    install(FILES ${header} DESTINATION ${ONCOLLIDE_SAMPLES_INCLUDE}/oncollide/${arg_FOLDER}/${folder})
   endforeach()
 endfunction()
 

@@ -2,10 +2,7 @@
 #include <cstdint>
 #include <filesystem>
 
-#include <oncollide/scenes/cooked/cooked_format.hpp>
-#include <oncollide/scenes/model/mesh.hpp>
-#include <oncollide/scenes/model/occupancy_map.hpp>
-#include <oncollide/scenes/model/terrain.hpp>
+#include <oncollide/scenes/geometry.hpp>
 
 namespace oncollide {
 

@@ -16,6 +16,12 @@ namespace oncollide {
 
 class CookedMesh;
 
+/// The size of a cooked file.
+struct CookedSize {
+    std::uint64_t bytes = 0;
+    std::uint32_t chunks = 0;
+};
+
 /// The last alternative is a mesh in a cooked file, which is read in parts as tests need them
 /// (scenes/cooked/cooked_mesh.hpp).
 using GeometryData = std::variant<Mesh, Shape, OccupancyMap, Terrain, std::shared_ptr<const CookedMesh>>;

@@ -9,6 +9,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/large_vector.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
+#include <oncollide/scenes/recording.hpp>
 
 namespace oncollide {
 

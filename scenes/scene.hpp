@@ -12,9 +12,10 @@
 #include <oncollide/scenes/geometry.hpp>
 #include <oncollide/scenes/ids.hpp>
 #include <oncollide/scenes/motion.hpp>
-#include <oncollide/scenes/recording.hpp>
 
 namespace oncollide {
+
+class Recording;
 
 /// Arguments of add_body.
 struct BodyInit {

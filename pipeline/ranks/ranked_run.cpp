@@ -6,6 +6,7 @@
 
 #include <oncollide/pipeline/report_kept.hpp>
 #include <oncollide/pipeline/result_hash.hpp>
+#include <oncollide/scenes/recording.hpp>
 
 namespace oncollide {
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include <oncollide/pipeline/ranks/body_record.hpp>
+#include <oncollide/scenes/recording.hpp>
 #include <oncollide/scenes/scene.hpp>
 
 namespace oncollide {

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include <oncollide/base/function_ref.hpp>
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/narrowphase/inside/point_location.hpp>
 #include <oncollide/pipeline/model_store.hpp>

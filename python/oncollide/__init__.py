@@ -1,6 +1,6 @@
 """oncollide finds which bodies of a large environment collide, frame by frame, at a certified accuracy.
 
-Geometries are made by mesh(), load_mesh(), sphere(), terrain(), load_map() and others. A World holds bodies and finds the
+Geometries are made by mesh(), load(), sphere(), terrain() and others. A World holds bodies and finds the
 pairs that collide; Queries test many pairs at many poses at once. Lengths are metres, angles radians.
 """
 
@@ -23,6 +23,7 @@ from ._core import (
     ellipsoid,
     half_space,
     hills,
+    load,
     load_map,
     load_mesh,
     load_terrain,

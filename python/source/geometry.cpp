@@ -3,8 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/base/printable.hpp>
 #include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
@@ -53,6 +55,12 @@ GeometryHandle mesh_file(py::handle file, py::handle scale, py::handle fit_diago
     if (options.scale != 1 || options.fit_diagonal != 0 || options.centre)
         refuse_value({call, "on_demand"}, "scale, fit_diagonal and centre cannot change a mesh that stays in its file");
     return made_without_lock(from, [&] { return std::make_shared<const CookedMesh>(from); });
+}
+
+GeometryHandle any_file(py::handle file)
+{
+    const std::string from = path(file, {"load", "path"});
+    return made_without_lock(from, [&] { return std::move(load_geometry(from)->data); });
 }
 
 void cook(py::handle made, py::handle file)
@@ -184,6 +192,11 @@ A triangle mesh from arrays, which are copied.
 vertices: (V, 3) numbers, metres, finite and at most 1e15. faces: (F, 3) whole numbers, rows of `vertices`, F >= 1.
 name: used in messages. Raises TypeError or ValueError for arrays of another type or shape, Error for an index out of
 range or a vertex that is not finite. Cost: 10 ns per triangle.)");
+    m.def("load", &any_file, "path"_a, R"(load(path)
+--
+
+A mesh, a map or a terrain from a file of any format, by its extension. A cooked file is read on demand. load_mesh,
+load_map and load_terrain have options. Raises Error for a file that is missing or not valid.)");
     m.def("load_mesh", &mesh_file, "path"_a, "scale"_a = 1.0, "fit_diagonal"_a = 0.0, "centre"_a = false,
           "on_demand"_a = false, R"(load_mesh(path, scale=1.0, fit_diagonal=0.0, centre=False, on_demand=False)
 --

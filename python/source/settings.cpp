@@ -6,6 +6,8 @@
 
 #include "bindings.hpp"
 
+#include <oncollide/base/printable.hpp>
+
 namespace oncollide::python {
 
 namespace {

@@ -1,6 +1,8 @@
 // Changes of a World's occupancy maps.
 #include "held_world.hpp"
 
+#include <oncollide/base/printable.hpp>
+
 namespace oncollide::python {
 
 namespace {

@@ -16,10 +16,6 @@ constexpr const char* name_of(CookedKind kind)
 {
     return kind == CookedKind::mesh ? "mesh" : kind == CookedKind::terrain ? "terrain" : "map";
 }
-struct CookedSize {
-    std::uint64_t bytes = 0;
-    std::uint32_t chunks = 0;
-};
 
 enum class CookedTopology : std::uint32_t { unknown = 0, open = 1, closed = 2 };
 

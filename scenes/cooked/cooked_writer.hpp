@@ -8,6 +8,7 @@
 #include <oncollide/base/aabb.hpp>
 #include <oncollide/base/large_vector.hpp>
 #include <oncollide/scenes/cooked/cooked_file.hpp>
+#include <oncollide/scenes/geometry.hpp>
 
 namespace oncollide {
 

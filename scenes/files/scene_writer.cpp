@@ -7,6 +7,7 @@
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/scenes/files/geometry_recipe.hpp>
 #include <oncollide/scenes/files/scene_pose.hpp>
+#include <oncollide/scenes/recording.hpp>
 
 namespace oncollide {
 

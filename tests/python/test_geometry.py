@@ -143,7 +143,10 @@ def test_files_become_geometries(tmp_path):
     assert os.fsencode(oncollide.load_mesh(os.fsdecode(odd)).name) == odd
     np.save(tmp_path / "h.npy", np.arange(12.0).reshape(3, 4))
     assert np.array_equal(oncollide.load_terrain(str(tmp_path / "h.npy"), spacing=2).bounds, [[0, 0, 0], [6, 4, 11]])
-    for load, name in [(oncollide.load_mesh, "b.obj"), (oncollide.load_map, "b.bt"), (oncollide.load_terrain, "b.pgm")]:
+    for file, kind in [("a.obj", "mesh"), ("h.npy", "terrain")]:
+        assert oncollide.load(tmp_path / file).kind == kind
+    loads = [(oncollide.load_mesh, "b.obj"), (oncollide.load_map, "b.bt"), (oncollide.load_terrain, "b.pgm")]
+    for load, name in loads + [(oncollide.load, "c" + name[1:]) for _, name in loads]:
         with pytest.raises(oncollide.Error, match=name) as caught:
             load(tmp_path / name)
         assert caught.value.kind == "no_input"
@@ -174,6 +177,7 @@ def test_cooked_files_stay_where_they_are_and_give_the_same_results(tmp_path):
         file = tmp_path / f"{source.kind}.cooked"
         oncollide.cook(source, file)
         cooked = load[source.kind](file)
+        assert oncollide.load(file).kind == source.kind
         assert cooked.kind == source.kind and np.array_equal(cooked.bounds, source.bounds)
         pairs = play(source)
         assert any(p[2] == Verdict.COLLIDING for p in pairs[0]), source

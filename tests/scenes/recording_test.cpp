@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <oncollide/scenes/recording.hpp>
+
 #include "same_scene.hpp"
 #include "test_files.hpp"
 #ifdef ONCOLLIDE_HDF5

@@ -21,9 +21,7 @@
 #include <oncollide/base/printable.hpp>
 #include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
-#include <oncollide/scenes/files/mesh_file.hpp>
-#include <oncollide/scenes/files/terrain_file.hpp>
-#include <oncollide/scenes/model/occupancy_map.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 
 namespace oncollide::tools {
 namespace {
@@ -55,29 +53,12 @@ Eigen::Isometry3d parse_pose(const std::string& option, const std::string& text,
     return pose;
 }
 
-GeometryId add_cooked(Scene& scene, const std::string& name, const std::string& path)
-{
-    switch (cooked_kind(path)) {
-    case CookedKind::terrain:
-        return scene.add(name, load_terrain(path));
-    case CookedKind::map:
-        return scene.add(name, load_octomap(path));
-    default:
-        return scene.add(name, std::make_shared<const CookedMesh>(path));
-    }
-}
-
 GeometryId add_file(Scene& scene, const std::string& name, const std::string& path, const MeshReading& cache)
 {
-    const std::string extension = lower_extension(path);
-    if (extension == ".bt" || extension == ".ot") return scene.add(name, load_octomap(path));
-    if (std::ranges::count(terrain_extensions(), extension.substr(extension.empty() ? 0 : 1)))
-        return scene.add(name, load_terrain(path));
-    if (extension == ".cooked") return add_cooked(scene, name, path);
-    if (cache.cooked)
+    if (cache.cooked && kind_of_file(path) == FileKind::mesh)
         if (const auto cooked = cache.cooked(path, {}))
             return scene.add(name, std::make_shared<const CookedMesh>(*cooked));
-    return scene.add(name, load_mesh(path));
+    return scene.add(name, std::move(load_geometry(path)->data));
 }
 
 Scene load_pair(const CheckOptions& options)

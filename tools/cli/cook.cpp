@@ -18,6 +18,7 @@
 #include <oncollide/base/printable.hpp>
 #include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 #include <oncollide/scenes/files/terrain_file.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
@@ -39,11 +40,16 @@ struct CookOptions {
 
 CookedKind kind_of(const CookOptions& options)
 {
-    const std::string extension = lower_extension(options.mesh);
-    if (extension == ".cooked") usage(fmt::format("cook: {} is cooked already", options.mesh));
-    if (extension == ".bt" || extension == ".ot") return CookedKind::map;
-    const bool heights = !extension.empty() && std::ranges::count(terrain_extensions(), extension.substr(1)) > 0;
-    return heights ? CookedKind::terrain : CookedKind::mesh;
+    switch (kind_of_file(options.mesh)) {
+    case FileKind::cooked:
+        usage(fmt::format("cook: {} is cooked already", options.mesh));
+    case FileKind::map:
+        return CookedKind::map;
+    case FileKind::terrain:
+        return CookedKind::terrain;
+    default:
+        return CookedKind::mesh;
+    }
 }
 
 void check_options(const CookOptions& options, CookedKind kind)

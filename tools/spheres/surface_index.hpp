@@ -3,6 +3,7 @@
 #include <limits>
 #include <vector>
 
+#include <oncollide/base/function_ref.hpp>
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 

@@ -14,6 +14,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/near_word.hpp>
 #include <oncollide/base/output_file.hpp>
+#include <oncollide/base/printable.hpp>
 #include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
 #include <oncollide/scenes/catalogue/catalogue.hpp>
 

@@ -10,6 +10,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/output_file.hpp>
+#include <oncollide/base/printable.hpp>
 #include <oncollide/pipeline/result_hash.hpp>
 
 #include "bench/bench.hpp"

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/scenes/recording.hpp>
+
 namespace oncollide::tools {
 namespace {
 

@@ -11,6 +11,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/parallel.hpp>
+#include <oncollide/base/printable.hpp>
 
 namespace oncollide::tools {
 namespace {

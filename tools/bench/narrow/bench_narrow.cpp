@@ -10,6 +10,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/near_word.hpp>
+#include <oncollide/base/printable.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 

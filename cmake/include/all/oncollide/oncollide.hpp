@@ -1,0 +1,9 @@
+// The headers of a first program: Worlds and their results, queries of two meshes, shapes and files. Further headers:
+// docs/architecture.md.
+#pragma once
+#include <oncollide/base/error.hpp>
+#include <oncollide/pipeline/mesh_queries.hpp>
+#include <oncollide/pipeline/world.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
+#include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/files/terrain_file.hpp>
