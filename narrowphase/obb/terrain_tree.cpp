@@ -343,7 +343,7 @@ TerrainTree::Range TerrainTree::range(std::uint32_t level, std::uint32_t x, std:
 void TerrainTree::cell_ranges(const Node& node, Range (&ranges)[8]) const
 {
     const double zero = centre_.z() - terrain_.origin().z();
-    terrain_.with_heights([&](auto height) {
+    TerrainAccess::with_heights(terrain_, [&](auto height) {
         float z[3][5];
         for (std::uint32_t j = 0; j < 3; ++j)
             for (std::uint32_t i = 0; i < 5; ++i) {
@@ -448,7 +448,7 @@ LaneMasks TerrainTree::open(const Node& node, const BoxPlacement* placement, Ope
         if (from >= last) return false;
         const auto at = [&](std::uint64_t line) {
             const auto l = static_cast<std::uint32_t>(std::min<std::uint64_t>(line, last));
-            return (axis ? terrain_.y(l) : terrain_.x(l)) - origin[axis];
+            return (axis ? TerrainAccess::y(terrain_, l) : TerrainAccess::x(terrain_, l)) - origin[axis];
         };
         centre[axis][place] = static_cast<float>(0.5 * (at(from) + at(to)));
         half[axis][place] = static_cast<float>(0.5 * (at(to) - at(from)));
@@ -513,13 +513,13 @@ void TerrainTree::open_cells(const Node& node, const Eigen::Vector3d& from, Terr
     std::uint32_t columns[5], rows[3];
     for (std::uint32_t i = 0; i < 5; ++i) {
         columns[i] = std::min(node.x + i, terrain_.cells_x());
-        cells.x[i] = static_cast<float>(terrain_.x(columns[i]) - from.x());
+        cells.x[i] = static_cast<float>(TerrainAccess::x(terrain_, columns[i]) - from.x());
     }
     for (std::uint32_t j = 0; j < 3; ++j) {
         rows[j] = std::min(node.y + j, terrain_.cells_y());
-        cells.y[j] = static_cast<float>(terrain_.y(rows[j]) - from.y());
+        cells.y[j] = static_cast<float>(TerrainAccess::y(terrain_, rows[j]) - from.y());
     }
-    terrain_.with_heights([&](auto height) {
+    TerrainAccess::with_heights(terrain_, [&](auto height) {
         for (std::uint32_t j = 0; j < 3; ++j)
             for (std::uint32_t i = 0; i < 5; ++i)
                 cells.z[j][i] = static_cast<float>(height(columns[i], rows[j]) - zero);

@@ -11,7 +11,7 @@
 #include <oncollide/narrowphase/obb/hierarchy.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 #include <oncollide/scenes/cooked/cooked_terrain.hpp>
-#include <oncollide/scenes/model/terrain.hpp>
+#include <oncollide/scenes/model/terrain_access.hpp>
 
 namespace oncollide {
 
@@ -91,7 +91,7 @@ public:
     {
         TrianglePoints points;
         const auto corners = terrain_.corners(triangle);
-        for (std::size_t k = 0; k < 3; ++k) points[k] = terrain_.point(corners[k].column, corners[k].row);
+        for (std::size_t k = 0; k < 3; ++k) points[k] = TerrainAccess::point(terrain_, corners[k].column, corners[k].row);
         return points;
     }
     const Terrain& terrain() const { return terrain_; }

@@ -6,6 +6,7 @@
 #include <span>
 
 #include <oncollide/scenes/model/box_corners.hpp>
+#include <oncollide/scenes/model/map_box.hpp>
 
 namespace oncollide {
 
@@ -90,7 +91,7 @@ void with_corners(Model& body, auto work)
     if (body.map()) {
         MapTree& cells = body.cells();
         return work(cells, [&](const MapCell& cell, auto take) {
-            for (unsigned k = 0; k < 8; ++k) take(corner_of(cells.map().box(cell), k));
+            for (unsigned k = 0; k < 8; ++k) take(corner_of(box_in(cells.map(), cell), k));
         });
     }
     if (body.terrain()) {

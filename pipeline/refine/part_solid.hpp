@@ -7,6 +7,7 @@
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/shapes/outward_normal.hpp>
 #include <oncollide/narrowphase/shapes/shape_tree.hpp>
+#include <oncollide/scenes/model/map_box.hpp>
 
 namespace oncollide {
 
@@ -30,7 +31,7 @@ public:
         : corners_(tree.points(triangle)), solid_(convex_of(corners_)), flat_(true)
     {
     }
-    PartSolid(const MapTree& tree, const MapCell& cell) : solid_(convex_of(tree.map().box(cell))) {}
+    PartSolid(const MapTree& tree, const MapCell& cell) : solid_(convex_of(box_in(tree.map(), cell))) {}
     PartSolid(const ShapeTree& tree, std::uint32_t) : solid_(tree.shape()) {}
     PartSolid(const PartSolid&) = delete; // the solid may refer to the corners
     PartSolid& operator=(const PartSolid&) = delete;

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/scenes/model/map_box.hpp>
 #include <oncollide/scenes/model/map_change.hpp>
 
 namespace oncollide {
@@ -23,6 +24,20 @@ OccupancyMap::OccupancyMap(const std::string& name, CellTree cells, double resol
     check_resolution(name, resolution);
     set_bounds(cell_bounds_);
     if (empty()) throw Error(ErrorKind::bad_data, name + ": no cell of the map is occupied");
+}
+
+Aabb OccupancyMap::box(const MapCell& cube) const
+{
+    return box_in(*this, cube);
+}
+
+CellBox OccupancyMap::cells_touching(const Aabb& box) const
+{
+    const auto cell = [](const Eigen::Array3d& at) -> Eigen::Vector3i {
+        return at.max(-4.0 * CellTree::side).min(4.0 * CellTree::side).cast<int>();
+    };
+    const double scale = 1 / resolution_;
+    return {cell((box.min.array() * scale - 1e-9).floor()), cell((box.max.array() * scale + 1e-9).ceil())};
 }
 
 void OccupancyMap::set_bounds(const CellBox& cells)

@@ -35,21 +35,9 @@ public:
     const Aabb& bounds() const { return bounds_; }
     const CellBox& cell_bounds() const { return cell_bounds_; } ///< bounds() in cells
     /// The box of a cube of cells, clipped to the bounds.
-    Aabb box(const MapCell& cube) const
-    {
-        const Eigen::Array3d low(cube.x, cube.y, cube.z);
-        return {(low * resolution_).max(bounds_.min.array()),
-                ((low + cube.side) * resolution_).min(bounds_.max.array())};
-    }
+    Aabb box(const MapCell& cube) const;
     /// Cells that touch the box; may include cells that nearly touch it.
-    CellBox cells_touching(const Aabb& box) const
-    {
-        const auto cell = [](const Eigen::Array3d& at) -> Eigen::Vector3i {
-            return at.max(-4.0 * CellTree::side).min(4.0 * CellTree::side).cast<int>();
-        };
-        const double scale = 1 / resolution_;
-        return {cell((box.min.array() * scale - 1e-9).floor()), cell((box.max.array() * scale + 1e-9).ceil())};
-    }
+    CellBox cells_touching(const Aabb& box) const;
     /// Calls visit(cube) for the occupied cubes that touch the box, in the octree's order, until visit returns false;
     /// then returns false.
     template <class Visit>

@@ -10,6 +10,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/large_vector.hpp>
 #include <oncollide/scenes/cooked/cooked_terrain.hpp>
+#include <oncollide/scenes/model/terrain_access.hpp>
 
 namespace oncollide {
 
@@ -320,6 +321,26 @@ void Terrain::find_bounds()
     bounds_ = {};
     bounds_.add(Eigen::Vector3d(x(least_.column), y(least_.row), origin_.z() + low_ - error_));
     bounds_.add(Eigen::Vector3d(x(greatest_.column), y(greatest_.row), origin_.z() + high_ + error_));
+}
+
+double Terrain::height(std::uint32_t column, std::uint32_t row) const
+{
+    return TerrainAccess::height(*this, column, row);
+}
+
+double Terrain::x(std::uint32_t column) const
+{
+    return TerrainAccess::x(*this, column);
+}
+
+double Terrain::y(std::uint32_t row) const
+{
+    return TerrainAccess::y(*this, row);
+}
+
+Eigen::Vector3d Terrain::point(std::uint32_t column, std::uint32_t row) const
+{
+    return TerrainAccess::point(*this, column, row);
 }
 
 double Terrain::height_in_chunk(std::uint32_t column, std::uint32_t row) const

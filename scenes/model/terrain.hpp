@@ -62,17 +62,10 @@ public:
     std::size_t bytes() const;
 
     /// NaN: a hole.
-    double height(std::uint32_t column, std::uint32_t row) const
-    {
-        if (chunks_) return height_in_chunk(column, row);
-        return std::visit([&](const auto& samples) { return height(samples, column, row); }, samples_);
-    }
-    double x(std::uint32_t column) const { return origin_.x() + column * spacing_.x(); }
-    double y(std::uint32_t row) const { return origin_.y() + row * spacing_.y(); }
-    Eigen::Vector3d point(std::uint32_t column, std::uint32_t row) const
-    {
-        return {x(column), y(row), origin_.z() + height(column, row)};
-    }
+    double height(std::uint32_t column, std::uint32_t row) const;
+    double x(std::uint32_t column) const;
+    double y(std::uint32_t row) const;
+    Eigen::Vector3d point(std::uint32_t column, std::uint32_t row) const;
     bool has_cell(std::uint32_t x, std::uint32_t y) const;
     bool mixed_diagonals() const { return mixed_; }
     CellDiagonal diagonal(std::uint32_t x, std::uint32_t y) const
@@ -95,17 +88,6 @@ public:
     void read_row(std::uint32_t row, double zero, Number* out) const;
     /// Whether each of the cells_x() cells of row y is present.
     void read_cells(std::uint32_t y, std::vector<bool>& there) const;
-    /// Calls work(decode), where decode(column, row) is height(): chooses the storage type once for several heights.
-    template <class Work>
-    void with_heights(Work work) const
-    {
-        if (chunks_) return work([&](std::uint32_t column, std::uint32_t row) { return height_in_chunk(column, row); });
-        std::visit(
-            [&](const auto& samples) {
-                work([&](std::uint32_t column, std::uint32_t row) { return height(samples, column, row); });
-            },
-            samples_);
-    }
 
     /// The chunks of a terrain in a cooked file, which are read on first use, so that access may throw ChunkFault;
     /// null: the whole terrain is in memory.
@@ -113,6 +95,7 @@ public:
 
 private:
     friend class TerrainBuilder;
+    friend struct TerrainAccess;
     friend class TerrainChunks;
     friend class CookedTerrain;
     friend Terrain centred(Terrain terrain);
@@ -129,19 +112,6 @@ private:
             return static_cast<std::int32_t>(static_cast<std::uint32_t>(base) + (q << shift));
         }
     };
-    template <class Sample>
-    double height(const LargeVector<Sample>& samples, std::uint32_t column, std::uint32_t row) const
-    {
-        const std::size_t number = std::size_t(row / tile) * tiles_x_ + column / tile;
-        const Sample q = samples[number * (tile * tile) + row % tile * tile + column % tile];
-        if constexpr (std::is_floating_point_v<Sample>) {
-            return q;
-        } else {
-            if (q == std::numeric_limits<Sample>::max()) return std::numeric_limits<double>::quiet_NaN();
-            const Tile& t = tiles_[number];
-            return unit_ * static_cast<double>(t.at(q));
-        }
-    }
 
     Terrain() = default;
 
