@@ -24,7 +24,8 @@ target_compile_definitions(oncollide_flags INTERFACE ${ONCOLLIDE_EIGEN_LAYOUT})
 target_compile_features(oncollide_flags INTERFACE cxx_std_20)
 # No contraction: every path and every optimisation level must compute the same bits. No straight-line vectoriser: GCC
 # 12's omits the rounding of double -> float -> double, on which the bounds rely.
-target_compile_options(oncollide_flags INTERFACE -Wall -Wextra -Wpedantic $<$<NOT:$<BOOL:${ONCOLLIDE_DEMO}>>:-Wshadow> -ffp-contract=off -fno-tree-slp-vectorize
+# In large units -Wshadow would warn of names of other files.
+target_compile_options(oncollide_flags INTERFACE -Wall -Wextra -Wpedantic $<$<NOT:$<OR:$<BOOL:${ONCOLLIDE_DEMO}>,$<BOOL:$<TARGET_PROPERTY:ONCOLLIDE_LARGE_UNITS>>>>:-Wshadow> -ffp-contract=off -fno-tree-slp-vectorize
                        $<$<CONFIG:Debug>:-DONCOLLIDE_ASSERTIONS>)
 
 # Precompiles the headers that nearly every unit includes: Eigen alone takes three seconds. A header must not depend on
