@@ -163,7 +163,8 @@ void order_octree(const std::vector<std::span<Item>>& runs, int threads)
             keyed.push_back({key, item});
         }
         if (run.size() < 4096)
-            std::stable_sort(keyed.begin(), keyed.end(), [](const SortItem& a, const SortItem& b) { return a.key < b.key; });
+            std::stable_sort(keyed.begin(), keyed.end(),
+                             [](const SortItem& a, const SortItem& b) { return a.key < b.key; });
         else
             radix_sort(keyed, scratch, threads);
         for (std::size_t i = 0; i < run.size(); ++i) run[i] = keyed[i].item;

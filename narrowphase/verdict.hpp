@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <limits>
 #include <string_view>
 
 namespace oncollide {
@@ -33,5 +34,21 @@ constexpr std::string_view name_of(ContactKind kind)
     constexpr std::string_view names[] = {"unknown", "near", "touching", "crossing", "enclosed"};
     return names[static_cast<int>(kind)];
 }
+
+/// The certified result for one pair.
+struct Finding {
+    double bound = std::numeric_limits<double>::infinity(); ///< metres. separate: lower bound on the distance; within,
+                                                            ///< undecided: upper bound on it; colliding: 0
+    Verdict verdict = Verdict::undecided;
+    ContactKind kind = ContactKind::unknown; ///< touching and crossing only if Settings::contact_kinds or
+                                             ///< ignore_touching requests them
+
+    constexpr Finding() = default;
+    constexpr Finding(Verdict found, ContactKind of_kind, double certified)
+        : bound(certified), verdict(found), kind(of_kind)
+    {
+    }
+    friend constexpr bool operator==(const Finding&, const Finding&) = default;
+};
 
 } // namespace oncollide

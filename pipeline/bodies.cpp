@@ -7,7 +7,8 @@ namespace oncollide {
 
 void BodyChanges::clear()
 {
-    for (auto* list : {&removed, &added_dynamic, &added_static, &moved, &made_static, &made_dynamic, &fresh}) list->clear();
+    for (auto* list : {&removed, &added_dynamic, &added_static, &moved, &made_static, &made_dynamic, &fresh})
+        list->clear();
 }
 
 void Bodies::mark(std::uint32_t slot, std::uint8_t how)
@@ -53,7 +54,8 @@ std::uint32_t Bodies::add(const Init& body)
     ++filters_version_;
     if (body.user || user(slot)) set_user(slot, body.user);
     any_group_ |= body.group != 0;
-    state_[slot] = static_cast<std::uint8_t>((state_[slot] & ~static_bit) | alive_bit | (body.is_static ? static_bit : 0));
+    state_[slot] =
+        static_cast<std::uint8_t>((state_[slot] & ~static_bit) | alive_bit | (body.is_static ? static_bit : 0));
     ++size_, dynamic_ += !body.is_static;
     mark(slot, fresh_bit);
     return slot;
@@ -63,13 +65,12 @@ void Bodies::remove(std::uint32_t slot)
 {
     --size_, dynamic_ -= !is_static(slot);
     state_[slot] = static_cast<std::uint8_t>(state_[slot] & ~(alive_bit | static_bit));
-    if (generation_.size() <= slot) generation_.resize(slots());
-    ++generation_[slot];
+    if (removed_.size() <= slot) removed_.resize(slots());
     if (const auto found = partners_.find(slot); found != partners_.end()) {
         for (std::uint32_t other : found->second) excluded_.erase(key(slot, other));
         partners_.erase(found);
     }
-    free_.push_back(slot);
+    if (++removed_[slot] < last_generation) free_.push_back(slot);
     mark(slot, fresh_bit);
 }
 
@@ -113,7 +114,8 @@ void Bodies::exclude(std::uint32_t a, std::uint32_t b)
 
 void Bodies::include(std::uint32_t a, std::uint32_t b)
 {
-    excluded_.erase(key(a, b));
+    if (excluded_.erase(key(a, b)) == 0) return;
+    std::erase(partners_[a], b), std::erase(partners_[b], a);
 }
 
 void Bodies::take_changes(BodyChanges& changes)
@@ -131,8 +133,8 @@ void Bodies::take_changes(BodyChanges& changes)
             if (state & moved_bit) changes.moved.push_back(slot);
             if (is_static != was_static) (is_static ? changes.made_static : changes.made_dynamic).push_back(slot);
         }
-        state_[slot] =
-            static_cast<std::uint8_t>(!alive ? 0 : alive_bit | known_bit | (is_static ? static_bit | known_static_bit : 0));
+        state_[slot] = static_cast<std::uint8_t>(
+            !alive ? 0 : alive_bit | known_bit | (is_static ? static_bit | known_static_bit : 0));
     }
     changed_.clear();
 }
@@ -162,13 +164,13 @@ void update_boxes(Bodies& bodies, const BodyChanges& changes, bool tight, int th
 
 std::size_t Bodies::bytes() const
 {
-    return state_.capacity() +
-           (generation_.capacity() + layers_.capacity() + masks_.capacity() + groups_.capacity() + free_.capacity() +
-            changed_.capacity() + model_of_.capacity()) *
+    return state_.capacity() + removed_.capacity() * sizeof(std::uint16_t) +
+           (layers_.capacity() + masks_.capacity() + groups_.capacity() + free_.capacity() + changed_.capacity() +
+            model_of_.capacity()) *
                sizeof(std::uint32_t) +
            poses_.capacity() * sizeof(Eigen::Isometry3d) +
            (user_.capacity() + travel_.capacity()) * sizeof(std::uint64_t) + boxes_.capacity() * sizeof(Aabb) +
-           excluded_.size() * 40;
+           excluded_.size() * 40 + 2 * excluded_.size() * sizeof(std::uint32_t);
 }
 
 } // namespace oncollide

@@ -36,6 +36,9 @@ public:
         bool is_static;
     };
 
+    /// @param world  the tag of the World in its ids
+    explicit Bodies(std::uint16_t world) : world_(world) {}
+
     void reserve(std::size_t slots);
     std::uint32_t add(const Init& body); ///< returns the slot
     void remove(std::uint32_t slot);
@@ -56,8 +59,8 @@ public:
     std::uint32_t slots() const { return static_cast<std::uint32_t>(state_.size()); }
     std::uint32_t size() const { return size_; } ///< bodies
     bool alive(std::uint32_t slot) const { return slot < state_.size() && (state_[slot] & alive_bit); }
-    bool valid(BodyId id) const { return alive(id.slot) && generation(id.slot) == id.generation; }
-    BodyId id(std::uint32_t slot) const { return {slot, generation(slot)}; }
+    bool valid(BodyId id) const { return alive(id.slot) && this->id(id.slot) == id; }
+    BodyId id(std::uint32_t slot) const { return {slot, generation(slot), world_}; }
     bool is_static(std::uint32_t slot) const { return state_[slot] & static_bit; }
     std::uint32_t dynamic() const { return dynamic_; } ///< bodies that are not static
 
@@ -109,7 +112,11 @@ private:
     {
         return a < b ? std::uint64_t{a} << 32 | b : std::uint64_t{b} << 32 | a;
     }
-    std::uint32_t generation(std::uint32_t slot) const { return slot < generation_.size() ? generation_[slot] : 0; }
+    /// Generations begin at 1.
+    std::uint16_t generation(std::uint32_t slot) const
+    {
+        return static_cast<std::uint16_t>(1 + (slot < removed_.size() ? removed_[slot] : 0));
+    }
     void mark(std::uint32_t slot, std::uint8_t how);
     void note_model(std::uint32_t slot, Model* model, ModelId id);
     struct UsedModel {
@@ -118,9 +125,9 @@ private:
     };
 
     std::vector<std::uint8_t> state_;
-    std::vector<std::uint32_t> generation_; ///< 0 beyond its end
-    std::vector<UsedModel> models_;         ///< by model slot
-    std::vector<std::uint32_t> model_of_;   ///< slot in models_
+    std::vector<std::uint16_t> removed_;  ///< bodies that the slot held before; 0 beyond its end
+    std::vector<UsedModel> models_;       ///< by model slot
+    std::vector<std::uint32_t> model_of_; ///< slot in models_
     std::vector<Eigen::Isometry3d> poses_;
     std::vector<std::uint32_t> layers_, masks_, groups_;
     std::vector<std::uint64_t> user_; ///< 0 beyond its end
@@ -131,6 +138,7 @@ private:
     std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> partners_; ///< by slot: all bodies it was ever
                                                                              ///< excluded from
     std::uint32_t size_ = 0, dynamic_ = 0;
+    const std::uint16_t world_;
     bool any_group_ = false;
     std::uint64_t filters_version_ = 1; ///< grows when a layer, a mask or a group changes
 };

@@ -11,7 +11,7 @@ namespace {
 /// Updates the world AABBs of changed bodies: tight, or if skipped around bounding spheres.
 class BoundsStage final : public Stage {
 public:
-    std::string_view name() const override { return "bounds"; }
+    StageId id() const override { return StageId::bounds; }
     std::string_view unit() const override { return "bodies"; }
     void run(Bodies& bodies, Frame& frame, StageStats& stats) override { update(bodies, frame, true, stats); }
     void skip(Bodies& bodies, Frame& frame, StageStats& stats) override { update(bodies, frame, false, stats); }
@@ -28,7 +28,7 @@ private:
 class DelimitationStage final : public Stage {
 public:
     explicit DelimitationStage(BroadPhase& broad) : broad_(broad) {}
-    std::string_view name() const override { return "delimitation"; }
+    StageId id() const override { return StageId::delimitation; }
     std::string_view unit() const override { return "bodies"; }
     std::string_view reason_to_skip(const Bodies& bodies, const Frame& frame) const override
     {
@@ -58,7 +58,7 @@ private:
 class BroadStage final : public Stage {
 public:
     explicit BroadStage(BroadPhase& broad) : broad_(broad) {}
-    std::string_view name() const override { return "broad"; }
+    StageId id() const override { return StageId::broad; }
     std::string_view unit() const override { return "pairs"; }
 
     void run(Bodies& bodies, Frame& frame, StageStats& stats) override
@@ -83,7 +83,8 @@ public:
         for (std::size_t i = 0; i < survivors_.size(); ++i)
             for (std::size_t j = i + 1; j < survivors_.size(); ++j) {
                 const std::uint32_t a = survivors_[i], b = survivors_[j];
-                if (!(bodies.is_static(a) && bodies.is_static(b)) && columns.allows(a, b)) frame.pairs.push_back({a, b});
+                if (!(bodies.is_static(a) && bodies.is_static(b)) && columns.allows(a, b))
+                    frame.pairs.push_back({a, b});
             }
         leave(bodies, frame);
         count(bodies, frame, survivors_.size(), stats);

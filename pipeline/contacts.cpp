@@ -30,12 +30,12 @@ struct TwoTrees {
 
 } // namespace
 
-CollideResult collide(const Mesh& a, const Eigen::Isometry3d& pose_a, const Mesh& b, const Eigen::Isometry3d& pose_b)
+Finding collide(const Mesh& a, const Eigen::Isometry3d& pose_a, const Mesh& b, const Eigen::Isometry3d& pose_b)
 {
     TwoTrees trees(a, pose_a, b, pose_b);
     Traversal walk;
     const auto [meeting, bound] = walk.first_meeting(trees.a, trees.b, RelativePose(pose_a, pose_b));
-    return {meeting ? Verdict::colliding : Verdict::separate, bound};
+    return {meeting ? Verdict::colliding : Verdict::separate, ContactKind::unknown, bound};
 }
 
 Distance distance(const Mesh& a, const Eigen::Isometry3d& pose_a, const Mesh& b, const Eigen::Isometry3d& pose_b,

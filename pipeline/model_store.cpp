@@ -8,8 +8,8 @@
 
 namespace oncollide {
 
-ModelStore::ModelStore(const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
-    : settings_(settings), backend_(std::move(backend)), chunks_(settings.resident_budget)
+ModelStore::ModelStore(const Settings& settings, std::unique_ptr<OcclusionBackend> backend, std::uint16_t world)
+    : settings_(settings), world_(world), backend_(std::move(backend)), chunks_(settings.resident_budget)
 {
 }
 
@@ -34,7 +34,7 @@ ModelId ModelStore::add(std::shared_ptr<const Geometry> geometry)
     free_.pop_back();
     slots_[slot].model = make_model(std::move(geometry), 2 * slot);
     ++size_;
-    return {slot, slots_[slot].generation};
+    return id(slot);
 }
 
 void ModelStore::drop(Model& model)
@@ -66,8 +66,7 @@ void ModelStore::remove(ModelId id)
 {
     drop(*slots_[id.slot].model);
     slots_[id.slot].model.reset(), slots_[id.slot].own.reset();
-    ++slots_[id.slot].generation;
-    free_.push_back(id.slot);
+    if (slots_[id.slot].generation++ < last_generation) free_.push_back(id.slot);
     --size_;
 }
 

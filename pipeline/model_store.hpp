@@ -21,7 +21,8 @@ namespace oncollide {
 class ModelStore {
 public:
     /// Keeps a reference to the settings.
-    ModelStore(const Settings& settings, std::unique_ptr<OcclusionBackend> backend);
+    /// @param world  the tag of the World in its ids
+    ModelStore(const Settings& settings, std::unique_ptr<OcclusionBackend> backend, std::uint16_t world = 0);
 
     ModelId add(std::shared_ptr<const Geometry> geometry);
     /// Gives the model another geometry; drops all data derived from the old one.
@@ -29,10 +30,10 @@ public:
     /// The model's geometry, to be changed and passed to replace(): a copy, unless the store already owns one.
     std::shared_ptr<Geometry> own(ModelId id);
     void remove(ModelId id);
-    bool valid(ModelId id) const
-    {
-        return id.slot < slots_.size() && slots_[id.slot].model && slots_[id.slot].generation == id.generation;
-    }
+    bool valid(ModelId id) const { return id.slot < slots_.size() && slots_[id.slot].model && this->id(id.slot) == id; }
+    ModelId id(std::uint32_t slot) const { return {slot, slots_[slot].generation, world_}; }
+    std::size_t slots() const { return slots_.size(); }
+    bool alive(std::size_t slot) const { return slot < slots_.size() && slots_[slot].model; }
     Model& operator[](ModelId id) { return *slots_[id.slot].model; }
     const Model& operator[](ModelId id) const { return *slots_[id.slot].model; }
     std::size_t size() const { return size_; }
@@ -100,7 +101,7 @@ private:
     struct Slot {
         std::unique_ptr<Model> model;  ///< null: free
         std::shared_ptr<Geometry> own; ///< the model's geometry, if it is the store's own copy
-        std::uint32_t generation = 0;
+        std::uint16_t generation = 1;
     };
     /// Upper bounds on the size of trees.
     struct Room {
@@ -128,6 +129,7 @@ private:
     std::unique_ptr<Model> make_model(std::shared_ptr<const Geometry> geometry, std::uint32_t number);
 
     const Settings& settings_;
+    const std::uint16_t world_;
     std::unique_ptr<OcclusionBackend> backend_;
     BoxTotals boxes_; ///< of the OBB trees that read no chunks
     // Model::number is 2 * slot for a model with a slot and odd for a transient model: backends index arrays by number.

@@ -11,14 +11,16 @@ namespace {
 /// The result of a pair of which only the boxes are known.
 PairResult undecided(const Bodies& bodies, BodyPair pair)
 {
-    return {bodies.id(pair.a), bodies.id(pair.b),    Verdict::undecided,
-            ocst_stage_index,  ContactKind::unknown, farthest_apart(bodies.boxes()[pair.a], bodies.boxes()[pair.b])};
+    return {{Verdict::undecided, ContactKind::unknown, farthest_apart(bodies.boxes()[pair.a], bodies.boxes()[pair.b])},
+            StageId::refine,
+            bodies.id(pair.a),
+            bodies.id(pair.b)};
 }
 
 /// Runs one level on some of the frame's results and updates them.
 class LevelRun {
 public:
-    LevelRun(const Settings& settings, ModelStore& models, Level level, std::uint8_t stage)
+    LevelRun(const Settings& settings, ModelStore& models, Level level, StageId stage)
         : level_(settings, models, level), stage_(stage)
     {
     }
@@ -34,7 +36,7 @@ public:
         const std::uint32_t a = result.a.slot, b = result.b.slot;
         tasks_.push_back({number, &bodies.model(a), &bodies.model(b), &bodies.pose(a), &bodies.pose(b),
                           bodies.travel(a) + bodies.travel(b)});
-        refined_.push_back({result.verdict, result.kind, result.bound});
+        refined_.push_back(result);
     }
     void run(Frame& frame, StageStats& stats)
     {
@@ -42,8 +44,8 @@ public:
         stats.in = tasks_.size();
         for (std::size_t i = 0; i < tasks_.size(); ++i) {
             PairResult& result = frame.results[tasks_[i].number];
-            const RefineResult& refined = refined_[i];
-            result.verdict = refined.verdict, result.kind = refined.kind, result.bound = refined.bound;
+            const Finding& refined = refined_[i];
+            static_cast<Finding&>(result) = refined;
             if (level_.decided(i)) {
                 result.stage = stage_;
                 stats.undecided += refined.verdict == Verdict::undecided;
@@ -54,19 +56,19 @@ public:
 
 private:
     Narrowing level_;
-    std::uint8_t stage_;
+    StageId stage_;
     std::vector<PairTask> tasks_;
-    std::vector<RefineResult> refined_;
+    std::vector<Finding> refined_;
 };
 
 /// Refines down to the requested error, with sphere-trees or the OBB trees of meshes. OBB trees lead on to triangles,
 /// so if predicates decide, this stage passes such pairs on to the exact level.
-class OcstStage final : public Stage {
+class RefineStage final : public Stage {
 public:
-    OcstStage(const Settings& settings, ModelStore& models) : level_(settings, models, Level::refine, ocst_stage_index)
+    RefineStage(const Settings& settings, ModelStore& models) : level_(settings, models, Level::refine, StageId::refine)
     {
     }
-    std::string_view name() const override { return "ocst"; }
+    StageId id() const override { return StageId::refine; }
     std::string_view unit() const override { return "pairs"; }
     std::string_view reason_to_skip(const Bodies&, const Frame& frame) const override
     {
@@ -111,10 +113,8 @@ private:
 /// Decides the remaining pairs: by predicates, or by FCL where FCL confirms the result.
 class ExactStage final : public Stage {
 public:
-    ExactStage(const Settings& settings, ModelStore& models) : level_(settings, models, Level::exact, exact_stage_index)
-    {
-    }
-    std::string_view name() const override { return "exact"; }
+    ExactStage(const Settings& settings, ModelStore& models) : level_(settings, models, Level::exact, StageId::exact) {}
+    StageId id() const override { return StageId::exact; }
     std::string_view unit() const override { return "pairs"; }
     std::string_view reason_to_skip(const Bodies&, const Frame& frame) const override
     {
@@ -145,9 +145,9 @@ private:
 
 } // namespace
 
-std::unique_ptr<Stage> make_ocst_stage(const Settings& settings, ModelStore& models)
+std::unique_ptr<Stage> make_refine_stage(const Settings& settings, ModelStore& models)
 {
-    return std::make_unique<OcstStage>(settings, models);
+    return std::make_unique<RefineStage>(settings, models);
 }
 std::unique_ptr<Stage> make_exact_stage(const Settings& settings, ModelStore& models)
 {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
 
 namespace oncollide {
 
@@ -14,12 +13,11 @@ struct Pipeline::Played {
     std::size_t excluded = 0; ///< number of pairs applied
 };
 
-Pipeline::Pipeline(const Scene& scene, const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
-    : world_(settings, std::move(backend)), played_(std::make_unique<Played>())
+Pipeline::Pipeline(const Scene& scene, World world) : world_(std::move(world)), played_(std::make_unique<Played>())
 {
     play(scene);
 }
-Pipeline::Pipeline(const Scene& scene, const Settings& settings) : Pipeline(scene, settings, nullptr) {}
+Pipeline::Pipeline(const Scene& scene, const Settings& settings) : Pipeline(scene, World(settings)) {}
 Pipeline::~Pipeline() = default;
 Pipeline::Pipeline(Pipeline&&) noexcept = default;
 
@@ -41,13 +39,13 @@ void Pipeline::play_geometries(const Scene& scene)
         if (g == known.size())
             world_.add(geometry), known.push_back(geometry);
         else if (known[g] != geometry)
-            world_.replace(ModelId{g}, geometry), known[g] = geometry;
+            world_.replace(world_.model_at(g), geometry), known[g] = geometry;
     }
 }
 
 void Pipeline::add_body(const Scene& scene, std::uint32_t body)
 {
-    world_.add_body({.model = {index(scene.geometry[body])},
+    world_.add_body({.model = model(scene.geometry[body]),
                      .pose = scene.poses[body],
                      .is_static = scene.is_static[body] != 0,
                      .layer = scene.layers[body],
@@ -58,9 +56,9 @@ void Pipeline::add_body(const Scene& scene, std::uint32_t body)
 /// The World ignores values that have not changed.
 void Pipeline::change_body(const Scene& scene, std::uint32_t body)
 {
-    const BodyId id{body};
+    const BodyId id = world_.body_at(body);
     world_.set_pose(id, scene.poses[body]);
-    if (const ModelId model{index(scene.geometry[body])}; world_.model(id) != model) world_.set_model(id, model);
+    if (const ModelId of = model(scene.geometry[body]); world_.model(id) != of) world_.set_model(id, of);
     world_.set_static(id, scene.is_static[body] != 0);
     world_.set_layers(id, scene.layers[body], scene.masks[body]);
     world_.set_group(id, scene.groups[body]);
@@ -78,7 +76,7 @@ void Pipeline::play(const Scene& scene)
         if (scene.changes.reaches(p.changes)) {
             for (const ChangeLog::Change change : scene.changes.since(p.changes)) {
                 if (body = change.body; body >= p.bodies) continue;
-                change.only_pose ? world_.set_pose(BodyId{body}, scene.poses[body]) : change_body(scene, body);
+                change.only_pose ? world_.set_pose(world_.body_at(body), scene.poses[body]) : change_body(scene, body);
             }
         } else {
             for (body = 0; body < p.bodies; ++body) change_body(scene, body);
@@ -95,7 +93,7 @@ void Pipeline::play(const Scene& scene)
     }
     p.changes = scene.changes.now();
     for (; p.excluded < scene.excluded.size(); ++p.excluded)
-        world_.exclude({scene.excluded[p.excluded].a}, {scene.excluded[p.excluded].b});
+        world_.exclude(world_.body_at(scene.excluded[p.excluded].a), world_.body_at(scene.excluded[p.excluded].b));
 }
 
 } // namespace oncollide

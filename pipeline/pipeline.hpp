@@ -12,12 +12,12 @@ namespace oncollide {
 ///     Pipeline pipeline(scene, {.depth = 6});
 ///     for (...) { mover.move(scene, frame); for (const PairResult& pair : pipeline.step(scene).pairs) ... }
 ///
-/// Body i of the scene is BodyId{i} of the World, geometry i its ModelId{i}; geometries are shared, not copied.
+/// Body i of the scene is the body in slot i of the World, geometry i the model in slot i; geometries are shared, not
+/// copied.
 class Pipeline {
 public:
     /// Errors as World's, but bodies have their scene names. Keeps only the geometries of `scene`.
     explicit Pipeline(const Scene& scene, const Settings& settings = {});
-    Pipeline(const Scene& scene, const Settings& settings, std::unique_ptr<OcclusionBackend> backend);
     ~Pipeline();
     Pipeline(Pipeline&&) noexcept;
 
@@ -29,16 +29,17 @@ public:
     World& world() { return world_; }
     const World& world() const { return world_; }
 
-    std::span<const std::string_view> stages() const { return world_.stages(); }
-    std::span<const StageStats> totals() const { return world_.totals(); }
+    BodyId body(SceneBodyId body) const { return world_.body_at(index(body)); }
+    ModelId model(GeometryId geometry) const { return world_.model_at(index(geometry)); }
+
+    std::span<const std::string_view> stages() const { return World::stages(); }
     std::uint64_t hash() const { return world_.hash(); }
-    std::string backend() const { return world_.backend(); }
-    std::string renderer() const { return world_.renderer(); }
-    std::string backend_note() const { return world_.backend_note(); }
+    WorldInfo inspect() const { return world_.inspect(); }
     const Settings& settings() const { return world_.settings(); }
-    const Ocst* tree(GeometryId geometry) const { return world_.tree({index(geometry)}); }
 
 private:
+    friend struct WorldAccess;
+    Pipeline(const Scene& scene, World world);
     struct Played; ///< the parts of the scene that the World already has
     void play(const Scene& scene);
     void play_geometries(const Scene& scene);

@@ -8,6 +8,8 @@
 #include <cmath>
 
 #include <nlohmann/json.hpp>
+#include <oncollide/pipeline/world_access.hpp>
+#include <oncollide/pipeline/settings_table.hpp>
 
 namespace oncollide {
 namespace {
@@ -42,7 +44,7 @@ template <class Quote>
 std::vector<std::string> quote_all(const Scene& scene, Quote quote)
 {
     std::vector<std::string> result;
-    for (std::uint32_t body = 0; body < scene.size(); ++body) result.push_back(quote(scene.label(BodyId{body})));
+    for (std::uint32_t body = 0; body < scene.size(); ++body) result.push_back(quote(scene.label(SceneBodyId{body})));
     return result;
 }
 
@@ -60,15 +62,10 @@ void copy(const Spool& from, OutputFile& to)
 
 std::string settings_json(const Settings& s)
 {
-    std::string skip;
-    for (const std::string& stage : s.skip) skip += (skip.empty() ? "" : ", ") + json_string(stage);
-    return fmt::format(
-        R"({{"depth": {}, "max_error": {}, "clearance": {}, "exact": "{}", "kinds": {}, "ignore_touching": {}, "mode": "{}", "open_as_surface": {}, "backend": "{}", "broad": "{}", "bounding_volume": "{}", )"
-        R"("gpu": {}, "viewport": {}, "threads": {}, "skip": [{}], "age": {}, "node_budget": {}, "memory_budget": {}, "coherence": {}}})",
-        s.depth ? fmt::format("{}", *s.depth) : "null", s.max_error ? number(*s.max_error) : "null",
-        number(s.clearance), name_of(s.exact), s.contact_kinds, s.ignore_touching, name_of(s.mode), s.open_as_surface,
-        name_of(s.backend), name_of(s.broad_phase), name_of(s.bounding_volume), s.gpu, s.viewport, s.threads, skip,
-        s.age_limit, s.node_budget, s.memory_budget, s.coherence);
+    std::string text = "{";
+    for (const SettingRow& row : settings_table())
+        text += fmt::format("{}\"{}\": {}", text.size() > 1 ? ", " : "", row.key, row.get(s));
+    return text + "}";
 }
 
 std::string csv_field(const std::string& text)
@@ -93,7 +90,7 @@ Report::Report(const Scene& scene, const Pipeline& pipeline, const ReportParts& 
     if (parts.json) kept_->json.emplace(Kept::Part{Spool(parts.folder), quote_all(scene, json_string)});
     if (parts.csv) kept_->csv.emplace(Kept::Part{Spool(parts.folder), quote_all(scene, csv_field)});
     if (parts.trace) kept_->trace.emplace(parts.folder);
-    look_at_pipeline();
+    look_at_pipeline(pipeline.inspect().totals);
 }
 
 Report::~Report() = default;
@@ -112,14 +109,16 @@ void Report::add(const FrameView& frame)
     if (kept_->csv) add_csv(frame);
     if (kept_->trace) add_trace(frame, verdicts);
     add_sums(frame);
-    look_at_pipeline();
+    look_at_pipeline(frame.totals);
 }
 
-void Report::look_at_pipeline()
+void Report::look_at_pipeline(std::span<const StageStats> totals)
 {
-    totals_.assign(pipeline_.totals().begin(), pipeline_.totals().end());
     hash_ = pipeline_.hash();
-    backend_ = pipeline_.backend(), renderer_ = pipeline_.renderer(), backend_note_ = pipeline_.backend_note();
+    totals_.assign(totals.begin(), totals.end());
+    const World& world = pipeline_.world();
+    backend_ = WorldAccess::backend(world), renderer_ = WorldAccess::renderer(world);
+    backend_note_ = WorldAccess::backend_note(world);
 }
 
 void Report::add_sums(const FrameView& frame)
@@ -230,7 +229,7 @@ void Report::add_json(const FrameView& f, const Verdicts& verdicts)
     for (const PairResult& pair : f.pairs)
         if (keeps(pair))
             file.print("{}[{}, {}, \"{}\", {}, \"{}\", {}, {}]", std::exchange(comma, ", "), names[index(pair.a)],
-                       names[index(pair.b)], name_of(pair.verdict), number(pair.bound), pipeline_.stages()[pair.stage],
+                       names[index(pair.b)], name_of(pair.verdict), number(pair.bound), name_of(pair.stage),
                        pair.kind == ContactKind::unknown ? "null" : json_string(name_of(pair.kind)),
                        number(pipeline_.world().max_error(pair.a, pair.b)));
     file.print("]}}");
@@ -241,8 +240,8 @@ void Report::add_csv(const FrameView& f)
     auto& [file, names] = *kept_->csv;
     for (const PairResult& pair : f.pairs)
         if (keeps(pair))
-            file.print("{}", csv_row(f.frame, names[index(pair.a)], names[index(pair.b)], pair,
-                                     pipeline_.stages()[pair.stage], pipeline_.world().max_error(pair.a, pair.b)));
+            file.print("{}", csv_row(f.frame, names[index(pair.a)], names[index(pair.b)], pair, name_of(pair.stage),
+                                     pipeline_.world().max_error(pair.a, pair.b)));
 }
 
 void Report::write_csv(const std::filesystem::path& path, std::string_view first_line) const

@@ -72,7 +72,7 @@ private:
     void add_csv(const FrameView& frame);
     void add_trace(const FrameView& frame, const Verdicts& verdicts);
     void add_sums(const FrameView& frame);
-    void look_at_pipeline();
+    void look_at_pipeline(std::span<const StageStats> totals);
     std::string title() const;
     int threads() const; ///< the number that threads = 0 resolves to
     void print_header(OutputFile& file) const;

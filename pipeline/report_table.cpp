@@ -18,7 +18,7 @@ std::string plain_words(std::string_view stage)
     if (stage == "bounds") words = "boxes";
     if (stage == "delimitation") words = "regions";
     if (stage == "broad") words = "pairs of boxes";
-    if (stage == "ocst") words = "refinement";
+    if (stage == "refine") words = "refinement";
     if (stage == "exact") words = "triangles";
     return fmt::format("{} ({})", words, stage);
 }
@@ -57,7 +57,8 @@ namespace {
 std::string pair_text(const Scene& scene, const PairList::Entry& entry, bool one_frame)
 {
     const PairResult& pair = entry.pair;
-    std::string text = fmt::format("'{}' and '{}'", scene.label(pair.a), scene.label(pair.b));
+    std::string text =
+        fmt::format("'{}' and '{}'", scene.label(SceneBodyId{pair.a.slot}), scene.label(SceneBodyId{pair.b.slot}));
     if (pair.kind != ContactKind::unknown) text += fmt::format(", {}", name_of(pair.kind));
     if (pair.verdict == Verdict::undecided) text += ", undecided";
     if (pair.verdict != Verdict::colliding && std::isfinite(pair.bound))

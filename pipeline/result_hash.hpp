@@ -18,7 +18,7 @@ inline void mix(std::uint64_t& hash, const PairResult& pair, bool with_kinds)
 {
     if (pair.verdict == Verdict::separate) return;
     mix(hash, static_cast<std::uint64_t>(pair.a.slot) << 32 | pair.b.slot);
-    mix(hash, static_cast<std::uint64_t>(pair.verdict) << 8 | pair.stage);
+    mix(hash, static_cast<std::uint64_t>(pair.verdict) << 8 | static_cast<std::uint64_t>(pair.stage));
     if (with_kinds) mix(hash, static_cast<std::uint64_t>(pair.kind));
     mix(hash, std::bit_cast<std::uint64_t>(pair.bound));
 }

@@ -5,19 +5,18 @@
 
 #include <oncollide/broadphase/broad_phase.hpp>
 #include <oncollide/narrowphase/verdict.hpp>
+#include <oncollide/pipeline/settings.hpp>
 #include <oncollide/scenes/ids.hpp>
 
 namespace oncollide {
 
-/// One candidate pair at the end of a frame.
-struct PairResult {
-    BodyId a, b; ///< in the order of their slots
-    Verdict verdict;
-    std::uint8_t stage; ///< index into World::stages() of the stage that decided
-    ContactKind kind;   ///< touching and crossing: where Settings::contact_kinds or ignore_touching requests them
-    double bound;       ///< separate: certified lower bound on the distance, perhaps an earlier frame's less what the
-                        ///< bodies can have moved since; within, undecided: certified upper bound; colliding: 0
+/// One candidate pair at the end of a frame. The lower bound of a separate pair may come from an earlier frame: then
+/// the motion of both bodies since that frame is subtracted.
+struct PairResult : Finding {
+    StageId stage = StageId::broad; ///< the stage that decided
+    BodyId a, b;                    ///< a.slot < b.slot
 };
+static_assert(sizeof(PairResult) == 32);
 
 /// Two bodies.
 struct PairOfBodies {
@@ -25,20 +24,20 @@ struct PairOfBodies {
     friend bool operator==(const PairOfBodies&, const PairOfBodies&) = default;
 };
 
-/// Counts of one stage. Summed over frames by World::totals().
+/// Counts of one stage. WorldInfo::totals has the sums over all frames.
 struct StageStats {
     std::string_view stage;
-    std::string_view unit; ///< what is counted: "bodies" or "pairs"
+    std::string_view unit; ///< the unit of the counts: "bodies" or "pairs"
     std::uint64_t frames = 0;
     std::uint64_t in = 0, out = 0, culled = 0, undecided = 0;
     double cpu_ms = 0;     ///< wall time, waiting included
     double gpu_ms = 0;     ///< time of the GPU's own clock
-    double wait_ms = 0;    ///< part of cpu_ms in which the CPU did nothing but wait for the GPU
+    double wait_ms = 0;    ///< part of cpu_ms in which the CPU only waited for the GPU
     bool skipped = false;  ///< left out, by request or because it could not pay for itself
     std::string_view note; ///< why it was skipped; empty otherwise
 };
 
-/// What refinement did in one frame.
+/// Counts of the narrow phase in one frame.
 struct TreeStats {
     std::uint64_t rounds = 0;         ///< batches given to the backend
     std::uint64_t rows = 0;           ///< cells expanded, all rounds
@@ -47,8 +46,8 @@ struct TreeStats {
     std::uint64_t narrowed = 0;       ///< pairs of bodies narrowed down by boxes or exactly: each level counts
     std::uint64_t by_gap = 0;         ///< of these, apart since an earlier frame by a gap that was not used up
     std::uint64_t by_hull = 0;        ///< of these, apart by convex solids around their meshes
-    std::uint64_t by_balls = 0;       ///< of these, meeting by balls within their meshes
-    std::uint64_t by_witness = 0;     ///< of these, decided by what met last
+    std::uint64_t by_balls = 0;       ///< of these, meeting by spheres inside their meshes
+    std::uint64_t by_witness = 0;     ///< of these, decided by the parts that met last
     std::uint64_t unsure_pairs = 0;   ///< of these, left by the filter to exact arithmetic
     std::uint64_t nodes = 0;          ///< cells and boxes' nodes stored at the end of the frame, roots included
     std::uint64_t collapsed = 0;      ///< cells dropped by ageing or eviction
@@ -80,6 +79,7 @@ struct FrameView {
         began; ///< pairs that are not separate, and were separate or no candidates before; sorted
     std::span<const PairOfBodies> ended; ///< the reverse; also where a body was removed, whose id is stale by then
     std::span<const StageStats> stages;  ///< of this frame, in order
+    std::span<const StageStats> totals;  ///< sums over all frames, in order
     std::span<const DelimitationLevel> delimitation; ///< per level of the region hierarchy
     const TreeStats& trees;
     std::span<const Round> rounds; ///< in order

@@ -22,6 +22,7 @@ constexpr std::array<std::string_view, 2> mode_names{"surface", "solid"};
 constexpr std::array<std::string_view, 5> backend_names{"auto", "cpu", "gl-compute", "gl-query", "gl-raster"};
 constexpr std::array<std::string_view, 3> broad_names{"kd", "octree", "brute"};
 constexpr std::array<std::string_view, 3> bounding_volume_names{"auto", "sphere", "obb"};
+constexpr std::array<std::string_view, stage_count> stage_names{"bounds", "delimitation", "broad", "refine", "exact"};
 
 template <class Enum, std::size_t n>
 Enum from_name(std::string_view what, const std::array<std::string_view, n>& names, std::string_view name)
@@ -83,12 +84,44 @@ BoundingVolume bounding_volume_from_name(std::string_view name)
     return from_name<BoundingVolume>("bounding-volume", bounding_volume_names, name);
 }
 
+std::string_view name_of(StageId v)
+{
+    return stage_names[static_cast<std::size_t>(v)];
+}
+std::span<const std::string_view> all_stage_names()
+{
+    return stage_names;
+}
+StageId stage_from_name(std::string_view name)
+{
+    if (name == "ocst" || name == "refinement") return StageId::refine;
+    if (name == "regions") return StageId::delimitation;
+    if (name == "triangles") return StageId::exact;
+    return from_name<StageId>("stage", stage_names, name);
+}
+
+StageSet stages_from_names(std::span<const std::string> names)
+{
+    StageSet stages;
+    for (const std::string& name : names) stages.insert(stage_from_name(name));
+    return stages;
+}
+std::vector<std::string> names_of(StageSet stages)
+{
+    std::vector<std::string> names;
+    for (std::size_t k = 0; k < stage_count; ++k)
+        if (const auto stage = static_cast<StageId>(k); stages.contains(stage)) names.emplace_back(name_of(stage));
+    return names;
+}
+
 std::uint64_t hash_of(const Settings& s)
 {
+    std::vector<std::string> skip = names_of(s.skip);
+    std::ranges::replace(skip, "refine", "ocst"); // its older name, so that checkpoints of older runs stay valid
     const std::string text =
         fmt::format("{} {:a} {:a} {} {} {} {} {} {} {}", s.depth.value_or(0), s.max_error.value_or(0), s.clearance,
                     name_of(s.exact), s.contact_kinds, s.ignore_touching, name_of(s.mode), s.open_as_surface,
-                    wants_obbs(s), fmt::join(s.skip, ","));
+                    wants_obbs(s), fmt::join(skip, ","));
     std::uint64_t hash = 0;
     for (const char c : text) mix(hash, std::uint8_t(c));
     return hash;
@@ -135,7 +168,7 @@ void check(const Settings& s)
 
 bool exact_runs(const Settings& s)
 {
-    return s.exact != ExactLevel::off && std::ranges::count(s.skip, "exact") == 0;
+    return s.exact != ExactLevel::off && !s.skip.contains(StageId::exact);
 }
 
 int thread_count(const Settings& s)

@@ -2,7 +2,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,53 +18,74 @@ enum class Mode : std::uint8_t { surface, solid };
 enum class BackendKind : std::uint8_t { automatic, cpu, gl_compute, gl_query, gl_raster };
 enum class BroadPhaseKind : std::uint8_t { kd_tree, octree, brute_force };
 
-/// What refines pairs: spheres around octree cells, as in the paper, or oriented boxes (OBBs) around parts of the
-/// surface, which separate it sooner. Automatic: spheres where `depth` is given or a GPU finds their cells, and
-/// predicates do not decide; else OBBs.
+/// The stages of a frame, in order.
+enum class StageId : std::uint8_t { bounds, delimitation, broad, refine, exact };
+constexpr std::size_t stage_count = 5;
+
+/// A set of stages.
+class StageSet {
+public:
+    constexpr StageSet() = default;
+    constexpr StageSet(std::initializer_list<StageId> stages)
+    {
+        for (const StageId stage : stages) insert(stage);
+    }
+    constexpr void insert(StageId stage) { bits_ |= static_cast<std::uint8_t>(1u << static_cast<unsigned>(stage)); }
+    constexpr bool contains(StageId stage) const { return bits_ >> static_cast<unsigned>(stage) & 1; }
+    constexpr bool empty() const { return bits_ == 0; }
+    friend constexpr bool operator==(StageSet, StageSet) = default;
+
+private:
+    std::uint8_t bits_ = 0;
+};
+
+/// The bounding volume that refines pairs: spheres around octree cells, as in the paper, or OBBs around parts of the
+/// surface, which separate pairs sooner. Automatic: spheres if `depth` is given or a GPU finds their cells, and
+/// predicates do not decide; otherwise OBBs.
 enum class BoundingVolume : std::uint8_t { automatic, sphere, obb };
 
 /// How a World decides pairs, and how exactly. The defaults suit most scenes.
 struct Settings {
     /// The error dial. `max_error` (m, > 0): two bodies reported `within` are closer than clearance + max_error.
     /// Neither this nor `depth`: it is, for each pair, default_error of the smaller box's diagonal, so that on one
-    /// terrain a pedestrian gets centimetres and an airship metres. `depth` (1 to 16) is the paper's dial: that of all
-    /// sphere-trees. At most one of the two.
+    /// terrain a pedestrian gets centimetres and an airship metres. `depth` (1 to 16) is the paper's dial: the depth
+    /// of all sphere-trees. At most one of the two.
     std::optional<int> depth{};
     std::optional<double> max_error{};
     double clearance = 0; ///< metres, >= 0: pairs this close count as touching, in every stage
 
     ExactLevel exact = ExactLevel::off;
-    /// Of pairs of meshes that collide, find out whether they touch or cross. Predicates only.
+    /// Determine whether colliding pairs of meshes touch or cross. Predicates only.
     bool contact_kinds = false;
     /// Pairs of meshes that only touch are separate, with a bound of 0. Predicates, surface mode and clearance 0 only:
     /// solid bodies that only touch may still hold a part of each other.
     bool ignore_touching = false;
     Mode mode = Mode::surface;              ///< solid: a mesh's inside belongs to it; it must be closed
     bool open_as_surface = false;           ///< solid mode: take a mesh that is not closed as a surface
-    BackendKind backend = BackendKind::cpu; ///< automatic: a GPU where there is one
+    BackendKind backend = BackendKind::cpu; ///< automatic: a GPU if there is one
     BoundingVolume bounding_volume = BoundingVolume::automatic;
     int gpu = -1;      ///< number in gpu_devices(); -1: the first that is one. GPU backends only
     int viewport = 16; ///< pixels a side that gl-query draws, 1 to 1024
     BroadPhaseKind broad_phase = BroadPhaseKind::kd_tree;
     int threads = 1;                 ///< 0: as many as the executor has. Never changes the result
     Executor* executor = nullptr;    ///< runs the parallel loops; null: threads of the library's own
-    std::vector<std::string> skip{}; ///< names of stages to leave out; results get wider, never wrong
+    StageSet skip{};                 ///< stages to leave out; results get wider, never wrong
     int age_limit = 60;              ///< frames after which cells that no test reached are dropped; >= 1
     std::size_t node_budget = 0;     ///< cells that all trees together may hold; 0: no limit
     std::size_t memory_budget = 0;   ///< bytes that trees and triangle lists may hold; 0: no limit. A quarter of it, 1
                                      ///< to 16 MiB, bounds the walks that wait for trees to grow
-    std::size_t resident_budget = 0; ///< bytes that chunks of cooked meshes may hold; 0: no limit. What a pair needs is
-                                     ///< read again; a pair that needs more than that at once stays `undecided`
-    int look_ahead = 0; ///< frames for which another thread prepares the cooked meshes that bodies come near, as far as
-                        ///< their motion tells; 0: none does. Never changes the result
-    bool coherence = true; ///< try what decided a pair last first, and leave those apart that cannot have met
-                           ///< since. Never changes the result: without, every pair is walked all the same
-    /// Asked every few pairs, by any thread of the call. From when it returns true, pairs that are not refined yet stay
-    /// `undecided`, so that step(), query() and MeshQueries::run() end soon; the next call knows nothing of it.
+    std::size_t resident_budget = 0; ///< bytes that chunks of cooked meshes may hold; 0: no limit. Dropped chunks
+                                     ///< are read again; a pair that needs more at once stays `undecided`
+    int look_ahead = 0; ///< frames for which another thread prefetches the cooked meshes that moving bodies approach;
+                        ///< 0: no prefetch. Never changes the result
+    bool coherence = true; ///< first test the parts that decided a pair last, and skip pairs that cannot have met
+                           ///< since. Never changes the result; without it, every pair is traversed
+    /// Called every few pairs, by any thread of the call. Once it returns true, pairs that are not refined yet stay
+    /// `undecided`, so that step(), query() and decide() end soon. The next call is not affected.
     std::function<bool()> stop{};
 };
 
-/// Of the smaller body's box diagonal (in its own frame): a pair's error where none is given.
+/// A pair's error by default, as a share of the diagonal of the smaller body's box (in its own frame).
 constexpr double default_error = 0.01;
 
 inline bool wants_obbs(const Settings& s)
@@ -76,14 +99,14 @@ inline bool wants_kinds(const Settings& s)
     return s.contact_kinds || s.ignore_touching;
 }
 
-/// Are cooked meshes read where pairs come near them? Else as a whole: solid bodies, kinds of contact, FCL and
-/// sphere-trees need all of a mesh.
+/// True if cooked meshes are read where pairs come near them. Solid bodies, kinds of contact, FCL and sphere-trees need
+/// all of a mesh.
 inline bool reads_on_demand(const Settings& s)
 {
     return s.mode == Mode::surface && !wants_kinds(s) && s.exact != ExactLevel::fcl && wants_obbs(s);
 }
 
-/// Is the exact level on, and not skipped?
+/// True if the exact level is on and not skipped.
 bool exact_runs(const Settings& settings);
 
 /// The number of threads that `settings` stand for; >= 1.
@@ -98,10 +121,16 @@ std::string_view name_of(Mode);
 std::string_view name_of(BackendKind);
 std::string_view name_of(BroadPhaseKind);
 std::string_view name_of(BoundingVolume);
+std::string_view name_of(StageId);
 ExactLevel exact_from_name(std::string_view);
 Mode mode_from_name(std::string_view);
 BackendKind backend_from_name(std::string_view);
 BroadPhaseKind broad_phase_from_name(std::string_view);
-BoundingVolume bounding_volume_from_name(std::string_view); ///< also the older 'paper' and 'tight'
+BoundingVolume bounding_volume_from_name(std::string_view); ///< accepts the older 'paper' and 'tight', too
+std::span<const std::string_view> all_stage_names();        ///< in order
+/// The stages of these names, or the names of these stages in order.
+StageSet stages_from_names(std::span<const std::string> names);
+std::vector<std::string> names_of(StageSet stages);
+StageId stage_from_name(std::string_view); ///< accepts the older 'ocst', too, and 'refinement', 'regions', 'triangles'
 
 } // namespace oncollide

@@ -7,9 +7,6 @@
 
 namespace oncollide {
 
-// Indices of the stages, as in PairResult::stage.
-constexpr std::uint8_t ocst_stage_index = 3, exact_stage_index = 4;
-
 // StageStats::note of a stage that the settings skip, and of a stage without input.
 constexpr std::string_view by_request = "by request", no_candidates = "no candidates";
 
@@ -18,7 +15,7 @@ constexpr std::string_view by_request = "by request", no_candidates = "no candid
 class Stage {
 public:
     virtual ~Stage() = default;
-    virtual std::string_view name() const = 0;
+    virtual StageId id() const = 0;
     /// The unit of its counts: "bodies" or "pairs".
     virtual std::string_view unit() const = 0;
     /// The reason to skip the stage in this frame; empty: run it.
@@ -34,7 +31,7 @@ public:
 std::unique_ptr<Stage> make_bounds_stage();
 std::unique_ptr<Stage> make_delimitation_stage(BroadPhase& broad);
 std::unique_ptr<Stage> make_broad_stage(BroadPhase& broad);
-std::unique_ptr<Stage> make_ocst_stage(const Settings& settings, ModelStore& models);
+std::unique_ptr<Stage> make_refine_stage(const Settings& settings, ModelStore& models);
 std::unique_ptr<Stage> make_exact_stage(const Settings& settings, ModelStore& models);
 
 } // namespace oncollide

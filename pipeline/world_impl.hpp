@@ -4,9 +4,9 @@
 #include <shared_mutex>
 
 #include <oncollide/pipeline/refine/narrowing.hpp>
+#include <oncollide/pipeline/refine/non_mesh_contacts.hpp>
 #include <oncollide/pipeline/refine/pair_distance.hpp>
 #include <oncollide/pipeline/refine/penetration_depth.hpp>
-#include <oncollide/pipeline/refine/non_mesh_contacts.hpp>
 #include <oncollide/pipeline/stage.hpp>
 #include <oncollide/pipeline/world.hpp>
 
@@ -16,6 +16,7 @@ namespace oncollide {
 /// (const queries).
 struct World::Impl {
     Settings settings;
+    const std::uint16_t tag; ///< in the ids that this World issues
     ModelStore models;
     Bodies bodies;
     std::vector<std::uint32_t> users; ///< by model slot: number of bodies that use it
@@ -30,34 +31,24 @@ struct World::Impl {
     std::string backend_note;
     std::uint64_t hash = 0;
 
-    /// Working memory of one query thread.
-    struct QueryWorker {
-        explicit QueryWorker(Impl& impl);
-        BothLevels levels;
-        RefineContext context;
-        ContactFinding contacts;
-        NonMeshContacts solid_contacts;
-        PairDistance distances;
-        PenetrationDepth penetration;
-        std::vector<Contact> meetings;
-        std::vector<Aabb> boxes;
-        std::vector<BoxHit> hits;
-        std::vector<PairTask> tasks;
-        std::vector<RefineResult> refined;
-    };
-    std::shared_mutex guard;           ///< for const calls: guards the models' trees
-    std::mutex idle_guard;             ///< guards idle_workers
-    std::atomic<bool> taken_in{false}; ///< true if boxes and broad phase include all changes
+    struct QueryWorker;                // query_worker.hpp
+    std::shared_mutex guard;           ///< for const calls: of the models' trees
+    std::mutex idle_guard;             ///< of idle_workers
+    std::atomic<bool> taken_in{false}; ///< are all changes in the boxes and the broad phase?
     std::vector<std::unique_ptr<QueryWorker>> idle_workers;
 
     Impl(const Settings& settings, std::unique_ptr<OcclusionBackend> backend, std::string note);
+    ~Impl();
+    static std::unique_ptr<Impl> make(const Settings& settings, std::unique_ptr<OcclusionBackend> backend);
 
     // Checks of arguments. Each throws before anything changes.
     std::uint32_t slot_of(BodyId id) const;
     Model& model_of(ModelId id);
-    void check_pose(std::optional<std::uint32_t> slot, const Eigen::Isometry3d& pose) const; ///< no slot: a new body
+    static void check_pose(const char* whose, const Eigen::Isometry3d& pose);
+    static void check_pose(std::uint32_t slot, const Eigen::Isometry3d& pose);
+    Model& check_model(ModelId id); ///< for a query: reads all of a cooked mesh if the settings need all
     void check_body(const BodySpec& body);
-    std::string label(std::uint32_t slot) const { return "body " + std::to_string(slot); }
+    static std::string label(std::uint32_t slot) { return "body " + std::to_string(slot); }
 
     BodyId add_checked(const BodySpec& body);
     void remove_checked(std::uint32_t slot);
@@ -67,12 +58,25 @@ struct World::Impl {
     const OccupancyMap& map_of(ModelId id);
     void changed() { taken_in.store(false, std::memory_order_release); }
 
-    bool runs(std::string_view stage) const;
-    void need_tree(Model& model);
-    PairTask task_of(std::uint32_t a, std::uint32_t b)
-    {
-        return {0, &bodies.model(a), &bodies.model(b), &bodies.pose(a), &bodies.pose(b)};
-    }
+    bool runs(StageId stage) const;
+    std::string note_on_backend() const;
+
+    // Pairs of const queries.
+    void check_side(const PairSide& side);                  ///< throws for an id or a pose that is refused
+    PairTask task_of(const PairSide& a, const PairSide& b); ///< of sides that were checked
+    PairTask checked_task(const PairSide& a, const PairSide& b);
+    /// Makes the trees that contacts and distances are found with, where a walk does not make them.
+    void need_trees(std::span<const PairTask> tasks);
+    void decide(QueryWorker& worker);
+    Distance distance(QueryWorker& worker, const PairTask& task, double tolerance, double cutoff);
+    void contacts(QueryWorker& worker, const PairTask& task, std::vector<Contact>& found);
+    void check_penetration(const PairTask& task) const;
+    Penetration penetration(QueryWorker& worker, const PairTask& task);
+    struct Probe; // a model at a pose against all bodies: world_queries.cpp
+    void find_near(QueryWorker& worker, const Probe& probe, double margin);
+    void find_hits(QueryWorker& worker, const Probe& probe, std::vector<QueryHit>& hits);
+    template <class Pairs, class Work>
+    void in_batches(const Pairs& pairs, std::size_t count, Work work);
     /// Passes the changes to the broad phase and lists the AABBs to update.
     void take_in_changes();
     void find_events();
@@ -81,9 +85,11 @@ struct World::Impl {
     void bring_up_to_date();
 
     class Lease;
-    template <class Found, class Item, class Work>
-    void in_parts(std::span<const Item> items, std::size_t chunk, std::vector<Found>& found,
-                  std::vector<std::size_t>& ends, Work work);
+    template <class Work>
+    void each(std::size_t items, std::size_t chunk, Work work);
+    template <class Found, class Work>
+    void gather(std::size_t items, std::size_t chunk, std::vector<Found>& found, std::vector<std::size_t>& offsets,
+                Work work);
 };
 
 } // namespace oncollide

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/near_word.hpp>
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/narrowphase/gl/gpu.hpp>
 #include <oncollide/pipeline/result_hash.hpp>
@@ -15,8 +14,6 @@
 namespace oncollide {
 
 namespace {
-
-constexpr std::array<std::string_view, 5> stage_names{"bounds", "delimitation", "broad", "ocst", "exact"};
 
 using Clock = std::chrono::steady_clock;
 
@@ -80,41 +77,38 @@ std::unique_ptr<BroadPhase> make_broad_phase(BroadPhaseKind kind, const BroadPha
 
 } // namespace
 
-World::World(const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
+/// @param backend  null: as the settings say
+std::unique_ptr<World::Impl> World::Impl::make(const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
 {
     check(settings);
-    for (const std::string& name : settings.skip)
-        if (std::ranges::count(stage_names, name) == 0)
-            throw Error(ErrorKind::usage,
-                        fmt::format("skip: no stage named '{}'{}", name,
-                                    valid_names(name, {std::begin(stage_names), std::end(stage_names)})));
     std::string note;
     if (!backend) backend = make_backend(settings, note);
-    impl_ = std::make_unique<Impl>(settings, std::move(backend), std::move(note));
+    auto made = std::make_unique<Impl>(settings, std::move(backend), std::move(note));
 
-    Impl& p = *impl_;
+    Impl& p = *made;
     p.broad =
         make_broad_phase(settings.broad_phase, {.margin = settings.clearance, .threads = p.frame.context.threads});
     p.stages.push_back(make_bounds_stage());
     p.stages.push_back(make_delimitation_stage(*p.broad));
     p.stages.push_back(make_broad_stage(*p.broad));
-    p.stages.push_back(make_ocst_stage(p.settings, p.models));
+    p.stages.push_back(make_refine_stage(p.settings, p.models));
     p.stages.push_back(make_exact_stage(p.settings, p.models));
     for (auto* stats : {&p.stats, &p.totals, &p.blank}) stats->resize(p.stages.size());
     for (std::size_t i = 0; i < p.stages.size(); ++i) {
-        p.skipped.push_back(!p.runs(p.stages[i]->name()));
-        p.blank[i].stage = p.totals[i].stage = p.stages[i]->name();
+        p.skipped.push_back(!p.runs(p.stages[i]->id()));
+        p.blank[i].stage = p.totals[i].stage = name_of(p.stages[i]->id());
         p.blank[i].unit = p.totals[i].unit = p.stages[i]->unit();
         p.blank[i].frames = 1, p.totals[i].skipped = true;
     }
-    p.frame.whole = !p.runs("delimitation");
+    p.frame.whole = !p.runs(StageId::delimitation);
+    return made;
 }
 
-World::World(const Settings& settings) : World(settings, nullptr) {}
+World::World(const Settings& settings) : impl_(Impl::make(settings, nullptr)) {}
 
-bool World::Impl::runs(std::string_view stage) const
+bool World::Impl::runs(StageId stage) const
 {
-    return std::ranges::count(settings.skip, stage) == 0;
+    return !settings.skip.contains(stage);
 }
 
 void World::Impl::take_in_changes()
@@ -133,7 +127,7 @@ void World::Impl::take_in_changes()
 
 FrameView World::step()
 {
-    Impl& p = *impl_;
+    Impl& p = impl();
     const ExecutorScope scope(p.settings.executor);
     Frame& frame = p.frame;
     const auto begin = frame.context.began = Clock::now();
@@ -183,6 +177,7 @@ FrameView World::step()
             p.began,
             p.ended,
             p.stats,
+            p.totals,
             frame.delimitation,
             trees,
             frame.context.rounds,
@@ -194,7 +189,7 @@ void World::Impl::look_ahead()
 {
     if (settings.look_ahead == 0 || !reads_on_demand(settings)) return;
     std::vector<PrefetchPart> parts = courses.find(bodies, frame.changes.moved, *broad, frame.number,
-                                            static_cast<std::uint32_t>(settings.look_ahead));
+                                                   static_cast<std::uint32_t>(settings.look_ahead));
     if (!parts.empty()) models.look_ahead(std::move(parts));
 }
 
@@ -219,25 +214,32 @@ void World::Impl::find_events()
     }
 }
 
-std::span<const std::string_view> World::stages() const
+std::span<const std::string_view> World::stages()
 {
-    return stage_names;
+    return all_stage_names();
 }
-std::span<const StageStats> World::totals() const
+WorldInfo World::inspect() const
 {
-    return impl_->totals;
-}
-std::vector<DelimitedRegion> World::regions() const
-{
-    return impl_->frame.delimitation.empty() ? std::vector<DelimitedRegion>{} : impl_->broad->regions();
+    Impl& p = impl();
+    const std::lock_guard lock(p.guard); // queries make trees and take in changes meanwhile
+    return {.bodies = p.bodies.size(),
+            .models = p.models.size(),
+            .frames = p.frame.number,
+            .bytes = p.bodies.bytes() + p.broad->bytes() + p.models.bytes() + p.frame.cache.bytes(),
+            .backend = p.models.backend().name(),
+            .renderer = p.models.backend().renderer(),
+            .backend_note = p.note_on_backend(),
+            .totals = p.totals,
+            .regions = p.frame.delimitation.empty() ? std::vector<DelimitedRegion>{} : p.broad->regions(),
+            .file_faults = p.models.faults()};
 }
 std::uint64_t World::hash() const
 {
-    return impl_->hash;
+    return impl().hash;
 }
 void World::continue_from(std::uint32_t frame, std::uint64_t hash)
 {
-    impl_->frame.number = frame, impl_->hash = hash;
+    impl().frame.number = frame, impl_->hash = hash;
 }
 
 } // namespace oncollide

@@ -142,7 +142,7 @@ GeometryId Scene::add(std::string geometry_name, GeometryData data, std::string 
     return GeometryId{number};
 }
 
-BodyId Scene::add_body(BodyInit body)
+SceneBodyId Scene::add_body(BodyInit body)
 {
     const auto fail = [&](const std::string& what) { refuse(who_is(body.name, size()), what); };
     if (index(body.geometry) >= geometries.size())
@@ -156,7 +156,7 @@ BodyId Scene::add_body(BodyInit body)
     if (sink_) {
         if (wants(number)) sink_->take(number, std::move(body));
         ++passed_;
-        return BodyId{number};
+        return SceneBodyId{number};
     }
     if (!body.name.empty() && !body_index_.add(body.name, number, body_names(*this)))
         fail("the scene has another body of this name");
@@ -172,7 +172,7 @@ BodyId Scene::add_body(BodyInit body)
     layers.values_.push_back(body.layer);
     masks.values_.push_back(body.mask);
     groups.values_.push_back(body.group);
-    return BodyId{number};
+    return SceneBodyId{number};
 }
 
 void pass_bodies(const Scene& scene, BodySink& sink)
@@ -203,7 +203,7 @@ Eigen::Isometry3d Scene::start_pose(std::size_t body) const
     return place ? starts_[place - 1] : poses[body];
 }
 
-void Scene::set_pose(BodyId body, const Eigen::Isometry3d& pose)
+void Scene::set_pose(SceneBodyId body, const Eigen::Isometry3d& pose)
 {
     const std::uint32_t i = index(body);
     const Eigen::Isometry3d before = poses[i];
@@ -226,42 +226,40 @@ void Scene::expect_motion()
     changes.reserve(most_changes());
 }
 
-void Scene::set_position(BodyId body, const Eigen::Vector3d& position)
+void Scene::set_position(SceneBodyId body, const Eigen::Vector3d& position)
 {
     Eigen::Isometry3d pose = poses[index(body)];
     pose.translation() = position;
     set_pose(body, pose);
 }
 
-void Scene::set_geometry(BodyId body, GeometryId of)
+void Scene::set_geometry(SceneBodyId body, GeometryId of)
 {
     geometry.values_[index(body)] = of;
     note(body);
 }
 
-void Scene::set_static(BodyId body, bool now)
+void Scene::set_static(SceneBodyId body, bool now)
 {
     is_static.values_[index(body)] = now;
     note(body);
 }
 
-void Scene::set_layers(BodyId body, std::uint32_t layer, std::uint32_t mask)
+void Scene::set_layers(SceneBodyId body, std::uint32_t layer, std::uint32_t mask)
 {
     layers.values_[index(body)] = layer, masks.values_[index(body)] = mask;
     note(body);
 }
 
-void Scene::set_group(BodyId body, std::uint32_t group)
+void Scene::set_group(SceneBodyId body, std::uint32_t group)
 {
     groups.values_[index(body)] = group;
     note(body);
 }
 
-void Scene::exclude(BodyId a, BodyId b)
+void Scene::exclude(SceneBodyId a, SceneBodyId b)
 {
-    for (const BodyId body : {a, b}) {
-        if (body.generation != 0)
-            refuse("exclude", fmt::format("there is no body {} of generation {}", index(body), body.generation));
+    for (const SceneBodyId body : {a, b}) {
         if (index(body) >= size())
             refuse("exclude", fmt::format("there is no body {}; the scene has {} bodies", index(body), size()));
     }
@@ -269,10 +267,10 @@ void Scene::exclude(BodyId a, BodyId b)
     excluded.push_back({std::min(index(a), index(b)), std::max(index(a), index(b))});
 }
 
-std::optional<BodyId> Scene::find(std::string_view body) const
+std::optional<SceneBodyId> Scene::find(std::string_view body) const
 {
     const std::optional<std::uint32_t> found = body_index_.find(body, body_names(*this));
-    return found ? std::optional(BodyId{*found}) : std::nullopt;
+    return found ? std::optional(SceneBodyId{*found}) : std::nullopt;
 }
 
 std::optional<GeometryId> Scene::find_geometry(std::string_view geometry_name) const
@@ -281,7 +279,7 @@ std::optional<GeometryId> Scene::find_geometry(std::string_view geometry_name) c
     return found ? std::optional(GeometryId{*found}) : std::nullopt;
 }
 
-std::string Scene::label(BodyId body) const
+std::string Scene::label(SceneBodyId body) const
 {
     const std::string_view own = names[index(body)];
     return own.empty() ? fmt::format("body {}", index(body)) : std::string(own);
@@ -307,9 +305,9 @@ void Scene::play_recording(int frame, bool as_start)
         static_cast<std::uint64_t>(frame * pace),
         [&](std::uint32_t i, const Eigen::Isometry3d& pose) {
             if (as_start)
-                poses.set(first + i, pose), note(BodyId{first + i}, true);
+                poses.set(first + i, pose), note(SceneBodyId{first + i}, true);
             else
-                set_pose(BodyId{first + i}, pose);
+                set_pose(SceneBodyId{first + i}, pose);
         },
         [&](std::uint32_t i) { return who_is(names[first + i], first + i); });
 }
@@ -339,7 +337,7 @@ void Mover::move(Scene& scene, int frame)
         const Eigen::Isometry3d start = scene.start_pose(i);
         Eigen::Isometry3d pose = from_start ? start : scene.poses[i];
         move_body(scene.motions.of_bodies()[k], start, scene.pace, from_start ? 0 : last_frame_, frame, pose);
-        scene.set_pose(BodyId{i}, pose);
+        scene.set_pose(SceneBodyId{i}, pose);
     }
     last_frame_ = frame;
     ready_ = true;

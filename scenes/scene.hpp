@@ -111,16 +111,16 @@ struct Scene {
     GeometryId add(std::string geometry_name, GeometryData data, std::string recipe = {});
     /// Throws Error{bad_data} for a name that exists, an unknown geometry, a pose that is not finite or not rigid, a
     /// static body with a motion, or a motion that check_motion refuses.
-    BodyId add_body(BodyInit body);
+    SceneBodyId add_body(BodyInit body);
     /// The pose at frame 0, before the first call of set_pose.
     Eigen::Isometry3d start_pose(std::size_t body) const;
     // Changes of one body. Invalid values (a pose that is not rigid) are reported when a World is stepped, not here.
-    void set_pose(BodyId body, const Eigen::Isometry3d& pose);
-    void set_position(BodyId body, const Eigen::Vector3d& position);
-    void set_geometry(BodyId body, GeometryId of);
-    void set_static(BodyId body, bool now);
-    void set_layers(BodyId body, std::uint32_t layer, std::uint32_t mask);
-    void set_group(BodyId body, std::uint32_t group);
+    void set_pose(SceneBodyId body, const Eigen::Isometry3d& pose);
+    void set_position(SceneBodyId body, const Eigen::Vector3d& position);
+    void set_geometry(SceneBodyId body, GeometryId of);
+    void set_static(SceneBodyId body, bool now);
+    void set_layers(SceneBodyId body, std::uint32_t layer, std::uint32_t mask);
+    void set_group(SceneBodyId body, std::uint32_t group);
     /// Moves the bodies of the recording to their poses at frame 0, which become their start poses. Throws
     /// Error{bad_data} for bodies that do not exist, are static or have a motion, and the errors of Recording::read. A
     /// scene that does not store its bodies checks only their number.
@@ -128,18 +128,18 @@ struct Scene {
     /// Makes room for `bodies` bodies in all.
     void reserve(std::size_t bodies);
     /// The two bodies never collide. Throws Error{bad_data} for a body that does not exist, or if a and b are equal.
-    void exclude(BodyId a, BodyId b);
+    void exclude(SceneBodyId a, SceneBodyId b);
     /// The body of that name, if it exists.
-    std::optional<BodyId> find(std::string_view body) const;
+    std::optional<SceneBodyId> find(std::string_view body) const;
     /// The geometry of that name, if it exists.
     std::optional<GeometryId> find_geometry(std::string_view geometry_name) const;
     /// The body's label in messages: its name, or "body 17" by its index.
-    std::string label(BodyId body) const;
+    std::string label(SceneBodyId body) const;
 
 private:
     void play_recording(int frame, bool as_start);
     std::size_t most_changes() const { return size() / 2 + 1024; }
-    void note(BodyId body, bool only_pose = false)
+    void note(SceneBodyId body, bool only_pose = false)
     {
         changes.note({index(body) & 0x7fffffffu, only_pose}, most_changes());
     }

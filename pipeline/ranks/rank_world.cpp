@@ -33,13 +33,13 @@ void check_for_ranks(const Settings& settings)
     };
     if (settings.node_budget || settings.memory_budget)
         refuse("--node-budget and --memory-budget limit all trees together, but each process has only some of them");
-    if (std::ranges::count(settings.skip, "broad"))
+    if (settings.skip.contains(StageId::broad))
         refuse("--skip broad needs all pairs of bodies, but no process has all bodies");
 }
 
 RankWorld::RankWorld(const GeometryList& geometries, const Settings& settings, const Partitioner& partition, int rank)
     : geometries_(geometries), partition_(partition), rank_(rank), world_(settings),
-      tight_(world_.impl_->runs("bounds")), half_margin_(0.5 * settings.clearance), models_(geometries.size())
+      tight_(world_.impl_->runs(StageId::bounds)), half_margin_(0.5 * settings.clearance), models_(geometries.size())
 {
     check_for_ranks(settings);
     world_.impl_->frame.choose = [this](const Bodies& bodies, std::vector<BodyPair>& pairs) { choose(bodies, pairs); };

@@ -288,7 +288,7 @@ void RankedRun::step_world(std::vector<Bytes>& out)
         put(to, named);
         if (csv_)
             put_list(to, csv_row(std::uint64_t(frame_), world_.name(pair.a), world_.name(pair.b), pair,
-                                 world_.world().stages()[pair.stage], world_.world().max_error(pair.a, pair.b)));
+                                 name_of(pair.stage), world_.world().max_error(pair.a, pair.b)));
     }
     last_pair_work_ = view.pairs.size() + view.trees.node_pairs / 8;
     last_work_ = work_of_a_body * home_.size() + last_pair_work_;
@@ -410,7 +410,7 @@ std::vector<std::vector<RankPhase>> RankedRun::phases()
 
 std::vector<StageStats> RankedRun::totals()
 {
-    std::vector<StageStats> all(world_.world().totals().begin(), world_.world().totals().end());
+    std::vector<StageStats> all = world_.world().inspect().totals;
     for (StageStats& s : all) {
         std::array<std::uint64_t, 4> counts{s.in, s.out, s.culled, s.undecided};
         std::array<double, 4> times{s.cpu_ms, s.gpu_ms, s.wait_ms, s.skipped ? 0.0 : 1.0};

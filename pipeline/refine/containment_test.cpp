@@ -91,7 +91,7 @@ std::optional<Eigen::Vector3d> one_holds_the_other(const PairTask& task, PointLo
 }
 
 void ContainmentTest::find(const RefineContext& context, std::span<const PairTask> tasks,
-                           std::span<const std::uint8_t> apart, std::span<RefineResult> results)
+                           std::span<const std::uint8_t> apart, std::span<Finding> results)
 {
     if (context.settings.mode != Mode::solid) return;
     gather(context, tasks, apart);

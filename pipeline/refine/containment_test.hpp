@@ -27,7 +27,7 @@ public:
     /// Pairs with apart[i] set, whose surfaces do not meet, become colliding if one body encloses a part of the other.
     /// Does nothing in surface mode.
     void find(const RefineContext& context, std::span<const PairTask> tasks, std::span<const std::uint8_t> apart,
-              std::span<RefineResult> results);
+              std::span<Finding> results);
 
 private:
     /// Whether one body of a pair (the outer one) encloses a part of the other.

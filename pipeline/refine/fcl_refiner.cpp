@@ -5,7 +5,7 @@
 namespace oncollide {
 
 void FclRefiner::refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
-                        std::span<RefineResult> results)
+                        std::span<Finding> results)
 {
     certain_.assign(results.begin(), results.end());
     exact_.refine(context, tasks, cache, certain_);
@@ -13,7 +13,7 @@ void FclRefiner::refine(RefineContext& context, std::span<const PairTask> tasks,
         for (std::size_t i = begin; i < end; ++i) {
             if (i % 16 == 0 && context.stopped()) return;
             const PairTask& task = tasks[i];
-            const RefineResult& certain = certain_[i];
+            const Finding& certain = certain_[i];
             const bool colliding = certain.verdict == Verdict::colliding;
             const bool decided = colliding || certain.verdict == Verdict::separate || certain.kind == ContactKind::near;
             if (decided && fcl_collides(task.a->fcl(), *task.pose_a, task.b->fcl(), *task.pose_b) == colliding)

@@ -12,11 +12,11 @@ public:
     explicit FclRefiner(PairRefiner& exact) : exact_(exact) {}
 
     void refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
-                std::span<RefineResult> results) override;
+                std::span<Finding> results) override;
 
 private:
     PairRefiner& exact_;
-    std::vector<RefineResult> certain_;
+    std::vector<Finding> certain_;
 };
 
 } // namespace oncollide

@@ -33,7 +33,7 @@ void Narrowing::give_out(const RefineContext& context, std::span<const PairTask>
 }
 
 void Narrowing::refine(Refiner which, PairRefiner& refiner, RefineContext& context, std::span<const PairTask> tasks,
-                       PairCache* cache, std::span<RefineResult> results)
+                       PairCache* cache, std::span<Finding> results)
 {
     const std::vector<std::uint32_t>& mine = taken_[static_cast<std::size_t>(which)];
     if (mine.empty()) return;
@@ -46,7 +46,7 @@ void Narrowing::refine(Refiner which, PairRefiner& refiner, RefineContext& conte
 
 /// Reports files that cannot be read. If the file contradicts its own outline, even the box is unreliable, so the bound
 /// becomes the largest possible distance.
-void Narrowing::tell_unreadable(const Settings& settings, const PairTask& task, RefineResult& result) const
+void Narrowing::tell_unreadable(const Settings& settings, const PairTask& task, Finding& result) const
 {
     constexpr double beyond_all = 1e16; // coordinates and poses are within 1e15 m
     for (const Model* model : {task.a, task.b}) {
@@ -57,7 +57,7 @@ void Narrowing::tell_unreadable(const Settings& settings, const PairTask& task, 
 }
 
 void Narrowing::run(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
-                    std::span<RefineResult> results)
+                    std::span<Finding> results)
 {
     sort_out(context, tasks);
     refine(Refiner::spheres, spheres_, context, tasks, cache, results);
@@ -69,7 +69,7 @@ void Narrowing::run(RefineContext& context, std::span<const PairTask> tasks, Pai
         tell_unreadable(context.settings, tasks[i], results[i]);
     }
     if (level_ == Level::exact && context.stopped()) // pairs not tested before the stop
-        for (RefineResult& result : results)
+        for (Finding& result : results)
             if (result.verdict == Verdict::within && result.kind == ContactKind::unknown)
                 result.verdict = Verdict::undecided;
 
@@ -79,9 +79,9 @@ void Narrowing::run(RefineContext& context, std::span<const PairTask> tasks, Pai
     containment_.find(context, tasks, apart_, results);
 }
 
-void BothLevels::run(RefineContext& context, std::span<const PairTask> tasks, std::span<RefineResult> results)
+void BothLevels::run(RefineContext& context, std::span<const PairTask> tasks, std::span<Finding> results)
 {
-    if (std::ranges::count(settings_.skip, "ocst") == 0) refine_.run(context, tasks, nullptr, results);
+    if (!settings_.skip.contains(StageId::refine)) refine_.run(context, tasks, nullptr, results);
     if (!exact_runs(settings_)) return;
     open_.clear(), tasks_.clear(), results_.clear();
     for (std::uint32_t i = 0; i < tasks.size(); ++i)

@@ -24,17 +24,16 @@ public:
 
     /// Updates results[i] for tasks[i]. Pairs without a refiner keep their results, except that `within` becomes
     /// `undecided` if a budget has no room for an exact decision.
-    void run(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
-             std::span<RefineResult> results);
+    void run(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache, std::span<Finding> results);
     /// True if the last run() decided task i.
     bool decided(std::size_t i) const { return refiners_[i] > Refiner::no_room; }
 
 private:
     void sort_out(const RefineContext& context, std::span<const PairTask> tasks);
     void give_out(const RefineContext& context, std::span<const PairTask> tasks);
-    void tell_unreadable(const Settings& settings, const PairTask& task, RefineResult& result) const;
+    void tell_unreadable(const Settings& settings, const PairTask& task, Finding& result) const;
     void refine(Refiner which, PairRefiner& refiner, RefineContext& context, std::span<const PairTask> tasks,
-                PairCache* cache, std::span<RefineResult> results);
+                PairCache* cache, std::span<Finding> results);
 
     ModelStore& models_;
     const Level level_;
@@ -46,7 +45,7 @@ private:
     std::vector<Refiner> refiners_;                               ///< by task
     std::array<std::vector<std::uint32_t>, refiner_count> taken_; ///< tasks by refiner
     std::vector<PairTask> tasks_;                                 ///< of one refiner
-    std::vector<RefineResult> results_;
+    std::vector<Finding> results_;
     std::vector<std::uint8_t> apart_;
 };
 
@@ -59,14 +58,14 @@ public:
     }
 
     /// As Narrowing::run(), but without a cache, because queries do not repeat.
-    void run(RefineContext& context, std::span<const PairTask> tasks, std::span<RefineResult> results);
+    void run(RefineContext& context, std::span<const PairTask> tasks, std::span<Finding> results);
 
 private:
     const Settings& settings_;
     Narrowing refine_, exact_;
     std::vector<std::uint32_t> open_; ///< tasks left for the exact level
     std::vector<PairTask> tasks_;     ///< the tasks in open_
-    std::vector<RefineResult> results_;
+    std::vector<Finding> results_;
 };
 
 } // namespace oncollide

@@ -88,7 +88,7 @@ void remember(PairMemory* memory, const std::optional<Pair>& witness)
 /// For bodies that do not meet: separate beyond the clearance, or near.
 /// @param off  height_error()
 template <class Walk, class A, class B>
-RefineResult by_distance(Walk& walk, A& a, B& b, const PlacedPair& placed, double off, double clearance)
+Finding by_distance(Walk& walk, A& a, B& b, const PlacedPair& placed, double off, double clearance)
 {
     prepare(walk, placed.slack, false);
     const auto distance = walk.distance(a, b, placed.b_to_a, 0, (clearance + off) * (1 + 4 * rigid));
@@ -99,7 +99,7 @@ RefineResult by_distance(Walk& walk, A& a, B& b, const PlacedPair& placed, doubl
 
 /// For inexact heights: parts at most this far apart may or may not meet.
 template <class Walk, class A, class B>
-RefineResult decide_off(Walk& walk, A& a, B& b, const PlacedPair& placed, double off, double clearance, auto holds)
+Finding decide_off(Walk& walk, A& a, B& b, const PlacedPair& placed, double off, double clearance, auto holds)
 {
     prepare(walk, placed.slack, true);
     const double slack = placed.slack * off;
@@ -116,8 +116,8 @@ RefineResult decide_off(Walk& walk, A& a, B& b, const PlacedPair& placed, double
 
 /// @param holds(a, b)  true if the inside of one body, which leaf tests ignore, contains a part of the other
 template <class Walk, class A, class B>
-RefineResult decide(Walk& walk, A& a, B& b, const PlacedPair& placed, double off, double clearance, PairMemory* memory,
-                    auto holds)
+Finding decide(Walk& walk, A& a, B& b, const PlacedPair& placed, double off, double clearance, PairMemory* memory,
+               auto holds)
 {
     if (off > 0) return decide_off(walk, a, b, placed, off, clearance, holds);
     using Pair = typename Walk::Pair;
@@ -136,8 +136,8 @@ RefineResult decide(Walk& walk, A& a, B& b, const PlacedPair& placed, double off
 }
 
 template <class Walk, class A, class B>
-RefineResult decide_near(Walk& walk, A& a, B& b, const PlacedPair& placed, double off, double clearance,
-                         double tolerance, PairMemory* memory, auto holds)
+Finding decide_near(Walk& walk, A& a, B& b, const PlacedPair& placed, double off, double clearance, double tolerance,
+                    PairMemory* memory, auto holds)
 {
     prepare(walk, placed.slack, true);
     const double out = off * (1 + placed.slack);
@@ -265,7 +265,7 @@ auto NonMeshPairs::with_walk(const PairTask& task, auto work)
     });
 }
 
-RefineResult NonMeshPairs::exact(const RefineContext& context, const PairTask& task, PairMemory* memory)
+Finding NonMeshPairs::exact(const RefineContext& context, const PairTask& task, PairMemory* memory)
 {
     const double clearance = context.settings.clearance;
     if (without_walk(*task.a, *task.b)) return DirectPair(task).exact(clearance);
@@ -274,7 +274,7 @@ RefineResult NonMeshPairs::exact(const RefineContext& context, const PairTask& t
     });
 }
 
-RefineResult NonMeshPairs::within_clearance(const RefineContext& context, const PairTask& task)
+Finding NonMeshPairs::within_clearance(const RefineContext& context, const PairTask& task)
 {
     const double clearance = context.settings.clearance;
     if (without_walk(*task.a, *task.b)) return DirectPair(task).by_distance(clearance);
@@ -283,7 +283,7 @@ RefineResult NonMeshPairs::within_clearance(const RefineContext& context, const 
     });
 }
 
-RefineResult NonMeshPairs::near(const RefineContext& context, const PairTask& task, PairMemory* memory, double tolerance)
+Finding NonMeshPairs::near(const RefineContext& context, const PairTask& task, PairMemory* memory, double tolerance)
 {
     const double clearance = context.settings.clearance;
     if (without_walk(*task.a, *task.b)) return DirectPair(task).near(clearance, tolerance);

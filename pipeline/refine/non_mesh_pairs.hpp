@@ -1,8 +1,8 @@
 #pragma once
+#include <oncollide/narrowphase/inside/point_location.hpp>
 #include <oncollide/narrowphase/obb/map_walk.hpp>
 #include <oncollide/narrowphase/obb/shape_walk.hpp>
 #include <oncollide/narrowphase/obb/solid_distance.hpp>
-#include <oncollide/narrowphase/inside/point_location.hpp>
 #include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
 #include <oncollide/pipeline/refine/triangle_walks.hpp>
@@ -26,16 +26,17 @@ class NonMeshPairs {
 public:
     /// The trees of both models must exist.
     /// @param memory  witness, tested first (except for two maps) and updated; null: no witness
-    RefineResult exact(const RefineContext& context, const PairTask& task, PairMemory* memory);
+    Finding exact(const RefineContext& context, const PairTask& task, PairMemory* memory);
 
     /// Any pair except two surfaces: within clearance + tolerance (metres), or separate.
-    RefineResult near(const RefineContext& context, const PairTask& task, PairMemory* memory, double tolerance);
+    Finding near(const RefineContext& context, const PairTask& task, PairMemory* memory, double tolerance);
 
     /// For bodies that do not meet, including surfaces: separate beyond the clearance, or near.
-    RefineResult within_clearance(const RefineContext& context, const PairTask& task);
+    Finding within_clearance(const RefineContext& context, const PairTask& task);
 
     /// For any pair except two surfaces, as World::distance(). Exception: for a box or a hull that encloses a map's
-    /// cells or a part of a mesh, it may be the distance to its surface. Beyond `farthest`, the upper bound is infinite.
+    /// cells or a part of a mesh, it may be the distance to its surface. Beyond `farthest`, the upper bound is
+    /// infinite.
     Distance distance(const PairTask& task, double tolerance, double farthest);
 
     /// True if a shape of the pair encloses a part of the other body. Requires that their surfaces do not meet.

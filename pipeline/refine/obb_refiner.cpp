@@ -191,8 +191,7 @@ void fetch_ahead(std::span<const PairTask> tasks, PairCache* cache, std::size_t 
 } // namespace
 
 /// Decides the pair by its remaining gap, inner spheres, outer hulls, or a traversal, in this order.
-RefineResult ObbRefiner::refine(const RefineContext& context, const PairTask& task, PairMemory* memory,
-                                Worker& worker) const
+Finding ObbRefiner::refine(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const
 {
     const Settings& settings = context.settings;
     const double tolerance = goal_ == Goal::near ? models_.max_error(*task.a, *task.b) : 0;
@@ -219,10 +218,10 @@ RefineResult ObbRefiner::refine(const RefineContext& context, const PairTask& ta
         ++(kept ? worker.by_gap : worker.by_hull);
         // Without coherence, traverse anyway.
         if (settings.coherence) return {Verdict::separate, ContactKind::unknown, gap};
-        const RefineResult again = walk(nullptr);
-        return again.verdict == Verdict::separate ? RefineResult{Verdict::separate, ContactKind::unknown, gap} : again;
+        const Finding again = walk(nullptr);
+        return again.verdict == Verdict::separate ? Finding{Verdict::separate, ContactKind::unknown, gap} : again;
     }
-    const RefineResult result = walk(settings.coherence ? memory : nullptr);
+    const Finding result = walk(settings.coherence ? memory : nullptr);
     memory->walked_at = task.travel;
     memory->near = result.verdict != Verdict::separate;
     if (result.verdict == Verdict::separate)
@@ -232,11 +231,11 @@ RefineResult ObbRefiner::refine(const RefineContext& context, const PairTask& ta
     return result;
 }
 
-RefineResult ObbRefiner::near(const RefineContext& context, const PairTask& task, PairMemory* memory, double tolerance,
-                              Worker& worker) const
+Finding ObbRefiner::near(const RefineContext& context, const PairTask& task, PairMemory* memory, double tolerance,
+                         Worker& worker) const
 {
     if (!is_surface(*task.a) || !is_surface(*task.b)) return worker.solids.near(context, task, memory, tolerance);
-    return worker.walks.with(*task.a, *task.b, [&]<class A, class B>(auto& walk, A& a, B& b) -> RefineResult {
+    return worker.walks.with(*task.a, *task.b, [&]<class A, class B>(auto& walk, A& a, B& b) -> Finding {
         RememberedHint<A, B> place(memory);
         const auto found = walk.near(a, b, RelativePose(*task.pose_a, *task.pose_b), context.settings.clearance,
                                      tolerance, hint_of(memory), place.get());
@@ -245,8 +244,7 @@ RefineResult ObbRefiner::near(const RefineContext& context, const PairTask& task
     });
 }
 
-RefineResult ObbRefiner::exact(const RefineContext& context, const PairTask& task, PairMemory* memory,
-                               Worker& worker) const
+Finding ObbRefiner::exact(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const
 {
     if (!is_polytope(*task.a) || !is_polytope(*task.b) || !needs_trees(*task.a, *task.b, wants_kinds(context.settings)))
         return worker.solids.exact(context, task, memory);
@@ -256,8 +254,8 @@ RefineResult ObbRefiner::exact(const RefineContext& context, const PairTask& tas
 }
 
 template <class A, class B>
-RefineResult ObbRefiner::exact(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker,
-                               TraversalOf<A, B>& walk, A& a, B& b) const
+Finding ObbRefiner::exact(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker,
+                          TraversalOf<A, B>& walk, A& a, B& b) const
 {
     const Settings& settings = context.settings;
     const RelativePose b_to_a(*task.pose_a, *task.pose_b);
@@ -289,8 +287,8 @@ RefineResult ObbRefiner::exact(const RefineContext& context, const PairTask& tas
 }
 
 /// The same, but if a chunk of a cooked file is missing, the pair keeps its previous result, which is still true.
-RefineResult ObbRefiner::refine_there(const RefineContext& context, const PairTask& task, const RefineResult& known,
-                                      PairMemory* memory, Worker& worker) const
+Finding ObbRefiner::refine_there(const RefineContext& context, const PairTask& task, const Finding& known,
+                                 PairMemory* memory, Worker& worker) const
 {
     if (!task.a->file() && !task.b->file()) return refine(context, task, memory, worker);
     const std::optional<PairMemory> before = memory ? std::optional(*memory) : std::nullopt;
@@ -310,7 +308,7 @@ RefineResult ObbRefiner::refine_there(const RefineContext& context, const PairTa
 }
 
 void ObbRefiner::refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
-                        std::span<RefineResult> results)
+                        std::span<Finding> results)
 {
     if (cache) prepare_solids(tasks, *cache);
     while (workers_.size() < static_cast<std::size_t>(std::max(context.threads, 1))) workers_.emplace_back();

@@ -3,8 +3,8 @@
 
 #include <oncollide/narrowphase/inside/shared_inside.hpp>
 #include <oncollide/pipeline/model_store.hpp>
-#include <oncollide/pipeline/refine/pair_refiner.hpp>
 #include <oncollide/pipeline/refine/non_mesh_pairs.hpp>
+#include <oncollide/pipeline/refine/pair_refiner.hpp>
 #include <oncollide/pipeline/refine/triangle_walks.hpp>
 
 namespace oncollide {
@@ -20,7 +20,7 @@ public:
     ObbRefiner(const ModelStore& models, Goal goal) : models_(models), goal_(goal) {}
 
     void refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
-                std::span<RefineResult> results) override;
+                std::span<Finding> results) override;
 
 private:
     /// One thread's working memory.
@@ -32,16 +32,16 @@ private:
         std::uint64_t by_hull = 0;  ///< pairs decided by their outer hulls
         std::uint64_t by_balls = 0; ///< pairs decided by their inner spheres
     };
-    RefineResult refine(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;
-    RefineResult refine_there(const RefineContext& context, const PairTask& task, const RefineResult& known,
-                              PairMemory* memory, Worker& worker) const;
-    RefineResult near(const RefineContext& context, const PairTask& task, PairMemory* memory, double tolerance,
-                      Worker& worker) const;
-    RefineResult exact(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;
+    Finding refine(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;
+    Finding refine_there(const RefineContext& context, const PairTask& task, const Finding& known, PairMemory* memory,
+                         Worker& worker) const;
+    Finding near(const RefineContext& context, const PairTask& task, PairMemory* memory, double tolerance,
+                 Worker& worker) const;
+    Finding exact(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;
     /// Decides two bodies with triangles.
     template <class A, class B>
-    RefineResult exact(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker,
-                       TraversalOf<A, B>& walk, A& a, B& b) const;
+    Finding exact(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker,
+                  TraversalOf<A, B>& walk, A& a, B& b) const;
 
     const ModelStore& models_;
     const Goal goal_;

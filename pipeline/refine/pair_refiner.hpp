@@ -23,12 +23,6 @@ struct PairTask {
     double travel = 0; ///< Bodies::travel() of both
 };
 
-struct RefineResult {
-    Verdict verdict;
-    ContactKind kind;
-    double bound; ///< as PairResult::bound
-};
-
 /// Data that refiners share with their caller.
 struct RefineContext {
     const Settings& settings;
@@ -70,7 +64,7 @@ public:
     /// @param tasks  by ascending number; the trees that they need were admitted (Dispatch)
     /// @param cache  of the frame's pairs; null: no memory is kept
     virtual void refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
-                        std::span<RefineResult> results) = 0;
+                        std::span<Finding> results) = 0;
 };
 
 } // namespace oncollide

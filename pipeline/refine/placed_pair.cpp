@@ -47,7 +47,7 @@ ConvexDistance DirectPair::placed_distance(const EnoughDistance& enough) const
     return ConvexPair(task_.a->convex(), second.convex(), placed_.b_to_a, placed_.slack).distance(enough);
 }
 
-RefineResult DirectPair::exact(double clearance) const
+Finding DirectPair::exact(double clearance) const
 {
     const ConvexMeeting m = meeting();
     if (m.sign < 0) return {Verdict::colliding, ContactKind::unknown, 0};
@@ -56,17 +56,17 @@ RefineResult DirectPair::exact(double clearance) const
     return {Verdict::separate, ContactKind::unknown, placed_.below(m.bound)};
 }
 
-RefineResult DirectPair::by_distance(double clearance) const
+Finding DirectPair::by_distance(double clearance) const
 {
     return compare(clearance, {}, ContactKind::near);
 }
 
-RefineResult DirectPair::near(double clearance, double tolerance) const
+Finding DirectPair::near(double clearance, double tolerance) const
 {
     return compare(clearance, {.below = clearance + tolerance}, ContactKind::unknown);
 }
 
-RefineResult DirectPair::compare(double clearance, EnoughDistance enough, ContactKind kind) const
+Finding DirectPair::compare(double clearance, EnoughDistance enough, ContactKind kind) const
 {
     enough.above = placed_.above(placed_.above(clearance));
     const ConvexDistance d = placed_distance(enough);

@@ -28,17 +28,17 @@ public:
     explicit DirectPair(const PairTask& task);
 
     /// As NonMeshPairs::exact().
-    RefineResult exact(double clearance) const;
+    Finding exact(double clearance) const;
     /// For bodies that do not meet: separate beyond the clearance, or near.
-    RefineResult by_distance(double clearance) const;
+    Finding by_distance(double clearance) const;
     /// As NonMeshPairs::near().
-    RefineResult near(double clearance, double tolerance) const;
+    Finding near(double clearance, double tolerance) const;
     /// As World::distance(); beyond `enough.above` the upper bound is infinite.
     Distance distance(const EnoughDistance& enough) const;
 
 private:
     ConvexMeeting meeting() const;
-    RefineResult compare(double clearance, EnoughDistance enough, ContactKind kind) const;
+    Finding compare(double clearance, EnoughDistance enough, ContactKind kind) const;
     ConvexDistance placed_distance(const EnoughDistance& enough) const;
 
     const PairTask& task_;

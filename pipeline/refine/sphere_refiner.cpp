@@ -31,7 +31,7 @@ void SphereRefiner::settle(std::uint32_t pair, const WalkResult& walk)
 }
 
 void SphereRefiner::refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
-                           std::span<RefineResult> results)
+                           std::span<Finding> results)
 {
     context_ = &context, tasks_ = tasks, results_ = results;
     cache_ = context.settings.coherence ? cache : nullptr;

@@ -26,7 +26,7 @@ public:
     explicit SphereRefiner(ModelStore& models) : models_(models) {}
 
     void refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
-                std::span<RefineResult> results) override;
+                std::span<Finding> results) override;
 
     /// Limit of the data of parked traversals. The vectors that hold the data may be three times as large.
     static constexpr std::size_t most_parked_bytes = std::size_t{16} << 20;
@@ -63,7 +63,7 @@ private:
     RefineContext* context_ = nullptr; ///< of the current run, like the next three members
     std::span<const PairTask> tasks_;
     PairCache* cache_ = nullptr;
-    std::span<RefineResult> results_;
+    std::span<Finding> results_;
     std::vector<std::array<int, 2>> depths_; ///< by task: levels where its traversal ends
     bool give_up_ = false;
     std::size_t started_ = 0; ///< number of pairs

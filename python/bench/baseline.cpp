@@ -63,7 +63,7 @@ int main(int arguments, char** argument)
     constexpr std::size_t count = 100'000;
     std::vector<MeshQuery> batch;
     for (std::size_t i = 0; i < count; ++i) batch.push_back({0, 0, at(0), at(3 + 1e-5 * double(i))});
-    std::vector<MeshResult> results(count);
+    std::vector<Finding> results(count);
     time("Queries.run", count, [&] { queries.run(batch, results); });
     return sink > 1e300;
 }

@@ -40,7 +40,8 @@ def play(**settings):
         frame = world.step()
         times.append(frame.ms)
         left = frame.pairs[frame.pairs["verdict"] != Verdict.SEPARATE]
-        pairs |= {(number, int(a), int(b)) for a, b in zip(left["a"], left["b"])}
+        a, b = oncollide.slots(left["a"]), oncollide.slots(left["b"])  # ids differ from World to World
+        pairs |= {(number, *pair) for pair in zip(a.tolist(), b.tolist())}
     return float(np.median(times[3:])), pairs
 
 

@@ -39,6 +39,13 @@ from ._core import (
 __version__ = "0.1.0"
 
 
+def slots(ids):
+    """The slots of bodies from their ids, uint32 (N,): small numbers for tables and messages; free slots are reused."""
+    import numpy
+
+    return (numpy.asarray(ids, dtype=numpy.uint64) & 0xFFFFFFFF).astype(numpy.uint32)
+
+
 class Verdict(enum.IntEnum):
     """The certified state of a pair of bodies; the numbers in `verdict` of arrays."""
 

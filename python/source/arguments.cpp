@@ -234,7 +234,7 @@ namespace {
 
 BodyId id_of(std::uint64_t id)
 {
-    return {static_cast<std::uint32_t>(id), static_cast<std::uint32_t>(id >> 32)};
+    return {static_cast<std::uint32_t>(id), static_cast<std::uint16_t>(id >> 32), static_cast<std::uint16_t>(id >> 48)};
 }
 
 } // namespace
@@ -246,6 +246,20 @@ BodyId body(py::handle value, const Place& place)
 
 std::vector<BodyId> bodies(py::handle value, const Place& place)
 {
+    if (py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value)) { // NumPy makes floats of int and uint64
+        const auto items = py::reinterpret_borrow<py::sequence>(value);
+        std::vector<BodyId> made;
+        bool integers = true;
+        for (py::handle item : items) integers &= PyIndex_Check(item.ptr()) && !PyBool_Check(item.ptr());
+        if (integers) {
+            for (py::handle item : items) {
+                const auto number = py::reinterpret_steal<py::object>(PyNumber_Index(item.ptr()));
+                const int negative = PyObject_RichCompareBool(number.ptr(), py::int_(0).ptr(), Py_LT);
+                made.push_back(negative ? id_of(~std::uint64_t{0}) : body(number, place));
+            }
+            return made;
+        }
+    }
     const py::array array = whole_numbers(value, place);
     if (array.ndim() != 1) refuse_value(place, "expected shape (N,), got " + shape_of(array));
     const auto* at = static_cast<const std::uint64_t*>(array.data()); // a negative number becomes an id that no body
@@ -259,6 +273,13 @@ py::array ids_of(std::span<const BodyId> bodies)
 {
     py::array_t<std::uint64_t> made(static_cast<py::ssize_t>(bodies.size()));
     for (std::size_t i = 0; i < bodies.size(); ++i) made.mutable_at(i) = number_of(bodies[i]);
+    return made;
+}
+
+py::array offsets_of(std::span<const std::size_t> offsets)
+{
+    py::array_t<std::int64_t> made(static_cast<py::ssize_t>(offsets.size()));
+    std::copy(offsets.begin(), offsets.end(), made.mutable_data());
     return made;
 }
 

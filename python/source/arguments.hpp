@@ -72,10 +72,11 @@ private:
 /// An id in Python is an integer: the slot in the low bits, the generation above.
 inline std::uint64_t number_of(BodyId id)
 {
-    return std::uint64_t{id.generation} << 32 | id.slot;
+    return std::uint64_t{id.world} << 48 | std::uint64_t{id.generation} << 32 | id.slot;
 }
 BodyId body(py::handle value, const Place& place);
 std::vector<BodyId> bodies(py::handle value, const Place& place); ///< (N,)
 py::array ids_of(std::span<const BodyId> bodies);
+py::array offsets_of(std::span<const std::size_t> offsets); ///< int64
 
 } // namespace oncollide::python

@@ -114,7 +114,8 @@ Ctrl-C ends it soon, between two pairs, with KeyboardInterrupt; the World stays 
                                          return py::tuple(names);
                                      }),
                                 "Names of the stages in order (tuple of str).");
-    world.def_property_readonly("totals", look("World.totals", [](const World& w) { return stage_list(w.totals()); }),
+    world.def_property_readonly("totals",
+                                look("World.totals", [](const World& w) { return stage_list(w.inspect().totals); }),
                                 "Sums over all frames so far, as Frame.stages.");
     world.def_property_readonly("hash", look("World.hash", [](const World& w) { return w.hash(); }),
                                 "Hash of all frames so far; equal input gives an equal hash (int).");

@@ -60,6 +60,7 @@ using WorldClass = py::class_<HeldWorld>;
 void bind_bodies(WorldClass& world);
 void bind_frames(py::module_& module, WorldClass& world);
 void bind_world_queries(WorldClass& world);
+void bind_world_pairs(WorldClass& world);
 void bind_maps(WorldClass& world);
 
 } // namespace oncollide::python

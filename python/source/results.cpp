@@ -33,6 +33,9 @@ static_assert(sizeof(Eigen::Vector3d) == 24 && std::endian::native == std::endia
 
 constexpr std::size_t cell_in_part = offsetof(BodyPart, cell);
 
+// PairResult and QueryHit have their verdict in a base, where offsetof is GCC's and Clang's extension.
+#pragma GCC diagnostic ignored "-Winvalid-offsetof"
+
 /// Never freed: the interpreter may end before static objects are destroyed.
 const ResultTypes* types = nullptr;
 
@@ -68,7 +71,18 @@ void make_result_types()
                                                  {"triangle_b", "u4", offsetof(Distance, b)},
                                                  {"cell_b", "4i4", offsetof(Distance, b) + cell_in_part},
                                                  {"point_a", "3f8", offsetof(Distance, point_a)},
-                                                 {"point_b", "3f8", offsetof(Distance, point_b)}})};
+                                                 {"point_b", "3f8", offsetof(Distance, point_b)}}),
+        .finding = structure(sizeof(Finding), {{"verdict", "u1", offsetof(Finding, verdict)},
+                                               {"kind", "u1", offsetof(Finding, kind)},
+                                               {"bound", "f8", offsetof(Finding, bound)}}),
+        .penetration = structure(sizeof(Penetration), {{"contact", "(2,3)f8", offsetof(Penetration, contact)},
+                                                       {"overlap", "(2,3)f8", offsetof(Penetration, overlap)},
+                                                       {"depth", "f8", offsetof(Penetration, depth)},
+                                                       {"deepest", "3f8", offsetof(Penetration, deepest)},
+                                                       {"of_a", "?", offsetof(Penetration, of_a)},
+                                                       {"vertex", "u4", offsetof(Penetration, vertex)},
+                                                       {"thickness", "f8", offsetof(Penetration, thickness)},
+                                                       {"thin_along", "3f8", offsetof(Penetration, thin_along)}})};
 }
 
 const ResultTypes& result_types()

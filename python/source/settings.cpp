@@ -55,7 +55,8 @@ constexpr std::array known_settings{
             [](Settings& s, py::handle v, const Place& p) {
                 if (PyUnicode_Check(v.ptr()) || !py::isinstance<py::iterable>(v))
                     refuse_type(p, "a list of names of stages", v);
-                for (py::handle name : py::reinterpret_borrow<py::iterable>(v)) s.skip.push_back(text(name, p));
+                for (py::handle name : py::reinterpret_borrow<py::iterable>(v))
+                    s.skip.insert(by_name<stage_from_name>(name, p));
             }},
     Setting{"age_limit", [](Settings& s, py::handle v, const Place& p) { s.age_limit = whole_int(v, p); }},
     Setting{"node_budget", [](Settings& s, py::handle v, const Place& p) { s.node_budget = whole(v, p, ~0ull); }},

@@ -143,17 +143,36 @@ Removes a model. Raises Error while a body uses it.)");
     bind_bodies(world);
     bind_frames(m, world);
     bind_world_queries(world);
+    bind_world_pairs(world);
     bind_maps(world);
-    world.def_property_readonly("bytes", look("World.bytes", [](const World& w) { return w.bytes(); }),
+    world.def(
+        "inspect",
+        [](HeldWorld& held) {
+            WorldInfo info;
+            {
+                const Looking looking(held, "World.inspect");
+                const Released released;
+                info = held.world.inspect();
+            }
+            return py::dict("bodies"_a = info.bodies, "models"_a = info.models, "frames"_a = info.frames,
+                            "bytes"_a = info.bytes, "backend"_a = info.backend, "renderer"_a = info.renderer,
+                            "backend_note"_a = info.backend_note);
+        },
+        R"(inspect(self)
+--
+
+The state of the World as a dict: bodies, models, frames, bytes (without the geometries), backend, renderer,
+backend_note. See also totals and file_faults.)");
+    world.def_property_readonly("bytes", look("World.bytes", [](const World& w) { return w.inspect().bytes; }),
                                 "Memory of bodies, AABBs and trees, bytes, without the geometries (int).");
-    world.def_property_readonly("backend", look("World.backend", [](const World& w) { return w.backend(); }),
+    world.def_property_readonly("backend", look("World.backend", [](const World& w) { return w.inspect().backend; }),
                                 "The backend that finds grey cells, e.g. 'cpu (avx2)' (str).");
     world.def_property_readonly(
         "file_faults",
         look("World.file_faults",
              [](const World& w) {
                  py::list made;
-                 for (const std::string& fault : w.file_faults()) // a path may contain bytes that are not UTF-8
+                 for (const std::string& fault : w.inspect().file_faults) // a path may contain bytes that are not UTF-8
                      made.append(py::reinterpret_steal<py::object>(
                          PyUnicode_DecodeFSDefaultAndSize(fault.data(), static_cast<py::ssize_t>(fault.size()))));
                  return made;

@@ -92,16 +92,18 @@ void bind_bodies(WorldClass& world)
     const py::int_ all(0xffffffffu);
     world.def("add_body", &add_body, "model"_a, "pose"_a = none, "static"_a = false, "layer"_a = 1, "mask"_a = all,
               "group"_a = 0, "user"_a = 0, "fixed"_a = none,
-              R"(add_body(self, model, pose=None, static=False, layer=1, mask=4294967295, group=0, user=0)
+              R"(add_body(self, model, pose=None, static=False, layer=1, mask=4294967295, group=0, user=0, fixed=None)
 --
 
 Adds a body and returns its id (int).
 
-pose: (4, 4) or (7,), metres; None: the identity. static: two static bodies never form a pair. layer, mask: bits; a pair
+pose: (4, 4) or (7,), metres; None: the identity. static: two static bodies never form a pair;
+fixed: its older name. layer, mask: bits; a pair
 is tested if the layer of each has a bit in common with the mask of the other. group: bodies of one group other than 0
 never collide. user: any number up to 2^64 - 1, which World.user() returns.)");
     world.def("add_bodies", &add_bodies, "model"_a, "poses"_a, "static"_a = false, "layer"_a = 1, "mask"_a = all,
-              "group"_a = 0, "fixed"_a = none, R"(add_bodies(self, model, poses, static=False, layer=1, mask=4294967295, group=0)
+              "group"_a = 0, "fixed"_a = none,
+              R"(add_bodies(self, model, poses, static=False, layer=1, mask=4294967295, group=0, fixed=None)
 --
 
 Adds a body for each of the poses, (N, 4, 4) or (N, 7), and returns their ids, uint64 (N,).)");
@@ -249,6 +251,53 @@ The number stored by set_user() (int).)");
 
 True if the body is static.)");
     world.attr("fixed") = world.attr("is_static"); // its older name
+    const auto number_of_body = [&](const char* name, const char* call, std::uint32_t (World::*get)(BodyId) const,
+                                    const char* text) {
+        world.def(
+            name,
+            [call, get](HeldWorld& held, py::handle which) {
+                const BodyId id = body(which, {call, "body"});
+                const Looking looking(held, call);
+                return (held.world.*get)(id);
+            },
+            "body"_a, text);
+    };
+    world.def(
+        "body_at",
+        [](HeldWorld& held, py::handle slot) -> py::object {
+            const auto at = static_cast<std::uint32_t>(whole(slot, {"World.body_at", "slot"}, 0xffffffffu));
+            const Looking looking(held, "World.body_at");
+            const BodyId id = held.world.body_at(at);
+            return id ? py::object(py::int_(number_of(id))) : py::none();
+        },
+        "slot"_a, R"(body_at(self, slot)
+--
+
+The id of the body in a slot (int), or None if the slot is free. Bodies take the slots 0, 1, 2 and so on.)");
+    number_of_body("layer", "World.layer", &World::layer, R"(layer(self, body)
+--
+
+The layers that the body is on, as bits (int).)");
+    number_of_body("mask", "World.mask", &World::mask, R"(mask(self, body)
+--
+
+The layers that the body collides with, as bits (int).)");
+    number_of_body("group", "World.group", &World::group, R"(group(self, body)
+--
+
+The body's group (int); no two bodies of one group other than 0 form a pair.)");
+    world.def(
+        "excluded",
+        [](HeldWorld& held, py::handle a, py::handle b) {
+            const char* const call = "World.excluded";
+            const BodyId first = body(a, {call, "a"}), second = body(b, {call, "b"});
+            const Looking looking(held, call);
+            return held.world.excluded(first, second);
+        },
+        "a"_a, "b"_a, R"(excluded(self, a, b)
+--
+
+True if exclude() keeps the two from forming a pair.)");
     world.def(
         "__contains__",
         [](HeldWorld& held, py::handle item) {

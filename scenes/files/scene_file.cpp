@@ -133,17 +133,17 @@ void read_body(Scene& scene, const Node& node, const fs::path& folder)
     at(node, [&] { scene.add_body(std::move(body)); });
 }
 
-BodyId read_body_reference(const Node& node, const Scene& scene)
+SceneBodyId read_body_reference(const Node& node, const Scene& scene)
 {
     if (node.is_text()) {
         const std::string_view name = node.text();
         if (name.empty()) node.fail("is empty; a body without a name goes by its number in 'bodies'");
-        if (const std::optional<BodyId> found = scene.find(name)) return *found;
+        if (const std::optional<SceneBodyId> found = scene.find(name)) return *found;
         node.fail(fmt::format("no body named '{}'", name));
     }
     if (!node.is_number()) node.fail("must be the name of a body, or its number in 'bodies'");
     if (scene.size() == 0) node.fail("the scene has no bodies");
-    return BodyId{static_cast<std::uint32_t>(node.integer(0, static_cast<std::int64_t>(scene.size()) - 1))};
+    return SceneBodyId{static_cast<std::uint32_t>(node.integer(0, static_cast<std::int64_t>(scene.size()) - 1))};
 }
 
 void read_excluded(Scene& scene, const Node& list)
@@ -151,7 +151,7 @@ void read_excluded(Scene& scene, const Node& list)
     scene.excluded.reserve(list.size());
     for (const Node& pair : list) {
         if (pair.size() != 2) pair.fail(fmt::format("has {} bodies, must have two", pair.size()));
-        const BodyId a = read_body_reference(pair[0], scene), b = read_body_reference(pair[1], scene);
+        const SceneBodyId a = read_body_reference(pair[0], scene), b = read_body_reference(pair[1], scene);
         at(pair, [&] { scene.exclude(a, b); });
     }
 }

@@ -173,7 +173,8 @@ TEST_P(EveryBroadPhase, FollowsBodiesThatComeGoMoveBecomeStaticAndChangeLayersAn
                 (scene.is_static[body] ^= 1) ? is_static.push_back(body) : dynamic.push_back(body);
             }
         }
-        broad->add(come), broad->add(come_static, true), broad->move(moved), broad->make_static(is_static), broad->make_dynamic(dynamic);
+        broad->add(come), broad->add(come_static, true), broad->move(moved), broad->make_static(is_static),
+            broad->make_dynamic(dynamic);
         broad->remove(gone);
         for (const Bodies& list : {come, come_static})
             for (std::uint32_t body : list) there[body] = 1;
@@ -419,12 +420,13 @@ INSTANTIATE_TEST_SUITE_P(
                       Algorithm{"octree_threads", make_octree, threaded}, Algorithm{"brute", make_brute_force, plain},
                       Algorithm{"brute_margin", make_brute_force, grown}),
     name_of);
-INSTANTIATE_TEST_SUITE_P(
-    , BroadPhaseOfOneThread,
-    ::testing::Values(Algorithm{"kd", make_kd_tree, plain}, Algorithm{"kd_margin", make_kd_tree, grown},
-                      Algorithm{"octree", make_octree, plain}, Algorithm{"brute", make_brute_force, plain},
-                      Algorithm{"brute_margin", make_brute_force, grown}),
-    name_of);
+INSTANTIATE_TEST_SUITE_P(, BroadPhaseOfOneThread,
+                         ::testing::Values(Algorithm{"kd", make_kd_tree, plain},
+                                           Algorithm{"kd_margin", make_kd_tree, grown},
+                                           Algorithm{"octree", make_octree, plain},
+                                           Algorithm{"brute", make_brute_force, plain},
+                                           Algorithm{"brute_margin", make_brute_force, grown}),
+                         name_of);
 
 } // namespace
 } // namespace oncollide

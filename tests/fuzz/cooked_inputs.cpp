@@ -218,7 +218,7 @@ public:
         for (const PairResult& pair : world_.step().pairs)
             if (std::min(pair.a.slot, pair.b.slot) < 2)
                 found.pairs.push_back({pair.a.slot, pair.b.slot, pair.verdict, pair.bound});
-        found.faults = world_.file_faults();
+        found.faults = world_.inspect().file_faults;
         return found;
     }
     double most_distance(const Found::Pair& pair) { return world_.distance(bodies_[pair.a], bodies_[pair.b]).upper; }

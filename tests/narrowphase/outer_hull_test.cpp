@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/random.hpp>
-#include <oncollide/narrowphase/obb/traversal.hpp>
 #include <oncollide/narrowphase/hulls/outer_hull.hpp>
+#include <oncollide/narrowphase/obb/traversal.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
 #include "random_pose.hpp"

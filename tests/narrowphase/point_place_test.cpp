@@ -122,8 +122,8 @@ TEST(PointLocation, TriesAnotherRayWhereOneTouchesAnEdge)
         for (int k = 0; k < 3; ++k) step[k] = std::round(step[k]);
         const Vector3d reach = step.cwiseAbs() - Vector3d(8, 6, 4);
         const PointLocation truth = reach.maxCoeff() > 0    ? PointLocation::outside
-                                 : reach.maxCoeff() == 0 ? PointLocation::surface
-                                                         : PointLocation::inside;
+                                    : reach.maxCoeff() == 0 ? PointLocation::surface
+                                                            : PointLocation::inside;
         ++count[int(truth)];
         EXPECT_EQ(place_of(origin + step * unit, box), truth) << step.transpose();
     }

@@ -10,9 +10,9 @@
 
 #include <oncollide/base/cpu_features.hpp>
 #include <oncollide/base/random.hpp>
+#include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/obb/traversal.hpp>
 #include <oncollide/narrowphase/obb/triangle_parts.hpp>
-#include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/scenes/model/mesh_generators.hpp>
 
 #include "random_pose.hpp"
@@ -499,9 +499,9 @@ TEST(OrientedBoxes, OfSingleTrianglesHoldTheirCorners)
     const Vector3d p(0.5, 0.25, -1), x(1, 2, 3), y(-2, 1, 0);
     for (const double size : {1e-28, 1e-18, 1e-9, 1.0, 1e9, 1e17}) {
         const auto triangles =
-            std::vector<TrianglePoints>{{p, p, p},                       // a point
-                                        {p, p + size * x, p - size * x}, // a line
-                                        {p, p, p + size * x},            // the same with two equal corners
+            std::vector<TrianglePoints>{{p, p, p},                                    // a point
+                                        {p, p + size * x, p - size * x},              // a line
+                                        {p, p, p + size * x},                         // the same with two equal corners
                                         {p, p + size * x, p - size * (x + 1e-7 * y)}, // needles
                                         {p, p + size * x, p - size * (x + 1e-4 * y)},
                                         {p, p + size * x, p - size * (x + 1e-2 * y)},

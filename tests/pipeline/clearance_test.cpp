@@ -23,7 +23,7 @@ PairResult answer(const Mesh& a, const Isometry3d& pose_a, const Mesh& b, const 
     scene.add_body({.name = "b", .geometry = scene.add("b", b), .pose = pose_b});
     Pipeline pipeline(scene, settings);
     const FrameView frame = pipeline.step(scene);
-    return frame.pairs.empty() ? PairResult{BodyId{0}, BodyId{1}, Verdict::separate, 0, ContactKind::unknown, 0}
+    return frame.pairs.empty() ? PairResult{{Verdict::separate, ContactKind::unknown, 0}, StageId::bounds, {}, {}}
                                : frame.pairs[0];
 }
 

@@ -40,9 +40,9 @@ Settings with_kinds()
 
 PairResult at(Pipeline& pipeline, Scene& scene, const Eigen::Vector3d& place)
 {
-    scene.set_position({1}, place);
+    scene.set_position(SceneBodyId{1}, place);
     const FrameView frame = pipeline.step(scene);
-    return frame.pairs.empty() ? PairResult{BodyId{0}, BodyId{1}, Verdict::separate, 0, ContactKind::unknown, 0}
+    return frame.pairs.empty() ? PairResult{{Verdict::separate, ContactKind::unknown, 0}, StageId::bounds, {}, {}}
                                : frame.pairs[0];
 }
 
@@ -182,7 +182,7 @@ TEST(ContactKinds, TouchingCanBeIgnored)
 TEST(ContactKinds, IgnoredPairsAreNotHeldToBeMissed)
 {
     Scene scene = two_boxes();
-    scene.set_position({1}, Eigen::Vector3d(1, 0.05, 0.3));
+    scene.set_position(SceneBodyId{1}, Eigen::Vector3d(1, 0.05, 0.3));
     tools::FclWorld world(scene);
     const tools::FclFrame theirs = world.step();
     ASSERT_EQ(theirs.colliding.size(), 1u);
@@ -212,7 +212,7 @@ TEST(ContactKinds, GiveOneHashForThreadsAndCoherence)
         for (int frame = 0; frame < 4; ++frame) {
             pipeline.step(scene);
             for (std::uint32_t i = 0; i < scene.size(); i += 3)
-                scene.set_position({i}, scene.poses.position(i) + 0.25 * Eigen::Vector3d::UnitX());
+                scene.set_position(SceneBodyId{i}, scene.poses.position(i) + 0.25 * Eigen::Vector3d::UnitX());
         }
         return pipeline.hash();
     };

@@ -38,14 +38,15 @@ std::vector<Variant> every_toggle(int depth)
         variants.push_back({std::move(name), at_depth(depth)});
         change(variants.back().settings);
     };
-    for (const char* stage : {"bounds", "delimitation", "broad", "ocst", "exact"})
-        add(std::string("without ") + stage, [&](Settings& s) { s.skip.push_back(stage); });
+    for (const StageId stage :
+         {StageId::bounds, StageId::delimitation, StageId::broad, StageId::refine, StageId::exact})
+        add("without " + std::string(name_of(stage)), [&](Settings& s) { s.skip.insert(stage); });
     add("octree", [](Settings& s) { s.broad_phase = BroadPhaseKind::octree; });
     add("brute force", [](Settings& s) { s.broad_phase = BroadPhaseKind::brute_force; });
     add("exact fcl", [](Settings& s) { s.exact = ExactLevel::fcl; });
-    add("exact fcl without ocst", [](Settings& s) { s.exact = ExactLevel::fcl, s.skip = {"ocst"}; });
+    add("exact fcl without refine", [](Settings& s) { s.exact = ExactLevel::fcl, s.skip = {StageId::refine}; });
     add("predicates", [](Settings& s) { s.exact = ExactLevel::predicates; });
-    add("predicates without ocst", [](Settings& s) { s.exact = ExactLevel::predicates, s.skip = {"ocst"}; });
+    add("predicates without refine", [](Settings& s) { s.exact = ExactLevel::predicates, s.skip = {StageId::refine}; });
     add("predicates on plain spheres",
         [](Settings& s) { s.exact = ExactLevel::predicates, s.bounding_volume = BoundingVolume::sphere; });
     add("predicates with a clearance", [](Settings& s) { s.exact = ExactLevel::predicates, s.clearance = 0.05; });
@@ -67,7 +68,9 @@ std::vector<Variant> every_toggle(int depth)
     add("no memory", [](Settings& s) { s.memory_budget = 1; });
     add("cells dropped at once", [](Settings& s) { s.age_limit = 1; });
     add("solid", [](Settings& s) { s.mode = Mode::solid, s.open_as_surface = true; });
-    add("everything skipped", [](Settings& s) { s.skip = {"bounds", "delimitation", "broad", "ocst", "exact"}; });
+    add("everything skipped", [](Settings& s) {
+        s.skip = {StageId::bounds, StageId::delimitation, StageId::broad, StageId::refine, StageId::exact};
+    });
     return variants;
 }
 
@@ -115,7 +118,7 @@ Scene catalogue_scene(const char* name, int bodies = 0, std::uint64_t seed = 123
     return make_scene(name, options);
 }
 
-BodyId put(Scene& scene, GeometryId geometry, const Eigen::Vector3d& position, double turn = 0)
+SceneBodyId put(Scene& scene, GeometryId geometry, const Eigen::Vector3d& position, double turn = 0)
 {
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     pose.translation() = position;
@@ -218,7 +221,7 @@ bool push_until_touching(Scene& scene, const Eigen::Vector3d& direction, double 
     FclWorld world(scene);
     const Eigen::Vector3d origin = scene.poses[0].translation();
     const auto collide = [&](double t) {
-        scene.set_position({1}, origin + t * direction);
+        scene.set_position(SceneBodyId{1}, origin + t * direction);
         return !world.step().colliding.empty();
     };
     constexpr int scan = 100;

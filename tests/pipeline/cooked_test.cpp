@@ -153,7 +153,7 @@ Played play(Scene scene, const Settings& settings, int frames = 4)
         played.frames.emplace_back(view.pairs.begin(), view.pairs.end());
         played.bytes = std::max(played.bytes, view.trees.bytes);
     }
-    played.hash = pipeline.hash(), played.faults = pipeline.world().file_faults();
+    played.hash = pipeline.hash(), played.faults = pipeline.world().inspect().file_faults;
     return played;
 }
 
@@ -165,7 +165,8 @@ void expect_same(const Played& a, const Played& b)
         ASSERT_EQ(a.frames[f].size(), b.frames[f].size()) << "frame " << f;
         for (std::size_t i = 0; i < a.frames[f].size(); ++i) {
             const PairResult &x = a.frames[f][i], &y = b.frames[f][i];
-            EXPECT_TRUE(x.a == y.a && x.b == y.b && x.verdict == y.verdict && x.kind == y.kind && x.bound == y.bound)
+            EXPECT_TRUE(index(x.a) == index(y.a) && index(x.b) == index(y.b) && x.verdict == y.verdict &&
+                        x.kind == y.kind && x.bound == y.bound)
                 << "frame " << f << ", pair " << x.a.slot << " " << x.b.slot << ": " << int(x.verdict) << " " << x.bound
                 << ", cooked " << int(y.verdict) << " " << y.bound;
         }
@@ -217,15 +218,15 @@ TEST(Cooked, GivesTheSameContactsAndDistances)
         of_a.step(a), of_b.step(b);
         std::size_t contacts = 0;
         for (std::uint32_t i = 1; i < a.size(); ++i) {
-            const auto found_a = of_a.world().contacts(BodyId{0}, BodyId{i}),
-                       found_b = of_b.world().contacts(BodyId{0}, BodyId{i});
+            const auto found_a = of_a.world().contacts(of_a.body(SceneBodyId{0}), of_a.body(SceneBodyId{i})),
+                       found_b = of_b.world().contacts(of_b.body(SceneBodyId{0}), of_b.body(SceneBodyId{i}));
             ASSERT_EQ(found_a.size(), found_b.size());
             contacts += found_a.size();
             for (std::size_t k = 0; k < found_a.size(); ++k)
                 EXPECT_TRUE(found_a[k].a == found_b[k].a && found_a[k].b == found_b[k].b &&
                             found_a[k].ends == found_b[k].ends && found_a[k].normal_a == found_b[k].normal_a);
-            const Distance d = of_a.world().distance(BodyId{0}, BodyId{i}, 1e-3),
-                           e = of_b.world().distance(BodyId{0}, BodyId{i}, 1e-3);
+            const Distance d = of_a.world().distance(of_a.body(SceneBodyId{0}), of_a.body(SceneBodyId{i}), 1e-3),
+                           e = of_b.world().distance(of_b.body(SceneBodyId{0}), of_b.body(SceneBodyId{i}), 1e-3);
             EXPECT_EQ(d.lower, e.lower);
             EXPECT_EQ(d.upper, e.upper);
             EXPECT_TRUE(d.a == e.a && d.b == e.b);
@@ -371,13 +372,13 @@ TEST(Cooked, GridsGiveTheSameResults)
         Pipeline of_a(a, {.exact = ExactLevel::predicates}), of_b(b, {.exact = ExactLevel::predicates});
         of_a.step(a), of_b.step(b);
         for (std::uint32_t i = 1; i < 20; ++i) {
-            const auto found_a = of_a.world().contacts(BodyId{0}, BodyId{i}),
-                       found_b = of_b.world().contacts(BodyId{0}, BodyId{i});
+            const auto found_a = of_a.world().contacts(of_a.body(SceneBodyId{0}), of_a.body(SceneBodyId{i})),
+                       found_b = of_b.world().contacts(of_b.body(SceneBodyId{0}), of_b.body(SceneBodyId{i}));
             ASSERT_EQ(found_a.size(), found_b.size());
             for (std::size_t k = 0; k < found_a.size(); ++k)
                 EXPECT_TRUE(found_a[k].a == found_b[k].a && found_a[k].b == found_b[k].b);
-            EXPECT_EQ(of_a.world().distance(BodyId{0}, BodyId{i}, 1e-3).lower,
-                      of_b.world().distance(BodyId{0}, BodyId{i}, 1e-3).lower);
+            EXPECT_EQ(of_a.world().distance(of_a.body(SceneBodyId{0}), of_a.body(SceneBodyId{i}), 1e-3).lower,
+                      of_b.world().distance(of_b.body(SceneBodyId{0}), of_b.body(SceneBodyId{i}), 1e-3).lower);
         }
     }
 }
@@ -715,7 +716,7 @@ TEST(Cooked, TilesAreOpenedWhereBodiesComeAndGivenBack)
     EXPECT_GT(most, 0);
     EXPECT_LE(most, 6);
     EXPECT_LT(tiled.open(), most + 1);
-    EXPECT_TRUE(of_tiled.world().file_faults().empty());
+    EXPECT_TRUE(of_tiled.world().inspect().file_faults.empty());
 }
 
 TEST(Cooked, LookingAheadNeverChangesAResult)

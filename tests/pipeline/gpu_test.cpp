@@ -3,6 +3,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/gl/gpu.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/pipeline/world_access.hpp>
 #include <oncollide/scenes/catalogue/catalogue.hpp>
 
 namespace oncollide::gpu_test {
@@ -51,7 +52,7 @@ struct Played {
 Played play(Scene scene, const Settings& settings, int frames, std::unique_ptr<OcclusionBackend> backend = nullptr)
 {
     Played played;
-    Pipeline pipeline(scene, settings, std::move(backend));
+    Pipeline pipeline = WorldAccess::make(scene, settings, std::move(backend));
     Mover mover;
     try {
         for (int frame = 0; frame < frames; ++frame) {
@@ -62,7 +63,7 @@ Played play(Scene scene, const Settings& settings, int frames, std::unique_ptr<O
         EXPECT_EQ(error.kind(), ErrorKind::no_gpu);
         played.error = error.what();
     }
-    played.note = pipeline.backend_note();
+    played.note = pipeline.inspect().backend_note;
     return played;
 }
 
@@ -99,8 +100,8 @@ TEST(Gpu, RoundsTellWhatTheyCost)
     EXPECT_EQ(rows, view.trees.rows);
     EXPECT_GT(view.stages[3].gpu_ms, 0);
     EXPECT_LE(view.stages[3].wait_ms, view.stages[3].cpu_ms);
-    EXPECT_NE(pipeline.renderer(), "");
-    EXPECT_NE(pipeline.backend().find(pipeline.renderer()), std::string::npos);
+    EXPECT_NE(pipeline.inspect().renderer, "");
+    EXPECT_NE(pipeline.inspect().backend.find(pipeline.inspect().renderer), std::string::npos);
 }
 
 TEST(Gpu, RoundsDoNotGrowWithThePairs)
@@ -150,9 +151,11 @@ TEST(Gpu, TakesNoPartWhereExactTestsDecideAndSaysSo)
 {
     try {
         Pipeline pipeline(many(5), {.exact = ExactLevel::predicates, .backend = BackendKind::gl_compute});
-        EXPECT_NE(pipeline.backend_note().find("GPU is not used"), std::string::npos) << pipeline.backend_note();
+        EXPECT_NE(pipeline.inspect().backend_note.find("GPU is not used"), std::string::npos)
+            << pipeline.inspect().backend_note;
         Pipeline spheres(many(5), {.backend = BackendKind::gl_compute});
-        EXPECT_EQ(spheres.backend_note().find("GPU is not used"), std::string::npos) << spheres.backend_note();
+        EXPECT_EQ(spheres.inspect().backend_note.find("GPU is not used"), std::string::npos)
+            << spheres.inspect().backend_note;
     } catch (const Error& error) {
         if (error.kind() != ErrorKind::no_gpu) throw;
         GTEST_SKIP() << error.what();
@@ -175,10 +178,10 @@ TEST(Gpu, AutoTakesTheCpuRatherThanASoftwareRendererAndSaysSo)
     const bool hardware = !describe_gpu(-1).software;
     const Scene scene = many(10);
     const Pipeline pipeline(scene, {.backend = BackendKind::automatic});
-    EXPECT_EQ(pipeline.renderer().empty(), !hardware);
-    EXPECT_EQ(pipeline.backend_note().empty(), hardware) << pipeline.backend_note();
+    EXPECT_EQ(pipeline.inspect().renderer.empty(), !hardware);
+    EXPECT_EQ(pipeline.inspect().backend_note.empty(), hardware) << pipeline.inspect().backend_note;
     const Pipeline with_number(scene, {.backend = BackendKind::automatic, .gpu = 0});
-    EXPECT_EQ(with_number.renderer().empty(), describe_gpu(0).software);
+    EXPECT_EQ(with_number.inspect().renderer.empty(), describe_gpu(0).software);
 }
 
 } // namespace

@@ -33,7 +33,8 @@ Isometry3d place(std::uint64_t body, std::uint64_t frame)
 Crowd crowd_of(const Settings& settings, const Isometry3d& ground, bool fixed, std::uint64_t count)
 {
     Crowd crowd{World(settings), {}, {}, {}, {}};
-    crowd.ground = crowd.world.add_body({.model = crowd.world.add(Shape(HalfSpace{})), .pose = ground, .is_static = fixed});
+    crowd.ground =
+        crowd.world.add_body({.model = crowd.world.add(Shape(HalfSpace{})), .pose = ground, .is_static = fixed});
     crowd.geometries = {Shape(Sphere{0.5}),  Shape(Box{{0.4, 0.5, 0.6}}), make_torus_mesh(0.5, 0.2, 300),
                         draw_geometry(7, 1), draw_geometry(9, 1),         small_terrain(1)};
     for (const GeometryData& g : crowd.geometries)
@@ -118,7 +119,8 @@ TEST(HalfSpaces, AlongTheAxesArePairsOnlyOfWhatReachesTheirPlane)
     const auto broad = std::size_t(std::ranges::find(stages, "broad") - stages.begin());
     Crowd without = crowd_of({}, Isometry3d(Eigen::Translation3d(0, 0, -100)), true, 2000);
     without.world.step();
-    EXPECT_LE(crowd.world.totals()[broad].out, without.world.totals()[broad].out + crowd.bodies.size() - above);
+    EXPECT_LE(crowd.world.inspect().totals[broad].out,
+              without.world.inspect().totals[broad].out + crowd.bodies.size() - above);
 }
 
 } // namespace

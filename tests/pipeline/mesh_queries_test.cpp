@@ -59,7 +59,7 @@ TEST_P(EveryExactness, ColumnsOfAnyKindAnswerAsAWorldDoes)
     std::vector<Verdict> verdicts(both.queries.size());
     std::vector<double> bounds(both.queries.size());
     queries.run(both.columns(), verdicts, bounds);
-    std::vector<MeshResult> results(both.queries.size());
+    std::vector<Finding> results(both.queries.size());
     again.run(both.queries, results);
 
     World world(settings);
@@ -142,13 +142,13 @@ TEST(MeshQueryColumns, RefuseOtherLengthsAndNameWhatIsWrong)
     };
     MeshQueryColumns columns = both.columns();
     columns.b = columns.b.first(2);
-    EXPECT_EQ(message(columns), "MeshQueries: b: 2 numbers; must be 3, or 1 for all of the 3 queries");
+    EXPECT_EQ(message(columns), "decide: column b: 2 numbers; must be 3, or 1 for all of the 3 pairs");
     columns = both.columns(), columns.poses_a = columns.poses_a.first(32);
-    EXPECT_NE(message(columns).find("poses_a: 32 numbers; must be 48"), std::string::npos);
+    EXPECT_NE(message(columns).find("column poses_a: 32 numbers; must be 48"), std::string::npos);
     both.b[1] = 6;
     EXPECT_EQ(message(both.columns()), "query 1: there is no mesh 6; there are 6 meshes");
     both.b[1] = 0, both.poses_b[16 + 12] = 1; // the matrix is stored in the other order
-    EXPECT_EQ(message(both.columns()), "query 1: pose_b: the pose's last row is not (0, 0, 0, 1)");
+    EXPECT_EQ(message(both.columns()), "pair 1: b: the pose's last row is not (0, 0, 0, 1)");
     EXPECT_THROW(queries.run(columns, verdicts, {}), Error);
     EXPECT_THROW(MeshQueries({nullptr, geometries[0]}), Error);
     queries.run({}, std::span<Verdict>(), std::span<double>());

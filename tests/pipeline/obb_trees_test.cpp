@@ -17,7 +17,7 @@ Scene row_of_balls()
     for (std::size_t i = 0; i < balls; ++i) {
         const std::string name = std::to_string(i);
         scene.add_body({.name = name, .geometry = scene.add(name, make_sphere_mesh(1, 500)), .motion = Drift{}});
-        scene.set_position({std::uint32_t(i)}, {10 * double(i), 0, 0});
+        scene.set_position(SceneBodyId{std::uint32_t(i)}, {10 * double(i), 0, 0});
     }
     return scene;
 }
@@ -49,8 +49,9 @@ TEST(ObbTrees, OfAPairThatPartedMakeRoomForOthers)
     settings.exact = ExactLevel::predicates, settings.age_limit = 2, settings.memory_budget = 5 * bytes / 2;
     Pipeline pipeline(scene, settings);
     const auto pairs_tested = [&](std::size_t a, std::size_t b) {
-        for (std::size_t i = 0; i < balls; ++i) scene.set_position({std::uint32_t(i)}, {10 * double(i), 0, 0});
-        scene.set_position(BodyId{std::uint32_t(b)}, scene.poses[a].translation() + Eigen::Vector3d(1.9, 0, 0));
+        for (std::size_t i = 0; i < balls; ++i)
+            scene.set_position(SceneBodyId{std::uint32_t(i)}, {10 * double(i), 0, 0});
+        scene.set_position(SceneBodyId{std::uint32_t(b)}, scene.poses[a].translation() + Eigen::Vector3d(1.9, 0, 0));
         const FrameView frame = pipeline.step(scene);
         EXPECT_EQ(frame.pairs.size(), 1u);
         EXPECT_EQ(frame.pairs[0].verdict, frame.trees.triangle_pairs ? Verdict::colliding : Verdict::undecided);

@@ -35,7 +35,7 @@ Scene two_knots(double apart)
     const GeometryId knot = scene.add("knot", make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 1500));
     scene.add_body({.name = "a", .geometry = knot, .motion = Drift{}});
     scene.add_body({.name = "b", .geometry = knot, .motion = Drift{}});
-    scene.set_position({1}, {apart, 0, 0});
+    scene.set_position(SceneBodyId{1}, {apart, 0, 0});
     return scene;
 }
 
@@ -85,13 +85,13 @@ TEST(Pipeline, GrowsTreesWhileBodiesTouchAndDropsThemAfter)
     Scene scene = two_knots(5);
     Pipeline pipeline(scene, {.depth = 6, .age_limit = 10});
     EXPECT_EQ(pipeline.step(scene).trees.nodes, 0u) << "no candidate, no tree";
-    scene.set_position({1}, {0.5, 0, 0});
+    scene.set_position(SceneBodyId{1}, {0.5, 0, 0});
     const FrameView touching = pipeline.step(scene);
     EXPECT_GT(touching.trees.nodes, 20u);
     EXPECT_GT(touching.trees.rounds, 0u);
     ASSERT_EQ(touching.pairs.size(), 1u);
     EXPECT_EQ(touching.pairs[0].verdict, Verdict::within);
-    scene.set_position({1}, {5, 0, 0});
+    scene.set_position(SceneBodyId{1}, {5, 0, 0});
     TreeStats last;
     for (int frame = 0; frame < 15; ++frame) last = pipeline.step(scene).trees;
     EXPECT_EQ(last.nodes, 1u) << "one mesh, one root";
@@ -134,7 +134,8 @@ TEST(Pipeline, SaysUndecidedWhenABudgetStopsIt)
 TEST(Pipeline, KeepsEveryPairWhenEveryStageIsSkipped)
 {
     Scene scene = two_knots(50);
-    Pipeline pipeline(scene, {.skip = {"bounds", "delimitation", "broad", "ocst", "exact"}});
+    Pipeline pipeline(
+        scene, {.skip = {StageId::bounds, StageId::delimitation, StageId::broad, StageId::refine, StageId::exact}});
     const FrameView view = pipeline.step(scene);
     ASSERT_EQ(view.pairs.size(), 1u);
     EXPECT_EQ(view.pairs[0].verdict, Verdict::undecided);
@@ -162,7 +163,7 @@ TEST(Pipeline, AClearanceWidensEveryStage)
     const GeometryId box = scene.add("box", Shape{Box{{1, 1, 1}}});
     scene.add_body({.name = "a", .geometry = box, .motion = Drift{}});
     scene.add_body({.name = "b", .geometry = box, .motion = Drift{}});
-    scene.set_position({1}, {2.5, 0, 0});
+    scene.set_position(SceneBodyId{1}, {2.5, 0, 0});
     Pipeline without(scene, {.depth = 8}), with(scene, {.depth = 8, .clearance = 0.6}),
         exact(scene, {.depth = 8, .clearance = 0.6, .exact = ExactLevel::fcl});
     EXPECT_TRUE(without.step(scene).pairs.empty());
@@ -179,7 +180,7 @@ TEST(Pipeline, AnswersForNoBodyAndForOne)
     Pipeline empty(scene);
     EXPECT_TRUE(empty.step(scene).pairs.empty());
     scene.add_body({.name = "a", .geometry = scene.add("box", make_box_mesh({1, 1, 1})), .motion = Drift{}});
-    Pipeline one(scene, {.exact = ExactLevel::fcl, .skip = {"broad", "ocst"}});
+    Pipeline one(scene, {.exact = ExactLevel::fcl, .skip = {StageId::broad, StageId::refine}});
     EXPECT_TRUE(one.step(scene).pairs.empty());
     EXPECT_TRUE(empty.step(scene).pairs.empty()) << "the new body is included";
     EXPECT_EQ(empty.world().size(), 1u);
@@ -190,7 +191,7 @@ TEST(Pipeline, RefusesPosesThatAreNotRigidAndNamesTheBody)
     const auto message = [](Eigen::Isometry3d pose) {
         Scene scene = two_knots(3);
         Pipeline pipeline(scene);
-        scene.set_pose({1}, pose);
+        scene.set_pose(SceneBodyId{1}, pose);
         try {
             pipeline.step(scene);
         } catch (const Error& error) {
@@ -216,7 +217,7 @@ TEST(Pipeline, CountsTheOcclusionQueriesOfThePaper)
     const Scene scene = two_knots(0.5);
     Pipeline pipeline(scene, {.depth = 4, .backend = BackendKind::gl_query, .viewport = 32});
     const FrameView frame = pipeline.step(scene);
-    EXPECT_NE(pipeline.renderer(), "");
+    EXPECT_NE(pipeline.inspect().renderer, "");
     EXPECT_GE(frame.trees.queries, 8 * frame.trees.rows);
     EXPECT_LE(frame.trees.queries, 24 * frame.trees.rows);
     ASSERT_EQ(frame.pairs.size(), 1u);
@@ -230,7 +231,7 @@ TEST(Pipeline, RefusesSettingsOutOfRange)
          {Settings{.depth = 0}, Settings{.depth = 99}, Settings{.depth = 3, .max_error = 1.0},
           Settings{.max_error = -1.0}, Settings{.clearance = std::numeric_limits<double>::quiet_NaN()},
           Settings{.backend = BackendKind::gl_raster}, Settings{.gpu = -2}, Settings{.viewport = 0},
-          Settings{.threads = -1}, Settings{.skip = {"borad"}}})
+          Settings{.threads = -1}})
         EXPECT_THROW(Pipeline(scene, settings), Error);
 }
 
@@ -246,22 +247,22 @@ TEST(Pipeline, FollowsEveryKindOfChangeAsIfMadeAnew)
         EXPECT_EQ(pipeline.step(now).hash, Pipeline(now, settings).step(now).hash) << what;
     };
     expect_followed(scene, "nothing");
-    scene.set_position({1}, {0.8, 0, 0});
+    scene.set_position(SceneBodyId{1}, {0.8, 0, 0});
     expect_followed(scene, "a pose");
-    scene.set_geometry({0}, GeometryId{1});
+    scene.set_geometry(SceneBodyId{0}, GeometryId{1});
     expect_followed(scene, "a geometry");
-    scene.set_layers({0}, 2, 2);
+    scene.set_layers(SceneBodyId{0}, 2, 2);
     expect_followed(scene, "layers");
-    scene.set_layers({0}, 1, 1), scene.set_group({0}, 3), scene.set_group({1}, 3);
+    scene.set_layers(SceneBodyId{0}, 1, 1), scene.set_group(SceneBodyId{0}, 3), scene.set_group(SceneBodyId{1}, 3);
     expect_followed(scene, "groups");
-    scene.set_group({0}, 0), scene.set_static({1}, true);
+    scene.set_group(SceneBodyId{0}, 0), scene.set_static(SceneBodyId{1}, true);
     expect_followed(scene, "rest");
     copy = scene;
-    copy.set_static({1}, false), copy.set_position({1}, {0.1, 0, 0});
+    copy.set_static(SceneBodyId{1}, false), copy.set_position(SceneBodyId{1}, {0.1, 0, 0});
     expect_followed(copy, "a copy, changed");
     expect_followed(scene, "the first one again");
-    for (int k = 0; k < 5000; ++k) scene.set_position({0}, {0.001 * k, 0, 0});
-    scene.set_position({0}, {0.05, 0, 0});
+    for (int k = 0; k < 5000; ++k) scene.set_position(SceneBodyId{0}, {0.001 * k, 0, 0});
+    scene.set_position(SceneBodyId{0}, {0.05, 0, 0});
     expect_followed(scene, "more changes than the log holds");
     scene.add_body({.name = "d", .geometry = GeometryId{0}});
     expect_followed(scene, "a new body");

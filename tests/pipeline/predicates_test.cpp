@@ -53,7 +53,7 @@ TEST(Predicates, CountWhatTheFilterLeavesToExactArithmetic)
     Scene scene = two(make_box_mesh({0.5, 0.5, 0.5}), make_box_mesh({0.5, 0.5, 0.5}));
     Pipeline pipeline(scene, {.exact = ExactLevel::predicates});
     for (const auto& [gap, unsure] : {std::pair(0x1p-52, true), std::pair(1e-3, false)}) {
-        scene.set_position({1}, Eigen::Vector3d(1 + gap, 0.3, 0.2));
+        scene.set_position(SceneBodyId{1}, Eigen::Vector3d(1 + gap, 0.3, 0.2));
         const TreeStats trees = pipeline.step(scene).trees;
         EXPECT_EQ(trees.unsure_pairs > 0, unsure) << gap;
         EXPECT_LE(trees.unsure_pairs, trees.triangle_pairs);
@@ -66,7 +66,7 @@ TEST(Predicates, CallTouchingCollidingToTheLastBit)
     Scene scene = two(make_box_mesh({0.5, 0.5, 0.5}), make_box_mesh({0.5, 0.5, 0.5}));
     Pipeline pipeline(scene, {.exact = ExactLevel::predicates});
     const auto collide = [&](double x, double y, double z) {
-        scene.set_position({1}, Eigen::Vector3d(x, y, z));
+        scene.set_position(SceneBodyId{1}, Eigen::Vector3d(x, y, z));
         const FrameView frame = pipeline.step(scene);
         return !frame.pairs.empty() && frame.pairs[0].verdict == Verdict::colliding;
     };
@@ -88,14 +88,14 @@ TEST(Predicates, GiveOneHashForThreadsBackendsAndCoherence)
         const GeometryId soup = scene.add("soup", make_soup_mesh(300, 0.3, 1.5, 6));
         for (std::uint32_t i = 0; i < 24; ++i) {
             scene.add_body({.name = std::to_string(i), .geometry = i % 2 ? knot : soup, .motion = Drift{}});
-            scene.set_pose(BodyId{std::uint32_t(i)}, random_pose(i, 3));
+            scene.set_pose(SceneBodyId{std::uint32_t(i)}, random_pose(i, 3));
         }
         Pipeline pipeline(scene, settings);
         for (int frame = 0; frame < 8; ++frame) {
             for (std::uint32_t i = 0; i < scene.size(); ++i) {
                 Eigen::Isometry3d pose = scene.poses[i];
                 pose.rotate(Eigen::AngleAxisd(0.05, Eigen::Vector3d::UnitZ())), pose.translation().x() *= 0.95;
-                scene.set_pose({i}, pose);
+                scene.set_pose(SceneBodyId{i}, pose);
             }
             for (const PairResult& pair : pipeline.step(scene).pairs)
                 if (colliding) *colliding += pair.verdict == Verdict::colliding;
@@ -121,7 +121,8 @@ TEST(Contacts, AreAllPairsOfBruteForceWithPointsOnBothTriangles)
     Scene scene = two(knot, knot);
     std::size_t found = 0;
     for (std::uint64_t seed = 20; seed < 26; ++seed) {
-        scene.set_pose({0}, random_pose(seed, 100)), scene.set_pose({1}, scene.poses[0] * random_pose(seed + 50, 0.7));
+        scene.set_pose(SceneBodyId{0}, random_pose(seed, 100)),
+            scene.set_pose(SceneBodyId{1}, scene.poses[0] * random_pose(seed + 50, 0.7));
         const auto expected = brute_force(knot, knot, scene.poses[0], scene.poses[1]);
         world.set_pose(a, scene.poses[0]), world.set_pose(b, scene.poses[1]);
         const std::vector<Contact> contacts = world.contacts(a, b);
@@ -147,25 +148,25 @@ TEST(Contacts, AreAllPairsOfBruteForceWithPointsOnBothTriangles)
     std::vector<PairOfBodies> pairs;
     for (std::uint32_t i = 0; i < 30; ++i) {
         crowd.add_body({.model = shape, .pose = random_pose(i, 1.2)});
-        for (std::uint32_t j = 0; j < i; ++j) pairs.push_back({BodyId{j}, BodyId{i}});
+        for (std::uint32_t j = 0; j < i; ++j) pairs.push_back({crowd.body_at(j), crowd.body_at(i)});
     }
     ContactLists lists;
     crowd.contacts(pairs, lists);
-    ASSERT_EQ(lists.ends.size(), pairs.size());
+    ASSERT_EQ(lists.offsets.size(), pairs.size() + 1);
     std::size_t begin = 0;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         const auto alone = crowd.contacts(pairs[i].a, pairs[i].b);
-        ASSERT_EQ(lists.ends[i] - begin, alone.size());
+        ASSERT_EQ(lists.offsets[i + 1] - begin, alone.size());
         for (std::size_t k = 0; k < alone.size(); ++k) {
             EXPECT_EQ(lists.contacts[begin + k].a.triangle, alone[k].a.triangle);
             EXPECT_EQ(lists.contacts[begin + k].ends, alone[k].ends);
         }
-        begin = lists.ends[i];
+        begin = lists.offsets[i + 1];
     }
     EXPECT_GT(begin, 1000u);
 
     EXPECT_THROW(world.contacts(a, BodyId{7}), Error);
-    scene.set_position({1}, scene.poses.position(1) + Eigen::Vector3d(50, 0, 0));
+    scene.set_position(SceneBodyId{1}, scene.poses.position(1) + Eigen::Vector3d(50, 0, 0));
     world.set_pose(b, scene.poses[1]);
     EXPECT_TRUE(world.contacts(a, b).empty());
 }
@@ -181,7 +182,7 @@ TEST(MeshQueries, AnswerAsBruteForceForManyPosesAndSizes)
     }
     MeshQueries conservative(meshes), exact(meshes, {.exact = ExactLevel::predicates}),
         threaded(meshes, {.exact = ExactLevel::predicates, .threads = 3});
-    std::vector<MeshResult> wide(queries.size()), sharp(queries.size()), same(queries.size());
+    std::vector<Finding> wide(queries.size()), sharp(queries.size()), same(queries.size());
     for (int call = 0; call < 2; ++call) {
         conservative.run(queries, wide), exact.run(queries, sharp), threaded.run(queries, same);
         int colliding = 0;
@@ -220,13 +221,13 @@ TEST(MeshQueries, BoundDistancesForAnyNumberOfThreads)
     const World& world = pipeline.world();
     int apart = 0;
     for (std::uint32_t i = 0; i < queries.size(); ++i) {
-        const Distance exact = world.distance(BodyId{2 * i}, BodyId{2 * i + 1});
+        const Distance exact = world.distance(world.body_at(2 * i), world.body_at(2 * i + 1));
         EXPECT_LE(distances[i].lower, exact.upper);
         EXPECT_GE(distances[i].upper, exact.lower);
         EXPECT_LE(distances[i].upper - distances[i].lower, 1e-3 + 1e-8);
         EXPECT_EQ(distances[i].lower, same[i].lower);
         EXPECT_EQ(distances[i].upper, same[i].upper);
-        EXPECT_EQ(exact.upper == 0, !world.contacts(BodyId{2 * i}, BodyId{2 * i + 1}).empty());
+        EXPECT_EQ(exact.upper == 0, !world.contacts(world.body_at(2 * i), world.body_at(2 * i + 1)).empty());
         EXPECT_EQ(std::isinf(near[i].upper), exact.lower > 0.1) << exact.lower;
         apart += exact.lower > 0.1;
     }
@@ -242,7 +243,7 @@ TEST(MeshQueries, RefuseWhatMakesNoSense)
     MeshQueries queries(meshes);
     const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
     std::vector<MeshQuery> asked{{0, 1, here, here}};
-    std::vector<MeshResult> answers(1);
+    std::vector<Finding> answers(1);
     EXPECT_THROW(queries.run(asked, answers), Error) << "no such mesh";
     asked = {{0, 0, here, here}};
     EXPECT_THROW(queries.run(asked, {}), Error) << "no room";

@@ -43,7 +43,7 @@ protected:
     void play(Pipeline& pipeline, Report& report)
     {
         for (int frame = 0; frame < 4; ++frame) {
-            scene_.set_position({2}, {1.8 + 0.2 * frame, 0, 0});
+            scene_.set_position(SceneBodyId{2}, {1.8 + 0.2 * frame, 0, 0});
             const FrameView view = pipeline.step(scene_);
             for (const PairResult& pair : view.pairs) ++counts_[int(pair.verdict)];
             bounds_.insert(bounds_.end(), view.pairs.begin(), view.pairs.end());
@@ -92,12 +92,12 @@ TEST_F(ReportTest, JsonHoldsEveryPairWithNamesAndBoundsToTheLastBit)
                                                         : "line\nbreak and \xef\xbf\xbd");
             EXPECT_EQ(pair.at(2), name_of(expected.verdict));
             EXPECT_EQ(pair.at(3).get<double>(), expected.bound);
-            EXPECT_EQ(pair.at(4), pipeline.stages()[expected.stage]);
+            EXPECT_EQ(pair.at(4), name_of(expected.stage));
             EXPECT_TRUE(pair.at(5).is_null()) << "kinds were not requested";
         }
     }
     EXPECT_EQ(at, bounds_.size());
-    EXPECT_EQ(results.at("stages").size(), pipeline.totals().size());
+    EXPECT_EQ(results.at("stages").size(), pipeline.inspect().totals.size());
     EXPECT_EQ(results.at("stages").at(2).at("stage"), "broad");
 }
 
@@ -124,7 +124,7 @@ TEST_F(ReportTest, SettingsAndInterruptionAreInTheHeader)
     Settings settings;
     settings.max_error = 0.1;
     settings.clearance = 0.25;
-    settings.skip = {"delimitation"};
+    settings.skip = {StageId::delimitation};
     settings.exact = ExactLevel::fcl;
     Pipeline pipeline(scene_, settings);
     Report report(scene_, pipeline);
@@ -162,7 +162,7 @@ TEST_F(ReportTest, HoldsTheKindOfEveryContact)
     Scene scene;
     const GeometryId box = scene.add("box", make_box_mesh({0.5, 0.5, 0.5}));
     for (const double x : {0.0, 1.0, 1.9, 3.0}) { // face on face; overlapping; near
-        const BodyId body = scene.add_body({.name = std::to_string(x), .geometry = box});
+        const SceneBodyId body = scene.add_body({.name = std::to_string(x), .geometry = box});
         scene.set_position(body, Eigen::Vector3d(x, x == 1.9 ? 0.25 : 0, x == 1.9 ? 0.1 : 0));
     }
     Pipeline pipeline(scene, {.clearance = 0.2, .exact = ExactLevel::predicates, .contact_kinds = true});
@@ -265,7 +265,7 @@ TEST_F(ReportTest, ColumnsOfTheTableStayApartAboveTenToTheNinth)
         body.pose.translation().x() = 10 * k;
         many.add_body(body);
     }
-    Pipeline pipeline(many, {.skip = {"delimitation"}});
+    Pipeline pipeline(many, {.skip = {StageId::delimitation}});
     Report report(many, pipeline);
     report.add(pipeline.step(many));
     std::ostringstream table;

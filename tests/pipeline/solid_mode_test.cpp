@@ -29,7 +29,7 @@ PairResult answer(const Scene& scene, const Settings& settings)
 {
     Pipeline pipeline(scene, settings);
     const FrameView frame = pipeline.step(scene);
-    return frame.pairs.empty() ? PairResult{BodyId{0}, BodyId{1}, Verdict::separate, 0, ContactKind::unknown, 0}
+    return frame.pairs.empty() ? PairResult{{Verdict::separate, ContactKind::unknown, 0}, StageId::bounds, {}, {}}
                                : frame.pairs[0];
 }
 
@@ -93,7 +93,8 @@ TEST(SolidMode, EqualsTheTruthOnAThousandRandomPairs)
         Scene scene;
         scene.add_body({.name = "a", .geometry = scene.add("a", swapped ? inner : outer)});
         scene.add_body({.name = "b", .geometry = scene.add("b", swapped ? outer : inner)});
-        scene.set_pose({0}, random_pose(seed, 5)), scene.set_pose({1}, scene.poses[0] * random_pose(seed + 7000, 0.9));
+        scene.set_pose(SceneBodyId{0}, random_pose(seed, 5)),
+            scene.set_pose(SceneBodyId{1}, scene.poses[0] * random_pose(seed + 7000, 0.9));
         const Truth truth = truth_of(scene);
         ++count[int(truth)];
         if (truth == Truth::unsure || truth == Truth::meeting) continue;
@@ -151,7 +152,7 @@ TEST(SolidMode, SeesShapesAndMapsInsideMeshes)
     scene.add_body({.name = "ball", .geometry = scene.add("ball", make_sphere_mesh(60, 500))});
     scene.add_body({.name = "map", .geometry = scene.add("map", make_building_map(1, 0.5, 3)), .is_static = true});
     scene.add_body({.name = "shape", .geometry = scene.add("shape", Box{{0.1, 0.1, 0.1}})});
-    scene.set_position({2}, {0, 0, -40});
+    scene.set_position(SceneBodyId{2}, {0, 0, -40});
     for (const ExactLevel exact : {ExactLevel::off, ExactLevel::predicates, ExactLevel::fcl}) {
         Pipeline pipeline(scene, solid(exact));
         const FrameView frame = pipeline.step(scene);

@@ -69,7 +69,7 @@ PairResult result_of(const Settings& settings, const Body& a, const Body& b)
         world.add_body({.model = model, .pose = body->pose});
     }
     const FrameView frame = world.step();
-    PairResult apart{};
+    PairResult apart{{Verdict::separate, ContactKind::unknown, 0}, StageId::bounds, {}, {}};
     apart.verdict = Verdict::separate;
     return frame.pairs.empty() ? apart : frame.pairs[0];
 }

@@ -69,7 +69,7 @@ Scene crowd()
     return scene;
 }
 
-using Answers = std::vector<std::tuple<std::uint32_t, std::uint32_t, Verdict, ContactKind, std::uint8_t, double>>;
+using Answers = std::vector<std::tuple<std::uint32_t, std::uint32_t, Verdict, ContactKind, StageId, double>>;
 
 Answers step(Pipeline& pipeline, const Scene& scene)
 {
@@ -95,7 +95,8 @@ TEST(Stability, BodiesAtRestGetTheSameAnswerInEveryFrame)
         Pipeline pipeline(scene, settings);
         for (int frame = 0; frame < 3; ++frame) { // come to rest with hints and trees from other poses
             for (std::uint32_t i = 0; i < 24; ++i)
-                scene.set_position({i}, scene.poses.position(i) + 0.05 * random_pose(i + 100, 1).translation());
+                scene.set_position(SceneBodyId{i},
+                                   scene.poses.position(i) + 0.05 * random_pose(i + 100, 1).translation());
             step(pipeline, scene);
         }
         const Answers first = step(pipeline, scene);
@@ -137,7 +138,7 @@ void expect_one_rise(const Approach& approach, const Settings& settings, int hig
     Scene scene;
     scene.add_body({.name = "a", .geometry = scene.add("a", approach.a)});
     scene.add_body({.name = "b", .geometry = scene.add("b", approach.b), .motion = Drift{}});
-    scene.set_pose({0}, random_pose(3, 1));
+    scene.set_pose(SceneBodyId{0}, random_pose(3, 1));
     Pipeline pipeline(scene, settings);
     int last = 0, most = 0;
     std::vector<int> there;
@@ -145,7 +146,7 @@ void expect_one_rise(const Approach& approach, const Settings& settings, int hig
         const double part = 1 - std::abs(k - steps) / double(steps);
         Eigen::Isometry3d pose = scene.poses[0];
         pose.translate(std::lerp(approach.from, approach.to, part) * approach.way.normalized());
-        scene.set_pose({1}, pose);
+        scene.set_pose(SceneBodyId{1}, pose);
         const FrameView frame = pipeline.step(scene);
         const int now = frame.pairs.empty() ? 0 : rank(frame.pairs[0].verdict);
         ASSERT_GE(now, 0) << "undecided in frame " << k;
@@ -190,7 +191,7 @@ TEST(Stability, TheBoundNeverGrowsWithTheDepth)
                 Scene scene;
                 scene.add_body({.name = "a", .geometry = scene.add("a", ball)});
                 scene.add_body({.name = "b", .geometry = scene.add("b", knot), .pose = random_pose(seed, 1.6)});
-                PairResult last{BodyId{0}, BodyId{1}, Verdict::within, 3, ContactKind::unknown, 1e300};
+                PairResult last{{Verdict::within, ContactKind::unknown, 1e300}, StageId::refine, {}, {}};
                 for (int depth = 1; depth <= 9; ++depth) {
                     Settings settings;
                     settings.depth = depth, settings.bounding_volume = spheres, settings.clearance = clearance;

@@ -43,8 +43,7 @@ TEST_P(EveryWay, AStoppedStepKeepsEveryPairAndTheNextOneIsWhole)
     World whole(settings);
     settings.stop = [&] { return stop(); };
     World stopped(settings);
-    const std::vector<BodyId> bodies = pile(stopped);
-    pile(whole);
+    const std::vector<BodyId> bodies = pile(stopped), same_bodies = pile(whole);
     for (const int limit : {0, 3, 40}) {
         stop.calls = 0, stop.limit = limit;
         const FrameView part = stopped.step();
@@ -66,7 +65,7 @@ TEST_P(EveryWay, AStoppedStepKeepsEveryPairAndTheNextOneIsWhole)
                                                            // used
         Eigen::Isometry3d pose = stopped.pose(bodies[i]);
         pose.translation().x() += 0.05;
-        stopped.set_pose(bodies[i], pose), whole.set_pose(bodies[i], pose);
+        stopped.set_pose(bodies[i], pose), whole.set_pose(same_bodies[i], pose);
     }
     stop.limit = std::numeric_limits<int>::max();
     const FrameView again = stopped.step(), all = whole.step();
@@ -107,7 +106,7 @@ TEST(Stop, QueriesInBatchesThatAreStoppedHaveCertifiedBounds)
     MeshQueries queries({make_sphere_mesh(1, 500)}, {.max_error = 0.01, .stop = [&] { return stop(); }});
     std::vector<MeshQuery> all;
     for (std::uint32_t i = 0; i < 500; ++i) all.push_back({0, 0, Eigen::Isometry3d::Identity(), random_pose(i, 3)});
-    std::vector<MeshResult> results(all.size());
+    std::vector<Finding> results(all.size());
     queries.run(all, results);
     std::vector<Distance> distances(all.size(), Distance{.lower = 7, .upper = 7});
     stop.calls = 0;

@@ -64,7 +64,7 @@ Pair pair_of(const Settings& settings, const GeometryData& a, const Isometry3d& 
 PairResult result_of(World& world)
 {
     const FrameView frame = world.step();
-    PairResult apart{};
+    PairResult apart{{Verdict::separate, ContactKind::unknown, 0}, StageId::bounds, {}, {}};
     apart.verdict = Verdict::separate;
     return frame.pairs.empty() ? apart : frame.pairs[0];
 }

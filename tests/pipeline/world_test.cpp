@@ -196,11 +196,11 @@ TEST(World, CountsNoMemoryOfModelsThatWereRemoved)
         const ModelId model = world.add(knot());
         const BodyId a = world.add_body({.model = model}), b = world.add_body({.model = model, .pose = at(0.3)});
         EXPECT_EQ(world.step().pairs.size(), 1u);
-        const std::size_t held = world.bytes();
+        const std::size_t held = world.inspect().bytes;
         world.remove_body(a), world.remove_body(b), world.remove(model);
         world.step();
-        EXPECT_LT(world.bytes(), held) << "its boxes are removed";
-        return world.bytes();
+        EXPECT_LT(world.inspect().bytes, held) << "its boxes are removed";
+        return world.inspect().bytes;
     };
     come_and_go(); // lets working memory grow
     const std::size_t once = come_and_go();
@@ -298,7 +298,7 @@ TEST(World, GivesQueriesWhatAFrameWouldGiveABody)
         for (std::thread& thread : threads) thread.join(); // the trees grew during the queries
         QueryHits many;
         world.query(queries, many);
-        ASSERT_EQ(many.ends.size(), queries.size());
+        ASSERT_EQ(many.offsets.size(), queries.size() + 1);
         std::size_t begin = 0;
         for (std::size_t i = 0; i < queries.size(); ++i) {
             // As the last body it is B of every pair in a frame, and A in a query: exact results are symmetric here.
@@ -308,7 +308,7 @@ TEST(World, GivesQueriesWhatAFrameWouldGiveABody)
                 if (pair.b == added && pair.verdict != Verdict::separate) expected[pair.a.slot] = pair.verdict;
             world.remove_body(added);
             std::map<std::uint32_t, Verdict> found, alone;
-            for (; begin < many.ends[i]; ++begin) found[many.hits[begin].body.slot] = many.hits[begin].verdict;
+            for (; begin < many.offsets[i + 1]; ++begin) found[many.hits[begin].body.slot] = many.hits[begin].verdict;
             for (const QueryHit& hit : beside[i]) alone[hit.body.slot] = hit.verdict;
             EXPECT_EQ(found, expected) << i;
             EXPECT_EQ(alone, expected) << i;
@@ -409,7 +409,7 @@ TEST(World, RunsItsLoopsOnTheExecutorOfItsSettings)
     executor.loops = 0;
     MeshQueries many({knot()}, {.threads = 0, .executor = &executor});
     const std::vector<MeshQuery> queries(500, MeshQuery{0, 0, at(0), at(1)});
-    std::vector<MeshResult> results(queries.size());
+    std::vector<Finding> results(queries.size());
     many.run(queries, results);
     EXPECT_GT(executor.loops, 0);
 }

@@ -91,5 +91,5 @@ def test_queries_keep_their_geometries():
 def test_the_query_that_is_wrong_is_named():
     poses = np.tile(np.eye(4), (10, 1, 1))
     poses[7, 0, 0] = np.nan
-    with pytest.raises(oncollide.Error, match="query 7: pose_b: the pose is not finite"):
+    with pytest.raises(oncollide.Error, match="pair 7: b: the pose is not finite"):
         Queries(ALL).run(0, 1, np.eye(4), poses)

@@ -19,18 +19,18 @@ def cubes():
 
 def test_a_step_finds_what_collides_and_what_began_and_ended(cubes):
     world, _, ids = cubes
-    assert ids.dtype == np.uint64 and ids.tolist() == [0, 1, 2] and len(world) == 3
+    assert ids.dtype == np.uint64 and oncollide.slots(ids).tolist() == [0, 1, 2] and len(world) == 3
     frame = world.step()
     assert frame.frame == 0 and frame.ms > 0
     assert frame.pairs.dtype.names == ("a", "b", "verdict", "stage", "kind", "bound")
     pair = frame.pairs[0]
-    assert (pair["a"], pair["b"], pair["verdict"], pair["bound"]) == (0, 1, Verdict.COLLIDING, 0)
-    assert frame.began.tolist() == [(0, 1)] and len(frame.ended) == 0
-    world.set_pose(1, at(5))
+    assert (pair["a"], pair["b"], pair["verdict"], pair["bound"]) == (ids[0], ids[1], Verdict.COLLIDING, 0)
+    assert frame.began.tolist() == [(ids[0], ids[1])] and len(frame.ended) == 0
+    world.set_pose(ids[1], at(5))
     later = world.step()
-    assert later.ended.tolist() == [(0, 1)] and len(later.began) == 0
-    assert frame.began.tolist() == [(0, 1)], "an older frame stays as it was"
-    assert [s["stage"] for s in later.stages] == list(world.stages) == ["bounds", "delimitation", "broad", "ocst", "exact"]
+    assert later.ended.tolist() == [(ids[0], ids[1])] and len(later.began) == 0
+    assert frame.began.tolist() == [(ids[0], ids[1])], "an older frame stays as it was"
+    assert [s["stage"] for s in later.stages] == list(world.stages) == ["bounds", "delimitation", "broad", "refine", "exact"]
     assert later.trees["narrowed"] >= 0 and world.totals[0]["frames"] == 2
 
 
@@ -56,93 +56,130 @@ def test_positions_and_quaternions_are_the_same_poses(cubes):
     world.set_pose(ids[0], poses[1])
     assert np.array_equal(world.pose(ids[0]), world.pose(ids[1]))
     world.set_poses(ids, at(7))
-    assert np.array_equal(world.pose(2), at(7))
+    assert np.array_equal(world.pose(ids[2]), at(7))
 
 
 def test_filters_keep_bodies_apart(cubes):
-    world, model, _ = cubes
+    world, model, ids = cubes
     touching = lambda: len(world.step().began)  # noqa: E731
     assert touching() == 1
-    world.set_group(0, 5), world.set_group(1, 5)
+    world.set_group(ids[0], 5), world.set_group(ids[1], 5)
     assert len(world.step().ended) == 1
-    world.set_group(1, 0)
+    world.set_group(ids[1], 0)
     assert touching() == 1
-    world.exclude(0, 1)
+    world.exclude(ids[0], ids[1])
     assert len(world.step().ended) == 1
-    world.include(0, 1), world.set_layers(0, 2, 2)
+    world.include(ids[0], ids[1]), world.set_layers(ids[0], 2, 2)
     assert touching() == 0
-    world.set_layers(0, 1, 0xFFFFFFFF)
+    world.set_layers(ids[0], 1, 0xFFFFFFFF)
     assert touching() == 1
-    world.set_fixed(0, True), world.set_fixed(1, True)
-    assert len(world.step().ended) == 1 and world.fixed(0)
+    world.set_fixed(ids[0], True), world.set_fixed(ids[1], True)
+    assert len(world.step().ended) == 1 and world.fixed(ids[0])
     assert len(world.query(model, at(0.3), group=7)) == 2 and len(world.query(model, at(0.3), mask=4)) == 0
 
 
 def test_ids_of_what_was_removed_are_stale(cubes):
     world, model, ids = cubes
-    world.set_user(1, 2**64 - 1)
-    assert world.user(1) == 2**64 - 1 and world.model(1) == model and {world.model(1)} == {model}
+    world.set_user(ids[1], 2**64 - 1)
+    assert world.user(ids[1]) == 2**64 - 1 and world.model(ids[1]) == model and {world.model(ids[1])} == {model}
     world.remove_body(ids[1])
-    assert 1 not in world and 0 in world
+    assert ids[1] not in world and ids[0] in world
     again = world.add_body(model)
-    assert again == 2**32 + 1, "the same slot, another generation"
-    with pytest.raises(oncollide.Error, match="body 1 .generation 0.: was removed; its id is stale"):
-        world.set_pose(1, at(0))
+    assert again == ids[1] + 2**32, "the same slot, another generation"
+    with pytest.raises(oncollide.Error, match="body 1 .generation 1.: was removed; its id is stale"):
+        world.set_pose(ids[1], at(0))
     world.set_pose(np.uint64(again), at(3))
     with pytest.raises(oncollide.Error, match="bodies use it"):
         world.remove(model)
-    world.remove_bodies([0, 2, again])
+    world.remove_bodies([ids[0], ids[2], again])
     world.remove(model)
     assert len(world) == 0 and model not in world
-    with pytest.raises(oncollide.Error, match="does not exist or was removed"):
+    with pytest.raises(oncollide.Error, match="was removed; its id is stale"):
         world.add_body(model)
 
 
 def test_a_model_can_be_replaced(cubes):
-    world, model, _ = cubes
+    world, model, ids = cubes
     world.replace(model, oncollide.sphere(2.0))
     assert len(world.step().began) == 3
     ball = world.add(oncollide.sphere(0.01))
-    world.set_model(1, ball), world.set_model(2, ball)
-    assert world.step().ended.tolist() == [(0, 2), (1, 2)]
+    world.set_model(ids[1], ball), world.set_model(ids[2], ball)
+    assert world.step().ended.tolist() == [(ids[0], ids[2]), (ids[1], ids[2])]
 
 
 def test_queries_hit_what_is_there_and_add_nothing(cubes):
     world, model, ids = cubes
     hits = world.query(model, at(0.3))
-    assert hits.dtype.names == ("body", "verdict", "kind", "bound") and hits["body"].tolist() == [0, 1]
+    assert hits.dtype.names == ("body", "verdict", "kind", "bound") and hits["body"].tolist() == ids[:2].tolist()
     assert set(hits["verdict"]) == {Verdict.COLLIDING}
     many, offsets = world.query_batch(model, np.stack([at(0.3), at(50), at(2.8)]))
-    assert offsets.tolist() == [0, 2, 2, 3] and many["body"].tolist() == [0, 1, 2]
-    assert world.query_segment([-9, 0, 0], [9, 0, 0])["body"].tolist() == [0, 1, 2]
-    assert world.query_box([2, -1, -1], [4, 1, 1])["body"].tolist() == [2]
+    assert offsets.tolist() == [0, 2, 2, 3] and many["body"].tolist() == ids.tolist()
+    assert world.query_segment([-9, 0, 0], [9, 0, 0])["body"].tolist() == ids.tolist()
+    assert world.query_box([2, -1, -1], [4, 1, 1])["body"].tolist() == [ids[2]]
     assert len(world) == 3
 
 
 def test_contacts_are_structured_arrays_of_what_meets(cubes):
-    world, _, _ = cubes
-    contacts = world.contacts(0, 1)
+    world, model, ids = cubes
+    contacts = world.contacts(ids[0], ids[1])
     assert len(contacts) > 8 and contacts["ends"].shape == (len(contacts), 2, 3)
     assert np.abs(np.linalg.norm(contacts["normal_a"], axis=1) - 1).max() < 1e-12
     assert contacts["ends"][..., 0].min() >= 0.25 - 1e-12 and contacts["ends"][..., 0].max() <= 0.5 + 1e-12
     assert set(contacts["kind"]) <= {ContactKind.TOUCHING, ContactKind.CROSSING}
     assert contacts["triangle_a"].max() < 12 and not contacts["cell_a"].any()
-    lists, offsets = world.contacts_batch([0, 0, 1], [1, 2, 0])
+    lists, offsets = world.contacts_batch(ids[[0, 0, 1]], ids[[1, 2, 0]])
     assert offsets.tolist() == [0, len(contacts), len(contacts), 2 * len(contacts)]
     assert np.array_equal(lists[: offsets[1]], contacts)
     cell = world.add_body(world.add(oncollide.occupancy_map([[3, 0, 0]], 1.0)))
-    assert world.contacts(cell, 2)[0]["cell_a"].tolist() == [3, 0, 0, 1]
+    assert world.contacts(cell, ids[2])[0]["cell_a"].tolist() == [3, 0, 0, 1]
 
 
 def test_distances_are_certified_intervals(cubes):
-    world, _, _ = cubes
-    found = world.distance(1, 2)
+    world, model, ids = cubes
+    found = world.distance(ids[1], ids[2])
     assert found["lower"] <= 1 <= found["upper"] and found["upper"] - found["lower"] < 1e-9
     assert np.linalg.norm(found["point_a"] - found["point_b"]) == pytest.approx(1)
-    assert world.distance(0, 1)["upper"] == 0
-    far = world.distance(0, 2, farthest=0.5)
+    assert world.distance(ids[0], ids[1])["upper"] == 0
+    far = world.distance(ids[0], ids[2], farthest=0.5)
     assert far["lower"] > 0.5 and far["upper"] == np.inf
-    assert world.distance(0, 2, tolerance=0.2)["upper"] - world.distance(0, 2, tolerance=0.2)["lower"] <= 0.2 + 1e-9
+    assert world.distance(ids[0], ids[2], tolerance=0.2)["upper"] - world.distance(ids[0], ids[2], tolerance=0.2)["lower"] <= 0.2 + 1e-9
+
+
+def test_pairs_are_decided_and_measured_as_bodies_and_as_models_at_poses(cubes):
+    world, model, ids = cubes
+    assert world.decide(ids[0], ids[1])["verdict"] == Verdict.COLLIDING
+    assert world.decide((model, at(0)), ids[1]) == world.decide(ids[0], (model, at(0.75)))
+    assert world.decide_batch(ids[[0, 0]], ids[[1, 2]])["verdict"].tolist() == [Verdict.COLLIDING, Verdict.SEPARATE]
+    assert world.distance((model, at(0)), (model, at(2)))["lower"] == pytest.approx(1)
+    batch = world.distance_batch(ids[[1, 0]], ids[[2, 1]])
+    assert batch["lower"].tolist() == [world.distance(ids[1], ids[2])["lower"], 0]
+    near, far = world.distances(model, at(4), cutoff=1)
+    assert near.tolist() == [ids[2]] and far["upper"][0] == pytest.approx(0.25)
+    deep = world.penetration(ids[0], ids[1])
+    assert deep["depth"] == world.penetration_batch(ids[:1], ids[1:2])["depth"][0] >= 0
+    assert deep["thickness"] == pytest.approx(0.25)
+    with pytest.raises(ValueError, match="tuple"):
+        world.decide((model,), ids[1])
+
+
+def test_what_is_set_can_be_read_and_a_world_describes_itself(cubes):
+    world, model, ids = cubes
+    world.set_layers(ids[0], 2, 6), world.set_group(ids[0], 9), world.exclude(ids[0], ids[1])
+    assert (world.layer(ids[0]), world.mask(ids[0]), world.group(ids[0])) == (2, 6, 9)
+    assert world.excluded(ids[1], ids[0]) and not world.excluded(ids[0], ids[2])
+    assert world.body_at(1) == ids[1] and world.body_at(7) is None
+    info = world.inspect()
+    assert (info["bodies"], info["models"], info["frames"]) == (3, 1, 0) and info["bytes"] > 0
+
+
+def test_ids_of_another_world_are_refused(cubes):
+    world, _, ids = cubes
+    other = oncollide.World()
+    other.add_body(other.add(oncollide.sphere(1)))
+    with pytest.raises(oncollide.Error, match="the id is of another World"):
+        other.pose(ids[0])
+    with pytest.raises(oncollide.Error, match="the id is null"):
+        other.pose(0)
 
 
 def test_settings_reach_the_world():
@@ -157,9 +194,9 @@ def test_settings_reach_the_world():
     kinds.add_bodies(model, [at(0), at(1)])
     assert kinds.step().pairs["kind"].tolist() == [ContactKind.TOUCHING]
     near = oncollide.World(clearance=0.5, max_error=0.01)
-    near.add_bodies(near.add(oncollide.sphere(1.0)), [at(0), at(2.4), at(-2.6)])
-    assert near.step().began.tolist() == [(0, 1)]
-    assert near.max_error(0, 1) == 0.01
+    ids = near.add_bodies(near.add(oncollide.sphere(1.0)), [at(0), at(2.4), at(-2.6)])
+    assert near.step().began.tolist() == [(ids[0], ids[1])]
+    assert near.max_error(ids[0], ids[1]) == 0.01
     assert oncollide.World(skip=["exact"], depth=None, broad_phase="octree", threads=0).backend.startswith("cpu")
 
 

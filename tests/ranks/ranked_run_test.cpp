@@ -137,7 +137,7 @@ TEST_F(RanksTest, HardCasesAreThoseOfOneWorldInEverySetting)
     expect_the_same(hard, {.exact = ExactLevel::predicates});
     expect_the_same(hard, {.depth = 5});
     expect_the_same(hard, {.clearance = 0.01, .exact = ExactLevel::predicates});
-    expect_the_same(hard, {.skip = {"bounds", "delimitation"}});
+    expect_the_same(hard, {.skip = {StageId::bounds, StageId::delimitation}});
 }
 
 TEST_F(RanksTest, RandomScenesAreThoseOfOneWorld)
@@ -180,9 +180,10 @@ TEST_F(RanksTest, FiltersAndExcludedPairsHoldAcrossRanks)
 {
     Scene scene = balls(60, 0.4);
     for (std::uint32_t i = 0; i < scene.size(); ++i) {
-        scene.set_layers(BodyId{i}, 1u << i % 3, i % 5 ? 7 : 3), scene.set_group(BodyId{i}, i % 4 == 0 ? 1 + i / 8 : 0);
+        scene.set_layers(SceneBodyId{i}, 1u << i % 3, i % 5 ? 7 : 3),
+            scene.set_group(SceneBodyId{i}, i % 4 == 0 ? 1 + i / 8 : 0);
         if (i % 3 == 0 && i + 2 < scene.size())
-            scene.exclude(BodyId{i}, BodyId{i + 1}), scene.exclude(BodyId{i + 2}, BodyId{i});
+            scene.exclude(SceneBodyId{i}, SceneBodyId{i + 1}), scene.exclude(SceneBodyId{i + 2}, SceneBodyId{i});
     }
     expect_the_same(scene);
 }
@@ -320,7 +321,7 @@ TEST_F(RanksTest, RanksThatReadDifferentScenesSaySo)
         });
     };
     differs([](Scene& own) { own = balls(10, 1 + 1e-9); });
-    differs([](Scene& own) { own.set_layers(BodyId{0}, 2, own.masks[0]); });
+    differs([](Scene& own) { own.set_layers(SceneBodyId{0}, 2, own.masks[0]); });
     differs([](Scene& own) { own.pace = 0.5; });
     differs([](Scene& own) { own.add("another", Sphere{2}); });
 }
@@ -329,7 +330,7 @@ TEST_F(RanksTest, WhatDependsOnTheNumberOfProcessesIsRefused)
 {
     const Scene scene = balls(10, 1);
     expect_refused(ErrorKind::usage, "--memory-budget", [&] { by_many(scene, 2, {.memory_budget = 1 << 20}); });
-    expect_refused(ErrorKind::usage, "--skip broad", [&] { by_many(scene, 2, {.skip = {"broad"}}); });
+    expect_refused(ErrorKind::usage, "--skip broad", [&] { by_many(scene, 2, {.skip = {StageId::broad}}); });
     expect_refused(ErrorKind::usage, "--no-coherence", [&] { by_many(scene, 2, {}, {.separate = true}); });
 }
 

@@ -30,7 +30,7 @@ TEST(Columns, GiveEveryPoseBackBitForBit)
     Isometry3d rotated = odd;
     rotated.linear() = Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
     for (const Isometry3d& pose : {odd, rotated, Isometry3d(Isometry3d::Identity()), rotated, odd}) {
-        scene.set_pose({1}, pose);
+        scene.set_pose(SceneBodyId{1}, pose);
         EXPECT_TRUE(same_bits(scene.poses[1], pose)) << pose.matrix();
         EXPECT_TRUE(same_bits(scene.poses[0], Isometry3d::Identity()));
         EXPECT_TRUE(same_bits(scene.start_pose(1), Isometry3d::Identity())) << "the first pose stays the start pose";
@@ -50,7 +50,7 @@ TEST(Columns, HoldNamesWhereTheyAre)
     ASSERT_EQ(scene.names.size(), 7u);
     const char* const expected[] = {"", "", "first", "", "second", "", ""};
     for (std::size_t i = 0; i < 7; ++i) EXPECT_EQ(scene.names[i], expected[i]) << i;
-    EXPECT_EQ(scene.find("second"), BodyId{4});
+    EXPECT_EQ(scene.find("second"), SceneBodyId{4});
 }
 
 TEST(Columns, HoldMotionsOfThoseThatMove)
@@ -69,8 +69,8 @@ TEST(ChangeLog, TellsWhatChangedSinceAMark)
 {
     Scene scene = balls(4);
     const ChangeLog::Mark begin = scene.changes.now();
-    scene.set_position({2}, {1, 0, 0});
-    scene.set_group({3}, 7);
+    scene.set_position(SceneBodyId{2}, {1, 0, 0});
+    scene.set_group(SceneBodyId{3}, 7);
     ASSERT_TRUE(scene.changes.reaches(begin));
     const auto since = scene.changes.since(begin);
     ASSERT_EQ(since.size(), 2u);
@@ -78,7 +78,7 @@ TEST(ChangeLog, TellsWhatChangedSinceAMark)
     EXPECT_TRUE(since[0].only_pose);
     EXPECT_EQ(since[1].body, 3u);
     EXPECT_FALSE(since[1].only_pose);
-    scene.set_position({2}, {1, 0, 0});
+    scene.set_position(SceneBodyId{2}, {1, 0, 0});
     EXPECT_EQ(scene.changes.since(begin).size(), 2u) << "it exists already";
     EXPECT_TRUE(scene.changes.since(scene.changes.now()).empty());
 }
@@ -89,7 +89,7 @@ TEST(ChangeLog, ForgetsWhatIsLongAgoAndKnowsIt)
     const ChangeLog::Mark begin = scene.changes.now();
     ChangeLog::Mark last = begin;
     for (int k = 1; k < 10'000; ++k) {
-        scene.set_position({0}, {double(k), 0, 0});
+        scene.set_position(SceneBodyId{0}, {double(k), 0, 0});
         ASSERT_TRUE(scene.changes.reaches(last)) << k;
         ASSERT_EQ(scene.changes.since(last).size(), 1u) << k;
         last = scene.changes.now();

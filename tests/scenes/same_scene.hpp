@@ -101,7 +101,7 @@ inline void expect_same_poses(const Scene& a, const Scene& b, const char* when)
 {
     for (std::size_t i = 0; i < a.size(); ++i)
         ASSERT_TRUE(same_bits(a.poses[i].matrix(), b.poses[i].matrix()))
-            << a.label({static_cast<std::uint32_t>(i)}) << " " << when;
+            << a.label(SceneBodyId{static_cast<std::uint32_t>(i)}) << " " << when;
 }
 
 /// The two scenes are equal in every bit, now and in later frames. Moves both.

@@ -452,8 +452,8 @@ TEST_F(SceneFile, TakesBodiesWithoutNamesAndCallsThemByTheirNumbers)
     EXPECT_EQ(scene.names[0], "");
     EXPECT_EQ(scene.names[1], "");
     EXPECT_EQ(scene.names[2], "a");
-    EXPECT_EQ(scene.label(BodyId{1}), "body 1");
-    EXPECT_EQ(scene.label(BodyId{2}), "a");
+    EXPECT_EQ(scene.label(SceneBodyId{1}), "body 1");
+    EXPECT_EQ(scene.label(SceneBodyId{2}), "a");
     refuses(shapes + R"({"geometry": "ball"}, {"geometry": "ball", "static": true, "motion": {"drift": {}}}]})",
             "bodies[1]: body 1: is static");
 }
@@ -607,10 +607,10 @@ Scene made_in_code()
         if (i % 10 == 9) body.name.clear();
         scene.add_body(std::move(body));
     }
-    scene.exclude(BodyId{9}, BodyId{3});
-    scene.exclude(BodyId{19}, BodyId{29});
-    scene.exclude(BodyId{0}, BodyId{1});
-    scene.set_geometry({0}, mesh);
+    scene.exclude(SceneBodyId{9}, SceneBodyId{3});
+    scene.exclude(SceneBodyId{19}, SceneBodyId{29});
+    scene.exclude(SceneBodyId{0}, SceneBodyId{1});
+    scene.set_geometry(SceneBodyId{0}, mesh);
     return scene;
 }
 

@@ -36,7 +36,7 @@ TEST(Scene, KeepsWhatWasAddedInColumnsOfOneLength)
     const GeometryId ball = scene.add("ball", Sphere{1});
     const GeometryId box = scene.add("box", make_box_mesh({1, 2, 3}), "recipe");
     scene.add_body({.name = "a", .geometry = box, .pose = at(1, 2, 3), .is_static = true, .layer = 4, .mask = 8});
-    const BodyId b = scene.add_body({.name = "b", .geometry = ball, .motion = Drift{}});
+    const SceneBodyId b = scene.add_body({.name = "b", .geometry = ball, .motion = Drift{}});
     EXPECT_EQ(scene.size(), 2u);
     EXPECT_EQ(index(b), 1u);
     for (const std::size_t length : {scene.geometry.size(), scene.poses.size(), scene.names.size(),
@@ -59,13 +59,13 @@ TEST(Scene, FindsBodiesAndGeometriesByName)
 {
     Scene scene = scene_with_ball();
     for (int i = 0; i < 100; ++i) scene.add_body({.name = "body " + std::to_string(i)});
-    EXPECT_EQ(scene.find("body 42"), BodyId{42});
+    EXPECT_EQ(scene.find("body 42"), SceneBodyId{42});
     EXPECT_EQ(scene.find("body 100"), std::nullopt);
     EXPECT_EQ(scene.find_geometry("ball"), GeometryId{0});
     EXPECT_EQ(scene.find_geometry("body 42"), std::nullopt);
     const Scene copy = scene;
     scene = {};
-    EXPECT_EQ(copy.find("body 7"), BodyId{7});
+    EXPECT_EQ(copy.find("body 7"), SceneBodyId{7});
     EXPECT_EQ(scene.find("body 7"), std::nullopt);
 }
 
@@ -116,9 +116,9 @@ TEST(Scene, TakesManyBodiesWithoutNames)
     for (int i = 0; i < 3; ++i) scene.add_body({});
     scene.add_body({.name = "a"});
     EXPECT_EQ(scene.find(""), std::nullopt);
-    EXPECT_EQ(scene.find("a"), BodyId{3}) << "by its index, not by the number of named bodies";
-    EXPECT_EQ(scene.label(BodyId{2}), "body 2");
-    EXPECT_EQ(scene.label(BodyId{3}), "a");
+    EXPECT_EQ(scene.find("a"), SceneBodyId{3}) << "by its index, not by the number of named bodies";
+    EXPECT_EQ(scene.label(SceneBodyId{2}), "body 2");
+    EXPECT_EQ(scene.label(SceneBodyId{3}), "a");
     expect_error(
         ErrorKind::bad_data, [&] { scene.add_body({.pose = at(NAN, 0, 0)}); }, "body 4: ", "not finite");
 }
@@ -128,16 +128,15 @@ TEST(Scene, KeepsGroupsAndExcludedPairs)
     Scene scene = scene_with_ball();
     for (std::uint32_t i = 0; i < 4; ++i) scene.add_body({.group = i / 2});
     EXPECT_TRUE(std::ranges::equal(scene.groups, std::vector<std::uint32_t>{0, 0, 1, 1}));
-    scene.exclude(BodyId{3}, BodyId{1});
-    scene.exclude(BodyId{0}, BodyId{1});
+    scene.exclude(SceneBodyId{3}, SceneBodyId{1});
+    scene.exclude(SceneBodyId{0}, SceneBodyId{1});
     EXPECT_EQ(scene.excluded, (std::vector<ExcludedPair>{{1, 3}, {0, 1}}));
-    const auto refuses = [&](BodyId a, BodyId b, const char* what) {
+    const auto refuses = [&](SceneBodyId a, SceneBodyId b, const char* what) {
         expect_error(
             ErrorKind::bad_data, [&] { scene.exclude(a, b); }, "exclude: ", what);
     };
-    refuses(BodyId{0}, BodyId{4}, "there is no body 4; the scene has 4 bodies");
-    refuses(BodyId{0, 1}, BodyId{1}, "there is no body 0 of generation 1");
-    refuses(BodyId{2}, BodyId{2}, "body 2 with itself");
+    refuses(SceneBodyId{0}, SceneBodyId{4}, "there is no body 4; the scene has 4 bodies");
+    refuses(SceneBodyId{2}, SceneBodyId{2}, "body 2 with itself");
     EXPECT_EQ(scene.excluded.size(), 2u);
 }
 
@@ -261,13 +260,13 @@ TEST(Mover, StartsFromTheStartPosesWhateverThePosesWere)
 {
     Scene scene = moving_scene();
     for (std::uint32_t i = 1; i < scene.size(); ++i)
-        scene.set_position({i}, scene.poses.position(i) + Vector3d(3, 3, 3));
+        scene.set_position(SceneBodyId{i}, scene.poses.position(i) + Vector3d(3, 3, 3));
     const Eigen::Matrix4d first = scene.poses[0].matrix();
     Mover().move(scene, 0);
     for (std::size_t i = 1; i < scene.size(); ++i)
         EXPECT_EQ(scene.poses[i].matrix(), scene.start_pose(i).matrix()) << scene.names[i];
     EXPECT_EQ(scene.poses[0].matrix(), first);
-    scene.set_position({0}, {3, 3, 3});
+    scene.set_position(SceneBodyId{0}, {3, 3, 3});
     Mover().move(scene, 1);
     EXPECT_EQ(scene.poses[0].translation(), Vector3d(3, 3, 3)) << "a body without motion belongs to the caller";
 }

@@ -163,7 +163,7 @@ TEST_F(XmlAssembly, BadColladaIsRefusedWithItsLine)
     expect_bad_dae("count=\"8\" stride=\"3\"", "count=\"8\" stride=\"2\"", "announces 8 positions of 2 numbers");
     expect_bad_dae("url=\"#g\"", "url=\"#h\"", "<instance_geometry> refers to '#h', which is no element of that kind");
     expect_bad_dae("url=\"#g\"", "url=\"b.dae#g\"", "must be '#' and an id of this file");
-    expect_bad_dae("url=\"#s\"", "url=\"#t\"", "names '#t'");
+    expect_bad_dae("url=\"#s\"", "url=\"#t\"", "refers to '#t'");
     expect_bad_dae("<node>", "<node><matrix>1 0 0 0</matrix>", "<matrix> has 4 numbers; it must have 16");
     expect_bad_dae("<node>", "<node><skew>45 0 1 0 1 0 0</skew>", "<skew> is not supported");
     expect_bad_dae("<node>", "<node><rotate>0 0 0 30</rotate>", "axis without direction");

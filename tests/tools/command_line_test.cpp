@@ -93,7 +93,7 @@ TEST_F(CommandLine, UnknownNamesListTheValidOnes)
     expect_error(64, {"run", "city", "--mode", "gas"}, {"gas", "surface", "solid"});
     expect_error(64, {"run", "city", "--backend", "abacus"}, {"abacus", "cpu", "gl-compute"});
     expect_error(64, {"run", "city", "--broad", "narrow"}, {"narrow", "kd", "octree", "brute"});
-    expect_error(64, {"run", "city", "--skip", "lunch"}, {"lunch", "delimitation", "ocst"});
+    expect_error(64, {"run", "city", "--skip", "lunch"}, {"lunch", "delimitation", "refine"});
     expect_error(64, {"run", "no-such-scene"}, {"no-such-scene", "city"});
     expect_error(64, {"scene", "no-such-scene", "--out", "x.json"}, {"no-such-scene", "city"});
     EXPECT_TRUE(folder_.list().empty());
@@ -127,6 +127,23 @@ TEST_F(CommandLine, OptionsOfTheCatalogueAreRefusedForFiles)
     folder_.write("file.json", "{}");
     expect_error(64, {"run", "file.json", "--bodies", "5"}, {"--bodies", "file.json"});
     expect_error(64, {"run", "file.json", "--seed", "5"}, {"--seed", "file.json"});
+}
+
+TEST_F(CommandLine, JsonHoldsAnyNameOfAScene)
+{
+    const std::string name = "a \"quoted\" \\ </script>\nname";
+    nlohmann::json scene{{"name", name}, {"frames", 1}};
+    scene["geometries"]["ball"]["shape"] = {{"kind", "sphere"}, {"radius", 1}};
+    scene["bodies"] = nlohmann::json::array({{{"geometry", "ball"}}, {{"geometry", "ball"}, {"position", {1, 0, 0}}}});
+    folder_.write("s.json", scene.dump());
+    for (const std::vector<std::string>& command :
+         {std::vector<std::string>{"accuracy", "s.json", "--depths", "2"}, {"run", "s.json", "--quiet"}}) {
+        std::vector<std::string> arguments = command;
+        arguments.insert(arguments.end(), {"--json", "r.json"});
+        const Outcome outcome = run(arguments);
+        ASSERT_EQ(outcome.code, 0) << command[0] << ": " << outcome.err;
+        EXPECT_EQ(read_json("r.json").at("header").at("scene"), name) << command[0];
+    }
 }
 
 TEST_F(CommandLine, AWrongDataVariableIsAnError)

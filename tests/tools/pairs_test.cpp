@@ -43,7 +43,7 @@ protected:
     {
         const Outcome outcome = run(city(1'000'001, {"--pairs", file, "--from-frame", "1000000"}));
         EXPECT_EQ(outcome.code, 64) << outcome.err;
-        constexpr std::string_view before = "has frames 0 to ";
+        constexpr std::string_view before = "holds frames 0 to ";
         const std::size_t at = outcome.err.find(before);
         int last = -1;
         if (at != std::string::npos)
@@ -184,7 +184,7 @@ TEST_F(Pairs, KeepWholeFramesWhenTheDiskIsFull)
     EXPECT_EQ(outcome.code, 73);
     EXPECT_EQ(outcome.err, "oncollide: p.h5: cannot write: File too large\n");
     const Outcome late = run(city(1'000'001, {"--separate", "--pairs", "p.h5", "--from-frame", "1000000"}));
-    EXPECT_NE(late.err.find("has frames 0 to "), std::string::npos) << late.err;
+    EXPECT_NE(late.err.find("holds frames 0 to "), std::string::npos) << late.err;
 }
 
 TEST_F(Pairs, AreRefusedWhereTheyCannotBeWrittenOrContinued)
@@ -195,7 +195,7 @@ TEST_F(Pairs, AreRefusedWhereTheyCannotBeWrittenOrContinued)
     expect_error(64, city(3, {"--pairs", "x", "--csv", "x"}), {"both go to 'x'"});
     expect_error(64, city(3, {"--from-frame", "3"}), {"--from-frame 3", "0 to 2"});
     expect_error(64, city(3, {"--from-frame", "-1"}), {"--from-frame -1", "at least 0"});
-    expect_error(64, city(9, {"--pairs", "p.h5", "--from-frame", "5"}), {"p.h5", "has frames 0 to 2", "1 to 3"});
+    expect_error(64, city(9, {"--pairs", "p.h5", "--from-frame", "5"}), {"p.h5", "holds frames 0 to 2", "1 to 3"});
     expect_error(64, city(9, {"--pairs", "p.h5", "--from-frame", "2", "--clearance", "1"}),
                  {"p.h5", "its 'settings' differs from this run's", "clearance"});
     expect_error(64, {"run", "hills", "--bodies", "5", "--frames", "9", "--pairs", "p.h5", "--from-frame", "2"},

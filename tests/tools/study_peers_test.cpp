@@ -142,7 +142,7 @@ TEST_F(StudyPeers, AreLeftOutWhereTheyCannotPlayAndSayWhy)
     for (const char* who : {"FCL", "CGAL"}) {
         expect_left_out({"cubes.json", "--clearance", "0.01"}, who, "clearance");
         expect_left_out({"cubes.json", "--mode", "solid"}, who, "solids");
-        expect_left_out({"cubes.json", "--ignore-touching", "--exact", "predicates"}, who, "touches");
+        expect_left_out({"cubes.json", "--ignore-touching", "--exact", "predicates"}, who, "touching");
     }
     const nlohmann::json none = study({"cubes.json", "--depths", "2", "--peers", "none"});
     EXPECT_TRUE(none["peers"].empty() && none["left_out"].empty());

@@ -77,7 +77,7 @@ TEST(StudyTruth, IsThatOfExactPredicatesWhereBodiesNearlyTouch)
             Pipeline pipeline(scene, settings);
             StudyTruth truth(scene, settings);
             const auto check = [&](const Eigen::Isometry3d& pose) {
-                scene.set_pose({1}, pose);
+                scene.set_pose(SceneBodyId{1}, pose);
                 truth.step();
                 const bool collide = !truth.colliding().empty();
                 const FrameView view = pipeline.step(scene);
@@ -121,7 +121,7 @@ TEST(StudyTruth, KnowsWhatLiesInsideWhat)
                apart = joined({make_sphere_mesh(0.1, 60), moved(make_sphere_mesh(0.1, 60), {3, 0, 0})});
     const auto collide = [](const Mesh& a, const Mesh& b, const Eigen::Vector3d& at, bool swapped) {
         Scene scene = swapped ? two(b, a) : two(a, b);
-        scene.set_position(BodyId{std::uint32_t(swapped ? 0 : 1)}, at);
+        scene.set_position(SceneBodyId{std::uint32_t(swapped ? 0 : 1)}, at);
         StudyTruth truth(scene, exact(Mode::solid));
         truth.step();
         return !truth.colliding().empty();
@@ -150,10 +150,12 @@ TEST(StudyTruth, BoundsDistancesAsTheLibraryDoes)
     Scene scene = two(make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 300), make_torus_mesh(1, 0.3, 200));
     StudyTruth truth(scene, exact());
     for (std::uint64_t k = 0; k < 60; ++k) {
-        scene.set_pose({0}, random_pose(2 * k, 100)), scene.set_pose({1}, scene.poses[0] * random_pose(2 * k + 1, 3));
+        scene.set_pose(SceneBodyId{0}, random_pose(2 * k, 100)),
+            scene.set_pose(SceneBodyId{1}, scene.poses[0] * random_pose(2 * k + 1, 3));
         truth.step();
         if (!truth.colliding().empty()) continue;
-        const Distance found = Pipeline(scene).world().distance(BodyId{0}, BodyId{1});
+        const Pipeline pipeline(scene);
+        const Distance found = pipeline.world().distance(pipeline.body(SceneBodyId{0}), pipeline.body(SceneBodyId{1}));
         const DistanceTruth distance = truth.distance({0, 1});
         EXPECT_LE(distance.low, found.upper);
         EXPECT_GE(distance.high, found.lower);
@@ -182,7 +184,7 @@ TEST(StudyTruth, KnowsEveryTwoKinds)
                 }
                 // Outside the finite piece that replaces a half-space elsewhere.
                 if (i == 4) pose.translation() += Eigen::Vector3d(3e3, -2e3, 1e3);
-                scene.set_pose({body}, pose);
+                scene.set_pose(SceneBodyId{body}, pose);
             }
             const double clearance = i % 3 == 2 ? 0.25 : 0;
             StudyTruth truth(scene, exact(Mode::surface, clearance));
@@ -218,7 +220,7 @@ TEST(StudyTruth, MeasuresHowFarBodiesAreOverAPlane)
     scene.add_body({.geometry = scene.add("ball", Shape(Sphere{0.5}))});
     StudyTruth truth(scene, exact());
     const auto at = [&](double height) {
-        scene.set_position({1}, Eigen::Vector3d(1e6, -1e6, height));
+        scene.set_position(SceneBodyId{1}, Eigen::Vector3d(1e6, -1e6, height));
         truth.step();
         return truth.distance({0, 1});
     };
@@ -237,7 +239,7 @@ TEST(StudyTruth, LeavesOpenWhatRoundingDecides)
     Scene scene = two(cube, cube);
     StudyTruth truth(scene, exact(Mode::surface, 0.1));
     const auto at = [&](double x) {
-        scene.set_position({1}, {x, scene.poses.position(1).y(), scene.poses.position(1).z()});
+        scene.set_position(SceneBodyId{1}, {x, scene.poses.position(1).y(), scene.poses.position(1).z()});
         truth.step();
         return std::pair(!truth.colliding().empty(), truth.open({0, 1}));
     };

@@ -83,7 +83,7 @@ std::string describe(const Settings& s, const std::string& stand_in)
     if (!s.coherence) text += ", no coherence";
     if (s.node_budget) text += fmt::format(", node budget {}", s.node_budget);
     if (s.memory_budget) text += fmt::format(", memory budget {}", s.memory_budget);
-    if (!s.skip.empty()) text += fmt::format(", without {}", fmt::join(s.skip, ", "));
+    if (!s.skip.empty()) text += fmt::format(", without {}", fmt::join(names_of(s.skip), ", "));
     return text;
 }
 

@@ -79,7 +79,7 @@ Scene load_pair(const CheckOptions& options)
 std::string describe(const Scene& scene, const Settings& settings, const PairResult& pair)
 {
     const std::string both =
-        fmt::format("'{}' and '{}'", printable(scene.label(BodyId{0})), printable(scene.label(BodyId{1})));
+        fmt::format("'{}' and '{}'", printable(scene.label(SceneBodyId{0})), printable(scene.label(SceneBodyId{1})));
     switch (pair.verdict) {
     case Verdict::separate:
         if (pair.kind == ContactKind::touching)
@@ -144,7 +144,7 @@ void write_contacts(const World& world, OutputFile& file)
 {
     file.print("part_a,part_b,kind,x0,y0,z0,x1,y1,z1,normal_a_x,normal_a_y,normal_a_z,normal_b_x,normal_b_y,"
                "normal_b_z\n");
-    for (const Contact& c : world.contacts(BodyId{0}, BodyId{1})) {
+    for (const Contact& c : world.contacts(world.body_at(0), world.body_at(1))) {
         file.print("{},{},{}", part_text(c.a), part_text(c.b), name_of(c.kind));
         for (const Eigen::Vector3d& v : {c.ends[0], c.ends[1], c.normal_a, c.normal_b})
             file.print(",{:.17g},{:.17g},{:.17g}", v.x(), v.y(), v.z());
@@ -155,9 +155,9 @@ void write_contacts(const World& world, OutputFile& file)
 
 std::string describe_distance(const Scene& scene, const World& world, double tolerance)
 {
-    const Distance d = world.distance(BodyId{0}, BodyId{1}, tolerance);
-    const std::string a = describe(d.a, printable(scene.label(BodyId{0}))),
-                      b = describe(d.b, printable(scene.label(BodyId{1})));
+    const Distance d = world.distance(world.body_at(0), world.body_at(1), tolerance);
+    const std::string a = describe(d.a, printable(scene.label(SceneBodyId{0}))),
+                      b = describe(d.b, printable(scene.label(SceneBodyId{1})));
     if (d.upper == 0) return fmt::format("distance: 0, {} meets {}.", a, b);
     return fmt::format("distance: from {:.12g} to {:.12g} m (certified), between {} and {}.", d.lower, d.upper, a, b);
 }
@@ -176,7 +176,7 @@ int check_pair(const CheckOptions& options)
                     "--contacts: needs the exact level: leave out --max-error and --depth, or give --exact on");
     settings.contact_kinds = settings.exact == ExactLevel::predicates;
     // Both stages cull without a bound on the distance, and a single pair needs neither.
-    for (const char* stage : {"delimitation", "broad"}) settings.skip.push_back(stage);
+    for (const StageId stage : {StageId::delimitation, StageId::broad}) settings.skip.insert(stage);
     check_files({{"--json", options.json}, {"--contacts", options.contacts}}, {options.a, options.b});
 
     std::optional<OutputFile> contacts;
@@ -190,7 +190,7 @@ int check_pair(const CheckOptions& options)
     report.add(frame);
     const PairResult pair =
         frame.pairs.empty()
-            ? PairResult{BodyId{0}, BodyId{1}, Verdict::separate, 0, ContactKind::unknown, settings.clearance}
+            ? PairResult{{Verdict::separate, ContactKind::unknown, settings.clearance}, StageId::bounds, {}, {}}
             : frame.pairs.front();
     std::ostream& said = options.json == "-" ? std::cerr : std::cout;
     if (!options.quiet)

@@ -63,7 +63,7 @@ std::string self_test(std::string& backend)
         Settings settings;
         settings.exact = ExactLevel::fcl;
         Pipeline pipeline(scene, settings);
-        backend = pipeline.backend();
+        backend = pipeline.inspect().backend;
         int colliding = 0;
         for (const PairResult& pair : pipeline.step(scene).pairs) colliding += pair.verdict == Verdict::colliding;
         return colliding == 1 ? "" : fmt::format("found {} colliding pairs; expected 1", colliding);

@@ -121,7 +121,7 @@ void add_pipeline_options(Arguments command, SettingsOptions& o)
         .type_name("kd|octree|brute");
     command
         .add_option("--skip", o.skip,
-                    "skip a stage: bounds, regions (delimitation), broad, refinement (ocst) or exact "
+                    "skip a stage: bounds, regions (delimitation), broad, refinement (refine) or exact "
                     "(repeatable); results get wider, never wrong")
         .type_name("bounds|regions|broad|refinement|exact")
         .repeatable();
@@ -156,9 +156,6 @@ void add_pipeline_options(Arguments command, SettingsOptions& o)
 
 Settings settings_from(const SettingsOptions& o)
 {
-    std::vector<std::string> skip = o.skip; // stages have the paper's names in the library
-    std::ranges::replace(skip, "regions", "delimitation");
-    std::ranges::replace(skip, "refinement", "ocst");
     Settings settings{.depth = o.depth,
                       .max_error = o.max_error,
                       .clearance = o.clearance,
@@ -173,7 +170,7 @@ Settings settings_from(const SettingsOptions& o)
                       .viewport = o.viewport,
                       .broad_phase = broad_phase_from_name(o.broad),
                       .threads = o.threads,
-                      .skip = skip,
+                      .skip = stages_from_names(o.skip),
                       .age_limit = o.age,
                       .node_budget = parse_amount("--node-budget", o.node_budget),
                       .memory_budget = parse_amount("--memory-budget", o.memory_budget),

@@ -6,6 +6,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/pipeline/report.hpp>
+#include <oncollide/pipeline/settings_table.hpp>
 
 namespace oncollide::tools {
 namespace {
@@ -76,8 +77,8 @@ void PairsFile::add(const FrameView& frame)
     rows_.clear();
     for (const PairResult& pair : frame.pairs)
         if (separate_ || pair.verdict != Verdict::separate)
-            rows_.push_back({index(pair.a), index(pair.b), static_cast<std::uint8_t>(pair.verdict), pair.stage,
-                             static_cast<std::uint8_t>(pair.kind), pair.bound,
+            rows_.push_back({index(pair.a), index(pair.b), static_cast<std::uint8_t>(pair.verdict),
+                             static_cast<std::uint8_t>(pair.stage), static_cast<std::uint8_t>(pair.kind), pair.bound,
                              pipeline_.world().max_error(pair.a, pair.b)});
     FrameRow row{.frame = frame.frame,
                  .first = 0,
@@ -108,13 +109,7 @@ StoredRun stored_run(const std::string& name, const ResultsHeader& header)
                    source = json::parse(header.source);
         StoredRun stored{.scene = {}, .settings = {}, .separate = settings.at("separate")};
         Settings& s = stored.settings;
-        s.depth = optional_from<int>(run.at("depth")), s.max_error = optional_from<double>(run.at("max_error"));
-        s.clearance = run.at("clearance"), s.exact = exact_from_name(run.at("exact").get<std::string>());
-        s.contact_kinds = run.at("kinds"), s.ignore_touching = run.at("ignore_touching");
-        s.mode = mode_from_name(run.at("mode").get<std::string>()), s.open_as_surface = run.at("open_as_surface");
-        s.broad_phase = broad_phase_from_name(run.at("broad").get<std::string>());
-        s.bounding_volume = bounding_volume_from_name(run.at("bounding_volume").get<std::string>());
-        s.skip = run.at("skip").get<std::vector<std::string>>();
+        set_results_settings(s, run);
         check(s);
         SceneOptions& scene = stored.scene;
         scene.scene = optional_from<std::string>(source.at("scene")).value_or("");

@@ -102,7 +102,7 @@ std::string describe(const FrameView& frame)
 
 int say_file_faults(const World& world)
 {
-    const std::vector<std::string> faults = world.file_faults();
+    const std::vector<std::string> faults = world.inspect().file_faults;
     for (const std::string& fault : faults) log(LogLevel::error, fault);
     return faults.empty() ? 0 : int(ErrorKind::bad_data);
 }
@@ -115,12 +115,12 @@ int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const Out
     std::string note, why;
     int done = first, code = interrupted_code;
     const auto say_note = [&] {
-        const std::string now = pipeline.backend_note();
+        const std::string now = pipeline.inspect().backend_note;
         if (now != note) log(LogLevel::note, now);
         note = now;
     };
     if (!outputs.quiet) say_note();
-    log(LogLevel::info, fmt::format("running {} frames on {}", frames - first, pipeline.backend()));
+    log(LogLevel::info, fmt::format("running {} frames on {}", frames - first, pipeline.inspect().backend));
     {
         Progress progress("frame", std::size_t(frames - first), outputs.quiet);
         Watchdog watchdog([&] { end_in_a_frame(report, sinks, outputs, done, frames); });
@@ -152,7 +152,8 @@ int play(Scene& scene, Pipeline& pipeline, Report& report, int frames, const Out
     }
     report.interrupted();
     say_file_faults(pipeline.world());
-    log(LogLevel::error, fmt::format("{} {}", why.empty() ? "interrupted" : why + "; ended", told(outputs, done, frames)));
+    log(LogLevel::error,
+        fmt::format("{} {}", why.empty() ? "interrupted" : why + "; ended", told(outputs, done, frames)));
     return code;
 }
 

@@ -303,7 +303,7 @@ DrawnScene shrunk(DrawnScene drawn, const std::function<bool(const DrawnScene&)>
             smaller |= keep_if_faulty(std::move(other));
         }
         plainer([](Settings& s) { s.threads = 1; });
-        plainer([](Settings& s) { s.skip.clear(); });
+        plainer([](Settings& s) { s.skip = {}; });
         plainer([](Settings& s) { s.coherence = true; });
         plainer([](Settings& s) { s.node_budget = 0; });
         plainer([](Settings& s) { s.memory_budget = 0; });
@@ -333,7 +333,7 @@ std::string options_of(const Settings& s)
     if (!s.coherence) text += " --no-coherence";
     if (s.node_budget) text += fmt::format(" --node-budget {}", s.node_budget);
     if (s.memory_budget) text += fmt::format(" --memory-budget {}", s.memory_budget);
-    for (const std::string& stage : s.skip) text += " --skip " + stage;
+    for (const std::string& stage : names_of(s.skip)) text += " --skip " + stage;
     return text;
 }
 

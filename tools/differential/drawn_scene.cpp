@@ -99,7 +99,7 @@ public:
         s.age_limit = number(1, 3);
         if (one_in(8)) s.node_budget = std::size_t(number(1, 400));
         if (one_in(8)) s.memory_budget = std::size_t(number(1, 200'000));
-        if (one_in(6)) s.skip = {one_in(2) ? "ocst" : "delimitation"};
+        if (one_in(6)) s.skip = {one_in(2) ? StageId::refine : StageId::delimitation};
         return s;
     }
 

@@ -117,8 +117,7 @@ bool holds(const BodyResult& result, const PairTruth& truth, const Settings& set
 
 bool decides(const Settings& settings)
 {
-    return settings.exact != ExactLevel::off &&
-           std::find(settings.skip.begin(), settings.skip.end(), "exact") == settings.skip.end();
+    return settings.exact != ExactLevel::off && !settings.skip.contains(StageId::exact);
 }
 
 bool fcl_decides(const Settings& s)

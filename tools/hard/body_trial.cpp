@@ -37,7 +37,7 @@ std::vector<BodyResult> results_of(const BodyForm& form, const Settings& setting
     Pipeline pipeline(scene, settings);
     std::vector<BodyResult> results;
     for (std::size_t k = 0; k < form.poses_b.size(); ++k) {
-        scene.set_pose({0}, form.poses_a[k]), scene.set_pose({1}, form.poses_b[k]);
+        scene.set_pose(SceneBodyId{0}, form.poses_a[k]), scene.set_pose(SceneBodyId{1}, form.poses_b[k]);
         BodyResult& result = results.emplace_back();
         for (const PairResult& pair : pipeline.step(scene).pairs)
             if (index(pair.a) == 0 && index(pair.b) == 1) result = {pair.verdict, pair.kind, pair.bound, true};

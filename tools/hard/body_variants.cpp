@@ -36,7 +36,7 @@ std::vector<Variant> sets_of_stages()
                 Variant& changed = all.emplace_back(v);
                 for (unsigned k = 0; k < 5; ++k)
                     if (skipped >> k & 1) {
-                        const SettingChange without = without_stage(stage_names[k]);
+                        const SettingChange without = without_stage(all_stages[k]);
                         changed.name += ", " + without.name;
                         without.apply(changed.settings);
                     }
@@ -69,7 +69,7 @@ std::vector<Variant> clearances()
     const auto at_distance = [&](const std::string& name, auto change) {
         add(all, 4, "clearance the distance, " + name, [&](Variant& v) { v.of_distance = 1, change(v); });
     };
-    for (const char* stage : stage_names)
+    for (const StageId stage : all_stages)
         at_distance(without_stage(stage).name, [&](Variant& v) { without_stage(stage).apply(v.settings); });
     std::erase_if(all, [](const Variant& v) { // FCL decides independently of earlier stages
         return v.settings.exact == ExactLevel::fcl && !v.settings.skip.empty();
@@ -90,7 +90,7 @@ std::vector<Variant> solids()
         add(all, 4, "solid, " + name,
             [&](Variant& v) { v.settings.mode = Mode::solid, v.closed_alone = true, change(v); });
     };
-    for (const char* stage : stage_names)
+    for (const StageId stage : all_stages)
         solid(without_stage(stage).name, [&](Variant& v) { without_stage(stage).apply(v.settings); });
     solid("no memory", [](Variant& v) { v.settings.memory_budget = 1; });
     solid("among others", [](Variant& v) { v.among_others = true; });

@@ -71,7 +71,7 @@ public:
             meshes.push_back(c.a), meshes.push_back(c.b);
             queries.push_back({first, first + 1, c.pose_a, c.poses_b.front()});
         }
-        std::vector<MeshResult> answers(queries.size());
+        std::vector<Finding> answers(queries.size());
         MeshQueries(std::move(meshes), {.exact = exact, .threads = threads}).run(queries, answers);
         for (std::size_t k = 0; k < cases_.size(); ++k)
             judge(k, answers[k].verdict, exact == ExactLevel::predicates,

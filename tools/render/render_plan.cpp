@@ -67,13 +67,13 @@ std::vector<ImagePlan> images_from(const RenderOptions& o, const Scene& scene)
 }
 
 /// By its name, or by its label: "body 3".
-BodyId body_of(const Scene& scene, const std::string& name)
+SceneBodyId body_of(const Scene& scene, const std::string& name)
 {
-    if (const std::optional<BodyId> body = scene.find(name)) return *body;
+    if (const std::optional<SceneBodyId> body = scene.find(name)) return *body;
     std::vector<std::string> labels;
     for (std::uint32_t body = 0; body < scene.size(); ++body) {
-        if (scene.names[body].empty() && scene.label(BodyId{body}) == name) return BodyId{body};
-        if (body < 20) labels.push_back(scene.label(BodyId{body}));
+        if (scene.names[body].empty() && scene.label(SceneBodyId{body}) == name) return SceneBodyId{body};
+        if (body < 20) labels.push_back(scene.label(SceneBodyId{body}));
     }
     usage(fmt::format("--body {}: no body has this name; '{}' has: {}{}", name, scene.name, fmt::join(labels, ", "),
                       labels.size() < scene.size() ? fmt::format(" and {} more", scene.size() - labels.size()) : ""));

@@ -127,7 +127,7 @@ void ScenePictures::find_meeting(const World& world, std::span<const PairResult>
     ContactLists found;
     world.contacts(colliding, found);
     for (std::size_t k = 0, c = 0; k < colliding.size(); ++k)
-        for (; c < found.ends[k]; ++c) {
+        for (; c < found.offsets[k + 1]; ++c) {
             meeting_of_[index(colliding[k].a)].push_back(found.contacts[c].a.triangle);
             meeting_of_[index(colliding[k].b)].push_back(found.contacts[c].b.triangle);
         }

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/near_word.hpp>
@@ -59,12 +60,12 @@ std::vector<Variant> make_variants(const AccuracyOptions& options)
         };
         add("as given", false, [](Settings&) {});
         if (!options.toggle) continue;
-        for (const char* stage : std::span(stage_names).first(4)) // the exact level has its own variants
+        for (const StageId stage : std::span(all_stages).first(4)) // the exact level has its own variants
             add(without_stage(stage).name, false, without_stage(stage).apply);
         for (const SettingChange& change : changes_of_method()) add(change.name, true, change.apply);
         add("100 cells", false, [](Settings& s) { s.node_budget = 100; });
         add("exact fcl", false, [](Settings& s) { s.exact = ExactLevel::fcl; });
-        add("fcl, no ocst", false, [](Settings& s) { s.exact = ExactLevel::fcl, s.skip.push_back("ocst"); });
+        add("fcl, no refine", false, [](Settings& s) { s.exact = ExactLevel::fcl, s.skip.insert(StageId::refine); });
     }
     return variants;
 }
@@ -125,7 +126,7 @@ std::string judge(Scene& scene, const AccuracyOptions& options, std::vector<Vari
             v.other_hash += v.same_hash && view.hash != hashes[v.plain];
         }
     }
-    return pipelines.front().backend();
+    return pipelines.front().inspect().backend;
 }
 
 std::string optional_length(double value, bool known)
@@ -168,7 +169,8 @@ void write_csv(const std::string& path, const std::vector<Variant>& variants)
 void write_json(const std::string& path, const std::string& scene, const std::vector<Variant>& variants)
 {
     OutputFile file(path);
-    file.print("{{\"header\": {{\"version\": \"{}\", \"scene\": \"{}\"}}, \"variants\": [", version, scene);
+    file.print("{{\"header\": {{\"version\": \"{}\", \"scene\": {}}}, \"variants\": [", version,
+               nlohmann::json(scene).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
     for (const Variant& v : variants)
         file.print("{}\n  {{\"depth\": {}, \"variant\": \"{}\", \"frames\": {}, \"pairs\": {}, \"left_over\": {}, "
                    "\"undecided\": {}, "

@@ -11,14 +11,14 @@ namespace {
 
 std::string names_of(const Scene& scene, BodyPair pair)
 {
-    return fmt::format("{} and {}", scene.label(BodyId{pair.a}), scene.label(BodyId{pair.b}));
+    return fmt::format("{} and {}", scene.label(SceneBodyId{pair.a}), scene.label(SceneBodyId{pair.b}));
 }
 
 /// Largest error of FCL's distance: 1e-9 of the bodies' size, plus the rounding of doubles far from the origin.
 double distance_rounding(const Scene& scene, const PairResult& pair, bool has_shape)
 {
     double size = 0, far = 0;
-    for (BodyId body : {pair.a, pair.b}) {
+    for (const BodyId body : {pair.a, pair.b}) {
         const Aabb box = bounds_of(scene.geometries[index(scene.geometry[index(body)])]);
         size += box.diagonal();
         far = std::max({far, scene.poses[index(body)].translation().cwiseAbs().maxCoeff(),

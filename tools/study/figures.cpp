@@ -137,7 +137,7 @@ void draw_funnel(OutputFile& file, const Study& study)
     for (BarRow& row : rows)
         for (double& length : row.lengths) length = std::log10(1 + length) / std::log10(1 + most);
     draw_bars(file, "stage funnel",
-              {"all pairs", "after broad", "certified apart", "after ocst", "left within", "left colliding"}, rows);
+              {"all pairs", "after broad", "certified apart", "after refine", "left within", "left colliding"}, rows);
 }
 
 void draw_false_positives(OutputFile& file, const Study& study)

@@ -61,8 +61,8 @@ void judge(StudyPeer& peer, std::span<const BodyPair> colliding, StudyTruth& tru
     peer.colliding += colliding.size();
     const auto tell = [&](BodyPair pair, std::string_view what) {
         if (peer.errors.size() < most_errors)
-            peer.errors.push_back(fmt::format("frame {}: {} {} and {}", number, what, scene.label(BodyId{pair.a}),
-                                              scene.label(BodyId{pair.b})));
+            peer.errors.push_back(fmt::format("frame {}: {} {} and {}", number, what, scene.label(SceneBodyId{pair.a}),
+                                              scene.label(SceneBodyId{pair.b})));
     };
     for (BodyPair pair : truth.colliding())
         if (!std::ranges::binary_search(colliding, pair)) ++peer.missed, tell(pair, "misses");

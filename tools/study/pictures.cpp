@@ -7,6 +7,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/pipeline/contacts.hpp>
+#include <oncollide/pipeline/world_access.hpp>
 
 #include "cli/progress.hpp"
 #include "render/framing.hpp"
@@ -91,7 +92,7 @@ StudyPicture draw(StudyWorkload& workload, const Scenario& scenario, Painter& pa
     shown.bodies[pair.a] = shown.bodies[pair.b] = 1;
     ScenePictures pictures(scene, shown);
     ScenePicture picture = pictures.make(
-        pipeline.world(), [&](GeometryId id) { return pipeline.tree(id); }, pairs, std::nullopt);
+        pipeline.world(), [&](GeometryId id) { return WorldAccess::tree(pipeline, id); }, pairs, std::nullopt);
     picture.width = picture.height = side;
     Framing framing;
     framing.add(picture);
@@ -108,7 +109,7 @@ StudyPicture draw(StudyWorkload& workload, const Scenario& scenario, Painter& pa
                                            : fmt::format("false positive: {:.3g} m apart, certified within {:.3g} m",
                                                          scenario.at.distance, scenario.at.bound);
     return {fmt::format("{}, frame {}: {} and {}; {}.", scenario.row->variant.name, workload.number(scenario.at.frame),
-                        scene.label(BodyId{pair.a}), scene.label(BodyId{pair.b}), what),
+                        scene.label(SceneBodyId{pair.a}), scene.label(SceneBodyId{pair.b}), what),
             packed_png(image)};
 }
 

@@ -89,8 +89,9 @@ void play_once(StudyWorkload& workload, Study& study, Players& all, int repeat, 
     for (std::size_t k = 0; k < peers.size(); ++k) study.peers[k].bytes = peers[k]->bytes();
     for (std::size_t k = 0; k < study.rows.size(); ++k) {
         StudyRow& row = study.rows[k];
-        row.backend = pipelines[k].backend();
-        row.stages.assign(pipelines[k].totals().begin(), pipelines[k].totals().end());
+        WorldInfo info = pipelines[k].inspect();
+        row.backend = std::move(info.backend);
+        row.stages = std::move(info.totals);
     }
 }
 

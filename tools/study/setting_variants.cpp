@@ -25,9 +25,9 @@ std::vector<SettingChange> changes_of_method()
             {"age 1", [](Settings& s) { s.age_limit = 1; }}};
 }
 
-SettingChange without_stage(const char* stage)
+SettingChange without_stage(StageId stage)
 {
-    return {fmt::format("without {}", stage), [stage](Settings& s) { s.skip.emplace_back(stage); }};
+    return {fmt::format("without {}", name_of(stage)), [stage](Settings& s) { s.skip.insert(stage); }};
 }
 
 } // namespace oncollide::tools

@@ -27,8 +27,9 @@ struct SettingChange {
 /// Other algorithms, memory and threads: none may change a result hash.
 std::vector<SettingChange> changes_of_method();
 
-constexpr const char* stage_names[] = {"bounds", "delimitation", "broad", "ocst", "exact"};
+constexpr StageId all_stages[] = {StageId::bounds, StageId::delimitation, StageId::broad, StageId::refine,
+                                  StageId::exact};
 /// Skips the stage: results may only get wider.
-SettingChange without_stage(const char* stage);
+SettingChange without_stage(StageId stage);
 
 } // namespace oncollide::tools

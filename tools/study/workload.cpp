@@ -84,7 +84,7 @@ void StudyWorkload::move(int frame)
     if (poses_.empty())
         mover_.move(scene, number(frame));
     else
-        scene.set_pose({1}, poses_[std::size_t(number(frame))].b);
+        scene.set_pose(SceneBodyId{1}, poses_[std::size_t(number(frame))].b);
 }
 
 std::optional<bool> StudyWorkload::known(int frame) const

@@ -121,8 +121,8 @@ PageFrames::Places PageFrames::places_of(std::span<const PairResult> pairs) cons
     }
     ContactLists lists;
     world.contacts(bodies, lists);
-    for (std::size_t c = 0, begin = 0; c < colliding.size(); begin = lists.ends[c++]) {
-        const std::size_t count = lists.ends[c] - begin;
+    for (std::size_t c = 0, begin = 0; c < colliding.size(); begin = lists.offsets[++c]) {
+        const std::size_t count = lists.offsets[c + 1] - begin;
         if (count == 0) { // one is inside the other
             measure(colliding[c], world.max_error(bodies[c].a, bodies[c].b), std::numeric_limits<double>::infinity());
             continue;
@@ -152,7 +152,7 @@ PageFrame PageFrames::make(const FrameView& view)
     }
     const std::vector<PairResult> pairs = chosen(view.pairs);
     const Places places = places_of(pairs);
-    std::vector<DelimitedRegion> regions = pipeline_.world().regions();
+    std::vector<DelimitedRegion> regions = pipeline_.inspect().regions;
     if (regions.size() > most_regions) regions.resize(most_regions); // the deepest levels come last
 
     std::vector<float> positions, bounds, errors, boxes;
@@ -171,7 +171,7 @@ PageFrame PageFrames::make(const FrameView& view)
     for (const DelimitedRegion& region : regions)
         append(boxes, region.box.min - origin_), append(boxes, region.box.max - origin_);
     for (const PairResult& pair : pairs) small.push_back(std::uint8_t(pair.verdict));
-    for (const PairResult& pair : pairs) small.push_back(pair.stage);
+    for (const PairResult& pair : pairs) small.push_back(std::uint8_t(pair.stage));
     for (const PairResult& pair : pairs) small.push_back(std::uint8_t(pair.kind));
     for (const DelimitedRegion& region : regions) small.push_back(std::uint8_t(region.level));
     for (const DelimitedRegion& region : regions) small.push_back(region.rejected);

@@ -41,7 +41,7 @@ Scene scene_of(const std::string& name, const StoredRun& run)
 Settings without_narrow_phase(Settings settings, int threads)
 {
     settings.threads = threads;
-    settings.skip.insert(settings.skip.end(), {"ocst", "exact"});
+    settings.skip.insert(StageId::refine), settings.skip.insert(StageId::exact);
     return settings;
 }
 
@@ -83,6 +83,7 @@ FrameView StoredFrames::play(int frame)
             .began = played.began,
             .ended = played.ended,
             .stages = stages_,
+            .totals = played.totals,
             .delimitation = played.delimitation,
             .trees = played.trees,
             .rounds = played.rounds,
@@ -98,13 +99,13 @@ void StoredFrames::decide(const FrameRow& row, std::span<const PairResult> candi
     auto next = rows_.begin();
     for (PairResult& pair : results_) {
         if (next == rows_.end() || next->a != pair.a.slot || next->b != pair.b.slot) {
-            pair.verdict = Verdict::separate, pair.stage = ocst_stage_index, pair.kind = {}, pair.bound = 0;
+            pair.verdict = Verdict::separate, pair.stage = StageId::refine, pair.kind = {}, pair.bound = 0;
             continue;
         }
         if (next->verdict > std::uint8_t(Verdict::undecided) || next->stage >= pipeline_.stages().size() ||
             next->kind > std::uint8_t(ContactKind::enclosed))
             break;
-        pair.verdict = Verdict(next->verdict), pair.stage = next->stage, pair.kind = ContactKind(next->kind);
+        pair.verdict = Verdict(next->verdict), pair.stage = StageId(next->stage), pair.kind = ContactKind(next->kind);
         pair.bound = next->bound;
         mix(hash, pair, wants_kinds(run_.settings));
         ++next;
@@ -126,14 +127,15 @@ void StoredFrames::count(const FrameRow& row, std::span<const StageStats> stages
         StageStats& stage = stages_[k];
         const StageRow& stored = row.stages[k];
         stage.in = stored.in, stage.out = stored.out, stage.undecided = stored.undecided, stage.cpu_ms = stored.ms;
-        if (k < ocst_stage_index) continue;
-        const bool requested = std::ranges::count(run_.settings.skip, stage.stage) > 0;
-        const bool off = k == exact_stage_index && run_.settings.exact == ExactLevel::off;
-        const bool idle = k == ocst_stage_index && results_.empty();
+        const auto id = static_cast<StageId>(k);
+        if (id < StageId::refine) continue;
+        const bool requested = run_.settings.skip.contains(id);
+        const bool off = id == StageId::exact && run_.settings.exact == ExactLevel::off;
+        const bool idle = id == StageId::refine && results_.empty();
         stage.note = requested ? by_request : off ? "off" : idle ? no_candidates : "";
         stage.skipped = !stage.note.empty();
     }
-    constexpr std::size_t broad = ocst_stage_index - 1;
+    constexpr auto broad = static_cast<std::size_t>(StageId::broad);
     if (row.stages[broad].out != results_.size())
         refuse_scene(fmt::format("in frame {} the boxes of {} pairs overlap; in the run {} did", row.frame,
                                  results_.size(), row.stages[broad].out));

@@ -254,7 +254,7 @@ json ViewPage::about() const
     rows.push_back({"Refined with", wants_obbs(s) ? "oriented boxes (OBB trees)" : "sphere-trees (OCST)"});
     if (options_.results.empty()) {
         rows.push_back({"Threads", fmt::format("{}", thread_count(s))});
-        rows.push_back({"Backend", pipeline_.backend()});
+        rows.push_back({"Backend", pipeline_.inspect().backend});
     } else {
         rows.push_back({"Results", printable(options_.results)});
     }

@@ -102,7 +102,7 @@ int bench_planner(const PlannerOptions& options)
             Settings settings;
             settings.threads = threads, settings.exact = exact;
             MeshQueries ours({fixed, moving}, settings);
-            std::vector<MeshResult> results(queries.size());
+            std::vector<Finding> results(queries.size());
             from = Clock::now();
             ours.run(queries, results);
             const double cold = seconds_since(from);

@@ -144,7 +144,7 @@ private:
         for (std::size_t k = 0; k < trees_.size(); ++k) {
             double bound = 0;
             for (const KnownPose& pose : poses_)
-                if (const RefineResult walk = trees_[k]->walk(pose.b); walk.verdict == Verdict::within)
+                if (const Finding walk = trees_[k]->walk(pose.b); walk.verdict == Verdict::within)
                     bound = std::max(bound, walk.bound);
             const ModelStore& models = trees_[k]->models();
             say("{:<8}{:>14.6f}{:>16.2f}{:>18.1f}{:>14}{:>20.2f}{:>12.3f}\n", fmt::format("depth {}", trees_[k]->depth),

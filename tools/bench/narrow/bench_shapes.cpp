@@ -39,7 +39,7 @@ struct ShapeRow {
 };
 
 struct ShapeResults {
-    RefineResult ours;
+    Finding ours;
     bool fcl;
 };
 
@@ -52,7 +52,7 @@ void judge(const ClosePair& pair, const ShapeResults& results, ShapeRow& row)
                of_b = convex_sets(pair.b->model->geometry().data, pair.pose_b);
     const TrueDistance truth = convex_distance(of_a[0], of_b[0]);
     const bool apart = truth.lower > certain, meet = truth.upper == 0;
-    const RefineResult& r = results.ours;
+    const Finding& r = results.ours;
     row.colliding += r.verdict == Verdict::colliding;
     row.open += r.verdict == Verdict::within;
     if (r.verdict == Verdict::colliding)

@@ -21,10 +21,10 @@ TreePair::TreePair(const Scene& scene, const Settings& settings)
     for (Model* model : {&a_, &b_}) models_.spheres(*model, models_.max_error(a_, b_));
 }
 
-RefineResult TreePair::walk(const Eigen::Isometry3d& b)
+Finding TreePair::walk(const Eigen::Isometry3d& b)
 {
     const PairTask task{0, &a_, &b_, &pose_a_, &b};
-    RefineResult answer{};
+    Finding answer{};
     context_.rounds.clear();
     refiner_.refine(context_, {&task, 1}, nullptr, {&answer, 1});
     return answer;

@@ -12,7 +12,7 @@ public:
     /// @param scene  two bodies with meshes; the second is moved
     TreePair(const Scene& scene, const Settings& settings);
 
-    RefineResult walk(const Eigen::Isometry3d& b);
+    Finding walk(const Eigen::Isometry3d& b);
 
     const ModelStore& models() const { return models_; }
     std::uint64_t cell_pairs() const { return context_.trees.node_pairs; }

@@ -89,7 +89,7 @@ private:
             pose.translation() -= (d.lower - wanted) * back;
             last = d.lower;
         }
-        scene_.set_pose(BodyId{body}, pose);
+        scene_.set_pose(SceneBodyId{body}, pose);
     }
 
     Scene& scene_;

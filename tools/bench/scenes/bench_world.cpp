@@ -172,8 +172,8 @@ int bench_world(const WorldOptions& options)
     const std::size_t pairs = world.step().pairs.size();
     say("{}scene      many, {} bodies, {} pairs; made in {:.0f} ms, first frame after {:.0f} ms\n"
         "settings   {}\nframes     {}, medians\n\n",
-        describe_program(world.backend()), grouped(crowd.size()), grouped(pairs), made, milliseconds_since(begin),
-        describe(world.settings()), options.frames);
+        describe_program(world.inspect().backend), grouped(crowd.size()), grouped(pairs), made,
+        milliseconds_since(begin), describe(world.settings()), options.frames);
 
     const auto changes = std::size_t(options.changes);
     say("{:<34}{:>14}{:>14}{:>14}\n", "ms per frame", "changes", "step", "together");
@@ -182,7 +182,7 @@ int bench_world(const WorldOptions& options)
         if (csv)
             csv->print("{},{},{},{},{},{},{},{:.4g},{:.4g}\n", crowd.size(), pairs,
                        wants_obbs(world.settings()) ? "obb" : "sphere", name_of(world.settings().exact),
-                       world.settings().skip.empty() ? "" : world.settings().skip.front(), kind, count, changed, step);
+                       fmt::format("{}", fmt::join(names_of(world.settings().skip), " ")), kind, count, changed, step);
         say("{:<34}{:>14.3f}{:>14.3f}{:>14.3f}\n", what, changed, step, changed + step);
         return changed + step;
     };
@@ -199,7 +199,8 @@ int bench_world(const WorldOptions& options)
     const double one = time_queries(world, queries, 1), two = time_queries(world, queries, 2);
     say("queries    {} per second from one thread, {} from two at the same time ({:.2f} times)\n",
         grouped(std::uint64_t(one)), grouped(std::uint64_t(two)), two / one);
-    say("memory     World {} MB; process {} MB at its peak\n", world.bytes() / 1'000'000, peak_memory() / 1'000'000);
+    say("memory     World {} MB; process {} MB at its peak\n", world.inspect().bytes / 1'000'000,
+        peak_memory() / 1'000'000);
 
     if (csv) csv->commit();
     const bool same = crowd.is_as_made_anew();

@@ -62,7 +62,7 @@ private:
         std::optional<Pipeline> pipeline;
         ContactLists contacts;
         if (with_fcl_) world.emplace(scene_, octrees_), runs_.fcl_bytes = world->model_bytes();
-        if (with_ours_) pipeline.emplace(scene_, settings_), runs_.backend = pipeline->backend();
+        if (with_ours_) pipeline.emplace(scene_, settings_), runs_.backend = pipeline->inspect().backend;
         if (pipeline && runs_.first) pipeline->world().continue_from(std::uint32_t(runs_.first), 0);
         for (int frame = runs_.first; frame < runs_.first + int(runs_.rows.size()); ++frame) {
             mover.move(scene_, frame);

@@ -64,7 +64,7 @@ void SceneReport::print_times() const
         say("  FCL        transforms {:.4f}, tree update {:.4f}, pairs {:.4f}, narrow {:.4f}\n", fcl_parts[0] / n,
             fcl_parts[1] / n, fcl_parts[2] / n, fcl_parts[3] / n);
     if (with_ours_)
-        say("  oncollide  bounds {:.4f}, delimitation {:.4f}, broad {:.4f}, ocst {:.4f}, exact {:.4f}",
+        say("  oncollide  bounds {:.4f}, delimitation {:.4f}, broad {:.4f}, refine {:.4f}, exact {:.4f}",
             our_parts[0] / n, our_parts[1] / n, our_parts[2] / n, our_parts[3] / n, our_parts[4] / n);
     if (with_ours_ && options_.contacts) say(", contacts {:.4f}", contacts / n);
     say("\n\n");

@@ -18,7 +18,7 @@ const KIND_TEXT = {near: "apart, but closer than the clearance", touching: "surf
 const STAGE_TEXT = {
   bounds: ["Boxes of the bodies", "bounds"], delimitation: ["Regions in which pairs can collide", "delimitation"],
   broad: ["Pairs whose boxes overlap", "broad phase"],
-  ocst: [header.refined === "boxes" ? "Pairs left over by OBB trees" : "Pairs left over by sphere-trees", header.refined === "boxes" ? "narrow phase, OBB trees" : "narrow phase, sphere-trees"],
+  refine: [header.refined === "boxes" ? "Pairs left over by OBB trees" : "Pairs left over by sphere-trees", header.refined === "boxes" ? "narrow phase, OBB trees" : "narrow phase, sphere-trees"],
   exact: ["Pairs decided on the surfaces", "exact"]};
 const STAGE_COLOURS = ["#0072b2", "#56b4e9", "#009e73", "#e69f00", "#cc79a7"];
 const ORDER = [2, 3, 1, 0]; // verdicts, worst first

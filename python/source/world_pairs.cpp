@@ -1,0 +1,229 @@
+// Queries of a World about pairs: decide, distance, contacts, penetration.
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "held_world.hpp"
+
+namespace oncollide::python {
+
+namespace {
+
+/// One side of a pair: the id of a body, or a model at a pose as a tuple (model, pose).
+class Side {
+public:
+    Side(const HeldWorld& held, py::handle value, const Place& place)
+    {
+        if (!py::isinstance<py::tuple>(value)) {
+            body_ = body(value, place);
+            return;
+        }
+        const auto pair = py::reinterpret_borrow<py::tuple>(value);
+        if (pair.size() != 2) refuse_value(place, "expected the id of a body, or a tuple (model, pose)");
+        placed_ = PlacedModel{model_of(held, pair[0], place), pose(pair[1], place)};
+    }
+    operator PairSide() const { return placed_ ? PairSide(*placed_) : PairSide(body_); }
+
+private:
+    BodyId body_;
+    std::optional<PlacedModel> placed_;
+};
+
+std::vector<PairOfBodies> pairs_of(py::handle a, py::handle b, const char* call)
+{
+    const std::vector<BodyId> firsts = bodies(a, {call, "a"}), seconds = bodies(b, {call, "b"});
+    if (firsts.size() != seconds.size())
+        refuse_value({call, "b"}, fmt::format("{} bodies for {} of a; must be as many", seconds.size(), firsts.size()));
+    std::vector<PairOfBodies> pairs;
+    for (std::size_t i = 0; i < firsts.size(); ++i) pairs.push_back({firsts[i], seconds[i]});
+    return pairs;
+}
+
+/// A structured scalar with the bytes of `found`.
+template <class Found>
+py::object scalar(const py::dtype& type, const Found& found)
+{
+    py::array made(type, py::ssize_t{1});
+    std::memcpy(made.mutable_data(), static_cast<const void*>(&found), sizeof found);
+    return made[py::int_(0)];
+}
+
+/// Returns query(world); other Python threads run meanwhile.
+template <class Query>
+auto released(HeldWorld& held, const char* call, Query query)
+{
+    const Looking looking(held, call);
+    const Released released;
+    return query(held.world);
+}
+
+double limit(py::handle cutoff, py::handle farthest, const char* call)
+{
+    return farthest.is_none() ? limit_of(cutoff, {call, "cutoff"}) : limit_of(farthest, {call, "farthest"});
+}
+
+py::object decide(HeldWorld& held, py::handle a, py::handle b)
+{
+    const char* const call = "World.decide";
+    const Side first(held, a, {call, "a"}), second(held, b, {call, "b"});
+    return scalar(result_types().finding,
+                  released(held, call, [&](const World& w) { return w.decide(first, second); }));
+}
+
+py::array decide_batch(HeldWorld& held, py::handle a, py::handle b)
+{
+    const char* const call = "World.decide_batch";
+    const std::vector<PairOfBodies> pairs = pairs_of(a, b, call);
+    return array_of(result_types().finding, released(held, call, [&](const World& w) {
+                        std::vector<Finding> found(pairs.size());
+                        w.decide(pairs, found);
+                        return found;
+                    }));
+}
+
+py::object distance(HeldWorld& held, py::handle a, py::handle b, py::handle tolerance, py::handle cutoff,
+                    py::handle farthest)
+{
+    const char* const call = "World.distance";
+    const Side first(held, a, {call, "a"}), second(held, b, {call, "b"});
+    const double within = number(tolerance, {call, "tolerance"}), most = limit(cutoff, farthest, call);
+    return scalar(result_types().distance,
+                  released(held, call, [&](const World& w) { return w.distance(first, second, within, most); }));
+}
+
+py::array distance_batch(HeldWorld& held, py::handle a, py::handle b, py::handle tolerance, py::handle cutoff)
+{
+    const char* const call = "World.distance_batch";
+    const std::vector<PairOfBodies> pairs = pairs_of(a, b, call);
+    const double within = number(tolerance, {call, "tolerance"}), most = limit_of(cutoff, {call, "cutoff"});
+    return array_of(result_types().distance, released(held, call, [&](const World& w) {
+                        std::vector<Distance> found(pairs.size());
+                        w.distances(pairs, found, within, most);
+                        return found;
+                    }));
+}
+
+py::tuple distances(HeldWorld& held, py::handle model, py::handle at, py::handle cutoff, py::handle tolerance,
+                    py::handle layer, py::handle mask, py::handle group)
+{
+    const char* const call = "World.distances";
+    const ModelQuery query{model_of(held, model, {call, "model"}),
+                           pose(at, {call, "pose"}),
+                           {bits(layer, {call, "layer"}), bits(mask, {call, "mask"}), bits(group, {call, "group"})}};
+    const double within = number(tolerance, {call, "tolerance"}), most = number(cutoff, {call, "cutoff"});
+    const std::vector<BodyDistance> found =
+        released(held, call, [&](const World& w) { return w.distances(query, most, within); });
+    std::vector<BodyId> ids;
+    std::vector<Distance> far;
+    for (const BodyDistance& one : found) ids.push_back(one.body), far.push_back(one.distance);
+    return py::make_tuple(ids_of(ids), array_of(result_types().distance, std::move(far)));
+}
+
+py::array contacts(HeldWorld& held, py::handle a, py::handle b)
+{
+    const char* const call = "World.contacts";
+    const Side first(held, a, {call, "a"}), second(held, b, {call, "b"});
+    return array_of(result_types().contact,
+                    released(held, call, [&](const World& w) { return w.contacts(first, second); }));
+}
+
+py::tuple contacts_batch(HeldWorld& held, py::handle a, py::handle b)
+{
+    const char* const call = "World.contacts_batch";
+    const std::vector<PairOfBodies> pairs = pairs_of(a, b, call);
+    ContactLists lists;
+    released(held, call, [&](const World& w) { return w.contacts(pairs, lists), 0; });
+    return py::make_tuple(array_of(result_types().contact, std::move(lists.contacts)), offsets_of(lists.offsets));
+}
+
+py::object penetration(HeldWorld& held, py::handle a, py::handle b)
+{
+    const char* const call = "World.penetration";
+    const Side first(held, a, {call, "a"}), second(held, b, {call, "b"});
+    return scalar(result_types().penetration,
+                  released(held, call, [&](const World& w) { return w.penetration(first, second); }));
+}
+
+py::array penetration_batch(HeldWorld& held, py::handle a, py::handle b)
+{
+    const char* const call = "World.penetration_batch";
+    const std::vector<PairOfBodies> pairs = pairs_of(a, b, call);
+    return array_of(result_types().penetration, released(held, call, [&](const World& w) {
+                        std::vector<Penetration> found(pairs.size());
+                        w.penetration(pairs, found);
+                        return found;
+                    }));
+}
+
+} // namespace
+
+void bind_world_pairs(WorldClass& world)
+{
+    using namespace py::literals;
+    const auto none = py::none();
+    const py::int_ all(0xffffffffu);
+    world.def("decide", &decide, "a"_a, "b"_a, R"(decide(self, a, b)
+--
+
+The verdict on one pair now, as step() would give it. Layers, groups and exclusions do not matter.
+
+a, b: each the id of a body, or a tuple (model, pose) for a model at a pose.
+Returns a structured scalar: verdict (uint8, a Verdict), kind (uint8, a ContactKind), bound (float64, metres).)");
+    world.def("decide_batch", &decide_batch, "a"_a, "b"_a, R"(decide_batch(self, a, b)
+--
+
+The verdicts on many pairs now, on the World's threads. a, b: (N,) ids. Returns a structured array (N,) as decide().)");
+    world.def("distance", &distance, "a"_a, "b"_a, "tolerance"_a = 0.0, "cutoff"_a = none, "farthest"_a = none,
+              R"(distance(self, a, b, tolerance=0.0, cutoff=None, farthest=None)
+--
+
+Certified bounds on the distance of two sides of a pair, and their nearest points.
+
+a, b: as in decide(). tolerance: metres, >= 0; a larger tolerance is cheaper. cutoff: metres; beyond it lower > cutoff and
+upper = inf; None: no cutoff. farthest: the older name of cutoff.
+Returns a structured scalar: lower, upper (float64, metres; both 0 if they meet), triangle_a, cell_a, triangle_b, cell_b
+(as in contacts()), point_a, point_b (float64 (3,), world frame, if upper is finite).)");
+    world.def("distance_batch", &distance_batch, "a"_a, "b"_a, "tolerance"_a = 0.0, "cutoff"_a = none,
+              R"(distance_batch(self, a, b, tolerance=0.0, cutoff=None)
+--
+
+The distances of many pairs, on the World's threads. a, b: (N,) ids. Returns a structured array (N,) as distance().)");
+    world.def("distances", &distances, "model"_a, "pose"_a, "cutoff"_a, "tolerance"_a = 0.0, "layer"_a = 1,
+              "mask"_a = all, "group"_a = 0,
+              R"(distances(self, model, pose, cutoff, tolerance=0.0, layer=1, mask=4294967295, group=0)
+--
+
+The bodies at most `cutoff` metres from a model at a pose, and their distances.
+
+Returns (bodies, distances): uint64 (N,), sorted by slot, and a structured array (N,) as distance().)");
+    world.def("contacts", &contacts, "a"_a, "b"_a, R"(contacts(self, a, b)
+--
+
+All pairs of parts of the two sides of a pair that meet. a, b: as in decide().
+
+Returns a structured array (N,): triangle_a, triangle_b (uint32, indices of triangles; 0 for other parts), cell_a,
+cell_b (int32 (4,): for maps the cube's x, y, z and side, in cells), kind (uint8, a ContactKind), ends (float64 (2, 3):
+for two triangles the segment that both share, else a point on each part), normal_a, normal_b (float64 (3,), unit).
+World frame, metres.)");
+    world.def("contacts_batch", &contacts_batch, "a"_a, "b"_a, R"(contacts_batch(self, a, b)
+--
+
+The same for many pairs, on the World's threads. a, b: (N,) ids.
+
+Returns (contacts, offsets): pair i has contacts[offsets[i]:offsets[i + 1]]; offsets is int64 (N + 1,).)");
+    world.def("penetration", &penetration, "a"_a, "b"_a, R"(penetration(self, a, b)
+--
+
+How deep the two sides of a pair penetrate each other. a, b: as in decide(), with triangles: meshes, boxes, hulls.
+
+Returns a structured scalar: contact, overlap (float64 (2, 3): corners of a box around the contact curve, and around the
+overlap), depth (float64, metres: a vertex of one lies inside the other, this far from its surface; 0: no vertex does),
+deepest (float64 (3,), that vertex), of_a (bool, it is a vertex of a), vertex (uint32, its index), thickness (float64,
+metres: the overlap lies between two planes this far apart), thin_along (float64 (3,), unit normal of these planes).)");
+    world.def("penetration_batch", &penetration_batch, "a"_a, "b"_a, R"(penetration_batch(self, a, b)
+--
+
+The same for many pairs, on the World's threads. a, b: (N,) ids. Returns a structured array (N,) as penetration().)");
+}
+
+} // namespace oncollide::python

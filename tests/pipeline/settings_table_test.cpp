@@ -1,0 +1,70 @@
+// The table of settings is complete, and what it writes it reads.
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include <oncollide/pipeline/report.hpp>
+#include <oncollide/pipeline/settings_table.hpp>
+
+namespace oncollide {
+namespace {
+
+/// A row is missing if this does not compile or the number differs: name every member here.
+std::size_t members(const Settings& settings)
+{
+    const auto& [depth, max_error, clearance, exact, contact_kinds, ignore_touching, mode, open_as_surface, backend,
+                 bounding_volume, gpu, viewport, broad_phase, threads, executor, skip, age_limit, node_budget,
+                 memory_budget, resident_budget, look_ahead, coherence, stop] = settings;
+    (void)depth;
+    constexpr std::size_t all = 23;
+    return all;
+}
+
+TEST(SettingsTable, HasARowForEveryMemberButTheObjectsOfTheProgram)
+{
+    EXPECT_EQ(settings_table().size(), members({}) - 2) << "all but executor and stop";
+    std::set<std::string_view> names, keys;
+    for (const SettingRow& row : settings_table()) names.insert(row.member), keys.insert(row.key);
+    EXPECT_EQ(names.size(), settings_table().size());
+    EXPECT_EQ(keys.size(), settings_table().size());
+}
+
+TEST(SettingsTable, ReadsWhatItWrites)
+{
+    const Settings odd{.max_error = 0.125,
+                       .clearance = 1e-3,
+                       .exact = ExactLevel::predicates,
+                       .contact_kinds = true,
+                       .mode = Mode::solid,
+                       .open_as_surface = true,
+                       .backend = BackendKind::gl_query,
+                       .bounding_volume = BoundingVolume::sphere,
+                       .gpu = 3,
+                       .viewport = 64,
+                       .broad_phase = BroadPhaseKind::octree,
+                       .threads = 7,
+                       .skip = {StageId::refine, StageId::bounds},
+                       .age_limit = 5,
+                       .node_budget = 11,
+                       .memory_budget = 12,
+                       .resident_budget = 64 << 20,
+                       .look_ahead = 5,
+                       .coherence = false};
+    const nlohmann::json written = nlohmann::json::parse(settings_json(odd)),
+                         plain = nlohmann::json::parse(settings_json({}));
+    EXPECT_EQ(written.at("resident"), 64 << 20);
+    EXPECT_EQ(written.at("look_ahead"), 5);
+    EXPECT_EQ(written.at("skip"), (nlohmann::json{"bounds", "refine"}));
+    Settings all, results;
+    for (const SettingRow& row : settings_table()) row.set(all, written.at(std::string(row.key)));
+    EXPECT_EQ(settings_json(all), settings_json(odd));
+    set_results_settings(results, written);
+    for (const SettingRow& row : settings_table())
+        EXPECT_EQ(row.get(results), row.get(row.affects_results ? odd : Settings{})) << row.member;
+    set_results_settings(results, {{"skip", {"ocst"}}});
+    EXPECT_TRUE(results.skip.contains(StageId::refine)) << "the older name";
+    EXPECT_NE(written, plain);
+}
+
+} // namespace
+} // namespace oncollide
