@@ -1,4 +1,4 @@
-// The table of settings is complete, and what it writes it reads.
+// The table of settings is complete; its reader accepts the text of its writer.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -22,7 +22,7 @@ std::size_t members(const Settings& settings)
 
 TEST(SettingsTable, HasARowForEveryMemberButTheObjectsOfTheProgram)
 {
-    EXPECT_EQ(settings_table().size(), members({}) - 2) << "all but executor and stop";
+    EXPECT_EQ(settings_table().size(), members({}) - 2) << "without executor and stop";
     std::set<std::string_view> names, keys;
     for (const SettingRow& row : settings_table()) names.insert(row.member), keys.insert(row.key);
     EXPECT_EQ(names.size(), settings_table().size());
