@@ -91,7 +91,7 @@ Target resolve(const fs::path& path)
 
 } // namespace
 
-OutputFile::OutputFile(const fs::path& path) : path_(path)
+OutputFile::OutputFile(const fs::path& path) : TextSink(60'000), path_(path)
 {
     if (path == "-") {
         file_ = stdout;

@@ -1,46 +1,27 @@
 #pragma once
 #include <cstdio>
 #include <filesystem>
-#include <iterator>
-#include <string>
-#include <string_view>
-#include <utility>
 
-#include <fmt/format.h>
+#include <oncollide/base/text_sink.hpp>
 
 namespace oncollide {
 
 /// A file that appears complete or not at all: it is written under a temporary name in the folder of `path`, and
 /// commit() renames it. "-" is standard output. Devices and pipes are written in place; of a symbolic link, the target
 /// is replaced. A replaced file keeps its permissions and, if the system allows it, its owner.
-class OutputFile {
+class OutputFile final : public TextSink {
 public:
     /// Throws Error{cannot_write}.
     explicit OutputFile(const std::filesystem::path& path);
     /// Removes the temporary file unless committed.
     ~OutputFile();
-    OutputFile(const OutputFile&) = delete;
-    OutputFile& operator=(const OutputFile&) = delete;
-
-    template <class... Args>
-    void print(fmt::format_string<Args...> format, Args&&... args)
-    {
-        fmt::format_to(std::back_inserter(buffer_), format, std::forward<Args>(args)...);
-        if (buffer_.size() > 60'000) flush();
-    }
-    /// Writes bytes unchanged.
-    void write(std::string_view bytes)
-    {
-        buffer_.append(bytes.data(), bytes.data() + bytes.size());
-        if (buffer_.size() > 60'000) flush();
-    }
     /// Flushes, closes and renames. Throws Error{cannot_write}, for instance if the disk is full.
     void commit();
 
 private:
     void create_temporary();
     void take_over(const std::filesystem::path& replaced);
-    void flush();
+    void flush() override;
     [[noreturn]] void fail(int error) const;
 
     std::filesystem::path path_;      ///< as the caller named it, for errors
@@ -48,7 +29,6 @@ private:
     std::filesystem::path temporary_; ///< empty if written in place
     int slot_ = -1;                   ///< in the list of unfinished files
     std::FILE* file_ = nullptr;
-    fmt::memory_buffer buffer_;
 };
 
 /// Removes the temporary files of all OutputFiles. Safe in signal handlers, and meant only for signals that end the

@@ -1,31 +1,20 @@
 #pragma once
-#include <cstddef>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
-#include <iterator>
 #include <memory>
-#include <string_view>
 
-#include <fmt/format.h>
+#include <oncollide/base/text_sink.hpp>
 
 namespace oncollide {
 
 /// Buffers text whose heading is known only later: a megabyte in memory, the rest in an unnamed file, which disappears
 /// however the program ends.
-class Spool {
+class Spool final : public TextSink {
 public:
     /// @param folder  for the file; if empty or unsuitable, the system's folder for temporary files
-    explicit Spool(std::filesystem::path folder = {}) : folder_(std::move(folder)) {}
-    Spool(Spool&&) = default;
+    explicit Spool(std::filesystem::path folder = {}) : TextSink(std::size_t(1) << 20), folder_(std::move(folder)) {}
 
-    /// Throws Error{cannot_write} when the disk is full.
-    template <class... Args>
-    void print(fmt::format_string<Args...> format, Args&&... args)
-    {
-        fmt::format_to(std::back_inserter(buffer_), format, std::forward<Args>(args)...);
-        if (buffer_.size() > most_in_memory) flush();
-    }
     /// Passes all text to `take`, in pieces.
     void read(const std::function<void(std::string_view)>& take) const;
 
@@ -33,12 +22,10 @@ private:
     struct Close {
         void operator()(std::FILE* file) const { std::fclose(file); }
     };
-    static constexpr std::size_t most_in_memory = std::size_t{1} << 20;
-    void flush();
+    void flush() override; ///< Throws Error{cannot_write} when the disk is full.
 
     std::filesystem::path folder_;
     std::unique_ptr<std::FILE, Close> file_; ///< text before the buffer; null if all text is in the buffer
-    fmt::memory_buffer buffer_;
 };
 
 } // namespace oncollide

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <nlohmann/json.hpp>
 #include <oncollide/pipeline/world_access.hpp>
 #include <oncollide/pipeline/settings_table.hpp>
 
@@ -18,25 +17,12 @@ constexpr Verdict verdict_order[] = {Verdict::separate, Verdict::within, Verdict
 constexpr ContactKind kind_order[] = {ContactKind::near, ContactKind::touching, ContactKind::crossing,
                                       ContactKind::enclosed};
 
-/// `text` as a quoted JSON string. Bytes that are not UTF-8 (possible in file names) become U+FFFD.
-std::string json_string(std::string_view text)
-{
-    return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
-
-/// Shortest text that parses to the same double; null for infinity, which JSON lacks.
-std::string number(double value)
-{
-    return std::isfinite(value) ? fmt::format("{}", value) : "null";
-}
-
 template <class Name, std::size_t shown, std::size_t all>
-std::string counts_json(const Name (&names)[shown], const std::array<std::uint64_t, all>& counts)
+void write_counts(JsonWriter& json, const Name (&names)[shown], const std::array<std::uint64_t, all>& counts)
 {
-    std::string text = "{";
-    for (Name name : names)
-        text += fmt::format("{}\"{}\": {}", text.size() > 1 ? ", " : "", name_of(name), counts[int(name)]);
-    return text + "}";
+    json.begin_object();
+    for (const Name name : names) json.members(name_of(name), counts[std::size_t(name)]);
+    json.end_object();
 }
 
 /// The bodies' names, quoted once instead of once per row.
@@ -68,27 +54,20 @@ std::string settings_json(const Settings& s)
     return text + "}";
 }
 
-std::string csv_field(const std::string& text)
+void write_csv_row(CsvWriter& csv, std::uint64_t frame, const std::string& a, const std::string& b,
+                   const PairResult& pair, std::string_view stage, double max_error)
 {
-    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-    std::string result = "\"";
-    for (char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return result + "\"";
-}
-
-std::string csv_row(std::uint64_t frame, const std::string& a, const std::string& b, const PairResult& pair,
-                    std::string_view stage, double max_error)
-{
-    return fmt::format("{},{},{},{},{},{},{},{}\n", frame, a, b, name_of(pair.verdict),
-                       std::isfinite(pair.bound) ? number(pair.bound) : "", stage,
-                       pair.kind == ContactKind::unknown ? "" : name_of(pair.kind), number(max_error));
+    csv.row(frame, CsvField{a}, CsvField{b}, name_of(pair.verdict),
+            std::isfinite(pair.bound) ? std::optional(pair.bound) : std::nullopt, stage,
+            pair.kind == ContactKind::unknown ? "" : name_of(pair.kind), max_error);
 }
 
 Report::Report(const Scene& scene, const Pipeline& pipeline, const ReportParts& parts)
     : scene_(scene), pipeline_(pipeline), separate_(parts.separate), kept_(std::make_unique<Kept>())
 {
-    if (parts.json) kept_->json.emplace(Kept::Part{Spool(parts.folder), quote_all(scene, json_string)});
-    if (parts.csv) kept_->csv.emplace(Kept::Part{Spool(parts.folder), quote_all(scene, csv_field)});
+    if (parts.json) kept_->json.emplace(parts.folder).names = quote_all(scene, json_string);
+    if (parts.csv)
+        kept_->csv.emplace(parts.folder).names = quote_all(scene, [](const std::string& n) { return csv_field(n); });
     if (parts.trace) kept_->trace.emplace(parts.folder);
     look_at_pipeline(pipeline.inspect().totals);
 }
@@ -163,85 +142,92 @@ void Report::write_json(const std::filesystem::path& path) const
 {
     refuse_unless(kept_->json.has_value(), "JSON");
     OutputFile file(path);
-    file.print("{{\n\"header\": ");
-    print_header(file);
-    file.print(",\n\"stages\": [");
-    print_stages(file);
-    file.print("],\n\"frames\": [");
+    JsonWriter json(file);
+    json.begin_object();
+    json.line(), json.key("header"), write_header(json);
+    json.line(), json.key("stages"), write_stages(json);
+    json.line(), json.key("delimitation"), write_delimitation(json);
+    json.line(), json.key("frames"), json.begin_array();
     copy(kept_->json->text, file);
-    file.print("]\n}}\n");
+    json.end_array();
+    json.line(), json.end_object();
+    file.write("\n");
     file.commit();
 }
 
-void Report::print_header(OutputFile& file) const
+void Report::write_header(JsonWriter& json) const
 {
-    file.print("{{\"version\": \"{}\", \"scene\": {}, \"bodies\": {},\n  \"settings\": {},\n", version,
-               json_string(scene_.name), scene_.size(), settings_json(pipeline_.settings()));
-    file.print("  \"threads\": {}, \"backend\": {}, \"backend_note\": {}, \"renderer\": {}, \"hash\": \"{:016x}\", "
-               "\"interrupted\": {}, "
-               "\"frames\": {},\n",
-               threads(), json_string(backend_), backend_note_.empty() ? "null" : json_string(backend_note_),
-               renderer_.empty() ? "null" : json_string(renderer_), hash_, interrupted_, frames_);
-    file.print("  \"verdicts\": {}, \"kinds\": {},\n", counts_json(verdict_order, verdicts()),
-               counts_json(kind_order, kinds()));
-    file.print("  \"trees\": {{\"rounds\": {}, \"rows\": {}, \"node_pairs\": {}, \"triangle_pairs\": {}, "
-               "\"unsure_pairs\": {}, \"narrowed\": {}, \"by_gap\": {}, \"by_hull\": {}, \"by_balls\": {}, "
-               "\"by_witness\": {}, "
-               "\"collapsed\": {}, "
-               "\"refused\": {}, "
-               "\"queries\": {}, \"gpu_bytes\": {}, "
-               "\"repeats\": {}, \"nodes\": {}, \"bytes\": {}, \"peak_nodes\": {}, \"peak_bytes\": {}}}}}",
-               trees_.rounds, trees_.rows, trees_.node_pairs, trees_.triangle_pairs, trees_.unsure_pairs,
-               trees_.narrowed, trees_.by_gap, trees_.by_hull, trees_.by_balls, trees_.by_witness, trees_.collapsed,
-               trees_.refused, trees_.queries, trees_.gpu_bytes, trees_.repeats, trees_.nodes, trees_.bytes,
-               peak_nodes_, peak_bytes_);
+    const auto or_null = [](const std::string& text) { return text.empty() ? std::nullopt : std::optional(text); };
+    const std::string settings = settings_json(pipeline_.settings());
+    json.begin_object();
+    json.members("version", version, "scene", scene_.name, "bodies", scene_.size());
+    json.line(2), json.members("settings", JsonText{settings});
+    json.line(2),
+        json.members("threads", threads(), "backend", backend_, "backend_note", or_null(backend_note_), "renderer",
+                     or_null(renderer_), "hash", Hex{hash_}, "interrupted", interrupted_, "frames", frames_);
+    json.line(2);
+    json.members(
+        "verdicts", [&] { write_counts(json, verdict_order, verdicts()); }, "kinds",
+        [&] { write_counts(json, kind_order, kinds()); });
+    json.line(2), json.key("trees");
+    json.object("rounds", trees_.rounds, "rows", trees_.rows, "node_pairs", trees_.node_pairs, "triangle_pairs",
+                trees_.triangle_pairs, "unsure_pairs", trees_.unsure_pairs, "narrowed", trees_.narrowed, "by_gap",
+                trees_.by_gap, "by_hull", trees_.by_hull, "by_balls", trees_.by_balls, "by_witness", trees_.by_witness,
+                "collapsed", trees_.collapsed, "refused", trees_.refused, "queries", trees_.queries, "gpu_bytes",
+                trees_.gpu_bytes, "repeats", trees_.repeats, "nodes", trees_.nodes, "bytes", trees_.bytes, "peak_nodes",
+                peak_nodes_, "peak_bytes", peak_bytes_);
+    json.end_object();
 }
 
-void Report::print_stages(OutputFile& file) const
+void Report::write_stages(JsonWriter& json) const
 {
-    const char* comma = "";
+    json.begin_array();
     for (const StageStats& s : totals_) {
-        file.print("{}\n  {{\"stage\": {}, \"unit\": {}, \"frames\": {}, \"in\": {}, \"out\": {}, \"culled\": {}, "
-                   "\"undecided\": {}, \"cpu_ms\": {:.4f}, \"gpu_ms\": {:.4f}, \"wait_ms\": {:.4f}, \"skipped\": {}, "
-                   "\"note\": {}}}",
-                   std::exchange(comma, ","), json_string(s.stage), json_string(s.unit), s.frames, s.in, s.out,
-                   s.culled, s.undecided, s.cpu_ms, s.gpu_ms, s.wait_ms, s.skipped, json_string(s.note));
+        json.line(2);
+        json.object("stage", s.stage, "unit", s.unit, "frames", s.frames, "in", s.in, "out", s.out, "culled", s.culled,
+                    "undecided", s.undecided, "cpu_ms", Fixed{s.cpu_ms, 4}, "gpu_ms", Fixed{s.gpu_ms, 4}, "wait_ms",
+                    Fixed{s.wait_ms, 4}, "skipped", s.skipped, "note", s.note);
     }
-    file.print("],\n\"delimitation\": [");
-    comma = "";
+    json.end_array();
+}
+
+void Report::write_delimitation(JsonWriter& json) const
+{
+    json.begin_array();
     for (std::size_t level = 0; level < delimitation_.size(); ++level) {
         const DelimitationLevel& d = delimitation_[level];
-        file.print("{}\n  {{\"level\": {}, \"regions\": {}, \"regions_rejected\": {}, \"bodies_rejected\": {}, "
-                   "\"volume_rejected\": {}, \"ms\": {:.4f}}}",
-                   std::exchange(comma, ","), level, d.regions, d.regions_rejected, d.bodies_rejected,
-                   number(d.volume_rejected / double(frames_)), d.ms);
+        json.line(2);
+        json.object("level", level, "regions", d.regions, "regions_rejected", d.regions_rejected, "bodies_rejected",
+                    d.bodies_rejected, "volume_rejected", d.volume_rejected / double(frames_), "ms", Fixed{d.ms, 4});
     }
+    json.end_array();
 }
 
 void Report::add_json(const FrameView& f, const Verdicts& verdicts)
 {
-    auto& [file, names] = *kept_->json;
-    file.print("{}\n  {{\"frame\": {}, \"ms\": {:.4f}, \"hash\": \"{:016x}\", \"rounds\": {}, \"rows\": {}, "
-               "\"nodes\": {}, \"bytes\": {}, \"verdicts\": {}, \"pairs\": [",
-               frames_ ? "," : "", f.frame, f.ms, f.hash, f.trees.rounds, f.trees.rows, f.trees.nodes, f.trees.bytes,
-               counts_json(verdict_order, verdicts));
-    const char* comma = "";
+    JsonWriter& json = kept_->json->writer;
+    const std::vector<std::string>& names = kept_->json->names;
+    json.line(2), json.begin_object();
+    json.members("frame", f.frame, "ms", Fixed{f.ms, 4}, "hash", Hex{f.hash}, "rounds", f.trees.rounds, "rows",
+                 f.trees.rows, "nodes", f.trees.nodes, "bytes", f.trees.bytes, "verdicts",
+                 [&] { write_counts(json, verdict_order, verdicts); });
+    json.key("pairs"), json.begin_array();
     for (const PairResult& pair : f.pairs)
         if (keeps(pair))
-            file.print("{}[{}, {}, \"{}\", {}, \"{}\", {}, {}]", std::exchange(comma, ", "), names[index(pair.a)],
-                       names[index(pair.b)], name_of(pair.verdict), number(pair.bound), name_of(pair.stage),
-                       pair.kind == ContactKind::unknown ? "null" : json_string(name_of(pair.kind)),
-                       number(pipeline_.world().max_error(pair.a, pair.b)));
-    file.print("]}}");
+            json.array(JsonText{names[index(pair.a)]}, JsonText{names[index(pair.b)]}, name_of(pair.verdict),
+                       pair.bound, name_of(pair.stage),
+                       pair.kind == ContactKind::unknown ? std::nullopt : std::optional(name_of(pair.kind)),
+                       pipeline_.world().max_error(pair.a, pair.b));
+    json.end_array(), json.end_object();
 }
 
 void Report::add_csv(const FrameView& f)
 {
-    auto& [file, names] = *kept_->csv;
+    const std::vector<std::string>& names = kept_->csv->names;
     for (const PairResult& pair : f.pairs)
         if (keeps(pair))
-            file.print("{}", csv_row(f.frame, names[index(pair.a)], names[index(pair.b)], pair, name_of(pair.stage),
-                                     pipeline_.world().max_error(pair.a, pair.b)));
+            write_csv_row(kept_->csv->writer, f.frame, names[index(pair.a)], names[index(pair.b)], pair,
+                          name_of(pair.stage), pipeline_.world().max_error(pair.a, pair.b));
 }
 
 void Report::write_csv(const std::filesystem::path& path, std::string_view first_line) const
@@ -257,53 +243,57 @@ void Report::write_csv(const std::filesystem::path& path, std::string_view first
 void Report::add_trace(const FrameView& f, const Verdicts& verdicts)
 {
     const std::span<const std::string_view> stages = pipeline_.stages();
-    Spool& file = *kept_->trace;
+    JsonWriter json = JsonWriter::within(*kept_->trace);
+    const auto span = [&](int thread, std::string_view name, double from, double duration, const auto&... more) {
+        json.line(), json.object("ph", "X", "pid", 1, "tid", thread, "name", name, "ts", Fixed{from, 3}, "dur",
+                                 Fixed{duration, 3}, more...);
+    };
+    const auto stage_us = [&](std::size_t k) { return k < f.stages.size() ? 1000 * f.stages[k].cpu_ms : 0; };
     const double begin = kept_->trace_us;
+    double stages_end = begin;
+    for (std::size_t k = 0; k < stages.size(); ++k) stages_end += stage_us(k);
+    // Viewers nest by time, so a frame must last until the end of its last stage.
+    const double end = kept_->trace_us = std::max(begin + 1000 * f.ms, stages_end);
+    span(1, fmt::format("frame {}", f.frame), begin, end - begin, "args",
+         [&] { json.object("rounds", f.trees.rounds, "rows", f.trees.rows, "node pairs", f.trees.node_pairs); });
     double stage_begin = begin;
-    std::string inner;
-    for (std::size_t k = 0; k < stages.size(); ++k) {
-        const double us = k < f.stages.size() ? 1000 * f.stages[k].cpu_ms : 0;
-        inner +=
-            fmt::format(",\n{{\"ph\": \"X\", \"pid\": 1, \"tid\": 1, \"name\": {}, \"ts\": {:.3f}, \"dur\": {:.3f}}}",
-                        json_string(stages[k]), stage_begin, us);
-        stage_begin += us;
-    }
+    for (std::size_t k = 0; k < stages.size(); stage_begin += stage_us(k++))
+        span(1, stages[k], stage_begin, stage_us(k));
     for (std::size_t k = 0; k < f.rounds.size(); ++k) {
         const Round& r = f.rounds[k];
-        inner += fmt::format(",\n{{\"ph\": \"X\", \"pid\": 1, \"tid\": 2, \"name\": \"round {}\", \"ts\": {:.3f}, "
-                             "\"dur\": {:.3f}, \"args\": {{\"rows\": {}, \"gpu_ms\": {:.4f}, \"bytes\": {}}}}}",
-                             k, begin + 1000 * r.submitted_ms, 1000 * (r.done_ms - r.submitted_ms), r.rows, r.gpu_ms,
-                             r.bytes);
-        if (r.wait_ms > 0)
-            inner += fmt::format(",\n{{\"ph\": \"X\", \"pid\": 1, \"tid\": 3, \"name\": \"wait\", \"ts\": {:.3f}, "
-                                 "\"dur\": {:.3f}}}",
-                                 begin + 1000 * r.waited_ms, 1000 * r.wait_ms);
+        span(2, fmt::format("round {}", k), begin + 1000 * r.submitted_ms, 1000 * (r.done_ms - r.submitted_ms), "args",
+             [&] {
+                 json.object("rows", r.rows, "gpu_ms", Fixed{r.gpu_ms, 4}, "bytes", r.bytes);
+             });
+        if (r.wait_ms > 0) span(3, "wait", begin + 1000 * r.waited_ms, 1000 * r.wait_ms);
     }
-    // Viewers nest by time, so a frame must extend to the end of its last stage.
-    const double end = kept_->trace_us = std::max(begin + 1000 * f.ms, stage_begin);
-    file.print(",\n{{\"ph\": \"X\", \"pid\": 1, \"tid\": 1, \"name\": \"frame {}\", \"ts\": {:.3f}, \"dur\": {:.3f}, "
-               "\"args\": {{\"rounds\": {}, \"rows\": {}, \"node pairs\": {}}}}}{}",
-               f.frame, begin, end - begin, f.trees.rounds, f.trees.rows, f.trees.node_pairs, inner);
-    file.print(
-        ",\n{{\"ph\": \"C\", \"pid\": 1, \"name\": \"nodes alive\", \"ts\": {:.3f}, \"args\": {{\"nodes\": {}}}}}",
-        begin, f.trees.nodes);
-    file.print(",\n{{\"ph\": \"C\", \"pid\": 1, \"name\": \"pairs\", \"ts\": {:.3f}, \"args\": {}}}", begin,
-               counts_json(verdict_order, verdicts));
+    const auto counter = [&](std::string_view name, const auto& args) {
+        json.line(), json.object("ph", "C", "pid", 1, "name", name, "ts", Fixed{begin, 3}, "args", args);
+    };
+    counter("nodes alive", [&] { json.object("nodes", f.trees.nodes); });
+    counter("pairs", [&] { write_counts(json, verdict_order, verdicts); });
 }
 
 void Report::write_trace(const std::filesystem::path& path) const
 {
     refuse_unless(kept_->trace.has_value(), "a trace");
     OutputFile file(path);
-    file.print(
-        "{{\"displayTimeUnit\": \"ms\", \"traceEvents\": [\n"
-        "{{\"ph\": \"M\", \"pid\": 1, \"name\": \"process_name\", \"args\": {{\"name\": {}}}}},\n"
-        "{{\"ph\": \"M\", \"pid\": 1, \"tid\": 1, \"name\": \"thread_name\", \"args\": {{\"name\": \"stages\"}}}},\n"
-        "{{\"ph\": \"M\", \"pid\": 1, \"tid\": 2, \"name\": \"thread_name\", \"args\": {{\"name\": \"rounds\"}}}},\n"
-        "{{\"ph\": \"M\", \"pid\": 1, \"tid\": 3, \"name\": \"thread_name\", \"args\": {{\"name\": \"waiting\"}}}}",
-        json_string("oncollide " + title()));
+    JsonWriter json(file);
+    json.begin_object();
+    json.members("displayTimeUnit", "ms");
+    json.key("traceEvents"), json.begin_array();
+    const auto name = [&](std::string_view what, std::string_view named, const auto&... thread) {
+        json.line(),
+            json.object("ph", "M", "pid", 1, thread..., "name", what, "args", [&] { json.object("name", named); });
+    };
+    name("process_name", "oncollide " + title());
+    name("thread_name", "stages", "tid", 1);
+    name("thread_name", "rounds", "tid", 2);
+    name("thread_name", "waiting", "tid", 3);
     copy(*kept_->trace, file);
-    file.print("\n]}}\n");
+    json.line(), json.end_array();
+    json.end_object();
+    file.write("\n");
     file.commit();
 }
 

@@ -15,7 +15,7 @@ namespace oncollide {
 /// The version written to results; a test checks that it equals the project's version in CMakeLists.txt.
 inline constexpr std::string_view version = "0.1.0";
 
-class OutputFile;
+class JsonWriter;
 
 /// The data that a report keeps of each frame, besides sums.
 struct ReportParts {
@@ -75,8 +75,9 @@ private:
     void look_at_pipeline(std::span<const StageStats> totals);
     std::string title() const;
     int threads() const; ///< the number that threads = 0 resolves to
-    void print_header(OutputFile& file) const;
-    void print_stages(OutputFile& file) const;
+    void write_header(JsonWriter& json) const;
+    void write_stages(JsonWriter& json) const;
+    void write_delimitation(JsonWriter& json) const;
 
     const Scene& scene_;
     const Pipeline& pipeline_;

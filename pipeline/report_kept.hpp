@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include <oncollide/base/csv_writer.hpp>
+#include <oncollide/base/json_writer.hpp>
 #include <oncollide/base/spool.hpp>
 #include <oncollide/pipeline/pair_list.hpp>
 #include <oncollide/pipeline/report.hpp>
@@ -11,25 +13,25 @@
 namespace oncollide {
 
 inline constexpr std::string_view csv_header = "frame,a,b,verdict,gap_bound,stage,kind,max_error\n";
-/// RFC 4180: adds quotes only if the field needs them.
-std::string csv_field(const std::string& text);
 /// @param a, b  names as returned by csv_field
-std::string csv_row(std::uint64_t frame, const std::string& a, const std::string& b, const PairResult& pair,
-                    std::string_view stage, double max_error);
+void write_csv_row(CsvWriter& csv, std::uint64_t frame, const std::string& a, const std::string& b,
+                   const PairResult& pair, std::string_view stage, double max_error);
 /// Lines of the stage table.
 std::string stage_table(std::span<const StageStats> totals);
 std::string verdict_line(const std::array<std::uint64_t, 4>& counts);
-/// Digits in groups of three: 1,234,567.
-std::string grouped(std::uint64_t value);
 std::string bytes_text(std::size_t bytes);
 
 struct Report::Kept {
-    /// Frames as text, and the bodies' names, quoted once instead of once per row.
+    /// Frames as text, and the names of the bodies: quoted once instead of once per row.
+    template <class Writer>
     struct Part {
         Spool text;
-        std::vector<std::string> names;
+        Writer writer{text};
+        std::vector<std::string> names{};
+        explicit Part(const std::filesystem::path& folder) : text(folder) {}
     };
-    std::optional<Part> json, csv;
+    std::optional<Part<JsonWriter>> json;
+    std::optional<Part<CsvWriter>> csv;
     std::optional<Spool> trace;
     double trace_us = 0; ///< start of the next frame in the trace
     StageTimes stage_times;

@@ -29,20 +29,7 @@ std::string cell(const std::string& text)
     return fmt::format(" {:>10}", text);
 }
 
-/// A mean in readable form: an integer if it is integral or large, else with one decimal.
-std::string mean(std::uint64_t sum, std::uint64_t frames)
-{
-    if (frames == 0) return "-";
-    if (sum % frames == 0 || sum / frames >= 1000) return grouped((sum + frames / 2) / frames);
-    return fmt::format("{:.1f}", double(sum) / double(frames));
-}
-
 } // namespace
-
-std::string grouped(std::uint64_t value)
-{
-    return fmt::format("{}", fmt::group_digits(value));
-}
 
 std::string bytes_text(std::size_t bytes)
 {
@@ -87,11 +74,11 @@ std::string stage_table(std::span<const StageStats> totals)
     std::string text = fmt::format("{:<24}{:<8}{:>11}{:>11}{:>11}{:>11}{:>11}\n", "stage, mean per frame", "counts",
                                    "in", "out", "ruled out", "undecided", "ms");
     for (const StageStats& s : totals) {
-        text +=
-            fmt::format("{:<24}{:<8}{}{}{}{}{}{}\n", plain_words(s.stage), s.unit, cell(mean(s.in, s.frames)),
-                        cell(mean(s.out, s.frames)), cell(mean(s.culled, s.frames)), cell(mean(s.undecided, s.frames)),
-                        cell(fmt::format("{:.3f}", s.frames ? s.cpu_ms / double(s.frames) : 0.0)),
-                        s.skipped ? fmt::format("   skipped: {}", s.note.empty() ? "by request" : s.note) : "");
+        text += fmt::format("{:<24}{:<8}{}{}{}{}{}{}\n", plain_words(s.stage), s.unit, cell(mean_text(s.in, s.frames)),
+                            cell(mean_text(s.out, s.frames)), cell(mean_text(s.culled, s.frames)),
+                            cell(mean_text(s.undecided, s.frames)),
+                            cell(fmt::format("{:.3f}", s.frames ? s.cpu_ms / double(s.frames) : 0.0)),
+                            s.skipped ? fmt::format("   skipped: {}", s.note.empty() ? "by request" : s.note) : "");
     }
     return text;
 }

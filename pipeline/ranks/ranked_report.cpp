@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/pipeline/report_kept.hpp>
@@ -86,14 +85,13 @@ std::string rank_table(const std::vector<RankStatistics>& ranks)
 void write_rank_csv(const std::filesystem::path& path, const std::vector<RankStatistics>& ranks)
 {
     OutputFile file(path);
-    file.print(
-        "processes,process,frames,bodies,ghosts,pairs,work,came,sent_bytes,ghost_bytes,row_bytes,step_ms,wait_ms,"
-        "memory_bytes\n");
+    CsvWriter csv(file,
+                  "processes,process,frames,bodies,ghosts,pairs,work,came,sent_bytes,ghost_bytes,row_bytes,step_ms,"
+                  "wait_ms,memory_bytes");
     for (std::size_t rank = 0; rank < ranks.size(); ++rank) {
         const RankStatistics& r = ranks[rank];
-        file.print("{},{},{},{},{},{},{},{},{},{},{},{:.3f},{:.3f},{}\n", ranks.size(), rank, r.frames, r.bodies,
-                   r.ghosts, r.pairs, r.work, r.came, r.sent_bytes, r.ghost_bytes, r.row_bytes, r.step_ms, r.wait_ms,
-                   r.peak_memory);
+        csv.row(ranks.size(), rank, r.frames, r.bodies, r.ghosts, r.pairs, r.work, r.came, r.sent_bytes, r.ghost_bytes,
+                r.row_bytes, Fixed{r.step_ms, 3}, Fixed{r.wait_ms, 3}, r.peak_memory);
     }
     file.commit();
 }
@@ -102,20 +100,27 @@ void write_rank_trace(const std::filesystem::path& path, const std::string& titl
                       const std::vector<std::vector<RankPhase>>& ranks)
 {
     OutputFile file(path);
-    file.print("{{\"displayTimeUnit\": \"ms\", \"traceEvents\": [\n"
-               "{{\"ph\": \"M\", \"pid\": 1, \"name\": \"process_name\", \"args\": {{\"name\": {}}}}}",
-               nlohmann::json(title).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+    JsonWriter json(file);
+    const auto name = [&](std::string_view what, std::string_view named, const auto&... thread) {
+        json.line(),
+            json.object("ph", "M", "pid", 1, thread..., "name", what, "args", [&] { json.object("name", named); });
+    };
+    json.begin_object();
+    json.members("displayTimeUnit", "ms");
+    json.key("traceEvents"), json.begin_array();
+    name("process_name", title);
     for (std::size_t rank = 0; rank < ranks.size(); ++rank) {
-        file.print(",\n{{\"ph\": \"M\", \"pid\": 1, \"tid\": {0}, \"name\": \"thread_name\", \"args\": {{\"name\": "
-                   "\"process {0}\"}}}}",
-                   rank);
-        for (const RankPhase& phase : ranks[rank])
-            file.print(
-                ",\n{{\"ph\": \"X\", \"pid\": 1, \"tid\": {}, \"name\": \"{}\", \"ts\": {:.3f}, \"dur\": {:.3f}, "
-                "\"args\": {{\"frame\": {}}}}}",
-                rank, phase_names[phase.kind], phase.begin_us, phase.end_us - phase.begin_us, phase.frame);
+        name("thread_name", fmt::format("process {}", rank), "tid", rank);
+        for (const RankPhase& phase : ranks[rank]) {
+            json.line();
+            json.object("ph", "X", "pid", 1, "tid", rank, "name", phase_names[phase.kind], "ts",
+                        Fixed{phase.begin_us, 3}, "dur", Fixed{phase.end_us - phase.begin_us, 3}, "args",
+                        [&] { json.object("frame", phase.frame); });
+        }
     }
-    file.print("\n]}}\n");
+    json.line(), json.end_array();
+    json.end_object();
+    file.write("\n");
     file.commit();
 }
 

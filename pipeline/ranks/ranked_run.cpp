@@ -286,9 +286,12 @@ void RankedRun::step_world(std::vector<Bytes>& out)
         named.a = {world_.gid(pair.a)}, named.b = {world_.gid(pair.b)};
         Bytes& to = out[std::size_t(rank_of_row(named.a.slot))];
         put(to, named);
-        if (csv_)
-            put_list(to, csv_row(std::uint64_t(frame_), world_.name(pair.a), world_.name(pair.b), pair,
-                                 name_of(pair.stage), world_.world().max_error(pair.a, pair.b)));
+        if (!csv_) continue;
+        TextInMemory text;
+        CsvWriter csv(text);
+        write_csv_row(csv, std::uint64_t(frame_), world_.name(pair.a), world_.name(pair.b), pair,
+                      name_of(pair.stage), world_.world().max_error(pair.a, pair.b));
+        put_list(to, text.text());
     }
     last_pair_work_ = view.pairs.size() + view.trees.node_pairs / 8;
     last_work_ = work_of_a_body * home_.size() + last_pair_work_;

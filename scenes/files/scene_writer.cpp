@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/json_writer.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/scenes/files/geometry_recipe.hpp>
 #include <oncollide/scenes/files/scene_pose.hpp>
@@ -107,22 +108,36 @@ struct Made {
 void write_text(const Scene& scene, const fs::path& path, const std::vector<std::string>& made_files, OutputFile& file)
 {
     fs::path folder = fs::absolute(path).parent_path();
-    file.print("{{\n\"name\": {},\n\"frames\": {},\n\"geometries\": {{", Json(scene.name).dump(), scene.frames);
-    for (std::size_t i = 0; i < scene.geometries.size(); ++i)
-        file.print("{}\n  {}: {}", i ? "," : "", Json(scene.geometries[i].name).dump(),
-                   entry_of(scene.geometries[i], folder, made_files[i]).dump());
-    file.print("\n}},\n\"bodies\": [");
-    for (std::size_t i = 0; i < scene.size(); ++i) file.print("{}\n  {}", i ? "," : "", body_entry(scene, i).dump());
-    file.print("\n]");
-    if (scene.recording) file.print(",\n\"recording\": {}", recording_entry(*scene.recording, folder).dump());
-    if (!scene.excluded.empty()) {
-        file.print(",\n\"exclude\": [");
-        for (std::size_t i = 0; i < scene.excluded.size(); ++i)
-            file.print("{}\n  [{}, {}]", i ? "," : "", reference_to(scene, scene.excluded[i].a).dump(),
-                       reference_to(scene, scene.excluded[i].b).dump());
-        file.print("\n]");
+    JsonWriter json(file);
+    const auto on_a_line = [&](const Entry& entry) { json.line(2), json.raw(entry.dump()); };
+    json.begin_object();
+    json.line(), json.key("name"), json.raw(Json(scene.name).dump());
+    json.line(), json.members("frames", scene.frames);
+    json.line(), json.key("geometries"), json.begin_object();
+    for (std::size_t i = 0; i < scene.geometries.size(); ++i) {
+        const std::string name = Json(scene.geometries[i].name).dump(); // refuses text that is not UTF-8
+        json.line(2), json.raw_key(name);
+        json.raw(entry_of(scene.geometries[i], folder, made_files[i]).dump());
     }
-    file.print("\n}}\n");
+    json.line(), json.end_object();
+    json.line(), json.key("bodies"), json.begin_array();
+    for (std::size_t i = 0; i < scene.size(); ++i) on_a_line(body_entry(scene, i));
+    json.line(), json.end_array();
+    if (scene.recording) {
+        json.line(), json.key("recording");
+        json.raw(recording_entry(*scene.recording, folder).dump());
+    }
+    if (!scene.excluded.empty()) {
+        json.line(), json.key("exclude"), json.begin_array();
+        for (const ExcludedPair& pair : scene.excluded) {
+            json.line(2), json.begin_array();
+            json.raw(reference_to(scene, pair.a).dump()), json.raw(reference_to(scene, pair.b).dump());
+            json.end_array();
+        }
+        json.line(), json.end_array();
+    }
+    json.line(), json.end_object();
+    file.write("\n");
 }
 
 } // namespace

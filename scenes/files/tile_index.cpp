@@ -6,6 +6,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
+#include <oncollide/base/json_writer.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/scenes/files/geometry_recipe.hpp>
 #include <oncollide/scenes/files/json/json_fault.hpp>
@@ -74,9 +75,11 @@ std::vector<IndexedTile> load_tile_index(const fs::path& path)
 void save_tile_index(const fs::path& path, const std::vector<IndexedTile>& tiles)
 {
     OutputFile out(path);
-    out.print("{{\n\"{}\": {},\n\"tiles\": [", version_key, index_version);
-    for (std::size_t i = 0; i < tiles.size(); ++i) {
-        const auto& [file, o] = tiles[i];
+    JsonWriter json(out);
+    json.begin_object();
+    json.line(), json.members(version_key, index_version);
+    json.line(), json.key("tiles"), json.begin_array();
+    for (const auto& [file, o] : tiles) {
         const auto point = [](const Eigen::Vector3d& p) { return Json{p.x(), p.y(), p.z()}; };
         const nlohmann::ordered_json entry = {{"file", file},
                                               {"bounds", {point(o.bounds.min), point(o.bounds.max)}},
@@ -85,9 +88,11 @@ void save_tile_index(const fs::path& path, const std::vector<IndexedTile>& tiles
                                               {"vertices", o.vertices},
                                               {"zero_area", o.zero_area},
                                               {"header", o.header_checksum}};
-        out.print("{}\n  {}", i ? "," : "", entry.dump());
+        json.line(2), json.raw(entry.dump());
     }
-    out.print("\n]\n}}\n");
+    json.line(), json.end_array();
+    json.line(), json.end_object();
+    out.write("\n");
     out.commit();
 }
 

@@ -202,7 +202,7 @@ TEST_F(ClashCommand, IgnoredPairsAndTheBaselineGoRoundAndRound)
     EXPECT_EQ(outcome.code, 1);
     EXPECT_EQ(pairs("r.json"),
               (Pairs{"b e enclosed ignored", "a b crossing ignored", "a c touching contact", "a d near new"}));
-    EXPECT_NE(outcome.err.find("some.csv: row 5: no part is named 'nobody'"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("some.csv: line 5: no part is named 'nobody'"), std::string::npos) << outcome.err;
     EXPECT_NE(folder_.read("r.xml").find("<skipped message=\"ignored: enclosed"), std::string::npos);
 
     outcome = clash({"--clearance", "1", "--baseline", "old.json", "-o", "same.json"});
@@ -316,9 +316,9 @@ TEST_F(ClashCommand, SaysWhatIsWrongWithItsInput)
     expect_error(64, {"clash", "a.off", "b.off", "-o", "r.json", "-o", "./r.json"}, {"both go to"});
     expect_error(64, {"clash", "a.off", "b.off", "--pictures", "-1"}, {"--pictures"});
     folder_.write("known.csv", "a,b\n\na\n");
-    expect_error(65, {"clash", "a.off", "b.off", "--ignore", "known.csv"}, {"known.csv: row 3: not two names"});
+    expect_error(65, {"clash", "a.off", "b.off", "--ignore", "known.csv"}, {"known.csv: line 3: not two names"});
     folder_.write("known.csv", "\"a,b\n");
-    expect_error(65, {"clash", "a.off", "b.off", "--ignore", "known.csv"}, {"row 1", "a quote is not closed"});
+    expect_error(65, {"clash", "a.off", "b.off", "--ignore", "known.csv"}, {"known.csv: line 1", "no closing quote"});
     expect_error(64, {"clash", "a.off", "b.off", "--ignore", "known.csv", "-o", "known.csv"}, {"would overwrite"});
     for (const char* text : {"[]", "{", "{\"report\": \"oncollide clash\"}", "{\"report\": 3}",
                              "{\"report\": \"oncollide clash\", \"clashes\": [{}]}"}) {

@@ -1,41 +1,29 @@
 #pragma once
 #include <algorithm>
 #include <map>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-namespace oncollide::test {
+#include <oncollide/base/csv_reader.hpp>
 
-/// The cells of a CSV line; commas are allowed in quotes only.
-inline std::vector<std::string> csv_cells(const std::string& line)
-{
-    std::vector<std::string> result(1);
-    bool quoted = false;
-    for (char c : line) {
-        if (c == '"')
-            quoted = !quoted;
-        else if (c == ',' && !quoted)
-            result.emplace_back();
-        else
-            result.back() += c;
-    }
-    return result;
-}
+namespace oncollide::test {
 
 /// Rows of a CSV file as maps by column.
 inline std::vector<std::map<std::string, std::string>> read_csv(const std::string& text)
 {
-    std::istringstream lines(text);
-    std::string line;
-    std::getline(lines, line);
-    const std::vector<std::string> names = csv_cells(line);
+    const std::string file = "csv";
+    std::vector<std::string> names;
     std::vector<std::map<std::string, std::string>> rows;
-    while (std::getline(lines, line)) {
-        const std::vector<std::string> values = csv_cells(line);
-        EXPECT_EQ(values.size(), names.size()) << line;
+    for (CsvReader csv(file, text, CsvReader::Style::list); !csv.at_end(); csv.next_line()) {
+        std::vector<std::string> values;
+        for (bool last = false; !last;) values.emplace_back(csv.next(last));
+        if (names.empty()) {
+            names = values;
+            continue;
+        }
+        EXPECT_EQ(values.size(), names.size()) << "line " << csv.line();
         rows.emplace_back();
         for (std::size_t k = 0; k < std::min(names.size(), values.size()); ++k) rows.back()[names[k]] = values[k];
     }

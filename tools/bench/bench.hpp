@@ -12,6 +12,7 @@
 #include "bench/statistics.hpp"
 #include "cli/options.hpp"
 
+#include <oncollide/base/csv_writer.hpp>
 #include <oncollide/base/printable.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
 
@@ -193,10 +194,5 @@ void say(fmt::format_string<Args...> format, Args&&... args)
 {
     std::cout << printable_lines(fmt::format(format, std::forward<Args>(args)...));
 }
-
-/// 1,234,567
-std::string grouped(std::uint64_t value);
-/// Mean of a count over frames: one decimal if small.
-std::string mean_count(std::uint64_t sum, std::uint64_t frames);
 
 } // namespace oncollide::tools

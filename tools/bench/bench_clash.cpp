@@ -124,11 +124,10 @@ int bench_clash(const ClashBenchOptions& o)
     say("{} parts, {} triangles, {} planted pairs (touching, crossing, enclosed, near); seconds, {} threads\n",
         grouped(planted.parts.size()), grouped(planted.triangles), grouped(planted.pairs.size()),
         o.threads ? o.threads : hardware_threads());
-    std::optional<OutputFile> csv;
-    if (!o.csv.empty()) {
-        csv.emplace(o.csv);
-        csv->print("meshes,files,parts,triangles,planted,threads,read_s,find_s,json_s,all_s,page_s,pictures,faults\n");
-    }
+    std::optional<CsvFile> csv;
+    if (!o.csv.empty())
+        csv.emplace(o.csv,
+                    "meshes,files,parts,triangles,planted,threads,read_s,find_s,json_s,all_s,page_s,pictures,faults");
     say("{:<14} {:>8} {:>8} {:>8} {:>8} {:>10} {:>8}\n", "files", "read", "find", "JSON", "all", "page", "faults");
     bool faulty = false;
     for (const auto& [name, files] : {std::pair("STL files", files_of({(folder.path() / "parts").string()})),
@@ -144,10 +143,9 @@ int bench_clash(const ClashBenchOptions& o)
             best.all(), best.page, faults.size());
         for (std::size_t k = 0; k < std::min<std::size_t>(faults.size(), 20); ++k) say("FAULT: {}\n", faults[k]);
         if (csv)
-            csv->print("{},{},{},{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{},{}\n", o.real ? "real" : "made", name,
-                       planted.parts.size(), planted.triangles, planted.pairs.size(),
-                       o.threads ? o.threads : hardware_threads(), best.read, best.find, best.report, best.all(),
-                       best.page, o.pictures, faults.size());
+            csv->row(o.real ? "real" : "made", name, planted.parts.size(), planted.triangles, planted.pairs.size(),
+                     o.threads ? o.threads : hardware_threads(), Fixed{best.read, 3}, Fixed{best.find, 3},
+                     Fixed{best.report, 3}, Fixed{best.all(), 3}, Fixed{best.page, 3}, o.pictures, faults.size());
     }
     if (csv) csv->commit();
     return faulty ? int(ErrorKind::internal) : 0;

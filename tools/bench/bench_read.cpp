@@ -86,7 +86,8 @@ class ReadBench {
 public:
     explicit ReadBench(const ReadOptions& options) : options_(options)
     {
-        if (!options.csv.empty()) csv_.emplace(options.csv);
+        if (!options.csv.empty())
+            csv_.emplace(options.csv, "style,bytes,triangles,ms,wall_ms,triangles_per_s,mb_per_s,peak_bytes");
     }
 
     int run()
@@ -98,7 +99,6 @@ public:
             options_.repeats);
         say("{:<12}{:>10}{:>14}{:>10}{:>10}{:>16}{:>9}{:>10}{:>12}\n", "", "MB", "triangles", "ms", "wall ms",
             "per second", "MB / s", "peak MB", "bytes each");
-        if (csv_) csv_->print("style,bytes,triangles,ms,wall_ms,triangles_per_s,mb_per_s,peak_bytes\n");
         for (const std::string& file : options_.files) report(file, read_repeatedly(file, options_.repeats), "");
         if (options_.files.empty()) run_styles();
         if (csv_) csv_->commit();
@@ -131,12 +131,12 @@ private:
             megabytes, grouped(row.count), row.ms, row.wall_ms, grouped(std::uint64_t(double(row.count) / seconds)),
             megabytes / seconds, double(row.peak) / 1e6, double(row.peak) / double(row.count), what);
         if (csv_)
-            csv_->print("{},{},{},{:.3f},{:.3f},{:.0f},{:.1f},{}\n", name, row.bytes, row.count, row.ms, row.wall_ms,
-                        double(row.count) / seconds, megabytes / seconds, row.peak);
+            csv_->row(name, row.bytes, row.count, Fixed{row.ms, 3}, Fixed{row.wall_ms, 3},
+                      Fixed{double(row.count) / seconds, 0}, Fixed{megabytes / seconds, 1}, row.peak);
     }
 
     const ReadOptions& options_;
-    std::optional<OutputFile> csv_;
+    std::optional<CsvFile> csv_;
 };
 
 void check_styles(const std::string& list)

@@ -148,16 +148,4 @@ std::vector<std::size_t> parse_counts(const char* option, const std::string& lis
     return counts;
 }
 
-std::string grouped(std::uint64_t value)
-{
-    return fmt::format("{}", fmt::group_digits(value));
-}
-
-std::string mean_count(std::uint64_t sum, std::uint64_t frames)
-{
-    if (frames == 0) return "-";
-    if (sum % frames == 0 || sum / frames >= 1000) return grouped((sum + frames / 2) / frames);
-    return fmt::format("{:.1f}", double(sum) / double(frames));
-}
-
 } // namespace oncollide::tools

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <oncollide/base/csv_reader.hpp>
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
 
@@ -16,56 +17,27 @@ namespace {
 
 constexpr std::uintmax_t most_bytes = std::uintmax_t(1) << 30;
 
-/// Takes a CSV row off `rest`: its fields, without quotes and comments. False if a quote is not closed.
-bool take_row(std::string_view& rest, std::vector<std::string>& fields, std::size_t& line)
-{
-    fields.assign(1, "");
-    bool quoted = false, comment = false;
-    std::size_t i = 0;
-    for (; i < rest.size() && (quoted || rest[i] != '\n'); ++i) {
-        const char c = rest[i];
-        line += c == '\n';
-        if (comment) continue;
-        if (quoted && c == '"' && i + 1 < rest.size() && rest[i + 1] == '"')
-            fields.back() += rest[++i];
-        else if (c == '"')
-            quoted = !quoted;
-        else if (c == ',' && !quoted)
-            fields.emplace_back();
-        else if (c == '#' && !quoted && (i == 0 || rest[i - 1] == ' ' || rest[i - 1] == '\t'))
-            comment = true;
-        else
-            fields.back() += c;
-    }
-    rest.remove_prefix(std::min(i + 1, rest.size())), ++line;
-    for (std::string& field : fields) {
-        field.erase(0, field.find_first_not_of(" \t"));
-        field.erase(field.find_last_not_of(" \t\r") + 1);
-    }
-    return !quoted;
-}
-
 struct KnownPair {
     std::string a, b;
-    std::size_t row;
+    std::size_t line;
 };
 
 std::vector<KnownPair> read_pairs(const std::string& file)
 {
     const std::string bytes = read_file(file, most_bytes);
-    std::string_view rest = without_byte_order_mark(bytes);
+    CsvReader csv(file, without_byte_order_mark(bytes), CsvReader::Style::list);
     std::vector<KnownPair> pairs;
     std::vector<std::string> fields;
-    for (std::size_t line = 1; !rest.empty();) {
-        const std::size_t row = line;
-        const bool whole = take_row(rest, fields, line);
-        if (whole && fields.size() == 1 && fields[0].empty()) continue;
-        if (!whole || fields.size() < 2 || fields[0].empty() || fields[1].empty())
-            throw Error(ErrorKind::bad_data,
-                        fmt::format("{}: row {}: {}; expected two names or patterns: \"bolt*\",housing", file, row,
-                                    whole ? "not two names" : "a quote is not closed"));
+    for (; !csv.at_end(); csv.next_line()) {
+        const std::size_t line = csv.line();
+        fields.clear();
+        for (bool last = false; !last;) fields.emplace_back(csv.next(last));
+        if (fields.size() == 1 && fields[0].empty()) continue;
+        if (fields.size() < 2 || fields[0].empty() || fields[1].empty())
+            refuse(fmt::format("{}: line {}", file, line),
+                   "not two names; expected two names or patterns: \"bolt*\",housing");
         if (pairs.empty() && fields.size() > 2 && fields[2] == "status") continue; // the header of a report
-        pairs.push_back({fields[0], fields[1], row});
+        pairs.push_back({fields[0], fields[1], line});
     }
     return pairs;
 }
@@ -88,7 +60,7 @@ void ignore_pairs(const std::string& file, const PartList& list, std::vector<Cla
         }
         for (const std::string& name : {known.a, known.b})
             if (std::ranges::none_of(list.parts, [&](const Part& part) { return matches(name, part.name); }))
-                warnings.push_back(fmt::format("{}: row {}: no part is named '{}'", file, known.row, name));
+                warnings.push_back(fmt::format("{}: line {}: no part is named '{}'", file, known.line, name));
     }
 }
 

@@ -1,6 +1,7 @@
 #include <cstring>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <oncollide/base/output_file.hpp>
 
@@ -40,37 +41,44 @@ void write_stl_files(const PlantedAssembly& assembly, const std::filesystem::pat
 
 void write_glb_file(const PlantedAssembly& assembly, const std::filesystem::path& path)
 {
-    std::string nodes = R"({"name":"assembly","scale":[0.001,0.001,0.001],"children":[)", meshes, accessors, views,
-                data;
-    for (std::size_t i = 0; i < assembly.parts.size(); ++i) nodes += fmt::format("{}{}", i ? "," : "", i + 1);
-    nodes += "]}";
+    using Json = nlohmann::ordered_json;
+    Json nodes = {{{"name", "assembly"}, {"scale", {0.001, 0.001, 0.001}}, {"children", Json::array()}}};
+    Json meshes, accessors, views;
+    std::string data;
     for (std::size_t i = 0; i < assembly.parts.size(); ++i) {
         const auto& [name, mesh] = assembly.parts[i];
-        const char* comma = i ? "," : "";
         const auto add_view = [&](std::size_t begin) {
-            views += fmt::format(R"({}{{"buffer":0,"byteOffset":{},"byteLength":{}}})", views.empty() ? "" : ",", begin,
-                                 data.size() - begin);
+            views.push_back({{"buffer", 0}, {"byteOffset", begin}, {"byteLength", data.size() - begin}});
         };
-        nodes += fmt::format(R"(,{{"name":"{}","mesh":{}}})", name, i);
-        meshes += fmt::format(R"({}{{"primitives":[{{"attributes":{{"POSITION":{}}},"indices":{}}}]}})", comma,
-                              2 * i + 1, 2 * i);
+        nodes[0]["children"].push_back(i + 1);
+        nodes.push_back({{"name", name}, {"mesh", i}});
+        const Json primitive = {{"attributes", {{"POSITION", 2 * i + 1}}}, {"indices", 2 * i}};
+        meshes.push_back({{"primitives", Json::array({primitive})}});
         std::size_t begin = data.size();
         for (const Triangle& t : mesh.triangles)
             for (const std::uint32_t corner : t) append(data, corner);
         add_view(begin), begin = data.size();
         for (const Eigen::Vector3d& v : mesh.vertices) append_floats(data, v);
         add_view(begin);
-        const Aabb& b = mesh.bounds;
-        accessors += fmt::format(
-            R"({}{{"bufferView":{},"componentType":5125,"count":{},"type":"SCALAR"}},)"
-            R"({{"bufferView":{},"componentType":5126,"count":{},"type":"VEC3","min":[{},{},{}],"max":[{},{},{}]}})",
-            comma, 2 * i, 3 * mesh.triangles.size(), 2 * i + 1, mesh.vertices.size(), b.min.x(), b.min.y(), b.min.z(),
-            b.max.x(), b.max.y(), b.max.z());
+        const auto& [min, max] = mesh.bounds;
+        accessors.push_back(
+            {{"bufferView", 2 * i}, {"componentType", 5125}, {"count", 3 * mesh.triangles.size()}, {"type", "SCALAR"}});
+        accessors.push_back({{"bufferView", 2 * i + 1},
+                             {"componentType", 5126},
+                             {"count", mesh.vertices.size()},
+                             {"type", "VEC3"},
+                             {"min", {min.x(), min.y(), min.z()}},
+                             {"max", {max.x(), max.y(), max.z()}}});
     }
-    std::string json =
-        fmt::format(R"({{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{}],"meshes":[{}],)"
-                    R"("accessors":[{}],"bufferViews":[{}],"buffers":[{{"byteLength":{}}}]}})",
-                    nodes, meshes, accessors, views, data.size());
+    std::string json = Json{{"asset", {{"version", "2.0"}}},
+                            {"scene", 0},
+                            {"scenes", Json::array({{{"nodes", {0}}}})},
+                            {"nodes", nodes},
+                            {"meshes", meshes},
+                            {"accessors", accessors},
+                            {"bufferViews", views},
+                            {"buffers", Json::array({{{"byteLength", data.size()}}})}}
+                           .dump();
     json.append((4 - json.size() % 4) % 4, ' ');
     std::string bytes = "glTF";
     append(bytes, std::uint32_t(2)), append(bytes, static_cast<std::uint32_t>(28 + json.size() + data.size()));

@@ -1,12 +1,15 @@
 // Machine-readable reports: JSON, CSV and JUnit XML.
 #include <cmath>
 #include <functional>
+#include <optional>
 
 #include <nlohmann/json.hpp>
 
+#include <oncollide/base/json_writer.hpp>
+#include <oncollide/base/svg.hpp>
+
 #include "bench/bench.hpp"
 #include "clash/report.hpp"
-#include "study/markup.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -53,13 +56,16 @@ Json json_of(const ClashReport& r, const Clash& c)
     return j;
 }
 
-/// A CSV field, quoted if needed.
-std::string field(const std::string& text)
+/// A name that known_pairs.hpp reads back: there, `#` may begin a comment, and blanks around a field do not count.
+std::string name_field(const std::string& name)
 {
-    if (text.find_first_of(",\"\r\n#") == text.npos && !text.starts_with(' ') && !text.ends_with(' ')) return text;
-    std::string quoted = "\"";
-    for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return quoted + "\"";
+    return csv_field(name, name.find('#') != name.npos || name.starts_with(' ') || name.ends_with(' '));
+}
+
+/// A coordinate or length; empty unless `known`.
+std::optional<Digits> length(double value, bool known = true)
+{
+    return known ? std::optional(Digits{value, 17}) : std::nullopt;
 }
 
 } // namespace
@@ -83,36 +89,36 @@ void write_json(OutputFile& file, const ClashReport& r)
     const auto text = [](const Json& j) { return j.dump(-1, ' ', false, Json::error_handler_t::replace); };
     const std::string begin = text(head);
     file.write(begin.substr(0, begin.size() - 1));
+    JsonWriter json = JsonWriter::within(file);
     const auto list = [&](const char* name, std::size_t count, const std::function<Json(std::size_t)>& at) {
-        file.print(",\n\"{}\": [", name);
-        for (std::size_t i = 0; i < count; ++i) file.print("{}\n{}", i ? "," : "", text(at(i)));
-        file.print("]");
+        json.line(), json.key(name), json.begin_array();
+        for (std::size_t i = 0; i < count; ++i) json.line(), json.raw(text(at(i)));
+        json.end_array();
     };
     list("clashes", r.found.list.size(), [&](std::size_t i) { return json_of(r, r.found.list[i]); });
     list("fixed", r.fixed.size(), [&](std::size_t i) {
         return Json{{"kind", r.fixed[i].kind}, {"a", r.fixed[i].a}, {"b", r.fixed[i].b}};
     });
-    file.print("}}\n");
+    json.end_object();
+    file.write("\n");
 }
 
 void write_csv(OutputFile& file, const ClashReport& r)
 {
     // Names first: rows of this report can be used as a list of pairs to ignore.
-    file.print("a,b,status,kind,thickness,depth,distance,x,y,z,contact_min_x,contact_min_y,contact_min_z,contact_max_x,"
-               "contact_max_y,contact_max_z,group_a,group_b,unit\n");
+    CsvWriter csv(file, "a,b,status,kind,thickness,depth,distance,x,y,z,contact_min_x,contact_min_y,contact_min_z,"
+                        "contact_max_x,contact_max_y,contact_max_z,group_a,group_b,unit");
+    const auto group = [&](std::uint32_t part) { return name_field(r.parts.groups[r.parts.parts[part].group]); };
     for (const Clash& c : r.found.list) {
         const bool near = c.kind == ContactKind::near;
-        file.print("{},{},{},{},", field(r.name(c.a)), field(r.name(c.b)), name_of(c.status), name_of(c.kind));
-        if (!near && std::isfinite(c.reach.thickness)) file.print("{:.17g}", c.reach.thickness);
-        file.print(",");
-        if (!near) file.print("{:.17g}", c.reach.depth);
-        file.print(",");
-        if (near) file.print("{:.17g}", c.upper);
-        file.print(",{:.17g},{:.17g},{:.17g}", c.where.x(), c.where.y(), c.where.z());
-        for (const Eigen::Vector3d& corner : {c.reach.contact.min, c.reach.contact.max})
-            for (const double x : corner) file.write(c.reach.contact.empty() ? "," : fmt::format(",{:.17g}", x));
-        for (const std::uint32_t part : {c.a, c.b}) file.print(",{}", field(r.parts.groups[r.parts.parts[part].group]));
-        file.print(",{}\n", r.unit.name);
+        const Aabb& contact = c.reach.contact;
+        csv.add(CsvField{name_field(r.name(c.a))}, CsvField{name_field(r.name(c.b))}, name_of(c.status),
+                name_of(c.kind), length(c.reach.thickness, !near && std::isfinite(c.reach.thickness)),
+                length(c.reach.depth, !near), length(c.upper, near));
+        for (const double x : c.where) csv.add(length(x));
+        for (const Eigen::Vector3d& corner : {contact.min, contact.max})
+            for (const double x : corner) csv.add(length(x, !contact.empty()));
+        csv.row(CsvField{group(c.a)}, CsvField{group(c.b)}, r.unit.name);
     }
 }
 
@@ -127,9 +133,9 @@ void write_junit(OutputFile& file, const ClashReport& r)
                1 + fresh + known + r.fixed.size(), fresh, known, r.parts.parts.size());
     for (const Clash& c : r.found.list) {
         if (c.status == ClashStatus::contact) continue;
-        const std::string pair = escaped(fmt::format("{} and {}", r.name(c.a), r.name(c.b)));
+        const std::string pair = xml_escaped(fmt::format("{} and {}", r.name(c.a), r.name(c.b)));
         const std::string what =
-            escaped(fmt::format("{}: {}, at {}", name_of(c.kind), measure_text(r, c), point_text(c.where)));
+            xml_escaped(fmt::format("{}: {}, at {}", name_of(c.kind), measure_text(r, c), point_text(c.where)));
         file.print("<testcase classname=\"clash.{}\" name=\"{}\">", name_of(c.kind), pair);
         if (c.status == ClashStatus::fresh)
             file.print("<failure type=\"{}\" message=\"{}\"/>", name_of(c.kind), what);
@@ -139,7 +145,7 @@ void write_junit(OutputFile& file, const ClashReport& r)
         file.print("</testcase>\n");
     }
     for (const FixedClash& c : r.fixed)
-        file.print("<testcase classname=\"clash.fixed\" name=\"{} and {}\"/>\n", escaped(c.a), escaped(c.b));
+        file.print("<testcase classname=\"clash.fixed\" name=\"{} and {}\"/>\n", xml_escaped(c.a), xml_escaped(c.b));
     file.print("</testsuite>\n</testsuites>\n");
 }
 

@@ -1,7 +1,9 @@
 // The report as a single HTML page.
+#include <oncollide/base/svg.hpp>
+
 #include "bench/bench.hpp"
 #include "clash/report.hpp"
-#include "study/markup.hpp"
+#include "study/base64.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -55,7 +57,7 @@ void head(OutputFile& file)
 std::string kind_text(const Clash& c)
 {
     return fmt::format("<span class=\"kind {0}\">{0}</span>{1}", name_of(c.kind),
-                       c.was.empty() ? "" : " <span class=\"soft\">(was " + escaped(c.was) + ")</span>");
+                       c.was.empty() ? "" : " <span class=\"soft\">(was " + xml_escaped(c.was) + ")</span>");
 }
 
 void write_table(OutputFile& file, const ClashReport& r, ClashStatus status)
@@ -70,9 +72,9 @@ void write_table(OutputFile& file, const ClashReport& r, ClashStatus status)
         if (c.status != status) continue;
         const double key = c.kind == ContactKind::near ? -c.lower : c.severity();
         file.print("<tr><td class=\"number\" data-key=\"{0}\">{0}</td><td>{1}</td><td data-key=\"{2}\">{3}</td>", ++row,
-                   kind_text(c), key, escaped(measure_text(r, c)));
-        file.print("<td>{}</td><td>{}</td><td class=\"number\">{}</td></tr>\n", escaped(r.name(c.a)),
-                   escaped(r.name(c.b)), point_text(c.where));
+                   kind_text(c), key, xml_escaped(measure_text(r, c)));
+        file.print("<td>{}</td><td>{}</td><td class=\"number\">{}</td></tr>\n", xml_escaped(r.name(c.a)),
+                   xml_escaped(r.name(c.b)), point_text(c.where));
     }
     file.print("</tbody></table></div>\n");
 }
@@ -87,13 +89,13 @@ void write_cards(OutputFile& file, const ClashReport& r, const ClashPictures& pi
         if (c.status != status || i >= pictures.images.size() || pictures.images[i].empty()) continue;
         if (!any) file.print("<div class=\"cards\">\n");
         any = true;
-        const std::string a = escaped(r.name(c.a)), b = escaped(r.name(c.b));
+        const std::string a = xml_escaped(r.name(c.a)), b = xml_escaped(r.name(c.b));
         file.print("<figure><img alt=\"{} and {}, {}: close-up, and as a whole\" loading=\"lazy\" width=\"720\" "
                    "height=\"360\" src=\"data:image/png;base64,",
                    a, b, name_of(c.kind));
         file.write(base64(pictures.images[i]));
         file.print("\"><figcaption>{}. {} <b>{}</b> and <b>{}</b>: {}, at {}</figcaption></figure>\n", row,
-                   kind_text(c), a, b, escaped(measure_text(r, c)), point_text(c.where));
+                   kind_text(c), a, b, xml_escaped(measure_text(r, c)), point_text(c.where));
     }
     if (any) file.print("</div>\n");
 }
@@ -113,7 +115,7 @@ void write_section(OutputFile& file, const ClashReport& r, const ClashPictures& 
 void write_page(OutputFile& file, const ClashReport& r, const ClashPictures& pictures)
 {
     head(file);
-    for (const std::string& line : summary(r)) file.print("<p>{}</p>\n", escaped(line));
+    for (const std::string& line : summary(r)) file.print("<p>{}</p>\n", xml_escaped(line));
     file.print(
         "<p class=\"soft\">Every pair was decided exactly. Overlap: the common part of both parts is at most this "
         "thick, and a vertex of one is at least this deep inside the other. Lengths and positions in {}.{}</p>\n",
@@ -122,14 +124,14 @@ void write_page(OutputFile& file, const ClashReport& r, const ClashPictures& pic
             ? " Pictures: the first part is blue, the second yellow, both transparent; their common part, or an "
               "enclosed part, is red. Left: close-up; right: both parts as a whole."
             : "");
-    if (!pictures.note.empty()) file.print("<p class=\"soft\">{}</p>\n", escaped(pictures.note));
-    for (const std::string& warning : r.warnings) file.print("<p class=\"warning\">{}</p>\n", escaped(warning));
+    if (!pictures.note.empty()) file.print("<p class=\"soft\">{}</p>\n", xml_escaped(pictures.note));
+    for (const std::string& warning : r.warnings) file.print("<p class=\"warning\">{}</p>\n", xml_escaped(warning));
     write_section(file, r, pictures, ClashStatus::fresh, r.baseline.empty() ? "Clashes" : "New clashes");
     write_section(file, r, pictures, ClashStatus::same, "Clashes that are also in the baseline");
     if (!r.fixed.empty()) {
         file.print("<h2>Fixed since the baseline ({})</h2>\n<ul>\n", grouped(r.fixed.size()));
         for (const FixedClash& c : r.fixed)
-            file.print("<li>{} and {} ({})</li>\n", escaped(c.a), escaped(c.b), escaped(c.kind));
+            file.print("<li>{} and {} ({})</li>\n", xml_escaped(c.a), xml_escaped(c.b), xml_escaped(c.kind));
         file.print("</ul>\n");
     }
     write_section(file, r, pictures, ClashStatus::contact, "Pairs that only touch (not a clash)");

@@ -15,6 +15,7 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/base/csv_writer.hpp>
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/base/output_file.hpp>
@@ -142,13 +143,13 @@ std::string describe(const BodyPart& part, const std::string& name)
 /// One row per pair of parts that meet.
 void write_contacts(const World& world, OutputFile& file)
 {
-    file.print("part_a,part_b,kind,x0,y0,z0,x1,y1,z1,normal_a_x,normal_a_y,normal_a_z,normal_b_x,normal_b_y,"
-               "normal_b_z\n");
+    CsvWriter csv(file, "part_a,part_b,kind,x0,y0,z0,x1,y1,z1,normal_a_x,normal_a_y,normal_a_z,normal_b_x,normal_b_y,"
+                        "normal_b_z");
     for (const Contact& c : world.contacts(world.body_at(0), world.body_at(1))) {
-        file.print("{},{},{}", part_text(c.a), part_text(c.b), name_of(c.kind));
+        csv.add(part_text(c.a), part_text(c.b), name_of(c.kind));
         for (const Eigen::Vector3d& v : {c.ends[0], c.ends[1], c.normal_a, c.normal_b})
-            file.print(",{:.17g},{:.17g},{:.17g}", v.x(), v.y(), v.z());
-        file.print("\n");
+            for (const double x : v) csv.add(Digits{x, 17});
+        csv.end_row();
     }
     file.commit();
 }

@@ -102,7 +102,7 @@ int merge(const std::string& out, const std::vector<std::string>& paths)
 
 std::string Shard::line(const std::string& work) const
 {
-    return whole() ? "" : fmt::format("{}{}/{}: {}\n", mark, part, parts, work);
+    return whole() ? "" : fmt::format("{}{}/{}: {}\n", mark, part, parts, printable(work));
 }
 
 void check_parts(const Shard& shard, std::size_t items, const char* what)

@@ -5,6 +5,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
+#include <oncollide/base/json_writer.hpp>
 #include <oncollide/pipeline/report.hpp>
 #include <oncollide/pipeline/settings_table.hpp>
 
@@ -56,8 +57,10 @@ ResultsHeader header_of(const SceneOptions& source, const Scene& scene, const Pi
     header.version = std::string(version), header.scene = scene.name, header.bodies = scene.size();
     Settings settings = pipeline.settings(); // without settings that never change a result
     settings.threads = 1, settings.backend = BackendKind::cpu, settings.gpu = Settings{}.gpu;
-    header.settings = fmt::format("{{\"bodies\": {}, \"pace\": {}, \"separate\": {}, \"run\": {}}}", scene.size(),
-                                  scene.pace, separate, settings_json(settings));
+    const std::string run = settings_json(settings);
+    TextInMemory text;
+    JsonWriter(text).object("bodies", scene.size(), "pace", scene.pace, "separate", separate, "run", JsonText{run});
+    header.settings = text.text();
     header.source = source_json(source);
     return header;
 }

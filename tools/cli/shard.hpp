@@ -18,7 +18,7 @@ struct Shard {
         return {end(part - 1), end(part)};
     }
     /// The first line of its file, which `oncollide merge` reads; empty for the whole.
-    /// @param work  describes the divided work, equal in all parts: text without line breaks
+    /// @param work  describes the divided work, equal in all parts; written as printable() writes it
     std::string line(const std::string& work) const;
 };
 

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/json_writer.hpp>
 #include <oncollide/base/near_word.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/parallel.hpp>
@@ -175,27 +176,31 @@ std::vector<Tally> try_all(const HardOptions& options, const Choice& chosen, con
 
 void write_csv(const std::string& path, const std::string& first_line, const std::vector<Tally>& rows)
 {
-    OutputFile file(path);
-    file.write(first_line);
-    file.print("family,cases,answers,missed,wrong,false_positives,bounds,bounds_broken,changed,fcl_missed,fcl_false\n");
+    CsvFile csv(path,
+                "family,cases,answers,missed,wrong,false_positives,bounds,bounds_broken,changed,fcl_missed,fcl_false",
+                first_line);
     for (const Tally& t : rows)
-        file.print("\"{}\",{},{},{},{},{},{},{},{},{},{}\n", t.family, t.cases, t.results, t.missed, t.wrong,
-                   t.false_positives, t.bounds, t.broken, t.changed, t.fcl_missed, t.fcl_false);
-    file.commit();
+        csv.row(Quoted{t.family}, t.cases, t.results, t.missed, t.wrong, t.false_positives, t.bounds, t.broken,
+                t.changed, t.fcl_missed, t.fcl_false);
+    csv.commit();
 }
 
 void write_json(const std::string& path, const std::vector<Tally>& rows)
 {
     OutputFile file(path);
-    file.print("{{\"header\": {{\"version\": \"{}\"}}, \"families\": [", version);
-    for (const Tally& t : rows)
-        file.print(
-            "{}\n  {{\"family\": \"{}\", \"cases\": {}, \"answers\": {}, \"missed\": {}, \"wrong\": {}, "
-            "\"false_positives\": {}, \"bounds\": {}, \"bounds_broken\": {}, \"changed\": {}, \"fcl_missed\": {}, "
-            "\"fcl_false\": {}}}",
-            &t == rows.data() ? "" : ",", t.family, t.cases, t.results, t.missed, t.wrong, t.false_positives, t.bounds,
-            t.broken, t.changed, t.fcl_missed, t.fcl_false);
-    file.print("\n]}}\n");
+    JsonWriter json(file);
+    json.begin_object();
+    json.key("header"), json.object("version", version);
+    json.key("families"), json.begin_array();
+    for (const Tally& t : rows) {
+        json.line(2);
+        json.object("family", t.family, "cases", t.cases, "answers", t.results, "missed", t.missed, "wrong", t.wrong,
+                    "false_positives", t.false_positives, "bounds", t.bounds, "bounds_broken", t.broken, "changed",
+                    t.changed, "fcl_missed", t.fcl_missed, "fcl_false", t.fcl_false);
+    }
+    json.line(), json.end_array();
+    json.end_object();
+    file.write("\n");
     file.commit();
 }
 

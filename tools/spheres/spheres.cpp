@@ -12,7 +12,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <oncollide/base/csv_writer.hpp>
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/json_writer.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/printable.hpp>
 #include <oncollide/scenes/files/mesh_file.hpp>
@@ -125,54 +127,47 @@ std::vector<std::string> columns(BoundingVolume kind, bool closed)
     return names;
 }
 
-/// The values of the columns, separated by commas.
-std::string numbers(const Row& row, std::size_t i, bool closed)
+/// Adds the values of the columns.
+void add_numbers(CsvWriter& csv, const Row& row, std::size_t i, bool closed)
 {
     const CoveringVolume& v = row.volumes[i];
-    std::string text = std::to_string(row.level);
     const auto add = [&](const double* values, int count) {
-        for (int k = 0; k < count; ++k) fmt::format_to(std::back_inserter(text), ",{}", values[k]);
+        for (int k = 0; k < count; ++k) csv.add(values[k]);
     };
-    if (row.kind == BoundingVolume::sphere) fmt::format_to(std::back_inserter(text), ",{}", row.cells[i]);
+    csv.add(row.level);
+    if (row.kind == BoundingVolume::sphere) csv.add(row.cells[i]);
     add(v.centre.data(), 3);
     add(v.half.data(), v.ball ? 1 : 3);
     if (!v.ball) add(v.axes.data(), 9); // column after column
     const Reach& reach = row.quality.reaches[i];
     add(&reach.either, 1);
     if (closed) add(&reach.beyond, 1);
-    return text;
 }
 
 void write_csv(const std::string& path, const Judged& judged, BoundingVolume kind)
 {
-    OutputFile file(path);
-    file.print("{}\n", fmt::join(columns(kind, judged.closed), ","));
+    CsvFile csv(path, fmt::format("{}", fmt::join(columns(kind, judged.closed), ",")));
     for (const Row& row : judged.rows)
         for (std::size_t i = 0; row.kind == kind && i < row.volumes.size(); ++i)
-            file.print("{}\n", numbers(row, i, judged.closed));
-    file.commit();
+            add_numbers(csv.rows(), row, i, judged.closed), csv.rows().end_row();
+    csv.commit();
 }
 
 /// The tables, one row per level; the last column is the size of the whole tree in bytes.
 void write_levels(const std::string& path, const Judged& judged, const GrownTree& tree, const ObbTree& boxes)
 {
     const double cell = volume_of(tree.tree().root());
-    OutputFile file(path);
-    file.print("kind,level,count,triangles,longest_side,radius,worst,mean,certified,worst_outside,mean_outside,volume,"
-               "open_triangles,points,points_outside,tree_bytes\n");
+    CsvFile csv(path, "kind,level,count,triangles,longest_side,radius,worst,mean,certified,worst_outside,mean_outside,"
+                      "volume,open_triangles,points,points_outside,tree_bytes");
+    const auto if_closed = [&](double x) { return judged.closed ? std::optional(x) : std::nullopt; };
     for (const Row& row : judged.rows) {
         const LevelQuality& q = row.quality;
-        file.print("{},{},{},{},{},{},{},{},{},", row.name(), row.level, row.volumes.size(),
-                   judged.mesh.triangles.size(), judged.side, row.radius(), q.worst.either, q.mean.either,
-                   row.certified);
-        if (judged.closed)
-            file.print("{},{}", q.worst.beyond, q.mean.beyond);
-        else
-            file.print(",");
-        file.print(",{},{},{},{},{}\n", q.volume / cell, q.open_triangles, q.points, q.outside,
-                   row.kind == BoundingVolume::sphere ? tree.bytes() : boxes.bytes());
+        csv.row(row.name(), row.level, row.volumes.size(), judged.mesh.triangles.size(), judged.side, row.radius(),
+                q.worst.either, q.mean.either, row.certified, if_closed(q.worst.beyond), if_closed(q.mean.beyond),
+                q.volume / cell, q.open_triangles, q.points, q.outside,
+                row.kind == BoundingVolume::sphere ? tree.bytes() : boxes.bytes());
     }
-    file.commit();
+    csv.commit();
 }
 
 nlohmann::json as_json(const Row& row, const Judged& judged)
@@ -205,18 +200,24 @@ void write_json(const std::string& path, const SpheresOptions& options, const Ju
                                    {"closed", judged.closed},
                                    {"longest_side", judged.side}};
     OutputFile file(path);
-    file.print("{{\"header\": {}, \"levels\": [",
-               header.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
-    for (const Row& row : judged.rows)
-        file.print("{}\n  {}", &row == &judged.rows.front() ? "" : ",", as_json(row, judged).dump());
-    file.print("\n], \"columns\": {}, \"rows\": [", nlohmann::json(columns(kind, judged.closed)).dump());
-    const char* comma = "";
+    JsonWriter json(file);
+    json.begin_object();
+    json.key("header"), json.raw(header.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+    json.key("levels"), json.begin_array();
+    for (const Row& row : judged.rows) json.line(2), json.raw(as_json(row, judged).dump());
+    json.line(), json.end_array();
+    json.key("columns"), json.raw(nlohmann::json(columns(kind, judged.closed)).dump());
+    json.key("rows"), json.begin_array();
     for (const Row& row : judged.rows)
         for (std::size_t i = 0; row.kind == kind && i < row.volumes.size(); ++i) {
-            file.print("{}\n  [{}]", comma, numbers(row, i, judged.closed));
-            comma = ",";
+            TextInMemory text;
+            CsvWriter numbers(text);
+            add_numbers(numbers, row, i, judged.closed);
+            json.line(2), json.raw(fmt::format("[{}]", text.text()));
         }
-    file.print("\n]}}\n");
+    json.line(), json.end_array();
+    json.end_object();
+    file.write("\n");
     file.commit();
 }
 

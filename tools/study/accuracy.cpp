@@ -10,9 +10,9 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/json_writer.hpp>
 #include <oncollide/base/near_word.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/printable.hpp>
@@ -43,6 +43,7 @@ struct Variant {
     BoundCheck bounds;
 
     std::uint64_t violations() const { return counts.missed + counts.wrong_exact + bounds.violations + other_hash; }
+    double ms_per_frame() const { return ms / double(std::max<std::uint64_t>(frames, 1)); }
 };
 
 /// Makes a variant per depth with the settings as given; with `toggle` also one per single change of the settings.
@@ -145,7 +146,7 @@ void print_table(const std::vector<Variant>& variants)
             v.counts.false_positives, v.counts.missed + v.counts.wrong_exact, v.counts.missed_by_rounding,
             v.bounds.checks, v.bounds.violations, optional_length(v.bounds.least_margin, v.bounds.checks),
             optional_length(v.bounds.largest_bound, v.bounds.largest_bound > 0),
-            v.same_hash ? (v.other_hash ? "DIFF" : "same") : "", v.ms / double(std::max<std::uint64_t>(v.frames, 1)));
+            v.same_hash ? (v.other_hash ? "DIFF" : "same") : "", v.ms_per_frame());
     for (const Variant& v : variants)
         for (const std::string* fault : {&v.counts.first_missed, &v.bounds.first_violation})
             if (!fault->empty()) say("FAULT      depth {}, {}: {}\n", *v.settings.depth, v.name, *fault);
@@ -153,37 +154,36 @@ void print_table(const std::vector<Variant>& variants)
 
 void write_csv(const std::string& path, const std::vector<Variant>& variants)
 {
-    OutputFile file(path);
-    file.print("depth,variant,frames,pairs,left_over,undecided,colliding,fcl_colliding,false_positives,missed,missed_"
-               "by_rounding,"
-               "wrong_exact,bound_checks,bound_violations,least_margin,largest_bound,other_hash,ms_per_frame\n");
+    CsvFile csv(path, "depth,variant,frames,pairs,left_over,undecided,colliding,fcl_colliding,false_positives,missed,"
+                      "missed_by_rounding,wrong_exact,bound_checks,bound_violations,least_margin,largest_bound,"
+                      "other_hash,ms_per_frame");
     for (const Variant& v : variants)
-        file.print("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", *v.settings.depth, v.name, v.frames,
-                   v.counts.pairs, v.counts.left_over, v.counts.undecided, v.counts.colliding, v.counts.fcl_colliding,
-                   v.counts.false_positives, v.counts.missed, v.counts.missed_by_rounding, v.counts.wrong_exact,
-                   v.bounds.checks, v.bounds.violations, v.bounds.checks ? v.bounds.least_margin : 0,
-                   v.bounds.largest_bound, v.other_hash, v.ms / double(std::max<std::uint64_t>(v.frames, 1)));
-    file.commit();
+        csv.row(*v.settings.depth, v.name, v.frames, v.counts.pairs, v.counts.left_over, v.counts.undecided,
+                v.counts.colliding, v.counts.fcl_colliding, v.counts.false_positives, v.counts.missed,
+                v.counts.missed_by_rounding, v.counts.wrong_exact, v.bounds.checks, v.bounds.violations,
+                v.bounds.checks ? v.bounds.least_margin : 0, v.bounds.largest_bound, v.other_hash, v.ms_per_frame());
+    csv.commit();
 }
 
 void write_json(const std::string& path, const std::string& scene, const std::vector<Variant>& variants)
 {
     OutputFile file(path);
-    file.print("{{\"header\": {{\"version\": \"{}\", \"scene\": {}}}, \"variants\": [", version,
-               nlohmann::json(scene).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
-    for (const Variant& v : variants)
-        file.print("{}\n  {{\"depth\": {}, \"variant\": \"{}\", \"frames\": {}, \"pairs\": {}, \"left_over\": {}, "
-                   "\"undecided\": {}, "
-                   "\"colliding\": {}, \"fcl_colliding\": {}, \"false_positives\": {}, \"missed\": {}, "
-                   "\"missed_by_rounding\": {}, "
-                   "\"wrong_exact\": {}, \"bound_checks\": {}, \"bound_violations\": {}, \"other_hash\": {}, "
-                   "\"ms_per_frame\": {}}}",
-                   &v == &variants.front() ? "" : ",", *v.settings.depth, v.name, v.frames, v.counts.pairs,
-                   v.counts.left_over, v.counts.undecided, v.counts.colliding, v.counts.fcl_colliding,
-                   v.counts.false_positives, v.counts.missed, v.counts.missed_by_rounding, v.counts.wrong_exact,
-                   v.bounds.checks, v.bounds.violations, v.other_hash,
-                   v.ms / double(std::max<std::uint64_t>(v.frames, 1)));
-    file.print("\n]}}\n");
+    JsonWriter json(file);
+    json.begin_object();
+    json.key("header"), json.object("version", version, "scene", scene);
+    json.key("variants"), json.begin_array();
+    for (const Variant& v : variants) {
+        json.line(2);
+        json.object("depth", *v.settings.depth, "variant", v.name, "frames", v.frames, "pairs", v.counts.pairs,
+                    "left_over", v.counts.left_over, "undecided", v.counts.undecided, "colliding", v.counts.colliding,
+                    "fcl_colliding", v.counts.fcl_colliding, "false_positives", v.counts.false_positives, "missed",
+                    v.counts.missed, "missed_by_rounding", v.counts.missed_by_rounding, "wrong_exact",
+                    v.counts.wrong_exact, "bound_checks", v.bounds.checks, "bound_violations", v.bounds.violations,
+                    "other_hash", v.other_hash, "ms_per_frame", v.ms_per_frame());
+    }
+    json.line(), json.end_array();
+    json.end_object();
+    file.write("\n");
     file.commit();
 }
 

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <oncollide/base/svg.hpp>
+
 #include "bench/bench.hpp"
 #include "bench/line_plot.hpp"
-#include "study/markup.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -24,25 +25,21 @@ void draw_bars(OutputFile& file, std::string_view title, const std::vector<std::
 {
     const double height = head + row_height * double(rows.size()) + 4, pitch = (width - left) / double(columns.size());
     const double room = std::min(46.0, 0.5 * pitch); // for a number
-    file.print("<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"{}\" width=\"{:.0f}\" "
-               "height=\"{:.0f}\" viewBox=\"0 0 {:.0f} {:.0f}\">\n",
-               escaped(title), width, height, width, height);
+    Svg svg(file);
+    svg.begin_inline(width, height, title);
     for (std::size_t k = 0; k < columns.size(); ++k)
-        svg_text(file, left + pitch * double(k), 16, "start", "head", columns[k]);
+        svg.text(left + pitch * double(k), 16, Svg::Anchor::start, "head", columns[k]);
     for (std::size_t r = 0; r < rows.size(); ++r) {
         const double y = head + row_height * double(r);
-        if (r % 2 == 0)
-            file.print("<rect x=\"0\" y=\"{:.1f}\" width=\"{}\" height=\"{}\" class=\"band\"/>\n", y - 3, width,
-                       row_height);
-        svg_text(file, left - 12, y + 12, "end", "name", rows[r].name);
+        if (r % 2 == 0) svg.rectangle(0, y - 3, width, row_height, "band");
+        svg.text(left - 12, y + 12, Svg::Anchor::end, "name", rows[r].name);
         for (std::size_t k = 0; k < columns.size(); ++k) {
             const double x = left + pitch * double(k), length = rows[r].lengths[k] * (pitch - room - 8);
-            file.print("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"14\" class=\"bar\"/>\n", x, y,
-                       length);
-            svg_text(file, x + length + 4, y + 12, "start", "number", rows[r].texts[k]);
+            svg.rectangle(x, y, length, 14, "bar");
+            svg.text(x + length + 4, y + 12, Svg::Anchor::start, "number", rows[r].texts[k]);
         }
     }
-    file.print("</svg>\n");
+    svg.end();
 }
 
 /// The series, in order of their first row, with their rows.

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 
+#include <oncollide/base/svg.hpp>
+
 #include "bench/bench.hpp"
-#include "study/markup.hpp"
+#include "study/base64.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -27,17 +29,17 @@ figure { margin: 1em 0; } figcaption { font-size: 13px; } pre { font-size: 11px;
 
 void heading(OutputFile& file, std::string_view words)
 {
-    file.print("<h2>{}</h2>\n", escaped(words));
+    file.print("<h2>{}</h2>\n", xml_escaped(words));
 }
 
 void paragraph(OutputFile& file, std::string_view words)
 {
-    file.print("<p>{}</p>\n", escaped(words));
+    file.print("<p>{}</p>\n", xml_escaped(words));
 }
 
 void fault(OutputFile& file, std::string_view words)
 {
-    file.print("<p class=\"fault\">{}</p>\n", escaped(words));
+    file.print("<p class=\"fault\">{}</p>\n", xml_escaped(words));
 }
 
 void write_errors_of_peers(OutputFile& file, const Study& study)
@@ -46,7 +48,7 @@ void write_errors_of_peers(OutputFile& file, const Study& study)
     for (const StudyPeer& peer : study.peers) {
         all += fmt::format("{} missed {} collisions and invented {}. ", peer.name, peer.missed, peer.invented);
         for (const std::string& error : peer.errors)
-            errors += fmt::format("<li>{}</li>\n", escaped(fmt::format("{}, {}", peer.name, error)));
+            errors += fmt::format("<li>{}</li>\n", xml_escaped(fmt::format("{}, {}", peer.name, error)));
     }
     if (!all.empty()) paragraph(file, all);
     if (!errors.empty()) file.print("<ul>\n{}</ul>\n", errors);
@@ -83,7 +85,7 @@ void write_tables(OutputFile& file, const Study& study)
     for (const StudyRow& row : study.rows)
         file.print("<tr><td>{}{}</td><td>{}</td><td>{:.3g}</td><td>{:.4g}</td><td>{:.4g}</td><td>{}</td><td>{}</td>"
                    "<td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-                   escaped(row.variant.name), on_front(study, row) ? " ★" : "", error_text(row),
+                   xml_escaped(row.variant.name), on_front(study, row) ? " ★" : "", error_text(row),
                    100 * row.error / study.size, study.mean_ms(row.ms), study.median_ms(row.ms),
                    ratio_text(study, row.ms), row.verdicts[std::size_t(Verdict::within)],
                    row.verdicts[std::size_t(Verdict::undecided)], row.verdicts[std::size_t(Verdict::colliding)],
@@ -101,7 +103,7 @@ void write_tables(OutputFile& file, const Study& study)
     for (const StudyRow& row : study.rows)
         file.print(
             "<tr><td>{}</td><td>{}</td><td>{}</td><td>{:.3f}</td><td>{}</td><td>{:.3g}</td><td>{:.3g}</td></tr>\n",
-            escaped(row.variant.name), mean_count(row.trees.node_pairs, n), mean_count(row.trees.triangle_pairs, n),
+            xml_escaped(row.variant.name), mean_text(row.trees.node_pairs, n), mean_text(row.trees.triangle_pairs, n),
             double(row.trees.bytes) / 1e6, needed_text(row), false_positive_quantile(row, 0.5),
             false_positive_quantile(row, 1));
     for (const StudyPeer& peer : study.peers)
@@ -120,7 +122,7 @@ void write_pictures(OutputFile& file, const StudyPictures& pictures)
     for (const StudyPicture& picture : pictures.all)
         file.print(
             "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"/><figcaption>{0}</figcaption></figure>\n",
-            escaped(picture.caption), base64(picture.png));
+            xml_escaped(picture.caption), base64(picture.png));
 }
 
 } // namespace
@@ -129,7 +131,7 @@ void write_study_page(OutputFile& file, const Study& study, const StudyPictures&
 {
     file.print("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/><title>{}: speed against "
                "error</title>\n<style>{}</style></head>\n<body>\n<h1>{}: speed against error</h1>\n",
-               escaped(study.title), style, escaped(study.title));
+               xml_escaped(study.title), style, xml_escaped(study.title));
     write_summary(file, study);
     file.print("<figure>");
     draw_speed_error(file, study);
@@ -160,7 +162,7 @@ void write_study_page(OutputFile& file, const Study& study, const StudyPictures&
     file.print("<pre>");
     for (std::size_t at = 0; at < about.size();) {
         const std::size_t end = std::min(about.find('\n', at), about.size());
-        file.print("{}\n", escaped(about.substr(at, end - at)));
+        file.print("{}\n", xml_escaped(about.substr(at, end - at)));
         at = end + 1;
     }
     file.print("</pre>\n</body></html>\n");

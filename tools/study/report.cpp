@@ -139,8 +139,8 @@ void print_study(const Study& study)
     for (const StudyRow& row : study.rows)
         say("{:<32}{:>11.4f}{:>10}{:>10}{:>11}{:>11}{:>9.3f}{:>9}\n", row.variant.name, study.median_ms(row.ms),
             false_positive_text(false_positive_quantile(row, 0.5), row),
-            false_positive_text(false_positive_quantile(row, 1), row), mean_count(row.trees.node_pairs, n),
-            mean_count(row.trees.triangle_pairs, n), double(row.trees.bytes) / 1e6, needed_text(row));
+            false_positive_text(false_positive_quantile(row, 1), row), mean_text(row.trees.node_pairs, n),
+            mean_text(row.trees.triangle_pairs, n), double(row.trees.bytes) / 1e6, needed_text(row));
     for (const StudyPeer& peer : study.peers)
         say("{:<32}{:>11.4f}{:>51.3f}\n", peer.name, study.median_ms(peer.ms), double(peer.bytes) / 1e6);
     say("(at m: median distance of the false positives; nodes, triangles: tests; needed: share of the full trees that "
@@ -154,27 +154,27 @@ void print_study(const Study& study)
 
 void write_study_csv(OutputFile& file, const Study& study)
 {
-    file.print(
-        "variant,backend,certified,error,ms_mean,ms_median,times_fcl,on_front,bounds_ms,delimitation_ms,broad_ms,"
-        "ocst_ms,exact_ms,separate,within,undecided,colliding,missed,false_positives,invented,bounds_broken,"
-        "false_positive_median,false_positive_worst,node_pairs,triangle_pairs,queries,peak_bytes,nodes_needed,nodes_"
-        "all,truly_colliding\n");
+    CsvWriter csv(
+        file, "variant,backend,certified,error,ms_mean,ms_median,times_fcl,on_front,bounds_ms,delimitation_ms,broad_ms,"
+              "ocst_ms,exact_ms,separate,within,undecided,colliding,missed,false_positives,invented,bounds_broken,"
+              "false_positive_median,false_positive_worst,node_pairs,triangle_pairs,queries,peak_bytes,nodes_needed,"
+              "nodes_all,truly_colliding");
     for (const StudyRow& row : study.rows) {
-        const std::array<double, 5> ms = mean_stages(study, row);
-        file.print("\"{}\",\"{}\",{:d},{},{},{},{},{:d},{},{},{},{},{},", row.variant.name, row.backend,
-                   row.variant.certified(), row.error, study.mean_ms(row.ms), study.median_ms(row.ms),
-                   study.ratio(row.ms).value_or(0), on_front(study, row), ms[0], ms[1], ms[2], ms[3], ms[4]);
-        file.print("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", count(row, Verdict::separate),
-                   count(row, Verdict::within), count(row, Verdict::undecided), count(row, Verdict::colliding),
-                   row.missed, row.false_positives, row.invented, row.broken, false_positive_quantile(row, 0.5),
-                   false_positive_quantile(row, 1), row.trees.node_pairs, row.trees.triangle_pairs, row.trees.queries,
-                   row.trees.bytes, row.nodes_needed, row.nodes_all ? fmt::format("{}", *row.nodes_all) : "",
-                   study.colliding);
+        csv.add(Quoted{row.variant.name}, Quoted{row.backend}, row.variant.certified(), row.error,
+                study.mean_ms(row.ms), study.median_ms(row.ms), study.ratio(row.ms).value_or(0), on_front(study, row));
+        for (const double ms : mean_stages(study, row)) csv.add(ms);
+        csv.row(count(row, Verdict::separate), count(row, Verdict::within), count(row, Verdict::undecided),
+                count(row, Verdict::colliding), row.missed, row.false_positives, row.invented, row.broken,
+                false_positive_quantile(row, 0.5), false_positive_quantile(row, 1), row.trees.node_pairs,
+                row.trees.triangle_pairs, row.trees.queries, row.trees.bytes, row.nodes_needed, row.nodes_all,
+                study.colliding);
     }
+    const auto none = std::nullopt;
     for (const StudyPeer& peer : study.peers)
-        file.print("\"{}\",\"\",0,0,{},{},{},{:d},,,,,,,,,{},{},,{},,,,,,,{},,,{}\n", peer.name, study.mean_ms(peer.ms),
-                   study.median_ms(peer.ms), study.ratio(peer.ms).value_or(0), on_front(study, peer), peer.colliding,
-                   peer.missed, peer.invented, peer.bytes, study.colliding);
+        csv.row(Quoted{peer.name}, Quoted{""}, 0, 0, study.mean_ms(peer.ms), study.median_ms(peer.ms),
+                study.ratio(peer.ms).value_or(0), on_front(study, peer), none, none, none, none, none, none, none, none,
+                peer.colliding, peer.missed, none, peer.invented, none, none, none, none, none, none, peer.bytes, none,
+                none, study.colliding);
 }
 
 void write_study_json(OutputFile& file, const Study& study, const std::string& program)

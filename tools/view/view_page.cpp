@@ -9,10 +9,11 @@
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/base/printable.hpp>
+#include <oncollide/base/svg.hpp>
 #include <oncollide/pipeline/report.hpp>
 
 #include "bench/bench.hpp"
-#include "study/markup.hpp"
+#include "study/base64.hpp"
 #include "view/page_model.hpp"
 #include "view/page_text.hpp"
 #include "view/page_trees.hpp"
@@ -333,7 +334,7 @@ void ViewPage::close()
         file.write(rest.substr(0, at));
         rest.remove_prefix(at + mark.size());
     };
-    until("{{title}}"), file.write(escaped(scene_.name));
+    until("{{title}}"), file.write(xml_escaped(scene_.name));
     until("{{style}}"), file.write(style_css);
     until("{{data}}");
     file.print("<script type=\"application/json\" id=\"header\">{}</script>\n", script_json(header));

@@ -4,16 +4,15 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <oncollide/base/csv_reader.hpp>
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/base/near_word.hpp>
-#include <oncollide/base/reading_progress.hpp>
 #include <oncollide/scenes/files/mesh/mesh_source.hpp>
 
 namespace oncollide {
@@ -26,72 +25,7 @@ enum Column { geometry, x, y, z, qx, qy, qz, qw, vx, vy, vz, layer, mask, group,
 constexpr std::array<std::string_view, columns> column_names = {
     "geometry", "x", "y", "z", "qx", "qy", "qz", "qw", "vx", "vy", "vz", "layer", "mask", "group", "static", "name"};
 
-/// Splits a file into fields as in RFC 4180; lines may also end with LF alone.
-class CsvFields {
-public:
-    CsvFields(const std::string& file, std::string_view text)
-        : file_(file), at_(text.data()), end_(text.data() + text.size()), begin_(at_), progress_(file, text.size())
-    {
-    }
-
-    bool at_end() const { return at_ == end_; }
-    std::size_t line() const { return line_; }
-    [[noreturn]] void fail(const std::string& what) const { refuse(fmt::format("{}: line {}", file_, line_), what); }
-
-    /// The next field of the line, valid until the next call. `last`: it is the line's last one.
-    std::string_view next(bool& last)
-    {
-        if (at_ != end_ && *at_ == '"') return next_quoted(last);
-        const char* const begin = at_;
-        while (at_ != end_ && *at_ != ',' && *at_ != '\n') ++at_;
-        const char* stop = at_;
-        if (stop != begin && stop[-1] == '\r' && (at_ == end_ || *at_ == '\n')) --stop;
-        pass_separator(last);
-        return {begin, static_cast<std::size_t>(stop - begin)};
-    }
-    void next_line()
-    {
-        ++line_;
-        progress_.at(static_cast<std::uint64_t>(at_ - begin_));
-    }
-    /// Skips the rest of the line.
-    void skip_line()
-    {
-        const auto* const end = static_cast<const char*>(std::memchr(at_, '\n', static_cast<std::size_t>(end_ - at_)));
-        at_ = end ? end + 1 : end_;
-    }
-    /// Continues with this text.
-    void go_on(std::string_view text) { at_ = begin_ = text.data(), end_ = at_ + text.size(); }
-
-private:
-    std::string_view next_quoted(bool& last)
-    {
-        text_.clear();
-        for (++at_;; ++at_) {
-            if (at_ == end_ || *at_ == '\n') fail("a quoted field has no closing quote in its line");
-            if (*at_ == '"' && (++at_ == end_ || *at_ != '"')) break;
-            text_ += *at_;
-        }
-        if (at_ != end_ && *at_ == '\r') ++at_;
-        if (at_ != end_ && *at_ != ',' && *at_ != '\n')
-            fail("a comma or the end of the line must follow a closing quote");
-        pass_separator(last);
-        return text_;
-    }
-    void pass_separator(bool& last)
-    {
-        last = at_ == end_ || *at_ == '\n';
-        if (at_ != end_) ++at_;
-    }
-
-    const std::string& file_;
-    const char *at_, *end_, *begin_;
-    ReadingProgress progress_; ///< for a text that is complete in memory
-    std::size_t line_ = 1;
-    std::string text_;
-};
-
-std::vector<Column> read_header(CsvFields& fields, bool needs_geometry)
+std::vector<Column> read_header(CsvReader& fields, bool needs_geometry)
 {
     std::vector<Column> header;
     for (bool last = false; !last;) {
@@ -122,7 +56,7 @@ std::vector<Column> read_header(CsvFields& fields, bool needs_geometry)
 /// Reads the fields of a row.
 class RowReader {
 public:
-    RowReader(const BodyRows& rows, const CsvFields& fields) : rows_(rows), fields_(fields)
+    RowReader(const BodyRows& rows, const CsvReader& fields) : rows_(rows), fields_(fields)
     {
         if (rows.geometry()) row.geometry = *rows.geometry();
     }
@@ -181,12 +115,12 @@ private:
     }
 
     const BodyRows& rows_;
-    const CsvFields& fields_;
+    const CsvReader& fields_;
     std::string geometry_name_, name_;
 };
 
 /// Adds a body for each line of `fields`.
-void read_rows(BodyRows& rows, CsvFields& fields, const std::vector<Column>& header, RowReader& reader)
+void read_rows(BodyRows& rows, CsvReader& fields, const std::vector<Column>& header, RowReader& reader)
 {
     const auto place = [&] { return fmt::format("{}: line {}", rows.file(), fields.line()); };
     while (!fields.at_end()) {
@@ -205,7 +139,7 @@ void read_rows(BodyRows& rows, CsvFields& fields, const std::vector<Column>& hea
     }
 }
 
-std::vector<Column> header_of(const BodyRows& rows, CsvFields& fields)
+std::vector<Column> header_of(const BodyRows& rows, CsvReader& fields)
 {
     std::vector<Column> header = read_header(fields, !rows.geometry());
     if (rows.geometry() && std::ranges::find(header, geometry) != header.end())
@@ -253,7 +187,7 @@ void read_csv_pieces(BodyRows& rows, const std::filesystem::path& path)
     Pieces pieces(path);
     const std::string_view first = pieces.next();
     if (first.empty()) refuse(rows.file(), "the file is empty");
-    CsvFields fields(rows.file(), without_byte_order_mark(first));
+    CsvReader fields(rows.file(), without_byte_order_mark(first));
     const std::vector<Column> header = header_of(rows, fields);
     RowReader reader(rows, fields);
     read_rows(rows, fields, header, reader);
@@ -271,7 +205,7 @@ void read_csv_bodies(BodyRows& rows, const std::filesystem::path& path)
     if (!rows.scene().holds_bodies()) return read_csv_pieces(rows, path);
     const FileBytes bytes = read_large_file(path, largest_table);
     const std::string_view text = without_byte_order_mark(bytes);
-    CsvFields fields(rows.file(), text);
+    CsvReader fields(rows.file(), text);
     const std::vector<Column> header = header_of(rows, fields);
     rows.expect(static_cast<std::size_t>(std::ranges::count(text, '\n')) - (text.back() == '\n'));
     RowReader reader(rows, fields);

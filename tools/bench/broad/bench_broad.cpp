@@ -73,16 +73,14 @@ public:
             threads_.push_back(int(threads));
         contenders_.keep(options.only);
         choose_scenes();
-        if (!options.csv.empty()) csv_.emplace(options.csv);
+        if (!options.csv.empty())
+            csv_.emplace(options.csv,
+                         "scene,boxes,movers,frame,seed,contender,library,threads,ms,ratio,pairs,hash,missed,extra,"
+                         "bytes,regions,left,delimitation_ms",
+                         shard_.line(fmt::format("bench broad, {}, sizes {}, {} frames, seed {}, threads {}, only {}",
+                                                 options.scene, options.sizes, options.frames.value_or(0), options.seed,
+                                                 options.threads, options.only)));
         if (!options.plot.empty()) plot_.emplace(options.plot);
-        if (csv_)
-            csv_->write(shard_.line(fmt::format("bench broad, {}, sizes {}, {} frames, seed {}, threads {}, only {}",
-                                                printable(options.scene), options.sizes, options.frames.value_or(0),
-                                                options.seed, options.threads, options.only)));
-        if (csv_)
-            csv_->print(
-                "scene,boxes,movers,frame,seed,contender,library,threads,ms,ratio,pairs,hash,missed,extra,bytes,"
-                "regions,left,delimitation_ms\n");
     }
 
     int run()
@@ -166,11 +164,10 @@ private:
     void record(const BoxScene& scene, const RaceRow& row)
     {
         if (csv_)
-            csv_->print("{},{},{},{},{},{},\"{}\",{},{},{},{},{:016x},{},{},{},{},{},{}\n", scene.name,
-                        scene.boxes.size(), scene.moved.size(), scene.frame, options_.seed, row.contender->name,
-                        row.contender->what, row.threads, row.ms, row.ratio, row.pairs.count, row.pairs.hash,
-                        row.missed, row.extra, std::uint64_t(row.bytes), regions_text(row.levels), row.left,
-                        delimitation_ms(row));
+            csv_->row(scene.name, scene.boxes.size(), scene.moved.size(), scene.frame, options_.seed,
+                      row.contender->name, Quoted{row.contender->what}, row.threads, row.ms, row.ratio, row.pairs.count,
+                      Hex{row.pairs.hash}, row.missed, row.extra, std::uint64_t(row.bytes), regions_text(row.levels),
+                      row.left, delimitation_ms(row));
         const std::string label =
             row.threads == 1 ? row.contender->name : fmt::format("{}, {} threads", row.contender->name, row.threads);
         const auto style = styles_.try_emplace(label, styles_.size()).first;
@@ -191,7 +188,8 @@ private:
     std::vector<int> threads_;
     Shard shard_;
     std::vector<std::pair<std::string, std::size_t>> work_; ///< every combination of scene and size
-    std::optional<OutputFile> csv_, plot_;
+    std::optional<CsvFile> csv_;
+    std::optional<OutputFile> plot_;
     std::vector<PlotPanel> panels_;             ///< one per scene
     std::map<std::string, std::size_t> styles_; ///< of the lines, by label
     bool wrong_ = false;

@@ -64,11 +64,11 @@ int bench_planner(const PlannerOptions& options)
     if (options.meshes.size() != 0 && options.meshes.size() != 2)
         usage("bench planner: give no meshes, or two: the static and the moving mesh");
     check_files({{"--csv", options.csv}}, options.meshes);
-    std::optional<OutputFile> csv;
-    if (!options.csv.empty()) csv.emplace(options.csv);
-    if (csv)
-        csv->print(
-            "fixed,fixed_triangles,moving,moving_triangles,poses,colliding,who,threads,first_s,second_s,ratio,false\n");
+    std::optional<CsvFile> csv;
+    if (!options.csv.empty())
+        csv.emplace(
+            options.csv,
+            "fixed,fixed_triangles,moving,moving_triangles,poses,colliding,who,threads,first_s,second_s,ratio,false");
     const bool given = !options.meshes.empty();
     const Mesh fixed = given ? load_mesh(options.meshes[0]) : make_terrain_mesh(4, 0.8, 186, 1);
     const Mesh moving = given ? load_mesh(options.meshes[1]) : make_torus_knot_mesh(2, 3, 0.3, 0.12, 0.05, 5000);
@@ -92,10 +92,9 @@ int bench_planner(const PlannerOptions& options)
             1.0, grouped(std::uint64_t(double(queries.size()) / second)));
         const auto record = [&](std::string_view who, double first_s, double second_s, std::uint64_t false_positives) {
             if (csv)
-                csv->print("\"{}\",{},\"{}\",{},{},{},{},{},{:.4g},{:.4g},{:.3g},{}\n", fixed_name,
-                           fixed.triangles.size(), moving_name, moving.triangles.size(), queries.size(),
-                           std::count(expected.begin(), expected.end(), 1), who, threads, first_s, second_s,
-                           second / second_s, false_positives);
+                csv->row(Quoted{fixed_name}, fixed.triangles.size(), Quoted{moving_name}, moving.triangles.size(),
+                         queries.size(), std::count(expected.begin(), expected.end(), 1), who, threads,
+                         Digits{first_s, 4}, Digits{second_s, 4}, Digits{second / second_s, 3}, false_positives);
         };
         record("fcl", first + fcl_build, second, 0);
         for (const ExactLevel exact : {ExactLevel::off, ExactLevel::predicates}) {

@@ -169,16 +169,15 @@ private:
 
     void write_csv() const
     {
-        OutputFile file(options_.csv);
-        file.print("pose,colliding,triangle_pairs");
-        for (const PoseContender& who : contenders_) file.print(",{} us", who.name);
-        file.print("\n");
+        std::string header = "pose,colliding,triangle_pairs";
+        for (const PoseContender& who : contenders_) header += fmt::format(",{} us", who.name);
+        CsvFile csv(options_.csv, header);
         for (std::size_t i = 0; i < poses_.size(); ++i) {
-            file.print("{},{},{}", i, int(*poses_[i].colliding), *poses_[i].triangle_pairs);
-            for (const PoseContender& who : contenders_) file.print(",{:.3f}", who.us[i]);
-            file.print("\n");
+            csv.rows().add(i, int(*poses_[i].colliding), *poses_[i].triangle_pairs);
+            for (const PoseContender& who : contenders_) csv.rows().add(Fixed{who.us[i], 3});
+            csv.rows().end_row();
         }
-        file.commit();
+        csv.commit();
     }
 
     PosesOptions options_;

@@ -165,8 +165,9 @@ int bench_shapes(const ShapesOptions& options)
     if (!(options.least_gap > 0 && options.least_gap <= 0.1))
         usage("bench shapes: --least-gap must be above 0 and at most 0.1");
     check_files({{"--csv", options.csv}});
-    std::optional<OutputFile> csv;
-    if (!options.csv.empty()) csv.emplace(options.csv);
+    std::optional<CsvFile> csv;
+    if (!options.csv.empty())
+        csv.emplace(options.csv, "a,b,pairs,colliding,oncollide_ns,fcl_ns,within,wrong,fcl_lost,fcl_made,fcl_worst_m");
     say("{}pairs      {}, gaps of {} to 0.1 m, seed {}; checked in extended precision on {} threads\n\n",
         describe_program("shapes"), grouped(std::uint64_t(options.pairs)), options.least_gap, options.seed,
         thread_count({.threads = options.threads}));
@@ -176,7 +177,6 @@ int bench_shapes(const ShapesOptions& options)
 
     say("{:<22}{:>10}{:>12}{:>12}{:>10}{:>8}{:>8}{:>7}{:>10}{:>10}{:>11}\n", "", "pairs", "colliding", "oncollide ns",
         "FCL ns", "ratio", "within", "wrong", "FCL lost", "FCL made", "worst, m");
-    if (csv) csv->print("a,b,pairs,colliding,oncollide_ns,fcl_ns,within,wrong,fcl_lost,fcl_made,fcl_worst_m\n");
     ShapeRow all;
     for (std::size_t a = 0; a < kinds; ++a)
         for (std::size_t b = a; b < kinds; ++b) {
@@ -184,9 +184,9 @@ int bench_shapes(const ShapesOptions& options)
             if (r.pairs == 0) continue;
             print_row(named(a, b), r), all += r;
             if (csv)
-                csv->print("{},{},{},{},{:.1f},{:.1f},{},{},{},{},{}\n", shape_kinds[a], shape_kinds[b], r.pairs,
-                           r.colliding, r.ours_ns / double(r.pairs), r.fcl_ns / double(r.pairs), r.open, r.wrong,
-                           r.fcl_missed, r.fcl_invented, r.fcl_worst);
+                csv->row(shape_kinds[a], shape_kinds[b], r.pairs, r.colliding, Fixed{r.ours_ns / double(r.pairs), 1},
+                         Fixed{r.fcl_ns / double(r.pairs), 1}, r.open, r.wrong, r.fcl_missed, r.fcl_invented,
+                         r.fcl_worst);
         }
     print_row("all", all);
     say("\nhash       {:016x}\n", race.hash);

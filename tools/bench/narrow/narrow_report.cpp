@@ -142,22 +142,24 @@ void print_narrow(const NarrowResult& result)
 
 void write_narrow_csv(OutputFile& file, const NarrowResult& result)
 {
-    file.print("mesh_a,triangles_a,mesh_b,triangles_b,seed,ask,distance,poses,colliding,contender,library,promise,"
-               "median_us,mean_us,mean_colliding_us,mean_separate_us,ratio_median,ratio_mean,missed,extra,error,hash,"
-               "build_ms,warm_up_ms,bytes\n");
+    CsvWriter csv(file,
+                  "mesh_a,triangles_a,mesh_b,triangles_b,seed,ask,distance,poses,colliding,contender,library,promise,"
+                  "median_us,mean_us,mean_colliding_us,mean_separate_us,ratio_median,ratio_mean,missed,extra,error,"
+                  "hash,build_ms,warm_up_ms,bytes");
     for (std::size_t group = 0; group < result.workload.groups.size(); ++group)
         for (NarrowQuery query : result.queries)
             for (const NarrowRow& row : result.rows) {
                 if (!took_part(row, query)) continue;
                 const NarrowSummary s = summarise(result, row, query, group);
-                file.print("{},{},{},{},{},{},{},{},{},{},\"{}\",{},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{},{},{:."
-                           "3g},{:016x},{:.4g},{:.4g},{}\n",
-                           result.mesh_a, result.triangles_a, result.mesh_b, result.triangles_b, result.seed,
-                           query_names[std::size_t(query)], result.workload.groups[group], s.poses, s.colliding,
-                           row.contender->name, row.contender->what, name_of(row.contender->promise), s.median, s.mean,
-                           s.mean_colliding, s.mean_separate, ratio(result, s, query, group, &NarrowSummary::median),
-                           ratio(result, s, query, group, &NarrowSummary::mean), s.missed, s.extra, s.error, s.hash,
-                           row.build_ms, row.warm_up_ms, std::uint64_t(row.bytes));
+                const auto short_of = [](double x) { return Digits{x, 4}; };
+                csv.row(result.mesh_a, result.triangles_a, result.mesh_b, result.triangles_b, result.seed,
+                        query_names[std::size_t(query)], result.workload.groups[group], s.poses, s.colliding,
+                        row.contender->name, Quoted{row.contender->what}, name_of(row.contender->promise),
+                        short_of(s.median), short_of(s.mean), short_of(s.mean_colliding), short_of(s.mean_separate),
+                        short_of(ratio(result, s, query, group, &NarrowSummary::median)),
+                        short_of(ratio(result, s, query, group, &NarrowSummary::mean)), s.missed, s.extra,
+                        Digits{s.error, 3}, Hex{s.hash}, short_of(row.build_ms), short_of(row.warm_up_ms),
+                        std::uint64_t(row.bytes));
             }
 }
 

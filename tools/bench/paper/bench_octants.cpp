@@ -125,7 +125,7 @@ public:
     explicit OctantBench(const OctantsOptions& options)
         : options_(options), data_(data_folder(options.data)), contenders_(contenders(options.gpu))
     {
-        if (!options.csv.empty()) csv_.emplace(options.csv), csv_->print("part,mesh,triangles,backend,n,value,other\n");
+        if (!options.csv.empty()) csv_.emplace(options.csv, "part,mesh,triangles,backend,n,value,other");
     }
 
     void run()
@@ -156,9 +156,7 @@ private:
     void record(const char* part, const NamedMesh& mesh, const std::string& backend, std::size_t n, double value,
                 double other)
     {
-        if (csv_)
-            csv_->print("{},{},{},\"{}\",{},{},{}\n", part, mesh.name, mesh.mesh.triangles.size(), backend, n, value,
-                        other);
+        if (csv_) csv_->row(part, mesh.name, mesh.mesh.triangles.size(), Quoted{backend}, n, value, other);
     }
 
     /// Octants per second, by size of the batch.
@@ -251,7 +249,7 @@ private:
     OctantsOptions options_;
     std::filesystem::path data_;
     std::vector<OctantContender> contenders_;
-    std::optional<OutputFile> csv_;
+    std::optional<CsvFile> csv_;
 };
 
 } // namespace

@@ -95,8 +95,7 @@ class PaperBench {
 public:
     explicit PaperBench(const PaperOptions& options) : options_(options), methods_(methods(options))
     {
-        if (!options.csv.empty())
-            csv_.emplace(options.csv), csv_->print("table,what,backend,frames,ms,queries,cells\n");
+        if (!options.csv.empty()) csv_.emplace(options.csv, "table,what,backend,frames,ms,queries,cells");
     }
 
     void run()
@@ -134,7 +133,7 @@ private:
                 const auto [ms, work] = one_level(levels, *method.make());
                 queries = std::max(queries, work.queries);
                 times += fmt::format("{:>21.4f}", ms);
-                if (csv_) csv_->print("1,{},\"{}\",,{},{},1\n", mesh.name, method.name, ms, work.queries);
+                if (csv_) csv_->row(1, mesh.name, Quoted{method.name}, std::nullopt, ms, work.queries, 1);
             }
             say("{:<16}{:>10}{:>9}{}\n", mesh.name, grouped(mesh.mesh.triangles.size()), queries, times);
         }
@@ -209,8 +208,8 @@ private:
                 say("{:>24}", window.queries ? fmt::format("{:.0f} ({})", rate, grouped(window.queries))
                                              : fmt::format("{:.0f}", rate));
                 if (csv_)
-                    csv_->print("2,{},\"{}\",{},{},{},{}\n", frame, methods_[i].name, window.frames, window.ms,
-                                window.queries, window.cells);
+                    csv_->row(2, frame, Quoted{methods_[i].name}, window.frames, window.ms, window.queries,
+                              window.cells);
             }
             say("\n");
         }
@@ -218,7 +217,7 @@ private:
 
     PaperOptions options_;
     std::vector<Method> methods_;
-    std::optional<OutputFile> csv_;
+    std::optional<CsvFile> csv_;
 };
 
 } // namespace

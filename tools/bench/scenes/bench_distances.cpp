@@ -144,14 +144,13 @@ int bench_distances(const DistancesOptions& o)
     }
     say("\n'differ' counts results of FCL outside oncollide's certified bounds.\n");
     if (o.csv.empty()) return 0;
-    OutputFile file(o.csv);
-    file.write(shard.line(
-        fmt::format("bench distances, {}, distances {}, tolerance {}", o.in.work(), o.distances, o.tolerance)));
-    file.print("environment,bodies,percent,metres,fcl_us,us,ratio,differ\n");
+    CsvFile csv(o.csv, "environment,bodies,percent,metres,fcl_us,us,ratio,differ",
+                shard.line(fmt::format("bench distances, {}, distances {}, tolerance {}", o.in.work(), o.distances,
+                                       o.tolerance)));
     for (const DistanceRow& r : rows)
-        file.print("{},{},{},{:.6g},{:.6g},{:.6g},{:.4g},{}\n", r.environment, r.bodies_of, r.percent, r.metres,
-                   r.fcl_us, r.our_us, r.fcl_us / r.our_us, r.differ);
-    file.commit();
+        csv.row(r.environment, r.bodies_of, r.percent, Digits{r.metres, 6}, Digits{r.fcl_us, 6}, Digits{r.our_us, 6},
+                Digits{r.fcl_us / r.our_us, 4}, r.differ);
+    csv.commit();
     return 0;
 }
 

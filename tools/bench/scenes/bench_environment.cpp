@@ -96,16 +96,16 @@ void print(const Row& row)
 
 void write_csv(const std::string& path, const std::string& head, const std::vector<Row>& rows, int threads)
 {
-    OutputFile file(path);
-    file.write(head);
-    file.print("environment,bodies,error,threads,fcl_ms,ms,ratio,fcl_first_ms,first_ms,fcl_mb,trees_mb,process_mb,"
-               "pairs,left_over,colliding,false_positives,missed,hash\n");
+    CsvFile csv(path,
+                "environment,bodies,error,threads,fcl_ms,ms,ratio,fcl_first_ms,first_ms,fcl_mb,trees_mb,process_mb,"
+                "pairs,left_over,colliding,false_positives,missed,hash",
+                head);
     for (const Row& r : rows)
-        file.print("{},{},{},{},{:.6g},{:.6g},{:.4g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{},{},{},{},{},{:016x}\n",
-                   r.environment, r.bodies_of, r.error, threads, r.fcl_ms, r.our_ms, r.fcl_ms / r.our_ms,
-                   r.fcl_first_ms, r.our_first_ms, r.fcl_mb, r.our_mb, r.peak, r.pairs, r.left_over, r.colliding,
-                   r.false_positives, r.missed, r.hash);
-    file.commit();
+        csv.row(r.environment, r.bodies_of, r.error, threads, Digits{r.fcl_ms, 6}, Digits{r.our_ms, 6},
+                Digits{r.fcl_ms / r.our_ms, 4}, Digits{r.fcl_first_ms, 6}, Digits{r.our_first_ms, 6},
+                Digits{r.fcl_mb, 6}, Digits{r.our_mb, 6}, Digits{r.peak, 6}, r.pairs, r.left_over, r.colliding,
+                r.false_positives, r.missed, Hex{r.hash});
+    csv.commit();
 }
 
 void write_plot(const std::string& path, const std::vector<Row>& rows, const std::vector<Dial>& dials)

@@ -275,15 +275,13 @@ bool report(const UniformWorld& world, const Partition& partition)
 void write_rows(const std::string& path, const std::string& head, const UniformWorld& world,
                 const std::vector<Partition>& partitions)
 {
-    OutputFile file(path);
-    file.write(head);
-    file.print("world,ranks,rank,bodies,ghosts,model_ghosts,pairs,hash,ghost_bytes,held_bytes,ms\n");
+    CsvFile csv(path, "world,ranks,rank,bodies,ghosts,model_ghosts,pairs,hash,ghost_bytes,held_bytes,ms", head);
     for (const Partition& partition : partitions)
         for (const Rank& r : partition.ranks)
-            file.print("{},{},{},{},{},{:.1f},{},{:016x},{},{},{:.3f}\n", world.bodies(), partition.count, r.number,
-                       r.home, r.ghosts, model_ghosts(world, partition.blocks, r.number), r.pairs, r.hash, r.bytes,
-                       r.held, r.ms);
-    file.commit();
+            csv.row(world.bodies(), partition.count, r.number, r.home, r.ghosts,
+                    Fixed{model_ghosts(world, partition.blocks, r.number), 1}, r.pairs, Hex{r.hash}, r.bytes, r.held,
+                    Fixed{r.ms, 3});
+    csv.commit();
 }
 
 } // namespace

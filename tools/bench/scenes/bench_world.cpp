@@ -161,9 +161,9 @@ int bench_world(const WorldOptions& options)
     check_range("--bodies", options.bodies, 2, 1'000'000);
     check_range("--changes", options.changes, 1, options.bodies);
     check_files({{"--csv", options.csv}});
-    std::optional<OutputFile> csv;
-    if (!options.csv.empty()) csv.emplace(options.csv);
-    if (csv) csv->print("bodies,pairs,refined_by,exact,skip,change,count,changes_ms,step_ms\n");
+    std::optional<CsvFile> csv;
+    if (!options.csv.empty())
+        csv.emplace(options.csv, "bodies,pairs,refined_by,exact,skip,change,count,changes_ms,step_ms");
 
     const auto begin = Clock::now();
     Crowd crowd(options, std::uint32_t(options.bodies));
@@ -180,9 +180,10 @@ int bench_world(const WorldOptions& options)
     const auto row = [&](const std::string& what, const char* kind, std::size_t count, auto change) {
         const auto [changed, step] = time_frames(crowd, options.frames, change);
         if (csv)
-            csv->print("{},{},{},{},{},{},{},{:.4g},{:.4g}\n", crowd.size(), pairs,
-                       wants_obbs(world.settings()) ? "obb" : "sphere", name_of(world.settings().exact),
-                       fmt::format("{}", fmt::join(names_of(world.settings().skip), " ")), kind, count, changed, step);
+            csv->row(crowd.size(), pairs, wants_obbs(world.settings()) ? "obb" : "sphere",
+                     name_of(world.settings().exact),
+                     fmt::format("{}", fmt::join(names_of(world.settings().skip), " ")), kind, count,
+                     Digits{changed, 4}, Digits{step, 4});
         say("{:<34}{:>14.3f}{:>14.3f}{:>14.3f}\n", what, changed, step, changed + step);
         return changed + step;
     };

@@ -81,17 +81,17 @@ std::uint64_t SceneReport::print_counts() const
     const std::uint64_t n = counted().size();
     say("pairs, mean per frame\n");
     if (with_fcl_)
-        say("  FCL        candidates {}, colliding {}\n", mean_count(fcl_candidates, n),
-            mean_count(sum.fcl_colliding, n));
+        say("  FCL        candidates {}, colliding {}\n", mean_text(fcl_candidates, n),
+            mean_text(sum.fcl_colliding, n));
     if (with_ours_)
         say("  oncollide  candidates {}, left over {} (colliding {}, undecided {}); cell pairs compared {}, cells "
             "requested {}\n",
-            mean_count(sum.pairs, n), mean_count(sum.left_over, n), mean_count(sum.colliding, n),
-            mean_count(sum.undecided, n), mean_count(node_pairs, n), mean_count(rows, n));
+            mean_text(sum.pairs, n), mean_text(sum.left_over, n), mean_text(sum.colliding, n),
+            mean_text(sum.undecided, n), mean_text(node_pairs, n), mean_text(rows, n));
     if (options_.contacts) {
         std::uint64_t theirs = 0, ours = 0;
         for (const SceneRow& row : counted()) theirs += row.fcl_contacts, ours += row.our_contacts;
-        say("  contacts   FCL {}, oncollide {} pairs of triangles\n", mean_count(theirs, n), mean_count(ours, n));
+        say("  contacts   FCL {}, oncollide {} pairs of triangles\n", mean_text(theirs, n), mean_text(ours, n));
     }
     if (with_ours_) print_rounds();
     const std::uint64_t faults = with_fcl_ && with_ours_ ? print_faults(sum, n) : 0;
@@ -106,7 +106,7 @@ std::uint64_t SceneReport::print_faults(const Comparison& sum, std::uint64_t fra
     for (const SceneRow& row : runs_.rows) all += row.counts;
     say("  oncollide  false positives {} ({:.1f} % of pairs left over), missed {}, within FCL's rounding {}, wrong "
         "exact results {}\n",
-        mean_count(sum.false_positives, frames),
+        mean_text(sum.false_positives, frames),
         sum.left_over ? 100.0 * double(sum.false_positives) / double(sum.left_over) : 0.0, all.missed,
         all.missed_by_rounding, all.wrong_exact);
     if (all.missed) say("MISSED     {}\n", all.first_missed);
@@ -165,14 +165,13 @@ void SceneReport::print_rounds() const
     }
     const std::uint64_t n = counted().size();
     const SceneRow& first = runs_.rows.front();
-    say("  rounds     {} per frame, {} cells per round; the first frame: {} rounds of {} cells\n",
-        mean_count(rounds, n), mean_count(rows, rounds), first.trees.rounds,
-        mean_count(first.trees.rows, first.trees.rounds));
+    say("  rounds     {} per frame, {} cells per round; the first frame: {} rounds of {} cells\n", mean_text(rounds, n),
+        mean_text(rows, rounds), first.trees.rounds, mean_text(first.trees.rows, first.trees.rounds));
     if (first.trees.gpu_bytes)
         say("  GPU        {:.3f} ms GPU time per frame, {:.3f} ms waiting for it, {} bytes moved, {} queries; the "
             "first "
             "frame: {:.3f}, {:.3f}, {}, {}\n",
-            gpu_ms / double(n), wait_ms / double(n), mean_count(bytes, n), mean_count(queries, n), first.gpu_ms,
+            gpu_ms / double(n), wait_ms / double(n), mean_text(bytes, n), mean_text(queries, n), first.gpu_ms,
             first.wait_ms, grouped(first.trees.gpu_bytes), grouped(first.trees.queries));
 }
 
@@ -196,28 +195,26 @@ void SceneReport::print_timeline() const
 
 void SceneReport::write_csv() const
 {
-    OutputFile file(options_.csv);
-    file.write(shard_from(options_.shard)
-                   .line(fmt::format("bench scene {}, {} bodies, {} frames, pace {}, settings {:016x}, only {}",
-                                     printable(scene_.name), scene_.size(), scene_.frames, scene_.pace,
-                                     hash_of(settings_), options_.only)));
-    file.print("frame,fcl_ms,fcl_transforms_ms,fcl_update_ms,fcl_pairs_ms,fcl_narrow_ms,fcl_candidates,fcl_colliding,"
-               "ms,bounds_ms,delimitation_ms,broad_ms,ocst_ms,exact_ms,candidates,left_over,colliding,undecided,"
-               "false_positives,missed,cells,cells_asked,cell_pairs,bytes,hash,regions,left,"
-               "narrowed,by_gap,by_hull,by_balls,by_witness\n");
+    CsvFile csv(
+        options_.csv,
+        "frame,fcl_ms,fcl_transforms_ms,fcl_update_ms,fcl_pairs_ms,fcl_narrow_ms,fcl_candidates,fcl_colliding,"
+        "ms,bounds_ms,delimitation_ms,broad_ms,ocst_ms,exact_ms,candidates,left_over,colliding,undecided,"
+        "false_positives,missed,cells,cells_asked,cell_pairs,bytes,hash,regions,left,"
+        "narrowed,by_gap,by_hull,by_balls,by_witness",
+        shard_from(options_.shard)
+            .line(fmt::format("bench scene {}, {} bodies, {} frames, pace {}, settings {:016x}, only {}", scene_.name,
+                              scene_.size(), scene_.frames, scene_.pace, hash_of(settings_), options_.only)));
     for (std::size_t frame = 0; frame < runs_.rows.size(); ++frame) {
         const SceneRow& r = runs_.rows[frame];
-        file.print("{},{},{},{},{},{},{},{},", runs_.first + int(frame), with_fcl_ ? r.fcl_ms : 0, r.fcl_parts[0],
-                   r.fcl_parts[1], r.fcl_parts[2], r.fcl_parts[3], r.fcl_candidates, r.counts.fcl_colliding);
-        file.print("{},{},{},{},{},{},", with_ours_ ? r.our_ms : 0, r.our_parts[0], r.our_parts[1], r.our_parts[2],
-                   r.our_parts[3], r.our_parts[4]);
-        file.print("{},{},{},{},{},{},{},{},{},{},{:016x},{},{},", r.counts.pairs, r.counts.left_over,
-                   r.counts.colliding, r.counts.undecided, r.counts.false_positives, r.counts.missed, r.trees.nodes,
-                   r.trees.rows, r.trees.node_pairs, r.trees.bytes, r.hash, r.regions, r.left);
-        file.print("{},{},{},{},{}\n", r.trees.narrowed, r.trees.by_gap, r.trees.by_hull, r.trees.by_balls,
-                   r.trees.by_witness);
+        csv.rows().add(runs_.first + int(frame), with_fcl_ ? r.fcl_ms : 0);
+        for (const double ms : r.fcl_parts) csv.rows().add(ms);
+        csv.rows().add(r.fcl_candidates, r.counts.fcl_colliding, with_ours_ ? r.our_ms : 0);
+        for (const double ms : r.our_parts) csv.rows().add(ms);
+        csv.row(r.counts.pairs, r.counts.left_over, r.counts.colliding, r.counts.undecided, r.counts.false_positives,
+                r.counts.missed, r.trees.nodes, r.trees.rows, r.trees.node_pairs, r.trees.bytes, Hex{r.hash}, r.regions,
+                r.left, r.trees.narrowed, r.trees.by_gap, r.trees.by_hull, r.trees.by_balls, r.trees.by_witness);
     }
-    file.commit();
+    csv.commit();
 }
 
 void SceneReport::write_summary() const
@@ -228,24 +225,19 @@ void SceneReport::write_summary() const
     std::uint64_t missed = 0;
     for (const SceneRow& row : runs_.rows) missed += row.counts.missed + row.counts.wrong_exact;
     const double n = double(counted().size());
-    OutputFile file(options_.summary);
-    file.write("scene,bodies,triangles,exact,threads,frames,only,fcl_first_ms,fcl_ms,fcl_median_ms,fcl_mb,first_ms,ms,"
-               "median_ms,slowest_ms,trees_mb,process_mb,colliding,false_positives,missed,hash\n");
-    file.print("\"{}\",{},{},{},{},{},{},", printable(scene_.name), scene_.size(), triangles(),
-               name_of(settings_.exact), settings_.threads, counted().size(), options_.only);
-    if (with_fcl_)
-        file.print("{},{},{},{},", median(runs_.fcl_cold), mean(fcl), median(fcl), double(runs_.fcl_bytes.obb) / 1e6);
-    else
-        file.write(",,,,");
-    if (with_ours_)
-        file.print("{},{},{},{},{},", median(runs_.our_cold), mean(ours), median(ours),
-                   *std::max_element(ours.begin(), ours.end()), double(runs_.our_bytes) / 1e6);
-    else
-        file.write(",,,,,");
-    file.print("{},{},{},{},{:016x}\n", double(peak_memory()) / 1e6,
-               double(with_fcl_ ? sum.fcl_colliding : sum.colliding) / n, double(sum.false_positives) / n, missed,
-               runs_.hash);
-    file.commit();
+    CsvFile csv(options_.summary,
+                "scene,bodies,triangles,exact,threads,frames,only,fcl_first_ms,fcl_ms,fcl_median_ms,fcl_mb,first_ms,"
+                "ms,median_ms,slowest_ms,trees_mb,process_mb,colliding,false_positives,missed,hash");
+    const auto of_fcl = [&](double value) { return with_fcl_ ? std::optional(value) : std::nullopt; };
+    const auto of_ours = [&](double value) { return with_ours_ ? std::optional(value) : std::nullopt; };
+    csv.row(Quoted{scene_.name}, scene_.size(), triangles(), name_of(settings_.exact), settings_.threads,
+            counted().size(), options_.only, of_fcl(median(runs_.fcl_cold)), of_fcl(mean(fcl)), of_fcl(median(fcl)),
+            of_fcl(double(runs_.fcl_bytes.obb) / 1e6), of_ours(median(runs_.our_cold)), of_ours(mean(ours)),
+            of_ours(median(ours)), of_ours(*std::max_element(ours.begin(), ours.end())),
+            of_ours(double(runs_.our_bytes) / 1e6), double(peak_memory()) / 1e6,
+            double(with_fcl_ ? sum.fcl_colliding : sum.colliding) / n, double(sum.false_positives) / n, missed,
+            Hex{runs_.hash});
+    csv.commit();
 }
 
 } // namespace oncollide::tools
