@@ -92,10 +92,13 @@ private:
     /// Reads a quoted field into text_.
     void quoted()
     {
+        const std::size_t line = line_;
         text_.clear();
         for (++at_;; ++at_) {
-            if (at_ == end_ || (*at_ == '\n' && style_ == Style::table))
-                fail("a quoted field has no closing quote in its line");
+            if (at_ == end_ || (*at_ == '\n' && style_ == Style::table)) {
+                line_ = line;
+                fail("a quoted field has no closing quote");
+            }
             if (*at_ == '"' && (++at_ == end_ || *at_ != '"')) break;
             line_ += *at_ == '\n';
             text_ += *at_;

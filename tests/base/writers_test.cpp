@@ -98,6 +98,12 @@ TEST(CsvReader, ReadsListsOfPeople)
               (Rows{{""}, {""}, {"a b", "c d"}, {" e ", "#f"}}));
     EXPECT_EQ(read("\"two\nlines\",b\r\n"), (Rows{{"two\nlines", "b"}}));
     for (const char* wrong : {"\"a", "\"a\" b\n"}) EXPECT_THROW(read(wrong), Error) << wrong;
+    try {
+        read("a\n\"b\nc\n");
+        ADD_FAILURE() << "a quote is not closed";
+    } catch (const Error& error) {
+        EXPECT_STREQ(error.what(), "f.csv: line 2: a quoted field has no closing quote");
+    }
 }
 
 TEST(CsvReader, ReadsBackWhatTheWriterWrote)

@@ -42,8 +42,8 @@ void write_stl_files(const PlantedAssembly& assembly, const std::filesystem::pat
 void write_glb_file(const PlantedAssembly& assembly, const std::filesystem::path& path)
 {
     using Json = nlohmann::ordered_json;
-    Json nodes = {{{"name", "assembly"}, {"scale", {0.001, 0.001, 0.001}}, {"children", Json::array()}}};
-    Json meshes, accessors, views;
+    Json nodes, meshes, accessors, views;
+    nodes.push_back({{"name", "assembly"}, {"scale", {0.001, 0.001, 0.001}}, {"children", Json::array()}});
     std::string data;
     for (std::size_t i = 0; i < assembly.parts.size(); ++i) {
         const auto& [name, mesh] = assembly.parts[i];
