@@ -52,14 +52,18 @@ int rank(std::string_view kind)
 void ignore_pairs(const std::string& file, const PartList& list, std::vector<Clash>& clashes,
                   std::vector<std::string>& warnings)
 {
+    // Rows of a report hold names that are no patterns; a backslash in such a name stands for itself.
+    const auto fits = [](const std::string& known, const std::string& name) {
+        return known == name || matches(known, name);
+    };
     for (const KnownPair& known : read_pairs(file)) {
         for (Clash& clash : clashes) {
             const std::string &a = list.parts[clash.a].name, &b = list.parts[clash.b].name;
-            if ((matches(known.a, a) && matches(known.b, b)) || (matches(known.a, b) && matches(known.b, a)))
+            if ((fits(known.a, a) && fits(known.b, b)) || (fits(known.a, b) && fits(known.b, a)))
                 clash.status = ClashStatus::ignored;
         }
         for (const std::string& name : {known.a, known.b})
-            if (std::ranges::none_of(list.parts, [&](const Part& part) { return matches(name, part.name); }))
+            if (std::ranges::none_of(list.parts, [&](const Part& part) { return fits(name, part.name); }))
                 warnings.push_back(fmt::format("{}: line {}: no part is named '{}'", file, known.line, name));
     }
 }
