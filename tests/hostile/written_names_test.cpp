@@ -8,9 +8,9 @@ namespace oncollide::test {
 namespace {
 
 /// Without a slash, for file names.
-const std::string evil = "a\"b\\c\nd\r<img src=x onerror=alert(1)>\x01\x1b[31m, #e\xe2\x80\xa8\xc3\xa4'&]]>--> ";
-const std::string evil_name = "</script></style></title>" + evil;
-const std::string evil_file = evil + "\xff\xfe";
+const std::string hostile = "a\"b\\c\nd\r<img src=x onerror=alert(1)>\x01\x1b[31m, #e\xe2\x80\xa8\xc3\xa4'&]]>--> ";
+const std::string hostile_name = "</script></style></title>" + hostile;
+const std::string hostile_file = hostile + "\xff\xfe";
 
 /// Does each element end, with no stray mark in between? Of XML only what our writers use.
 bool well_formed(std::string_view xml)
@@ -45,11 +45,11 @@ class WrittenNames : public CommandLine {
 protected:
     void SetUp() override
     {
-        nlohmann::json scene{{"name", evil_name}, {"frames", 2}};
+        nlohmann::json scene{{"name", hostile_name}, {"frames", 2}};
         write_cube("cube.off");
-        scene["geometries"][evil_name]["mesh"]["file"] = "cube.off";
-        scene["bodies"] = {{{"name", evil_name}, {"geometry", evil_name}},
-                           {{"name", evil_name + "2"}, {"geometry", evil_name}, {"position", {0.5, 0.2, 0.1}}}};
+        scene["geometries"][hostile_name]["mesh"]["file"] = "cube.off";
+        scene["bodies"] = {{{"name", hostile_name}, {"geometry", hostile_name}},
+                           {{"name", hostile_name + "2"}, {"geometry", hostile_name}, {"position", {0.5, 0.2, 0.1}}}};
         folder_.write(scene_, scene.dump());
         write_cube(mesh_a_), write_cube(mesh_b_);
     }
@@ -81,27 +81,27 @@ protected:
         }
     }
 
-    const std::string scene_ = "s" + evil_file + ".json", mesh_a_ = evil_file + ".off", mesh_b_ = "b" + mesh_a_;
-    const std::string stem_a_ = as_utf8(evil_file), stem_b_ = "b" + stem_a_;
+    const std::string scene_ = "s" + hostile_file + ".json", mesh_a_ = hostile_file + ".off", mesh_b_ = "b" + mesh_a_;
+    const std::string stem_a_ = as_utf8(hostile_file), stem_b_ = "b" + stem_a_;
 };
 
 TEST_F(WrittenNames, OfAScene)
 {
     write({"run", scene_, "--json", "r.json", "--csv", "r.csv", "--trace", "t.json", "--picture", "p.svg"});
     const nlohmann::json results = read_json("r.json");
-    EXPECT_EQ(results["header"]["scene"], evil_name);
-    EXPECT_EQ(results["frames"][0]["pairs"][0][0], evil_name);
-    EXPECT_EQ(results["frames"][1]["pairs"][0][1], evil_name + "2");
+    EXPECT_EQ(results["header"]["scene"], hostile_name);
+    EXPECT_EQ(results["frames"][0]["pairs"][0][0], hostile_name);
+    EXPECT_EQ(results["frames"][1]["pairs"][0][1], hostile_name + "2");
     ASSERT_EQ(csv("r.csv").size(), 2u);
-    EXPECT_EQ(csv("r.csv")[0]["a"], evil_name);
-    EXPECT_EQ(csv("r.csv")[1]["b"], evil_name + "2");
+    EXPECT_EQ(csv("r.csv")[0]["a"], hostile_name);
+    EXPECT_EQ(csv("r.csv")[1]["b"], hostile_name + "2");
     const std::string title = read_json("t.json")["traceEvents"][0]["args"]["name"];
-    EXPECT_NE(title.find(evil_name), std::string::npos);
+    EXPECT_NE(title.find(hostile_name), std::string::npos);
     EXPECT_TRUE(well_formed(folder_.read("p.svg")));
     write({"scene", scene_, "--out", "s.json"});
-    EXPECT_EQ(read_json("s.json")["name"], evil_name);
-    EXPECT_TRUE(read_json("s.json")["geometries"].contains(evil_name));
-    EXPECT_EQ(read_json("s.json")["bodies"][0]["name"], evil_name);
+    EXPECT_EQ(read_json("s.json")["name"], hostile_name);
+    EXPECT_TRUE(read_json("s.json")["geometries"].contains(hostile_name));
+    EXPECT_EQ(read_json("s.json")["bodies"][0]["name"], hostile_name);
 }
 
 TEST_F(WrittenNames, OfASceneInParts)
@@ -115,16 +115,16 @@ TEST_F(WrittenNames, OfASceneInParts)
 TEST_F(WrittenNames, OfASceneThatIsJudged)
 {
     write({"accuracy", scene_, "--depths", "2", "--json", "a.json", "--csv", "a.csv"});
-    EXPECT_EQ(read_json("a.json")["header"]["scene"], evil_name);
+    EXPECT_EQ(read_json("a.json")["header"]["scene"], hostile_name);
     EXPECT_EQ(csv("a.csv").size(), 1u);
     write(
         {"accuracy", "study", scene_, "--max-errors", "0.1", "--json", "s.json", "--csv", "s.csv", "--html", "s.html"});
-    EXPECT_EQ(read_json("s.json")["header"]["title"], evil_name);
+    EXPECT_EQ(read_json("s.json")["header"]["title"], hostile_name);
     EXPECT_GE(csv("s.csv").size(), 2u);
     expect_page("s.html");
     write({"bench", "scene", scene_, "--csv", "b.csv", "--summary", "b2.csv"});
     EXPECT_EQ(csv("b.csv").size(), 2u);
-    EXPECT_EQ(csv("b2.csv").at(0)["scene"], evil_name);
+    EXPECT_EQ(csv("b2.csv").at(0)["scene"], hostile_name);
 }
 
 TEST_F(WrittenNames, OfAPage)

@@ -13,6 +13,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/base/output_file.hpp>
+#include <oncollide/base/printable.hpp>
 
 namespace oncollide::tools {
 namespace {
