@@ -19,7 +19,7 @@ struct JsonText {
 };
 
 /// Writes JSON element by element: commas, colons and escapes are its own, ends of objects and arrays the caller's.
-/// Numbers are the shortest text that reads back as the same value; those that are not finite become null.
+/// Numbers are the shortest text that reads back as the same value; infinities and NaN become null.
 class JsonWriter {
 public:
     explicit JsonWriter(TextSink& out) : out_(&out) {}

@@ -12,7 +12,7 @@ const std::string hostile = "a\"b\\c\nd\r<img src=x onerror=alert(1)>\x01\x1b[31
 const std::string hostile_name = "</script></style></title>" + hostile;
 const std::string hostile_file = hostile + "\xff\xfe";
 
-/// Does each element end, with no stray mark in between? Of XML only what our writers use.
+/// True if every element is closed and no raw markup character is left. Reads only the subset of XML that the writers use.
 bool well_formed(std::string_view xml)
 {
     std::vector<std::string> open;
@@ -54,7 +54,7 @@ protected:
         write_cube(mesh_a_), write_cube(mesh_b_);
     }
 
-    /// Runs a command that must not fail, whatever it finds.
+    /// Runs a command that must not fail, whichever verdict it finds.
     void write(const std::vector<std::string>& arguments)
     {
         const Outcome outcome = run(arguments);
